@@ -1,0 +1,32 @@
+//! The support mapping: all the solver ever asks of a shape.
+
+use glam::DVec3;
+
+/// Answer of a [`SupportMap`]: a point of the shape that lies farthest in the asked direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Support {
+    /// The point, in the shape's local frame.
+    pub point: DVec3,
+    /// Which feature of the shape it is: the vertex number of a hull. Equal features mean equal points.
+    pub feature: u32,
+}
+
+/// A convex shape, seen through its support mapping.
+///
+/// All points, directions and lengths are in the shape's local frame and units.
+pub trait SupportMap {
+    /// A point of the shape with the greatest dot product with `dir`.
+    ///
+    /// `dir` need not be of unit length. For a direction that is zero or not finite any point of the
+    /// shape may come back; it never panics.
+    fn support(&self, dir: DVec3) -> Support;
+
+    /// A point inside the shape, as deep as is known: where the solver starts.
+    fn interior_point(&self) -> DVec3;
+
+    /// Radius of a ball around [`interior_point`](Self::interior_point) that lies in the shape; 0 for flat ones.
+    fn inner_radius(&self) -> f64;
+
+    /// Radius of a ball around [`interior_point`](Self::interior_point) that holds the shape.
+    fn outer_radius(&self) -> f64;
+}
