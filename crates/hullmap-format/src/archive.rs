@@ -1,0 +1,119 @@
+//! The rkyv archive behind the header: plain vectors of plain numbers, shared by all hulls of the pack.
+//!
+//! Each section is one vector; a hull owns one run of it, from its entry in [`Pack::spans`] to the next hull's entry.
+//! Numbers inside a run count from the run's start, so that a run can be copied out, or into a GPU buffer, as it is.
+//!
+//! Nothing here is a bool, enum, string, map or shared pointer: rkyv can then hold no value that is invalid by its
+//! bits, and what is left to check is what [`crate::check`] checks.
+
+use rkyv::{Archive, Serialize};
+
+/// Candidates in one [`Block`].
+pub const LANES: usize = 8;
+
+/// Everything in a pack.
+#[derive(Archive, Serialize, Clone, Debug, Default)]
+pub struct Pack {
+    /// Path of the source relative to the pack's folder, UTF-8, `/` between folders.
+    pub source_path: Vec<u8>,
+    /// Names of the hulls, UTF-8, one after the other.
+    pub names: Vec<u8>,
+    /// Where each hull's runs start; one entry more than there are hulls, the last one naming every section's end.
+    pub spans: Vec<Span>,
+    /// One record a hull.
+    pub hulls: Vec<HullRecord>,
+    /// Vertices, source units, the source's frame.
+    pub vertices: Vec<[f32; 3]>,
+    /// For each vertex the zero-based number of the source's vertex.
+    pub source_vertices: Vec<u32>,
+    /// For each face the place in its hull's run of `face_vertices` at which its vertices start.
+    pub face_starts: Vec<u32>,
+    /// Vertices of the faces, counter-clockwise seen from outside.
+    pub face_vertices: Vec<u32>,
+    /// The direction index: see [`crate::slot`].
+    pub slots: Vec<u32>,
+    /// Candidate blocks that the index points to.
+    pub blocks: Vec<Block>,
+}
+
+/// Where one hull's runs start in each section.
+#[derive(Archive, Serialize, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Span {
+    /// In [`Pack::names`].
+    pub name: u32,
+    /// In [`Pack::vertices`] and [`Pack::source_vertices`].
+    pub vertex: u32,
+    /// In [`Pack::face_starts`].
+    pub face: u32,
+    /// In [`Pack::face_vertices`].
+    pub face_vertex: u32,
+    /// In [`Pack::slots`].
+    pub slot: u32,
+    /// In [`Pack::blocks`].
+    pub block: u32,
+}
+
+/// Facts about one hull. Lengths are in source units, points in the source's frame.
+#[derive(Archive, Serialize, Clone, Copy, Debug, Default, PartialEq)]
+pub struct HullRecord {
+    /// Greatest distance between two vertices.
+    pub diameter: f64,
+    /// Centre of mass at uniform density: of the solid, the polygon, the segment or the point.
+    pub centroid: [f64; 3],
+    /// A point of the hull, strictly inside where the rank is 3.
+    pub interior_point: [f64; 3],
+    /// Radius of a ball around the interior point that lies in the hull; 0 below rank 3.
+    pub inner_radius: f64,
+    /// Radius of a ball around the interior point that holds the hull.
+    pub outer_radius: f64,
+    /// Volume; 0 below rank 3.
+    pub volume: f64,
+    /// Surface area; both sides of a polygon; 0 below rank 2.
+    pub surface_area: f64,
+    /// Second moments about the centroid divided by the measure (volume, area or length): xx, yy, zz, yz, zx, xy.
+    pub second_moments: [f64; 6],
+    /// How far the worst source point lies outside the hull, divided by the diameter.
+    pub containment_error: f64,
+    /// Least coordinates of the vertices.
+    pub bounds_min: [f32; 3],
+    /// Greatest coordinates of the vertices.
+    pub bounds_max: [f32; 3],
+    /// Dimension: 3 solid, 2 polygon, 1 segment, 0 point.
+    pub rank: u32,
+    /// Which index: see [`index_kind`].
+    pub index_kind: u32,
+    /// Cells along the edge of a face of the cube map; 0 for the other kinds.
+    pub resolution: u32,
+    /// Most index nodes that any direction visits.
+    pub max_nodes: u32,
+    /// Most vertices that any direction is multiplied with.
+    pub max_dots: u32,
+    /// Source points that the hull was built of.
+    pub source_points: u32,
+}
+
+/// Values of [`HullRecord::index_kind`].
+pub mod index_kind {
+    /// No index: all blocks are scanned.
+    pub const SCAN: u32 = 0;
+    /// Uniform cube map.
+    pub const CUBE_MAP: u32 = 1;
+    /// Adaptive binary tree.
+    pub const TREE: u32 = 2;
+}
+
+/// Eight candidates of a leaf, by component, one cache line pair.
+///
+/// Vertex numbers ascend; unused lanes repeat the first candidate, so that a scan needs no count.
+#[derive(Archive, Serialize, Clone, Copy, Debug, PartialEq)]
+#[rkyv(attr(repr(align(64))))]
+pub struct Block {
+    /// First coordinates.
+    pub x: [f32; LANES],
+    /// Second coordinates.
+    pub y: [f32; LANES],
+    /// Third coordinates.
+    pub z: [f32; LANES],
+    /// Vertex numbers.
+    pub vertex: [u32; LANES],
+}

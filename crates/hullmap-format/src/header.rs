@@ -1,0 +1,225 @@
+//! The fixed 64 bytes in front of the archive.
+//!
+//! | offset | bytes | field |
+//! |---|---|---|
+//! | 0 | 8 | magic `hullmap\n` |
+//! | 8 | 4 | format version |
+//! | 12 | 4 | header length, 64 |
+//! | 16 | 8 | payload length: the file is exactly 64 bytes longer |
+//! | 24 | 16 | XXH3-128 of the source file's bytes |
+//! | 40 | 8 | XXH3-64 of the options that shaped the bake |
+//! | 48 | 8 | reserved, zero |
+//! | 56 | 8 | XXH3-64 of every other byte of the file |
+//!
+//! All numbers are little-endian. The newline in the magic shows a transfer that rewrote line ends.
+
+use std::hash::Hasher;
+
+use twox_hash::{XxHash3_64, XxHash3_128};
+
+use crate::FORMAT_VERSION;
+
+/// First bytes of every pack.
+pub const MAGIC: [u8; 8] = *b"hullmap\n";
+
+/// Length of the header, in bytes. The archive follows at once, so that it starts on a cache line.
+pub const HEADER_LEN: usize = 64;
+
+const CHECKSUM_AT: usize = 56;
+
+/// The header, decoded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Header {
+    /// Format version the file was written in.
+    pub format_version: u32,
+    /// Bytes of archive behind the header.
+    pub payload_len: u64,
+    /// XXH3-128 of the source file's bytes.
+    pub source_hash: u128,
+    /// XXH3-64 of the options that shaped the bake.
+    pub options_hash: u64,
+    /// XXH3-64 of every byte of the file but the checksum's own eight.
+    pub checksum: u64,
+}
+
+/// Why the first 64 bytes are not those of a pack that this version reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum HeaderError {
+    /// Too short to hold a header.
+    #[error("{found} bytes is too short for a pack: the header alone takes {HEADER_LEN}; bake the source again")]
+    TooShort {
+        /// Length of the file.
+        found: usize,
+    },
+    /// The magic is not there.
+    #[error("not a hullmap pack: it starts with {found:02x?} where {MAGIC:02x?} is expected")]
+    Magic {
+        /// First eight bytes.
+        found: [u8; 8],
+    },
+    /// Written in another version of the format.
+    #[error("format version {found}, where this build reads {FORMAT_VERSION}: {}", version_remedy(*found))]
+    Version {
+        /// Version the file states.
+        found: u32,
+    },
+    /// Header length or reserved bytes are not as this version writes them.
+    #[error("damaged header: {what}; bake the source again")]
+    Damaged {
+        /// Which field.
+        what: &'static str,
+    },
+    /// File length and stated length differ.
+    #[error(
+        "{found} bytes follow the header where it states {expected}: the file was cut or something was added; bake the source again"
+    )]
+    Length {
+        /// Payload length the header states.
+        expected: u64,
+        /// Bytes that follow the header.
+        found: u64,
+    },
+}
+
+fn version_remedy(found: u32) -> &'static str {
+    if found > FORMAT_VERSION { "update hullmap" } else { "bake the source again" }
+}
+
+impl Header {
+    /// A header for `payload`, its checksum computed.
+    pub fn for_payload(source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
+        let mut header = Self {
+            format_version: FORMAT_VERSION,
+            payload_len: payload.len() as u64,
+            source_hash,
+            options_hash,
+            checksum: 0,
+        };
+        header.checksum = checksum(&header.to_bytes(), payload);
+        header
+    }
+
+    /// The 64 bytes as they stand in the file.
+    pub fn to_bytes(&self) -> [u8; HEADER_LEN] {
+        let mut bytes = [0; HEADER_LEN];
+        let mut at = 0;
+        let mut put = |field: &[u8]| {
+            bytes[at..at + field.len()].copy_from_slice(field);
+            at += field.len();
+        };
+        put(&MAGIC);
+        put(&self.format_version.to_le_bytes());
+        put(&(HEADER_LEN as u32).to_le_bytes());
+        put(&self.payload_len.to_le_bytes());
+        put(&self.source_hash.to_le_bytes());
+        put(&self.options_hash.to_le_bytes());
+        put(&[0; 8]);
+        put(&self.checksum.to_le_bytes());
+        bytes
+    }
+
+    /// Reads the header at the start of `file`, which may hold more.
+    ///
+    /// Only the header itself is judged: see [`check_length`](Self::check_length) and
+    /// [`matches_checksum`](Self::matches_checksum) for what follows it.
+    ///
+    /// # Errors
+    /// Too short, another magic, another version, or fields that this version never writes.
+    pub fn read(file: &[u8]) -> Result<Self, HeaderError> {
+        let bytes: &[u8; HEADER_LEN] = file.first_chunk().ok_or(HeaderError::TooShort { found: file.len() })?;
+        let magic: [u8; 8] = field(bytes, 0);
+        if magic != MAGIC {
+            return Err(HeaderError::Magic { found: magic });
+        }
+        let format_version = u32::from_le_bytes(field(bytes, 8));
+        if format_version != FORMAT_VERSION {
+            return Err(HeaderError::Version { found: format_version });
+        }
+        if u32::from_le_bytes(field(bytes, 12)) != HEADER_LEN as u32 {
+            return Err(HeaderError::Damaged { what: "header length" });
+        }
+        if field::<8>(bytes, 48) != [0; 8] {
+            return Err(HeaderError::Damaged { what: "reserved bytes are not zero" });
+        }
+        Ok(Self {
+            format_version,
+            payload_len: u64::from_le_bytes(field(bytes, 16)),
+            source_hash: u128::from_le_bytes(field(bytes, 24)),
+            options_hash: u64::from_le_bytes(field(bytes, 40)),
+            checksum: u64::from_le_bytes(field(bytes, CHECKSUM_AT)),
+        })
+    }
+
+    /// Whether exactly the stated payload follows the header in a file of `file_len` bytes.
+    ///
+    /// # Errors
+    /// [`HeaderError::Length`] where bytes are missing or left over.
+    pub fn check_length(&self, file_len: usize) -> Result<(), HeaderError> {
+        let found = (file_len as u64).saturating_sub(HEADER_LEN as u64);
+        if found == self.payload_len { Ok(()) } else { Err(HeaderError::Length { expected: self.payload_len, found }) }
+    }
+
+    /// Whether `payload` and this header are the bytes that the checksum was made of.
+    ///
+    /// # Complexity
+    /// One pass over the payload.
+    pub fn matches_checksum(&self, payload: &[u8]) -> bool {
+        self.checksum == checksum(&self.to_bytes(), payload)
+    }
+}
+
+fn field<const N: usize>(bytes: &[u8; HEADER_LEN], at: usize) -> [u8; N] {
+    let mut out = [0; N];
+    out.copy_from_slice(&bytes[at..at + N]);
+    out
+}
+
+/// Checksum of a file: XXH3-64 over the header up to the checksum field, then the payload.
+fn checksum(header: &[u8; HEADER_LEN], payload: &[u8]) -> u64 {
+    let mut hasher = XxHash3_64::with_seed(0);
+    hasher.write(&header[..CHECKSUM_AT]);
+    hasher.write(payload);
+    hasher.finish()
+}
+
+/// XXH3-128 of a source file's bytes, as [`Header::source_hash`] records it.
+pub fn source_hash(source: &[u8]) -> u128 {
+    XxHash3_128::oneshot(source)
+}
+
+/// XXH3-64 of an option string, as [`Header::options_hash`] records it.
+pub fn options_hash(options: &str) -> u64 {
+    XxHash3_64::oneshot(options.as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn round_trip() {
+        let header = Header::for_payload(7 << 100, 42, b"payload");
+        let bytes = header.to_bytes();
+        assert_eq!(Header::read(&bytes), Ok(header));
+        assert!(header.matches_checksum(b"payload"));
+        assert!(!header.matches_checksum(b"Payload"));
+        assert!(header.check_length(HEADER_LEN + 7).is_ok());
+        assert!(header.check_length(HEADER_LEN + 8).is_err());
+        assert!(header.check_length(3).is_err());
+    }
+
+    #[test]
+    fn every_flipped_header_bit_is_noticed() {
+        let payload = b"some payload";
+        let header = Header::for_payload(1, 2, payload);
+        for bit in 0..HEADER_LEN * 8 {
+            let mut bytes = header.to_bytes();
+            bytes[bit / 8] ^= 1 << (bit % 8);
+            let noticed = match Header::read(&bytes) {
+                Err(_) => true,
+                Ok(h) => h.check_length(HEADER_LEN + payload.len()).is_err() || !h.matches_checksum(payload),
+            };
+            assert!(noticed, "bit {bit}");
+        }
+    }
+}
