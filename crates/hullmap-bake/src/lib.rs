@@ -1,11 +1,36 @@
 //! Points → convex hull → direction index → the bytes of a `.hullmap` pack.
+//!
+//! | module | from | to |
+//! |---|---|---|
+//! | [`hull`] | source points | certified convex hull of rank 3, 2, 1 or 0 |
+//! | [`mass`], [`interior`], [`diameter`] | hull | the facts the pack records |
+//! | [`gauss_map`] | hull | normal cones |
+//! | [`index`] | normal cones | cube map or tree: words and blocks |
+//! | [`pack`] | baked hulls | bytes |
+//!
+//! The baker knows no files and no command line: bytes in, bytes out. Its output is a pure function of its input,
+//! whatever the number of threads.
+#![forbid(unsafe_code)]
+
+pub mod diameter;
+pub mod gauss_map;
+pub mod hull;
+pub mod index;
+pub mod interior;
+pub mod mass;
+pub mod pack;
+
+pub use pack::write_pack;
+
+/// Most points of one hull: point numbers are kept in 32 bits, with room for marks.
+pub const MAX_POINTS: usize = 1 << 30;
 
 /// One named set of source points, of which one hull is built.
 #[derive(Clone, Debug, Default)]
 pub struct PointSet {
     /// Name of the hull: the OBJ object's, or the file's stem.
     pub name: String,
-    /// Positions in source units, all finite.
+    /// Positions in source units.
     pub positions: Vec<[f32; 3]>,
     /// For each position the zero-based number of the vertex in the source file (the `v` lines of an OBJ).
     pub source_vertices: Vec<u32>,
@@ -16,9 +41,9 @@ pub struct PointSet {
 pub enum IndexKind {
     /// The adaptive binary tree over the six cube faces.
     Tree,
-    /// A uniform cube map of `resolution` × `resolution` cells a face.
+    /// A uniform cube map.
     CubeMap {
-        /// Cells along one edge of a cube face.
+        /// Cells along one edge of a cube face, at least 1.
         resolution: u32,
     },
     /// No index: every query scans all vertices.
@@ -37,11 +62,38 @@ pub struct SourceRecord {
 }
 
 /// Why a hull could not be baked.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BakeError {
     /// No points at all.
-    #[error("no points")]
+    #[error("there are no points to build a hull of")]
     Empty,
+    /// More points than point numbers reach.
+    #[error("{found} points, where at most {MAX_POINTS} can go into one hull: split the mesh")]
+    TooManyPoints {
+        /// How many there are.
+        found: usize,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error("source vertex {source_vertex} is not finite")]
+    NotFinite {
+        /// Zero-based number in the source file.
+        source_vertex: u32,
+    },
+    /// The hull does not keep its promises, and is not written.
+    #[error("the hull could not be certified: {what}; please report this mesh")]
+    Uncertified {
+        /// The broken promise.
+        what: String,
+    },
+    /// The index would need longer words.
+    #[error("the direction index has more than 2^30 words: use --index none, or simplify the mesh")]
+    IndexTooLarge,
+    /// The pack would need longer offsets.
+    #[error("the pack would be larger than 2 GiB: split the source into several files")]
+    PackTooLarge,
+    /// The index just built is not one.
+    #[error("the direction index could not be certified: {0}; please report this mesh")]
+    Index(#[from] hullmap_format::walk::IndexError),
 }
 
 /// A hull with its index, ready to be written.
@@ -49,22 +101,29 @@ pub enum BakeError {
 pub struct BakedHull {
     /// Name of the hull.
     pub name: String,
-    /// Dimension of the hull: 3 solid, 2 polygon, 1 segment, 0 point.
-    pub rank: u32,
     /// Source points the hull was built of.
     pub point_count: usize,
-    /// Vertices of the hull.
-    pub vertex_count: usize,
+    /// The hull.
+    pub hull: hull::Hull,
+    /// Its mass properties.
+    pub mass: mass::Mass,
+    /// Its inner and outer ball.
+    pub interior: interior::Interior,
+    /// Its direction index.
+    pub index: index::Index,
 }
 
 /// Builds, certifies and indexes the hull of `points`.
+///
+/// # Errors
+/// See [`BakeError`].
+///
+/// # Complexity
+/// O(n log n) on all families tried.
 pub fn bake_hull(points: &PointSet, index: IndexKind) -> Result<BakedHull, BakeError> {
-    let _ = (points, index);
-    unreachable!()
-}
-
-/// The bytes of a pack that holds `hulls`.
-pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
-    let _ = (hulls, source);
-    unreachable!()
+    let hull = hull::build(points)?;
+    let mass = mass::mass(&hull);
+    let interior = interior::interior(&hull, &mass);
+    let index = index::build(&hull, index)?;
+    Ok(BakedHull { name: points.name.clone(), point_count: points.positions.len(), hull, mass, interior, index })
 }

@@ -6,19 +6,21 @@
 //! |---|---|---|
 //! | 0 | axis node: the cell is halved, across u first, then v, in turn | place of its 2 words: lower and upper half's slot |
 //! | 1 | leaf of one block | the block |
-//! | 2 | plane node: the cell is cut by a plane through the origin | place of its 5 words: the normal's three f32, the slot behind, the slot in front |
+//! | 2 | plane node: the cell is cut by a plane through the origin | place of its 8 words: the normal's three f64, each low word first, the slot behind, the slot in front |
 //! | 3 | leaf of several blocks | place of its 2 words: first block, number of blocks |
 //!
 //! A tree starts with the slots of the six faces; a cube map with those of all its cells. Nodes follow in the order in
 //! which the slots that name them stand (breadth first), without gaps: a reader can check the whole in one pass, and a
 //! node can have neither two parents nor itself below it.
 //!
-//! A direction `d` goes in front of a plane where n·d > 0. Below a plane node there are no axis nodes.
+//! A direction `d` goes in front of a plane where n·d > 0. Below a plane node there are no axis nodes. Normals are f64
+//! because the planes of a fan all pass through one direction, the normal of the facet whose corners they part: rounded
+//! to f32 they would miss it by 6e-8, and around it no plane would part anything.
 
 /// Words of an axis node.
 pub const AXIS_WORDS: u32 = 2;
 /// Words of a plane node.
-pub const PLANE_WORDS: u32 = 5;
+pub const PLANE_WORDS: u32 = 8;
 /// Words of a list leaf.
 pub const LIST_WORDS: u32 = 2;
 
@@ -79,6 +81,23 @@ impl Slot {
     }
 }
 
+/// The six words of a plane's normal.
+pub fn encode_normal(normal: [f64; 3]) -> [u32; 6] {
+    let mut words = [0; 6];
+    for (pair, n) in words.chunks_exact_mut(2).zip(normal) {
+        let bits = n.to_bits();
+        pair.copy_from_slice(&[bits as u32, (bits >> 32) as u32]);
+    }
+    words
+}
+
+/// The normal of a plane node, from its first six words.
+#[inline]
+pub fn decode_normal(words: [u32; 6]) -> [f64; 3] {
+    let [a, b, c, d, e, f] = words.map(u64::from);
+    [f64::from_bits(a | b << 32), f64::from_bits(c | d << 32), f64::from_bits(e | f << 32)]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -90,5 +109,7 @@ mod tests {
                 assert_eq!(Slot::decode(slot.encode()), slot);
             }
         }
+        let normal = [1.0 / 3.0, -2e-300, 5e200];
+        assert_eq!(decode_normal(encode_normal(normal)), normal);
     }
 }

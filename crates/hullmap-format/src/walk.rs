@@ -6,7 +6,11 @@
 
 use std::collections::VecDeque;
 
-use crate::{archive::LANES, cube::GRID_BITS, slot::Slot};
+use crate::{
+    archive::LANES,
+    cube::GRID_BITS,
+    slot::{Slot, decode_normal},
+};
 
 /// Most nodes on a path: every bit of both grid numbers, then as many planes as halve all vertices, with room to spare.
 pub const MAX_NODES: u32 = 2 * GRID_BITS + 64;
@@ -117,11 +121,12 @@ pub fn walk(
                 walk.slot(at + 1, node.depth, node.axis_depth)?;
             }
             Slot::Plane(_) => {
-                if !(0..3).all(|i| f32::from_bits((walk.word)(at + i)).is_finite()) {
+                let words = std::array::from_fn(|i| (walk.word)(at + i));
+                if !decode_normal(words).iter().all(|n| n.is_finite()) {
                     return Err(IndexError::Plane { at });
                 }
-                walk.slot(at + 3, node.depth, 0)?;
-                walk.slot(at + 4, node.depth, 0)?;
+                walk.slot(at + 6, node.depth, 0)?;
+                walk.slot(at + 7, node.depth, 0)?;
             }
             // A list's words were read when its slot was.
             Slot::List(_) | Slot::Block(_) => {}
@@ -196,6 +201,7 @@ impl<F: Fn(usize) -> u32> Walk<F> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::slot::encode_normal;
 
     fn check(words: &[u32], roots: usize, blocks: u32) -> Result<Cost, IndexError> {
         walk(roots, true, words.len(), |i| words[i], blocks)
@@ -203,18 +209,10 @@ mod tests {
 
     /// One root: an axis node over a block and a plane node over a block and a list.
     fn sample() -> Vec<u32> {
-        vec![
-            Slot::Axis(1).encode(),
-            Slot::Block(0).encode(),
-            Slot::Plane(3).encode(),
-            1_f32.to_bits(),
-            0_f32.to_bits(),
-            (-1_f32).to_bits(),
-            Slot::Block(1).encode(),
-            Slot::List(8).encode(),
-            2,
-            3,
-        ]
+        let mut words = vec![Slot::Axis(1).encode(), Slot::Block(0).encode(), Slot::Plane(3).encode()];
+        words.extend(encode_normal([1.0, 0.0, -1.0]));
+        words.extend([Slot::Block(1).encode(), Slot::List(11).encode(), 2, 3]);
+        words
     }
 
     #[test]
@@ -229,17 +227,17 @@ mod tests {
             words[at] = word;
             words
         };
-        assert!(matches!(check(&sample(), 1, 4), Err(IndexError::Blocks { slot: 7, .. })), "list past the end");
-        assert!(matches!(check(&with(9, 0), 1, 5), Err(IndexError::Blocks { .. })), "empty list");
-        assert!(matches!(check(&with(9, u32::MAX), 1, 5), Err(IndexError::Blocks { .. })), "overflow");
+        assert!(matches!(check(&sample(), 1, 4), Err(IndexError::Blocks { slot: 10, .. })), "list past the end");
+        assert!(matches!(check(&with(12, 0), 1, 5), Err(IndexError::Blocks { .. })), "empty list");
+        assert!(matches!(check(&with(12, u32::MAX), 1, 5), Err(IndexError::Blocks { .. })), "overflow");
         assert!(matches!(check(&with(1, Slot::Axis(1).encode()), 1, 5), Err(IndexError::Order { .. })), "cycle");
-        assert!(matches!(check(&with(6, Slot::Plane(3).encode()), 1, 5), Err(IndexError::Order { .. })), "own parent");
-        assert!(matches!(check(&with(3, f32::NAN.to_bits()), 1, 5), Err(IndexError::Plane { at: 3 })));
-        assert!(matches!(check(&with(6, Slot::Axis(8).encode()), 1, 5), Err(IndexError::Misplaced { slot: 6 })));
-        assert!(matches!(check(&sample()[..9], 1, 5), Err(IndexError::Short { .. })));
+        assert!(matches!(check(&with(9, Slot::Plane(3).encode()), 1, 5), Err(IndexError::Order { .. })), "own parent");
+        assert!(matches!(check(&with(4, u32::MAX), 1, 5), Err(IndexError::Plane { at: 3 })), "NaN");
+        assert!(matches!(check(&with(9, Slot::Axis(11).encode()), 1, 5), Err(IndexError::Misplaced { slot: 9 })));
+        assert!(matches!(check(&sample()[..12], 1, 5), Err(IndexError::Short { .. })));
         let mut longer = sample();
         longer.push(0);
-        assert!(matches!(check(&longer, 1, 5), Err(IndexError::Unused { at: 10 })));
+        assert!(matches!(check(&longer, 1, 5), Err(IndexError::Unused { at: 13 })));
         assert!(matches!(check(&[], 6, 5), Err(IndexError::Short { .. })));
     }
 
@@ -247,7 +245,8 @@ mod tests {
     fn endless_chains_of_planes_are_refused() {
         let mut words = vec![Slot::Plane(1).encode()];
         for i in 0..200 {
-            words.extend([0, 0, 0, Slot::Block(0).encode(), Slot::Plane(1 + 5 * (i + 1)).encode()]);
+            words.extend([0; 6]);
+            words.extend([Slot::Block(0).encode(), Slot::Plane(1 + 8 * (i + 1)).encode()]);
         }
         assert!(matches!(check(&words, 1, 1), Err(IndexError::Deep { .. })));
     }

@@ -1,0 +1,148 @@
+//! Gauss map of a hull: for each vertex its normal cone, the directions in which that vertex is the support point.
+//!
+//! The cones tile the sphere. A cone's corners are the normals of the facets that meet at the vertex, its sides the arcs
+//! between them; the arc between two facets' normals is at right angles to their common edge. Two cones that share an arc
+//! share its ends to the bit, so that no direction falls between them.
+//!
+//! An arc of more than a right angle gets a corner in between: interpolating along it would lose digits, all of them on
+//! a hull as thin as [`crate::hull::rank::FLAT`] allows.
+
+use glam::DVec3;
+
+use crate::hull::{Hull, certify::accurate_cross, edges};
+
+/// The normal cones of a hull of rank 2 or 3: polygons on the sphere.
+pub struct GaussMap {
+    starts: Vec<usize>,
+    corners: Vec<DVec3>,
+    neighbour_starts: Vec<usize>,
+    neighbours: Vec<u32>,
+    positions: Vec<DVec3>,
+}
+
+/// A facet's corner: at vertex `at`, between the vertices before and after it.
+struct Corner {
+    at: u32,
+    after: u32,
+    before: u32,
+    face: u32,
+}
+
+impl GaussMap {
+    /// Computes the cones of `hull`, whose rank is 2 or 3.
+    ///
+    /// # Complexity
+    /// O(n log n).
+    pub fn new(hull: &Hull) -> Self {
+        let positions = hull.positions();
+        let normals: Vec<DVec3> = hull.faces.iter().map(|face| facet_normal(face, &positions)).collect();
+        let mut all: Vec<Corner> = Vec::new();
+        for (face, outline) in hull.faces.iter().enumerate() {
+            let before = outline.iter().cycle().skip(outline.len() - 1);
+            for ((at, after), &before) in edges(outline).zip(before) {
+                all.push(Corner { at, after, before, face: face as u32 });
+            }
+        }
+        all.sort_unstable_by_key(|c| (c.at, c.after));
+        let mut map =
+            Self { starts: vec![0], corners: Vec::new(), neighbour_starts: vec![0], neighbours: Vec::new(), positions };
+        for around in all.chunk_by(|a, b| a.at == b.at) {
+            map.push_cone(around, &normals);
+        }
+        map
+    }
+
+    /// Adds the cone of the vertex that `around`, sorted by the vertex after it, are the corners at.
+    fn push_cone(&mut self, around: &[Corner], normals: &[DVec3]) {
+        let mut corner = &around[0];
+        for _ in 0..around.len() {
+            // Counter-clockwise, the next facet lies across the edge to the vertex before this one.
+            let across = corner.before;
+            let next = around.binary_search_by_key(&across, |c| c.after).map_or(corner, |i| &around[i]);
+            let (from, to) = (normals[corner.face as usize], normals[next.face as usize]);
+            self.corners.push(from);
+            if from.dot(to) < 0.0 {
+                let edge = self.positions[across as usize] - self.positions[corner.at as usize];
+                let between = accurate_cross(edge, from).normalize();
+                self.corners.push(if between.dot(to) < 0.0 { -between } else { between });
+            }
+            corner = next;
+        }
+        self.starts.push(self.corners.len());
+        self.neighbours.extend(around.iter().map(|c| c.after));
+        self.neighbour_starts.push(self.neighbours.len());
+    }
+
+    /// Vertices, each with a cone.
+    pub fn vertex_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Corners of a vertex's cone, in order around it, of unit length.
+    pub fn cone(&self, vertex: u32) -> &[DVec3] {
+        &self.corners[self.starts[vertex as usize]..self.starts[vertex as usize + 1]]
+    }
+
+    /// Vertices that share an edge with `vertex`, ascending.
+    pub fn neighbours(&self, vertex: u32) -> &[u32] {
+        &self.neighbours[self.neighbour_starts[vertex as usize]..self.neighbour_starts[vertex as usize + 1]]
+    }
+
+    /// Normal of the plane between the cones of two vertices that share an edge: `vertex`'s cone lies in front.
+    pub fn plane_between(&self, vertex: u32, neighbour: u32) -> DVec3 {
+        (self.positions[vertex as usize] - self.positions[neighbour as usize]).normalize()
+    }
+}
+
+/// Unit outward normal of a facet, from the three corners that span it best.
+///
+/// The facets of a solid are exactly planar, so any three would do but for rounding; a polygon of rank 2 may be as far
+/// off its plane as [`crate::hull::rank::FLAT`], and all its corners are averaged.
+fn facet_normal(face: &[u32], positions: &[DVec3]) -> DVec3 {
+    let origin = positions[face[0] as usize];
+    let sum: DVec3 =
+        edges(face).map(|(a, b)| accurate_cross(positions[a as usize] - origin, positions[b as usize] - origin)).sum();
+    sum.normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{PointSet, hull};
+
+    fn map(positions: Vec<[f32; 3]>) -> (Hull, GaussMap) {
+        let source_vertices = (0..positions.len() as u32).collect();
+        let hull = hull::build(&PointSet { name: String::new(), positions, source_vertices }).unwrap();
+        let map = GaussMap::new(&hull);
+        (hull, map)
+    }
+
+    /// The truth: every corner of a cone sees its vertex as a support point.
+    fn check(hull: &Hull, map: &GaussMap) {
+        let positions = hull.positions();
+        for v in 0..map.vertex_count() as u32 {
+            assert!(map.cone(v).len() >= 3);
+            for corner in map.cone(v) {
+                let best = positions.iter().map(|p| p.dot(*corner)).fold(f64::NEG_INFINITY, f64::max);
+                assert!(best - positions[v as usize].dot(*corner) <= 1e-13 * hull.diameter, "vertex {v}");
+            }
+            assert_eq!(map.neighbours(v), hull.neighbours()[v as usize]);
+        }
+    }
+
+    #[test]
+    fn corners_are_where_vertices_tie() {
+        for family in [shapes::families::sphere, shapes::families::lens, shapes::families::prism] {
+            let (hull, map) = map(family(200, 3));
+            check(&hull, &map);
+        }
+    }
+
+    #[test]
+    fn a_polygon_has_lunes() {
+        let (hull, map) = map(vec![[0., 0., 1.], [1., 0., 1.], [0., 1., 1.], [1., 1., 1.], [0.5, 1.25, 1.]]);
+        assert_eq!(hull.rank, 2);
+        check(&hull, &map);
+        assert_eq!(map.cone(0).len(), 4, "up, side, down, side");
+    }
+}

@@ -1,0 +1,226 @@
+//! Certificate of a hull: computed from its vertices, faces and the source points alone, by other means than it was built.
+//!
+//! 1. Euler: V − E + F = 2, every edge is walked once in each direction.
+//! 2. Every face looks outward: the vertices' centroid lies behind it.
+//! 3. No source point lies farther than [`CONTAINMENT`] in front of any face, or off the polygon, segment or point.
+//!
+//! Step 3 would cost points × faces. A box around a group of points lies behind most faces as a whole: the points are
+//! halved again and again, and each half keeps only the faces that its box is not behind.
+
+use glam::DVec3;
+
+use super::{Hull, edges};
+use crate::BakeError;
+
+/// Greatest distance of a source point from the hull, over the hull's diameter.
+pub const CONTAINMENT: f64 = 1e-7;
+
+/// A half-space that the hull lies in: n·x ≤ offset, n of unit length.
+#[derive(Clone, Copy)]
+struct HalfSpace {
+    normal: DVec3,
+    offset: f64,
+}
+
+/// Checks `hull` against `points` and returns its containment error, over its diameter.
+///
+/// # Errors
+/// [`BakeError::Uncertified`], saying which of the three promises does not hold.
+pub fn certify(hull: &Hull, points: &[DVec3]) -> Result<f64, BakeError> {
+    let vertices = hull.positions();
+    let worst = match hull.rank {
+        0 => points.iter().map(|p| p.distance(vertices[0])).fold(0.0, f64::max),
+        1 => points.iter().map(|p| distance_to_segment(*p, vertices[0], vertices[1])).fold(0.0, f64::max),
+        _ => {
+            euler(hull)?;
+            let mut half_spaces = face_planes(hull, &vertices);
+            outward(hull, &vertices, &half_spaces)?;
+            if hull.rank == 2 {
+                half_spaces.extend(side_planes(hull, &vertices, half_spaces[0].normal));
+            }
+            worst_outside(points, &half_spaces)
+        }
+    };
+    let error = if worst == 0.0 { 0.0 } else { worst / hull.diameter };
+    // Written so that NaN fails.
+    if error <= CONTAINMENT {
+        Ok(error)
+    } else {
+        Err(BakeError::Uncertified {
+            what: format!("a source point lies {error:e} of the diameter outside, where {CONTAINMENT:e} is allowed"),
+        })
+    }
+}
+
+fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
+    let along = b - a;
+    let t = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+    p.distance(a + along * t)
+}
+
+fn euler(hull: &Hull) -> Result<(), BakeError> {
+    let mut directed: Vec<(u32, u32)> = hull.faces.iter().flat_map(|face| edges(face)).collect();
+    directed.sort_unstable();
+    let once = directed.windows(2).all(|w| w[0] != w[1]);
+    let paired = directed.iter().all(|&(a, b)| directed.binary_search(&(b, a)).is_ok());
+    let euler = hull.vertices.len() as i64 - directed.len() as i64 / 2 + hull.faces.len() as i64;
+    if once && paired && euler == 2 {
+        Ok(())
+    } else {
+        Err(BakeError::Uncertified { what: format!("its faces are not a closed surface (Euler number {euler})") })
+    }
+}
+
+/// The plane of each face, by Newell's sum: exact up to rounding, as the faces are.
+fn face_planes(hull: &Hull, vertices: &[DVec3]) -> Vec<HalfSpace> {
+    hull.faces
+        .iter()
+        .map(|face| {
+            let origin = vertices[face[0] as usize];
+            let normal: DVec3 = edges(face)
+                .map(|(a, b)| accurate_cross(vertices[a as usize] - origin, vertices[b as usize] - origin))
+                .sum();
+            let normal = normal.normalize_or_zero();
+            // The farthest corner, so that rounding of the normal never shows as a corner outside its own face.
+            let offset = face.iter().map(|v| normal.dot(vertices[*v as usize])).fold(f64::NEG_INFINITY, f64::max);
+            HalfSpace { normal, offset }
+        })
+        .collect()
+}
+
+/// Cross product whose components are right to two units in the last place, even where the products cancel.
+pub(crate) fn accurate_cross(a: DVec3, b: DVec3) -> DVec3 {
+    // Kahan's difference of products.
+    let minor = |a: f64, b: f64, c: f64, d: f64| {
+        let bc = b * c;
+        a.mul_add(d, -bc) - b.mul_add(c, -bc)
+    };
+    DVec3::new(minor(a.y, a.z, b.y, b.z), minor(a.z, a.x, b.z, b.x), minor(a.x, a.y, b.x, b.y))
+}
+
+fn outward(hull: &Hull, vertices: &[DVec3], planes: &[HalfSpace]) -> Result<(), BakeError> {
+    let centroid = vertices.iter().sum::<DVec3>() / vertices.len() as f64;
+    for (face, plane) in planes.iter().enumerate() {
+        let behind = plane.offset - plane.normal.dot(centroid);
+        let slack = crate::hull::certify::CONTAINMENT * hull.diameter;
+        if !(plane.normal.is_finite() && plane.normal != DVec3::ZERO && behind >= -slack) {
+            return Err(BakeError::Uncertified { what: format!("face {face} does not look outward") });
+        }
+    }
+    Ok(())
+}
+
+/// Planes through the edges of a polygon, at right angles to it.
+fn side_planes(hull: &Hull, vertices: &[DVec3], normal: DVec3) -> Vec<HalfSpace> {
+    edges(&hull.faces[0])
+        .map(|(a, b)| {
+            let (a, b) = (vertices[a as usize], vertices[b as usize]);
+            let out = (b - a).cross(normal).normalize_or_zero();
+            HalfSpace { normal: out, offset: out.dot(a).max(out.dot(b)) }
+        })
+        .collect()
+}
+
+/// Points of a group at which each is tested against each of the group's half-spaces.
+const GROUP: usize = 32;
+
+/// How far the worst point lies outside any half-space; 0 where none does.
+fn worst_outside(points: &[DVec3], half_spaces: &[HalfSpace]) -> f64 {
+    let mut points = points.to_vec();
+    let mut worst = 0.0;
+    descend(&mut points, half_spaces, &mut worst);
+    worst
+}
+
+fn descend(points: &mut [DVec3], half_spaces: &[HalfSpace], worst: &mut f64) {
+    let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let (centre, half) = ((low + high) * 0.5, (high - low) * 0.5);
+    // `!(… <= …)`: a half-space whose distance is NaN stays.
+    let near: Vec<HalfSpace> = half_spaces
+        .iter()
+        .filter(|h| !(h.normal.dot(centre) + h.normal.abs().dot(half) - h.offset <= *worst))
+        .copied()
+        .collect();
+    if near.is_empty() {
+        return;
+    }
+    if points.len() <= GROUP {
+        for h in &near {
+            for p in points.iter() {
+                let outside = h.normal.dot(*p) - h.offset;
+                if !(outside <= *worst) {
+                    *worst = outside;
+                }
+            }
+        }
+        return;
+    }
+    let axis = if half.x >= half.y && half.x >= half.z {
+        0
+    } else if half.y >= half.z {
+        1
+    } else {
+        2
+    };
+    let middle = points.len() / 2;
+    points.select_nth_unstable_by(middle, |a, b| a[axis].total_cmp(&b[axis]));
+    let (left, right) = points.split_at_mut(middle);
+    descend(left, &near, worst);
+    descend(right, &near, worst);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{PointSet, hull::build};
+
+    fn cube() -> (Hull, Vec<DVec3>) {
+        let corners: Vec<[f32; 3]> = (0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect();
+        let set = PointSet { name: String::new(), source_vertices: (0..8).collect(), positions: corners };
+        let hull = build(&set).unwrap();
+        let points = hull.positions();
+        (hull, points)
+    }
+
+    #[test]
+    fn a_cube_is_certified_exactly() {
+        let (hull, points) = cube();
+        assert_eq!(certify(&hull, &points).unwrap(), 0.0);
+    }
+
+    #[test]
+    fn a_lost_point_is_found() {
+        let (hull, mut points) = cube();
+        points.push(DVec3::new(0.5, 0.5, 1.0 + 1e-6));
+        let error = certify(&hull, &points).unwrap_err().to_string();
+        assert!(error.contains("outside"), "{error}");
+    }
+
+    #[test]
+    fn a_turned_or_missing_face_is_found() {
+        let (mut hull, points) = cube();
+        hull.faces[2].reverse();
+        assert!(certify(&hull, &points).is_err());
+        let (mut hull, points) = cube();
+        hull.faces.pop();
+        assert!(certify(&hull, &points).is_err());
+        let (mut hull, points) = cube();
+        hull.faces.iter_mut().for_each(|f| f.reverse());
+        assert!(certify(&hull, &points).unwrap_err().to_string().contains("outward"));
+    }
+
+    /// The slow, obvious twin of the descent.
+    #[test]
+    fn grouping_changes_nothing() {
+        let points: Vec<DVec3> =
+            shapes::families::ball(3000, 5).iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
+        let planes: Vec<HalfSpace> = shapes::families::sphere(200, 9)
+            .iter()
+            .map(|n| HalfSpace { normal: DVec3::from_array(n.map(f64::from)).normalize(), offset: 0.7 })
+            .collect();
+        let slow = planes.iter().flat_map(|h| points.iter().map(|p| h.normal.dot(*p) - h.offset)).fold(0.0, f64::max);
+        assert_eq!(worst_outside(&points, &planes), slow);
+        assert!(slow > 0.1);
+    }
+}

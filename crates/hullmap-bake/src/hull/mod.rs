@@ -1,0 +1,148 @@
+//! Source points → convex hull of rank 3, 2, 1 or 0, certified.
+//!
+//! 1. Points that are the same become one; [`rank`] finds the dimension they span.
+//! 2. [`solid`], [`polygon`], or the two ends, or the one point: the extreme points and the faces between them.
+//! 3. [`certify`] measures, independently of step 2, how far any source point lies outside.
+
+pub mod certify;
+pub mod polygon;
+pub mod rank;
+pub mod solid;
+
+use glam::DVec3;
+
+use crate::{BakeError, PointSet};
+use rank::Simplex;
+
+/// A certified convex hull.
+#[derive(Clone, Debug)]
+pub struct Hull {
+    /// Dimension: 3 solid, 2 polygon, 1 segment, 0 point.
+    pub rank: u32,
+    /// Positions of the vertices, in the source's order. Signed zeros are made one.
+    pub vertices: Vec<[f32; 3]>,
+    /// For each vertex the first source vertex with that position.
+    pub source_vertices: Vec<u32>,
+    /// Faces as polygons of vertex numbers, counter-clockwise from outside: facets of a solid, both sides of a polygon.
+    pub faces: Vec<Vec<u32>>,
+    /// Greatest distance between two vertices.
+    pub diameter: f64,
+    /// How far the worst source point lies outside, divided by the diameter.
+    pub containment_error: f64,
+}
+
+impl Hull {
+    /// Vertex positions in f64.
+    pub fn positions(&self) -> Vec<DVec3> {
+        self.vertices.iter().map(|v| DVec3::from_array(v.map(f64::from))).collect()
+    }
+
+    /// For each vertex the vertices it shares an edge with, ascending.
+    pub fn neighbours(&self) -> Vec<Vec<u32>> {
+        let mut neighbours = vec![Vec::new(); self.vertices.len()];
+        for face in &self.faces {
+            for (a, b) in edges(face) {
+                neighbours[a as usize].push(b);
+                neighbours[b as usize].push(a);
+            }
+        }
+        if self.rank == 1 {
+            neighbours = vec![vec![1], vec![0]];
+        }
+        for list in &mut neighbours {
+            list.sort_unstable();
+            list.dedup();
+        }
+        neighbours
+    }
+}
+
+/// Directed edges of a polygon.
+pub(crate) fn edges(face: &[u32]) -> impl Iterator<Item = (u32, u32)> + '_ {
+    face.iter().copied().zip(face.iter().copied().cycle().skip(1))
+}
+
+/// Builds and certifies the hull of `points`.
+///
+/// # Errors
+/// No points, more than 2³⁰, a position that is not finite, or a hull that fails certification.
+///
+/// # Complexity
+/// O(n log n) on all families tried.
+pub fn build(points: &PointSet) -> Result<Hull, BakeError> {
+    let distinct = distinct(points)?;
+    let positions: Vec<DVec3> = distinct.iter().map(|(p, _)| DVec3::from_array(p.map(f64::from))).collect();
+    let simplex = rank::spanning_simplex(&positions);
+    let (rank, chosen, faces) = match simplex {
+        Simplex::Point(p) => (0, vec![p as u32], Vec::new()),
+        Simplex::Segment(ends) => (1, segment_ends(&positions, ends), Vec::new()),
+        Simplex::Triangle(corners) => {
+            let [a, b, c] = corners.map(|i| positions[i]);
+            let front = polygon::hull(&positions, (b - a).cross(c - a));
+            let back = front[..1].iter().chain(front[1..].iter().rev()).copied().collect();
+            (2, front.clone(), vec![front, back])
+        }
+        Simplex::Tetrahedron(corners) => {
+            let facets = solid::hull(&positions, corners);
+            (3, facets.iter().flatten().copied().collect(), facets)
+        }
+    };
+    let mut chosen = chosen;
+    chosen.sort_unstable_by_key(|&p| distinct[p as usize].1);
+    chosen.dedup();
+    let mut number = vec![u32::MAX; distinct.len()];
+    for (vertex, &p) in chosen.iter().enumerate() {
+        number[p as usize] = vertex as u32;
+    }
+    let mut faces: Vec<Vec<u32>> =
+        faces.into_iter().map(|face| from_least(face.into_iter().map(|p| number[p as usize]).collect())).collect();
+    faces.sort_unstable();
+    let mut hull = Hull {
+        rank,
+        vertices: chosen.iter().map(|&p| distinct[p as usize].0).collect(),
+        source_vertices: chosen.iter().map(|&p| distinct[p as usize].1).collect(),
+        faces,
+        diameter: 0.0,
+        containment_error: 0.0,
+    };
+    hull.diameter = crate::diameter::diameter(&hull.positions());
+    hull.containment_error = certify::certify(&hull, &positions)?;
+    Ok(hull)
+}
+
+/// The two points farthest apart along the line of `ends`.
+fn segment_ends(positions: &[DVec3], ends: [usize; 2]) -> Vec<u32> {
+    let along = positions[ends[1]] - positions[ends[0]];
+    let by_reach = |a: &u32, b: &u32| positions[*a as usize].dot(along).total_cmp(&positions[*b as usize].dot(along));
+    let all = 0..positions.len() as u32;
+    all.clone().min_by(by_reach).into_iter().chain(all.max_by(by_reach)).collect()
+}
+
+/// The same polygon, written from its least vertex on.
+fn from_least(mut face: Vec<u32>) -> Vec<u32> {
+    let least = face.iter().enumerate().min_by_key(|(_, v)| **v).map_or(0, |(at, _)| at);
+    face.rotate_left(least);
+    face
+}
+
+/// Distinct positions with the least source vertex of each, in order of position. Negative zeros become positive.
+fn distinct(points: &PointSet) -> Result<Vec<([f32; 3], u32)>, BakeError> {
+    if points.positions.is_empty() {
+        return Err(BakeError::Empty);
+    }
+    if points.positions.len() > crate::MAX_POINTS {
+        return Err(BakeError::TooManyPoints { found: points.positions.len() });
+    }
+    let mut all: Vec<([f32; 3], u32)> = Vec::with_capacity(points.positions.len());
+    for (position, &source) in points.positions.iter().zip(&points.source_vertices) {
+        if !position.iter().all(|c| c.is_finite()) {
+            return Err(BakeError::NotFinite { source_vertex: source });
+        }
+        all.push((position.map(|c| c + 0.0), source));
+    }
+    let by_position =
+        |a: &[f32; 3], b: &[f32; 3]| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]));
+    all.sort_unstable_by(|a, b| by_position(&a.0, &b.0).then(a.1.cmp(&b.1)));
+    all.dedup_by(|b, a| a.0 == b.0);
+    Ok(all)
+}

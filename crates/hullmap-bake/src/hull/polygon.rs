@@ -1,0 +1,83 @@
+//! Convex hull of points in a plane, by Andrew's monotone chain with exact predicates.
+//!
+//! The points are looked at along the axis to which the plane's normal is closest: dropping a coordinate is an affine map
+//! of the plane, which keeps hulls, and needs no rounding.
+
+use glam::{DVec2, DVec3};
+
+/// Extreme points of `points` (by number), counter-clockwise seen against `normal`, from the least on.
+///
+/// # Complexity
+/// O(n log n).
+pub fn hull(points: &[DVec3], normal: DVec3) -> Vec<u32> {
+    let size = normal.abs();
+    let flat = |p: DVec3| -> DVec2 {
+        if size.x >= size.y && size.x >= size.z {
+            DVec2::new(p.y, p.z)
+        } else if size.y >= size.z {
+            DVec2::new(p.z, p.x)
+        } else {
+            DVec2::new(p.x, p.y)
+        }
+    };
+    let dominant = [normal.x, normal.y, normal.z]
+        .into_iter()
+        .reduce(|a, b| if b.abs() > a.abs() { b } else { a })
+        .unwrap_or_default();
+    let flat: Vec<DVec2> = points.iter().map(|p| flat(*p)).collect();
+    let mut order: Vec<u32> = (0..points.len() as u32).collect();
+    order.sort_unstable_by(|&a, &b| {
+        let (p, q) = (flat[a as usize], flat[b as usize]);
+        p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)).then(a.cmp(&b))
+    });
+    let lower = chain(&flat, order.iter().copied());
+    let upper = chain(&flat, order.iter().rev().copied());
+    let mut outline: Vec<u32> = lower;
+    outline.pop();
+    outline.extend(upper);
+    outline.pop();
+    if dominant < 0.0 {
+        outline.reverse();
+    }
+    let least = outline.iter().enumerate().min_by_key(|(_, v)| **v).map_or(0, |(at, _)| at);
+    outline.rotate_left(least);
+    outline
+}
+
+/// Points of which each turns strictly left.
+fn chain(flat: &[DVec2], order: impl Iterator<Item = u32>) -> Vec<u32> {
+    let coord = |i: u32| robust::Coord { x: flat[i as usize].x, y: flat[i as usize].y };
+    let mut chain: Vec<u32> = Vec::new();
+    for p in order {
+        while let [.., a, b] = chain[..] {
+            if robust::orient2d(coord(a), coord(b), coord(p)) > 0.0 {
+                break;
+            }
+            chain.pop();
+        }
+        // Points that differ only in the dropped coordinate are one point here.
+        if chain.last().is_none_or(|&last| flat[last as usize] != flat[p as usize]) {
+            chain.push(p);
+        }
+    }
+    chain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_square_with_points_on_its_edges() {
+        let mut points = Vec::new();
+        for x in 0..4 {
+            for y in 0..4 {
+                points.push(DVec3::new(f64::from(x), 7.0, f64::from(y)));
+            }
+        }
+        let outline = hull(&points, DVec3::Y);
+        assert_eq!(outline, [0, 3, 15, 12], "counter-clockwise seen from +y");
+        let back = hull(&points, DVec3::NEG_Y);
+        assert_eq!(back, [0, 12, 15, 3]);
+    }
+}

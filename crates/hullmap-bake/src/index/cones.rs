@@ -1,0 +1,174 @@
+//! Normal cones cut to a cell of the cube map: polygons in the (u, v) plane of one face, each with its vertex's number.
+
+use glam::DVec3;
+use hullmap_format::cube::{self, CELL_SLACK};
+
+use crate::gauss_map::GaussMap;
+
+/// How far, in units of u and v, a polygon must reach into a half of its cell to be listed there.
+///
+/// Cones that only touch the cut are listed on their own side alone. Else a fan, whose cones all meet in one point, would
+/// be on both sides of every cut through it. A direction so close to the cut that rounding puts it on the wrong side finds
+/// a vertex whose cone is as close: the regret is at most about this times the diameter.
+pub const TOUCH: f64 = 1e-13;
+
+/// Polygons of the cones that meet a cell, in ascending order of their vertices.
+#[derive(Clone, Debug, Default)]
+pub struct Cones {
+    /// Numbers of the vertices.
+    pub vertices: Vec<u32>,
+    ends: Vec<u32>,
+    corners: Vec<[f64; 2]>,
+}
+
+/// A line a·u + b·v + c = 0 in a face's plane.
+#[derive(Clone, Copy, Debug)]
+pub struct Line([f64; 3]);
+
+impl Line {
+    /// The line u = `at` (`axis` 0) or v = `at` (`axis` 1); its front is the upper side.
+    pub fn axis(axis: usize, at: f64) -> Self {
+        if axis == 0 { Self([1.0, 0.0, -at]) } else { Self([0.0, 1.0, -at]) }
+    }
+
+    /// Where the plane through the origin with this `normal` cuts the plane of `face`.
+    pub fn plane(face: u32, normal: DVec3) -> Self {
+        let normal = normal.to_array();
+        let axis = (face / 2) as usize;
+        let towards = if face.is_multiple_of(2) { normal[axis] } else { -normal[axis] };
+        Self([normal[(axis + 1) % 3], normal[(axis + 2) % 3], towards])
+    }
+
+    fn height(&self, p: [f64; 2]) -> f64 {
+        self.0[0] * p[0] + self.0[1] * p[1] + self.0[2]
+    }
+}
+
+impl Cones {
+    /// All cones of `map`, cut to `face` of the cube.
+    pub fn on_face(map: &GaussMap, face: u32) -> Self {
+        let mut cones = Self::default();
+        let (mut polygon, mut scratch) = (Vec::new(), Vec::new());
+        let axis = (face / 2) as usize;
+        let towards = DVec3::from_array(cube::direction(face, 0.0, 0.0));
+        let sides = [(axis + 1) % 3, (axis + 2) % 3].map(|i| DVec3::AXES[i]);
+        let planes = [-sides[0], sides[0], -sides[1], sides[1]].map(|side| towards * (1.0 + CELL_SLACK) + side);
+        for vertex in 0..map.vertex_count() as u32 {
+            polygon.clear();
+            polygon.extend_from_slice(map.cone(vertex));
+            for plane in planes {
+                clip_rays(&polygon, plane, &mut scratch);
+                std::mem::swap(&mut polygon, &mut scratch);
+            }
+            if polygon.is_empty() {
+                continue;
+            }
+            cones.corners.extend(polygon.iter().filter(|d| d.dot(towards) > 0.0).map(|d| {
+                let size = d.dot(towards);
+                [d.dot(sides[0]) / size, d.dot(sides[1]) / size]
+            }));
+            cones.end(vertex);
+        }
+        cones
+    }
+
+    /// Number of cones.
+    pub fn len(&self) -> usize {
+        self.vertices.len()
+    }
+
+    /// The polygons with their vertices' numbers.
+    pub fn iter(&self) -> impl Iterator<Item = (u32, &[[f64; 2]])> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        self.vertices
+            .iter()
+            .zip(starts.zip(&self.ends))
+            .map(|(v, (start, end))| (*v, &self.corners[start as usize..*end as usize]))
+    }
+
+    /// Closes the polygon of `vertex`, whose corners were pushed last.
+    fn end(&mut self, vertex: u32) {
+        self.vertices.push(vertex);
+        self.ends.push(self.corners.len() as u32);
+    }
+
+    /// How many cones would lie behind `line` and in front of it; those across it count twice.
+    pub fn count(&self, line: Line) -> [usize; 2] {
+        let mut counts = [0; 2];
+        for (_, polygon) in self.iter() {
+            let [behind, front] = reach(polygon, line);
+            counts[0] += usize::from(behind);
+            counts[1] += usize::from(front);
+        }
+        counts
+    }
+
+    /// The cones behind `line` and those in front of it, those across it cut in two.
+    pub fn split(&self, line: Line) -> [Self; 2] {
+        let [mut behind, mut front] = [Self::default(), Self::default()];
+        for (vertex, polygon) in self.iter() {
+            match reach(polygon, line) {
+                [true, false] => behind.push(vertex, polygon),
+                [false, true] => front.push(vertex, polygon),
+                _ => {
+                    cut(polygon, line, -1.0, &mut behind.corners);
+                    behind.end(vertex);
+                    cut(polygon, line, 1.0, &mut front.corners);
+                    front.end(vertex);
+                }
+            }
+        }
+        [behind, front]
+    }
+
+    fn push(&mut self, vertex: u32, polygon: &[[f64; 2]]) {
+        self.corners.extend_from_slice(polygon);
+        self.end(vertex);
+    }
+}
+
+/// Whether a polygon reaches behind a line, and in front of it. One so small that it does neither counts for both.
+fn reach(polygon: &[[f64; 2]], line: Line) -> [bool; 2] {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for p in polygon {
+        let height = line.height(*p);
+        low = low.min(height);
+        high = high.max(height);
+    }
+    let [behind, front] = [low < -TOUCH, high > TOUCH];
+    if behind || front { [behind, front] } else { [true, true] }
+}
+
+/// Appends the part of a convex polygon on one side of a line (`sign` 1: in front; −1: behind).
+pub fn cut(polygon: &[[f64; 2]], line: Line, sign: f64, out: &mut Vec<[f64; 2]>) {
+    let Some(last) = polygon.last() else { return };
+    let (mut p, mut p_height) = (*last, sign * line.height(*last));
+    for &q in polygon {
+        let q_height = sign * line.height(q);
+        if (p_height < 0.0) != (q_height < 0.0) {
+            let t = p_height / (p_height - q_height);
+            out.push([p[0] + (q[0] - p[0]) * t, p[1] + (q[1] - p[1]) * t]);
+        }
+        if q_height >= 0.0 {
+            out.push(q);
+        }
+        (p, p_height) = (q, q_height);
+    }
+}
+
+/// The part of a cone, given by its corner rays in order, where plane·d ≥ 0.
+fn clip_rays(polygon: &[DVec3], plane: DVec3, out: &mut Vec<DVec3>) {
+    out.clear();
+    let Some(&last) = polygon.last() else { return };
+    let (mut p, mut p_height) = (last, plane.dot(last));
+    for &q in polygon {
+        let q_height = plane.dot(q);
+        if (p_height < 0.0) != (q_height < 0.0) {
+            out.push(p + (q - p) * (p_height / (p_height - q_height)));
+        }
+        if q_height >= 0.0 {
+            out.push(q);
+        }
+        (p, p_height) = (q, q_height);
+    }
+}

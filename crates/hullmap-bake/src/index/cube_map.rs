@@ -1,0 +1,56 @@
+//! Uniform cube map of support candidates (Kenwright 4.8), with exact cells.
+//!
+//! Deviation from the paper: a cell does not hold the support vertex of its centre, which is wrong for a good part of the
+//! directions in it, but every vertex whose normal cone meets it.
+
+use hullmap_format::cube::{CELL_SLACK, grid_to_uv, uniform_step_start};
+use rayon::prelude::*;
+
+use super::cones::{Cones, Line, cut};
+use crate::gauss_map::GaussMap;
+
+/// Candidates of each cell, ascending: face by face, row by row, `resolution`² cells a face.
+///
+/// # Complexity
+/// O(n + cells), times the cells that a cone meets on average.
+pub fn cells(map: &GaussMap, resolution: u32) -> Vec<Vec<u32>> {
+    let faces: Vec<Vec<Vec<u32>>> = (0..6).into_par_iter().map(|face| face_cells(map, face, resolution)).collect();
+    faces.into_iter().flatten().collect()
+}
+
+fn face_cells(map: &GaussMap, face: u32, resolution: u32) -> Vec<Vec<u32>> {
+    // Steps are widened, so that rounding puts no direction into a cell that does not list its vertex.
+    let edges: Vec<f64> = (0..=resolution).map(|step| grid_to_uv(uniform_step_start(step, resolution))).collect();
+    let side = resolution as usize;
+    let mut cells = vec![Vec::new(); side * side];
+    let (mut row_part, mut cell_part) = (Vec::new(), Vec::new());
+    for (vertex, polygon) in Cones::on_face(map, face).iter() {
+        for row in steps(&edges, polygon, 1) {
+            band(polygon, 1, &edges[row..], &mut row_part);
+            for column in steps(&edges, &row_part, 0) {
+                band(&row_part, 0, &edges[column..], &mut cell_part);
+                if !cell_part.is_empty() {
+                    cells[row * side + column].push(vertex);
+                }
+            }
+        }
+    }
+    cells
+}
+
+/// Steps of the map that a polygon may meet along an axis.
+fn steps(edges: &[f64], polygon: &[[f64; 2]], axis: usize) -> std::ops::Range<usize> {
+    let low = polygon.iter().map(|p| p[axis]).fold(f64::INFINITY, f64::min) - CELL_SLACK;
+    let high = polygon.iter().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max) + CELL_SLACK;
+    let first = edges.partition_point(|e| *e < low).saturating_sub(1);
+    let end = edges.partition_point(|e| *e <= high).min(edges.len() - 1);
+    first..end
+}
+
+/// The part of a polygon between the first two of `edges` along an axis.
+fn band(polygon: &[[f64; 2]], axis: usize, edges: &[f64], out: &mut Vec<[f64; 2]>) {
+    let mut upper = Vec::with_capacity(polygon.len() + 1);
+    cut(polygon, Line::axis(axis, edges[0] - CELL_SLACK), 1.0, &mut upper);
+    out.clear();
+    cut(&upper, Line::axis(axis, edges[1] + CELL_SLACK), -1.0, out);
+}

@@ -1,0 +1,65 @@
+//! A point inside a hull, and the balls around it that lie in the hull and that hold it.
+
+use glam::DVec3;
+
+use crate::{
+    hull::{Hull, certify::accurate_cross, edges},
+    mass::Mass,
+};
+
+/// By how much of the outer radius the balls are drawn in and let out: rounding of the distances is a thousandth of it.
+const SAFETY: f64 = 1e-12;
+
+/// Where a collision query starts, and its cheapest bounds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interior {
+    /// The centroid.
+    pub point: DVec3,
+    /// Radius of a ball around it that lies in the hull; 0 below rank 3, and where rounding leaves no room for one.
+    pub inner_radius: f64,
+    /// Radius of a ball around it that holds the hull.
+    pub outer_radius: f64,
+}
+
+/// Computes the two balls around the centroid.
+///
+/// # Complexity
+/// O(number of face corners).
+pub fn interior(hull: &Hull, mass: &Mass) -> Interior {
+    let point = DVec3::from_array(mass.centroid);
+    let vertices: Vec<DVec3> = hull.positions().iter().map(|p| *p - point).collect();
+    let outer = vertices.iter().map(|v| v.length()).fold(0.0, f64::max);
+    let margin = SAFETY * outer;
+    let inner = if hull.rank == 3 {
+        hull.faces.iter().map(|face| distance_to_plane(face, &vertices)).fold(f64::INFINITY, f64::min) - margin
+    } else {
+        0.0
+    };
+    Interior { point, inner_radius: inner.max(0.0), outer_radius: outer + margin }
+}
+
+/// Distance from the origin to a face's plane, positive inside.
+fn distance_to_plane(face: &[u32], vertices: &[DVec3]) -> f64 {
+    let at = |v: u32| vertices[v as usize];
+    let root = at(face[0]);
+    let normal: DVec3 = edges(face).map(|(a, b)| accurate_cross(at(a) - root, at(b) - root)).sum();
+    normal.normalize().dot(root)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{PointSet, hull, mass};
+
+    #[test]
+    fn balls_of_a_box() {
+        let positions: Vec<[f32; 3]> =
+            (0..8).map(|i| [(i & 1) as f32 * 2.0, (i >> 1 & 1) as f32 * 4.0, (i >> 2) as f32 * 6.0]).collect();
+        let hull =
+            hull::build(&PointSet { name: String::new(), positions, source_vertices: (0..8).collect() }).unwrap();
+        let balls = interior(&hull, &mass::mass(&hull));
+        assert!(balls.inner_radius <= 1.0 && balls.inner_radius > 1.0 - 1e-11);
+        let corner = 14_f64.sqrt();
+        assert!(balls.outer_radius >= corner && balls.outer_radius < corner + 1e-11);
+    }
+}

@@ -1,0 +1,136 @@
+//! Measure, centroid and second moments of a hull at uniform density, each of its own dimension.
+//!
+//! A solid is summed over tetrahedra from one vertex to the fan triangles of each face, a polygon over fan triangles:
+//! all of the same sign, so that nothing cancels. Reference: Mirtich, "Fast and accurate computation of polyhedral mass
+//! properties", 1996, by the closed form for simplices (∫ xᵢxⱼ over a simplex of measure m with corners p₀…p_k is
+//! m / ((k+1)(k+2)) · (Σ p Σ p + Σ p p)).
+
+use glam::{DMat3, DVec3};
+
+use crate::hull::{Hull, edges};
+
+/// Mass properties at density one. Lengths in source units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Mass {
+    /// Volume; 0 below rank 3.
+    pub volume: f64,
+    /// Surface area; both sides of a polygon; 0 below rank 2.
+    pub surface_area: f64,
+    /// Centroid of the solid, polygon, segment or point.
+    pub centroid: [f64; 3],
+    /// Second moments about the centroid over the measure: xx, yy, zz, yz, zx, xy.
+    pub second_moments: [f64; 6],
+}
+
+/// Computes the mass properties of `hull`.
+///
+/// # Complexity
+/// O(number of face corners).
+pub fn mass(hull: &Hull) -> Mass {
+    let origin = DVec3::from_array(hull.vertices[0].map(f64::from));
+    let vertices: Vec<DVec3> = hull.positions().iter().map(|p| *p - origin).collect();
+    let at = |v: u32| vertices[v as usize];
+    let mut sum = Simplices::default();
+    let mut area = 0.0;
+    for (number, face) in hull.faces.iter().enumerate() {
+        let root = at(face[0]);
+        for (a, b) in edges(&face[1..]).take(face.len().saturating_sub(2)) {
+            let cross = (at(a) - root).cross(at(b) - root);
+            area += cross.length() / 2.0;
+            match hull.rank {
+                3 => sum.add(root.dot(cross) / 6.0, &[DVec3::ZERO, root, at(a), at(b)]),
+                _ if number == 0 => sum.add(cross.length() / 2.0, &[root, at(a), at(b)]),
+                _ => {}
+            }
+        }
+    }
+    match hull.rank {
+        0 => sum.add(1.0, &[at(0)]),
+        1 => sum.add(at(0).distance(at(1)), &[at(0), at(1)]),
+        _ => {}
+    }
+    let (centroid, moments) = sum.about_centroid(&vertices);
+    let volume = if hull.rank == 3 { sum.measure } else { 0.0 };
+    let c = moments.to_cols_array_2d();
+    Mass {
+        volume,
+        surface_area: area,
+        centroid: (centroid + origin).to_array(),
+        second_moments: [c[0][0], c[1][1], c[2][2], c[1][2], c[2][0], c[0][1]],
+    }
+}
+
+/// Running integrals of 1, x and xxᵀ over simplices.
+#[derive(Default)]
+struct Simplices {
+    measure: f64,
+    first: DVec3,
+    second: DMat3,
+}
+
+impl Simplices {
+    fn add(&mut self, measure: f64, corners: &[DVec3]) {
+        let k = corners.len() as f64;
+        let total: DVec3 = corners.iter().sum();
+        let mut squares = outer(total);
+        for corner in corners {
+            squares += outer(*corner);
+        }
+        self.measure += measure;
+        self.first += total * (measure / k);
+        self.second += squares * (measure / (k * (k + 1.0)));
+    }
+
+    /// Centroid and second moments over the measure. Where the measure is lost to underflow, the mean vertex.
+    fn about_centroid(&self, vertices: &[DVec3]) -> (DVec3, DMat3) {
+        let centroid = self.first / self.measure;
+        let moments = self.second * (1.0 / self.measure) - outer(centroid);
+        if self.measure > 0.0 && centroid.is_finite() && moments.is_finite() {
+            (centroid, moments)
+        } else {
+            (vertices.iter().sum::<DVec3>() / vertices.len() as f64, DMat3::ZERO)
+        }
+    }
+}
+
+fn outer(p: DVec3) -> DMat3 {
+    DMat3::from_cols(p * p.x, p * p.y, p * p.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{PointSet, hull};
+
+    fn of(positions: &[[f32; 3]]) -> Mass {
+        let source_vertices = (0..positions.len() as u32).collect();
+        let set = PointSet { name: String::new(), positions: positions.to_vec(), source_vertices };
+        mass(&hull::build(&set).unwrap())
+    }
+
+    fn close(a: &[f64], b: &[f64]) {
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12), "{a:?} is not {b:?}");
+    }
+
+    #[test]
+    fn a_box_far_from_the_origin() {
+        let corners: Vec<[f32; 3]> = (0..8)
+            .map(|i| [100.0 + 2.0 * (i & 1) as f32, -50.0 + 4.0 * (i >> 1 & 1) as f32, 6.0 * (i >> 2) as f32])
+            .collect();
+        let m = of(&corners);
+        close(&[m.volume, m.surface_area], &[48.0, 88.0]);
+        close(&m.centroid, &[101.0, -48.0, 3.0]);
+        close(&m.second_moments, &[4.0 / 12.0, 16.0 / 12.0, 36.0 / 12.0, 0.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_right_triangle_and_a_segment() {
+        let m = of(&[[0., 0., 1.], [3., 0., 1.], [0., 3., 1.]]);
+        close(&[m.volume, m.surface_area], &[0.0, 9.0]);
+        close(&m.centroid, &[1.0, 1.0, 1.0]);
+        close(&m.second_moments, &[0.5, 0.5, 0.0, 0.0, 0.0, -0.25]);
+        let m = of(&[[0., 0., 1.], [6., 0., 1.]]);
+        close(&m.centroid, &[3.0, 0.0, 1.0]);
+        close(&m.second_moments, &[3.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    }
+}

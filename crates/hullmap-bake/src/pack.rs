@@ -1,0 +1,84 @@
+//! Baked hulls → the bytes of a pack.
+
+use hullmap_format::{
+    archive::{HullRecord, Pack, Span},
+    check::MAX_PACK_LEN,
+    header::{HEADER_LEN, Header},
+};
+use rkyv::{rancor, util::AlignedVec};
+
+use crate::{BakeError, BakedHull, SourceRecord};
+
+/// The bytes of a pack that holds `hulls`: a function of the arguments alone.
+///
+/// # Errors
+/// No hulls, or more than 32-bit offsets reach (2 GiB).
+pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
+    if hulls.is_empty() {
+        return Err(BakeError::Empty);
+    }
+    let mut pack = Pack { source_path: source.path.clone().into_bytes(), ..Pack::default() };
+    pack.spans.push(Span::default());
+    for baked in hulls {
+        let hull = &baked.hull;
+        pack.names.extend_from_slice(baked.name.as_bytes());
+        pack.vertices.extend_from_slice(&hull.vertices);
+        pack.source_vertices.extend_from_slice(&hull.source_vertices);
+        let mut start = 0;
+        for face in &hull.faces {
+            pack.face_starts.push(start);
+            pack.face_vertices.extend_from_slice(face);
+            start += face.len() as u32;
+        }
+        pack.slots.extend_from_slice(&baked.index.encoded.slots);
+        pack.blocks.extend_from_slice(&baked.index.encoded.blocks);
+        pack.hulls.push(record(baked));
+        pack.spans.push(end_of(&pack)?);
+    }
+    let payload = rkyv::api::high::to_bytes_in::<_, rancor::Error>(&pack, AlignedVec::<HEADER_LEN>::new())
+        .map_err(|_| BakeError::PackTooLarge)?;
+    if payload.len() + HEADER_LEN > MAX_PACK_LEN {
+        return Err(BakeError::PackTooLarge);
+    }
+    let header = Header::for_payload(source.hash, source.options_hash, &payload);
+    Ok([&header.to_bytes()[..], &payload].concat())
+}
+
+/// Where every section ends so far.
+fn end_of(pack: &Pack) -> Result<Span, BakeError> {
+    let at = |len: usize| u32::try_from(len).map_err(|_| BakeError::PackTooLarge);
+    Ok(Span {
+        name: at(pack.names.len())?,
+        vertex: at(pack.vertices.len())?,
+        face: at(pack.face_starts.len())?,
+        face_vertex: at(pack.face_vertices.len())?,
+        slot: at(pack.slots.len())?,
+        block: at(pack.blocks.len())?,
+    })
+}
+
+fn record(baked: &BakedHull) -> HullRecord {
+    let BakedHull { hull, mass, index, interior, .. } = baked;
+    let component = |pick: fn(f32, f32) -> f32| -> [f32; 3] {
+        std::array::from_fn(|i| hull.vertices.iter().map(|v| v[i]).reduce(pick).unwrap_or_default())
+    };
+    HullRecord {
+        diameter: hull.diameter,
+        centroid: mass.centroid,
+        interior_point: interior.point.to_array(),
+        inner_radius: interior.inner_radius,
+        outer_radius: interior.outer_radius,
+        volume: mass.volume,
+        surface_area: mass.surface_area,
+        second_moments: mass.second_moments,
+        containment_error: hull.containment_error,
+        bounds_min: component(f32::min),
+        bounds_max: component(f32::max),
+        rank: hull.rank,
+        index_kind: index.kind,
+        resolution: index.resolution,
+        max_nodes: index.cost.nodes,
+        max_dots: index.cost.dots,
+        source_points: baked.point_count as u32,
+    }
+}
