@@ -6,6 +6,8 @@
 //! counter-clockwise seen from outside.
 //!
 //! - [`families`]: `fn(n, seed) -> Vec<[f32; 3]>`, and [`families::Family`] to iterate over them by name.
+//! - [`mesh`] and [`solids`]: an indexed polygon mesh and the ways to build one.
+//! - [`obj`]: OBJ text, in the variety of dialects that real files come in.
 //!
 //! ```
 //! use shapes::families::Family;
@@ -18,6 +20,9 @@
 #![forbid(unsafe_code)]
 
 pub mod families;
+pub mod mesh;
+pub mod obj;
 pub mod rng;
+pub mod solids;
 mod turn;
 mod vector;
