@@ -8,6 +8,7 @@
 //! - [`families`]: `fn(n, seed) -> Vec<[f32; 3]>`, and [`families::Family`] to iterate over them by name.
 //! - [`mesh`] and [`solids`]: an indexed polygon mesh and the ways to build one.
 //! - [`obj`]: OBJ text, in the variety of dialects that real files come in.
+//! - [`models`] and [`assets`]: the committed models, and the files they become.
 //!
 //! ```
 //! use shapes::families::Family;
@@ -19,8 +20,10 @@
 
 #![forbid(unsafe_code)]
 
+pub mod assets;
 pub mod families;
 pub mod mesh;
+pub mod models;
 pub mod obj;
 pub mod rng;
 pub mod solids;
