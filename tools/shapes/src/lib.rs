@@ -1,1 +1,31 @@
-//! Generated shapes.
+//! Generated shapes: seeded point families for tests and benchmarks, and the OBJ files under `assets/`.
+//!
+//! Every number here is a pure function of its arguments, to the last bit and on every machine: randomness comes from
+//! [`rng::SplitMix64`], trigonometry from the `libm` crate (plain Rust, in `f64`), and nothing reads a clock, a path or
+//! the order of a hash map. Lengths have no unit, shapes have a radius of about one, z is up, and faces wind
+//! counter-clockwise seen from outside.
+//!
+//! - [`families`]: `fn(n, seed) -> Vec<[f32; 3]>`, and [`families::Family`] to iterate over them by name.
+//! - [`mesh`] and [`solids`]: an indexed polygon mesh and the ways to build one.
+//! - [`obj`]: OBJ text, in the variety of dialects that real files come in.
+//! - [`models`] and [`assets`]: the committed models, and the files they become.
+//!
+//! ```
+//! use shapes::families::Family;
+//!
+//! let points = Family::Lens.points(1_000, 7);
+//! assert_eq!(points.len(), 1_000);
+//! assert!(points.iter().all(|p| p[2].abs() <= 0.05));
+//! ```
+
+#![forbid(unsafe_code)]
+
+pub mod assets;
+pub mod families;
+pub mod mesh;
+pub mod models;
+pub mod obj;
+pub mod rng;
+pub mod solids;
+mod turn;
+mod vector;

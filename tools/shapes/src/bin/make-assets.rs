@@ -1,0 +1,89 @@
+//! Writes the generated OBJ files, or checks that a folder holds them as they would be written.
+
+#![forbid(unsafe_code)]
+
+use shapes::assets;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+Usage: make-assets DIR           write the generated files into DIR
+       make-assets --check DIR   name the files in DIR that differ from those
+       make-assets --help
+
+Exit status: 0 done; 1 --check found a difference; 2 wrong usage, or a file could not be read or written.";
+
+/// What the arguments ask for.
+enum Command {
+    Help,
+    Write(PathBuf),
+    Check(PathBuf),
+}
+
+fn parse(args: impl Iterator<Item = std::ffi::OsString>) -> Result<Command, String> {
+    let mut check = false;
+    let mut dir: Option<PathBuf> = None;
+    for arg in args {
+        match arg.to_str() {
+            Some("-h" | "--help") => return Ok(Command::Help),
+            Some("--check") => check = true,
+            Some(option) if option.starts_with('-') => {
+                return Err(format!("there is no option {option}"));
+            }
+            _ if dir.is_some() => {
+                let extra = arg.to_string_lossy();
+                return Err(format!("one folder is enough; what is {extra}?"));
+            }
+            _ => dir = Some(arg.into()),
+        }
+    }
+    let dir = dir.ok_or("name a folder")?;
+    Ok(if check {
+        Command::Check(dir)
+    } else {
+        Command::Write(dir)
+    })
+}
+
+fn main() -> ExitCode {
+    let command = match parse(std::env::args_os().skip(1)) {
+        Ok(command) => command,
+        Err(message) => {
+            eprintln!("make-assets: {message}\n\n{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    let outcome = match command {
+        Command::Help => {
+            println!("{USAGE}");
+            return ExitCode::SUCCESS;
+        }
+        Command::Write(dir) => assets::write(&dir).map(|written| {
+            for name in &written {
+                eprintln!("wrote {}", dir.join(name).display());
+            }
+            if written.is_empty() {
+                eprintln!("{}: already as generated", dir.display());
+            }
+            ExitCode::SUCCESS
+        }),
+        Command::Check(dir) => assets::compare(&dir).map(|differences| {
+            for (name, difference) in &differences {
+                println!("{}: {difference}", dir.join(name).display());
+            }
+            if differences.is_empty() {
+                return ExitCode::SUCCESS;
+            }
+            eprintln!(
+                "make-assets: {} of the files differ; run `make-assets {}` to write them anew, and delete those not generated",
+                differences.len(),
+                dir.display()
+            );
+            ExitCode::from(1)
+        }),
+    };
+    outcome.unwrap_or_else(|error| {
+        eprintln!("make-assets: {error}");
+        ExitCode::from(2)
+    })
+}

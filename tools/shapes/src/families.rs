@@ -1,0 +1,718 @@
+//! Point families: seeded clouds of exactly `n` points, each with a known geometric property.
+//!
+//! Every family is a function `fn(n, seed) -> Vec<[f32; 3]>`, and [`Family`] lists them by name. All of them promise:
+//!
+//! - `n` points, finite, pairwise distinct, without negative zero, for every `n` from [`MIN_POINTS`] up to at least
+//!   a hundred thousand;
+//! - the same bits for the same `n` and `seed` on every machine;
+//! - coordinates within [-1, 1].
+//!
+//! "All extreme" means that the points, before they are rounded to `f32`, are all vertices of their convex hull. Where
+//! points lie very close together, rounding (6e-8 at a distance of one) can push one of them into the hull.
+//!
+//! Families that leave nothing to chance take a seed all the same, so that all have one signature, and ignore it.
+
+use crate::rng::SplitMix64;
+use crate::turn::cos_sin;
+use crate::vector::{self, Vec3, to_f32};
+use std::collections::HashSet;
+
+/// Fewest points that a family can be asked for: below eight, a prism or a grid is no longer one.
+pub const MIN_POINTS: usize = 8;
+
+/// Semi-axes of [`clustered_ellipsoid`].
+pub const ELLIPSOID_SEMI_AXES: [f64; 3] = [1.0, 0.6, 0.3];
+
+/// Half the thickness of [`lens`], whose rim has radius 1.
+pub const LENS_HALF_THICKNESS: f64 = 0.05;
+
+/// Radius of [`needle`] across, where its half-length is 1.
+pub const NEEDLE_RADIUS: f64 = 1e-3;
+
+/// Height of the plane that [`flat_sheet`] lies in.
+pub const FLAT_SHEET_Z: f32 = 0.25;
+
+/// Candidates tried for each point before a family is held to have no more distinct points to give.
+const MAX_TRIES_PER_POINT: usize = 64;
+
+/// The signature that all families share.
+pub type Generator = fn(usize, u64) -> Vec<[f32; 3]>;
+
+/// One of the point families, to iterate over or to look up by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Family {
+    /// [`sphere`]
+    Sphere,
+    /// [`clustered_ellipsoid`]
+    ClusteredEllipsoid,
+    /// [`rock`]
+    Rock,
+    /// [`prism`]
+    Prism,
+    /// [`rotated_prism`]
+    RotatedPrism,
+    /// [`cone`]
+    Cone,
+    /// [`lens`]
+    Lens,
+    /// [`uv_sphere`]
+    UvSphere,
+    /// [`ball`]
+    Ball,
+    /// [`cube_grid`]
+    CubeGrid,
+    /// [`flat_sheet`]
+    FlatSheet,
+    /// [`needle`]
+    Needle,
+}
+
+impl Family {
+    /// Every family, in a fixed order.
+    pub const ALL: [Family; 12] = [
+        Family::Sphere,
+        Family::ClusteredEllipsoid,
+        Family::Rock,
+        Family::Prism,
+        Family::RotatedPrism,
+        Family::Cone,
+        Family::Lens,
+        Family::UvSphere,
+        Family::Ball,
+        Family::CubeGrid,
+        Family::FlatSheet,
+        Family::Needle,
+    ];
+
+    /// The family's name, which is that of its function.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Family::Sphere => "sphere",
+            Family::ClusteredEllipsoid => "clustered_ellipsoid",
+            Family::Rock => "rock",
+            Family::Prism => "prism",
+            Family::RotatedPrism => "rotated_prism",
+            Family::Cone => "cone",
+            Family::Lens => "lens",
+            Family::UvSphere => "uv_sphere",
+            Family::Ball => "ball",
+            Family::CubeGrid => "cube_grid",
+            Family::FlatSheet => "flat_sheet",
+            Family::Needle => "needle",
+        }
+    }
+
+    /// The family called `name`, if there is one.
+    pub fn from_name(name: &str) -> Option<Family> {
+        Family::ALL.into_iter().find(|family| family.name() == name)
+    }
+
+    /// The function behind the family.
+    pub const fn generator(self) -> Generator {
+        match self {
+            Family::Sphere => sphere,
+            Family::ClusteredEllipsoid => clustered_ellipsoid,
+            Family::Rock => rock,
+            Family::Prism => prism,
+            Family::RotatedPrism => rotated_prism,
+            Family::Cone => cone,
+            Family::Lens => lens,
+            Family::UvSphere => uv_sphere,
+            Family::Ball => ball,
+            Family::CubeGrid => cube_grid,
+            Family::FlatSheet => flat_sheet,
+            Family::Needle => needle,
+        }
+    }
+
+    /// Exactly `n` points of the family.
+    ///
+    /// # Panics
+    /// If `n` is below [`MIN_POINTS`], or above what the family can give in distinct `f32` points.
+    pub fn points(self, n: usize, seed: u64) -> Vec<[f32; 3]> {
+        self.generator()(n, seed)
+    }
+
+    /// Affine rank of the points: 3 for solids, 2 for [`flat_sheet`].
+    pub const fn rank(self) -> usize {
+        match self {
+            Family::FlatSheet => 2,
+            _ => 3,
+        }
+    }
+
+    /// Whether all points are vertices of the hull, but for rounding to `f32`.
+    pub const fn all_extreme(self) -> bool {
+        !matches!(self, Family::Ball | Family::CubeGrid | Family::FlatSheet)
+    }
+
+    /// Whether the seed changes the points.
+    pub const fn is_random(self) -> bool {
+        !matches!(
+            self,
+            Family::Prism
+                | Family::RotatedPrism
+                | Family::Cone
+                | Family::UvSphere
+                | Family::CubeGrid
+        )
+    }
+}
+
+/// Random points on the unit sphere, uniform by area; all extreme.
+///
+/// # Panics
+/// If `n` is below [`MIN_POINTS`].
+pub fn sphere(n: usize, seed: u64) -> Vec<[f32; 3]> {
+    let mut rng = SplitMix64::new(seed);
+    distinct(n, || rng.direction())
+}
+
+/// Random points on an ellipsoid, crowded around eight random places; all extreme.
+///
+/// One point in eight is uniform, so that no side is bare. The semi-axes are [`ELLIPSOID_SEMI_AXES`].
+///
+/// # Panics
+/// If `n` is below [`MIN_POINTS`].
+pub fn clustered_ellipsoid(n: usize, seed: u64) -> Vec<[f32; 3]> {
+    /// Reach of a cluster about its centre, in radii of the unit sphere.
+    const CLUSTER_RADIUS: f64 = 0.25;
+    let mut rng = SplitMix64::new(seed);
+    let centres: [Vec3; 8] = core::array::from_fn(|_| rng.direction());
+    distinct(n, || {
+        let uniform = rng.direction();
+        let on_sphere = if rng.below(8) == 0 {
+            uniform
+        } else {
+            // Linear reach: a cluster is denser in the middle, yet not so dense that rounding eats its points.
+            let reach = CLUSTER_RADIUS * rng.unit();
+            let centre = centres[rng.below(centres.len())];
+            vector::normalized(vector::add(centre, vector::scale(uniform, reach)))
+        };
+        stretched(on_sphere, ELLIPSOID_SEMI_AXES)
+    })
+}
+
+/// A rounded, lopsided boulder with about two dozen knobs; all extreme.
+///
+/// Points are where random outward normals touch a [`Boulder`], so they crowd on the knobs and thin out between them.
+///
+/// # Panics
+/// If `n` is below [`MIN_POINTS`].
+pub fn rock(n: usize, seed: u64) -> Vec<[f32; 3]> {
+    let boulder = Boulder::new(seed);
+    // The normals continue from another seed, or they would retrace the knobs.
+    let mut rng = SplitMix64::new(!seed);
+    distinct(n, || boulder.support_point(rng.direction()))
+}
+
+/// Two regular polygons one above the other, at z = ±1 and of radius 1; all extreme.
+///
+/// Both caps are exactly planar. For odd `n` the lower one has a corner more. The seed is not used.
+///
+/// # Panics
+/// If `n` is below [`MIN_POINTS`].
+pub fn prism(n: usize, _seed: u64) -> Vec<[f32; 3]> {
+    distinct_from(n, prism_corners(n))
+}
+
+/// The points of [`prism`] at 0.7 of the size, turned by a fixed rotation about (3, 1, 2).
+///
+/// Rounding to `f32` bends the caps: points that were coplanar are so only to about 6e-8. The seed is not used.
+///
+/// # Panics
+/// If `n` is below [`MIN_POINTS`].
+pub fn rotated_prism(n: usize, _seed: u64) -> Vec<[f32; 3]> {
+    // A prism reaches √2 from its centre: 0.7 keeps any rotation of it within [-1, 1].
+    distinct_from(
+        n,
+        prism_corners(n).map(|p| rotated_generic(vector::scale(p, 0.7))),
+    )
+}
+
+/// A regular polygon of `n` − 1 corners at z = -1, of radius 1, and an apex at z = 1; all extreme.
+///
+/// The base is exactly planar; the apex is the last point and has `n` − 1 neighbours. The seed is not used.
+///
+/// # Panics
+/// If `n` is below [`MIN_POINTS`].
+pub fn cone(n: usize, _seed: u64) -> Vec<[f32; 3]> {
+    let base = ring(n.saturating_sub(1).max(1), 1.0, -1.0);
+    distinct_from(n, base.chain([[0.0, 0.0, 1.0]]))
+}
+
+/// Random points on two shallow spherical caps that share a rim of radius 1; all extreme.
+///
+/// Twenty times as wide as it is thick: see [`LENS_HALF_THICKNESS`].
+///
+/// # Panics
+/// If `n` is below [`MIN_POINTS`].
+pub fn lens(n: usize, seed: u64) -> Vec<[f32; 3]> {
+    let radius = lens_sphere_radius();
+    let mut rng = SplitMix64::new(seed);
+    distinct(n, || {
+        // Uniform height on a spherical cap is uniform area.
+        let height = rng.between(0.0, LENS_HALF_THICKNESS);
+        let below_top = LENS_HALF_THICKNESS - height;
+        let r = libm::sqrt(below_top * (2.0 * radius - below_top));
+        let angle_rad = core::f64::consts::TAU * rng.unit();
+        let side = if rng.below(2) == 0 { 1.0 } else { -1.0 };
+        [
+            r * libm::cos(angle_rad),
+            r * libm::sin(angle_rad),
+            side * height,
+        ]
+    })
+}
+
+/// Latitude and longitude grid on the unit sphere, poles first and last; all extreme.
+///
+/// Rings of equal latitude are exactly planar. The lowest ring takes what is left of `n` and may be sparser than the
+/// others. The seed is not used.
+///
+/// # Panics
+/// If `n` is below [`MIN_POINTS`].
+pub fn uv_sphere(n: usize, _seed: u64) -> Vec<[f32; 3]> {
+    let on_rings = n.saturating_sub(2);
+    // Rings span half a turn and segments a whole one: twice as many segments make the cells about square.
+    let segments = (2 * on_rings).isqrt().max(3);
+    let rings = on_rings.div_ceil(segments);
+    let rows = (0..rings).flat_map(|row| {
+        let (z, r) = cos_sin(row + 1, 2 * (rings + 1));
+        ring(segments.min(on_rings - row * segments), r, z)
+    });
+    let points = [[0.0, 0.0, 1.0]]
+        .into_iter()
+        .chain(rows)
+        .chain([[0.0, 0.0, -1.0]]);
+    distinct_from(n, points)
+}
+
+/// Random points inside the unit ball, uniform by volume; few extreme (about √n of them).
+///
+/// # Panics
+/// If `n` is below [`MIN_POINTS`].
+pub fn ball(n: usize, seed: u64) -> Vec<[f32; 3]> {
+    let mut rng = SplitMix64::new(seed);
+    distinct(n, || vector::scale(rng.direction(), libm::cbrt(rng.unit())))
+}
+
+/// The first `n` points of a cubic grid, x fastest; a handful extreme, the rest on faces, on edges or inside.
+///
+/// The grid is the smallest that has `n` points. Its step is a power of two, so all coordinates are exact and every
+/// coplanar or collinear set is exactly so. Unless `n` is a cube, the topmost layers are incomplete. The seed is not
+/// used.
+///
+/// # Panics
+/// If `n` is below [`MIN_POINTS`].
+pub fn cube_grid(n: usize, _seed: u64) -> Vec<[f32; 3]> {
+    let side = (1..=n).find(|side| side.pow(3) >= n).unwrap_or(1);
+    let step = 2.0 / side.next_power_of_two() as f64;
+    let coordinate = move |index: usize| (index as f64 - (side - 1) as f64 / 2.0) * step;
+    let points = (0..n).map(|i| [i % side, i / side % side, i / (side * side)].map(coordinate));
+    distinct_from(n, points)
+}
+
+/// Random points in a square of the plane z = [`FLAT_SHEET_Z`]: affine rank 2, exactly.
+///
+/// # Panics
+/// If `n` is below [`MIN_POINTS`].
+pub fn flat_sheet(n: usize, seed: u64) -> Vec<[f32; 3]> {
+    let mut rng = SplitMix64::new(seed);
+    distinct(n, || {
+        [
+            rng.between(-1.0, 1.0),
+            rng.between(-1.0, 1.0),
+            f64::from(FLAT_SHEET_Z),
+        ]
+    })
+}
+
+/// Random points on an ellipsoid a thousand times as long (in x) as it is wide; all extreme.
+///
+/// The half-length is 1, the radius across is [`NEEDLE_RADIUS`].
+///
+/// # Panics
+/// If `n` is below [`MIN_POINTS`].
+pub fn needle(n: usize, seed: u64) -> Vec<[f32; 3]> {
+    let mut rng = SplitMix64::new(seed);
+    distinct(n, || {
+        stretched(rng.direction(), [1.0, NEEDLE_RADIUS, NEEDLE_RADIUS])
+    })
+}
+
+/// A smooth, strictly convex boulder, given by its support function h.
+///
+/// With random knobs v and the positive part x₊, h(d) = r |d| + (Σ (d·v)₊⁸)^⅛. Both terms are convex and scale with
+/// d, so h is the support function of a convex body: a ball of radius r, swept over a softened hull of the knobs and
+/// the origin. The ball makes it strictly convex: each outward normal touches it in one point, the gradient of h.
+#[derive(Clone, Debug)]
+pub struct Boulder {
+    knobs: [Vec3; Boulder::KNOB_COUNT],
+}
+
+impl Boulder {
+    /// Knobs on a boulder.
+    pub const KNOB_COUNT: usize = 24;
+    /// Radius r of the ball in the sweep.
+    pub const BALL_RADIUS: f64 = 0.25;
+    /// Nearest and farthest that a knob lies from the origin.
+    pub const KNOB_DISTANCE: [f64; 2] = [0.4, 0.6];
+
+    /// A boulder with random knobs.
+    pub fn new(seed: u64) -> Self {
+        let mut rng = SplitMix64::new(seed);
+        let [near, far] = Self::KNOB_DISTANCE;
+        let knobs = core::array::from_fn(|_| {
+            let direction = rng.direction();
+            vector::scale(direction, rng.between(near, far))
+        });
+        Self { knobs }
+    }
+
+    /// The point whose outward normal is `normal`, a unit vector.
+    pub fn support_point(&self, normal: [f64; 3]) -> [f64; 3] {
+        let mut sum_of_eighths = 0.0;
+        let mut sum_of_sevenths = [0.0; 3];
+        for &knob in &self.knobs {
+            let x = vector::dot(normal, knob).max(0.0);
+            let x2 = x * x;
+            let x4 = x2 * x2;
+            sum_of_eighths += x4 * x4;
+            sum_of_sevenths = vector::add(sum_of_sevenths, vector::scale(knob, x4 * x2 * x));
+        }
+        let on_ball = vector::scale(normal, Self::BALL_RADIUS);
+        if sum_of_eighths == 0.0 {
+            // All knobs are behind: the softened hull's support point is the origin.
+            return on_ball;
+        }
+        let root = libm::sqrt(libm::sqrt(libm::sqrt(sum_of_eighths)));
+        // The gradient of (Σ x⁸)^⅛ is Σ x⁷ v / (Σ x⁸)^⅞.
+        let soft = vector::scale(sum_of_sevenths, root / sum_of_eighths);
+        vector::add(on_ball, soft)
+    }
+}
+
+/// Radius of the spheres that the two caps of a lens with rim radius 1 are cut from.
+pub(crate) fn lens_sphere_radius() -> f64 {
+    (1.0 + LENS_HALF_THICKNESS * LENS_HALF_THICKNESS) / (2.0 * LENS_HALF_THICKNESS)
+}
+
+/// A regular polygon about the z axis, from the x axis on.
+fn ring(corners: usize, radius: f64, z: f64) -> impl Iterator<Item = Vec3> {
+    (0..corners).map(move |i| {
+        let (c, s) = cos_sin(i, corners);
+        [radius * c, radius * s, z]
+    })
+}
+
+fn prism_corners(n: usize) -> impl Iterator<Item = Vec3> {
+    let top = n / 2;
+    ring(n - top, 1.0, -1.0).chain(ring(top, 1.0, 1.0))
+}
+
+fn stretched(p: Vec3, semi_axes: Vec3) -> Vec3 {
+    [
+        p[0] * semi_axes[0],
+        p[1] * semi_axes[1],
+        p[2] * semi_axes[2],
+    ]
+}
+
+/// `p` turned by one radian about (3, 1, 2), by Rodrigues' formula.
+fn rotated_generic(p: Vec3) -> Vec3 {
+    let axis = vector::normalized([3.0, 1.0, 2.0]);
+    let (c, s) = (libm::cos(1.0), libm::sin(1.0));
+    let along = vector::scale(axis, vector::dot(axis, p) * (1.0 - c));
+    let across = vector::scale(vector::cross(axis, p), s);
+    vector::add(vector::scale(p, c), vector::add(across, along))
+}
+
+/// `n` points drawn from `candidate`, rounded to `f32`; one that was drawn before is dropped.
+fn distinct(n: usize, candidate: impl FnMut() -> Vec3) -> Vec<[f32; 3]> {
+    let cap = n.saturating_mul(MAX_TRIES_PER_POINT);
+    distinct_from(n, core::iter::repeat_with(candidate).take(cap))
+}
+
+/// The first `n` distinct points of `candidates`, rounded to `f32`.
+fn distinct_from(n: usize, candidates: impl Iterator<Item = Vec3>) -> Vec<[f32; 3]> {
+    assert!(
+        n >= MIN_POINTS,
+        "a family has at least {MIN_POINTS} points, not {n}"
+    );
+    // Only asked whether it holds a point, so its order cannot matter.
+    let mut seen = HashSet::with_capacity(n);
+    let mut points = Vec::with_capacity(n);
+    for candidate in candidates {
+        let point = to_f32(candidate);
+        if seen.insert(point.map(f32::to_bits)) {
+            points.push(point);
+            if points.len() == n {
+                return points;
+            }
+        }
+    }
+    panic!(
+        "the family has only {} distinct points in f32, fewer than the {n} asked for",
+        points.len()
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vector::{dot, length, to_f64};
+
+    const SEEDS: [u64; 3] = [0, 1, 0xdead_beef];
+
+    fn extent(points: &[[f32; 3]], axis: usize) -> (f32, f32) {
+        points
+            .iter()
+            .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), p| {
+                (low.min(p[axis]), high.max(p[axis]))
+            })
+    }
+
+    #[test]
+    fn names_find_their_family() {
+        for family in Family::ALL {
+            assert_eq!(Family::from_name(family.name()), Some(family));
+        }
+        assert_eq!(Family::from_name("Sphere"), None);
+    }
+
+    #[test]
+    fn families_give_exactly_n_finite_distinct_points_in_the_unit_cube() {
+        for family in Family::ALL {
+            for n in [MIN_POINTS, 9, 10, 11, 27, 64, 101, 1_000, 4_099] {
+                for seed in SEEDS {
+                    let points = family.points(n, seed);
+                    let at = format!("{} n={n} seed={seed}", family.name());
+                    assert_eq!(points.len(), n, "{at}");
+                    let bits: HashSet<_> = points.iter().map(|p| p.map(f32::to_bits)).collect();
+                    assert_eq!(bits.len(), n, "{at}: repeated points");
+                    for x in points.iter().flatten() {
+                        // NaN fails the comparison.
+                        assert!(x.abs() <= 1.0, "{at}: {x}");
+                        assert_ne!(x.to_bits(), (-0.0_f32).to_bits(), "{at}: negative zero");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn large_families_are_still_distinct() {
+        for family in Family::ALL {
+            assert_eq!(family.points(100_000, 5).len(), 100_000);
+        }
+    }
+
+    #[test]
+    fn seeds_decide_and_nothing_else_does() {
+        for family in Family::ALL {
+            let name = family.name();
+            assert_eq!(family.points(300, 3), family.points(300, 3), "{name}");
+            let changed = family.points(300, 3) != family.points(300, 4);
+            assert_eq!(changed, family.is_random(), "{name}");
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "at least 8 points")]
+    fn too_few_points_are_refused() {
+        cone(0, 0);
+    }
+
+    #[test]
+    fn sphere_points_lie_on_the_sphere_and_are_extreme() {
+        for points in [sphere(500, 1), uv_sphere(500, 1)] {
+            for (i, &p) in points.iter().enumerate() {
+                assert!((length(to_f64(p)) - 1.0).abs() < 1e-7);
+                // On a sphere, each point is the support point in its own direction.
+                let own = dot(to_f64(p), to_f64(p));
+                for (j, &q) in points.iter().enumerate() {
+                    assert!(i == j || dot(to_f64(p), to_f64(q)) < own, "{i} {j}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn uv_sphere_has_poles_and_planar_rings() {
+        let points = uv_sphere(2 + 30 * 15, 0);
+        assert_eq!(points[0], [0.0, 0.0, 1.0]);
+        assert_eq!(points[points.len() - 1], [0.0, 0.0, -1.0]);
+        let heights: HashSet<_> = points.iter().map(|p| p[2].to_bits()).collect();
+        assert_eq!(heights.len(), 2 + 15);
+    }
+
+    #[test]
+    fn ellipsoid_and_needle_points_lie_on_their_surface() {
+        let needle_axes = [1.0, NEEDLE_RADIUS, NEEDLE_RADIUS];
+        let cases = [
+            (clustered_ellipsoid(1_000, 2), ELLIPSOID_SEMI_AXES),
+            (needle(1_000, 2), needle_axes),
+        ];
+        for (points, axes) in cases {
+            for &p in &points {
+                let q = stretched(to_f64(p), axes.map(|a| 1.0 / a));
+                assert!((length(q) - 1.0).abs() < 2e-7, "{p:?}");
+            }
+        }
+        let (low, high) = extent(&needle(1_000, 2), 0);
+        assert!(high - low > 1.99);
+    }
+
+    #[test]
+    fn clusters_are_much_denser_than_the_rest() {
+        // Share of points with another nearer than a tenth of the mean spacing: clusters must raise it well.
+        let crowded = |points: &[[f32; 3]]| {
+            let near = |p: [f32; 3], q: [f32; 3]| {
+                p != q && length(vector::sub(to_f64(p), to_f64(q))) < 0.01
+            };
+            let count = points
+                .iter()
+                .filter(|p| points.iter().any(|q| near(**p, *q)));
+            count.count() as f64 / points.len() as f64
+        };
+        let even: Vec<_> = sphere(1_000, 3)
+            .into_iter()
+            .map(|p| to_f32(stretched(to_f64(p), ELLIPSOID_SEMI_AXES)))
+            .collect();
+        let (clustered, even) = (crowded(&clustered_ellipsoid(1_000, 3)), crowded(&even));
+        assert!(clustered > 5.0 * even, "{clustered} against {even}");
+    }
+
+    #[test]
+    fn rock_points_are_extreme_along_their_normals() {
+        let boulder = Boulder::new(9);
+        let mut rng = SplitMix64::new(4);
+        let touching: Vec<_> = (0..800)
+            .map(|_| rng.direction())
+            .map(|normal| (normal, boulder.support_point(normal)))
+            .collect();
+        for (i, &(normal, own)) in touching.iter().enumerate() {
+            for (j, &(_, other)) in touching.iter().enumerate() {
+                assert!(i == j || dot(normal, other) < dot(normal, own), "{i} {j}");
+            }
+        }
+    }
+
+    #[test]
+    fn rock_is_bumpy() {
+        let radii = rock(2_000, 1)
+            .into_iter()
+            .map(|p| length(to_f64(p)))
+            .fold((f64::INFINITY, 0.0_f64), |(low, high), r| {
+                (low.min(r), high.max(r))
+            });
+        assert!(radii.0 < 0.9 * radii.1, "{radii:?}");
+    }
+
+    #[test]
+    fn prism_caps_are_planar_and_equal() {
+        let points = prism(1_000, 0);
+        let (bottom, top) = points.split_at(500);
+        for (b, t) in bottom.iter().zip(top) {
+            assert_eq!([b[0], b[1]], [t[0], t[1]]);
+            assert_eq!((b[2], t[2]), (-1.0, 1.0));
+            assert!((f64::from(b[0]).hypot(f64::from(b[1])) - 1.0).abs() < 1e-7);
+        }
+        assert_eq!(prism(11, 0).iter().filter(|p| p[2] < 0.0).count(), 6);
+    }
+
+    #[test]
+    fn rotated_prism_caps_are_planar_only_to_rounding() {
+        let points = rotated_prism(1_000, 0);
+        let normal = rotated_generic([0.0, 0.0, 1.0]);
+        assert!(normal.iter().all(|x| x.abs() > 0.1), "{normal:?}");
+        let heights: Vec<_> = points[500..]
+            .iter()
+            .map(|&p| dot(to_f64(p), normal))
+            .collect();
+        let worst = heights.iter().map(|h| (h - 0.7).abs()).fold(0.0, f64::max);
+        assert!(worst > 1e-9 && worst < 1e-7, "{worst}");
+    }
+
+    #[test]
+    fn cone_has_a_planar_base_and_an_apex() {
+        let points = cone(65, 0);
+        assert_eq!(points[64], [0.0, 0.0, 1.0]);
+        assert!(points[..64].iter().all(|p| p[2] == -1.0));
+    }
+
+    #[test]
+    fn lens_is_thin_and_its_points_lie_on_two_spheres() {
+        let points = lens(2_000, 6);
+        let (width, thickness) = (extent(&points, 0), extent(&points, 2));
+        let ratio = (width.1 - width.0) / (thickness.1 - thickness.0);
+        assert!((19.0..21.0).contains(&ratio), "{ratio}");
+        let radius = lens_sphere_radius();
+        for &p in &points {
+            let mut q = to_f64(p);
+            q[2] = q[2].abs() + radius - LENS_HALF_THICKNESS;
+            assert!((length(q) - radius).abs() < 1e-7, "{p:?}");
+        }
+        let upper = points.iter().filter(|p| p[2] > 0.0).count();
+        assert!((900..1_100).contains(&upper), "{upper}");
+    }
+
+    #[test]
+    fn ball_points_fill_the_ball() {
+        let radii: Vec<_> = ball(2_000, 8)
+            .into_iter()
+            .map(|p| length(to_f64(p)))
+            .collect();
+        assert!(radii.iter().all(|r| *r < 1.0));
+        // Half the radius holds an eighth of the volume.
+        let inner = radii.iter().filter(|r| **r < 0.5).count();
+        assert!((200..300).contains(&inner), "{inner}");
+    }
+
+    #[test]
+    fn cube_grid_coordinates_are_exact() {
+        let points = cube_grid(1_000, 0);
+        for axis in 0..3 {
+            let values: HashSet<_> = points.iter().map(|p| p[axis].to_bits()).collect();
+            assert_eq!(values.len(), 10);
+            assert_eq!(extent(&points, axis), (-0.5625, 0.5625));
+        }
+        // The step is 1/8 and the grid is centred, so sixteenths are whole numbers.
+        assert!(points.iter().flatten().all(|x| (x * 16.0).fract() == 0.0));
+    }
+
+    #[test]
+    fn flat_sheet_is_flat() {
+        assert!(flat_sheet(500, 1).iter().all(|p| p[2] == FLAT_SHEET_Z));
+    }
+
+    /// FNV-1a over the little-endian bits of all coordinates.
+    fn fingerprint(points: &[[f32; 3]]) -> u64 {
+        let bytes = points.iter().flatten().flat_map(|x| x.to_le_bytes());
+        bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+        })
+    }
+
+    /// Benchmarks of different days are comparable only while these hold: change them knowingly.
+    #[test]
+    fn families_have_not_drifted() {
+        let found = Family::ALL.map(|f| (f.name(), fingerprint(&f.points(1_000, 42))));
+        let expected = [
+            ("sphere", 0x1afd_f8ce_add6_6226),
+            ("clustered_ellipsoid", 0xe19e_da2d_a9b6_0e07),
+            ("rock", 0x7a0f_ae7b_0859_b51a),
+            ("prism", 0x9e37_2eb9_cb10_dde5),
+            ("rotated_prism", 0xe058_87c6_9bed_473d),
+            ("cone", 0x5215_104e_7a0e_9724),
+            ("lens", 0x9a9f_3ccb_479c_66f1),
+            ("uv_sphere", 0xe0da_0fd8_21ce_2861),
+            ("ball", 0x1926_8399_3dbb_066e),
+            ("cube_grid", 0xf9cb_6d04_0d14_e025),
+            ("flat_sheet", 0xdb26_ecdb_bf88_4ddb),
+            ("needle", 0xcb4e_a533_a6d6_884e),
+        ];
+        assert_eq!(found, expected, "{found:#x?}");
+    }
+}
