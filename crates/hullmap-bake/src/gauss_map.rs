@@ -6,14 +6,18 @@
 //!
 //! An arc of more than a right angle gets a corner in between: interpolating along it would lose digits, all of them on
 //! a hull as thin as [`crate::hull::rank::FLAT`] allows.
+//!
+//! The cone at a corner of a polygon (rank 2) holds a whole line, the polygon's normal and its opposite, and is no polygon
+//! on the sphere. It is kept as two pieces, one a side.
 
 use glam::DVec3;
 
 use crate::hull::{Hull, certify::accurate_cross, edges};
 
-/// The normal cones of a hull of rank 2 or 3: polygons on the sphere.
+/// The normal cones of a hull of rank 2 or 3, as convex polygons on the sphere of less than half of it.
 pub struct GaussMap {
-    starts: Vec<usize>,
+    /// Vertex of each piece of a cone, ascending, and where its corners end.
+    pieces: Vec<(u32, usize)>,
     corners: Vec<DVec3>,
     neighbour_starts: Vec<usize>,
     neighbours: Vec<u32>,
@@ -44,12 +48,39 @@ impl GaussMap {
             }
         }
         all.sort_unstable_by_key(|c| (c.at, c.after));
-        let mut map =
-            Self { starts: vec![0], corners: Vec::new(), neighbour_starts: vec![0], neighbours: Vec::new(), positions };
+        let mut map = Self {
+            pieces: Vec::new(),
+            corners: Vec::new(),
+            neighbour_starts: vec![0],
+            neighbours: Vec::new(),
+            positions,
+        };
         for around in all.chunk_by(|a, b| a.at == b.at) {
-            map.push_cone(around, &normals);
+            if hull.rank == 2 {
+                map.push_lune(around, &normals);
+            } else {
+                map.push_cone(around, &normals);
+            }
+            map.neighbours.extend(around.iter().map(|c| c.after));
+            map.neighbour_starts.push(map.neighbours.len());
         }
         map
+    }
+
+    /// Adds the two pieces of the cone at a polygon's corner: from each side's normal out to both edges' normals.
+    fn push_lune(&mut self, around: &[Corner], normals: &[DVec3]) {
+        for corner in around {
+            let up = normals[corner.face as usize];
+            let at = self.positions[corner.at as usize];
+            let outward = |edge: DVec3| accurate_cross(edge, up).normalize();
+            let before = outward(at - self.positions[corner.before as usize]);
+            let after = outward(self.positions[corner.after as usize] - at);
+            // The turn from one edge to the next may be almost half a circle.
+            let between = up.cross(before);
+            let middle = (before.dot(after) < 0.0).then_some(between);
+            self.corners.extend([up, before].into_iter().chain(middle).chain([after]));
+            self.pieces.push((corner.at, self.corners.len()));
+        }
     }
 
     /// Adds the cone of the vertex that `around`, sorted by the vertex after it, are the corners at.
@@ -62,15 +93,13 @@ impl GaussMap {
             let (from, to) = (normals[corner.face as usize], normals[next.face as usize]);
             self.corners.push(from);
             if from.dot(to) < 0.0 {
-                let edge = self.positions[across as usize] - self.positions[corner.at as usize];
-                let between = accurate_cross(edge, from).normalize();
-                self.corners.push(if between.dot(to) < 0.0 { -between } else { between });
+                // Out of the facet across the edge that it walks from `across` to this vertex.
+                let edge = self.positions[corner.at as usize] - self.positions[across as usize];
+                self.corners.push(accurate_cross(edge, from).normalize());
             }
             corner = next;
         }
-        self.starts.push(self.corners.len());
-        self.neighbours.extend(around.iter().map(|c| c.after));
-        self.neighbour_starts.push(self.neighbours.len());
+        self.pieces.push((around[0].at, self.corners.len()));
     }
 
     /// Vertices, each with a cone.
@@ -78,9 +107,11 @@ impl GaussMap {
         self.positions.len()
     }
 
-    /// Corners of a vertex's cone, in order around it, of unit length.
-    pub fn cone(&self, vertex: u32) -> &[DVec3] {
-        &self.corners[self.starts[vertex as usize]..self.starts[vertex as usize + 1]]
+    /// The pieces of the cones, in ascending order of their vertices: the vertex, and the corners in order around the
+    /// piece, of unit length.
+    pub fn pieces(&self) -> impl Iterator<Item = (u32, &[DVec3])> {
+        let starts = std::iter::once(0).chain(self.pieces.iter().map(|p| p.1));
+        self.pieces.iter().zip(starts).map(|(&(vertex, end), start)| (vertex, &self.corners[start..end]))
     }
 
     /// Vertices that share an edge with `vertex`, ascending.
@@ -120,13 +151,13 @@ mod tests {
     /// The truth: every corner of a cone sees its vertex as a support point.
     fn check(hull: &Hull, map: &GaussMap) {
         let positions = hull.positions();
-        for v in 0..map.vertex_count() as u32 {
-            assert!(map.cone(v).len() >= 3);
-            for corner in map.cone(v) {
+        assert_eq!(map.vertex_count(), positions.len());
+        for (v, piece) in map.pieces() {
+            assert!(piece.len() >= 3);
+            for corner in piece {
                 let best = positions.iter().map(|p| p.dot(*corner)).fold(f64::NEG_INFINITY, f64::max);
                 assert!(best - positions[v as usize].dot(*corner) <= 1e-13 * hull.diameter, "vertex {v}");
             }
-            assert_eq!(map.neighbours(v), hull.neighbours()[v as usize]);
         }
     }
 
@@ -135,14 +166,21 @@ mod tests {
         for family in [shapes::families::sphere, shapes::families::lens, shapes::families::prism] {
             let (hull, map) = map(family(200, 3));
             check(&hull, &map);
+            assert_eq!(map.pieces().count(), hull.vertices.len());
+            let joined = |v: u32, w: u32| hull.faces.iter().flat_map(|f| edges(f)).any(|e| e == (v, w));
+            for v in 0..hull.vertices.len() as u32 {
+                assert!(map.neighbours(v).iter().all(|&w| joined(v, w)) && map.neighbours(v).len() >= 3);
+            }
         }
     }
 
     #[test]
-    fn a_polygon_has_lunes() {
+    fn a_polygon_has_two_pieces_a_corner() {
         let (hull, map) = map(vec![[0., 0., 1.], [1., 0., 1.], [0., 1., 1.], [1., 1., 1.], [0.5, 1.25, 1.]]);
         assert_eq!(hull.rank, 2);
         check(&hull, &map);
-        assert_eq!(map.cone(0).len(), 4, "up, side, down, side");
+        assert_eq!(map.pieces().count(), 10);
+        let (_, sharp) = super::tests::map(vec![[0., 0., 0.], [9., 0.1, 0.], [9., -0.1, 0.]]);
+        assert_eq!(sharp.pieces().next().map(|p| p.1.len()), Some(4), "up, side, between, side");
     }
 }

@@ -30,7 +30,7 @@ pub fn mass(hull: &Hull) -> Mass {
     let origin = DVec3::from_array(hull.vertices[0].map(f64::from));
     let vertices: Vec<DVec3> = hull.positions().iter().map(|p| *p - origin).collect();
     let at = |v: u32| vertices[v as usize];
-    let mut sum = Simplices::default();
+    let mut sum = Simplices { measure: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
     let mut area = 0.0;
     for (number, face) in hull.faces.iter().enumerate() {
         let root = at(face[0]);
@@ -61,7 +61,6 @@ pub fn mass(hull: &Hull) -> Mass {
 }
 
 /// Running integrals of 1, x and xxᵀ over simplices.
-#[derive(Default)]
 struct Simplices {
     measure: f64,
     first: DVec3,

@@ -67,26 +67,16 @@ impl std::error::Error for AssetError {
 
 /// Attaches what was being done, and to which file.
 fn failed<'a>(action: &'static str, path: &'a Path) -> impl FnOnce(io::Error) -> AssetError + 'a {
-    move |source| AssetError {
-        action,
-        path: path.to_owned(),
-        source,
-    }
+    move |source| AssetError { action, path: path.to_owned(), source }
 }
 
 /// Every file that belongs under `assets/`: the models, then the table of them.
 pub fn generate() -> Vec<GeneratedFile> {
     let models = models::all();
-    let readme = GeneratedFile {
-        name: README.to_owned(),
-        bytes: readme(&models).into_bytes(),
-    };
+    let readme = GeneratedFile { name: README.to_owned(), bytes: readme(&models).into_bytes() };
     models
         .iter()
-        .map(|model| GeneratedFile {
-            name: model.file_name.to_owned(),
-            bytes: model.document.to_text().into_bytes(),
-        })
+        .map(|model| GeneratedFile { name: model.file_name.to_owned(), bytes: model.document.to_text().into_bytes() })
         .chain([readme])
         .collect()
 }

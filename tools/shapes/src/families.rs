@@ -148,14 +148,7 @@ impl Family {
 
     /// Whether the seed changes the points.
     pub const fn is_random(self) -> bool {
-        !matches!(
-            self,
-            Family::Prism
-                | Family::RotatedPrism
-                | Family::Cone
-                | Family::UvSphere
-                | Family::CubeGrid
-        )
+        !matches!(self, Family::Prism | Family::RotatedPrism | Family::Cone | Family::UvSphere | Family::CubeGrid)
     }
 }
 
@@ -224,10 +217,7 @@ pub fn prism(n: usize, _seed: u64) -> Vec<[f32; 3]> {
 /// If `n` is below [`MIN_POINTS`].
 pub fn rotated_prism(n: usize, _seed: u64) -> Vec<[f32; 3]> {
     // A prism reaches √2 from its centre: 0.7 keeps any rotation of it within [-1, 1].
-    distinct_from(
-        n,
-        prism_corners(n).map(|p| rotated_generic(vector::scale(p, 0.7))),
-    )
+    distinct_from(n, prism_corners(n).map(|p| rotated_generic(vector::scale(p, 0.7))))
 }
 
 /// A regular polygon of `n` − 1 corners at z = -1, of radius 1, and an apex at z = 1; all extreme.
@@ -257,11 +247,7 @@ pub fn lens(n: usize, seed: u64) -> Vec<[f32; 3]> {
         let r = libm::sqrt(below_top * (2.0 * radius - below_top));
         let angle_rad = core::f64::consts::TAU * rng.unit();
         let side = if rng.below(2) == 0 { 1.0 } else { -1.0 };
-        [
-            r * libm::cos(angle_rad),
-            r * libm::sin(angle_rad),
-            side * height,
-        ]
+        [r * libm::cos(angle_rad), r * libm::sin(angle_rad), side * height]
     })
 }
 
@@ -281,10 +267,7 @@ pub fn uv_sphere(n: usize, _seed: u64) -> Vec<[f32; 3]> {
         let (z, r) = cos_sin(row + 1, 2 * (rings + 1));
         ring(segments.min(on_rings - row * segments), r, z)
     });
-    let points = [[0.0, 0.0, 1.0]]
-        .into_iter()
-        .chain(rows)
-        .chain([[0.0, 0.0, -1.0]]);
+    let points = [[0.0, 0.0, 1.0]].into_iter().chain(rows).chain([[0.0, 0.0, -1.0]]);
     distinct_from(n, points)
 }
 
@@ -319,13 +302,7 @@ pub fn cube_grid(n: usize, _seed: u64) -> Vec<[f32; 3]> {
 /// If `n` is below [`MIN_POINTS`].
 pub fn flat_sheet(n: usize, seed: u64) -> Vec<[f32; 3]> {
     let mut rng = SplitMix64::new(seed);
-    distinct(n, || {
-        [
-            rng.between(-1.0, 1.0),
-            rng.between(-1.0, 1.0),
-            f64::from(FLAT_SHEET_Z),
-        ]
-    })
+    distinct(n, || [rng.between(-1.0, 1.0), rng.between(-1.0, 1.0), f64::from(FLAT_SHEET_Z)])
 }
 
 /// Random points on an ellipsoid a thousand times as long (in x) as it is wide; all extreme.
@@ -336,9 +313,7 @@ pub fn flat_sheet(n: usize, seed: u64) -> Vec<[f32; 3]> {
 /// If `n` is below [`MIN_POINTS`].
 pub fn needle(n: usize, seed: u64) -> Vec<[f32; 3]> {
     let mut rng = SplitMix64::new(seed);
-    distinct(n, || {
-        stretched(rng.direction(), [1.0, NEEDLE_RADIUS, NEEDLE_RADIUS])
-    })
+    distinct(n, || stretched(rng.direction(), [1.0, NEEDLE_RADIUS, NEEDLE_RADIUS]))
 }
 
 /// A smooth, strictly convex boulder, given by its support function h.
@@ -412,11 +387,7 @@ fn prism_corners(n: usize) -> impl Iterator<Item = Vec3> {
 }
 
 fn stretched(p: Vec3, semi_axes: Vec3) -> Vec3 {
-    [
-        p[0] * semi_axes[0],
-        p[1] * semi_axes[1],
-        p[2] * semi_axes[2],
-    ]
+    [p[0] * semi_axes[0], p[1] * semi_axes[1], p[2] * semi_axes[2]]
 }
 
 /// `p` turned by one radian about (3, 1, 2), by Rodrigues' formula.
@@ -436,10 +407,7 @@ fn distinct(n: usize, candidate: impl FnMut() -> Vec3) -> Vec<[f32; 3]> {
 
 /// The first `n` distinct points of `candidates`, rounded to `f32`.
 fn distinct_from(n: usize, candidates: impl Iterator<Item = Vec3>) -> Vec<[f32; 3]> {
-    assert!(
-        n >= MIN_POINTS,
-        "a family has at least {MIN_POINTS} points, not {n}"
-    );
+    assert!(n >= MIN_POINTS, "a family has at least {MIN_POINTS} points, not {n}");
     // Only asked whether it holds a point, so its order cannot matter.
     let mut seen = HashSet::with_capacity(n);
     let mut points = Vec::with_capacity(n);
@@ -452,10 +420,7 @@ fn distinct_from(n: usize, candidates: impl Iterator<Item = Vec3>) -> Vec<[f32; 
             }
         }
     }
-    panic!(
-        "the family has only {} distinct points in f32, fewer than the {n} asked for",
-        points.len()
-    );
+    panic!("the family has only {} distinct points in f32, fewer than the {n} asked for", points.len());
 }
 
 #[cfg(test)]
@@ -466,11 +431,7 @@ mod tests {
     const SEEDS: [u64; 3] = [0, 1, 0xdead_beef];
 
     fn extent(points: &[[f32; 3]], axis: usize) -> (f32, f32) {
-        points
-            .iter()
-            .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), p| {
-                (low.min(p[axis]), high.max(p[axis]))
-            })
+        points.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), p| (low.min(p[axis]), high.max(p[axis])))
     }
 
     #[test]
@@ -550,10 +511,7 @@ mod tests {
     #[test]
     fn ellipsoid_and_needle_points_lie_on_their_surface() {
         let needle_axes = [1.0, NEEDLE_RADIUS, NEEDLE_RADIUS];
-        let cases = [
-            (clustered_ellipsoid(1_000, 2), ELLIPSOID_SEMI_AXES),
-            (needle(1_000, 2), needle_axes),
-        ];
+        let cases = [(clustered_ellipsoid(1_000, 2), ELLIPSOID_SEMI_AXES), (needle(1_000, 2), needle_axes)];
         for (points, axes) in cases {
             for &p in &points {
                 let q = stretched(to_f64(p), axes.map(|a| 1.0 / a));
@@ -568,18 +526,12 @@ mod tests {
     fn clusters_are_much_denser_than_the_rest() {
         // Share of points with another nearer than a tenth of the mean spacing: clusters must raise it well.
         let crowded = |points: &[[f32; 3]]| {
-            let near = |p: [f32; 3], q: [f32; 3]| {
-                p != q && length(vector::sub(to_f64(p), to_f64(q))) < 0.01
-            };
-            let count = points
-                .iter()
-                .filter(|p| points.iter().any(|q| near(**p, *q)));
+            let near = |p: [f32; 3], q: [f32; 3]| p != q && length(vector::sub(to_f64(p), to_f64(q))) < 0.01;
+            let count = points.iter().filter(|p| points.iter().any(|q| near(**p, *q)));
             count.count() as f64 / points.len() as f64
         };
-        let even: Vec<_> = sphere(1_000, 3)
-            .into_iter()
-            .map(|p| to_f32(stretched(to_f64(p), ELLIPSOID_SEMI_AXES)))
-            .collect();
+        let even: Vec<_> =
+            sphere(1_000, 3).into_iter().map(|p| to_f32(stretched(to_f64(p), ELLIPSOID_SEMI_AXES))).collect();
         let (clustered, even) = (crowded(&clustered_ellipsoid(1_000, 3)), crowded(&even));
         assert!(clustered > 5.0 * even, "{clustered} against {even}");
     }
@@ -588,10 +540,8 @@ mod tests {
     fn rock_points_are_extreme_along_their_normals() {
         let boulder = Boulder::new(9);
         let mut rng = SplitMix64::new(4);
-        let touching: Vec<_> = (0..800)
-            .map(|_| rng.direction())
-            .map(|normal| (normal, boulder.support_point(normal)))
-            .collect();
+        let touching: Vec<_> =
+            (0..800).map(|_| rng.direction()).map(|normal| (normal, boulder.support_point(normal))).collect();
         for (i, &(normal, own)) in touching.iter().enumerate() {
             for (j, &(_, other)) in touching.iter().enumerate() {
                 assert!(i == j || dot(normal, other) < dot(normal, own), "{i} {j}");
@@ -604,9 +554,7 @@ mod tests {
         let radii = rock(2_000, 1)
             .into_iter()
             .map(|p| length(to_f64(p)))
-            .fold((f64::INFINITY, 0.0_f64), |(low, high), r| {
-                (low.min(r), high.max(r))
-            });
+            .fold((f64::INFINITY, 0.0_f64), |(low, high), r| (low.min(r), high.max(r)));
         assert!(radii.0 < 0.9 * radii.1, "{radii:?}");
     }
 
@@ -627,10 +575,7 @@ mod tests {
         let points = rotated_prism(1_000, 0);
         let normal = rotated_generic([0.0, 0.0, 1.0]);
         assert!(normal.iter().all(|x| x.abs() > 0.1), "{normal:?}");
-        let heights: Vec<_> = points[500..]
-            .iter()
-            .map(|&p| dot(to_f64(p), normal))
-            .collect();
+        let heights: Vec<_> = points[500..].iter().map(|&p| dot(to_f64(p), normal)).collect();
         let worst = heights.iter().map(|h| (h - 0.7).abs()).fold(0.0, f64::max);
         assert!(worst > 1e-9 && worst < 1e-7, "{worst}");
     }
@@ -660,10 +605,7 @@ mod tests {
 
     #[test]
     fn ball_points_fill_the_ball() {
-        let radii: Vec<_> = ball(2_000, 8)
-            .into_iter()
-            .map(|p| length(to_f64(p)))
-            .collect();
+        let radii: Vec<_> = ball(2_000, 8).into_iter().map(|p| length(to_f64(p))).collect();
         assert!(radii.iter().all(|r| *r < 1.0));
         // Half the radius holds an eighth of the volume.
         let inner = radii.iter().filter(|r| **r < 0.5).count();
@@ -690,9 +632,7 @@ mod tests {
     /// FNV-1a over the little-endian bits of all coordinates.
     fn fingerprint(points: &[[f32; 3]]) -> u64 {
         let bytes = points.iter().flatten().flat_map(|x| x.to_le_bytes());
-        bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-        })
+        bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
     }
 
     /// Benchmarks of different days are comparable only while these hold: change them knowingly.

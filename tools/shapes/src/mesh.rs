@@ -48,10 +48,7 @@ impl fmt::Display for MeshDefect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::IndexOutOfRange { face, index } => {
-                write!(
-                    f,
-                    "face {face} names vertex {index}, which the mesh does not have"
-                )
+                write!(f, "face {face} names vertex {index}, which the mesh does not have")
             }
             Self::TooFewCorners { face } => write!(f, "face {face} has fewer than three corners"),
             Self::EdgeRepeated { from, to } => {
@@ -124,9 +121,7 @@ impl Mesh {
     /// Vertices that no face uses, in ascending order.
     pub fn unreferenced_vertices(&self) -> Vec<u32> {
         let used: BTreeSet<u32> = self.faces.iter().flatten().copied().collect();
-        (0..self.vertices.len() as u32)
-            .filter(|index| !used.contains(index))
-            .collect()
+        (0..self.vertices.len() as u32).filter(|index| !used.contains(index)).collect()
     }
 }
 
@@ -136,12 +131,7 @@ mod tests {
 
     fn corner() -> Mesh {
         Mesh {
-            vertices: vec![
-                [0.0, 0.0, 0.0],
-                [1.0, 0.0, 0.0],
-                [0.0, 1.0, 0.0],
-                [0.0, 0.0, 1.0],
-            ],
+            vertices: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             faces: vec![vec![0, 2, 1], vec![0, 1, 3], vec![0, 3, 2], vec![1, 2, 3]],
         }
     }
@@ -156,31 +146,19 @@ mod tests {
     fn defects_are_found() {
         let mut open = corner();
         open.faces.pop();
-        assert!(matches!(
-            open.check_closed(),
-            Err(MeshDefect::EdgeOpen { .. })
-        ));
+        assert!(matches!(open.check_closed(), Err(MeshDefect::EdgeOpen { .. })));
 
         let mut flipped = corner();
         flipped.faces[3].reverse();
-        assert!(matches!(
-            flipped.check_closed(),
-            Err(MeshDefect::EdgeRepeated { .. })
-        ));
+        assert!(matches!(flipped.check_closed(), Err(MeshDefect::EdgeRepeated { .. })));
 
         let mut missing = corner();
         missing.faces[0][1] = 4;
-        assert_eq!(
-            missing.check_closed(),
-            Err(MeshDefect::IndexOutOfRange { face: 0, index: 4 })
-        );
+        assert_eq!(missing.check_closed(), Err(MeshDefect::IndexOutOfRange { face: 0, index: 4 }));
 
         let mut thin = corner();
         thin.faces[2].pop();
-        assert_eq!(
-            thin.check_closed(),
-            Err(MeshDefect::TooFewCorners { face: 2 })
-        );
+        assert_eq!(thin.check_closed(), Err(MeshDefect::TooFewCorners { face: 2 }));
     }
 
     #[test]

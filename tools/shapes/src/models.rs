@@ -48,11 +48,7 @@ impl Model {
             exercises,
             parameters,
             rank: 3,
-            document: Document {
-                header,
-                objects,
-                ..Document::default()
-            },
+            document: Document { header, objects, ..Document::default() },
         }
     }
 
@@ -92,12 +88,7 @@ pub fn all() -> Vec<Model> {
 }
 
 fn tetrahedron() -> Model {
-    let corners = [
-        [1.0, 1.0, 1.0],
-        [1.0, -1.0, -1.0],
-        [-1.0, 1.0, -1.0],
-        [-1.0, -1.0, 1.0],
-    ];
+    let corners = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
     let normals = corners.map(|c| vector::scale(c, -1.0));
     let mesh = solids::polyhedron(&corners, &normals);
     Model::new(
@@ -154,10 +145,7 @@ fn octahedron() -> Model {
 }
 
 fn dodecahedron() -> Model {
-    let mesh = solids::polyhedron(
-        &solids::dodecahedron_vertices(),
-        &solids::icosahedron_vertices(),
-    );
+    let mesh = solids::polyhedron(&solids::dodecahedron_vertices(), &solids::icosahedron_vertices());
     Model::new(
         "dodecahedron.obj",
         "Regular dodecahedron",
@@ -168,10 +156,7 @@ fn dodecahedron() -> Model {
 }
 
 fn icosahedron() -> Model {
-    let mesh = solids::polyhedron(
-        &solids::icosahedron_vertices(),
-        &solids::dodecahedron_vertices(),
-    );
+    let mesh = solids::polyhedron(&solids::icosahedron_vertices(), &solids::dodecahedron_vertices());
     let mut object = Object::new(Some("icosahedron"));
     object.push_vertices(&mesh.vertices);
     let (upper, lower): (Vec<_>, Vec<_>) = mesh.faces.iter().cloned().partition(|face| {
@@ -218,9 +203,7 @@ fn gear() -> Model {
     object.push(Statement::Comment(
         "The next vertex marks the axle. No face uses it, and it lies outside the hull of those that are used:".into(),
     ));
-    object.push(Statement::Comment(
-        "it counts with `--vertices all` and not with `--vertices referenced`.".into(),
-    ));
+    object.push(Statement::Comment("it counts with `--vertices all` and not with `--vertices referenced`.".into()));
     object.push(Statement::Vertex([0.0, 0.0, 1.0]));
     object.push(Statement::Group("caps".into()));
     object.push_faces(&mesh.faces[..2]);
@@ -230,9 +213,7 @@ fn gear() -> Model {
         "gear.obj",
         "Spur gear",
         "a concave solid; concave n-gons as caps; one vertex that no face uses; groups",
-        format!(
-            "{TEETH} teeth, tip radius {TIP_RADIUS}, root radius {ROOT_RADIUS}, half-thickness {HALF_THICKNESS}"
-        ),
+        format!("{TEETH} teeth, tip radius {TIP_RADIUS}, root radius {ROOT_RADIUS}, half-thickness {HALF_THICKNESS}"),
         vec![object],
     )
 }
@@ -242,15 +223,8 @@ fn pawn() -> Model {
     const WAIST_STEPS: usize = 8;
     const HEAD_RADIUS: f64 = 0.27;
     const HEAD_Z: f64 = 1.38;
-    let mut profile = vec![
-        [0.0, 0.0],
-        [0.6, 0.0],
-        [0.63, 0.05],
-        [0.63, 0.15],
-        [0.57, 0.22],
-        [0.48, 0.25],
-        [0.46, 0.32],
-    ];
+    let mut profile =
+        vec![[0.0, 0.0], [0.6, 0.0], [0.63, 0.05], [0.63, 0.15], [0.57, 0.22], [0.48, 0.25], [0.46, 0.32]];
     // The waist narrows along a parabola.
     for step in 0..=WAIST_STEPS {
         let t = step as f64 / WAIST_STEPS as f64;
@@ -272,10 +246,7 @@ fn pawn() -> Model {
         "pawn.obj",
         "Chess pawn, turned on a lathe",
         "a concave render mesh most of whose vertices are inside the hull; flat base with its centre as a vertex",
-        format!(
-            "{SEGMENTS} segments, {} points in the profile, height 1.65, greatest radius 0.63",
-            profile.len()
-        ),
+        format!("{SEGMENTS} segments, {} points in the profile, height 1.65, greatest radius 0.63", profile.len()),
         vec![object],
     )
 }
@@ -357,11 +328,7 @@ fn capsule() -> Model {
     }
     object.push(Statement::Smoothing(Some(1)));
     for face in &mesh.faces {
-        let corner = |&vertex: &u32| Corner {
-            vertex,
-            texcoord: None,
-            normal: Some(vertex),
-        };
+        let corner = |&vertex: &u32| Corner { vertex, texcoord: None, normal: Some(vertex) };
         object.push(Statement::Face(face.iter().map(corner).collect()));
     }
     let mut model = Model::new(
@@ -421,18 +388,13 @@ fn lens() -> Model {
     };
     let upper: Vec<[f64; 2]> = (0..=CAP_RINGS).rev().map(cap).collect();
     let lower = upper.iter().rev().map(|&[r, z]| [r, -z]);
-    let profile: Vec<[f64; 2]> = lower
-        .chain([[1.0, 0.0]])
-        .chain(upper.iter().copied())
-        .collect();
+    let profile: Vec<[f64; 2]> = lower.chain([[1.0, 0.0]]).chain(upper.iter().copied()).collect();
     let mesh = solids::lathe(&profile, SEGMENTS);
     Model::new(
         "lens.obj",
         "Lens of two shallow caps",
         "a thin solid, twenty times as wide as thick; most normals close to the z axis",
-        format!(
-            "rim radius 1, half-thickness {LENS_HALF_THICKNESS}, {SEGMENTS} segments, {CAP_RINGS} rings a cap"
-        ),
+        format!("rim radius 1, half-thickness {LENS_HALF_THICKNESS}, {SEGMENTS} segments, {CAP_RINGS} rings a cap"),
         vec![Object::from_mesh(Some("lens"), &mesh)],
     )
 }
@@ -452,9 +414,7 @@ fn two_objects() -> Model {
     right.indexing = Indexing::Relative;
     right.statements.insert(
         0,
-        Statement::Comment(
-            "Faces of this object count back from its last vertex: -1 is the latest.".into(),
-        ),
+        Statement::Comment("Faces of this object count back from its last vertex: -1 is the latest.".into()),
     );
     Model::new(
         "two_objects.obj",
@@ -477,16 +437,10 @@ fn flat_sheet() -> Model {
         let fraction = |i: u32| i as f32 / CELLS as f32;
         object.push(Statement::Texcoord([fraction(i % row), fraction(i / row)]));
     }
-    object.push(Statement::Normal(to_f32(vector::normalized([
-        -0.5, -0.25, 1.0,
-    ]))));
+    object.push(Statement::Normal(to_f32(vector::normalized([-0.5, -0.25, 1.0]))));
     for i in 0..CELLS * CELLS {
         let first = i / CELLS * row + i % CELLS;
-        let corner = |vertex| Corner {
-            vertex,
-            texcoord: Some(vertex),
-            normal: Some(0),
-        };
+        let corner = |vertex| Corner { vertex, texcoord: Some(vertex), normal: Some(0) };
         let corners = [first, first + 1, first + row + 1, first + row].map(corner);
         object.push(Statement::Face(corners.to_vec()));
     }
@@ -549,18 +503,12 @@ mod tests {
     use std::collections::HashSet;
 
     fn model(file_name: &str) -> Model {
-        all()
-            .into_iter()
-            .find(|m| m.file_name == file_name)
-            .unwrap()
+        all().into_iter().find(|m| m.file_name == file_name).unwrap()
     }
 
     fn vertices(model: &Model) -> Vec<[f64; 3]> {
         let objects = model.document.objects.iter();
-        objects
-            .flat_map(|o| o.mesh().vertices)
-            .map(to_f64)
-            .collect()
+        objects.flat_map(|o| o.mesh().vertices).map(to_f64).collect()
     }
 
     /// Affine rank by brute force. Where it is below 3, the models are exact, so zero means zero.
@@ -569,18 +517,10 @@ mod tests {
         let Some(&a) = spans.iter().find(|s| length(**s) > 0.0) else {
             return 0;
         };
-        let Some(normal) = spans
-            .iter()
-            .map(|&b| cross(a, b))
-            .find(|n| length(*n) > 0.0)
-        else {
+        let Some(normal) = spans.iter().map(|&b| cross(a, b)).find(|n| length(*n) > 0.0) else {
             return 1;
         };
-        if spans.iter().all(|&c| dot(c, normal) == 0.0) {
-            2
-        } else {
-            3
-        }
+        if spans.iter().all(|&c| dot(c, normal) == 0.0) { 2 } else { 3 }
     }
 
     #[test]
@@ -626,12 +566,7 @@ mod tests {
                     "gear.obj" => vec![160],
                     _ => vec![],
                 };
-                assert_eq!(
-                    mesh.unreferenced_vertices(),
-                    expected,
-                    "{}",
-                    model.file_name
-                );
+                assert_eq!(mesh.unreferenced_vertices(), expected, "{}", model.file_name);
             }
         }
     }
@@ -658,11 +593,7 @@ mod tests {
             // Some readers take bytes above 127 for damage, even in comments.
             assert!(text.is_ascii(), "{}", model.file_name);
             let (lines, crlf) = (text.matches('\n').count(), text.matches("\r\n").count());
-            let expected = if model.file_name == "capsule.obj" {
-                lines
-            } else {
-                0
-            };
+            let expected = if model.file_name == "capsule.obj" { lines } else { 0 };
             assert_eq!(crlf, expected, "{}", model.file_name);
         }
     }

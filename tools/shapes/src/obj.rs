@@ -82,10 +82,7 @@ pub struct Object {
 impl Object {
     /// An object without statements.
     pub fn new(name: Option<&str>) -> Self {
-        Self {
-            name: name.map(str::to_owned),
-            ..Self::default()
-        }
+        Self { name: name.map(str::to_owned), ..Self::default() }
     }
 
     /// An object that lists a mesh's vertices, then its faces.
@@ -103,22 +100,13 @@ impl Object {
 
     /// Adds a `v` line for each vertex.
     pub fn push_vertices(&mut self, vertices: &[[f32; 3]]) {
-        self.statements
-            .extend(vertices.iter().copied().map(Statement::Vertex));
+        self.statements.extend(vertices.iter().copied().map(Statement::Vertex));
     }
 
     /// Adds an `f` line for each face, with vertex indices only.
     pub fn push_faces(&mut self, faces: &[Vec<u32>]) {
-        let corner = |&vertex: &u32| Corner {
-            vertex,
-            texcoord: None,
-            normal: None,
-        };
-        self.statements.extend(
-            faces
-                .iter()
-                .map(|face| Statement::Face(face.iter().map(corner).collect())),
-        );
+        let corner = |&vertex: &u32| Corner { vertex, texcoord: None, normal: None };
+        self.statements.extend(faces.iter().map(|face| Statement::Face(face.iter().map(corner).collect())));
     }
 
     /// The object's vertices and faces, without the rest.
@@ -127,9 +115,7 @@ impl Object {
         for statement in &self.statements {
             match statement {
                 Statement::Vertex(position) => mesh.vertices.push(*position),
-                Statement::Face(corners) => mesh
-                    .faces
-                    .push(corners.iter().map(|corner| corner.vertex).collect()),
+                Statement::Face(corners) => mesh.faces.push(corners.iter().map(|corner| corner.vertex).collect()),
                 _ => {}
             }
         }
@@ -153,16 +139,12 @@ pub struct Document {
 impl Document {
     /// Number of `v` lines.
     pub fn vertex_count(&self) -> usize {
-        self.statements()
-            .filter(|s| matches!(s, Statement::Vertex(_)))
-            .count()
+        self.statements().filter(|s| matches!(s, Statement::Vertex(_))).count()
     }
 
     /// Number of `f` lines.
     pub fn face_count(&self) -> usize {
-        self.statements()
-            .filter(|s| matches!(s, Statement::Face(_)))
-            .count()
+        self.statements().filter(|s| matches!(s, Statement::Face(_))).count()
     }
 
     fn statements(&self) -> impl Iterator<Item = &Statement> {
@@ -247,9 +229,7 @@ impl Writer {
                 Statement::Smoothing(Some(number)) => self.line(format_args!("s {number}")),
                 Statement::Material(name) => self.line(format_args!("usemtl {name}")),
                 Statement::Face(corners) => {
-                    self.element("f", corners, |corner| {
-                        corner_text(*corner, object.indexing, before, here)
-                    });
+                    self.element("f", corners, |corner| corner_text(*corner, object.indexing, before, here));
                 }
                 Statement::Line(vertices) => self.element("l", vertices, |&vertex| {
                     index(vertex, object.indexing, before.vertices, here.vertices).to_string()
@@ -289,10 +269,7 @@ fn corner_text(corner: Corner, indexing: Indexing, before: Counts, here: Counts)
 
 /// A zero-based index within an object, as the file counts it.
 fn index(local: u32, indexing: Indexing, before: u32, here: u32) -> i64 {
-    assert!(
-        local < here,
-        "an element names item {local} of an object that has listed only {here}"
-    );
+    assert!(local < here, "an element names item {local} of an object that has listed only {here}");
     match indexing {
         Indexing::Absolute => i64::from(before) + i64::from(local) + 1,
         Indexing::Relative => i64::from(local) - i64::from(here),
@@ -324,23 +301,13 @@ mod tests {
     #[test]
     fn numbers_read_back_to_the_same_bits() {
         let mut rng = SplitMix64::new(11);
-        let awkward = [
-            f32::MIN_POSITIVE,
-            f32::MAX,
-            f32::from_bits(1),
-            0.1,
-            1.0 / 3.0,
-            -1e-30,
-        ];
+        let awkward = [f32::MIN_POSITIVE, f32::MAX, f32::from_bits(1), 0.1, 1.0 / 3.0, -1e-30];
         let random = (0..20_000).map(|_| f32::from_bits(rng.next_u64() as u32));
         for number in awkward.into_iter().chain(random.filter(|x| x.is_finite())) {
             let text = Numbers(&[number]).to_string();
             assert!(!text.contains(['e', 'E']), "{text}");
             assert_eq!(text.parse::<f32>().unwrap() + 0.0, number + 0.0);
-            assert_eq!(
-                (text.parse::<f32>().unwrap() + 0.0).to_bits(),
-                (number + 0.0).to_bits()
-            );
+            assert_eq!((text.parse::<f32>().unwrap() + 0.0).to_bits(), (number + 0.0).to_bits());
         }
         assert_eq!(Numbers(&[-0.0, 1.0, -0.5]).to_string(), "0 1 -0.5");
     }
@@ -353,11 +320,7 @@ mod tests {
 
     #[test]
     fn every_statement_has_its_text() {
-        let corner = |vertex, texcoord, normal| Corner {
-            vertex,
-            texcoord,
-            normal,
-        };
+        let corner = |vertex, texcoord, normal| Corner { vertex, texcoord, normal };
         let mut first = Object::new(Some("first"));
         first.push_vertices(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
         first.push(Statement::Texcoord([0.5, 0.25]));
@@ -367,11 +330,7 @@ mod tests {
         first.push(Statement::Smoothing(None));
         first.push(Statement::Smoothing(Some(2)));
         first.push(Statement::Material("red".into()));
-        first.push(Statement::Face(vec![
-            corner(0, None, None),
-            corner(1, Some(0), None),
-            corner(2, None, Some(0)),
-        ]));
+        first.push(Statement::Face(vec![corner(0, None, None), corner(1, Some(0), None), corner(2, None, Some(0))]));
         let mut second = Object::new(None);
         second.indexing = Indexing::Relative;
         second.push_vertices(&[[2.0; 3], [3.0; 3]]);
@@ -414,10 +373,7 @@ vn 1 0 0
 f 6/2/2 6/2/2 6/2/2
 ";
         assert_eq!(document.to_text(), expected);
-        let crlf = Document {
-            line_ending: LineEnding::CrLf,
-            ..document
-        };
+        let crlf = Document { line_ending: LineEnding::CrLf, ..document };
         assert_eq!(crlf.to_text(), expected.replace('\n', "\r\n"));
     }
 
@@ -427,10 +383,7 @@ f 6/2/2 6/2/2 6/2/2
         let mut object = Object::new(None);
         object.push_vertices(&[[0.0; 3]]);
         object.push(Statement::Points(vec![1]));
-        let document = Document {
-            objects: vec![object],
-            ..Document::default()
-        };
+        let document = Document { objects: vec![object], ..Document::default() };
         document.to_text();
     }
 }

@@ -20,26 +20,16 @@ pub fn polyhedron(vertices: &[[f64; 3]], normals: &[[f64; 3]]) -> Mesh {
     for &vertex in vertices {
         mesh.push_vertex(vertex);
     }
-    mesh.faces = normals
-        .iter()
-        .map(|&normal| face_along(vertices, normalized(normal)))
-        .collect();
+    mesh.faces = normals.iter().map(|&normal| face_along(vertices, normalized(normal))).collect();
     mesh
 }
 
 /// The vertices farthest along the unit vector `normal`, counter-clockwise about it, lowest index first.
 fn face_along(vertices: &[Vec3], normal: Vec3) -> Vec<u32> {
-    let far = vertices
-        .iter()
-        .map(|&v| dot(v, normal))
-        .fold(f64::NEG_INFINITY, f64::max);
+    let far = vertices.iter().map(|&v| dot(v, normal)).fold(f64::NEG_INFINITY, f64::max);
     let slack = far.abs() * COPLANAR_RELATIVE;
-    let corners: Vec<usize> = (0..vertices.len())
-        .filter(|&i| dot(vertices[i], normal) >= far - slack)
-        .collect();
-    let sum = corners
-        .iter()
-        .fold([0.0; 3], |sum, &i| add(sum, vertices[i]));
+    let corners: Vec<usize> = (0..vertices.len()).filter(|&i| dot(vertices[i], normal) >= far - slack).collect();
+    let sum = corners.iter().fold([0.0; 3], |sum, &i| add(sum, vertices[i]));
     let centre = scale(sum, 1.0 / corners.len() as f64);
     let x_axis = normalized(sub(vertices[corners[0]], centre));
     let y_axis = cross(normal, x_axis);
@@ -104,14 +94,8 @@ pub fn lathe(profile: &[[f64; 2]], segments: u32) -> Mesh {
     let [first, rings @ .., last] = profile else {
         panic!("a profile needs two poles");
     };
-    assert!(
-        !rings.is_empty(),
-        "a profile needs a ring between its poles"
-    );
-    assert!(
-        first[0] == 0.0 && last[0] == 0.0,
-        "a profile starts and ends on the axis"
-    );
+    assert!(!rings.is_empty(), "a profile needs a ring between its poles");
+    assert!(first[0] == 0.0 && last[0] == 0.0, "a profile starts and ends on the axis");
     let mut mesh = Mesh::default();
     let bottom = mesh.push_vertex([0.0, 0.0, first[1]]);
     for &[radius, z] in rings {
@@ -129,17 +113,11 @@ pub fn lathe(profile: &[[f64; 2]], segments: u32) -> Mesh {
     }
     for ring in 1..ring_count {
         for i in 0..segments {
-            mesh.faces.push(vec![
-                at(ring - 1, i),
-                at(ring - 1, i + 1),
-                at(ring, i + 1),
-                at(ring, i),
-            ]);
+            mesh.faces.push(vec![at(ring - 1, i), at(ring - 1, i + 1), at(ring, i + 1), at(ring, i)]);
         }
     }
     for i in 0..segments {
-        mesh.faces
-            .push(vec![top, at(ring_count - 1, i), at(ring_count - 1, i + 1)]);
+        mesh.faces.push(vec![top, at(ring_count - 1, i), at(ring_count - 1, i + 1)]);
     }
     mesh
 }
@@ -192,16 +170,11 @@ pub fn torus_knot(knot: TorusKnot) -> Mesh {
         let around = [-sin_p, cos_p, 0.0];
         let up = [0.0, 0.0, 1.0];
         let from_axis = knot.major_radius + knot.minor_radius * cos_q;
-        let centre = add(
-            scale(outward, from_axis),
-            scale(up, knot.minor_radius * sin_q),
-        );
+        let centre = add(scale(outward, from_axis), scale(up, knot.minor_radius * sin_q));
         let normal = add(scale(outward, cos_q), scale(up, sin_q));
         let along_minor = add(scale(outward, -sin_q), scale(up, cos_q));
-        let tangent = normalized(add(
-            scale(around, p as f64 * from_axis),
-            scale(along_minor, q as f64 * knot.minor_radius),
-        ));
+        let tangent =
+            normalized(add(scale(around, p as f64 * from_axis), scale(along_minor, q as f64 * knot.minor_radius)));
         let binormal = cross(tangent, normal);
         for j in 0..sides {
             let (c, s) = cos_sin(j, sides);
@@ -212,8 +185,7 @@ pub fn torus_knot(knot: TorusKnot) -> Mesh {
     let at = |i: usize, j: usize| ((i % sections) * sides + j % sides) as u32;
     for i in 0..sections {
         for j in 0..sides {
-            mesh.faces
-                .push(vec![at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)]);
+            mesh.faces.push(vec![at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)]);
         }
     }
     mesh
@@ -270,9 +242,7 @@ pub fn dodecahedron_vertices() -> Vec<[f64; 3]> {
 
 /// The eight corners (±1, ±1, ±1).
 pub fn cube_vertices() -> Vec<[f64; 3]> {
-    (0..8)
-        .map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|bit| if bit == 0 { -1.0 } else { 1.0 }))
-        .collect()
+    (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|bit| if bit == 0 { -1.0 } else { 1.0 })).collect()
 }
 
 /// The six corners ±x, ±y, ±z.
@@ -324,18 +294,12 @@ mod tests {
         let cases = [
             (cube_vertices(), octahedron_vertices(), 4, 8.0),
             (octahedron_vertices(), cube_vertices(), 3, 4.0 / 3.0),
-            (
-                icosahedron_vertices(),
-                dodecahedron_vertices(),
-                3,
-                8.0 * 5.0 * (3.0 + root5) / 12.0,
-            ),
+            (icosahedron_vertices(), dodecahedron_vertices(), 3, 8.0 * 5.0 * (3.0 + root5) / 12.0),
             (
                 dodecahedron_vertices(),
                 icosahedron_vertices(),
                 5,
-                dodecahedron_edge * dodecahedron_edge * dodecahedron_edge * (15.0 + 7.0 * root5)
-                    / 4.0,
+                dodecahedron_edge * dodecahedron_edge * dodecahedron_edge * (15.0 + 7.0 * root5) / 4.0,
             ),
         ];
         for (vertices, normals, corners, volume) in cases {

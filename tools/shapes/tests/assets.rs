@@ -28,10 +28,7 @@ fn make_assets(args: &[&str], dir: Option<&Path>) -> Output {
 #[test]
 fn committed_files_are_the_generated_ones() {
     let differences = assets::compare(&committed()).unwrap();
-    assert!(
-        differences.is_empty(),
-        "run `cargo run -p shapes --bin make-assets -- assets`: {differences:?}"
-    );
+    assert!(differences.is_empty(), "run `cargo run -p shapes --bin make-assets -- assets`: {differences:?}");
 }
 
 #[test]
@@ -48,9 +45,7 @@ fn committed_vertices_read_back_to_the_same_bits() {
             .lines()
             .filter_map(|line| line.strip_prefix("v "))
             .map(|numbers| {
-                let mut bits = numbers
-                    .split_whitespace()
-                    .map(|number| number.parse::<f32>().unwrap().to_bits());
+                let mut bits = numbers.split_whitespace().map(|number| number.parse::<f32>().unwrap().to_bits());
                 core::array::from_fn(|_| bits.next().unwrap())
             })
             .collect();
@@ -85,10 +80,7 @@ fn differences_are_named_by_kind() {
     assert_eq!(assets::compare(&dir).unwrap(), expected);
 
     assert_eq!(assets::write(&dir).unwrap(), ["cube.obj", "gear.obj"]);
-    assert!(
-        dir.join("stray.obj").exists(),
-        "only the owner deletes files"
-    );
+    assert!(dir.join("stray.obj").exists(), "only the owner deletes files");
 }
 
 #[test]
@@ -107,10 +99,7 @@ fn check_exits_1_and_names_the_file() {
     assert_eq!(bad.status.code(), Some(1));
     let names = String::from_utf8(bad.stdout).unwrap();
     assert_eq!(names.lines().count(), 1, "{names}");
-    assert!(
-        names.contains("lens.obj: differs from line 1 on"),
-        "{names}"
-    );
+    assert!(names.contains("lens.obj: differs from line 1 on"), "{names}");
 }
 
 #[test]

@@ -36,25 +36,6 @@ impl Hull {
     pub fn positions(&self) -> Vec<DVec3> {
         self.vertices.iter().map(|v| DVec3::from_array(v.map(f64::from))).collect()
     }
-
-    /// For each vertex the vertices it shares an edge with, ascending.
-    pub fn neighbours(&self) -> Vec<Vec<u32>> {
-        let mut neighbours = vec![Vec::new(); self.vertices.len()];
-        for face in &self.faces {
-            for (a, b) in edges(face) {
-                neighbours[a as usize].push(b);
-                neighbours[b as usize].push(a);
-            }
-        }
-        if self.rank == 1 {
-            neighbours = vec![vec![1], vec![0]];
-        }
-        for list in &mut neighbours {
-            list.sort_unstable();
-            list.dedup();
-        }
-        neighbours
-    }
 }
 
 /// Directed edges of a polygon.

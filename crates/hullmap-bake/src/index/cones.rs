@@ -53,28 +53,44 @@ impl Cones {
         let towards = DVec3::from_array(cube::direction(face, 0.0, 0.0));
         let sides = [(axis + 1) % 3, (axis + 2) % 3].map(|i| DVec3::AXES[i]);
         let planes = [-sides[0], sides[0], -sides[1], sides[1]].map(|side| towards * (1.0 + CELL_SLACK) + side);
-        for vertex in 0..map.vertex_count() as u32 {
+        for (vertex, piece) in map.pieces() {
             polygon.clear();
-            polygon.extend_from_slice(map.cone(vertex));
+            polygon.extend_from_slice(piece);
             for plane in planes {
                 clip_rays(&polygon, plane, &mut scratch);
                 std::mem::swap(&mut polygon, &mut scratch);
             }
-            if polygon.is_empty() {
-                continue;
-            }
+            let start = cones.corners.len();
             cones.corners.extend(polygon.iter().filter(|d| d.dot(towards) > 0.0).map(|d| {
                 let size = d.dot(towards);
                 [d.dot(sides[0]) / size, d.dot(sides[1]) / size]
             }));
-            cones.end(vertex);
+            if cones.corners.len() > start {
+                cones.end(vertex);
+            }
         }
         cones
     }
 
-    /// Number of cones.
+    /// Number of polygons.
     pub fn len(&self) -> usize {
         self.vertices.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.vertices.is_empty()
+    }
+
+    /// Number of vertices: fewer than polygons where both pieces of a polygon's cone are here.
+    pub fn vertex_count(&self) -> usize {
+        self.vertices.chunk_by(|a, b| a == b).count()
+    }
+
+    /// The vertices, each once, ascending.
+    pub fn into_vertices(mut self) -> Vec<u32> {
+        self.vertices.dedup();
+        self.vertices
     }
 
     /// The polygons with their vertices' numbers.

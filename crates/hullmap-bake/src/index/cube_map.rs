@@ -29,8 +29,9 @@ fn face_cells(map: &GaussMap, face: u32, resolution: u32) -> Vec<Vec<u32>> {
             band(polygon, 1, &edges[row..], &mut row_part);
             for column in steps(&edges, &row_part, 0) {
                 band(&row_part, 0, &edges[column..], &mut cell_part);
-                if !cell_part.is_empty() {
-                    cells[row * side + column].push(vertex);
+                let cell = &mut cells[row * side + column];
+                if !cell_part.is_empty() && cell.last() != Some(&vertex) {
+                    cell.push(vertex);
                 }
             }
         }

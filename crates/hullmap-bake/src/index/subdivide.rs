@@ -9,6 +9,7 @@
 //! just a leaf of one. Step 3 is new: the cones of a fan (around a facet of many corners, or along a prism's side) are
 //! long and thin, and squares small enough to part them are too many, n² of them instead of n.
 
+use glam::DVec3;
 use hullmap_format::cube::{GRID_BITS, grid_to_uv};
 
 use super::cones::{Cones, Line};
@@ -17,22 +18,25 @@ use crate::gauss_map::GaussMap;
 /// Most vertices of a plain leaf: the lanes of one block.
 pub const LEAF: usize = hullmap_format::archive::LANES;
 
-/// Halving parts the cones well if it lists at most this many times as many as there were.
-///
-/// A square cell cut from compact cones gains about √k of k, a fan all of them.
-const GOOD_HALVING: f64 = 1.6;
+/// Halving a square cell that compact cones tile lists about 1.2·√k of its k cones twice; it parts them badly where it
+/// lists more than this many times √k twice, and one more.
+const GOOD_HALVING: f64 = 2.0;
 
-/// A plane is worth leaving the grid for if it lists at most this many times as many cones as there were.
-const GOOD_PLANE: f64 = 1.25;
+/// A plane is worth leaving the grid for if it lists at most this share of what halving lists twice.
+const GOOD_PLANE: f64 = 0.5;
 
-/// Cells of fewer cones are never cut by planes while they can be halved: one more halving makes them leaves.
-const PLANES_FROM: usize = 2 * LEAF;
+/// Halvings on one path that may list nearly all cones twice before the cell is left as it is, with a long list.
+const FUTILE_LIMIT: u32 = 12;
 
-/// Vertices from which planes are tried.
+/// A halving is futile where it lists this share of the cones twice.
+const FUTILE: f64 = 0.9;
+
+/// Vertices from which planes are tried, and planes from each.
 const PLANE_SAMPLES: usize = 16;
+const PLANES_OF_VERTEX: usize = 3;
 
-/// A plane cut must leave at most this share of the cones on its fuller side.
-const PROGRESS: f64 = 0.9;
+/// A plane must leave this share of the cones, and at least one, out of its fuller side.
+const PROGRESS: f64 = 0.1;
 
 /// Cells of more cones are subdivided in parallel.
 const PARALLEL_FROM: usize = 512;
@@ -53,7 +57,7 @@ pub enum Tree {
 /// # Complexity
 /// O(n log n) for n vertices on all families tried; the result does not depend on the number of threads.
 pub fn subdivide(map: &GaussMap, face: u32) -> Tree {
-    Subdivision { map, face }.cell(Cones::on_face(map, face), [0, 0], 0)
+    Subdivision { map, face }.cell(Cones::on_face(map, face), [0, 0], 0, 0)
 }
 
 struct Subdivision<'a> {
@@ -62,12 +66,12 @@ struct Subdivision<'a> {
 }
 
 impl Subdivision<'_> {
-    /// Subdivides the cell at grid place `at`, halved `depth` times.
-    fn cell(&self, cones: Cones, at: [u32; 2], depth: u32) -> Tree {
-        if cones.len() <= LEAF {
-            return Tree::Leaf(cones.vertices);
+    /// Subdivides the cell at grid place `at`, halved `depth` times, `futile` times in vain.
+    fn cell(&self, cones: Cones, at: [u32; 2], depth: u32, futile: u32) -> Tree {
+        if cones.vertex_count() <= LEAF {
+            return Tree::Leaf(cones.into_vertices());
         }
-        if depth == 2 * GRID_BITS {
+        if depth == 2 * GRID_BITS || futile == FUTILE_LIMIT {
             return self.planes(cones);
         }
         let axis = (depth % 2) as usize;
@@ -76,28 +80,29 @@ impl Subdivision<'_> {
         upper[axis] += half;
         let line = Line::axis(axis, grid_to_uv(upper[axis]));
         let count = cones.len() as f64;
-        if cones.len() > PLANES_FROM && cones.count(line).iter().sum::<usize>() as f64 > GOOD_HALVING * count {
-            if let Some((_, listed)) = self.best_plane(&cones) {
-                if listed as f64 <= GOOD_PLANE * count {
-                    return self.planes(cones);
-                }
-            }
+        let twice = (cones.count(line).iter().sum::<usize>() - cones.len()) as f64;
+        if twice > GOOD_HALVING * count.sqrt() + 1.0
+            && let Some((_, by_plane)) = self.best_plane(&cones)
+            && (by_plane as f64) <= GOOD_PLANE * twice
+        {
+            return self.planes(cones);
         }
+        let futile = futile + u32::from(twice > FUTILE * count);
         let (parallel, [behind, front]) = (cones.len() > PARALLEL_FROM, cones.split(line));
         drop(cones);
-        let lower = || self.cell(behind, at, depth + 1);
-        let upper = || self.cell(front, upper, depth + 1);
+        let lower = || self.cell(behind, at, depth + 1, futile);
+        let upper = || self.cell(front, upper, depth + 1, futile);
         let halves = if parallel { rayon::join(lower, upper) } else { (lower(), upper()) };
         Tree::Axis(Box::new(halves.into()))
     }
 
     /// Cuts a cell by planes alone.
     fn planes(&self, cones: Cones) -> Tree {
-        if cones.len() <= LEAF {
-            return Tree::Leaf(cones.vertices);
+        if cones.vertex_count() <= LEAF {
+            return Tree::Leaf(cones.into_vertices());
         }
         let Some((normal, _)) = self.best_plane(&cones) else {
-            return Tree::Leaf(cones.vertices);
+            return Tree::Leaf(cones.into_vertices());
         };
         let (parallel, [behind, front]) = (cones.len() > PARALLEL_FROM, cones.split(Line::plane(self.face, normal)));
         drop(cones);
@@ -107,19 +112,20 @@ impl Subdivision<'_> {
         Tree::Plane(normal.to_array(), Box::new(halves.into()))
     }
 
-    /// Of some planes between cones of this cell, the one whose fuller side has the fewest, and the sum of both sides.
-    fn best_plane(&self, cones: &Cones) -> Option<(glam::DVec3, usize)> {
+    /// Of some planes between cones of this cell, the one whose fuller side has the fewest, and how many it lists twice.
+    fn best_plane(&self, cones: &Cones) -> Option<(DVec3, usize)> {
+        let least = ((PROGRESS * cones.len() as f64) as usize).max(1);
+        let mut fullest = cones.len() - least + 1;
         let mut best = None;
-        let mut fullest = (PROGRESS * cones.len() as f64) as usize;
-        for vertex in sample(&cones.vertices) {
-            let within =
-                self.map.neighbours(vertex).iter().filter(|w| cones.vertices.binary_search(w).is_ok()).copied();
-            for neighbour in sample(&within.collect::<Vec<_>>()).take(3) {
+        for vertex in sample(&cones.vertices, PLANE_SAMPLES) {
+            let neighbours = self.map.neighbours(vertex).iter().copied();
+            let within: Vec<u32> = neighbours.filter(|w| cones.vertices.binary_search(w).is_ok()).collect();
+            for neighbour in sample(&within, PLANES_OF_VERTEX) {
                 let normal = self.map.plane_between(vertex, neighbour);
                 let [behind, front] = cones.count(Line::plane(self.face, normal));
                 if behind.max(front) < fullest {
                     fullest = behind.max(front);
-                    best = Some((normal, behind + front));
+                    best = Some((normal, behind + front - cones.len()));
                 }
             }
         }
@@ -127,8 +133,8 @@ impl Subdivision<'_> {
     }
 }
 
-/// Up to [`PLANE_SAMPLES`] of `all`, evenly spread.
-fn sample(all: &[u32]) -> impl Iterator<Item = u32> + '_ {
-    let count = all.len().min(PLANE_SAMPLES);
+/// Up to `most` of `all`, evenly spread.
+fn sample(all: &[u32], most: usize) -> impl Iterator<Item = u32> + '_ {
+    let count = all.len().min(most);
     (0..count).map(move |i| all[(2 * i + 1) * all.len() / (2 * count)])
 }

@@ -38,11 +38,7 @@ fn parse(args: impl Iterator<Item = std::ffi::OsString>) -> Result<Command, Stri
         }
     }
     let dir = dir.ok_or("name a folder")?;
-    Ok(if check {
-        Command::Check(dir)
-    } else {
-        Command::Write(dir)
-    })
+    Ok(if check { Command::Check(dir) } else { Command::Write(dir) })
 }
 
 fn main() -> ExitCode {
