@@ -153,3 +153,62 @@ fn random_pairs_against_brute_force() {
     );
     assert_eq!(converged, PAIRS - hits, "distances that did not converge");
 }
+
+/// Support calls and steps, and how often the interval is right, over larger hulls: `cargo test --release -- --ignored --nocapture`.
+#[test]
+#[ignore = "prints figures"]
+fn figures() {
+    let settings = Settings::default();
+    println!(
+        "{:>6} {:>9} {:>6} | {:>23} | {:>23} | {:>23} | not converged",
+        "n", "what", "pairs", "intersects calls", "distance calls", "contact calls"
+    );
+    for n in [8, 32, 128, 512, 2048, 8192] {
+        for (what, from, to) in [
+            ("deep", 0.0, 0.5),
+            ("touching", 0.98, 1.02),
+            ("apart", 1.2, 2.0),
+        ] {
+            let mut rng = Rng(SEED);
+            let mut calls = [const { Vec::new() }; 3];
+            let mut steps = Vec::new();
+            let (mut open, mut hits) = (0, 0);
+            for _ in 0..200 {
+                let (a, b) = (
+                    PointCloud::random(&mut rng, n, true),
+                    PointCloud::random(&mut rng, n, true),
+                );
+                let (rotation, direction) = (rng.rotation(), rng.direction());
+                let at = |t: f64| Pose::new(direction * t, rotation).unwrap();
+                let (mut inside, mut outside) = (0.0, 3.0);
+                for _ in 0..20 {
+                    let middle = 0.5 * (inside + outside);
+                    if intersects(&a, &b, at(middle), &mut Cache::new()).is_hit() {
+                        inside = middle
+                    } else {
+                        outside = middle
+                    }
+                }
+                let pose = at(inside * rng.range(from, to));
+                calls[0].push(intersects(&a, &b, pose, &mut Cache::new()).support_calls);
+                calls[1].push(distance(&a, &b, pose, &settings, &mut Cache::new()).support_calls);
+                let c = contact(&a, &b, pose, &settings, &mut Cache::new());
+                calls[2].push(c.support_calls);
+                steps.push(c.iterations);
+                hits += usize::from(c.hit);
+                open += usize::from(matches!(c.status, Status::IterationLimit | Status::Stalled));
+            }
+            let [i, d, c] = calls.map(|mut v| {
+                v.sort_unstable();
+                format!(
+                    "{:>5.1} {:>5} {:>5} {:>5}",
+                    v.iter().sum::<u32>() as f64 / v.len() as f64,
+                    v[v.len() / 2],
+                    v[v.len() * 99 / 100],
+                    v[v.len() - 1]
+                )
+            });
+            println!("{n:>6} {what:>9} {hits:>6} | {i} | {d} | {c} | {open}");
+        }
+    }
+}

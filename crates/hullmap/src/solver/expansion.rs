@@ -17,7 +17,8 @@
 //! - "Nearest" is by signed offset, so the origin need not be inside at the start: while it is outside the polytope grows
 //!   towards it, until it is inside or a support plane proves it outside. No portal can be too bad to start from.
 //! - The least h(n) of all faces tried is kept with its face, so the upper bound never grows.
-//! - Close bounds end the search only if contact points can be had from the face; a bound from a portal may have none.
+//! - Bounds that are close do not end the search before the contact points are good: if the face of the least h(n) is not on the
+//!   surface itself, the nearest face is asked once more; and a portal's face without the origin's foot in it gives none.
 //! - The ball of the interior points bounds the depth from below as well: round shapes end at once.
 //! - Small and big polytopes: most queries never touch the big arrays.
 
@@ -98,6 +99,11 @@ impl Bound {
             normal: DVec3::ZERO,
             face: [Vertex::EMPTY; 3],
         }
+    }
+
+    /// Whether the face lies on the surface, so that points on it are as deep as the bound says.
+    fn is_tight(&self, tolerance: f64, rounding: f64) -> bool {
+        self.upper - self.normal.dot(self.face[0].w) <= tolerance * self.upper + rounding
     }
 
     /// Whether the foot of the origin on the face's plane lies in the face. A polytope's nearest face has it; a portal
@@ -193,7 +199,7 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
             return true;
         }
         let close = state.bound.upper - state.lower <= tolerance * state.bound.upper + rounding;
-        if close && state.bound.has_foot(rounding) {
+        if close && state.bound.is_tight(tolerance, rounding) && state.bound.has_foot(rounding) {
             state.end = End::Converged;
             return true;
         }
@@ -213,6 +219,12 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
         let separated = value < -rounding;
         let touching = value <= TOUCHING_ROUNDINGS * rounding;
         if value < state.bound.upper || tight || touching {
+            // Of the faces in this plane the one that the origin's foot is in.
+            let face = if tight {
+                polytope.face_of_foot(face, rounding)
+            } else {
+                face
+            };
             state.bound = Bound {
                 upper: value,
                 normal,
@@ -220,7 +232,7 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
             };
         }
         // 4. Close enough, or go on.
-        if separated || touching || tight {
+        if separated || touching || tight || (close && state.bound.has_foot(rounding)) {
             state.end = if separated {
                 End::Separated
             } else if touching {

@@ -10,12 +10,19 @@
 //!
 //! Fixed size, no heap: `V` vertices, `F` = 2 V − 4 faces, which is all that a closed surface of V vertices has.
 
+use super::barycentric::on_triangle;
 use crate::minkowski::{Vertex, unit};
 use glam::DVec3;
 
 /// A vertex sees a face it is above, or below by no more than this share of the rounding: coplanar faces are
 /// replaced together, so that no sliver stands on an edge the new vertex lies in line with.
 const COPLANAR_ROUNDINGS: f64 = 4.0;
+
+/// Planes whose distances from the origin differ by less than this share may be one plane: slivers' planes are rough.
+const COPLANAR: f64 = 1e-9;
+
+/// Unit normals nearer than this may be of one plane, for the same reason.
+const PARALLEL: f64 = 1e-4;
 
 /// Why a vertex could not be inserted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,6 +140,27 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     /// The corners of a face.
     pub(super) fn face_vertices(&self, face: usize) -> [Vertex; 3] {
         self.corners[face].map(|i| self.vertices[usize::from(i)])
+    }
+
+    /// Of all faces in the plane of `face`, give or take `slack`, the one with the point nearest to the origin.
+    pub(super) fn face_of_foot(&self, face: usize, slack: f64) -> usize {
+        let nearest = |face: usize| {
+            let [p, q, r] = self.face_vertices(face).map(|v| v.w);
+            on_triangle(p, q, r).point.length_squared()
+        };
+        let (mut best, mut best_sq) = (face, nearest(face));
+        for other in 0..self.face_count {
+            let same_plane = self.offsets[other] - self.offsets[face]
+                <= slack + COPLANAR * self.offsets[face].abs()
+                && self.normals[other].distance(self.normals[face]) < PARALLEL;
+            if same_plane {
+                let other_sq = nearest(other);
+                if other_sq < best_sq {
+                    (best, best_sq) = (other, other_sq);
+                }
+            }
+        }
+        best
     }
 
     /// True when there is no room for another vertex.
