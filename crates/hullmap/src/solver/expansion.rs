@@ -198,7 +198,9 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
             state.end = End::Inside;
             return true;
         }
-        let close = state.bound.upper - state.lower <= tolerance * state.bound.upper + rounding;
+        // No bound yet is infinite, and infinity is within a tolerance of infinity.
+        let close = state.bound.upper < f64::INFINITY
+            && state.bound.upper - state.lower <= tolerance * state.bound.upper + rounding;
         if close && state.bound.is_tight(tolerance, rounding) && state.bound.has_foot(rounding) {
             state.end = End::Converged;
             return true;
