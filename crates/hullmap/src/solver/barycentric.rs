@@ -96,10 +96,10 @@ pub(crate) fn on_triangle(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
 
 /// The nearest point on the solid tetrahedron `v`, and whether the origin lies strictly inside it (the point is
 /// then the origin). A flat tetrahedron is taken as its four faces.
-pub(crate) fn on_tetrahedron(v: [DVec3; 4]) -> (Nearest<4>, bool) {
+pub(crate) fn on_tetrahedron(v: [DVec3; 4]) -> (Nearest<4>, f64) {
     /// Three corners of a face and the one across.
     const FACES: [[usize; 4]; 4] = [[0, 1, 2, 3], [0, 1, 3, 2], [0, 2, 3, 1], [1, 2, 3, 0]];
-    let mut inside = true;
+    let mut clearance = f64::INFINITY;
     let mut weights = [0.0; 4];
     let mut best: Option<Nearest<4>> = None;
     for [i, j, k, across] in FACES {
@@ -109,9 +109,9 @@ pub(crate) fn on_tetrahedron(v: [DVec3; 4]) -> (Nearest<4>, bool) {
         // Strictly on the corner's side of this face; a flat tetrahedron and NaN are outside.
         if height_of_corner * height_of_origin > 0.0 {
             weights[across] = height_of_origin / height_of_corner;
+            clearance = clearance.min(height_of_origin.abs() / n.length());
             continue;
         }
-        inside = false;
         let on_face = on_triangle(v[i], v[j], v[k]);
         if best.is_none_or(|b| on_face.point.length_squared() < b.point.length_squared()) {
             let mut w = [0.0; 4];
@@ -123,15 +123,15 @@ pub(crate) fn on_tetrahedron(v: [DVec3; 4]) -> (Nearest<4>, bool) {
         }
     }
     match best {
-        Some(nearest) if !inside => (nearest, false),
-        _ => {
+        Some(nearest) => (nearest, 0.0),
+        None => {
             let sum: f64 = weights.iter().sum();
             (
                 Nearest {
                     weights: weights.map(|w| w / sum),
                     point: DVec3::ZERO,
                 },
-                true,
+                clearance,
             )
         }
     }
@@ -209,12 +209,12 @@ mod tests {
     #[test]
     fn tetrahedron_inside_outside_and_flat() {
         let v = [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::ONE];
-        let (nearest, inside) = on_tetrahedron(v);
-        assert!(inside);
+        let (nearest, clearance) = on_tetrahedron(v);
+        assert!(clearance > 0.0);
         assert_weights(&nearest, v, DVec3::ZERO);
         let moved = v.map(|p| p + DVec3::ONE);
-        let (nearest, inside) = on_tetrahedron(moved);
-        assert!(!inside);
+        let (nearest, clearance) = on_tetrahedron(moved);
+        assert_eq!(clearance, 0.0);
         assert!(
             nearest.point.length() < 1e-12,
             "the corner that lies on the origin"
@@ -225,8 +225,8 @@ mod tests {
             DVec3::new(0.0, 1.0, 1.0),
             DVec3::new(-1.0, -1.0, 1.0),
         ];
-        let (nearest, inside) = on_tetrahedron(flat);
-        assert!(!inside);
+        let (nearest, clearance) = on_tetrahedron(flat);
+        assert_eq!(clearance, 0.0);
         assert_weights(&nearest, flat, DVec3::Z);
     }
 }

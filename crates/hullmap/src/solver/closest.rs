@@ -58,11 +58,11 @@ impl Simplex {
         )
     }
 
-    /// Point of the simplex nearest to the origin. Keeps only the vertices it is made of; all four, and true, when the origin is
-    /// inside.
-    fn nearest(&mut self) -> (DVec3, bool) {
+    /// Point of the simplex nearest to the origin, and the origin's distance from the surface if it is inside, 0 otherwise. Keeps
+    /// only the vertices the point is made of: all four when the origin is inside.
+    fn nearest(&mut self) -> (DVec3, f64) {
         let [p, q, r, s] = self.vertices.map(|v| v.w);
-        let mut inside = false;
+        let mut clearance = 0.0;
         let mut weights = [0.0; 4];
         let point = match self.count {
             1 => {
@@ -81,27 +81,27 @@ impl Simplex {
             }
             _ => {
                 let (on, within) = barycentric::on_tetrahedron([p, q, r, s]);
-                inside = within;
+                clearance = within;
                 weights = on.weights;
                 on.point
             }
         };
         let mut kept = 0;
-        for i in 0..self.count {
-            if weights[i] > 0.0 {
+        for (i, weight) in weights.into_iter().enumerate().take(self.count) {
+            if weight > 0.0 {
                 self.vertices[kept] = self.vertices[i];
-                self.weights[kept] = weights[i];
+                self.weights[kept] = weight;
                 kept += 1;
             }
         }
         // NaN weights keep nothing: stay with the first vertex.
         if kept == 0 {
             *self = Self::new(self.vertices[0]);
-            return (self.vertices[0].w, false);
+            return (self.vertices[0].w, 0.0);
         }
         self.count = kept;
         self.weights[kept..].fill(0.0);
-        (point, inside)
+        (point, clearance)
     }
 }
 
@@ -110,9 +110,9 @@ impl Simplex {
 pub(super) enum End {
     /// The interval is narrow enough.
     Converged,
-    /// The origin is strictly inside the simplex.
+    /// The origin is inside the simplex, clear of its faces by more than rounding.
     Inside,
-    /// The nearest point is the origin, within rounding, on a simplex without volume.
+    /// The nearest point is the origin, within rounding, on the simplex or a hair inside.
     AtOrigin,
     /// The cap was reached.
     Limit,
@@ -152,18 +152,25 @@ pub(super) fn closest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     };
     for _ in 0..max_iterations.min(MAX_CLOSEST) {
         best.iterations += 1;
-        let (y, inside) = simplex.nearest();
-        if inside {
+        let (y, clearance) = simplex.nearest();
+        if clearance > 0.0 {
+            // A hair inside may be a hair outside.
+            let end = if clearance > rounding {
+                End::Inside
+            } else {
+                End::AtOrigin
+            };
             return Closest {
-                end: End::Inside,
+                end,
                 simplex,
                 upper: 0.0,
                 ..best
             };
         }
         let length = y.length();
-        // NaN and no progress take this branch.
-        if !(length < best.upper) {
+        // NaN counts as no progress.
+        let nearer = length < best.upper;
+        if !nearer {
             return Closest {
                 end: End::Stalled,
                 ..best

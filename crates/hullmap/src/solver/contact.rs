@@ -11,11 +11,13 @@
 //! 5. contact points from barycentric coordinates (line 10).
 //!
 //! # Deviations
-//! - Step 4. The paper's depth is along the normal of the portal that the centre ray meets: too large by up to 3.8 times.
-//!   It serves as the first upper bound.
+//! - Step 4. The paper's depth is along the normal of the portal that the centre ray meets: too large by up to 3.8 times. It is
+//!   what comes out when no expansions are allowed (`max_iterations` 0), as an upper bound.
+//! - Otherwise phase two stops at the first portal with the origin behind it. A portal refined to the surface is a poor
+//!   start for the expansion: it took 3 to 20 support calls more, at 8 to 8,192 points.
 //! - A depth of zero has a normal and a status of its own.
 
-use super::discovery::{self, Discovery};
+use super::discovery::{NoPortal, discover};
 use super::expansion::{self, Bound, Goal, expand};
 use super::intersection::{separated_early, tetrahedron};
 use super::refinement::{Side, Until, refine};
@@ -83,13 +85,18 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         cache.forget_axis();
         return found;
     }
-    let (found, mut iterations) = discovery::discover(m, cache.portal());
+    let (found, mut iterations) = discover(m, cache.portal());
     let mut bound = Bound::none();
     let mut start = None;
     match found {
-        Discovery::Separated { axis } => return apart(m, cache, axis, iterations),
-        Discovery::Portal(portal) => {
-            let refined = refine(m, portal, Until::Surface { tolerance });
+        Err(NoPortal::Separated { axis }) => return apart(m, cache, axis, iterations),
+        Ok(portal) => {
+            let until = if settings.max_iterations == 0 {
+                Until::Surface { tolerance }
+            } else {
+                Until::Decided
+            };
+            let refined = refine(m, portal, until);
             iterations += refined.iterations;
             if refined.side == Side::Separated {
                 return apart(m, cache, refined.axis, iterations);
@@ -102,7 +109,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
                 face: refined.upper_portal.vertices,
             };
         }
-        Discovery::Flat | Discovery::Limit => {}
+        Err(NoPortal::Flat | NoPortal::Limit) => {}
     }
     let expanded = expand(
         m,
@@ -188,7 +195,7 @@ fn contact_of_balls<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let normal = unit(-m.center().w).unwrap_or(DVec3::X);
     let vertex = m.support(normal);
     let upper = vertex.w.dot(normal);
-    (upper - lower <= tolerance * upper + rounding).then(|| Contact {
+    (upper - lower <= tolerance * upper + rounding).then_some(Contact {
         hit: true,
         status: if upper - lower <= rounding {
             Status::Exact

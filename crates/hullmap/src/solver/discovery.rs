@@ -18,7 +18,7 @@
 //! - The paper's v2 is sought with v0 × v1 of absolute size; where centre, v1 and origin lie on one line (the "line
 //!   case") it is zero. Then any direction beside the line does, and where the centre is the origin, any at all.
 //! - The sides are tested with closed half-spaces, so that a ray through an edge or a vertex is no endless loop; a cap ends
-//!   what rounding still keeps going. A portal without area, or flat against v0, is [`Discovery::Flat`].
+//!   what rounding still keeps going. A portal without area, or flat against v0, is [`NoPortal::Flat`].
 //! - A cached portal (section 4.7) is tried first: three support calls, and if the ray pierces it phase one is over.
 
 use crate::SupportMap;
@@ -53,6 +53,17 @@ impl Portal {
             .flatten()
     }
 
+    /// Distance of the origin from the nearest of the three planes through v0 and a side; negative outside.
+    ///
+    /// Where the centre is well inside the difference this does not matter, but a centre on the surface has surface points in
+    /// these planes.
+    pub(super) fn clearance(&self) -> f64 {
+        let v0 = self.center.w;
+        let [v1, v2, v3] = self.vertices.map(|v| v.w);
+        let side = |p: DVec3, q: DVec3| p.cross(q).dot(v0) / (p - v0).cross(q - v0).length();
+        side(v1, v3).min(side(v3, v2)).min(side(v2, v1))
+    }
+
     /// Whether the ray pierces the portal and the normal points away from v0: all that phase one promises.
     pub(super) fn is_pierced(&self) -> bool {
         let v0 = self.center.w;
@@ -64,11 +75,9 @@ impl Portal {
     }
 }
 
-/// How phase one ended.
+/// Why phase one found no portal.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Discovery {
-    /// A portal was found.
-    Portal(Portal),
+pub(super) enum NoPortal {
     /// The origin is outside: a separating axis of unit length, from A to B.
     Separated { axis: DVec3 },
     /// The difference, or what was seen of it, is flat; somebody else must decide.
@@ -81,43 +90,40 @@ pub(super) enum Discovery {
 pub(super) fn discover<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     warm: Option<[DVec3; 3]>,
-) -> (Discovery, u32) {
-    if let Some(found) = warm.and_then(|dirs| try_warm(m, dirs)) {
-        return (found, 1);
-    }
-    match discover_cold(m) {
-        Ok((portal, steps)) => (Discovery::Portal(portal), steps),
-        Err((end, steps)) => (end, steps),
-    }
+) -> (Result<Portal, NoPortal>, u32) {
+    let mut steps = 0;
+    let found = match warm.map(|dirs| try_warm(m, dirs)) {
+        Some(Ok(Some(portal))) => Ok(portal),
+        Some(Err(none)) => Err(none),
+        Some(Ok(None)) | None => discover_cold(m, &mut steps),
+    };
+    (found, steps.max(1))
 }
 
 /// Builds the portal of old directions under the new pose; nothing when the ray misses it.
 fn try_warm<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     dirs: [DVec3; 3],
-) -> Option<Discovery> {
+) -> Result<Option<Portal>, NoPortal> {
     let mut vertices = [Vertex::EMPTY; 3];
     for (vertex, dir) in vertices.iter_mut().zip(dirs) {
-        match probe(m, dir) {
-            Ok(v) => *vertex = v,
-            Err(end) => return Some(end),
-        }
+        *vertex = probe(m, dir)?;
     }
     let portal = Portal {
         center: m.center(),
         vertices,
     };
-    (portal.is_pierced() && portal.normal().is_some()).then_some(Discovery::Portal(portal))
+    Ok((portal.is_pierced() && portal.normal().is_some()).then_some(portal))
 }
 
 /// The support point in the unit direction `n`, or the separating axis that `n` is then.
 fn probe<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     n: DVec3,
-) -> Result<Vertex, Discovery> {
+) -> Result<Vertex, NoPortal> {
     let v = m.support(n);
     if v.w.dot(n) < -m.rounding() {
-        Err(Discovery::Separated { axis: n })
+        Err(NoPortal::Separated { axis: n })
     } else {
         Ok(v)
     }
@@ -125,8 +131,8 @@ fn probe<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 
 fn discover_cold<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
-) -> Result<(Portal, u32), (Discovery, u32)> {
-    let first = |end| (end, 1);
+    steps: &mut u32,
+) -> Result<Portal, NoPortal> {
     // Algorithm 1, line 1: v0, the centre of the Minkowski difference.
     let center = m.center();
     let v0 = center.w;
@@ -138,16 +144,16 @@ fn discover_cold<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     } else {
         DVec3::X
     };
-    let mut v1 = probe(m, towards).map_err(first)?;
+    let mut v1 = probe(m, towards)?;
     // v2 beside the line from v0 through the origin; in the line case beside the line from v0 through v1.
-    let line = unit(v1.w - v0).ok_or(Discovery::Flat).map_err(first)?;
+    let line = unit(v1.w - v0).ok_or(NoPortal::Flat)?;
     let beside = v1.w.cross(v0);
     let beside = if beside.length() > flat * (v1.w - v0).length() {
         unit(beside).unwrap_or_else(|| perpendicular(line))
     } else {
         perpendicular(line)
     };
-    let mut v2 = probe(m, beside).map_err(first)?;
+    let mut v2 = probe(m, beside)?;
     // v3 beside the plane of v0, v1, v2, on the origin's side.
     let mut n = (v1.w - v0).cross(v2.w - v0);
     if n.dot(v0) > 0.0 {
@@ -156,10 +162,10 @@ fn discover_cold<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
 
     // Lines 3 to 5: while the tetrahedron does not contain the origin, recalculate.
-    for step in 1..=MAX_DISCOVERY {
-        let ended = |end| (end, step);
-        let dir = unit(n).ok_or(Discovery::Flat).map_err(ended)?;
-        let v3 = probe(m, dir).map_err(ended)?;
+    for _ in 0..MAX_DISCOVERY {
+        *steps += 1;
+        let dir = unit(n).ok_or(NoPortal::Flat)?;
+        let v3 = probe(m, dir)?;
         // Listing 2: the ray passes outside the plane of v0, v1, v3: v3 takes v2's place.
         if v1.w.cross(v3.w).dot(v0) < 0.0 {
             v2 = v3;
@@ -176,12 +182,12 @@ fn discover_cold<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
                 && portal.is_pierced()
                 && portal.normal().is_some()
             {
-                Ok((portal, step))
+                Ok(portal)
             } else {
-                Err((Discovery::Flat, step))
+                Err(NoPortal::Flat)
             };
         }
         n = (v1.w - v0).cross(v2.w - v0);
     }
-    Err((Discovery::Limit, MAX_DISCOVERY))
+    Err(NoPortal::Limit)
 }

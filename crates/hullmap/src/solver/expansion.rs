@@ -25,7 +25,7 @@
 use super::barycentric::{blend, on_triangle};
 use super::closest::{self, Simplex, closest};
 use super::polytope::{Polytope, Refused};
-use super::seed::{Seed, seed};
+use super::seed::{Flat, seed};
 use crate::SupportMap;
 use crate::minkowski::{Minkowski, Vertex};
 use glam::DVec3;
@@ -144,8 +144,8 @@ pub(super) fn expand<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let small = match small {
         Some(polytope) => Some(polytope),
         None => match seed(m) {
-            Seed::Solid(tetrahedron) => Polytope::new(tetrahedron, m.rounding()),
-            Seed::Flat { normal, inside } => return expand_flat(m, normal, inside, state),
+            Ok(tetrahedron) => Polytope::new(tetrahedron, m.rounding()),
+            Err(Flat { normal }) => return expand_flat(m, normal, state),
         },
     };
     let Some(mut small) = small else {
@@ -261,10 +261,9 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
 fn expand_flat<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     normal: DVec3,
-    inside: Vertex,
     mut state: Expansion,
 ) -> Expansion {
-    let near = closest(m, Simplex::new(inside), 0.0, MAX_FLAT);
+    let near = closest(m, Simplex::new(m.center()), 0.0, MAX_FLAT);
     state.iterations += near.iterations;
     state.lower = 0.0;
     let first = near.simplex.vertices()[0];

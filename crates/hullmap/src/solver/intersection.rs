@@ -12,7 +12,7 @@
 //! # Deviations
 //! - The answer has four values; "touching" and "undecided" are not hidden in yes or no.
 
-use super::discovery::{self, Discovery, Portal};
+use super::discovery::{NoPortal, Portal, discover};
 use super::expansion::{self, Bound, Expansion, Goal, expand};
 use super::refinement::{Side, Until, refine};
 use crate::minkowski::{Minkowski, Vertex, unit};
@@ -90,14 +90,14 @@ fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         cache.set_axis(axis);
         return (Overlap::Separated, 0);
     }
-    let (found, mut iterations) = discovery::discover(m, cache.portal());
+    let (found, mut iterations) = discover(m, cache.portal());
     let mut start = None;
     match found {
-        Discovery::Separated { axis } => {
+        Err(NoPortal::Separated { axis }) => {
             cache.set_axis(axis);
             return (Overlap::Separated, iterations);
         }
-        Discovery::Portal(portal) => {
+        Ok(portal) => {
             let refined = refine(m, portal, Until::Decided);
             iterations += refined.iterations;
             match refined.side {
@@ -105,7 +105,7 @@ fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
                     cache.set_axis(refined.axis);
                     return (Overlap::Separated, iterations);
                 }
-                Side::Overlapping if refined.portal.is_pierced() => {
+                Side::Overlapping if is_proved(m, &refined.portal) => {
                     cache.forget_axis();
                     cache.set_portal(&refined.portal.vertices);
                     return (Overlap::Overlapping, iterations);
@@ -115,7 +115,7 @@ fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
                 }
             }
         }
-        Discovery::Flat | Discovery::Limit => {}
+        Err(NoPortal::Flat | NoPortal::Limit) => {}
     }
     let (status, axis, steps) = decide_by_expansion(m, start);
     match status {
@@ -123,6 +123,16 @@ fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         _ => cache.forget_axis(),
     }
     (status, iterations + steps)
+}
+
+/// Whether the origin, known to be behind the portal, is truly inside and not on the surface: either the centre is well inside, and
+/// with it the whole tetrahedron but the portal, or the origin keeps clear of the other three sides.
+fn is_proved<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    portal: &Portal,
+) -> bool {
+    let rounding = m.rounding();
+    (m.inner_radius() > rounding && portal.is_pierced()) || portal.clearance() > rounding
 }
 
 /// The centre and the portal.

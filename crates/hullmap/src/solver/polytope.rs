@@ -66,7 +66,8 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         let mut seed = seed;
         let volume = (q - p).cross(r - p).dot(s - p);
         // NaN takes the failing branch.
-        if !(volume.abs() > 0.0) {
+        let solid = volume.abs() > 0.0;
+        if !solid {
             return None;
         }
         if volume > 0.0 {

@@ -35,7 +35,7 @@ const MAX_REFINEMENT: u32 = 100;
 pub(super) enum Until {
     /// As soon as it is known whether the origin is inside.
     Decided,
-    /// When the portal lies on the surface, to this share of the support value: the paper's phase two.
+    /// When the portal lies on the surface, to this share of the support value: the paper's phase two to its end.
     Surface { tolerance: f64 },
 }
 

@@ -16,19 +16,16 @@ use glam::DVec3;
 /// Thicknesses up to this many roundings are none: two support points' error on either side, and the normal's.
 const FLAT_ROUNDINGS: f64 = 8.0;
 
-/// What there is to start from.
+/// The difference has no thickness along this unit normal.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Seed {
-    /// A tetrahedron with a volume.
-    Solid([Vertex; 4]),
-    /// The difference has no thickness along this unit normal.
-    Flat { normal: DVec3, inside: Vertex },
+pub(super) struct Flat {
+    pub(super) normal: DVec3,
 }
 
 /// Finds a tetrahedron of support points. At most 12 support calls.
 pub(super) fn seed<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
-) -> Seed {
+) -> Result<[Vertex; 4], Flat> {
     let thin = FLAT_ROUNDINGS * m.rounding();
     let mut seen = [Vertex::EMPTY; 10];
     for (i, dir) in [
@@ -44,7 +41,6 @@ pub(super) fn seed<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     {
         seen[i] = m.support(dir);
     }
-    let inside = m.center();
     let mut pair = (seen[0], seen[1]);
     for i in 0..6 {
         for j in i + 1..6 {
@@ -56,10 +52,9 @@ pub(super) fn seed<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let (p, q) = pair;
     // NaN takes the branch of the flat, here and below.
     let Some(line) = unit(q.w - p.w).filter(|_| q.w.distance(p.w) > thin) else {
-        return Seed::Flat {
-            normal: unit(-inside.w).unwrap_or(DVec3::X),
-            inside,
-        };
+        return Err(Flat {
+            normal: unit(-m.center().w).unwrap_or(DVec3::X),
+        });
     };
     let side = perpendicular(line);
     let other = line.cross(side);
@@ -75,18 +70,15 @@ pub(super) fn seed<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
     let normal = unit((q.w - p.w).cross(r.w - p.w)).filter(|_| height(&r) > thin);
     let Some(normal) = normal else {
-        return Seed::Flat {
-            normal: side,
-            inside,
-        };
+        return Err(Flat { normal: side });
     };
     let (above, below) = (m.support(normal), m.support(-normal));
     let rise = (above.w - p.w).dot(normal);
     let fall = (p.w - below.w).dot(normal);
     let s = if rise >= fall { above } else { below };
     if rise.max(fall) > thin {
-        Seed::Solid([p, q, r, s])
+        Ok([p, q, r, s])
     } else {
-        Seed::Flat { normal, inside }
+        Err(Flat { normal })
     }
 }

@@ -9,6 +9,9 @@ pub struct Settings {
     /// Most steps of the last phase (closest point, or expansion). Reaching it is
     /// [`Status::IterationLimit`](crate::Status::IterationLimit); the interval still holds. The solver's own caps
     /// are upper limits to it.
+    ///
+    /// With 0, [`contact`](crate::contact) is the paper's own algorithm: the depth along the normal of the portal that
+    /// the centres' line meets, which is a true upper bound and no more.
     pub max_iterations: u32,
 }
 

@@ -1,13 +1,11 @@
 //! The known failure modes of portal refinement, one test each, named after what goes wrong elsewhere.
 
-mod shapes;
-
+use crate::shapes::{Ball, Cuboid, PointCloud, Rng};
 use glam::{DQuat, DVec3};
 use hullmap::{
     Cache, Contact, Distance, Overlap, Pose, Settings, Status, SupportMap, contact, distance,
     intersects,
 };
-use shapes::{Ball, Cuboid, PointCloud, Rng};
 
 fn at(x: f64, y: f64, z: f64) -> Pose {
     Pose::from_translation(DVec3::new(x, y, z)).unwrap()

@@ -5,7 +5,7 @@ use glam::DVec3;
 use hullmap::Pose;
 
 /// The greatest a · n less the least b · n.
-fn support_value(a: &[DVec3], b: &[DVec3], n: DVec3) -> f64 {
+pub fn support_value(a: &[DVec3], b: &[DVec3], n: DVec3) -> f64 {
     let top = a.iter().map(|p| p.dot(n)).fold(f64::NEG_INFINITY, f64::max);
     let bottom = b.iter().map(|p| p.dot(n)).fold(f64::INFINITY, f64::min);
     top - bottom
@@ -59,6 +59,7 @@ pub fn distance_apart(a: &PointCloud, b: &PointCloud, b_in_a: Pose) -> f64 {
             }
             for i in 0..others.len() {
                 for j in 0..i {
+                    least = least.min(point_to_segment(*p, others[i], others[j]));
                     for k in 0..j {
                         least = least.min(point_to_triangle(*p, others[i], others[j], others[k]));
                     }
@@ -91,7 +92,7 @@ fn point_to_triangle(p: DVec3, q: DVec3, r: DVec3, s: DVec3) -> f64 {
 
 fn point_to_segment(p: DVec3, q: DVec3, r: DVec3) -> f64 {
     let e = r - q;
-    let t = ((p - q).dot(e) / e.length_squared()).clamp(0.0, 1.0);
+    let t = ((p - q).dot(e) / e.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
     p.distance(q + e * t)
 }
 
