@@ -83,7 +83,9 @@ pub fn distance_apart(a: &PointCloud, b: &PointCloud, b_in_a: Pose) -> f64 {
 fn point_to_triangle(p: DVec3, q: DVec3, r: DVec3, s: DVec3) -> f64 {
     let n = (r - q).cross(s - q);
     let inside = |e: DVec3, from: DVec3| n.cross(e).dot(p - from) >= 0.0;
-    if n.length() > 0.0 && inside(r - q, q) && inside(s - r, r) && inside(q - s, s) {
+    // A triangle that is a segment but for rounding has no inside.
+    let solid = n.length() > 1e-12 * (r - q).length() * (s - q).length();
+    if solid && inside(r - q, q) && inside(s - r, r) && inside(q - s, s) {
         (p - q).dot(n).abs() / n.length()
     } else {
         f64::INFINITY
