@@ -1,0 +1,232 @@
+//! Barycentric coordinates of the point of a segment, triangle or tetrahedron that is nearest to the origin.
+//!
+//! They map a point of the Minkowski difference back to the shapes: the same weights applied to the points of A and
+//! of B give the contact points.
+//!
+//! # Reference
+//! Kenwright, Algorithm 1 line 10 and `MapPointOrigin` of Listing 2.
+//!
+//! # Steps, for a triangle
+//! 1. project the origin on the triangle's plane; if it falls inside, the areas of the three parts are the weights;
+//! 2. otherwise, or if the triangle has no area, take the nearest of the three edges.
+//!
+//! # Deviations
+//! - Weights are clamped: never negative, sum 1. The paper's go wrong when the origin projects outside the
+//!   portal (libccd#71) and divide by zero when the portal has no area.
+//! - Edges are compared by the distances they give, not by Voronoi region: no chain of sign tests that rounding can
+//!   make contradict itself.
+
+use glam::DVec3;
+
+/// Below this sine of the angle between two edges a triangle counts as a segment: its normal would have fewer than
+/// three good digits, since coordinates have about 13 left after the rotations.
+const THIN: f64 = 1e-10;
+
+/// The point of a segment, triangle or tetrahedron nearest to the origin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Nearest<const N: usize> {
+    /// One weight for each vertex; none negative, sum 1.
+    pub(crate) weights: [f64; N],
+    /// The nearest point.
+    pub(crate) point: DVec3,
+}
+
+/// The nearest point on the segment from `p` to `q`.
+pub(crate) fn on_segment(p: DVec3, q: DVec3) -> Nearest<2> {
+    let edge = q - p;
+    let along = -p.dot(edge);
+    let length_sq = edge.length_squared();
+    // NaN and a segment without length take the branch of `p`.
+    if !(along > 0.0 && length_sq > 0.0) {
+        return Nearest {
+            weights: [1.0, 0.0],
+            point: p,
+        };
+    }
+    if along >= length_sq {
+        return Nearest {
+            weights: [0.0, 1.0],
+            point: q,
+        };
+    }
+    let t = along / length_sq;
+    Nearest {
+        weights: [1.0 - t, t],
+        point: p + edge * t,
+    }
+}
+
+/// The nearest point on the triangle `p`, `q`, `r`; a triangle without area is taken as its three edges.
+pub(crate) fn on_triangle(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
+    let (pq, pr) = (q - p, r - p);
+    let n = pq.cross(pr);
+    let n_sq = n.length_squared();
+    if n_sq > THIN * THIN * pq.length_squared() * pr.length_squared() {
+        let at_q = -n.dot(p.cross(pr));
+        let at_r = n.dot(p.cross(pq));
+        let at_p = n_sq - at_q - at_r;
+        if at_p >= 0.0 && at_q >= 0.0 && at_r >= 0.0 {
+            let sum = at_p + at_q + at_r;
+            return Nearest {
+                weights: [at_p / sum, at_q / sum, at_r / sum],
+                // From the plane, not from the weights: as a direction this keeps more digits.
+                point: n * (n.dot(p) / n_sq),
+            };
+        }
+    }
+    let (on_pq, on_qr, on_rp) = (on_segment(p, q), on_segment(q, r), on_segment(r, p));
+    let mut best = Nearest {
+        weights: [on_pq.weights[0], on_pq.weights[1], 0.0],
+        point: on_pq.point,
+    };
+    if on_qr.point.length_squared() < best.point.length_squared() {
+        best = Nearest {
+            weights: [0.0, on_qr.weights[0], on_qr.weights[1]],
+            point: on_qr.point,
+        };
+    }
+    if on_rp.point.length_squared() < best.point.length_squared() {
+        best = Nearest {
+            weights: [on_rp.weights[1], 0.0, on_rp.weights[0]],
+            point: on_rp.point,
+        };
+    }
+    best
+}
+
+/// The nearest point on the solid tetrahedron `v`, and whether the origin lies strictly inside it (the point is
+/// then the origin). A flat tetrahedron is taken as its four faces.
+pub(crate) fn on_tetrahedron(v: [DVec3; 4]) -> (Nearest<4>, f64) {
+    /// Three corners of a face and the one across.
+    const FACES: [[usize; 4]; 4] = [[0, 1, 2, 3], [0, 1, 3, 2], [0, 2, 3, 1], [1, 2, 3, 0]];
+    let mut clearance = f64::INFINITY;
+    let mut weights = [0.0; 4];
+    let mut best: Option<Nearest<4>> = None;
+    for [i, j, k, across] in FACES {
+        let n = (v[j] - v[i]).cross(v[k] - v[i]);
+        let height_of_corner = n.dot(v[across] - v[i]);
+        let height_of_origin = -n.dot(v[i]);
+        // Strictly on the corner's side of this face; a flat tetrahedron and NaN are outside.
+        if height_of_corner * height_of_origin > 0.0 {
+            weights[across] = height_of_origin / height_of_corner;
+            clearance = clearance.min(height_of_origin.abs() / n.length());
+            continue;
+        }
+        let on_face = on_triangle(v[i], v[j], v[k]);
+        if best.is_none_or(|b| on_face.point.length_squared() < b.point.length_squared()) {
+            let mut w = [0.0; 4];
+            (w[i], w[j], w[k]) = (on_face.weights[0], on_face.weights[1], on_face.weights[2]);
+            best = Some(Nearest {
+                weights: w,
+                point: on_face.point,
+            });
+        }
+    }
+    match best {
+        Some(nearest) => (nearest, 0.0),
+        None => {
+            let sum: f64 = weights.iter().sum();
+            (
+                Nearest {
+                    weights: weights.map(|w| w / sum),
+                    point: DVec3::ZERO,
+                },
+                clearance,
+            )
+        }
+    }
+}
+
+/// The point with barycentric coordinates `weights` among `points`.
+pub(crate) fn blend<const N: usize>(weights: &[f64; N], points: [DVec3; N]) -> DVec3 {
+    // Relative to the first point: shapes far from the origin keep their digits.
+    let first = points[0];
+    let mut offset = DVec3::ZERO;
+    for (weight, point) in weights.iter().zip(points) {
+        offset += (point - first) * *weight;
+    }
+    first + offset
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn assert_weights<const N: usize>(nearest: &Nearest<N>, points: [DVec3; N], expected: DVec3) {
+        let sum: f64 = nearest.weights.iter().sum();
+        assert!(
+            (sum - 1.0).abs() < 1e-14 && nearest.weights.iter().all(|w| *w >= 0.0),
+            "{nearest:?}"
+        );
+        assert!(
+            (blend(&nearest.weights, points) - expected).length() < 1e-12,
+            "{nearest:?}"
+        );
+        assert!((nearest.point - expected).length() < 1e-12, "{nearest:?}");
+    }
+
+    #[test]
+    fn segment_ends_and_middle() {
+        let (p, q) = (DVec3::new(-1.0, 1.0, 0.0), DVec3::new(3.0, 1.0, 0.0));
+        assert_weights(&on_segment(p, q), [p, q], DVec3::Y);
+        let far = DVec3::new(5.0, 0.0, 0.0);
+        assert_weights(&on_segment(p + far, q + far), [p + far, q + far], p + far);
+        assert_weights(&on_segment(p - far, q - far), [p - far, q - far], q - far);
+        assert_weights(&on_segment(p, p), [p, p], p);
+    }
+
+    #[test]
+    fn triangle_inside_edge_and_corner() {
+        let t = [
+            DVec3::new(-1.0, -1.0, 2.0),
+            DVec3::new(2.0, -1.0, 2.0),
+            DVec3::new(-1.0, 2.0, 2.0),
+        ];
+        assert_weights(&on_triangle(t[0], t[1], t[2]), t, DVec3::new(0.0, 0.0, 2.0));
+        let moved = t.map(|p| p + DVec3::Y * 3.0);
+        assert_weights(
+            &on_triangle(moved[0], moved[1], moved[2]),
+            moved,
+            DVec3::new(0.0, 2.0, 2.0),
+        );
+        let corner = t.map(|p| p + DVec3::new(4.0, 4.0, 0.0));
+        assert_weights(
+            &on_triangle(corner[0], corner[1], corner[2]),
+            corner,
+            DVec3::new(3.0, 3.0, 2.0),
+        );
+    }
+
+    #[test]
+    fn portal_without_area_gives_clamped_weights() {
+        let (p, q) = (DVec3::new(-1.0, 1.0, 0.0), DVec3::new(1.0, 1.0, 0.0));
+        for r in [p, q, p * 0.5 + q * 0.5] {
+            assert_weights(&on_triangle(p, q, r), [p, q, r], DVec3::Y);
+        }
+        assert_weights(&on_triangle(p, p, p), [p, p, p], p);
+    }
+
+    #[test]
+    fn tetrahedron_inside_outside_and_flat() {
+        let v = [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::ONE];
+        let (nearest, clearance) = on_tetrahedron(v);
+        assert!(clearance > 0.0);
+        assert_weights(&nearest, v, DVec3::ZERO);
+        let moved = v.map(|p| p + DVec3::ONE);
+        let (nearest, clearance) = on_tetrahedron(moved);
+        assert_eq!(clearance, 0.0);
+        assert!(
+            nearest.point.length() < 1e-12,
+            "the corner that lies on the origin"
+        );
+        let flat = [
+            DVec3::new(0.0, 0.0, 1.0),
+            DVec3::new(1.0, 0.0, 1.0),
+            DVec3::new(0.0, 1.0, 1.0),
+            DVec3::new(-1.0, -1.0, 1.0),
+        ];
+        let (nearest, clearance) = on_tetrahedron(flat);
+        assert_eq!(clearance, 0.0);
+        assert_weights(&nearest, flat, DVec3::Z);
+    }
+}

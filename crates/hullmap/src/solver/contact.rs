@@ -1,0 +1,214 @@
+//! Contact of two shapes: penetration depth as an interval, normal and contact points.
+//!
+//! # Reference
+//! Kenwright, Algorithm 1 and Listing 2.
+//!
+//! # Steps
+//! 1. balls around the shapes, and the axis that separated them last time: apart;
+//! 2. phase one: find a portal (Algorithm 1 lines 1 to 5);
+//! 3. phase two: refine it to the surface (lines 6 to 9);
+//! 4. expansion from the centre and the portal, until the depth is the least one;
+//! 5. contact points from barycentric coordinates (line 10).
+//!
+//! # Deviations
+//! - Step 4. The paper's depth is along the normal of the portal that the centre ray meets: too large by up to 3.8 times. It is
+//!   what comes out when no expansions are allowed (`max_iterations` 0), as an upper bound.
+//! - Otherwise phase two stops at the first portal with the origin behind it. A portal refined to the surface is a poor
+//!   start for the expansion: it took 3 to 20 support calls more, at 8 to 8,192 points.
+//! - A depth of zero has a normal and a status of its own.
+
+use super::discovery::{NoPortal, discover};
+use super::expansion::{self, Bound, Goal, expand};
+use super::intersection::{separated_early, tetrahedron};
+use super::refinement::{Side, Until, refine};
+use crate::minkowski::{Minkowski, unit};
+use crate::{Cache, Pose, Settings, Status, SupportMap};
+use glam::DVec3;
+
+/// Answer of [`contact`](contact()). Lengths are in the shapes' units, points and directions in A's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// False only when a separating plane proves the shapes apart.
+    pub hit: bool,
+    /// How the interval came to be.
+    pub status: Status,
+    /// Moving B by this much along `normal` separates the shapes (they then touch). 0 when apart or touching.
+    pub depth: f64,
+    /// The least such motion in any direction is no less than this, rounding included.
+    pub depth_lower: f64,
+    /// The least such motion in any direction is no more than this, rounding included.
+    pub depth_upper: f64,
+    /// Of unit length, from A to B. When the shapes are apart, a separating axis.
+    pub normal: DVec3,
+    /// The point of A deepest in B. When the shapes are apart, some point of A: ask [`distance`](crate::distance) for the nearest.
+    pub point_a: DVec3,
+    /// The point of B deepest in A. When the shapes are apart, some point of B.
+    pub point_b: DVec3,
+    /// Steps of all phases together.
+    pub iterations: u32,
+    /// Pairs of support queries made.
+    pub support_calls: u32,
+}
+
+/// Contact of `a` and of `b` placed at `b_in_a`: the shortest way to push B out of A.
+///
+/// `cache` belongs to this ordered pair; it is read and brought up to date.
+///
+/// # Complexity
+/// 1 to 4 support calls for most pairs apart, 10 to 40 for most that overlap; capped by `settings`. No allocation.
+///
+/// # Reference
+/// Kenwright, Algorithm 1 and Listing 2.
+pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    a: &A,
+    b: &B,
+    b_in_a: Pose,
+    settings: &Settings,
+    cache: &mut Cache,
+) -> Contact {
+    let mut m = Minkowski::new(a, b, b_in_a);
+    let mut out = search(&mut m, settings, cache);
+    out.support_calls = m.support_calls();
+    out
+}
+
+fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    settings: &Settings,
+    cache: &mut Cache,
+) -> Contact {
+    let tolerance = settings.relative_gap();
+    if let Some(axis) = separated_early(m, cache) {
+        return apart(m, cache, axis, 0);
+    }
+    if let Some(found) = contact_of_balls(m, tolerance) {
+        cache.forget_axis();
+        return found;
+    }
+    let (found, mut iterations) = discover(m, cache.portal());
+    let mut bound = Bound::none();
+    let mut start = None;
+    match found {
+        Err(NoPortal::Separated { axis }) => return apart(m, cache, axis, iterations),
+        Ok(portal) => {
+            let until = if settings.max_iterations == 0 {
+                Until::Surface { tolerance }
+            } else {
+                Until::Decided
+            };
+            let refined = refine(m, portal, until);
+            iterations += refined.iterations;
+            if refined.side == Side::Separated {
+                return apart(m, cache, refined.axis, iterations);
+            }
+            cache.set_portal(&refined.portal.vertices);
+            start = Some(tetrahedron(&refined.portal));
+            bound = Bound {
+                upper: refined.upper,
+                normal: refined.axis,
+                face: refined.upper_portal.vertices,
+            };
+        }
+        Err(NoPortal::Flat | NoPortal::Limit) => {}
+    }
+    let expanded = expand(
+        m,
+        start,
+        Goal::Depth { tolerance },
+        bound,
+        settings.max_iterations,
+    );
+    iterations += expanded.iterations;
+    let Bound { upper, normal, .. } = expanded.bound;
+    if expanded.end == expansion::End::Separated {
+        return apart(m, cache, normal, iterations);
+    }
+    cache.forget_axis();
+    let rounding = m.rounding();
+    let status = match expanded.end {
+        expansion::End::Touching => Status::Touching,
+        // A face may be proved nearest before anybody looks whether it is at zero.
+        _ if upper <= expansion::TOUCHING_ROUNDINGS * rounding => Status::Touching,
+        expansion::End::Converged | expansion::End::Inside => {
+            if upper - expanded.lower <= rounding {
+                Status::Exact
+            } else {
+                Status::Within
+            }
+        }
+        expansion::End::Limit => Status::IterationLimit,
+        expansion::End::Stalled | expansion::End::Separated => Status::Stalled,
+    };
+    let (point_a, point_b) = expanded.bound.points();
+    Contact {
+        hit: true,
+        status,
+        depth: if status == Status::Touching {
+            0.0
+        } else {
+            upper
+        },
+        depth_lower: (expanded.lower - rounding).max(0.0),
+        depth_upper: upper.max(0.0) + rounding,
+        normal: unit(normal).unwrap_or(DVec3::X),
+        point_a,
+        point_b,
+        iterations,
+        support_calls: 0,
+    }
+}
+
+/// No contact: `axis` separates.
+fn apart<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    cache: &mut Cache,
+    axis: DVec3,
+    iterations: u32,
+) -> Contact {
+    cache.set_axis(axis);
+    let center = m.center();
+    Contact {
+        hit: false,
+        status: Status::Separated,
+        depth: 0.0,
+        depth_lower: 0.0,
+        depth_upper: 0.0,
+        normal: axis,
+        point_a: center.a,
+        point_b: center.b,
+        iterations,
+        support_calls: 0,
+    }
+}
+
+/// Contact of shapes that are balls, within the tolerance: the centres' line says it all, in one support call.
+fn contact_of_balls<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    tolerance: f64,
+) -> Option<Contact> {
+    let rounding = m.rounding();
+    let lower = m.inner_radius() - m.center().w.length();
+    // NaN takes the failing branch.
+    if !(lower > rounding && m.outer_radius() - m.inner_radius() <= tolerance * lower + rounding) {
+        return None;
+    }
+    let normal = unit(-m.center().w).unwrap_or(DVec3::X);
+    let vertex = m.support(normal);
+    let upper = vertex.w.dot(normal);
+    (upper - lower <= tolerance * upper + rounding).then_some(Contact {
+        hit: true,
+        status: if upper - lower <= rounding {
+            Status::Exact
+        } else {
+            Status::Within
+        },
+        depth: upper,
+        depth_lower: lower - rounding,
+        depth_upper: upper + rounding,
+        normal,
+        point_a: vertex.a,
+        point_b: vertex.b,
+        iterations: 1,
+        support_calls: 0,
+    })
+}

@@ -1,0 +1,162 @@
+//! Yes or no: do two shapes share a point?
+//!
+//! # Reference
+//! Kenwright, Algorithm 1 lines 1 to 9; section 4.1 for the order of the tests.
+//!
+//! # Steps
+//! 1. balls around and inside the shapes: no support call;
+//! 2. the axis that separated them last time: one;
+//! 3. phase one, then phase two until the answer is known;
+//! 4. what these leave open (flat shapes, touching, caps) is settled by the expansion, which needs no portal.
+//!
+//! # Deviations
+//! - The answer has four values; "touching" and "undecided" are not hidden in yes or no.
+
+use super::discovery::{NoPortal, Portal, discover};
+use super::expansion::{self, Bound, Expansion, Goal, expand};
+use super::refinement::{Side, Until, refine};
+use crate::minkowski::{Minkowski, Vertex, unit};
+use crate::{Cache, Overlap, Pose, SupportMap};
+use glam::DVec3;
+
+/// Most expansions for a yes or no. Only touching pairs come here, and a dozen is usual.
+const MAX_DECIDING: u32 = 250;
+
+/// Answer of [`intersects`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Intersection {
+    /// Whether the shapes share a point.
+    pub status: Overlap,
+    /// Steps of all phases together.
+    pub iterations: u32,
+    /// Pairs of support queries made.
+    pub support_calls: u32,
+}
+
+impl Intersection {
+    /// True unless the shapes are proved apart: touching and undecided pairs count as hits, so that numerical trouble never
+    /// reads as "no collision".
+    pub fn is_hit(&self) -> bool {
+        self.status != Overlap::Separated
+    }
+}
+
+/// Whether `a` and `b`, placed at `b_in_a`, share a point.
+///
+/// `cache` belongs to this ordered pair; it is read and brought up to date.
+///
+/// # Complexity
+/// No support call when balls decide, 1 to 4 for most pairs apart, 3 to 7 for most that overlap; capped. No allocation.
+///
+/// # Reference
+/// Kenwright, Algorithm 1.
+pub fn intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    a: &A,
+    b: &B,
+    b_in_a: Pose,
+    cache: &mut Cache,
+) -> Intersection {
+    let mut m = Minkowski::new(a, b, b_in_a);
+    let (status, iterations) = decide(&mut m, cache);
+    Intersection {
+        status,
+        iterations,
+        support_calls: m.support_calls(),
+    }
+}
+
+/// The tests that come before any search: an axis, of unit length from A to B, known to separate.
+pub(super) fn separated_early<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    cache: &Cache,
+) -> Option<DVec3> {
+    if m.outer_balls_apart() {
+        return unit(-m.center().w);
+    }
+    cache
+        .axis()
+        .filter(|axis| m.support(*axis).w.dot(*axis) < -m.rounding())
+}
+
+fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    cache: &mut Cache,
+) -> (Overlap, u32) {
+    if m.inner_balls_overlap() {
+        cache.forget_axis();
+        return (Overlap::Overlapping, 0);
+    }
+    if let Some(axis) = separated_early(m, cache) {
+        cache.set_axis(axis);
+        return (Overlap::Separated, 0);
+    }
+    let (found, mut iterations) = discover(m, cache.portal());
+    let mut start = None;
+    match found {
+        Err(NoPortal::Separated { axis }) => {
+            cache.set_axis(axis);
+            return (Overlap::Separated, iterations);
+        }
+        Ok(portal) => {
+            let refined = refine(m, portal, Until::Decided);
+            iterations += refined.iterations;
+            match refined.side {
+                Side::Separated => {
+                    cache.set_axis(refined.axis);
+                    return (Overlap::Separated, iterations);
+                }
+                Side::Overlapping if is_proved(m, &refined.portal) => {
+                    cache.forget_axis();
+                    cache.set_portal(&refined.portal.vertices);
+                    return (Overlap::Overlapping, iterations);
+                }
+                Side::Touching | Side::Undecided | Side::Overlapping => {
+                    start = Some(tetrahedron(&refined.portal))
+                }
+            }
+        }
+        Err(NoPortal::Flat | NoPortal::Limit) => {}
+    }
+    let (status, axis, steps) = decide_by_expansion(m, start);
+    match status {
+        Overlap::Separated => cache.set_axis(axis),
+        _ => cache.forget_axis(),
+    }
+    (status, iterations + steps)
+}
+
+/// Whether the origin, known to be behind the portal, is truly inside and not on the surface: either the centre is well inside, and
+/// with it the whole tetrahedron but the portal, or the origin keeps clear of the other three sides.
+fn is_proved<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    portal: &Portal,
+) -> bool {
+    let rounding = m.rounding();
+    (m.inner_radius() > rounding && portal.is_pierced()) || portal.clearance() > rounding
+}
+
+/// The centre and the portal.
+pub(super) fn tetrahedron(portal: &Portal) -> [Vertex; 4] {
+    let [v1, v2, v3] = portal.vertices;
+    [portal.center, v1, v2, v3]
+}
+
+/// The last word on whether the origin is inside, with an axis that separates if it is not.
+pub(super) fn decide_by_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    start: Option<[Vertex; 4]>,
+) -> (Overlap, DVec3, u32) {
+    let Expansion {
+        end,
+        bound,
+        iterations,
+        ..
+    } = expand(m, start, Goal::Decide, Bound::none(), MAX_DECIDING);
+    let status = match end {
+        expansion::End::Separated => Overlap::Separated,
+        expansion::End::Inside => Overlap::Overlapping,
+        expansion::End::Touching | expansion::End::Converged => Overlap::Touching,
+        expansion::End::Limit | expansion::End::Stalled => Overlap::Undecided,
+    };
+    (status, bound.normal, iterations)
+}

@@ -1,0 +1,29 @@
+//! The solver: intersection, distance and contact of two convex shapes, from their support mappings alone.
+//!
+//! One file a phase. [`discovery`] and [`refinement`] are the two phases of Kenwright's Algorithm 1 (portal refinement), and
+//! [`barycentric`] its last line; [`closest`] (distance) and [`expansion`] (least depth) go on where the paper stops, on the same Minkowski
+//! difference. [`intersection`], [`distance`](mod@distance) and [`contact`](mod@contact) put them together.
+//!
+//! All arithmetic is in double precision, without allocation, angles or random numbers: the same input gives the same
+//! bits. Lengths are compared only with lengths of the query, so nothing changes with the scene's scale.
+
+mod barycentric;
+mod cache;
+mod closest;
+mod contact;
+mod discovery;
+mod distance;
+mod expansion;
+mod intersection;
+mod polytope;
+mod refinement;
+mod seed;
+mod settings;
+mod status;
+
+pub use cache::Cache;
+pub use contact::{Contact, contact};
+pub use distance::{Distance, distance};
+pub use intersection::{Intersection, intersects};
+pub use settings::Settings;
+pub use status::{Overlap, Status};

@@ -1,0 +1,144 @@
+//! Phase two of portal refinement: push the portal out until it lies on the surface.
+//!
+//! Computes whether the origin lies inside, and the portal through which the ray from the centre v0 through the origin
+//! leaves the Minkowski difference.
+//!
+//! # Reference
+//! Kenwright, Algorithm 1 lines 6 to 9 and Listing 2, phase 2; figure 9.
+//!
+//! # Steps
+//! 1. n = the portal's normal, away from v0; origin behind it: they overlap (line 9);
+//! 2. w = support along n (paper: v4); w · n < 0: a separating plane;
+//! 3. w no farther out than the portal: the surface is reached (line 6);
+//! 4. of the triangles w makes with the portal's sides keep the one that the ray pierces (lines 7 and 8); again.
+//!
+//! # Deviations
+//! - The paper's absolute 0.001 becomes a share of the support value, and rounding a share of the query's size.
+//! - Overlap is settled as soon as the origin is behind a portal, not after the last one: a yes/no query stops there.
+//! - The support value h(n) is kept, a true upper bound of the depth along n, instead of the plane's distance n · v1, which
+//!   is too small until the surface is reached. As a depth it still depends on the centre ray: the expansion improves it.
+//! - The three children are told apart by three signed volumes instead of the six of Listing 2, and one of them is
+//!   always chosen: the paper's "should never get here" cannot happen.
+//! - The number of steps is capped; running out is a result.
+
+use super::discovery::Portal;
+use crate::SupportMap;
+use crate::minkowski::Minkowski;
+use glam::DVec3;
+
+/// Most portals tried. Polytopes need 2 to 20; smooth shapes touching one another halve an error each step, so 60 would use
+/// up the digits.
+const MAX_REFINEMENT: u32 = 100;
+
+/// When to stop refining.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Until {
+    /// As soon as it is known whether the origin is inside.
+    Decided,
+    /// When the portal lies on the surface, to this share of the support value: the paper's phase two to its end.
+    Surface { tolerance: f64 },
+}
+
+/// What phase two found out about the origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Side {
+    /// Outside; [`Refinement::axis`] separates.
+    Separated,
+    /// Inside the tetrahedron of v0 and the portal.
+    Overlapping,
+    /// On the surface, within rounding.
+    Touching,
+    /// Not settled: cap reached or portal without area.
+    Undecided,
+}
+
+/// The outcome of phase two.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Refinement {
+    pub(super) side: Side,
+    /// The last portal.
+    pub(super) portal: Portal,
+    /// Unit normal, from A to B, of the plane that decided: separating, touching, or with the least `upper`.
+    pub(super) axis: DVec3,
+    /// Support value of the difference along `axis`: no less than the depth. Infinite if none was asked for.
+    pub(super) upper: f64,
+    /// The portal whose normal `axis` is.
+    pub(super) upper_portal: Portal,
+    pub(super) iterations: u32,
+}
+
+/// Refines `portal`, which the ray from its centre through the origin pierces.
+pub(super) fn refine<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    portal: Portal,
+    until: Until,
+) -> Refinement {
+    let rounding = m.rounding();
+    let v0 = portal.center.w;
+    let mut out = Refinement {
+        side: Side::Undecided,
+        portal,
+        axis: DVec3::ZERO,
+        upper: f64::INFINITY,
+        upper_portal: portal,
+        iterations: 0,
+    };
+    // Algorithm 1, line 6: while we can get closer.
+    for _ in 0..MAX_REFINEMENT {
+        out.iterations += 1;
+        let Some(n) = out.portal.normal() else {
+            return out;
+        };
+        let [v1, v2, v3] = out.portal.vertices;
+        let plane = n.dot(v1.w);
+        // Line 9: origin on the inside of the outer face.
+        if plane > rounding {
+            out.side = Side::Overlapping;
+            if until == Until::Decided {
+                out.axis = n;
+                return out;
+            }
+        }
+        let v4 = m.support(n);
+        let value = v4.w.dot(n);
+        if value < -rounding {
+            return Refinement {
+                side: Side::Separated,
+                axis: n,
+                upper: value,
+                upper_portal: out.portal,
+                ..out
+            };
+        }
+        if value < out.upper {
+            (out.upper, out.axis, out.upper_portal) = (value, n, out.portal);
+        }
+        let enough = match until {
+            Until::Decided => rounding,
+            Until::Surface { tolerance } => rounding + tolerance * value,
+        };
+        // NaN counts as the surface: there is nothing farther out to go to.
+        let farther = value - plane > enough;
+        if !farther {
+            if out.side == Side::Undecided && value.abs() <= 2.0 * rounding {
+                (out.side, out.axis, out.upper, out.upper_portal) =
+                    (Side::Touching, n, value, out.portal);
+            }
+            return out;
+        }
+        // Lines 7 and 8, Listing 2: v4 replaces the vertex across the side that the ray is on.
+        let beside = v4.w.cross(v0);
+        out.portal.vertices = if v1.w.dot(beside) >= 0.0 {
+            if v2.w.dot(beside) >= 0.0 {
+                [v4, v2, v3]
+            } else {
+                [v1, v2, v4]
+            }
+        } else if v3.w.dot(beside) >= 0.0 {
+            [v1, v4, v3]
+        } else {
+            [v4, v2, v3]
+        };
+    }
+    out
+}

@@ -1,0 +1,84 @@
+//! A first tetrahedron for the expansion, from nothing, or the proof that there is none.
+//!
+//! Where phase one and two leave no tetrahedron with a volume (flat shapes, coplanar polygons, interior points on the
+//! boundary), this looks for one in directions of its own, and so measures the rank of the Minkowski difference.
+//!
+//! # Steps
+//! 1. support both ways along the three axes; keep the two points farthest apart;
+//! 2. of the six and of four more beside that line, keep the point farthest from it;
+//! 3. support both ways along the normal of the triangle; keep the point farther from it;
+//! 4. a length, height or thickness within rounding means rank 0, 1 or 2: flat.
+
+use crate::SupportMap;
+use crate::minkowski::{Minkowski, Vertex, perpendicular, unit};
+use glam::DVec3;
+
+/// Thicknesses up to this many roundings are none: two support points' error on either side, and the normal's.
+const FLAT_ROUNDINGS: f64 = 8.0;
+
+/// The difference has no thickness along this unit normal.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Flat {
+    pub(super) normal: DVec3,
+}
+
+/// Finds a tetrahedron of support points. At most 12 support calls.
+pub(super) fn seed<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+) -> Result<[Vertex; 4], Flat> {
+    let thin = FLAT_ROUNDINGS * m.rounding();
+    let mut seen = [Vertex::EMPTY; 10];
+    for (i, dir) in [
+        DVec3::X,
+        DVec3::NEG_X,
+        DVec3::Y,
+        DVec3::NEG_Y,
+        DVec3::Z,
+        DVec3::NEG_Z,
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        seen[i] = m.support(dir);
+    }
+    let mut pair = (seen[0], seen[1]);
+    for i in 0..6 {
+        for j in i + 1..6 {
+            if seen[i].w.distance_squared(seen[j].w) > pair.0.w.distance_squared(pair.1.w) {
+                pair = (seen[i], seen[j]);
+            }
+        }
+    }
+    let (p, q) = pair;
+    // NaN takes the branch of the flat, here and below.
+    let Some(line) = unit(q.w - p.w).filter(|_| q.w.distance(p.w) > thin) else {
+        return Err(Flat {
+            normal: unit(-m.center().w).unwrap_or(DVec3::X),
+        });
+    };
+    let side = perpendicular(line);
+    let other = line.cross(side);
+    for (i, dir) in [side, -side, other, -other].into_iter().enumerate() {
+        seen[6 + i] = m.support(dir);
+    }
+    let height = |v: &Vertex| (v.w - p.w).cross(line).length();
+    let mut r = seen[0];
+    for v in &seen[1..] {
+        if height(v) > height(&r) {
+            r = *v;
+        }
+    }
+    let normal = unit((q.w - p.w).cross(r.w - p.w)).filter(|_| height(&r) > thin);
+    let Some(normal) = normal else {
+        return Err(Flat { normal: side });
+    };
+    let (above, below) = (m.support(normal), m.support(-normal));
+    let rise = (above.w - p.w).dot(normal);
+    let fall = (p.w - below.w).dot(normal);
+    let s = if rise >= fall { above } else { below };
+    if rise.max(fall) > thin {
+        Ok([p, q, r, s])
+    } else {
+        Err(Flat { normal })
+    }
+}

@@ -1,0 +1,529 @@
+//! The solver against brute force, on random hulls.
+
+#[path = "solver/failure_modes.rs"]
+mod failure_modes;
+#[path = "solver/shapes.rs"]
+mod shapes;
+#[path = "solver/truth.rs"]
+mod truth;
+
+use glam::{DQuat, DVec3};
+use hullmap::{Cache, Overlap, Pose, Settings, Status, contact, distance, intersects};
+use proptest::prelude::*;
+use shapes::{Ball, Cuboid, PointCloud, Rng};
+use truth::{distance_apart, signed_depth, support_value};
+
+const SEED: u64 = 0x5eed_0001;
+
+/// What brute force itself may be wrong by, for shapes of about unit size.
+const TRUTH_ERROR: f64 = 1e-13;
+
+/// A pair of hulls, placed; a third deep, a third within 2 % of touching, a third anywhere near.
+fn pair(rng: &mut Rng) -> (PointCloud, PointCloud, Pose) {
+    let hull = |rng: &mut Rng| {
+        let count = 4 + rng.below(9);
+        let on_surface = rng.below(2) == 0;
+        let cloud = PointCloud::random(rng, count, on_surface);
+        // Half of them away from their frame's origin.
+        if rng.below(2) == 0 {
+            cloud
+        } else {
+            cloud.moved(rng.direction() * 3.0)
+        }
+    };
+    let (a, b) = (hull(rng), hull(rng));
+    let rotation = rng.rotation();
+    let direction = rng.direction();
+    let turned = Pose::new(DVec3::ZERO, rotation).unwrap();
+    let center = a.interior - turned.transform_point(b.interior);
+    // How far B's centre goes along `direction` until it touches, nearly: by bisection of the truth's sign.
+    let at = |t: f64| Pose::new(center + direction * t, rotation).unwrap();
+    let pose = match rng.below(3) {
+        0 => at(rng.range(0.0, 0.5)),
+        1 => {
+            let (mut inside, mut outside) = (0.0, 3.0);
+            for _ in 0..12 {
+                let middle = 0.5 * (inside + outside);
+                if signed_depth(&a, &b, at(middle)) > 0.0 {
+                    inside = middle
+                } else {
+                    outside = middle
+                }
+            }
+            at(inside * rng.range(0.98, 1.02))
+        }
+        _ => at(rng.range(0.3, 2.5)),
+    };
+    (a, b, pose)
+}
+
+#[test]
+fn random_pairs_against_brute_force() {
+    const PAIRS: usize = 1500;
+    let settings = Settings::default();
+    let mut rng = Rng(SEED);
+    let (mut hits, mut converged) = (0, 0);
+    for i in 0..PAIRS {
+        let seed = rng.0;
+        let (a, b, pose) = pair(&mut rng);
+        let truth = signed_depth(&a, &b, pose);
+        let sure = truth.abs() > TRUTH_ERROR;
+        let at = format!("pair {i}, seed {seed:#x}, truth {truth:e}");
+
+        let yes = intersects(&a, &b, pose, &mut Cache::new());
+        assert_ne!(yes.status, Overlap::Undecided, "{at}");
+        if sure {
+            assert_eq!(yes.is_hit(), truth > 0.0, "{at}: {yes:?}");
+        }
+
+        let deep = contact(&a, &b, pose, &settings, &mut Cache::new());
+        if sure {
+            assert_eq!(deep.hit, truth > 0.0, "{at}: {deep:?}");
+        }
+        assert!((deep.normal.length() - 1.0).abs() < 1e-14, "{at}: {deep:?}");
+        if deep.hit {
+            assert!(
+                deep.depth_lower <= truth + TRUTH_ERROR && truth - TRUTH_ERROR <= deep.depth_upper,
+                "{at}: {deep:?}"
+            );
+            assert!(
+                deep.depth_lower <= deep.depth && deep.depth <= deep.depth_upper,
+                "{at}: {deep:?}"
+            );
+            assert!(
+                !matches!(deep.status, Status::IterationLimit | Status::Stalled),
+                "{at}: {deep:?}"
+            );
+            assert!(
+                deep.depth_upper - deep.depth_lower <= 1.01e-5 * deep.depth_upper + 1e-12,
+                "{at}: {deep:?}"
+            );
+            // Moving B along the normal by the depth leaves them touching.
+            let away = |by: f64| {
+                Pose::new(pose.translation() + deep.normal * by, pose.rotation()).unwrap()
+            };
+            assert!(
+                signed_depth(&a, &b, away(deep.depth + 1e-9)) < 0.0,
+                "{at}: {deep:?}"
+            );
+            assert!(
+                signed_depth(&a, &b, away(deep.depth * 0.99 - 1e-9)) > 0.0,
+                "{at}: {deep:?}"
+            );
+            // The points lie across from each other along the normal.
+            let along = deep.point_a - deep.point_b;
+            assert!(
+                (along - deep.normal * deep.depth).length() <= 0.02 * deep.depth + 1e-9,
+                "{at}: {deep:?}"
+            );
+            hits += 1;
+        } else {
+            assert_eq!(deep.status, Status::Separated, "{at}");
+        }
+
+        let gap = distance(&a, &b, pose, &settings, &mut Cache::new());
+        if sure {
+            assert_eq!(
+                gap.status == Status::Overlapping || gap.status == Status::Touching,
+                truth > 0.0,
+                "{at}: {gap:?}"
+            );
+        }
+        if truth < -TRUTH_ERROR {
+            let far = distance_apart(&a, &b, pose);
+            assert!(
+                gap.lower <= far + TRUTH_ERROR && far - TRUTH_ERROR <= gap.upper,
+                "{at}, far {far}: {gap:?}"
+            );
+            assert!(
+                gap.upper - gap.lower <= 1.01e-5 * gap.upper + 1e-12,
+                "{at}: {gap:?}"
+            );
+            assert!(
+                ((gap.point_b - gap.point_a) - gap.normal * gap.distance).length() < 1e-12,
+                "{at}: {gap:?}"
+            );
+            converged += usize::from(matches!(gap.status, Status::Exact | Status::Within));
+        } else {
+            assert!(
+                (gap.point_b - gap.point_a).length() < 1e-12,
+                "{at}: {gap:?}"
+            );
+        }
+    }
+    let share = hits as f64 / PAIRS as f64;
+    assert!(
+        (0.3..0.7).contains(&share),
+        "not representative: {share} of the pairs overlap"
+    );
+    assert_eq!(converged, PAIRS - hits, "distances that did not converge");
+}
+
+fn at(x: f64, y: f64, z: f64) -> Pose {
+    Pose::from_translation(DVec3::new(x, y, z)).unwrap()
+}
+
+#[test]
+fn two_cubes_by_face_edge_and_vertex() {
+    let cube = Cuboid(DVec3::ONE);
+    let settings = Settings::default();
+    let quarter = std::f64::consts::FRAC_PI_4;
+    let edge_on = DQuat::from_rotation_z(quarter);
+    // A vertex first: the body diagonal turned into the x axis.
+    let vertex_on = DQuat::from_rotation_arc(DVec3::ONE.normalize(), DVec3::NEG_X);
+    for (rotation, reach) in [
+        (DQuat::IDENTITY, 1.0),
+        (edge_on, 2.0_f64.sqrt()),
+        (vertex_on, 3.0_f64.sqrt()),
+    ] {
+        for gap in [-0.25, -1e-3, -1e-9, 1e-9, 1e-3, 0.5] {
+            let pose = Pose::new(DVec3::X * (1.0 + reach + gap), rotation).unwrap();
+            let yes = intersects(&cube, &cube, pose, &mut Cache::new());
+            assert_eq!(yes.is_hit(), gap < 0.0, "{gap} {yes:?}");
+            let c = contact(&cube, &cube, pose, &settings, &mut Cache::new());
+            let d = distance(&cube, &cube, pose, &settings, &mut Cache::new());
+            if gap < 0.0 {
+                assert!(c.hit && (c.depth + gap).abs() < 1e-13, "{gap} {c:?}");
+                assert!(c.normal.distance(DVec3::X) < 1e-5, "{c:?}");
+                assert!(
+                    (c.point_a.x - 1.0).abs() < 1e-13 && (c.point_b.x - (1.0 + gap)).abs() < 1e-13,
+                    "{c:?}"
+                );
+                assert_eq!((d.status, d.distance), (Status::Overlapping, 0.0));
+            } else {
+                assert!(
+                    !c.hit && (d.distance - gap).abs() < 1e-5 * gap + 1e-13,
+                    "{gap} {d:?}"
+                );
+                assert!(d.normal.distance(DVec3::X) < 5e-3, "{d:?}");
+                assert!((d.point_a.x - 1.0).abs() < 1e-13, "{d:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn normal_points_from_a_to_b() {
+    // Not only along +x: B on each side of A, apart and deep.
+    let (a, b) = (Cuboid(DVec3::ONE), Cuboid(DVec3::splat(0.5)));
+    for axis in [
+        DVec3::X,
+        DVec3::Y,
+        DVec3::Z,
+        DVec3::NEG_X,
+        DVec3::NEG_Y,
+        DVec3::NEG_Z,
+    ] {
+        let beside = DVec3::new(0.1, 0.2, 0.3) * (DVec3::ONE - axis.abs());
+        let deep = Pose::from_translation(axis * 1.25 + beside).unwrap();
+        let c = contact(&a, &b, deep, &Settings::default(), &mut Cache::new());
+        assert!(
+            c.normal.distance(axis) < 1e-13 && (c.depth - 0.25).abs() < 1e-13,
+            "{c:?}"
+        );
+        let apart = Pose::from_translation(axis * 2.0 + beside).unwrap();
+        let d = distance(&a, &b, apart, &Settings::default(), &mut Cache::new());
+        assert!(
+            d.normal.distance(axis) < 1e-6 && (d.distance - 0.5).abs() < 1e-13,
+            "{d:?}"
+        );
+        assert!(
+            (d.point_b - d.point_a - axis * 0.5).length() < 1e-13,
+            "{d:?}"
+        );
+        let c = contact(&a, &b, apart, &Settings::default(), &mut Cache::new());
+        assert!(!c.hit && c.normal.dot(axis) > 0.0, "{c:?}");
+    }
+}
+
+#[test]
+fn pairs_of_balls() {
+    let mut rng = Rng(SEED + 1);
+    let (mut hits, mut calls) = (0, 0);
+    for i in 0..2000 {
+        let ball = |rng: &mut Rng| Ball {
+            center: rng.direction(),
+            radius: rng.range(0.1, 2.0),
+            frank: i % 2 == 0,
+        };
+        let (a, b) = (ball(&mut rng), ball(&mut rng));
+        let pose = rng.pose(3.0);
+        let between = pose.transform_point(b.center) - a.center;
+        let gap = between.length() - a.radius - b.radius;
+        let (c, d) = (
+            contact(&a, &b, pose, &Settings::default(), &mut Cache::new()),
+            distance(&a, &b, pose, &Settings::default(), &mut Cache::new()),
+        );
+        assert_eq!(
+            intersects(&a, &b, pose, &mut Cache::new()).is_hit(),
+            gap < 0.0,
+            "{i} {gap}"
+        );
+        assert_eq!(c.hit, gap < 0.0, "{i} {gap} {c:?}");
+        if gap < 0.0 {
+            hits += 1;
+            assert!(
+                c.depth_lower <= -gap && -gap <= c.depth_upper,
+                "{i} {gap} {c:?}"
+            );
+            if a.frank {
+                calls += c.support_calls;
+                assert!(
+                    (c.depth + gap).abs() < 1e-12 && c.normal.distance(between.normalize()) < 1e-12,
+                    "{i} {gap} {c:?}"
+                );
+            }
+        } else {
+            assert!(
+                d.lower <= gap && gap <= d.upper && d.upper - d.lower < 1e-5 * d.upper + 1e-13,
+                "{i} {gap} {d:?}"
+            );
+        }
+    }
+    assert!((600..1400).contains(&hits), "{hits} of 2000 pairs overlap");
+    assert!(
+        calls < hits,
+        "balls that say they are balls need one support call a contact: {calls}"
+    );
+}
+
+#[test]
+fn without_expansions_it_is_the_papers_contact() {
+    // An upper bound that holds, and that is not the depth: the centre ray leaves the long box through its end.
+    let (long, cube) = (Cuboid(DVec3::new(20.0, 1.0, 1.0)), Cuboid(DVec3::ONE));
+    let settings = Settings {
+        max_iterations: 0,
+        ..Settings::default()
+    };
+    let pose = at(15.0, 1.5, 0.3);
+    let paper = contact(&long, &cube, pose, &settings, &mut Cache::new());
+    assert!(
+        paper.hit && paper.depth_lower <= 0.5 && paper.depth_upper >= 0.5 - 1e-12,
+        "{paper:?}"
+    );
+    let mut rng = Rng(SEED + 2);
+    let (mut too_large, mut hits) = (0, 0);
+    for _ in 0..500 {
+        let (a, b) = (
+            PointCloud::random(&mut rng, 12, true),
+            PointCloud::random(&mut rng, 12, true),
+        );
+        let pose = rng.pose(1.5);
+        let paper = contact(&a, &b, pose, &settings, &mut Cache::new());
+        let truth = signed_depth(&a, &b, pose);
+        assert_eq!(paper.hit, truth > 0.0);
+        if paper.hit {
+            hits += 1;
+            too_large += usize::from(paper.depth_upper > 1.01 * truth);
+            assert!(
+                paper.depth_lower <= truth && truth <= paper.depth_upper,
+                "{truth} {paper:?}"
+            );
+        }
+    }
+    assert!(
+        too_large * 4 > hits,
+        "{too_large} of {hits}: then why expand?"
+    );
+}
+
+/// Poses along a path: a step and about 1 degree each, from apart to deep to apart.
+fn trajectory(rng: &mut Rng) -> Vec<Pose> {
+    let (start, axis) = (rng.rotation(), rng.direction());
+    let (from, beside) = (rng.direction() * 2.0, rng.direction() * 0.3);
+    (0..100)
+        .map(|i| {
+            let t = f64::from(i) / 99.0;
+            let turn = DQuat::from_axis_angle(axis, f64::from(i).to_radians());
+            Pose::new(from * (1.0 - 2.0 * t) + beside, turn * start).unwrap()
+        })
+        .collect()
+}
+
+#[test]
+fn warm_answers_are_cold_answers() {
+    let settings = Settings::default();
+    let mut rng = Rng(SEED + 3);
+    let (mut hits, mut total) = (0, 0);
+    let mut calls = [[0; 2]; 3];
+    // One cache for all pairs too: a stranger's memory must do no harm.
+    let mut stranger = Cache::new();
+    for pair in 0..40 {
+        let n = [6, 12, 100, 400][pair % 4];
+        let (a, b) = (
+            PointCloud::random(&mut rng, n, true),
+            PointCloud::random(&mut rng, n, true),
+        );
+        let mut warm = [const { None::<Cache> }; 3].map(|_| Cache::new());
+        for pose in trajectory(&mut rng) {
+            total += 1;
+            let at = format!("pair {pair}, {pose:?}");
+            let cold = intersects(&a, &b, pose, &mut Cache::new());
+            hits += usize::from(cold.is_hit());
+            for cache in [&mut warm[0], &mut stranger] {
+                let got = intersects(&a, &b, pose, cache);
+                assert_eq!(got.status, cold.status, "{at}");
+                calls[0][0] += got.support_calls;
+            }
+            calls[0][1] += 2 * cold.support_calls;
+
+            let cold = distance(&a, &b, pose, &settings, &mut Cache::new());
+            for cache in [&mut warm[1], &mut stranger] {
+                let got = distance(&a, &b, pose, &settings, cache);
+                assert_eq!(
+                    got.status == Status::Overlapping,
+                    cold.status == Status::Overlapping,
+                    "{at}"
+                );
+                assert!(
+                    got.lower <= cold.upper && cold.lower <= got.upper,
+                    "{at} {got:?} {cold:?}"
+                );
+                assert!(
+                    got.upper - got.lower <= 1.01e-5 * got.upper + 1e-12,
+                    "{at} {got:?}"
+                );
+                calls[1][0] += got.support_calls;
+            }
+            calls[1][1] += 2 * cold.support_calls;
+
+            let cold = contact(&a, &b, pose, &settings, &mut Cache::new());
+            for cache in [&mut warm[2], &mut stranger] {
+                let got = contact(&a, &b, pose, &settings, cache);
+                assert_eq!(got.hit, cold.hit, "{at}");
+                assert!(
+                    got.depth_lower <= cold.depth_upper && cold.depth_lower <= got.depth_upper,
+                    "{at} {got:?} {cold:?}"
+                );
+                assert!(
+                    (got.depth - cold.depth).abs() <= 1e-5 * cold.depth + 1e-12,
+                    "{at} {got:?} {cold:?}"
+                );
+                calls[2][0] += got.support_calls;
+            }
+            calls[2][1] += 2 * cold.support_calls;
+        }
+    }
+    let share = hits as f64 / total as f64;
+    assert!(
+        (0.3..0.7).contains(&share),
+        "not representative: {share} of the poses overlap"
+    );
+    println!("support calls, warm and cold: intersects, distance, contact {calls:?}");
+    for [warm, cold] in calls {
+        assert!(
+            f64::from(warm) < 1.02 * f64::from(cold),
+            "a cache that costs more than it saves: {calls:?}"
+        );
+    }
+}
+
+/// Points of a small grid: full of duplicates, collinear and coplanar ones, of any rank.
+fn grid_cloud() -> impl Strategy<Value = PointCloud> {
+    let point = (-2..=2_i32, -2..=2_i32, -2..=2_i32)
+        .prop_map(|(x, y, z)| DVec3::new(x.into(), y.into(), z.into()));
+    prop::collection::vec(point, 1..9).prop_map(PointCloud::new)
+}
+
+/// Poses that keep the grid a grid, and some that do not.
+fn grid_pose() -> impl Strategy<Value = Pose> {
+    let step = || (-8..=8_i32).prop_map(|i| f64::from(i) / 2.0);
+    let turn = || (-1..=1_i32).prop_map(f64::from);
+    (step(), step(), step(), turn(), turn(), turn()).prop_map(|(x, y, z, i, j, k)| {
+        Pose::new(DVec3::new(x, y, z), DQuat::from_xyzw(i, j, k, 1.0)).unwrap()
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn degenerate_hulls_get_consistent_proved_answers(a in grid_cloud(), b in grid_cloud(), pose in grid_pose()) {
+        let settings = Settings::default();
+        let yes = intersects(&a, &b, pose, &mut Cache::new());
+        let c = contact(&a, &b, pose, &settings, &mut Cache::new());
+        let d = distance(&a, &b, pose, &settings, &mut Cache::new());
+        prop_assert!(yes.status != Overlap::Undecided, "{:?}", yes);
+        prop_assert!(!matches!(c.status, Status::IterationLimit | Status::Stalled), "{:?}", c);
+        prop_assert!(!matches!(d.status, Status::IterationLimit | Status::Stalled), "{:?}", d);
+        prop_assert_eq!(yes.is_hit(), c.hit);
+        prop_assert_eq!(yes.is_hit(), matches!(d.status, Status::Overlapping | Status::Touching), "{:?}", d);
+        // The grid's own distances and depths are far above rounding, so the three agree on touching too.
+        prop_assert_eq!(yes.status == Overlap::Touching, c.status == Status::Touching, "{:?} {:?}", yes, c);
+        prop_assert_eq!(yes.status == Overlap::Touching, d.status == Status::Touching, "{:?} {:?}", yes, d);
+        // What the normals claim, by linear scan.
+        let placed = b.placed(pose);
+        let value = |n: DVec3| support_value(&a.points, &placed, n);
+        if c.hit {
+            prop_assert!((value(c.normal) - c.depth).abs() < 1e-12, "{:?}", c);
+            prop_assert!(c.depth_upper - c.depth_lower <= 1.01e-5 * c.depth_upper + 1e-12, "{:?}", c);
+        } else {
+            prop_assert!(value(c.normal) < 0.0, "{:?}", c);
+            prop_assert!(value(d.normal) <= -0.999 * d.lower && d.lower > 0.0, "{:?}", d);
+            prop_assert!((distance_apart(&a, &b, pose) - d.distance).abs() <= 1e-5 * d.distance + 1e-12, "{:?}", d);
+        }
+        let truth = signed_depth(&a, &b, pose);
+        if truth.is_finite() {
+            prop_assert!(if c.hit { c.depth_lower <= truth.max(0.0) + 1e-12 } else { true }, "{} {:?}", truth, c);
+        }
+    }
+}
+
+/// Support calls and steps, and how often the interval is right, over larger hulls: `cargo test --release -- --ignored --nocapture`.
+#[test]
+#[ignore = "prints figures"]
+fn figures() {
+    let settings = Settings::default();
+    println!(
+        "{:>6} {:>9} {:>6} | {:>23} | {:>23} | {:>23} | not converged",
+        "n", "what", "pairs", "intersects calls", "distance calls", "contact calls"
+    );
+    for n in [8, 32, 128, 512, 2048, 8192] {
+        for (what, from, to) in [
+            ("deep", 0.0, 0.5),
+            ("touching", 0.98, 1.02),
+            ("apart", 1.2, 2.0),
+        ] {
+            let mut rng = Rng(SEED);
+            let mut calls = [const { Vec::new() }; 3];
+            let mut steps = Vec::new();
+            let (mut open, mut hits) = (0, 0);
+            for _ in 0..200 {
+                let (a, b) = (
+                    PointCloud::random(&mut rng, n, true),
+                    PointCloud::random(&mut rng, n, true),
+                );
+                let (rotation, direction) = (rng.rotation(), rng.direction());
+                let at = |t: f64| Pose::new(direction * t, rotation).unwrap();
+                let (mut inside, mut outside) = (0.0, 3.0);
+                for _ in 0..20 {
+                    let middle = 0.5 * (inside + outside);
+                    if intersects(&a, &b, at(middle), &mut Cache::new()).is_hit() {
+                        inside = middle
+                    } else {
+                        outside = middle
+                    }
+                }
+                let pose = at(inside * rng.range(from, to));
+                calls[0].push(intersects(&a, &b, pose, &mut Cache::new()).support_calls);
+                calls[1].push(distance(&a, &b, pose, &settings, &mut Cache::new()).support_calls);
+                let c = contact(&a, &b, pose, &settings, &mut Cache::new());
+                calls[2].push(c.support_calls);
+                steps.push(c.iterations);
+                hits += usize::from(c.hit);
+                open += usize::from(matches!(c.status, Status::IterationLimit | Status::Stalled));
+            }
+            let [i, d, c] = calls.map(|mut v| {
+                v.sort_unstable();
+                format!(
+                    "{:>5.1} {:>5} {:>5} {:>5}",
+                    v.iter().sum::<u32>() as f64 / v.len() as f64,
+                    v[v.len() / 2],
+                    v[v.len() * 99 / 100],
+                    v[v.len() - 1]
+                )
+            });
+            println!("{n:>6} {what:>9} {hits:>6} | {i} | {d} | {c} | {open}");
+        }
+    }
+}

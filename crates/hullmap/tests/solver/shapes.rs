@@ -1,0 +1,232 @@
+//! Shapes for tests: a point cloud by linear scan, closed forms, and a seeded random number generator.
+
+use glam::{DQuat, DVec3};
+use hullmap::{Pose, Support, SupportMap};
+
+/// The convex hull of some points, by linear scan: the slow, obvious support mapping.
+#[derive(Clone, Debug)]
+pub struct PointCloud {
+    pub points: Vec<DVec3>,
+    pub interior: DVec3,
+    pub inner_radius: f64,
+    pub outer_radius: f64,
+}
+
+impl PointCloud {
+    /// The centroid of the points as interior point, and no inner ball.
+    pub fn new(points: Vec<DVec3>) -> Self {
+        let interior = points.iter().sum::<DVec3>() / points.len() as f64;
+        Self::around(points, interior)
+    }
+
+    /// With an interior point of one's own choice.
+    pub fn around(points: Vec<DVec3>, interior: DVec3) -> Self {
+        let outer_radius = points
+            .iter()
+            .map(|p| p.distance(interior))
+            .fold(0.0, f64::max);
+        Self {
+            points,
+            interior,
+            inner_radius: 0.0,
+            outer_radius,
+        }
+    }
+
+    /// The box with half edges `h`, as eight points.
+    pub fn cuboid(h: DVec3) -> Self {
+        let corners = (0..8).map(|i| {
+            let sign = |bit: i32| if i & bit == 0 { -1.0 } else { 1.0 };
+            DVec3::new(sign(1), sign(2), sign(4)) * h
+        });
+        Self {
+            inner_radius: h.min_element(),
+            ..Self::around(corners.collect(), DVec3::ZERO)
+        }
+    }
+
+    /// A regular polygon in the plane z = 0.
+    pub fn polygon(corners: usize, radius: f64) -> Self {
+        let turn = std::f64::consts::TAU / corners as f64;
+        Self::around(
+            (0..corners)
+                .map(|i| DVec3::new((turn * i as f64).cos(), (turn * i as f64).sin(), 0.0) * radius)
+                .collect(),
+            DVec3::ZERO,
+        )
+    }
+
+    /// Both ends of a segment along x.
+    pub fn segment(half: f64) -> Self {
+        Self::new(vec![DVec3::X * half, DVec3::NEG_X * half])
+    }
+
+    pub fn point(p: DVec3) -> Self {
+        Self::new(vec![p])
+    }
+
+    /// `count` random points in, or on, an ellipsoid.
+    pub fn random(rng: &mut Rng, count: usize, on_surface: bool) -> Self {
+        let axes = DVec3::new(
+            rng.range(0.3, 1.0),
+            rng.range(0.3, 1.0),
+            rng.range(0.3, 1.0),
+        );
+        let points = (0..count)
+            .map(|_| {
+                let r = if on_surface { 1.0 } else { rng.range(0.2, 1.0) };
+                rng.direction() * axes * r
+            })
+            .collect();
+        Self::new(points)
+    }
+
+    /// Scaled about the frame's origin.
+    pub fn scaled(&self, scale: f64) -> Self {
+        Self {
+            points: self.points.iter().map(|p| *p * scale).collect(),
+            interior: self.interior * scale,
+            inner_radius: self.inner_radius * scale,
+            outer_radius: self.outer_radius * scale,
+        }
+    }
+
+    /// Moved within its own frame.
+    pub fn moved(&self, by: DVec3) -> Self {
+        Self {
+            points: self.points.iter().map(|p| *p + by).collect(),
+            interior: self.interior + by,
+            ..self.clone()
+        }
+    }
+
+    /// The points in A's frame.
+    pub fn placed(&self, pose: Pose) -> Vec<DVec3> {
+        self.points
+            .iter()
+            .map(|p| pose.transform_point(*p))
+            .collect()
+    }
+}
+
+impl SupportMap for PointCloud {
+    fn support(&self, dir: DVec3) -> Support {
+        let mut best = 0;
+        for (i, p) in self.points.iter().enumerate() {
+            if p.dot(dir) > self.points[best].dot(dir) {
+                best = i;
+            }
+        }
+        Support {
+            point: self.points[best],
+            feature: best as u32,
+        }
+    }
+    fn interior_point(&self) -> DVec3 {
+        self.interior
+    }
+    fn inner_radius(&self) -> f64 {
+        self.inner_radius
+    }
+    fn outer_radius(&self) -> f64 {
+        self.outer_radius
+    }
+}
+
+/// A sphere, in closed form.
+#[derive(Clone, Copy, Debug)]
+pub struct Ball {
+    pub center: DVec3,
+    pub radius: f64,
+    /// Whether it admits that it is a ball.
+    pub frank: bool,
+}
+
+impl SupportMap for Ball {
+    fn support(&self, dir: DVec3) -> Support {
+        let n = dir.try_normalize().unwrap_or(DVec3::X);
+        Support {
+            point: self.center + n * self.radius,
+            feature: 0,
+        }
+    }
+    fn interior_point(&self) -> DVec3 {
+        self.center
+    }
+    fn inner_radius(&self) -> f64 {
+        if self.frank { self.radius } else { 0.0 }
+    }
+    fn outer_radius(&self) -> f64 {
+        self.radius
+    }
+}
+
+/// A box about its frame's origin, in closed form.
+#[derive(Clone, Copy, Debug)]
+pub struct Cuboid(pub DVec3);
+
+impl SupportMap for Cuboid {
+    fn support(&self, dir: DVec3) -> Support {
+        let side = |d: f64, h: f64| if d < 0.0 { -h } else { h };
+        let h = self.0;
+        let point = DVec3::new(side(dir.x, h.x), side(dir.y, h.y), side(dir.z, h.z));
+        let feature =
+            u32::from(dir.x < 0.0) | u32::from(dir.y < 0.0) << 1 | u32::from(dir.z < 0.0) << 2;
+        Support { point, feature }
+    }
+    fn interior_point(&self) -> DVec3 {
+        DVec3::ZERO
+    }
+    fn inner_radius(&self) -> f64 {
+        self.0.min_element()
+    }
+    fn outer_radius(&self) -> f64 {
+        self.0.length()
+    }
+}
+
+/// splitmix64.
+#[derive(Clone, Debug)]
+pub struct Rng(pub u64);
+
+impl Rng {
+    pub fn next_u64(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    pub fn range(&mut self, from: f64, to: f64) -> f64 {
+        from + (to - from) * (self.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.next_u64() % n as u64) as usize
+    }
+
+    /// A unit vector, uniform on the sphere.
+    pub fn direction(&mut self) -> DVec3 {
+        loop {
+            let v = DVec3::new(
+                self.range(-1.0, 1.0),
+                self.range(-1.0, 1.0),
+                self.range(-1.0, 1.0),
+            );
+            if v.length_squared() <= 1.0 && v.length_squared() > 1e-3 {
+                return v.normalize();
+            }
+        }
+    }
+
+    pub fn rotation(&mut self) -> DQuat {
+        let (axis, angle) = (self.direction(), self.range(0.0, std::f64::consts::TAU));
+        DQuat::from_axis_angle(axis, angle)
+    }
+
+    pub fn pose(&mut self, reach: f64) -> Pose {
+        let (direction, far) = (self.direction(), self.range(0.0, reach));
+        Pose::new(direction * far, self.rotation()).unwrap()
+    }
+}
