@@ -38,6 +38,7 @@ pub struct Pack {
 
 /// Where one hull's runs start in each section.
 #[derive(Archive, Serialize, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[rkyv(derive(Debug))]
 pub struct Span {
     /// In [`Pack::names`].
     pub name: u32,
@@ -55,6 +56,7 @@ pub struct Span {
 
 /// Facts about one hull. Lengths are in source units, points in the source's frame.
 #[derive(Archive, Serialize, Clone, Copy, Debug, Default, PartialEq)]
+#[rkyv(derive(Debug))]
 pub struct HullRecord {
     /// Greatest distance between two vertices.
     pub diameter: f64,
@@ -106,7 +108,7 @@ pub mod index_kind {
 ///
 /// Vertex numbers ascend; unused lanes repeat the first candidate, so that a scan needs no count.
 #[derive(Archive, Serialize, Clone, Copy, Debug, PartialEq)]
-#[rkyv(attr(repr(align(64))))]
+#[rkyv(derive(Debug), attr(repr(align(64))))]
 pub struct Block {
     /// First coordinates.
     pub x: [f32; LANES],

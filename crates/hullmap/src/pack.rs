@@ -1,0 +1,181 @@
+//! A `.hullmap` file, opened.
+//!
+//! 1. Map or copy the bytes.
+//! 2. Header: magic, version, length.
+//! 3. Checksum.
+//! 4. Structure, then every number that a query could follow ([`hullmap_format::check`]).
+//!
+//! After that, no query on the pack can panic, loop or read out of bounds.
+
+use std::{
+    fs::File,
+    io,
+    path::{Path, PathBuf},
+};
+
+use hullmap_format::{
+    check::{self, CheckError},
+    header::{Header, HeaderError},
+};
+use rkyv::util::AlignedVec;
+
+use crate::{
+    hull::Hull,
+    storage::{Bytes, Storage},
+};
+
+/// An opened pack. Hulls borrow from it; share it between threads by reference or in an `Arc`.
+#[derive(Debug)]
+pub struct Pack {
+    storage: Storage,
+    header: Header,
+}
+
+/// Why a pack could not be opened.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// The file could not be read.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The file is no pack that this version reads.
+    #[error("{path}: {source}")]
+    Invalid {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: InvalidPack,
+    },
+}
+
+/// What is wrong with the bytes of a pack.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum InvalidPack {
+    /// The first 64 bytes.
+    #[error(transparent)]
+    Header(#[from] HeaderError),
+    /// A byte changed since the bake.
+    #[error("damaged: its checksum does not match its bytes; bake the source again")]
+    Checksum,
+    /// The archive behind the header.
+    #[error(transparent)]
+    Content(#[from] CheckError),
+}
+
+/// No hull has that number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no hull {index}: the pack holds {hull_count}, counted from 0")]
+pub struct NoSuchHull {
+    /// Number asked for.
+    pub index: usize,
+    /// Number of hulls in the pack.
+    pub hull_count: usize,
+}
+
+impl Pack {
+    /// Maps the file and checks all of it.
+    ///
+    /// The file must not be cut or written to while it is mapped: replace packs by renaming a new file over the old
+    /// one, as `bake` does. Where that cannot be promised, use [`Pack::read`].
+    ///
+    /// # Errors
+    /// [`OpenError`] names the file, what is wrong with it, and what to do.
+    ///
+    /// # Complexity
+    /// One pass over the file; no allocation that grows with it.
+    #[cfg(feature = "mmap")]
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, OpenError> {
+        let path = path.as_ref();
+        let io_error = |source| OpenError::Io { path: path.to_owned(), source };
+        let file = File::open(path).map_err(io_error)?;
+        if file.metadata().map_err(io_error)?.len() == 0 {
+            // An empty file cannot be mapped.
+            let source = HeaderError::TooShort { found: 0 }.into();
+            return Err(OpenError::Invalid { path: path.to_owned(), source });
+        }
+        let map = crate::storage::map(&file).map_err(io_error)?;
+        Self::from_storage_bytes(map).map_err(|source| OpenError::Invalid { path: path.to_owned(), source })
+    }
+
+    /// Reads the file into memory of our own and checks all of it.
+    ///
+    /// # Errors
+    /// As [`Pack::open`].
+    ///
+    /// # Complexity
+    /// One read and one pass over the file.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, OpenError> {
+        let path = path.as_ref();
+        let io_error = |source| OpenError::Io { path: path.to_owned(), source };
+        let mut buffer = AlignedVec::new();
+        buffer.extend_from_reader(&mut File::open(path).map_err(io_error)?).map_err(io_error)?;
+        Self::from_storage_bytes(Bytes::Owned(buffer))
+            .map_err(|source| OpenError::Invalid { path: path.to_owned(), source })
+    }
+
+    /// Copies the bytes of a whole file and checks all of them.
+    ///
+    /// # Errors
+    /// What is wrong with the bytes.
+    ///
+    /// # Complexity
+    /// One copy and one pass.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, InvalidPack> {
+        let mut buffer = AlignedVec::with_capacity(bytes.len());
+        buffer.extend_from_slice(bytes);
+        Self::from_storage_bytes(Bytes::Owned(buffer))
+    }
+
+    fn from_storage_bytes(bytes: Bytes) -> Result<Self, InvalidPack> {
+        let file = bytes.as_slice();
+        let header = Header::read(file)?;
+        header.check_length(file.len())?;
+        let payload = file.get(hullmap_format::header::HEADER_LEN..).unwrap_or_default();
+        if !header.matches_checksum(payload) {
+            return Err(InvalidPack::Checksum);
+        }
+        let storage = Storage::new(bytes)?;
+        check::contents(storage.archive())?;
+        Ok(Self { storage, header })
+    }
+
+    /// The file's header.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// Length of the file, in bytes.
+    pub fn byte_len(&self) -> usize {
+        self.storage.file().len()
+    }
+
+    /// Path of the source relative to the pack's folder, with `/` between folders; empty if none was recorded.
+    pub fn source_path(&self) -> &str {
+        std::str::from_utf8(&self.storage.archive().source_path).unwrap_or_default()
+    }
+
+    /// Number of hulls, at least 1.
+    pub fn hull_count(&self) -> usize {
+        self.storage.archive().hulls.len()
+    }
+
+    /// Hull number `index`, counted from 0.
+    ///
+    /// # Errors
+    /// [`NoSuchHull`] past the last one.
+    ///
+    /// # Complexity
+    /// O(1), no allocation.
+    pub fn hull(&self, index: usize) -> Result<Hull<'_>, NoSuchHull> {
+        Hull::new(self.storage.archive(), index).ok_or(NoSuchHull { index, hull_count: self.hull_count() })
+    }
+
+    /// All hulls, in the file's order.
+    pub fn hulls(&self) -> impl Iterator<Item = Hull<'_>> {
+        (0..self.hull_count()).filter_map(|index| self.hull(index).ok())
+    }
+}

@@ -1,0 +1,67 @@
+//! Where a pack's bytes live: a memory map, or a buffer of our own. The one module of the crate with unsafe code.
+//!
+//! A storage is checked once, when it is made, and never changes after; [`Storage::archive`] then reads it in place.
+#![allow(unsafe_code)]
+
+use hullmap_format::{
+    archive::ArchivedPack,
+    check::{self, CheckError},
+    header::HEADER_LEN,
+};
+use rkyv::util::AlignedVec;
+
+/// Bytes of a whole file, header included, whose archive has passed [`check::structure`].
+#[derive(Debug)]
+pub(crate) struct Storage {
+    bytes: Bytes,
+}
+
+#[derive(Debug)]
+pub(crate) enum Bytes {
+    /// A read-only map of a file.
+    #[cfg(feature = "mmap")]
+    Mapped(memmap2::Mmap),
+    /// A copy, aligned as the archive needs it.
+    Owned(AlignedVec<HEADER_LEN>),
+}
+
+impl Bytes {
+    pub(crate) fn as_slice(&self) -> &[u8] {
+        match self {
+            #[cfg(feature = "mmap")]
+            Self::Mapped(map) => map,
+            Self::Owned(buffer) => buffer,
+        }
+    }
+}
+
+/// Maps `file` read-only.
+#[cfg(feature = "mmap")]
+pub(crate) fn map(file: &std::fs::File) -> std::io::Result<Bytes> {
+    // SAFETY: the map is only ever read, and as plain bytes until it has been checked. That no other process cuts or
+    // rewrites the file while it is mapped is what `Pack::open` asks of its caller: packs are replaced by renaming, as
+    // `bake` does, which leaves a mapped file as it was.
+    unsafe { memmap2::Mmap::map(file) }.map(Bytes::Mapped)
+}
+
+impl Storage {
+    /// Takes bytes that hold a header and the archive behind it; checks the archive's structure.
+    pub(crate) fn new(bytes: Bytes) -> Result<Self, CheckError> {
+        let payload = bytes.as_slice().get(HEADER_LEN..).unwrap_or_default();
+        check::structure(payload)?;
+        Ok(Self { bytes })
+    }
+
+    /// The whole file.
+    pub(crate) fn file(&self) -> &[u8] {
+        self.bytes.as_slice()
+    }
+
+    /// The archive, in place.
+    pub(crate) fn archive(&self) -> &ArchivedPack {
+        let payload = &self.bytes.as_slice()[HEADER_LEN..];
+        // SAFETY: `new` ran rkyv's checked access, with the same type, over the same bytes; neither a map nor an owned
+        // buffer moves its bytes when the `Storage` moves, and nothing here writes to them.
+        unsafe { rkyv::access_unchecked::<ArchivedPack>(payload) }
+    }
+}
