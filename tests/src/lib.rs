@@ -1,1 +1,4 @@
-//! The tests of the whole workspace live in `tests/tests/`; this library only holds what several of them share.
+//! What the tests of the whole workspace share: directions to try, and truths that come from somewhere else.
+
+pub mod directions;
+pub mod regret;

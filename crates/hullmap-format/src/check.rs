@@ -61,6 +61,9 @@ pub enum CheckError {
 pub fn structure(payload: &[u8]) -> Result<&ArchivedPack, CheckError> {
     let pack =
         rkyv::access::<ArchivedPack, rancor::Error>(payload).map_err(|error| CheckError::Archive(error.to_string()))?;
+    if !pack.blocks.as_ptr().addr().is_multiple_of(BLOCK_ALIGNMENT) {
+        return Err(CheckError::Archive("its blocks do not start on a cache line".to_owned()));
+    }
     spans(pack)?;
     Ok(pack)
 }
@@ -237,6 +240,9 @@ impl HullCheck<'_> {
 fn range(start: u32, end: u32) -> std::ops::Range<usize> {
     start as usize..end as usize
 }
+
+/// Blocks start on a multiple of this many bytes.
+const BLOCK_ALIGNMENT: usize = 64;
 
 /// Length of the longest pack: its 32-bit offsets reach 2 GiB.
 pub const MAX_PACK_LEN: usize = HEADER_LEN + i32::MAX as usize;
