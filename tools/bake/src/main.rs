@@ -1,7 +1,13 @@
 //! The `bake` command.
+#![allow(dead_code)]
 
-#[allow(dead_code, reason = "the commands that use it follow")]
+mod args;
 mod import;
 mod options;
+mod outcome;
+mod pose;
+mod runtime;
+mod table;
+mod verification;
 
 fn main() {}
