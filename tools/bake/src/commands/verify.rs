@@ -53,6 +53,8 @@ pub struct HullReport {
     pub pass: bool,
     /// `source` or `stored hull`: what it was compared with.
     pub against: Option<&'static str>,
+    /// The source file, where there is one.
+    pub source: Option<String>,
     /// What is wrong, beside mismatches.
     pub problems: Vec<String>,
     /// Direction of the greatest regret.
@@ -187,11 +189,14 @@ fn verify_pack(place: &PackPlace, args: &VerifyArgs) -> Result<Vec<HullReport>, 
         .map_err(|error| Failure::wanting(format!("{file}: {error}")))?;
     for report in &mut reports {
         report.file.clone_from(&file);
+        report.source = source
+            .as_ref()
+            .map(|source| source.path.display().to_string());
     }
     Ok(reports)
 }
 
-/// Verifies every hull of a pack; `file` in the reports is left empty.
+/// Verifies every hull of a pack; the names of files in the reports are left out.
 ///
 /// # Errors
 /// The source has other hulls than the pack.
@@ -286,6 +291,7 @@ fn verify_hull(hull: &Hull, source: Option<&PointSet>, count: usize, seed: u64) 
         } else {
             "stored hull"
         }),
+        source: None,
         problems,
         worst_direction: worst_direction.map(|dir| dir.to_array()),
     }

@@ -13,9 +13,10 @@ use std::collections::HashSet;
 
 use hullmap_bake::PointSet;
 
-pub use fault::{Fault, ImportError, LineFault};
+pub use fault::ImportError;
 
-use crate::options::{ImportOptions, Split};
+use crate::options::{ImportOptions, Split, Vertices};
+use fault::LineFault;
 
 /// What came out of an OBJ file.
 #[derive(Debug)]
@@ -75,8 +76,8 @@ pub fn import_obj(
         notes.push("no elements, so every vertex counts (a point cloud)".to_owned());
     } else if unreferenced_count > 0 {
         let fate = match options.vertices {
-            crate::options::Vertices::Referenced => "left out (--vertices all takes them)",
-            crate::options::Vertices::All => "taken too",
+            Vertices::Referenced => "left out (--vertices all takes them)",
+            Vertices::All => "taken too",
         };
         notes.push(format!(
             "{} that no element references, {fate}",

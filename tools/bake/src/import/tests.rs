@@ -1,7 +1,7 @@
 //! Import of literal OBJ texts, and of the folder that HULLMAP_MESHES names.
 
+use super::fault::Fault;
 use super::*;
-use crate::options::Vertices;
 
 const WHOLE: ImportOptions = ImportOptions {
     split: Split::None,

@@ -96,16 +96,11 @@ pub fn measure(hull: &impl SupportQueries, truth: &Points, directions: &[Vec3]) 
         cost: QueryCost::default(),
     };
     for (&(regret, cost), &dir) in answers.iter().zip(directions) {
-        // Written so that NaN counts as a mismatch.
-        if !(regret.abs() <= REGRET_LIMIT) {
+        if regret > REGRET_LIMIT {
             result.mismatches += 1;
         }
-        if !(regret.abs() <= result.max_regret) {
-            result.max_regret = if regret.is_nan() {
-                f64::INFINITY
-            } else {
-                regret.abs()
-            };
+        if regret > result.max_regret {
+            result.max_regret = regret;
             result.worst_direction = Some(dir);
         }
         result.cost.nodes = result.cost.nodes.max(cost.nodes);
@@ -123,6 +118,7 @@ fn is_vertex(hull: &impl SupportQueries, got: SupportPoint) -> bool {
     index < hull.vertex_count() && same(hull.vertex(index))
 }
 
+/// Absolute regret; infinite where it is no number.
 fn regret(greatest: f64, got: Vec3, dir: Vec3, diameter: f64) -> f64 {
     let dir = dir.to_array().map(f64::from);
     let loss = greatest - dot(got.to_array().map(f64::from), dir);
@@ -130,7 +126,13 @@ fn regret(greatest: f64, got: Vec3, dir: Vec3, diameter: f64) -> f64 {
         // Also a hull that is one point, of diameter 0.
         return 0.0;
     }
-    loss / (dot(dir, dir).sqrt() * diameter)
+    let regret = (loss / (dot(dir, dir).sqrt() * diameter)).abs();
+    // NaN must not read as a small number.
+    if regret.is_nan() {
+        f64::INFINITY
+    } else {
+        regret
+    }
 }
 
 #[cfg(test)]

@@ -42,6 +42,12 @@ pub struct Row {
     pub hulls: Option<usize>,
     /// Source points over all hulls.
     pub vertices_in: Option<usize>,
+    /// `v` lines in the source.
+    pub vertices_source: Option<usize>,
+    /// `v` lines that no element references.
+    pub vertices_unreferenced: Option<usize>,
+    /// Points that an earlier one equals.
+    pub vertices_duplicate: Option<usize>,
     /// Hull vertices over all hulls.
     pub vertices_hull: Option<usize>,
     /// Rank of each hull: 3 solid, 2 polygon, 1 segment, 0 point.
@@ -82,6 +88,9 @@ impl Build<'_> {
             status: Status::Failed,
             hulls: None,
             vertices_in: None,
+            vertices_source: None,
+            vertices_unreferenced: None,
+            vertices_duplicate: None,
             vertices_hull: None,
             ranks: None,
             bytes: None,
@@ -121,7 +130,6 @@ impl Build<'_> {
 
         let imported = self.import(job, row, &bytes)?;
         drop(bytes);
-        row.vertices_in = Some(imported.point_count());
         let cannot_write = |error| format!("{}: cannot write: {error}", row.output);
         let folder = folder_of(&job.output);
         std::fs::create_dir_all(folder).map_err(cannot_write)?;
@@ -149,6 +157,10 @@ impl Build<'_> {
         let stem = job.source.file_stem().unwrap_or_default().to_string_lossy();
         let mut imported = import_obj(&row.source, &stem, bytes, self.options.import)
             .map_err(|e| e.to_string())?;
+        row.vertices_in = Some(imported.point_count());
+        row.vertices_source = Some(imported.vertex_count);
+        row.vertices_unreferenced = Some(imported.unreferenced_count);
+        row.vertices_duplicate = Some(imported.duplicate_count);
         row.notes = std::mem::take(&mut imported.notes);
         Ok(imported)
     }
