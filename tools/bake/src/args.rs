@@ -56,13 +56,13 @@ pub struct BuildArgs {
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     /// One hull a file, or one for each `o` line
-    #[arg(long, value_enum, default_value_t = Split::None)]
+    #[arg(long, value_enum, default_value_t = Split::None, value_name = "none|object", hide_possible_values = true)]
     split: Split,
     /// The points that elements reference, or all
-    #[arg(long, value_enum, default_value_t = Vertices::Referenced)]
+    #[arg(long, value_enum, default_value_t = Vertices::Referenced, value_name = "referenced|all", hide_possible_values = true)]
     vertices: Vertices,
     /// The direction index
-    #[arg(long, value_enum, default_value_t = Index::Tree)]
+    #[arg(long, value_enum, default_value_t = Index::Tree, value_name = "tree|cubemap|none", hide_possible_values = true)]
     index: Index,
     /// Cells along the edge of a cube face, 1 to 1024, for --index cubemap [default: 64]
     #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_RESOLUTION)))]
@@ -163,7 +163,7 @@ pub struct QueryArgs {
     #[arg(long = "poses", value_name = "FILE")]
     pub pose_file: Option<PathBuf>,
     /// What to compute
-    #[arg(long, value_enum, default_value_t = Mode::Contact)]
+    #[arg(long, value_enum, default_value_t = Mode::Contact, value_name = "intersect|distance|contact", hide_possible_values = true)]
     pub mode: Mode,
     /// Print one JSON object a pose
     #[arg(long)]
@@ -310,6 +310,14 @@ mod tests {
             unreachable!()
         };
         assert_eq!(args.poses.len(), 2);
+    }
+
+    #[test]
+    fn a_wrong_value_is_told_the_right_ones() {
+        let message = parse("bake build a --out b --split group".split_whitespace())
+            .unwrap_err()
+            .to_string();
+        assert!(message.contains("none, object"), "{message}");
     }
 
     #[test]

@@ -86,7 +86,8 @@ pub fn import_obj(
     }
     if duplicate_count > 0 {
         notes.push(format!(
-            "{duplicate_count} of the points equal an earlier one"
+            "{} an earlier one",
+            count(duplicate_count, "point equals", "points equal")
         ));
     }
     if scan.short_face_count > 0 {

@@ -54,7 +54,8 @@ pub struct Row {
     pub ranks: Option<Vec<u32>>,
     /// Size of the pack.
     pub bytes: Option<u64>,
-    /// Time taken, in milliseconds.
+    /// Time from start to end in milliseconds. A thread that waits for others works on another file meanwhile, so the
+    /// times of many files add up to more than the whole took.
     pub millis: f64,
     /// What the user may want to know of the source.
     pub notes: Vec<String>,
@@ -103,9 +104,12 @@ impl Build<'_> {
         match result {
             Ok(Ok(status)) => row.status = status,
             Ok(Err(error)) => row.error = Some(error),
-            Err(_) => {
+            Err(panic) => {
+                let text = panic.downcast_ref::<&str>().copied();
+                let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+                let text = text.unwrap_or("no message");
                 row.error = Some(format!(
-                    "{}: internal error; please report it with the file",
+                    "{}: internal error ({text}); please report it with the file",
                     row.source
                 ));
             }

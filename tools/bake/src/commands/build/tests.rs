@@ -96,7 +96,7 @@ fn one_bad_file_does_not_stop_the_others() {
         rows[2]["error"]
             .as_str()
             .unwrap()
-            .contains("internal error"),
+            .contains("internal error (as asked)"),
         "{}",
         rows[2]
     );
