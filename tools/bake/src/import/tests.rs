@@ -2,6 +2,7 @@
 
 use super::fault::Fault;
 use super::*;
+use crate::verification::random::SplitMix;
 
 const WHOLE: ImportOptions = ImportOptions {
     split: Split::None,
@@ -499,6 +500,90 @@ fn free_form_surfaces_are_noted() {
             .any(|note| note.contains("line 7: free-form")),
         "{:?}",
         imported.notes
+    );
+}
+
+#[test]
+fn damaged_files_are_read_alike_by_both_readers_or_refused_by_the_first() {
+    const SEED: u64 = 11;
+    const PIECES: [&str; 24] = [
+        "v ",
+        "f ",
+        "l ",
+        "p ",
+        "o ",
+        "\n",
+        "\r",
+        "\\\n",
+        "-",
+        "/",
+        "//",
+        " ",
+        "\t",
+        "#",
+        ".",
+        "e9",
+        "0",
+        "1",
+        "-1",
+        "nan",
+        "2147483648",
+        "\u{A0}",
+        "\u{FEFF}",
+        "\0",
+    ];
+    let texts = [
+        TWO,
+        "v 1 2 3 2\r\nv 4 5 6 0.1 0.2 0.3\r\nvt 0 0\r\nf 1/1 2/1 \\\r\n -1//\r\np 1 -2\r\n",
+    ];
+    let mut random = SplitMix::new(SEED);
+    let mut imported_count = 0;
+    for round in 0..4000 {
+        let mut bytes = texts[round % texts.len()].as_bytes().to_vec();
+        for _ in 0..=random.below(3) {
+            if bytes.is_empty() {
+                break;
+            }
+            let at = random.below(bytes.len());
+            match random.below(4) {
+                0 => bytes[at] = random.bits() as u8,
+                1 => drop(bytes.remove(at)),
+                2 => bytes.truncate(at.max(1)),
+                _ => {
+                    let piece = PIECES[random.below(PIECES.len())];
+                    drop(bytes.splice(at..at, piece.bytes()));
+                }
+            }
+        }
+        match import_obj("shape.obj", "shape", &bytes, OBJECTS_ALL) {
+            Ok(imported) => {
+                imported_count += 1;
+                assert!(
+                    imported
+                        .point_sets
+                        .iter()
+                        .all(|set| !set.positions.is_empty())
+                );
+                assert!(imported.point_count() >= imported.vertex_count);
+                assert!(
+                    imported
+                        .point_sets
+                        .iter()
+                        .flat_map(|set| &set.positions)
+                        .flatten()
+                        .all(|x| x.is_finite())
+                );
+            }
+            Err(error) => assert!(
+                !matches!(error.fault, Fault::Refused(_) | Fault::Disagreement(_)),
+                "seed {SEED}, round {round}: {error}: {}",
+                bytes.escape_ascii()
+            ),
+        }
+    }
+    assert!(
+        (1000..3500).contains(&imported_count),
+        "{imported_count} of 4000 say little"
     );
 }
 

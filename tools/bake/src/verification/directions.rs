@@ -3,7 +3,7 @@
 //! In turn, by the place in the list modulo 8:
 //! - 0, 1, 2: random on the sphere, with lengths from 2^-30 to 2^30;
 //! - 3, 4: face normals, exact to f32 and disturbed by 1, 0.1, … 1e-8: several vertices tie, or nearly;
-//! - 5: normals of edges, that is anywhere on the great arc between the normals of their two faces, alike;
+//! - 5: normals of edges, that is anywhere on the arc between the normals of their two faces, alike;
 //! - 6: axes, diagonals, and seams of the cube map (|x| = |y|), alike;
 //! - 7: borders of cube-map cells, up to 1024 a side, and one rounding beside them.
 //!
@@ -11,63 +11,19 @@
 
 use glam::{DVec3, Vec3};
 
+use super::random::SplitMix;
+
 /// Disturbances, relative to the direction's length.
 const DISTURBANCES: [f64; 10] = [0.0, 1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
 
 /// Lengths of random directions reach from 2 to the minus this to 2 to the plus this.
 const LENGTH_BITS: u64 = 30;
 
+/// Two unit normals whose sum has less than this length, squared, are opposite ones: the rim of a flat hull.
+const OPPOSITE_NORMALS_SQ: f64 = 1e-20;
+
 /// Finest cube map whose cell borders are tried, as a power of two.
 const BORDER_BITS: u64 = 10;
-
-/// Steele, Lea and Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014.
-#[derive(Clone, Debug)]
-pub struct SplitMix {
-    state: u64,
-}
-
-impl SplitMix {
-    /// A generator; equal seeds give equal numbers everywhere.
-    pub fn new(seed: u64) -> Self {
-        Self { state: seed }
-    }
-
-    /// The next 64 random bits.
-    pub fn bits(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut bits = self.state;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        bits ^ (bits >> 31)
-    }
-
-    /// A number below `bound`, which is far below 2^32, so that the bias does not matter.
-    pub fn below(&mut self, bound: usize) -> usize {
-        (((self.bits() >> 32) * bound as u64) >> 32) as usize
-    }
-
-    /// Uniform in −1 … 1.
-    pub fn signed(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    /// Uniform in the unit ball without its very centre, so that every direction is as likely.
-    pub fn in_ball_f64(&mut self) -> DVec3 {
-        loop {
-            let point = DVec3::new(self.signed(), self.signed(), self.signed());
-            let length_sq = point.length_squared();
-            // The ball fills more than half of the cube; a hundred misses in a row will not be seen.
-            if length_sq <= 1.0 && length_sq > 1e-6 {
-                return point;
-            }
-        }
-    }
-
-    /// The same in f32.
-    pub fn in_ball(&mut self) -> Vec3 {
-        self.in_ball_f64().as_vec3()
-    }
-}
 
 /// `count` directions for a hull with these vertices and faces (polygons of vertex numbers); all finite and non-zero.
 pub fn directions(vertices: &[Vec3], faces: &[Vec<u32>], count: usize, seed: u64) -> Vec<Vec3> {
@@ -173,8 +129,9 @@ fn normal(vertices: &[Vec3], face: &[u32]) -> DVec3 {
     sum.normalize_or_zero()
 }
 
-/// For each edge two directions in and between which both its ends are extreme: the normals of its faces. At the rim
-/// of a flat hull, with one face, that normal and the one in the plane.
+/// Arcs of directions in which both ends of an edge are extreme, none longer than a right angle: from the normal of one
+/// of its faces to the middle, and from there to the normal of the other. At the rim of a flat hull the middle lies in
+/// the plane.
 fn edges(vertices: &[Vec3], faces: &[Vec<u32>], normals: &[DVec3]) -> Vec<[DVec3; 2]> {
     let mut sides = Vec::new();
     for (number, face) in faces.iter().enumerate() {
@@ -184,20 +141,24 @@ fn edges(vertices: &[Vec3], faces: &[Vec<u32>], normals: &[DVec3]) -> Vec<[DVec3
         }
     }
     sides.sort_unstable();
-    let groups = sides.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
-    groups
-        .map(|group| match group {
-            [only] => {
-                let along = (vertices[only.1 as usize] - vertices[only.0 as usize]).as_dvec3();
-                let along = if only.2 { -along } else { along };
-                [
-                    normals[only.3],
-                    along.cross(normals[only.3]).normalize_or_zero(),
-                ]
-            }
-            _ => [normals[group[0].3], normals[group[1].3]],
-        })
-        .collect()
+    let mut arcs = Vec::with_capacity(sides.len());
+    for group in sides.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        let (low, high, is_reversed, face) = group[0];
+        let first = normals[face];
+        let second = group.get(1).map_or(-first, |side| normals[side.3]);
+        let middle = first + second;
+        let middle = if middle.length_squared() > OPPOSITE_NORMALS_SQ {
+            middle.normalize()
+        } else {
+            // Faces run counter-clockwise, so what lies to the right of a side is outside.
+            let along = (vertices[high as usize] - vertices[low as usize]).as_dvec3();
+            let along = if is_reversed { -along } else { along };
+            along.cross(first).normalize_or_zero()
+        };
+        arcs.push([first, middle]);
+        arcs.push([middle, second]);
+    }
+    arcs
 }
 
 /// One of the 26 directions with components −1, 0, 1, or a random one on a seam.
@@ -279,9 +240,7 @@ mod tests {
         for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
             assert!(list.contains(&axis) && list.contains(&-axis));
         }
-        let is_between = |dir: &Vec3| {
-            dir.x > 0.0 && dir.y > 0.0 && dir.z == 0.0 && (dir.x + dir.y - 1.0).abs() < 1e-6
-        };
+        let is_between = |dir: &Vec3| dir.x > 0.0 && dir.y > 0.0 && dir.z == 0.0 && dir.x != dir.y;
         assert!(list.iter().any(is_between));
         let on_seam = |dir: &&Vec3| dir.x.abs() == dir.y.abs() && dir.z != 0.0;
         assert!(list.iter().filter(on_seam).count() > 20);
@@ -295,18 +254,42 @@ mod tests {
             let corner = vertices[face[0] as usize].as_dvec3();
             assert!((normal.dot(corner) - 1.0).abs() < 1e-15);
         }
-        assert_eq!(edges(&vertices, &faces, &[DVec3::X; 6]).len(), 12);
+    }
+
+    /// All along each arc at least two vertices are extreme.
+    fn check_arcs(vertices: &[Vec3], faces: &[Vec<u32>], count: usize) {
+        let normals: Vec<DVec3> = faces.iter().map(|face| normal(vertices, face)).collect();
+        let arcs = edges(vertices, faces, &normals);
+        assert_eq!(arcs.len(), count);
+        for [from, to] in arcs {
+            for along in [0.0, 0.3, 1.0] {
+                let dir = from.lerp(to, along);
+                assert!(dir.length() > 0.7);
+                let dots: Vec<f64> = vertices.iter().map(|v| v.as_dvec3().dot(dir)).collect();
+                let greatest = dots.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                assert!(
+                    dots.iter().filter(|&&dot| dot > greatest - 1e-12).count() >= 2,
+                    "{dir}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn arcs_of_a_cube() {
+        let (vertices, faces) = cube();
+        check_arcs(&vertices, &faces, 24);
     }
 
     #[test]
     fn flat_hulls_and_those_without_faces_get_directions_too() {
         let square = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
-        let rim = edges(&square, &[vec![0, 1, 2, 3]], &[DVec3::Z]);
-        assert_eq!(rim.len(), 4);
-        assert!(
-            rim.contains(&[DVec3::Z, DVec3::NEG_Y]) && rim.contains(&[DVec3::Z, DVec3::NEG_X]),
-            "{rim:?}"
-        );
+        for faces in [
+            vec![vec![0, 1, 2, 3]],
+            vec![vec![0, 1, 2, 3], vec![3, 2, 1, 0]],
+        ] {
+            check_arcs(&square, &faces, 8);
+        }
         assert_eq!(directions(&square, &[vec![0, 1, 2, 3]], 500, 0).len(), 500);
         assert_eq!(directions(&square[..1], &[], 500, 0).len(), 500);
     }

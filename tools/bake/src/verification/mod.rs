@@ -5,6 +5,7 @@
 //! source's has a negative one. Both are mismatches.
 
 pub mod directions;
+pub mod random;
 pub mod truth;
 
 use glam::Vec3;
@@ -137,7 +138,8 @@ fn regret(greatest: f64, got: Vec3, dir: Vec3, diameter: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::directions::{SplitMix, directions};
+    use super::directions::directions;
+    use super::random::SplitMix;
     use super::*;
 
     /// A hull that answers by brute force, with one answer bent by `bend`.

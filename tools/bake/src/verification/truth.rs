@@ -205,7 +205,7 @@ fn distance_sq(a: [f64; 3], b: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verification::directions::SplitMix;
+    use crate::verification::random::SplitMix;
 
     /// The same maximum, one dot product after the other.
     fn slow(positions: &[[f32; 3]], dir: Vec3) -> f64 {
