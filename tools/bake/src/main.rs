@@ -1,2 +1,52 @@
-//! The `bake` command.
-fn main() {}
+//! The `bake` command: OBJ meshes to `.hullmap` packs, and questions about them.
+//!
+//! `args` says what may be asked, `commands` answers it. `import` reads OBJ files, `verification` measures how exact a
+//! pack is. All calls into the crates of this workspace stand in `baker` and `runtime`.
+
+#![forbid(unsafe_code)]
+
+mod args;
+mod baker;
+mod commands;
+mod import;
+mod options;
+mod outcome;
+mod pack_file;
+mod pose;
+mod runtime;
+mod selection;
+mod source;
+mod table;
+mod verification;
+
+use std::io::{BufWriter, Write, stdout};
+use std::process::ExitCode;
+
+use args::{Cli, Command};
+use outcome::{Exit, Failure};
+
+fn main() -> ExitCode {
+    let cli = args::parse(std::env::args_os()).unwrap_or_else(|error| error.exit());
+    let mut out = BufWriter::new(stdout().lock());
+    let result = run(&cli, &mut out).and_then(|exit| Ok(out.flush().map(|()| exit)?));
+    match result {
+        Ok(exit) => exit.into(),
+        Err(failure) => {
+            if !failure.message.is_empty() {
+                // What was written before the failure stands before its message.
+                let _ = out.flush();
+                eprintln!("error: {failure}");
+            }
+            failure.exit.into()
+        }
+    }
+}
+
+fn run(cli: &Cli, out: &mut dyn Write) -> Result<Exit, Failure> {
+    match &cli.command {
+        Command::Build(args) => commands::build::run(args, out),
+        Command::Verify(args) => commands::verify::run(args, out),
+        Command::Inspect(args) => commands::inspect::run(args, out),
+        Command::Query(args) => commands::query::run(args, out),
+    }
+}

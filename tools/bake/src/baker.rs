@@ -1,0 +1,44 @@
+//! The calls into the baking crate, all of them.
+
+use hullmap_bake::{PointSet, SourceRecord, bake_hull, write_pack};
+use rayon::prelude::*;
+
+use crate::options::BuildOptions;
+
+/// A pack in memory.
+#[derive(Clone, Debug, Default)]
+pub struct BakedPack {
+    /// The bytes of the file.
+    pub bytes: Vec<u8>,
+    /// Rank of each hull.
+    pub ranks: Vec<u32>,
+    /// Vertices over all hulls.
+    pub vertex_count: usize,
+}
+
+/// Builds, certifies and indexes a hull of each point set, and puts them into one pack.
+///
+/// # Errors
+/// The first hull, in their order, that could not be baked, by name.
+pub fn bake_pack(
+    point_sets: &[PointSet],
+    options: &BuildOptions,
+    source: &SourceRecord,
+) -> Result<BakedPack, String> {
+    let baked: Vec<_> = point_sets
+        .par_iter()
+        .map(|points| bake_hull(points, options.index))
+        .collect();
+    let mut hulls = Vec::with_capacity(baked.len());
+    for (hull, points) in baked.into_iter().zip(point_sets) {
+        hulls.push(hull.map_err(|error| format!("hull {}: {error}", points.name))?);
+    }
+    let bytes = write_pack(&hulls, source).map_err(|error| error.to_string())?;
+    let ranks = hulls.iter().map(|hull| hull.rank).collect();
+    let vertex_count = hulls.iter().map(|hull| hull.vertex_count).sum();
+    Ok(BakedPack {
+        bytes,
+        ranks,
+        vertex_count,
+    })
+}

@@ -1,0 +1,209 @@
+//! One file of a build: read, import, bake, verify, put in place.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::time::Instant;
+
+use hullmap_bake::{PointSet, SourceRecord};
+use serde::Serialize;
+use twox_hash::XxHash3_128;
+
+use super::plan::Job;
+use crate::args::DEFAULT_DIRECTIONS;
+use crate::baker::BakedPack;
+use crate::commands::verify::{self, Truth};
+use crate::import::{Imported, import_obj};
+use crate::options::BuildOptions;
+use crate::pack_file::{folder_of, put_in_place, recorded_path, write_beside};
+use crate::runtime::{Pack, PackHeader, current_format_version, read_header};
+
+/// How a file ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// It was baked.
+    Baked,
+    /// The pack that was there is what a bake would make.
+    Fresh,
+    /// It was not baked, or the pack did not pass.
+    Failed,
+}
+
+/// What is said of a file; `None` where it did not get that far. The names are those of the JSON.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// The OBJ file.
+    pub source: String,
+    /// The pack.
+    pub output: String,
+    /// How it ended.
+    pub status: Status,
+    /// Hulls in the pack.
+    pub hulls: Option<usize>,
+    /// Source points over all hulls.
+    pub vertices_in: Option<usize>,
+    /// `v` lines in the source.
+    pub vertices_source: Option<usize>,
+    /// `v` lines that no element references.
+    pub vertices_unreferenced: Option<usize>,
+    /// Points that an earlier one equals.
+    pub vertices_duplicate: Option<usize>,
+    /// Hull vertices over all hulls.
+    pub vertices_hull: Option<usize>,
+    /// Rank of each hull: 3 solid, 2 polygon, 1 segment, 0 point.
+    pub ranks: Option<Vec<u32>>,
+    /// Size of the pack.
+    pub bytes: Option<u64>,
+    /// Time from start to end in milliseconds. A thread that waits for others works on another file meanwhile, so the
+    /// times of many files add up to more than the whole took.
+    pub millis: f64,
+    /// What the user may want to know of the source.
+    pub notes: Vec<String>,
+    /// Why it failed.
+    pub error: Option<String>,
+}
+
+/// Bakes point sets into a pack; [`bake_pack`](crate::baker::bake_pack), but for tests.
+pub type Baker =
+    dyn Fn(&[PointSet], &BuildOptions, &SourceRecord) -> Result<BakedPack, String> + Sync;
+
+/// What all files of a build share.
+pub struct Build<'a> {
+    /// The options that shape the packs.
+    pub options: BuildOptions,
+    /// Verify each pack.
+    pub verify: bool,
+    /// Bake even what is fresh.
+    pub force: bool,
+    /// What bakes.
+    pub baker: &'a Baker,
+}
+
+impl Build<'_> {
+    /// Does one job. Whatever goes wrong, panics in the libraries below included, ends in the row's `error`.
+    pub fn run(&self, job: &Job) -> Row {
+        let start = Instant::now();
+        let mut row = Row {
+            source: job.source.display().to_string(),
+            output: job.output.display().to_string(),
+            status: Status::Failed,
+            hulls: None,
+            vertices_in: None,
+            vertices_source: None,
+            vertices_unreferenced: None,
+            vertices_duplicate: None,
+            vertices_hull: None,
+            ranks: None,
+            bytes: None,
+            millis: 0.0,
+            notes: Vec::new(),
+            error: None,
+        };
+        // The row is only ever filled in further, so a panic leaves nothing half done in it.
+        let result = catch_unwind(AssertUnwindSafe(|| self.bake(job, &mut row)));
+        match result {
+            Ok(Ok(status)) => row.status = status,
+            Ok(Err(error)) => row.error = Some(error),
+            Err(panic) => {
+                let text = panic.downcast_ref::<&str>().copied();
+                let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+                let text = text.unwrap_or("no message");
+                row.error = Some(format!(
+                    "{}: internal error ({text}); please report it with the file",
+                    row.source
+                ));
+            }
+        }
+        row.millis = (start.elapsed().as_secs_f64() * 1e4).round() / 10.0;
+        row
+    }
+
+    fn bake(&self, job: &Job, row: &mut Row) -> Result<Status, String> {
+        let bytes = std::fs::read(&job.source)
+            .map_err(|error| format!("{}: cannot read: {error}", row.source))?;
+        let hash = XxHash3_128::oneshot(&bytes);
+        if !self.force && self.is_fresh(&job.output, hash) && self.fill_from_pack(&job.output, row)
+        {
+            if self.verify {
+                let imported = self.import(job, row, &bytes)?;
+                verify_pack(&job.output, &imported)
+                    .map_err(|error| format!("{error}; bake it again with --force"))?;
+            }
+            return Ok(Status::Fresh);
+        }
+
+        let imported = self.import(job, row, &bytes)?;
+        drop(bytes);
+        let cannot_write = |error| format!("{}: cannot write: {error}", row.output);
+        let folder = folder_of(&job.output);
+        std::fs::create_dir_all(folder).map_err(cannot_write)?;
+        let record = SourceRecord {
+            path: recorded_path(&job.source, folder),
+            hash,
+            options_hash: self.options.hash(),
+        };
+        let pack = (self.baker)(&imported.point_sets, &self.options, &record)
+            .map_err(|error| format!("{}: {error}", row.source))?;
+        let file = write_beside(&job.output, &pack.bytes).map_err(cannot_write)?;
+        if self.verify {
+            verify_pack(file.path(), &imported)?;
+        }
+        put_in_place(file, &job.output).map_err(cannot_write)?;
+
+        row.hulls = Some(pack.ranks.len());
+        row.vertices_hull = Some(pack.vertex_count);
+        row.ranks = Some(pack.ranks);
+        row.bytes = Some(pack.bytes.len() as u64);
+        Ok(Status::Baked)
+    }
+
+    fn import(&self, job: &Job, row: &mut Row, bytes: &[u8]) -> Result<Imported, String> {
+        let stem = job.source.file_stem().unwrap_or_default().to_string_lossy();
+        let mut imported = import_obj(&row.source, &stem, bytes, self.options.import)
+            .map_err(|e| e.to_string())?;
+        row.vertices_in = Some(imported.point_count());
+        row.vertices_source = Some(imported.vertex_count);
+        row.vertices_unreferenced = Some(imported.unreferenced_count);
+        row.vertices_duplicate = Some(imported.duplicate_count);
+        row.notes = std::mem::take(&mut imported.notes);
+        Ok(imported)
+    }
+
+    fn is_fresh(&self, output: &Path, source_hash: u128) -> bool {
+        let expected = PackHeader {
+            format_version: current_format_version(),
+            source_hash,
+            options_hash: self.options.hash(),
+        };
+        read_header(output) == Some(expected)
+    }
+
+    /// Fills in the row from a pack; false where it does not open, so that it is baked again.
+    fn fill_from_pack(&self, output: &Path, row: &mut Row) -> bool {
+        let Ok(pack) = Pack::open(output) else {
+            return false;
+        };
+        let hulls = || (0..pack.hull_count()).map(|number| pack.hull(number));
+        row.hulls = Some(pack.hull_count());
+        row.vertices_in = Some(hulls().map(|hull| hull.point_count()).sum());
+        row.vertices_hull = Some(hulls().map(|hull| hull.vertex_count()).sum());
+        row.ranks = Some(hulls().map(|hull| hull.rank()).collect());
+        row.bytes = Some(pack.byte_count());
+        true
+    }
+}
+
+/// Verifies as `bake verify` does with its defaults.
+fn verify_pack(path: &Path, imported: &Imported) -> Result<(), String> {
+    let pack = Pack::open(path).map_err(|failure| failure.message)?;
+    let reports = verify::verify_hulls(
+        &pack,
+        &Truth::Source(&imported.point_sets),
+        DEFAULT_DIRECTIONS,
+        0,
+    )?;
+    match reports.into_iter().find(|report| !report.pass) {
+        Some(report) => Err(format!("verification failed: {}", report.verdict())),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,188 @@
+//! Builds with a stand-in for the baker, which writes the source's name, hash and points as text.
+
+use std::path::Path;
+
+use hullmap_bake::{PointSet, SourceRecord};
+
+use super::run_with;
+use crate::args::{Command, parse};
+use crate::baker::BakedPack;
+use crate::options::BuildOptions;
+use crate::outcome::{Exit, Failure};
+
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+fn write_text(
+    sets: &[PointSet],
+    options: &BuildOptions,
+    source: &SourceRecord,
+) -> Result<BakedPack, String> {
+    if source.path.ends_with("refused.obj") {
+        return Err("hull x: lost a point".to_owned());
+    }
+    assert!(!source.path.ends_with("panics.obj"), "as asked");
+    let names: Vec<&str> = sets.iter().map(|set| set.name.as_str()).collect();
+    let text = format!(
+        "{} {:x} {:x} {names:?}",
+        source.path,
+        source.hash,
+        options.hash()
+    );
+    let vertex_count = sets.iter().map(|set| set.positions.len()).sum();
+    Ok(BakedPack {
+        bytes: text.into_bytes(),
+        ranks: vec![2; sets.len()],
+        vertex_count,
+    })
+}
+
+/// Runs `bake build` with these words in a folder with these files; the output goes to `out` in it.
+fn build(folder: &Path, files: &[(&str, &str)], words: &[&str]) -> (Result<Exit, Failure>, String) {
+    for (name, text) in files {
+        let path = folder.join("in").join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+    }
+    let (input, output) = (folder.join("in"), folder.join("out"));
+    let mut line = vec![
+        "bake",
+        "build",
+        input.to_str().unwrap(),
+        "--out",
+        output.to_str().unwrap(),
+    ];
+    line.extend(words);
+    let Command::Build(args) = parse(line).unwrap().command else {
+        unreachable!()
+    };
+    let mut out = Vec::new();
+    let result = run_with(&args, &write_text, &mut out);
+    (result, String::from_utf8(out).unwrap())
+}
+
+fn json_rows(text: &str) -> Vec<serde_json::Value> {
+    text.lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect()
+}
+
+#[test]
+fn one_bad_file_does_not_stop_the_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = [
+        ("a.obj", TRIANGLE),
+        ("b.obj", "v 0 0 0\nv 0 nan 0\n"),
+        ("panics.obj", TRIANGLE),
+        ("refused.obj", TRIANGLE),
+        ("sub/z.obj", TRIANGLE),
+    ];
+    let (result, text) = build(folder.path(), &files, &["--json"]);
+    assert_eq!(result.unwrap(), Exit::Wanting);
+    let rows = json_rows(&text);
+    let statuses: Vec<_> = rows
+        .iter()
+        .map(|row| row["status"].as_str().unwrap())
+        .collect();
+    assert_eq!(statuses, ["baked", "failed", "failed", "failed", "baked"]);
+    assert!(
+        rows[1]["error"]
+            .as_str()
+            .unwrap()
+            .contains("b.obj:2: coordinate `nan`"),
+        "{}",
+        rows[1]
+    );
+    assert!(
+        rows[2]["error"]
+            .as_str()
+            .unwrap()
+            .contains("internal error (as asked)"),
+        "{}",
+        rows[2]
+    );
+    assert!(
+        rows[3]["error"]
+            .as_str()
+            .unwrap()
+            .contains("refused.obj: hull x: lost a point"),
+        "{}",
+        rows[3]
+    );
+    assert!(rows[0]["error"].is_null());
+    for key in [
+        "source",
+        "output",
+        "status",
+        "hulls",
+        "vertices_in",
+        "vertices_hull",
+        "bytes",
+        "millis",
+        "error",
+    ] {
+        assert!(rows.iter().all(|row| row.get(key).is_some()), "{key}");
+    }
+    assert_eq!(
+        (
+            &rows[0]["hulls"],
+            &rows[0]["vertices_in"],
+            &rows[0]["vertices_hull"]
+        ),
+        (&1.into(), &3.into(), &3.into())
+    );
+    assert!(folder.path().join("out/sub/z.hullmap").is_file());
+    let names: Vec<_> = std::fs::read_dir(folder.path().join("out"))
+        .unwrap()
+        .map(|e| e.unwrap().file_name())
+        .collect();
+    assert_eq!(names.len(), 2, "nothing but a.hullmap and sub: {names:?}");
+}
+
+#[test]
+fn the_order_is_that_of_the_input_whatever_the_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let names: Vec<String> = (0..40).map(|number| format!("{number:02}.obj")).collect();
+    let files: Vec<(&str, &str)> = names.iter().map(|name| (name.as_str(), TRIANGLE)).collect();
+    for jobs in ["1", "4"] {
+        let (result, text) = build(folder.path(), &files, &["--json", "--jobs", jobs]);
+        assert_eq!(result.unwrap(), Exit::Done);
+        for (row, name) in json_rows(&text).iter().zip(&names) {
+            assert!(row["source"].as_str().unwrap().ends_with(name));
+        }
+    }
+}
+
+#[test]
+fn the_table_ends_in_a_summary() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, text) = build(folder.path(), &[("a.obj", TRIANGLE), ("b.obj", "")], &[]);
+    assert!(text.starts_with("source"), "{text}");
+    assert!(
+        text.contains("FAILED") && text.contains("\n1 baked, 0 fresh, 1 failed; 1 hulls in "),
+        "{text}"
+    );
+}
+
+#[test]
+fn objects_split_and_paths_are_recorded() {
+    let folder = tempfile::tempdir().unwrap();
+    let two = "o left\nv 0 0 0\nv 1 0 0\nl 1 2\no right\nv 2 0 0\np 3\n";
+    let (_, text) = build(
+        folder.path(),
+        &[("sub/two.obj", two)],
+        &["--json", "--split", "object"],
+    );
+    assert_eq!(json_rows(&text)[0]["hulls"], 2);
+    let pack = std::fs::read_to_string(folder.path().join("out/sub/two.hullmap")).unwrap();
+    assert!(pack.starts_with("../../in/sub/two.obj "), "{pack}");
+    assert!(pack.ends_with(r#"["left", "right"]"#), "{pack}");
+}
+
+#[test]
+fn an_output_that_is_a_file_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("out"), "").unwrap();
+    let (result, text) = build(folder.path(), &[("a.obj", TRIANGLE)], &[]);
+    assert_eq!(result.unwrap_err().exit, Exit::Usage);
+    assert_eq!(text, "");
+}

@@ -1,0 +1,235 @@
+//! `bake inspect`: what a pack holds.
+
+use std::io::Write;
+
+use serde::Serialize;
+
+use crate::args::InspectArgs;
+use crate::outcome::{Exit, Failure};
+use crate::runtime::{Hull, Pack};
+use crate::table::grouped;
+
+/// What is said of a pack. The names are those of the JSON.
+#[derive(Debug, Serialize)]
+struct PackReport {
+    file: String,
+    format_version: u32,
+    bytes: u64,
+    source: String,
+    /// XXH3-128 of the source, 32 hexadecimal digits.
+    source_hash: String,
+    hulls: Vec<HullReport>,
+}
+
+/// What is said of a hull: lengths in source units, the containment error relative to the diameter.
+#[derive(Debug, Serialize)]
+struct HullReport {
+    name: String,
+    rank: u32,
+    vertices: usize,
+    faces: usize,
+    points: usize,
+    volume: f64,
+    surface_area: f64,
+    centroid: [f64; 3],
+    bounds: [[f32; 3]; 2],
+    diameter: f64,
+    containment_error: f64,
+    index: IndexReport,
+}
+
+/// What is said of a direction index.
+#[derive(Debug, Serialize)]
+struct IndexReport {
+    kind: String,
+    bytes: u64,
+    max_nodes: u32,
+    max_dots: u32,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// The pack cannot be read, or is none.
+pub fn run(args: &InspectArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
+    let pack = Pack::open(&args.file)?;
+    let header = pack.header();
+    let report = PackReport {
+        file: args.file.display().to_string(),
+        format_version: header.format_version,
+        bytes: pack.byte_count(),
+        source: pack.source_path().to_owned(),
+        source_hash: format!("{:032x}", header.source_hash),
+        hulls: (0..pack.hull_count())
+            .map(|number| describe(&pack.hull(number)))
+            .collect(),
+    };
+    if args.json {
+        serde_json::to_writer(&mut *out, &report).map_err(std::io::Error::from)?;
+        writeln!(out)?;
+    } else {
+        write_text(&report, out)?;
+    }
+    Ok(Exit::Done)
+}
+
+fn describe(hull: &Hull) -> HullReport {
+    let measures = hull.measures();
+    let worst = hull.worst_cost();
+    HullReport {
+        name: hull.name().to_owned(),
+        rank: hull.rank(),
+        vertices: hull.vertex_count(),
+        faces: hull.faces().len(),
+        points: hull.point_count(),
+        volume: measures.volume,
+        surface_area: measures.surface_area,
+        centroid: measures.centroid,
+        bounds: measures.bounds,
+        diameter: measures.diameter,
+        containment_error: measures.containment_error,
+        index: IndexReport {
+            kind: hull.index_kind().to_owned(),
+            bytes: hull.index_byte_count(),
+            max_nodes: worst.nodes,
+            max_dots: worst.dots,
+        },
+    }
+}
+
+/// The word for a rank.
+fn rank_name(rank: u32) -> &'static str {
+    match rank {
+        0 => "point",
+        1 => "segment",
+        2 => "flat polygon",
+        _ => "solid",
+    }
+}
+
+fn write_text(report: &PackReport, out: &mut dyn Write) -> Result<(), Failure> {
+    let number = |value: usize| grouped(value as u64);
+    writeln!(out, "{}", report.file)?;
+    writeln!(out, "  format version     {}", report.format_version)?;
+    writeln!(out, "  bytes              {}", grouped(report.bytes))?;
+    writeln!(
+        out,
+        "  source             {} (xxh3 {})",
+        report.source, report.source_hash
+    )?;
+    for (place, hull) in report.hulls.iter().enumerate() {
+        let [low, high] = hull.bounds;
+        let [x, y, z] = hull.centroid;
+        let index = &hull.index;
+        writeln!(out, "\nhull #{place} {}", hull.name)?;
+        writeln!(
+            out,
+            "  rank               {} ({})",
+            hull.rank,
+            rank_name(hull.rank)
+        )?;
+        writeln!(out, "  points             {}", number(hull.points))?;
+        writeln!(out, "  vertices           {}", number(hull.vertices))?;
+        writeln!(out, "  faces              {}", number(hull.faces))?;
+        writeln!(out, "  volume             {}", hull.volume)?;
+        writeln!(out, "  surface area       {}", hull.surface_area)?;
+        writeln!(out, "  centroid           {x} {y} {z}")?;
+        writeln!(
+            out,
+            "  bounds             {} {} {} to {} {} {}",
+            low[0], low[1], low[2], high[0], high[1], high[2]
+        )?;
+        writeln!(out, "  diameter           {}", hull.diameter)?;
+        writeln!(
+            out,
+            "  containment error  {:.1e} of the diameter",
+            hull.containment_error
+        )?;
+        writeln!(
+            out,
+            "  index              {}, {} bytes ({:.1} a vertex), at most {} nodes and {} dot products a query",
+            index.kind,
+            grouped(index.bytes),
+            index.bytes as f64 / hull.vertices.max(1) as f64,
+            index.max_nodes,
+            index.max_dots
+        )?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn report() -> PackReport {
+        let index = IndexReport {
+            kind: "tree".to_owned(),
+            bytes: 480,
+            max_nodes: 5,
+            max_dots: 8,
+        };
+        let hull = HullReport {
+            name: "cube".to_owned(),
+            rank: 3,
+            vertices: 8,
+            faces: 6,
+            points: 24,
+            volume: 8.0,
+            surface_area: 24.0,
+            centroid: [0.0; 3],
+            bounds: [[-1.0; 3], [1.0; 3]],
+            diameter: 12.0_f64.sqrt(),
+            containment_error: 0.0,
+            index,
+        };
+        PackReport {
+            file: "cube.hullmap".to_owned(),
+            format_version: 1,
+            bytes: 2000,
+            source: "cube.obj".to_owned(),
+            source_hash: "0".repeat(32),
+            hulls: vec![hull],
+        }
+    }
+
+    #[test]
+    fn the_fields_others_rely_on() {
+        let report = serde_json::to_value(report()).unwrap();
+        for key in ["file", "format_version", "bytes", "source", "hulls"] {
+            assert!(report.get(key).is_some(), "{key}");
+        }
+        let hull = &report["hulls"][0];
+        for key in [
+            "name",
+            "rank",
+            "vertices",
+            "faces",
+            "volume",
+            "surface_area",
+            "centroid",
+            "bounds",
+            "diameter",
+            "containment_error",
+            "index",
+        ] {
+            assert!(hull.get(key).is_some(), "{key}");
+        }
+        for key in ["kind", "bytes", "max_nodes", "max_dots"] {
+            assert!(hull["index"].get(key).is_some(), "{key}");
+        }
+    }
+
+    #[test]
+    fn text_for_people() {
+        let mut out = Vec::new();
+        write_text(&report(), &mut out).unwrap();
+        let text = String::from_utf8(out).unwrap();
+        assert!(
+            text.contains("hull #0 cube\n")
+                && text.contains("3 (solid)")
+                && text.contains("60.0 a vertex"),
+            "{text}"
+        );
+    }
+}

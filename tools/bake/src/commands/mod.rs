@@ -1,0 +1,6 @@
+//! The subcommands, one module each. Results go to the writer they are given, messages to standard error.
+
+pub mod build;
+pub mod inspect;
+pub mod query;
+pub mod verify;

@@ -1,0 +1,240 @@
+//! `bake query`: two hulls in many poses.
+
+use std::io::Write;
+
+use serde::Serialize;
+
+use crate::args::{Mode, QueryArgs};
+use crate::outcome::{Exit, Failure};
+use crate::pose::{Pose, parse_pose, read_poses};
+use crate::runtime::{Hull, Pack, PairAnswer, PairSolver};
+use crate::selection::Selection;
+use crate::table::{Align, Table, or_dash};
+
+/// What is said of a pose; `None` where the mode does not compute it. The names are those of the JSON.
+#[derive(Debug, Serialize)]
+struct PoseReport {
+    /// Place of the pose among those asked for, from 0.
+    pose: usize,
+    hit: Option<bool>,
+    status: String,
+    depth: Option<f64>,
+    depth_lower: Option<f64>,
+    depth_upper: Option<f64>,
+    distance: Option<f64>,
+    distance_lower: Option<f64>,
+    distance_upper: Option<f64>,
+    normal: Option<[f64; 3]>,
+    point_a: Option<[f64; 3]>,
+    point_b: Option<[f64; 3]>,
+    iterations: u32,
+    support_calls: u32,
+}
+
+impl PoseReport {
+    fn new(pose: usize, answer: PairAnswer) -> Self {
+        let PairAnswer {
+            hit,
+            status,
+            depth,
+            distance,
+            normal,
+            point_a,
+            point_b,
+            iterations,
+            support_calls,
+        } = answer;
+        let [depth, depth_lower, depth_upper] = bounded(depth);
+        let [distance, distance_lower, distance_upper] = bounded(distance);
+        Self {
+            pose,
+            hit,
+            status,
+            depth,
+            depth_lower,
+            depth_upper,
+            distance,
+            distance_lower,
+            distance_upper,
+            normal,
+            point_a,
+            point_b,
+            iterations,
+            support_calls,
+        }
+    }
+}
+
+/// Value, lower and upper bound.
+fn bounded(values: Option<[f64; 3]>) -> [Option<f64>; 3] {
+    values.map_or([None; 3], |values| values.map(Some))
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A pose or selection that cannot be read, a pack that cannot be read or is none. All before the first answer.
+pub fn run(args: &QueryArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
+    let poses = poses(args)?;
+    let (select_a, select_b) = (Selection::parse(&args.a), Selection::parse(&args.b));
+    let (pack_a, pack_b) = (Pack::open(&select_a.file)?, Pack::open(&select_b.file)?);
+    let mut solver = PairSolver::new(choose(&select_a, &pack_a)?, choose(&select_b, &pack_b)?);
+    let mut table = table(args.mode);
+    for (place, pose) in poses.iter().enumerate() {
+        let report = PoseReport::new(place, solver.query(pose, args.mode));
+        if args.json {
+            serde_json::to_writer(&mut *out, &report).map_err(std::io::Error::from)?;
+            writeln!(out)?;
+        } else {
+            table.push(row(&report, args.mode));
+        }
+    }
+    if !args.json {
+        table.write(out)?;
+    }
+    Ok(Exit::Done)
+}
+
+/// The poses of `--pose` in their order, then those of `--poses`; the identity where there are neither.
+fn poses(args: &QueryArgs) -> Result<Vec<Pose>, Failure> {
+    let mut poses = Vec::new();
+    for text in &args.poses {
+        poses.push(
+            parse_pose(text)
+                .map_err(|error| Failure::usage(format!("--pose \"{text}\": {error}")))?,
+        );
+    }
+    if let Some(file) = &args.pose_file {
+        poses.extend(read_poses(file)?);
+    }
+    if poses.is_empty() {
+        poses.push(Pose::IDENTITY);
+    }
+    Ok(poses)
+}
+
+fn choose<'a>(selection: &Selection, pack: &'a Pack) -> Result<Hull<'a>, Failure> {
+    let hulls: Vec<Hull> = (0..pack.hull_count())
+        .map(|number| pack.hull(number))
+        .collect();
+    let names: Vec<&str> = hulls.iter().map(|hull| hull.name()).collect();
+    let number = selection.choose(&names)?;
+    Ok(pack.hull(number))
+}
+
+fn table(mode: Mode) -> Table {
+    let mut columns = vec![
+        ("pose", Align::Right),
+        ("hit", Align::Left),
+        ("status", Align::Left),
+    ];
+    if mode == Mode::Contact {
+        columns.push(("depth", Align::Right));
+    }
+    if mode != Mode::Intersect {
+        columns.push(("distance", Align::Right));
+        columns.extend(["normal", "point on A", "point on B"].map(|title| (title, Align::Left)));
+    }
+    columns.extend(["iterations", "supports"].map(|title| (title, Align::Right)));
+    Table::new(&columns)
+}
+
+fn row(report: &PoseReport, mode: Mode) -> Vec<String> {
+    let hit = or_dash(report.hit, |hit| if hit { "yes" } else { "no" }.to_owned());
+    let mut cells = vec![report.pose.to_string(), hit, report.status.clone()];
+    let length = |value: Option<f64>| or_dash(value, |value| format!("{value:.6}"));
+    let triple =
+        |value: Option<[f64; 3]>| or_dash(value, |[x, y, z]| format!("{x:.6} {y:.6} {z:.6}"));
+    if mode == Mode::Contact {
+        cells.push(length(report.depth));
+    }
+    if mode != Mode::Intersect {
+        cells.push(length(report.distance));
+        cells.extend([report.normal, report.point_a, report.point_b].map(triple));
+    }
+    cells.extend([report.iterations, report.support_calls].map(|count| count.to_string()));
+    cells
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::args::{Command, parse};
+
+    fn args(words: &[&str]) -> QueryArgs {
+        let line = ["bake", "query", "a", "b"]
+            .into_iter()
+            .chain(words.iter().copied());
+        let Command::Query(args) = parse(line).unwrap().command else {
+            unreachable!()
+        };
+        args
+    }
+
+    #[test]
+    fn poses_of_flags_go_before_those_of_the_file() {
+        assert_eq!(poses(&args(&[])).unwrap(), [Pose::IDENTITY]);
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("poses");
+        std::fs::write(&file, "3 0 0 0 0 0 1\n").unwrap();
+        let file = file.to_str().unwrap();
+        let list = poses(&args(&[
+            "--poses",
+            file,
+            "--pose",
+            "1 0 0 0 0 0 1",
+            "--pose",
+            "2 0 0 0 0 0 1",
+        ]))
+        .unwrap();
+        let xs: Vec<f64> = list.iter().map(|pose| pose.translation.x).collect();
+        assert_eq!(xs, [1.0, 2.0, 3.0]);
+        let failure = poses(&args(&["--pose", "1 2"])).unwrap_err();
+        assert!(
+            failure.message.starts_with("--pose \"1 2\": 2 numbers"),
+            "{failure}"
+        );
+    }
+
+    #[test]
+    fn the_fields_others_rely_on() {
+        let answer = PairAnswer {
+            hit: Some(true),
+            depth: Some([0.5, 0.4, 0.6]),
+            ..PairAnswer::default()
+        };
+        let report = serde_json::to_value(PoseReport::new(0, answer)).unwrap();
+        for key in [
+            "hit",
+            "status",
+            "depth",
+            "depth_lower",
+            "depth_upper",
+            "distance",
+            "distance_lower",
+            "distance_upper",
+            "normal",
+            "point_a",
+            "point_b",
+            "iterations",
+            "support_calls",
+        ] {
+            assert!(report.get(key).is_some(), "{key}");
+        }
+        assert_eq!(
+            (&report["depth_lower"], &report["distance"]),
+            (&0.4.into(), &serde_json::Value::Null)
+        );
+    }
+
+    #[test]
+    fn every_mode_fills_its_columns() {
+        for mode in [Mode::Intersect, Mode::Distance, Mode::Contact] {
+            let mut table = table(mode);
+            table.push(row(&PoseReport::new(0, PairAnswer::default()), mode));
+            let mut out = Vec::new();
+            table.write(&mut out).unwrap();
+            assert_eq!(String::from_utf8(out).unwrap().lines().count(), 2);
+        }
+    }
+}

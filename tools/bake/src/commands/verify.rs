@@ -1,0 +1,451 @@
+//! `bake verify`: packs against the meshes they were baked from.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use glam::Vec3;
+use hullmap_bake::PointSet;
+use serde::Serialize;
+use walkdir::WalkDir;
+
+use crate::args::VerifyArgs;
+use crate::outcome::{Exit, Failure};
+use crate::runtime::{Hull, Pack};
+use crate::source::{PackPlace, find_source};
+use crate::table::{Align, Table, grouped};
+use crate::verification::directions::directions;
+use crate::verification::truth::Points;
+use crate::verification::{Measurement, measure};
+
+/// What a pack is compared with.
+#[derive(Debug)]
+pub enum Truth<'a> {
+    /// The source's points.
+    Source(&'a [PointSet]),
+    /// The stored hull's own vertices: shows that the index is exact, not that the hull is the source's.
+    Stored,
+}
+
+/// What is said of a hull. The names are those of the JSON; `None` where a pack or its source could not be used.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct HullReport {
+    /// The pack.
+    pub file: String,
+    /// Name of the hull.
+    pub hull: Option<String>,
+    /// Vertices of the hull.
+    pub vertices: Option<usize>,
+    /// 3 solid, 2 polygon, 1 segment, 0 point.
+    pub rank: Option<u32>,
+    /// Directions tried.
+    pub directions: Option<usize>,
+    /// Greatest regret; infinity, which JSON lacks, reads as null.
+    pub max_regret: Option<f64>,
+    /// Directions with too great a regret.
+    pub mismatches: Option<usize>,
+    /// Stored worst case: nodes that a query reads.
+    pub max_nodes: Option<u32>,
+    /// Stored worst case: dot products of a query.
+    pub max_dots: Option<u32>,
+    /// Bytes of the index by vertex.
+    pub index_bytes_per_vertex: Option<f64>,
+    /// Whether all is well.
+    pub pass: bool,
+    /// `source` or `stored hull`: what it was compared with.
+    pub against: Option<&'static str>,
+    /// The source file, where there is one.
+    pub source: Option<String>,
+    /// What is wrong, beside mismatches.
+    pub problems: Vec<String>,
+    /// Direction of the greatest regret.
+    pub worst_direction: Option<[f32; 3]>,
+}
+
+impl HullReport {
+    /// The outcome in a sentence.
+    pub fn verdict(&self) -> String {
+        let hull = self.hull.as_deref().unwrap_or("-");
+        let mut parts = self.problems.clone();
+        if let (Some(wrong), Some(tried), Some(regret)) =
+            (self.mismatches, self.directions, self.max_regret)
+            && wrong > 0
+        {
+            parts.push(format!(
+                "{wrong} of {tried} directions are wrong, max_regret {regret:.2e}"
+            ));
+        }
+        let text = if parts.is_empty() {
+            "exact".to_owned()
+        } else {
+            parts.join("; ")
+        };
+        format!("hull {hull}: {text}")
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// An input that cannot be read or a folder without packs. What is wrong with one pack is told in its rows.
+pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
+    let mut exit = Exit::Done;
+    let mut reports = Vec::new();
+    for place in find_packs(&args.inputs)? {
+        match verify_pack(&place, args) {
+            Ok(mut hulls) => {
+                if hulls.iter().any(|report| !report.pass) {
+                    exit = exit.max(Exit::Wanting);
+                }
+                reports.append(&mut hulls);
+            }
+            Err(failure) => {
+                exit = exit.max(failure.exit);
+                let file = place.path.display().to_string();
+                reports.push(HullReport {
+                    file,
+                    problems: vec![failure.message],
+                    ..HullReport::default()
+                });
+            }
+        }
+        if args.json {
+            for report in reports.drain(..) {
+                serde_json::to_writer(&mut *out, &report).map_err(std::io::Error::from)?;
+                writeln!(out)?;
+            }
+            out.flush()?;
+        }
+    }
+    if !args.json {
+        write_table(&reports, out)?;
+    }
+    Ok(exit)
+}
+
+/// The packs that the inputs name, in their order and by name within a folder.
+fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
+    let mut places = Vec::new();
+    for input in inputs {
+        let kind = std::fs::metadata(input).map_err(|error| {
+            Failure::usage(format!(
+                "{}: cannot read: {error}; check the path",
+                input.display()
+            ))
+        })?;
+        if !kind.is_dir() {
+            places.push(PackPlace {
+                path: input.clone(),
+                below: PathBuf::new(),
+            });
+            continue;
+        }
+        let before = places.len();
+        for entry in WalkDir::new(input).sort_by_file_name() {
+            let entry = entry.map_err(|error| {
+                Failure::usage(format!("{}: cannot search: {error}", input.display()))
+            })?;
+            let path = entry.path();
+            if path
+                .extension()
+                .is_some_and(|extension| extension == "hullmap")
+                && !entry.file_type().is_dir()
+            {
+                let below = path.strip_prefix(input).ok().and_then(|path| path.parent());
+                places.push(PackPlace {
+                    path: path.to_owned(),
+                    below: below.unwrap_or(input).to_owned(),
+                });
+            }
+        }
+        if places.len() == before {
+            return Err(Failure::usage(format!(
+                "{}: no .hullmap files in this folder",
+                input.display()
+            )));
+        }
+    }
+    Ok(places)
+}
+
+fn verify_pack(place: &PackPlace, args: &VerifyArgs) -> Result<Vec<HullReport>, Failure> {
+    let pack = Pack::open(&place.path)?;
+    let source = find_source(
+        place,
+        &pack.header(),
+        pack.source_path(),
+        args.source.as_deref(),
+    )?;
+    let file = place.path.display().to_string();
+    let truth = match &source {
+        Some(source) => Truth::Source(&source.point_sets),
+        None => {
+            eprintln!(
+                "note: {file}: no source found; compared with the stored hull only (--source names one)"
+            );
+            Truth::Stored
+        }
+    };
+    let mut reports = verify_hulls(&pack, &truth, args.directions, args.seed)
+        .map_err(|error| Failure::wanting(format!("{file}: {error}")))?;
+    for report in &mut reports {
+        report.file.clone_from(&file);
+        report.source = source
+            .as_ref()
+            .map(|source| source.path.display().to_string());
+    }
+    Ok(reports)
+}
+
+/// Verifies every hull of a pack; the names of files in the reports are left out.
+///
+/// # Errors
+/// The source has other hulls than the pack.
+pub fn verify_hulls(
+    pack: &Pack,
+    truth: &Truth,
+    count: usize,
+    seed: u64,
+) -> Result<Vec<HullReport>, String> {
+    if let Truth::Source(sets) = truth
+        && sets.len() != pack.hull_count()
+    {
+        return Err(format!(
+            "{} hulls where the source has {}; bake it again",
+            pack.hull_count(),
+            sets.len()
+        ));
+    }
+    let one = |number| {
+        let hull = pack.hull(number);
+        match truth {
+            Truth::Source(sets) => verify_hull(&hull, Some(&sets[number]), count, seed),
+            Truth::Stored => verify_hull(&hull, None, count, seed),
+        }
+    };
+    Ok((0..pack.hull_count()).map(one).collect())
+}
+
+fn verify_hull(hull: &Hull, source: Option<&PointSet>, count: usize, seed: u64) -> HullReport {
+    let vertices: Vec<Vec3> = (0..hull.vertex_count())
+        .map(|index| hull.vertex(index))
+        .collect();
+    let mut problems = Vec::new();
+    let points = match source {
+        Some(set) => {
+            if set.name != hull.name() {
+                problems.push(format!("the source calls this hull {}", set.name));
+            }
+            let numbers = (0..hull.vertex_count()).map(|index| hull.source_vertex(index));
+            let strangers = count_strangers(&vertices, numbers, set);
+            if strangers > 0 {
+                problems.push(format!(
+                    "{strangers} vertices are not the source vertices they are recorded as"
+                ));
+            }
+            Points::new(&set.positions)
+        }
+        None => Points::new(
+            &vertices
+                .iter()
+                .map(|vertex| vertex.to_array())
+                .collect::<Vec<_>>(),
+        ),
+    };
+    let Measurement {
+        max_regret,
+        worst_direction,
+        mismatches,
+        invalid_answers,
+        cost,
+    } = measure(
+        hull,
+        &points,
+        &directions(&vertices, &hull.faces(), count, seed),
+    );
+    if invalid_answers > 0 {
+        problems.push(format!(
+            "{invalid_answers} special directions have an answer that is no vertex"
+        ));
+    }
+    let worst = hull.worst_cost();
+    if cost.nodes > worst.nodes || cost.dots > worst.dots {
+        problems.push(format!(
+            "a query took {} nodes and {} dot products, more than the worst case stored",
+            cost.nodes, cost.dots
+        ));
+    }
+    HullReport {
+        file: String::new(),
+        hull: Some(hull.name().to_owned()),
+        vertices: Some(vertices.len()),
+        rank: Some(hull.rank()),
+        directions: Some(count),
+        max_regret: Some(max_regret),
+        mismatches: Some(mismatches),
+        max_nodes: Some(worst.nodes),
+        max_dots: Some(worst.dots),
+        index_bytes_per_vertex: Some(hull.index_byte_count() as f64 / vertices.len() as f64),
+        pass: mismatches == 0 && problems.is_empty(),
+        against: Some(if source.is_some() {
+            "source"
+        } else {
+            "stored hull"
+        }),
+        source: None,
+        problems,
+        worst_direction: worst_direction.map(|dir| dir.to_array()),
+    }
+}
+
+/// Hull vertices that are not, bit by bit, the source vertex that they are recorded as. The two zeros are equal.
+fn count_strangers(vertices: &[Vec3], numbers: impl Iterator<Item = u32>, set: &PointSet) -> usize {
+    let bits = |position: [f32; 3]| position.map(|x| (x + 0.0).to_bits());
+    let is_known = |(vertex, number): &(&Vec3, u32)| {
+        // Source vertices ascend.
+        let place = set.source_vertices.binary_search(number);
+        place.is_ok_and(|place| bits(set.positions[place]) == bits(vertex.to_array()))
+    };
+    vertices
+        .iter()
+        .zip(numbers)
+        .filter(|pair| !is_known(pair))
+        .count()
+}
+
+fn write_table(reports: &[HullReport], out: &mut dyn Write) -> Result<(), Failure> {
+    let mut table = Table::new(&[
+        ("file", Align::Left),
+        ("hull", Align::Left),
+        ("vertices", Align::Right),
+        ("rank", Align::Right),
+        ("directions", Align::Right),
+        ("max_regret", Align::Right),
+        ("mismatches", Align::Right),
+        ("nodes", Align::Right),
+        ("dots", Align::Right),
+        ("index B/vertex", Align::Right),
+        ("against", Align::Left),
+        ("result", Align::Left),
+    ]);
+    let number =
+        |value: Option<usize>| value.map_or_else(|| "-".to_owned(), |value| grouped(value as u64));
+    let word = |value: Option<u32>| number(value.map(|value| value as usize));
+    for report in reports {
+        table.push(vec![
+            report.file.clone(),
+            report.hull.clone().unwrap_or_else(|| "-".to_owned()),
+            number(report.vertices),
+            word(report.rank),
+            number(report.directions),
+            report
+                .max_regret
+                .map_or_else(|| "-".to_owned(), |regret| format!("{regret:.1e}")),
+            number(report.mismatches),
+            word(report.max_nodes),
+            word(report.max_dots),
+            report
+                .index_bytes_per_vertex
+                .map_or_else(|| "-".to_owned(), |bytes| format!("{bytes:.1}")),
+            report.against.unwrap_or("-").to_owned(),
+            if report.pass { "exact" } else { "FAILED" }.to_owned(),
+        ]);
+        if !report.pass {
+            let message = if report.hull.is_some() {
+                format!("{}: {}", report.file, report.verdict())
+            } else {
+                report.problems.join("; ")
+            };
+            eprintln!("error: {message}");
+        }
+    }
+    table.write(out)?;
+    let passed = reports.iter().filter(|report| report.pass).count();
+    writeln!(out, "\n{passed} exact, {} failed", reports.len() - passed)?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strangers_are_counted() {
+        let set = PointSet {
+            name: String::new(),
+            positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]],
+            source_vertices: vec![3, 7, 9],
+        };
+        let vertices = [Vec3::new(2.0, -0.0, 0.0), Vec3::new(1.0, 0.0, 0.0)];
+        let count = |numbers: [u32; 2]| count_strangers(&vertices, numbers.into_iter(), &set);
+        assert_eq!(count([9, 7]), 0);
+        assert_eq!(count([7, 9]), 2);
+        assert_eq!(count([9, 8]), 1);
+    }
+
+    #[test]
+    fn packs_are_found_with_their_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let sub = folder.path().join("a/b");
+        std::fs::create_dir_all(&sub).unwrap();
+        for path in [
+            sub.join("x.hullmap"),
+            folder.path().join("y.hullmap"),
+            sub.join("z.obj"),
+        ] {
+            std::fs::write(path, "").unwrap();
+        }
+        let places = find_packs(&[folder.path().to_owned(), sub.join("x.hullmap")]).unwrap();
+        let below: Vec<_> = places
+            .iter()
+            .map(|place| place.below.to_str().unwrap().replace('\\', "/"))
+            .collect();
+        assert_eq!(below, ["a/b", "", ""]);
+        assert!(places[1].path.ends_with("y.hullmap"));
+        let empty = tempfile::tempdir().unwrap();
+        assert_eq!(
+            find_packs(&[empty.path().to_owned()]).unwrap_err().exit,
+            Exit::Usage
+        );
+        assert_eq!(
+            find_packs(&[empty.path().join("no.hullmap")])
+                .unwrap_err()
+                .exit,
+            Exit::Usage
+        );
+    }
+
+    #[test]
+    fn a_report_has_the_fields_others_rely_on() {
+        let report = serde_json::to_value(HullReport::default()).unwrap();
+        for key in [
+            "file",
+            "hull",
+            "vertices",
+            "rank",
+            "directions",
+            "max_regret",
+            "mismatches",
+            "max_nodes",
+            "max_dots",
+            "index_bytes_per_vertex",
+            "pass",
+        ] {
+            assert!(report.get(key).is_some(), "{key}");
+        }
+    }
+
+    #[test]
+    fn verdicts_say_what_is_wrong() {
+        let report = HullReport {
+            hull: Some("rock".to_owned()),
+            directions: Some(100),
+            mismatches: Some(3),
+            max_regret: Some(1e-3),
+            ..HullReport::default()
+        };
+        assert_eq!(
+            report.verdict(),
+            "hull rock: 3 of 100 directions are wrong, max_regret 1.00e-3"
+        );
+    }
+}

@@ -1,0 +1,151 @@
+//! Writing a pack so that nobody ever sees half of one, and the way back from it to its source.
+
+use std::ffi::OsStr;
+use std::io::{self, Write};
+use std::path::{Component, Path, PathBuf};
+
+use tempfile::{Builder, NamedTempFile};
+
+/// Writes `bytes` to a temporary file beside `target`, down to the disk. It vanishes unless [`put_in_place`] is called.
+///
+/// # Errors
+/// The folder cannot be written to.
+pub fn write_beside(target: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
+    let name = target.file_name().unwrap_or(OsStr::new("pack"));
+    let mut prefix = OsStr::new(".").to_owned();
+    prefix.push(name);
+    let mut builder = Builder::new();
+    builder.prefix(&prefix).suffix(".tmp");
+    #[cfg(unix)]
+    {
+        // Temporary files are private by default; a pack is a file like any other, and the umask decides.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder_of(target))?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    Ok(file)
+}
+
+/// Renames a temporary file to `target`, over what was there.
+///
+/// # Errors
+/// The rename failed; the temporary file is gone and `target` is as it was.
+pub fn put_in_place(file: NamedTempFile, target: &Path) -> io::Result<()> {
+    file.persist(target).map_err(|error| error.error)?;
+    // The rename itself reaches the disk with the folder. Not every system lets one open a folder: best effort.
+    if let Ok(folder) = std::fs::File::open(folder_of(target)) {
+        let _ = folder.sync_all();
+    }
+    Ok(())
+}
+
+/// The folder a file is in.
+pub fn folder_of(file: &Path) -> &Path {
+    match file.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// The path that a pack in folder `pack_folder` records for `source`: relative to that folder, with `/`.
+///
+/// Both must exist. The file's name alone where there is no relative path, or none in UTF-8.
+pub fn recorded_path(source: &Path, pack_folder: &Path) -> String {
+    let name = || {
+        source
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned()
+    };
+    let (Ok(source), Ok(folder)) = (source.canonicalize(), pack_folder.canonicalize()) else {
+        return name();
+    };
+    relative(&source, &folder).unwrap_or_else(name)
+}
+
+/// The way from one absolute path to another, without asking the file system.
+fn relative(target: &Path, from: &Path) -> Option<String> {
+    let target: Vec<Component> = target.components().collect();
+    let from: Vec<Component> = from.components().collect();
+    let shared = target.iter().zip(&from).take_while(|(a, b)| a == b).count();
+    let is_step = |component: &Component| matches!(component, Component::Normal(_));
+    // Different drives share nothing.
+    if shared == 0 || !target[shared..].iter().chain(&from[shared..]).all(is_step) {
+        return None;
+    }
+    let mut steps = vec![".."; from.len() - shared];
+    for component in &target[shared..] {
+        steps.push(component.as_os_str().to_str()?);
+    }
+    Some(steps.join("/"))
+}
+
+/// Where a recorded path leads from a pack's folder; `None` for one that is empty or not relative.
+pub fn resolve_recorded(recorded: &str, pack_folder: &Path) -> Option<PathBuf> {
+    let path = Path::new(recorded);
+    if recorded.is_empty() || path.is_absolute() || path.has_root() {
+        return None;
+    }
+    // Canonical first: `..` from a linked folder would otherwise lead elsewhere.
+    Some(pack_folder.canonicalize().ok()?.join(path))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn relative_paths() {
+        let way = |target: &str, from: &str| relative(Path::new(target), Path::new(from));
+        assert_eq!(way("/a/b/x.obj", "/a/b").as_deref(), Some("x.obj"));
+        assert_eq!(
+            way("/a/b/x.obj", "/a/c/d").as_deref(),
+            Some("../../b/x.obj")
+        );
+        assert_eq!(way("/x.obj", "/").as_deref(), Some("x.obj"));
+        assert_eq!(way("x.obj", "/a"), None);
+    }
+
+    #[test]
+    fn recorded_paths_lead_back() {
+        let root = tempfile::tempdir().unwrap();
+        let (meshes, packs) = (root.path().join("meshes"), root.path().join("out/sub"));
+        std::fs::create_dir_all(&meshes).unwrap();
+        std::fs::create_dir_all(&packs).unwrap();
+        let source = meshes.join("x.obj");
+        std::fs::write(&source, "").unwrap();
+        let recorded = recorded_path(&source, &packs);
+        assert_eq!(recorded, "../../meshes/x.obj");
+        let found = resolve_recorded(&recorded, &packs).unwrap();
+        assert_eq!(
+            found.canonicalize().unwrap(),
+            source.canonicalize().unwrap()
+        );
+        assert_eq!(recorded_path(&meshes.join("gone.obj"), &packs), "gone.obj");
+        assert_eq!(resolve_recorded("", &packs), None);
+        assert_eq!(resolve_recorded("/etc/passwd", &packs), None);
+    }
+
+    #[test]
+    fn packs_are_replaced_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("x.hullmap");
+        let names = || -> Vec<_> {
+            std::fs::read_dir(folder.path())
+                .unwrap()
+                .map(|e| e.unwrap().file_name())
+                .collect()
+        };
+        put_in_place(write_beside(&target, b"one").unwrap(), &target).unwrap();
+        drop(write_beside(&target, b"dropped").unwrap());
+        assert_eq!(std::fs::read(&target).unwrap(), b"one");
+        put_in_place(write_beside(&target, b"two").unwrap(), &target).unwrap();
+        assert_eq!(std::fs::read(&target).unwrap(), b"two");
+        assert_eq!(names(), ["x.hullmap"]);
+        assert!(write_beside(&folder.path().join("no/x.hullmap"), b"").is_err());
+    }
+}

@@ -1,0 +1,327 @@
+//! Whether a hull's support queries are exact: measured against every source point.
+//!
+//! `regret(d) = (max over the source points of v·d − got·d) / (|d| · diameter)`, in f64 on the stored f32 numbers.
+//! A hull that lost a source point has a great regret in that point's directions; one with a point that is not the
+//! source's has a negative one. Both are mismatches.
+
+pub mod directions;
+pub mod random;
+pub mod truth;
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::runtime::{Hull, QueryCost, SupportPoint};
+use truth::{Points, dot};
+
+/// Greatest regret, relative to the diameter, that counts as exact: half a unit in the last place of an f32 is 6e-8
+/// of the coordinate, and the evaluation in f32 of a dot product adds about as much twice.
+pub const REGRET_LIMIT: f64 = 2e-7;
+
+/// What a verification asks of a hull.
+pub trait SupportQueries: Sync {
+    /// Number of vertices.
+    fn vertex_count(&self) -> usize;
+    /// A vertex.
+    fn vertex(&self, index: usize) -> Vec3;
+    /// The support point.
+    fn support(&self, dir: Vec3) -> SupportPoint;
+    /// What that query takes.
+    fn support_cost(&self, dir: Vec3) -> QueryCost;
+}
+
+impl SupportQueries for Hull<'_> {
+    fn vertex_count(&self) -> usize {
+        Hull::vertex_count(self)
+    }
+
+    fn vertex(&self, index: usize) -> Vec3 {
+        Hull::vertex(self, index)
+    }
+
+    fn support(&self, dir: Vec3) -> SupportPoint {
+        Hull::support(self, dir)
+    }
+
+    fn support_cost(&self, dir: Vec3) -> QueryCost {
+        Hull::support_cost(self, dir)
+    }
+}
+
+/// What came out of trying a hull in many directions.
+#[derive(Clone, Debug)]
+pub struct Measurement {
+    /// Greatest absolute regret; infinite where an answer was no vertex at all.
+    pub max_regret: f64,
+    /// The direction of that regret.
+    pub worst_direction: Option<Vec3>,
+    /// Directions with a regret beyond [`REGRET_LIMIT`], or with an answer that is no vertex.
+    pub mismatches: usize,
+    /// Special directions whose answer is no vertex.
+    pub invalid_answers: usize,
+    /// Greatest cost of any query tried.
+    pub cost: QueryCost,
+}
+
+/// Tries a hull in all `directions`, which are finite and not zero, and in the special ones.
+///
+/// # Complexity
+/// O(points · directions), on all threads of the pool.
+pub fn measure(hull: &impl SupportQueries, truth: &Points, directions: &[Vec3]) -> Measurement {
+    let diameter = truth.diameter();
+    let greatest = truth.greatest_dots(directions);
+    let answers: Vec<(f64, QueryCost)> = directions
+        .par_iter()
+        .zip(&greatest)
+        .map(|(&dir, &greatest)| {
+            let got = hull.support(dir);
+            let regret = if is_vertex(hull, got) {
+                regret(greatest, got.point, dir, diameter)
+            } else {
+                f64::INFINITY
+            };
+            (regret, hull.support_cost(dir))
+        })
+        .collect();
+
+    let specials = directions::special_directions();
+    let invalid_answers = specials
+        .iter()
+        .filter(|&&dir| !is_vertex(hull, hull.support(dir)))
+        .count();
+    let mut result = Measurement {
+        max_regret: 0.0,
+        worst_direction: None,
+        mismatches: 0,
+        invalid_answers,
+        cost: QueryCost::default(),
+    };
+    for (&(regret, cost), &dir) in answers.iter().zip(directions) {
+        if regret > REGRET_LIMIT {
+            result.mismatches += 1;
+        }
+        if regret > result.max_regret {
+            result.max_regret = regret;
+            result.worst_direction = Some(dir);
+        }
+        result.cost.nodes = result.cost.nodes.max(cost.nodes);
+        result.cost.dots = result.cost.dots.max(cost.dots);
+    }
+    result
+}
+
+/// Whether an answer is a vertex of the hull, bit by bit.
+fn is_vertex(hull: &impl SupportQueries, got: SupportPoint) -> bool {
+    let index = got.index as usize;
+    let same = |vertex: Vec3| {
+        vertex.to_array().map(f32::to_bits) == got.point.to_array().map(f32::to_bits)
+    };
+    index < hull.vertex_count() && same(hull.vertex(index))
+}
+
+/// Absolute regret; infinite where it is no number.
+fn regret(greatest: f64, got: Vec3, dir: Vec3, diameter: f64) -> f64 {
+    let dir = dir.to_array().map(f64::from);
+    let loss = greatest - dot(got.to_array().map(f64::from), dir);
+    if loss == 0.0 {
+        // Also a hull that is one point, of diameter 0.
+        return 0.0;
+    }
+    let regret = (loss / (dot(dir, dir).sqrt() * diameter)).abs();
+    // NaN must not read as a small number.
+    if regret.is_nan() {
+        f64::INFINITY
+    } else {
+        regret
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::directions::directions;
+    use super::random::SplitMix;
+    use super::*;
+
+    /// A hull that answers by brute force, with one answer bent by `bend`.
+    struct Cloud<F> {
+        vertices: Vec<Vec3>,
+        bend: F,
+    }
+
+    impl<F: Fn(Vec3, SupportPoint) -> SupportPoint + Sync> SupportQueries for Cloud<F> {
+        fn vertex_count(&self) -> usize {
+            self.vertices.len()
+        }
+
+        fn vertex(&self, index: usize) -> Vec3 {
+            self.vertices[index]
+        }
+
+        fn support(&self, dir: Vec3) -> SupportPoint {
+            let scores = self
+                .vertices
+                .iter()
+                .map(|v| v.as_dvec3().dot(dir.as_dvec3()))
+                .enumerate();
+            let best = scores.fold((0, f64::NEG_INFINITY), |best, next| {
+                if next.1 > best.1 { next } else { best }
+            });
+            (self.bend)(
+                dir,
+                SupportPoint {
+                    point: self.vertices[best.0],
+                    index: best.0 as u32,
+                },
+            )
+        }
+
+        fn support_cost(&self, dir: Vec3) -> QueryCost {
+            QueryCost {
+                nodes: 3,
+                dots: if dir.x > 0.0 { 8 } else { 4 },
+            }
+        }
+    }
+
+    fn honest(_: Vec3, point: SupportPoint) -> SupportPoint {
+        point
+    }
+
+    fn sphere(count: usize) -> Vec<Vec3> {
+        let mut random = SplitMix::new(5);
+        (0..count).map(|_| random.in_ball().normalize()).collect()
+    }
+
+    fn points(vertices: &[Vec3]) -> Points {
+        Points::new(&vertices.iter().map(|v| v.to_array()).collect::<Vec<_>>())
+    }
+
+    fn try_out(hull: &impl SupportQueries, source: &[Vec3]) -> Measurement {
+        measure(hull, &points(source), &directions(source, &[], 4000, 1))
+    }
+
+    #[test]
+    fn an_exact_hull_has_no_regret() {
+        let source = sphere(200);
+        let result = try_out(
+            &Cloud {
+                vertices: source.clone(),
+                bend: honest,
+            },
+            &source,
+        );
+        assert!(result.max_regret < 1e-15, "{}", result.max_regret);
+        assert_eq!((result.mismatches, result.invalid_answers), (0, 0));
+        assert_eq!(result.cost, QueryCost { nodes: 3, dots: 8 });
+    }
+
+    #[test]
+    fn a_hull_that_lost_a_point_fails() {
+        let source = sphere(200);
+        let result = try_out(
+            &Cloud {
+                vertices: source[1..].to_vec(),
+                bend: honest,
+            },
+            &source,
+        );
+        assert!(
+            result.mismatches > 0 && result.max_regret > 1e-4,
+            "{result:?}"
+        );
+        assert!(result.worst_direction.unwrap().normalize().dot(source[0]) > 0.9);
+    }
+
+    #[test]
+    fn a_hull_with_a_point_of_its_own_fails() {
+        let source = sphere(200);
+        let mut vertices = source.clone();
+        vertices.push(Vec3::new(1.01, 0.0, 0.0));
+        let result = try_out(
+            &Cloud {
+                vertices,
+                bend: honest,
+            },
+            &source,
+        );
+        assert!(result.mismatches > 0, "{result:?}");
+    }
+
+    #[test]
+    fn answers_that_are_no_vertex_fail() {
+        let source = sphere(50);
+        let moved = |_: Vec3, got: SupportPoint| SupportPoint {
+            point: got.point * 1.000_001,
+            ..got
+        };
+        let result = try_out(
+            &Cloud {
+                vertices: source.clone(),
+                bend: moved,
+            },
+            &source,
+        );
+        assert_eq!(
+            (result.mismatches, result.max_regret),
+            (4000, f64::INFINITY)
+        );
+        let nan_only = |dir: Vec3, got: SupportPoint| {
+            if dir.is_nan() {
+                SupportPoint { index: 50, ..got }
+            } else {
+                got
+            }
+        };
+        let result = try_out(
+            &Cloud {
+                vertices: source.clone(),
+                bend: nan_only,
+            },
+            &source,
+        );
+        assert_eq!(result.mismatches, 0);
+        assert!(result.invalid_answers > 0);
+    }
+
+    #[test]
+    fn a_single_point_is_exact() {
+        let source = [Vec3::new(1.0, 2.0, 3.0)];
+        let result = try_out(
+            &Cloud {
+                vertices: source.to_vec(),
+                bend: honest,
+            },
+            &source,
+        );
+        assert_eq!((result.mismatches, result.max_regret), (0, 0.0));
+        let far = [Vec3::new(1.0, 2.0, 4.0)];
+        assert!(
+            try_out(
+                &Cloud {
+                    vertices: far.to_vec(),
+                    bend: honest
+                },
+                &source
+            )
+            .mismatches
+                > 3000
+        );
+    }
+
+    #[test]
+    fn regret_does_not_depend_on_scale() {
+        let source = sphere(100);
+        let regret_at = |scale: f32| {
+            let scaled: Vec<Vec3> = source.iter().map(|&v| v * scale).collect();
+            try_out(
+                &Cloud {
+                    vertices: scaled[1..].to_vec(),
+                    bend: honest,
+                },
+                &scaled,
+            )
+            .max_regret
+        };
+        assert!((regret_at(1024.0) / regret_at(1.0) - 1.0).abs() < 1e-9);
+    }
+}
