@@ -57,8 +57,8 @@ pub struct SourceRecord {
     pub path: String,
     /// XXH3-128 of the source's bytes.
     pub hash: u128,
-    /// XXH3-64 of the options that shape the bake.
-    pub options_hash: u64,
+    /// The options that shape the bake, spelt out; the header holds their hash.
+    pub options: String,
 }
 
 /// Why a hull could not be baked.

@@ -3,7 +3,7 @@
 use hullmap_format::{
     archive::{HullRecord, Pack, Span},
     check::MAX_PACK_LEN,
-    header::{HEADER_LEN, Header},
+    header::{HEADER_LEN, Header, options_hash},
 };
 use rkyv::{rancor, util::AlignedVec};
 
@@ -17,7 +17,11 @@ pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>,
     if hulls.is_empty() {
         return Err(BakeError::Empty);
     }
-    let mut pack = Pack { source_path: source.path.clone().into_bytes(), ..Pack::default() };
+    let mut pack = Pack {
+        source_path: source.path.clone().into_bytes(),
+        options: source.options.clone().into_bytes(),
+        ..Pack::default()
+    };
     pack.spans.push(Span::default());
     for baked in hulls {
         let hull = &baked.hull;
@@ -40,7 +44,7 @@ pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>,
     if payload.len() + HEADER_LEN > MAX_PACK_LEN {
         return Err(BakeError::PackTooLarge);
     }
-    let header = Header::for_payload(source.hash, source.options_hash, &payload);
+    let header = Header::for_payload(source.hash, options_hash(&source.options), &payload);
     Ok([&header.to_bytes()[..], &payload].concat())
 }
 

@@ -19,6 +19,8 @@ pub struct Pack {
     pub blocks: Vec<Block>,
     /// Path of the source relative to the pack's folder, UTF-8, `/` between folders.
     pub source_path: Vec<u8>,
+    /// The options that shaped the bake, as the baker spells them out, UTF-8.
+    pub options: Vec<u8>,
     /// Names of the hulls, UTF-8, one after the other.
     pub names: Vec<u8>,
     /// Where each hull's runs start; one entry more than there are hulls, the last one naming every section's end.

@@ -112,6 +112,7 @@ fn spans(pack: &ArchivedPack) -> Result<(), CheckError> {
 /// One pass over the archive.
 pub fn contents(pack: &ArchivedPack) -> Result<(), CheckError> {
     std::str::from_utf8(&pack.source_path).map_err(|_| CheckError::Text { what: "the source's path" })?;
+    std::str::from_utf8(&pack.options).map_err(|_| CheckError::Text { what: "the options" })?;
     std::str::from_utf8(&pack.names).map_err(|_| CheckError::Text { what: "a hull's name" })?;
     pack.spans.windows(2).zip(pack.hulls.iter()).enumerate().try_for_each(|(hull, (spans, record))| {
         let [start, end] = spans else { return Ok(()) };

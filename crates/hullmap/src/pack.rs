@@ -158,6 +158,11 @@ impl Pack {
         std::str::from_utf8(&self.storage.archive().source_path).unwrap_or_default()
     }
 
+    /// The options that shaped the bake, as `bake` spells them out.
+    pub fn options(&self) -> &str {
+        std::str::from_utf8(&self.storage.archive().options).unwrap_or_default()
+    }
+
     /// Number of hulls, at least 1.
     pub fn hull_count(&self) -> usize {
         self.storage.archive().hulls.len()

@@ -16,11 +16,7 @@ pub const DEFAULT_DIRECTIONS: usize = 10_000;
 
 /// Turn render meshes into collision hulls, and check, describe and query them.
 #[derive(Debug, Parser)]
-#[command(
-    name = "bake",
-    version,
-    after_help = "Exit: 0 done, 1 an input was found wanting, 2 usage or I/O."
-)]
+#[command(name = "bake", version, after_help = "Exit: 0 done, 1 an input was found wanting, 2 usage or I/O.")]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
@@ -97,18 +93,10 @@ impl BuildArgs {
     pub fn options(&self) -> BuildOptions {
         let index = match self.index {
             Index::Tree => IndexKind::Tree,
-            Index::Cubemap => IndexKind::CubeMap {
-                resolution: self.resolution.unwrap_or(DEFAULT_RESOLUTION),
-            },
+            Index::Cubemap => IndexKind::CubeMap { resolution: self.resolution.unwrap_or(DEFAULT_RESOLUTION) },
             Index::None => IndexKind::None,
         };
-        BuildOptions {
-            import: ImportOptions {
-                split: self.split,
-                vertices: self.vertices,
-            },
-            index,
-        }
+        BuildOptions { import: ImportOptions { split: self.split, vertices: self.vertices }, index }
     }
 }
 
@@ -153,11 +141,7 @@ pub struct QueryArgs {
     #[arg(value_name = "B")]
     pub b: String,
     /// Pose of B in A's frame: translation and quaternion; may be repeated [default: the identity]
-    #[arg(
-        long = "pose",
-        value_name = "tx ty tz qx qy qz qw",
-        allow_hyphen_values = true
-    )]
+    #[arg(long = "pose", value_name = "tx ty tz qx qy qz qw", allow_hyphen_values = true)]
     pub poses: Vec<String>,
     /// File with a pose a line (`-` reads standard input); `#` starts a remark
     #[arg(long = "poses", value_name = "FILE")]
@@ -199,10 +183,7 @@ where
         return Err(Cli::command().error(ErrorKind::ArgumentConflict, message));
     }
     if let Command::Verify(VerifyArgs { directions: 0, .. }) = &cli.command {
-        return Err(Cli::command().error(
-            ErrorKind::ValueValidation,
-            "--directions must be at least 1",
-        ));
+        return Err(Cli::command().error(ErrorKind::ValueValidation, "--directions must be at least 1"));
     }
     Ok(cli)
 }
@@ -214,9 +195,7 @@ mod tests {
     fn build(words: &str) -> Result<BuildOptions, i32> {
         let line = format!("bake build in.obj --out out {words}");
         match parse(line.split_whitespace()) {
-            Ok(Cli {
-                command: Command::Build(args),
-            }) => Ok(args.options()),
+            Ok(Cli { command: Command::Build(args) }) => Ok(args.options()),
             Ok(_) => unreachable!(),
             Err(error) => Err(error.exit_code()),
         }
@@ -229,34 +208,13 @@ mod tests {
 
     #[test]
     fn build_options() {
-        let import = ImportOptions {
-            split: Split::None,
-            vertices: Vertices::Referenced,
-        };
-        assert_eq!(
-            build(""),
-            Ok(BuildOptions {
-                import,
-                index: IndexKind::Tree
-            })
-        );
+        let import = ImportOptions { split: Split::None, vertices: Vertices::Referenced };
+        assert_eq!(build(""), Ok(BuildOptions { import, index: IndexKind::Tree }));
         assert_eq!(build("--index none").unwrap().index, IndexKind::None);
-        assert_eq!(
-            build("--index cubemap").unwrap().index,
-            IndexKind::CubeMap { resolution: 64 }
-        );
-        assert_eq!(
-            build("--index cubemap --resolution 1024").unwrap().index,
-            IndexKind::CubeMap { resolution: 1024 }
-        );
-        let import = ImportOptions {
-            split: Split::Object,
-            vertices: Vertices::All,
-        };
-        assert_eq!(
-            build("--split object --vertices all").unwrap().import,
-            import
-        );
+        assert_eq!(build("--index cubemap").unwrap().index, IndexKind::CubeMap { resolution: 64 });
+        assert_eq!(build("--index cubemap --resolution 1024").unwrap().index, IndexKind::CubeMap { resolution: 1024 });
+        let import = ImportOptions { split: Split::Object, vertices: Vertices::All };
+        assert_eq!(build("--split object --vertices all").unwrap().import, import);
     }
 
     #[test]
@@ -284,39 +242,21 @@ mod tests {
             "bake verify x --directions 0",
             "bake query a b --mode overlap",
         ] {
-            assert_eq!(
-                parse(line.split_whitespace()).unwrap_err().exit_code(),
-                2,
-                "{line}"
-            );
+            assert_eq!(parse(line.split_whitespace()).unwrap_err().exit_code(), 2, "{line}");
         }
         assert_eq!(parse(["bake", "--help"]).unwrap_err().exit_code(), 0);
     }
 
     #[test]
     fn poses_may_start_with_a_minus() {
-        let cli = parse([
-            "bake",
-            "query",
-            "a",
-            "b",
-            "--pose",
-            "-1 0 0 0 0 0 1",
-            "--pose",
-            "1 0 0 0 0 0 1",
-        ])
-        .unwrap();
-        let Command::Query(args) = cli.command else {
-            unreachable!()
-        };
+        let cli = parse(["bake", "query", "a", "b", "--pose", "-1 0 0 0 0 0 1", "--pose", "1 0 0 0 0 0 1"]).unwrap();
+        let Command::Query(args) = cli.command else { unreachable!() };
         assert_eq!(args.poses.len(), 2);
     }
 
     #[test]
     fn a_wrong_value_is_told_the_right_ones() {
-        let message = parse("bake build a --out b --split group".split_whitespace())
-            .unwrap_err()
-            .to_string();
+        let message = parse("bake build a --out b --split group".split_whitespace()).unwrap_err().to_string();
         assert!(message.contains("none, object"), "{message}");
     }
 

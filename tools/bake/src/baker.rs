@@ -20,25 +20,14 @@ pub struct BakedPack {
 ///
 /// # Errors
 /// The first hull, in their order, that could not be baked, by name.
-pub fn bake_pack(
-    point_sets: &[PointSet],
-    options: &BuildOptions,
-    source: &SourceRecord,
-) -> Result<BakedPack, String> {
-    let baked: Vec<_> = point_sets
-        .par_iter()
-        .map(|points| bake_hull(points, options.index))
-        .collect();
+pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &SourceRecord) -> Result<BakedPack, String> {
+    let baked: Vec<_> = point_sets.par_iter().map(|points| bake_hull(points, options.index)).collect();
     let mut hulls = Vec::with_capacity(baked.len());
     for (hull, points) in baked.into_iter().zip(point_sets) {
         hulls.push(hull.map_err(|error| format!("hull {}: {error}", points.name))?);
     }
     let bytes = write_pack(&hulls, source).map_err(|error| error.to_string())?;
-    let ranks = hulls.iter().map(|hull| hull.rank).collect();
-    let vertex_count = hulls.iter().map(|hull| hull.vertex_count).sum();
-    Ok(BakedPack {
-        bytes,
-        ranks,
-        vertex_count,
-    })
+    let ranks = hulls.iter().map(|baked| baked.hull.rank).collect();
+    let vertex_count = hulls.iter().map(|baked| baked.hull.vertices.len()).sum();
+    Ok(BakedPack { bytes, ranks, vertex_count })
 }

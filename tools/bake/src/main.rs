@@ -1,7 +1,7 @@
 //! The `bake` command: OBJ meshes to `.hullmap` packs, and questions about them.
 //!
 //! `args` says what may be asked, `commands` answers it. `import` reads OBJ files, `verification` measures how exact a
-//! pack is. All calls into the crates of this workspace stand in `baker` and `runtime`.
+//! pack is. The work itself is done by the crates `hullmap-bake` (in `baker`) and `hullmap` (in `open` and `pair`).
 
 #![forbid(unsafe_code)]
 
@@ -9,11 +9,12 @@ mod args;
 mod baker;
 mod commands;
 mod import;
+mod open;
 mod options;
 mod outcome;
 mod pack_file;
+mod pair;
 mod pose;
-mod runtime;
 mod selection;
 mod source;
 mod table;

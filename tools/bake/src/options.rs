@@ -1,7 +1,8 @@
-//! The options that shape a bake, and the hash by which a pack remembers them.
+//! The options that shape a bake, and the text by which a pack remembers them.
+
+use std::fmt;
 
 use hullmap_bake::IndexKind;
-use twox_hash::XxHash3_64;
 
 /// Greatest cube-map resolution that may be asked for.
 pub const MAX_RESOLUTION: u32 = 1024;
@@ -42,9 +43,12 @@ pub struct BuildOptions {
     pub index: IndexKind,
 }
 
-impl BuildOptions {
-    /// XXH3-64 of a text that spells the options out. It must never change for the same options.
-    pub fn hash(&self) -> u64 {
+/// The options as a pack records them: `split none, vertices referenced, index cubemap 64`.
+///
+/// Equal options have equal texts in every version of the tool: a pack is fresh while the hash of this text is that in
+/// its header.
+impl fmt::Display for BuildOptions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let split = match self.import.split {
             Split::None => "none",
             Split::Object => "object",
@@ -53,78 +57,58 @@ impl BuildOptions {
             Vertices::Referenced => "referenced",
             Vertices::All => "all",
         };
-        let index = match self.index {
-            IndexKind::Tree => "tree".to_owned(),
-            IndexKind::CubeMap { resolution } => format!("cubemap {resolution}"),
-            IndexKind::None => "none".to_owned(),
-        };
-        XxHash3_64::oneshot(
-            format!("split {split}\nvertices {vertices}\nindex {index}\n").as_bytes(),
-        )
+        write!(f, "split {split}, vertices {vertices}, index ")?;
+        match self.index {
+            IndexKind::Tree => f.write_str("tree"),
+            IndexKind::CubeMap { resolution } => write!(f, "cubemap {resolution}"),
+            IndexKind::None => f.write_str("none"),
+        }
     }
+}
 
-    /// The options with this hash: a pack stores the hash alone, and there are few enough options to try them all.
+impl ImportOptions {
+    /// How the source of a pack with these recorded options was read.
     ///
-    /// `None` where a later version of the tool, with more options, baked the pack.
-    pub fn from_hash(hash: u64) -> Option<Self> {
-        let cube_maps = (1..=MAX_RESOLUTION).map(|resolution| IndexKind::CubeMap { resolution });
-        [IndexKind::Tree, IndexKind::None]
-            .into_iter()
-            .chain(cube_maps)
-            .find_map(|index| {
-                [Split::None, Split::Object].into_iter().find_map(|split| {
-                    [Vertices::Referenced, Vertices::All]
-                        .into_iter()
-                        .find_map(|vertices| {
-                            let options = Self {
-                                import: ImportOptions { split, vertices },
-                                index,
-                            };
-                            (options.hash() == hash).then_some(options)
-                        })
-                })
-            })
+    /// `None` where a version of the tool with other options baked the pack.
+    pub fn from_recorded(text: &str) -> Option<Self> {
+        let value = |key: &str| text.split(", ").find_map(|part| part.strip_prefix(key)?.strip_prefix(' '));
+        let split = match value("split")? {
+            "none" => Split::None,
+            "object" => Split::Object,
+            _ => return None,
+        };
+        let vertices = match value("vertices")? {
+            "referenced" => Vertices::Referenced,
+            "all" => Vertices::All,
+            _ => return None,
+        };
+        Some(Self { split, vertices })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::collections::HashSet;
-
-    fn options(split: Split, vertices: Vertices, index: IndexKind) -> BuildOptions {
-        BuildOptions {
-            import: ImportOptions { split, vertices },
-            index,
-        }
-    }
 
     #[test]
-    fn options_come_back_from_their_hash() {
-        let mut hashes = HashSet::new();
+    fn import_options_come_back_from_the_record() {
         for split in [Split::None, Split::Object] {
             for vertices in [Vertices::Referenced, Vertices::All] {
-                for index in [
-                    IndexKind::Tree,
-                    IndexKind::None,
-                    IndexKind::CubeMap { resolution: 1 },
-                    IndexKind::CubeMap {
-                        resolution: MAX_RESOLUTION,
-                    },
-                ] {
-                    let options = options(split, vertices, index);
-                    assert!(hashes.insert(options.hash()));
-                    assert_eq!(BuildOptions::from_hash(options.hash()), Some(options));
+                for index in [IndexKind::Tree, IndexKind::None, IndexKind::CubeMap { resolution: 7 }] {
+                    let import = ImportOptions { split, vertices };
+                    let text = BuildOptions { import, index }.to_string();
+                    assert_eq!(ImportOptions::from_recorded(&text), Some(import), "{text}");
                 }
             }
         }
-        assert_eq!(BuildOptions::from_hash(0), None);
+        assert_eq!(ImportOptions::from_recorded("split convex, vertices all, index tree"), None);
+        assert_eq!(ImportOptions::from_recorded(""), None);
     }
 
     #[test]
-    fn the_hash_of_the_defaults_never_changes() {
-        let defaults = options(Split::None, Vertices::Referenced, IndexKind::Tree);
-        let text = "split none\nvertices referenced\nindex tree\n";
-        assert_eq!(defaults.hash(), XxHash3_64::oneshot(text.as_bytes()));
+    fn the_text_of_the_defaults_never_changes() {
+        let import = ImportOptions { split: Split::None, vertices: Vertices::Referenced };
+        let text = BuildOptions { import, index: IndexKind::Tree }.to_string();
+        assert_eq!(text, "split none, vertices referenced, index tree");
     }
 }

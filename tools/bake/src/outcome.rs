@@ -32,18 +32,12 @@ pub struct Failure {
 impl Failure {
     /// Wrong usage, or a file that cannot be read or written.
     pub fn usage(message: impl Into<String>) -> Self {
-        Self {
-            exit: Exit::Usage,
-            message: message.into(),
-        }
+        Self { exit: Exit::Usage, message: message.into() }
     }
 
     /// An input that was judged and found wanting.
     pub fn wanting(message: impl Into<String>) -> Self {
-        Self {
-            exit: Exit::Wanting,
-            message: message.into(),
-        }
+        Self { exit: Exit::Wanting, message: message.into() }
     }
 }
 

@@ -49,21 +49,23 @@ pub fn folder_of(file: &Path) -> &Path {
     }
 }
 
-/// The path that a pack in folder `pack_folder` records for `source`: relative to that folder, with `/`.
+/// The path that a pack in folder `pack_folder` records for `source`: relative to that folder, with `/`, where both lie
+/// in `project`, the folder that `bake` was started in; else the file's name alone.
 ///
-/// Both must exist. The file's name alone where there is no relative path, or none in UTF-8.
-pub fn recorded_path(source: &Path, pack_folder: &Path) -> String {
-    let name = || {
-        source
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned()
-    };
-    let (Ok(source), Ok(folder)) = (source.canonicalize(), pack_folder.canonicalize()) else {
+/// So what is recorded, and with it every byte of the pack, depends on how the project is laid out, and on nothing of
+/// the machine around it. All three must exist.
+pub fn recorded_path(source: &Path, pack_folder: &Path, project: &Path) -> String {
+    let name = || source.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let (Ok(source), Ok(folder), Ok(project)) =
+        (source.canonicalize(), pack_folder.canonicalize(), project.canonicalize())
+    else {
         return name();
     };
-    relative(&source, &folder).unwrap_or_else(name)
+    if source.starts_with(&project) && folder.starts_with(&project) {
+        relative(&source, &folder).unwrap_or_else(name)
+    } else {
+        name()
+    }
 }
 
 /// The way from one absolute path to another, without asking the file system.
@@ -102,10 +104,7 @@ mod tests {
     fn relative_paths() {
         let way = |target: &str, from: &str| relative(Path::new(target), Path::new(from));
         assert_eq!(way("/a/b/x.obj", "/a/b").as_deref(), Some("x.obj"));
-        assert_eq!(
-            way("/a/b/x.obj", "/a/c/d").as_deref(),
-            Some("../../b/x.obj")
-        );
+        assert_eq!(way("/a/b/x.obj", "/a/c/d").as_deref(), Some("../../b/x.obj"));
         assert_eq!(way("/x.obj", "/").as_deref(), Some("x.obj"));
         assert_eq!(way("x.obj", "/a"), None);
     }
@@ -118,14 +117,13 @@ mod tests {
         std::fs::create_dir_all(&packs).unwrap();
         let source = meshes.join("x.obj");
         std::fs::write(&source, "").unwrap();
-        let recorded = recorded_path(&source, &packs);
+        let recorded = recorded_path(&source, &packs, root.path());
         assert_eq!(recorded, "../../meshes/x.obj");
         let found = resolve_recorded(&recorded, &packs).unwrap();
-        assert_eq!(
-            found.canonicalize().unwrap(),
-            source.canonicalize().unwrap()
-        );
-        assert_eq!(recorded_path(&meshes.join("gone.obj"), &packs), "gone.obj");
+        assert_eq!(found.canonicalize().unwrap(), source.canonicalize().unwrap());
+        assert_eq!(recorded_path(&meshes.join("gone.obj"), &packs, root.path()), "gone.obj");
+        assert_eq!(recorded_path(&source, &packs, &meshes), "x.obj", "packs outside the project");
+        assert_eq!(recorded_path(&source, &packs, &root.path().join("out")), "x.obj", "meshes outside the project");
         assert_eq!(resolve_recorded("", &packs), None);
         assert_eq!(resolve_recorded("/etc/passwd", &packs), None);
     }
@@ -134,12 +132,8 @@ mod tests {
     fn packs_are_replaced_whole_or_not_at_all() {
         let folder = tempfile::tempdir().unwrap();
         let target = folder.path().join("x.hullmap");
-        let names = || -> Vec<_> {
-            std::fs::read_dir(folder.path())
-                .unwrap()
-                .map(|e| e.unwrap().file_name())
-                .collect()
-        };
+        let names =
+            || -> Vec<_> { std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect() };
         put_in_place(write_beside(&target, b"one").unwrap(), &target).unwrap();
         drop(write_beside(&target, b"dropped").unwrap());
         assert_eq!(std::fs::read(&target).unwrap(), b"one");

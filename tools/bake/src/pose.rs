@@ -3,25 +3,9 @@
 use std::path::Path;
 
 use glam::{DQuat, DVec3};
+use hullmap::Pose;
 
 use crate::outcome::Failure;
-
-/// A rigid motion: `p ↦ rotation · p + translation`. As `b_in_a` it maps B's local frame into A's.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
-    /// In source units.
-    pub translation: DVec3,
-    /// Of unit length.
-    pub rotation: DQuat,
-}
-
-impl Pose {
-    /// No motion.
-    pub const IDENTITY: Self = Self {
-        translation: DVec3::ZERO,
-        rotation: DQuat::IDENTITY,
-    };
-}
 
 /// Reads a pose. The quaternion may have any length but zero; it is normalised.
 ///
@@ -31,9 +15,7 @@ pub fn parse_pose(text: &str) -> Result<Pose, String> {
     let mut numbers = [0.0; 7];
     let mut found = 0;
     for word in text.split_whitespace() {
-        let number: f64 = word
-            .parse()
-            .map_err(|_| format!("`{word}` is not a number"))?;
+        let number: f64 = word.parse().map_err(|_| format!("`{word}` is not a number"))?;
         if !number.is_finite() {
             return Err(format!("`{word}` is not finite"));
         }
@@ -43,23 +25,16 @@ pub fn parse_pose(text: &str) -> Result<Pose, String> {
         found += 1;
     }
     if found != numbers.len() {
-        return Err(format!(
-            "{found} numbers; a pose has 7: tx ty tz qx qy qz qw"
-        ));
+        return Err(format!("{found} numbers; a pose has 7: tx ty tz qx qy qz qw"));
     }
     let [tx, ty, tz, quaternion @ ..] = numbers;
     // Scaled first, so that neither tiny nor huge quaternions are lost in their squares.
-    let greatest = quaternion
-        .iter()
-        .fold(0.0_f64, |greatest, q| greatest.max(q.abs()));
+    let greatest = quaternion.iter().fold(0.0_f64, |greatest, q| greatest.max(q.abs()));
     if greatest == 0.0 {
         return Err("the quaternion qx qy qz qw is zero; no rotation is 0 0 0 1".to_owned());
     }
-    let rotation = DQuat::from_array(quaternion.map(|q| q / greatest)).normalize();
-    Ok(Pose {
-        translation: DVec3::new(tx, ty, tz),
-        rotation,
-    })
+    let rotation = DQuat::from_array(quaternion.map(|q| q / greatest));
+    Pose::new(DVec3::new(tx, ty, tz), rotation).map_err(|error| error.to_string())
 }
 
 /// Reads poses, one a line. Blank lines and what follows a `#` are skipped.
@@ -71,8 +46,7 @@ pub fn parse_pose_lines(name: &str, text: &str) -> Result<Vec<Pose>, Failure> {
     for (number, line) in text.lines().enumerate() {
         let line = line.split('#').next().unwrap_or("").trim();
         if !line.is_empty() {
-            let pose = parse_pose(line)
-                .map_err(|error| Failure::usage(format!("{name}:{}: {error}", number + 1)))?;
+            let pose = parse_pose(line).map_err(|error| Failure::usage(format!("{name}:{}: {error}", number + 1)))?;
             poses.push(pose);
         }
     }
@@ -85,20 +59,14 @@ pub fn parse_pose_lines(name: &str, text: &str) -> Result<Vec<Pose>, Failure> {
 /// The file cannot be read, holds no pose, or a line of it is wrong.
 pub fn read_poses(path: &Path) -> Result<Vec<Pose>, Failure> {
     let (name, text) = if path == Path::new("-") {
-        (
-            "standard input".to_owned(),
-            std::io::read_to_string(std::io::stdin().lock()),
-        )
+        ("standard input".to_owned(), std::io::read_to_string(std::io::stdin().lock()))
     } else {
         (path.display().to_string(), std::fs::read_to_string(path))
     };
-    let text =
-        text.map_err(|error| Failure::usage(format!("{name}: cannot read the poses: {error}")))?;
+    let text = text.map_err(|error| Failure::usage(format!("{name}: cannot read the poses: {error}")))?;
     let poses = parse_pose_lines(&name, text.trim_start_matches('\u{FEFF}'))?;
     if poses.is_empty() {
-        return Err(Failure::usage(format!(
-            "{name}: no poses; expected a line `tx ty tz qx qy qz qw` for each"
-        )));
+        return Err(Failure::usage(format!("{name}: no poses; expected a line `tx ty tz qx qy qz qw` for each")));
     }
     Ok(poses)
 }
@@ -111,13 +79,7 @@ mod tests {
     #[test]
     fn a_pose_is_seven_numbers() {
         let pose = parse_pose(" 1 -2\t3e0 0 0 0 1 ").unwrap();
-        assert_eq!(
-            pose,
-            Pose {
-                translation: DVec3::new(1.0, -2.0, 3.0),
-                rotation: DQuat::IDENTITY
-            }
-        );
+        assert_eq!(pose, Pose::new(DVec3::new(1.0, -2.0, 3.0), DQuat::IDENTITY).unwrap());
         assert_eq!(parse_pose("0 0 0 0 0 0 1").unwrap(), Pose::IDENTITY);
     }
 
@@ -126,10 +88,7 @@ mod tests {
         for scale in ["2", "1e-300", "1e300", "5e-324"] {
             let pose = parse_pose(&format!("0 0 0 0 0 {scale} {scale}")).unwrap();
             let half = std::f64::consts::FRAC_1_SQRT_2;
-            assert!(
-                (pose.rotation.z - half).abs() < 1e-15 && (pose.rotation.w - half).abs() < 1e-15,
-                "{scale}"
-            );
+            assert!((pose.rotation().z - half).abs() < 1e-15 && (pose.rotation().w - half).abs() < 1e-15, "{scale}");
         }
     }
 
@@ -156,22 +115,14 @@ mod tests {
         assert_eq!(parse_pose_lines("p.txt", text).unwrap().len(), 2);
         let failure = parse_pose_lines("p.txt", "0 0 0 0 0 0 1\n\n0 0 0\n").unwrap_err();
         assert_eq!(failure.exit, Exit::Usage);
-        assert!(
-            failure.message.starts_with("p.txt:3: 3 numbers"),
-            "{failure}"
-        );
+        assert!(failure.message.starts_with("p.txt:3: 3 numbers"), "{failure}");
     }
 
     #[test]
     fn files_without_poses_are_errors() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("p.txt");
-        assert!(
-            read_poses(&path)
-                .unwrap_err()
-                .message
-                .contains("cannot read")
-        );
+        assert!(read_poses(&path).unwrap_err().message.contains("cannot read"));
         std::fs::write(&path, "# none\n").unwrap();
         assert!(read_poses(&path).unwrap_err().message.contains("no poses"));
         std::fs::write(&path, "\u{FEFF}0 0 0 0 0 0 1").unwrap();

@@ -20,14 +20,10 @@ impl Selection {
     /// Takes `text` apart at its last `#`, unless a file has that whole name.
     pub fn parse(text: &str) -> Self {
         match text.rsplit_once('#') {
-            Some((file, hull)) if !Path::new(text).is_file() => Self {
-                file: PathBuf::from(file),
-                hull: Some(hull.to_owned()),
-            },
-            _ => Self {
-                file: PathBuf::from(text),
-                hull: None,
-            },
+            Some((file, hull)) if !Path::new(text).is_file() => {
+                Self { file: PathBuf::from(file), hull: Some(hull.to_owned()) }
+            }
+            _ => Self { file: PathBuf::from(text), hull: None },
         }
     }
 
@@ -38,11 +34,7 @@ impl Selection {
     pub fn choose(&self, names: &[&str]) -> Result<usize, Failure> {
         let file = self.file.display();
         let listed = names[..names.len().min(NAMES_IN_MESSAGE)].join(", ");
-        let more = if names.len() > NAMES_IN_MESSAGE {
-            ", …"
-        } else {
-            ""
-        };
+        let more = if names.len() > NAMES_IN_MESSAGE { ", …" } else { "" };
         let Some(wanted) = &self.hull else {
             if names.len() == 1 {
                 return Ok(0);
@@ -53,16 +45,9 @@ impl Selection {
             )));
         };
         let by_name = names.iter().position(|name| name == wanted);
-        let by_number = || {
-            wanted
-                .parse()
-                .ok()
-                .filter(|&number: &usize| number < names.len())
-        };
+        let by_number = || wanted.parse().ok().filter(|&number: &usize| number < names.len());
         by_name.or_else(by_number).ok_or_else(|| {
-            Failure::usage(format!(
-                "{file}: no hull `{wanted}`; it holds {listed}{more}, numbered from 0"
-            ))
+            Failure::usage(format!("{file}: no hull `{wanted}`; it holds {listed}{more}, numbered from 0"))
         })
     }
 }
@@ -85,41 +70,19 @@ mod tests {
         let path = folder.path().join("a#b.hullmap");
         std::fs::write(&path, "").unwrap();
         let text = path.to_str().unwrap();
-        assert_eq!(
-            Selection::parse(text),
-            Selection {
-                file: path.clone(),
-                hull: None
-            }
-        );
-        assert_eq!(
-            Selection::parse(&format!("{text}#2")),
-            Selection {
-                file: path,
-                hull: Some("2".to_owned())
-            }
-        );
+        assert_eq!(Selection::parse(text), Selection { file: path.clone(), hull: None });
+        assert_eq!(Selection::parse(&format!("{text}#2")), Selection { file: path, hull: Some("2".to_owned()) });
     }
 
     #[test]
     fn names_go_before_numbers() {
-        let choose = |text: &str, names: &[&str]| {
-            Selection::parse(text).choose(names).map_err(|f| f.message)
-        };
+        let choose = |text: &str, names: &[&str]| Selection::parse(text).choose(names).map_err(|f| f.message);
         assert_eq!(choose("x", &["only"]), Ok(0));
         assert_eq!(choose("x#b", &["a", "b"]), Ok(1));
         assert_eq!(choose("x#0", &["a", "0"]), Ok(1));
         assert_eq!(choose("x#1", &["a", "b"]), Ok(1));
-        assert!(
-            choose("x#2", &["a", "b"])
-                .unwrap_err()
-                .contains("no hull `2`")
-        );
+        assert!(choose("x#2", &["a", "b"]).unwrap_err().contains("no hull `2`"));
         assert!(choose("x#", &["a"]).is_err());
-        assert!(
-            choose("x", &["a", "b"])
-                .unwrap_err()
-                .contains("holds 2 hulls")
-        );
+        assert!(choose("x", &["a", "b"]).unwrap_err().contains("holds 2 hulls"));
     }
 }

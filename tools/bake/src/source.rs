@@ -3,13 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use hullmap_bake::PointSet;
-use twox_hash::XxHash3_128;
+use hullmap_format::header::source_hash;
 
 use crate::import::import_obj;
-use crate::options::BuildOptions;
+use crate::options::ImportOptions;
 use crate::outcome::Failure;
 use crate::pack_file::{folder_of, resolve_recorded};
-use crate::runtime::PackHeader;
 
 /// A pack's source, found and imported as it was when the pack was baked.
 #[derive(Debug)]
@@ -18,6 +17,24 @@ pub struct Source {
     pub path: PathBuf,
     /// The point sets that the pack's hulls must be of, in the same order.
     pub point_sets: Vec<PointSet>,
+}
+
+/// What a pack says of its source.
+#[derive(Clone, Copy, Debug)]
+pub struct Recorded<'a> {
+    /// XXH3-128 of its bytes.
+    pub hash: u128,
+    /// Its path relative to the pack's folder, or its name; empty where none was recorded.
+    pub path: &'a str,
+    /// The options that shaped the bake.
+    pub options: &'a str,
+}
+
+impl<'a> Recorded<'a> {
+    /// What `pack` says.
+    pub fn of(pack: &'a hullmap::Pack) -> Self {
+        Self { hash: pack.header().source_hash, path: pack.source_path(), options: pack.options() }
+    }
 }
 
 /// A pack on the way to be verified: where it is, and where it lies below the folder that was named.
@@ -38,18 +55,13 @@ pub struct PackPlace {
 /// # Errors
 /// `--source` names nothing, or no file of the right name (usage); the files that are there have other bytes than the
 /// pack was baked from, or do not import (wanting).
-pub fn find_source(
-    place: &PackPlace,
-    header: &PackHeader,
-    recorded: &str,
-    asked: Option<&Path>,
-) -> Result<Option<Source>, Failure> {
+pub fn find_source(place: &PackPlace, recorded: Recorded, asked: Option<&Path>) -> Result<Option<Source>, Failure> {
     let candidates = match asked {
-        Some(asked) if asked.is_dir() => in_folder(place, recorded, asked),
+        Some(asked) if asked.is_dir() => in_folder(place, recorded.path, asked),
         Some(asked) => vec![asked.to_owned()],
         None => {
             let mut paths = with_stem(folder_of(&place.path), &place.path);
-            paths.extend(resolve_recorded(recorded, folder_of(&place.path)));
+            paths.extend(resolve_recorded(recorded.path, folder_of(&place.path)));
             paths
         }
     };
@@ -58,15 +70,12 @@ pub fn find_source(
         let bytes = match std::fs::read(&path) {
             Ok(bytes) => bytes,
             Err(error) if asked == Some(&path) => {
-                return Err(Failure::usage(format!(
-                    "{}: cannot read the source: {error}",
-                    path.display()
-                )));
+                return Err(Failure::usage(format!("{}: cannot read the source: {error}", path.display())));
             }
             Err(_) => continue,
         };
-        if XxHash3_128::oneshot(&bytes) == header.source_hash {
-            let point_sets = import(&path, &bytes, header)?;
+        if source_hash(&bytes) == recorded.hash {
+            let point_sets = import(&path, &bytes, recorded.options)?;
             return Ok(Some(Source { path, point_sets }));
         }
         stale.get_or_insert(path);
@@ -90,10 +99,7 @@ pub fn find_source(
 /// Where the source may lie in a folder: at the pack's place below it, or right in it; by the pack's stem or by the
 /// recorded name.
 fn in_folder(place: &PackPlace, recorded: &str, folder: &Path) -> Vec<PathBuf> {
-    let recorded_name = recorded
-        .rsplit('/')
-        .next()
-        .filter(|name| !name.is_empty() && *name != "..");
+    let recorded_name = recorded.rsplit('/').next().filter(|name| !name.is_empty() && *name != "..");
     let mut paths = Vec::new();
     for folder in [folder.join(&place.below), folder.to_owned()] {
         paths.extend(with_stem(&folder, &place.path));
@@ -109,55 +115,33 @@ fn with_stem(folder: &Path, pack: &Path) -> Vec<PathBuf> {
     };
     let is_source = |path: &PathBuf| {
         path.file_stem() == pack.file_stem()
-            && path
-                .extension()
-                .is_some_and(|extension| extension.eq_ignore_ascii_case("obj"))
+            && path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj"))
     };
-    let mut paths: Vec<PathBuf> = entries
-        .flatten()
-        .map(|entry| entry.path())
-        .filter(is_source)
-        .collect();
+    let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_source).collect();
     paths.sort_unstable();
     paths
 }
 
-fn import(path: &Path, bytes: &[u8], header: &PackHeader) -> Result<Vec<PointSet>, Failure> {
+fn import(path: &Path, bytes: &[u8], recorded: &str) -> Result<Vec<PointSet>, Failure> {
     let name = path.display().to_string();
-    let options = BuildOptions::from_hash(header.options_hash).ok_or_else(|| {
-        Failure::wanting(format!(
-            "{name}: its pack was baked with options unknown to this version; bake it again"
-        ))
+    let options = ImportOptions::from_recorded(recorded).ok_or_else(|| {
+        Failure::wanting(format!("{name}: its pack was baked with options unknown to this version; bake it again"))
     })?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let imported = import_obj(&name, &stem, bytes, options.import)
-        .map_err(|e| Failure::wanting(e.to_string()))?;
+    let imported = import_obj(&name, &stem, bytes, options).map_err(|e| Failure::wanting(e.to_string()))?;
     Ok(imported.point_sets)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::options::{ImportOptions, Split, Vertices};
     use crate::outcome::Exit;
-    use hullmap_bake::IndexKind;
 
     const CLOUD: &str = "o a\nv 1 2 3\no b\nv 4 5 6\n";
 
-    fn header() -> PackHeader {
-        let import = ImportOptions {
-            split: Split::Object,
-            vertices: Vertices::Referenced,
-        };
-        let options = BuildOptions {
-            import,
-            index: IndexKind::CubeMap { resolution: 5 },
-        };
-        PackHeader {
-            format_version: 1,
-            source_hash: XxHash3_128::oneshot(CLOUD.as_bytes()),
-            options_hash: options.hash(),
-        }
+    fn recorded(path: &str) -> Recorded<'_> {
+        let options = "split object, vertices referenced, index cubemap 5";
+        Recorded { hash: source_hash(CLOUD.as_bytes()), path, options }
     }
 
     /// A folder with these files, and the place of a pack `out/sub/x.hullmap` in it.
@@ -169,18 +153,12 @@ mod tests {
             std::fs::write(path, text).unwrap();
         }
         let path = folder.path().join("out/sub/x.hullmap");
-        (
-            folder,
-            PackPlace {
-                path,
-                below: "sub".into(),
-            },
-        )
+        (folder, PackPlace { path, below: "sub".into() })
     }
 
     #[test]
     fn sources_are_found_where_they_may_be() {
-        for (file, recorded, asked) in [
+        for (file, path, asked) in [
             ("out/sub/x.obj", "", None),
             ("out/sub/x.OBJ", "gone.obj", None),
             ("meshes/other.obj", "../../meshes/other.obj", None),
@@ -191,39 +169,21 @@ mod tests {
         ] {
             let (folder, place) = folder(&[(file, CLOUD)]);
             let asked = asked.map(|asked| folder.path().join(asked));
-            let source = find_source(&place, &header(), recorded, asked.as_deref()).unwrap();
+            let source = find_source(&place, recorded(path), asked.as_deref()).unwrap();
             let source = source.unwrap_or_else(|| panic!("{file}"));
-            assert_eq!(
-                source.path.canonicalize().unwrap(),
-                folder.path().join(file).canonicalize().unwrap()
-            );
-            let names: Vec<_> = source
-                .point_sets
-                .iter()
-                .map(|set| set.name.as_str())
-                .collect();
+            assert_eq!(source.path.canonicalize().unwrap(), folder.path().join(file).canonicalize().unwrap());
+            let names: Vec<_> = source.point_sets.iter().map(|set| set.name.as_str()).collect();
             assert_eq!(names, ["a", "b"], "imported with the pack's options");
         }
     }
 
     #[test]
     fn a_matching_file_wins_over_a_namesake() {
-        let (folder, place) = folder(&[
-            ("m/x.obj", "v 0 0 0\n"),
-            ("m/sub/x.obj", CLOUD),
-            ("out/sub/x.obj", "v 0 0 0\n"),
-        ]);
+        let (folder, place) =
+            folder(&[("m/x.obj", "v 0 0 0\n"), ("m/sub/x.obj", CLOUD), ("out/sub/x.obj", "v 0 0 0\n")]);
         let asked = folder.path().join("m");
-        assert!(
-            find_source(&place, &header(), "", Some(&asked))
-                .unwrap()
-                .is_some()
-        );
-        assert!(
-            find_source(&place, &header(), "../../m/sub/x.obj", None)
-                .unwrap()
-                .is_some()
-        );
+        assert!(find_source(&place, recorded(""), Some(&asked)).unwrap().is_some());
+        assert!(find_source(&place, recorded("../../m/sub/x.obj"), None).unwrap().is_some());
     }
 
     #[test]
@@ -231,7 +191,7 @@ mod tests {
         let (folder, place) = folder(&[("out/sub/x.obj", "v 0 0 0\n")]);
         let asked = folder.path().join("out/sub/x.obj");
         for asked in [None, Some(asked.as_path())] {
-            let failure = find_source(&place, &header(), "", asked).unwrap_err();
+            let failure = find_source(&place, recorded(""), asked).unwrap_err();
             assert_eq!(failure.exit, Exit::Wanting);
             assert!(failure.message.contains("stale"), "{failure}");
         }
@@ -240,14 +200,9 @@ mod tests {
     #[test]
     fn no_source_is_an_error_only_if_one_was_asked_for() {
         let (folder, place) = folder(&[("meshes/z.obj", CLOUD)]);
-        assert!(
-            find_source(&place, &header(), "../gone.obj", None)
-                .unwrap()
-                .is_none()
-        );
+        assert!(find_source(&place, recorded("../gone.obj"), None).unwrap().is_none());
         for asked in ["meshes", "nowhere"] {
-            let failure =
-                find_source(&place, &header(), "", Some(&folder.path().join(asked))).unwrap_err();
+            let failure = find_source(&place, recorded(""), Some(&folder.path().join(asked))).unwrap_err();
             assert_eq!(failure.exit, Exit::Usage, "{asked}");
         }
     }

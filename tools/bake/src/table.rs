@@ -21,10 +21,7 @@ pub struct Table {
 impl Table {
     /// An empty table.
     pub fn new(columns: &[(&'static str, Align)]) -> Self {
-        Self {
-            columns: columns.to_vec(),
-            rows: Vec::new(),
-        }
+        Self { columns: columns.to_vec(), rows: Vec::new() }
     }
 
     /// Adds a row with a cell for each column.
@@ -37,17 +34,10 @@ impl Table {
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         let width = |column: usize| {
             let cells = self.rows.iter().map(|row| row[column].chars().count());
-            cells
-                .chain([self.columns[column].0.len()])
-                .max()
-                .unwrap_or(0)
+            cells.chain([self.columns[column].0.len()]).max().unwrap_or(0)
         };
         let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
-        let heading: Vec<String> = self
-            .columns
-            .iter()
-            .map(|(title, _)| (*title).to_owned())
-            .collect();
+        let heading: Vec<String> = self.columns.iter().map(|(title, _)| (*title).to_owned()).collect();
         for row in [&heading].into_iter().chain(&self.rows) {
             let mut line = String::new();
             for ((cell, &width), &(_, align)) in row.iter().zip(&widths).zip(&self.columns) {
@@ -95,17 +85,11 @@ mod tests {
         let mut out = Vec::new();
         table.write(&mut out).unwrap();
         let text = String::from_utf8(out).unwrap();
-        assert_eq!(
-            text,
-            "file        bytes\né       1 234 567\nlonger          -\n"
-        );
+        assert_eq!(text, "file        bytes\né       1 234 567\nlonger          -\n");
     }
 
     #[test]
     fn digits_group_by_three() {
-        assert_eq!(
-            [0, 999, 1000, 100_000].map(grouped),
-            ["0", "999", "1 000", "100 000"]
-        );
+        assert_eq!([0, 999, 1000, 100_000].map(grouped), ["0", "999", "1 000", "100 000"]);
     }
 }

@@ -2,11 +2,12 @@
 
 use std::io::Write;
 
+use hullmap::{Hull, IndexKind};
 use serde::Serialize;
 
 use crate::args::InspectArgs;
+use crate::open::open_pack;
 use crate::outcome::{Exit, Failure};
-use crate::runtime::{Hull, Pack};
 use crate::table::grouped;
 
 /// What is said of a pack. The names are those of the JSON.
@@ -16,6 +17,8 @@ struct PackReport {
     format_version: u32,
     bytes: u64,
     source: String,
+    /// The options that shaped the bake.
+    options: String,
     /// XXH3-128 of the source, 32 hexadecimal digits.
     source_hash: String,
     hulls: Vec<HullReport>,
@@ -42,6 +45,8 @@ struct HullReport {
 #[derive(Debug, Serialize)]
 struct IndexReport {
     kind: String,
+    /// Cells along the edge of a cube face, of a cube map.
+    resolution: Option<u32>,
     bytes: u64,
     max_nodes: u32,
     max_dots: u32,
@@ -52,17 +57,16 @@ struct IndexReport {
 /// # Errors
 /// The pack cannot be read, or is none.
 pub fn run(args: &InspectArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
-    let pack = Pack::open(&args.file)?;
+    let pack = open_pack(&args.file)?;
     let header = pack.header();
     let report = PackReport {
         file: args.file.display().to_string(),
         format_version: header.format_version,
-        bytes: pack.byte_count(),
+        bytes: pack.byte_len() as u64,
         source: pack.source_path().to_owned(),
+        options: pack.options().to_owned(),
         source_hash: format!("{:032x}", header.source_hash),
-        hulls: (0..pack.hull_count())
-            .map(|number| describe(&pack.hull(number)))
-            .collect(),
+        hulls: pack.hulls().map(|hull| describe(&hull)).collect(),
     };
     if args.json {
         serde_json::to_writer(&mut *out, &report).map_err(std::io::Error::from)?;
@@ -74,23 +78,28 @@ pub fn run(args: &InspectArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
 }
 
 fn describe(hull: &Hull) -> HullReport {
-    let measures = hull.measures();
     let worst = hull.worst_cost();
+    let (kind, resolution) = match hull.index_kind() {
+        IndexKind::Tree => ("tree", None),
+        IndexKind::CubeMap { resolution } => ("cubemap", Some(resolution)),
+        IndexKind::None => ("none", None),
+    };
     HullReport {
         name: hull.name().to_owned(),
         rank: hull.rank(),
         vertices: hull.vertex_count(),
-        faces: hull.faces().len(),
-        points: hull.point_count(),
-        volume: measures.volume,
-        surface_area: measures.surface_area,
-        centroid: measures.centroid,
-        bounds: measures.bounds,
-        diameter: measures.diameter,
-        containment_error: measures.containment_error,
+        faces: hull.face_count(),
+        points: hull.source_point_count() as usize,
+        volume: hull.volume(),
+        surface_area: hull.surface_area(),
+        centroid: hull.centroid().to_array(),
+        bounds: hull.bounds().map(|corner| corner.to_array()),
+        diameter: hull.diameter(),
+        containment_error: hull.containment_error(),
         index: IndexReport {
-            kind: hull.index_kind().to_owned(),
-            bytes: hull.index_byte_count(),
+            kind: kind.to_owned(),
+            resolution,
+            bytes: hull.index_byte_len() as u64,
             max_nodes: worst.nodes,
             max_dots: worst.dots,
         },
@@ -112,39 +121,23 @@ fn write_text(report: &PackReport, out: &mut dyn Write) -> Result<(), Failure> {
     writeln!(out, "{}", report.file)?;
     writeln!(out, "  format version     {}", report.format_version)?;
     writeln!(out, "  bytes              {}", grouped(report.bytes))?;
-    writeln!(
-        out,
-        "  source             {} (xxh3 {})",
-        report.source, report.source_hash
-    )?;
+    writeln!(out, "  source             {} (xxh3 {})", report.source, report.source_hash)?;
+    writeln!(out, "  options            {}", report.options)?;
     for (place, hull) in report.hulls.iter().enumerate() {
         let [low, high] = hull.bounds;
         let [x, y, z] = hull.centroid;
         let index = &hull.index;
         writeln!(out, "\nhull #{place} {}", hull.name)?;
-        writeln!(
-            out,
-            "  rank               {} ({})",
-            hull.rank,
-            rank_name(hull.rank)
-        )?;
+        writeln!(out, "  rank               {} ({})", hull.rank, rank_name(hull.rank))?;
         writeln!(out, "  points             {}", number(hull.points))?;
         writeln!(out, "  vertices           {}", number(hull.vertices))?;
         writeln!(out, "  faces              {}", number(hull.faces))?;
         writeln!(out, "  volume             {}", hull.volume)?;
         writeln!(out, "  surface area       {}", hull.surface_area)?;
         writeln!(out, "  centroid           {x} {y} {z}")?;
-        writeln!(
-            out,
-            "  bounds             {} {} {} to {} {} {}",
-            low[0], low[1], low[2], high[0], high[1], high[2]
-        )?;
+        writeln!(out, "  bounds             {} {} {} to {} {} {}", low[0], low[1], low[2], high[0], high[1], high[2])?;
         writeln!(out, "  diameter           {}", hull.diameter)?;
-        writeln!(
-            out,
-            "  containment error  {:.1e} of the diameter",
-            hull.containment_error
-        )?;
+        writeln!(out, "  containment error  {:.1e} of the diameter", hull.containment_error)?;
         writeln!(
             out,
             "  index              {}, {} bytes ({:.1} a vertex), at most {} nodes and {} dot products a query",
@@ -163,12 +156,7 @@ mod tests {
     use super::*;
 
     fn report() -> PackReport {
-        let index = IndexReport {
-            kind: "tree".to_owned(),
-            bytes: 480,
-            max_nodes: 5,
-            max_dots: 8,
-        };
+        let index = IndexReport { kind: "tree".to_owned(), resolution: None, bytes: 480, max_nodes: 5, max_dots: 8 };
         let hull = HullReport {
             name: "cube".to_owned(),
             rank: 3,
@@ -188,6 +176,7 @@ mod tests {
             format_version: 1,
             bytes: 2000,
             source: "cube.obj".to_owned(),
+            options: "index tree".to_owned(),
             source_hash: "0".repeat(32),
             hulls: vec![hull],
         }
@@ -226,9 +215,7 @@ mod tests {
         write_text(&report(), &mut out).unwrap();
         let text = String::from_utf8(out).unwrap();
         assert!(
-            text.contains("hull #0 cube\n")
-                && text.contains("3 (solid)")
-                && text.contains("60.0 a vertex"),
+            text.contains("hull #0 cube\n") && text.contains("3 (solid)") && text.contains("60.0 a vertex"),
             "{text}"
         );
     }

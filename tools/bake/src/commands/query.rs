@@ -2,12 +2,14 @@
 
 use std::io::Write;
 
+use hullmap::{Hull, Pack, Pose};
 use serde::Serialize;
 
 use crate::args::{Mode, QueryArgs};
+use crate::open::open_pack;
 use crate::outcome::{Exit, Failure};
-use crate::pose::{Pose, parse_pose, read_poses};
-use crate::runtime::{Hull, Pack, PairAnswer, PairSolver};
+use crate::pair::{PairAnswer, PairSolver};
+use crate::pose::{parse_pose, read_poses};
 use crate::selection::Selection;
 use crate::table::{Align, Table, or_dash};
 
@@ -17,7 +19,7 @@ struct PoseReport {
     /// Place of the pose among those asked for, from 0.
     pose: usize,
     hit: Option<bool>,
-    status: String,
+    status: &'static str,
     depth: Option<f64>,
     depth_lower: Option<f64>,
     depth_upper: Option<f64>,
@@ -33,17 +35,7 @@ struct PoseReport {
 
 impl PoseReport {
     fn new(pose: usize, answer: PairAnswer) -> Self {
-        let PairAnswer {
-            hit,
-            status,
-            depth,
-            distance,
-            normal,
-            point_a,
-            point_b,
-            iterations,
-            support_calls,
-        } = answer;
+        let PairAnswer { hit, status, depth, distance, normal, point_a, point_b, iterations, support_calls } = answer;
         let [depth, depth_lower, depth_upper] = bounded(depth);
         let [distance, distance_lower, distance_upper] = bounded(distance);
         Self {
@@ -77,10 +69,10 @@ fn bounded(values: Option<[f64; 3]>) -> [Option<f64>; 3] {
 pub fn run(args: &QueryArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
     let poses = poses(args)?;
     let (select_a, select_b) = (Selection::parse(&args.a), Selection::parse(&args.b));
-    let (pack_a, pack_b) = (Pack::open(&select_a.file)?, Pack::open(&select_b.file)?);
+    let (pack_a, pack_b) = (open_pack(&select_a.file)?, open_pack(&select_b.file)?);
     let mut solver = PairSolver::new(choose(&select_a, &pack_a)?, choose(&select_b, &pack_b)?);
     let mut table = table(args.mode);
-    for (place, pose) in poses.iter().enumerate() {
+    for (place, pose) in poses.into_iter().enumerate() {
         let report = PoseReport::new(place, solver.query(pose, args.mode));
         if args.json {
             serde_json::to_writer(&mut *out, &report).map_err(std::io::Error::from)?;
@@ -99,10 +91,7 @@ pub fn run(args: &QueryArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
 fn poses(args: &QueryArgs) -> Result<Vec<Pose>, Failure> {
     let mut poses = Vec::new();
     for text in &args.poses {
-        poses.push(
-            parse_pose(text)
-                .map_err(|error| Failure::usage(format!("--pose \"{text}\": {error}")))?,
-        );
+        poses.push(parse_pose(text).map_err(|error| Failure::usage(format!("--pose \"{text}\": {error}")))?);
     }
     if let Some(file) = &args.pose_file {
         poses.extend(read_poses(file)?);
@@ -114,20 +103,14 @@ fn poses(args: &QueryArgs) -> Result<Vec<Pose>, Failure> {
 }
 
 fn choose<'a>(selection: &Selection, pack: &'a Pack) -> Result<Hull<'a>, Failure> {
-    let hulls: Vec<Hull> = (0..pack.hull_count())
-        .map(|number| pack.hull(number))
-        .collect();
+    let hulls: Vec<Hull> = pack.hulls().collect();
     let names: Vec<&str> = hulls.iter().map(|hull| hull.name()).collect();
     let number = selection.choose(&names)?;
-    Ok(pack.hull(number))
+    Ok(hulls[number])
 }
 
 fn table(mode: Mode) -> Table {
-    let mut columns = vec![
-        ("pose", Align::Right),
-        ("hit", Align::Left),
-        ("status", Align::Left),
-    ];
+    let mut columns = vec![("pose", Align::Right), ("hit", Align::Left), ("status", Align::Left)];
     if mode == Mode::Contact {
         columns.push(("depth", Align::Right));
     }
@@ -141,10 +124,9 @@ fn table(mode: Mode) -> Table {
 
 fn row(report: &PoseReport, mode: Mode) -> Vec<String> {
     let hit = or_dash(report.hit, |hit| if hit { "yes" } else { "no" }.to_owned());
-    let mut cells = vec![report.pose.to_string(), hit, report.status.clone()];
+    let mut cells = vec![report.pose.to_string(), hit, report.status.to_owned()];
     let length = |value: Option<f64>| or_dash(value, |value| format!("{value:.6}"));
-    let triple =
-        |value: Option<[f64; 3]>| or_dash(value, |[x, y, z]| format!("{x:.6} {y:.6} {z:.6}"));
+    let triple = |value: Option<[f64; 3]>| or_dash(value, |[x, y, z]| format!("{x:.6} {y:.6} {z:.6}"));
     if mode == Mode::Contact {
         cells.push(length(report.depth));
     }
@@ -162,12 +144,8 @@ mod tests {
     use crate::args::{Command, parse};
 
     fn args(words: &[&str]) -> QueryArgs {
-        let line = ["bake", "query", "a", "b"]
-            .into_iter()
-            .chain(words.iter().copied());
-        let Command::Query(args) = parse(line).unwrap().command else {
-            unreachable!()
-        };
+        let line = ["bake", "query", "a", "b"].into_iter().chain(words.iter().copied());
+        let Command::Query(args) = parse(line).unwrap().command else { unreachable!() };
         args
     }
 
@@ -178,31 +156,16 @@ mod tests {
         let file = folder.path().join("poses");
         std::fs::write(&file, "3 0 0 0 0 0 1\n").unwrap();
         let file = file.to_str().unwrap();
-        let list = poses(&args(&[
-            "--poses",
-            file,
-            "--pose",
-            "1 0 0 0 0 0 1",
-            "--pose",
-            "2 0 0 0 0 0 1",
-        ]))
-        .unwrap();
-        let xs: Vec<f64> = list.iter().map(|pose| pose.translation.x).collect();
+        let list = poses(&args(&["--poses", file, "--pose", "1 0 0 0 0 0 1", "--pose", "2 0 0 0 0 0 1"])).unwrap();
+        let xs: Vec<f64> = list.iter().map(|pose| pose.translation().x).collect();
         assert_eq!(xs, [1.0, 2.0, 3.0]);
         let failure = poses(&args(&["--pose", "1 2"])).unwrap_err();
-        assert!(
-            failure.message.starts_with("--pose \"1 2\": 2 numbers"),
-            "{failure}"
-        );
+        assert!(failure.message.starts_with("--pose \"1 2\": 2 numbers"), "{failure}");
     }
 
     #[test]
     fn the_fields_others_rely_on() {
-        let answer = PairAnswer {
-            hit: Some(true),
-            depth: Some([0.5, 0.4, 0.6]),
-            ..PairAnswer::default()
-        };
+        let answer = PairAnswer { hit: Some(true), depth: Some([0.5, 0.4, 0.6]), ..PairAnswer::default() };
         let report = serde_json::to_value(PoseReport::new(0, answer)).unwrap();
         for key in [
             "hit",
@@ -221,10 +184,7 @@ mod tests {
         ] {
             assert!(report.get(key).is_some(), "{key}");
         }
-        assert_eq!(
-            (&report["depth_lower"], &report["distance"]),
-            (&0.4.into(), &serde_json::Value::Null)
-        );
+        assert_eq!((&report["depth_lower"], &report["distance"]), (&0.4.into(), &serde_json::Value::Null));
     }
 
     #[test]

@@ -4,14 +4,15 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use glam::Vec3;
+use hullmap::{Hull, Pack};
 use hullmap_bake::PointSet;
 use serde::Serialize;
 use walkdir::WalkDir;
 
 use crate::args::VerifyArgs;
+use crate::open::open_pack;
 use crate::outcome::{Exit, Failure};
-use crate::runtime::{Hull, Pack};
-use crate::source::{PackPlace, find_source};
+use crate::source::{PackPlace, Recorded, find_source};
 use crate::table::{Align, Table, grouped};
 use crate::verification::directions::directions;
 use crate::verification::truth::Points;
@@ -66,19 +67,12 @@ impl HullReport {
     pub fn verdict(&self) -> String {
         let hull = self.hull.as_deref().unwrap_or("-");
         let mut parts = self.problems.clone();
-        if let (Some(wrong), Some(tried), Some(regret)) =
-            (self.mismatches, self.directions, self.max_regret)
+        if let (Some(wrong), Some(tried), Some(regret)) = (self.mismatches, self.directions, self.max_regret)
             && wrong > 0
         {
-            parts.push(format!(
-                "{wrong} of {tried} directions are wrong, max_regret {regret:.2e}"
-            ));
+            parts.push(format!("{wrong} of {tried} directions are wrong, max_regret {regret:.2e}"));
         }
-        let text = if parts.is_empty() {
-            "exact".to_owned()
-        } else {
-            parts.join("; ")
-        };
+        let text = if parts.is_empty() { "exact".to_owned() } else { parts.join("; ") };
         format!("hull {hull}: {text}")
     }
 }
@@ -101,11 +95,7 @@ pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
             Err(failure) => {
                 exit = exit.max(failure.exit);
                 let file = place.path.display().to_string();
-                reports.push(HullReport {
-                    file,
-                    problems: vec![failure.message],
-                    ..HullReport::default()
-                });
+                reports.push(HullReport { file, problems: vec![failure.message], ..HullReport::default() });
             }
         }
         if args.json {
@@ -126,62 +116,37 @@ pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
 fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
     let mut places = Vec::new();
     for input in inputs {
-        let kind = std::fs::metadata(input).map_err(|error| {
-            Failure::usage(format!(
-                "{}: cannot read: {error}; check the path",
-                input.display()
-            ))
-        })?;
+        let kind = std::fs::metadata(input)
+            .map_err(|error| Failure::usage(format!("{}: cannot read: {error}; check the path", input.display())))?;
         if !kind.is_dir() {
-            places.push(PackPlace {
-                path: input.clone(),
-                below: PathBuf::new(),
-            });
+            places.push(PackPlace { path: input.clone(), below: PathBuf::new() });
             continue;
         }
         let before = places.len();
         for entry in WalkDir::new(input).sort_by_file_name() {
-            let entry = entry.map_err(|error| {
-                Failure::usage(format!("{}: cannot search: {error}", input.display()))
-            })?;
+            let entry =
+                entry.map_err(|error| Failure::usage(format!("{}: cannot search: {error}", input.display())))?;
             let path = entry.path();
-            if path
-                .extension()
-                .is_some_and(|extension| extension == "hullmap")
-                && !entry.file_type().is_dir()
-            {
+            if path.extension().is_some_and(|extension| extension == "hullmap") && !entry.file_type().is_dir() {
                 let below = path.strip_prefix(input).ok().and_then(|path| path.parent());
-                places.push(PackPlace {
-                    path: path.to_owned(),
-                    below: below.unwrap_or(input).to_owned(),
-                });
+                places.push(PackPlace { path: path.to_owned(), below: below.unwrap_or(input).to_owned() });
             }
         }
         if places.len() == before {
-            return Err(Failure::usage(format!(
-                "{}: no .hullmap files in this folder",
-                input.display()
-            )));
+            return Err(Failure::usage(format!("{}: no .hullmap files in this folder", input.display())));
         }
     }
     Ok(places)
 }
 
 fn verify_pack(place: &PackPlace, args: &VerifyArgs) -> Result<Vec<HullReport>, Failure> {
-    let pack = Pack::open(&place.path)?;
-    let source = find_source(
-        place,
-        &pack.header(),
-        pack.source_path(),
-        args.source.as_deref(),
-    )?;
+    let pack = open_pack(&place.path)?;
+    let source = find_source(place, Recorded::of(&pack), args.source.as_deref())?;
     let file = place.path.display().to_string();
     let truth = match &source {
         Some(source) => Truth::Source(&source.point_sets),
         None => {
-            eprintln!(
-                "note: {file}: no source found; compared with the stored hull only (--source names one)"
-            );
+            eprintln!("note: {file}: no source found; compared with the stored hull only (--source names one)");
             Truth::Stored
         }
     };
@@ -189,9 +154,7 @@ fn verify_pack(place: &PackPlace, args: &VerifyArgs) -> Result<Vec<HullReport>, 
         .map_err(|error| Failure::wanting(format!("{file}: {error}")))?;
     for report in &mut reports {
         report.file.clone_from(&file);
-        report.source = source
-            .as_ref()
-            .map(|source| source.path.display().to_string());
+        report.source = source.as_ref().map(|source| source.path.display().to_string());
     }
     Ok(reports)
 }
@@ -200,72 +163,41 @@ fn verify_pack(place: &PackPlace, args: &VerifyArgs) -> Result<Vec<HullReport>, 
 ///
 /// # Errors
 /// The source has other hulls than the pack.
-pub fn verify_hulls(
-    pack: &Pack,
-    truth: &Truth,
-    count: usize,
-    seed: u64,
-) -> Result<Vec<HullReport>, String> {
+pub fn verify_hulls(pack: &Pack, truth: &Truth, count: usize, seed: u64) -> Result<Vec<HullReport>, String> {
     if let Truth::Source(sets) = truth
         && sets.len() != pack.hull_count()
     {
-        return Err(format!(
-            "{} hulls where the source has {}; bake it again",
-            pack.hull_count(),
-            sets.len()
-        ));
+        return Err(format!("{} hulls where the source has {}; bake it again", pack.hull_count(), sets.len()));
     }
-    let one = |number| {
-        let hull = pack.hull(number);
-        match truth {
-            Truth::Source(sets) => verify_hull(&hull, Some(&sets[number]), count, seed),
-            Truth::Stored => verify_hull(&hull, None, count, seed),
-        }
+    let one = |(number, hull): (usize, Hull)| match truth {
+        Truth::Source(sets) => verify_hull(&hull, Some(&sets[number]), count, seed),
+        Truth::Stored => verify_hull(&hull, None, count, seed),
     };
-    Ok((0..pack.hull_count()).map(one).collect())
+    Ok(pack.hulls().enumerate().map(one).collect())
 }
 
 fn verify_hull(hull: &Hull, source: Option<&PointSet>, count: usize, seed: u64) -> HullReport {
-    let vertices: Vec<Vec3> = (0..hull.vertex_count())
-        .map(|index| hull.vertex(index))
-        .collect();
+    let vertices: Vec<Vec3> = hull.vertices().collect();
+    let faces: Vec<Vec<u32>> = hull.faces().map(Iterator::collect).collect();
     let mut problems = Vec::new();
     let points = match source {
         Some(set) => {
             if set.name != hull.name() {
                 problems.push(format!("the source calls this hull {}", set.name));
             }
-            let numbers = (0..hull.vertex_count()).map(|index| hull.source_vertex(index));
+            let numbers = (0..vertices.len() as u32).filter_map(|index| hull.source_vertex(index));
             let strangers = count_strangers(&vertices, numbers, set);
             if strangers > 0 {
-                problems.push(format!(
-                    "{strangers} vertices are not the source vertices they are recorded as"
-                ));
+                problems.push(format!("{strangers} vertices are not the source vertices they are recorded as"));
             }
             Points::new(&set.positions)
         }
-        None => Points::new(
-            &vertices
-                .iter()
-                .map(|vertex| vertex.to_array())
-                .collect::<Vec<_>>(),
-        ),
+        None => Points::new(&vertices.iter().map(|vertex| vertex.to_array()).collect::<Vec<_>>()),
     };
-    let Measurement {
-        max_regret,
-        worst_direction,
-        mismatches,
-        invalid_answers,
-        cost,
-    } = measure(
-        hull,
-        &points,
-        &directions(&vertices, &hull.faces(), count, seed),
-    );
+    let Measurement { max_regret, worst_direction, mismatches, invalid_answers, cost } =
+        measure(hull, &points, &directions(&vertices, &faces, count, seed));
     if invalid_answers > 0 {
-        problems.push(format!(
-            "{invalid_answers} special directions have an answer that is no vertex"
-        ));
+        problems.push(format!("{invalid_answers} special directions have an answer that is no vertex"));
     }
     let worst = hull.worst_cost();
     if cost.nodes > worst.nodes || cost.dots > worst.dots {
@@ -284,13 +216,9 @@ fn verify_hull(hull: &Hull, source: Option<&PointSet>, count: usize, seed: u64) 
         mismatches: Some(mismatches),
         max_nodes: Some(worst.nodes),
         max_dots: Some(worst.dots),
-        index_bytes_per_vertex: Some(hull.index_byte_count() as f64 / vertices.len() as f64),
+        index_bytes_per_vertex: Some(hull.index_byte_len() as f64 / vertices.len() as f64),
         pass: mismatches == 0 && problems.is_empty(),
-        against: Some(if source.is_some() {
-            "source"
-        } else {
-            "stored hull"
-        }),
+        against: Some(if source.is_some() { "source" } else { "stored hull" }),
         source: None,
         problems,
         worst_direction: worst_direction.map(|dir| dir.to_array()),
@@ -305,11 +233,7 @@ fn count_strangers(vertices: &[Vec3], numbers: impl Iterator<Item = u32>, set: &
         let place = set.source_vertices.binary_search(number);
         place.is_ok_and(|place| bits(set.positions[place]) == bits(vertex.to_array()))
     };
-    vertices
-        .iter()
-        .zip(numbers)
-        .filter(|pair| !is_known(pair))
-        .count()
+    vertices.iter().zip(numbers).filter(|pair| !is_known(pair)).count()
 }
 
 fn write_table(reports: &[HullReport], out: &mut dyn Write) -> Result<(), Failure> {
@@ -327,8 +251,7 @@ fn write_table(reports: &[HullReport], out: &mut dyn Write) -> Result<(), Failur
         ("against", Align::Left),
         ("result", Align::Left),
     ]);
-    let number =
-        |value: Option<usize>| value.map_or_else(|| "-".to_owned(), |value| grouped(value as u64));
+    let number = |value: Option<usize>| value.map_or_else(|| "-".to_owned(), |value| grouped(value as u64));
     let word = |value: Option<u32>| number(value.map(|value| value as usize));
     for report in reports {
         table.push(vec![
@@ -337,15 +260,11 @@ fn write_table(reports: &[HullReport], out: &mut dyn Write) -> Result<(), Failur
             number(report.vertices),
             word(report.rank),
             number(report.directions),
-            report
-                .max_regret
-                .map_or_else(|| "-".to_owned(), |regret| format!("{regret:.1e}")),
+            report.max_regret.map_or_else(|| "-".to_owned(), |regret| format!("{regret:.1e}")),
             number(report.mismatches),
             word(report.max_nodes),
             word(report.max_dots),
-            report
-                .index_bytes_per_vertex
-                .map_or_else(|| "-".to_owned(), |bytes| format!("{bytes:.1}")),
+            report.index_bytes_per_vertex.map_or_else(|| "-".to_owned(), |bytes| format!("{bytes:.1}")),
             report.against.unwrap_or("-").to_owned(),
             if report.pass { "exact" } else { "FAILED" }.to_owned(),
         ]);
@@ -387,31 +306,16 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let sub = folder.path().join("a/b");
         std::fs::create_dir_all(&sub).unwrap();
-        for path in [
-            sub.join("x.hullmap"),
-            folder.path().join("y.hullmap"),
-            sub.join("z.obj"),
-        ] {
+        for path in [sub.join("x.hullmap"), folder.path().join("y.hullmap"), sub.join("z.obj")] {
             std::fs::write(path, "").unwrap();
         }
         let places = find_packs(&[folder.path().to_owned(), sub.join("x.hullmap")]).unwrap();
-        let below: Vec<_> = places
-            .iter()
-            .map(|place| place.below.to_str().unwrap().replace('\\', "/"))
-            .collect();
+        let below: Vec<_> = places.iter().map(|place| place.below.to_str().unwrap().replace('\\', "/")).collect();
         assert_eq!(below, ["a/b", "", ""]);
         assert!(places[1].path.ends_with("y.hullmap"));
         let empty = tempfile::tempdir().unwrap();
-        assert_eq!(
-            find_packs(&[empty.path().to_owned()]).unwrap_err().exit,
-            Exit::Usage
-        );
-        assert_eq!(
-            find_packs(&[empty.path().join("no.hullmap")])
-                .unwrap_err()
-                .exit,
-            Exit::Usage
-        );
+        assert_eq!(find_packs(&[empty.path().to_owned()]).unwrap_err().exit, Exit::Usage);
+        assert_eq!(find_packs(&[empty.path().join("no.hullmap")]).unwrap_err().exit, Exit::Usage);
     }
 
     #[test]
@@ -443,9 +347,6 @@ mod tests {
             max_regret: Some(1e-3),
             ..HullReport::default()
         };
-        assert_eq!(
-            report.verdict(),
-            "hull rock: 3 of 100 directions are wrong, max_regret 1.00e-3"
-        );
+        assert_eq!(report.verdict(), "hull rock: 3 of 100 directions are wrong, max_regret 1.00e-3");
     }
 }

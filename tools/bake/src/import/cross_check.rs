@@ -17,20 +17,13 @@ const UNSEEN: u32 = u32::MAX;
 /// [`Fault::Refused`] when tobj does not accept the text, [`Fault::Disagreement`] when it reads another number of
 /// vertices, another position (compared bit by bit) or another reference.
 pub fn cross_check(scan: &Scan) -> Result<(), Fault> {
-    let options = tobj::LoadOptions {
-        single_index: false,
-        triangulate: false,
-        ignore_points: false,
-        ignore_lines: false,
-    };
+    let options =
+        tobj::LoadOptions { single_index: false, triangulate: false, ignore_points: false, ignore_lines: false };
     let no_materials = |_: &std::path::Path| Ok(Default::default());
-    let (models, _) = tobj::load_obj_buf(&mut scan.plain_text.as_bytes(), &options, no_materials)
-        .map_err(Fault::Refused)?;
+    let (models, _) =
+        tobj::load_obj_buf(&mut scan.plain_text.as_bytes(), &options, no_materials).map_err(Fault::Refused)?;
     let [model] = models.as_slice() else {
-        return Err(Fault::Disagreement(format!(
-            "tobj found {} models in a text of one",
-            models.len()
-        )));
+        return Err(Fault::Disagreement(format!("tobj found {} models in a text of one", models.len())));
     };
     compare(scan, &model.mesh.positions, &model.mesh.indices)
 }
@@ -40,16 +33,12 @@ fn compare(scan: &Scan, positions: &[f32], indices: &[u32]) -> Result<(), Fault>
     let count = scan.positions.len();
     if positions.len() != 3 * count {
         let theirs = positions.len() / 3;
-        return Err(Fault::Disagreement(format!(
-            "{count} vertices in one, {theirs} in the other"
-        )));
+        return Err(Fault::Disagreement(format!("{count} vertices in one, {theirs} in the other")));
     }
     let references = scan.references.iter().copied().chain(0..count as u32);
     if indices.len() != scan.references.len() + count {
         let (ours, theirs) = (scan.references.len(), indices.len().saturating_sub(count));
-        return Err(Fault::Disagreement(format!(
-            "{ours} references in one, {theirs} in the other"
-        )));
+        return Err(Fault::Disagreement(format!("{ours} references in one, {theirs} in the other")));
     }
     let mut order = vec![UNSEEN; count];
     let mut seen = 0;
@@ -60,11 +49,7 @@ fn compare(scan: &Scan, positions: &[f32], indices: &[u32]) -> Result<(), Fault>
             let theirs = &positions[3 * seen as usize..][..3];
             let ours = scan.positions[vertex];
             seen += 1;
-            if ours
-                .iter()
-                .zip(theirs)
-                .any(|(a, b)| a.to_bits() != b.to_bits())
-            {
+            if ours.iter().zip(theirs).any(|(a, b)| a.to_bits() != b.to_bits()) {
                 return Err(Fault::Disagreement(format!(
                     "vertex {} is {ours:?} in one and {theirs:?} in the other",
                     vertex + 1
@@ -72,10 +57,7 @@ fn compare(scan: &Scan, positions: &[f32], indices: &[u32]) -> Result<(), Fault>
             }
         }
         if order[vertex] != index {
-            return Err(Fault::Disagreement(format!(
-                "a reference to vertex {} is to another one in tobj",
-                vertex + 1
-            )));
+            return Err(Fault::Disagreement(format!("a reference to vertex {} is to another one in tobj", vertex + 1)));
         }
     }
     Ok(())
@@ -98,10 +80,7 @@ mod tests {
         for vertex in 0..4 {
             let mut read = scan(TEXT).unwrap();
             read.positions[vertex][1] += 0.5;
-            assert!(
-                matches!(cross_check(&read), Err(Fault::Disagreement(_))),
-                "vertex {vertex}"
-            );
+            assert!(matches!(cross_check(&read), Err(Fault::Disagreement(_))), "vertex {vertex}");
         }
     }
 

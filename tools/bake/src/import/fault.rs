@@ -59,9 +59,7 @@ pub enum Fault {
         found: usize,
     },
     /// A number of numbers after `v` that has no meaning.
-    #[error(
-        "`v` has {found} numbers; expected 3 (x y z), 4 (x y z w) or 6 (x y z r g b): remove the others"
-    )]
+    #[error("`v` has {found} numbers; expected 3 (x y z), 4 (x y z w) or 6 (x y z r g b): remove the others")]
     CoordinateCount {
         /// Numbers found.
         found: usize,
@@ -81,25 +79,19 @@ pub enum Fault {
         text: String,
     },
     /// A coordinate that says infinity.
-    #[error(
-        "coordinate `{text}` is infinite; a hull needs finite points: mend or remove this vertex"
-    )]
+    #[error("coordinate `{text}` is infinite; a hull needs finite points: mend or remove this vertex")]
     Infinite {
         /// The word found.
         text: String,
     },
     /// A coordinate that is finite in the text and too large for an `f32`.
-    #[error(
-        "coordinate `{text}` is too large for 32-bit floats (limit 3.4e38); scale the mesh down"
-    )]
+    #[error("coordinate `{text}` is too large for 32-bit floats (limit 3.4e38); scale the mesh down")]
     Overflow {
         /// The word found, or the quotient of two.
         text: String,
     },
     /// A fourth coordinate of zero, which puts the point at infinity.
-    #[error(
-        "the weight w of `v x y z w` is 0, which puts the point at infinity; use 1 or leave it out"
-    )]
+    #[error("the weight w of `v x y z w` is 0, which puts the point at infinity; use 1 or leave it out")]
     ZeroWeight,
     /// An `f`, `l` or `p` without anything behind it.
     #[error("`{keyword}` names no vertices; complete or remove the line")]
@@ -145,35 +137,23 @@ pub enum Fault {
     #[error("the second reader (tobj) refuses the file: {0}; please report it with the file")]
     Refused(tobj::LoadError),
     /// The two readers came to different points.
-    #[error(
-        "two readers disagree: {0}; the points cannot be trusted: please report it with the file"
-    )]
+    #[error("two readers disagree: {0}; the points cannot be trusted: please report it with the file")]
     Disagreement(String),
 }
 
 impl Fault {
     /// The fault at a one-based line.
     pub fn at(self, line: usize) -> LineFault {
-        LineFault {
-            line: Some(line),
-            fault: self,
-        }
+        LineFault { line: Some(line), fault: self }
     }
 
     /// The fault of the whole file.
     pub fn of_file(self) -> LineFault {
-        LineFault {
-            line: None,
-            fault: self,
-        }
+        LineFault { line: None, fault: self }
     }
 }
 
 /// Decimal commas are the one malformed number with a remedy of its own.
 fn comma_hint(text: &str) -> &'static str {
-    if text.contains(',') {
-        ": use a point, not a comma"
-    } else {
-        ": correct the line"
-    }
+    if text.contains(',') { ": use a point, not a comma" } else { ": correct the line" }
 }

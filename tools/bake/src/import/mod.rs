@@ -50,17 +50,8 @@ impl Imported {
 ///
 /// # Complexity
 /// O(bytes).
-pub fn import_obj(
-    file: &str,
-    stem: &str,
-    bytes: &[u8],
-    options: ImportOptions,
-) -> Result<Imported, ImportError> {
-    let name = |LineFault { line, fault }| ImportError {
-        file: file.to_owned(),
-        line,
-        fault,
-    };
+pub fn import_obj(file: &str, stem: &str, bytes: &[u8], options: ImportOptions) -> Result<Imported, ImportError> {
+    let name = |LineFault { line, fault }| ImportError { file: file.to_owned(), line, fault };
     let scan = scan::scan(bytes).map_err(name)?;
     cross_check::cross_check(&scan).map_err(|fault| name(fault.of_file()))?;
 
@@ -79,22 +70,13 @@ pub fn import_obj(
             Vertices::Referenced => "left out (--vertices all takes them)",
             Vertices::All => "taken too",
         };
-        notes.push(format!(
-            "{} that no element references, {fate}",
-            count(unreferenced_count, "vertex", "vertices")
-        ));
+        notes.push(format!("{} that no element references, {fate}", count(unreferenced_count, "vertex", "vertices")));
     }
     if duplicate_count > 0 {
-        notes.push(format!(
-            "{} an earlier one",
-            count(duplicate_count, "point equals", "points equal")
-        ));
+        notes.push(format!("{} an earlier one", count(duplicate_count, "point equals", "points equal")));
     }
     if scan.short_face_count > 0 {
-        notes.push(format!(
-            "{} with fewer than 3 vertices",
-            count(scan.short_face_count, "face", "faces")
-        ));
+        notes.push(format!("{} with fewer than 3 vertices", count(scan.short_face_count, "face", "faces")));
     }
     if let Some(line) = scan.free_form_line {
         notes.push(format!(
@@ -102,18 +84,10 @@ pub fn import_obj(
         ));
     }
     if options.split == Split::Object && scan.objects.len() == 1 && scan.group_count > 0 {
-        notes.push(
-            "the file has groups (g) but no objects (o), and is cut at objects only".to_owned(),
-        );
+        notes.push("the file has groups (g) but no objects (o), and is cut at objects only".to_owned());
     }
     let vertex_count = scan.positions.len();
-    Ok(Imported {
-        point_sets,
-        vertex_count,
-        unreferenced_count,
-        duplicate_count,
-        notes,
-    })
+    Ok(Imported { point_sets, vertex_count, unreferenced_count, duplicate_count, notes })
 }
 
 /// `1 vertex`, `2 vertices`.
@@ -130,9 +104,7 @@ fn count_duplicates(positions: &[[f32; 3]], sets: &[PointSet]) -> usize {
     let mut seen = HashSet::with_capacity(positions.len());
     let chosen = positions.iter().zip(&is_chosen).filter(|&(_, &is)| is);
     // Adding +0 turns -0 into +0 and leaves every other number alone.
-    chosen
-        .filter(|(position, _)| !seen.insert(position.map(|x| (x + 0.0).to_bits())))
-        .count()
+    chosen.filter(|(position, _)| !seen.insert(position.map(|x| (x + 0.0).to_bits()))).count()
 }
 
 #[cfg(test)]

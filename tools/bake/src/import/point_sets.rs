@@ -27,23 +27,14 @@ pub fn point_sets(
     let takes_all = options.vertices == Vertices::All || scan.elements.is_empty();
     match options.split {
         Split::None => {
-            let chosen =
-                (0..scan.positions.len() as u32).filter(|&v| takes_all || referenced[v as usize]);
-            (
-                vec![point_set(scan, stem.to_owned(), chosen.collect())],
-                Vec::new(),
-            )
+            let chosen = (0..scan.positions.len() as u32).filter(|&v| takes_all || referenced[v as usize]);
+            (vec![point_set(scan, stem.to_owned(), chosen.collect())], Vec::new())
         }
         Split::Object => split_at_objects(scan, referenced, stem, takes_all),
     }
 }
 
-fn split_at_objects(
-    scan: &Scan,
-    referenced: &[bool],
-    stem: &str,
-    takes_all: bool,
-) -> (Vec<PointSet>, Vec<String>) {
+fn split_at_objects(scan: &Scan, referenced: &[bool], stem: &str, takes_all: bool) -> (Vec<PointSet>, Vec<String>) {
     let mut members: Vec<Vec<u32>> = vec![Vec::new(); scan.objects.len()];
     for (number, element) in scan.elements.iter().enumerate() {
         members[element.object as usize].extend_from_slice(scan.references_of(number));
@@ -76,45 +67,22 @@ fn split_at_objects(
 
     let mut notes = Vec::new();
     if !skipped.is_empty() {
-        let more = if skipped.len() > NAMES_IN_NOTE {
-            ", …"
-        } else {
-            ""
-        };
+        let more = if skipped.len() > NAMES_IN_NOTE { ", …" } else { "" };
         let listed = skipped[..skipped.len().min(NAMES_IN_NOTE)].join(", ");
-        notes.push(format!(
-            "objects without elements, skipped: {} ({listed}{more})",
-            skipped.len()
-        ));
+        notes.push(format!("objects without elements, skipped: {} ({listed}{more})", skipped.len()));
     }
     let unique = unique_names(&names);
-    let renamed = unique
-        .iter()
-        .zip(&names)
-        .filter(|(new, old)| new != old)
-        .count();
+    let renamed = unique.iter().zip(&names).filter(|(new, old)| new != old).count();
     if renamed > 0 {
-        notes.push(format!(
-            "objects renamed since an earlier one has the name: {renamed}"
-        ));
+        notes.push(format!("objects renamed since an earlier one has the name: {renamed}"));
     }
-    let sets = unique
-        .into_iter()
-        .zip(sets)
-        .map(|(name, vertices)| point_set(scan, name, vertices));
+    let sets = unique.into_iter().zip(sets).map(|(name, vertices)| point_set(scan, name, vertices));
     (sets.collect(), notes)
 }
 
 fn point_set(scan: &Scan, name: String, vertices: Vec<u32>) -> PointSet {
-    let positions = vertices
-        .iter()
-        .map(|&vertex| scan.positions[vertex as usize])
-        .collect();
-    PointSet {
-        name,
-        positions,
-        source_vertices: vertices,
-    }
+    let positions = vertices.iter().map(|&vertex| scan.positions[vertex as usize]).collect();
+    PointSet { name, positions, source_vertices: vertices }
 }
 
 /// The names, each later repetition with the lowest suffix `_2`, `_3`, … that gives a name not in the list.
@@ -127,9 +95,7 @@ fn unique_names(names: &[String]) -> Vec<String> {
             unique.push(name.clone());
             continue;
         }
-        let free = (2..)
-            .map(|number| format!("{name}_{number}"))
-            .find(|name| !taken.contains(name));
+        let free = (2..).map(|number| format!("{name}_{number}")).find(|name| !taken.contains(name));
         let free = free.expect("finitely many names are taken");
         taken.insert(free.clone());
         unique.push(free);
@@ -144,9 +110,6 @@ mod tests {
     #[test]
     fn names_become_unique_without_stealing() {
         let names = ["a", "a", "a_2", "a", "b", "a_2"].map(str::to_owned);
-        assert_eq!(
-            unique_names(&names),
-            ["a", "a_3", "a_2", "a_4", "b", "a_2_2"]
-        );
+        assert_eq!(unique_names(&names), ["a", "a_3", "a_2", "a_4", "b", "a_2_2"]);
     }
 }

@@ -74,17 +74,10 @@ pub fn scan(bytes: &[u8]) -> Result<Scan, LineFault> {
         return Err(Fault::Empty.of_file());
     }
 
-    let mut scan = Scan {
-        objects: vec![String::new()],
-        ..Scan::default()
-    };
-    let mut lines = Lines {
-        rest: bytes,
-        number: 0,
-    };
+    let mut scan = Scan { objects: vec![String::new()], ..Scan::default() };
+    let mut lines = Lines { rest: bytes, number: 0 };
     while let Some((line, text)) = lines.next_logical() {
-        scan.read_line(line, &text)
-            .map_err(|fault| fault.at(line))?;
+        scan.read_line(line, &text).map_err(|fault| fault.at(line))?;
     }
     if scan.positions.is_empty() {
         return Err(Fault::NoVertices.of_file());
@@ -96,11 +89,7 @@ pub fn scan(bytes: &[u8]) -> Result<Scan, LineFault> {
 impl Scan {
     /// References of element number `element`.
     pub fn references_of(&self, element: usize) -> &[u32] {
-        let start = if element == 0 {
-            0
-        } else {
-            self.elements[element - 1].end
-        };
+        let start = if element == 0 { 0 } else { self.elements[element - 1].end };
         &self.references[start..self.elements[element].end]
     }
 
@@ -109,11 +98,9 @@ impl Scan {
         let mut words = text.split_whitespace();
         match words.next() {
             Some("v") => self.read_vertex(words.take_while(|word| !word.starts_with('#'))),
-            Some(keyword @ ("f" | "l" | "p")) => self.read_element(
-                line,
-                keyword,
-                words.take_while(|word| !word.starts_with('#')),
-            ),
+            Some(keyword @ ("f" | "l" | "p")) => {
+                self.read_element(line, keyword, words.take_while(|word| !word.starts_with('#')))
+            }
             Some("o") => {
                 let name = text.trim_start()["o".len()..].trim();
                 self.objects.push(name.to_owned());
@@ -163,9 +150,7 @@ impl Scan {
                 for (coordinate, word) in position.iter_mut().zip(&numbers) {
                     *coordinate /= weight;
                     if !coordinate.is_finite() {
-                        return Err(Fault::Overflow {
-                            text: excerpt(&format!("{word} / {weight}")),
-                        });
+                        return Err(Fault::Overflow { text: excerpt(&format!("{word} / {weight}")) });
                     }
                 }
                 4
@@ -192,26 +177,19 @@ impl Scan {
         self.plain_text.push(if keyword == "f" { 'f' } else { 'l' });
         let start = self.references.len();
         for word in words {
-            self.references
-                .push(resolve_reference(word, self.positions.len())?);
+            self.references.push(resolve_reference(word, self.positions.len())?);
             self.plain_text.push(' ');
             self.plain_text.push_str(word);
         }
         self.plain_text.push('\n');
         let count = self.references.len() - start;
         if count == 0 {
-            return Err(Fault::NoReferences {
-                keyword: keyword.to_owned(),
-            });
+            return Err(Fault::NoReferences { keyword: keyword.to_owned() });
         }
         if keyword == "f" && count < 3 {
             self.short_face_count += 1;
         }
-        self.elements.push(Element {
-            line,
-            object: self.object(),
-            end: self.references.len(),
-        });
+        self.elements.push(Element { line, object: self.object(), end: self.references.len() });
         Ok(())
     }
 
@@ -242,9 +220,7 @@ fn parse_coordinate(word: &str) -> Result<f32, Fault> {
     match word.parse::<f32>() {
         Ok(value) if value.is_finite() => Ok(value),
         Ok(value) if value.is_nan() => Err(Fault::NotANumber { text: text() }),
-        Ok(_) if word.contains(|c: char| c.is_ascii_digit()) => {
-            Err(Fault::Overflow { text: text() })
-        }
+        Ok(_) if word.contains(|c: char| c.is_ascii_digit()) => Err(Fault::Overflow { text: text() }),
         Ok(_) => Err(Fault::Infinite { text: text() }),
         Err(_) => Err(Fault::BadNumber { text: text() }),
     }
@@ -253,9 +229,7 @@ fn parse_coordinate(word: &str) -> Result<f32, Fault> {
 /// Zero-based vertex number of a reference such as `7`, `7/1`, `7//3`, `7/1/3` or `-1`, with `declared` vertices
 /// above it. The numbers of texture coordinates and normals must be numbers; their range does not matter to a hull.
 fn resolve_reference(word: &str, declared: usize) -> Result<u32, Fault> {
-    let bad = || Fault::BadReference {
-        text: excerpt(word),
-    };
+    let bad = || Fault::BadReference { text: excerpt(word) };
     let mut parts = word.split('/');
     let number: i64 = parts.next().unwrap_or("").parse().map_err(|_| bad())?;
     let mut other_count = 0;
@@ -266,29 +240,20 @@ fn resolve_reference(word: &str, declared: usize) -> Result<u32, Fault> {
         }
     }
     match number {
-        0 => Err(Fault::ZeroIndex {
-            text: excerpt(word),
-        }),
+        0 => Err(Fault::ZeroIndex { text: excerpt(word) }),
         // Beyond u32 it is out of range whatever follows: `check_range` says so, with the vertex count.
         1.. => Ok(u32::try_from(number - 1).unwrap_or(u32::MAX)),
         _ => usize::try_from(number.unsigned_abs())
             .ok()
             .and_then(|back| declared.checked_sub(back))
             .map(|index| index as u32)
-            .ok_or_else(|| Fault::IndexBeforeFirst {
-                text: excerpt(word),
-                declared,
-            }),
+            .ok_or_else(|| Fault::IndexBeforeFirst { text: excerpt(word), declared }),
     }
 }
 
 /// The start of a faulty word, without control characters.
 fn excerpt(word: &str) -> String {
-    let mut text: String = word
-        .chars()
-        .filter(|c| !c.is_control())
-        .take(EXCERPT_CHARS)
-        .collect();
+    let mut text: String = word.chars().filter(|c| !c.is_control()).take(EXCERPT_CHARS).collect();
     if word.chars().nth(EXCERPT_CHARS).is_some() {
         text.push('…');
     }
@@ -308,10 +273,7 @@ impl<'a> Lines<'a> {
             return None;
         }
         self.number += 1;
-        let end = self
-            .rest
-            .iter()
-            .position(|&byte| byte == b'\n' || byte == b'\r');
+        let end = self.rest.iter().position(|&byte| byte == b'\n' || byte == b'\r');
         let end = end.unwrap_or(self.rest.len());
         let (line, tail) = self.rest.split_at(end);
         self.rest = match tail {
@@ -341,9 +303,6 @@ impl<'a> Lines<'a> {
 
 /// Whether a `\` at the end of this line joins the next one to it.
 fn may_continue(line: &[u8]) -> bool {
-    let keyword = line
-        .split(u8::is_ascii_whitespace)
-        .next()
-        .unwrap_or_default();
+    let keyword = line.split(u8::is_ascii_whitespace).next().unwrap_or_default();
     !keyword.starts_with(b"#") && ![&b"o"[..], b"g", b"usemtl", b"mtllib"].contains(&keyword)
 }

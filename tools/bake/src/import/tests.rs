@@ -4,22 +4,10 @@ use super::fault::Fault;
 use super::*;
 use crate::verification::random::SplitMix;
 
-const WHOLE: ImportOptions = ImportOptions {
-    split: Split::None,
-    vertices: Vertices::Referenced,
-};
-const WHOLE_ALL: ImportOptions = ImportOptions {
-    split: Split::None,
-    vertices: Vertices::All,
-};
-const OBJECTS: ImportOptions = ImportOptions {
-    split: Split::Object,
-    vertices: Vertices::Referenced,
-};
-const OBJECTS_ALL: ImportOptions = ImportOptions {
-    split: Split::Object,
-    vertices: Vertices::All,
-};
+const WHOLE: ImportOptions = ImportOptions { split: Split::None, vertices: Vertices::Referenced };
+const WHOLE_ALL: ImportOptions = ImportOptions { split: Split::None, vertices: Vertices::All };
+const OBJECTS: ImportOptions = ImportOptions { split: Split::Object, vertices: Vertices::Referenced };
+const OBJECTS_ALL: ImportOptions = ImportOptions { split: Split::Object, vertices: Vertices::All };
 
 /// Four corners of a square; tests add elements.
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -39,9 +27,7 @@ fn vertices(text: impl AsRef<[u8]>) -> Vec<u32> {
 fn fault(text: impl AsRef<[u8]>) -> (Option<usize>, Fault) {
     let error = import_obj("shape.obj", "shape", text.as_ref(), WHOLE).unwrap_err();
     let message = error.to_string();
-    let place = error.line.map_or("shape.obj: ".to_owned(), |line| {
-        format!("shape.obj:{line}: ")
-    });
+    let place = error.line.map_or("shape.obj: ".to_owned(), |line| format!("shape.obj:{line}: "));
     assert!(message.starts_with(&place), "{message}");
     (error.line, error.fault)
 }
@@ -52,67 +38,39 @@ fn square_with(lines: &str) -> String {
 
 /// Name and vertex numbers of each set.
 fn outline(imported: &Imported) -> Vec<(&str, &[u32])> {
-    imported
-        .point_sets
-        .iter()
-        .map(|set| (set.name.as_str(), set.source_vertices.as_slice()))
-        .collect()
+    imported.point_sets.iter().map(|set| (set.name.as_str(), set.source_vertices.as_slice())).collect()
 }
 
 #[test]
 fn triangles_quads_and_polygons() {
     assert_eq!(vertices(square_with("f 1 2 3\n")), [0, 1, 2]);
     assert_eq!(vertices(square_with("f 4 3 2 1\n")), [0, 1, 2, 3]);
-    assert_eq!(
-        vertices(square_with("v 2 2 2\nv 3 3 3\nf 1 2 3 4 5\n")),
-        [0, 1, 2, 3, 4]
-    );
+    assert_eq!(vertices(square_with("v 2 2 2\nv 3 3 3\nf 1 2 3 4 5\n")), [0, 1, 2, 3, 4]);
 }
 
 #[test]
 fn positions_are_parsed_to_the_nearest_float() {
-    let imported = import(
-        "v 0.1 -2.5e-3 16777217\nv +1 .5 5.\nv -0 1e-50 3.4028235e38\n",
-        WHOLE,
-    );
-    assert_eq!(
-        imported.point_sets[0].positions[0],
-        [0.1, -0.0025, 16777216.0]
-    );
+    let imported = import("v 0.1 -2.5e-3 16777217\nv +1 .5 5.\nv -0 1e-50 3.4028235e38\n", WHOLE);
+    assert_eq!(imported.point_sets[0].positions[0], [0.1, -0.0025, 16777216.0]);
     assert_eq!(imported.point_sets[0].positions[1], [1.0, 0.5, 5.0]);
-    assert_eq!(
-        imported.point_sets[0].positions[2].map(f32::to_bits),
-        [-0.0, 0.0, f32::MAX].map(f32::to_bits)
-    );
+    assert_eq!(imported.point_sets[0].positions[2].map(f32::to_bits), [-0.0, 0.0, f32::MAX].map(f32::to_bits));
 }
 
 #[test]
 fn reference_forms() {
     assert_eq!(vertices(square_with("f 1/1 2/ 3//\n")), [0, 1, 2]);
-    assert_eq!(
-        vertices(square_with("vt 0 0\nvn 0 0 1\nf 1/1/1 2//1 +4/1\n")),
-        [0, 1, 3]
-    );
+    assert_eq!(vertices(square_with("vt 0 0\nvn 0 0 1\nf 1/1/1 2//1 +4/1\n")), [0, 1, 3]);
 }
 
 #[test]
 fn negative_references_count_from_their_line() {
-    assert_eq!(
-        vertices("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 9 9 9\n"),
-        [0, 1, 2]
-    );
-    assert_eq!(
-        vertices("v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3//-1 -2//-1 -1//-1\n"),
-        [1, 2, 3]
-    );
+    assert_eq!(vertices("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 9 9 9\n"), [0, 1, 2]);
+    assert_eq!(vertices("v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3//-1 -2//-1 -1//-1\n"), [1, 2, 3]);
 }
 
 #[test]
 fn references_may_point_ahead() {
-    assert_eq!(
-        vertices("f 1 2 3\no later\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"),
-        [0, 1, 2]
-    );
+    assert_eq!(vertices("f 1 2 3\no later\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"), [0, 1, 2]);
 }
 
 #[test]
@@ -127,14 +85,7 @@ fn a_bare_cloud_takes_every_vertex() {
     let imported = import(SQUARE, WHOLE);
     assert_eq!(imported.point_sets[0].source_vertices, [0, 1, 2, 3]);
     assert_eq!(imported.unreferenced_count, 4);
-    assert!(
-        imported
-            .notes
-            .iter()
-            .any(|note| note.contains("point cloud")),
-        "{:?}",
-        imported.notes
-    );
+    assert!(imported.notes.iter().any(|note| note.contains("point cloud")), "{:?}", imported.notes);
     assert_eq!(vertices("v 1 2 3"), [0]);
 }
 
@@ -142,34 +93,14 @@ fn a_bare_cloud_takes_every_vertex() {
 fn unreferenced_vertices_are_counted_and_left_out() {
     let text = square_with("f 1 2 3\n");
     let imported = import(&text, WHOLE);
-    assert_eq!(
-        (
-            imported.vertex_count,
-            imported.unreferenced_count,
-            imported.point_count()
-        ),
-        (4, 1, 3)
-    );
-    assert!(
-        imported
-            .notes
-            .iter()
-            .any(|note| note.contains("1 vertex that no element")),
-        "{:?}",
-        imported.notes
-    );
-    assert_eq!(
-        import(&text, WHOLE_ALL).point_sets[0].source_vertices,
-        [0, 1, 2, 3]
-    );
+    assert_eq!((imported.vertex_count, imported.unreferenced_count, imported.point_count()), (4, 1, 3));
+    assert!(imported.notes.iter().any(|note| note.contains("1 vertex that no element")), "{:?}", imported.notes);
+    assert_eq!(import(&text, WHOLE_ALL).point_sets[0].source_vertices, [0, 1, 2, 3]);
 }
 
 #[test]
 fn duplicates_are_kept_and_counted() {
-    let imported = import(
-        "v 0 0 0\nv 1 0 0\nv -0 0 0\nv 1 0 0\nv 7 7 7\nv 7 7 7\nf 1 2 3\nl 3 4\n",
-        WHOLE,
-    );
+    let imported = import("v 0 0 0\nv 1 0 0\nv -0 0 0\nv 1 0 0\nv 7 7 7\nv 7 7 7\nf 1 2 3\nl 3 4\n", WHOLE);
     assert_eq!(imported.point_sets[0].source_vertices, [0, 1, 2, 3]);
     assert_eq!(imported.duplicate_count, 2);
 }
@@ -193,10 +124,7 @@ fn line_ends_and_blanks_of_all_kinds() {
 
 #[test]
 fn continued_lines_are_joined() {
-    assert_eq!(
-        vertices("v 0 \\\n0 0\nv 1 0 0\r\nv 1 1 0\nf 1 \\ \r\n 2 \\\n\\\n3\n"),
-        [0, 1, 2]
-    );
+    assert_eq!(vertices("v 0 \\\n0 0\nv 1 0 0\r\nv 1 1 0\nf 1 \\ \r\n 2 \\\n\\\n3\n"), [0, 1, 2]);
     assert_eq!(vertices(square_with("f 1 2 3 \\")), [0, 1, 2]);
     // The fault of a continued line is at its first line, and later lines keep their numbers.
     assert_eq!(fault("v 0 \\\n0 x\n").0, Some(1));
@@ -206,199 +134,81 @@ fn continued_lines_are_joined() {
 #[test]
 fn remarks_and_names_that_end_in_a_backslash_swallow_nothing() {
     assert_eq!(
-        vertices(
-            "# C:\\meshes\\\nv 0 0 0\no C:\\\nv 1 0 0\nusemtl a\\\nv 2 0 0\nmtllib b\\\nf 1 2 3\n"
-        ),
+        vertices("# C:\\meshes\\\nv 0 0 0\no C:\\\nv 1 0 0\nusemtl a\\\nv 2 0 0\nmtllib b\\\nf 1 2 3\n"),
         [0, 1, 2]
     );
 }
 
 #[test]
 fn remarks() {
-    assert_eq!(
-        vertices("#v 9 9 9\n# f 1\nv 0 0 0 # here\nv 1 0 0 #\nl 1 2 #3\n"),
-        [0, 1]
-    );
-    assert_eq!(
-        vertices(b"# caf\xE9 \xFF\no stra\xDFe\nv 0 0 0\nv 1 0 0\n# \xE9\nl 1 2\n"),
-        [0, 1]
-    );
+    assert_eq!(vertices("#v 9 9 9\n# f 1\nv 0 0 0 # here\nv 1 0 0 #\nl 1 2 #3\n"), [0, 1]);
+    assert_eq!(vertices(b"# caf\xE9 \xFF\no stra\xDFe\nv 0 0 0\nv 1 0 0\n# \xE9\nl 1 2\n"), [0, 1]);
 }
 
 #[test]
 fn materials_are_not_needed() {
-    assert_eq!(
-        vertices(square_with(
-            "mtllib nowhere.mtl\nusemtl gold\nf 1 2 3\nusemtl\nf 1 3 4\n"
-        )),
-        [0, 1, 2, 3]
-    );
+    assert_eq!(vertices(square_with("mtllib nowhere.mtl\nusemtl gold\nf 1 2 3\nusemtl\nf 1 3 4\n")), [0, 1, 2, 3]);
 }
 
 #[test]
 fn what_does_not_shape_a_hull_is_not_checked() {
     assert_eq!(
-        vertices(square_with(
-            "vt x\nvn\nvn nan nan nan\nvt 0 0\nf 1/9/-9 2/-77 3\nsomething else\n"
-        )),
+        vertices(square_with("vt x\nvn\nvn nan nan nan\nvt 0 0\nf 1/9/-9 2/-77 3\nsomething else\n")),
         [0, 1, 2]
     );
 }
 
 #[test]
 fn colours_and_weights() {
-    let imported = import(
-        "v 1 2 3 0.5 0.5 0.5\nv 1 2 3\nv 1 2 3 r g b\nv 2 4 6 2\nf 1 2 3 4\n",
-        WHOLE,
-    );
+    let imported = import("v 1 2 3 0.5 0.5 0.5\nv 1 2 3\nv 1 2 3 r g b\nv 2 4 6 2\nf 1 2 3 4\n", WHOLE);
     assert_eq!(imported.point_sets[0].positions, [[1.0, 2.0, 3.0]; 4]);
     assert_eq!(fault("v 1 2 3 0\n"), (Some(1), Fault::ZeroWeight));
-    assert_eq!(
-        fault("v 1 2 3 1 1\n"),
-        (Some(1), Fault::CoordinateCount { found: 5 })
-    );
-    assert_eq!(
-        fault("v 1 2 3 1 1 1 1\n"),
-        (Some(1), Fault::CoordinateCount { found: 7 })
-    );
-    assert!(matches!(
-        fault("v 1e30 2 3 1e-30\n"),
-        (Some(1), Fault::Overflow { .. })
-    ));
-    assert!(matches!(
-        fault("v 1 2 3 nan\n"),
-        (Some(1), Fault::NotANumber { .. })
-    ));
+    assert_eq!(fault("v 1 2 3 1 1\n"), (Some(1), Fault::CoordinateCount { found: 5 }));
+    assert_eq!(fault("v 1 2 3 1 1 1 1\n"), (Some(1), Fault::CoordinateCount { found: 7 }));
+    assert!(matches!(fault("v 1e30 2 3 1e-30\n"), (Some(1), Fault::Overflow { .. })));
+    assert!(matches!(fault("v 1 2 3 nan\n"), (Some(1), Fault::NotANumber { .. })));
 }
 
 #[test]
 fn bad_numbers_are_named() {
     let text = |text: &str| text.to_owned();
-    assert_eq!(
-        fault("v 0 0 0\nv 1 nan 0\n"),
-        (Some(2), Fault::NotANumber { text: text("nan") })
-    );
-    assert_eq!(
-        fault("\n\nv 1 0 -Inf\n"),
-        (Some(3), Fault::Infinite { text: text("-Inf") })
-    );
-    assert_eq!(
-        fault("v 1e39 0 0\n"),
-        (Some(1), Fault::Overflow { text: text("1e39") })
-    );
-    assert_eq!(
-        fault("v 0 0 0\r\nv 0 zero 0\r\n"),
-        (Some(2), Fault::BadNumber { text: text("zero") })
-    );
+    assert_eq!(fault("v 0 0 0\nv 1 nan 0\n"), (Some(2), Fault::NotANumber { text: text("nan") }));
+    assert_eq!(fault("\n\nv 1 0 -Inf\n"), (Some(3), Fault::Infinite { text: text("-Inf") }));
+    assert_eq!(fault("v 1e39 0 0\n"), (Some(1), Fault::Overflow { text: text("1e39") }));
+    assert_eq!(fault("v 0 0 0\r\nv 0 zero 0\r\n"), (Some(2), Fault::BadNumber { text: text("zero") }));
     assert!(fault("v 1,5 0 0\n").1.to_string().contains("comma"));
-    assert_eq!(
-        fault(b"v 0 \xE9 0\n"),
-        (
-            Some(1),
-            Fault::BadNumber {
-                text: text("\u{FFFD}")
-            }
-        )
-    );
+    assert_eq!(fault(b"v 0 \xE9 0\n"), (Some(1), Fault::BadNumber { text: text("\u{FFFD}") }));
 }
 
 #[test]
 fn cut_off_files_are_named() {
-    assert_eq!(
-        fault("v 0 0 0\nv 1 0"),
-        (Some(2), Fault::TooFewCoordinates { found: 2 })
-    );
-    assert_eq!(
-        fault("v\n"),
-        (Some(1), Fault::TooFewCoordinates { found: 0 })
-    );
-    assert_eq!(
-        fault(square_with("f")),
-        (
-            Some(5),
-            Fault::NoReferences {
-                keyword: "f".to_owned()
-            }
-        )
-    );
-    assert!(matches!(
-        fault(square_with("p #1")),
-        (Some(5), Fault::NoReferences { .. })
-    ));
+    assert_eq!(fault("v 0 0 0\nv 1 0"), (Some(2), Fault::TooFewCoordinates { found: 2 }));
+    assert_eq!(fault("v\n"), (Some(1), Fault::TooFewCoordinates { found: 0 }));
+    assert_eq!(fault(square_with("f")), (Some(5), Fault::NoReferences { keyword: "f".to_owned() }));
+    assert!(matches!(fault(square_with("p #1")), (Some(5), Fault::NoReferences { .. })));
 }
 
 #[test]
 fn faces_of_two_are_taken_and_noted() {
     let imported = import(square_with("f 1 2\n"), WHOLE);
     assert_eq!(imported.point_sets[0].source_vertices, [0, 1]);
-    assert!(
-        imported
-            .notes
-            .iter()
-            .any(|note| note.contains("fewer than 3")),
-        "{:?}",
-        imported.notes
-    );
+    assert!(imported.notes.iter().any(|note| note.contains("fewer than 3")), "{:?}", imported.notes);
 }
 
 #[test]
 fn bad_references_are_named() {
     let text = |text: &str| text.to_owned();
-    assert_eq!(
-        fault(square_with("f 0 1 2\n")),
-        (Some(5), Fault::ZeroIndex { text: text("0") })
-    );
-    assert_eq!(
-        fault(square_with("\nf 1 2 5\nf 1 2 3\n")),
-        (
-            Some(6),
-            Fault::IndexTooLarge {
-                number: 5,
-                count: 4
-            }
-        )
-    );
-    assert_eq!(
-        fault("f 1 2 3\nv 0 0 0\n"),
-        (
-            Some(1),
-            Fault::IndexTooLarge {
-                number: 2,
-                count: 1
-            }
-        )
-    );
-    assert!(matches!(
-        fault(square_with("p 99999999999\n")),
-        (Some(5), Fault::IndexTooLarge { .. })
-    ));
+    assert_eq!(fault(square_with("f 0 1 2\n")), (Some(5), Fault::ZeroIndex { text: text("0") }));
+    assert_eq!(fault(square_with("\nf 1 2 5\nf 1 2 3\n")), (Some(6), Fault::IndexTooLarge { number: 5, count: 4 }));
+    assert_eq!(fault("f 1 2 3\nv 0 0 0\n"), (Some(1), Fault::IndexTooLarge { number: 2, count: 1 }));
+    assert!(matches!(fault(square_with("p 99999999999\n")), (Some(5), Fault::IndexTooLarge { .. })));
     assert_eq!(
         fault(square_with("f -1 -2 -5\n")),
-        (
-            Some(5),
-            Fault::IndexBeforeFirst {
-                text: text("-5"),
-                declared: 4
-            }
-        )
+        (Some(5), Fault::IndexBeforeFirst { text: text("-5"), declared: 4 })
     );
-    assert!(matches!(
-        fault(square_with("p -9223372036854775808\n")).1,
-        Fault::IndexBeforeFirst { .. }
-    ));
-    for word in [
-        "x",
-        "1.0",
-        "/1",
-        "1/x",
-        "1/1/1/1",
-        "99999999999999999999",
-        "//",
-    ] {
-        assert_eq!(
-            fault(square_with(&format!("f 1 2 {word}\n"))),
-            (Some(5), Fault::BadReference { text: text(word) })
-        );
+    assert!(matches!(fault(square_with("p -9223372036854775808\n")).1, Fault::IndexBeforeFirst { .. }));
+    for word in ["x", "1.0", "/1", "1/x", "1/1/1/1", "99999999999999999999", "//"] {
+        assert_eq!(fault(square_with(&format!("f 1 2 {word}\n"))), (Some(5), Fault::BadReference { text: text(word) }));
     }
 }
 
@@ -419,56 +229,33 @@ fn long_words_are_cut_in_messages() {
     assert!(message.len() < 200, "{message}");
 }
 
-const TWO: &str = "v 9 9 9\no left\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no empty\no right\nv 5 0 0\nv 5 1 0\nf -1 -2 3\n";
+const TWO: &str =
+    "v 9 9 9\no left\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no empty\no right\nv 5 0 0\nv 5 1 0\nf -1 -2 3\n";
 
 #[test]
 fn objects_become_point_sets() {
     let imported = import(TWO, OBJECTS);
-    assert_eq!(
-        outline(&imported),
-        [("left", &[0, 1, 2][..]), ("right", &[2, 4, 5][..])]
-    );
-    assert_eq!(
-        imported.point_sets[1].positions,
-        [[1.0, 0.0, 0.0], [5.0, 0.0, 0.0], [5.0, 1.0, 0.0]]
-    );
+    assert_eq!(outline(&imported), [("left", &[0, 1, 2][..]), ("right", &[2, 4, 5][..])]);
+    assert_eq!(imported.point_sets[1].positions, [[1.0, 0.0, 0.0], [5.0, 0.0, 0.0], [5.0, 1.0, 0.0]]);
     assert_eq!(imported.unreferenced_count, 1);
-    assert!(
-        imported
-            .notes
-            .iter()
-            .any(|note| note.contains("skipped: 1 (empty)")),
-        "{:?}",
-        imported.notes
-    );
+    assert!(imported.notes.iter().any(|note| note.contains("skipped: 1 (empty)")), "{:?}", imported.notes);
     // The same file uncut.
     assert_eq!(vertices(TWO), [0, 1, 2, 4, 5]);
 }
 
 #[test]
 fn unreferenced_vertices_go_to_the_object_that_declares_them() {
-    assert_eq!(
-        outline(&import(TWO, OBJECTS_ALL)),
-        [("left", &[0, 1, 2, 3][..]), ("right", &[2, 4, 5][..])]
-    );
+    assert_eq!(outline(&import(TWO, OBJECTS_ALL)), [("left", &[0, 1, 2, 3][..]), ("right", &[2, 4, 5][..])]);
     let cloud = "v 0 0 0\no a\nv 1 0 0\no b\nv 2 0 0\n";
     for options in [OBJECTS, OBJECTS_ALL] {
-        assert_eq!(
-            outline(&import(cloud, options)),
-            [("shape", &[0][..]), ("a", &[1][..]), ("b", &[2][..])]
-        );
+        assert_eq!(outline(&import(cloud, options)), [("shape", &[0][..]), ("a", &[1][..]), ("b", &[2][..])]);
     }
 }
 
 #[test]
 fn object_names() {
-    let names = |text: &str| -> Vec<String> {
-        import(text, OBJECTS)
-            .point_sets
-            .into_iter()
-            .map(|set| set.name)
-            .collect()
-    };
+    let names =
+        |text: &str| -> Vec<String> { import(text, OBJECTS).point_sets.into_iter().map(|set| set.name).collect() };
     assert_eq!(
         names("v 0 0 0\np 1\no\np 1\no  two words \np 1\no two words\np 1\n"),
         ["shape", "shape_2", "two words", "two words_2"]
@@ -480,27 +267,13 @@ fn object_names() {
 fn groups_are_not_objects() {
     let imported = import(square_with("g one\nf 1 2 3\ng two\nf 1 3 4\n"), OBJECTS);
     assert_eq!(outline(&imported), [("shape", &[0, 1, 2, 3][..])]);
-    assert!(
-        imported.notes.iter().any(|note| note.contains("groups")),
-        "{:?}",
-        imported.notes
-    );
+    assert!(imported.notes.iter().any(|note| note.contains("groups")), "{:?}", imported.notes);
 }
 
 #[test]
 fn free_form_surfaces_are_noted() {
-    let imported = import(
-        square_with("p 1\ncstype bezier\nsurf 0 1 0 1 1 2 3 4\n"),
-        WHOLE,
-    );
-    assert!(
-        imported
-            .notes
-            .iter()
-            .any(|note| note.contains("line 7: free-form")),
-        "{:?}",
-        imported.notes
-    );
+    let imported = import(square_with("p 1\ncstype bezier\nsurf 0 1 0 1 1 2 3 4\n"), WHOLE);
+    assert!(imported.notes.iter().any(|note| note.contains("line 7: free-form")), "{:?}", imported.notes);
 }
 
 #[test]
@@ -532,10 +305,7 @@ fn damaged_files_are_read_alike_by_both_readers_or_refused_by_the_first() {
         "\u{FEFF}",
         "\0",
     ];
-    let texts = [
-        TWO,
-        "v 1 2 3 2\r\nv 4 5 6 0.1 0.2 0.3\r\nvt 0 0\r\nf 1/1 2/1 \\\r\n -1//\r\np 1 -2\r\n",
-    ];
+    let texts = [TWO, "v 1 2 3 2\r\nv 4 5 6 0.1 0.2 0.3\r\nvt 0 0\r\nf 1/1 2/1 \\\r\n -1//\r\np 1 -2\r\n"];
     let mut random = SplitMix::new(SEED);
     let mut imported_count = 0;
     for round in 0..4000 {
@@ -558,21 +328,9 @@ fn damaged_files_are_read_alike_by_both_readers_or_refused_by_the_first() {
         match import_obj("shape.obj", "shape", &bytes, OBJECTS_ALL) {
             Ok(imported) => {
                 imported_count += 1;
-                assert!(
-                    imported
-                        .point_sets
-                        .iter()
-                        .all(|set| !set.positions.is_empty())
-                );
+                assert!(imported.point_sets.iter().all(|set| !set.positions.is_empty()));
                 assert!(imported.point_count() >= imported.vertex_count);
-                assert!(
-                    imported
-                        .point_sets
-                        .iter()
-                        .flat_map(|set| &set.positions)
-                        .flatten()
-                        .all(|x| x.is_finite())
-                );
+                assert!(imported.point_sets.iter().flat_map(|set| &set.positions).flatten().all(|x| x.is_finite()));
             }
             Err(error) => assert!(
                 !matches!(error.fault, Fault::Refused(_) | Fault::Disagreement(_)),
@@ -581,17 +339,12 @@ fn damaged_files_are_read_alike_by_both_readers_or_refused_by_the_first() {
             ),
         }
     }
-    assert!(
-        (1000..3500).contains(&imported_count),
-        "{imported_count} of 4000 say little"
-    );
+    assert!((1000..3500).contains(&imported_count), "{imported_count} of 4000 say little");
 }
 
 /// The number behind `key=` in the manifest's features.
 fn feature(features: &str, key: &str) -> usize {
-    let value = features
-        .split_whitespace()
-        .find_map(|word| word.strip_prefix(key)?.strip_prefix('='));
+    let value = features.split_whitespace().find_map(|word| word.strip_prefix(key)?.strip_prefix('='));
     value.map_or(0, |number| number.parse().unwrap())
 }
 
@@ -602,9 +355,7 @@ fn meshes_of_the_manifest() {
         return;
     };
     let manifest = std::fs::read_to_string(folder.join("MANIFEST.tsv")).unwrap();
-    let mut rows = manifest
-        .lines()
-        .map(|line| line.split('\t').collect::<Vec<_>>());
+    let mut rows = manifest.lines().map(|line| line.split('\t').collect::<Vec<_>>());
     let header = rows.next().unwrap();
     let column = |name: &str| header.iter().position(|&title| title == name).unwrap();
     let (file, vertex_count, features) = (column("file"), column("vertices"), column("features"));
@@ -617,19 +368,10 @@ fn meshes_of_the_manifest() {
         let unreferenced = feature(row[features], "unref");
         assert_eq!(whole.vertex_count, expected, "{}", row[file]);
         assert_eq!(whole.unreferenced_count, unreferenced, "{}", row[file]);
-        assert_eq!(
-            whole.point_count(),
-            expected - unreferenced,
-            "{}",
-            row[file]
-        );
+        assert_eq!(whole.point_count(), expected - unreferenced, "{}", row[file]);
         assert_eq!(all.point_count(), expected, "{}", row[file]);
         // The manifest compares the numbers as written; as f32 more of them are equal.
-        assert!(
-            all.duplicate_count >= feature(row[features], "dup"),
-            "{}",
-            row[file]
-        );
+        assert!(all.duplicate_count >= feature(row[features], "dup"), "{}", row[file]);
         for set in &import(OBJECTS).point_sets {
             assert_eq!(set.positions.len(), set.source_vertices.len());
         }

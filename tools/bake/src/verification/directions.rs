@@ -38,22 +38,12 @@ pub fn directions(vertices: &[Vec3], faces: &[Vec<u32>], count: usize, seed: u64
             kind @ (3 | 4) if !normals.is_empty() => {
                 let share = count / 4;
                 let turn = 2 * round + kind - 3;
-                let face = pick(
-                    &mut random,
-                    turn / DISTURBANCES.len(),
-                    normals.len(),
-                    share / DISTURBANCES.len(),
-                );
+                let face = pick(&mut random, turn / DISTURBANCES.len(), normals.len(), share / DISTURBANCES.len());
                 disturb(&mut random, normals[face], turn)
             }
             5 if !edges.is_empty() => {
                 let share = count / 8;
-                let edge = pick(
-                    &mut random,
-                    round / DISTURBANCES.len(),
-                    edges.len(),
-                    share / DISTURBANCES.len(),
-                );
+                let edge = pick(&mut random, round / DISTURBANCES.len(), edges.len(), share / DISTURBANCES.len());
                 let [from, to] = edges[edge];
                 let along = 0.5 + 0.5 * random.signed();
                 disturb(&mut random, from.lerp(to, along), round)
@@ -64,8 +54,7 @@ pub fn directions(vertices: &[Vec3], faces: &[Vec<u32>], count: usize, seed: u64
             }
             7 => cell_border(&mut random),
             _ => {
-                let exponent =
-                    random.below(2 * LENGTH_BITS as usize + 1) as i32 - LENGTH_BITS as i32;
+                let exponent = random.below(2 * LENGTH_BITS as usize + 1) as i32 - LENGTH_BITS as i32;
                 random.in_ball_f64() * f64::from(exponent).exp2()
             }
         };
@@ -83,19 +72,7 @@ pub fn directions(vertices: &[Vec3], faces: &[Vec<u32>], count: usize, seed: u64
 /// Directions for which any vertex is a right answer: the point is that there is one.
 pub fn special_directions() -> Vec<Vec3> {
     let tiny = f32::from_bits(1);
-    let values = [
-        0.0,
-        -0.0,
-        1.0,
-        tiny,
-        -tiny,
-        1e-38,
-        f32::MAX,
-        f32::MIN,
-        f32::INFINITY,
-        f32::NEG_INFINITY,
-        f32::NAN,
-    ];
+    let values = [0.0, -0.0, 1.0, tiny, -tiny, 1e-38, f32::MAX, f32::MIN, f32::INFINITY, f32::NEG_INFINITY, f32::NAN];
     let mut list = Vec::with_capacity(values.len().pow(3));
     for x in values {
         for y in values {
@@ -107,11 +84,7 @@ pub fn special_directions() -> Vec<Vec3> {
 
 /// All of `len` things in turn if there is room for them in `share` picks, else random ones.
 fn pick(random: &mut SplitMix, turn: usize, len: usize, share: usize) -> usize {
-    if len <= share {
-        turn % len
-    } else {
-        random.below(len)
-    }
+    if len <= share { turn % len } else { random.below(len) }
 }
 
 /// `dir`, of about unit length, moved by the disturbance whose turn it is.
@@ -123,9 +96,7 @@ fn disturb(random: &mut SplitMix, dir: DVec3, turn: usize) -> DVec3 {
 fn normal(vertices: &[Vec3], face: &[u32]) -> DVec3 {
     let corner = |i: usize| vertices[face[i % face.len()] as usize].as_dvec3();
     let origin = corner(0);
-    let sum: DVec3 = (1..face.len())
-        .map(|i| (corner(i) - origin).cross(corner(i + 1) - origin))
-        .sum();
+    let sum: DVec3 = (1..face.len()).map(|i| (corner(i) - origin).cross(corner(i + 1) - origin)).sum();
     sum.normalize_or_zero()
 }
 
@@ -176,19 +147,14 @@ fn seam(random: &mut SplitMix, turn: usize) -> DVec3 {
 /// A point on a cell border of a cube map, or one rounding beside it.
 fn cell_border(random: &mut SplitMix) -> DVec3 {
     let cells = 1_u64 << random.below(BORDER_BITS as usize + 1);
-    let line =
-        |random: &mut SplitMix| 2.0 * random.below(cells as usize + 1) as f64 / cells as f64 - 1.0;
+    let line = |random: &mut SplitMix| 2.0 * random.below(cells as usize + 1) as f64 / cells as f64 - 1.0;
     let across = line(random) as f32;
     let across = match random.below(3) {
         0 => across,
         1 => across.next_up(),
         _ => across.next_down(),
     };
-    let along = if random.bits() & 1 == 0 {
-        line(random)
-    } else {
-        random.signed()
-    };
+    let along = if random.bits() & 1 == 0 { line(random) } else { random.signed() };
     let major = if random.bits() & 1 == 0 { 1.0 } else { -1.0 };
     turned(DVec3::new(major, f64::from(across), along), random.below(3))
 }
@@ -209,17 +175,8 @@ mod tests {
     /// The cube with corners at ±1; bit k of a vertex number is the sign of axis k.
     fn cube() -> (Vec<Vec3>, Vec<Vec<u32>>) {
         let sign = |bit: u32| if bit == 0 { -1.0 } else { 1.0 };
-        let vertices = (0..8)
-            .map(|i| Vec3::new(sign(i & 1), sign(i & 2), sign(i & 4)))
-            .collect();
-        let faces = [
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-        ];
+        let vertices = (0..8).map(|i| Vec3::new(sign(i & 1), sign(i & 2), sign(i & 4))).collect();
+        let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
         (vertices, faces.map(|face| face.to_vec()).to_vec())
     }
 
@@ -267,10 +224,7 @@ mod tests {
                 assert!(dir.length() > 0.7);
                 let dots: Vec<f64> = vertices.iter().map(|v| v.as_dvec3().dot(dir)).collect();
                 let greatest = dots.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                assert!(
-                    dots.iter().filter(|&&dot| dot > greatest - 1e-12).count() >= 2,
-                    "{dir}"
-                );
+                assert!(dots.iter().filter(|&&dot| dot > greatest - 1e-12).count() >= 2, "{dir}");
             }
         }
     }
@@ -284,10 +238,7 @@ mod tests {
     #[test]
     fn flat_hulls_and_those_without_faces_get_directions_too() {
         let square = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
-        for faces in [
-            vec![vec![0, 1, 2, 3]],
-            vec![vec![0, 1, 2, 3], vec![3, 2, 1, 0]],
-        ] {
+        for faces in [vec![vec![0, 1, 2, 3]], vec![vec![0, 1, 2, 3], vec![3, 2, 1, 0]]] {
             check_arcs(&square, &faces, 8);
         }
         assert_eq!(directions(&square, &[vec![0, 1, 2, 3]], 500, 0).len(), 500);
@@ -298,8 +249,6 @@ mod tests {
     fn special_directions_hold_the_dreaded_ones() {
         let list = special_directions();
         assert!(list.contains(&Vec3::ZERO) && list.contains(&Vec3::splat(f32::MAX)));
-        assert!(
-            list.iter().any(|dir| dir.is_nan()) && list.contains(&Vec3::splat(f32::from_bits(1)))
-        );
+        assert!(list.iter().any(|dir| dir.is_nan()) && list.contains(&Vec3::splat(f32::from_bits(1))));
     }
 }

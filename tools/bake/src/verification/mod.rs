@@ -11,7 +11,7 @@ pub mod truth;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::runtime::{Hull, QueryCost, SupportPoint};
+use hullmap::{Cost, Hull, SupportPoint};
 use truth::{Points, dot};
 
 /// Greatest regret, relative to the diameter, that counts as exact: half a unit in the last place of an f32 is 6e-8
@@ -20,22 +20,16 @@ pub const REGRET_LIMIT: f64 = 2e-7;
 
 /// What a verification asks of a hull.
 pub trait SupportQueries: Sync {
-    /// Number of vertices.
-    fn vertex_count(&self) -> usize;
-    /// A vertex.
-    fn vertex(&self, index: usize) -> Vec3;
+    /// A vertex; `None` past the last one.
+    fn vertex(&self, index: u32) -> Option<Vec3>;
     /// The support point.
     fn support(&self, dir: Vec3) -> SupportPoint;
     /// What that query takes.
-    fn support_cost(&self, dir: Vec3) -> QueryCost;
+    fn support_cost(&self, dir: Vec3) -> Cost;
 }
 
 impl SupportQueries for Hull<'_> {
-    fn vertex_count(&self) -> usize {
-        Hull::vertex_count(self)
-    }
-
-    fn vertex(&self, index: usize) -> Vec3 {
+    fn vertex(&self, index: u32) -> Option<Vec3> {
         Hull::vertex(self, index)
     }
 
@@ -43,7 +37,7 @@ impl SupportQueries for Hull<'_> {
         Hull::support(self, dir)
     }
 
-    fn support_cost(&self, dir: Vec3) -> QueryCost {
+    fn support_cost(&self, dir: Vec3) -> Cost {
         Hull::support_cost(self, dir)
     }
 }
@@ -60,7 +54,7 @@ pub struct Measurement {
     /// Special directions whose answer is no vertex.
     pub invalid_answers: usize,
     /// Greatest cost of any query tried.
-    pub cost: QueryCost,
+    pub cost: Cost,
 }
 
 /// Tries a hull in all `directions`, which are finite and not zero, and in the special ones.
@@ -70,32 +64,20 @@ pub struct Measurement {
 pub fn measure(hull: &impl SupportQueries, truth: &Points, directions: &[Vec3]) -> Measurement {
     let diameter = truth.diameter();
     let greatest = truth.greatest_dots(directions);
-    let answers: Vec<(f64, QueryCost)> = directions
+    let answers: Vec<(f64, Cost)> = directions
         .par_iter()
         .zip(&greatest)
         .map(|(&dir, &greatest)| {
             let got = hull.support(dir);
-            let regret = if is_vertex(hull, got) {
-                regret(greatest, got.point, dir, diameter)
-            } else {
-                f64::INFINITY
-            };
+            let regret = if is_vertex(hull, got) { regret(greatest, got.point, dir, diameter) } else { f64::INFINITY };
             (regret, hull.support_cost(dir))
         })
         .collect();
 
     let specials = directions::special_directions();
-    let invalid_answers = specials
-        .iter()
-        .filter(|&&dir| !is_vertex(hull, hull.support(dir)))
-        .count();
-    let mut result = Measurement {
-        max_regret: 0.0,
-        worst_direction: None,
-        mismatches: 0,
-        invalid_answers,
-        cost: QueryCost::default(),
-    };
+    let invalid_answers = specials.iter().filter(|&&dir| !is_vertex(hull, hull.support(dir))).count();
+    let mut result =
+        Measurement { max_regret: 0.0, worst_direction: None, mismatches: 0, invalid_answers, cost: Cost::default() };
     for (&(regret, cost), &dir) in answers.iter().zip(directions) {
         if regret > REGRET_LIMIT {
             result.mismatches += 1;
@@ -112,11 +94,8 @@ pub fn measure(hull: &impl SupportQueries, truth: &Points, directions: &[Vec3]) 
 
 /// Whether an answer is a vertex of the hull, bit by bit.
 fn is_vertex(hull: &impl SupportQueries, got: SupportPoint) -> bool {
-    let index = got.index as usize;
-    let same = |vertex: Vec3| {
-        vertex.to_array().map(f32::to_bits) == got.point.to_array().map(f32::to_bits)
-    };
-    index < hull.vertex_count() && same(hull.vertex(index))
+    let bits = |point: Vec3| point.to_array().map(f32::to_bits);
+    hull.vertex(got.index).is_some_and(|vertex| bits(vertex) == bits(got.point))
 }
 
 /// Absolute regret; infinite where it is no number.
@@ -129,11 +108,7 @@ fn regret(greatest: f64, got: Vec3, dir: Vec3, diameter: f64) -> f64 {
     }
     let regret = (loss / (dot(dir, dir).sqrt() * diameter)).abs();
     // NaN must not read as a small number.
-    if regret.is_nan() {
-        f64::INFINITY
-    } else {
-        regret
-    }
+    if regret.is_nan() { f64::INFINITY } else { regret }
 }
 
 #[cfg(test)]
@@ -149,37 +124,18 @@ mod tests {
     }
 
     impl<F: Fn(Vec3, SupportPoint) -> SupportPoint + Sync> SupportQueries for Cloud<F> {
-        fn vertex_count(&self) -> usize {
-            self.vertices.len()
-        }
-
-        fn vertex(&self, index: usize) -> Vec3 {
-            self.vertices[index]
+        fn vertex(&self, index: u32) -> Option<Vec3> {
+            self.vertices.get(index as usize).copied()
         }
 
         fn support(&self, dir: Vec3) -> SupportPoint {
-            let scores = self
-                .vertices
-                .iter()
-                .map(|v| v.as_dvec3().dot(dir.as_dvec3()))
-                .enumerate();
-            let best = scores.fold((0, f64::NEG_INFINITY), |best, next| {
-                if next.1 > best.1 { next } else { best }
-            });
-            (self.bend)(
-                dir,
-                SupportPoint {
-                    point: self.vertices[best.0],
-                    index: best.0 as u32,
-                },
-            )
+            let scores = self.vertices.iter().map(|v| v.as_dvec3().dot(dir.as_dvec3())).enumerate();
+            let best = scores.fold((0, f64::NEG_INFINITY), |best, next| if next.1 > best.1 { next } else { best });
+            (self.bend)(dir, SupportPoint { point: self.vertices[best.0], index: best.0 as u32 })
         }
 
-        fn support_cost(&self, dir: Vec3) -> QueryCost {
-            QueryCost {
-                nodes: 3,
-                dots: if dir.x > 0.0 { 8 } else { 4 },
-            }
+        fn support_cost(&self, dir: Vec3) -> Cost {
+            Cost { nodes: 3, dots: if dir.x > 0.0 { 8 } else { 4 } }
         }
     }
 
@@ -203,32 +159,17 @@ mod tests {
     #[test]
     fn an_exact_hull_has_no_regret() {
         let source = sphere(200);
-        let result = try_out(
-            &Cloud {
-                vertices: source.clone(),
-                bend: honest,
-            },
-            &source,
-        );
+        let result = try_out(&Cloud { vertices: source.clone(), bend: honest }, &source);
         assert!(result.max_regret < 1e-15, "{}", result.max_regret);
         assert_eq!((result.mismatches, result.invalid_answers), (0, 0));
-        assert_eq!(result.cost, QueryCost { nodes: 3, dots: 8 });
+        assert_eq!(result.cost, Cost { nodes: 3, dots: 8 });
     }
 
     #[test]
     fn a_hull_that_lost_a_point_fails() {
         let source = sphere(200);
-        let result = try_out(
-            &Cloud {
-                vertices: source[1..].to_vec(),
-                bend: honest,
-            },
-            &source,
-        );
-        assert!(
-            result.mismatches > 0 && result.max_regret > 1e-4,
-            "{result:?}"
-        );
+        let result = try_out(&Cloud { vertices: source[1..].to_vec(), bend: honest }, &source);
+        assert!(result.mismatches > 0 && result.max_regret > 1e-4, "{result:?}");
         assert!(result.worst_direction.unwrap().normalize().dot(source[0]) > 0.9);
     }
 
@@ -237,48 +178,20 @@ mod tests {
         let source = sphere(200);
         let mut vertices = source.clone();
         vertices.push(Vec3::new(1.01, 0.0, 0.0));
-        let result = try_out(
-            &Cloud {
-                vertices,
-                bend: honest,
-            },
-            &source,
-        );
+        let result = try_out(&Cloud { vertices, bend: honest }, &source);
         assert!(result.mismatches > 0, "{result:?}");
     }
 
     #[test]
     fn answers_that_are_no_vertex_fail() {
         let source = sphere(50);
-        let moved = |_: Vec3, got: SupportPoint| SupportPoint {
-            point: got.point * 1.000_001,
-            ..got
-        };
-        let result = try_out(
-            &Cloud {
-                vertices: source.clone(),
-                bend: moved,
-            },
-            &source,
-        );
-        assert_eq!(
-            (result.mismatches, result.max_regret),
-            (4000, f64::INFINITY)
-        );
+        let moved = |_: Vec3, got: SupportPoint| SupportPoint { point: got.point * 1.000_001, ..got };
+        let result = try_out(&Cloud { vertices: source.clone(), bend: moved }, &source);
+        assert_eq!((result.mismatches, result.max_regret), (4000, f64::INFINITY));
         let nan_only = |dir: Vec3, got: SupportPoint| {
-            if dir.is_nan() {
-                SupportPoint { index: 50, ..got }
-            } else {
-                got
-            }
+            if dir.is_nan() { SupportPoint { index: 50, ..got } } else { got }
         };
-        let result = try_out(
-            &Cloud {
-                vertices: source.clone(),
-                bend: nan_only,
-            },
-            &source,
-        );
+        let result = try_out(&Cloud { vertices: source.clone(), bend: nan_only }, &source);
         assert_eq!(result.mismatches, 0);
         assert!(result.invalid_answers > 0);
     }
@@ -286,26 +199,10 @@ mod tests {
     #[test]
     fn a_single_point_is_exact() {
         let source = [Vec3::new(1.0, 2.0, 3.0)];
-        let result = try_out(
-            &Cloud {
-                vertices: source.to_vec(),
-                bend: honest,
-            },
-            &source,
-        );
+        let result = try_out(&Cloud { vertices: source.to_vec(), bend: honest }, &source);
         assert_eq!((result.mismatches, result.max_regret), (0, 0.0));
         let far = [Vec3::new(1.0, 2.0, 4.0)];
-        assert!(
-            try_out(
-                &Cloud {
-                    vertices: far.to_vec(),
-                    bend: honest
-                },
-                &source
-            )
-            .mismatches
-                > 3000
-        );
+        assert!(try_out(&Cloud { vertices: far.to_vec(), bend: honest }, &source).mismatches > 3000);
     }
 
     #[test]
@@ -313,14 +210,7 @@ mod tests {
         let source = sphere(100);
         let regret_at = |scale: f32| {
             let scaled: Vec<Vec3> = source.iter().map(|&v| v * scale).collect();
-            try_out(
-                &Cloud {
-                    vertices: scaled[1..].to_vec(),
-                    bend: honest,
-                },
-                &scaled,
-            )
-            .max_regret
+            try_out(&Cloud { vertices: scaled[1..].to_vec(), bend: honest }, &scaled).max_regret
         };
         assert!((regret_at(1024.0) / regret_at(1.0) - 1.0).abs() < 1e-9);
     }

@@ -51,22 +51,12 @@ impl Points {
         let last = distinct[distinct.len() - 1];
         distinct.resize(distinct.len().next_multiple_of(BLOCK), last);
 
-        let columns = [0, 1, 2].map(|axis| {
-            distinct
-                .iter()
-                .map(|p| f64::from(p[axis]))
-                .collect::<Vec<f64>>()
-        });
+        let columns = [0, 1, 2].map(|axis| distinct.iter().map(|p| f64::from(p[axis])).collect::<Vec<f64>>());
         let bound = |start: f64, choose: fn(f64, f64) -> f64| {
             let of_block = |block: &[f64]| block.iter().copied().fold(start, choose);
-            columns
-                .each_ref()
-                .map(|column| column.chunks(BLOCK).map(of_block).collect())
+            columns.each_ref().map(|column| column.chunks(BLOCK).map(of_block).collect())
         };
-        let (low, high) = (
-            bound(f64::INFINITY, f64::min),
-            bound(f64::NEG_INFINITY, f64::max),
-        );
+        let (low, high) = (bound(f64::INFINITY, f64::min), bound(f64::NEG_INFINITY, f64::max));
         Self { columns, low, high }
     }
 
@@ -76,30 +66,18 @@ impl Points {
     /// O(points / 32 + points near the maximum) for each direction, on all threads of the pool.
     pub fn greatest_dots(&self, directions: &[Vec3]) -> Vec<f64> {
         let tasks = directions.par_iter().with_min_len(DIRECTIONS_A_TASK);
-        let greatest = |bounds: &mut Vec<f64>, dir: &Vec3| {
-            self.greatest(dir.to_array().map(f64::from), bounds)
-        };
+        let greatest = |bounds: &mut Vec<f64>, dir: &Vec3| self.greatest(dir.to_array().map(f64::from), bounds);
         tasks.map_init(Vec::new, greatest).collect()
     }
 
     fn greatest(&self, dir: [f64; 3], bounds: &mut Vec<f64>) -> f64 {
         let corner = |axis: usize| {
-            if dir[axis] >= 0.0 {
-                &self.high[axis]
-            } else {
-                &self.low[axis]
-            }
+            if dir[axis] >= 0.0 { &self.high[axis] } else { &self.low[axis] }
         };
         let corners = corner(0).iter().zip(corner(1)).zip(corner(2));
         bounds.clear();
         bounds.extend(corners.map(|((&x, &y), &z)| dot([x, y, z], dir)));
-        let first = (1..bounds.len()).fold(0, |best, next| {
-            if bounds[next] > bounds[best] {
-                next
-            } else {
-                best
-            }
-        });
+        let first = (1..bounds.len()).fold(0, |best, next| if bounds[next] > bounds[best] { next } else { best });
         let mut greatest = self.greatest_in_block(first, dir);
         for (block, &bound) in bounds.iter().enumerate() {
             if bound > greatest {
@@ -110,20 +88,10 @@ impl Points {
     }
 
     fn greatest_in_block(&self, block: usize, dir: [f64; 3]) -> f64 {
-        let [x, y, z] = self
-            .columns
-            .each_ref()
-            .map(|column| &column[block * BLOCK..][..BLOCK]);
-        let dots = x
-            .iter()
-            .zip(y)
-            .zip(z)
-            .map(|((&x, &y), &z)| dot([x, y, z], dir));
+        let [x, y, z] = self.columns.each_ref().map(|column| &column[block * BLOCK..][..BLOCK]);
+        let dots = x.iter().zip(y).zip(z).map(|((&x, &y), &z)| dot([x, y, z], dir));
         // Not f64::max: its care for NaN, of which there is none here, costs time.
-        dots.fold(
-            f64::NEG_INFINITY,
-            |best, next| if next > best { next } else { best },
-        )
+        dots.fold(f64::NEG_INFINITY, |best, next| if next > best { next } else { best })
     }
 
     /// A distance between two of the points that is the greatest, or close to it, and never more.
@@ -132,13 +100,7 @@ impl Points {
     /// is thus never understated.
     pub fn diameter(&self) -> f64 {
         let mut greatest = 0.0_f64;
-        for dir in [
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, 0.0, 1.0],
-            [1.0, 1.0, 1.0],
-            [1.0, -1.0, 0.5],
-        ] {
+        for dir in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0], [1.0, -1.0, 0.5]] {
             let mut from = self.argmax(|p| dot(p, dir));
             let mut reach = -1.0;
             loop {
@@ -159,9 +121,7 @@ impl Points {
     fn argmax(&self, score: impl Fn([f64; 3]) -> f64) -> [f64; 3] {
         let point = |i: usize| [0, 1, 2].map(|axis| self.columns[axis][i]);
         let best = (0..self.columns[0].len()).map(|i| (score(point(i)), i));
-        let (_, index) = best.fold((f64::NEG_INFINITY, 0), |best, next| {
-            if next.0 > best.0 { next } else { best }
-        });
+        let (_, index) = best.fold((f64::NEG_INFINITY, 0), |best, next| if next.0 > best.0 { next } else { best });
         point(index)
     }
 }
@@ -176,13 +136,8 @@ fn sort_along_morton_curve(points: &mut [[f32; 3]]) {
     let fold = |start: f32, choose: fn(f32, f32) -> f32| {
         [0, 1, 2].map(|axis| f64::from(points.iter().map(|p| p[axis]).fold(start, choose)))
     };
-    let (low, high) = (
-        fold(f32::INFINITY, f32::min),
-        fold(f32::NEG_INFINITY, f32::max),
-    );
-    let longest = (0..3)
-        .map(|axis| high[axis] - low[axis])
-        .fold(0.0, f64::max);
+    let (low, high) = (fold(f32::INFINITY, f32::min), fold(f32::NEG_INFINITY, f32::max));
+    let longest = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
     let cells = f64::from((1_u32 << MORTON_BITS) - 1);
     points.sort_by_cached_key(|p| {
         let mut code = 0_u32;
@@ -210,28 +165,17 @@ mod tests {
     /// The same maximum, one dot product after the other.
     fn slow(positions: &[[f32; 3]], dir: Vec3) -> f64 {
         let dir = dir.to_array().map(f64::from);
-        positions
-            .iter()
-            .map(|p| dot(p.map(f64::from), dir))
-            .fold(f64::NEG_INFINITY, f64::max)
+        positions.iter().map(|p| dot(p.map(f64::from), dir)).fold(f64::NEG_INFINITY, f64::max)
     }
 
     #[test]
     fn fast_truth_is_exactly_the_slow_one() {
         let mut random = SplitMix::new(1);
         for count in [1, 2, 3, 31, 32, 33, 63, 64, 65, 100, 1001, 5000] {
-            let mut positions: Vec<[f32; 3]> =
-                (0..count).map(|_| random.in_ball().to_array()).collect();
+            let mut positions: Vec<[f32; 3]> = (0..count).map(|_| random.in_ball().to_array()).collect();
             positions.push(positions[0]);
             let mut directions: Vec<Vec3> = (0..100).map(|_| random.in_ball()).collect();
-            directions.extend([
-                Vec3::X,
-                Vec3::NEG_X,
-                Vec3::NEG_Y,
-                Vec3::Z,
-                Vec3::ZERO,
-                Vec3::splat(1e30),
-            ]);
+            directions.extend([Vec3::X, Vec3::NEG_X, Vec3::NEG_Y, Vec3::Z, Vec3::ZERO, Vec3::splat(1e30)]);
             directions.push(Vec3::new(-0.0, 1e-30, -1.0));
             let fast = Points::new(&positions).greatest_dots(&directions);
             assert_eq!(fast.len(), directions.len());
@@ -246,10 +190,7 @@ mod tests {
         let lattice = (0..1000).map(|i| [(i % 10) as f32, (i / 10 % 10) as f32, (i / 100) as f32]);
         let lattice: Vec<[f32; 3]> = lattice.collect();
         let flat: Vec<[f32; 3]> = lattice.iter().map(|&[x, y, _]| [x, 3.0, y]).collect();
-        let far: Vec<[f32; 3]> = lattice
-            .iter()
-            .map(|p| p.map(|x| x * 0.01 + 20_000.0))
-            .collect();
+        let far: Vec<[f32; 3]> = lattice.iter().map(|p| p.map(|x| x * 0.01 + 20_000.0)).collect();
         let mut random = SplitMix::new(4);
         for positions in [lattice, flat, far] {
             let mut directions: Vec<Vec3> = (0..50).map(|_| random.in_ball()).collect();
@@ -266,12 +207,8 @@ mod tests {
         let mut random = SplitMix::new(2);
         for _ in 0..50 {
             let positions: Vec<[f32; 3]> = (0..60).map(|_| random.in_ball().to_array()).collect();
-            let pairs = positions
-                .iter()
-                .flat_map(|a| positions.iter().map(move |b| (a, b)));
-            let slow = pairs
-                .map(|(a, b)| distance_sq(a.map(f64::from), b.map(f64::from)).sqrt())
-                .fold(0.0, f64::max);
+            let pairs = positions.iter().flat_map(|a| positions.iter().map(move |b| (a, b)));
+            let slow = pairs.map(|(a, b)| distance_sq(a.map(f64::from), b.map(f64::from)).sqrt()).fold(0.0, f64::max);
             let fast = Points::new(&positions).diameter();
             assert!(fast <= slow && fast > 0.9 * slow, "{fast} {slow}");
         }
@@ -280,26 +217,5 @@ mod tests {
     #[test]
     fn diameter_of_a_point_is_zero() {
         assert_eq!(Points::new(&[[1.0, 2.0, 3.0]; 3]).diameter(), 0.0);
-    }
-
-    #[test]
-    #[ignore = "a measurement: cargo test --release -p bake -- --ignored --nocapture speed"]
-    fn speed_of_the_truth() {
-        let mut random = SplitMix::new(3);
-        let positions: Vec<[f32; 3]> = (0..50_000).map(|_| random.in_ball().to_array()).collect();
-        let shell: Vec<[f32; 3]> = positions
-            .iter()
-            .map(|&p| Vec3::from(p).normalize().to_array())
-            .collect();
-        let directions: Vec<Vec3> = (0..200_000).map(|_| random.in_ball()).collect();
-        for (name, positions) in [("in a ball", &positions), ("on a sphere", &shell)] {
-            let points = Points::new(positions);
-            let start = std::time::Instant::now();
-            let sum: f64 = points.greatest_dots(&directions).iter().sum();
-            println!(
-                "200,000 directions over 50,000 points {name}: {:?} ({sum})",
-                start.elapsed()
-            );
-        }
     }
 }

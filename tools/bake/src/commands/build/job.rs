@@ -5,17 +5,17 @@ use std::path::Path;
 use std::time::Instant;
 
 use hullmap_bake::{PointSet, SourceRecord};
+use hullmap_format::header::{options_hash, source_hash};
 use serde::Serialize;
-use twox_hash::XxHash3_128;
 
 use super::plan::Job;
 use crate::args::DEFAULT_DIRECTIONS;
 use crate::baker::BakedPack;
 use crate::commands::verify::{self, Truth};
 use crate::import::{Imported, import_obj};
+use crate::open::{open_pack, read_header};
 use crate::options::BuildOptions;
 use crate::pack_file::{folder_of, put_in_place, recorded_path, write_beside};
-use crate::runtime::{Pack, PackHeader, current_format_version, read_header};
 
 /// How a file ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -64,8 +64,7 @@ pub struct Row {
 }
 
 /// Bakes point sets into a pack; [`bake_pack`](crate::baker::bake_pack), but for tests.
-pub type Baker =
-    dyn Fn(&[PointSet], &BuildOptions, &SourceRecord) -> Result<BakedPack, String> + Sync;
+pub type Baker = dyn Fn(&[PointSet], &BuildOptions, &SourceRecord) -> Result<BakedPack, String> + Sync;
 
 /// What all files of a build share.
 pub struct Build<'a> {
@@ -75,6 +74,8 @@ pub struct Build<'a> {
     pub verify: bool,
     /// Bake even what is fresh.
     pub force: bool,
+    /// The folder that `bake` was started in: packs record paths inside it alone.
+    pub project: &'a Path,
     /// What bakes.
     pub baker: &'a Baker,
 }
@@ -108,10 +109,7 @@ impl Build<'_> {
                 let text = panic.downcast_ref::<&str>().copied();
                 let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
                 let text = text.unwrap_or("no message");
-                row.error = Some(format!(
-                    "{}: internal error ({text}); please report it with the file",
-                    row.source
-                ));
+                row.error = Some(format!("{}: internal error ({text}); please report it with the file", row.source));
             }
         }
         row.millis = (start.elapsed().as_secs_f64() * 1e4).round() / 10.0;
@@ -119,15 +117,12 @@ impl Build<'_> {
     }
 
     fn bake(&self, job: &Job, row: &mut Row) -> Result<Status, String> {
-        let bytes = std::fs::read(&job.source)
-            .map_err(|error| format!("{}: cannot read: {error}", row.source))?;
-        let hash = XxHash3_128::oneshot(&bytes);
-        if !self.force && self.is_fresh(&job.output, hash) && self.fill_from_pack(&job.output, row)
-        {
+        let bytes = std::fs::read(&job.source).map_err(|error| format!("{}: cannot read: {error}", row.source))?;
+        let hash = source_hash(&bytes);
+        if !self.force && self.is_fresh(&job.output, hash) && self.fill_from_pack(&job.output, row) {
             if self.verify {
                 let imported = self.import(job, row, &bytes)?;
-                verify_pack(&job.output, &imported)
-                    .map_err(|error| format!("{error}; bake it again with --force"))?;
+                verify_pack(&job.output, &imported).map_err(|error| format!("{error}; bake it again with --force"))?;
             }
             return Ok(Status::Fresh);
         }
@@ -138,9 +133,9 @@ impl Build<'_> {
         let folder = folder_of(&job.output);
         std::fs::create_dir_all(folder).map_err(cannot_write)?;
         let record = SourceRecord {
-            path: recorded_path(&job.source, folder),
+            path: recorded_path(&job.source, folder, self.project),
             hash,
-            options_hash: self.options.hash(),
+            options: self.options.to_string(),
         };
         let pack = (self.baker)(&imported.point_sets, &self.options, &record)
             .map_err(|error| format!("{}: {error}", row.source))?;
@@ -159,8 +154,7 @@ impl Build<'_> {
 
     fn import(&self, job: &Job, row: &mut Row, bytes: &[u8]) -> Result<Imported, String> {
         let stem = job.source.file_stem().unwrap_or_default().to_string_lossy();
-        let mut imported = import_obj(&row.source, &stem, bytes, self.options.import)
-            .map_err(|e| e.to_string())?;
+        let mut imported = import_obj(&row.source, &stem, bytes, self.options.import).map_err(|e| e.to_string())?;
         row.vertices_in = Some(imported.point_count());
         row.vertices_source = Some(imported.vertex_count);
         row.vertices_unreferenced = Some(imported.unreferenced_count);
@@ -170,38 +164,29 @@ impl Build<'_> {
     }
 
     fn is_fresh(&self, output: &Path, source_hash: u128) -> bool {
-        let expected = PackHeader {
-            format_version: current_format_version(),
-            source_hash,
-            options_hash: self.options.hash(),
-        };
-        read_header(output) == Some(expected)
+        read_header(output).is_some_and(|header| {
+            header.source_hash == source_hash && header.options_hash == options_hash(&self.options.to_string())
+        })
     }
 
     /// Fills in the row from a pack; false where it does not open, so that it is baked again.
     fn fill_from_pack(&self, output: &Path, row: &mut Row) -> bool {
-        let Ok(pack) = Pack::open(output) else {
+        let Ok(pack) = open_pack(output) else {
             return false;
         };
-        let hulls = || (0..pack.hull_count()).map(|number| pack.hull(number));
         row.hulls = Some(pack.hull_count());
-        row.vertices_in = Some(hulls().map(|hull| hull.point_count()).sum());
-        row.vertices_hull = Some(hulls().map(|hull| hull.vertex_count()).sum());
-        row.ranks = Some(hulls().map(|hull| hull.rank()).collect());
-        row.bytes = Some(pack.byte_count());
+        row.vertices_in = Some(pack.hulls().map(|hull| hull.source_point_count() as usize).sum());
+        row.vertices_hull = Some(pack.hulls().map(|hull| hull.vertex_count()).sum());
+        row.ranks = Some(pack.hulls().map(|hull| hull.rank()).collect());
+        row.bytes = Some(pack.byte_len() as u64);
         true
     }
 }
 
 /// Verifies as `bake verify` does with its defaults.
 fn verify_pack(path: &Path, imported: &Imported) -> Result<(), String> {
-    let pack = Pack::open(path).map_err(|failure| failure.message)?;
-    let reports = verify::verify_hulls(
-        &pack,
-        &Truth::Source(&imported.point_sets),
-        DEFAULT_DIRECTIONS,
-        0,
-    )?;
+    let pack = open_pack(path).map_err(|failure| failure.message)?;
+    let reports = verify::verify_hulls(&pack, &Truth::Source(&imported.point_sets), DEFAULT_DIRECTIONS, 0)?;
     match reports.into_iter().find(|report| !report.pass) {
         Some(report) => Err(format!("verification failed: {}", report.verdict())),
         None => Ok(()),

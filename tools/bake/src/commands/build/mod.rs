@@ -6,6 +6,7 @@ mod plan;
 mod tests;
 
 use std::io::Write;
+use std::path::Path;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::prelude::*;
@@ -22,31 +23,21 @@ use job::{Baker, Build, Row, Status};
 /// An input that cannot be read, or two files that would become one pack: before any work. What goes wrong with one
 /// file is told in its row, and the exit code is 1.
 pub fn run(args: &BuildArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
-    run_with(args, &bake_pack, out)
+    run_with(args, Path::new("."), &bake_pack, out)
 }
 
-fn run_with(args: &BuildArgs, baker: &Baker, out: &mut dyn Write) -> Result<Exit, Failure> {
+/// Runs the command with any baker, in any folder.
+fn run_with(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut dyn Write) -> Result<Exit, Failure> {
     let jobs = plan::plan(&args.inputs, &args.out)?;
-    std::fs::create_dir_all(&args.out).map_err(|error| {
-        Failure::usage(format!(
-            "{}: cannot make this folder: {error}",
-            args.out.display()
-        ))
-    })?;
+    std::fs::create_dir_all(&args.out)
+        .map_err(|error| Failure::usage(format!("{}: cannot make this folder: {error}", args.out.display())))?;
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(jobs) = args.jobs {
         pool = pool.num_threads(usize::from(jobs));
     }
-    let pool = pool
-        .build()
-        .map_err(|error| Failure::usage(format!("cannot start threads: {error}")))?;
+    let pool = pool.build().map_err(|error| Failure::usage(format!("cannot start threads: {error}")))?;
 
-    let build = Build {
-        options: args.options(),
-        verify: args.verify,
-        force: args.force,
-        baker,
-    };
+    let build = Build { options: args.options(), verify: args.verify, force: args.force, project, baker };
     let progress = progress_bar(jobs.len());
     let rows: Vec<Row> = pool.install(|| {
         let one = |job| {

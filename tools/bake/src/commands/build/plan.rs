@@ -27,25 +27,16 @@ pub fn plan(inputs: &[PathBuf], out: &Path) -> Result<Vec<Job>, Failure> {
     let mut jobs = Vec::new();
     for input in inputs {
         let kind = std::fs::metadata(input).map_err(|error| {
-            Failure::usage(format!(
-                "{}: cannot read this input: {error}; check the path",
-                input.display()
-            ))
+            Failure::usage(format!("{}: cannot read this input: {error}; check the path", input.display()))
         })?;
         if kind.is_dir() {
             let before = jobs.len();
             plan_folder(input, out, &mut jobs)?;
             if jobs.len() == before {
-                return Err(Failure::usage(format!(
-                    "{}: no OBJ files in this folder",
-                    input.display()
-                )));
+                return Err(Failure::usage(format!("{}: no OBJ files in this folder", input.display())));
             }
         } else {
-            jobs.push(Job {
-                source: input.clone(),
-                output: pack_path(out, input),
-            });
+            jobs.push(Job { source: input.clone(), output: pack_path(out, input) });
         }
     }
     without_clashes(jobs)
@@ -57,27 +48,17 @@ fn plan_folder(folder: &Path, out: &Path, jobs: &mut Vec<Job>) -> Result<(), Fai
             Ok(entry) => entry,
             Err(error) if error.loop_ancestor().is_some() => continue,
             // A link that leads nowhere is no mesh, unless it is called one.
-            Err(error)
-                if error
-                    .path()
-                    .is_some_and(|path| path.is_symlink() && !is_obj(path)) =>
-            {
+            Err(error) if error.path().is_some_and(|path| path.is_symlink() && !is_obj(path)) => {
                 continue;
             }
             Err(error) => {
-                return Err(Failure::usage(format!(
-                    "{}: cannot search: {error}",
-                    folder.display()
-                )));
+                return Err(Failure::usage(format!("{}: cannot search: {error}", folder.display())));
             }
         };
         if entry.file_type().is_file() && is_obj(entry.path()) {
             let below = entry.path().strip_prefix(folder).unwrap_or(entry.path());
             let place = out.join(below.parent().unwrap_or(Path::new("")));
-            jobs.push(Job {
-                source: entry.path().to_owned(),
-                output: pack_path(&place, entry.path()),
-            });
+            jobs.push(Job { source: entry.path().to_owned(), output: pack_path(&place, entry.path()) });
         }
     }
     Ok(())
@@ -117,8 +98,7 @@ fn pack_path(place: &Path, source: &Path) -> PathBuf {
 
 /// Whether the name ends in `.obj`, in capitals or not.
 fn is_obj(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("obj"))
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj"))
 }
 
 #[cfg(test)]
@@ -139,9 +119,7 @@ mod tests {
 
     fn outputs(inputs: &[PathBuf]) -> Vec<String> {
         let jobs = plan(inputs, Path::new("out")).unwrap();
-        jobs.iter()
-            .map(|job| job.output.to_str().unwrap().replace('\\', "/"))
-            .collect()
+        jobs.iter().map(|job| job.output.to_str().unwrap().replace('\\', "/")).collect()
     }
 
     #[test]
@@ -149,23 +127,15 @@ mod tests {
         let meshes = folder(&["b.obj", "a/x.OBJ", "a/deep/y.v2.obj", "a.txt", "c.mtl"]);
         assert_eq!(
             outputs(&[meshes.path().to_owned()]),
-            [
-                "out/a/deep/y.v2.hullmap",
-                "out/a/x.hullmap",
-                "out/b.hullmap"
-            ]
+            ["out/a/deep/y.v2.hullmap", "out/a/x.hullmap", "out/b.hullmap"]
         );
     }
 
     #[test]
     fn files_lie_flat_and_keep_their_order() {
         let meshes = folder(&["b.obj", "a/x.obj", "cloud.txt"]);
-        let inputs =
-            ["cloud.txt", "b.obj", "a/x.obj", "b.obj"].map(|name| meshes.path().join(name));
-        assert_eq!(
-            outputs(&inputs),
-            ["out/cloud.hullmap", "out/b.hullmap", "out/x.hullmap"]
-        );
+        let inputs = ["cloud.txt", "b.obj", "a/x.obj", "b.obj"].map(|name| meshes.path().join(name));
+        assert_eq!(outputs(&inputs), ["out/cloud.hullmap", "out/b.hullmap", "out/x.hullmap"]);
     }
 
     #[test]
@@ -180,18 +150,8 @@ mod tests {
     #[test]
     fn missing_and_empty_inputs_are_errors() {
         let meshes = folder(&["a.txt"]);
-        assert!(
-            plan(&[meshes.path().join("no.obj")], Path::new("out"))
-                .unwrap_err()
-                .message
-                .contains("no.obj")
-        );
-        assert!(
-            plan(&[meshes.path().to_owned()], Path::new("out"))
-                .unwrap_err()
-                .message
-                .contains("no OBJ files")
-        );
+        assert!(plan(&[meshes.path().join("no.obj")], Path::new("out")).unwrap_err().message.contains("no.obj"));
+        assert!(plan(&[meshes.path().to_owned()], Path::new("out")).unwrap_err().message.contains("no OBJ files"));
     }
 
     #[cfg(unix)]
@@ -199,8 +159,7 @@ mod tests {
     fn links_in_circles_end() {
         let meshes = folder(&["a/x.obj"]);
         std::os::unix::fs::symlink(meshes.path(), meshes.path().join("a/up")).unwrap();
-        std::os::unix::fs::symlink(meshes.path().join("nothing"), meshes.path().join("a/dead"))
-            .unwrap();
+        std::os::unix::fs::symlink(meshes.path().join("nothing"), meshes.path().join("a/dead")).unwrap();
         assert_eq!(outputs(&[meshes.path().to_owned()]), ["out/a/x.hullmap"]);
     }
 }

@@ -12,28 +12,15 @@ use crate::outcome::{Exit, Failure};
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
-fn write_text(
-    sets: &[PointSet],
-    options: &BuildOptions,
-    source: &SourceRecord,
-) -> Result<BakedPack, String> {
+fn write_text(sets: &[PointSet], options: &BuildOptions, source: &SourceRecord) -> Result<BakedPack, String> {
     if source.path.ends_with("refused.obj") {
         return Err("hull x: lost a point".to_owned());
     }
     assert!(!source.path.ends_with("panics.obj"), "as asked");
     let names: Vec<&str> = sets.iter().map(|set| set.name.as_str()).collect();
-    let text = format!(
-        "{} {:x} {:x} {names:?}",
-        source.path,
-        source.hash,
-        options.hash()
-    );
+    let text = format!("{} {:x} {options} {names:?}", source.path, source.hash);
     let vertex_count = sets.iter().map(|set| set.positions.len()).sum();
-    Ok(BakedPack {
-        bytes: text.into_bytes(),
-        ranks: vec![2; sets.len()],
-        vertex_count,
-    })
+    Ok(BakedPack { bytes: text.into_bytes(), ranks: vec![2; sets.len()], vertex_count })
 }
 
 /// Runs `bake build` with these words in a folder with these files; the output goes to `out` in it.
@@ -44,26 +31,16 @@ fn build(folder: &Path, files: &[(&str, &str)], words: &[&str]) -> (Result<Exit,
         std::fs::write(path, text).unwrap();
     }
     let (input, output) = (folder.join("in"), folder.join("out"));
-    let mut line = vec![
-        "bake",
-        "build",
-        input.to_str().unwrap(),
-        "--out",
-        output.to_str().unwrap(),
-    ];
+    let mut line = vec!["bake", "build", input.to_str().unwrap(), "--out", output.to_str().unwrap()];
     line.extend(words);
-    let Command::Build(args) = parse(line).unwrap().command else {
-        unreachable!()
-    };
+    let Command::Build(args) = parse(line).unwrap().command else { unreachable!() };
     let mut out = Vec::new();
-    let result = run_with(&args, &write_text, &mut out);
+    let result = run_with(&args, folder, &write_text, &mut out);
     (result, String::from_utf8(out).unwrap())
 }
 
 fn json_rows(text: &str) -> Vec<serde_json::Value> {
-    text.lines()
-        .map(|line| serde_json::from_str(line).unwrap())
-        .collect()
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
 #[test]
@@ -79,62 +56,21 @@ fn one_bad_file_does_not_stop_the_others() {
     let (result, text) = build(folder.path(), &files, &["--json"]);
     assert_eq!(result.unwrap(), Exit::Wanting);
     let rows = json_rows(&text);
-    let statuses: Vec<_> = rows
-        .iter()
-        .map(|row| row["status"].as_str().unwrap())
-        .collect();
+    let statuses: Vec<_> = rows.iter().map(|row| row["status"].as_str().unwrap()).collect();
     assert_eq!(statuses, ["baked", "failed", "failed", "failed", "baked"]);
-    assert!(
-        rows[1]["error"]
-            .as_str()
-            .unwrap()
-            .contains("b.obj:2: coordinate `nan`"),
-        "{}",
-        rows[1]
-    );
-    assert!(
-        rows[2]["error"]
-            .as_str()
-            .unwrap()
-            .contains("internal error (as asked)"),
-        "{}",
-        rows[2]
-    );
-    assert!(
-        rows[3]["error"]
-            .as_str()
-            .unwrap()
-            .contains("refused.obj: hull x: lost a point"),
-        "{}",
-        rows[3]
-    );
+    assert!(rows[1]["error"].as_str().unwrap().contains("b.obj:2: coordinate `nan`"), "{}", rows[1]);
+    assert!(rows[2]["error"].as_str().unwrap().contains("internal error (as asked)"), "{}", rows[2]);
+    assert!(rows[3]["error"].as_str().unwrap().contains("refused.obj: hull x: lost a point"), "{}", rows[3]);
     assert!(rows[0]["error"].is_null());
-    for key in [
-        "source",
-        "output",
-        "status",
-        "hulls",
-        "vertices_in",
-        "vertices_hull",
-        "bytes",
-        "millis",
-        "error",
-    ] {
+    for key in ["source", "output", "status", "hulls", "vertices_in", "vertices_hull", "bytes", "millis", "error"] {
         assert!(rows.iter().all(|row| row.get(key).is_some()), "{key}");
     }
     assert_eq!(
-        (
-            &rows[0]["hulls"],
-            &rows[0]["vertices_in"],
-            &rows[0]["vertices_hull"]
-        ),
+        (&rows[0]["hulls"], &rows[0]["vertices_in"], &rows[0]["vertices_hull"]),
         (&1.into(), &3.into(), &3.into())
     );
     assert!(folder.path().join("out/sub/z.hullmap").is_file());
-    let names: Vec<_> = std::fs::read_dir(folder.path().join("out"))
-        .unwrap()
-        .map(|e| e.unwrap().file_name())
-        .collect();
+    let names: Vec<_> = std::fs::read_dir(folder.path().join("out")).unwrap().map(|e| e.unwrap().file_name()).collect();
     assert_eq!(names.len(), 2, "nothing but a.hullmap and sub: {names:?}");
 }
 
@@ -157,21 +93,14 @@ fn the_table_ends_in_a_summary() {
     let folder = tempfile::tempdir().unwrap();
     let (_, text) = build(folder.path(), &[("a.obj", TRIANGLE), ("b.obj", "")], &[]);
     assert!(text.starts_with("source"), "{text}");
-    assert!(
-        text.contains("FAILED") && text.contains("\n1 baked, 0 fresh, 1 failed; 1 hulls in "),
-        "{text}"
-    );
+    assert!(text.contains("FAILED") && text.contains("\n1 baked, 0 fresh, 1 failed; 1 hulls in "), "{text}");
 }
 
 #[test]
 fn objects_split_and_paths_are_recorded() {
     let folder = tempfile::tempdir().unwrap();
     let two = "o left\nv 0 0 0\nv 1 0 0\nl 1 2\no right\nv 2 0 0\np 3\n";
-    let (_, text) = build(
-        folder.path(),
-        &[("sub/two.obj", two)],
-        &["--json", "--split", "object"],
-    );
+    let (_, text) = build(folder.path(), &[("sub/two.obj", two)], &["--json", "--split", "object"]);
     assert_eq!(json_rows(&text)[0]["hulls"], 2);
     let pack = std::fs::read_to_string(folder.path().join("out/sub/two.hullmap")).unwrap();
     assert!(pack.starts_with("../../in/sub/two.obj "), "{pack}");
