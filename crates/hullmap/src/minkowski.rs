@@ -49,8 +49,8 @@ impl Vertex {
         a: DVec3::ZERO,
         b: DVec3::ZERO,
         dir: DVec3::ZERO,
-        feature_a: u32::MAX,
-        feature_b: u32::MAX,
+        feature_a: 0,
+        feature_b: 0,
     };
 }
 
@@ -177,7 +177,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
 pub(crate) fn unit(v: DVec3) -> Option<DVec3> {
     let length = v.length();
     // NaN and infinity take the failing branch.
-    (length > f64::MIN_POSITIVE && length < f64::INFINITY).then(|| v / length)
+    (length > f64::MIN_POSITIVE && length < f64::INFINITY).then(|| v * (1.0 / length))
 }
 
 /// A unit vector perpendicular to the unit vector `n`: the cross product with the axis that `n` is farthest from.
