@@ -327,6 +327,53 @@ fn without_expansions_it_is_the_papers_contact() {
     );
 }
 
+#[test]
+fn a_cap_is_a_status_and_the_interval_holds() {
+    let mut rng = Rng(SEED + 4);
+    let (mut hits, mut capped, mut misses, mut far_capped) = (0, 0, 0, 0);
+    for _ in 0..200 {
+        let (a, b) = (
+            PointCloud::random(&mut rng, 12, true),
+            PointCloud::random(&mut rng, 12, true),
+        );
+        let pose = rng.pose(2.0);
+        let truth = signed_depth(&a, &b, pose);
+        for max_iterations in [0, 1, 2, 3] {
+            let settings = Settings {
+                max_iterations,
+                ..Settings::default()
+            };
+            let c = contact(&a, &b, pose, &settings, &mut Cache::new());
+            if truth > TRUTH_ERROR {
+                hits += 1;
+                capped += usize::from(c.status == Status::IterationLimit);
+                assert!(
+                    c.hit && c.depth_lower <= truth + TRUTH_ERROR,
+                    "{truth} {c:?}"
+                );
+                assert!(
+                    truth <= c.depth_upper + TRUTH_ERROR && c.depth_upper < 10.0,
+                    "{truth} {c:?}"
+                );
+            } else {
+                let gap = distance_apart(&a, &b, pose);
+                let d = distance(&a, &b, pose, &settings, &mut Cache::new());
+                misses += 1;
+                far_capped += usize::from(d.status == Status::IterationLimit);
+                assert!(
+                    d.lower <= gap + TRUTH_ERROR && gap <= d.upper + TRUTH_ERROR,
+                    "{gap} {d:?}"
+                );
+                assert!(d.upper < 10.0, "{d:?}");
+            }
+        }
+    }
+    assert!(
+        capped * 2 > hits && far_capped * 4 > misses,
+        "{capped} of {hits}, {far_capped} of {misses}"
+    );
+}
+
 /// Poses along a path: a step and about 1 degree each, from apart to deep to apart.
 fn trajectory(rng: &mut Rng) -> Vec<Pose> {
     let (start, axis) = (rng.rotation(), rng.direction());

@@ -208,7 +208,8 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
             state.end = End::Converged;
             return true;
         }
-        if state.iterations >= max_expansions {
+        // At least once: without a step there may be no bound at all.
+        if state.iterations >= max_expansions && state.bound.upper < f64::INFINITY {
             state.end = End::Limit;
             return true;
         }
