@@ -17,6 +17,8 @@
 //!   same as a slightly other pose, not anew in each point.
 //! - The centre v0 is the difference of interior points that the shapes vouch for, not of centroids of vertices.
 
+#![forbid(unsafe_code)]
+
 use crate::{Pose, SupportMap};
 use glam::{DMat3, DVec3};
 

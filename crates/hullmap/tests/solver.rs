@@ -522,8 +522,14 @@ proptest! {
 fn figures() {
     let settings = Settings::default();
     println!(
-        "{:>6} {:>9} {:>6} | {:>23} | {:>23} | {:>23} | not converged",
-        "n", "what", "pairs", "intersects calls", "distance calls", "contact calls"
+        "{:>6} {:>9} {:>6} | {:>23} | {:>23} | {:>23} | {:>23} | not converged",
+        "n",
+        "what",
+        "pairs",
+        "intersects calls",
+        "distance calls",
+        "contact calls",
+        "contact steps"
     );
     for n in [8, 32, 128, 512, 2048, 8192] {
         for (what, from, to) in [
@@ -532,8 +538,7 @@ fn figures() {
             ("apart", 1.2, 2.0),
         ] {
             let mut rng = Rng(SEED);
-            let mut calls = [const { Vec::new() }; 3];
-            let mut steps = Vec::new();
+            let mut calls = [const { Vec::new() }; 4];
             let (mut open, mut hits) = (0, 0);
             for _ in 0..200 {
                 let (a, b) = (
@@ -556,11 +561,11 @@ fn figures() {
                 calls[1].push(distance(&a, &b, pose, &settings, &mut Cache::new()).support_calls);
                 let c = contact(&a, &b, pose, &settings, &mut Cache::new());
                 calls[2].push(c.support_calls);
-                steps.push(c.iterations);
+                calls[3].push(c.iterations);
                 hits += usize::from(c.hit);
                 open += usize::from(matches!(c.status, Status::IterationLimit | Status::Stalled));
             }
-            let [i, d, c] = calls.map(|mut v| {
+            let [i, d, c, steps] = calls.map(|mut v| {
                 v.sort_unstable();
                 format!(
                     "{:>5.1} {:>5} {:>5} {:>5}",
@@ -570,7 +575,7 @@ fn figures() {
                     v[v.len() - 1]
                 )
             });
-            println!("{n:>6} {what:>9} {hits:>6} | {i} | {d} | {c} | {open}");
+            println!("{n:>6} {what:>9} {hits:>6} | {i} | {d} | {c} | {steps} | {open}");
         }
     }
 }
