@@ -17,6 +17,8 @@
 //!   same as a slightly other pose, not anew in each point.
 //! - The centre v0 is the difference of interior points that the shapes vouch for, not of centroids of vertices.
 
+#![forbid(unsafe_code)]
+
 use crate::{Pose, SupportMap};
 use glam::{DMat3, DVec3};
 
@@ -49,8 +51,8 @@ impl Vertex {
         a: DVec3::ZERO,
         b: DVec3::ZERO,
         dir: DVec3::ZERO,
-        feature_a: u32::MAX,
-        feature_b: u32::MAX,
+        feature_a: 0,
+        feature_b: 0,
     };
 }
 
@@ -177,7 +179,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
 pub(crate) fn unit(v: DVec3) -> Option<DVec3> {
     let length = v.length();
     // NaN and infinity take the failing branch.
-    (length > f64::MIN_POSITIVE && length < f64::INFINITY).then(|| v / length)
+    (length > f64::MIN_POSITIVE && length < f64::INFINITY).then(|| v * (1.0 / length))
 }
 
 /// A unit vector perpendicular to the unit vector `n`: the cross product with the axis that `n` is farthest from.

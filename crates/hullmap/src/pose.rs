@@ -4,6 +4,8 @@
 //! `p_in_a = rotation * p_in_b + translation`. It is checked once, when it is made, so that no query has
 //! to ask again whether a number is finite or a quaternion of unit length.
 
+#![forbid(unsafe_code)]
+
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
 /// A rigid transform `b_in_a`: it maps B's local frame into A's.

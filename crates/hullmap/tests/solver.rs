@@ -327,6 +327,53 @@ fn without_expansions_it_is_the_papers_contact() {
     );
 }
 
+#[test]
+fn a_cap_is_a_status_and_the_interval_holds() {
+    let mut rng = Rng(SEED + 4);
+    let (mut hits, mut capped, mut misses, mut far_capped) = (0, 0, 0, 0);
+    for _ in 0..200 {
+        let (a, b) = (
+            PointCloud::random(&mut rng, 12, true),
+            PointCloud::random(&mut rng, 12, true),
+        );
+        let pose = rng.pose(2.0);
+        let truth = signed_depth(&a, &b, pose);
+        for max_iterations in [0, 1, 2, 3] {
+            let settings = Settings {
+                max_iterations,
+                ..Settings::default()
+            };
+            let c = contact(&a, &b, pose, &settings, &mut Cache::new());
+            if truth > TRUTH_ERROR {
+                hits += 1;
+                capped += usize::from(c.status == Status::IterationLimit);
+                assert!(
+                    c.hit && c.depth_lower <= truth + TRUTH_ERROR,
+                    "{truth} {c:?}"
+                );
+                assert!(
+                    truth <= c.depth_upper + TRUTH_ERROR && c.depth_upper < 10.0,
+                    "{truth} {c:?}"
+                );
+            } else {
+                let gap = distance_apart(&a, &b, pose);
+                let d = distance(&a, &b, pose, &settings, &mut Cache::new());
+                misses += 1;
+                far_capped += usize::from(d.status == Status::IterationLimit);
+                assert!(
+                    d.lower <= gap + TRUTH_ERROR && gap <= d.upper + TRUTH_ERROR,
+                    "{gap} {d:?}"
+                );
+                assert!(d.upper < 10.0, "{d:?}");
+            }
+        }
+    }
+    assert!(
+        capped * 2 > hits && far_capped * 4 > misses,
+        "{capped} of {hits}, {far_capped} of {misses}"
+    );
+}
+
 /// Poses along a path: a step and about 1 degree each, from apart to deep to apart.
 fn trajectory(rng: &mut Rng) -> Vec<Pose> {
     let (start, axis) = (rng.rotation(), rng.direction());
@@ -475,8 +522,14 @@ proptest! {
 fn figures() {
     let settings = Settings::default();
     println!(
-        "{:>6} {:>9} {:>6} | {:>23} | {:>23} | {:>23} | not converged",
-        "n", "what", "pairs", "intersects calls", "distance calls", "contact calls"
+        "{:>6} {:>9} {:>6} | {:>23} | {:>23} | {:>23} | {:>23} | not converged",
+        "n",
+        "what",
+        "pairs",
+        "intersects calls",
+        "distance calls",
+        "contact calls",
+        "contact steps"
     );
     for n in [8, 32, 128, 512, 2048, 8192] {
         for (what, from, to) in [
@@ -485,8 +538,7 @@ fn figures() {
             ("apart", 1.2, 2.0),
         ] {
             let mut rng = Rng(SEED);
-            let mut calls = [const { Vec::new() }; 3];
-            let mut steps = Vec::new();
+            let mut calls = [const { Vec::new() }; 4];
             let (mut open, mut hits) = (0, 0);
             for _ in 0..200 {
                 let (a, b) = (
@@ -509,11 +561,11 @@ fn figures() {
                 calls[1].push(distance(&a, &b, pose, &settings, &mut Cache::new()).support_calls);
                 let c = contact(&a, &b, pose, &settings, &mut Cache::new());
                 calls[2].push(c.support_calls);
-                steps.push(c.iterations);
+                calls[3].push(c.iterations);
                 hits += usize::from(c.hit);
                 open += usize::from(matches!(c.status, Status::IterationLimit | Status::Stalled));
             }
-            let [i, d, c] = calls.map(|mut v| {
+            let [i, d, c, steps] = calls.map(|mut v| {
                 v.sort_unstable();
                 format!(
                     "{:>5.1} {:>5} {:>5} {:>5}",
@@ -523,7 +575,7 @@ fn figures() {
                     v[v.len() - 1]
                 )
             });
-            println!("{n:>6} {what:>9} {hits:>6} | {i} | {d} | {c} | {open}");
+            println!("{n:>6} {what:>9} {hits:>6} | {i} | {d} | {c} | {steps} | {open}");
         }
     }
 }

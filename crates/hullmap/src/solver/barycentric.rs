@@ -18,8 +18,8 @@
 
 use glam::DVec3;
 
-/// Below this sine of the angle between two edges a triangle counts as a segment: its normal would have fewer than
-/// three good digits, since coordinates have about 13 left after the rotations.
+/// Below this sine of the angle between two edges a triangle counts as a segment. Coordinates are good to about 1e-15 of the
+/// query's size, so a normal across such a sliver would have five good digits or fewer.
 const THIN: f64 = 1e-10;
 
 /// The point of a segment, triangle or tetrahedron nearest to the origin.

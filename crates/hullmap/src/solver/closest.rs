@@ -150,7 +150,8 @@ pub(super) fn closest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         normal: DVec3::ZERO,
         iterations: 0,
     };
-    for _ in 0..max_iterations.min(MAX_CLOSEST) {
+    // At least once: without a step there is no bound at all.
+    for _ in 0..max_iterations.clamp(1, MAX_CLOSEST) {
         best.iterations += 1;
         let (y, clearance) = simplex.nearest();
         if clearance > 0.0 {

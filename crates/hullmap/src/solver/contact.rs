@@ -57,6 +57,37 @@ pub struct Contact {
 /// # Complexity
 /// 1 to 4 support calls for most pairs apart, 10 to 40 for most that overlap; capped by `settings`. No allocation.
 ///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use hullmap::{Cache, Pose, Settings, Support, SupportMap, contact};
+///
+/// /// A box about the origin of its frame, by its half edges.
+/// struct Crate(DVec3);
+///
+/// impl SupportMap for Crate {
+///     fn support(&self, dir: DVec3) -> Support {
+///         Support { point: self.0.copysign(dir), feature: 0 }
+///     }
+///     fn interior_point(&self) -> DVec3 {
+///         DVec3::ZERO
+///     }
+///     fn inner_radius(&self) -> f64 {
+///         self.0.min_element()
+///     }
+///     fn outer_radius(&self) -> f64 {
+///         self.0.length()
+///     }
+/// }
+///
+/// let (a, b) = (Crate(DVec3::ONE), Crate(DVec3::splat(0.5)));
+/// let b_in_a = Pose::from_translation(DVec3::new(0.2, 1.25, 0.1))?;
+/// let c = contact(&a, &b, b_in_a, &Settings::default(), &mut Cache::new());
+/// assert!(c.hit && (c.depth - 0.25).abs() < 1e-12);
+/// assert!(c.normal.distance(DVec3::Y) < 1e-12);
+/// # Ok::<(), hullmap::PoseError>(())
+/// ```
+///
 /// # Reference
 /// Kenwright, Algorithm 1 and Listing 2.
 pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(

@@ -39,6 +39,9 @@ const BIG: usize = 256;
 /// Most steps of the closest-point search on flat differences.
 const MAX_FLAT: u32 = 100;
 
+/// A portal whose tetrahedron has a height of no more than this many roundings is no start: its planes would be noise.
+const THIN_ROUNDINGS: f64 = 64.0;
+
 /// Support values up to this many roundings are touching: one for the support point, one for the normal.
 pub(super) const TOUCHING_ROUNDINGS: f64 = 2.0;
 
@@ -140,19 +143,19 @@ pub(super) fn expand<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         bound,
         iterations: 0,
     };
-    let small = start.and_then(|tetrahedron| Polytope::new(tetrahedron, m.rounding()));
-    let small = match small {
-        Some(polytope) => Some(polytope),
-        None => match seed(m) {
-            Ok(tetrahedron) => Polytope::new(tetrahedron, m.rounding()),
+    let mut small = Polytope::empty(m.rounding());
+    let thin = THIN_ROUNDINGS * m.rounding();
+    if !start.is_some_and(|tetrahedron| small.start(tetrahedron, thin)) {
+        match seed(m) {
+            Ok(tetrahedron) if small.start(tetrahedron, 0.0) => {}
+            Ok(_) => {
+                state.end = End::Stalled;
+                state.lower = ball;
+                return state;
+            }
             Err(Flat { normal }) => return expand_flat(m, normal, state),
-        },
-    };
-    let Some(mut small) = small else {
-        state.end = End::Stalled;
-        state.lower = ball;
-        return state;
-    };
+        }
+    }
     if !run::<A, B, SMALL, { 2 * SMALL - 4 }>(m, &mut small, &mut state, goal, ball, max_expansions)
     {
         expand_big(m, &small, &mut state, goal, ball, max_expansions);
@@ -205,7 +208,8 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
             state.end = End::Converged;
             return true;
         }
-        if state.iterations >= max_expansions {
+        // At least once: without a step there may be no bound at all.
+        if state.iterations >= max_expansions && state.bound.upper < f64::INFINITY {
             state.end = End::Limit;
             return true;
         }

@@ -1,11 +1,18 @@
 //! The solver: intersection, distance and contact of two convex shapes, from their support mappings alone.
 //!
-//! One file a phase. [`discovery`] and [`refinement`] are the two phases of Kenwright's Algorithm 1 (portal refinement), and
-//! [`barycentric`] its last line; [`closest`] (distance) and [`expansion`] (least depth) go on where the paper stops, on the same Minkowski
-//! difference. [`intersection`], [`distance`](mod@distance) and [`contact`](mod@contact) put them together.
+//! One file a phase. `discovery` and `refinement` are the two phases of Kenwright's Algorithm 1 (portal refinement), and
+//! `barycentric` its last line; `closest` (distance) and `expansion` (least depth) go on where the paper stops, on the same Minkowski
+//! difference. `intersection`, `distance` and `contact` put them together, once each.
 //!
 //! All arithmetic is in double precision, without allocation, angles or random numbers: the same input gives the same
 //! bits. Lengths are compared only with lengths of the query, so nothing changes with the scene's scale.
+//!
+//! # What did not work
+//! - Refining the portal to the surface before expanding: 3 to 20 support calls more (8 to 8,192 points).
+//! - Starting the expansion from the directions of the last nearest face instead of a portal: 4 % more calls along a
+//!   trajectory than starting cold, where starting phase one from the last portal saves 8 %.
+
+#![forbid(unsafe_code)]
 
 mod barycentric;
 mod cache;

@@ -60,36 +60,35 @@ pub(super) struct Polytope<const V: usize, const F: usize> {
 }
 
 impl<const V: usize, const F: usize> Polytope<V, F> {
-    /// The tetrahedron; nothing when it is flat.
-    pub(super) fn new(seed: [Vertex; 4], rounding: f64) -> Option<Self> {
+    /// Becomes the tetrahedron `seed`; false when one of its heights is `least_height` or less.
+    pub(super) fn start(&mut self, mut seed: [Vertex; 4], least_height: f64) -> bool {
+        const CORNERS: [[u8; 3]; 4] = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
+        const NEIGHBOURS: [[u16; 3]; 4] = [[1, 2, 3], [3, 2, 0], [1, 3, 0], [2, 1, 0]];
         let [p, q, r, s] = seed.map(|v| v.w);
-        let mut seed = seed;
-        let volume = (q - p).cross(r - p).dot(s - p);
+        let base = (q - p).cross(r - p);
+        let volume = base.dot(s - p);
+        let greatest_sq = base
+            .length_squared()
+            .max((q - p).cross(s - p).length_squared())
+            .max((r - p).cross(s - p).length_squared())
+            .max((r - q).cross(s - q).length_squared());
         // NaN takes the failing branch.
-        let solid = volume.abs() > 0.0;
+        let solid = volume.abs() > least_height * greatest_sq.sqrt();
         if !solid {
-            return None;
+            return false;
         }
         if volume > 0.0 {
             seed.swap(0, 1);
         }
         // Now s lies behind p q r.
-        let mut polytope = Self::empty(COPLANAR_ROUNDINGS * rounding);
-        polytope.vertices[..4].copy_from_slice(&seed);
-        polytope.vertex_count = 4;
-        polytope.face_count = 4;
-        const CORNERS: [[u8; 3]; 4] = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
-        const NEIGHBOURS: [[u16; 3]; 4] = [[1, 2, 3], [3, 2, 0], [1, 3, 0], [2, 1, 0]];
-        for face in 0..4 {
-            polytope.neighbours[face] = NEIGHBOURS[face];
-            if !polytope.set_face(face, CORNERS[face]) {
-                return None;
-            }
-        }
-        Some(polytope)
+        self.vertices[..4].copy_from_slice(&seed);
+        (self.vertex_count, self.face_count) = (4, 4);
+        self.neighbours[..4].copy_from_slice(&NEIGHBOURS);
+        (0..4).all(|face| self.set_face(face, CORNERS[face]))
     }
 
-    fn empty(slack: f64) -> Self {
+    /// Room without a surface. `rounding` is what vertices may be wrong by.
+    pub(super) fn empty(rounding: f64) -> Self {
         const { assert!(V <= 256 && F + 4 >= 2 * V) }
         Self {
             vertices: [Vertex::EMPTY; V],
@@ -99,13 +98,14 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
             normals: [DVec3::ZERO; F],
             offsets: [f64::INFINITY; F],
             face_count: 0,
-            slack,
+            slack: COPLANAR_ROUNDINGS * rounding,
         }
     }
 
     /// The same surface with room for more.
     pub(super) fn grown<const W: usize, const G: usize>(&self) -> Polytope<W, G> {
-        let mut big = Polytope::<W, G>::empty(self.slack);
+        let mut big = Polytope::<W, G>::empty(0.0);
+        big.slack = self.slack;
         big.vertices[..self.vertex_count].copy_from_slice(&self.vertices[..self.vertex_count]);
         big.vertex_count = self.vertex_count;
         let n = self.face_count;
@@ -351,7 +351,8 @@ mod tests {
         let mut other_hand = tetrahedron();
         other_hand.swap(2, 3);
         for seed in [tetrahedron(), other_hand] {
-            let polytope = Polytope::<8, 12>::new(seed, 1e-15).unwrap();
+            let mut polytope = Polytope::<8, 12>::empty(1e-15);
+            assert!(polytope.start(seed, 0.1));
             assert_closed(&polytope);
             for face in 0..4 {
                 assert!((polytope.offset(face) - 1.0 / 3.0_f64.sqrt()).abs() < 1e-15);
@@ -361,7 +362,8 @@ mod tests {
 
     #[test]
     fn grows_to_a_cube_with_coplanar_faces() {
-        let mut polytope = Polytope::<8, 12>::new(tetrahedron(), 1e-15).unwrap();
+        let mut polytope = Polytope::<8, 12>::empty(1e-15);
+        assert!(polytope.start(tetrahedron(), 0.1));
         for v in [
             vertex(-1.0, 1.0, 1.0),
             vertex(1.0, -1.0, 1.0),
@@ -400,6 +402,6 @@ mod tests {
             vertex(0.0, 1.0, 0.0),
             vertex(1.0, 1.0, 0.0),
         ];
-        assert!(Polytope::<8, 12>::new(flat, 1e-15).is_none());
+        assert!(!Polytope::<8, 12>::empty(1e-15).start(flat, 0.0));
     }
 }

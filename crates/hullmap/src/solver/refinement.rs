@@ -58,11 +58,11 @@ pub(super) struct Refinement {
     pub(super) side: Side,
     /// The last portal.
     pub(super) portal: Portal,
-    /// Unit normal, from A to B, of the plane that decided: separating, touching, or with the least `upper`.
+    /// Unit normal, from A to B, of the plane that decided: separating, touching, in front of the origin, or with the least `upper`.
     pub(super) axis: DVec3,
-    /// Support value of the difference along `axis`: no less than the depth. Infinite if none was asked for.
+    /// Support value of the difference along `axis`: no less than the depth. Infinite unless the surface was asked for.
     pub(super) upper: f64,
-    /// The portal whose normal `axis` is.
+    /// The portal whose normal `axis` is; only kept up to date until the surface.
     pub(super) upper_portal: Portal,
     pub(super) iterations: u32,
 }
@@ -89,8 +89,8 @@ pub(super) fn refine<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         let Some(n) = out.portal.normal() else {
             return out;
         };
-        let [v1, v2, v3] = out.portal.vertices;
-        let plane = n.dot(v1.w);
+        let [v1, v2, v3] = out.portal.vertices.map(|v| v.w);
+        let plane = n.dot(v1);
         // Line 9: origin on the inside of the outer face.
         if plane > rounding {
             out.side = Side::Overlapping;
@@ -102,15 +102,10 @@ pub(super) fn refine<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         let v4 = m.support(n);
         let value = v4.w.dot(n);
         if value < -rounding {
-            return Refinement {
-                side: Side::Separated,
-                axis: n,
-                upper: value,
-                upper_portal: out.portal,
-                ..out
-            };
+            (out.side, out.axis, out.upper) = (Side::Separated, n, value);
+            return out;
         }
-        if value < out.upper {
+        if value < out.upper && until != Until::Decided {
             (out.upper, out.axis, out.upper_portal) = (value, n, out.portal);
         }
         let enough = match until {
@@ -121,24 +116,20 @@ pub(super) fn refine<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         let farther = value - plane > enough;
         if !farther {
             if out.side == Side::Undecided && value.abs() <= 2.0 * rounding {
-                (out.side, out.axis, out.upper, out.upper_portal) =
-                    (Side::Touching, n, value, out.portal);
+                (out.side, out.axis) = (Side::Touching, n);
             }
             return out;
         }
         // Lines 7 and 8, Listing 2: v4 replaces the vertex across the side that the ray is on.
         let beside = v4.w.cross(v0);
-        out.portal.vertices = if v1.w.dot(beside) >= 0.0 {
-            if v2.w.dot(beside) >= 0.0 {
-                [v4, v2, v3]
-            } else {
-                [v1, v2, v4]
-            }
-        } else if v3.w.dot(beside) >= 0.0 {
-            [v1, v4, v3]
+        let replaced = if v1.dot(beside) >= 0.0 {
+            if v2.dot(beside) >= 0.0 { 0 } else { 2 }
+        } else if v3.dot(beside) >= 0.0 {
+            1
         } else {
-            [v4, v2, v3]
+            0
         };
+        out.portal.vertices[replaced] = v4;
     }
     out
 }

@@ -557,3 +557,197 @@ fn shapes_that_give_nan_are_no_endless_loop() {
         Overlap::Separated
     );
 }
+
+/// A prism or, with `top` 0, a cone of many sides: flat caps of many points, and needle-thin side faces.
+fn prism(sides: usize, top: f64, half_height: f64) -> PointCloud {
+    let ring = PointCloud::polygon(sides, 1.0).points;
+    let lower = ring.iter().map(|p| *p - DVec3::Z * half_height);
+    let upper = ring.iter().map(|p| *p * top + DVec3::Z * half_height);
+    PointCloud::new(lower.chain(upper).collect())
+}
+
+#[test]
+fn many_coplanar_points() {
+    let mut rng = Rng(23);
+    let shapes = [
+        prism(200, 1.0, 0.5),
+        prism(200, 0.0, 1.0),
+        prism(60, 0.5, 0.05),
+        shy_cube(),
+    ];
+    let (mut hits, mut pairs) = (0, 0);
+    for a in &shapes {
+        for b in &shapes {
+            for i in 0..60 {
+                let mut pose = rng.pose(2.5);
+                if i % 3 == 0 {
+                    // Caps parallel: hundreds of ties.
+                    pose = Pose::new(
+                        pose.translation(),
+                        DQuat::from_rotation_z(rng.range(0.0, 6.0)),
+                    )
+                    .unwrap();
+                }
+                let (c, back) = (deep(a, b, pose), deep(b, a, pose.inverse()));
+                // Nearly concentric cones are as deep along 400 faces, which is more than the expansion holds.
+                let wide = c.depth_upper - c.depth_lower > 1e-3 * c.depth_upper + 1e-12;
+                assert!(c.status != Status::Stalled && !wide, "{c:?} {pose:?}");
+                assert_eq!(c.hit, back.hit, "{pose:?}");
+                assert!(
+                    c.depth_lower <= back.depth_upper && back.depth_lower <= c.depth_upper,
+                    "{c:?} {back:?} {pose:?}"
+                );
+                assert_eq!(hit(a, b, pose) != Overlap::Separated, c.hit, "{pose:?}");
+                let d = far(a, b, pose);
+                assert!(
+                    !matches!(d.status, Status::IterationLimit | Status::Stalled),
+                    "{d:?} {pose:?}"
+                );
+                assert_eq!(d.distance == 0.0, c.hit, "{d:?} {pose:?}");
+                if c.hit {
+                    // Pushed out by the depth they touch, or miss by no more than the interval.
+                    let away = Pose::new(pose.translation() + c.normal * c.depth, pose.rotation())
+                        .unwrap();
+                    let left = far(a, b, away);
+                    assert!(left.distance <= 1e-3 * c.depth + 1e-12, "{c:?} {left:?}");
+                }
+                pairs += 1;
+                hits += usize::from(c.hit);
+            }
+        }
+    }
+    let share = f64::from(hits as u32) / f64::from(pairs);
+    assert!((0.3..0.85).contains(&share), "{share}");
+}
+
+#[test]
+fn smooth_shapes() {
+    /// A capsule along z, by closed form.
+    struct Capsule {
+        half: f64,
+        radius: f64,
+    }
+    impl SupportMap for Capsule {
+        fn support(&self, dir: DVec3) -> hullmap::Support {
+            let end = DVec3::Z * if dir.z < 0.0 { -self.half } else { self.half };
+            hullmap::Support {
+                point: end + dir.normalize_or_zero() * self.radius,
+                feature: 0,
+            }
+        }
+        fn interior_point(&self) -> DVec3 {
+            DVec3::ZERO
+        }
+        fn inner_radius(&self) -> f64 {
+            self.radius
+        }
+        fn outer_radius(&self) -> f64 {
+            self.half + self.radius
+        }
+    }
+    let (a, b) = (
+        Capsule {
+            half: 1.0,
+            radius: 0.25,
+        },
+        Capsule {
+            half: 0.5,
+            radius: 0.5,
+        },
+    );
+    let (spine_a, spine_b) = (
+        PointCloud::new(vec![DVec3::Z, DVec3::NEG_Z]),
+        PointCloud::new(vec![DVec3::Z * 0.5, DVec3::Z * -0.5]),
+    );
+    let mut rng = Rng(29);
+    let mut hits = 0;
+    for _ in 0..400 {
+        let pose = rng.pose(2.5);
+        let spines = far(&spine_a, &spine_b, pose);
+        let gap = spines.distance - 0.75;
+        let slack = spines.upper - spines.lower + 1e-12;
+        let (c, d) = (deep(&a, &b, pose), far(&a, &b, pose));
+        assert_eq!(c.hit, gap < 0.0, "{gap} {c:?}");
+        if c.hit {
+            hits += 1;
+            // Spines apart: the depth is the radii less their distance.
+            if spines.distance > 0.0 {
+                assert!(
+                    c.depth_lower <= slack - gap && -gap <= c.depth_upper + slack,
+                    "{gap} {c:?}"
+                );
+                assert!(c.status != Status::Stalled, "{c:?}");
+            }
+        } else {
+            assert!(
+                d.lower <= gap + slack && gap <= d.upper + slack,
+                "{gap} {d:?}"
+            );
+            assert!(d.upper - d.lower <= 1.01e-5 * d.upper + 1e-12, "{d:?}");
+        }
+    }
+    assert!((100..300).contains(&hits), "{hits}");
+}
+
+#[test]
+fn inexact_support_breaks_termination() {
+    /// Chooses its points by single-precision dot products: off by up to 1e-7 of its size, and not even monotone.
+    struct Single(PointCloud);
+    impl SupportMap for Single {
+        fn support(&self, dir: DVec3) -> hullmap::Support {
+            let value = |p: &DVec3| p.as_vec3().dot(dir.as_vec3());
+            let mut best = 0;
+            for i in 1..self.0.points.len() {
+                if value(&self.0.points[i]) > value(&self.0.points[best]) {
+                    best = i;
+                }
+            }
+            hullmap::Support {
+                point: self.0.points[best],
+                feature: best as u32,
+            }
+        }
+        fn interior_point(&self) -> DVec3 {
+            self.0.interior
+        }
+        fn inner_radius(&self) -> f64 {
+            0.0
+        }
+        fn outer_radius(&self) -> f64 {
+            self.0.outer_radius
+        }
+    }
+    let mut rng = Rng(31);
+    for _ in 0..300 {
+        let (a, b) = (
+            PointCloud::random(&mut rng, 2000, true),
+            PointCloud::random(&mut rng, 500, true),
+        );
+        let pose = rng.pose(1.6);
+        let settings = Settings {
+            tolerance: 0.0,
+            ..Settings::default()
+        };
+        let (exact, c) = (
+            contact(&a, &b, pose, &settings, &mut Cache::new()),
+            contact(
+                &Single(a.clone()),
+                &Single(b.clone()),
+                pose,
+                &settings,
+                &mut Cache::new(),
+            ),
+        );
+        assert!(c.iterations < 500, "{c:?}");
+        if exact.depth > 1e-6 {
+            assert!(
+                c.hit
+                    && c.depth_lower <= exact.depth_upper + 1e-6
+                    && exact.depth_lower <= c.depth_upper + 1e-6,
+                "{c:?} {exact:?}"
+            );
+        }
+        let d = distance(&Single(a), &Single(b), pose, &settings, &mut Cache::new());
+        assert!(d.iterations < 500, "{d:?}");
+    }
+}
