@@ -46,14 +46,8 @@ pub struct Vertex {
 
 impl Vertex {
     /// Nothing: what arrays of vertices hold before they are filled.
-    pub(crate) const EMPTY: Self = Self {
-        w: DVec3::ZERO,
-        a: DVec3::ZERO,
-        b: DVec3::ZERO,
-        dir: DVec3::ZERO,
-        feature_a: 0,
-        feature_b: 0,
-    };
+    pub(crate) const EMPTY: Self =
+        Self { w: DVec3::ZERO, a: DVec3::ZERO, b: DVec3::ZERO, dir: DVec3::ZERO, feature_a: 0, feature_b: 0 };
 }
 
 /// The Minkowski difference A − B of two shapes, B placed by a pose.
@@ -83,10 +77,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
         let center_a = a.interior_point();
         let center_b_local = b.interior_point();
         let outer_radius = a.outer_radius() + b.outer_radius();
-        let greatest = center_a.length()
-            + center_b_local.length()
-            + b_in_a.translation().length()
-            + outer_radius;
+        let greatest = center_a.length() + center_b_local.length() + b_in_a.translation().length() + outer_radius;
         Self {
             a,
             b,
@@ -209,10 +200,7 @@ mod tests {
 
     impl SupportMap for Ball {
         fn support(&self, dir: DVec3) -> Support {
-            Support {
-                point: self.c + unit(dir).unwrap_or(DVec3::X) * self.r,
-                feature: 0,
-            }
+            Support { point: self.c + unit(dir).unwrap_or(DVec3::X) * self.r, feature: 0 }
         }
         fn interior_point(&self) -> DVec3 {
             self.c
@@ -227,19 +215,9 @@ mod tests {
 
     #[test]
     fn difference_of_balls_is_the_ball_of_the_sum() {
-        let a = Ball {
-            c: DVec3::new(1.0, 2.0, 3.0),
-            r: 0.5,
-        };
-        let b = Ball {
-            c: DVec3::new(-1.0, 0.0, 2.0),
-            r: 0.25,
-        };
-        let pose = Pose::new(
-            DVec3::new(4.0, 0.0, 0.0),
-            DQuat::from_xyzw(0.1, 0.2, 0.3, 0.9),
-        )
-        .unwrap();
+        let a = Ball { c: DVec3::new(1.0, 2.0, 3.0), r: 0.5 };
+        let b = Ball { c: DVec3::new(-1.0, 0.0, 2.0), r: 0.25 };
+        let pose = Pose::new(DVec3::new(4.0, 0.0, 0.0), DQuat::from_xyzw(0.1, 0.2, 0.3, 0.9)).unwrap();
         let mut m = Minkowski::new(&a, &b, pose);
         let center = m.center();
         assert!((center.w - (a.c - pose.transform_point(b.c))).length() < 1e-14);
@@ -253,13 +231,7 @@ mod tests {
 
     #[test]
     fn perpendicular_is_of_unit_length() {
-        for n in [
-            DVec3::X,
-            -DVec3::Y,
-            DVec3::Z,
-            DVec3::new(0.6, 0.8, 0.0),
-            DVec3::ONE.normalize(),
-        ] {
+        for n in [DVec3::X, -DVec3::Y, DVec3::Z, DVec3::new(0.6, 0.8, 0.0), DVec3::ONE.normalize()] {
             let p = perpendicular(n);
             assert!((p.length() - 1.0).abs() < 1e-15 && p.dot(n).abs() < 1e-15);
         }

@@ -40,18 +40,13 @@ pub enum PoseError {
         found: DQuat,
     },
     /// The rotation is the zero quaternion, which turns nothing into nothing.
-    #[error(
-        "rotation must not be the zero quaternion: for no rotation give (0, 0, 0, 1), in the order x y z w"
-    )]
+    #[error("rotation must not be the zero quaternion: for no rotation give (0, 0, 0, 1), in the order x y z w")]
     ZeroRotation,
 }
 
 impl Pose {
     /// B's frame lies on A's.
-    pub const IDENTITY: Self = Self {
-        rotation: DQuat::IDENTITY,
-        translation: DVec3::ZERO,
-    };
+    pub const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, translation: DVec3::ZERO };
 
     /// The pose that first turns by `rotation`, then moves by `translation` (in A's frame and units).
     ///
@@ -64,18 +59,12 @@ impl Pose {
             return Err(PoseError::Rotation { found: rotation });
         }
         // Divide by the greatest component first: squares of tiny or huge ones would vanish or overflow.
-        let greatest = rotation
-            .to_array()
-            .into_iter()
-            .fold(0.0, |m: f64, c| m.max(c.abs()));
+        let greatest = rotation.to_array().into_iter().fold(0.0, |m: f64, c| m.max(c.abs()));
         if greatest == 0.0 {
             return Err(PoseError::ZeroRotation);
         }
         let rotation = DQuat::from_array(rotation.to_array().map(|c| c / greatest)).normalize();
-        Ok(Self {
-            rotation,
-            ..Self::from_translation(translation)?
-        })
+        Ok(Self { rotation, ..Self::from_translation(translation)? })
     }
 
     /// The pose that only moves, by `translation` in A's frame and units.
@@ -86,10 +75,7 @@ impl Pose {
         if !translation.is_finite() {
             return Err(PoseError::Translation { found: translation });
         }
-        Ok(Self {
-            rotation: DQuat::IDENTITY,
-            translation,
-        })
+        Ok(Self { rotation: DQuat::IDENTITY, translation })
     }
 
     /// [`Pose::new`] from single precision: widened first, normalised in double precision.
@@ -118,10 +104,7 @@ impl Pose {
     /// The pose the other way, `a_in_b`.
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.conjugate();
-        Self {
-            rotation,
-            translation: -(rotation * self.translation),
-        }
+        Self { rotation, translation: -(rotation * self.translation) }
     }
 
     /// A point of B's frame, in A's.
@@ -151,11 +134,7 @@ mod tests {
     use super::*;
 
     fn some_pose() -> Pose {
-        Pose::new(
-            DVec3::new(1.0, -2.0, 3.0),
-            DQuat::from_xyzw(0.3, -0.2, 0.9, 0.4),
-        )
-        .unwrap()
+        Pose::new(DVec3::new(1.0, -2.0, 3.0), DQuat::from_xyzw(0.3, -0.2, 0.9, 0.4)).unwrap()
     }
 
     #[test]
@@ -164,10 +143,7 @@ mod tests {
         let p = DVec3::new(0.7, 5.0, -2.5);
         assert!((pose.inverse().transform_point(pose.transform_point(p)) - p).length() < 1e-14);
         assert!((pose.inverse_transform_vector(pose.transform_vector(p)) - p).length() < 1e-14);
-        assert!(
-            (pose.rotation_matrix() * p + pose.translation() - pose.transform_point(p)).length()
-                < 1e-14
-        );
+        assert!((pose.rotation_matrix() * p + pose.translation() - pose.transform_point(p)).length() < 1e-14);
     }
 
     #[test]
@@ -185,8 +161,7 @@ mod tests {
     fn bad_numbers_are_errors_that_say_what_was_found() {
         let nan = Pose::from_translation(DVec3::new(0.0, f64::NAN, 0.0)).unwrap_err();
         assert!(nan.to_string().contains("(0, NaN, 0)"), "{nan}");
-        let infinite =
-            Pose::new(DVec3::ZERO, DQuat::from_xyzw(0.0, 0.0, f64::INFINITY, 1.0)).unwrap_err();
+        let infinite = Pose::new(DVec3::ZERO, DQuat::from_xyzw(0.0, 0.0, f64::INFINITY, 1.0)).unwrap_err();
         assert!(matches!(infinite, PoseError::Rotation { .. }));
         let zero = Pose::new(DVec3::ZERO, DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0)).unwrap_err();
         assert_eq!(zero, PoseError::ZeroRotation);

@@ -25,11 +25,7 @@ fn pair(rng: &mut Rng) -> (PointCloud, PointCloud, Pose) {
         let on_surface = rng.below(2) == 0;
         let cloud = PointCloud::random(rng, count, on_surface);
         // Half of them away from their frame's origin.
-        if rng.below(2) == 0 {
-            cloud
-        } else {
-            cloud.moved(rng.direction() * 3.0)
-        }
+        if rng.below(2) == 0 { cloud } else { cloud.moved(rng.direction() * 3.0) }
     };
     let (a, b) = (hull(rng), hull(rng));
     let rotation = rng.rotation();
@@ -44,11 +40,7 @@ fn pair(rng: &mut Rng) -> (PointCloud, PointCloud, Pose) {
             let (mut inside, mut outside) = (0.0, 3.0);
             for _ in 0..12 {
                 let middle = 0.5 * (inside + outside);
-                if signed_depth(&a, &b, at(middle)) > 0.0 {
-                    inside = middle
-                } else {
-                    outside = middle
-                }
+                if signed_depth(&a, &b, at(middle)) > 0.0 { inside = middle } else { outside = middle }
             }
             at(inside * rng.range(0.98, 1.02))
         }
@@ -86,36 +78,16 @@ fn random_pairs_against_brute_force() {
                 deep.depth_lower <= truth + TRUTH_ERROR && truth - TRUTH_ERROR <= deep.depth_upper,
                 "{at}: {deep:?}"
             );
-            assert!(
-                deep.depth_lower <= deep.depth && deep.depth <= deep.depth_upper,
-                "{at}: {deep:?}"
-            );
-            assert!(
-                !matches!(deep.status, Status::IterationLimit | Status::Stalled),
-                "{at}: {deep:?}"
-            );
-            assert!(
-                deep.depth_upper - deep.depth_lower <= 1.01e-5 * deep.depth_upper + 1e-12,
-                "{at}: {deep:?}"
-            );
+            assert!(deep.depth_lower <= deep.depth && deep.depth <= deep.depth_upper, "{at}: {deep:?}");
+            assert!(!matches!(deep.status, Status::IterationLimit | Status::Stalled), "{at}: {deep:?}");
+            assert!(deep.depth_upper - deep.depth_lower <= 1.01e-5 * deep.depth_upper + 1e-12, "{at}: {deep:?}");
             // Moving B along the normal by the depth leaves them touching.
-            let away = |by: f64| {
-                Pose::new(pose.translation() + deep.normal * by, pose.rotation()).unwrap()
-            };
-            assert!(
-                signed_depth(&a, &b, away(deep.depth + 1e-9)) < 0.0,
-                "{at}: {deep:?}"
-            );
-            assert!(
-                signed_depth(&a, &b, away(deep.depth * 0.99 - 1e-9)) > 0.0,
-                "{at}: {deep:?}"
-            );
+            let away = |by: f64| Pose::new(pose.translation() + deep.normal * by, pose.rotation()).unwrap();
+            assert!(signed_depth(&a, &b, away(deep.depth + 1e-9)) < 0.0, "{at}: {deep:?}");
+            assert!(signed_depth(&a, &b, away(deep.depth * 0.99 - 1e-9)) > 0.0, "{at}: {deep:?}");
             // The points lie across from each other along the normal.
             let along = deep.point_a - deep.point_b;
-            assert!(
-                (along - deep.normal * deep.depth).length() <= 0.02 * deep.depth + 1e-9,
-                "{at}: {deep:?}"
-            );
+            assert!((along - deep.normal * deep.depth).length() <= 0.02 * deep.depth + 1e-9, "{at}: {deep:?}");
             hits += 1;
         } else {
             assert_eq!(deep.status, Status::Separated, "{at}");
@@ -131,31 +103,16 @@ fn random_pairs_against_brute_force() {
         }
         if truth < -TRUTH_ERROR {
             let far = distance_apart(&a, &b, pose);
-            assert!(
-                gap.lower <= far + TRUTH_ERROR && far - TRUTH_ERROR <= gap.upper,
-                "{at}, far {far}: {gap:?}"
-            );
-            assert!(
-                gap.upper - gap.lower <= 1.01e-5 * gap.upper + 1e-12,
-                "{at}: {gap:?}"
-            );
-            assert!(
-                ((gap.point_b - gap.point_a) - gap.normal * gap.distance).length() < 1e-12,
-                "{at}: {gap:?}"
-            );
+            assert!(gap.lower <= far + TRUTH_ERROR && far - TRUTH_ERROR <= gap.upper, "{at}, far {far}: {gap:?}");
+            assert!(gap.upper - gap.lower <= 1.01e-5 * gap.upper + 1e-12, "{at}: {gap:?}");
+            assert!(((gap.point_b - gap.point_a) - gap.normal * gap.distance).length() < 1e-12, "{at}: {gap:?}");
             converged += usize::from(matches!(gap.status, Status::Exact | Status::Within));
         } else {
-            assert!(
-                (gap.point_b - gap.point_a).length() < 1e-12,
-                "{at}: {gap:?}"
-            );
+            assert!((gap.point_b - gap.point_a).length() < 1e-12, "{at}: {gap:?}");
         }
     }
     let share = hits as f64 / PAIRS as f64;
-    assert!(
-        (0.3..0.7).contains(&share),
-        "not representative: {share} of the pairs overlap"
-    );
+    assert!((0.3..0.7).contains(&share), "not representative: {share} of the pairs overlap");
     assert_eq!(converged, PAIRS - hits, "distances that did not converge");
 }
 
@@ -171,11 +128,7 @@ fn two_cubes_by_face_edge_and_vertex() {
     let edge_on = DQuat::from_rotation_z(quarter);
     // A vertex first: the body diagonal turned into the x axis.
     let vertex_on = DQuat::from_rotation_arc(DVec3::ONE.normalize(), DVec3::NEG_X);
-    for (rotation, reach) in [
-        (DQuat::IDENTITY, 1.0),
-        (edge_on, 2.0_f64.sqrt()),
-        (vertex_on, 3.0_f64.sqrt()),
-    ] {
+    for (rotation, reach) in [(DQuat::IDENTITY, 1.0), (edge_on, 2.0_f64.sqrt()), (vertex_on, 3.0_f64.sqrt())] {
         for gap in [-0.25, -1e-3, -1e-9, 1e-9, 1e-3, 0.5] {
             let pose = Pose::new(DVec3::X * (1.0 + reach + gap), rotation).unwrap();
             let yes = intersects(&cube, &cube, pose, &mut Cache::new());
@@ -185,16 +138,10 @@ fn two_cubes_by_face_edge_and_vertex() {
             if gap < 0.0 {
                 assert!(c.hit && (c.depth + gap).abs() < 1e-13, "{gap} {c:?}");
                 assert!(c.normal.distance(DVec3::X) < 1e-5, "{c:?}");
-                assert!(
-                    (c.point_a.x - 1.0).abs() < 1e-13 && (c.point_b.x - (1.0 + gap)).abs() < 1e-13,
-                    "{c:?}"
-                );
+                assert!((c.point_a.x - 1.0).abs() < 1e-13 && (c.point_b.x - (1.0 + gap)).abs() < 1e-13, "{c:?}");
                 assert_eq!((d.status, d.distance), (Status::Overlapping, 0.0));
             } else {
-                assert!(
-                    !c.hit && (d.distance - gap).abs() < 1e-5 * gap + 1e-13,
-                    "{gap} {d:?}"
-                );
+                assert!(!c.hit && (d.distance - gap).abs() < 1e-5 * gap + 1e-13, "{gap} {d:?}");
                 assert!(d.normal.distance(DVec3::X) < 5e-3, "{d:?}");
                 assert!((d.point_a.x - 1.0).abs() < 1e-13, "{d:?}");
             }
@@ -206,31 +153,15 @@ fn two_cubes_by_face_edge_and_vertex() {
 fn normal_points_from_a_to_b() {
     // Not only along +x: B on each side of A, apart and deep.
     let (a, b) = (Cuboid(DVec3::ONE), Cuboid(DVec3::splat(0.5)));
-    for axis in [
-        DVec3::X,
-        DVec3::Y,
-        DVec3::Z,
-        DVec3::NEG_X,
-        DVec3::NEG_Y,
-        DVec3::NEG_Z,
-    ] {
+    for axis in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z] {
         let beside = DVec3::new(0.1, 0.2, 0.3) * (DVec3::ONE - axis.abs());
         let deep = Pose::from_translation(axis * 1.25 + beside).unwrap();
         let c = contact(&a, &b, deep, &Settings::default(), &mut Cache::new());
-        assert!(
-            c.normal.distance(axis) < 1e-13 && (c.depth - 0.25).abs() < 1e-13,
-            "{c:?}"
-        );
+        assert!(c.normal.distance(axis) < 1e-13 && (c.depth - 0.25).abs() < 1e-13, "{c:?}");
         let apart = Pose::from_translation(axis * 2.0 + beside).unwrap();
         let d = distance(&a, &b, apart, &Settings::default(), &mut Cache::new());
-        assert!(
-            d.normal.distance(axis) < 1e-6 && (d.distance - 0.5).abs() < 1e-13,
-            "{d:?}"
-        );
-        assert!(
-            (d.point_b - d.point_a - axis * 0.5).length() < 1e-13,
-            "{d:?}"
-        );
+        assert!(d.normal.distance(axis) < 1e-6 && (d.distance - 0.5).abs() < 1e-13, "{d:?}");
+        assert!((d.point_b - d.point_a - axis * 0.5).length() < 1e-13, "{d:?}");
         let c = contact(&a, &b, apart, &Settings::default(), &mut Cache::new());
         assert!(!c.hit && c.normal.dot(axis) > 0.0, "{c:?}");
     }
@@ -241,11 +172,7 @@ fn pairs_of_balls() {
     let mut rng = Rng(SEED + 1);
     let (mut hits, mut calls) = (0, 0);
     for i in 0..2000 {
-        let ball = |rng: &mut Rng| Ball {
-            center: rng.direction(),
-            radius: rng.range(0.1, 2.0),
-            frank: i % 2 == 0,
-        };
+        let ball = |rng: &mut Rng| Ball { center: rng.direction(), radius: rng.range(0.1, 2.0), frank: i % 2 == 0 };
         let (a, b) = (ball(&mut rng), ball(&mut rng));
         let pose = rng.pose(3.0);
         let between = pose.transform_point(b.center) - a.center;
@@ -254,18 +181,11 @@ fn pairs_of_balls() {
             contact(&a, &b, pose, &Settings::default(), &mut Cache::new()),
             distance(&a, &b, pose, &Settings::default(), &mut Cache::new()),
         );
-        assert_eq!(
-            intersects(&a, &b, pose, &mut Cache::new()).is_hit(),
-            gap < 0.0,
-            "{i} {gap}"
-        );
+        assert_eq!(intersects(&a, &b, pose, &mut Cache::new()).is_hit(), gap < 0.0, "{i} {gap}");
         assert_eq!(c.hit, gap < 0.0, "{i} {gap} {c:?}");
         if gap < 0.0 {
             hits += 1;
-            assert!(
-                c.depth_lower <= -gap && -gap <= c.depth_upper,
-                "{i} {gap} {c:?}"
-            );
+            assert!(c.depth_lower <= -gap && -gap <= c.depth_upper, "{i} {gap} {c:?}");
             if a.frank {
                 calls += c.support_calls;
                 assert!(
@@ -274,40 +194,25 @@ fn pairs_of_balls() {
                 );
             }
         } else {
-            assert!(
-                d.lower <= gap && gap <= d.upper && d.upper - d.lower < 1e-5 * d.upper + 1e-13,
-                "{i} {gap} {d:?}"
-            );
+            assert!(d.lower <= gap && gap <= d.upper && d.upper - d.lower < 1e-5 * d.upper + 1e-13, "{i} {gap} {d:?}");
         }
     }
     assert!((600..1400).contains(&hits), "{hits} of 2000 pairs overlap");
-    assert!(
-        calls < hits,
-        "balls that say they are balls need one support call a contact: {calls}"
-    );
+    assert!(calls < hits, "balls that say they are balls need one support call a contact: {calls}");
 }
 
 #[test]
 fn without_expansions_it_is_the_papers_contact() {
     // An upper bound that holds, and that is not the depth: the centre ray leaves the long box through its end.
     let (long, cube) = (Cuboid(DVec3::new(20.0, 1.0, 1.0)), Cuboid(DVec3::ONE));
-    let settings = Settings {
-        max_iterations: 0,
-        ..Settings::default()
-    };
+    let settings = Settings { max_iterations: 0, ..Settings::default() };
     let pose = at(15.0, 1.5, 0.3);
     let paper = contact(&long, &cube, pose, &settings, &mut Cache::new());
-    assert!(
-        paper.hit && paper.depth_lower <= 0.5 && paper.depth_upper >= 0.5 - 1e-12,
-        "{paper:?}"
-    );
+    assert!(paper.hit && paper.depth_lower <= 0.5 && paper.depth_upper >= 0.5 - 1e-12, "{paper:?}");
     let mut rng = Rng(SEED + 2);
     let (mut too_large, mut hits) = (0, 0);
     for _ in 0..500 {
-        let (a, b) = (
-            PointCloud::random(&mut rng, 12, true),
-            PointCloud::random(&mut rng, 12, true),
-        );
+        let (a, b) = (PointCloud::random(&mut rng, 12, true), PointCloud::random(&mut rng, 12, true));
         let pose = rng.pose(1.5);
         let paper = contact(&a, &b, pose, &settings, &mut Cache::new());
         let truth = signed_depth(&a, &b, pose);
@@ -315,16 +220,10 @@ fn without_expansions_it_is_the_papers_contact() {
         if paper.hit {
             hits += 1;
             too_large += usize::from(paper.depth_upper > 1.01 * truth);
-            assert!(
-                paper.depth_lower <= truth && truth <= paper.depth_upper,
-                "{truth} {paper:?}"
-            );
+            assert!(paper.depth_lower <= truth && truth <= paper.depth_upper, "{truth} {paper:?}");
         }
     }
-    assert!(
-        too_large * 4 > hits,
-        "{too_large} of {hits}: then why expand?"
-    );
+    assert!(too_large * 4 > hits, "{too_large} of {hits}: then why expand?");
 }
 
 #[test]
@@ -332,46 +231,28 @@ fn a_cap_is_a_status_and_the_interval_holds() {
     let mut rng = Rng(SEED + 4);
     let (mut hits, mut capped, mut misses, mut far_capped) = (0, 0, 0, 0);
     for _ in 0..200 {
-        let (a, b) = (
-            PointCloud::random(&mut rng, 12, true),
-            PointCloud::random(&mut rng, 12, true),
-        );
+        let (a, b) = (PointCloud::random(&mut rng, 12, true), PointCloud::random(&mut rng, 12, true));
         let pose = rng.pose(2.0);
         let truth = signed_depth(&a, &b, pose);
         for max_iterations in [0, 1, 2, 3] {
-            let settings = Settings {
-                max_iterations,
-                ..Settings::default()
-            };
+            let settings = Settings { max_iterations, ..Settings::default() };
             let c = contact(&a, &b, pose, &settings, &mut Cache::new());
             if truth > TRUTH_ERROR {
                 hits += 1;
                 capped += usize::from(c.status == Status::IterationLimit);
-                assert!(
-                    c.hit && c.depth_lower <= truth + TRUTH_ERROR,
-                    "{truth} {c:?}"
-                );
-                assert!(
-                    truth <= c.depth_upper + TRUTH_ERROR && c.depth_upper < 10.0,
-                    "{truth} {c:?}"
-                );
+                assert!(c.hit && c.depth_lower <= truth + TRUTH_ERROR, "{truth} {c:?}");
+                assert!(truth <= c.depth_upper + TRUTH_ERROR && c.depth_upper < 10.0, "{truth} {c:?}");
             } else {
                 let gap = distance_apart(&a, &b, pose);
                 let d = distance(&a, &b, pose, &settings, &mut Cache::new());
                 misses += 1;
                 far_capped += usize::from(d.status == Status::IterationLimit);
-                assert!(
-                    d.lower <= gap + TRUTH_ERROR && gap <= d.upper + TRUTH_ERROR,
-                    "{gap} {d:?}"
-                );
+                assert!(d.lower <= gap + TRUTH_ERROR && gap <= d.upper + TRUTH_ERROR, "{gap} {d:?}");
                 assert!(d.upper < 10.0, "{d:?}");
             }
         }
     }
-    assert!(
-        capped * 2 > hits && far_capped * 4 > misses,
-        "{capped} of {hits}, {far_capped} of {misses}"
-    );
+    assert!(capped * 2 > hits && far_capped * 4 > misses, "{capped} of {hits}, {far_capped} of {misses}");
 }
 
 /// Poses along a path: a step and about 1 degree each, from apart to deep to apart.
@@ -397,10 +278,7 @@ fn warm_answers_are_cold_answers() {
     let mut stranger = Cache::new();
     for pair in 0..40 {
         let n = [6, 12, 100, 400][pair % 4];
-        let (a, b) = (
-            PointCloud::random(&mut rng, n, true),
-            PointCloud::random(&mut rng, n, true),
-        );
+        let (a, b) = (PointCloud::random(&mut rng, n, true), PointCloud::random(&mut rng, n, true));
         let mut warm = [const { None::<Cache> }; 3].map(|_| Cache::new());
         for pose in trajectory(&mut rng) {
             total += 1;
@@ -417,19 +295,9 @@ fn warm_answers_are_cold_answers() {
             let cold = distance(&a, &b, pose, &settings, &mut Cache::new());
             for cache in [&mut warm[1], &mut stranger] {
                 let got = distance(&a, &b, pose, &settings, cache);
-                assert_eq!(
-                    got.status == Status::Overlapping,
-                    cold.status == Status::Overlapping,
-                    "{at}"
-                );
-                assert!(
-                    got.lower <= cold.upper && cold.lower <= got.upper,
-                    "{at} {got:?} {cold:?}"
-                );
-                assert!(
-                    got.upper - got.lower <= 1.01e-5 * got.upper + 1e-12,
-                    "{at} {got:?}"
-                );
+                assert_eq!(got.status == Status::Overlapping, cold.status == Status::Overlapping, "{at}");
+                assert!(got.lower <= cold.upper && cold.lower <= got.upper, "{at} {got:?} {cold:?}");
+                assert!(got.upper - got.lower <= 1.01e-5 * got.upper + 1e-12, "{at} {got:?}");
                 calls[1][0] += got.support_calls;
             }
             calls[1][1] += 2 * cold.support_calls;
@@ -442,33 +310,23 @@ fn warm_answers_are_cold_answers() {
                     got.depth_lower <= cold.depth_upper && cold.depth_lower <= got.depth_upper,
                     "{at} {got:?} {cold:?}"
                 );
-                assert!(
-                    (got.depth - cold.depth).abs() <= 1e-5 * cold.depth + 1e-12,
-                    "{at} {got:?} {cold:?}"
-                );
+                assert!((got.depth - cold.depth).abs() <= 1e-5 * cold.depth + 1e-12, "{at} {got:?} {cold:?}");
                 calls[2][0] += got.support_calls;
             }
             calls[2][1] += 2 * cold.support_calls;
         }
     }
     let share = hits as f64 / total as f64;
-    assert!(
-        (0.3..0.7).contains(&share),
-        "not representative: {share} of the poses overlap"
-    );
+    assert!((0.3..0.7).contains(&share), "not representative: {share} of the poses overlap");
     println!("support calls, warm and cold: intersects, distance, contact {calls:?}");
     for [warm, cold] in calls {
-        assert!(
-            f64::from(warm) < 1.02 * f64::from(cold),
-            "a cache that costs more than it saves: {calls:?}"
-        );
+        assert!(f64::from(warm) < 1.02 * f64::from(cold), "a cache that costs more than it saves: {calls:?}");
     }
 }
 
 /// Points of a small grid: full of duplicates, collinear and coplanar ones, of any rank.
 fn grid_cloud() -> impl Strategy<Value = PointCloud> {
-    let point = (-2..=2_i32, -2..=2_i32, -2..=2_i32)
-        .prop_map(|(x, y, z)| DVec3::new(x.into(), y.into(), z.into()));
+    let point = (-2..=2_i32, -2..=2_i32, -2..=2_i32).prop_map(|(x, y, z)| DVec3::new(x.into(), y.into(), z.into()));
     prop::collection::vec(point, 1..9).prop_map(PointCloud::new)
 }
 
@@ -476,9 +334,8 @@ fn grid_cloud() -> impl Strategy<Value = PointCloud> {
 fn grid_pose() -> impl Strategy<Value = Pose> {
     let step = || (-8..=8_i32).prop_map(|i| f64::from(i) / 2.0);
     let turn = || (-1..=1_i32).prop_map(f64::from);
-    (step(), step(), step(), turn(), turn(), turn()).prop_map(|(x, y, z, i, j, k)| {
-        Pose::new(DVec3::new(x, y, z), DQuat::from_xyzw(i, j, k, 1.0)).unwrap()
-    })
+    (step(), step(), step(), turn(), turn(), turn())
+        .prop_map(|(x, y, z, i, j, k)| Pose::new(DVec3::new(x, y, z), DQuat::from_xyzw(i, j, k, 1.0)).unwrap())
 }
 
 proptest! {
@@ -523,28 +380,15 @@ fn figures() {
     let settings = Settings::default();
     println!(
         "{:>6} {:>9} {:>6} | {:>23} | {:>23} | {:>23} | {:>23} | not converged",
-        "n",
-        "what",
-        "pairs",
-        "intersects calls",
-        "distance calls",
-        "contact calls",
-        "contact steps"
+        "n", "what", "pairs", "intersects calls", "distance calls", "contact calls", "contact steps"
     );
     for n in [8, 32, 128, 512, 2048, 8192] {
-        for (what, from, to) in [
-            ("deep", 0.0, 0.5),
-            ("touching", 0.98, 1.02),
-            ("apart", 1.2, 2.0),
-        ] {
+        for (what, from, to) in [("deep", 0.0, 0.5), ("touching", 0.98, 1.02), ("apart", 1.2, 2.0)] {
             let mut rng = Rng(SEED);
             let mut calls = [const { Vec::new() }; 4];
             let (mut open, mut hits) = (0, 0);
             for _ in 0..200 {
-                let (a, b) = (
-                    PointCloud::random(&mut rng, n, true),
-                    PointCloud::random(&mut rng, n, true),
-                );
+                let (a, b) = (PointCloud::random(&mut rng, n, true), PointCloud::random(&mut rng, n, true));
                 let (rotation, direction) = (rng.rotation(), rng.direction());
                 let at = |t: f64| Pose::new(direction * t, rotation).unwrap();
                 let (mut inside, mut outside) = (0.0, 3.0);

@@ -38,22 +38,13 @@ pub(crate) fn on_segment(p: DVec3, q: DVec3) -> Nearest<2> {
     let length_sq = edge.length_squared();
     // NaN and a segment without length take the branch of `p`.
     if !(along > 0.0 && length_sq > 0.0) {
-        return Nearest {
-            weights: [1.0, 0.0],
-            point: p,
-        };
+        return Nearest { weights: [1.0, 0.0], point: p };
     }
     if along >= length_sq {
-        return Nearest {
-            weights: [0.0, 1.0],
-            point: q,
-        };
+        return Nearest { weights: [0.0, 1.0], point: q };
     }
     let t = along / length_sq;
-    Nearest {
-        weights: [1.0 - t, t],
-        point: p + edge * t,
-    }
+    Nearest { weights: [1.0 - t, t], point: p + edge * t }
 }
 
 /// The nearest point on the triangle `p`, `q`, `r`; a triangle without area is taken as its three edges.
@@ -75,21 +66,12 @@ pub(crate) fn on_triangle(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
         }
     }
     let (on_pq, on_qr, on_rp) = (on_segment(p, q), on_segment(q, r), on_segment(r, p));
-    let mut best = Nearest {
-        weights: [on_pq.weights[0], on_pq.weights[1], 0.0],
-        point: on_pq.point,
-    };
+    let mut best = Nearest { weights: [on_pq.weights[0], on_pq.weights[1], 0.0], point: on_pq.point };
     if on_qr.point.length_squared() < best.point.length_squared() {
-        best = Nearest {
-            weights: [0.0, on_qr.weights[0], on_qr.weights[1]],
-            point: on_qr.point,
-        };
+        best = Nearest { weights: [0.0, on_qr.weights[0], on_qr.weights[1]], point: on_qr.point };
     }
     if on_rp.point.length_squared() < best.point.length_squared() {
-        best = Nearest {
-            weights: [on_rp.weights[1], 0.0, on_rp.weights[0]],
-            point: on_rp.point,
-        };
+        best = Nearest { weights: [on_rp.weights[1], 0.0, on_rp.weights[0]], point: on_rp.point };
     }
     best
 }
@@ -116,23 +98,14 @@ pub(crate) fn on_tetrahedron(v: [DVec3; 4]) -> (Nearest<4>, f64) {
         if best.is_none_or(|b| on_face.point.length_squared() < b.point.length_squared()) {
             let mut w = [0.0; 4];
             (w[i], w[j], w[k]) = (on_face.weights[0], on_face.weights[1], on_face.weights[2]);
-            best = Some(Nearest {
-                weights: w,
-                point: on_face.point,
-            });
+            best = Some(Nearest { weights: w, point: on_face.point });
         }
     }
     match best {
         Some(nearest) => (nearest, 0.0),
         None => {
             let sum: f64 = weights.iter().sum();
-            (
-                Nearest {
-                    weights: weights.map(|w| w / sum),
-                    point: DVec3::ZERO,
-                },
-                clearance,
-            )
+            (Nearest { weights: weights.map(|w| w / sum), point: DVec3::ZERO }, clearance)
         }
     }
 }
@@ -154,14 +127,8 @@ mod tests {
 
     fn assert_weights<const N: usize>(nearest: &Nearest<N>, points: [DVec3; N], expected: DVec3) {
         let sum: f64 = nearest.weights.iter().sum();
-        assert!(
-            (sum - 1.0).abs() < 1e-14 && nearest.weights.iter().all(|w| *w >= 0.0),
-            "{nearest:?}"
-        );
-        assert!(
-            (blend(&nearest.weights, points) - expected).length() < 1e-12,
-            "{nearest:?}"
-        );
+        assert!((sum - 1.0).abs() < 1e-14 && nearest.weights.iter().all(|w| *w >= 0.0), "{nearest:?}");
+        assert!((blend(&nearest.weights, points) - expected).length() < 1e-12, "{nearest:?}");
         assert!((nearest.point - expected).length() < 1e-12, "{nearest:?}");
     }
 
@@ -177,24 +144,12 @@ mod tests {
 
     #[test]
     fn triangle_inside_edge_and_corner() {
-        let t = [
-            DVec3::new(-1.0, -1.0, 2.0),
-            DVec3::new(2.0, -1.0, 2.0),
-            DVec3::new(-1.0, 2.0, 2.0),
-        ];
+        let t = [DVec3::new(-1.0, -1.0, 2.0), DVec3::new(2.0, -1.0, 2.0), DVec3::new(-1.0, 2.0, 2.0)];
         assert_weights(&on_triangle(t[0], t[1], t[2]), t, DVec3::new(0.0, 0.0, 2.0));
         let moved = t.map(|p| p + DVec3::Y * 3.0);
-        assert_weights(
-            &on_triangle(moved[0], moved[1], moved[2]),
-            moved,
-            DVec3::new(0.0, 2.0, 2.0),
-        );
+        assert_weights(&on_triangle(moved[0], moved[1], moved[2]), moved, DVec3::new(0.0, 2.0, 2.0));
         let corner = t.map(|p| p + DVec3::new(4.0, 4.0, 0.0));
-        assert_weights(
-            &on_triangle(corner[0], corner[1], corner[2]),
-            corner,
-            DVec3::new(3.0, 3.0, 2.0),
-        );
+        assert_weights(&on_triangle(corner[0], corner[1], corner[2]), corner, DVec3::new(3.0, 3.0, 2.0));
     }
 
     #[test]
@@ -215,10 +170,7 @@ mod tests {
         let moved = v.map(|p| p + DVec3::ONE);
         let (nearest, clearance) = on_tetrahedron(moved);
         assert_eq!(clearance, 0.0);
-        assert!(
-            nearest.point.length() < 1e-12,
-            "the corner that lies on the origin"
-        );
+        assert!(nearest.point.length() < 1e-12, "the corner that lies on the origin");
         let flat = [
             DVec3::new(0.0, 0.0, 1.0),
             DVec3::new(1.0, 0.0, 1.0),

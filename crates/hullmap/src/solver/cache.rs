@@ -80,10 +80,7 @@ mod tests {
     #[test]
     fn the_centre_is_not_kept() {
         let mut cache = Cache::new();
-        let seen = Vertex {
-            dir: DVec3::X,
-            ..Vertex::EMPTY
-        };
+        let seen = Vertex { dir: DVec3::X, ..Vertex::EMPTY };
         cache.set_simplex(&[seen, Vertex::EMPTY]);
         assert_eq!(cache.simplex(), &[DVec3::X]);
         cache.set_portal(&[seen, seen, Vertex::EMPTY]);

@@ -31,11 +31,7 @@ pub(super) struct Simplex {
 
 impl Simplex {
     pub(super) fn new(vertex: Vertex) -> Self {
-        Self {
-            vertices: [vertex; 4],
-            weights: [1.0, 0.0, 0.0, 0.0],
-            count: 1,
-        }
+        Self { vertices: [vertex; 4], weights: [1.0, 0.0, 0.0, 0.0], count: 1 }
     }
 
     /// Adds a vertex; there must be room, which [`nearest`](Self::nearest) makes.
@@ -52,10 +48,7 @@ impl Simplex {
     /// The point of A and the point of B at the weights.
     pub(super) fn points(&self) -> (DVec3, DVec3) {
         // Weights beyond the count are zero.
-        (
-            blend(&self.weights, self.vertices.map(|v| v.a)),
-            blend(&self.weights, self.vertices.map(|v| v.b)),
-        )
+        (blend(&self.weights, self.vertices.map(|v| v.a)), blend(&self.weights, self.vertices.map(|v| v.b)))
     }
 
     /// Point of the simplex nearest to the origin, and the origin's distance from the surface if it is inside, 0 otherwise. Keeps
@@ -156,49 +149,28 @@ pub(super) fn closest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         let (y, clearance) = simplex.nearest();
         if clearance > 0.0 {
             // A hair inside may be a hair outside.
-            let end = if clearance > rounding {
-                End::Inside
-            } else {
-                End::AtOrigin
-            };
-            return Closest {
-                end,
-                simplex,
-                upper: 0.0,
-                ..best
-            };
+            let end = if clearance > rounding { End::Inside } else { End::AtOrigin };
+            return Closest { end, simplex, upper: 0.0, ..best };
         }
         let length = y.length();
         // NaN counts as no progress.
         let nearer = length < best.upper;
         if !nearer {
-            return Closest {
-                end: End::Stalled,
-                ..best
-            };
+            return Closest { end: End::Stalled, ..best };
         }
         (best.simplex, best.upper) = (simplex, length);
         if length <= rounding {
-            return Closest {
-                end: End::AtOrigin,
-                ..best
-            };
+            return Closest { end: End::AtOrigin, ..best };
         }
         let outward = y / length;
         best.normal = -outward;
         let vertex = m.support(-outward);
         best.lower = best.lower.max(vertex.w.dot(outward));
         if best.upper - best.lower <= tolerance * best.upper + rounding {
-            return Closest {
-                end: End::Converged,
-                ..best
-            };
+            return Closest { end: End::Converged, ..best };
         }
         if simplex.vertices().iter().any(|v| v.w == vertex.w) {
-            return Closest {
-                end: End::Stalled,
-                ..best
-            };
+            return Closest { end: End::Stalled, ..best };
         }
         simplex.push(vertex);
     }

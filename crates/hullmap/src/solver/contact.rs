@@ -122,11 +122,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     match found {
         Err(NoPortal::Separated { axis }) => return apart(m, cache, axis, iterations),
         Ok(portal) => {
-            let until = if settings.max_iterations == 0 {
-                Until::Surface { tolerance }
-            } else {
-                Until::Decided
-            };
+            let until = if settings.max_iterations == 0 { Until::Surface { tolerance } } else { Until::Decided };
             let refined = refine(m, portal, until);
             iterations += refined.iterations;
             if refined.side == Side::Separated {
@@ -134,21 +130,11 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
             }
             cache.set_portal(&refined.portal.vertices);
             start = Some(tetrahedron(&refined.portal));
-            bound = Bound {
-                upper: refined.upper,
-                normal: refined.axis,
-                face: refined.upper_portal.vertices,
-            };
+            bound = Bound { upper: refined.upper, normal: refined.axis, face: refined.upper_portal.vertices };
         }
         Err(NoPortal::Flat | NoPortal::Limit) => {}
     }
-    let expanded = expand(
-        m,
-        start,
-        Goal::Depth { tolerance },
-        bound,
-        settings.max_iterations,
-    );
+    let expanded = expand(m, start, Goal::Depth { tolerance }, bound, settings.max_iterations);
     iterations += expanded.iterations;
     let Bound { upper, normal, .. } = expanded.bound;
     if expanded.end == expansion::End::Separated {
@@ -174,11 +160,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     Contact {
         hit: true,
         status,
-        depth: if status == Status::Touching {
-            0.0
-        } else {
-            upper
-        },
+        depth: if status == Status::Touching { 0.0 } else { upper },
         depth_lower: (expanded.lower - rounding).max(0.0),
         depth_upper: upper.max(0.0) + rounding,
         normal: unit(normal).unwrap_or(DVec3::X),
@@ -228,11 +210,7 @@ fn contact_of_balls<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let upper = vertex.w.dot(normal);
     (upper - lower <= tolerance * upper + rounding).then_some(Contact {
         hit: true,
-        status: if upper - lower <= rounding {
-            Status::Exact
-        } else {
-            Status::Within
-        },
+        status: if upper - lower <= rounding { Status::Exact } else { Status::Within },
         depth: upper,
         depth_lower: lower - rounding,
         depth_upper: upper + rounding,

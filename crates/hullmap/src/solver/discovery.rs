@@ -48,9 +48,7 @@ impl Portal {
         let (e2, e3) = (v2 - v1, v3 - v1);
         let n = e2.cross(e3);
         // NaN takes the failing branch.
-        (n.length_squared() > FLAT * FLAT * e2.length_squared() * e3.length_squared())
-            .then(|| unit(n))
-            .flatten()
+        (n.length_squared() > FLAT * FLAT * e2.length_squared() * e3.length_squared()).then(|| unit(n)).flatten()
     }
 
     /// Distance of the origin from the nearest of the three planes through v0 and a side; negative outside.
@@ -109,10 +107,7 @@ fn try_warm<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     for (vertex, dir) in vertices.iter_mut().zip(dirs) {
         *vertex = probe(m, dir)?;
     }
-    let portal = Portal {
-        center: m.center(),
-        vertices,
-    };
+    let portal = Portal { center: m.center(), vertices };
     Ok((portal.is_pierced() && portal.normal().is_some()).then_some(portal))
 }
 
@@ -122,11 +117,7 @@ fn probe<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     n: DVec3,
 ) -> Result<Vertex, NoPortal> {
     let v = m.support(n);
-    if v.w.dot(n) < -m.rounding() {
-        Err(NoPortal::Separated { axis: n })
-    } else {
-        Ok(v)
-    }
+    if v.w.dot(n) < -m.rounding() { Err(NoPortal::Separated { axis: n }) } else { Ok(v) }
 }
 
 fn discover_cold<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
@@ -139,11 +130,7 @@ fn discover_cold<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let flat = FLAT * m.outer_radius();
 
     // Line 2: v1 towards the origin. Coincident centres: any direction is towards it.
-    let towards = if v0.length() > m.rounding() {
-        unit(-v0).unwrap_or(DVec3::X)
-    } else {
-        DVec3::X
-    };
+    let towards = if v0.length() > m.rounding() { unit(-v0).unwrap_or(DVec3::X) } else { DVec3::X };
     let mut v1 = probe(m, towards)?;
     // v2 beside the line from v0 through the origin; in the line case beside the line from v0 through v1.
     let line = unit(v1.w - v0).ok_or(NoPortal::Flat)?;
@@ -173,15 +160,9 @@ fn discover_cold<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         } else if v3.w.cross(v2.w).dot(v0) < 0.0 {
             v1 = v3;
         } else {
-            let portal = Portal {
-                center,
-                vertices: [v1, v2, v3],
-            };
+            let portal = Portal { center, vertices: [v1, v2, v3] };
             // NaN takes the failing branch.
-            return if (v3.w - v0).dot(dir) > flat
-                && portal.is_pierced()
-                && portal.normal().is_some()
-            {
+            return if (v3.w - v0).dot(dir) > flat && portal.is_pierced() && portal.normal().is_some() {
                 Ok(portal)
             } else {
                 Err(NoPortal::Flat)

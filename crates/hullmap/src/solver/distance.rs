@@ -80,12 +80,7 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
             }
         }
     }
-    let found = closest(
-        &mut m,
-        start,
-        settings.relative_gap(),
-        settings.max_iterations,
-    );
+    let found = closest(&mut m, start, settings.relative_gap(), settings.max_iterations);
     cache.set_simplex(found.simplex.vertices());
     (out.point_a, out.point_b) = found.simplex.points();
     out.iterations = found.iterations;

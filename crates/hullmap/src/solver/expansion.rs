@@ -97,11 +97,7 @@ pub(super) struct Expansion {
 impl Bound {
     /// No bound yet.
     pub(super) fn none() -> Self {
-        Self {
-            upper: f64::INFINITY,
-            normal: DVec3::ZERO,
-            face: [Vertex::EMPTY; 3],
-        }
+        Self { upper: f64::INFINITY, normal: DVec3::ZERO, face: [Vertex::EMPTY; 3] }
     }
 
     /// Whether the face lies on the surface, so that points on it are as deep as the bound says.
@@ -121,10 +117,7 @@ impl Bound {
     pub(super) fn points(&self) -> (DVec3, DVec3) {
         let [p, q, r] = self.face.map(|v| v.w);
         let weights = on_triangle(p, q, r).weights;
-        (
-            blend(&weights, self.face.map(|v| v.a)),
-            blend(&weights, self.face.map(|v| v.b)),
-        )
+        (blend(&weights, self.face.map(|v| v.a)), blend(&weights, self.face.map(|v| v.b)))
     }
 }
 
@@ -137,12 +130,7 @@ pub(super) fn expand<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     max_expansions: u32,
 ) -> Expansion {
     let ball = m.inner_radius() - m.center().w.length();
-    let mut state = Expansion {
-        end: End::Limit,
-        lower: f64::NEG_INFINITY,
-        bound,
-        iterations: 0,
-    };
+    let mut state = Expansion { end: End::Limit, lower: f64::NEG_INFINITY, bound, iterations: 0 };
     let mut small = Polytope::empty(m.rounding());
     let thin = THIN_ROUNDINGS * m.rounding();
     if !start.is_some_and(|tetrahedron| small.start(tetrahedron, thin)) {
@@ -156,8 +144,7 @@ pub(super) fn expand<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
             Err(Flat { normal }) => return expand_flat(m, normal, state),
         }
     }
-    if !run::<A, B, SMALL, { 2 * SMALL - 4 }>(m, &mut small, &mut state, goal, ball, max_expansions)
-    {
+    if !run::<A, B, SMALL, { 2 * SMALL - 4 }>(m, &mut small, &mut state, goal, ball, max_expansions) {
         expand_big(m, &small, &mut state, goal, ball, max_expansions);
     }
     state
@@ -226,16 +213,8 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
         let touching = value <= TOUCHING_ROUNDINGS * rounding;
         if value < state.bound.upper || tight || touching {
             // Of the faces in this plane the one that the origin's foot is in.
-            let face = if tight {
-                polytope.face_of_foot(face, rounding)
-            } else {
-                face
-            };
-            state.bound = Bound {
-                upper: value,
-                normal,
-                face: polytope.face_vertices(face),
-            };
+            let face = if tight { polytope.face_of_foot(face, rounding) } else { face };
+            state.bound = Bound { upper: value, normal, face: polytope.face_vertices(face) };
         }
         // 4. Close enough, or go on.
         if separated || touching || tight || (close && state.bound.has_foot(rounding)) {
@@ -250,10 +229,7 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
         }
         // NaN counts as no progress.
         let above = value > offset;
-        if !above
-            || polytope.has_vertex(vertex.w)
-            || polytope.insert(vertex, face) == Err(Refused::Contradiction)
-        {
+        if !above || polytope.has_vertex(vertex.w) || polytope.insert(vertex, face) == Err(Refused::Contradiction) {
             state.end = End::Stalled;
             return true;
         }
@@ -278,19 +254,11 @@ fn expand_flat<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
     if near.lower > m.rounding() {
         state.end = End::Separated;
-        state.bound = Bound {
-            upper: -near.lower,
-            normal: near.normal,
-            face,
-        };
+        state.bound = Bound { upper: -near.lower, normal: near.normal, face };
         return state;
     }
     let value = m.support(normal).w.dot(normal);
-    state.bound = Bound {
-        upper: value.max(0.0),
-        normal,
-        face,
-    };
+    state.bound = Bound { upper: value.max(0.0), normal, face };
     state.end = if near.end == closest::End::AtOrigin
         || near.end == closest::End::Inside
         || near.upper <= TOUCHING_ROUNDINGS * m.rounding()

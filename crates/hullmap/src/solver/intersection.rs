@@ -58,11 +58,7 @@ pub fn intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 ) -> Intersection {
     let mut m = Minkowski::new(a, b, b_in_a);
     let (status, iterations) = decide(&mut m, cache);
-    Intersection {
-        status,
-        iterations,
-        support_calls: m.support_calls(),
-    }
+    Intersection { status, iterations, support_calls: m.support_calls() }
 }
 
 /// The tests that come before any search: an axis, of unit length from A to B, known to separate.
@@ -73,9 +69,7 @@ pub(super) fn separated_early<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     if m.outer_balls_apart() {
         return unit(-m.center().w);
     }
-    cache
-        .axis()
-        .filter(|axis| m.support(*axis).w.dot(*axis) < -m.rounding())
+    cache.axis().filter(|axis| m.support(*axis).w.dot(*axis) < -m.rounding())
 }
 
 fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
@@ -110,9 +104,7 @@ fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
                     cache.set_portal(&refined.portal.vertices);
                     return (Overlap::Overlapping, iterations);
                 }
-                Side::Touching | Side::Undecided | Side::Overlapping => {
-                    start = Some(tetrahedron(&refined.portal))
-                }
+                Side::Touching | Side::Undecided | Side::Overlapping => start = Some(tetrahedron(&refined.portal)),
             }
         }
         Err(NoPortal::Flat | NoPortal::Limit) => {}
@@ -127,10 +119,7 @@ fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 
 /// Whether the origin, known to be behind the portal, is truly inside and not on the surface: either the centre is well inside, and
 /// with it the whole tetrahedron but the portal, or the origin keeps clear of the other three sides.
-fn is_proved<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &Minkowski<'_, A, B>,
-    portal: &Portal,
-) -> bool {
+fn is_proved<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &Minkowski<'_, A, B>, portal: &Portal) -> bool {
     let rounding = m.rounding();
     (m.inner_radius() > rounding && portal.is_pierced()) || portal.clearance() > rounding
 }
@@ -146,12 +135,7 @@ pub(super) fn decide_by_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized
     m: &mut Minkowski<'_, A, B>,
     start: Option<[Vertex; 4]>,
 ) -> (Overlap, DVec3, u32) {
-    let Expansion {
-        end,
-        bound,
-        iterations,
-        ..
-    } = expand(m, start, Goal::Decide, Bound::none(), MAX_DECIDING);
+    let Expansion { end, bound, iterations, .. } = expand(m, start, Goal::Decide, Bound::none(), MAX_DECIDING);
     let status = match end {
         expansion::End::Separated => Overlap::Separated,
         expansion::End::Inside => Overlap::Overlapping,

@@ -151,8 +151,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         };
         let (mut best, mut best_sq) = (face, nearest(face));
         for other in 0..self.face_count {
-            let same_plane = self.offsets[other] - self.offsets[face]
-                <= slack + COPLANAR * self.offsets[face].abs()
+            let same_plane = self.offsets[other] - self.offsets[face] <= slack + COPLANAR * self.offsets[face].abs()
                 && self.normals[other].distance(self.normals[face]) < PARALLEL;
             if same_plane {
                 let other_sq = nearest(other);
@@ -187,12 +186,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         let mut seen = [false; F];
         let mut stack = [0_u16; F];
         let mut removed = [0_u16; F];
-        let mut horizon = [Horizon {
-            from: 0,
-            to: 0,
-            beyond: 0,
-            beyond_edge: 0,
-        }; V];
+        let mut horizon = [Horizon { from: 0, to: 0, beyond: 0, beyond_edge: 0 }; V];
         let (mut depth, mut removed_count, mut horizon_count) = (1, 0, 0);
         stack[0] = face as u16;
         seen[face] = true;
@@ -203,9 +197,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
             removed_count += 1;
             for edge in 0..3 {
                 let next = usize::from(self.neighbours[at][edge]);
-                if !seen[next]
-                    && self.normals[next].dot(vertex.w) - self.offsets[next] > -self.slack
-                {
+                if !seen[next] && self.normals[next].dot(vertex.w) - self.offsets[next] > -self.slack {
                     seen[next] = true;
                     stack[depth] = next as u16;
                     depth += 1;
@@ -226,19 +218,11 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
                 if horizon_count == V || starts[usize::from(from)] != u16::MAX {
                     return Err(Refused::Contradiction);
                 }
-                let Some(beyond_edge) = self.corners[usize::from(beyond)]
-                    .iter()
-                    .position(|c| *c == to)
-                else {
+                let Some(beyond_edge) = self.corners[usize::from(beyond)].iter().position(|c| *c == to) else {
                     return Err(Refused::Contradiction);
                 };
                 starts[usize::from(from)] = horizon_count as u16;
-                horizon[horizon_count] = Horizon {
-                    from,
-                    to,
-                    beyond,
-                    beyond_edge: beyond_edge as u8,
-                };
+                horizon[horizon_count] = Horizon { from, to, beyond, beyond_edge: beyond_edge as u8 };
                 horizon_count += 1;
             }
         }
@@ -255,11 +239,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
             return Err(Refused::Contradiction);
         }
         let slot = |k: usize| {
-            if k < reused {
-                usize::from(removed[k])
-            } else {
-                first_new + k - reused
-            }
+            if k < reused { usize::from(removed[k]) } else { first_new + k - reused }
         };
         self.face_count += horizon_count - reused;
         for &spare in &removed[reused..removed_count] {
@@ -315,29 +295,18 @@ mod tests {
     use super::*;
 
     fn vertex(x: f64, y: f64, z: f64) -> Vertex {
-        Vertex {
-            w: DVec3::new(x, y, z),
-            ..Vertex::EMPTY
-        }
+        Vertex { w: DVec3::new(x, y, z), ..Vertex::EMPTY }
     }
 
     fn tetrahedron() -> [Vertex; 4] {
-        [
-            vertex(1.0, 1.0, 1.0),
-            vertex(-1.0, -1.0, 1.0),
-            vertex(-1.0, 1.0, -1.0),
-            vertex(1.0, -1.0, -1.0),
-        ]
+        [vertex(1.0, 1.0, 1.0), vertex(-1.0, -1.0, 1.0), vertex(-1.0, 1.0, -1.0), vertex(1.0, -1.0, -1.0)]
     }
 
     /// Every edge is shared by two faces that name each other.
     fn assert_closed<const V: usize, const F: usize>(polytope: &Polytope<V, F>) {
         for face in (0..polytope.face_count).filter(|f| polytope.offsets[*f] < f64::INFINITY) {
             for edge in 0..3 {
-                let (from, to) = (
-                    polytope.corners[face][edge],
-                    polytope.corners[face][(edge + 1) % 3],
-                );
+                let (from, to) = (polytope.corners[face][edge], polytope.corners[face][(edge + 1) % 3]);
                 let next = usize::from(polytope.neighbours[face][edge]);
                 let back = (0..3).find(|e| polytope.corners[next][*e] == to).unwrap();
                 assert_eq!(polytope.corners[next][(back + 1) % 3], from);
@@ -364,44 +333,25 @@ mod tests {
     fn grows_to_a_cube_with_coplanar_faces() {
         let mut polytope = Polytope::<8, 12>::empty(1e-15);
         assert!(polytope.start(tetrahedron(), 0.1));
-        for v in [
-            vertex(-1.0, 1.0, 1.0),
-            vertex(1.0, -1.0, 1.0),
-            vertex(1.0, 1.0, -1.0),
-            vertex(-1.0, -1.0, -1.0),
-        ] {
-            let face = (0..polytope.face_count)
-                .find(|f| polytope.normal(*f).dot(v.w) > polytope.offset(*f) + 0.1)
-                .unwrap();
+        for v in [vertex(-1.0, 1.0, 1.0), vertex(1.0, -1.0, 1.0), vertex(1.0, 1.0, -1.0), vertex(-1.0, -1.0, -1.0)] {
+            let face =
+                (0..polytope.face_count).find(|f| polytope.normal(*f).dot(v.w) > polytope.offset(*f) + 0.1).unwrap();
             polytope.insert(v, face).unwrap();
             assert_closed(&polytope);
         }
         let live = (0..polytope.face_count).filter(|f| polytope.offset(*f) < f64::INFINITY);
         assert_eq!(live.clone().count(), 12);
-        assert!(
-            live.into_iter()
-                .all(|f| (polytope.offset(f) - 1.0).abs() < 1e-15)
-        );
-        assert_eq!(
-            polytope.insert(vertex(0.0, 0.0, 3.0), 0),
-            Err(Refused::Full)
-        );
+        assert!(live.into_iter().all(|f| (polytope.offset(f) - 1.0).abs() < 1e-15));
+        assert_eq!(polytope.insert(vertex(0.0, 0.0, 3.0), 0), Err(Refused::Full));
         let mut grown = polytope.grown::<16, 28>();
-        let top = (0..grown.face_count)
-            .find(|f| grown.normal(*f).z > 0.9)
-            .unwrap();
+        let top = (0..grown.face_count).find(|f| grown.normal(*f).z > 0.9).unwrap();
         grown.insert(vertex(0.0, 0.0, 3.0), top).unwrap();
         assert_closed(&grown);
     }
 
     #[test]
     fn a_flat_tetrahedron_is_refused() {
-        let flat = [
-            vertex(0.0, 0.0, 0.0),
-            vertex(1.0, 0.0, 0.0),
-            vertex(0.0, 1.0, 0.0),
-            vertex(1.0, 1.0, 0.0),
-        ];
+        let flat = [vertex(0.0, 0.0, 0.0), vertex(1.0, 0.0, 0.0), vertex(0.0, 1.0, 0.0), vertex(1.0, 1.0, 0.0)];
         assert!(!Polytope::<8, 12>::empty(1e-15).start(flat, 0.0));
     }
 }

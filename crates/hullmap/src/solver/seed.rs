@@ -28,17 +28,7 @@ pub(super) fn seed<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 ) -> Result<[Vertex; 4], Flat> {
     let thin = FLAT_ROUNDINGS * m.rounding();
     let mut seen = [Vertex::EMPTY; 10];
-    for (i, dir) in [
-        DVec3::X,
-        DVec3::NEG_X,
-        DVec3::Y,
-        DVec3::NEG_Y,
-        DVec3::Z,
-        DVec3::NEG_Z,
-    ]
-    .into_iter()
-    .enumerate()
-    {
+    for (i, dir) in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z].into_iter().enumerate() {
         seen[i] = m.support(dir);
     }
     let mut pair = (seen[0], seen[1]);
@@ -52,9 +42,7 @@ pub(super) fn seed<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let (p, q) = pair;
     // NaN takes the branch of the flat, here and below.
     let Some(line) = unit(q.w - p.w).filter(|_| q.w.distance(p.w) > thin) else {
-        return Err(Flat {
-            normal: unit(-m.center().w).unwrap_or(DVec3::X),
-        });
+        return Err(Flat { normal: unit(-m.center().w).unwrap_or(DVec3::X) });
     };
     let side = perpendicular(line);
     let other = line.cross(side);
@@ -76,9 +64,5 @@ pub(super) fn seed<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let rise = (above.w - p.w).dot(normal);
     let fall = (p.w - below.w).dot(normal);
     let s = if rise >= fall { above } else { below };
-    if rise.max(fall) > thin {
-        Ok([p, q, r, s])
-    } else {
-        Err(Flat { normal })
-    }
+    if rise.max(fall) > thin { Ok([p, q, r, s]) } else { Err(Flat { normal }) }
 }

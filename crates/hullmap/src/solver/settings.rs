@@ -30,10 +30,7 @@ impl Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self {
-            tolerance: Self::DEFAULT_TOLERANCE,
-            max_iterations: Self::DEFAULT_MAX_ITERATIONS,
-        }
+        Self { tolerance: Self::DEFAULT_TOLERANCE, max_iterations: Self::DEFAULT_MAX_ITERATIONS }
     }
 }
 
@@ -44,14 +41,7 @@ mod tests {
     #[test]
     fn senseless_tolerances_ask_for_everything() {
         for tolerance in [f64::NAN, -1.0, 0.0] {
-            assert_eq!(
-                Settings {
-                    tolerance,
-                    ..Settings::default()
-                }
-                .relative_gap(),
-                0.0
-            );
+            assert_eq!(Settings { tolerance, ..Settings::default() }.relative_gap(), 0.0);
         }
     }
 }

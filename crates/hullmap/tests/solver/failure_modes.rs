@@ -2,10 +2,7 @@
 
 use crate::shapes::{Ball, Cuboid, PointCloud, Rng};
 use glam::{DQuat, DVec3};
-use hullmap::{
-    Cache, Contact, Distance, Overlap, Pose, Settings, Status, SupportMap, contact, distance,
-    intersects,
-};
+use hullmap::{Cache, Contact, Distance, Overlap, Pose, Settings, Status, SupportMap, contact, distance, intersects};
 
 fn at(x: f64, y: f64, z: f64) -> Pose {
     Pose::from_translation(DVec3::new(x, y, z)).unwrap()
@@ -19,36 +16,24 @@ fn deep<A: SupportMap, B: SupportMap>(a: &A, b: &B, pose: Pose) -> Contact {
     let c = contact(a, b, pose, &Settings::default(), &mut Cache::new());
     assert!((c.normal.length() - 1.0).abs() < 1e-14, "{c:?}");
     assert!(c.point_a.is_finite() && c.point_b.is_finite(), "{c:?}");
-    assert!(
-        0.0 <= c.depth_lower && c.depth_lower <= c.depth && c.depth <= c.depth_upper,
-        "{c:?}"
-    );
+    assert!(0.0 <= c.depth_lower && c.depth_lower <= c.depth && c.depth <= c.depth_upper, "{c:?}");
     c
 }
 
 fn far<A: SupportMap, B: SupportMap>(a: &A, b: &B, pose: Pose) -> Distance {
     let d = distance(a, b, pose, &Settings::default(), &mut Cache::new());
     assert!((d.normal.length() - 1.0).abs() < 1e-14, "{d:?}");
-    assert!(
-        0.0 <= d.lower && d.lower <= d.distance && d.distance <= d.upper,
-        "{d:?}"
-    );
+    assert!(0.0 <= d.lower && d.lower <= d.distance && d.distance <= d.upper, "{d:?}");
     d
 }
 
 fn assert_near(found: f64, expected: f64) {
-    assert!(
-        (found - expected).abs() <= 1e-5 * expected.abs() + 1e-12,
-        "{found} is not {expected}"
-    );
+    assert!((found - expected).abs() <= 1e-5 * expected.abs() + 1e-12, "{found} is not {expected}");
 }
 
 /// A cube of edge 2 that keeps its inner ball to itself, so that no early exit hides the phases.
 fn shy_cube() -> PointCloud {
-    PointCloud {
-        inner_radius: 0.0,
-        ..PointCloud::cuboid(DVec3::ONE)
-    }
+    PointCloud { inner_radius: 0.0, ..PointCloud::cuboid(DVec3::ONE) }
 }
 
 #[test]
@@ -61,36 +46,13 @@ fn concentric() {
     let c = deep(&cube, &flat, Pose::IDENTITY);
     assert_near(c.depth, 1.5);
     assert!(c.normal.abs().distance(DVec3::Y) < 1e-12);
-    assert_eq!(
-        far(&cube, &flat, Pose::IDENTITY).status,
-        Status::Overlapping
-    );
+    assert_eq!(far(&cube, &flat, Pose::IDENTITY).status, Status::Overlapping);
     for frank in [true, false] {
-        let ball = Ball {
-            center: DVec3::ZERO,
-            radius: 1.0,
-            frank,
-        };
-        let c = contact(
-            &ball,
-            &ball,
-            Pose::IDENTITY,
-            &Settings::default(),
-            &mut Cache::new(),
-        );
-        assert!(
-            c.hit && c.depth_lower <= 2.0 && 2.0 <= c.depth_upper,
-            "{c:?}"
-        );
+        let ball = Ball { center: DVec3::ZERO, radius: 1.0, frank };
+        let c = contact(&ball, &ball, Pose::IDENTITY, &Settings::default(), &mut Cache::new());
+        assert!(c.hit && c.depth_lower <= 2.0 && 2.0 <= c.depth_upper, "{c:?}");
         // A ball that hides its inner radius has no nearest face: the interval must say so.
-        assert_eq!(
-            c.status,
-            if frank {
-                Status::Exact
-            } else {
-                Status::IterationLimit
-            }
-        );
+        assert_eq!(c.status, if frank { Status::Exact } else { Status::IterationLimit });
         assert_eq!(hit(&ball, &ball, Pose::IDENTITY), Overlap::Overlapping);
     }
 }
@@ -99,13 +61,7 @@ fn concentric() {
 fn origin_on_the_line_from_centre_to_support() {
     let cube = shy_cube();
     let point = PointCloud::point(DVec3::ZERO);
-    for direction in [
-        DVec3::X,
-        DVec3::Y,
-        DVec3::Z,
-        DVec3::ONE,
-        DVec3::new(1.0, 1.0, 0.0),
-    ] {
+    for direction in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE, DVec3::new(1.0, 1.0, 0.0)] {
         for t in [-0.9, -0.5, 0.25, 0.75] {
             let p = direction * t;
             let pose = Pose::from_translation(p).unwrap();
@@ -113,11 +69,7 @@ fn origin_on_the_line_from_centre_to_support() {
             let c = deep(&cube, &point, pose);
             assert_near(c.depth, 1.0 - p.abs().max_element());
             // The segment's whole line of centres.
-            let d = far(
-                &cube,
-                &point,
-                Pose::from_translation(direction * 4.0).unwrap(),
-            );
+            let d = far(&cube, &point, Pose::from_translation(direction * 4.0).unwrap());
             assert_near(d.distance, direction.length() * 3.0);
         }
     }
@@ -136,10 +88,7 @@ fn depth_depends_on_the_centre_ray() {
 fn origin_projects_outside_the_portal() {
     // Contact points stay in both shapes, within the interval, wherever the centre ray goes.
     let mut rng = Rng(77);
-    let (a, b) = (
-        Cuboid(DVec3::new(5.0, 1.0, 0.5)),
-        Cuboid(DVec3::new(0.5, 2.0, 0.25)),
-    );
+    let (a, b) = (Cuboid(DVec3::new(5.0, 1.0, 0.5)), Cuboid(DVec3::new(0.5, 2.0, 0.25)));
     let mut hits = 0;
     for _ in 0..500 {
         let pose = rng.pose(4.0);
@@ -148,14 +97,8 @@ fn origin_projects_outside_the_portal() {
             hits += 1;
             let inside = |half: DVec3, p: DVec3| (p.abs() - half).max_element();
             assert!(inside(a.0, c.point_a) < 1e-12, "{c:?}");
-            assert!(
-                inside(b.0, pose.inverse().transform_point(c.point_b)) < 1e-12,
-                "{c:?}"
-            );
-            assert!(
-                (c.point_a - c.point_b - c.normal * c.depth).length() < 1e-4,
-                "{c:?}"
-            );
+            assert!(inside(b.0, pose.inverse().transform_point(c.point_b)) < 1e-12, "{c:?}");
+            assert!((c.point_a - c.point_b - c.normal * c.depth).length() < 1e-4, "{c:?}");
         }
     }
     assert!((150..350).contains(&hits), "{hits}");
@@ -175,10 +118,7 @@ fn portal_without_area() {
         for z in [-0.5, 0.0, 0.5] {
             assert_eq!(hit(&solid, shape, at(0.0, 0.0, z)), Overlap::Overlapping);
             assert_eq!(hit(shape, &solid, at(0.0, 0.0, z)), Overlap::Overlapping);
-            let (c, swapped) = (
-                deep(&solid, shape, at(0.0, 0.0, z)),
-                deep(shape, &solid, at(0.0, 0.0, -z)),
-            );
+            let (c, swapped) = (deep(&solid, shape, at(0.0, 0.0, z)), deep(shape, &solid, at(0.0, 0.0, -z)));
             assert!(c.hit && swapped.hit);
             assert_near(c.depth, swapped.depth);
         }
@@ -205,37 +145,21 @@ fn flat_against_flat() {
         // One frame for both, turned at random: coplanar, but no more along the axes.
         for _ in 0..20 {
             let frame = Pose::new(rng.direction(), rng.rotation()).unwrap();
-            let placed = |s: &PointCloud| {
-                PointCloud::around(s.placed(frame), frame.transform_point(s.interior))
-            };
+            let placed = |s: &PointCloud| PointCloud::around(s.placed(frame), frame.transform_point(s.interior));
             let (a, b) = (placed(a), placed(b));
             let along = |v: DVec3| Pose::from_translation(frame.transform_vector(v)).unwrap();
 
-            assert_eq!(
-                hit(&a, &b, Pose::IDENTITY),
-                Overlap::Touching,
-                "{a:?} {b:?}"
-            );
+            assert_eq!(hit(&a, &b, Pose::IDENTITY), Overlap::Touching, "{a:?} {b:?}");
             let c = deep(&a, &b, Pose::IDENTITY);
-            assert!(
-                c.hit && c.status == Status::Touching && c.depth == 0.0 && c.depth_upper < 1e-13,
-                "{c:?}"
-            );
+            assert!(c.hit && c.status == Status::Touching && c.depth == 0.0 && c.depth_upper < 1e-13, "{c:?}");
             assert!((c.point_a - c.point_b).length() < 1e-13, "{c:?}");
             let d = far(&a, &b, Pose::IDENTITY);
             assert!(d.status == Status::Touching && d.distance == 0.0, "{d:?}");
 
             // Beside it in the plane, and above it.
-            for (by, expected) in [
-                (DVec3::X * 5.0, None),
-                (DVec3::Z * 1e-3, Some(1e-3)),
-                (DVec3::Z * -2.0, Some(2.0)),
-            ] {
-                assert_eq!(
-                    hit(&a, &b, along(by)),
-                    Overlap::Separated,
-                    "{a:?} {b:?} {by}"
-                );
+            for (by, expected) in [(DVec3::X * 5.0, None), (DVec3::Z * 1e-3, Some(1e-3)), (DVec3::Z * -2.0, Some(2.0))]
+            {
+                assert_eq!(hit(&a, &b, along(by)), Overlap::Separated, "{a:?} {b:?} {by}");
                 assert!(!deep(&a, &b, along(by)).hit);
                 let d = far(&a, &b, along(by));
                 assert!(matches!(d.status, Status::Exact | Status::Within), "{d:?}");
@@ -255,11 +179,7 @@ fn flat_against_flat() {
 fn crossing_polygons_with_one_centre() {
     // No inner ball, centres coincide, and yet the difference is solid.
     let polygon = PointCloud::polygon(4, 1.0);
-    let upright = Pose::new(
-        DVec3::ZERO,
-        DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2),
-    )
-    .unwrap();
+    let upright = Pose::new(DVec3::ZERO, DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2)).unwrap();
     assert_eq!(hit(&polygon, &polygon, upright), Overlap::Overlapping);
     let c = deep(&polygon, &polygon, upright);
     assert!(c.hit && c.depth > 0.5, "{c:?}");
@@ -270,22 +190,14 @@ fn crossing_polygons_with_one_centre() {
 fn interior_point_on_the_boundary() {
     let cube = shy_cube();
     let mut rng = Rng(9);
-    for corner in cube.points.clone().into_iter().chain([
-        DVec3::X,
-        DVec3::new(1.0, 1.0, 0.0),
-        DVec3::splat(1.5),
-    ]) {
+    for corner in cube.points.clone().into_iter().chain([DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::splat(1.5)]) {
         // The last one is even outside, which the trait forbids: the answer must still be right.
         let skewed = PointCloud::around(cube.points.clone(), corner);
         for _ in 0..50 {
             let pose = rng.pose(3.0);
             let (right, got) = (deep(&cube, &cube, pose), deep(&skewed, &cube, pose));
             assert_eq!(right.hit, got.hit, "{corner} {pose:?}");
-            assert_eq!(
-                hit(&skewed, &cube, pose),
-                hit(&cube, &cube, pose),
-                "{corner} {pose:?}"
-            );
+            assert_eq!(hit(&skewed, &cube, pose), hit(&cube, &cube, pose), "{corner} {pose:?}");
             assert_near(got.depth, right.depth);
         }
     }
@@ -299,11 +211,7 @@ fn endless_discovery() {
         PointCloud::cuboid(DVec3::new(1.0, 1e-6, 1e-6)),
         PointCloud::cuboid(DVec3::new(1.0, 1.0, 1e-7)),
         PointCloud::polygon(100, 1.0),
-        PointCloud::new(
-            (0..50)
-                .map(|i| DVec3::X * (f64::from(i) / 25.0 - 1.0))
-                .collect(),
-        ),
+        PointCloud::new((0..50).map(|i| DVec3::X * (f64::from(i) / 25.0 - 1.0)).collect()),
         shy_cube(),
     ];
     for a in &shapes {
@@ -333,26 +241,13 @@ fn endless_discovery() {
 #[test]
 fn zero_depth_gives_nan() {
     let cube = Cuboid(DVec3::ONE);
-    for pose in [
-        at(2.0, 0.0, 0.0),
-        at(0.0, -2.0, 0.5),
-        at(2.0, 2.0, 0.0),
-        at(2.0, 2.0, 2.0),
-        at(-2.0, 2.0, 0.1),
-    ] {
+    for pose in [at(2.0, 0.0, 0.0), at(0.0, -2.0, 0.5), at(2.0, 2.0, 0.0), at(2.0, 2.0, 2.0), at(-2.0, 2.0, 0.1)] {
         assert_eq!(hit(&cube, &cube, pose), Overlap::Touching);
         let c = deep(&cube, &cube, pose);
-        assert!(
-            c.hit && c.status == Status::Touching && c.depth == 0.0,
-            "{c:?}"
-        );
+        assert!(c.hit && c.status == Status::Touching && c.depth == 0.0, "{c:?}");
         // The normal keeps them apart: no support value along it is above zero.
         let t = pose.translation();
-        assert!(
-            c.normal.dot(t)
-                >= 2.0 * (c.normal.x.abs() + c.normal.y.abs() + c.normal.z.abs()) - 1e-13,
-            "{c:?}"
-        );
+        assert!(c.normal.dot(t) >= 2.0 * (c.normal.x.abs() + c.normal.y.abs() + c.normal.z.abs()) - 1e-13, "{c:?}");
         assert!((c.point_a - c.point_b).length() < 1e-13, "{c:?}");
         let d = far(&cube, &cube, pose);
         assert_eq!((d.status, d.distance), (Status::Touching, 0.0));
@@ -367,10 +262,7 @@ fn ties_on_flat_faces() {
         let c = deep(&cube, &cube, at(x, y, 1.75));
         assert_near(c.depth, 0.25);
         assert!(c.normal.distance(DVec3::Z) < 1e-12, "{c:?}");
-        assert!(
-            (c.point_a - c.point_b - DVec3::Z * 0.25).length() < 1e-12,
-            "{c:?}"
-        );
+        assert!((c.point_a - c.point_b - DVec3::Z * 0.25).length() < 1e-12, "{c:?}");
         let d = far(&cube, &cube, at(x, y, 2.25));
         assert_near(d.distance, 0.25);
         assert!(d.normal.distance(DVec3::Z) < 1e-12);
@@ -381,24 +273,15 @@ fn ties_on_flat_faces() {
 fn swapping_a_and_b_changes_the_depth() {
     let mut rng = Rng(13);
     for _ in 0..300 {
-        let (a, b) = (
-            PointCloud::random(&mut rng, 20, true),
-            PointCloud::random(&mut rng, 9, false),
-        );
+        let (a, b) = (PointCloud::random(&mut rng, 20, true), PointCloud::random(&mut rng, 9, false));
         let pose = rng.pose(1.5);
         let (there, back) = (deep(&a, &b, pose), deep(&b, &a, pose.inverse()));
         assert_eq!(there.hit, back.hit);
         assert_near(there.depth, back.depth);
         let (there, back) = (far(&a, &b, pose), far(&b, &a, pose.inverse()));
-        assert!(
-            (there.distance - back.distance).abs() < 2e-5 * there.distance + 1e-12,
-            "{there:?} {back:?}"
-        );
+        assert!((there.distance - back.distance).abs() < 2e-5 * there.distance + 1e-12, "{there:?} {back:?}");
         if there.distance > 1e-3 {
-            assert!(
-                (there.normal + pose.transform_vector(back.normal)).length() < 1e-2,
-                "{there:?} {back:?}"
-            );
+            assert!((there.normal + pose.transform_vector(back.normal)).length() < 1e-2, "{there:?} {back:?}");
         }
     }
 }
@@ -407,10 +290,7 @@ fn swapping_a_and_b_changes_the_depth() {
 fn absolute_epsilons_break_at_other_scales() {
     let mut rng = Rng(17);
     for _ in 0..200 {
-        let (a, b) = (
-            PointCloud::random(&mut rng, 12, true),
-            PointCloud::random(&mut rng, 12, true),
-        );
+        let (a, b) = (PointCloud::random(&mut rng, 12, true), PointCloud::random(&mut rng, 12, true));
         let given = rng.pose(1.5);
         // Normalised once more, as those below are.
         let pose = Pose::new(given.translation(), given.rotation()).unwrap();
@@ -421,10 +301,7 @@ fn absolute_epsilons_break_at_other_scales() {
             let scaled = Pose::new(given.translation() * scale, given.rotation()).unwrap();
             let (a, b) = (a.scaled(scale), b.scaled(scale));
             let (cs, ds) = (deep(&a, &b, scaled), far(&a, &b, scaled));
-            assert_eq!(
-                (c.hit, d.status == Status::Overlapping),
-                (cs.hit, ds.status == Status::Overlapping)
-            );
+            assert_eq!((c.hit, d.status == Status::Overlapping), (cs.hit, ds.status == Status::Overlapping));
             if exact {
                 assert_eq!(
                     (c.status, c.iterations, c.depth * scale, c.normal),
@@ -435,14 +312,8 @@ fn absolute_epsilons_break_at_other_scales() {
                     (ds.status, ds.iterations, ds.distance, ds.normal)
                 );
             }
-            assert!(
-                (cs.depth / scale - c.depth).abs() <= 1e-5 * c.depth + 1e-12,
-                "{scale} {c:?} {cs:?}"
-            );
-            assert!(
-                (ds.distance / scale - d.distance).abs() <= 2e-5 * d.distance + 1e-12,
-                "{scale} {d:?} {ds:?}"
-            );
+            assert!((cs.depth / scale - c.depth).abs() <= 1e-5 * c.depth + 1e-12, "{scale} {c:?} {cs:?}");
+            assert!((ds.distance / scale - d.distance).abs() <= 2e-5 * d.distance + 1e-12, "{scale} {d:?} {ds:?}");
         }
     }
 }
@@ -453,36 +324,20 @@ fn far_from_the_origin() {
     let away = DVec3::new(1_048_576.0, -2_097_152.0, 524_288.0);
     let mut rng = Rng(19);
     let snap = |cloud: &PointCloud| {
-        let points = cloud
-            .points
-            .iter()
-            .map(|p| (*p * 1024.0).round() / 1024.0)
-            .collect();
+        let points = cloud.points.iter().map(|p| (*p * 1024.0).round() / 1024.0).collect();
         PointCloud::around(points, DVec3::ZERO)
     };
     for _ in 0..200 {
-        let (a, b) = (
-            snap(&PointCloud::random(&mut rng, 12, true)),
-            snap(&PointCloud::random(&mut rng, 12, true)),
-        );
+        let (a, b) = (snap(&PointCloud::random(&mut rng, 12, true)), snap(&PointCloud::random(&mut rng, 12, true)));
         let t = (rng.direction() * 1.2 * 1024.0).round() / 1024.0;
         let pose = Pose::from_translation(t).unwrap();
         let (c, d) = (deep(&a, &b, pose), far(&a, &b, pose));
         let (a, b) = (a.moved(away), b.moved(away));
         let (cf, df) = (deep(&a, &b, pose), far(&a, &b, pose));
         assert_eq!(c.hit, cf.hit);
-        assert!(
-            (c.depth - cf.depth).abs() <= 1e-5 * c.depth + 1e-8,
-            "{c:?} {cf:?}"
-        );
-        assert!(
-            (d.distance - df.distance).abs() <= 2e-5 * d.distance + 1e-8,
-            "{d:?} {df:?}"
-        );
-        assert!(
-            cf.depth_upper - cf.depth_lower < 1e-5 * cf.depth_upper + 1e-7,
-            "{cf:?}"
-        );
+        assert!((c.depth - cf.depth).abs() <= 1e-5 * c.depth + 1e-8, "{c:?} {cf:?}");
+        assert!((d.distance - df.distance).abs() <= 2e-5 * d.distance + 1e-8, "{d:?} {df:?}");
+        assert!(cf.depth_upper - cf.depth_lower < 1e-5 * cf.depth_upper + 1e-7, "{cf:?}");
     }
 }
 
@@ -494,19 +349,13 @@ fn hit_and_miss_flicker_at_contact() {
     for i in -40..=40 {
         let gap = f64::from(i) * f64::EPSILON;
         let pose = at(2.0 + gap, 0.25, -0.5);
-        let (cold, kept) = (
-            hit(&cube, &cube, pose),
-            intersects(&cube, &cube, pose, &mut warm),
-        );
+        let (cold, kept) = (hit(&cube, &cube, pose), intersects(&cube, &cube, pose, &mut warm));
         assert_eq!(cold, kept.status, "{i}");
         assert_eq!(cold, Overlap::Touching, "{i}");
     }
     for (gap, expected) in [(1e-12, Overlap::Separated), (-1e-12, Overlap::Overlapping)] {
         for _ in 0..3 {
-            assert_eq!(
-                intersects(&cube, &cube, at(2.0 + gap, 0.25, -0.5), &mut warm).status,
-                expected
-            );
+            assert_eq!(intersects(&cube, &cube, at(2.0 + gap, 0.25, -0.5), &mut warm).status, expected);
         }
     }
 }
@@ -518,10 +367,7 @@ fn one_ulp_gap() {
     let gap = 2.0_f64.next_up();
     assert_eq!(hit(&cube, &cube, at(gap, 0.0, 0.0)), Overlap::Touching);
     let d = far(&cube, &cube, at(gap, 0.0, 0.0));
-    assert!(
-        d.lower == 0.0 && d.upper >= gap - 2.0 && d.upper < 1e-13,
-        "{d:?}"
-    );
+    assert!(d.lower == 0.0 && d.upper >= gap - 2.0 && d.upper < 1e-13, "{d:?}");
 }
 
 #[test]
@@ -529,10 +375,7 @@ fn shapes_that_give_nan_are_no_endless_loop() {
     struct Broken;
     impl SupportMap for Broken {
         fn support(&self, _: DVec3) -> hullmap::Support {
-            hullmap::Support {
-                point: DVec3::NAN,
-                feature: 0,
-            }
+            hullmap::Support { point: DVec3::NAN, feature: 0 }
         }
         fn interior_point(&self) -> DVec3 {
             DVec3::NAN
@@ -552,10 +395,7 @@ fn shapes_that_give_nan_are_no_endless_loop() {
     let d = distance(&Broken, &cube, Pose::IDENTITY, &Settings::default(), cache);
     assert!(!matches!(d.status, Status::Exact | Status::Within), "{d:?}");
     // And a good pair forgives the cache that a bad one left.
-    assert_eq!(
-        intersects(&cube, &cube, at(3.0, 0.0, 0.0), cache).status,
-        Overlap::Separated
-    );
+    assert_eq!(intersects(&cube, &cube, at(3.0, 0.0, 0.0), cache).status, Overlap::Separated);
 }
 
 /// A prism or, with `top` 0, a cone of many sides: flat caps of many points, and needle-thin side faces.
@@ -569,12 +409,7 @@ fn prism(sides: usize, top: f64, half_height: f64) -> PointCloud {
 #[test]
 fn many_coplanar_points() {
     let mut rng = Rng(23);
-    let shapes = [
-        prism(200, 1.0, 0.5),
-        prism(200, 0.0, 1.0),
-        prism(60, 0.5, 0.05),
-        shy_cube(),
-    ];
+    let shapes = [prism(200, 1.0, 0.5), prism(200, 0.0, 1.0), prism(60, 0.5, 0.05), shy_cube()];
     let (mut hits, mut pairs) = (0, 0);
     for a in &shapes {
         for b in &shapes {
@@ -582,11 +417,7 @@ fn many_coplanar_points() {
                 let mut pose = rng.pose(2.5);
                 if i % 3 == 0 {
                     // Caps parallel: hundreds of ties.
-                    pose = Pose::new(
-                        pose.translation(),
-                        DQuat::from_rotation_z(rng.range(0.0, 6.0)),
-                    )
-                    .unwrap();
+                    pose = Pose::new(pose.translation(), DQuat::from_rotation_z(rng.range(0.0, 6.0))).unwrap();
                 }
                 let (c, back) = (deep(a, b, pose), deep(b, a, pose.inverse()));
                 // Nearly concentric cones are as deep along 400 faces, which is more than the expansion holds.
@@ -599,15 +430,11 @@ fn many_coplanar_points() {
                 );
                 assert_eq!(hit(a, b, pose) != Overlap::Separated, c.hit, "{pose:?}");
                 let d = far(a, b, pose);
-                assert!(
-                    !matches!(d.status, Status::IterationLimit | Status::Stalled),
-                    "{d:?} {pose:?}"
-                );
+                assert!(!matches!(d.status, Status::IterationLimit | Status::Stalled), "{d:?} {pose:?}");
                 assert_eq!(d.distance == 0.0, c.hit, "{d:?} {pose:?}");
                 if c.hit {
                     // Pushed out by the depth they touch, or miss by no more than the interval.
-                    let away = Pose::new(pose.translation() + c.normal * c.depth, pose.rotation())
-                        .unwrap();
+                    let away = Pose::new(pose.translation() + c.normal * c.depth, pose.rotation()).unwrap();
                     let left = far(a, b, away);
                     assert!(left.distance <= 1e-3 * c.depth + 1e-12, "{c:?} {left:?}");
                 }
@@ -630,10 +457,7 @@ fn smooth_shapes() {
     impl SupportMap for Capsule {
         fn support(&self, dir: DVec3) -> hullmap::Support {
             let end = DVec3::Z * if dir.z < 0.0 { -self.half } else { self.half };
-            hullmap::Support {
-                point: end + dir.normalize_or_zero() * self.radius,
-                feature: 0,
-            }
+            hullmap::Support { point: end + dir.normalize_or_zero() * self.radius, feature: 0 }
         }
         fn interior_point(&self) -> DVec3 {
             DVec3::ZERO
@@ -645,20 +469,9 @@ fn smooth_shapes() {
             self.half + self.radius
         }
     }
-    let (a, b) = (
-        Capsule {
-            half: 1.0,
-            radius: 0.25,
-        },
-        Capsule {
-            half: 0.5,
-            radius: 0.5,
-        },
-    );
-    let (spine_a, spine_b) = (
-        PointCloud::new(vec![DVec3::Z, DVec3::NEG_Z]),
-        PointCloud::new(vec![DVec3::Z * 0.5, DVec3::Z * -0.5]),
-    );
+    let (a, b) = (Capsule { half: 1.0, radius: 0.25 }, Capsule { half: 0.5, radius: 0.5 });
+    let (spine_a, spine_b) =
+        (PointCloud::new(vec![DVec3::Z, DVec3::NEG_Z]), PointCloud::new(vec![DVec3::Z * 0.5, DVec3::Z * -0.5]));
     let mut rng = Rng(29);
     let mut hits = 0;
     for _ in 0..400 {
@@ -672,17 +485,11 @@ fn smooth_shapes() {
             hits += 1;
             // Spines apart: the depth is the radii less their distance.
             if spines.distance > 0.0 {
-                assert!(
-                    c.depth_lower <= slack - gap && -gap <= c.depth_upper + slack,
-                    "{gap} {c:?}"
-                );
+                assert!(c.depth_lower <= slack - gap && -gap <= c.depth_upper + slack, "{gap} {c:?}");
                 assert!(c.status != Status::Stalled, "{c:?}");
             }
         } else {
-            assert!(
-                d.lower <= gap + slack && gap <= d.upper + slack,
-                "{gap} {d:?}"
-            );
+            assert!(d.lower <= gap + slack && gap <= d.upper + slack, "{gap} {d:?}");
             assert!(d.upper - d.lower <= 1.01e-5 * d.upper + 1e-12, "{d:?}");
         }
     }
@@ -702,10 +509,7 @@ fn inexact_support_breaks_termination() {
                     best = i;
                 }
             }
-            hullmap::Support {
-                point: self.0.points[best],
-                feature: best as u32,
-            }
+            hullmap::Support { point: self.0.points[best], feature: best as u32 }
         }
         fn interior_point(&self) -> DVec3 {
             self.0.interior
@@ -719,31 +523,17 @@ fn inexact_support_breaks_termination() {
     }
     let mut rng = Rng(31);
     for _ in 0..300 {
-        let (a, b) = (
-            PointCloud::random(&mut rng, 2000, true),
-            PointCloud::random(&mut rng, 500, true),
-        );
+        let (a, b) = (PointCloud::random(&mut rng, 2000, true), PointCloud::random(&mut rng, 500, true));
         let pose = rng.pose(1.6);
-        let settings = Settings {
-            tolerance: 0.0,
-            ..Settings::default()
-        };
+        let settings = Settings { tolerance: 0.0, ..Settings::default() };
         let (exact, c) = (
             contact(&a, &b, pose, &settings, &mut Cache::new()),
-            contact(
-                &Single(a.clone()),
-                &Single(b.clone()),
-                pose,
-                &settings,
-                &mut Cache::new(),
-            ),
+            contact(&Single(a.clone()), &Single(b.clone()), pose, &settings, &mut Cache::new()),
         );
         assert!(c.iterations < 500, "{c:?}");
         if exact.depth > 1e-6 {
             assert!(
-                c.hit
-                    && c.depth_lower <= exact.depth_upper + 1e-6
-                    && exact.depth_lower <= c.depth_upper + 1e-6,
+                c.hit && c.depth_lower <= exact.depth_upper + 1e-6 && exact.depth_lower <= c.depth_upper + 1e-6,
                 "{c:?} {exact:?}"
             );
         }

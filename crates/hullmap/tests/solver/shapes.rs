@@ -21,16 +21,8 @@ impl PointCloud {
 
     /// With an interior point of one's own choice.
     pub fn around(points: Vec<DVec3>, interior: DVec3) -> Self {
-        let outer_radius = points
-            .iter()
-            .map(|p| p.distance(interior))
-            .fold(0.0, f64::max);
-        Self {
-            points,
-            interior,
-            inner_radius: 0.0,
-            outer_radius,
-        }
+        let outer_radius = points.iter().map(|p| p.distance(interior)).fold(0.0, f64::max);
+        Self { points, interior, inner_radius: 0.0, outer_radius }
     }
 
     /// The box with half edges `h`, as eight points.
@@ -39,19 +31,14 @@ impl PointCloud {
             let sign = |bit: i32| if i & bit == 0 { -1.0 } else { 1.0 };
             DVec3::new(sign(1), sign(2), sign(4)) * h
         });
-        Self {
-            inner_radius: h.min_element(),
-            ..Self::around(corners.collect(), DVec3::ZERO)
-        }
+        Self { inner_radius: h.min_element(), ..Self::around(corners.collect(), DVec3::ZERO) }
     }
 
     /// A regular polygon in the plane z = 0.
     pub fn polygon(corners: usize, radius: f64) -> Self {
         let turn = std::f64::consts::TAU / corners as f64;
         Self::around(
-            (0..corners)
-                .map(|i| DVec3::new((turn * i as f64).cos(), (turn * i as f64).sin(), 0.0) * radius)
-                .collect(),
+            (0..corners).map(|i| DVec3::new((turn * i as f64).cos(), (turn * i as f64).sin(), 0.0) * radius).collect(),
             DVec3::ZERO,
         )
     }
@@ -67,11 +54,7 @@ impl PointCloud {
 
     /// `count` random points in, or on, an ellipsoid.
     pub fn random(rng: &mut Rng, count: usize, on_surface: bool) -> Self {
-        let axes = DVec3::new(
-            rng.range(0.3, 1.0),
-            rng.range(0.3, 1.0),
-            rng.range(0.3, 1.0),
-        );
+        let axes = DVec3::new(rng.range(0.3, 1.0), rng.range(0.3, 1.0), rng.range(0.3, 1.0));
         let points = (0..count)
             .map(|_| {
                 let r = if on_surface { 1.0 } else { rng.range(0.2, 1.0) };
@@ -93,19 +76,12 @@ impl PointCloud {
 
     /// Moved within its own frame.
     pub fn moved(&self, by: DVec3) -> Self {
-        Self {
-            points: self.points.iter().map(|p| *p + by).collect(),
-            interior: self.interior + by,
-            ..self.clone()
-        }
+        Self { points: self.points.iter().map(|p| *p + by).collect(), interior: self.interior + by, ..self.clone() }
     }
 
     /// The points in A's frame.
     pub fn placed(&self, pose: Pose) -> Vec<DVec3> {
-        self.points
-            .iter()
-            .map(|p| pose.transform_point(*p))
-            .collect()
+        self.points.iter().map(|p| pose.transform_point(*p)).collect()
     }
 }
 
@@ -117,10 +93,7 @@ impl SupportMap for PointCloud {
                 best = i;
             }
         }
-        Support {
-            point: self.points[best],
-            feature: best as u32,
-        }
+        Support { point: self.points[best], feature: best as u32 }
     }
     fn interior_point(&self) -> DVec3 {
         self.interior
@@ -145,10 +118,7 @@ pub struct Ball {
 impl SupportMap for Ball {
     fn support(&self, dir: DVec3) -> Support {
         let n = dir.try_normalize().unwrap_or(DVec3::X);
-        Support {
-            point: self.center + n * self.radius,
-            feature: 0,
-        }
+        Support { point: self.center + n * self.radius, feature: 0 }
     }
     fn interior_point(&self) -> DVec3 {
         self.center
@@ -170,8 +140,7 @@ impl SupportMap for Cuboid {
         let side = |d: f64, h: f64| if d < 0.0 { -h } else { h };
         let h = self.0;
         let point = DVec3::new(side(dir.x, h.x), side(dir.y, h.y), side(dir.z, h.z));
-        let feature =
-            u32::from(dir.x < 0.0) | u32::from(dir.y < 0.0) << 1 | u32::from(dir.z < 0.0) << 2;
+        let feature = u32::from(dir.x < 0.0) | u32::from(dir.y < 0.0) << 1 | u32::from(dir.z < 0.0) << 2;
         Support { point, feature }
     }
     fn interior_point(&self) -> DVec3 {
@@ -209,11 +178,7 @@ impl Rng {
     /// A unit vector, uniform on the sphere.
     pub fn direction(&mut self) -> DVec3 {
         loop {
-            let v = DVec3::new(
-                self.range(-1.0, 1.0),
-                self.range(-1.0, 1.0),
-                self.range(-1.0, 1.0),
-            );
+            let v = DVec3::new(self.range(-1.0, 1.0), self.range(-1.0, 1.0), self.range(-1.0, 1.0));
             if v.length_squared() <= 1.0 && v.length_squared() > 1e-3 {
                 return v.normalize();
             }

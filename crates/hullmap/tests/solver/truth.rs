@@ -20,9 +20,7 @@ pub fn signed_depth(a: &PointCloud, b: &PointCloud, b_in_a: Pose) -> f64 {
     let mut try_normal = |n: DVec3, scale: f64| {
         let length = n.length();
         if length > 1e-9 * scale {
-            least = least
-                .min(support_value(a, b, n / length))
-                .min(support_value(a, b, -n / length));
+            least = least.min(support_value(a, b, n / length)).min(support_value(a, b, -n / length));
         }
     };
     for points in [a, b] {
