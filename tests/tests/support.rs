@@ -1,6 +1,5 @@
 //! Support queries on baked packs against brute force in f64, over every family of shapes and every index.
 
-use glam::Vec3;
 use hullmap::Pack;
 use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
 use hullmap_tests::{directions, regret::Truth};

@@ -95,13 +95,14 @@ fn farther(a: &Group, b: &Group, best_sq: &mut f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use shapes::families::Family;
 
     #[test]
     fn agrees_with_all_pairs() {
         for (n, seed) in [(8, 1), (17, 2), (400, 3), (2000, 4)] {
-            let families: [fn(usize, u64) -> Vec<[f32; 3]>; 2] = [shapes::families::sphere, shapes::families::ball];
-            for family in families {
-                let points: Vec<DVec3> = family(n, seed).iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
+            for family in [Family::Sphere, Family::Ball] {
+                let points: Vec<DVec3> =
+                    family.points(n, seed).iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
                 let slow = points
                     .iter()
                     .flat_map(|p| points.iter().map(|q| p.distance_squared(*q)))
