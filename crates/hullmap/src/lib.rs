@@ -2,6 +2,37 @@
 //!
 //! `bake` turns meshes into packs once, offline; this crate maps a pack and answers. It allocates nothing, takes no lock
 //! and does no I/O after a pack is open.
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let folder = tempfile::tempdir()?;
+//! # std::env::set_current_dir(&folder)?;
+//! # let positions = shapes::families::rock(200, 1);
+//! # let source_vertices = (0..200).collect();
+//! # let points = hullmap_bake::PointSet { name: "rock".into(), positions, source_vertices };
+//! # let baked = hullmap_bake::bake_hull(&points, hullmap_bake::IndexKind::Tree)?;
+//! # std::fs::create_dir("baked")?;
+//! # std::fs::write("baked/rock.hullmap", hullmap_bake::write_pack(&[baked], &Default::default())?)?;
+//! use hullmap::glam::{DQuat, DVec3, Vec3};
+//! use hullmap::{Cache, Pack, Pose, Settings};
+//!
+//! let pack = Pack::open("baked/rock.hullmap")?;
+//! let rock = pack.hull(0)?;
+//! let top = rock.support(Vec3::Z);
+//! println!("vertex {} lies farthest up, at {}", top.index, top.point);
+//!
+//! let b_in_a = Pose::new(DVec3::new(1.0, 0.2, 0.0), DQuat::from_rotation_z(0.5))?;
+//! let mut cache = Cache::default();
+//! if hullmap::intersects(&rock, &rock, b_in_a, &mut cache).is_hit() {
+//!     let c = hullmap::contact(&rock, &rock, b_in_a, &Settings::default(), &mut cache);
+//!     println!("{:.3} deep along {:.3}, between {} and {}", c.depth, c.normal, c.depth_lower, c.depth_upper);
+//! #   assert!(c.hit && c.depth > 0.0);
+//! }
+//! # else { panic!("the example overlaps"); }
+//! # assert!(rock.vertices().all(|v| v.z <= top.point.z));
+//! # Ok(())
+//! # }
+//! ```
 #![deny(unsafe_code)]
 
 mod hull;
@@ -13,6 +44,7 @@ pub mod solver;
 mod storage;
 pub mod support_map;
 
+pub use glam;
 pub use hull::{Hull, IndexKind, SupportPoint};
 pub use hullmap_format::{header::Header, walk::Cost};
 pub use minkowski::{Minkowski, Vertex};
