@@ -35,6 +35,10 @@ pub struct Pack {
     pub face_starts: Vec<u32>,
     /// Vertices of the faces, counter-clockwise seen from outside.
     pub face_vertices: Vec<u32>,
+    /// For each vertex the place in its hull's run of `neighbours` at which its neighbours start.
+    pub neighbour_starts: Vec<u32>,
+    /// Vertices that share an edge with each vertex, ascending.
+    pub neighbours: Vec<u32>,
     /// The direction index: see [`crate::slot`].
     pub slots: Vec<u32>,
 }
@@ -45,12 +49,14 @@ pub struct Pack {
 pub struct Span {
     /// In [`Pack::names`].
     pub name: u32,
-    /// In [`Pack::vertices`] and [`Pack::source_vertices`].
+    /// In [`Pack::vertices`], [`Pack::source_vertices`] and [`Pack::neighbour_starts`].
     pub vertex: u32,
     /// In [`Pack::face_starts`].
     pub face: u32,
     /// In [`Pack::face_vertices`].
     pub face_vertex: u32,
+    /// In [`Pack::neighbours`].
+    pub neighbour: u32,
     /// In [`Pack::slots`].
     pub slot: u32,
     /// In [`Pack::blocks`].
@@ -89,6 +95,10 @@ pub struct HullRecord {
     pub index_kind: u32,
     /// Cells along the edge of a face of the cube map; 0 for the other kinds.
     pub resolution: u32,
+    /// Blocks of a plain leaf: 1, 2 or 4.
+    pub leaf_blocks: u32,
+    /// Most neighbours of a vertex.
+    pub max_neighbours: u32,
     /// Most index nodes that any direction visits.
     pub max_nodes: u32,
     /// Most vertices that any direction is multiplied with.
@@ -103,13 +113,15 @@ pub mod index_kind {
     pub const SCAN: u32 = 0;
     /// Uniform cube map.
     pub const CUBE_MAP: u32 = 1;
-    /// Adaptive binary tree.
-    pub const TREE: u32 = 2;
+    /// Binary tree over the cube's faces, as the paper has it.
+    pub const BINARY: u32 = 2;
+    /// Level-compressed tree over the cube's faces.
+    pub const TREE: u32 = 3;
 }
 
 /// Eight candidates of a leaf, by component: two cache lines.
 ///
-/// Vertex numbers ascend; unused lanes repeat the first candidate, so that a scan needs no count.
+/// Vertex numbers ascend, but for unused lanes, which hold any vertex of the hull: a scan needs no count.
 #[derive(Archive, Serialize, Clone, Copy, Debug, PartialEq)]
 #[rkyv(derive(Debug), attr(repr(align(32))))]
 pub struct Block {

@@ -8,7 +8,7 @@ use rkyv::rancor;
 use crate::{
     archive::{ArchivedHullRecord, ArchivedPack, ArchivedSpan, LANES, index_kind},
     header::HEADER_LEN,
-    walk::{Cost, IndexError, walk},
+    walk::{Branches, Cost, IndexError, Shape, walk},
 };
 
 /// Why an archive is not one that the runtime may answer from.
@@ -73,11 +73,12 @@ type SpanField = (&'static str, fn(&ArchivedSpan) -> u32, usize);
 
 fn spans(pack: &ArchivedPack) -> Result<(), CheckError> {
     let hull_count = pack.hulls.len();
-    let fields: [SpanField; 6] = [
+    let fields: [SpanField; 7] = [
         ("names", |s| s.name.to_native(), pack.names.len()),
         ("vertices", |s| s.vertex.to_native(), pack.vertices.len()),
         ("faces", |s| s.face.to_native(), pack.face_starts.len()),
         ("face vertices", |s| s.face_vertex.to_native(), pack.face_vertices.len()),
+        ("neighbours", |s| s.neighbour.to_native(), pack.neighbours.len()),
         ("slots", |s| s.slot.to_native(), pack.slots.len()),
         ("blocks", |s| s.block.to_native(), pack.blocks.len()),
     ];
@@ -86,6 +87,9 @@ fn spans(pack: &ArchivedPack) -> Result<(), CheckError> {
     }
     if pack.source_vertices.len() != pack.vertices.len() {
         return Err(CheckError::Spans { hull: hull_count, section: "source vertices" });
+    }
+    if pack.neighbour_starts.len() != pack.vertices.len() {
+        return Err(CheckError::Spans { hull: hull_count, section: "neighbour starts" });
     }
     for (section, start, len) in fields {
         let mut last = 0;
@@ -134,6 +138,7 @@ impl HullCheck<'_> {
         self.numbers()?;
         self.vertices()?;
         self.faces()?;
+        self.neighbours()?;
         self.index()?;
         self.blocks()
     }
@@ -199,27 +204,43 @@ impl HullCheck<'_> {
         self.require(loops.len().is_multiple_of(2) && euler == 2, "vertices, edges and faces do not make a polyhedron")
     }
 
+    /// Every vertex has a run of neighbours, in range.
+    fn neighbours(&self) -> Result<(), CheckError> {
+        let starts = &self.pack.neighbour_starts[range(self.start.vertex.to_native(), self.end.vertex.to_native())];
+        let all = &self.pack.neighbours[range(self.start.neighbour.to_native(), self.end.neighbour.to_native())];
+        let ends = starts.iter().skip(1).map(|s| s.to_native()).chain([all.len() as u32]);
+        let most = self.record.max_neighbours.to_native();
+        let fits = starts
+            .iter()
+            .zip(ends)
+            .all(|(start, end)| end.checked_sub(start.to_native()).is_some_and(|count| count <= most));
+        self.require(fits && starts.first().is_some_and(|s| *s == 0), "its neighbours do not follow one another")?;
+        let n = self.vertex_count();
+        self.require(all.iter().all(|v| *v < n), "a neighbour is a vertex that is not there")
+    }
+
     fn index(&self) -> Result<(), CheckError> {
         let slots = &self.pack.slots[range(self.start.slot.to_native(), self.end.slot.to_native())];
         let resolution = u64::from(self.record.resolution.to_native());
-        let (root_count, axis_nodes) = match self.record.index_kind.to_native() {
-            index_kind::SCAN => (0, false),
-            index_kind::CUBE_MAP => (6 * resolution * resolution, false),
-            index_kind::TREE => (6, true),
+        let kind = self.record.index_kind.to_native();
+        let (roots, branches) = match kind {
+            index_kind::SCAN => (0, Branches::None),
+            index_kind::CUBE_MAP => (6 * resolution * resolution, Branches::None),
+            index_kind::BINARY => (6, Branches::Halves),
+            index_kind::TREE => (6, Branches::Squares),
             _ => return self.require(false, "its kind of index is not known"),
         };
-        let is_map = self.record.index_kind == index_kind::CUBE_MAP;
+        let is_map = kind == index_kind::CUBE_MAP;
         self.require(is_map == (resolution > 0), "its resolution and its kind of index contradict each other")?;
-        let root_count = usize::try_from(root_count).unwrap_or(usize::MAX);
-        let walked = walk(root_count, axis_nodes, slots.len(), |i| slots[i].to_native(), self.block_count())
-            .map_err(|source| CheckError::Index { hull: self.hull, source })?;
-        let cost = if root_count == 0 {
-            Cost { nodes: 0, dots: self.block_count().saturating_mul(LANES as u32) }
-        } else {
-            walked
-        };
-        let stated = Cost { nodes: self.record.max_nodes.to_native(), dots: self.record.max_dots.to_native() };
+        let leaf_blocks = self.record.leaf_blocks.to_native();
+        self.require(matches!(leaf_blocks, 1 | 2 | 4), "a leaf has not 1, 2 or 4 blocks")?;
         self.require(self.block_count() > 0, "it has no blocks")?;
+        let roots = usize::try_from(roots).unwrap_or(usize::MAX);
+        let shape = Shape { roots, branches, leaf_blocks, block_count: self.block_count() };
+        let walked = walk(shape, slots.len(), |i| slots[i].to_native())
+            .map_err(|source| CheckError::Index { hull: self.hull, source })?;
+        let cost = if kind == index_kind::SCAN { shape.scan_cost() } else { walked };
+        let stated = Cost { nodes: self.record.max_nodes.to_native(), dots: self.record.max_dots.to_native() };
         self.require(cost == stated, "the stated worst case is not that of its index")
     }
 

@@ -4,28 +4,47 @@
 //!
 //! | tag | below it | the other 30 bits |
 //! |---|---|---|
-//! | 0 | axis node: the cell is halved, across u first, then v, in turn | place of its 2 words: lower and upper half's slot |
-//! | 1 | leaf of one block | the block |
-//! | 2 | plane node: the cell is cut by a plane through the origin | place of its 8 words: the normal's three f64, each low word first, the slot behind, the slot in front |
-//! | 3 | leaf of several blocks | place of its 2 words: first block, number of blocks |
+//! | 0 | branch: the cell is divided evenly | tree: place · 16 + b, of 4ᵇ slots; binary tree: place, of 2 slots |
+//! | 1 | leaf of the usual number of blocks | the first block |
+//! | 2 | planes: the cell is cut by planes through the origin | place · 2 + (0 for one plane, 1 for seven) |
+//! | 3 | leaf of any number of blocks | place, of 2 words: first block, number of blocks |
+//!
+//! A branch of a tree divides its cell into 2ᵇ × 2ᵇ squares, row by row (v), each row along u. One of a binary tree halves
+//! it, across u first, then v, in turn. Below planes there are no branches.
+//!
+//! One plane takes 8 words: the normal's three f64, each low word first, then the slots behind and in front of it. Seven
+//! planes take 50: the normals' first coordinates, second ones, third ones, then eight slots. The first plane parts
+//! the cell; the next two part what lies behind and in front of it; the last four the four parts; a direction's slot is
+//! the number of its part. A direction `d` is in front where n·d > 0. Unused planes are zero: all is behind them.
+//!
+//! Normals are f64 because the planes of a fan all pass through one direction, the normal of the facet whose corners they
+//! part: rounded to f32 they would miss it by 6e-8, and around it no plane would part anything.
 //!
 //! A tree starts with the slots of the six faces; a cube map with those of all its cells. Nodes follow in the order in
-//! which the slots that name them stand (breadth first), without gaps: a reader can check the whole in one pass, and a
-//! node can have neither two parents nor itself below it.
-//!
-//! A direction `d` goes in front of a plane where n·d > 0. Below a plane node there are no axis nodes. Normals are f64
-//! because the planes of a fan all pass through one direction, the normal of the facet whose corners they part: rounded
-//! to f32 they would miss it by 6e-8, and around it no plane would part anything.
+//! which the slots that name them first stand (breadth first), without gaps. Only slots of one node may name the same
+//! thing. So a reader can check the whole in one pass, and no node lies below itself.
 
-/// Words of an axis node.
-pub const AXIS_WORDS: u32 = 2;
-/// Words of a plane node.
+/// Words of a halving.
+pub const HALVES_WORDS: u32 = 2;
+/// Words of one plane.
 pub const PLANE_WORDS: u32 = 8;
+/// Planes of a bundle.
+pub const BUNDLE_PLANES: usize = 7;
+/// Parts that a bundle of planes divides a cell into.
+pub const BUNDLE_PARTS: usize = 8;
+/// Words of a bundle of planes.
+pub const BUNDLE_WORDS: u32 = 50;
 /// Words of a list leaf.
 pub const LIST_WORDS: u32 = 2;
+/// Most bits that one branch of a tree consumes along each axis.
+pub const MAX_BRANCH_BITS: u32 = 12;
 
-/// Greatest place or block that a slot can name, plus one.
+/// Greatest block, or place of a list or halving, that a slot can name, plus one.
 pub const PAYLOAD_LIMIT: u32 = 1 << 30;
+/// Greatest place of a tree's branch, plus one.
+pub const BRANCH_LIMIT: u32 = 1 << 26;
+/// Greatest place of planes, plus one.
+pub const PLANES_LIMIT: u32 = 1 << 29;
 
 const TAG_SHIFT: u32 = 30;
 const PAYLOAD_MASK: u32 = PAYLOAD_LIMIT - 1;
@@ -33,14 +52,39 @@ const PAYLOAD_MASK: u32 = PAYLOAD_LIMIT - 1;
 /// What lies below a slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slot {
-    /// An axis node at this place.
-    Axis(u32),
-    /// A leaf of this one block.
+    /// A branch: see [`Branch`]; in a binary tree the place of its two slots.
+    Branch(u32),
+    /// A leaf of the usual number of blocks, from this one on.
     Block(u32),
-    /// A plane node at this place.
+    /// One plane, at this place.
     Plane(u32),
-    /// A leaf of several blocks, described at this place.
+    /// Seven planes, at this place.
+    Bundle(u32),
+    /// A leaf of any number of blocks, described at this place.
     List(u32),
+}
+
+/// A branch of a tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Branch {
+    /// Place of its first slot.
+    pub at: u32,
+    /// It has 2ᵇ × 2ᵇ slots.
+    pub bits: u32,
+}
+
+impl Branch {
+    /// Reads the payload of a tree's branch slot.
+    #[inline]
+    pub fn decode(payload: u32) -> Self {
+        Self { at: payload >> 4, bits: payload & 15 }
+    }
+
+    /// The payload. The place is below [`BRANCH_LIMIT`], the bits at most [`MAX_BRANCH_BITS`].
+    pub fn encode(self) -> u32 {
+        debug_assert!(self.at < BRANCH_LIMIT && self.bits <= MAX_BRANCH_BITS);
+        self.at << 4 | self.bits
+    }
 }
 
 impl Slot {
@@ -49,53 +93,39 @@ impl Slot {
     pub fn decode(word: u32) -> Self {
         let payload = word & PAYLOAD_MASK;
         match word >> TAG_SHIFT {
-            0 => Self::Axis(payload),
+            0 => Self::Branch(payload),
             1 => Self::Block(payload),
-            2 => Self::Plane(payload),
+            2 if payload & 1 == 0 => Self::Plane(payload >> 1),
+            2 => Self::Bundle(payload >> 1),
             _ => Self::List(payload),
         }
     }
 
-    /// The word. Payloads are below [`PAYLOAD_LIMIT`].
+    /// The word. Payloads are below their limits.
     #[inline]
     pub fn encode(self) -> u32 {
         let (tag, payload) = match self {
-            Self::Axis(at) => (0, at),
+            Self::Branch(payload) => (0, payload),
             Self::Block(block) => (1, block),
-            Self::Plane(at) => (2, at),
+            Self::Plane(at) => (2, at << 1),
+            Self::Bundle(at) => (2, at << 1 | 1),
             Self::List(at) => (3, at),
         };
         debug_assert!(payload < PAYLOAD_LIMIT);
         tag << TAG_SHIFT | payload
     }
-
-    /// Words that what lies below the slot takes.
-    #[inline]
-    pub fn words(self) -> u32 {
-        match self {
-            Self::Axis(_) => AXIS_WORDS,
-            Self::Block(_) => 0,
-            Self::Plane(_) => PLANE_WORDS,
-            Self::List(_) => LIST_WORDS,
-        }
-    }
 }
 
-/// The six words of a plane's normal.
-pub fn encode_normal(normal: [f64; 3]) -> [u32; 6] {
-    let mut words = [0; 6];
-    for (pair, n) in words.chunks_exact_mut(2).zip(normal) {
-        let bits = n.to_bits();
-        pair.copy_from_slice(&[bits as u32, (bits >> 32) as u32]);
-    }
-    words
+/// The two words of an f64.
+pub fn encode_f64(value: f64) -> [u32; 2] {
+    let bits = value.to_bits();
+    [bits as u32, (bits >> 32) as u32]
 }
 
-/// The normal of a plane node, from its first six words.
+/// The f64 of two words.
 #[inline]
-pub fn decode_normal(words: [u32; 6]) -> [f64; 3] {
-    let [a, b, c, d, e, f] = words.map(u64::from);
-    [f64::from_bits(a | b << 32), f64::from_bits(c | d << 32), f64::from_bits(e | f << 32)]
+pub fn decode_f64(low: u32, high: u32) -> f64 {
+    f64::from_bits(u64::from(low) | u64::from(high) << 32)
 }
 
 #[cfg(test)]
@@ -104,12 +134,22 @@ mod tests {
 
     #[test]
     fn words_round_trip() {
-        for payload in [0, 1, 5, PAYLOAD_LIMIT - 1] {
-            for slot in [Slot::Axis(payload), Slot::Block(payload), Slot::Plane(payload), Slot::List(payload)] {
+        for payload in [0, 1, 5, PLANES_LIMIT - 1] {
+            for slot in [
+                Slot::Branch(payload),
+                Slot::Block(payload),
+                Slot::Plane(payload),
+                Slot::Bundle(payload),
+                Slot::List(payload),
+            ] {
                 assert_eq!(Slot::decode(slot.encode()), slot);
             }
         }
-        let normal = [1.0 / 3.0, -2e-300, 5e200];
-        assert_eq!(decode_normal(encode_normal(normal)), normal);
+        let branch = Branch { at: BRANCH_LIMIT - 1, bits: MAX_BRANCH_BITS };
+        assert_eq!(Branch::decode(branch.encode()), branch);
+        for value in [1.0 / 3.0, -2e-300, 5e200, 0.0] {
+            let [low, high] = encode_f64(value);
+            assert_eq!(decode_f64(low, high), value);
+        }
     }
 }

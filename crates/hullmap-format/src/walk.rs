@@ -9,7 +9,10 @@ use std::collections::VecDeque;
 use crate::{
     archive::LANES,
     cube::GRID_BITS,
-    slot::{Slot, decode_normal},
+    slot::{
+        BUNDLE_PARTS, BUNDLE_PLANES, BUNDLE_WORDS, Branch, HALVES_WORDS, LIST_WORDS, MAX_BRANCH_BITS, PLANE_WORDS,
+        Slot, decode_f64,
+    },
 };
 
 /// Most nodes on a path: every bit of both grid numbers, then as many planes as halve all vertices, with room to spare.
@@ -22,6 +25,37 @@ pub struct Cost {
     pub nodes: u32,
     /// Most vertices multiplied with the direction.
     pub dots: u32,
+}
+
+/// What an index is made of, beside its words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shape {
+    /// Slots at the front.
+    pub roots: usize,
+    /// What a branch is.
+    pub branches: Branches,
+    /// Blocks of a plain leaf.
+    pub leaf_blocks: u32,
+    /// Blocks there are.
+    pub block_count: u32,
+}
+
+impl Shape {
+    /// What scanning all blocks costs.
+    pub fn scan_cost(&self) -> Cost {
+        Cost { nodes: 0, dots: self.block_count.saturating_mul(LANES as u32) }
+    }
+}
+
+/// What a branch of an index is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Branches {
+    /// There are none (cube map).
+    None,
+    /// Halves, across u and v in turn (binary tree).
+    Halves,
+    /// Squares (tree).
+    Squares,
 }
 
 /// Why an index is not one.
@@ -68,129 +102,165 @@ pub enum IndexError {
         slot: usize,
     },
     /// A plane's normal is not finite.
-    #[error("the plane at word {at} of the direction index is not finite")]
+    #[error("the planes at word {at} of the direction index are not finite")]
     Plane {
-        /// Place of the plane node.
+        /// Place of the planes.
         at: usize,
     },
-    /// An axis node below a plane node, or deeper than the grid has bits, or in a cube map.
-    #[error("slot {slot} of the direction index is an axis node where none can stand")]
+    /// A branch below planes, finer than the grid, or in a cube map.
+    #[error("slot {slot} of the direction index is a branch where none can stand")]
     Misplaced {
         /// Place of the slot.
         slot: usize,
     },
 }
 
-/// What kind of node comes next in the array, and how deep its children lie.
+/// A node whose words come next in the array.
 #[derive(Clone, Copy)]
-struct Pending {
+struct Node {
     slot: Slot,
+    place: u32,
+    /// Nodes on the path, this one included.
     depth: u32,
-    axis_depth: u32,
+    /// Bits of both grid numbers that branches below it may still consume.
+    bits_left: u32,
 }
 
-/// Checks an index of `len` words, read by `word`, whose first `root_count` words are its roots.
-///
-/// `axis_nodes` says whether roots may be axis nodes (trees) or not (cube maps).
+/// Checks an index of `len` words, read by `word`.
 ///
 /// # Errors
 /// The first place at which the array is not an index.
 ///
 /// # Complexity
 /// O(len) time; memory for the widest level.
-pub fn walk(
-    root_count: usize,
-    axis_nodes: bool,
-    len: usize,
-    word: impl Fn(usize) -> u32,
-    block_count: u32,
-) -> Result<Cost, IndexError> {
-    if len < root_count {
+pub fn walk(shape: Shape, len: usize, word: impl Fn(usize) -> u32) -> Result<Cost, IndexError> {
+    if len < shape.roots {
         return Err(IndexError::Short { at: len });
     }
-    let axis_limit = if axis_nodes { 2 * GRID_BITS } else { 0 };
-    let mut walk = Walk { len, word, block_count, free: root_count, cost: Cost::default(), pending: VecDeque::new() };
-    for root in 0..root_count {
-        walk.slot(root, 0, axis_limit)?;
-    }
-    let mut at = root_count;
-    while let Some(node) = walk.pending.pop_front() {
-        match node.slot {
-            Slot::Axis(_) => {
-                walk.slot(at, node.depth, node.axis_depth)?;
-                walk.slot(at + 1, node.depth, node.axis_depth)?;
+    let bits_left = if shape.branches == Branches::None { 0 } else { 2 * GRID_BITS };
+    let mut walk =
+        Walk { shape, len, word, free: shape.roots, cost: Cost::default(), pending: VecDeque::new(), older: 0 };
+    walk.slots(0, shape.roots, 0, bits_left)?;
+    let mut at = shape.roots;
+    while let Some(Node { slot, depth, bits_left, .. }) = walk.pending.pop_front() {
+        match slot {
+            Slot::Branch(payload) => {
+                let count = walk.branch(payload).1 as usize;
+                walk.slots(at, count, depth, bits_left)?;
             }
             Slot::Plane(_) => {
-                let words = std::array::from_fn(|i| (walk.word)(at + i));
-                if !decode_normal(words).iter().all(|n| n.is_finite()) {
-                    return Err(IndexError::Plane { at });
-                }
-                walk.slot(at + 6, node.depth, 0)?;
-                walk.slot(at + 7, node.depth, 0)?;
+                walk.normals(at, 1)?;
+                walk.slots(at + 6, 2, depth, 0)?;
+            }
+            Slot::Bundle(_) => {
+                walk.normals(at, BUNDLE_PLANES)?;
+                walk.slots(at + 6 * BUNDLE_PLANES, BUNDLE_PARTS, depth, 0)?;
             }
             // A list's words were read when its slot was.
             Slot::List(_) | Slot::Block(_) => {}
         }
-        at += node.slot.words() as usize;
+        at += walk.words(slot) as usize;
     }
     if walk.free == len { Ok(walk.cost) } else { Err(IndexError::Unused { at: walk.free }) }
 }
 
 struct Walk<F> {
+    shape: Shape,
     len: usize,
     word: F,
-    block_count: u32,
     /// Next place that no slot has named yet.
     free: usize,
     cost: Cost,
-    pending: VecDeque<Pending>,
+    pending: VecDeque<Node>,
+    /// How many of `pending` were there before the node being read.
+    older: usize,
 }
 
 impl<F: Fn(usize) -> u32> Walk<F> {
-    /// Reads the slot at `at`, `depth` nodes below its root, of which `axis_left` more may be axis nodes.
-    fn slot(&mut self, at: usize, depth: u32, axis_left: u32) -> Result<(), IndexError> {
+    /// Place and number of slots of a branch. Bits past the limit make a node that cannot fit.
+    fn branch(&self, payload: u32) -> (u32, u32) {
+        match self.shape.branches {
+            Branches::Squares => {
+                let Branch { at, bits } = Branch::decode(payload);
+                (at, if bits > MAX_BRANCH_BITS { u32::MAX } else { 1 << (2 * bits) })
+            }
+            Branches::Halves | Branches::None => (payload, HALVES_WORDS),
+        }
+    }
+
+    /// Words that what lies below a slot takes.
+    fn words(&self, slot: Slot) -> u32 {
+        match slot {
+            Slot::Branch(payload) => self.branch(payload).1,
+            Slot::Block(_) => 0,
+            Slot::Plane(_) => PLANE_WORDS,
+            Slot::Bundle(_) => BUNDLE_WORDS,
+            Slot::List(_) => LIST_WORDS,
+        }
+    }
+
+    fn normals(&self, at: usize, planes: usize) -> Result<(), IndexError> {
+        let finite =
+            (0..3 * planes).all(|i| decode_f64((self.word)(at + 2 * i), (self.word)(at + 2 * i + 1)).is_finite());
+        if finite { Ok(()) } else { Err(IndexError::Plane { at }) }
+    }
+
+    /// Reads the `count` slots of one node, `depth` nodes below the root.
+    fn slots(&mut self, at: usize, count: usize, depth: u32, bits_left: u32) -> Result<(), IndexError> {
+        self.older = self.pending.len();
+        for at in at..at + count {
+            self.slot(at, depth, bits_left)?;
+        }
+        Ok(())
+    }
+
+    fn slot(&mut self, at: usize, depth: u32, bits_left: u32) -> Result<(), IndexError> {
         let slot = Slot::decode((self.word)(at));
         if depth > MAX_NODES {
             return Err(IndexError::Deep { slot: at });
         }
-        match slot {
-            Slot::Block(block) => self.leaf(at, depth, block, 1),
-            Slot::List(place) => {
-                let place = self.node(at, place, slot)?;
-                let (first, count) = ((self.word)(place), (self.word)(place + 1));
-                self.pending.push_back(Pending { slot, depth, axis_depth: 0 });
-                self.leaf(at, depth, first, count)
+        let (place, bits) = match slot {
+            Slot::Block(first) => return self.leaf(at, depth, first, self.shape.leaf_blocks),
+            Slot::Branch(payload) => {
+                let (place, count) = self.branch(payload);
+                (place, count.ilog2().max(1))
             }
-            Slot::Axis(place) => {
-                let axis_depth = axis_left.checked_sub(1).ok_or(IndexError::Misplaced { slot: at })?;
-                self.node(at, place, slot)?;
-                self.pending.push_back(Pending { slot, depth: depth + 1, axis_depth });
-                Ok(())
-            }
-            Slot::Plane(place) => {
-                self.node(at, place, slot)?;
-                self.pending.push_back(Pending { slot, depth: depth + 1, axis_depth: 0 });
-                Ok(())
-            }
+            Slot::Plane(place) | Slot::Bundle(place) | Slot::List(place) => (place, 0),
+        };
+        if bits > bits_left {
+            return Err(IndexError::Misplaced { slot: at });
         }
-    }
-
-    /// Claims the words of the node that the slot at `at` names.
-    fn node(&mut self, at: usize, place: u32, slot: Slot) -> Result<usize, IndexError> {
+        if (place as usize) < self.free && self.is_of_this_node(slot, place) {
+            return Ok(());
+        }
         if place as usize != self.free {
             return Err(IndexError::Order { slot: at, found: place, expected: self.free });
         }
-        let end = self.free + slot.words() as usize;
+        let end = self.free.saturating_add(self.words(slot) as usize);
         if end > self.len {
             return Err(IndexError::Short { at: self.len });
         }
-        Ok(std::mem::replace(&mut self.free, end))
+        self.free = end;
+        self.pending.push_back(Node { slot, place, depth: depth + 1, bits_left: bits_left - bits });
+        if let Slot::List(_) = slot {
+            let place = place as usize;
+            return self.leaf(at, depth, (self.word)(place), (self.word)(place + 1));
+        }
+        Ok(())
+    }
+
+    /// Whether another slot of the node being read has named the same planes or list. Pending nodes ascend by place.
+    fn is_of_this_node(&self, slot: Slot, place: u32) -> bool {
+        let found = self.pending.partition_point(|node| node.place < place);
+        let is_same = self.pending.get(found).is_some_and(|node| node.slot == slot);
+        found >= self.older && is_same && !matches!(slot, Slot::Branch(_))
     }
 
     fn leaf(&mut self, at: usize, depth: u32, first: u32, count: u32) -> Result<(), IndexError> {
-        let in_range = count > 0 && first.checked_add(count).is_some_and(|end| end <= self.block_count);
+        let block_count = self.shape.block_count;
+        let in_range = count > 0 && first.checked_add(count).is_some_and(|end| end <= block_count);
         if !in_range {
-            return Err(IndexError::Blocks { slot: at, first, count, block_count: self.block_count });
+            return Err(IndexError::Blocks { slot: at, first, count, block_count });
         }
         self.cost.nodes = self.cost.nodes.max(depth);
         self.cost.dots = self.cost.dots.max(count.saturating_mul(LANES as u32));
@@ -201,44 +271,66 @@ impl<F: Fn(usize) -> u32> Walk<F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::slot::encode_normal;
+    use crate::slot::{BRANCH_LIMIT, encode_f64};
 
-    fn check(words: &[u32], roots: usize, blocks: u32) -> Result<Cost, IndexError> {
-        walk(roots, true, words.len(), |i| words[i], blocks)
+    fn check(words: &[u32], roots: usize, block_count: u32, branches: Branches) -> Result<Cost, IndexError> {
+        walk(Shape { roots, branches, leaf_blocks: 1, block_count }, words.len(), |i| words[i])
     }
 
-    /// One root: an axis node over a block and a plane node over a block and a list.
+    fn normal(n: [f64; 3]) -> Vec<u32> {
+        n.into_iter().flat_map(encode_f64).collect()
+    }
+
+    /// One root: four squares, of which two share a plane node over a block and a list; the last are a bundle and a block.
     fn sample() -> Vec<u32> {
-        let mut words = vec![Slot::Axis(1).encode(), Slot::Block(0).encode(), Slot::Plane(3).encode()];
-        words.extend(encode_normal([1.0, 0.0, -1.0]));
-        words.extend([Slot::Block(1).encode(), Slot::List(11).encode(), 2, 3]);
+        let mut words = vec![Slot::Branch(Branch { at: 1, bits: 1 }.encode()).encode()];
+        words.extend([Slot::Plane(5), Slot::Plane(5), Slot::Bundle(13), Slot::Block(0)].map(Slot::encode));
+        words.extend(normal([1.0, 0.0, -1.0]));
+        words.extend([Slot::Block(1), Slot::List(63)].map(Slot::encode));
+        for i in 0..7 {
+            words.extend(normal([0.0, f64::from(i), 1.0]));
+        }
+        words.extend([Slot::Block(2).encode(); 8]);
+        words.extend([2, 3]);
         words
     }
 
     #[test]
     fn a_sample_passes_and_is_priced() {
-        assert_eq!(check(&sample(), 1, 5), Ok(Cost { nodes: 2, dots: 24 }));
+        assert_eq!(check(&sample(), 1, 5, Branches::Squares), Ok(Cost { nodes: 2, dots: 24 }));
+        let halves =
+            [Slot::Branch(1), Slot::Block(0), Slot::Branch(3), Slot::Block(1), Slot::Block(0)].map(Slot::encode);
+        assert_eq!(check(&halves, 1, 2, Branches::Halves), Ok(Cost { nodes: 2, dots: 8 }));
     }
 
     #[test]
     fn every_damage_is_named() {
+        let squares = |words: &[u32], block_count| check(words, 1, block_count, Branches::Squares);
         let with = |at: usize, word: u32| {
             let mut words = sample();
             words[at] = word;
-            words
+            squares(&words, 5)
         };
-        assert!(matches!(check(&sample(), 1, 4), Err(IndexError::Blocks { slot: 10, .. })), "list past the end");
-        assert!(matches!(check(&with(12, 0), 1, 5), Err(IndexError::Blocks { .. })), "empty list");
-        assert!(matches!(check(&with(12, u32::MAX), 1, 5), Err(IndexError::Blocks { .. })), "overflow");
-        assert!(matches!(check(&with(1, Slot::Axis(1).encode()), 1, 5), Err(IndexError::Order { .. })), "cycle");
-        assert!(matches!(check(&with(9, Slot::Plane(3).encode()), 1, 5), Err(IndexError::Order { .. })), "own parent");
-        assert!(matches!(check(&with(4, u32::MAX), 1, 5), Err(IndexError::Plane { at: 3 })), "NaN");
-        assert!(matches!(check(&with(9, Slot::Axis(11).encode()), 1, 5), Err(IndexError::Misplaced { slot: 9 })));
-        assert!(matches!(check(&sample()[..12], 1, 5), Err(IndexError::Short { .. })));
+        assert!(matches!(squares(&sample(), 4), Err(IndexError::Blocks { slot: 12, .. })), "list past the end");
+        assert!(matches!(with(64, 0), Err(IndexError::Blocks { .. })), "empty list");
+        assert!(matches!(with(64, u32::MAX), Err(IndexError::Blocks { .. })), "overflow");
+        let own_root = Slot::Branch(Branch { at: 1, bits: 1 }.encode()).encode();
+        assert!(matches!(with(4, own_root), Err(IndexError::Order { .. })), "cycle");
+        assert!(matches!(with(11, Slot::Plane(5).encode()), Err(IndexError::Order { .. })), "own parent");
+        assert!(matches!(with(2, Slot::Bundle(5).encode()), Err(IndexError::Order { .. })), "another kind");
+        assert!(matches!(with(6, u32::MAX), Err(IndexError::Plane { at: 5 })), "NaN");
+        let misplaced = Slot::Branch(Branch { at: 63, bits: 1 }.encode()).encode();
+        assert!(matches!(with(11, misplaced), Err(IndexError::Misplaced { slot: 11 })));
+        assert!(matches!(check(&sample(), 1, 5, Branches::None), Err(IndexError::Misplaced { slot: 0 })));
+        let huge = Slot::Branch(Branch { at: 1, bits: 12 }.encode() | 15).encode();
+        assert!(squares(&[huge, 0, 0], 5).is_err());
+        let far = Slot::Branch(Branch { at: BRANCH_LIMIT - 1, bits: 1 }.encode()).encode();
+        assert!(matches!(squares(&[far, 0, 0], 5), Err(IndexError::Order { .. })));
+        assert!(matches!(squares(&sample()[..64], 5), Err(IndexError::Short { .. })));
         let mut longer = sample();
         longer.push(0);
-        assert!(matches!(check(&longer, 1, 5), Err(IndexError::Unused { at: 13 })));
-        assert!(matches!(check(&[], 6, 5), Err(IndexError::Short { .. })));
+        assert!(matches!(squares(&longer, 5), Err(IndexError::Unused { at: 65 })));
+        assert!(matches!(squares(&[], 5), Err(IndexError::Short { .. })));
     }
 
     #[test]
@@ -248,6 +340,9 @@ mod tests {
             words.extend([0; 6]);
             words.extend([Slot::Block(0).encode(), Slot::Plane(1 + 8 * (i + 1)).encode()]);
         }
-        assert!(matches!(check(&words, 1, 1), Err(IndexError::Deep { .. })));
+        assert!(matches!(check(&words, 1, 1, Branches::Squares), Err(IndexError::Deep { .. })));
+        // Branches of one square, which divide nothing.
+        let chain: Vec<u32> = (1..200).map(|at| Slot::Branch(Branch { at, bits: 0 }.encode()).encode()).collect();
+        assert!(check(&chain, 1, 1, Branches::Squares).is_err());
     }
 }
