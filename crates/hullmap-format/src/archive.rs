@@ -31,11 +31,11 @@ pub struct Pack {
     pub vertices: Vec<[f32; 3]>,
     /// For each vertex its zero-based number in the source; the first one where several source vertices coincide.
     pub source_vertices: Vec<u32>,
-    /// For each face the place in its hull's run of `face_vertices` at which its vertices start. They end where the next
-    /// face's start, those of a hull's last face at the run's end.
+    /// For each face the place in its hull's run of `face_vertices` at which its vertices start. They end where the
+    /// next face's start, those of a hull's last face at the run's end.
     pub face_starts: Vec<u32>,
-    /// Vertices of the faces, numbered from their hull's first, counter-clockwise seen from outside. Each face starts at
-    /// its least vertex; faces stand in lexicographic order.
+    /// Vertices of the faces, numbered from their hull's first, counter-clockwise seen from outside. Each face starts
+    /// at its least vertex; faces stand in lexicographic order.
     pub face_vertices: Vec<u32>,
     /// The direction index: see [`crate::slot`].
     pub slots: Vec<u32>,

@@ -11,7 +11,8 @@
 //! | 48 | 8 | reserved, zero |
 //! | 56 | 8 | XXH3-64 of every other byte of the file |
 //!
-//! All numbers are little-endian, all hashes of seed 0. The newline in the magic shows a transfer that rewrote line ends.
+//! All numbers are little-endian, all hashes of seed 0. The newline in the magic shows a transfer that rewrote line
+//! ends.
 
 use std::hash::Hasher;
 
