@@ -12,9 +12,9 @@
 //! A *place* is the number of a word in the hull's own run of words; blocks are numbered in the hull's own run too.
 //!
 //! A tree starts with the slots of the six faces; a cube map with those of all its cells, which are leaves; a hull
-//! without an index has no words. What slots name, nodes and the two words of a list, follows in the order in which those slots
-//! stand (breadth first), without gaps: a reader can check the whole in one pass, and a node can have neither two parents
-//! nor itself below it.
+//! without an index has no words. What slots name, nodes and the two words of a list, follows in the order in which
+//! those slots stand (breadth first), without gaps: a reader can check the whole in one pass, and a node can have
+//! neither two parents nor itself below it.
 //!
 //! An axis node takes the next bit of the direction's grid numbers ([`crate::cube`]), the highest first: 0 is the lower
 //! half, 1 the upper. Planes use up no bits.
