@@ -9,9 +9,15 @@
 //! | 2 | plane node: the cell is cut by a plane through the origin | place of its 8 words: the normal's three f64, each low word first, the slot behind, the slot in front |
 //! | 3 | leaf of several blocks | place of its 2 words: first block, number of blocks |
 //!
-//! A tree starts with the slots of the six faces; a cube map with those of all its cells. Nodes follow in the order in
-//! which the slots that name them stand (breadth first), without gaps: a reader can check the whole in one pass, and a
-//! node can have neither two parents nor itself below it.
+//! A *place* is the number of a word in the hull's own run of words; blocks are numbered in the hull's own run too.
+//!
+//! A tree starts with the slots of the six faces; a cube map with those of all its cells, which are leaves; a hull
+//! without an index has no words. What slots name, nodes and the two words of a list, follows in the order in which
+//! those slots stand (breadth first), without gaps: a reader can check the whole in one pass, and a node can have
+//! neither two parents nor itself below it.
+//!
+//! An axis node takes the next bit of the direction's grid numbers ([`crate::cube`]), the highest first: 0 is the lower
+//! half, 1 the upper. Planes use up no bits.
 //!
 //! A direction `d` goes in front of a plane where n·d > 0. Below a plane node there are no axis nodes. Normals are f64
 //! because the planes of a fan all pass through one direction, the normal of the facet whose corners they part: rounded
