@@ -17,23 +17,25 @@ pub struct Pack {
     /// Candidate blocks that the index points to. They come first, so that they start on a cache line: rkyv itself
     /// aligns to 32 bytes at most.
     pub blocks: Vec<Block>,
-    /// Path of the source relative to the pack's folder, UTF-8, `/` between folders.
+    /// Path of the source relative to the pack's folder, UTF-8, `/` between folders; empty where none was recorded.
     pub source_path: Vec<u8>,
     /// The options that shaped the bake, as the baker spells them out, UTF-8.
     pub options: Vec<u8>,
-    /// Names of the hulls, UTF-8, one after the other.
+    /// Names of the hulls, UTF-8, one after the other, without separators.
     pub names: Vec<u8>,
     /// Where each hull's runs start; one entry more than there are hulls, the last one naming every section's end.
     pub spans: Vec<Span>,
     /// One record a hull.
     pub hulls: Vec<HullRecord>,
-    /// Vertices, source units, the source's frame.
+    /// Vertices, source units, the source's frame; −0 is stored as +0. In ascending order of their source vertices.
     pub vertices: Vec<[f32; 3]>,
-    /// For each vertex the zero-based number of the source's vertex.
+    /// For each vertex its zero-based number in the source; the first one where several source vertices coincide.
     pub source_vertices: Vec<u32>,
-    /// For each face the place in its hull's run of `face_vertices` at which its vertices start.
+    /// For each face the place in its hull's run of `face_vertices` at which its vertices start. They end where the
+    /// next face's start, those of a hull's last face at the run's end.
     pub face_starts: Vec<u32>,
-    /// Vertices of the faces, counter-clockwise seen from outside.
+    /// Vertices of the faces, numbered from their hull's first, counter-clockwise seen from outside. Each face starts
+    /// at its least vertex; faces stand in lexicographic order.
     pub face_vertices: Vec<u32>,
     /// For each vertex the place in its hull's run of `neighbours` at which its neighbours start.
     pub neighbour_starts: Vec<u32>,
@@ -71,9 +73,10 @@ pub struct HullRecord {
     pub diameter: f64,
     /// Centre of mass at uniform density: of the solid, the polygon, the segment or the point.
     pub centroid: [f64; 3],
-    /// A point of the hull, strictly inside where the rank is 3.
+    /// A point of the hull up to rounding; strictly inside where the inner radius is above 0.
     pub interior_point: [f64; 3],
-    /// Radius of a ball around the interior point that lies in the hull; 0 below rank 3.
+    /// Radius of a ball around the interior point that lies in the hull; 0 below rank 3, and for a solid so thin that
+    /// rounding leaves none.
     pub inner_radius: f64,
     /// Radius of a ball around the interior point that holds the hull.
     pub outer_radius: f64,
@@ -81,9 +84,10 @@ pub struct HullRecord {
     pub volume: f64,
     /// Surface area; both sides of a polygon; 0 below rank 2.
     pub surface_area: f64,
-    /// Second moments about the centroid divided by the measure (volume, area or length): xx, yy, zz, yz, zx, xy.
+    /// Second moments about the centroid divided by the measure (volume, area or length): xx, yy, zz, yz, zx, xy; all 0
+    /// for a point.
     pub second_moments: [f64; 6],
-    /// How far the worst source point lies outside the hull, divided by the diameter.
+    /// How far the worst source point lies outside the hull, divided by the diameter; 0 for a point.
     pub containment_error: f64,
     /// Least coordinates of the vertices.
     pub bounds_min: [f32; 3],
@@ -99,11 +103,11 @@ pub struct HullRecord {
     pub leaf_blocks: u32,
     /// Most neighbours of a vertex.
     pub max_neighbours: u32,
-    /// Most index nodes that any direction visits.
+    /// Most branches and planes above any leaf: no direction visits more.
     pub max_nodes: u32,
-    /// Most vertices that any direction is multiplied with.
+    /// Most lanes of any leaf, [`LANES`] a block, used or not: no direction is multiplied with more vertices.
     pub max_dots: u32,
-    /// Source points that the hull was built of.
+    /// Source points that the hull was built of; those that coincide count each.
     pub source_points: u32,
 }
 
@@ -121,7 +125,8 @@ pub mod index_kind {
 
 /// Eight candidates of a leaf, by component: two cache lines.
 ///
-/// Vertex numbers ascend, but for unused lanes, which hold any vertex of the hull: a scan needs no count.
+/// Vertex numbers ascend over all blocks of a leaf. Lanes that a leaf does not need hold other vertices of the hull, so
+/// that a scan needs no count; only a hull of fewer vertices than lanes repeats its last one.
 #[derive(Archive, Serialize, Clone, Copy, Debug, PartialEq)]
 #[rkyv(derive(Debug), attr(repr(align(32))))]
 pub struct Block {
@@ -131,6 +136,6 @@ pub struct Block {
     pub y: [f32; LANES],
     /// Third coordinates.
     pub z: [f32; LANES],
-    /// Vertex numbers.
+    /// Vertex numbers, counted from the hull's first.
     pub vertex: [u32; LANES],
 }

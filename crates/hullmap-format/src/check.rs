@@ -25,6 +25,15 @@ pub enum CheckError {
         /// The section.
         section: &'static str,
     },
+    /// No hulls.
+    #[error("the pack holds no hull; bake the source again")]
+    NoHulls,
+    /// Bytes stand between the sections, or after the last one, that no section owns.
+    #[error("{what} do not stand where this version writes them; bake the source again")]
+    Layout {
+        /// Which bytes.
+        what: &'static str,
+    },
     /// A name or the source's path is not UTF-8.
     #[error("{what} is not UTF-8; bake the source again")]
     Text {
@@ -61,11 +70,52 @@ pub enum CheckError {
 pub fn structure(payload: &[u8]) -> Result<&ArchivedPack, CheckError> {
     let pack =
         rkyv::access::<ArchivedPack, rancor::Error>(payload).map_err(|error| CheckError::Archive(error.to_string()))?;
-    if !pack.blocks.as_ptr().addr().is_multiple_of(BLOCK_ALIGNMENT) {
-        return Err(CheckError::Archive("its blocks do not start on a cache line".to_owned()));
+    if pack.hulls.is_empty() {
+        return Err(CheckError::NoHulls);
     }
+    layout(pack, payload)?;
     spans(pack)?;
     Ok(pack)
+}
+
+/// Checks that the sections stand where the baker puts them: in order, each at the next multiple of its alignment, the
+/// first on a cache line, the root behind the last, and zeros in the gaps. So equal packs are equal bytes.
+fn layout(pack: &ArchivedPack, payload: &[u8]) -> Result<(), CheckError> {
+    fn section<T>(section: &[T]) -> (usize, usize, usize) {
+        (section.as_ptr().addr(), size_of_val(section), align_of::<T>())
+    }
+    let start = payload.as_ptr().addr();
+    if !start.is_multiple_of(BLOCK_ALIGNMENT) {
+        return Err(CheckError::Layout { what: "the blocks" });
+    }
+    let sections = [
+        section(&pack.blocks),
+        section(&pack.source_path),
+        section(&pack.options),
+        section(&pack.names),
+        section(&pack.spans),
+        section(&pack.hulls),
+        section(&pack.vertices),
+        section(&pack.source_vertices),
+        section(&pack.face_starts),
+        section(&pack.face_vertices),
+        section(&pack.neighbour_starts),
+        section(&pack.neighbours),
+        section(&pack.slots),
+        section(std::slice::from_ref(pack)),
+    ];
+    let mut end = start;
+    for (at, len, alignment) in sections {
+        // rkyv gives an empty section the place where it would have stood.
+        if at != end.next_multiple_of(alignment) {
+            return Err(CheckError::Layout { what: "the sections" });
+        }
+        if payload[end - start..at - start].iter().any(|byte| *byte != 0) {
+            return Err(CheckError::Layout { what: "the bytes between sections" });
+        }
+        end = at + len;
+    }
+    if end == start + payload.len() { Ok(()) } else { Err(CheckError::Layout { what: "the last bytes" }) }
 }
 
 /// One number of a span, the section it starts in, and that section's length.
@@ -225,7 +275,8 @@ impl HullCheck<'_> {
         let kind = self.record.index_kind.to_native();
         let (roots, branches) = match kind {
             index_kind::SCAN => (0, Branches::None),
-            index_kind::CUBE_MAP => (6 * resolution * resolution, Branches::None),
+            // No product of two 32-bit numbers overflows; six times the greatest would.
+            index_kind::CUBE_MAP => ((resolution * resolution).saturating_mul(6), Branches::None),
             index_kind::BINARY => (6, Branches::Halves),
             index_kind::TREE => (6, Branches::Squares),
             _ => return self.require(false, "its kind of index is not known"),

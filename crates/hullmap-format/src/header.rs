@@ -6,12 +6,13 @@
 //! | 8 | 4 | format version |
 //! | 12 | 4 | header length, 64 |
 //! | 16 | 8 | payload length: the file is exactly 64 bytes longer |
-//! | 24 | 16 | XXH3-128 of the source file's bytes |
-//! | 40 | 8 | XXH3-64 of the options that shaped the bake |
+//! | 24 | 16 | XXH3-128 of the source file's bytes, its low 64 bits first |
+//! | 40 | 8 | XXH3-64 of the options that shaped the bake, as the archive spells them out |
 //! | 48 | 8 | reserved, zero |
 //! | 56 | 8 | XXH3-64 of every other byte of the file |
 //!
-//! All numbers are little-endian. The newline in the magic shows a transfer that rewrote line ends.
+//! All numbers are little-endian, all hashes of seed 0. The newline in the magic shows a transfer that rewrote line
+//! ends.
 
 use std::hash::Hasher;
 

@@ -20,7 +20,10 @@
 //! Normals are f64 because the planes of a fan all pass through one direction, the normal of the facet whose corners they
 //! part: rounded to f32 they would miss it by 6e-8, and around it no plane would part anything.
 //!
-//! A tree starts with the slots of the six faces; a cube map with those of all its cells. Nodes follow in the order in
+//! A *place* is the number of a word in the hull's own run of words; blocks are numbered in the hull's own run too.
+//!
+//! A tree starts with the slots of the six faces; a cube map with those of all its cells, which are
+//! leaves; a hull without an index has no words. Nodes follow in the order in
 //! which the slots that name them first stand (breadth first), without gaps. Only slots of one node may name the same
 //! thing. So a reader can check the whole in one pass, and no node lies below itself.
 

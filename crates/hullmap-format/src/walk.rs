@@ -107,8 +107,8 @@ pub enum IndexError {
         /// Place of the planes.
         at: usize,
     },
-    /// A branch below planes, finer than the grid, or in a cube map.
-    #[error("slot {slot} of the direction index is a branch where none can stand")]
+    /// A branch below planes, finer than the grid, or in a cube map; planes in a cube map.
+    #[error("slot {slot} of the direction index is a node where none can stand")]
     Misplaced {
         /// Place of the slot.
         slot: usize,
@@ -227,7 +227,8 @@ impl<F: Fn(usize) -> u32> Walk<F> {
             }
             Slot::Plane(place) | Slot::Bundle(place) | Slot::List(place) => (place, 0),
         };
-        if bits > bits_left {
+        let planes = matches!(slot, Slot::Plane(_) | Slot::Bundle(_));
+        if bits > bits_left || (planes && self.shape.branches == Branches::None) {
             return Err(IndexError::Misplaced { slot: at });
         }
         if (place as usize) < self.free && self.is_of_this_node(slot, place) {
@@ -322,6 +323,11 @@ mod tests {
         let misplaced = Slot::Branch(Branch { at: 63, bits: 1 }.encode()).encode();
         assert!(matches!(with(11, misplaced), Err(IndexError::Misplaced { slot: 11 })));
         assert!(matches!(check(&sample(), 1, 5, Branches::None), Err(IndexError::Misplaced { slot: 0 })));
+        let mut planes = vec![Slot::Plane(1).encode()];
+        planes.extend(normal([1.0; 3]));
+        planes.extend([Slot::Block(0).encode(); 2]);
+        assert!(check(&planes, 1, 1, Branches::Squares).is_ok());
+        assert!(matches!(check(&planes, 1, 1, Branches::None), Err(IndexError::Misplaced { slot: 0 })));
         let huge = Slot::Branch(Branch { at: 1, bits: 12 }.encode() | 15).encode();
         assert!(squares(&[huge, 0, 0], 5).is_err());
         let far = Slot::Branch(Branch { at: BRANCH_LIMIT - 1, bits: 1 }.encode()).encode();

@@ -1,0 +1,376 @@
+//! `docs/FORMAT.md` against the bytes: a reader written from the document alone finds in packs of all shapes what
+//! `hullmap::Pack` finds, and the file that the document shows in full is the one that is baked today.
+
+#[path = "format_document/reader.rs"]
+mod reader;
+
+use std::hash::Hasher;
+
+use glam::{DVec3, Vec3};
+use hullmap::{IndexKind as Kind, Pack, SupportMap};
+use hullmap_bake::{BakedHull, IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
+use hullmap_tests::directions;
+use reader::{File, section, u32_at, u64_at};
+use shapes::{families::Family, rng::SplitMix64};
+use twox_hash::{XxHash3_64, XxHash3_128};
+
+const DOCUMENT: &str = include_str!("../../docs/FORMAT.md");
+const TETRAHEDRON: &str = include_str!("../../assets/tetrahedron.obj");
+
+const SEED: u64 = 0xf0_0d_0c;
+
+/// Regret, over the diameter, that the document speaks of in 7.5.
+const ROUNDING: f64 = 2e-12;
+
+/// What all packs of this file met in their indices, so that no kind of word goes untested.
+#[derive(Default)]
+struct Met {
+    tags: [usize; 4],
+    padded: usize,
+    directions: usize,
+    worst_regret: f64,
+}
+
+fn points(name: &str, positions: Vec<[f32; 3]>) -> PointSet {
+    // Numbers in the source differ from those in the set, as in a file of several objects.
+    let source_vertices = (0..positions.len() as u32).map(|i| 3 * i + 5).collect();
+    PointSet { name: name.to_owned(), positions, source_vertices }
+}
+
+fn bake(points: &PointSet, index: IndexKind) -> BakedHull {
+    bake_hull(points, index).unwrap_or_else(|e| panic!("{}: {e}", points.name))
+}
+
+fn source(path: &str, options: &str) -> SourceRecord {
+    let hash = XxHash3_128::oneshot(path.as_bytes());
+    SourceRecord { path: path.to_owned(), hash, options: options.to_owned() }
+}
+
+/// Bakes hulls into one pack and compares all of it.
+fn compare(hulls: &[BakedHull], source: &SourceRecord, count: usize, met: &mut Met) {
+    let bytes = write_pack(hulls, source).unwrap();
+    let file = File::new(&bytes);
+    let pack = Pack::from_bytes(&bytes).unwrap();
+
+    met.padded += usize::from(file.check_layout() > 0);
+    hashes(&bytes, &file, source);
+    let text = |number| std::str::from_utf8(file.section(number)).unwrap();
+    assert_eq!(text(section::SOURCE_PATH), pack.source_path());
+    assert_eq!(text(section::OPTIONS), pack.options());
+    assert_eq!(text(section::NAMES), hulls.iter().map(|h| h.name.as_str()).collect::<String>());
+
+    assert_eq!(file.count(section::HULLS), pack.hull_count());
+    assert_eq!(file.count(section::SPANS), pack.hull_count() + 1);
+    assert_eq!(file.span(0), [0; 6]);
+    let counts = [
+        section::NAMES,
+        section::VERTICES,
+        section::FACE_STARTS,
+        section::FACE_VERTICES,
+        section::SLOTS,
+        section::BLOCKS,
+    ];
+    assert_eq!(file.span(hulls.len()), counts.map(|number| file.count(number)));
+    assert_eq!(file.count(section::SOURCE_VERTICES), file.count(section::VERTICES));
+
+    for (number, baked) in hulls.iter().enumerate() {
+        let (ours, theirs) = (file.hull(number), pack.hull(number).unwrap());
+        record(&ours, &theirs, baked);
+        shape(&ours, &theirs, baked);
+        index(&ours, &theirs, baked, met);
+        support(&ours, &theirs, count, met);
+    }
+}
+
+fn hashes(bytes: &[u8], file: &File, source: &SourceRecord) {
+    let low_then_high = u128::from(u64_at(bytes, 24)) | u128::from(u64_at(bytes, 32)) << 64;
+    assert_eq!(low_then_high, source.hash);
+    assert_eq!(u64_at(bytes, 40), XxHash3_64::oneshot(file.section(section::OPTIONS)));
+    let mut checksum = XxHash3_64::with_seed(0);
+    checksum.write(&bytes[..56]);
+    checksum.write(&bytes[64..]);
+    assert_eq!(u64_at(bytes, 56), checksum.finish());
+    assert_eq!(u64_at(bytes, 56), XxHash3_64::oneshot(&[&bytes[..56], &bytes[64..]].concat()), "in one piece");
+}
+
+fn record(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
+    let r = &ours.record;
+    assert_eq!(ours.name, theirs.name().as_bytes());
+    assert_eq!(r.diameter, theirs.diameter());
+    assert_eq!(r.centroid, theirs.centroid().to_array());
+    assert_eq!(r.interior_point, theirs.interior_point().to_array());
+    assert_eq!(r.inner_radius, theirs.inner_radius());
+    assert_eq!(r.outer_radius, theirs.outer_radius());
+    assert_eq!(r.volume, theirs.volume());
+    assert_eq!(r.surface_area, theirs.surface_area());
+    assert_eq!(r.second_moments, theirs.second_moments());
+    assert_eq!(r.containment_error, theirs.containment_error());
+    assert_eq!([r.bounds_min, r.bounds_max], theirs.bounds().map(|b| b.to_array()));
+    assert_eq!(r.rank, theirs.rank());
+    let (kind, resolution) = match theirs.index_kind() {
+        Kind::None => (0, 0),
+        Kind::CubeMap { resolution } => (1, resolution),
+        Kind::Tree => (2, 0),
+    };
+    assert_eq!((r.index_kind, r.resolution), (kind, resolution));
+    assert_eq!((r.max_nodes, r.max_dots), (theirs.worst_cost().nodes, theirs.worst_cost().dots));
+    assert_eq!(r.source_points, theirs.source_point_count());
+    assert_eq!(r.source_points as usize, baked.point_count);
+
+    assert!(r.containment_error <= 1e-7);
+    for i in 0..3 {
+        let along = || ours.vertices.iter().map(|v| v[i]);
+        assert_eq!(r.bounds_min[i], along().reduce(f32::min).unwrap(), "bounds are tight");
+        assert_eq!(r.bounds_max[i], along().reduce(f32::max).unwrap(), "bounds are tight");
+    }
+    let from_point = |v: &[f32; 3]| DVec3::from_array(v.map(f64::from)).distance(DVec3::from_array(r.interior_point));
+    assert!(ours.vertices.iter().all(|v| from_point(v) <= r.outer_radius));
+    assert!(r.rank == 3 || (r.volume == 0.0 && r.inner_radius == 0.0));
+    assert!(r.rank >= 2 || r.surface_area == 0.0);
+}
+
+/// Vertices and faces, and the order that the document gives them.
+fn shape(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
+    assert!(ours.vertices.iter().copied().eq(theirs.vertices().map(|v| v.to_array())));
+    assert!(ours.vertices.iter().flatten().all(|c| c.to_bits() != (-0.0_f32).to_bits()));
+    assert_eq!(ours.source_vertices, baked.hull.source_vertices);
+    for (vertex, number) in ours.source_vertices.iter().enumerate() {
+        assert_eq!(theirs.source_vertex(vertex as u32), Some(*number));
+    }
+    assert!(ours.source_vertices.is_sorted_by(|a, b| a < b));
+    let faces = ours.faces();
+    let expected: Vec<Vec<u32>> = theirs.faces().map(|face| face.collect()).collect();
+    assert_eq!(faces, expected);
+    assert!(faces.is_sorted());
+    assert!(faces.iter().all(|face| face.iter().min() == face.first() && face.len() >= 3));
+    let (v, c, f) = (ours.vertices.len(), ours.face_vertices.len(), faces.len());
+    match ours.record.rank {
+        0 => assert_eq!((v, c, f), (1, 0, 0)),
+        1 => assert_eq!((v, c, f), (2, 0, 0)),
+        2 => assert_eq!((c, f), (2 * v, 2)),
+        _ => assert!(v >= 4 && v + f == 2 + c / 2 && c.is_multiple_of(2)),
+    }
+}
+
+fn index(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull, met: &mut Met) {
+    let encoded = &baked.index.encoded;
+    assert_eq!(ours.slots, encoded.slots);
+    assert_eq!(ours.blocks.len(), encoded.blocks.len());
+    for (ours, written) in ours.blocks.iter().zip(&encoded.blocks) {
+        assert_eq!((ours.position, ours.vertex), ([written.x, written.y, written.z], written.vertex));
+    }
+    assert_eq!(4 * ours.slots.len() + 128 * ours.blocks.len(), theirs.index_byte_len());
+    let walk = ours.walk_index();
+    assert_eq!((walk.max_nodes, walk.max_dots), (ours.record.max_nodes, ours.record.max_dots));
+    for (sum, tag) in met.tags.iter_mut().zip(walk.tags) {
+        *sum += tag;
+    }
+}
+
+fn support(ours: &reader::Hull, theirs: &hullmap::Hull, count: usize, met: &mut Met) {
+    let mut rng = SplitMix64::new(SEED);
+    for dir in directions::all(theirs, count, SEED) {
+        let d = dir.to_array().map(f64::from);
+        let expected = theirs.support(dir);
+        assert_eq!(ours.support(d), expected.index, "{}: {dir}", theirs.name());
+        assert_eq!(ours.vertices[expected.index as usize], expected.point.to_array());
+        let (leaf, cost) = (ours.leaf(d), theirs.support_cost(dir));
+        assert_eq!((leaf.nodes, leaf.blocks.len() as u32 * 8), (cost.nodes, cost.dots));
+
+        // A direction of f64 numbers, which no f32 holds.
+        let fine = DVec3::from_array(rng.direction()) * 1e-9 * dir.as_dvec3().length() + dir.as_dvec3();
+        assert_eq!(ours.support(fine.to_array()), SupportMap::support(theirs, fine).feature);
+
+        let height = |v: &[f32; 3]| DVec3::from_array(v.map(f64::from)).dot(dir.as_dvec3());
+        let best = ours.vertices.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
+        let lost = best - height(&expected.point.to_array());
+        let regret = lost / dir.as_dvec3().length() / ours.record.diameter.max(f64::MIN_POSITIVE);
+        assert!(regret <= ROUNDING, "{}: regret {regret:e} in direction {dir}", theirs.name());
+        met.worst_regret = met.worst_regret.max(regret);
+        met.directions += 1;
+    }
+    for dir in directions::invalid() {
+        // Which vertex it is, the document leaves open.
+        let (ours_found, theirs_found) = (ours.support(dir.to_array().map(f64::from)), theirs.support(dir).index);
+        assert!((ours_found.max(theirs_found) as usize) < ours.vertices.len());
+    }
+}
+
+/// Every rank and, of rank 3, every way an index can look: small, deep, with planes, with long leaves.
+fn shapes_of_all_ranks() -> Vec<PointSet> {
+    vec![
+        points("point", vec![[1.0, -2.0, 3.5]; 3]),
+        points("segment", vec![[0.0; 3], [1.0, 2.0, 3.0], [0.5, 1.0, 1.5]]),
+        points("triangle", vec![[-0.0, 0.0, 0.25], [1.0, -0.0, 0.25], [0.0, 1.0, 0.25]]),
+        points("sheet", Family::FlatSheet.points(300, 1)),
+        points("tetrahedron", tetrahedron().positions),
+        points("grid", Family::CubeGrid.points(125, 1)),
+        points("rock", Family::Rock.points(400, 2)),
+        points("prism", Family::RotatedPrism.points(1_000, 3)),
+        points("cone", Family::Cone.points(300, 4)),
+        points("needle", Family::Needle.points(200, 5)),
+        points("lens", Family::Lens.points(600, 6)),
+    ]
+}
+
+#[test]
+fn a_reader_written_from_the_document_agrees() {
+    let kinds =
+        [IndexKind::Tree, IndexKind::CubeMap { resolution: 1 }, IndexKind::CubeMap { resolution: 13 }, IndexKind::None];
+    let mut met = Met::default();
+    let mut ranks = [0; 4];
+    for shape in shapes_of_all_ranks() {
+        for kind in kinds {
+            let hull = bake(&shape, kind);
+            ranks[hull.hull.rank as usize] += 1;
+            compare(&[hull], &source(&shape.name, "options"), 3_000, &mut met);
+        }
+    }
+    println!("slots by tag {:?}, {} directions, worst regret {:.1e}", met.tags, met.directions, met.worst_regret);
+    assert!(ranks.iter().all(|count| *count > 0), "hulls of each rank: {ranks:?}");
+    assert!(met.tags.iter().all(|count| *count > 0), "slots of each tag: {:?}", met.tags);
+    assert!(met.directions > 100_000 && met.padded > 0);
+}
+
+#[test]
+fn several_hulls_share_a_pack() {
+    let kinds = [IndexKind::CubeMap { resolution: 3 }, IndexKind::Tree, IndexKind::None];
+    let mut met = Met::default();
+    for (first, name) in ["", "ä", "a b", "日本語"].into_iter().enumerate() {
+        // Names and paths of different lengths, hulls of different kinds: the padding varies.
+        let mut hulls: Vec<BakedHull> = shapes_of_all_ranks()
+            .iter()
+            .skip(first)
+            .zip(kinds.iter().cycle())
+            .map(|(shape, kind)| bake(shape, *kind))
+            .collect();
+        hulls[0].name = name.to_owned();
+        compare(&hulls, &source(name, &"o".repeat(first)), 500, &mut met);
+        compare(&hulls[..2], &source("", ""), 500, &mut met);
+    }
+    assert!(met.padded > 0);
+}
+
+#[test]
+fn grid_numbers_are_those_of_the_runtime() {
+    let mut rng = SplitMix64::new(SEED);
+    let check = |d: [f64; 3]| {
+        let cell = hullmap_format::cube::locate(d);
+        assert_eq!(reader::locate(d), (cell.face, [cell.u, cell.v]), "{d:?}");
+    };
+    for _ in 0..200_000 {
+        check(rng.direction());
+        // On a grid line, and a last digit beside it.
+        let t = (rng.below(1 << 24) as f64 - 8_388_607.5) / 8_388_607.0;
+        for t in [t, t.next_up(), t.next_down()] {
+            check([-1.0, t, rng.between(-1.0, 1.0)]);
+        }
+    }
+    for corner in 0..27 {
+        check([corner % 3, corner / 3 % 3, corner / 9].map(|c| f64::from(c) - 1.0));
+    }
+    assert_eq!([-1.0, 0.0, 1.0].map(|t| reader::locate([2.0, 2.0 * t, 0.0]).1[0]), [1, 1 << 23, (1 << 24) - 1]);
+}
+
+/// The points of the asset whose pack the document shows.
+fn tetrahedron() -> PointSet {
+    let positions: Vec<[f32; 3]> = TETRAHEDRON
+        .lines()
+        .filter_map(|line| line.strip_prefix("v "))
+        .map(|line| {
+            let numbers: Vec<f32> = line.split_whitespace().map(|c| c.parse().unwrap()).collect();
+            numbers.try_into().unwrap()
+        })
+        .collect();
+    PointSet { name: "tetrahedron".to_owned(), source_vertices: (0..positions.len() as u32).collect(), positions }
+}
+
+fn shown_pack() -> Vec<u8> {
+    let source = SourceRecord {
+        path: "../assets/tetrahedron.obj".to_owned(),
+        hash: XxHash3_128::oneshot(TETRAHEDRON.as_bytes()),
+        options: "split none, vertices referenced, index tree".to_owned(),
+    };
+    write_pack(&[bake(&tetrahedron(), IndexKind::Tree)], &source).unwrap()
+}
+
+/// Lines of the document's listing: offset, bytes, and what it says of them.
+fn listing() -> Vec<(usize, Vec<u8>, &'static str)> {
+    let (_, rest) = DOCUMENT.split_once("```text\n").unwrap();
+    let (listing, _) = rest.split_once("```").unwrap();
+    let line = |line: &'static str| {
+        let (bytes, note) = line.split_once('|')?;
+        let (offset, bytes) = bytes.split_once(' ').unwrap();
+        let bytes = bytes.split_whitespace().map(|byte| u8::from_str_radix(byte, 16).unwrap()).collect();
+        Some((usize::from_str_radix(offset, 16).unwrap(), bytes, note.trim()))
+    };
+    listing.lines().filter_map(line).collect()
+}
+
+#[test]
+fn the_file_shown_is_the_one_baked_today() {
+    let baked = shown_pack();
+    let mut shown = Vec::new();
+    for (offset, bytes, note) in listing() {
+        assert_eq!(offset, shown.len(), "docs/FORMAT.md: the line at {offset:08x}, {note}");
+        let now = baked.get(offset..offset + bytes.len());
+        assert_eq!(now, Some(&bytes[..]), "docs/FORMAT.md: the line at {offset:08x}, {note}");
+        shown.extend(bytes);
+    }
+    assert_eq!(shown.len(), baked.len(), "docs/FORMAT.md shows all of the file");
+}
+
+/// What the listing says of the root's entries is so.
+#[test]
+fn the_notes_on_the_root_hold() {
+    let baked = shown_pack();
+    let root = baked.len() - 88;
+    let mut sections = File::new(&baked).sections.into_iter().zip(reader::SECTIONS);
+    for (offset, _, note) in listing().into_iter().filter(|line| line.0 >= root) {
+        let (range, (name, ..)) = sections.next().unwrap();
+        let relative = range.start as i64 - offset as i64;
+        let count = u32_at(&baked, offset + 4);
+        assert_eq!(note, format!("{name}: {relative} from here, at {:08x}; count {count}", range.start));
+    }
+    assert!(sections.next().is_none());
+}
+
+/// The document's tables of sections, records and header fields leave no byte out.
+#[test]
+fn tables_have_no_gaps() {
+    let rows = |heading: &str| -> Vec<(usize, usize)> {
+        let (_, rest) = DOCUMENT.split_once(heading).unwrap();
+        rest.lines()
+            .skip_while(|line| !line.starts_with("| offset"))
+            .take_while(|line| line.starts_with('|'))
+            .skip(2)
+            .map(|line| {
+                let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+                (cells[1].parse().unwrap(), cells[2].parse().unwrap())
+            })
+            .collect()
+    };
+    for (heading, size) in [
+        ("\n## 3. Header\n", 64),
+        ("\n### 6.1 Span\n", 24),
+        ("\n### 6.2 Hull record\n", 192),
+        ("\n### 6.3 Block\n", 128),
+    ] {
+        let end = rows(heading).into_iter().fold(0, |end, (offset, size)| {
+            assert_eq!(offset, end, "{heading}");
+            end + size
+        });
+        assert_eq!(end, size, "{heading}");
+    }
+}
+
+/// Directions of f32 numbers need no care with fused multiply-adds (7.4): the products are exact.
+#[test]
+fn products_of_f32_numbers_are_exact() {
+    let mut rng = SplitMix64::new(SEED);
+    for _ in 0..100_000 {
+        let [p, d] = [rng.direction(), rng.direction()].map(|v| Vec3::from_array(v.map(|c| c as f32)).as_dvec3());
+        let plain = p.x * d.x + p.y * d.y + p.z * d.z;
+        assert_eq!(plain, p.z.mul_add(d.z, p.y.mul_add(d.y, p.x * d.x)));
+    }
+}
