@@ -216,7 +216,7 @@ fn shapes_of_all_ranks() -> Vec<PointSet> {
 #[test]
 fn a_reader_written_from_the_document_agrees() {
     let kinds =
-        [IndexKind::Tree, IndexKind::CubeMap { resolution: 1 }, IndexKind::CubeMap { resolution: 13 }, IndexKind::None];
+        [IndexKind::TREE, IndexKind::CubeMap { resolution: 1 }, IndexKind::CubeMap { resolution: 13 }, IndexKind::None];
     let mut met = Met::default();
     let mut ranks = [0; 4];
     for shape in shapes_of_all_ranks() {
@@ -234,7 +234,7 @@ fn a_reader_written_from_the_document_agrees() {
 
 #[test]
 fn several_hulls_share_a_pack() {
-    let kinds = [IndexKind::CubeMap { resolution: 3 }, IndexKind::Tree, IndexKind::None];
+    let kinds = [IndexKind::CubeMap { resolution: 3 }, IndexKind::TREE, IndexKind::None];
     let mut met = Met::default();
     for (first, name) in ["", "ä", "a b", "日本語"].into_iter().enumerate() {
         // Names and paths of different lengths, hulls of different kinds: the padding varies.
@@ -291,7 +291,7 @@ fn shown_pack() -> Vec<u8> {
         hash: XxHash3_128::oneshot(TETRAHEDRON.as_bytes()),
         options: "split none, vertices referenced, index tree".to_owned(),
     };
-    write_pack(&[bake(&tetrahedron(), IndexKind::Tree)], &source).unwrap()
+    write_pack(&[bake(&tetrahedron(), IndexKind::TREE)], &source).unwrap()
 }
 
 /// Lines of the document's listing: offset, bytes, and what it says of them.

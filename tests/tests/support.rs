@@ -39,8 +39,14 @@ fn check(name: &str, positions: &[[f32; 3]], index: IndexKind, count: usize) -> 
     worst
 }
 
-const INDICES: [IndexKind; 4] =
-    [IndexKind::Tree, IndexKind::CubeMap { resolution: 1 }, IndexKind::CubeMap { resolution: 24 }, IndexKind::None];
+const INDICES: [IndexKind; 6] = [
+    IndexKind::TREE,
+    IndexKind::COMPACT,
+    IndexKind::Binary,
+    IndexKind::CubeMap { resolution: 1 },
+    IndexKind::CubeMap { resolution: 24 },
+    IndexKind::None,
+];
 
 #[test]
 fn exact_on_every_family_with_every_index() {
@@ -59,7 +65,7 @@ fn exact_on_every_family_with_every_index() {
 fn exact_on_large_families() {
     for family in Family::ALL {
         let points = family.points(20_000, 3);
-        let worst = check(family.name(), &points, IndexKind::Tree, 3_000);
+        let worst = check(family.name(), &points, IndexKind::TREE, 3_000);
         println!("{:20} worst regret {worst:.1e}", family.name());
     }
 }
@@ -69,7 +75,7 @@ fn exact_at_any_scale_and_far_from_the_origin() {
     for family in [Family::Rock, Family::Lens, Family::RotatedPrism, Family::FlatSheet, Family::Needle] {
         for (scale, offset) in [(1e-6, 0.0), (1e6, 0.0), (1.0, 1000.0), (1e-3, 1.0), (1e-30, 0.0), (1e30, 0.0)] {
             let moved: Vec<[f32; 3]> = family.points(500, 5).iter().map(|p| p.map(|c| c * scale + offset)).collect();
-            check(family.name(), &moved, IndexKind::Tree, 2_000);
+            check(family.name(), &moved, IndexKind::TREE, 2_000);
         }
     }
 }

@@ -39,8 +39,13 @@ pub struct PointSet {
 /// Which direction index a bake builds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IndexKind {
-    /// The adaptive binary tree over the six cube faces.
-    Tree,
+    /// The level-compressed tree over the six cube faces: the fastest.
+    Tree {
+        /// Size of its leaves.
+        leaf_blocks: LeafBlocks,
+    },
+    /// The paper's binary tree over the six cube faces.
+    Binary,
     /// A uniform cube map.
     CubeMap {
         /// Cells along one edge of a cube face, at least 1.
@@ -48,6 +53,36 @@ pub enum IndexKind {
     },
     /// No index: every query scans all vertices.
     None,
+}
+
+impl IndexKind {
+    /// The tree that most hulls want.
+    pub const TREE: Self = Self::Tree { leaf_blocks: LeafBlocks::One };
+    /// The tree that takes the fewest bytes.
+    pub const COMPACT: Self = Self::Tree { leaf_blocks: LeafBlocks::Four };
+}
+
+/// How many blocks of eight candidates a leaf of a tree has: fewer are faster, more take fewer bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LeafBlocks {
+    /// 8 candidates.
+    One,
+    /// 16 candidates.
+    Two,
+    /// 32 candidates.
+    Four,
+}
+
+impl LeafBlocks {
+    /// Candidates of a leaf.
+    pub fn lanes(self) -> usize {
+        let blocks = match self {
+            Self::One => 1,
+            Self::Two => 2,
+            Self::Four => 4,
+        };
+        blocks * hullmap_format::archive::LANES
+    }
 }
 
 /// What the source file was, as the pack records it.

@@ -34,6 +34,12 @@ pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>,
             pack.face_vertices.extend_from_slice(face);
             start += face.len() as u32;
         }
+        let mut start = 0;
+        for list in hull.neighbours() {
+            pack.neighbour_starts.push(start);
+            start += list.len() as u32;
+            pack.neighbours.extend(list);
+        }
         pack.slots.extend_from_slice(&baked.index.encoded.slots);
         pack.blocks.extend_from_slice(&baked.index.encoded.blocks);
         pack.hulls.push(record(baked));
@@ -56,6 +62,7 @@ fn end_of(pack: &Pack) -> Result<Span, BakeError> {
         vertex: at(pack.vertices.len())?,
         face: at(pack.face_starts.len())?,
         face_vertex: at(pack.face_vertices.len())?,
+        neighbour: at(pack.neighbours.len())?,
         slot: at(pack.slots.len())?,
         block: at(pack.blocks.len())?,
     })
@@ -81,6 +88,8 @@ fn record(baked: &BakedHull) -> HullRecord {
         rank: hull.rank,
         index_kind: index.kind,
         resolution: index.resolution,
+        leaf_blocks: index.leaf_blocks,
+        max_neighbours: hull.neighbours().iter().map(|list| list.len() as u32).max().unwrap_or(0),
         max_nodes: index.cost.nodes,
         max_dots: index.cost.dots,
         source_points: baked.point_count as u32,

@@ -45,6 +45,13 @@ pub struct Pack {
     pub slots: Vec<u32>,
 }
 
+impl ArchivedPack {
+    /// The options that shaped the bake; empty if they are not UTF-8.
+    pub fn options_text(&self) -> &str {
+        std::str::from_utf8(&self.options).unwrap_or_default()
+    }
+}
+
 /// Where one hull's runs start in each section.
 #[derive(Archive, Serialize, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[rkyv(derive(Debug))]

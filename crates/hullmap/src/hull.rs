@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use hullmap_format::{
-    archive::{ArchivedBlock, ArchivedHullRecord, ArchivedPack, index_kind},
+    archive::{ArchivedBlock, ArchivedHullRecord, ArchivedPack, LANES, index_kind},
     walk::Cost,
 };
 use rkyv::rend::{f32_le, u32_le};
@@ -24,6 +24,8 @@ pub struct Hull<'a> {
     face_starts: &'a [u32_le],
     face_vertices: &'a [u32_le],
     index: Index<'a>,
+    neighbour_starts: &'a [u32_le],
+    neighbours: &'a [u32_le],
     interior_point: DVec3,
 }
 
@@ -46,8 +48,13 @@ pub enum IndexKind {
         /// Cells along the edge of a face.
         resolution: u32,
     },
-    /// The adaptive binary tree.
-    Tree,
+    /// The level-compressed tree.
+    Tree {
+        /// Candidates of a leaf: 8, 16 or 32.
+        leaf: u32,
+    },
+    /// The paper's binary tree.
+    Binary,
 }
 
 impl<'a> Hull<'a> {
@@ -58,6 +65,7 @@ impl<'a> Hull<'a> {
         let vertices = start.vertex.to_native() as usize..end.vertex.to_native() as usize;
         let kind = match record.index_kind.to_native() {
             index_kind::CUBE_MAP => Kind::CubeMap { resolution: record.resolution.to_native() },
+            index_kind::BINARY => Kind::Binary,
             index_kind::TREE => Kind::Tree,
             _ => Kind::Scan,
         };
@@ -65,14 +73,22 @@ impl<'a> Hull<'a> {
             name: run(&pack.names, start.name, end.name)?,
             record,
             vertices: pack.vertices.get(vertices.clone())?,
-            source_vertices: pack.source_vertices.get(vertices)?,
+            source_vertices: pack.source_vertices.get(vertices.clone())?,
             face_starts: run(&pack.face_starts, start.face, end.face)?,
             face_vertices: run(&pack.face_vertices, start.face_vertex, end.face_vertex)?,
             index: Index {
                 kind,
                 slots: run(&pack.slots, start.slot, end.slot)?,
                 blocks: run(&pack.blocks, start.block, end.block)?,
+                leaf_blocks: record.leaf_blocks.to_native(),
+                reach: record
+                    .bounds_min
+                    .iter()
+                    .chain(&record.bounds_max)
+                    .fold(0.0, |reach: f32, c| reach.max(c.to_native().abs())),
             },
+            neighbour_starts: pack.neighbour_starts.get(vertices)?,
+            neighbours: run(&pack.neighbours, start.neighbour, end.neighbour)?,
             interior_point: vector(&record.interior_point),
         })
     }
@@ -89,14 +105,13 @@ impl<'a> Hull<'a> {
     /// Kenwright, "Generic Convex Collision Detection using Support Mapping", 4.2, 4.8 and 4.9.
     #[inline]
     pub fn support(&self, dir: Vec3) -> SupportPoint {
-        let dir = dir.to_array().map(f64::from);
-        let (index, point) = self.index.leaf(dir).best(dir);
+        let (index, point) = self.index.support(dir.to_array());
         SupportPoint { point: Vec3::from_array(point), index }
     }
 
     /// What [`support`](Self::support) costs in direction `dir`.
     pub fn support_cost(&self, dir: Vec3) -> Cost {
-        self.index.leaf(dir.to_array().map(f64::from)).cost()
+        self.index.leaf(crate::direction::in_range(dir.to_array().map(f64::from))).cost()
     }
 
     /// The most that [`support`](Self::support) costs in any direction. Checked when the pack is opened.
@@ -154,6 +169,14 @@ impl<'a> Hull<'a> {
         })
     }
 
+    /// The vertices that share an edge with vertex `index`, ascending; none past the last vertex.
+    pub fn neighbours(&self, index: u32) -> impl ExactSizeIterator<Item = u32> + 'a {
+        let at = index as usize;
+        let start = self.neighbour_starts.get(at).map_or(self.neighbours.len(), |start| start.to_native() as usize);
+        let end = self.neighbour_starts.get(at + 1).map_or(self.neighbours.len(), |end| end.to_native() as usize);
+        self.neighbours.get(start..end).unwrap_or_default().iter().map(|v| v.to_native())
+    }
+
     /// Greatest distance between two vertices.
     pub fn diameter(&self) -> f64 {
         self.record.diameter.to_native()
@@ -196,7 +219,8 @@ impl<'a> Hull<'a> {
         match self.index.kind {
             Kind::Scan => IndexKind::None,
             Kind::CubeMap { resolution } => IndexKind::CubeMap { resolution },
-            Kind::Tree => IndexKind::Tree,
+            Kind::Tree => IndexKind::Tree { leaf: LANES as u32 * self.index.leaf_blocks },
+            Kind::Binary => IndexKind::Binary,
         }
     }
 
@@ -210,7 +234,7 @@ impl SupportMap for Hull<'_> {
     #[inline]
     fn support(&self, dir: DVec3) -> Support {
         let dir = dir.to_array();
-        let (feature, point) = self.index.leaf(dir).best(dir);
+        let (feature, point) = self.index.support(dir);
         Support { point: DVec3::from_array(point.map(f64::from)), feature }
     }
 

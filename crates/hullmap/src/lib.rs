@@ -10,7 +10,7 @@
 //! # let positions = shapes::families::rock(200, 1);
 //! # let source_vertices = (0..200).collect();
 //! # let points = hullmap_bake::PointSet { name: "rock".into(), positions, source_vertices };
-//! # let baked = hullmap_bake::bake_hull(&points, hullmap_bake::IndexKind::Tree)?;
+//! # let baked = hullmap_bake::bake_hull(&points, hullmap_bake::IndexKind::TREE)?;
 //! # std::fs::create_dir("baked")?;
 //! # std::fs::write("baked/rock.hullmap", hullmap_bake::write_pack(&[baked], &Default::default())?)?;
 //! use hullmap::glam::{DQuat, DVec3, Vec3};
@@ -35,6 +35,8 @@
 //! ```
 #![deny(unsafe_code)]
 
+mod candidates;
+mod direction;
 mod hull;
 mod lookup;
 pub mod minkowski;

@@ -1,30 +1,34 @@
 //! Direction → leaf of the direction index → support vertex.
 //!
 //! 1. [`cube::locate`] finds the cell of the finest grid that the direction falls into.
-//! 2. A tree is descended from the face's root: an axis node by the next bit of u or v in turn, a plane node by the
-//!    sign of n·d. A cube map is one read. Without an index, every block is the leaf.
-//! 3. Of the leaf's candidates the one with the greatest dot product wins, the lowest vertex number among equals.
-//!
-//! Dot products are taken in f64 over the stored f32 coordinates: each product is exact, and the regret is that of two
-//! sums, 2e-16 of the largest term.
+//! 2. A tree is descended from the face's root: a branch by the next bits of u and v, planes by the signs of n·d. A cube
+//!    map is one read. Without an index, every block is the leaf.
+//! 3. Of the leaf's candidates the one with the greatest dot product wins, the lowest vertex number among equals
+//!    ([`crate::candidates`]).
 //!
 //! Indices from the file are followed with bounds checks and a step cap although an opened pack has passed
 //! [`hullmap_format::check`]: they are never taken, cost nothing measurable, and keep this file free of unsafe code.
 
 use hullmap_format::{
     archive::{ArchivedBlock, LANES},
-    cube::{self, GRID_BITS},
-    slot::{Slot, decode_normal},
+    cube::{self, Cell, GRID_BITS},
+    slot::{BUNDLE_PLANES, BUNDLE_WORDS, Branch, PLANE_WORDS, Slot, decode_f64},
     walk::{Cost, MAX_NODES},
 };
 use rkyv::rend::u32_le;
+
+use crate::{candidates, direction::Direction};
 
 /// A hull's direction index, in place.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Index<'a> {
     pub(crate) kind: Kind,
+    /// Blocks of a plain leaf.
+    pub(crate) leaf_blocks: u32,
     pub(crate) slots: &'a [u32_le],
     pub(crate) blocks: &'a [ArchivedBlock],
+    /// Greatest magnitude of any coordinate of the hull's vertices.
+    pub(crate) reach: f32,
 }
 
 /// How an index is read.
@@ -32,106 +36,155 @@ pub(crate) struct Index<'a> {
 pub(crate) enum Kind {
     Scan,
     CubeMap { resolution: u32 },
+    Binary,
     Tree,
 }
 
-/// The candidates for a direction, and how they were found.
+/// The candidates for a direction, and how many nodes led to them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Leaf<'a> {
-    pub(crate) blocks: &'a [ArchivedBlock],
-    pub(crate) nodes: u32,
+    blocks: &'a [ArchivedBlock],
+    nodes: u32,
 }
 
 impl Leaf<'_> {
     pub(crate) fn cost(&self) -> Cost {
         Cost { nodes: self.nodes, dots: (self.blocks.len() * LANES) as u32 }
     }
-
-    /// Vertex number and position of the best candidate.
-    #[inline]
-    pub(crate) fn best(&self, dir: [f64; 3]) -> (u32, [f32; 3]) {
-        let mut best = (f64::NEG_INFINITY, 0, 0);
-        for (number, block) in self.blocks.iter().enumerate() {
-            for lane in 0..LANES {
-                let dot = f64::from(block.x[lane].to_native()) * dir[0]
-                    + f64::from(block.y[lane].to_native()) * dir[1]
-                    + f64::from(block.z[lane].to_native()) * dir[2];
-                // False for NaN: then the first lane stays.
-                if dot > best.0 {
-                    best = (dot, number, lane);
-                }
-            }
-        }
-        let (_, number, lane) = best;
-        match self.blocks.get(number) {
-            Some(block) => (
-                block.vertex[lane].to_native(),
-                [block.x[lane].to_native(), block.y[lane].to_native(), block.z[lane].to_native()],
-            ),
-            None => (0, [0.0; 3]),
-        }
-    }
 }
 
 impl<'a> Index<'a> {
+    /// Vertex number and position of the support vertex in direction `dir`.
+    #[inline]
+    pub(crate) fn support(&self, dir: impl Direction) -> (u32, [f32; 3]) {
+        let size = cube::largest(dir.narrow());
+        // NaN takes the failing branch.
+        if !cube::IN_RANGE.contains(&size) {
+            return self.support_out_of_range(dir.exact());
+        }
+        candidates::best(self.leaf(dir).blocks, dir, self.reach)
+    }
+
+    /// The same for directions so long or short that f32 would overflow, and for those that are none.
+    #[cold]
+    fn support_out_of_range(&self, dir: [f64; 3]) -> (u32, [f32; 3]) {
+        let dir = crate::direction::in_range(dir);
+        candidates::best(self.leaf(dir).blocks, dir, self.reach)
+    }
+
     /// The leaf that lists every vertex which can be the support point in direction `dir`.
     #[inline]
-    pub(crate) fn leaf(&self, dir: [f64; 3]) -> Leaf<'a> {
+    pub(crate) fn leaf(&self, dir: impl Direction) -> Leaf<'a> {
+        let cell = || cube::locate(dir.narrow());
         match self.kind {
+            Kind::Tree => self.descend_squares(cell(), dir),
             Kind::Scan => Leaf { blocks: self.blocks, nodes: 0 },
             Kind::CubeMap { resolution } => {
-                let cell = cube::uniform_cell(cube::locate(dir), resolution);
+                let cell = cube::uniform_cell(cell(), resolution);
                 let slot = usize::try_from(cell).map_or(0, |cell| self.word(cell));
                 self.leaf_at(Slot::decode(slot), 0)
             }
-            Kind::Tree => self.descend(dir),
+            Kind::Binary => self.descend_halves(cell(), dir),
         }
     }
 
     #[inline]
-    fn descend(&self, dir: [f64; 3]) -> Leaf<'a> {
-        let cell = cube::locate(dir);
-        // The next bit to branch on is the top one of `path`; u and v take turns.
-        let (mut path, mut other) = (cell.u << (32 - GRID_BITS), cell.v << (32 - GRID_BITS));
+    fn descend_squares(&self, cell: Cell, dir: impl Direction) -> Leaf<'a> {
+        // The next bits to branch on are the top ones.
+        let (mut u, mut v) = (cell.u << (32 - GRID_BITS), cell.v << (32 - GRID_BITS));
         let mut slot = Slot::decode(self.word(cell.face as usize));
         for nodes in 0..MAX_NODES {
-            slot = Slot::decode(match slot {
-                Slot::Axis(at) => {
-                    let upper = path >> 31;
-                    (path, other) = (other, path << 1);
-                    self.word((at + upper) as usize)
-                }
-                Slot::Plane(at) => self.beside_plane(at as usize, dir),
-                Slot::Block(_) | Slot::List(_) => return self.leaf_at(slot, nodes),
-            });
+            let Slot::Branch(payload) = slot else { return self.past_branches(slot, nodes, dir) };
+            let Branch { at, bits } = Branch::decode(payload);
+            let top = |path: u32| (u64::from(path) << bits >> 32) as u32;
+            slot = Slot::decode(self.word((at + (top(v) << bits | top(u))) as usize));
+            (u, v) = (u << bits, v << bits);
         }
         self.leaf_at(slot, MAX_NODES)
     }
 
-    /// The slot on the side of the plane node at `at` on which `dir` lies.
+    /// The paper's binary search: one bit a step, u and v in turn.
+    fn descend_halves(&self, cell: Cell, dir: impl Direction) -> Leaf<'a> {
+        let (mut path, mut other) = (cell.u << (32 - GRID_BITS), cell.v << (32 - GRID_BITS));
+        let mut slot = Slot::decode(self.word(cell.face as usize));
+        for nodes in 0..MAX_NODES {
+            let Slot::Branch(at) = slot else { return self.past_branches(slot, nodes, dir) };
+            slot = Slot::decode(self.word((at + (path >> 31)) as usize));
+            (path, other) = (other, path << 1);
+        }
+        self.leaf_at(slot, MAX_NODES)
+    }
+
+    /// Follows planes, if there are any, to the leaf below `slot`.
+    #[inline]
+    fn past_branches(&self, slot: Slot, nodes: u32, dir: impl Direction) -> Leaf<'a> {
+        if let Slot::Block(first) = slot {
+            return Leaf { blocks: self.run(first, self.leaf_blocks), nodes };
+        }
+        self.past_planes(slot, nodes, dir.exact())
+    }
+
+    fn past_planes(&self, mut slot: Slot, mut nodes: u32, dir: [f64; 3]) -> Leaf<'a> {
+        while nodes < MAX_NODES {
+            slot = Slot::decode(match slot {
+                Slot::Plane(at) => self.beside_plane(at as usize, dir),
+                Slot::Bundle(at) => self.in_bundle(at as usize, dir),
+                Slot::Block(_) | Slot::List(_) | Slot::Branch(_) => break,
+            });
+            nodes += 1;
+        }
+        self.leaf_at(slot, nodes)
+    }
+
+    /// The slot on the side of the plane at `at` on which `dir` lies.
     #[inline]
     fn beside_plane(&self, at: usize, dir: [f64; 3]) -> u32 {
-        let Some(node) = self.slots.get(at..).and_then(|rest| rest.first_chunk::<8>()) else { return 0 };
-        let words = node.map(|word| word.to_native());
-        let normal = decode_normal([words[0], words[1], words[2], words[3], words[4], words[5]]);
-        let height = normal[0] * dir[0] + normal[1] * dir[1] + normal[2] * dir[2];
-        if height > 0.0 { words[7] } else { words[6] }
+        let Some(node) = self.words::<{ PLANE_WORDS as usize }>(at) else { return 0 };
+        let n = |axis: usize| decode_f64(node[2 * axis].to_native(), node[2 * axis + 1].to_native());
+        let height = n(0) * dir[0] + n(1) * dir[1] + n(2) * dir[2];
+        node[6 + usize::from(height > 0.0)].to_native()
+    }
+
+    /// The slot of the part of the bundle at `at` in which `dir` lies.
+    #[inline]
+    fn in_bundle(&self, at: usize, dir: [f64; 3]) -> u32 {
+        let Some(node) = self.words::<{ BUNDLE_WORDS as usize }>(at) else { return 0 };
+        let mut front = [0; BUNDLE_PLANES];
+        for (plane, front) in front.iter_mut().enumerate() {
+            let n = |axis: usize| {
+                let word = 2 * (axis * BUNDLE_PLANES + plane);
+                decode_f64(node[word].to_native(), node[word + 1].to_native())
+            };
+            *front = usize::from(n(0) * dir[0] + n(1) * dir[1] + n(2) * dir[2] > 0.0);
+        }
+        let first = front[0];
+        let second = front[1 + first];
+        let third = front[3 + 2 * first + second];
+        node[6 * BUNDLE_PLANES + 4 * first + 2 * second + third].to_native()
+    }
+
+    fn leaf_at(&self, slot: Slot, nodes: u32) -> Leaf<'a> {
+        let blocks = match slot {
+            Slot::Block(first) => self.run(first, self.leaf_blocks),
+            Slot::List(at) => self.run(self.word(at as usize), self.word(at as usize + 1)),
+            // Not in a pack that has been checked.
+            Slot::Branch(_) | Slot::Plane(_) | Slot::Bundle(_) => self.blocks,
+        };
+        Leaf { blocks, nodes }
     }
 
     #[inline]
-    fn leaf_at(&self, slot: Slot, nodes: u32) -> Leaf<'a> {
-        let (first, count) = match slot {
-            Slot::Block(block) => (block, 1),
-            Slot::List(at) => (self.word(at as usize), self.word(at as usize + 1)),
-            // Not in a pack that has been checked.
-            Slot::Axis(_) | Slot::Plane(_) => (0, 1),
-        };
-        let range = first as usize..first as usize + count as usize;
-        Leaf { blocks: self.blocks.get(range).unwrap_or(self.blocks), nodes }
+    fn run(&self, first: u32, count: u32) -> &'a [ArchivedBlock] {
+        self.blocks.get(first as usize..first as usize + count as usize).unwrap_or(self.blocks)
     }
 
     #[inline]
     fn word(&self, at: usize) -> u32 {
         self.slots.get(at).map_or(0, |word| word.to_native())
+    }
+
+    #[inline]
+    fn words<const N: usize>(&self, at: usize) -> Option<&'a [u32_le; N]> {
+        self.slots.get(at..)?.first_chunk()
     }
 }

@@ -15,7 +15,7 @@ use std::{
 
 use hullmap_format::{
     check::{self, CheckError},
-    header::{Header, HeaderError},
+    header::{Header, HeaderError, options_hash},
 };
 use rkyv::util::AlignedVec;
 
@@ -61,6 +61,9 @@ pub enum InvalidPack {
     /// A byte changed since the bake.
     #[error("damaged: its checksum does not match its bytes; bake the source again")]
     Checksum,
+    /// The options recorded are not those whose hash the header holds.
+    #[error("damaged: its options are not those that its header states; bake the source again")]
+    Options,
     /// The archive behind the header.
     #[error(transparent)]
     Content(#[from] CheckError),
@@ -140,6 +143,9 @@ impl Pack {
         }
         let storage = Storage::new(bytes)?;
         check::contents(storage.archive())?;
+        if options_hash(storage.archive().options_text()) != header.options_hash {
+            return Err(InvalidPack::Options);
+        }
         Ok(Self { storage, header })
     }
 
@@ -160,7 +166,7 @@ impl Pack {
 
     /// The options that shaped the bake, as `bake` spells them out.
     pub fn options(&self) -> &str {
-        std::str::from_utf8(&self.storage.archive().options).unwrap_or_default()
+        self.storage.archive().options_text()
     }
 
     /// Number of hulls, at least 1.

@@ -38,6 +38,28 @@ impl Hull {
     }
 }
 
+impl Hull {
+    /// For each vertex the vertices it shares an edge with, ascending.
+    ///
+    /// # Complexity
+    /// O(number of face corners), and sorting.
+    pub fn neighbours(&self) -> Vec<Vec<u32>> {
+        let mut neighbours = vec![Vec::new(); self.vertices.len()];
+        for (a, b) in self.faces.iter().flat_map(|face| edges(face)) {
+            neighbours[a as usize].push(b);
+        }
+        if self.rank == 1 {
+            neighbours = vec![vec![1], vec![0]];
+        }
+        for list in &mut neighbours {
+            list.sort_unstable();
+            // Both sides of a polygon have the same edges.
+            list.dedup();
+        }
+        neighbours
+    }
+}
+
 /// Directed edges of a polygon.
 pub(crate) fn edges(face: &[u32]) -> impl Iterator<Item = (u32, u32)> + '_ {
     face.iter().copied().zip(face.iter().copied().cycle().skip(1))

@@ -5,9 +5,9 @@ use hullmap_format::cube::{self, CELL_SLACK};
 
 use crate::gauss_map::GaussMap;
 
-/// How far, in units of u and v, a polygon must reach into a half of its cell to be listed there.
+/// How far, in units of u and v, a polygon must reach beyond a plane to be listed there.
 ///
-/// Cones that only touch the cut are listed on their own side alone. Else a fan, whose cones all meet in one point, would
+/// Cones that only touch a plane are listed on their own side alone. Else a fan, whose cones all meet in one point, would
 /// be on both sides of every cut through it. A direction so close to the cut that rounding puts it on the wrong side finds
 /// a vertex whose cone is as close: the regret is at most about this times the diameter.
 pub const TOUCH: f64 = 1e-13;
@@ -21,14 +21,19 @@ pub struct Cones {
     corners: Vec<[f64; 2]>,
 }
 
-/// A line a·u + b·v + c = 0 in a face's plane.
+/// A line a·u + b·v + c = 0 in a face's plane, at which cells are cut.
 #[derive(Clone, Copy, Debug)]
-pub struct Line([f64; 3]);
+pub struct Line {
+    terms: [f64; 3],
+    /// How far each side reaches over the line; negative: how far a polygon must reach over it to be listed there.
+    overlap: f64,
+}
 
 impl Line {
     /// The line u = `at` (`axis` 0) or v = `at` (`axis` 1); its front is the upper side.
     pub fn axis(axis: usize, at: f64) -> Self {
-        if axis == 0 { Self([1.0, 0.0, -at]) } else { Self([0.0, 1.0, -at]) }
+        // A direction so close to the line may be located on either side of it.
+        Self { terms: if axis == 0 { [1.0, 0.0, -at] } else { [0.0, 1.0, -at] }, overlap: CELL_SLACK }
     }
 
     /// Where the plane through the origin with this `normal` cuts the plane of `face`.
@@ -36,11 +41,11 @@ impl Line {
         let normal = normal.to_array();
         let axis = (face / 2) as usize;
         let towards = if face.is_multiple_of(2) { normal[axis] } else { -normal[axis] };
-        Self([normal[(axis + 1) % 3], normal[(axis + 2) % 3], towards])
+        Self { terms: [normal[(axis + 1) % 3], normal[(axis + 2) % 3], towards], overlap: -TOUCH }
     }
 
     fn height(&self, p: [f64; 2]) -> f64 {
-        self.0[0] * p[0] + self.0[1] * p[1] + self.0[2]
+        self.terms[0] * p[0] + self.terms[1] * p[1] + self.terms[2]
     }
 }
 
@@ -127,14 +132,22 @@ impl Cones {
                 [true, false] => behind.push(vertex, polygon),
                 [false, true] => front.push(vertex, polygon),
                 _ => {
-                    cut(polygon, line, -1.0, &mut behind.corners);
-                    behind.end(vertex);
-                    cut(polygon, line, 1.0, &mut front.corners);
-                    front.end(vertex);
+                    behind.push_part(vertex, polygon, line, -1.0);
+                    front.push_part(vertex, polygon, line, 1.0);
                 }
             }
         }
         [behind, front]
+    }
+
+    /// Adds the part of a polygon on one side of a line; all of it where rounding leaves no part.
+    fn push_part(&mut self, vertex: u32, polygon: &[[f64; 2]], line: Line, sign: f64) {
+        let start = self.corners.len();
+        cut(polygon, line, sign, &mut self.corners);
+        if self.corners.len() == start {
+            self.corners.extend_from_slice(polygon);
+        }
+        self.end(vertex);
     }
 
     fn push(&mut self, vertex: u32, polygon: &[[f64; 2]]) {
@@ -151,16 +164,18 @@ fn reach(polygon: &[[f64; 2]], line: Line) -> [bool; 2] {
         low = low.min(height);
         high = high.max(height);
     }
-    let [behind, front] = [low < -TOUCH, high > TOUCH];
+    let [behind, front] = [low < line.overlap, high > -line.overlap];
     if behind || front { [behind, front] } else { [true, true] }
 }
 
-/// Appends the part of a convex polygon on one side of a line (`sign` 1: in front; −1: behind).
+/// Appends the part of a convex polygon on one side of a line (`sign` 1: in front; −1: behind), the overlap included.
 pub fn cut(polygon: &[[f64; 2]], line: Line, sign: f64, out: &mut Vec<[f64; 2]>) {
     let Some(last) = polygon.last() else { return };
-    let (mut p, mut p_height) = (*last, sign * line.height(*last));
+    let overlap = line.overlap.max(0.0);
+    let height = |p: [f64; 2]| sign * line.height(p) + overlap;
+    let (mut p, mut p_height) = (*last, height(*last));
     for &q in polygon {
-        let q_height = sign * line.height(q);
+        let q_height = height(q);
         if (p_height < 0.0) != (q_height < 0.0) {
             let t = p_height / (p_height - q_height);
             out.push([p[0] + (q[0] - p[0]) * t, p[1] + (q[1] - p[1]) * t]);

@@ -19,7 +19,6 @@ pub fn cells(map: &GaussMap, resolution: u32) -> Vec<Vec<u32>> {
 }
 
 fn face_cells(map: &GaussMap, face: u32, resolution: u32) -> Vec<Vec<u32>> {
-    // Steps are widened, so that rounding puts no direction into a cell that does not list its vertex.
     let edges: Vec<f64> = (0..=resolution).map(|step| grid_to_uv(uniform_step_start(step, resolution))).collect();
     let side = resolution as usize;
     let mut cells = vec![Vec::new(); side * side];
@@ -48,10 +47,11 @@ fn steps(edges: &[f64], polygon: &[[f64; 2]], axis: usize) -> std::ops::Range<us
     first..end
 }
 
-/// The part of a polygon between the first two of `edges` along an axis.
+/// The part of a polygon between the first two of `edges` along an axis, and a little beyond: rounding then puts no
+/// direction into a cell that does not list its vertex.
 fn band(polygon: &[[f64; 2]], axis: usize, edges: &[f64], out: &mut Vec<[f64; 2]>) {
     let mut upper = Vec::with_capacity(polygon.len() + 1);
-    cut(polygon, Line::axis(axis, edges[0] - CELL_SLACK), 1.0, &mut upper);
+    cut(polygon, Line::axis(axis, edges[0]), 1.0, &mut upper);
     out.clear();
-    cut(&upper, Line::axis(axis, edges[1] + CELL_SLACK), -1.0, out);
+    cut(&upper, Line::axis(axis, edges[1]), -1.0, out);
 }

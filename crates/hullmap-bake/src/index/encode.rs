@@ -6,11 +6,24 @@ use std::collections::{HashMap, VecDeque};
 
 use hullmap_format::{
     archive::{Block, LANES},
-    slot::{PAYLOAD_LIMIT, Slot, encode_normal},
+    slot::{
+        BRANCH_LIMIT, BUNDLE_PARTS, BUNDLE_PLANES, BUNDLE_WORDS, Branch, MAX_BRANCH_BITS, PAYLOAD_LIMIT, PLANES_LIMIT,
+        Slot, encode_f64,
+    },
+    walk::Branches,
 };
 
 use super::subdivide::Tree;
 use crate::BakeError;
+
+/// A branch is given as many bits as leave this share of its slots different.
+///
+/// Fewer bits mean more hops and fewer bytes: at 0.3 nearly every direction is one hop from its leaf, and the slots
+/// take about a tenth of what the blocks take.
+const DIFFERENT_SLOTS: f64 = 0.3;
+
+/// Three levels of planes are written as one bundle if it divides the cell into this many parts at least.
+const BUNDLE_FROM: usize = 5;
 
 /// An index, ready to be written.
 #[derive(Clone, Debug, Default)]
@@ -23,53 +36,171 @@ pub struct Encoded {
 
 /// Encodes a hull without an index: all vertices in order, in blocks.
 pub fn scan(vertices: &[[f32; 3]]) -> Encoded {
-    let mut encoder = Encoder::new(vertices);
-    encoder.push_blocks(&(0..vertices.len() as u32).collect::<Vec<_>>());
+    let mut encoder = Encoder::new(vertices, 1);
+    encoder.push_blocks(&(0..vertices.len() as u32).collect::<Vec<_>>(), 1);
     encoder.out
 }
 
-/// Encodes trees, one for each root.
+/// Encodes trees, one for each root, with `leaf_blocks` blocks a plain leaf.
 ///
 /// # Errors
-/// An index of more than 2³⁰ words or blocks.
-pub fn trees(vertices: &[[f32; 3]], roots: &[Tree]) -> Result<Encoded, BakeError> {
-    let mut encoder = Encoder::new(vertices);
+/// An index of more words or blocks than slots can name.
+pub fn trees(
+    vertices: &[[f32; 3]],
+    roots: &[Tree],
+    branches: Branches,
+    leaf_blocks: usize,
+) -> Result<Encoded, BakeError> {
+    let mut encoder = Encoder::new(vertices, leaf_blocks);
     encoder.out.slots = vec![0; roots.len()];
-    let mut queue: VecDeque<(usize, &Tree)> = roots.iter().enumerate().collect();
-    while let Some((at, tree)) = queue.pop_front() {
+    // What stands below each slot; equal neighbours below one node are written once.
+    let mut queue: VecDeque<(Vec<usize>, &Tree)> =
+        roots.iter().enumerate().map(|(at, tree)| (vec![at], tree)).collect();
+    while let Some((places, tree)) = queue.pop_front() {
         let free = encoder.out.slots.len();
         let slot = match tree {
             Tree::Leaf(list) => encoder.leaf(list),
-            Tree::Axis(halves) => {
+            Tree::Axis(halves) if branches == Branches::Halves => {
                 encoder.out.slots.extend([0; 2]);
-                queue.extend([(free, &halves[0]), (free + 1, &halves[1])]);
-                Slot::Axis(free as u32)
+                queue.extend([(vec![free], &halves[0]), (vec![free + 1], &halves[1])]);
+                Slot::Branch(checked(free, PAYLOAD_LIMIT)?)
             }
-            Tree::Plane(normal, halves) => {
-                encoder.out.slots.extend(encode_normal(*normal));
+            Tree::Axis(_) => {
+                let bits = branch_bits(tree);
+                let squares = squares(tree, bits);
+                encoder.out.slots.resize(free + squares.len(), 0);
+                enqueue(&mut queue, free, &squares);
+                Slot::Branch(Branch { at: checked(free, BRANCH_LIMIT)?, bits }.encode())
+            }
+            Tree::Plane(normal, halves) if part_count(tree, 3) < BUNDLE_FROM => {
+                encoder.out.slots.extend(normal.iter().flat_map(|n| encode_f64(*n)));
                 encoder.out.slots.extend([0; 2]);
-                queue.extend([(free + 6, &halves[0]), (free + 7, &halves[1])]);
-                Slot::Plane(free as u32)
+                enqueue(&mut queue, free + 6, &[&halves[0], &halves[1]]);
+                Slot::Plane(checked(free, PLANES_LIMIT)?)
+            }
+            Tree::Plane(..) => {
+                let (normals, parts) = bundle(tree);
+                encoder.out.slots.resize(free + BUNDLE_WORDS as usize, 0);
+                for (plane, normal) in normals.iter().enumerate() {
+                    for (axis, n) in normal.iter().enumerate() {
+                        let at = free + 2 * (axis * BUNDLE_PLANES + plane);
+                        encoder.out.slots[at..at + 2].copy_from_slice(&encode_f64(*n));
+                    }
+                }
+                enqueue(&mut queue, free + 6 * BUNDLE_PLANES, &parts);
+                Slot::Bundle(checked(free, PLANES_LIMIT)?)
             }
         };
-        encoder.out.slots[at] = slot.encode();
-        if encoder.out.slots.len().max(encoder.out.blocks.len()) >= PAYLOAD_LIMIT as usize {
-            return Err(BakeError::IndexTooLarge);
+        for place in places {
+            encoder.out.slots[place] = slot.encode();
         }
+        checked(encoder.out.slots.len().max(encoder.out.blocks.len()), PAYLOAD_LIMIT)?;
     }
     Ok(encoder.out)
 }
 
+fn checked(at: usize, limit: u32) -> Result<u32, BakeError> {
+    u32::try_from(at).ok().filter(|at| *at < limit).ok_or(BakeError::IndexTooLarge)
+}
+
+/// Queues what stands in a node's slots from `first` on; a tree that fills several of them is queued once.
+fn enqueue<'a>(queue: &mut VecDeque<(Vec<usize>, &'a Tree)>, first: usize, slots: &[&'a Tree]) {
+    let start = queue.len();
+    let mut known: HashMap<*const Tree, usize> = HashMap::new();
+    for (place, &tree) in slots.iter().enumerate() {
+        let at = *known.entry(std::ptr::from_ref(tree)).or_insert_with(|| {
+            queue.push_back((Vec::new(), tree));
+            queue.len() - 1
+        });
+        debug_assert!(at >= start);
+        queue[at].0.push(first + place);
+    }
+}
+
+/// Bits of a branch over `tree`: the most that leave enough of its slots different.
+fn branch_bits(tree: &Tree) -> u32 {
+    let enough = |bits: &u32| cell_count(tree, 2 * bits) as f64 >= DIFFERENT_SLOTS * f64::from(1 << (2 * bits));
+    (1..=MAX_BRANCH_BITS).rev().find(enough).unwrap_or(1)
+}
+
+/// Cells that `levels` halvings of a tree divide it into.
+fn cell_count(tree: &Tree, levels: u32) -> usize {
+    match tree {
+        Tree::Axis(halves) if levels > 0 => halves.iter().map(|half| cell_count(half, levels - 1)).sum(),
+        _ => 1,
+    }
+}
+
+/// The trees in 2ᵇ × 2ᵇ squares of a cell, row by row; a tree that covers several squares is in each.
+fn squares(tree: &Tree, bits: u32) -> Vec<&Tree> {
+    let mut out = vec![tree; 1 << (2 * bits)];
+    fill(tree, [0, 0], [1 << bits; 2], 0, 1 << bits, &mut out);
+    out
+}
+
+/// Fills the squares from `at` on, `size` of them along u and v, `axis` being the next one halved.
+fn fill<'a>(tree: &'a Tree, at: [usize; 2], size: [usize; 2], axis: usize, row: usize, out: &mut [&'a Tree]) {
+    match tree {
+        Tree::Axis(halves) if size[axis] > 1 => {
+            let mut half = size;
+            half[axis] /= 2;
+            let mut upper = at;
+            upper[axis] += half[axis];
+            fill(&halves[0], at, half, 1 - axis, row, out);
+            fill(&halves[1], upper, half, 1 - axis, row, out);
+        }
+        _ => {
+            for v in at[1]..at[1] + size[1] {
+                out[v * row + at[0]..v * row + at[0] + size[0]].fill(tree);
+            }
+        }
+    }
+}
+
+/// Parts that `levels` planes on every path divide a tree into.
+fn part_count(tree: &Tree, levels: u32) -> usize {
+    match tree {
+        Tree::Plane(_, halves) if levels > 0 => halves.iter().map(|half| part_count(half, levels - 1)).sum(),
+        _ => 1,
+    }
+}
+
+/// Three levels of planes, and what stands in each of the eight parts. A plane that is not there is zero: all is behind.
+fn bundle(tree: &Tree) -> ([[f64; 3]; BUNDLE_PLANES], [&Tree; BUNDLE_PARTS]) {
+    let mut normals = [[0.0; 3]; BUNDLE_PLANES];
+    let mut level = vec![tree];
+    let mut first = 0;
+    for _ in 0..BUNDLE_PARTS.ilog2() {
+        let mut below = Vec::with_capacity(2 * level.len());
+        for (place, &cell) in level.iter().enumerate() {
+            match cell {
+                Tree::Plane(normal, halves) => {
+                    normals[first + place] = *normal;
+                    below.extend([&halves[0], &halves[1]]);
+                }
+                // Nothing comes in front of a plane that is not there; the slot there repeats the one behind.
+                _ => below.extend([cell, cell]),
+            }
+        }
+        first += level.len();
+        level = below;
+    }
+    (normals, std::array::from_fn(|part| level[part]))
+}
+
 struct Encoder<'a> {
     vertices: &'a [[f32; 3]],
+    leaf_blocks: usize,
     out: Encoded,
     /// First block of each list already written. Never iterated: its order is not fixed.
     known: HashMap<Vec<u32>, u32>,
+    /// Vertices at the ends of the axes: what fills unused lanes.
+    ends: Vec<u32>,
 }
 
 impl<'a> Encoder<'a> {
-    fn new(vertices: &'a [[f32; 3]]) -> Self {
-        Self { vertices, out: Encoded::default(), known: HashMap::new() }
+    fn new(vertices: &'a [[f32; 3]], leaf_blocks: usize) -> Self {
+        Self { vertices, leaf_blocks, out: Encoded::default(), known: HashMap::new(), ends: ends(vertices) }
     }
 
     /// A slot for the leaf that lists these vertices; a list leaf's two words are appended.
@@ -79,12 +210,12 @@ impl<'a> Encoder<'a> {
         let first = match self.known.get(list) {
             Some(&first) => first,
             None => {
-                let first = self.push_blocks(list);
+                let first = self.push_blocks(list, self.leaf_blocks);
                 self.known.insert(list.to_vec(), first);
                 first
             }
         };
-        if list.len() <= LANES {
+        if list.len() <= LANES * self.leaf_blocks {
             return Slot::Block(first);
         }
         let at = self.out.slots.len() as u32;
@@ -92,16 +223,42 @@ impl<'a> Encoder<'a> {
         Slot::List(at)
     }
 
-    /// Appends blocks of these vertices and returns the first one's number.
-    fn push_blocks(&mut self, list: &[u32]) -> u32 {
+    /// Appends blocks of these vertices, at least `least` of them, and returns the first one's number.
+    fn push_blocks(&mut self, list: &[u32], least: usize) -> u32 {
         let first = self.out.blocks.len() as u32;
-        self.out.blocks.extend(list.chunks(LANES).map(|chunk| block(self.vertices, chunk)));
+        let lanes = LANES * list.len().div_ceil(LANES).max(least);
+        let lanes = padded(list, lanes, &self.ends, self.vertices);
+        for vertex in lanes.as_chunks::<LANES>().0 {
+            let component = |i: usize| vertex.map(|v| self.vertices[v as usize][i]);
+            self.out.blocks.push(Block { x: component(0), y: component(1), z: component(2), vertex: *vertex });
+        }
         first
     }
 }
 
-fn block(vertices: &[[f32; 3]], chunk: &[u32]) -> Block {
-    let vertex: [u32; LANES] = std::array::from_fn(|lane| *chunk.get(lane).unwrap_or(&chunk[0]));
-    let component = |i: usize| vertex.map(|v| vertices[v as usize][i]);
-    Block { x: component(0), y: component(1), z: component(2), vertex }
+/// A list filled up to `lanes` with vertices from the far side of the hull, which tie with none of the list.
+fn padded(list: &[u32], lanes: usize, ends: &[u32], vertices: &[[f32; 3]]) -> Vec<u32> {
+    let distance_sq = |a: u32, b: u32| -> f64 {
+        let (a, b) = (vertices[a as usize], vertices[b as usize]);
+        a.iter().zip(b).map(|(a, b)| (f64::from(*a) - f64::from(b)).powi(2)).sum()
+    };
+    let mut out = list.to_vec();
+    let mut far: Vec<u32> = ends.iter().copied().filter(|end| !list.contains(end)).collect();
+    far.sort_by(|a, b| distance_sq(list[0], *b).total_cmp(&distance_sq(list[0], *a)).then(a.cmp(b)));
+    let fill = far.first().or(list.last()).copied().unwrap_or(0);
+    out.resize(lanes, fill);
+    out
+}
+
+/// The vertices with the least and greatest coordinates.
+fn ends(vertices: &[[f32; 3]]) -> Vec<u32> {
+    let mut ends = Vec::new();
+    for axis in 0..3 {
+        let by_axis = |a: &u32, b: &u32| vertices[*a as usize][axis].total_cmp(&vertices[*b as usize][axis]);
+        let all = 0..vertices.len() as u32;
+        ends.extend(all.clone().min_by(by_axis).into_iter().chain(all.max_by(by_axis)));
+    }
+    ends.sort_unstable();
+    ends.dedup();
+    ends
 }

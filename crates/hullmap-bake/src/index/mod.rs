@@ -2,19 +2,27 @@
 //!
 //! 1. [`crate::gauss_map`] gives each vertex its normal cone; [`cones`] cuts the cones to the faces of a cube.
 //! 2. [`subdivide`] (a tree) or [`cube_map`] (a uniform grid) lists for each cell every vertex whose cone meets it.
-//! 3. [`encode`] writes the lists as blocks and the cells as words.
+//! 3. [`packing`] lets neighbouring leaves share blocks.
+//! 4. [`encode`] writes the lists as blocks and the cells as words.
 
 pub mod cones;
 pub mod cube_map;
 pub mod encode;
+pub mod packing;
 pub mod subdivide;
 
-use hullmap_format::{archive::LANES, archive::index_kind, walk};
+use hullmap_format::{
+    archive::{LANES, index_kind},
+    walk::{self, Branches, Shape},
+};
 use rayon::prelude::*;
 
 use crate::{BakeError, IndexKind, gauss_map::GaussMap, hull::Hull};
 use encode::Encoded;
 use subdivide::Tree;
+
+/// Hulls of up to this many vertices are scanned whatever tree is asked for: four blocks cost no more than a descent.
+pub const SCAN_UP_TO: usize = 32;
 
 /// A hull's index with what it costs to ask it.
 #[derive(Clone, Debug)]
@@ -23,6 +31,8 @@ pub struct Index {
     pub kind: u32,
     /// Cells along the edge of a face of a cube map; 0 for the other kinds.
     pub resolution: u32,
+    /// Blocks of a plain leaf.
+    pub leaf_blocks: u32,
     /// Worst case over all directions.
     pub cost: walk::Cost,
     /// Words and blocks.
@@ -32,39 +42,55 @@ pub struct Index {
 /// Builds the index of `hull`.
 ///
 /// # Errors
-/// An index too large for 30-bit places.
+/// An index too large for the places that slots can name.
 pub fn build(hull: &Hull, kind: IndexKind) -> Result<Index, BakeError> {
     let vertices = &hull.vertices;
-    let everything = || Tree::Leaf((0..vertices.len() as u32).collect());
-    let small = vertices.len() <= LANES;
-    let (kind, resolution, encoded) = match kind {
-        IndexKind::None => {
-            let encoded = encode::scan(vertices);
-            let cost = walk::Cost { nodes: 0, dots: (encoded.blocks.len() * LANES) as u32 };
-            return Ok(Index { kind: index_kind::SCAN, resolution: 0, cost, encoded });
+    let tree = |leaf: usize| -> Vec<Tree> {
+        if vertices.len() <= leaf {
+            return (0..6).map(|_| Tree::Leaf((0..vertices.len() as u32).collect())).collect();
         }
-        IndexKind::Tree => {
-            let roots: Vec<Tree> = if small {
-                (0..6).map(|_| everything()).collect()
-            } else {
-                let map = GaussMap::new(hull);
-                (0..6).into_par_iter().map(|face| subdivide::subdivide(&map, face)).collect()
-            };
-            (index_kind::TREE, 0, encode::trees(vertices, &roots)?)
-        }
-        IndexKind::CubeMap { resolution } => {
-            let cells = 6 * (resolution as usize).pow(2);
-            let roots: Vec<Tree> = if small {
-                (0..cells).map(|_| everything()).collect()
-            } else {
-                cube_map::cells(&GaussMap::new(hull), resolution).into_iter().map(Tree::Leaf).collect()
-            };
-            (index_kind::CUBE_MAP, resolution, encode::trees(vertices, &roots)?)
-        }
+        let map = GaussMap::new(hull);
+        (0..6).into_par_iter().map(|face| subdivide::subdivide(&map, face, leaf)).collect()
     };
-    let root_count = if kind == index_kind::TREE { 6 } else { 6 * (resolution as usize).pow(2) };
+    match kind {
+        IndexKind::Tree { .. } if vertices.len() <= SCAN_UP_TO => Ok(scan(vertices)),
+        IndexKind::Tree { leaf_blocks } => {
+            let leaf = leaf_blocks.lanes();
+            let mut roots = tree(leaf);
+            packing::share(&mut roots, leaf);
+            finish(hull, index_kind::TREE, 0, leaf / LANES, &roots)
+        }
+        IndexKind::Binary => finish(hull, index_kind::BINARY, 0, 1, &tree(LANES)),
+        IndexKind::CubeMap { resolution } => {
+            let cells = if vertices.len() <= LANES {
+                vec![(0..vertices.len() as u32).collect(); 6 * (resolution as usize).pow(2)]
+            } else {
+                cube_map::cells(&GaussMap::new(hull), resolution)
+            };
+            let roots: Vec<Tree> = cells.into_iter().map(Tree::Leaf).collect();
+            finish(hull, index_kind::CUBE_MAP, resolution, 1, &roots)
+        }
+        IndexKind::None => Ok(scan(vertices)),
+    }
+}
+
+fn scan(vertices: &[[f32; 3]]) -> Index {
+    let encoded = encode::scan(vertices);
+    let shape = Shape { roots: 0, branches: Branches::None, leaf_blocks: 1, block_count: encoded.blocks.len() as u32 };
+    Index { kind: index_kind::SCAN, resolution: 0, leaf_blocks: 1, cost: shape.scan_cost(), encoded }
+}
+
+/// Encodes and prices the trees below the roots.
+fn finish(hull: &Hull, kind: u32, resolution: u32, leaf_blocks: usize, roots: &[Tree]) -> Result<Index, BakeError> {
+    let branches = match kind {
+        index_kind::TREE => Branches::Squares,
+        index_kind::BINARY => Branches::Halves,
+        _ => Branches::None,
+    };
+    let encoded = encode::trees(&hull.vertices, roots, branches, leaf_blocks)?;
+    let leaf_blocks = leaf_blocks as u32;
+    let shape = Shape { roots: roots.len(), branches, leaf_blocks, block_count: encoded.blocks.len() as u32 };
     let slots = &encoded.slots;
-    let cost =
-        walk::walk(root_count, kind == index_kind::TREE, slots.len(), |i| slots[i], encoded.blocks.len() as u32)?;
-    Ok(Index { kind, resolution, cost, encoded })
+    let cost = walk::walk(shape, slots.len(), |i| slots[i])?;
+    Ok(Index { kind, resolution, leaf_blocks, cost, encoded })
 }

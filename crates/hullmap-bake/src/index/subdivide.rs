@@ -1,6 +1,6 @@
 //! Adaptive binary subdivision of the cube's faces (Kenwright 4.9), with exact leaves.
 //!
-//! 1. A cell that at most [`LEAF`] normal cones meet is a leaf, and lists them all.
+//! 1. A cell that few enough normal cones meet is a leaf, and lists them all.
 //! 2. Any other cell is halved: across u, across v, and so on in turn.
 //! 3. Where halving hardly parts the cones, the cell is cut by a plane between two of them instead, and so is all below it.
 //!
@@ -15,8 +15,8 @@ use hullmap_format::cube::{GRID_BITS, grid_to_uv};
 use super::cones::{Cones, Line};
 use crate::gauss_map::GaussMap;
 
-/// Most vertices of a plain leaf: the lanes of one block.
-pub const LEAF: usize = hullmap_format::archive::LANES;
+/// Halvings along each axis after which only planes are left: cells are then 20 times as wide as their overlap.
+const MAX_HALVINGS: u32 = 18;
 
 /// Halving a square cell that compact cones tile lists about 1.2·√k of its k cones twice; it parts them badly where it
 /// lists more than this many times √k twice, and one more.
@@ -52,26 +52,27 @@ pub enum Tree {
     Plane([f64; 3], Box<[Tree; 2]>),
 }
 
-/// Subdivides one face of the cube.
+/// Subdivides one face of the cube, down to leaves of at most `leaf` vertices.
 ///
 /// # Complexity
 /// O(n log n) for n vertices on all families tried; the result does not depend on the number of threads.
-pub fn subdivide(map: &GaussMap, face: u32) -> Tree {
-    Subdivision { map, face }.cell(Cones::on_face(map, face), [0, 0], 0, 0)
+pub fn subdivide(map: &GaussMap, face: u32, leaf: usize) -> Tree {
+    Subdivision { map, face, leaf }.cell(Cones::on_face(map, face), [0, 0], 0, 0)
 }
 
 struct Subdivision<'a> {
     map: &'a GaussMap,
     face: u32,
+    leaf: usize,
 }
 
 impl Subdivision<'_> {
     /// Subdivides the cell at grid place `at`, halved `depth` times, `futile` times in vain.
     fn cell(&self, cones: Cones, at: [u32; 2], depth: u32, futile: u32) -> Tree {
-        if cones.vertex_count() <= LEAF {
+        if cones.vertex_count() <= self.leaf {
             return Tree::Leaf(cones.into_vertices());
         }
-        if depth == 2 * GRID_BITS || futile == FUTILE_LIMIT {
+        if depth == 2 * MAX_HALVINGS || futile == FUTILE_LIMIT {
             return self.planes(cones);
         }
         let axis = (depth % 2) as usize;
@@ -98,7 +99,7 @@ impl Subdivision<'_> {
 
     /// Cuts a cell by planes alone.
     fn planes(&self, cones: Cones) -> Tree {
-        if cones.vertex_count() <= LEAF {
+        if cones.vertex_count() <= self.leaf {
             return Tree::Leaf(cones.into_vertices());
         }
         let Some((normal, _)) = self.best_plane(&cones) else {
