@@ -20,7 +20,7 @@ use crate::BakeError;
 ///
 /// Fewer bits mean more hops and fewer bytes: at 0.3 nearly every direction is one hop from its leaf, and the slots
 /// take about a tenth of what the blocks take.
-const DIFFERENT_SLOTS: f64 = 0.3;
+const DIFFERENT_SLOTS: f64 = 0.4;
 
 /// Three levels of planes are written as one bundle if it divides the cell into this many parts at least.
 const BUNDLE_FROM: usize = 5;

@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 use super::subdivide::Tree;
 
 /// Groups that a leaf may still join.
-const WINDOW: usize = 64;
+const WINDOW: usize = 256;
 
 /// Replaces every leaf's list of at most `capacity` vertices by that of its group; longer lists stay as they are.
 ///
