@@ -57,8 +57,8 @@ pub struct BuildArgs {
     /// The points that elements reference, or all
     #[arg(long, value_enum, default_value_t = Vertices::Referenced, value_name = "referenced|all", hide_possible_values = true)]
     vertices: Vertices,
-    /// The direction index
-    #[arg(long, value_enum, default_value_t = Index::Tree, value_name = "tree|cubemap|none", hide_possible_values = true)]
+    /// The direction index: tree, compact, binary, cubemap or none
+    #[arg(long, value_enum, default_value_t = Index::Tree, value_name = "KIND", hide_possible_values = true)]
     index: Index,
     /// Cells along the edge of a cube face, 1 to 1024, for --index cubemap [default: 64]
     #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_RESOLUTION)))]
@@ -80,8 +80,12 @@ pub struct BuildArgs {
 /// The direction indices by their names on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Index {
-    /// The adaptive binary tree over the six cube faces
+    /// The level-compressed tree over the six cube faces: the fastest
     Tree,
+    /// The same with larger leaves: half the bytes
+    Compact,
+    /// The paper's binary tree
+    Binary,
     /// A uniform cube map
     Cubemap,
     /// No index: every query scans all vertices
@@ -92,7 +96,9 @@ impl BuildArgs {
     /// The options that shape the packs.
     pub fn options(&self) -> BuildOptions {
         let index = match self.index {
-            Index::Tree => IndexKind::Tree,
+            Index::Tree => IndexKind::TREE,
+            Index::Compact => IndexKind::COMPACT,
+            Index::Binary => IndexKind::Binary,
             Index::Cubemap => IndexKind::CubeMap { resolution: self.resolution.unwrap_or(DEFAULT_RESOLUTION) },
             Index::None => IndexKind::None,
         };
@@ -209,8 +215,10 @@ mod tests {
     #[test]
     fn build_options() {
         let import = ImportOptions { split: Split::None, vertices: Vertices::Referenced };
-        assert_eq!(build(""), Ok(BuildOptions { import, index: IndexKind::Tree }));
+        assert_eq!(build(""), Ok(BuildOptions { import, index: IndexKind::TREE }));
         assert_eq!(build("--index none").unwrap().index, IndexKind::None);
+        assert_eq!(build("--index compact").unwrap().index, IndexKind::COMPACT);
+        assert_eq!(build("--index binary").unwrap().index, IndexKind::Binary);
         assert_eq!(build("--index cubemap").unwrap().index, IndexKind::CubeMap { resolution: 64 });
         assert_eq!(build("--index cubemap --resolution 1024").unwrap().index, IndexKind::CubeMap { resolution: 1024 });
         let import = ImportOptions { split: Split::Object, vertices: Vertices::All };

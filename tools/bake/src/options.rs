@@ -59,7 +59,8 @@ impl fmt::Display for BuildOptions {
         };
         write!(f, "split {split}, vertices {vertices}, index ")?;
         match self.index {
-            IndexKind::Tree => f.write_str("tree"),
+            IndexKind::Tree { leaf_blocks } => write!(f, "tree {}", leaf_blocks.lanes()),
+            IndexKind::Binary => f.write_str("binary"),
             IndexKind::CubeMap { resolution } => write!(f, "cubemap {resolution}"),
             IndexKind::None => f.write_str("none"),
         }
@@ -94,7 +95,8 @@ mod tests {
     fn import_options_come_back_from_the_record() {
         for split in [Split::None, Split::Object] {
             for vertices in [Vertices::Referenced, Vertices::All] {
-                for index in [IndexKind::Tree, IndexKind::None, IndexKind::CubeMap { resolution: 7 }] {
+                for index in [IndexKind::TREE, IndexKind::Binary, IndexKind::None, IndexKind::CubeMap { resolution: 7 }]
+                {
                     let import = ImportOptions { split, vertices };
                     let text = BuildOptions { import, index }.to_string();
                     assert_eq!(ImportOptions::from_recorded(&text), Some(import), "{text}");
@@ -108,7 +110,7 @@ mod tests {
     #[test]
     fn the_text_of_the_defaults_never_changes() {
         let import = ImportOptions { split: Split::None, vertices: Vertices::Referenced };
-        let text = BuildOptions { import, index: IndexKind::Tree }.to_string();
-        assert_eq!(text, "split none, vertices referenced, index tree");
+        let text = BuildOptions { import, index: IndexKind::TREE }.to_string();
+        assert_eq!(text, "split none, vertices referenced, index tree 8");
     }
 }

@@ -80,7 +80,8 @@ pub fn run(args: &InspectArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
 fn describe(hull: &Hull) -> HullReport {
     let worst = hull.worst_cost();
     let (kind, resolution) = match hull.index_kind() {
-        IndexKind::Tree => ("tree", None),
+        IndexKind::Tree { .. } => ("tree", None),
+        IndexKind::Binary => ("binary", None),
         IndexKind::CubeMap { resolution } => ("cubemap", Some(resolution)),
         IndexKind::None => ("none", None),
     };
