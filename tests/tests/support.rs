@@ -22,9 +22,14 @@ fn check(name: &str, positions: &[[f32; 3]], index: IndexKind, count: usize) -> 
     let hull = pack.hull(0).unwrap();
     let truth = Truth::new(positions);
     let mut worst: f64 = 0.0;
+    let mut hint = 0;
     for dir in directions::all(&hull, count, 0x5eed) {
         let got = hull.support(dir);
         assert_eq!(hull.vertex(got.index), Some(got.point), "{name}: the point is the vertex that it names");
+        for hint in [hint, got.index, u32::MAX] {
+            assert_eq!(hull.support_from(dir, hint), got, "{name}: {dir} from {hint}");
+        }
+        hint = got.index;
         let cost = hull.support_cost(dir);
         let most = hull.worst_cost();
         assert!(cost.nodes <= most.nodes && cost.dots <= most.dots, "{name}: {cost:?} exceeds the stated {most:?}");
@@ -35,6 +40,7 @@ fn check(name: &str, positions: &[[f32; 3]], index: IndexKind, count: usize) -> 
     for dir in directions::invalid() {
         let got = hull.support(dir);
         assert_eq!(hull.vertex(got.index), Some(got.point), "{name}: {dir}");
+        assert_eq!(hull.support_from(dir, hint), got, "{name}: {dir}");
     }
     worst
 }

@@ -26,10 +26,8 @@ const LEAST_MARGIN: f32 = 1e-32;
 #[inline]
 pub(crate) fn best(blocks: &[ArchivedBlock], dir: impl Direction, reach: f32) -> (u32, [f32; 3]) {
     let narrow = dir.narrow();
-    let margin = MARGIN * reach * (narrow[0].abs() + narrow[1].abs() + narrow[2].abs());
-    // Infinite and NaN margins fail as well.
-    let told_apart = margin > LEAST_MARGIN && margin < f32::MAX;
-    if let ([block], true) = (blocks, told_apart) {
+    let Some(margin) = margin(narrow, reach) else { return exact_best(blocks, dir.exact()) };
+    if let [block] = blocks {
         let near = lanes::near_best(block, narrow, margin);
         let lane = near.trailing_zeros() as usize % LANES;
         if near & near.wrapping_sub(1) == 0 {
@@ -37,10 +35,20 @@ pub(crate) fn best(blocks: &[ArchivedBlock], dir: impl Direction, reach: f32) ->
         }
         return best_of(block, near, dir.exact());
     }
-    if told_apart && let Some((block, lane)) = lanes::alone_best(blocks, narrow, margin) {
-        return at(&blocks[block], lane);
+    match lanes::alone_best(blocks, narrow, margin) {
+        Some((block, lane)) => at(&blocks[block], lane),
+        None => exact_best(blocks, dir.exact()),
     }
-    exact_best(blocks, dir.exact())
+}
+
+/// By how much two f32 dot products with `dir` must differ to be told apart; `None` where f32 cannot tell at all.
+///
+/// `reach` is the greatest magnitude of a coordinate of the points.
+#[inline]
+pub(crate) fn margin(dir: [f32; 3], reach: f32) -> Option<f32> {
+    let margin = MARGIN * reach * (dir[0].abs() + dir[1].abs() + dir[2].abs());
+    // Infinite and NaN margins fail as well.
+    (margin > LEAST_MARGIN && margin < f32::MAX).then_some(margin)
 }
 
 /// The best of the lanes in the mask `near`, in f64.

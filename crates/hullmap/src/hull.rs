@@ -8,9 +8,13 @@ use hullmap_format::{
 use rkyv::rend::{f32_le, u32_le};
 
 use crate::{
+    candidates,
     lookup::{Index, Kind},
     support_map::{Support, SupportMap},
 };
+
+/// Neighbours of a hint beyond which an ordinary query is cheaper.
+const MOST_TRIED: usize = 16;
 
 /// A convex hull, read in place from its [`Pack`](crate::Pack). Copying it copies a few slices.
 ///
@@ -109,6 +113,38 @@ impl<'a> Hull<'a> {
         SupportPoint { point: Vec3::from_array(point), index }
     }
 
+    /// Support point in direction `dir`, tried first at vertex `hint`: the answer to a direction close by, mostly.
+    ///
+    /// The answer is that of [`support`](Self::support), whatever the hint. The hint is taken only where it is certain:
+    /// where each neighbour's dot product is smaller by more than rounding. On a convex hull it is then the greatest of
+    /// all. Else, as with a hint that is no vertex, this is an ordinary query.
+    ///
+    /// # Complexity
+    /// One dot product a neighbour of the hint (six on average, at most 16 are tried), then at most a query's cost.
+    #[inline]
+    pub fn support_from(&self, dir: Vec3, hint: u32) -> SupportPoint {
+        match self.certain(dir, hint) {
+            Some(point) => SupportPoint { point, index: hint },
+            None => self.support(dir),
+        }
+    }
+
+    /// The position of vertex `hint` if it is certainly the support point in direction `dir`.
+    #[inline]
+    fn certain(&self, dir: Vec3, hint: u32) -> Option<Vec3> {
+        let neighbours = self.neighbour_run(hint);
+        // A polygon's neighbours say nothing of directions across its plane, beyond which its points may lie a little.
+        if neighbours.len() > MOST_TRIED || neighbours.len() < 3 || self.record.rank != 3 {
+            return None;
+        }
+        let margin = candidates::margin(dir.to_array(), self.index.reach)?;
+        let point = self.vertex(hint)?;
+        let least = point.dot(dir) - margin;
+        // NaN takes the failing branch.
+        let beaten = |v: &u32_le| self.vertex(v.to_native()).is_some_and(|w| w.dot(dir) < least);
+        neighbours.iter().all(beaten).then_some(point)
+    }
+
     /// What [`support`](Self::support) costs in direction `dir`.
     pub fn support_cost(&self, dir: Vec3) -> Cost {
         self.index.leaf(crate::direction::in_range(dir.to_array().map(f64::from))).cost()
@@ -171,10 +207,14 @@ impl<'a> Hull<'a> {
 
     /// The vertices that share an edge with vertex `index`, ascending; none past the last vertex.
     pub fn neighbours(&self, index: u32) -> impl ExactSizeIterator<Item = u32> + 'a {
+        self.neighbour_run(index).iter().map(|v| v.to_native())
+    }
+
+    #[inline]
+    fn neighbour_run(&self, index: u32) -> &'a [u32_le] {
         let at = index as usize;
-        let start = self.neighbour_starts.get(at).map_or(self.neighbours.len(), |start| start.to_native() as usize);
-        let end = self.neighbour_starts.get(at + 1).map_or(self.neighbours.len(), |end| end.to_native() as usize);
-        self.neighbours.get(start..end).unwrap_or_default().iter().map(|v| v.to_native())
+        let place = |at: usize| self.neighbour_starts.get(at).map_or(self.neighbours.len(), |s| s.to_native() as usize);
+        self.neighbours.get(place(at)..place(at.saturating_add(1))).unwrap_or_default()
     }
 
     /// Greatest distance between two vertices.
