@@ -30,5 +30,9 @@ pub fn points(text: &str, all: bool) -> Vec<DVec3> {
             _ => {}
         }
     }
-    if all || referenced.is_empty() { vertices } else { referenced.into_iter().map(|number| vertices[number]).collect() }
+    if all || referenced.is_empty() {
+        vertices
+    } else {
+        referenced.into_iter().map(|number| vertices[number]).collect()
+    }
 }
