@@ -2,6 +2,11 @@
 
 use hullmap::Pack;
 use hullmap_bake::{BakeError, IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
+use twox_hash::XxHash3_64;
+
+/// Bytes of the header, of which the last eight are the checksum.
+const HEADER_LEN: usize = 64;
+const CHECKSUM_AT: usize = 56;
 
 /// A set of points, all of which count.
 pub fn point_set(name: &str, positions: &[[f32; 3]]) -> PointSet {
@@ -26,4 +31,13 @@ pub fn pack(name: &str, positions: &[[f32; 3]], index: IndexKind) -> Pack {
     let bytes = bytes(&[point_set(name, positions)], index, &SourceRecord::default());
     let bytes = bytes.unwrap_or_else(|error| panic!("{name}: {error}"));
     Pack::from_bytes(&bytes).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// Makes the checksum of a changed file right again: XXH3-64 of every byte but its own eight. Files without room for a
+/// header stay as they are.
+pub fn reseal(file: &mut [u8]) {
+    if file.len() >= HEADER_LEN {
+        let others = [&file[..CHECKSUM_AT], &file[HEADER_LEN..]].concat();
+        file[CHECKSUM_AT..HEADER_LEN].copy_from_slice(&XxHash3_64::oneshot(&others).to_le_bytes());
+    }
 }

@@ -8,7 +8,7 @@ use std::{
 
 use glam::DVec3;
 use hullmap_bake::{IndexKind, SourceRecord};
-use hullmap_format::header::source_hash;
+use hullmap_format::{header::source_hash, slot::Slot};
 use hullmap_tests::{
     command::{Run, bake_in},
     packs::{self, point_set},
@@ -205,6 +205,62 @@ fn verify_finds_each_point_that_a_hull_lost() {
     fs::remove_file(folder.path().join("cut.obj")).unwrap();
     let run = bake(&folder, "verify cut.hullmap --json").expect(0);
     assert_eq!(run.json()[0]["against"], "stored hull");
+}
+
+/// Points of nobody's: a vertex that is off its source vertex by one unit in the last place, which no regret can show.
+#[test]
+fn verify_finds_a_vertex_that_is_not_the_sources() {
+    let points = Family::Rock.points(30, 6);
+    let text = cloud(&points);
+    let folder = folder(&[("a.obj", &text)]);
+    let options = "split none, vertices referenced, index tree".to_owned();
+    let source = SourceRecord { path: "a.obj".into(), hash: source_hash(text.as_bytes()), options };
+    for (number, component) in [(0, 0), (17, 1), (29, 2)] {
+        for moves in [false, true] {
+            let mut set = point_set("a", &points);
+            if moves {
+                set.positions[number][component] = set.positions[number][component].next_up();
+            }
+            fs::write(folder.path().join("a.hullmap"), packs::bytes(&[set], IndexKind::Tree, &source).unwrap())
+                .unwrap();
+            let run = bake(&folder, "verify a.hullmap --json").expect(i32::from(moves));
+            let report = &run.json()[0];
+            assert_eq!((&report["pass"], &report["against"]), (&Value::from(!moves), &Value::from("source")));
+            assert_eq!(report["problems"].as_array().unwrap().len(), usize::from(moves), "{report}");
+        }
+    }
+}
+
+/// Each leaf in turn names another leaf's candidates: the pack opens, since nothing in it is out of range, and only
+/// verification can tell.
+#[test]
+fn verify_finds_a_wrong_index() {
+    let points = Family::Sphere.points(60, 8);
+    let text = cloud(&points);
+    let folder = folder(&[("a.obj", &text)]);
+    bake(&folder, "build a.obj --out .").expect(0);
+    let path = folder.path().join("a.hullmap");
+    let file = fs::read(&path).unwrap();
+    let is_block = |word: u32| matches!(Slot::decode(word), Slot::Block(block) if block < 100);
+    let (mut opened, mut found) = (0, 0);
+    // Words that look like leaves and are none do not open when they are changed, or count for little.
+    for at in (64..file.len()).step_by(4) {
+        let word = u32::from_le_bytes(file[at..at + 4].try_into().unwrap());
+        if !is_block(word) {
+            continue;
+        }
+        let mut changed = file.clone();
+        changed[at..at + 4].copy_from_slice(&(word ^ 1).to_le_bytes());
+        packs::reseal(&mut changed);
+        if hullmap::Pack::from_bytes(&changed).is_ok() {
+            fs::write(&path, changed).unwrap();
+            let run = bake(&folder, "verify a.hullmap --json --seed 4");
+            opened += 1;
+            found += usize::from(run.code == 1 && run.json()[0]["mismatches"].as_u64().unwrap() > 0);
+        }
+    }
+    println!("{found} of {opened} wrong leaves found in 10,000 directions each");
+    assert!(opened > 20 && found * 10 >= opened * 9, "{found} of {opened}");
 }
 
 #[test]

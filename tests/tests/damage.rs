@@ -16,20 +16,19 @@ use glam::{DQuat, DVec3, Vec3};
 use hullmap::{Cache, Hull, InvalidPack, Pack, Pose, Settings, SupportMap, contact, distance, intersects};
 use hullmap_bake::{IndexKind, PointSet, SourceRecord};
 use hullmap_format::{
-    archive::{self, ArchivedPack, Span},
+    archive::{self as format, ArchivedPack, Span},
     header::Header,
+    slot::Slot,
 };
 use hullmap_tests::{
     directions,
-    packs::{self, point_set},
+    packs::{self, point_set, reseal},
 };
 use rkyv::util::AlignedVec;
 use shapes::{families::Family, rng::SplitMix64};
-use twox_hash::XxHash3_64;
 
-/// Bytes of the header, of which the last eight are the checksum.
+/// Bytes of the header.
 const HEADER_LEN: usize = 64;
-const CHECKSUM_AT: usize = 56;
 
 /// Seed of the changes that are drawn.
 const SEED: u64 = 0xdead;
@@ -57,17 +56,10 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
         sample("cube, no index", &one(&cube), IndexKind::None),
         sample("cube, cube map 2", &one(&cube), map(2)),
         sample("sphere, cube map 3", &one(&Family::Sphere.points(14, 1)), map(3)),
+        sample("sphere, cube map 1", &one(&Family::Sphere.points(30, 2)), map(1)),
         sample("cone, tree", &one(&Family::Cone.points(14, 1)), IndexKind::Tree),
         sample("two hulls, tree", &[point_set("a", &cube), point_set("", &cube[..3])], IndexKind::Tree),
     ]
-}
-
-/// Makes the checksum right again: XXH3-64 of every byte of the file but its own eight.
-fn reseal(file: &mut [u8]) {
-    if file.len() >= HEADER_LEN {
-        let others = [&file[..CHECKSUM_AT], &file[HEADER_LEN..]].concat();
-        file[CHECKSUM_AT..HEADER_LEN].copy_from_slice(&XxHash3_64::oneshot(&others).to_le_bytes());
-    }
 }
 
 /// Asks everything that can be asked of a pack that opened.
@@ -335,15 +327,57 @@ fn assert_representative(sum: Tally) {
     assert!(sum.opened * 20 > sum.tried && sum.refused * 20 > sum.tried, "{sum:?}");
 }
 
+fn payload(file: &[u8]) -> AlignedVec<HEADER_LEN> {
+    let mut payload = AlignedVec::new();
+    payload.extend_from_slice(&file[HEADER_LEN..]);
+    payload
+}
+
+fn archive(payload: &[u8]) -> &ArchivedPack {
+    rkyv::access::<ArchivedPack, rkyv::rancor::Error>(payload).unwrap()
+}
+
+/// Without nodes of a kind, the changes above would say nothing of it.
+#[test]
+fn nodes_of_every_kind_are_among_the_samples() {
+    let (mut axes, mut planes, mut blocks, mut lists) = (0, 0, 0, 0);
+    for (_, file) in samples() {
+        let payload = payload(&file);
+        let archive = archive(&payload);
+        for (record, span) in archive.hulls.iter().zip(archive.spans.iter()) {
+            let roots = match record.index_kind.to_native() {
+                format::index_kind::TREE => 6,
+                _ => 6 * record.resolution.to_native().pow(2),
+            };
+            let mut pending: Vec<u32> = (0..roots).collect();
+            while let Some(at) = pending.pop() {
+                match Slot::decode(archive.slots[(span.slot.to_native() + at) as usize].to_native()) {
+                    Slot::Axis(node) => {
+                        axes += 1;
+                        pending.extend([node, node + 1]);
+                    }
+                    Slot::Plane(node) => {
+                        planes += 1;
+                        pending.extend([node + 6, node + 7]);
+                    }
+                    Slot::Block(_) => blocks += 1,
+                    Slot::List(_) => lists += 1,
+                }
+            }
+        }
+    }
+    println!("{axes} axis nodes, {planes} plane nodes, {blocks} leaves of a block, {lists} of a list");
+    assert!(axes > 0 && planes > 0 && blocks > 0 && lists > 0);
+}
+
 /// The number of a cube map's cells was computed without regard to overflow: a panic with overflow checks on, and
 /// without them a small number.
 #[test]
 fn a_resolution_whose_cells_overflow_is_refused() {
     let (name, file) = samples().remove(4);
     assert_eq!(name, "cube, cube map 2");
-    let mut payload = AlignedVec::<HEADER_LEN>::new();
-    payload.extend_from_slice(&file[HEADER_LEN..]);
-    let archive = rkyv::access::<ArchivedPack, rkyv::rancor::Error>(&payload).unwrap();
+    let payload = payload(&file);
+    let archive = archive(&payload);
     let resolution = &archive.hulls[0].resolution;
     assert_eq!(*resolution, 2);
     let at = HEADER_LEN + std::ptr::from_ref(resolution).addr() - payload.as_ptr().addr();
@@ -358,7 +392,7 @@ fn a_resolution_whose_cells_overflow_is_refused() {
 /// Every section empty is consistent in itself, and promised not to open.
 #[test]
 fn a_pack_of_no_hulls_is_refused() {
-    let empty = archive::Pack { spans: vec![Span::default()], ..archive::Pack::default() };
+    let empty = format::Pack { spans: vec![Span::default()], ..format::Pack::default() };
     let payload = rkyv::to_bytes::<rkyv::rancor::Error>(&empty).unwrap();
     let header = Header::for_payload(0, 0, &payload);
     let result = Pack::from_bytes(&[&header.to_bytes()[..], &payload].concat());
