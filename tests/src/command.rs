@@ -1,7 +1,8 @@
 //! The `bake` command, run as its users run it.
 //!
-//! Cargo gives a test the binaries of its own package only. So the command is built here, once a test binary, by the cargo
-//! that runs the tests, in the same profile and the same target folder: when it is up to date, that takes a moment.
+//! Cargo gives a test the binaries of its own package only. So the command is built here, once a test binary, by the
+//! cargo that runs the tests, in the same profile and the same target folder: when it is up to date, that takes a
+//! moment.
 
 use std::{
     ffi::{OsStr, OsString},

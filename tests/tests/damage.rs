@@ -1,8 +1,8 @@
 //! Damaged packs: each is refused, or answers every query; none makes a query panic, hang or read out of bounds.
 //!
 //! 1. As it is, a changed, cut or lengthened file is refused: the checksum covers every byte.
-//! 2. With its checksum made right again, it stands for a file that someone made on purpose. It is refused, or it opens and
-//!    then answers everything that can be asked, however wrong its numbers are.
+//! 2. With its checksum made right again, it stands for a file that someone made on purpose. It is refused, or it
+//!    opens and then answers everything that can be asked, however wrong its numbers are.
 //!
 //! The checksum is computed here a second time, from what docs say of it.
 

@@ -2,20 +2,21 @@
 //! `MANIFEST.tsv` that Qhull found.
 //!
 //! # Vertex counts
-//! The manifest's facts are of the decimal numbers in the file, read in f64; a pack holds them rounded to f32, and its hull
-//! is exactly that of the rounded points. Rounding can push a vertex into the hull of the others, or out of it. And Qhull
-//! merges facets that are coplanar within its rounding, and with them vertices. So three counts are compared:
+//! The manifest's facts are of the decimal numbers in the file, read in f64; a pack holds them rounded to f32, and
+//! its hull is exactly that of the rounded points. Rounding can push a vertex into the hull of the others, or out of
+//! it. And Qhull merges facets that are coplanar within its rounding, and with them vertices. So three counts are
+//! compared:
 //!
 //! 1. the manifest's;
-//! 2. that of the exact hull of the decimal points, computed here. It may be greater than the first by vertices that stick
-//!    out of the hull of the others by less than [`MERGED`];
-//! 3. the pack's. A vertex that only one of the second and third hull has must lie within δ of the surface of the other,
-//!    δ being the farthest that rounding to f32 moves a point of the mesh. Both hulls lie within δ of each other, so this is
-//!    what must hold, and no more is granted.
+//! 2. that of the exact hull of the decimal points, computed here. It may be greater than the first by vertices that
+//!    stick out of the hull of the others by less than [`MERGED`];
+//! 3. the pack's. A vertex that only one of the second and third hull has must lie within δ of the surface of the
+//!    other, δ being the farthest that rounding to f32 moves a point of the mesh. Both hulls lie within δ of each
+//!    other, so this is what must hold, and no more is granted.
 //!
-//! On all meshes but `manifold_Offset1` the three agree. That one lies five diameters from the origin, where f32 is coarse
-//! (δ is 3e-7 of the diameter), and has rows of vertices that are all but in one plane: Qhull counts 231, the exact hull of
-//! the decimal points has 232, and that of the rounded ones 222.
+//! On all meshes but `manifold_Offset1` the three agree. That one lies five diameters from the origin, where f32 is
+//! coarse (δ is 3e-7 of the diameter), and has rows of vertices that are all but in one plane: Qhull counts 231, the
+//! exact hull of the decimal points has 232, and that of the rounded ones 222.
 
 use std::{collections::HashMap, fs, path::Path};
 
@@ -27,8 +28,8 @@ use hullmap_tests::{command::bake, outside, wavefront};
 /// Least columns of the manifest that the test relies on.
 const COLUMNS: [&str; 5] = ["file", "hull_vertices", "hull_volume", "diameter", "hull_vertices_referenced_only"];
 
-/// How far a vertex sticks out at most, over the diameter, that Qhull merges away: a few times its rounding, which is that
-/// of an f64 (1e-16) times how much farther than a diameter the mesh reaches from the origin.
+/// How far a vertex sticks out at most, over the diameter, that Qhull may merge away: a few times the 1e-15 by which f64
+/// itself rounds the decimal numbers of a mesh five diameters from the origin. The one it does merge sticks out 1e-16.
 const MERGED: f64 = 1e-14;
 
 /// The manifest's own digits: nine for volumes and diameters; and rounding, which counts for more on a mesh far away.
@@ -87,7 +88,9 @@ impl Solid {
         let plane = |facet: &Vec<u32>| {
             let corners: Vec<DVec3> = facet.iter().map(|v| self.vertices[*v as usize]).collect();
             let spokes = corners.windows(2).map(|w| (w[0] - corners[0]).cross(w[1] - corners[0]));
-            (point - corners[0]).dot(spokes.sum::<DVec3>().normalize())
+            let height = (point - corners[0]).dot(spokes.sum::<DVec3>().normalize());
+            assert!(height.is_finite(), "a facet without a normal");
+            height
         };
         self.facets.iter().map(plane).fold(f64::NEG_INFINITY, f64::max)
     }
@@ -190,7 +193,7 @@ fn check(row: &HashMap<String, String>, hull: &Hull, text: &str, all: bool) {
     if lost + gained > 0 {
         let [delta, lost_by, gained_by] = [delta, lost_by, gained_by].map(|length| length / diameter);
         println!(
-            "    by rounding {lost} lost (within {lost_by:.1e}), {gained} gained (within {gained_by:.1e}); δ = {delta:.1e}"
+            "    rounding: {lost} lost within {lost_by:.1e}, {gained} gained within {gained_by:.1e}; δ = {delta:.1e}"
         );
     }
     assert!(lost_by <= delta && gained_by <= delta, "{file}: {lost_by:e}, {gained_by:e}, {delta:e}");

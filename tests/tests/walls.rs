@@ -29,7 +29,8 @@ const RUNTIME: [&str; 15] = [
     "twox-hash",
 ];
 
-/// Packages that `package` depends on, itself among them, without those of its tests; `more` are words for `cargo tree`.
+/// Packages that `package` depends on, itself among them, without those of its tests; `more` are words for `cargo
+/// tree`.
 fn tree(package: &str, edges: &str, more: &[&str]) -> BTreeSet<String> {
     let words = ["tree", "--locked", "--prefix", "none", "--format", "{p}", "--package", package, "--edges", edges];
     let output = cargo(words.iter().chain(more));
