@@ -17,7 +17,7 @@ pub enum CheckError {
     /// rkyv finds a vector outside the file, or two that overlap.
     #[error("the archive is not one: {0}; bake the source again")]
     Archive(String),
-    /// The spans do not divide the sections.
+    /// There are no hulls, or the spans do not divide the sections.
     #[error("hull {hull}: its runs of {section} do not follow one another to the section's end; bake the source again")]
     Spans {
         /// The hull.
@@ -54,7 +54,7 @@ pub enum CheckError {
 /// `payload` must start on a multiple of 64 bytes in memory.
 ///
 /// # Errors
-/// A vector outside the payload; spans that are not ascending or do not end where the sections end.
+/// A vector outside the payload; no hulls; spans that are not ascending or do not end where the sections end.
 ///
 /// # Complexity
 /// O(number of hulls).
@@ -81,7 +81,8 @@ fn spans(pack: &ArchivedPack) -> Result<(), CheckError> {
         ("slots", |s| s.slot.to_native(), pack.slots.len()),
         ("blocks", |s| s.block.to_native(), pack.blocks.len()),
     ];
-    if pack.spans.len() != hull_count + 1 {
+    // Readers are promised a hull.
+    if hull_count == 0 || pack.spans.len() != hull_count + 1 {
         return Err(CheckError::Spans { hull: hull_count, section: "spans" });
     }
     if pack.source_vertices.len() != pack.vertices.len() {
@@ -204,7 +205,8 @@ impl HullCheck<'_> {
         let resolution = u64::from(self.record.resolution.to_native());
         let (root_count, axis_nodes) = match self.record.index_kind.to_native() {
             index_kind::SCAN => (0, false),
-            index_kind::CUBE_MAP => (6 * resolution * resolution, false),
+            // No array is as long as a number of cells that does not fit into 64 bits.
+            index_kind::CUBE_MAP => (resolution.saturating_mul(resolution).saturating_mul(6), false),
             index_kind::TREE => (6, true),
             _ => return self.require(false, "its kind of index is not known"),
         };
