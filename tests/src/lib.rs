@@ -1,5 +1,10 @@
-//! What the tests of the whole workspace share: directions to try, and truths that come from somewhere else.
+//! What the tests of the whole workspace share: the command, packs made in process, directions to try, and truths that
+//! come from somewhere else.
 
+pub mod command;
 pub mod directions;
+pub mod outside;
+pub mod packs;
 pub mod parry;
 pub mod regret;
+pub mod wavefront;

@@ -1,20 +1,11 @@
 //! Support queries on baked packs against brute force in f64, over every family of shapes and every index.
 
-use hullmap::Pack;
-use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
-use hullmap_tests::{directions, regret::Truth};
+use hullmap_bake::IndexKind;
+use hullmap_tests::{directions, packs::pack, regret::Truth};
 use shapes::families::Family;
 
 /// Regret up to which a support query counts as exact.
 const EXACT: f64 = 2e-7;
-
-fn pack(name: &str, positions: &[[f32; 3]], index: IndexKind) -> Pack {
-    let source_vertices = (0..positions.len() as u32).collect();
-    let points = PointSet { name: name.to_owned(), positions: positions.to_vec(), source_vertices };
-    let baked = bake_hull(&points, index).unwrap_or_else(|e| panic!("{name}: {e}"));
-    let bytes = write_pack(&[baked], &SourceRecord::default()).unwrap();
-    Pack::from_bytes(&bytes).unwrap_or_else(|e| panic!("{name}: {e}"))
-}
 
 /// Bakes points and checks many directions; returns the worst regret.
 fn check(name: &str, positions: &[[f32; 3]], index: IndexKind, count: usize) -> f64 {

@@ -17,7 +17,7 @@ pub enum CheckError {
     /// rkyv finds a vector outside the file, or two that overlap.
     #[error("the archive is not one: {0}; bake the source again")]
     Archive(String),
-    /// The spans do not divide the sections.
+    /// There are no hulls, or the spans do not divide the sections.
     #[error("hull {hull}: its runs of {section} do not follow one another to the section's end; bake the source again")]
     Spans {
         /// The hull.
@@ -63,7 +63,7 @@ pub enum CheckError {
 /// `payload` must start on a multiple of 64 bytes in memory.
 ///
 /// # Errors
-/// A vector outside the payload; spans that are not ascending or do not end where the sections end.
+/// A vector outside the payload; no hulls; spans that are not ascending or do not end where the sections end.
 ///
 /// # Complexity
 /// O(number of hulls).
@@ -132,7 +132,8 @@ fn spans(pack: &ArchivedPack) -> Result<(), CheckError> {
         ("slots", |s| s.slot.to_native(), pack.slots.len()),
         ("blocks", |s| s.block.to_native(), pack.blocks.len()),
     ];
-    if pack.spans.len() != hull_count + 1 {
+    // Readers are promised a hull.
+    if hull_count == 0 || pack.spans.len() != hull_count + 1 {
         return Err(CheckError::Spans { hull: hull_count, section: "spans" });
     }
     if pack.source_vertices.len() != pack.vertices.len() {

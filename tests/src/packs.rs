@@ -1,0 +1,43 @@
+//! Packs made in process, without the command.
+
+use hullmap::Pack;
+use hullmap_bake::{BakeError, IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
+use twox_hash::XxHash3_64;
+
+/// Bytes of the header, of which the last eight are the checksum.
+const HEADER_LEN: usize = 64;
+const CHECKSUM_AT: usize = 56;
+
+/// A set of points, all of which count.
+pub fn point_set(name: &str, positions: &[[f32; 3]]) -> PointSet {
+    let source_vertices = (0..positions.len() as u32).collect();
+    PointSet { name: name.to_owned(), positions: positions.to_vec(), source_vertices }
+}
+
+/// The bytes of a pack with a hull of each of `sets`.
+///
+/// # Errors
+/// As the baker.
+pub fn bytes(sets: &[PointSet], index: IndexKind, source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
+    let baked = sets.iter().map(|set| bake_hull(set, index)).collect::<Result<Vec<_>, _>>()?;
+    write_pack(&baked, source)
+}
+
+/// An opened pack with one hull.
+///
+/// # Panics
+/// If the points cannot be baked, or the pack does not open.
+pub fn pack(name: &str, positions: &[[f32; 3]], index: IndexKind) -> Pack {
+    let bytes = bytes(&[point_set(name, positions)], index, &SourceRecord::default());
+    let bytes = bytes.unwrap_or_else(|error| panic!("{name}: {error}"));
+    Pack::from_bytes(&bytes).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// Makes the checksum of a changed file right again: XXH3-64 of every byte but its own eight. Files without room for a
+/// header stay as they are.
+pub fn reseal(file: &mut [u8]) {
+    if file.len() >= HEADER_LEN {
+        let others = [&file[..CHECKSUM_AT], &file[HEADER_LEN..]].concat();
+        file[CHECKSUM_AT..HEADER_LEN].copy_from_slice(&XxHash3_64::oneshot(&others).to_le_bytes());
+    }
+}

@@ -1,0 +1,147 @@
+//! The walls of the workspace: who sees whom, and where code may be unsafe.
+
+use std::{
+    collections::BTreeSet,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use hullmap_tests::{command::cargo, outside::workspace};
+
+/// All that an engine which links the runtime gets, macros that run in the compiler apart.
+const RUNTIME: [&str; 15] = [
+    "hullmap",
+    "hullmap-format",
+    "glam",
+    "libc",
+    "memmap2",
+    // The archive.
+    "bytecheck",
+    "hashbrown",
+    "munge",
+    "ptr_meta",
+    "rancor",
+    "rend",
+    "rkyv",
+    "simdutf8",
+    // Errors and checksums.
+    "thiserror",
+    "twox-hash",
+];
+
+/// Packages that `package` depends on, itself among them, without those of its tests; `more` are words for `cargo
+/// tree`.
+fn tree(package: &str, edges: &str, more: &[&str]) -> BTreeSet<String> {
+    let words = ["tree", "--locked", "--prefix", "none", "--format", "{p}", "--package", package, "--edges", edges];
+    let output = cargo(words.iter().chain(more));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let names: BTreeSet<String> = text.lines().filter_map(|l| l.split_whitespace().next()).map(str::to_owned).collect();
+    assert!(names.contains(package), "{text}");
+    names
+}
+
+fn assert_unseen(package: &str, others: &[&str]) {
+    for more in [&[][..], &["--no-default-features"], &["--all-features"]] {
+        let seen = tree(package, "normal,build", more);
+        for other in others {
+            assert!(!seen.contains(*other), "{package} {more:?} sees {other}: {seen:?}");
+        }
+    }
+}
+
+#[test]
+fn the_runtime_sees_neither_the_baker_nor_its_libraries() {
+    assert_unseen(
+        "hullmap",
+        &["parry3d", "parry3d-f64", "tobj", "clap", "hullmap-bake", "bake", "shapes", "rayon", "serde"],
+    );
+}
+
+#[test]
+fn the_runtime_has_few_dependencies() {
+    let seen = tree("hullmap", "normal,no-proc-macro", &["--all-features"]);
+    println!("hullmap links {seen:?}");
+    let strangers: Vec<&String> = seen.iter().filter(|name| !RUNTIME.contains(&name.as_str())).collect();
+    assert!(strangers.is_empty(), "new in the runtime: {strangers:?}; is each worth it?");
+    assert!(!tree("hullmap", "normal", &["--no-default-features"]).contains("memmap2"), "only the feature maps files");
+}
+
+#[test]
+fn the_format_sees_neither_reader_nor_writer() {
+    assert_unseen("hullmap-format", &["hullmap", "hullmap-bake", "bake", "parry3d", "rayon", "memmap2"]);
+}
+
+#[test]
+fn the_baker_sees_neither_the_runtime_nor_the_command_line() {
+    assert_unseen("hullmap-bake", &["hullmap", "bake", "tobj", "clap", "indicatif", "memmap2", "serde_json"]);
+    assert!(tree("hullmap-bake", "normal", &[]).contains("hullmap-format"));
+}
+
+/// What the tests above would say if there were no walls: the command sees both sides.
+#[test]
+fn the_command_sees_both_sides() {
+    let seen = tree("bake", "normal", &[]);
+    for name in ["hullmap", "hullmap-bake", "hullmap-format", "tobj", "clap"] {
+        assert!(seen.contains(name), "{seen:?}");
+    }
+}
+
+/// Every Rust file of the workspace, relative to it.
+fn sources() -> Vec<PathBuf> {
+    fn search(folder: &Path, found: &mut Vec<PathBuf>) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() && !path.ends_with("target") {
+                search(&path, found);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                found.push(path);
+            }
+        }
+    }
+    let root = workspace();
+    let mut found = Vec::new();
+    for folder in ["crates", "tools", "tests"] {
+        search(&root.join(folder), &mut found);
+    }
+    found.sort();
+    found.iter().map(|path| path.strip_prefix(&root).unwrap().to_owned()).collect()
+}
+
+/// Whether `text` uses the word as code: not within a longer word, nor in a comment that has a line of its own.
+fn uses(text: &str, word: &str) -> bool {
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    text.lines()
+        .filter(|line| !line.trim_start().starts_with("//"))
+        .any(|line| line.split(|c| !is_word(c)).any(|found| found == word))
+}
+
+#[test]
+fn unsafe_code_is_in_one_file() {
+    // In two parts, so that this file is not one that uses it.
+    let (word, lint) = (concat!("un", "safe"), concat!("un", "safe_code"));
+    let sources = sources();
+    let text = |path: &PathBuf| fs::read_to_string(workspace().join(path)).unwrap();
+    let found: Vec<&PathBuf> = sources.iter().filter(|path| uses(&text(path), word)).collect();
+    assert_eq!(found, [Path::new("crates/hullmap/src/storage.rs")], "of {} files", sources.len());
+    assert!(sources.len() > 50);
+
+    // And the compiler is told so in every root but those of tests.
+    let roots: Vec<&PathBuf> = sources
+        .iter()
+        .filter(|path| ["lib.rs", "main.rs"].iter().any(|root| path.ends_with(Path::new("src").join(root))))
+        .filter(|path| !path.starts_with("tests"))
+        .collect();
+    assert!(roots.len() >= 5, "{roots:?}");
+    for root in roots {
+        let level = if root.starts_with("crates/hullmap/") { "deny" } else { "forbid" };
+        assert!(text(root).contains(&format!("#![{level}({lint})]")), "{}: no {level}({lint})", root.display());
+    }
+    let allowing = sources.iter().filter(|path| text(path).contains(&format!("allow({lint})")));
+    assert_eq!(allowing.collect::<Vec<_>>(), [Path::new("crates/hullmap/src/storage.rs")]);
+}
+
+#[test]
+fn words_are_told_from_comments_and_longer_words() {
+    assert!(uses("let x = 1;\n  odd { f() }", "odd"));
+    assert!(!uses("// odd\n  /// odd { }\nodd_code, very_odd", "odd"));
+}
