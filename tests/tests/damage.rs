@@ -59,6 +59,7 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
         sample("sphere, cube map 3", &one(&Family::Sphere.points(14, 1)), map(3)),
         sample("sphere, cube map 1", &one(&Family::Sphere.points(30, 2)), map(1)),
         sample("cone, binary tree", &one(&Family::Cone.points(14, 1)), IndexKind::Binary),
+        sample("sphere, binary tree", &one(&Family::Sphere.points(20, 5)), IndexKind::Binary),
         sample("sphere, tree", &one(&Family::Sphere.points(36, 3)), IndexKind::TREE),
         sample("prism, tree", &one(&Family::Prism.points(80, 0)), IndexKind::TREE),
         sample("sphere, compact", &one(&Family::Sphere.points(40, 4)), IndexKind::COMPACT),
