@@ -26,7 +26,8 @@ pub struct Distance {
     pub lower: f64,
     /// The distance is no more than this, rounding included.
     pub upper: f64,
-    /// Of unit length, from A to B along the shortest segment. When the shapes overlap, any unit vector.
+    /// Of unit length, from A to B along the shortest segment; when they touch, of a plane between them. When the shapes
+    /// overlap, any unit vector.
     pub normal: DVec3,
     /// The point of A nearest to B; when they overlap, a point of both.
     pub point_a: DVec3,
@@ -108,8 +109,12 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     };
     if found.upper <= 2.0 * rounding && !apart {
         // The origin is on the simplex, but is it on the surface?
-        let (overlap, _, steps) = decide_by_expansion(&mut m, None);
+        let (overlap, axis, steps) = decide_by_expansion(&mut m, None);
         out.iterations += steps;
+        // Points that are all but the same point nowhere; the face that the origin is on does.
+        if overlap != Overlap::Overlapping && axis != DVec3::ZERO {
+            out.normal = axis;
+        }
         (out.status, out.distance, out.lower) = match overlap {
             Overlap::Overlapping => (Status::Overlapping, 0.0, 0.0),
             _ => (Status::Touching, 0.0, 0.0),

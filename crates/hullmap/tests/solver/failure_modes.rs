@@ -541,3 +541,16 @@ fn inexact_support_breaks_termination() {
         assert!(d.iterations < 500, "{d:?}");
     }
 }
+
+/// The nearest points coincide, and their difference points nowhere: the normal came out along a diagonal.
+#[test]
+fn touching_shapes_have_a_normal_that_separates() {
+    let cube = PointCloud::cuboid(DVec3::ONE);
+    let octahedron = PointCloud::new([DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|a| [a, -a]).collect());
+    for axis in [DVec3::X, DVec3::NEG_Y, DVec3::Z] {
+        let pose = Pose::from_translation(axis * 2.0).unwrap();
+        let d = distance(&cube, &octahedron, pose, &Settings::default(), &mut Cache::new());
+        assert_eq!((d.status, d.distance), (Status::Touching, 0.0));
+        assert!((d.normal - axis).length() < 1e-9, "{axis}: {}", d.normal);
+    }
+}
