@@ -8,7 +8,7 @@ use std::hash::Hasher;
 
 use glam::{DVec3, Vec3};
 use hullmap::{IndexKind as Kind, Pack, SupportMap};
-use hullmap_bake::{BakedHull, IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
+use hullmap_bake::{BakedHull, IndexKind, LeafBlocks, PointSet, SourceRecord, bake_hull, write_pack};
 use hullmap_tests::directions;
 use reader::{File, section, u32_at, u64_at};
 use shapes::{families::Family, rng::SplitMix64};
@@ -23,9 +23,16 @@ const SEED: u64 = 0xf0_0d_0c;
 const ROUNDING: f64 = 2e-12;
 
 /// What all packs of this file met in their indices, so that no kind of word goes untested.
-#[derive(Default)]
+#[derive(Default, Debug)]
 struct Met {
-    tags: [usize; 4],
+    halves: usize,
+    branches: [usize; 13],
+    plain_leaves: usize,
+    planes: usize,
+    bundles: usize,
+    zero_planes: usize,
+    lists: usize,
+    shared: usize,
     padded: usize,
     directions: usize,
     worst_regret: f64,
@@ -61,17 +68,19 @@ fn compare(hulls: &[BakedHull], source: &SourceRecord, count: usize, met: &mut M
 
     assert_eq!(file.count(section::HULLS), pack.hull_count());
     assert_eq!(file.count(section::SPANS), pack.hull_count() + 1);
-    assert_eq!(file.span(0), [0; 6]);
+    assert_eq!(file.span(0), [0; 7]);
     let counts = [
         section::NAMES,
         section::VERTICES,
         section::FACE_STARTS,
         section::FACE_VERTICES,
+        section::NEIGHBOURS,
         section::SLOTS,
         section::BLOCKS,
     ];
     assert_eq!(file.span(hulls.len()), counts.map(|number| file.count(number)));
     assert_eq!(file.count(section::SOURCE_VERTICES), file.count(section::VERTICES));
+    assert_eq!(file.count(section::NEIGHBOUR_STARTS), file.count(section::VERTICES));
 
     for (number, baked) in hulls.iter().enumerate() {
         let (ours, theirs) = (file.hull(number), pack.hull(number).unwrap());
@@ -107,12 +116,13 @@ fn record(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
     assert_eq!(r.containment_error, theirs.containment_error());
     assert_eq!([r.bounds_min, r.bounds_max], theirs.bounds().map(|b| b.to_array()));
     assert_eq!(r.rank, theirs.rank());
-    let (kind, resolution) = match theirs.index_kind() {
-        Kind::None => (0, 0),
-        Kind::CubeMap { resolution } => (1, resolution),
-        Kind::Tree => (2, 0),
+    let expected = match theirs.index_kind() {
+        Kind::None => (0, 0, 1),
+        Kind::CubeMap { resolution } => (1, resolution, 1),
+        Kind::Binary => (2, 0, 1),
+        Kind::Tree { leaf } => (3, 0, leaf / 8),
     };
-    assert_eq!((r.index_kind, r.resolution), (kind, resolution));
+    assert_eq!((r.index_kind, r.resolution, r.leaf_blocks), expected);
     assert_eq!((r.max_nodes, r.max_dots), (theirs.worst_cost().nodes, theirs.worst_cost().dots));
     assert_eq!(r.source_points, theirs.source_point_count());
     assert_eq!(r.source_points as usize, baked.point_count);
@@ -143,6 +153,21 @@ fn shape(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
     assert_eq!(faces, expected);
     assert!(faces.is_sorted());
     assert!(faces.iter().all(|face| face.iter().min() == face.first() && face.len() >= 3));
+    let neighbours = ours.neighbours();
+    for (vertex, list) in neighbours.iter().enumerate() {
+        assert!(theirs.neighbours(vertex as u32).eq(list.iter().copied()));
+        assert!(list.is_sorted_by(|a, b| a < b));
+        assert!(list.iter().all(|other| neighbours[*other as usize].contains(&(vertex as u32))), "both ways");
+    }
+    let edges = faces.iter().flat_map(|face| face.iter().zip(face.iter().cycle().skip(1)));
+    let mut of_edges = vec![std::collections::BTreeSet::new(); neighbours.len()];
+    edges.for_each(|(a, b)| _ = of_edges[*a as usize].insert(*b));
+    match ours.record.rank {
+        0 => assert!(neighbours.len() == 1 && neighbours[0].is_empty()),
+        1 => assert_eq!(neighbours, [[1], [0]]),
+        _ => assert!(of_edges.iter().zip(&neighbours).all(|(set, list)| set.iter().eq(list.iter()))),
+    }
+    assert_eq!(ours.record.max_neighbours as usize, neighbours.iter().map(|list| list.len()).max().unwrap());
     let (v, c, f) = (ours.vertices.len(), ours.face_vertices.len(), faces.len());
     match ours.record.rank {
         0 => assert_eq!((v, c, f), (1, 0, 0)),
@@ -162,9 +187,16 @@ fn index(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull, met: &m
     assert_eq!(4 * ours.slots.len() + 128 * ours.blocks.len(), theirs.index_byte_len());
     let walk = ours.walk_index();
     assert_eq!((walk.max_nodes, walk.max_dots), (ours.record.max_nodes, ours.record.max_dots));
-    for (sum, tag) in met.tags.iter_mut().zip(walk.tags) {
-        *sum += tag;
+    for (sum, count) in met.branches.iter_mut().zip(walk.branches) {
+        *sum += count;
     }
+    met.halves += walk.halves;
+    met.plain_leaves += walk.plain_leaves;
+    met.planes += walk.planes;
+    met.bundles += walk.bundles;
+    met.zero_planes += walk.zero_planes;
+    met.lists += walk.lists;
+    met.shared += walk.shared;
 }
 
 fn support(ours: &reader::Hull, theirs: &hullmap::Hull, count: usize, met: &mut Met) {
@@ -174,7 +206,8 @@ fn support(ours: &reader::Hull, theirs: &hullmap::Hull, count: usize, met: &mut 
         let expected = theirs.support(dir);
         assert_eq!(ours.support(d), expected.index, "{}: {dir}", theirs.name());
         assert_eq!(ours.vertices[expected.index as usize], expected.point.to_array());
-        let (leaf, cost) = (ours.leaf(d), theirs.support_cost(dir));
+        // The cost is asked of the direction that has been brought to a largest coordinate of 1.
+        let (leaf, cost) = (ours.leaf(reader::scaled(d)), theirs.support_cost(dir));
         assert_eq!((leaf.nodes, leaf.blocks.len() as u32 * 8), (cost.nodes, cost.dots));
 
         // A direction of f64 numbers, which no f32 holds.
@@ -210,13 +243,21 @@ fn shapes_of_all_ranks() -> Vec<PointSet> {
         points("cone", Family::Cone.points(300, 4)),
         points("needle", Family::Needle.points(200, 5)),
         points("lens", Family::Lens.points(600, 6)),
+        points("sphere", Family::Sphere.points(4_000, 7)),
     ]
 }
 
 #[test]
 fn a_reader_written_from_the_document_agrees() {
-    let kinds =
-        [IndexKind::TREE, IndexKind::CubeMap { resolution: 1 }, IndexKind::CubeMap { resolution: 13 }, IndexKind::None];
+    let kinds = [
+        IndexKind::TREE,
+        IndexKind::Tree { leaf_blocks: LeafBlocks::Two },
+        IndexKind::COMPACT,
+        IndexKind::Binary,
+        IndexKind::CubeMap { resolution: 1 },
+        IndexKind::CubeMap { resolution: 13 },
+        IndexKind::None,
+    ];
     let mut met = Met::default();
     let mut ranks = [0; 4];
     for shape in shapes_of_all_ranks() {
@@ -226,15 +267,18 @@ fn a_reader_written_from_the_document_agrees() {
             compare(&[hull], &source(&shape.name, "options"), 3_000, &mut met);
         }
     }
-    println!("slots by tag {:?}, {} directions, worst regret {:.1e}", met.tags, met.directions, met.worst_regret);
+    println!("{met:?}");
     assert!(ranks.iter().all(|count| *count > 0), "hulls of each rank: {ranks:?}");
-    assert!(met.tags.iter().all(|count| *count > 0), "slots of each tag: {:?}", met.tags);
+    let slots = [met.halves, met.plain_leaves, met.planes, met.bundles, met.zero_planes, met.lists, met.shared];
+    assert!(slots.iter().all(|count| *count > 0), "slots of each kind: {met:?}");
+    assert!(met.branches.iter().filter(|count| **count > 0).count() >= 4, "branches of several sizes: {met:?}");
     assert!(met.directions > 100_000 && met.padded > 0);
 }
 
 #[test]
 fn several_hulls_share_a_pack() {
-    let kinds = [IndexKind::CubeMap { resolution: 3 }, IndexKind::TREE, IndexKind::None];
+    let kinds =
+        [IndexKind::CubeMap { resolution: 3 }, IndexKind::TREE, IndexKind::Binary, IndexKind::None, IndexKind::COMPACT];
     let mut met = Met::default();
     for (first, name) in ["", "ä", "a b", "日本語"].into_iter().enumerate() {
         // Names and paths of different lengths, hulls of different kinds: the padding varies.
@@ -254,22 +298,23 @@ fn several_hulls_share_a_pack() {
 #[test]
 fn grid_numbers_are_those_of_the_runtime() {
     let mut rng = SplitMix64::new(SEED);
-    let check = |d: [f64; 3]| {
+    let check = |d: [f32; 3]| {
         let cell = hullmap_format::cube::locate(d);
         assert_eq!(reader::locate(d), (cell.face, [cell.u, cell.v]), "{d:?}");
     };
     for _ in 0..200_000 {
-        check(rng.direction());
+        check(rng.direction().map(|c| c as f32));
         // On a grid line, and a last digit beside it.
-        let t = (rng.below(1 << 24) as f64 - 8_388_607.5) / 8_388_607.0;
+        let t = (rng.below(1 << 23) as f32 - 4_194_303.5) / 4_194_303.0;
         for t in [t, t.next_up(), t.next_down()] {
-            check([-1.0, t, rng.between(-1.0, 1.0)]);
+            check([-1.0, t, rng.between(-1.0, 1.0) as f32]);
         }
     }
-    for corner in 0..27 {
-        check([corner % 3, corner / 3 % 3, corner / 9].map(|c| f64::from(c) - 1.0));
+    // All corners and seams, and not the centre, which is no direction.
+    for corner in (0..27_u8).filter(|corner| *corner != 13) {
+        check([corner % 3, corner / 3 % 3, corner / 9].map(|c| f32::from(c) - 1.0));
     }
-    assert_eq!([-1.0, 0.0, 1.0].map(|t| reader::locate([2.0, 2.0 * t, 0.0]).1[0]), [1, 1 << 23, (1 << 24) - 1]);
+    assert_eq!([-1.0, 0.0, 1.0].map(|t| reader::locate([2.0, 2.0 * t, 0.0]).1[0]), [1, 1 << 22, (1 << 23) - 1]);
 }
 
 /// The points of the asset whose pack the document shows.
@@ -289,7 +334,7 @@ fn shown_pack() -> Vec<u8> {
     let source = SourceRecord {
         path: "../assets/tetrahedron.obj".to_owned(),
         hash: XxHash3_128::oneshot(TETRAHEDRON.as_bytes()),
-        options: "split none, vertices referenced, index tree".to_owned(),
+        options: "split none, vertices referenced, index tree 8".to_owned(),
     };
     write_pack(&[bake(&tetrahedron(), IndexKind::TREE)], &source).unwrap()
 }
@@ -324,7 +369,7 @@ fn the_file_shown_is_the_one_baked_today() {
 #[test]
 fn the_notes_on_the_root_hold() {
     let baked = shown_pack();
-    let root = baked.len() - 88;
+    let root = baked.len() - reader::ROOT;
     let mut sections = File::new(&baked).sections.into_iter().zip(reader::SECTIONS);
     for (offset, _, note) in listing().into_iter().filter(|line| line.0 >= root) {
         let (range, (name, ..)) = sections.next().unwrap();
@@ -352,8 +397,8 @@ fn tables_have_no_gaps() {
     };
     for (heading, size) in [
         ("\n## 3. Header\n", 64),
-        ("\n### 6.1 Span\n", 24),
-        ("\n### 6.2 Hull record\n", 192),
+        ("\n### 6.1 Span\n", 28),
+        ("\n### 6.2 Hull record\n", 200),
         ("\n### 6.3 Block\n", 128),
     ] {
         let end = rows(heading).into_iter().fold(0, |end, (offset, size)| {

@@ -2,25 +2,27 @@
 //!
 //! Section numbers in comments are the document's. Damage makes it panic, which fails the test.
 
-use std::ops::Range;
+use std::{collections::VecDeque, ops::Range};
 
 /// Sections in the order of the root's entries (4): name, bytes of an element, multiple on which it starts.
-pub const SECTIONS: [(&str, usize, usize); 11] = [
+pub const SECTIONS: [(&str, usize, usize); 13] = [
     ("blocks", 128, 64),
     ("source_path", 1, 1),
     ("options", 1, 1),
     ("names", 1, 1),
-    ("spans", 24, 4),
-    ("hulls", 192, 8),
+    ("spans", 28, 4),
+    ("hulls", 200, 8),
     ("vertices", 12, 4),
     ("source_vertices", 4, 4),
     ("face_starts", 4, 4),
     ("face_vertices", 4, 4),
+    ("neighbour_starts", 4, 4),
+    ("neighbours", 4, 4),
     ("slots", 4, 4),
 ];
 
 const HEADER: usize = 64;
-const ROOT: usize = 88;
+pub const ROOT: usize = 104;
 
 /// Numbers of sections in [`SECTIONS`].
 pub mod section {
@@ -34,14 +36,16 @@ pub mod section {
     pub const SOURCE_VERTICES: usize = 7;
     pub const FACE_STARTS: usize = 8;
     pub const FACE_VERTICES: usize = 9;
-    pub const SLOTS: usize = 10;
+    pub const NEIGHBOUR_STARTS: usize = 10;
+    pub const NEIGHBOURS: usize = 11;
+    pub const SLOTS: usize = 12;
 }
 
 /// A whole file.
 pub struct File<'a> {
     bytes: &'a [u8],
     /// File offsets of each section's bytes.
-    pub sections: [Range<usize>; 11],
+    pub sections: [Range<usize>; 13],
 }
 
 /// One hull's runs.
@@ -52,6 +56,8 @@ pub struct Hull<'a> {
     pub source_vertices: Vec<u32>,
     pub face_starts: Vec<u32>,
     pub face_vertices: Vec<u32>,
+    pub neighbour_starts: Vec<u32>,
+    pub neighbours: Vec<u32>,
     pub slots: Vec<u32>,
     pub blocks: Vec<Block>,
 }
@@ -72,6 +78,8 @@ pub struct Record {
     pub rank: u32,
     pub index_kind: u32,
     pub resolution: u32,
+    pub leaf_blocks: u32,
+    pub max_neighbours: u32,
     pub max_nodes: u32,
     pub max_dots: u32,
     pub source_points: u32,
@@ -152,9 +160,9 @@ impl<'a> File<'a> {
         padding
     }
 
-    /// The six numbers of span `hull` (6.1).
-    pub fn span(&self, hull: usize) -> [usize; 6] {
-        std::array::from_fn(|i| u32_at(self.section(section::SPANS), 24 * hull + 4 * i) as usize)
+    /// The seven numbers of span `hull` (6.1).
+    pub fn span(&self, hull: usize) -> [usize; 7] {
+        std::array::from_fn(|i| u32_at(self.section(section::SPANS), 28 * hull + 4 * i) as usize)
     }
 
     fn run(&self, number: usize, start: usize, end: usize) -> &'a [u8] {
@@ -173,10 +181,18 @@ impl<'a> File<'a> {
             source_vertices: words(run(section::SOURCE_VERTICES, 1)),
             face_starts: words(run(section::FACE_STARTS, 2)),
             face_vertices: words(run(section::FACE_VERTICES, 3)),
-            slots: words(run(section::SLOTS, 4)),
-            blocks: run(section::BLOCKS, 5).chunks(128).map(Block::new).collect(),
+            neighbour_starts: words(run(section::NEIGHBOUR_STARTS, 1)),
+            neighbours: words(run(section::NEIGHBOURS, 4)),
+            slots: words(run(section::SLOTS, 5)),
+            blocks: run(section::BLOCKS, 6).chunks(128).map(Block::new).collect(),
         }
     }
+}
+
+/// Runs of `all` that begin at `starts`, each up to the next one's.
+fn parts<'a>(starts: &[u32], all: &'a [u32]) -> Vec<&'a [u32]> {
+    let ends = starts.iter().skip(1).copied().chain([all.len() as u32]);
+    starts.iter().zip(ends).map(|(start, end)| &all[*start as usize..end as usize]).collect()
 }
 
 fn words(bytes: &[u8]) -> Vec<u32> {
@@ -193,7 +209,7 @@ fn doubles<const N: usize>(bytes: &[u8], at: usize) -> [f64; N] {
 
 impl Record {
     fn new(bytes: &[u8]) -> Self {
-        assert_eq!(bytes.len(), 192);
+        assert_eq!(bytes.len(), 200);
         Self {
             diameter: f64_at(bytes, 0),
             centroid: doubles(bytes, 8),
@@ -209,9 +225,11 @@ impl Record {
             rank: u32_at(bytes, 168),
             index_kind: u32_at(bytes, 172),
             resolution: u32_at(bytes, 176),
-            max_nodes: u32_at(bytes, 180),
-            max_dots: u32_at(bytes, 184),
-            source_points: u32_at(bytes, 188),
+            leaf_blocks: u32_at(bytes, 180),
+            max_neighbours: u32_at(bytes, 184),
+            max_nodes: u32_at(bytes, 188),
+            max_dots: u32_at(bytes, 192),
+            source_points: u32_at(bytes, 196),
         }
     }
 }
@@ -225,9 +243,21 @@ impl Block {
     }
 }
 
+/// 7.1: the direction as it is, or with a largest coordinate of 1 where f32 could not hold it well.
+pub fn in_range(d: [f64; 3]) -> [f64; 3] {
+    let size = d.map(|c| (c as f32).abs()).into_iter().fold(0.0, f32::max);
+    if (1e-30..=1e30).contains(&size) { d } else { scaled(d) }
+}
+
+/// The direction divided by its largest coordinate; x where it is none.
+pub fn scaled(d: [f64; 3]) -> [f64; 3] {
+    let size = d[0].abs().max(d[1].abs()).max(d[2].abs());
+    if size > 0.0 && d.iter().all(|c| c.is_finite()) { d.map(|c| c / size) } else { [1.0, 0.0, 0.0] }
+}
+
 /// 7.1: face, and the grid numbers of u and v.
-pub fn locate(d: [f64; 3]) -> (u32, [u32; 2]) {
-    let [x, y, z] = d.map(f64::abs);
+pub fn locate(d: [f32; 3]) -> (u32, [u32; 2]) {
+    let [x, y, z] = d.map(f32::abs);
     let axis = if z > x && z > y {
         2
     } else if y > x {
@@ -235,55 +265,82 @@ pub fn locate(d: [f64; 3]) -> (u32, [u32; 2]) {
     } else {
         0
     };
-    let grid = |t: f64| {
-        let g = (t * 8_388_607.0).round_ties_even() + 8_388_608.0;
-        if (0.0..16_777_216.0).contains(&g) { g as u32 } else { 0 }
+    let grid = |t: f32| {
+        let g = (t * 4_194_303.0).round_ties_even() + 4_194_304.0;
+        if (0.0..8_388_608.0).contains(&g) { g as u32 } else { 0 }
     };
     let size = d[axis].abs();
     let face = 2 * axis as u32 + u32::from(d[axis].is_sign_negative());
     (face, [grid(d[(axis + 1) % 3] / size), grid(d[(axis + 2) % 3] / size)])
 }
 
-fn normal_at(slots: &[u32], at: usize) -> [f64; 3] {
-    std::array::from_fn(|i| {
-        let (low, high) = (slots[at + 2 * i], slots[at + 2 * i + 1]);
-        f64::from_bits(u64::from(low) | u64::from(high) << 32)
-    })
+/// An f64 in two words from `at` on.
+fn number_at(slots: &[u32], at: usize) -> f64 {
+    f64::from_bits(u64::from(slots[at]) | u64::from(slots[at + 1]) << 32)
+}
+
+/// 7.2: the normals of one plane (`planes` 1) or of a bundle (7).
+fn normals_at(slots: &[u32], at: usize, planes: usize) -> Vec<[f64; 3]> {
+    let normal = |plane| std::array::from_fn(|axis| number_at(slots, at + 2 * (axis * planes + plane)));
+    (0..planes).map(normal).collect()
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// Top bits of a grid number of 23 bits, and the others in their place.
+fn shift(g: u32, bits: u32) -> (u32, u32) {
+    (g >> (23 - bits), g << bits & 0x7f_ffff)
+}
+
 impl Hull<'_> {
-    /// 7.3.
+    /// 7.3, for a direction in range.
     pub fn leaf(&self, d: [f64; 3]) -> Leaf {
         if self.record.index_kind == 0 {
             return Leaf { blocks: 0..self.blocks.len(), nodes: 0 };
         }
-        let (face, bits) = locate(d);
+        let (face, [mut u, mut v]) = locate(d.map(|c| c as f32));
         let root = if self.record.index_kind == 1 {
             let r = u64::from(self.record.resolution);
-            let [column, row] = bits.map(|g| (u64::from(g) * r) >> 24);
+            let [column, row] = [u, v].map(|g| (u64::from(g) * r) >> 23);
             ((u64::from(face) * r + row) * r + column) as usize
         } else {
             face as usize
         };
-        let (mut slot, mut nodes, mut axis_nodes) = (self.slots[root], 0, 0);
+        let (mut slot, mut nodes) = (self.slots[root], 0);
         loop {
-            let at = (slot & 0x3fff_ffff) as usize;
+            let rest = slot & 0x3fff_ffff;
             match slot >> 30 {
-                0 => {
-                    let bit = bits[axis_nodes % 2] >> (23 - axis_nodes / 2) & 1;
-                    slot = self.slots[at + bit as usize];
-                    axis_nodes += 1;
+                0 if self.record.index_kind == 2 => {
+                    let (half, left) = shift(u, 1);
+                    (u, v) = (v, left);
+                    slot = self.slots[(rest + half) as usize];
                 }
-                1 => return Leaf { blocks: at..at + 1, nodes },
+                0 => {
+                    let (at, bits) = (rest >> 4, rest & 15);
+                    let (column, row);
+                    (column, u) = shift(u, bits);
+                    (row, v) = shift(v, bits);
+                    slot = self.slots[(at + (row << bits) + column) as usize];
+                }
+                1 => {
+                    let first = rest as usize;
+                    return Leaf { blocks: first..first + self.record.leaf_blocks as usize, nodes };
+                }
                 2 => {
-                    let front = dot(normal_at(&self.slots, at), d) > 0.0;
-                    slot = self.slots[at + if front { 7 } else { 6 }];
+                    let (at, planes) = ((rest >> 1) as usize, if rest & 1 == 0 { 1 } else { 7 });
+                    let normals = normals_at(&self.slots, at, planes);
+                    let front = |plane: usize| usize::from(dot(normals[plane], d) > 0.0);
+                    // In heap order: below plane k are planes 2k + 1 and 2k + 2.
+                    let mut place = 0;
+                    while place < planes {
+                        place = 2 * place + 1 + front(place);
+                    }
+                    slot = self.slots[at + 6 * planes + place - planes];
                 }
                 _ => {
+                    let at = rest as usize;
                     let [first, count] = [self.slots[at] as usize, self.slots[at + 1] as usize];
                     return Leaf { blocks: first..first + count, nodes };
                 }
@@ -294,6 +351,7 @@ impl Hull<'_> {
 
     /// 7.4: number of the vertex.
     pub fn support(&self, d: [f64; 3]) -> u32 {
+        let d = in_range(d);
         let blocks = &self.blocks[self.leaf(d).blocks];
         let mut found = blocks[0].vertex[0];
         let mut greatest = f64::NEG_INFINITY;
@@ -309,18 +367,41 @@ impl Hull<'_> {
     }
 
     pub fn faces(&self) -> Vec<&[u32]> {
-        let ends = self.face_starts.iter().skip(1).copied().chain([self.face_vertices.len() as u32]);
-        self.face_starts.iter().zip(ends).map(|(s, e)| &self.face_vertices[*s as usize..e as usize]).collect()
+        parts(&self.face_starts, &self.face_vertices)
+    }
+
+    /// For each vertex those that share an edge with it.
+    pub fn neighbours(&self) -> Vec<&[u32]> {
+        parts(&self.neighbour_starts, &self.neighbours)
     }
 }
 
-/// What was met on a walk over a hull's index.
+/// What was met on a walk over a hull's index: slots of each kind, but for those that name what another names.
 #[derive(Default)]
 pub struct Walk {
     pub max_nodes: u32,
     pub max_dots: u32,
-    /// Slots by their top two bits.
-    pub tags: [usize; 4],
+    pub halves: usize,
+    /// Branches of a tree by their bits.
+    pub branches: [usize; 13],
+    pub plain_leaves: usize,
+    pub planes: usize,
+    pub bundles: usize,
+    /// Planes of bundles that part nothing.
+    pub zero_planes: usize,
+    pub lists: usize,
+    /// Slots that name the planes or the list that an earlier slot of their node names.
+    pub shared: usize,
+}
+
+/// A node whose slots are to be visited.
+struct Node {
+    slots: Range<usize>,
+    /// Nodes above its slots, this one included.
+    nodes: u32,
+    /// Bits of u and v together that branches above its slots took.
+    bits: u32,
+    below_planes: bool,
 }
 
 impl Hull<'_> {
@@ -337,63 +418,100 @@ impl Hull<'_> {
             1 => 6 * r * r,
             _ => 6,
         };
-        // Places of slots to visit, the nodes and axis nodes above each, and whether a plane is among them.
-        let mut queue: std::collections::VecDeque<(usize, u32, u32, bool)> =
-            (0..roots).map(|i| (i, 0, 0, false)).collect();
         let mut free = roots;
-        while let Some((place, nodes, axis_nodes, plane)) = queue.pop_front() {
-            let at = (self.slots[place] & 0x3fff_ffff) as usize;
-            let tag = (self.slots[place] >> 30) as usize;
-            walk.tags[tag] += 1;
-            if tag != 1 {
-                assert_eq!(at, free, "what slots name stands in their order");
-                free += [2, 0, 8, 2][tag];
-                assert!(free <= self.slots.len());
+        let mut queue = VecDeque::from([Node { slots: 0..roots, nodes: 0, bits: 0, below_planes: false }]);
+        while let Some(node) = queue.pop_front() {
+            let mut named = Vec::new();
+            for place in node.slots.clone() {
+                let slot = self.slots[place];
+                if slot >> 31 == 1 && named.contains(&slot) {
+                    walk.shared += 1;
+                    continue;
+                }
+                named.push(slot);
+                self.visit(slot, &node, &mut free, &mut queue, &mut walk);
             }
-            let leaf = match tag {
-                0 => {
-                    assert!(self.record.index_kind == 2 && axis_nodes < 48 && !plane);
-                    queue.extend([at, at + 1].map(|child| (child, nodes + 1, axis_nodes + 1, false)));
-                    continue;
-                }
-                2 => {
-                    assert_eq!(self.record.index_kind, 2, "roots of a cube map are leaves");
-                    let normal = normal_at(&self.slots, at);
-                    assert!((dot(normal, normal) - 1.0).abs() < 1e-15, "{normal:?}");
-                    queue.extend([at + 6, at + 7].map(|child| (child, nodes + 1, axis_nodes, true)));
-                    continue;
-                }
-                1 => at..at + 1,
-                _ => self.slots[at] as usize..(self.slots[at] + self.slots[at + 1]) as usize,
-            };
-            self.check_leaf(leaf.clone());
-            assert!(nodes <= 112);
-            walk.max_nodes = walk.max_nodes.max(nodes);
-            walk.max_dots = walk.max_dots.max(leaf.len() as u32 * 8);
         }
         assert_eq!(free, self.slots.len(), "no word without a use");
         walk
     }
 
-    /// 6.3: vertex numbers ascend, unused lanes repeat the block's lane 0, and only the last block has any.
+    /// One slot of `node`, the first there to name what it names; `free` is the first word that none has named.
+    fn visit(&self, slot: u32, node: &Node, free: &mut usize, queue: &mut VecDeque<Node>, walk: &mut Walk) {
+        let (kind, rest) = (self.record.index_kind, slot & 0x3fff_ffff);
+        let mut take = |at: u32, words: usize| {
+            assert_eq!(at as usize, *free, "what slots name stands in their order");
+            *free += words;
+            assert!(*free <= self.slots.len());
+            at as usize
+        };
+        let mut below = |slots, bits, below_planes| {
+            queue.push_back(Node { slots, nodes: node.nodes + 1, bits: node.bits + bits, below_planes });
+            assert!(node.bits + bits <= 46 && node.nodes < 110);
+        };
+        let leaf = match slot >> 30 {
+            0 => {
+                assert!(kind >= 2 && !node.below_planes, "branches are found in trees, above the planes");
+                if kind == 2 {
+                    let at = take(rest, 2);
+                    walk.halves += 1;
+                    below(at..at + 2, 1, false);
+                } else {
+                    let bits = rest & 15;
+                    assert!((1..=12).contains(&bits));
+                    let count = 1 << (2 * bits);
+                    let at = take(rest >> 4, count);
+                    walk.branches[bits as usize] += 1;
+                    below(at..at + count, 2 * bits, false);
+                }
+                return;
+            }
+            1 => {
+                walk.plain_leaves += 1;
+                rest as usize..(rest + self.record.leaf_blocks) as usize
+            }
+            2 => {
+                assert!(kind >= 2, "planes are found in trees");
+                let planes = if rest & 1 == 0 { 1 } else { 7 };
+                let (first, count) = (6 * planes, planes + 1);
+                let at = take(rest >> 1, first + count);
+                for normal in normals_at(&self.slots, at, planes) {
+                    if normal == [0.0; 3] && planes == 7 {
+                        walk.zero_planes += 1;
+                    } else {
+                        assert!((dot(normal, normal) - 1.0).abs() < 1e-15, "{normal:?}");
+                    }
+                }
+                *(if planes == 1 { &mut walk.planes } else { &mut walk.bundles }) += 1;
+                below(at + first..at + first + count, 0, true);
+                return;
+            }
+            _ => {
+                let at = take(rest, 2);
+                walk.lists += 1;
+                let [first, count] = [self.slots[at], self.slots[at + 1]];
+                assert!(count > self.record.leaf_blocks, "a list is for what a plain leaf cannot hold");
+                first as usize..(first + count) as usize
+            }
+        };
+        self.check_leaf(leaf.clone());
+        walk.max_nodes = walk.max_nodes.max(node.nodes);
+        walk.max_dots = walk.max_dots.max(leaf.len() as u32 * 8);
+    }
+
+    /// 6.3: candidates ascend, then one vertex fills the lanes that are left, fewer than a plain leaf or block has.
     fn check_leaf(&self, range: Range<usize>) {
         assert!(!range.is_empty());
-        let last = range.end - 1;
-        let mut before = None;
-        for number in range {
-            let block = &self.blocks[number];
-            let first_unused = (1..8).find(|lane| block.vertex[*lane] <= block.vertex[*lane - 1]).unwrap_or(8);
-            assert!(number == last || first_unused == 8, "a block that is not full in the middle of a leaf");
+        let blocks = &self.blocks[range];
+        let lanes: Vec<u32> = blocks.iter().flat_map(|block| block.vertex).collect();
+        let ascending = (1..lanes.len()).find(|lane| lanes[*lane] <= lanes[lane - 1]).unwrap_or(lanes.len());
+        assert!(lanes[ascending..].iter().all(|vertex| vertex == lanes.last().unwrap()), "{lanes:?}");
+        let plain = blocks.len() == self.record.leaf_blocks as usize;
+        assert!(plain || lanes.len() - ascending < 8, "{lanes:?}");
+        for block in blocks {
             for lane in 0..8 {
-                let vertex = block.vertex[lane];
                 let position = block.position.map(|p| p[lane].to_bits());
-                assert_eq!(position, self.vertices[vertex as usize].map(f32::to_bits));
-                if lane < first_unused {
-                    assert!(before.is_none_or(|before| before < vertex));
-                    before = Some(vertex);
-                } else {
-                    assert_eq!(vertex, block.vertex[0]);
-                }
+                assert_eq!(position, self.vertices[block.vertex[lane] as usize].map(f32::to_bits));
             }
         }
     }
