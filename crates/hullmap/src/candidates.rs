@@ -149,3 +149,60 @@ mod lanes {
         alone.then(|| (from[lane / 4].to_array()[lane % 4] as usize, lane))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rkyv::rend::{f32_le, u32_le};
+    use shapes::{families, rng::SplitMix64};
+
+    use super::*;
+
+    fn blocks(points: &[[f32; 3]]) -> Vec<ArchivedBlock> {
+        let block = |(number, chunk): (usize, &[[f32; 3]])| {
+            let lane = |lane: usize| lane.min(chunk.len() - 1);
+            let component = |i: usize| std::array::from_fn(|l| f32_le::from_native(chunk[lane(l)][i]));
+            let vertex = std::array::from_fn(|l| u32_le::from_native((number * LANES + lane(l)) as u32));
+            ArchivedBlock { x: component(0), y: component(1), z: component(2), vertex }
+        };
+        points.chunks(LANES).enumerate().map(block).collect()
+    }
+
+    /// The fast path against its slow twin, over block counts, scales and offsets, with ties and near ties.
+    #[test]
+    fn what_f32_says_is_what_f64_says() {
+        let mut rng = SplitMix64::new(5);
+        let mut near = 0;
+        for (count, scale, offset) in
+            [(8, 1.0, 0.0), (5, 1e-3, 7.0), (16, 1e6, 0.0), (32, 1.0, 1e4), (200, 1.0, 0.0), (8, 1e-40, 0.0)]
+        {
+            let points: Vec<[f32; 3]> =
+                families::cube_grid(count.max(8), 1)[..count].iter().map(|p| p.map(|c| c * scale + offset)).collect();
+            let reach = points.iter().flatten().fold(0.0, |reach: f32, c| reach.max(c.abs()));
+            let blocks = blocks(&points);
+            for round in 0..3000 {
+                let mut dir = rng.direction();
+                if round % 3 == 0 {
+                    // Grid points tie in directions along the axes, and nearly tie beside them.
+                    dir[round % 2] *= [0.0, 1e-7][round / 3 % 2];
+                }
+                let narrow = dir.map(|c| c as f32);
+                assert_eq!(best(&blocks, dir, reach), exact_best(&blocks, dir), "{dir:?}");
+                assert_eq!(best(&blocks, narrow, reach), exact_best(&blocks, narrow.map(f64::from)), "{narrow:?}");
+                let lane_count = |margin| lanes::near_best(&blocks[0], narrow, margin).count_ones();
+                near += usize::from(margin(narrow, reach).is_some_and(|margin| lane_count(margin) > 1));
+            }
+        }
+        assert!((1000..17_000).contains(&near), "{near} of 18,000 are near ties");
+    }
+
+    #[test]
+    fn directions_that_overflow_are_decided_all_the_same() {
+        let blocks = blocks(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [f32::MAX, 0.0, 0.0]]);
+        for dir in [[1e30, 0.0, 0.0], [1e30, -1e30, 1e30]] {
+            assert_eq!(best(&blocks, dir, f32::MAX).0, 2);
+        }
+        assert!(best(&blocks, [f32::NAN; 3], f32::MAX).0 < 3);
+        assert_eq!(margin([0.0; 3], 1.0), None);
+        assert_eq!(margin([f32::NAN; 3], 1.0), None);
+    }
+}
