@@ -185,6 +185,7 @@ fn index(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull, met: &m
         assert_eq!((ours.position, ours.vertex), ([written.x, written.y, written.z], written.vertex));
     }
     assert_eq!(4 * ours.slots.len() + 128 * ours.blocks.len(), theirs.index_byte_len());
+    assert!(ours.record.index_kind != 3 || ours.vertices.len() > 32, "small hulls are scanned");
     let walk = ours.walk_index();
     assert_eq!((walk.max_nodes, walk.max_dots), (ours.record.max_nodes, ours.record.max_dots));
     for (sum, count) in met.branches.iter_mut().zip(walk.branches) {

@@ -132,8 +132,8 @@ pub mod index_kind {
 
 /// Eight candidates of a leaf, by component: two cache lines.
 ///
-/// Vertex numbers ascend over all blocks of a leaf. Lanes that a leaf does not need hold other vertices of the hull, so
-/// that a scan needs no count; only a hull of fewer vertices than lanes repeats its last one.
+/// A leaf's vertices ascend over all its blocks. The lanes behind them hold some other vertex of the hull, so that a scan
+/// needs no count; a leaf that lists all vertices at the ends of the axes repeats its last one.
 #[derive(Archive, Serialize, Clone, Copy, Debug, PartialEq)]
 #[rkyv(derive(Debug), attr(repr(align(32))))]
 pub struct Block {

@@ -8,7 +8,7 @@
 //! The baker finds a cell's square by [`grid_to_uv`]; the runtime finds a direction's cell by [`locate`]. They agree up
 //! to [`CELL_SLACK`], by which the baker widens every square.
 //!
-//! Locating is done in f32, one division and no branch: a cell is then missed by at most 2.4e-7 in u or v, which
+//! Locating is done in f32, one division and no branch: a cell is then missed by at most 3e-7 in u or v, which
 //! [`CELL_SLACK`] covers. Directions of every f32 or f64 size are brought into f32's comfortable range first
 //! ([`IN_RANGE`]); that moves them by less than the slack as well.
 

@@ -22,10 +22,10 @@
 //!
 //! A *place* is the number of a word in the hull's own run of words; blocks are numbered in the hull's own run too.
 //!
-//! A tree starts with the slots of the six faces; a cube map with those of all its cells, which are
-//! leaves; a hull without an index has no words. Nodes follow in the order in
-//! which the slots that name them first stand (breadth first), without gaps. Only slots of one node may name the same
-//! thing. So a reader can check the whole in one pass, and no node lies below itself.
+//! A tree starts with the slots of the six faces; a cube map with those of all its cells, which are leaves; a hull without
+//! an index has no words. Nodes follow in the order in which the slots that name them first stand (breadth first), without
+//! gaps. Only slots of one node may name the same planes or list, and no two the same branch. So a reader can check the
+//! whole in one pass, and no node lies below itself.
 
 /// Words of a halving.
 pub const HALVES_WORDS: u32 = 2;

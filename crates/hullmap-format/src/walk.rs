@@ -1,8 +1,9 @@
 //! One pass over a direction index: is it well formed, and what does a query cost at worst?
 //!
 //! The nodes of an index stand breadth first, without gaps ([`crate::slot`]). So the pass needs no recursion: it reads
-//! the words from the front, and each slot that names a node must name the next free place. An index that passes is a
-//! tree: no cycle, no shared node, no dead word, every leaf's blocks in range.
+//! the words from the front, and each slot that names a node must name the next free place, or the same planes or list as
+//! an earlier slot of its own node. An index that passes has no cycle, no node below two others, no dead word, and every
+//! leaf's blocks in range.
 
 use std::collections::VecDeque;
 
@@ -95,13 +96,13 @@ pub enum IndexError {
         /// Blocks there are.
         block_count: u32,
     },
-    /// A path is longer than any the baker writes.
+    /// A path is longer than [`MAX_NODES`].
     #[error("slot {slot} of the direction index lies deeper than {MAX_NODES} nodes")]
     Deep {
         /// Place of the slot.
         slot: usize,
     },
-    /// A plane's normal is not finite.
+    /// The normal of a plane, or of one of a bundle, is not finite.
     #[error("the planes at word {at} of the direction index are not finite")]
     Plane {
         /// Place of the planes.
