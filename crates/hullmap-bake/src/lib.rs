@@ -121,7 +121,7 @@ pub enum BakeError {
         what: String,
     },
     /// The index would need longer words.
-    #[error("the direction index has more than 2^30 words: use --index none, or simplify the mesh")]
+    #[error("the direction index has more words than its slots can name: use --index none, or simplify the mesh")]
     IndexTooLarge,
     /// The pack would need longer offsets.
     #[error("the pack would be larger than 2 GiB: split the source into several files")]

@@ -260,11 +260,9 @@ impl HullCheck<'_> {
         let starts = &self.pack.neighbour_starts[range(self.start.vertex.to_native(), self.end.vertex.to_native())];
         let all = &self.pack.neighbours[range(self.start.neighbour.to_native(), self.end.neighbour.to_native())];
         let ends = starts.iter().skip(1).map(|s| s.to_native()).chain([all.len() as u32]);
-        let most = self.record.max_neighbours.to_native();
-        let fits = starts
-            .iter()
-            .zip(ends)
-            .all(|(start, end)| end.checked_sub(start.to_native()).is_some_and(|count| count <= most));
+        let counts = starts.iter().zip(ends).map(|(start, end)| end.checked_sub(start.to_native()));
+        let most = counts.reduce(|most, count| Some(most?.max(count?))).flatten();
+        let fits = most == Some(self.record.max_neighbours.to_native());
         self.require(fits && starts.first().is_some_and(|s| *s == 0), "its neighbours do not follow one another")?;
         let n = self.vertex_count();
         self.require(all.iter().all(|v| *v < n), "a neighbour is a vertex that is not there")

@@ -224,7 +224,11 @@ impl<F: Fn(usize) -> u32> Walk<F> {
             Slot::Block(first) => return self.leaf(at, depth, first, self.shape.leaf_blocks),
             Slot::Branch(payload) => {
                 let (place, count) = self.branch(payload);
-                (place, count.ilog2().max(1))
+                if count < 2 {
+                    // It would divide nothing.
+                    return Err(IndexError::Misplaced { slot: at });
+                }
+                (place, count.ilog2())
             }
             Slot::Plane(place) | Slot::Bundle(place) | Slot::List(place) => (place, 0),
         };

@@ -20,6 +20,9 @@ const MARGIN: f32 = 1.0 / (1 << 20) as f32;
 /// Margins below this are lost to underflow; above it, the products that matter are normal numbers.
 const LEAST_MARGIN: f32 = 1e-32;
 
+/// Margins above this belong to dot products, a million times as large, that may overflow.
+const GREATEST_MARGIN: f32 = MARGIN * (f32::MAX / 2.0);
+
 /// Vertex number and position of the best candidate in `blocks`, which are at least one.
 ///
 /// `reach` is the greatest magnitude of a coordinate in any block.
@@ -47,8 +50,8 @@ pub(crate) fn best(blocks: &[ArchivedBlock], dir: impl Direction, reach: f32) ->
 #[inline]
 pub(crate) fn margin(dir: [f32; 3], reach: f32) -> Option<f32> {
     let margin = MARGIN * reach * (dir[0].abs() + dir[1].abs() + dir[2].abs());
-    // Infinite and NaN margins fail as well.
-    (margin > LEAST_MARGIN && margin < f32::MAX).then_some(margin)
+    // NaN margins fail as well.
+    (margin > LEAST_MARGIN && margin < GREATEST_MARGIN).then_some(margin)
 }
 
 /// The best of the lanes in the mask `near`, in f64.
@@ -201,6 +204,10 @@ mod tests {
         for dir in [[1e30, 0.0, 0.0], [1e30, -1e30, 1e30]] {
             assert_eq!(best(&blocks, dir, f32::MAX).0, 2);
         }
+        // Two products that overflow with opposite signs, where one point's sum is small and the other's is not.
+        let blocks = self::blocks(&[[2e9, 1.6e9, 0.0], [1e9, 0.0, 0.0]]);
+        assert_eq!(best(&blocks, [2e29, -2e29, 0.0], 2e9).0, 1);
+        assert_eq!(best(&blocks, [2.0, -2.0, 0.0], 2e9).0, 1);
         assert!(best(&blocks, [f32::NAN; 3], f32::MAX).0 < 3);
         assert_eq!(margin([0.0; 3], 1.0), None);
         assert_eq!(margin([f32::NAN; 3], 1.0), None);

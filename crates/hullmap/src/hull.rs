@@ -147,7 +147,7 @@ impl<'a> Hull<'a> {
 
     /// What [`support`](Self::support) costs in direction `dir`.
     pub fn support_cost(&self, dir: Vec3) -> Cost {
-        self.index.leaf(crate::direction::in_range(dir.to_array().map(f64::from))).cost()
+        self.index.cost(dir.to_array())
     }
 
     /// The most that [`support`](Self::support) costs in any direction. Checked when the pack is opened.

@@ -72,6 +72,15 @@ impl<'a> Index<'a> {
         candidates::best(self.leaf(dir).blocks, dir, self.reach)
     }
 
+    /// What the support query in direction `dir` costs.
+    pub(crate) fn cost(&self, dir: [f32; 3]) -> Cost {
+        if cube::IN_RANGE.contains(&cube::largest(dir)) {
+            self.leaf(dir).cost()
+        } else {
+            self.leaf(crate::direction::in_range(dir.map(f64::from))).cost()
+        }
+    }
+
     /// The leaf that lists every vertex which can be the support point in direction `dir`.
     #[inline]
     pub(crate) fn leaf(&self, dir: impl Direction) -> Leaf<'a> {
