@@ -44,6 +44,12 @@ pub enum IndexKind {
         /// Size of its leaves.
         leaf_blocks: LeafBlocks,
     },
+    /// The fastest of the trees that take at most this many bytes a vertex, words and blocks together; a scan where
+    /// none does.
+    Budget {
+        /// Bytes a vertex.
+        bytes_per_vertex: u32,
+    },
     /// The paper's binary tree over the six cube faces.
     Binary,
     /// A uniform cube map.

@@ -60,6 +60,10 @@ pub struct BuildArgs {
     /// The direction index: tree, compact, binary, cubemap or none
     #[arg(long, value_enum, default_value_t = Index::Tree, value_name = "KIND", hide_possible_values = true)]
     index: Index,
+    /// Instead of --index: the fastest one of at most this many bytes a hull vertex
+    #[arg(long, value_name = "BYTES", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "index")]
+    index_budget: Option<u32>,
+
     /// Cells along the edge of a cube face, 1 to 1024, for --index cubemap [default: 64]
     #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_RESOLUTION)))]
     resolution: Option<u32>,
@@ -101,6 +105,10 @@ impl BuildArgs {
             Index::Binary => IndexKind::Binary,
             Index::Cubemap => IndexKind::CubeMap { resolution: self.resolution.unwrap_or(DEFAULT_RESOLUTION) },
             Index::None => IndexKind::None,
+        };
+        let index = match self.index_budget {
+            Some(bytes_per_vertex) => IndexKind::Budget { bytes_per_vertex },
+            None => index,
         };
         BuildOptions { import: ImportOptions { split: self.split, vertices: self.vertices }, index }
     }
@@ -218,6 +226,7 @@ mod tests {
         assert_eq!(build(""), Ok(BuildOptions { import, index: IndexKind::TREE }));
         assert_eq!(build("--index none").unwrap().index, IndexKind::None);
         assert_eq!(build("--index compact").unwrap().index, IndexKind::COMPACT);
+        assert_eq!(build("--index-budget 40").unwrap().index, IndexKind::Budget { bytes_per_vertex: 40 });
         assert_eq!(build("--index binary").unwrap().index, IndexKind::Binary);
         assert_eq!(build("--index cubemap").unwrap().index, IndexKind::CubeMap { resolution: 64 });
         assert_eq!(build("--index cubemap --resolution 1024").unwrap().index, IndexKind::CubeMap { resolution: 1024 });
@@ -231,6 +240,8 @@ mod tests {
             "--index cubemap --resolution 0",
             "--index cubemap --resolution 1025",
             "--resolution 64",
+            "--index-budget 0",
+            "--index-budget 40 --index tree",
             "--index octree",
             "--split group",
             "--vertices some",

@@ -1,6 +1,6 @@
 //! The calls into the baking crate, all of them.
 
-use hullmap_bake::{PointSet, SourceRecord, bake_hull, write_pack};
+use hullmap_bake::{BakedHull, IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
 use rayon::prelude::*;
 
 use crate::options::BuildOptions;
@@ -14,6 +14,8 @@ pub struct BakedPack {
     pub ranks: Vec<u32>,
     /// Vertices over all hulls.
     pub vertex_count: usize,
+    /// What the user may want to know of the bake.
+    pub notes: Vec<String>,
 }
 
 /// Builds, certifies and indexes a hull of each point set, and puts them into one pack.
@@ -29,5 +31,10 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
     let bytes = write_pack(&hulls, source).map_err(|error| error.to_string())?;
     let ranks = hulls.iter().map(|baked| baked.hull.rank).collect();
     let vertex_count = hulls.iter().map(|baked| baked.hull.vertices.len()).sum();
-    Ok(BakedPack { bytes, ranks, vertex_count })
+    let mut notes = Vec::new();
+    if let IndexKind::Budget { .. } = options.index {
+        let describe = |baked: &BakedHull| baked.index.describe(baked.hull.vertices.len());
+        notes.extend(hulls.iter().map(|baked| format!("hull {}: {}", baked.name, describe(baked))));
+    }
+    Ok(BakedPack { bytes, ranks, vertex_count, notes })
 }

@@ -60,6 +60,7 @@ impl fmt::Display for BuildOptions {
         write!(f, "split {split}, vertices {vertices}, index ")?;
         match self.index {
             IndexKind::Tree { leaf_blocks } => write!(f, "tree {}", leaf_blocks.lanes()),
+            IndexKind::Budget { bytes_per_vertex } => write!(f, "budget {bytes_per_vertex}"),
             IndexKind::Binary => f.write_str("binary"),
             IndexKind::CubeMap { resolution } => write!(f, "cubemap {resolution}"),
             IndexKind::None => f.write_str("none"),

@@ -17,7 +17,7 @@ use hullmap_format::{
 };
 use rayon::prelude::*;
 
-use crate::{BakeError, IndexKind, gauss_map::GaussMap, hull::Hull};
+use crate::{BakeError, IndexKind, LeafBlocks, gauss_map::GaussMap, hull::Hull};
 use encode::Encoded;
 use subdivide::Tree;
 
@@ -37,6 +37,24 @@ pub struct Index {
     pub cost: walk::Cost,
     /// Words and blocks.
     pub encoded: Encoded,
+}
+
+impl Index {
+    /// Bytes of words and blocks.
+    pub fn byte_len(&self) -> usize {
+        size_of_val(self.encoded.slots.as_slice()) + size_of_val(self.encoded.blocks.as_slice())
+    }
+
+    /// The index in a few words, with its price.
+    pub fn describe(&self, vertex_count: usize) -> String {
+        let kind = match self.kind {
+            index_kind::TREE => format!("tree with leaves of {}", LANES as u32 * self.leaf_blocks),
+            index_kind::BINARY => "binary tree".to_owned(),
+            index_kind::CUBE_MAP => format!("cube map of {0} x {0} cells a face", self.resolution),
+            _ => "linear scan".to_owned(),
+        };
+        format!("{kind}, {:.1} bytes a vertex", self.byte_len() as f64 / vertex_count as f64)
+    }
 }
 
 /// Builds the index of `hull`.
@@ -59,6 +77,15 @@ pub fn build(hull: &Hull, kind: IndexKind) -> Result<Index, BakeError> {
             let mut roots = tree(leaf);
             packing::share(&mut roots, leaf);
             finish(hull, index_kind::TREE, 0, leaf / LANES, &roots)
+        }
+        IndexKind::Budget { bytes_per_vertex } => {
+            for leaf_blocks in [LeafBlocks::One, LeafBlocks::Two, LeafBlocks::Four] {
+                let index = build(hull, IndexKind::Tree { leaf_blocks })?;
+                if index.byte_len() <= bytes_per_vertex as usize * vertices.len() {
+                    return Ok(index);
+                }
+            }
+            Ok(scan(vertices))
         }
         IndexKind::Binary => finish(hull, index_kind::BINARY, 0, 1, &tree(LANES)),
         IndexKind::CubeMap { resolution } => {
@@ -93,4 +120,25 @@ fn finish(hull: &Hull, kind: u32, resolution: u32, leaf_blocks: usize, roots: &[
     let slots = &encoded.slots;
     let cost = walk::walk(shape, slots.len(), |i| slots[i])?;
     Ok(Index { kind, resolution, leaf_blocks, cost, encoded })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{PointSet, hull};
+
+    #[test]
+    fn budgets_are_kept_and_used() {
+        let positions = shapes::families::rock(600, 3);
+        let set = PointSet { name: String::new(), source_vertices: (0..600).collect(), positions };
+        let hull = hull::build(&set).unwrap();
+        let budget = |bytes_per_vertex| build(&hull, IndexKind::Budget { bytes_per_vertex }).unwrap();
+        for (bytes, leaf_blocks) in [(100, 1), (50, 2), (40, 4)] {
+            let index = budget(bytes);
+            assert_eq!((index.kind, index.leaf_blocks), (index_kind::TREE, leaf_blocks), "{bytes}");
+            assert!(index.byte_len() <= bytes as usize * 600, "{}", index.describe(600));
+        }
+        assert_eq!(budget(20).kind, index_kind::SCAN);
+        assert_eq!(budget(20).describe(600), "linear scan, 16.0 bytes a vertex");
+    }
 }

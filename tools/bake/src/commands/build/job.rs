@@ -149,6 +149,7 @@ impl Build<'_> {
         row.vertices_hull = Some(pack.vertex_count);
         row.ranks = Some(pack.ranks);
         row.bytes = Some(pack.bytes.len() as u64);
+        row.notes.extend(pack.notes);
         Ok(Status::Baked)
     }
 
