@@ -136,8 +136,8 @@ impl Report {
         let modes: Vec<&str> = self.modes().map(Mode::name).collect();
         let mut text = format!(
             "Cells: {} in ns a query. Names in italics are inexact. Regret: the greatest over all n, relative to the \
-             diameter, and the share of the directions answered with more than {EXACT:e}. Bytes: besides the \
-             coordinates, at the largest n.\n",
+             diameter, and the share of the directions answered with more than {EXACT:e}. Bytes (besides the \
+             coordinates) and time to build the index: at the largest n.\n",
             modes.join(" / ")
         );
         for family in self.families() {
@@ -156,6 +156,9 @@ impl Report {
                     if wrong > 0.0 { format!("{regret:.0e}, {:.1} %", 100.0 * wrong) } else { format!("{regret:.0e}") };
                 table.set(&name, "regret", judged);
                 table.set(&name, "B/vertex", format!("{:.0}", record.index_bytes as f64 / record.vertices as f64));
+                if let Some(ms) = record.build_ms {
+                    table.set(&name, "build, ms", format!("{ms:.1}"));
+                }
             }
             let ratios = |record: &Record, only_exact| {
                 let ratio = |m| Some(ratio(self.best_other_ns(record, m, only_exact)? / record.median_ns(m)?));
