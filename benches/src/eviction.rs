@@ -1,8 +1,8 @@
 //! Emptying the caches between cold queries.
 //!
-//! A buffer of [`LAST_LEVEL_FACTOR`] times the last-level cache is read and written once a cache line, which pushes
+//! A buffer of twice the last-level cache is read and written once a cache line, which pushes
 //! everything else out of all levels, and out of the TLB. The size is what Linux says of the first processor; where it
-//! says nothing, [`FALLBACK_BYTES`]. On a shared machine the cache may be larger than a guest is told.
+//! says nothing, 32 MiB. On a shared machine the cache may be larger than a guest is told.
 
 use std::{fs, hint::black_box};
 
