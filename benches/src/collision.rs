@@ -1,0 +1,166 @@
+//! The paper's experiment (section 5): how long many object-object collision tests take.
+//!
+//! The objects are [`BODIES`] rocks, random convex shapes, with n points each; a rock's outline is the same for every n
+//! but for its detail. A test is [`hullmap::intersects`] on a random pair in a random pose, with nothing remembered from
+//! the tests before. Of the poses a third is deep, a third within 2 % of touching, a third apart: the distance at which
+//! a pair touches is found by bisection, for every n anew, so that the mix is the same for every n. The indices that
+//! are compared get the same poses.
+
+use std::{
+    hint::black_box,
+    time::{Duration, Instant},
+};
+
+use glam::{DQuat, DVec3};
+use hullmap::{Cache, Hull, Pack, Pose, SupportMap, intersects};
+use hullmap_bake::IndexKind;
+use shapes::{families::Family, rng::SplitMix64};
+
+use crate::subject::Subject;
+
+/// How many different rocks there are.
+pub const BODIES: u64 = 4;
+
+/// Distances of deep, touching and distant pairs, over the distance at which they touch.
+const SHARES: [[f64; 2]; 3] = [[0.0, 0.9], [0.98, 1.02], [1.05, 2.0]];
+
+/// Bisections that find where a pair touches: to a millionth of its size.
+const BISECTIONS: usize = 20;
+
+/// Two bodies and where the second is: `share` times as far along `direction` as where it touches the first.
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    a: usize,
+    b: usize,
+    rotation: DQuat,
+    direction: DVec3,
+    share: f64,
+}
+
+/// Two bodies and their pose.
+#[derive(Clone, Copy, Debug)]
+pub struct Test {
+    a: usize,
+    b: usize,
+    b_in_a: Pose,
+}
+
+/// The tests, whatever the bodies' detail.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    pairs: Vec<Pair>,
+}
+
+/// All bodies with the same number of points and the same index.
+pub struct Bodies {
+    packs: Vec<Pack>,
+}
+
+/// What a run through a scene took.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Time until each checkpoint.
+    pub times: Vec<Duration>,
+    /// Tests that found an overlap.
+    pub hits: usize,
+    /// Support queries asked, of both bodies together.
+    pub support_queries: u64,
+}
+
+impl Scene {
+    /// `count` tests.
+    pub fn new(count: usize, seed: u64) -> Self {
+        let mut rng = SplitMix64::new(seed);
+        let body = |rng: &mut SplitMix64| rng.below(BODIES as usize);
+        let pairs = (0..count).map(|number| Pair {
+            a: body(&mut rng),
+            b: body(&mut rng),
+            rotation: DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize(),
+            direction: DVec3::from_array(rng.direction()),
+            share: {
+                let [low, high] = SHARES[number % SHARES.len()];
+                rng.between(low, high)
+            },
+        });
+        Self { pairs: pairs.collect() }
+    }
+
+    /// Places the pairs, by the shapes of `bodies`.
+    ///
+    /// # Panics
+    /// If a pack has no hull or a pose is not finite: bugs.
+    pub fn place(&self, bodies: &Bodies) -> Vec<Test> {
+        let hulls = bodies.hulls();
+        self.pairs.iter().map(|pair| pair.placed(&hulls)).collect()
+    }
+}
+
+impl Pair {
+    fn placed(&self, hulls: &[Hull<'_>]) -> Test {
+        let (a, b) = (&hulls[self.a], &hulls[self.b]);
+        let at = |distance: f64| {
+            let from = a.interior_point() - self.rotation * b.interior_point();
+            Pose::new(from + self.direction * distance, self.rotation).expect("finite")
+        };
+        let (mut inside, mut outside) = (0.0, a.outer_radius() + b.outer_radius());
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (inside + outside);
+            if intersects(a, b, at(middle), &mut Cache::default()).is_hit() {
+                inside = middle
+            } else {
+                outside = middle
+            }
+        }
+        Test { a: self.a, b: self.b, b_in_a: at(inside * self.share) }
+    }
+}
+
+impl Bodies {
+    /// Bakes all bodies with `n` points each, once for every one of `kinds`.
+    pub fn bake<const K: usize>(n: usize, kinds: [IndexKind; K]) -> [Self; K] {
+        let subjects: Vec<Subject> = (0..BODIES).map(|seed| Subject::new(Family::Rock, n, seed)).collect();
+        kinds.map(|kind| Self { packs: subjects.iter().map(|subject| subject.pack(kind)).collect() })
+    }
+
+    fn hulls(&self) -> Vec<Hull<'_>> {
+        self.packs.iter().map(|pack| pack.hull(0).expect("a pack has a hull")).collect()
+    }
+
+    /// Runs all of `tests`; times are taken after every `step` of them.
+    ///
+    /// # Panics
+    /// If a pack has no hull: a bug.
+    pub fn run(&self, tests: &[Test], step: usize) -> Run {
+        let hulls = self.hulls();
+        let mut run = Run { times: Vec::new(), hits: 0, support_queries: 0 };
+        let start = Instant::now();
+        for group in tests.chunks(step) {
+            for test in black_box(group) {
+                let found = intersects(&hulls[test.a], &hulls[test.b], test.b_in_a, &mut Cache::default());
+                run.hits += usize::from(found.is_hit());
+                run.support_queries += 2 * u64::from(found.support_calls);
+            }
+            run.times.push(start.elapsed());
+        }
+        run
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The figures are about one and the same work: same answers, same number of queries, and a fair mix of both.
+    #[test]
+    fn indices_give_the_same_collisions() {
+        let scene = Scene::new(400, 7);
+        for n in [8, 200] {
+            let [scan, tree] = Bodies::bake(n, [IndexKind::None, IndexKind::Tree]);
+            let tests = scene.place(&tree);
+            let (scan, tree) = (scan.run(&tests, 100), tree.run(&tests, 100));
+            assert_eq!((scan.hits, scan.support_queries), (tree.hits, tree.support_queries));
+            assert_eq!(scan.times.len(), 4);
+            assert!((160..=240).contains(&scan.hits), "n = {n}: {} of 400 overlap", scan.hits);
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! What was measured, and the tables made of it: one a mode for terminals, one a family for markdown, lines for CSV.
+
+use std::fmt::Write;
+
+use shapes::families::Family;
+
+use crate::{
+    matrix::Matrix,
+    measure::{Mode, Timing},
+    regret::{EXACT, Verdict},
+    rivals::{DEFAULT_INDEX, is_ours},
+};
+
+/// One rival on one hull.
+#[derive(Clone, Debug)]
+pub struct Record {
+    /// Family of the hull.
+    pub family: Family,
+    /// Points asked of the family.
+    pub n: usize,
+    /// Vertices of the hull.
+    pub vertices: usize,
+    /// The rival.
+    pub rival: String,
+    /// Whether it claims to be exact.
+    pub exact: bool,
+    /// Bytes besides the coordinates.
+    pub index_bytes: usize,
+    /// Time to build the index, in milliseconds.
+    pub build_ms: Option<f64>,
+    /// How far off it was.
+    pub verdict: Verdict,
+    /// What it took, mode by mode.
+    pub timings: Vec<(Mode, Timing)>,
+}
+
+impl Record {
+    fn median_ns(&self, mode: Mode) -> Option<f64> {
+        self.timings.iter().find(|(m, _)| *m == mode).map(|(_, timing)| timing.median_ns)
+    }
+}
+
+/// All records of one run.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    /// In the order of measuring.
+    pub records: Vec<Record>,
+}
+
+impl Report {
+    /// The fastest of the others on the same hull, in nanoseconds.
+    fn best_other_ns(&self, like: &Record, mode: Mode, only_exact: bool) -> Option<f64> {
+        self.records
+            .iter()
+            .filter(|r| r.family == like.family && r.n == like.n && !is_ours(&r.rival) && (r.exact || !only_exact))
+            .filter_map(|r| r.median_ns(mode))
+            .min_by(f64::total_cmp)
+    }
+
+    fn families(&self) -> Vec<Family> {
+        let mut families = Vec::new();
+        for record in &self.records {
+            if !families.contains(&record.family) {
+                families.push(record.family);
+            }
+        }
+        families
+    }
+
+    fn of(&self, family: Family) -> impl Iterator<Item = &Record> {
+        self.records.iter().filter(move |r| r.family == family)
+    }
+
+    fn modes(&self) -> impl Iterator<Item = Mode> {
+        Mode::ALL.into_iter().filter(|&mode| self.records.iter().any(|r| r.median_ns(mode).is_some()))
+    }
+
+    /// Every family: a table a mode in nanoseconds, then exactness, bytes and build time.
+    pub fn to_text(&self) -> String {
+        let mut text = String::new();
+        for family in self.families() {
+            for mode in self.modes() {
+                text += &self.mode_table(family, mode).to_text();
+                text.push('\n');
+            }
+            for table in self.fact_tables(family) {
+                text += &table.to_text();
+                text.push('\n');
+            }
+        }
+        text
+    }
+
+    fn mode_table(&self, family: Family, mode: Mode) -> Matrix {
+        let mut table = Matrix::new(&format!("{}, {}, ns a query", family.name(), mode.name()), "n");
+        for record in self.of(family) {
+            if let Some(ns) = record.median_ns(mode) {
+                table.set(&marked(record), &record.n.to_string(), nanos(ns));
+            }
+        }
+        for record in self.of(family).filter(|r| r.rival == DEFAULT_INDEX) {
+            let Some(ns) = record.median_ns(mode) else { continue };
+            for (only_exact, row) in
+                [(true, "faster than the best exact other by"), (false, "faster than the best other by")]
+            {
+                if let Some(other) = self.best_other_ns(record, mode, only_exact) {
+                    table.set(row, &record.n.to_string(), ratio(other / ns));
+                }
+            }
+        }
+        table
+    }
+
+    fn fact_tables(&self, family: Family) -> [Matrix; 4] {
+        let table = |what: &str| Matrix::new(&format!("{}, {what}", family.name()), "n");
+        let mut regret = table("greatest regret, relative to the diameter");
+        let mut wrong = table("share of the directions answered wrong");
+        let mut bytes = table("bytes a vertex besides the coordinates");
+        let mut build = table("time to build the index, ms");
+        for record in self.of(family) {
+            let (row, column) = (marked(record), record.n.to_string());
+            regret.set(&row, &column, format!("{:.0e}", record.verdict.max_regret));
+            if !record.exact {
+                wrong.set(&row, &column, format!("{:.1} %", 100.0 * record.verdict.wrong_share));
+            }
+            bytes.set(&row, &column, format!("{:.0}", record.index_bytes as f64 / record.vertices as f64));
+            if let Some(ms) = record.build_ms {
+                build.set(&row, &column, format!("{ms:.1}"));
+            }
+        }
+        [regret, wrong, bytes, build]
+    }
+
+    /// One table a family: all modes in a cell, then the worst regret and the bytes of the largest hull.
+    pub fn to_markdown(&self) -> String {
+        let modes: Vec<&str> = self.modes().map(Mode::name).collect();
+        let mut text = format!(
+            "Cells: {} in ns a query. Names in italics are inexact. Regret: the greatest over all n, relative to the \
+             diameter, and the share of the directions answered with more than {EXACT:e}. Bytes (besides the \
+             coordinates) and time to build the index: at the largest n.\n",
+            modes.join(" / ")
+        );
+        for family in self.families() {
+            let mut table = Matrix::new(family.name(), "n");
+            for record in self.of(family) {
+                let name = if record.exact { record.rival.clone() } else { format!("*{}*", record.rival) };
+                let cell: Vec<String> = self.modes().filter_map(|m| record.median_ns(m)).map(nanos).collect();
+                table.set(&name, &record.n.to_string(), cell.join(" / "));
+            }
+            for record in self.of(family) {
+                let name = if record.exact { record.rival.clone() } else { format!("*{}*", record.rival) };
+                let same = || self.of(family).filter(|r| r.rival == record.rival);
+                let regret = same().map(|r| r.verdict.max_regret).fold(0.0, f64::max);
+                let wrong = same().map(|r| r.verdict.wrong_share).fold(0.0, f64::max);
+                let judged =
+                    if wrong > 0.0 { format!("{regret:.0e}, {:.1} %", 100.0 * wrong) } else { format!("{regret:.0e}") };
+                table.set(&name, "regret", judged);
+                table.set(&name, "B/vertex", format!("{:.0}", record.index_bytes as f64 / record.vertices as f64));
+                if let Some(ms) = record.build_ms {
+                    table.set(&name, "build, ms", format!("{ms:.1}"));
+                }
+            }
+            let ratios = |record: &Record, only_exact| {
+                let ratio = |m| Some(ratio(self.best_other_ns(record, m, only_exact)? / record.median_ns(m)?));
+                self.modes().filter_map(ratio).collect::<Vec<_>>().join(" / ")
+            };
+            for record in self.of(family).filter(|r| r.rival == DEFAULT_INDEX) {
+                let column = record.n.to_string();
+                table.set(&format!("{DEFAULT_INDEX}, times the best exact other"), &column, ratios(record, true));
+                table.set(&format!("{DEFAULT_INDEX}, times the best other"), &column, ratios(record, false));
+            }
+            text += &format!("\n{}", table.to_markdown());
+        }
+        text
+    }
+
+    /// One line a family, n, rival and mode, after a line of names.
+    ///
+    /// `to_best` and `to_best_exact` are the time over that of the fastest of the others, and of the exact ones of them.
+    pub fn to_csv(&self) -> String {
+        let mut text = String::from(
+            "family,n,vertices,rival,exact,mode,ns,ns_quartile_1,ns_quartile_3,to_best,to_best_exact,index_bytes,\
+             build_ms,max_regret,wrong_share\n",
+        );
+        for record in &self.records {
+            for (mode, timing) in &record.timings {
+                let to_best = |only_exact| {
+                    self.best_other_ns(record, *mode, only_exact)
+                        .map_or(String::new(), |other| format!("{:.4}", timing.median_ns / other))
+                };
+                // Writing to a string does not fail.
+                let _ = writeln!(
+                    text,
+                    "{},{},{},\"{}\",{},{},{:.3},{:.3},{:.3},{},{},{},{},{:e},{}",
+                    record.family.name(),
+                    record.n,
+                    record.vertices,
+                    record.rival,
+                    record.exact,
+                    mode.name(),
+                    timing.median_ns,
+                    timing.quartiles_ns[0],
+                    timing.quartiles_ns[1],
+                    to_best(false),
+                    to_best(true),
+                    record.index_bytes,
+                    record.build_ms.map_or(String::new(), |ms| format!("{ms:.3}")),
+                    record.verdict.max_regret,
+                    record.verdict.wrong_share,
+                );
+            }
+        }
+        text
+    }
+}
+
+/// The rival's name; a star marks the inexact.
+fn marked(record: &Record) -> String {
+    if record.exact { record.rival.clone() } else { format!("{} *", record.rival) }
+}
+
+fn nanos(ns: f64) -> String {
+    if ns < 10.0 { format!("{ns:.1}") } else { format!("{ns:.0}") }
+}
+
+fn ratio(times: f64) -> String {
+    if times < 10.0 { format!("{times:.2}") } else { format!("{times:.0}") }
+}

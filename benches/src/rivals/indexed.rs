@@ -1,0 +1,79 @@
+//! Ours: `Hull::support` of a pack, whatever index it was baked with. Exact.
+
+use std::time::Duration;
+
+use glam::Vec3;
+use hullmap::{Hull, Pack};
+use hullmap_bake::IndexKind;
+
+use crate::{
+    query::{Rival, SupportQuery},
+    subject::Subject,
+};
+
+/// A pack with one hull.
+pub struct Indexed {
+    name: &'static str,
+    bytes: Vec<u8>,
+    pack: Pack,
+}
+
+impl Indexed {
+    /// Bakes `subject` with an index of `kind`; also returns how long the index took.
+    ///
+    /// # Panics
+    /// Where the pack cannot be made: a bug.
+    pub fn new(name: &'static str, subject: &Subject, kind: IndexKind) -> (Self, Duration) {
+        let (bytes, build_time) = subject.pack_bytes(kind);
+        (Self::open(name, bytes), build_time)
+    }
+
+    fn open(name: &'static str, bytes: Vec<u8>) -> Self {
+        let pack = Pack::from_bytes(&bytes).expect("a pack just written opens");
+        Self { name, bytes, pack }
+    }
+
+    fn hull(&self) -> Hull<'_> {
+        self.pack.hull(0).expect("a pack has a hull")
+    }
+}
+
+impl Rival for Indexed {
+    type Query<'a> = Cold<'a>;
+
+    fn name(&self) -> &str {
+        self.name
+    }
+
+    fn is_exact(&self) -> bool {
+        true
+    }
+
+    fn index_bytes(&self) -> usize {
+        self.hull().index_byte_len()
+    }
+
+    fn footprint_bytes(&self) -> usize {
+        2 * self.pack.byte_len()
+    }
+
+    fn query(&self) -> Cold<'_> {
+        Cold { hull: self.hull() }
+    }
+
+    fn duplicate(&self) -> Self {
+        Self::open(self.name, self.bytes.clone())
+    }
+}
+
+/// A query that remembers nothing.
+pub struct Cold<'a> {
+    hull: Hull<'a>,
+}
+
+impl SupportQuery for Cold<'_> {
+    #[inline]
+    fn support(&mut self, dir: Vec3) -> Vec3 {
+        self.hull.support(dir).point
+    }
+}

@@ -1,0 +1,72 @@
+//! parry3d's own support query, in f32 as games use it: `ConvexPolyhedron::local_support_point`, a linear scan.
+//! Exact up to the rounding of f32.
+
+use glam::Vec3;
+use parry3d::shape::{ConvexPolyhedron, SupportMap};
+
+use crate::{
+    query::{Rival, SupportQuery},
+    subject::Subject,
+};
+
+/// Bytes that a vertex with its edges and faces takes in parry's polyhedron, about: it does not tell.
+const BYTES_PER_VERTEX: usize = 400;
+
+/// A hull of ours as parry's convex polyhedron.
+#[derive(Clone)]
+pub struct Parry {
+    polyhedron: ConvexPolyhedron,
+}
+
+impl Parry {
+    /// The hull of `subject`; `None` where parry refuses the mesh.
+    pub fn new(subject: &Subject) -> Option<Self> {
+        let points: Vec<_> = subject.vertices().collect();
+        let fan = |face: &Vec<u32>| face[1..].windows(2).map(|w| [face[0], w[0], w[1]]).collect::<Vec<_>>();
+        let triangles: Vec<[u32; 3]> = subject.faces().iter().flat_map(fan).collect();
+        let polyhedron = ConvexPolyhedron::from_convex_mesh(points, &triangles)?;
+        // parry merges near-coplanar faces; were it to drop vertices, it would have less to scan than the others.
+        (polyhedron.points().len() == subject.vertex_count()).then_some(Self { polyhedron })
+    }
+}
+
+impl Rival for Parry {
+    type Query<'a> = Polyhedron<'a>;
+
+    fn name(&self) -> &str {
+        "parry3d"
+    }
+
+    fn is_exact(&self) -> bool {
+        true
+    }
+
+    /// None of what the polyhedron keeps besides the points is for support queries.
+    fn index_bytes(&self) -> usize {
+        0
+    }
+
+    fn footprint_bytes(&self) -> usize {
+        BYTES_PER_VERTEX * self.polyhedron.points().len()
+    }
+
+    fn query(&self) -> Polyhedron<'_> {
+        Polyhedron { polyhedron: &self.polyhedron }
+    }
+
+    fn duplicate(&self) -> Self {
+        self.clone()
+    }
+}
+
+/// See [`Parry`].
+pub struct Polyhedron<'a> {
+    polyhedron: &'a ConvexPolyhedron,
+}
+
+impl SupportQuery for Polyhedron<'_> {
+    #[inline]
+    fn support(&mut self, dir: Vec3) -> Vec3 {
+        self.polyhedron.local_support_point(dir)
+    }
+}

@@ -1,0 +1,72 @@
+//! What the table says of exactness is so.
+
+use glam::Vec3;
+use hullmap_bench::{
+    directions,
+    eviction::Eviction,
+    measure::{self, Effort, Mode},
+    regret::{EXACT, Truth},
+    rivals,
+    subject::{FAMILIES, SEED, Subject},
+};
+
+/// Vertex counts: fewer than a SIMD block, not a multiple of one, and enough for rounding plateaus.
+const COUNTS: [usize; 3] = [8, 200, 1_500];
+
+/// Directions of each subject.
+const DIRECTIONS: usize = 1_500;
+
+/// Every exact rival is as good as brute force everywhere, and every inexact one is wrong somewhere.
+#[test]
+fn exact_rivals_are_and_inexact_ones_are_not() {
+    let mut worst: Vec<(String, bool, f64)> = Vec::new();
+    for family in FAMILIES {
+        for n in COUNTS {
+            let subject = Subject::new(family, n, SEED);
+            let truth = Truth::new(&subject, directions::awkward(&subject, DIRECTIONS, SEED));
+            for entry in rivals::enter(&subject) {
+                let regret = truth.judge(&entry.answers(truth.dirs())).max_regret;
+                if entry.is_exact() {
+                    assert!(regret <= EXACT, "{}: {} {n}, regret {regret:e}, seed {SEED}", entry.name(), family.name());
+                }
+                match worst.iter_mut().find(|(name, _, _)| name == entry.name()) {
+                    Some((_, _, worst)) => *worst = worst.max(regret),
+                    None => worst.push((entry.name().to_owned(), entry.is_exact(), regret)),
+                }
+            }
+        }
+    }
+    for (name, exact, regret) in &worst {
+        println!("{name:28} {regret:.1e}");
+        assert!(*exact || *regret > EXACT, "{name} is called inexact, but its worst regret is {regret:e}");
+    }
+    assert!(worst.len() >= 11, "someone did not enter");
+}
+
+/// Every answer is a vertex, also for what is no direction.
+#[test]
+fn answers_are_vertices() {
+    let subject = Subject::new(FAMILIES[2], 100, SEED);
+    let vertices: Vec<Vec3> = subject.vertices().collect();
+    let mut dirs = directions::random(100, SEED);
+    dirs.extend([Vec3::ZERO, Vec3::NAN, Vec3::INFINITY, Vec3::new(0.0, f32::NAN, 1.0)]);
+    for entry in rivals::enter(&subject) {
+        for (dir, answer) in dirs.iter().zip(entry.answers(&dirs)) {
+            assert!(vertices.contains(&answer), "{} in direction {dir}: {answer}", entry.name());
+        }
+    }
+}
+
+/// Every rival gets a positive time in every mode.
+#[test]
+fn everyone_is_timed() {
+    let subject = Subject::new(FAMILIES[0], 32, SEED);
+    let mut entries = rivals::enter(&subject);
+    let effort = Effort { batch: std::time::Duration::from_micros(5), rounds: 2, cold_rounds: 1 };
+    let mut eviction = Eviction::new();
+    for mode in Mode::ALL {
+        let timings = measure::time(&mut entries, mode, effort, &mut eviction, SEED);
+        assert_eq!(timings.len(), entries.len());
+        assert!(timings.iter().all(|t| t.median_ns > 0.0 && t.median_ns.is_finite()), "{timings:?}");
+    }
+}
