@@ -155,7 +155,7 @@ mod tests {
     fn indices_give_the_same_collisions() {
         let scene = Scene::new(400, 7);
         for n in [8, 200] {
-            let [scan, tree] = Bodies::bake(n, [IndexKind::None, IndexKind::Tree]);
+            let [scan, tree] = Bodies::bake(n, [IndexKind::None, IndexKind::TREE]);
             let tests = scene.place(&tree);
             let (scan, tree) = (scan.run(&tests, 100), tree.run(&tests, 100));
             assert_eq!((scan.hits, scan.support_queries), (tree.hits, tree.support_queries));

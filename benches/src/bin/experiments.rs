@@ -74,12 +74,12 @@ fn run(arguments: &Arguments) -> io::Result<()> {
     let mut stage = Vec::new();
     for &n in counts {
         eprintln!("baking {n}");
-        let [scan, tree] = Bodies::bake(n, [IndexKind::None, IndexKind::Tree]);
+        let [scan, tree] = Bodies::bake(n, [IndexKind::None, IndexKind::TREE]);
         stage.push((n, scene.place(&tree), Some(scan), tree));
     }
     for &n in if quick { &[][..] } else { &TREE_COUNTS[..] } {
         eprintln!("baking {n}");
-        let [tree] = Bodies::bake(n, [IndexKind::Tree]);
+        let [tree] = Bodies::bake(n, [IndexKind::TREE]);
         stage.push((n, scene.place(&tree), None, tree));
     }
     let (mut scans, mut trees) = (Runs::default(), Runs::default());

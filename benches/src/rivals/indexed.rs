@@ -1,4 +1,4 @@
-//! Ours: `Hull::support` of a pack, whatever index it was baked with. Exact.
+//! Ours: `Hull::support` of a pack, whatever index it was baked with, and `Hull::support_from`. Exact.
 
 use std::time::Duration;
 
@@ -75,5 +75,53 @@ impl SupportQuery for Cold<'_> {
     #[inline]
     fn support(&mut self, dir: Vec3) -> Vec3 {
         self.hull.support(dir).point
+    }
+}
+
+/// The same, with last time's answer as a hint.
+pub struct Hinted(pub Indexed);
+
+impl Rival for Hinted {
+    type Query<'a> = Warm<'a>;
+
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+
+    fn is_exact(&self) -> bool {
+        true
+    }
+
+    fn index_bytes(&self) -> usize {
+        let hull = self.0.hull();
+        let neighbours: usize = (0..hull.vertex_count() as u32).map(|v| hull.neighbours(v).len() + 1).sum();
+        self.0.index_bytes() + size_of::<u32>() * neighbours
+    }
+
+    fn footprint_bytes(&self) -> usize {
+        self.0.footprint_bytes()
+    }
+
+    fn query(&self) -> Warm<'_> {
+        Warm { hull: self.0.hull(), last: 0 }
+    }
+
+    fn duplicate(&self) -> Self {
+        Self(self.0.duplicate())
+    }
+}
+
+/// A query that starts from its last answer.
+pub struct Warm<'a> {
+    hull: Hull<'a>,
+    last: u32,
+}
+
+impl SupportQuery for Warm<'_> {
+    #[inline]
+    fn support(&mut self, dir: Vec3) -> Vec3 {
+        let found = self.hull.support_from(dir, self.last);
+        self.last = found.index;
+        found.point
     }
 }
