@@ -35,14 +35,16 @@ pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>,
             start += face.len() as u32;
         }
         let mut start = 0;
-        for list in hull.neighbours() {
+        let neighbours = hull.neighbours();
+        for list in &neighbours {
             pack.neighbour_starts.push(start);
             start += list.len() as u32;
             pack.neighbours.extend(list);
         }
         pack.slots.extend_from_slice(&baked.index.encoded.slots);
         pack.blocks.extend_from_slice(&baked.index.encoded.blocks);
-        pack.hulls.push(record(baked));
+        let most = neighbours.iter().map(|list| list.len() as u32).max().unwrap_or(0);
+        pack.hulls.push(record(baked, most));
         pack.spans.push(end_of(&pack)?);
     }
     let payload = rkyv::api::high::to_bytes_in::<_, rancor::Error>(&pack, AlignedVec::<HEADER_LEN>::new())
@@ -68,7 +70,7 @@ fn end_of(pack: &Pack) -> Result<Span, BakeError> {
     })
 }
 
-fn record(baked: &BakedHull) -> HullRecord {
+fn record(baked: &BakedHull, max_neighbours: u32) -> HullRecord {
     let BakedHull { hull, mass, index, interior, .. } = baked;
     let component = |pick: fn(f32, f32) -> f32| -> [f32; 3] {
         std::array::from_fn(|i| hull.vertices.iter().map(|v| v[i]).reduce(pick).unwrap_or_default())
@@ -89,7 +91,7 @@ fn record(baked: &BakedHull) -> HullRecord {
         index_kind: index.kind,
         resolution: index.resolution,
         leaf_blocks: index.leaf_blocks,
-        max_neighbours: hull.neighbours().iter().map(|list| list.len() as u32).max().unwrap_or(0),
+        max_neighbours,
         max_nodes: index.cost.nodes,
         max_dots: index.cost.dots,
         source_points: baked.point_count as u32,

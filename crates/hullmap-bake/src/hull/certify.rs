@@ -102,7 +102,7 @@ fn outward(hull: &Hull, vertices: &[DVec3], planes: &[HalfSpace]) -> Result<(), 
     let centroid = vertices.iter().sum::<DVec3>() / vertices.len() as f64;
     for (face, plane) in planes.iter().enumerate() {
         let behind = plane.offset - plane.normal.dot(centroid);
-        let slack = crate::hull::certify::CONTAINMENT * hull.diameter;
+        let slack = CONTAINMENT * hull.diameter;
         if !(plane.normal.is_finite() && plane.normal != DVec3::ZERO && behind >= -slack) {
             return Err(BakeError::Uncertified { what: format!("face {face} does not look outward") });
         }

@@ -289,3 +289,29 @@ fn exact_above(a: DVec3, b: DVec3, c: DVec3, p: DVec3) -> f64 {
     let coord = |v: DVec3| robust::Coord3D { x: v.x, y: v.y, z: v.z };
     -robust::orient3d(coord(a), coord(b), coord(c), coord(p))
 }
+
+#[cfg(test)]
+mod tests {
+    use shapes::families::Family;
+
+    use super::*;
+
+    /// parry3d in f64 as a second opinion, on families whose points are extreme by more than its tolerances, or inside.
+    #[test]
+    fn parry_finds_the_same_vertices() {
+        for family in [Family::Sphere, Family::Ball, Family::Rock, Family::Prism, Family::Cone, Family::Lens] {
+            let points: Vec<DVec3> =
+                family.points(400, 8).iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
+            let everything: Vec<u32> = (0..points.len() as u32).collect();
+            let facets = hull(&points, spanning(&points, &everything).map(|i| i as usize));
+            let bits = |p: DVec3| p.to_array().map(f64::to_bits);
+            let mut ours: Vec<_> = extreme_vertices(&facets).iter().map(|v| bits(points[*v as usize])).collect();
+            let (theirs, _) = parry3d_f64::transformation::try_convex_hull(&points).expect("parry builds a hull");
+            let mut theirs: Vec<_> = theirs.into_iter().map(bits).collect();
+            ours.sort_unstable();
+            theirs.sort_unstable();
+            assert!(ours.len() > 40);
+            assert_eq!(ours, theirs, "{}", family.name());
+        }
+    }
+}
