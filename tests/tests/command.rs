@@ -403,3 +403,23 @@ fn stdout_is_data_alone() {
         assert_eq!(bake(&folder, line).expect(0).json().len(), 1, "{line}");
     }
 }
+
+/// The recorded path and the hull's name are part of a pack: a renamed copy of both files was taken for fresh.
+#[test]
+fn a_renamed_pack_is_not_fresh() {
+    let folder = folder(&[("a.obj", CUBE), ("b.obj", CUBE)]);
+    bake(&folder, "build a.obj --out .").expect(0);
+    fs::copy(folder.path().join("a.hullmap"), folder.path().join("b.hullmap")).unwrap();
+    let status = || bake(&folder, "build b.obj --out . --json").expect(0).json()[0]["status"].clone();
+    assert_eq!(status(), "baked");
+    assert_eq!(status(), "fresh");
+    let report = &bake(&folder, "inspect b.hullmap --json").expect(0).json()[0];
+    assert_eq!((&report["source"], &report["hulls"][0]["name"]), (&Value::from("b.obj"), &Value::from("b")));
+}
+
+#[test]
+fn a_folder_is_not_a_pack() {
+    let folder = folder(&[("in/a.obj", CUBE)]);
+    let run = bake(&folder, "inspect in").expect(2);
+    assert!(run.stderr.contains("folder"), "{}", run.stderr);
+}

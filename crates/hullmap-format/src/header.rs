@@ -53,7 +53,7 @@ pub enum HeaderError {
         found: usize,
     },
     /// The magic is not there.
-    #[error("not a hullmap pack: it starts with {found:02x?} where {MAGIC:02x?} is expected")]
+    #[error("not a hullmap pack: it starts with other bytes; name a file that `bake build` wrote")]
     Magic {
         /// First eight bytes.
         found: [u8; 8],

@@ -36,9 +36,7 @@ pub enum Command {
     #[command(after_help = "Example:\n  bake inspect baked/gear.hullmap --json")]
     Inspect(InspectArgs),
     /// Intersection, distance or contact of two hulls
-    #[command(
-        after_help = "Example:\n  bake query baked/rock.hullmap baked/two.hullmap#left --pose \"0.5 0 0 0 0 0 1\""
-    )]
+    #[command(after_help = "Example:\n  bake query baked/rock.hullmap baked/cube.hullmap --pose \"0.5 0 0 0 0 0 1\"")]
     Query(QueryArgs),
 }
 

@@ -32,9 +32,17 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
     let ranks = hulls.iter().map(|baked| baked.hull.rank).collect();
     let vertex_count = hulls.iter().map(|baked| baked.hull.vertices.len()).sum();
     let mut notes = Vec::new();
-    if let IndexKind::Budget { .. } = options.index {
-        let describe = |baked: &BakedHull| baked.index.describe(baked.hull.vertices.len());
-        notes.extend(hulls.iter().map(|baked| format!("hull {}: {}", baked.name, describe(baked))));
+    if let IndexKind::Budget { bytes_per_vertex } = options.index {
+        notes.extend(hulls.iter().map(|baked| budget_note(baked, bytes_per_vertex)));
     }
     Ok(BakedPack { bytes, ranks, vertex_count, notes })
+}
+
+/// Which index a budget bought.
+fn budget_note(baked: &BakedHull, bytes_per_vertex: u32) -> String {
+    let vertex_count = baked.hull.vertices.len();
+    let chosen = baked.index.describe(vertex_count);
+    let is_kept = baked.index.byte_len() <= bytes_per_vertex as usize * vertex_count;
+    let verdict = if is_kept { "" } else { ": above the budget, but nothing is smaller" };
+    format!("hull {}: {chosen}{verdict}", baked.name)
 }

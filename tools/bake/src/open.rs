@@ -14,6 +14,12 @@ use crate::outcome::Failure;
 /// # Errors
 /// Usage for a file that cannot be read, wanting for one that is no valid pack. Both name it.
 pub fn open_pack(path: &Path) -> Result<Pack, Failure> {
+    if path.is_dir() {
+        return Err(Failure::usage(format!(
+            "{}: a folder, where one pack is expected; name a file in it",
+            path.display()
+        )));
+    }
     Pack::open(path).map_err(|error| match &error {
         OpenError::Io { .. } => Failure::usage(format!("{error}; check the path")),
         OpenError::Invalid { .. } => Failure::wanting(error.to_string()),

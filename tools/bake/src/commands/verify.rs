@@ -279,7 +279,13 @@ fn write_table(reports: &[HullReport], out: &mut dyn Write) -> Result<(), Failur
     }
     table.write(out)?;
     let passed = reports.iter().filter(|report| report.pass).count();
-    writeln!(out, "\n{passed} exact, {} failed", reports.len() - passed)?;
+    let unsourced = reports.iter().filter(|report| report.pass && report.against != Some("source")).count();
+    let caveat = if unsourced == 0 {
+        String::new()
+    } else {
+        format!("; {unsourced} compared with the stored hull only, for want of the source (--source names it)")
+    };
+    writeln!(out, "\n{passed} exact, {} failed{caveat}", reports.len() - passed)?;
     Ok(())
 }
 

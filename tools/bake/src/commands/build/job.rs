@@ -119,7 +119,7 @@ impl Build<'_> {
     fn bake(&self, job: &Job, row: &mut Row) -> Result<Status, String> {
         let bytes = std::fs::read(&job.source).map_err(|error| format!("{}: cannot read: {error}", row.source))?;
         let hash = source_hash(&bytes);
-        if !self.force && self.is_fresh(&job.output, hash) && self.fill_from_pack(&job.output, row) {
+        if !self.force && self.is_fresh(&job.output, hash) && self.fill_from_pack(job, row) {
             if self.verify {
                 let imported = self.import(job, row, &bytes)?;
                 verify_pack(&job.output, &imported).map_err(|error| format!("{error}; bake it again with --force"))?;
@@ -170,11 +170,15 @@ impl Build<'_> {
         })
     }
 
-    /// Fills in the row from a pack; false where it does not open, so that it is baked again.
-    fn fill_from_pack(&self, output: &Path, row: &mut Row) -> bool {
-        let Ok(pack) = open_pack(output) else {
+    /// Fills in the row from a pack; false where it does not open or records another path of its source, so that it is
+    /// baked again.
+    fn fill_from_pack(&self, job: &Job, row: &mut Row) -> bool {
+        let Ok(pack) = open_pack(&job.output) else {
             return false;
         };
+        if pack.source_path() != recorded_path(&job.source, folder_of(&job.output), self.project) {
+            return false;
+        }
         row.hulls = Some(pack.hull_count());
         row.vertices_in = Some(pack.hulls().map(|hull| hull.source_point_count() as usize).sum());
         row.vertices_hull = Some(pack.hulls().map(|hull| hull.vertex_count()).sum());
