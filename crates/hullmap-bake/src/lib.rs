@@ -8,7 +8,7 @@
 //! | [`index`] | normal cones | cube map or tree: words and blocks |
 //! | [`pack`] | baked hulls | bytes |
 //!
-//! The baker knows no files and no command line: bytes in, bytes out. Its output is a pure function of its input,
+//! The baker knows no files and no command line: points in, bytes out. Its output is a pure function of its input,
 //! whatever the number of threads.
 #![forbid(unsafe_code)]
 

@@ -7,7 +7,7 @@
 //!    ([`crate::candidates`]).
 //!
 //! Indices from the file are followed with bounds checks and a step cap although an opened pack has passed
-//! [`hullmap_format::check`]: they are never taken, cost nothing measurable, and keep this file free of unsafe code.
+//! [`hullmap_format::check`], so that none can fail: they cost nothing measurable, and keep this file free of unsafe code.
 
 use hullmap_format::{
     archive::{ArchivedBlock, LANES},

@@ -118,7 +118,8 @@ pub struct VerifyArgs {
     /// Packs, or folders to search for them
     #[arg(required = true, value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
-    /// The OBJ file, or a folder with the OBJ files [default: beside the pack, then where it was baked from]
+    /// The OBJ file, or a folder with the OBJ files [default: beside the pack, then at the
+    /// path it records; where neither is there, the stored hull stands in]
     #[arg(long, value_name = "PATH")]
     pub source: Option<PathBuf>,
     /// Directions to try on each hull
