@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | 0 | branch: the cell is divided evenly | tree: place · 16 + b, of 4ᵇ slots; binary tree: place, of 2 slots |
 //! | 1 | leaf of the usual number of blocks | the first block |
-//! | 2 | planes: the cell is cut by planes through the origin | place · 2 + (0 for one plane, 1 for seven) |
+//! | 2 | planes: the cell is cut by planes through the origin | place · 4 + (0 for one plane, 1 for seven, 2 for a fan) |
 //! | 3 | leaf of any number of blocks | place, of 2 words: first block, number of blocks |
 //!
 //! A branch of a tree divides its cell into 2ᵇ × 2ᵇ squares, row by row (v), each row along u. One of a binary tree halves
@@ -37,6 +37,10 @@ pub const BUNDLE_PLANES: usize = 7;
 pub const BUNDLE_PARTS: usize = 8;
 /// Words of a bundle of planes.
 pub const BUNDLE_WORDS: u32 = 50;
+/// Words of a fan before its slots.
+pub const FAN_HEAD_WORDS: u32 = 13;
+/// Most bits that one fan consumes: it has 2ᵇ slots.
+pub const MAX_FAN_BITS: u32 = 20;
 /// Words of a list leaf.
 pub const LIST_WORDS: u32 = 2;
 /// Most bits that one branch of a tree consumes along each axis.
@@ -47,7 +51,7 @@ pub const PAYLOAD_LIMIT: u32 = 1 << 30;
 /// Greatest place of a tree's branch, plus one.
 pub const BRANCH_LIMIT: u32 = 1 << 26;
 /// Greatest place of planes, plus one.
-pub const PLANES_LIMIT: u32 = 1 << 29;
+pub const PLANES_LIMIT: u32 = 1 << 28;
 
 const TAG_SHIFT: u32 = 30;
 const PAYLOAD_MASK: u32 = PAYLOAD_LIMIT - 1;
@@ -63,6 +67,8 @@ pub enum Slot {
     Plane(u32),
     /// Seven planes, at this place.
     Bundle(u32),
+    /// A fan, at this place.
+    Fan(u32),
     /// A leaf of any number of blocks, described at this place.
     List(u32),
 }
@@ -98,8 +104,11 @@ impl Slot {
         match word >> TAG_SHIFT {
             0 => Self::Branch(payload),
             1 => Self::Block(payload),
-            2 if payload & 1 == 0 => Self::Plane(payload >> 1),
-            2 => Self::Bundle(payload >> 1),
+            2 => match payload & 3 {
+                0 => Self::Plane(payload >> 2),
+                1 => Self::Bundle(payload >> 2),
+                _ => Self::Fan(payload >> 2),
+            },
             _ => Self::List(payload),
         }
     }
@@ -110,8 +119,9 @@ impl Slot {
         let (tag, payload) = match self {
             Self::Branch(payload) => (0, payload),
             Self::Block(block) => (1, block),
-            Self::Plane(at) => (2, at << 1),
-            Self::Bundle(at) => (2, at << 1 | 1),
+            Self::Plane(at) => (2, at << 2),
+            Self::Bundle(at) => (2, at << 2 | 1),
+            Self::Fan(at) => (2, at << 2 | 2),
             Self::List(at) => (3, at),
         };
         debug_assert!(payload < PAYLOAD_LIMIT);

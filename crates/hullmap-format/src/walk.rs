@@ -11,8 +11,8 @@ use crate::{
     archive::LANES,
     cube::GRID_BITS,
     slot::{
-        BUNDLE_PARTS, BUNDLE_PLANES, BUNDLE_WORDS, Branch, HALVES_WORDS, LIST_WORDS, MAX_BRANCH_BITS, PLANE_WORDS,
-        Slot, decode_f64,
+        BUNDLE_PARTS, BUNDLE_PLANES, BUNDLE_WORDS, Branch, FAN_HEAD_WORDS, HALVES_WORDS, LIST_WORDS, MAX_BRANCH_BITS,
+        MAX_FAN_BITS, PLANE_WORDS, Slot, decode_f64,
     },
 };
 
@@ -157,6 +157,11 @@ pub fn walk(shape: Shape, len: usize, word: impl Fn(usize) -> u32) -> Result<Cos
                 walk.normals(at, BUNDLE_PLANES)?;
                 walk.slots(at + 6 * BUNDLE_PLANES, BUNDLE_PARTS, depth, 0)?;
             }
+            Slot::Fan(_) => {
+                walk.normals(at, 2)?;
+                let head = FAN_HEAD_WORDS as usize;
+                walk.slots(at + head, walk.words(slot) as usize - head, depth, 0)?;
+            }
             // A list's words were read when its slot was.
             Slot::List(_) | Slot::Block(_) => {}
         }
@@ -189,13 +194,18 @@ impl<F: Fn(usize) -> u32> Walk<F> {
         }
     }
 
-    /// Words that what lies below a slot takes.
+    /// Words that what lies below a slot takes; more than there can be where it is not one.
     fn words(&self, slot: Slot) -> u32 {
         match slot {
             Slot::Branch(payload) => self.branch(payload).1,
             Slot::Block(_) => 0,
             Slot::Plane(_) => PLANE_WORDS,
             Slot::Bundle(_) => BUNDLE_WORDS,
+            Slot::Fan(place) => {
+                let last = place as usize + FAN_HEAD_WORDS as usize - 1;
+                let bits = if last < self.len { (self.word)(last) } else { u32::MAX };
+                if (1..=MAX_FAN_BITS).contains(&bits) { FAN_HEAD_WORDS + (1 << bits) } else { u32::MAX }
+            }
             Slot::List(_) => LIST_WORDS,
         }
     }
@@ -230,9 +240,9 @@ impl<F: Fn(usize) -> u32> Walk<F> {
                 }
                 (place, count.ilog2())
             }
-            Slot::Plane(place) | Slot::Bundle(place) | Slot::List(place) => (place, 0),
+            Slot::Plane(place) | Slot::Bundle(place) | Slot::Fan(place) | Slot::List(place) => (place, 0),
         };
-        let planes = matches!(slot, Slot::Plane(_) | Slot::Bundle(_));
+        let planes = matches!(slot, Slot::Plane(_) | Slot::Bundle(_) | Slot::Fan(_));
         if bits > bits_left || (planes && self.shape.branches == Branches::None) {
             return Err(IndexError::Misplaced { slot: at });
         }

@@ -12,7 +12,7 @@
 use hullmap_format::{
     archive::{ArchivedBlock, LANES},
     cube::{self, Cell, GRID_BITS},
-    slot::{BUNDLE_PLANES, BUNDLE_WORDS, Branch, PLANE_WORDS, Slot, decode_f64},
+    slot::{BUNDLE_PLANES, BUNDLE_WORDS, Branch, FAN_HEAD_WORDS, PLANE_WORDS, Slot, decode_f64},
     walk::{Cost, MAX_NODES},
 };
 use rkyv::rend::u32_le;
@@ -138,6 +138,7 @@ impl<'a> Index<'a> {
             slot = Slot::decode(match slot {
                 Slot::Plane(at) => self.beside_plane(at as usize, dir),
                 Slot::Bundle(at) => self.in_bundle(at as usize, dir),
+                Slot::Fan(at) => self.in_fan(at as usize, dir),
                 Slot::Block(_) | Slot::List(_) | Slot::Branch(_) => break,
             });
             nodes += 1;
@@ -172,12 +173,29 @@ impl<'a> Index<'a> {
         node[6 * BUNDLE_PLANES + 4 * first + 2 * second + third].to_native()
     }
 
+    /// The slot of the part of the fan at `at` in which `dir` lies.
+    #[inline]
+    fn in_fan(&self, at: usize, dir: [f64; 3]) -> u32 {
+        let Some(node) = self.words::<{ FAN_HEAD_WORDS as usize }>(at) else { return 0 };
+        let dot = |normal: usize| {
+            let n = |axis: usize| {
+                let word = 2 * (3 * normal + axis);
+                decode_f64(node[word].to_native(), node[word + 1].to_native())
+            };
+            n(0) * dir[0] + n(1) * dir[1] + n(2) * dir[2]
+        };
+        // A cast saturates, and makes 0 of NaN.
+        let part = (dot(0) / dot(1)) as u32;
+        let last = (1_u32 << (node[12].to_native() & 31)) - 1;
+        self.word(at + FAN_HEAD_WORDS as usize + part.min(last) as usize)
+    }
+
     fn leaf_at(&self, slot: Slot, nodes: u32) -> Leaf<'a> {
         let blocks = match slot {
             Slot::Block(first) => self.run(first, self.leaf_blocks),
             Slot::List(at) => self.run(self.word(at as usize), self.word(at as usize + 1)),
             // Not in a pack that has been checked.
-            Slot::Branch(_) | Slot::Plane(_) | Slot::Bundle(_) => self.blocks,
+            Slot::Branch(_) | Slot::Plane(_) | Slot::Bundle(_) | Slot::Fan(_) => self.blocks,
         };
         Leaf { blocks, nodes }
     }

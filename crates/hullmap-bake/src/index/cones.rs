@@ -107,6 +107,16 @@ impl Cones {
             .map(|(v, (start, end))| (*v, &self.corners[start as usize..*end as usize]))
     }
 
+    /// The polygons with these numbers, ascending.
+    pub fn select(&self, numbers: impl Iterator<Item = usize>) -> Self {
+        let mut chosen = Self::default();
+        for number in numbers {
+            let start = if number == 0 { 0 } else { self.ends[number - 1] };
+            chosen.push(self.vertices[number], &self.corners[start as usize..self.ends[number] as usize]);
+        }
+        chosen
+    }
+
     /// Closes the polygon of `vertex`, whose corners were pushed last.
     fn end(&mut self, vertex: u32) {
         self.vertices.push(vertex);

@@ -7,13 +7,14 @@ use std::collections::{HashMap, VecDeque};
 use hullmap_format::{
     archive::{Block, LANES},
     slot::{
-        BRANCH_LIMIT, BUNDLE_PARTS, BUNDLE_PLANES, BUNDLE_WORDS, Branch, MAX_BRANCH_BITS, PAYLOAD_LIMIT, PLANES_LIMIT,
+        BRANCH_LIMIT, BUNDLE_PARTS, BUNDLE_PLANES, BUNDLE_WORDS, Branch, FAN_HEAD_WORDS, MAX_BRANCH_BITS,
+        MAX_FAN_BITS, PAYLOAD_LIMIT, PLANES_LIMIT,
         Slot, encode_f64,
     },
     walk::Branches,
 };
 
-use super::subdivide::Tree;
+use super::{fan::Frame, subdivide::Tree};
 use crate::BakeError;
 
 /// A branch is given as many bits as leave this share of its slots different.
@@ -24,6 +25,9 @@ const DIFFERENT_SLOTS: f64 = 0.4;
 
 /// Three levels of planes are written as one bundle if it divides the cell into this many parts at least.
 const BUNDLE_FROM: usize = 5;
+
+/// What stands below which slots, and for wedges the frame of their fan.
+type Queue<'a> = VecDeque<(Vec<usize>, &'a Tree, Option<Frame>)>;
 
 /// An index, ready to be written.
 #[derive(Clone, Debug, Default)]
@@ -54,28 +58,27 @@ pub fn trees(
     let mut encoder = Encoder::new(vertices, leaf_blocks);
     encoder.out.slots = vec![0; roots.len()];
     // What stands below each slot; equal neighbours below one node are written once.
-    let mut queue: VecDeque<(Vec<usize>, &Tree)> =
-        roots.iter().enumerate().map(|(at, tree)| (vec![at], tree)).collect();
-    while let Some((places, tree)) = queue.pop_front() {
+    let mut queue: Queue = roots.iter().enumerate().map(|(at, tree)| (vec![at], tree, None)).collect();
+    while let Some((places, tree, frame)) = queue.pop_front() {
         let free = encoder.out.slots.len();
         let slot = match tree {
             Tree::Leaf(list) => encoder.leaf(list),
             Tree::Axis(halves) if branches == Branches::Halves => {
                 encoder.out.slots.extend([0; 2]);
-                queue.extend([(vec![free], &halves[0]), (vec![free + 1], &halves[1])]);
+                queue.extend([(vec![free], &halves[0], None), (vec![free + 1], &halves[1], None)]);
                 Slot::Branch(checked(free, PAYLOAD_LIMIT)?)
             }
             Tree::Axis(_) => {
                 let bits = branch_bits(tree);
                 let squares = squares(tree, bits);
                 encoder.out.slots.resize(free + squares.len(), 0);
-                enqueue(&mut queue, free, &squares);
+                enqueue(&mut queue, free, &squares, |_| None);
                 Slot::Branch(Branch { at: checked(free, BRANCH_LIMIT)?, bits }.encode())
             }
             Tree::Plane(normal, halves) if part_count(tree, 3) < BUNDLE_FROM => {
                 encoder.out.slots.extend(normal.iter().flat_map(|n| encode_f64(*n)));
                 encoder.out.slots.extend([0; 2]);
-                enqueue(&mut queue, free + 6, &[&halves[0], &halves[1]]);
+                enqueue(&mut queue, free + 6, &[&halves[0], &halves[1]], |_| None);
                 Slot::Plane(checked(free, PLANES_LIMIT)?)
             }
             Tree::Plane(..) => {
@@ -87,8 +90,23 @@ pub fn trees(
                         encoder.out.slots[at..at + 2].copy_from_slice(&encode_f64(*n));
                     }
                 }
-                enqueue(&mut queue, free + 6 * BUNDLE_PLANES, &parts);
+                enqueue(&mut queue, free + 6 * BUNDLE_PLANES, &parts, |_| None);
                 Slot::Bundle(checked(free, PLANES_LIMIT)?)
+            }
+            Tree::Fan(..) | Tree::Wedges(_) => {
+                let (frame, wedges) = match tree {
+                    Tree::Fan(frame, wedges) => (*frame, &**wedges),
+                    _ => (frame.expect("wedges stand below a fan"), tree),
+                };
+                let bits = fan_bits(wedges);
+                let parts = parts(wedges, bits);
+                let across = frame.across * f64::from(1 << bits);
+                let normals = across.to_array().into_iter().chain(frame.along.to_array());
+                encoder.out.slots.extend(normals.flat_map(encode_f64));
+                encoder.out.slots.push(bits);
+                encoder.out.slots.resize(free + FAN_HEAD_WORDS as usize + parts.len(), 0);
+                enqueue(&mut queue, free + FAN_HEAD_WORDS as usize, &parts, |part| Some(frame.part(part, bits)));
+                Slot::Fan(checked(free, PLANES_LIMIT)?)
             }
         };
         for place in places {
@@ -104,12 +122,17 @@ fn checked(at: usize, limit: u32) -> Result<u32, BakeError> {
 }
 
 /// Queues what stands in a node's slots from `first` on; a tree that fills several of them is queued once.
-fn enqueue<'a>(queue: &mut VecDeque<(Vec<usize>, &'a Tree)>, first: usize, slots: &[&'a Tree]) {
+fn enqueue<'a>(
+    queue: &mut Queue<'a>,
+    first: usize,
+    slots: &[&'a Tree],
+    frame: impl Fn(usize) -> Option<Frame>,
+) {
     let start = queue.len();
     let mut known: HashMap<*const Tree, usize> = HashMap::new();
     for (place, &tree) in slots.iter().enumerate() {
         let at = *known.entry(std::ptr::from_ref(tree)).or_insert_with(|| {
-            queue.push_back((Vec::new(), tree));
+            queue.push_back((Vec::new(), tree, frame(place)));
             queue.len() - 1
         });
         debug_assert!(at >= start);
@@ -121,6 +144,28 @@ fn enqueue<'a>(queue: &mut VecDeque<(Vec<usize>, &'a Tree)>, first: usize, slots
 fn branch_bits(tree: &Tree) -> u32 {
     let enough = |bits: &u32| cell_count(tree, 2 * bits) as f64 >= DIFFERENT_SLOTS * f64::from(1 << (2 * bits));
     (1..=MAX_BRANCH_BITS).rev().find(enough).unwrap_or(1)
+}
+
+/// Bits of a fan over `wedges`: the most that leave enough of its slots different.
+fn fan_bits(wedges: &Tree) -> u32 {
+    let enough = |bits: &u32| wedge_count(wedges, *bits) as f64 >= DIFFERENT_SLOTS * f64::from(1 << bits);
+    (0..=MAX_FAN_BITS).rev().find(enough).unwrap_or(0)
+}
+
+/// Parts that `levels` halvings of a fan divide it into.
+fn wedge_count(tree: &Tree, levels: u32) -> usize {
+    match tree {
+        Tree::Wedges(halves) if levels > 0 => halves.iter().map(|half| wedge_count(half, levels - 1)).sum(),
+        _ => 1,
+    }
+}
+
+/// The trees in 2ᵇ equal parts of a fan; a tree that covers several parts is in each.
+fn parts(tree: &Tree, bits: u32) -> Vec<&Tree> {
+    match tree {
+        Tree::Wedges(halves) if bits > 0 => halves.iter().flat_map(|half| parts(half, bits - 1)).collect(),
+        _ => vec![tree; 1 << bits],
+    }
 }
 
 /// Cells that `levels` halvings of a tree divide it into.

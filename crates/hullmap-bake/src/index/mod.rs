@@ -8,6 +8,7 @@
 pub mod cones;
 pub mod cube_map;
 pub mod encode;
+pub mod fan;
 pub mod packing;
 pub mod subdivide;
 
@@ -74,7 +75,7 @@ pub fn build(hull: &Hull, kind: IndexKind) -> Result<Index, BakeError> {
         IndexKind::Tree { .. } if vertices.len() <= SCAN_UP_TO => Ok(scan(vertices)),
         IndexKind::Tree { leaf_blocks } => {
             let leaf = leaf_blocks.lanes();
-            let mut roots = tree(leaf);
+            let mut roots = tree(fine_leaf(leaf));
             packing::share(&mut roots, leaf);
             finish(hull, index_kind::TREE, 0, leaf / LANES, &roots)
         }
@@ -99,6 +100,14 @@ pub fn build(hull: &Hull, kind: IndexKind) -> Result<Index, BakeError> {
         }
         IndexKind::None => Ok(scan(vertices)),
     }
+}
+
+/// Vertices of a leaf that is subdivided no further, where its blocks hold `capacity`.
+///
+/// Fewer than fit: neighbouring leaves then fill up each other's blocks. Subdividing down to 6 instead of 8 takes 5 %
+/// off an index, down to 20 instead of 32 takes 10 %; any further, the slots outweigh the blocks.
+fn fine_leaf(capacity: usize) -> usize {
+    if capacity == LANES { capacity * 3 / 4 } else { capacity * 5 / 8 }
 }
 
 fn scan(vertices: &[[f32; 3]]) -> Index {

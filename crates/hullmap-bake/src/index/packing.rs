@@ -11,66 +11,84 @@ use super::subdivide::Tree;
 /// Groups that a leaf may still join.
 const WINDOW: usize = 256;
 
+/// Groups with less than this part of their room left are not joined with others that they share nothing with.
+const NEARLY_FULL: usize = 8;
+
 /// Replaces every leaf's list of at most `capacity` vertices by that of its group; longer lists stay as they are.
 ///
 /// # Complexity
 /// O(leaves · window).
 pub fn share(trees: &mut [Tree], capacity: usize) {
-    let mut groups = Groups { capacity, lists: Vec::new(), open: VecDeque::new() };
-    let mut joined = Vec::new();
+    let mut lists = Vec::new();
     for tree in trees.iter() {
-        leaves(tree, &mut |list| joined.push(groups.join(list)));
+        leaves(tree, &mut |list| lists.push(list.to_vec()));
     }
-    let mut joined = joined.into_iter();
+    let (of_leaf, groups) = join(lists, capacity, Partners::Overlapping);
+    let (of_group, groups) = join(groups, capacity, Partners::Any);
+    let mut of_leaf = of_leaf.into_iter();
     for tree in trees {
         leaves_mut(tree, &mut |list| {
-            if let Some(Some(group)) = joined.next() {
-                list.clone_from(&groups.lists[group]);
+            if let Some(group) = of_leaf.next() {
+                list.clone_from(&groups[of_group[group]]);
             }
         });
     }
 }
 
-struct Groups {
-    capacity: usize,
-    lists: Vec<Vec<u32>>,
-    /// The groups that may grow, most recent first.
-    open: VecDeque<usize>,
+/// Which groups a list may join.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Partners {
+    /// Those that list one of its vertices.
+    Overlapping,
+    /// All.
+    Any,
 }
 
-impl Groups {
-    /// The group that a leaf with this list joins; none for a list that is too long.
-    fn join(&mut self, list: &[u32]) -> Option<usize> {
-        if list.len() > self.capacity {
-            return None;
-        }
+/// Joins lists into groups of at most `capacity` vertices; a longer list stays alone. Returns the group of each list, and
+/// the groups.
+fn join(lists: Vec<Vec<u32>>, capacity: usize, partners: Partners) -> (Vec<usize>, Vec<Vec<u32>>) {
+    let mut groups: Vec<Vec<u32>> = Vec::new();
+    // The groups that may grow, most recent first.
+    let mut open: VecDeque<usize> = VecDeque::new();
+    let mut joined = Vec::with_capacity(lists.len());
+    for list in lists {
         let mut best = None;
-        let mut least = usize::MAX;
-        for (place, &group) in self.open.iter().enumerate() {
-            let growth = missing(&self.lists[group], list);
-            if growth < least && self.lists[group].len() + growth <= self.capacity {
+        let (mut least, closed) = match partners {
+            Partners::Overlapping => (list.len(), capacity + 1),
+            Partners::Any => (list.len() + 1, capacity - capacity / NEARLY_FULL),
+        };
+        if list.len() >= closed {
+            groups.push(list);
+            joined.push(groups.len() - 1);
+            continue;
+        }
+        for (place, &group) in open.iter().enumerate() {
+            let room = capacity.saturating_sub(groups[group].len());
+            let growth = missing(&groups[group], &list);
+            if growth < least && growth <= room {
                 (best, least) = (Some(place), growth);
                 if growth == 0 {
                     break;
                 }
             }
         }
-        let group = match best {
-            // A group that grows by the whole list has nothing in common with it.
-            Some(place) if least < list.len() => {
-                let group = self.open.remove(place)?;
-                merge(&mut self.lists[group], list);
+        let group = match best.and_then(|place| open.remove(place)) {
+            Some(group) => {
+                merge(&mut groups[group], &list);
                 group
             }
-            _ => {
-                self.lists.push(list.to_vec());
-                self.open.truncate(WINDOW - 1);
-                self.lists.len() - 1
+            None => {
+                groups.push(list);
+                open.truncate(WINDOW - 1);
+                groups.len() - 1
             }
         };
-        self.open.push_front(group);
-        Some(group)
+        if groups[group].len() < closed {
+            open.push_front(group);
+        }
+        joined.push(group);
     }
+    (joined, groups)
 }
 
 /// How many of `list` are not in `group`. Both ascend.
@@ -93,14 +111,20 @@ fn merge(group: &mut Vec<u32>, list: &[u32]) {
 fn leaves(tree: &Tree, visit: &mut impl FnMut(&[u32])) {
     match tree {
         Tree::Leaf(list) => visit(list),
-        Tree::Axis(halves) | Tree::Plane(_, halves) => halves.iter().for_each(|half| leaves(half, visit)),
+        Tree::Axis(halves) | Tree::Wedges(halves) | Tree::Plane(_, halves) => {
+            halves.iter().for_each(|half| leaves(half, visit));
+        }
+        Tree::Fan(_, wedges) => leaves(wedges, visit),
     }
 }
 
 fn leaves_mut(tree: &mut Tree, visit: &mut impl FnMut(&mut Vec<u32>)) {
     match tree {
         Tree::Leaf(list) => visit(list),
-        Tree::Axis(halves) | Tree::Plane(_, halves) => halves.iter_mut().for_each(|half| leaves_mut(half, visit)),
+        Tree::Axis(halves) | Tree::Wedges(halves) | Tree::Plane(_, halves) => {
+            halves.iter_mut().for_each(|half| leaves_mut(half, visit));
+        }
+        Tree::Fan(_, wedges) => leaves_mut(wedges, visit),
     }
 }
 

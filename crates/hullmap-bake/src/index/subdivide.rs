@@ -12,7 +12,10 @@
 use glam::DVec3;
 use hullmap_format::cube::{GRID_BITS, grid_to_uv};
 
-use super::cones::{Cones, Line};
+use super::{
+    cones::{Cones, Line},
+    fan::{self, Fan, Frame, Interval},
+};
 use crate::gauss_map::GaussMap;
 
 /// Halvings along each axis after which only planes are left: cells are then 20 times as wide as their overlap.
@@ -38,6 +41,12 @@ const PLANES_OF_VERTEX: usize = 3;
 /// A plane must leave this share of the cones, and at least one, out of its fuller side.
 const PROGRESS: f64 = 0.1;
 
+/// Cells of this many leaves of cones may be fans.
+const FAN_FROM: usize = 3;
+
+/// Halvings of a fan, one after another, that part nothing before its places are left as they are.
+const FUTILE_WEDGES: u32 = 5;
+
 /// Cells of more cones are subdivided in parallel.
 const PARALLEL_FROM: usize = 512;
 
@@ -50,6 +59,10 @@ pub enum Tree {
     Axis(Box<[Tree; 2]>),
     /// Behind and in front of a plane through the origin.
     Plane([f64; 3], Box<[Tree; 2]>),
+    /// Side by side around an axis: the places from 0 to 1 of this frame.
+    Fan(Frame, Box<Tree>),
+    /// Lower and upper half of a fan's places, or of half of them.
+    Wedges(Box<[Tree; 2]>),
 }
 
 /// Subdivides one face of the cube, down to leaves of at most `leaf` vertices.
@@ -64,6 +77,14 @@ struct Subdivision<'a> {
     map: &'a GaussMap,
     face: u32,
     leaf: usize,
+}
+
+/// A fan that is being subdivided.
+struct Wedges<'a> {
+    cones: &'a Cones,
+    frame: Frame,
+    /// Vertices of a leaf that is not halved: fewer than fit, as neighbouring leaves fill up each other's blocks.
+    full: usize,
 }
 
 impl Subdivision<'_> {
@@ -102,6 +123,14 @@ impl Subdivision<'_> {
         if cones.vertex_count() <= self.leaf {
             return Tree::Leaf(cones.into_vertices());
         }
+        if cones.len() >= FAN_FROM * self.leaf
+            && let Some(axis) = fan::axis(&self.samples(&cones).collect::<Vec<_>>())
+            && let Some(fan) = Fan::new(self.face, &cones, axis)
+        {
+            let wedges = Wedges { cones: &cones, frame: fan.frame, full: fan.layers as usize + self.leaf / 3 };
+            let root = self.wedges(&wedges, &fan.intervals, [0.0, 1.0], 0);
+            return if matches!(root, Tree::Wedges(_)) { Tree::Fan(fan.frame, Box::new(root)) } else { root };
+        }
         let Some((normal, _)) = self.best_plane(&cones) else {
             return Tree::Leaf(cones.into_vertices());
         };
@@ -113,21 +142,55 @@ impl Subdivision<'_> {
         Tree::Plane(normal.to_array(), Box::new(halves.into()))
     }
 
+    /// Halves the places of a fan until few enough cones are left: `intervals` are those within `places`.
+    fn wedges(&self, fan: &Wedges, intervals: &[Interval], places: [f64; 2], futile: u32) -> Tree {
+        let mut list: Vec<u32> = intervals.iter().map(|i| i.vertex).collect();
+        list.dedup();
+        if list.len() <= fan.full {
+            return Tree::Leaf(list);
+        }
+        if futile == FUTILE_WEDGES {
+            let part = fan.cones.select(intervals.iter().map(|i| i.polygon as usize));
+            let [start, end] = places.map(|t| Line::plane(self.face, fan.frame.plane(t)));
+            let [_, part] = part.split(start);
+            let [part, _] = part.split(end);
+            return self.planes(part);
+        }
+        let middle = 0.5 * (places[0] + places[1]);
+        let halves = [[places[0], middle], [middle, places[1]]];
+        let within = halves.map(|[start, end]| -> Vec<Interval> {
+            intervals.iter().filter(|i| i.meets(start, end)).copied().collect()
+        });
+        if list.len() <= self.leaf && within.iter().any(|half| half.len() == intervals.len()) {
+            return Tree::Leaf(list);
+        }
+        let half = |i: usize| {
+            let futile = if within[i].len() < intervals.len() { 0 } else { futile + 1 };
+            self.wedges(fan, &within[i], halves[i], futile)
+        };
+        Tree::Wedges(Box::new([half(0), half(1)]))
+    }
+
+    /// Normals of some planes between neighbouring cones of this cell.
+    fn samples<'b>(&'b self, cones: &'b Cones) -> impl Iterator<Item = DVec3> + 'b {
+        sample(&cones.vertices, PLANE_SAMPLES).flat_map(move |vertex| {
+            let neighbours = self.map.neighbours(vertex).iter().copied();
+            let within: Vec<u32> = neighbours.filter(|w| cones.vertices.binary_search(w).is_ok()).collect();
+            let chosen: Vec<u32> = sample(&within, PLANES_OF_VERTEX).collect();
+            chosen.into_iter().map(move |neighbour| self.map.plane_between(vertex, neighbour))
+        })
+    }
+
     /// Of some planes between cones of this cell, the one whose fuller side has the fewest, and how many it lists twice.
     fn best_plane(&self, cones: &Cones) -> Option<(DVec3, usize)> {
         let least = ((PROGRESS * cones.len() as f64) as usize).max(1);
         let mut fullest = cones.len() - least + 1;
         let mut best = None;
-        for vertex in sample(&cones.vertices, PLANE_SAMPLES) {
-            let neighbours = self.map.neighbours(vertex).iter().copied();
-            let within: Vec<u32> = neighbours.filter(|w| cones.vertices.binary_search(w).is_ok()).collect();
-            for neighbour in sample(&within, PLANES_OF_VERTEX) {
-                let normal = self.map.plane_between(vertex, neighbour);
-                let [behind, front] = cones.count(Line::plane(self.face, normal));
-                if behind.max(front) < fullest {
-                    fullest = behind.max(front);
-                    best = Some((normal, behind + front - cones.len()));
-                }
+        for normal in self.samples(cones) {
+            let [behind, front] = cones.count(Line::plane(self.face, normal));
+            if behind.max(front) < fullest {
+                fullest = behind.max(front);
+                best = Some((normal, behind + front - cones.len()));
             }
         }
         best
