@@ -16,6 +16,7 @@
 pub mod archive;
 pub mod check;
 pub mod cube;
+pub mod fan;
 pub mod header;
 pub mod slot;
 pub mod walk;

@@ -37,10 +37,6 @@ pub const BUNDLE_PLANES: usize = 7;
 pub const BUNDLE_PARTS: usize = 8;
 /// Words of a bundle of planes.
 pub const BUNDLE_WORDS: u32 = 50;
-/// Words of a fan before its slots.
-pub const FAN_HEAD_WORDS: u32 = 13;
-/// Most bits that one fan consumes: it has 2ᵇ slots.
-pub const MAX_FAN_BITS: u32 = 20;
 /// Words of a list leaf.
 pub const LIST_WORDS: u32 = 2;
 /// Most bits that one branch of a tree consumes along each axis.
@@ -111,6 +107,18 @@ impl Slot {
             },
             _ => Self::List(payload),
         }
+    }
+
+    /// The payload, if the word is a branch.
+    #[inline]
+    pub fn branch(word: u32) -> Option<u32> {
+        (word >> TAG_SHIFT == 0).then_some(word)
+    }
+
+    /// The first block, if the word is a leaf of the usual number of blocks.
+    #[inline]
+    pub fn block(word: u32) -> Option<u32> {
+        (word >> TAG_SHIFT == 1).then_some(word & PAYLOAD_MASK)
     }
 
     /// The word. Payloads are below their limits.

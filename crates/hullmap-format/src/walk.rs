@@ -10,9 +10,10 @@ use std::collections::VecDeque;
 use crate::{
     archive::LANES,
     cube::GRID_BITS,
+    fan,
     slot::{
-        BUNDLE_PARTS, BUNDLE_PLANES, BUNDLE_WORDS, Branch, FAN_HEAD_WORDS, HALVES_WORDS, LIST_WORDS, MAX_BRANCH_BITS,
-        MAX_FAN_BITS, PLANE_WORDS, Slot, decode_f64,
+        BUNDLE_PARTS, BUNDLE_PLANES, BUNDLE_WORDS, Branch, HALVES_WORDS, LIST_WORDS, MAX_BRANCH_BITS, PLANE_WORDS,
+        Slot, decode_f64,
     },
 };
 
@@ -102,7 +103,7 @@ pub enum IndexError {
         /// Place of the slot.
         slot: usize,
     },
-    /// The normal of a plane, or of one of a bundle, is not finite.
+    /// The normal of a plane, or of one of a bundle, or a number of a fan is not finite.
     #[error("the planes at word {at} of the direction index are not finite")]
     Plane {
         /// Place of the planes.
@@ -150,16 +151,16 @@ pub fn walk(shape: Shape, len: usize, word: impl Fn(usize) -> u32) -> Result<Cos
                 walk.slots(at, count, depth, bits_left)?;
             }
             Slot::Plane(_) => {
-                walk.normals(at, 1)?;
+                walk.numbers(at, 3)?;
                 walk.slots(at + 6, 2, depth, 0)?;
             }
             Slot::Bundle(_) => {
-                walk.normals(at, BUNDLE_PLANES)?;
+                walk.numbers(at, 3 * BUNDLE_PLANES)?;
                 walk.slots(at + 6 * BUNDLE_PLANES, BUNDLE_PARTS, depth, 0)?;
             }
             Slot::Fan(_) => {
-                walk.normals(at, 2)?;
-                let head = FAN_HEAD_WORDS as usize;
+                walk.numbers(at, fan::HEAD_WORDS as usize / 2)?;
+                let head = fan::HEAD_WORDS as usize;
                 walk.slots(at + head, walk.words(slot) as usize - head, depth, 0)?;
             }
             // A list's words were read when its slot was.
@@ -202,17 +203,16 @@ impl<F: Fn(usize) -> u32> Walk<F> {
             Slot::Plane(_) => PLANE_WORDS,
             Slot::Bundle(_) => BUNDLE_WORDS,
             Slot::Fan(place) => {
-                let last = place as usize + FAN_HEAD_WORDS as usize - 1;
+                let last = place as usize + fan::HEAD_WORDS as usize - 1;
                 let bits = if last < self.len { (self.word)(last) } else { u32::MAX };
-                if (1..=MAX_FAN_BITS).contains(&bits) { FAN_HEAD_WORDS + (1 << bits) } else { u32::MAX }
+                if (1..=fan::MAX_BITS).contains(&bits) { fan::HEAD_WORDS + (1 << bits) } else { u32::MAX }
             }
             Slot::List(_) => LIST_WORDS,
         }
     }
 
-    fn normals(&self, at: usize, planes: usize) -> Result<(), IndexError> {
-        let finite =
-            (0..3 * planes).all(|i| decode_f64((self.word)(at + 2 * i), (self.word)(at + 2 * i + 1)).is_finite());
+    fn numbers(&self, at: usize, count: usize) -> Result<(), IndexError> {
+        let finite = (0..count).all(|i| decode_f64((self.word)(at + 2 * i), (self.word)(at + 2 * i + 1)).is_finite());
         if finite { Ok(()) } else { Err(IndexError::Plane { at }) }
     }
 

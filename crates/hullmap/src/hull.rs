@@ -10,6 +10,7 @@ use rkyv::rend::{f32_le, u32_le};
 use crate::{
     candidates,
     lookup::{Index, Kind},
+    simd::{Instructions, Level},
     support_map::{Support, SupportMap},
 };
 
@@ -90,6 +91,7 @@ impl<'a> Hull<'a> {
                     .iter()
                     .chain(&record.bounds_max)
                     .fold(0.0, |reach: f32, c| reach.max(c.to_native().abs())),
+                level: Level::best(),
             },
             neighbour_starts: pack.neighbour_starts.get(vertices)?,
             neighbours: run(&pack.neighbours, start.neighbour, end.neighbour)?,
@@ -143,6 +145,17 @@ impl<'a> Hull<'a> {
         // NaN takes the failing branch.
         let beaten = |v: &u32_le| self.vertex(v.to_native()).is_some_and(|w| w.dot(dir) < least);
         neighbours.iter().all(beaten).then_some(point)
+    }
+
+    /// The vector instructions that queries use: the best that this processor has, unless chosen otherwise.
+    pub fn instructions(&self) -> Instructions {
+        self.index.level.instructions()
+    }
+
+    /// The same hull, asked with these instructions; `None` where this processor has them not. The answers are the same.
+    pub fn with_instructions(mut self, instructions: Instructions) -> Option<Self> {
+        self.index.level = Level::of(instructions)?;
+        Some(self)
     }
 
     /// What [`support`](Self::support) costs in direction `dir`.

@@ -9,15 +9,22 @@
 //! Indices from the file are followed with bounds checks and a step cap although an opened pack has passed
 //! [`hullmap_format::check`], so that none can fail: they cost nothing measurable, and keep this file free of unsafe code.
 
+use std::marker::PhantomData;
+
 use hullmap_format::{
     archive::{ArchivedBlock, LANES},
     cube::{self, Cell, GRID_BITS},
-    slot::{BUNDLE_PLANES, BUNDLE_WORDS, Branch, FAN_HEAD_WORDS, PLANE_WORDS, Slot, decode_f64},
+    fan,
+    slot::{BUNDLE_PLANES, BUNDLE_WORDS, Branch, PLANE_WORDS, Slot, decode_f64},
     walk::{Cost, MAX_NODES},
 };
 use rkyv::rend::u32_le;
 
-use crate::{candidates, direction::Direction};
+use crate::{
+    candidates::{self, Candidate},
+    direction::Direction,
+    simd::{Level, Portable, Simd, Work},
+};
 
 /// A hull's direction index, in place.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +36,7 @@ pub(crate) struct Index<'a> {
     pub(crate) blocks: &'a [ArchivedBlock],
     /// Greatest magnitude of any coordinate of the hull's vertices.
     pub(crate) reach: f32,
+    pub(crate) level: Level,
 }
 
 /// How an index is read.
@@ -53,23 +61,51 @@ impl Leaf<'_> {
     }
 }
 
-impl<'a> Index<'a> {
-    /// Vertex number and position of the support vertex in direction `dir`.
-    #[inline]
-    pub(crate) fn support(&self, dir: impl Direction) -> (u32, [f32; 3]) {
+/// A support query in a direction of these numbers.
+struct Query<'i, 'a, T>(&'i Index<'a>, PhantomData<T>);
+
+impl<T> Clone for Query<'_, '_, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for Query<'_, '_, T> {}
+
+impl<'a, T> Work for Query<'_, 'a, T>
+where
+    [T; 3]: Direction,
+{
+    type Scalar = T;
+    type Answer = Candidate<'a>;
+
+    #[inline(always)]
+    fn with<S: Simd>(self, simd: S, dir: [T; 3]) -> Candidate<'a> {
+        let index = self.0;
         let size = cube::largest(dir.narrow());
         // NaN takes the failing branch.
         if !cube::IN_RANGE.contains(&size) {
-            return self.support_out_of_range(dir.exact());
+            return index.support_out_of_range(dir.exact());
         }
-        candidates::best(self.leaf(dir).blocks, dir, self.reach)
+        candidates::best(simd, index.leaf(dir).blocks, dir, index.reach)
+    }
+}
+
+impl<'a> Index<'a> {
+    /// Vertex number and position of the support vertex in direction `dir`.
+    #[inline]
+    pub(crate) fn support<T>(&self, dir: [T; 3]) -> (u32, [f32; 3])
+    where
+        [T; 3]: Direction,
+    {
+        self.level.run(Query(self, PhantomData), dir).read()
     }
 
     /// The same for directions so long or short that f32 would overflow, and for those that are none.
     #[cold]
-    fn support_out_of_range(&self, dir: [f64; 3]) -> (u32, [f32; 3]) {
+    fn support_out_of_range(&self, dir: [f64; 3]) -> Candidate<'a> {
         let dir = crate::direction::in_range(dir);
-        candidates::best(self.leaf(dir).blocks, dir, self.reach)
+        candidates::best(Portable, self.leaf(dir).blocks, dir, self.reach)
     }
 
     /// What the support query in direction `dir` costs.
@@ -82,7 +118,7 @@ impl<'a> Index<'a> {
     }
 
     /// The leaf that lists every vertex which can be the support point in direction `dir`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn leaf(&self, dir: impl Direction) -> Leaf<'a> {
         let cell = || cube::locate(dir.narrow());
         match self.kind {
@@ -97,43 +133,51 @@ impl<'a> Index<'a> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn descend_squares(&self, cell: Cell, dir: impl Direction) -> Leaf<'a> {
         // The next bits to branch on are the top ones.
         let (mut u, mut v) = (cell.u << (32 - GRID_BITS), cell.v << (32 - GRID_BITS));
-        let mut slot = Slot::decode(self.word(cell.face as usize));
+        let mut slot = self.word(cell.face as usize);
         for nodes in 0..MAX_NODES {
-            let Slot::Branch(payload) = slot else { return self.past_branches(slot, nodes, dir) };
+            // Told apart by hand, as nearly all queries end here.
+            let Some(payload) = Slot::branch(slot) else { return self.past_branches(slot, nodes, dir) };
             let Branch { at, bits } = Branch::decode(payload);
             let top = |path: u32| (u64::from(path) << bits >> 32) as u32;
-            slot = Slot::decode(self.word((at + (top(v) << bits | top(u))) as usize));
+            slot = self.word((at + (top(v) << bits | top(u))) as usize);
             (u, v) = (u << bits, v << bits);
         }
-        self.leaf_at(slot, MAX_NODES)
+        self.leaf_at(Slot::decode(slot), MAX_NODES)
     }
 
     /// The paper's binary search: one bit a step, u and v in turn.
+    #[inline(never)]
     fn descend_halves(&self, cell: Cell, dir: impl Direction) -> Leaf<'a> {
         let (mut path, mut other) = (cell.u << (32 - GRID_BITS), cell.v << (32 - GRID_BITS));
-        let mut slot = Slot::decode(self.word(cell.face as usize));
+        let mut slot = self.word(cell.face as usize);
         for nodes in 0..MAX_NODES {
-            let Slot::Branch(at) = slot else { return self.past_branches(slot, nodes, dir) };
-            slot = Slot::decode(self.word((at + (path >> 31)) as usize));
+            let Some(at) = Slot::branch(slot) else { return self.past_branches(slot, nodes, dir) };
+            slot = self.word((at + (path >> 31)) as usize);
             (path, other) = (other, path << 1);
         }
-        self.leaf_at(slot, MAX_NODES)
+        self.leaf_at(Slot::decode(slot), MAX_NODES)
     }
 
     /// Follows planes, if there are any, to the leaf below `slot`.
-    #[inline]
-    fn past_branches(&self, slot: Slot, nodes: u32, dir: impl Direction) -> Leaf<'a> {
-        if let Slot::Block(first) = slot {
+    #[inline(always)]
+    fn past_branches(&self, slot: u32, nodes: u32, dir: impl Direction) -> Leaf<'a> {
+        if let Some(first) = Slot::block(slot) {
             return Leaf { blocks: self.run(first, self.leaf_blocks), nodes };
         }
-        self.past_planes(slot, nodes, dir.exact())
+        let [x, y, z] = dir.exact();
+        self.past_planes(slot, nodes, x, y, z)
     }
 
-    fn past_planes(&self, mut slot: Slot, mut nodes: u32, dir: [f64; 3]) -> Leaf<'a> {
+    /// The direction comes as three numbers, in registers: read back from memory as a vector just after it was stored by
+    /// parts, it would stall the processor for as long as all the rest takes.
+    #[inline(never)]
+    fn past_planes(&self, slot: u32, mut nodes: u32, x: f64, y: f64, z: f64) -> Leaf<'a> {
+        let mut slot = Slot::decode(slot);
+        let dir = [x, y, z];
         while nodes < MAX_NODES {
             slot = Slot::decode(match slot {
                 Slot::Plane(at) => self.beside_plane(at as usize, dir),
@@ -176,18 +220,10 @@ impl<'a> Index<'a> {
     /// The slot of the part of the fan at `at` in which `dir` lies.
     #[inline]
     fn in_fan(&self, at: usize, dir: [f64; 3]) -> u32 {
-        let Some(node) = self.words::<{ FAN_HEAD_WORDS as usize }>(at) else { return 0 };
-        let dot = |normal: usize| {
-            let n = |axis: usize| {
-                let word = 2 * (3 * normal + axis);
-                decode_f64(node[word].to_native(), node[word + 1].to_native())
-            };
-            n(0) * dir[0] + n(1) * dir[1] + n(2) * dir[2]
-        };
-        // A cast saturates, and makes 0 of NaN.
-        let part = (dot(0) / dot(1)) as u32;
-        let last = (1_u32 << (node[12].to_native() & 31)) - 1;
-        self.word(at + FAN_HEAD_WORDS as usize + part.min(last) as usize)
+        const HEAD: usize = fan::HEAD_WORDS as usize;
+        let Some(head) = self.words::<HEAD>(at) else { return 0 };
+        let number = |i: usize| decode_f64(head[2 * i].to_native(), head[2 * i + 1].to_native());
+        self.word(at + HEAD + fan::slot(number, head[HEAD - 1].to_native(), dir) as usize)
     }
 
     fn leaf_at(&self, slot: Slot, nodes: u32) -> Leaf<'a> {

@@ -6,9 +6,9 @@ use std::collections::{HashMap, VecDeque};
 
 use hullmap_format::{
     archive::{Block, LANES},
+    fan,
     slot::{
-        BRANCH_LIMIT, BUNDLE_PARTS, BUNDLE_PLANES, BUNDLE_WORDS, Branch, FAN_HEAD_WORDS, MAX_BRANCH_BITS,
-        MAX_FAN_BITS, PAYLOAD_LIMIT, PLANES_LIMIT,
+        BRANCH_LIMIT, BUNDLE_PARTS, BUNDLE_PLANES, BUNDLE_WORDS, Branch, MAX_BRANCH_BITS, PAYLOAD_LIMIT, PLANES_LIMIT,
         Slot, encode_f64,
     },
     walk::Branches,
@@ -100,12 +100,13 @@ pub fn trees(
                 };
                 let bits = fan_bits(wedges);
                 let parts = parts(wedges, bits);
-                let across = frame.across * f64::from(1 << bits);
-                let normals = across.to_array().into_iter().chain(frame.along.to_array());
-                encoder.out.slots.extend(normals.flat_map(encode_f64));
+                let Frame { x, y, start, span } = frame;
+                let numbers = [x.x, x.y, x.z, y.x, y.y, y.z, start, f64::from(1 << bits) / span];
+                encoder.out.slots.extend(numbers.into_iter().flat_map(encode_f64));
                 encoder.out.slots.push(bits);
-                encoder.out.slots.resize(free + FAN_HEAD_WORDS as usize + parts.len(), 0);
-                enqueue(&mut queue, free + FAN_HEAD_WORDS as usize, &parts, |part| Some(frame.part(part, bits)));
+                let first = free + fan::HEAD_WORDS as usize;
+                encoder.out.slots.resize(first + parts.len(), 0);
+                enqueue(&mut queue, first, &parts, |part| Some(frame.part(part, bits)));
                 Slot::Fan(checked(free, PLANES_LIMIT)?)
             }
         };
@@ -122,12 +123,7 @@ fn checked(at: usize, limit: u32) -> Result<u32, BakeError> {
 }
 
 /// Queues what stands in a node's slots from `first` on; a tree that fills several of them is queued once.
-fn enqueue<'a>(
-    queue: &mut Queue<'a>,
-    first: usize,
-    slots: &[&'a Tree],
-    frame: impl Fn(usize) -> Option<Frame>,
-) {
+fn enqueue<'a>(queue: &mut Queue<'a>, first: usize, slots: &[&'a Tree], frame: impl Fn(usize) -> Option<Frame>) {
     let start = queue.len();
     let mut known: HashMap<*const Tree, usize> = HashMap::new();
     for (place, &tree) in slots.iter().enumerate() {
@@ -149,7 +145,7 @@ fn branch_bits(tree: &Tree) -> u32 {
 /// Bits of a fan over `wedges`: the most that leave enough of its slots different.
 fn fan_bits(wedges: &Tree) -> u32 {
     let enough = |bits: &u32| wedge_count(wedges, *bits) as f64 >= DIFFERENT_SLOTS * f64::from(1 << bits);
-    (0..=MAX_FAN_BITS).rev().find(enough).unwrap_or(0)
+    (0..=fan::MAX_BITS).rev().find(enough).unwrap_or(0)
 }
 
 /// Parts that `levels` halvings of a fan divide it into.

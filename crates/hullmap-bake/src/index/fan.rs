@@ -1,15 +1,15 @@
 //! Fans: cones that lie side by side around a common axis, like the pages of an open book.
 //!
 //! The cones around a facet of many corners, along a prism's side or along the rim of a lens are long and thin. Their
-//! sides lie in planes through one line. Seen along it they are intervals of an angle: a row of equal steps in its
-//! tangent parts them all at once, where squares would need to be as small as a cone is thin, and planes are a
-//! logarithm deep.
+//! sides lie in planes through one line. Seen along it they are intervals of an angle: a row of equal steps parts them all
+//! at once, where squares would need to be as small as a cone is thin, and planes are a logarithm deep.
 //!
 //! 1. [`axis`]: of the lines in which planes between neighbouring cones meet, the one that most such planes hold.
-//! 2. [`Fan::new`]: the interval of each cone in `t = (across·d) / (along·d)`, scaled to [0, 1).
+//! 2. [`Fan::new`]: the interval of each cone in [`fan::place`].
 //! 3. It is a fan if few intervals lie over one another.
 
 use glam::DVec3;
+use hullmap_format::{cube, fan};
 
 use super::cones::{Cones, TOUCH};
 
@@ -22,36 +22,56 @@ const NEAR_AXIS: f64 = 1e-3;
 /// Planes must meet at this angle at least (its sine) to say where the axis is.
 const LEAST_ANGLE: f64 = 1e-4;
 
-/// Greatest tangent, on either side of the middle, that a fan spans: steps at its ends are four times as narrow, in
-/// angle, as in its middle.
-const WIDEST: f64 = 1.8;
+/// Planes that must hold the axis.
+const HOLDING: usize = 6;
 
 /// Most intervals, on average, that may lie over one another: a fan on either side of a prism's equator, and a few
-/// more. More layers than that are left to planes, which cut across them.
+/// more. More layers than that are left to squares or planes, which cut across them.
 const LAYERS: f64 = 2.7;
 
-/// Places in a fan: `t(d) = (across·d) / (along·d)`, in [0, 1) for all directions of its cell.
+/// A full turn, and half of one, in the unit of [`fan::angle`].
+const TURN: f64 = fan::TURN;
+const HALF_TURN: f64 = 0.5 * TURN;
+
+/// Edges of a polygon that span half a turn but for this go through the axis.
+const THROUGH_AXIS: f64 = 1e-6;
+
+/// The part of a fan that [`fan::place`] puts at 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    /// Across the fan, as long as its steps are fine.
-    pub across: DVec3,
-    /// Out from the axis, to the middle of the fan; of unit length.
-    pub along: DVec3,
+    /// Where angles count from, at right angles to the axis, of unit length.
+    pub x: DVec3,
+    /// A quarter turn further.
+    pub y: DVec3,
+    /// The least angle.
+    pub start: f64,
+    /// The angles it spans.
+    pub span: f64,
 }
 
 impl Frame {
-    /// The frame of part `part` of 2^`bits` equal ones.
+    /// Part `part` of 2^`bits` equal ones.
     pub fn part(self, part: usize, bits: u32) -> Self {
-        Self { across: self.across * f64::from(1 << bits) - self.along * part as f64, along: self.along }
+        let span = self.span / f64::from(1 << bits);
+        Self { start: self.start + span * part as f64, span, ..self }
     }
 
-    /// Normal of the plane at place `t`; greater places lie in front.
-    pub fn plane(self, t: f64) -> DVec3 {
-        (self.across - self.along * t).normalize()
+    /// Normal of the plane through the axis at `place`; greater places lie in front, up to half a turn.
+    pub fn plane(self, place: f64) -> DVec3 {
+        let angle = self.start + self.span * place;
+        let quarter = ((angle + 1.0) / 2.0).floor();
+        let t = angle - 2.0 * quarter;
+        let [x, y] = match quarter as i64 {
+            0 => [1.0, t],
+            1 => [-t, 1.0],
+            2 => [-1.0, -t],
+            _ => [t, -1.0],
+        };
+        (self.y * x - self.x * y).normalize()
     }
 }
 
-/// One polygon's interval.
+/// What one polygon covers: places from `low` to `high`.
 #[derive(Clone, Copy, Debug)]
 pub struct Interval {
     /// Number of the polygon.
@@ -78,7 +98,7 @@ impl Interval {
 pub struct Fan {
     /// Where a direction's place is.
     pub frame: Frame,
-    /// The intervals, in the order of the polygons.
+    /// The intervals, in the order of the polygons; two for one across the end of the turn.
     pub intervals: Vec<Interval>,
     /// How many intervals lie over the middle of one, itself included, on average.
     pub layers: f64,
@@ -86,7 +106,7 @@ pub struct Fan {
 
 /// The line that most of the planes with these normals hold, if several do: its direction, of unit length.
 pub fn axis(normals: &[DVec3]) -> Option<DVec3> {
-    let mut best = (2, None);
+    let mut best = (HOLDING - 1, None);
     for stride in [normals.len() / 2, normals.len() / 3, normals.len() / 5 + 1] {
         for (i, &a) in normals.iter().enumerate() {
             let axis = a.cross(normals[(i + stride) % normals.len()]);
@@ -107,42 +127,69 @@ impl Fan {
     /// The cones of a cell on `face` as a fan around `axis`; none if they are none.
     pub fn new(face: u32, cones: &Cones, axis: DVec3) -> Option<Self> {
         let middle = cones.iter().flat_map(|(_, polygon)| polygon).map(|&p| direction(face, p)).sum::<DVec3>();
-        let along = (middle - axis * middle.dot(axis)).try_normalize()?;
-        let across = axis.cross(along);
+        // The end of the turn is to lie where the cell is not, if it does not lie all around the axis.
+        let x = -(middle - axis * middle.dot(axis)).try_normalize()?;
+        let y = axis.cross(x);
         let mut intervals = Vec::with_capacity(cones.len());
         for (number, (vertex, polygon)) in cones.iter().enumerate() {
-            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-            for &corner in polygon {
-                let d = direction(face, corner);
-                let (x, y) = (d.dot(along), d.dot(across));
-                // A corner on the axis, or so near that it reaches over no plane through it.
-                if x.abs().max(y.abs()) <= TOUCH {
-                    continue;
-                }
-                if y.abs() > WIDEST * x {
-                    return None;
-                }
-                low = low.min(y / x + TOUCH / x);
-                high = high.max(y / x - TOUCH / x);
+            let [low, high] = angles(face, polygon, x, y)?;
+            let mut push = |low, high| intervals.push(Interval { polygon: number as u32, vertex, low, high });
+            if high > TURN - 1.0 {
+                push(low, TURN - 1.0);
+                push(-1.0, high - TURN);
+            } else {
+                push(low, high);
             }
-            if low > high {
-                // Nothing reaches over anything: a point.
-                low = if low.is_finite() && high.is_finite() { 0.5 * (low + high) } else { 0.0 };
-                high = low;
-            }
-            intervals.push(Interval { polygon: number as u32, vertex, low, high });
         }
-        let start = intervals.iter().map(|i| i.low).fold(f64::INFINITY, f64::min) - TOUCH;
-        let end = intervals.iter().map(|i| i.high).fold(f64::NEG_INFINITY, f64::max) + TOUCH;
-        let scale = 1.0 / (end - start);
-        let frame = Frame { across: (across - along * start) * scale, along };
+        let start = intervals.iter().map(|i| i.low).fold(f64::INFINITY, f64::min);
+        let end = intervals.iter().map(|i| i.high).fold(f64::NEG_INFINITY, f64::max);
+        let frame = Frame { x, y, start: start - TOUCH, span: end - start + 2.0 * TOUCH };
         for interval in &mut intervals {
-            interval.low = (interval.low - start) * scale;
-            interval.high = (interval.high - start) * scale;
+            interval.low = (interval.low - frame.start) / frame.span;
+            interval.high = (interval.high - frame.start) / frame.span;
         }
         let layers = layers(&intervals);
-        (scale.is_finite() && layers <= LAYERS).then_some(Self { frame, intervals, layers })
+        (frame.span.is_finite() && layers <= LAYERS).then_some(Self { frame, intervals, layers })
     }
+}
+
+/// The least and greatest angle over which a polygon reaches by more than [`TOUCH`], the least one from −1 on; none if an
+/// edge goes through the axis. A polygon around the axis reaches over all.
+fn angles(face: u32, polygon: &[[f64; 2]], x: DVec3, y: DVec3) -> Option<[f64; 2]> {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    // Angles along the outline, without a jump at the end of the turn.
+    let (mut first, mut last) = (None, 0.0);
+    for &corner in polygon {
+        let d = direction(face, corner);
+        let (x, y) = (d.dot(x), d.dot(y));
+        let distance = x.abs().max(y.abs());
+        // A corner on the axis, or so near that it reaches over no plane through it.
+        if distance <= TOUCH {
+            continue;
+        }
+        let angle = fan::angle(x, y);
+        last = if first.is_none() { angle } else { last + turn(last, angle)? };
+        first = first.or(Some(angle));
+        low = low.min(last + TOUCH / distance);
+        high = high.max(last - TOUCH / distance);
+    }
+    let Some(first) = first else { return Some([0.0; 2]) };
+    if (last + turn(last, first)? - first).abs() > HALF_TURN {
+        return Some([-1.0, TURN - 1.0]);
+    }
+    if low > high {
+        // It reaches over nothing: a point.
+        low = 0.5 * (low + high);
+        high = low;
+    }
+    let turns = ((low + 1.0) / TURN).floor() * TURN;
+    Some([low - turns, high - turns])
+}
+
+/// The shorter way from one angle to another; none where both are as long.
+fn turn(from: f64, to: f64) -> Option<f64> {
+    let way = (to - from) - TURN * ((to - from) / TURN).round();
+    (way.abs() < HALF_TURN - THROUGH_AXIS).then_some(way)
 }
 
 /// How many intervals lie over the middle of one, itself included, on average.
@@ -161,5 +208,5 @@ fn layers(intervals: &[Interval]) -> f64 {
 }
 
 fn direction(face: u32, p: [f64; 2]) -> DVec3 {
-    DVec3::from_array(hullmap_format::cube::direction(face, p[0], p[1]))
+    DVec3::from_array(cube::direction(face, p[0], p[1]))
 }

@@ -96,6 +96,9 @@ impl Subdivision<'_> {
         if depth == 2 * MAX_HALVINGS || futile == FUTILE_LIMIT {
             return self.planes(cones);
         }
+        if let Some(fan) = self.fan(&cones) {
+            return fan;
+        }
         let axis = (depth % 2) as usize;
         let half = 1 << (GRID_BITS - 1 - depth / 2);
         let mut upper = at;
@@ -123,13 +126,8 @@ impl Subdivision<'_> {
         if cones.vertex_count() <= self.leaf {
             return Tree::Leaf(cones.into_vertices());
         }
-        if cones.len() >= FAN_FROM * self.leaf
-            && let Some(axis) = fan::axis(&self.samples(&cones).collect::<Vec<_>>())
-            && let Some(fan) = Fan::new(self.face, &cones, axis)
-        {
-            let wedges = Wedges { cones: &cones, frame: fan.frame, full: fan.layers as usize + self.leaf / 3 };
-            let root = self.wedges(&wedges, &fan.intervals, [0.0, 1.0], 0);
-            return if matches!(root, Tree::Wedges(_)) { Tree::Fan(fan.frame, Box::new(root)) } else { root };
+        if let Some(fan) = self.fan(&cones) {
+            return fan;
         }
         let Some((normal, _)) = self.best_plane(&cones) else {
             return Tree::Leaf(cones.into_vertices());
@@ -140,6 +138,18 @@ impl Subdivision<'_> {
         let front = || self.planes(front);
         let halves = if parallel { rayon::join(behind, front) } else { (behind(), front()) };
         Tree::Plane(normal.to_array(), Box::new(halves.into()))
+    }
+
+    /// A cell whose cones lie side by side.
+    fn fan(&self, cones: &Cones) -> Option<Tree> {
+        if cones.len() < FAN_FROM * self.leaf {
+            return None;
+        }
+        let axis = fan::axis(&self.samples(cones).collect::<Vec<_>>())?;
+        let fan = Fan::new(self.face, cones, axis)?;
+        let wedges = Wedges { cones, frame: fan.frame, full: fan.layers as usize + self.leaf / 3 };
+        let root = self.wedges(&wedges, &fan.intervals, [0.0, 1.0], 0);
+        Some(if matches!(root, Tree::Wedges(_)) { Tree::Fan(fan.frame, Box::new(root)) } else { root })
     }
 
     /// Halves the places of a fan until few enough cones are left: `intervals` are those within `places`.

@@ -1,0 +1,99 @@
+//! Dot products of eight candidates at once, with the instructions that the processor has.
+//!
+//! A build for plain x86-64 holds every path; which one a hull takes is found out when the hull is taken from its pack, and
+//! can be chosen ([`Instructions`]). All give the same answers: they only pick the candidates that f32 cannot tell apart
+//! from the best, by a margin wider than they can differ ([`crate::candidates`]).
+//!
+//! To add a set of instructions, implement [`Simd`] for a type that only its detection can make (as `avx2` does), and add
+//! it to [`Instructions`] and [`Level`]. On AArch64, `portable` already is NEON: glam's `Vec4` uses it.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+mod portable;
+
+use hullmap_format::archive::ArchivedBlock;
+
+pub(crate) use portable::Portable;
+
+/// A set of vector instructions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Instructions {
+    /// What every processor of the target has: SSE2 on x86-64, NEON on AArch64, plain numbers elsewhere.
+    Portable,
+    /// AVX2 with fused multiply-add, on x86-64.
+    Avx2,
+}
+
+/// A way to multiply eight candidates with a direction.
+pub(crate) trait Simd: Copy {
+    /// Dot products of the lanes of `N` blocks, and which of them are not less than the greatest by more than `margin`:
+    /// one bit a lane, those of the first block lowest. NaN is not less. `N` is 4 at most.
+    fn near_best<const N: usize>(self, blocks: &[ArchivedBlock; N], dir: [f32; 3], margin: f32) -> u32;
+
+    /// The lane, of those in the mask `near`, with the greatest dot product in f64, each product and sum rounded once, in
+    /// the order x, y, z. The lowest of those that are equal; for NaN any.
+    fn exact_best<const N: usize>(self, blocks: &[ArchivedBlock; N], near: u32, dir: [f64; 3]) -> usize;
+
+    /// Which lanes' dot products are not less than `least`, one bit a lane. NaN is not less.
+    fn not_less(self, block: &ArchivedBlock, dir: [f32; 3], least: f32) -> u32;
+
+    /// The greatest dot product of any lane; NaN may be passed over. There is at least one block.
+    fn greatest(self, blocks: &[ArchivedBlock], dir: [f32; 3]) -> f32;
+}
+
+/// What is done with one set of instructions or another, in some direction.
+pub(crate) trait Work: Copy {
+    type Scalar;
+    type Answer;
+    /// Compiled once for each set; must be `#[inline(always)]`, and so must be what it calls in an inner loop.
+    fn with<S: Simd>(self, simd: S, dir: [Self::Scalar; 3]) -> Self::Answer;
+}
+
+/// The instructions that a hull uses.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Level {
+    Portable,
+    #[cfg(target_arch = "x86_64")]
+    Avx2(avx2::Avx2),
+}
+
+impl Level {
+    /// The best that this processor has.
+    pub(crate) fn best() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx2) = avx2::Avx2::detect() {
+            return Self::Avx2(avx2);
+        }
+        Self::Portable
+    }
+
+    /// The asked ones, if this processor has them.
+    pub(crate) fn of(instructions: Instructions) -> Option<Self> {
+        match instructions {
+            Instructions::Portable => Some(Self::Portable),
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx2 => avx2::Avx2::detect().map(Self::Avx2),
+            #[cfg(not(target_arch = "x86_64"))]
+            Instructions::Avx2 => None,
+        }
+    }
+
+    pub(crate) fn instructions(self) -> Instructions {
+        match self {
+            Self::Portable => Instructions::Portable,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(_) => Instructions::Avx2,
+        }
+    }
+
+    /// Does `work` with these instructions.
+    #[inline]
+    pub(crate) fn run<W: Work>(self, work: W, dir: [W::Scalar; 3]) -> W::Answer {
+        match self {
+            Self::Portable => work.with(Portable, dir),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(avx2) => avx2.run(work, dir),
+        }
+    }
+}

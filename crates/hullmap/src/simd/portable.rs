@@ -1,0 +1,71 @@
+//! Four lanes at a time: glam's `Vec4` is SSE2 on x86-64, NEON on AArch64, and plain numbers elsewhere.
+
+use glam::Vec4;
+use hullmap_format::archive::{ArchivedBlock, LANES};
+use rkyv::rend::f32_le;
+
+use super::Simd;
+use crate::candidates::exact_dot;
+
+/// Needs nothing.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Portable;
+
+#[inline(always)]
+fn four(from: &[f32_le; LANES], half: usize) -> Vec4 {
+    Vec4::from_array([0, 1, 2, 3].map(|lane| from[4 * half + lane].to_native()))
+}
+
+#[inline(always)]
+fn dots(block: &ArchivedBlock, dir: [Vec4; 3]) -> [Vec4; 2] {
+    [0, 1].map(|half| four(&block.x, half) * dir[0] + four(&block.y, half) * dir[1] + four(&block.z, half) * dir[2])
+}
+
+/// Lanes that are not less, NaN among them.
+#[inline(always)]
+fn mask(dots: [Vec4; 2], least: f32) -> u32 {
+    let least = Vec4::splat(least);
+    !(dots[0].cmplt(least).bitmask() | dots[1].cmplt(least).bitmask() << 4) & 0xff
+}
+
+impl Simd for Portable {
+    #[inline(always)]
+    fn near_best<const N: usize>(self, blocks: &[ArchivedBlock; N], dir: [f32; 3], margin: f32) -> u32 {
+        let dir = dir.map(Vec4::splat);
+        let dots = blocks.each_ref().map(|block| dots(block, dir));
+        let greatest = dots.iter().flatten().fold(Vec4::NEG_INFINITY, |greatest, dot| dot.max(greatest));
+        let least = greatest.max_element() - margin;
+        dots.iter().rev().fold(0, |all, dots| all << LANES | mask(*dots, least))
+    }
+
+    #[inline(always)]
+    fn exact_best<const N: usize>(self, blocks: &[ArchivedBlock; N], mut near: u32, dir: [f64; 3]) -> usize {
+        let mut best = (f64::NEG_INFINITY, 0);
+        while near != 0 {
+            let lane = near.trailing_zeros() as usize % (N * LANES);
+            near &= near - 1;
+            let dot = exact_dot(&blocks[lane / LANES], lane % LANES, dir);
+            // False for NaN: then the one before stays.
+            if dot > best.0 {
+                best = (dot, lane);
+            }
+        }
+        best.1
+    }
+
+    #[inline(always)]
+    fn not_less(self, block: &ArchivedBlock, dir: [f32; 3], least: f32) -> u32 {
+        mask(dots(block, dir.map(Vec4::splat)), least)
+    }
+
+    #[inline(always)]
+    fn greatest(self, blocks: &[ArchivedBlock], dir: [f32; 3]) -> f32 {
+        let dir = dir.map(Vec4::splat);
+        let mut greatest = [Vec4::NEG_INFINITY; 2];
+        for block in blocks {
+            let dots = dots(block, dir);
+            greatest = [dots[0].max(greatest[0]), dots[1].max(greatest[1])];
+        }
+        greatest[0].max(greatest[1]).max_element()
+    }
+}
