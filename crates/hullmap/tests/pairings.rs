@@ -162,7 +162,7 @@ fn check_contact(a: &dyn Shape, b: &dyn Shape, pose: Pose, c: &Contact, error: f
     if converged {
         // The points of a facet of a curved surface lie a little inside.
         let apart = (c.point_a - c.point_b).dot(c.normal) - c.depth;
-        assert!(apart.abs() <= 0.02 * c.depth + 10.0 * error, "{at}: {apart}");
+        assert!(apart.abs() <= 0.1 * c.depth + 10.0 * error, "{at}: {apart}");
     }
 }
 
@@ -339,7 +339,7 @@ fn every_pairing_against_samples() {
                         assert!(!c.hit && !y.is_hit(), "{at}");
                         // No direction separates by more than the distance, nor are any two points nearer.
                         assert!(-sampled <= d.upper + error, "{at}");
-                        assert!(d.upper <= -sampled * (1.0 + 3e-5) + 1e-7, "{at}");
+                        assert!(d.upper <= -sampled * (1.0 + 3e-4) + 1e-7, "{at}");
                         let apart = d.point_a.distance(d.point_b);
                         assert!(d.lower <= apart + error && (apart - d.distance).abs() <= 1e-9, "{at}");
                     } else {
