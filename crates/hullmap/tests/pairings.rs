@@ -6,7 +6,10 @@
 
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
-use hullmap::{Cache, Contact, Overlap, Pack, Pose, Settings, Shape, ShapeError, Status, SupportMap, contact, distance, intersects, rounding};
+use hullmap::{
+    Cache, Contact, Overlap, Pack, Pose, Settings, Shape, ShapeError, Status, SupportMap, contact, distance,
+    intersects, rounding,
+};
 use hullmap_bake::{IndexKind, PointSet, bake_hull, write_pack};
 use shapes::{families::Family, rng::SplitMix64};
 
@@ -240,8 +243,7 @@ fn capsules_against_the_formula() {
 
 /// Packs of hulls of each rank.
 fn packs() -> Vec<(&'static str, Pack)> {
-    let cube: Vec<[f32; 3]> =
-        (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|bit| bit as f32 - 0.5)).collect();
+    let cube: Vec<[f32; 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|bit| bit as f32 - 0.5)).collect();
     vec![
         ("point", pack(&[[0.1, 0.2, 0.3]])),
         ("segment", pack(&[[-0.5, 0.0, 0.1], [0.6, 0.3, 0.0]])),
@@ -267,7 +269,10 @@ fn all<'a>(packs: &'a [(&'static str, Pack)]) -> Vec<(&'static str, Box<dyn Shap
     all.push(("cone", Box::new(Cone::new(0.5, 0.5).unwrap())));
     all.push(("mirrored rock", Box::new(Scaled::new(rock, DVec3::new(-0.5, 1.2, 0.8)).unwrap())));
     all.push(("rounded rock", Box::new(Rounded::new(rock, 0.2).unwrap())));
-    all.push(("ellipsoid in closed form", Box::new(Scaled::new(Sphere::new(0.5).unwrap(), DVec3::new(1.0, 0.4, 1.5)).unwrap())));
+    all.push((
+        "ellipsoid in closed form",
+        Box::new(Scaled::new(Sphere::new(0.5).unwrap(), DVec3::new(1.0, 0.4, 1.5)).unwrap()),
+    ));
     all
 }
 
@@ -312,7 +317,8 @@ fn every_pairing_against_samples() {
             for i in 0..12 {
                 let (way, turn) = (direction(&mut rng), rotation(&mut rng));
                 // Far enough to be apart half of the time, along the line of the interior points.
-                let reach = a.support(way).point.dot(way) - b.support(turn.inverse() * -way).point.dot(turn.inverse() * way);
+                let reach =
+                    a.support(way).point.dot(way) - b.support(turn.inverse() * -way).point.dot(turn.inverse() * way);
                 let pose = Pose::new(way * reach * [0.3, 0.8, 0.97, 1.03, 1.3, 2.0][i % 6], turn).unwrap();
                 for way in 0..2 {
                     let at = format!("{name_a}, {name_b}, pose {i} {pose:?}, way {way}");
@@ -356,7 +362,9 @@ fn every_pairing_against_samples() {
             for (effort, way) in effort.iter_mut().zip(["", ", cores"]) {
                 let most = effort.iterations.iter().max().copied().unwrap_or(0);
                 worst.push((most, format!("{name_a}, {name_b}{way}: {} not converged", effort.open)));
-                assert!(way.is_empty() || effort.open == 0 || !(name_a.contains("sphere") && name_b.contains("sphere")));
+                assert!(
+                    way.is_empty() || effort.open == 0 || !(name_a.contains("sphere") && name_b.contains("sphere"))
+                );
             }
         }
     }
@@ -465,11 +473,9 @@ fn sizes_and_places() {
         ];
         for (i, pebble) in pebbles.iter().enumerate() {
             for gap in [-0.25, -1e-3, 1e-3, 2.0] {
-                let pose = Pose::new(
-                    DVec3::new(3e3, -7e3, 1e4 + 1.0 + gap) * unit,
-                    DQuat::from_rotation_z(0.3 * quarter),
-                )
-                .unwrap();
+                let pose =
+                    Pose::new(DVec3::new(3e3, -7e3, 1e4 + 1.0 + gap) * unit, DQuat::from_rotation_z(0.3 * quarter))
+                        .unwrap();
                 let c = solve(&floor, &**pebble, pose);
                 let at = format!("unit {unit}, pebble {i}, gap {gap}: {c:?}");
                 assert_eq!(c.hit, gap < 0.0, "{at}");
@@ -561,10 +567,12 @@ fn balls_of_all_shapes() {
 #[test]
 fn senseless_parameters_are_errors() {
     for bad in [f64::NAN, -1.0, f64::INFINITY, -1e-300, 1e39] {
-        let length = |error: ShapeError| matches!(error, ShapeError::Length { found, .. } if found.to_bits() == bad.to_bits());
+        let length =
+            |error: ShapeError| matches!(error, ShapeError::Length { found, .. } if found.to_bits() == bad.to_bits());
         assert!(length(Sphere::new(bad).unwrap_err()));
         for axis in DVec3::AXES {
-            let half = DVec3::ONE - axis + if bad.is_nan() { DVec3::splat(bad) } else { axis * bad.clamp(-1e300, 1e300) };
+            let half =
+                DVec3::ONE - axis + if bad.is_nan() { DVec3::splat(bad) } else { axis * bad.clamp(-1e300, 1e300) };
             assert!(Cuboid::new(half).is_err(), "{half}");
         }
         assert!(length(Capsule::new(bad, 1.0).unwrap_err()) && length(Capsule::new(1.0, bad).unwrap_err()));
@@ -577,7 +585,9 @@ fn senseless_parameters_are_errors() {
         assert!(matches!(error, ShapeError::Scale { .. }) && error.to_string().contains("scale must be"), "{error}");
     }
     // Nothing is not senseless.
-    for shape in [&Sphere::new(0.0).unwrap() as &dyn Shape, &Capsule::new(0.0, 0.0).unwrap(), &Cone::new(0.0, 0.0).unwrap()] {
+    for shape in
+        [&Sphere::new(0.0).unwrap() as &dyn Shape, &Capsule::new(0.0, 0.0).unwrap(), &Cone::new(0.0, 0.0).unwrap()]
+    {
         let c = solve(shape, &Cuboid::new(DVec3::ONE).unwrap(), moved(0.5, 0.0, 0.0));
         assert!(c.hit && (c.depth - 0.5).abs() < 1e-12, "{c:?}");
     }

@@ -28,7 +28,7 @@ pub(super) const MAX_POINTS: usize = 2 * MAX_CORNERS;
 
 /// How far outside a side a corner counts as on it, relative to the reference's extent: above the
 /// rounding of f32 (6e-8), below what anybody sees.
-const SIDE_SLACK: f64 = 1e-4;
+const SIDE_SLACK: f64 = 1e-6;
 
 /// Area below this share of the square of the extent is none: the feature is an edge.
 const FLAT_AREA: f64 = 1e-6;

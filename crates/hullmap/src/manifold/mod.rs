@@ -12,7 +12,8 @@
 //! 2. the feature of each that faces the other along the normal ([`Shape::feature`]; of a hull a baked face, by `hull_face`);
 //! 3. `clip`: where the features meet; points apart by more than the margin are left out;
 //! 4. the contact point itself is added where it is deeper than all of them (curved surfaces, edges that cross);
-//! 5. `select`: the four that span the most area, or the last frame's four while they span nearly as much;
+//! 5. `select`: the four that span the most area, the deepest among them; or the last frame's four while they span nearly as
+//!    much, one of them given up if the deepest is another;
 //! 6. each point is matched with one of the last frame, by what it is made of, else by where it is, and takes over what
 //!    the caller stored there.
 //!
@@ -33,7 +34,7 @@ use crate::minkowski::{Minkowski, perpendicular};
 use crate::{Cache, Contact, Feature, Pose, Settings, Shape, Status, rounding};
 use clip::{FACE, Frame, Part, Patch, PatchPoint, patch};
 use glam::DVec3;
-use select::{Choice, area, choose, deepest};
+use select::{Choice, area, choose};
 
 /// Most points of a manifold.
 pub const MAX_POINTS: usize = 4;
@@ -45,8 +46,8 @@ const WITNESS_ADVANTAGE: f64 = 2e-5;
 /// Last frame's four stay while they span this share of what the best four would.
 const KEPT_AREA: f64 = 0.9;
 
-/// Last frame's four stay only while one of them is the deepest, within this share of the smaller shape's outer radius.
-const KEPT_DEPTH: f64 = 1e-4;
+/// Depths that differ by less than this share of the smaller shape's outer radius are the same.
+const SAME_DEPTH: f64 = 1e-4;
 
 /// A point made of other parts than before is the same if it has moved on one of the shapes by less than this share of the
 /// smaller shape's outer radius.
@@ -216,17 +217,17 @@ impl Manifold {
         }
         let mut patch = patch(on_a, on_b, &frame);
         patch.retain(|p| p.depth() >= -margin);
-        let deep = patch.points().get(deepest(patch.points())).map_or(f64::NEG_INFINITY, PatchPoint::depth);
+        let deep = patch.points().iter().map(PatchPoint::depth).fold(f64::NEG_INFINITY, f64::max);
         if depth > deep + WITNESS_ADVANTAGE * reach {
             let heights = [depth * 0.5, -depth * 0.5];
             patch.push(PatchPoint { heights, parts: features.each_ref().map(part), ..PatchPoint::default() });
         }
-        let choice = self.keep(&patch, reach).unwrap_or_else(|| choose(patch.points()));
+        let choice = self.keep(&patch, reach).unwrap_or_else(|| choose(patch.points(), SAME_DEPTH * reach));
         self.replace(&patch, choice, &frame, b_in_a, depth, reach);
         contact
     }
 
-    /// Last frame's four points in `patch`, while they are nearly as good as the best four.
+    /// Last frame's four points in `patch`, or three of them and the deepest, while they are nearly as good as the best four.
     fn keep(&self, patch: &Patch, reach: f64) -> Option<Choice> {
         let points = patch.points();
         if self.count < MAX_POINTS || points.len() < MAX_POINTS {
@@ -236,11 +237,20 @@ impl Manifold {
         for old in self.points() {
             kept.push(points.iter().position(|p| p.parts == old.id.parts)?);
         }
-        let (&[a, b, c, d], &[e, f, g, h]) = (kept.numbers(), choose(points).numbers()) else { return None };
-        let at = |numbers: [usize; 4]| area(numbers.map(|i| points[i].at));
-        let deep = |numbers: [usize; 4]| numbers.map(|i| points[i].depth()).into_iter().fold(f64::MIN, f64::max);
-        let (old, new) = ([a, b, c, d], [e, f, g, h]);
-        (at(old) >= KEPT_AREA * at(new) && deep(old) >= deep(new) - KEPT_DEPTH * reach).then_some(kept)
+        let slight = SAME_DEPTH * reach;
+        let best = choose(points, slight);
+        let (&[a, b, c, d], &[e, f, g, h]) = (kept.numbers(), best.numbers()) else { return None };
+        let spanned = |numbers: [usize; 4]| area(numbers.map(|i| points[i].at));
+        let mut old = [a, b, c, d];
+        let deep = (0..points.len()).fold(0, |best, i| if points[i].depth() > points[best].depth() { i } else { best });
+        if old.iter().all(|i| points[*i].depth() < points[deep].depth() - slight) {
+            let without = |place: usize| std::array::from_fn(|i| if i == place { deep } else { old[i] });
+            let places = (0..MAX_POINTS).map(without);
+            old = places.max_by(|p, q| spanned(*p).total_cmp(&spanned(*q))).unwrap_or(old);
+        }
+        let mut kept = Choice::default();
+        old.into_iter().for_each(|i| kept.push(i));
+        (spanned(old) >= KEPT_AREA * spanned([e, f, g, h])).then_some(kept)
     }
 
     /// Takes over the chosen points, and from the old ones what the caller stored.

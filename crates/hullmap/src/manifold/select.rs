@@ -1,7 +1,7 @@
 //! Of all points of a contact patch the four that span the most area, the deepest among them.
 //!
 //! # Steps
-//! 1. the deepest point stays;
+//! 1. the deepest point stays; of several the outermost;
 //! 2. for each other point, taken as the corner across: the farthest point on either side of the diagonal. The pair of triangles with
 //!    the greatest area wins.
 //!
@@ -35,19 +35,25 @@ impl Choice {
     }
 }
 
-/// The deepest of `points`.
-pub(super) fn deepest(points: &[PatchPoint]) -> usize {
-    (0..points.len()).fold(0, |best, i| if points[i].depth() > points[best].depth() { i } else { best })
+/// The deepest of `points`; of those as deep within `slight`, a length, the farthest from their middle: a corner that large
+/// quadrilaterals have.
+pub(super) fn deepest(points: &[PatchPoint], slight: f64) -> usize {
+    let depth = points.iter().map(PatchPoint::depth).fold(f64::NEG_INFINITY, f64::max) - slight;
+    let deep = || points.iter().enumerate().filter(move |(_, p)| p.depth() >= depth);
+    let middle = deep().map(|(_, p)| p.at).sum::<DVec2>() / deep().count() as f64;
+    let far = |p: &PatchPoint| p.at.distance_squared(middle);
+    deep().fold(0, |best, (i, p)| if points[best].depth() < depth || far(p) > far(&points[best]) { i } else { best })
 }
 
-/// The four of `points` that span the most area, or all if there are no more.
-pub(super) fn choose(points: &[PatchPoint]) -> Choice {
+/// The four of `points` that span the most area, or all if there are no more. Depths that differ by no more than `slight` are
+/// the same.
+pub(super) fn choose(points: &[PatchPoint], slight: f64) -> Choice {
     let mut choice = Choice::default();
     if points.len() <= 4 {
         (0..points.len()).for_each(|i| choice.push(i));
         return choice;
     }
-    let first = deepest(points);
+    let first = deepest(points, slight);
     let mut greatest = (-1.0, [first; 3]);
     for across in 0..points.len() {
         let (left, right) = (farthest(points, first, across, 1.0), farthest(points, first, across, -1.0));
@@ -109,7 +115,7 @@ mod tests {
             let corners: Vec<DVec2> = angles.iter().map(|a| DVec2::new(a.cos(), flat * a.sin())).collect();
             let deep = (random() * n as f64) as usize % n;
             let points = points(&corners, deep);
-            let chosen = choose(&points);
+            let chosen = choose(&points, 0.0);
             assert!(chosen.numbers().len() >= 3 && chosen.numbers()[0] == deep);
             let spanned = match *chosen.numbers() {
                 [a, b, c, d] => area([a, b, c, d].map(|i| corners[i])),
