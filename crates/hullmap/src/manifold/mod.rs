@@ -222,20 +222,32 @@ impl Manifold {
             let heights = [depth * 0.5, -depth * 0.5];
             patch.push(PatchPoint { heights, parts: features.each_ref().map(part), ..PatchPoint::default() });
         }
-        let choice = self.keep(&patch, reach).unwrap_or_else(|| choose(patch.points(), SAME_DEPTH * reach));
+        let choice =
+            self.keep(&patch, &frame, b_in_a, reach).unwrap_or_else(|| choose(patch.points(), SAME_DEPTH * reach));
         self.replace(&patch, choice, &frame, b_in_a, depth, reach);
         contact
     }
 
     /// Last frame's four points in `patch`, or three of them and the deepest, while they are nearly as good as the best four.
-    fn keep(&self, patch: &Patch, reach: f64) -> Option<Choice> {
+    fn keep(&self, patch: &Patch, frame: &Frame, b_in_a: Pose, reach: f64) -> Option<Choice> {
         let points = patch.points();
         if self.count < MAX_POINTS || points.len() < MAX_POINTS {
             return None;
         }
+        let a_in_b = b_in_a.inverse();
+        // How far a point is from where an old one was: on A or on B, whichever has moved less under it.
+        let apart = |p: &PatchPoint, old: &ManifoldPoint| {
+            let on_a = frame.point(p.at, p.heights[0]).distance(old.point_a);
+            on_a.min(a_in_b.transform_point(frame.point(p.at, p.heights[1])).distance(old.local_b))
+        };
         let mut kept = Choice::default();
         for old in self.points() {
-            kept.push(points.iter().position(|p| p.parts == old.id.parts)?);
+            let by_place = || {
+                let distances = points.iter().map(|p| apart(p, old)).enumerate();
+                let nearest = distances.min_by(|p, q| p.1.total_cmp(&q.1));
+                nearest.filter(|(_, distance)| *distance <= SAME_PLACE * reach).map(|(i, _)| i)
+            };
+            kept.push(points.iter().position(|p| p.parts == old.id.parts).or_else(by_place)?);
         }
         let slight = SAME_DEPTH * reach;
         let best = choose(points, slight);
