@@ -35,9 +35,11 @@
 //! ```
 #![deny(unsafe_code)]
 
+pub mod batch;
 mod candidates;
 mod direction;
 mod hull;
+pub mod levels;
 mod lookup;
 pub mod manifold;
 pub mod minkowski;
