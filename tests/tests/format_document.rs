@@ -68,7 +68,7 @@ fn compare(hulls: &[BakedHull], source: &SourceRecord, count: usize, met: &mut M
 
     assert_eq!(file.count(section::HULLS), pack.hull_count());
     assert_eq!(file.count(section::SPANS), pack.hull_count() + 1);
-    assert_eq!(file.span(0), [0; 7]);
+    assert_eq!(file.span(0), [0; 8]);
     let counts = [
         section::NAMES,
         section::VERTICES,
@@ -77,10 +77,13 @@ fn compare(hulls: &[BakedHull], source: &SourceRecord, count: usize, met: &mut M
         section::NEIGHBOURS,
         section::SLOTS,
         section::BLOCKS,
+        section::OUTER_VERTICES,
     ];
     assert_eq!(file.span(hulls.len()), counts.map(|number| file.count(number)));
     assert_eq!(file.count(section::SOURCE_VERTICES), file.count(section::VERTICES));
     assert_eq!(file.count(section::NEIGHBOUR_STARTS), file.count(section::VERTICES));
+
+    assert_eq!(file.count(section::NEIGHBOUR_FACES), file.count(section::NEIGHBOURS));
 
     for (number, baked) in hulls.iter().enumerate() {
         let (ours, theirs) = (file.hull(number), pack.hull(number).unwrap());
@@ -168,12 +171,61 @@ fn shape(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
         _ => assert!(of_edges.iter().zip(&neighbours).all(|(set, list)| set.iter().eq(list.iter()))),
     }
     assert_eq!(ours.record.max_neighbours as usize, neighbours.iter().map(|list| list.len()).max().unwrap());
+    beside(ours, theirs, &neighbours, &faces);
+    outer(ours, theirs, baked);
     let (v, c, f) = (ours.vertices.len(), ours.face_vertices.len(), faces.len());
     match ours.record.rank {
         0 => assert_eq!((v, c, f), (1, 0, 0)),
         1 => assert_eq!((v, c, f), (2, 0, 0)),
         2 => assert_eq!((c, f), (2 * v, 2)),
         _ => assert!(v >= 4 && v + f == 2 + c / 2 && c.is_multiple_of(2)),
+    }
+}
+
+/// The face beside each edge is the one that has the edge; a vertex's are all those at it.
+fn beside(ours: &reader::Hull, theirs: &hullmap::Hull, neighbours: &[&[u32]], faces: &[&[u32]]) {
+    for (v, (around, beside)) in neighbours.iter().zip(ours.faces_beside()).enumerate() {
+        let v = v as u32;
+        if faces.is_empty() {
+            assert!(beside.iter().all(|face| *face == 0) && theirs.faces_at(v).len() == 0);
+            continue;
+        }
+        for (w, face) in around.iter().zip(beside) {
+            let face = faces[*face as usize];
+            assert!(face.iter().zip(face.iter().cycle().skip(1)).any(|edge| edge == (&v, w)));
+        }
+        assert!(theirs.faces_at(v).eq(beside.iter().copied()));
+        let at = faces.iter().enumerate().filter(|(_, face)| face.contains(&v)).map(|(number, _)| number as u32);
+        // Of hulls of thousands of vertices some are enough.
+        if v < 100 {
+            let mut sorted = beside.to_vec();
+            sorted.sort_unstable();
+            assert!(at.eq(sorted));
+        }
+    }
+}
+
+/// The outer vertices reach as far as the hull in every direction, and hardly beyond its bounds.
+fn outer(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
+    let all = &ours.outer_vertices;
+    assert_eq!(all, &baked.outer);
+    assert!(all.iter().copied().eq(theirs.outer_vertices().map(|v| v.to_array())));
+    assert_eq!(all.is_empty(), ours.vertices.len() <= 32);
+    if all.is_empty() {
+        return;
+    }
+    assert!((4..=24).contains(&all.len()), "{}", all.len());
+    let mut rng = SplitMix64::new(SEED);
+    let reach = |points: &[[f32; 3]], d: DVec3| {
+        points.iter().map(|p| DVec3::from_array(p.map(f64::from)).dot(d)).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let slight = 1e-5 * ours.vertices.iter().flatten().fold(0.0, |most: f64, c| most.max(f64::from(c.abs())));
+    for _ in 0..200 {
+        let d = DVec3::from_array(rng.direction());
+        assert!(reach(all, d) >= reach(&ours.vertices, d));
+    }
+    for axis in DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]) {
+        assert!(reach(all, axis) <= reach(&ours.vertices, axis) + slight);
     }
 }
 
@@ -398,7 +450,7 @@ fn tables_have_no_gaps() {
     };
     for (heading, size) in [
         ("\n## 3. Header\n", 64),
-        ("\n### 6.1 Span\n", 28),
+        ("\n### 6.1 Span\n", 32),
         ("\n### 6.2 Hull record\n", 200),
         ("\n### 6.3 Block\n", 128),
     ] {

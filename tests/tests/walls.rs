@@ -8,8 +8,8 @@ use std::{
 
 use hullmap_tests::{command::cargo, outside::workspace};
 
-/// All that an engine which links the runtime gets, macros that run in the compiler apart.
-const RUNTIME: [&str; 15] = [
+/// All that an engine which links the runtime with all its features gets, macros that run in the compiler apart.
+const RUNTIME: [&str; 21] = [
     "hullmap",
     "hullmap-format",
     "glam",
@@ -27,6 +27,13 @@ const RUNTIME: [&str; 15] = [
     // Errors and checksums.
     "thiserror",
     "twox-hash",
+    // Threads, with the feature `parallel` alone.
+    "crossbeam-deque",
+    "crossbeam-epoch",
+    "crossbeam-utils",
+    "either",
+    "rayon",
+    "rayon-core",
 ];
 
 /// Packages that `package` depends on, itself among them, without those of its tests; `more` are words for `cargo
@@ -51,10 +58,8 @@ fn assert_unseen(package: &str, others: &[&str]) {
 
 #[test]
 fn the_runtime_sees_neither_the_baker_nor_its_libraries() {
-    assert_unseen(
-        "hullmap",
-        &["parry3d", "parry3d-f64", "tobj", "clap", "hullmap-bake", "bake", "shapes", "rayon", "serde"],
-    );
+    assert_unseen("hullmap", &["parry3d", "parry3d-f64", "tobj", "clap", "hullmap-bake", "bake", "shapes", "serde"]);
+    assert!(!tree("hullmap", "normal,build", &[]).contains("rayon"), "only the feature starts threads");
 }
 
 #[test]

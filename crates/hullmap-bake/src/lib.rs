@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | [`hull`] | source points | certified convex hull of rank 3, 2, 1 or 0 |
 //! | [`mass`], [`interior`], [`diameter`] | hull | the facts the pack records |
+//! | [`outer`] | hull | a coarse polytope around it |
 //! | [`gauss_map`] | hull | normal cones |
 //! | [`index`] | normal cones | cube map or tree: words and blocks |
 //! | [`pack`] | baked hulls | bytes |
@@ -18,6 +19,7 @@ pub mod hull;
 pub mod index;
 pub mod interior;
 pub mod mass;
+pub mod outer;
 pub mod pack;
 
 pub use pack::write_pack;
@@ -150,6 +152,8 @@ pub struct BakedHull {
     pub mass: mass::Mass,
     /// Its inner and outer ball.
     pub interior: interior::Interior,
+    /// Vertices of a coarse polytope that holds it; none if it is coarse itself.
+    pub outer: Vec<[f32; 3]>,
     /// Its direction index.
     pub index: index::Index,
 }
@@ -165,6 +169,7 @@ pub fn bake_hull(points: &PointSet, index: IndexKind) -> Result<BakedHull, BakeE
     let hull = hull::build(points)?;
     let mass = mass::mass(&hull);
     let interior = interior::interior(&hull, &mass);
+    let outer = outer::outer(&hull);
     let index = index::build(&hull, index)?;
-    Ok(BakedHull { name: points.name.clone(), point_count: points.positions.len(), hull, mass, interior, index })
+    Ok(BakedHull { name: points.name.clone(), point_count: points.positions.len(), hull, mass, interior, outer, index })
 }

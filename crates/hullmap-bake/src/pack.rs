@@ -41,6 +41,8 @@ pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>,
             start += list.len() as u32;
             pack.neighbours.extend(list);
         }
+        pack.neighbour_faces.extend(hull.neighbour_faces(&neighbours));
+        pack.outer_vertices.extend_from_slice(&baked.outer);
         pack.slots.extend_from_slice(&baked.index.encoded.slots);
         pack.blocks.extend_from_slice(&baked.index.encoded.blocks);
         let most = neighbours.iter().map(|list| list.len() as u32).max().unwrap_or(0);
@@ -67,6 +69,7 @@ fn end_of(pack: &Pack) -> Result<Span, BakeError> {
         neighbour: at(pack.neighbours.len())?,
         slot: at(pack.slots.len())?,
         block: at(pack.blocks.len())?,
+        outer: at(pack.outer_vertices.len())?,
     })
 }
 

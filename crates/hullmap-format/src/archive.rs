@@ -41,6 +41,11 @@ pub struct Pack {
     pub neighbour_starts: Vec<u32>,
     /// Vertices that share an edge with each vertex, ascending.
     pub neighbours: Vec<u32>,
+    /// For each entry w of `neighbours`, of vertex v, the face to the left of the edge from v to w: the one in which w
+    /// follows v. So a vertex's run names each face at the vertex once. 0 where there are no faces.
+    pub neighbour_faces: Vec<u32>,
+    /// Vertices of a coarse polytope that holds the hull; none for a hull that is coarse itself.
+    pub outer_vertices: Vec<[f32; 3]>,
     /// The direction index: see [`crate::slot`].
     pub slots: Vec<u32>,
 }
@@ -64,12 +69,14 @@ pub struct Span {
     pub face: u32,
     /// In [`Pack::face_vertices`].
     pub face_vertex: u32,
-    /// In [`Pack::neighbours`].
+    /// In [`Pack::neighbours`] and [`Pack::neighbour_faces`].
     pub neighbour: u32,
     /// In [`Pack::slots`].
     pub slot: u32,
     /// In [`Pack::blocks`].
     pub block: u32,
+    /// In [`Pack::outer_vertices`].
+    pub outer: u32,
 }
 
 /// Facts about one hull. Lengths are in source units, points in the source's frame.

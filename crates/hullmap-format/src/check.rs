@@ -101,6 +101,8 @@ fn layout(pack: &ArchivedPack, payload: &[u8]) -> Result<(), CheckError> {
         section(&pack.face_vertices),
         section(&pack.neighbour_starts),
         section(&pack.neighbours),
+        section(&pack.neighbour_faces),
+        section(&pack.outer_vertices),
         section(&pack.slots),
         section(std::slice::from_ref(pack)),
     ];
@@ -123,7 +125,7 @@ type SpanField = (&'static str, fn(&ArchivedSpan) -> u32, usize);
 
 fn spans(pack: &ArchivedPack) -> Result<(), CheckError> {
     let hull_count = pack.hulls.len();
-    let fields: [SpanField; 7] = [
+    let fields: [SpanField; 8] = [
         ("names", |s| s.name.to_native(), pack.names.len()),
         ("vertices", |s| s.vertex.to_native(), pack.vertices.len()),
         ("faces", |s| s.face.to_native(), pack.face_starts.len()),
@@ -131,6 +133,7 @@ fn spans(pack: &ArchivedPack) -> Result<(), CheckError> {
         ("neighbours", |s| s.neighbour.to_native(), pack.neighbours.len()),
         ("slots", |s| s.slot.to_native(), pack.slots.len()),
         ("blocks", |s| s.block.to_native(), pack.blocks.len()),
+        ("outer vertices", |s| s.outer.to_native(), pack.outer_vertices.len()),
     ];
     // Readers are promised a hull.
     if hull_count == 0 || pack.spans.len() != hull_count + 1 {
@@ -141,6 +144,9 @@ fn spans(pack: &ArchivedPack) -> Result<(), CheckError> {
     }
     if pack.neighbour_starts.len() != pack.vertices.len() {
         return Err(CheckError::Spans { hull: hull_count, section: "neighbour starts" });
+    }
+    if pack.neighbour_faces.len() != pack.neighbours.len() {
+        return Err(CheckError::Spans { hull: hull_count, section: "neighbour faces" });
     }
     for (section, start, len) in fields {
         let mut last = 0;
@@ -190,6 +196,7 @@ impl HullCheck<'_> {
         self.vertices()?;
         self.faces()?;
         self.neighbours()?;
+        self.outer()?;
         self.index()?;
         self.blocks()
     }
@@ -265,7 +272,20 @@ impl HullCheck<'_> {
         let fits = most == Some(self.record.max_neighbours.to_native());
         self.require(fits && starts.first().is_some_and(|s| *s == 0), "its neighbours do not follow one another")?;
         let n = self.vertex_count();
-        self.require(all.iter().all(|v| *v < n), "a neighbour is a vertex that is not there")
+        self.require(all.iter().all(|v| *v < n), "a neighbour is a vertex that is not there")?;
+        let left = &self.pack.neighbour_faces[range(self.start.neighbour.to_native(), self.end.neighbour.to_native())];
+        // Without faces the entries are 0.
+        let faces = (self.end.face.to_native() - self.start.face.to_native()).max(1);
+        self.require(left.iter().all(|f| *f < faces), "the face beside an edge is one that is not there")
+    }
+
+    /// None, or enough for a solid, all finite.
+    fn outer(&self) -> Result<(), CheckError> {
+        let outer = &self.pack.outer_vertices[range(self.start.outer.to_native(), self.end.outer.to_native())];
+        let count = outer.is_empty() || (4..=MAX_OUTER_VERTICES).contains(&outer.len());
+        self.require(count, "its outer hull has too few or too many vertices")?;
+        let finite = outer.iter().flatten().all(|c| c.to_native().is_finite());
+        self.require(finite, "a vertex of its outer hull is not finite")
     }
 
     fn index(&self) -> Result<(), CheckError> {
@@ -312,6 +332,9 @@ impl HullCheck<'_> {
 fn range(start: u32, end: u32) -> std::ops::Range<usize> {
     start as usize..end as usize
 }
+
+/// Most vertices of an outer hull: all of them are looked at in a query.
+pub const MAX_OUTER_VERTICES: usize = 64;
 
 /// Blocks start on a multiple of this many bytes.
 const BLOCK_ALIGNMENT: usize = 64;

@@ -27,4 +27,4 @@ pub const EXTENSION: &str = "hullmap";
 /// Version of the format that this crate writes and reads.
 ///
 /// Any change to the bytes, or to what they mean, raises it; `docs/FORMAT.md` keeps the history.
-pub const FORMAT_VERSION: u32 = 1;
+pub const FORMAT_VERSION: u32 = 2;

@@ -10,6 +10,7 @@ use rkyv::rend::{f32_le, u32_le};
 use crate::{
     candidates,
     lookup::{Index, Kind},
+    minkowski::unit,
     simd::{Instructions, Level},
     support_map::{Support, SupportMap},
 };
@@ -31,6 +32,8 @@ pub struct Hull<'a> {
     index: Index<'a>,
     neighbour_starts: &'a [u32_le],
     neighbours: &'a [u32_le],
+    neighbour_faces: &'a [u32_le],
+    outer_vertices: &'a [[f32_le; 3]],
     interior_point: DVec3,
 }
 
@@ -95,6 +98,8 @@ impl<'a> Hull<'a> {
             },
             neighbour_starts: pack.neighbour_starts.get(vertices)?,
             neighbours: run(&pack.neighbours, start.neighbour, end.neighbour)?,
+            neighbour_faces: run(&pack.neighbour_faces, start.neighbour, end.neighbour)?,
+            outer_vertices: run(&pack.outer_vertices, start.outer, end.outer)?,
             interior_point: vector(&record.interior_point),
         })
     }
@@ -225,9 +230,67 @@ impl<'a> Hull<'a> {
 
     #[inline]
     fn neighbour_run(&self, index: u32) -> &'a [u32_le] {
+        self.neighbours.get(self.neighbour_range(index)).unwrap_or_default()
+    }
+
+    #[inline]
+    fn neighbour_range(&self, index: u32) -> std::ops::Range<usize> {
         let at = index as usize;
         let place = |at: usize| self.neighbour_starts.get(at).map_or(self.neighbours.len(), |s| s.to_native() as usize);
-        self.neighbours.get(place(at)..place(at.saturating_add(1))).unwrap_or_default()
+        place(at)..place(at.saturating_add(1))
+    }
+
+    /// Vertex numbers of face `face`, counter-clockwise seen from outside; none past the last face.
+    pub fn face(&self, face: u32) -> impl ExactSizeIterator<Item = u32> + 'a {
+        let at = face as usize;
+        let end =
+            self.face_starts.get(at.saturating_add(1)).map_or(self.face_vertices.len(), |s| s.to_native() as usize);
+        let start = self.face_starts.get(at).map_or(end, |s| s.to_native() as usize);
+        self.face_vertices.get(start..end).unwrap_or_default().iter().map(|v| v.to_native())
+    }
+
+    /// The faces that meet at vertex `index`, each once: as many as it has neighbours, and none below rank 2.
+    pub fn faces_at(&self, index: u32) -> impl ExactSizeIterator<Item = u32> + 'a {
+        let range = if self.record.rank < 2 { 0..0 } else { self.neighbour_range(index) };
+        self.neighbour_faces.get(range).unwrap_or_default().iter().map(|f| f.to_native())
+    }
+
+    /// Unit outward normal of face `face`; `None` past the last one.
+    ///
+    /// # Complexity
+    /// O(1): three corners a third of the way around from each other span the plane well, as faces are planar.
+    pub fn face_normal(&self, face: u32) -> Option<DVec3> {
+        let mut corners = self.face(face);
+        // A face has three corners or more.
+        let third = (corners.len() / 3).max(1);
+        let mut after = |skipped| corners.nth(skipped).and_then(|v| self.vertex(v)).map(Vec3::as_dvec3);
+        let (first, second, third) = (after(0)?, after(third - 1)?, after(third - 1)?);
+        unit((second - first).cross(third - first))
+    }
+
+    /// The face that faces `dir` (local frame, any length): of the faces at the support vertex the one whose normal is nearest
+    /// to it. `None` below rank 2, and for a direction that is zero or not finite.
+    ///
+    /// # Complexity
+    /// One support query, and one normal for each face at its vertex: six on average, and as many as the vertex has
+    /// neighbours at the tip of a cone. No scan of the faces.
+    pub fn face_towards(&self, dir: DVec3) -> Option<u32> {
+        let dir = unit(dir)?;
+        let vertex = SupportMap::support(self, dir).feature;
+        let alignment = |face: u32| self.face_normal(face).map_or(f64::NEG_INFINITY, |n| n.dot(dir));
+        let mut best = (f64::NEG_INFINITY, None);
+        for face in self.faces_at(vertex) {
+            let found = alignment(face);
+            if found > best.0 {
+                best = (found, Some(face));
+            }
+        }
+        best.1
+    }
+
+    /// Vertices of a coarse polytope that holds the hull, exactly, at most 64; none for a hull that has few itself.
+    pub fn outer_vertices(&self) -> impl ExactSizeIterator<Item = Vec3> + 'a {
+        self.outer_vertices.iter().map(|v| Vec3::from_array(v.map(|c| c.to_native())))
     }
 
     /// Greatest distance between two vertices.

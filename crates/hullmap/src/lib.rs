@@ -35,13 +35,19 @@
 //! ```
 #![deny(unsafe_code)]
 
+pub mod batch;
 mod candidates;
 mod direction;
 mod hull;
+pub mod levels;
 mod lookup;
+pub mod manifold;
 pub mod minkowski;
 mod pack;
 pub mod pose;
+pub mod rounding;
+pub mod shape;
+pub mod shapes;
 mod simd;
 pub mod solver;
 mod storage;
@@ -50,9 +56,12 @@ pub mod support_map;
 pub use glam;
 pub use hull::{Hull, IndexKind, SupportPoint};
 pub use hullmap_format::{header::Header, walk::Cost};
+pub use manifold::{Manifold, ManifoldSettings};
 pub use minkowski::{Minkowski, Vertex};
 pub use pack::{InvalidPack, NoSuchHull, OpenError, Pack};
 pub use pose::{Pose, PoseError};
+pub use shape::{Corner, Feature, Shape};
+pub use shapes::ShapeError;
 pub use simd::Instructions;
 pub use solver::{Cache, Contact, Distance, Intersection, Overlap, Settings, Status, contact, distance, intersects};
 pub use support_map::{Support, SupportMap};

@@ -5,12 +5,12 @@
 use std::{collections::VecDeque, ops::Range};
 
 /// Sections in the order of the root's entries (4): name, bytes of an element, multiple on which it starts.
-pub const SECTIONS: [(&str, usize, usize); 13] = [
+pub const SECTIONS: [(&str, usize, usize); 15] = [
     ("blocks", 128, 64),
     ("source_path", 1, 1),
     ("options", 1, 1),
     ("names", 1, 1),
-    ("spans", 28, 4),
+    ("spans", 32, 4),
     ("hulls", 200, 8),
     ("vertices", 12, 4),
     ("source_vertices", 4, 4),
@@ -18,11 +18,13 @@ pub const SECTIONS: [(&str, usize, usize); 13] = [
     ("face_vertices", 4, 4),
     ("neighbour_starts", 4, 4),
     ("neighbours", 4, 4),
+    ("neighbour_faces", 4, 4),
+    ("outer_vertices", 12, 4),
     ("slots", 4, 4),
 ];
 
 const HEADER: usize = 64;
-pub const ROOT: usize = 104;
+pub const ROOT: usize = 120;
 
 /// Numbers of sections in [`SECTIONS`].
 pub mod section {
@@ -38,14 +40,16 @@ pub mod section {
     pub const FACE_VERTICES: usize = 9;
     pub const NEIGHBOUR_STARTS: usize = 10;
     pub const NEIGHBOURS: usize = 11;
-    pub const SLOTS: usize = 12;
+    pub const NEIGHBOUR_FACES: usize = 12;
+    pub const OUTER_VERTICES: usize = 13;
+    pub const SLOTS: usize = 14;
 }
 
 /// A whole file.
 pub struct File<'a> {
     bytes: &'a [u8],
     /// File offsets of each section's bytes.
-    pub sections: [Range<usize>; 13],
+    pub sections: [Range<usize>; 15],
 }
 
 /// One hull's runs.
@@ -58,6 +62,8 @@ pub struct Hull<'a> {
     pub face_vertices: Vec<u32>,
     pub neighbour_starts: Vec<u32>,
     pub neighbours: Vec<u32>,
+    pub neighbour_faces: Vec<u32>,
+    pub outer_vertices: Vec<[f32; 3]>,
     pub slots: Vec<u32>,
     pub blocks: Vec<Block>,
 }
@@ -121,7 +127,7 @@ impl<'a> File<'a> {
     /// 3 and 4: header, but for the hashes, and places of the sections.
     pub fn new(bytes: &'a [u8]) -> Self {
         assert_eq!(&bytes[..8], b"hullmap\n");
-        assert_eq!(u32_at(bytes, 8), 1, "format version");
+        assert_eq!(u32_at(bytes, 8), 2, "format version");
         assert_eq!(u32_at(bytes, 12), 64, "header length");
         assert_eq!(u64_at(bytes, 16), bytes.len() as u64 - 64, "payload length");
         assert_eq!(u64_at(bytes, 48), 0, "reserved");
@@ -160,9 +166,9 @@ impl<'a> File<'a> {
         padding
     }
 
-    /// The seven numbers of span `hull` (6.1).
-    pub fn span(&self, hull: usize) -> [usize; 7] {
-        std::array::from_fn(|i| u32_at(self.section(section::SPANS), 28 * hull + 4 * i) as usize)
+    /// The eight numbers of span `hull` (6.1).
+    pub fn span(&self, hull: usize) -> [usize; 8] {
+        std::array::from_fn(|i| u32_at(self.section(section::SPANS), 32 * hull + 4 * i) as usize)
     }
 
     fn run(&self, number: usize, start: usize, end: usize) -> &'a [u8] {
@@ -183,6 +189,8 @@ impl<'a> File<'a> {
             face_vertices: words(run(section::FACE_VERTICES, 3)),
             neighbour_starts: words(run(section::NEIGHBOUR_STARTS, 1)),
             neighbours: words(run(section::NEIGHBOURS, 4)),
+            neighbour_faces: words(run(section::NEIGHBOUR_FACES, 4)),
+            outer_vertices: run(section::OUTER_VERTICES, 7).chunks(12).map(|v| floats(v, 0)).collect(),
             slots: words(run(section::SLOTS, 5)),
             blocks: run(section::BLOCKS, 6).chunks(128).map(Block::new).collect(),
         }
@@ -373,6 +381,11 @@ impl Hull<'_> {
     /// For each vertex those that share an edge with it.
     pub fn neighbours(&self) -> Vec<&[u32]> {
         parts(&self.neighbour_starts, &self.neighbours)
+    }
+
+    /// For each vertex the faces to the left of its edges, in its neighbours' order.
+    pub fn faces_beside(&self) -> Vec<&[u32]> {
+        parts(&self.neighbour_starts, &self.neighbour_faces)
     }
 }
 

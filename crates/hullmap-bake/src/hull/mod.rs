@@ -60,6 +60,24 @@ impl Hull {
     }
 }
 
+impl Hull {
+    /// For each entry w of `neighbours`, of vertex v, the face in which w follows v; 0 where there are no faces.
+    ///
+    /// # Complexity
+    /// O(number of face corners), and a search for each in its vertex's neighbours.
+    pub fn neighbour_faces(&self, neighbours: &[Vec<u32>]) -> Vec<u32> {
+        let mut left: Vec<Vec<u32>> = neighbours.iter().map(|list| vec![0; list.len()]).collect();
+        for (number, face) in self.faces.iter().enumerate() {
+            for (a, b) in edges(face) {
+                if let Ok(at) = neighbours[a as usize].binary_search(&b) {
+                    left[a as usize][at] = number as u32;
+                }
+            }
+        }
+        left.concat()
+    }
+}
+
 /// Directed edges of a polygon.
 pub(crate) fn edges(face: &[u32]) -> impl Iterator<Item = (u32, u32)> + '_ {
     face.iter().copied().zip(face.iter().copied().cycle().skip(1))

@@ -1,0 +1,164 @@
+//! A coarse polytope that holds a hull: what a yes/no query looks at before the hull itself.
+//!
+//! It is the intersection of fourteen half-spaces (a 14-DOP): the six of the bounding box, and eight that cut the box's
+//! corners off where the hull leaves room, so at most 24 vertices. Only its vertices are kept.
+//!
+//! # Reference
+//! Klosowski et al., "Efficient Collision Detection Using Bounding Volume Hierarchies of k-DOPs", 1998. Kenwright, section
+//! 5 ("a cube-cube, then a low-poly and finally the higher poly-mesh").
+//!
+//! # Steps
+//! 1. take coordinates in which the bounding box is the cube [-1, 1]³, so that long hulls are cut as well as round ones;
+//! 2. heights of the fourteen planes, pushed outward by more than rounding to f32 can take away;
+//! 3. every three planes meet in a point: those behind all planes are the vertices. A point that rounding alone keeps
+//!    behind a plane is taken too: more points only make the polytope larger;
+//! 4. certify: the hull of the rounded vertices holds every vertex of the hull, by exact predicates. If not, push further.
+
+use std::collections::BTreeSet;
+
+use glam::{DMat3, DVec3};
+
+use crate::{
+    PointSet,
+    hull::{self, Hull},
+};
+
+/// Hulls of up to this many vertices have no outer hull: it would be no simpler.
+const COARSE_ENOUGH: usize = 32;
+
+/// Most vertices: those of the reader's limit.
+const MOST: usize = hullmap_format::check::MAX_OUTER_VERTICES;
+
+/// By how much of the greatest coordinate the planes are pushed outward at first. Rounding to f32 moves a coordinate by up
+/// to 6e-8 of itself.
+const MARGIN: f64 = 4e-7;
+
+/// How often the margin is quadrupled before the hull goes without an outer one.
+const MAX_TRIES: u32 = 8;
+
+/// How far in front of a plane, in the box's half edges, a point may be and count as behind it.
+const BEHIND: f64 = 1e-9;
+
+/// Least determinant of three planes that meet in a point: those of this family have 1 or more, or 0.
+const MEET: f64 = 0.5;
+
+/// The axes whose both ends are the planes' normals, in coordinates in which the box is a cube.
+const AXES: [DVec3; 7] = [
+    DVec3::X,
+    DVec3::Y,
+    DVec3::Z,
+    DVec3::new(1.0, 1.0, 1.0),
+    DVec3::new(1.0, 1.0, -1.0),
+    DVec3::new(1.0, -1.0, 1.0),
+    DVec3::new(-1.0, 1.0, 1.0),
+];
+
+/// The vertices of a coarse polytope that holds `hull`, in ascending order; none where the hull is coarse itself.
+///
+/// # Complexity
+/// O(n): fourteen dot products and some thirty exact predicates a vertex.
+pub fn outer(hull: &Hull) -> Vec<[f32; 3]> {
+    if hull.vertices.len() <= COARSE_ENOUGH {
+        return Vec::new();
+    }
+    let positions = hull.positions();
+    let tries = (0..MAX_TRIES).map(|tried| MARGIN * 4_f64.powi(tried as i32));
+    let polytopes = tries.map(|margin| polytope(&positions, margin));
+    polytopes.into_iter().find(|outer| holds(outer, &positions)).unwrap_or_default()
+}
+
+/// The vertices of the polytope whose planes are pushed outward by `margin` times the greatest coordinate.
+fn polytope(positions: &[DVec3], margin: f64) -> Vec<[f32; 3]> {
+    let low = positions.iter().copied().reduce(DVec3::min).unwrap_or_default();
+    let high = positions.iter().copied().reduce(DVec3::max).unwrap_or_default();
+    let push = margin * low.abs().max(high.abs()).max_element();
+    let center = (low + high) * 0.5;
+    let half = (high - low) * 0.5 + DVec3::splat(push);
+    let pushed = DVec3::splat(push) / half;
+    let planes: Vec<(DVec3, f64)> = AXES
+        .iter()
+        .flat_map(|axis| [*axis, -*axis])
+        .map(|n| {
+            let height = positions.iter().map(|p| n.dot((*p - center) / half)).fold(f64::NEG_INFINITY, f64::max);
+            (n, height + n.abs().dot(pushed))
+        })
+        .collect();
+    let mut vertices = BTreeSet::new();
+    for (i, a) in planes.iter().enumerate() {
+        for (j, b) in planes[..i].iter().enumerate() {
+            for c in &planes[..j] {
+                let m = DMat3::from_cols(a.0, b.0, c.0).transpose();
+                if m.determinant().abs() < MEET {
+                    continue;
+                }
+                let p = m.inverse() * DVec3::new(a.1, b.1, c.1);
+                if planes.iter().all(|(n, height)| n.dot(p) <= height + BEHIND) {
+                    // Ordered by their bits: any order will do that is always the same.
+                    vertices.insert((center + p * half).to_array().map(|c| (c as f32 + 0.0).to_bits()));
+                }
+            }
+        }
+    }
+    vertices.into_iter().map(|bits| bits.map(f32::from_bits)).collect()
+}
+
+/// Whether the hull of `outer` is a solid that holds every one of `positions`: exact.
+fn holds(outer: &[[f32; 3]], positions: &[DVec3]) -> bool {
+    let points =
+        PointSet { name: String::new(), positions: outer.to_vec(), source_vertices: (0..outer.len() as u32).collect() };
+    let Ok(solid) = hull::build(&points) else { return false };
+    let coord = |v: DVec3| robust::Coord3D { x: v.x, y: v.y, z: v.z };
+    let corners = solid.positions();
+    let planes: Vec<[robust::Coord3D<f64>; 3]> =
+        solid.faces.iter().map(|face| [0, 1, 2].map(|i| coord(corners[face[i] as usize]))).collect();
+    let behind = |p: &DVec3| planes.iter().all(|[a, b, c]| robust::orient3d(*a, *b, *c, coord(*p)) >= 0.0);
+    solid.rank == 3 && outer.len() <= MOST && positions.iter().all(behind)
+}
+
+#[cfg(test)]
+mod tests {
+    use shapes::families::Family;
+
+    use super::*;
+
+    fn build(positions: Vec<[f32; 3]>) -> Hull {
+        let source_vertices = (0..positions.len() as u32).collect();
+        hull::build(&PointSet { name: String::new(), positions, source_vertices }).unwrap()
+    }
+
+    /// Containment is certified in `outer`; here by other means, and the polytope is close.
+    #[test]
+    fn holds_the_hull_and_is_no_larger_than_its_box() {
+        let mut rng = shapes::rng::SplitMix64::new(5);
+        for family in Family::ALL {
+            for far in [0.0_f32, 1000.0] {
+                let points: Vec<[f32; 3]> = family.points(300, 1).iter().map(|p| [p[0] + far, p[1], p[2]]).collect();
+                let hull = build(points);
+                let outer = outer(&hull);
+                if hull.vertices.len() <= COARSE_ENOUGH {
+                    assert!(outer.is_empty());
+                    continue;
+                }
+                assert!((4..=24).contains(&outer.len()), "{family:?}: {}", outer.len());
+                let reach = |points: &[[f32; 3]], d: [f64; 3]| {
+                    let dots = points.iter().map(|p| DVec3::from_array(p.map(f64::from)).dot(DVec3::from_array(d)));
+                    dots.fold(f64::NEG_INFINITY, f64::max)
+                };
+                for _ in 0..500 {
+                    let d = rng.direction();
+                    assert!(reach(&outer, d) >= reach(&hull.vertices, d), "{family:?}");
+                }
+                for axis in [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0]] {
+                    let room = reach(&outer, axis) - reach(&hull.vertices, axis);
+                    assert!(room <= 3e-6 * (1.0 + f64::from(far)), "{family:?}: {room:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_ball_has_fewer_corners_than_its_hull_and_more_than_a_box() {
+        let outer = outer(&build(Family::Sphere.points(2_000, 1)));
+        assert_eq!(outer.len(), 24);
+    }
+}

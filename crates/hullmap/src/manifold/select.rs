@@ -1,0 +1,142 @@
+//! Of all points of a contact patch the four that span the most area, the deepest among them.
+//!
+//! # Steps
+//! 1. the deepest point stays; of several the outermost;
+//! 2. for each other point, taken as the corner across: the farthest point on either side of the diagonal. The pair of triangles with
+//!    the greatest area wins.
+//!
+//! For the corners of a convex polygon that is the largest quadrilateral that has the deepest point as a corner, exactly.
+//!
+//! # Complexity
+//! O(n²) for n points, at most 65.
+
+#![forbid(unsafe_code)]
+
+use super::clip::PatchPoint;
+use glam::DVec2;
+
+/// Numbers of up to four points, and how many.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Choice {
+    numbers: [usize; 4],
+    count: usize,
+}
+
+impl Choice {
+    pub(super) fn numbers(&self) -> &[usize] {
+        &self.numbers[..self.count]
+    }
+
+    pub(super) fn push(&mut self, number: usize) {
+        if self.count < 4 && !self.numbers().contains(&number) {
+            self.numbers[self.count] = number;
+            self.count += 1;
+        }
+    }
+}
+
+/// The deepest of `points`; of those as deep within `slight`, a length, the farthest from their middle: a corner that large
+/// quadrilaterals have.
+pub(super) fn deepest(points: &[PatchPoint], slight: f64) -> usize {
+    let depth = points.iter().map(PatchPoint::depth).fold(f64::NEG_INFINITY, f64::max) - slight;
+    let deep = || points.iter().enumerate().filter(move |(_, p)| p.depth() >= depth);
+    let middle = deep().map(|(_, p)| p.at).sum::<DVec2>() / deep().count() as f64;
+    let far = |p: &PatchPoint| p.at.distance_squared(middle);
+    deep().fold(0, |best, (i, p)| if points[best].depth() < depth || far(p) > far(&points[best]) { i } else { best })
+}
+
+/// The four of `points` that span the most area, or all if there are no more. Depths that differ by no more than `slight` are
+/// the same.
+pub(super) fn choose(points: &[PatchPoint], slight: f64) -> Choice {
+    let mut choice = Choice::default();
+    if points.len() <= 4 {
+        (0..points.len()).for_each(|i| choice.push(i));
+        return choice;
+    }
+    let first = deepest(points, slight);
+    let mut greatest = (-1.0, [first; 3]);
+    for across in 0..points.len() {
+        let (left, right) = (farthest(points, first, across, 1.0), farthest(points, first, across, -1.0));
+        let area = left.0 + right.0;
+        if area > greatest.0 {
+            greatest = (area, [left.1, across, right.1]);
+        }
+    }
+    choice.push(first);
+    greatest.1.into_iter().for_each(|i| choice.push(i));
+    choice
+}
+
+/// Twice the area of the largest triangle on one side of a diagonal, and its third corner; 0 where nothing is there.
+fn farthest(points: &[PatchPoint], from: usize, to: usize, side: f64) -> (f64, usize) {
+    let (origin, along) = (points[from].at, points[to].at - points[from].at);
+    let mut best = (0.0, from);
+    for (i, p) in points.iter().enumerate() {
+        let area = side * along.perp_dot(p.at - origin);
+        if area > best.0 {
+            best = (area, i);
+        }
+    }
+    best
+}
+
+/// Area of the quadrilateral of four points, whatever their order: the largest of the three orders around it.
+pub(super) fn area([a, b, c, d]: [DVec2; 4]) -> f64 {
+    let order = |p: DVec2, q: DVec2, r: DVec2, s: DVec2| 0.5 * (r - p).perp_dot(s - q).abs();
+    order(a, b, c, d).max(order(a, c, b, d)).max(order(a, b, d, c))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points(corners: &[DVec2], deep: usize) -> Vec<PatchPoint> {
+        let point = |(i, at): (usize, &DVec2)| PatchPoint {
+            at: *at,
+            heights: [f64::from(u8::from(i == deep)), 0.0],
+            ..Default::default()
+        };
+        corners.iter().enumerate().map(point).collect()
+    }
+
+    /// Against all quadruples with the deepest among them.
+    #[test]
+    fn no_four_span_more() {
+        let mut seed = 1_u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (seed >> 40) as f64 / 2_f64.powi(24)
+        };
+        for n in 5..24 {
+            // Corners of a convex polygon: an ellipse at random angles in order.
+            let mut angles: Vec<f64> = (0..n).map(|_| random() * std::f64::consts::TAU).collect();
+            angles.sort_by(f64::total_cmp);
+            let flat = random();
+            let corners: Vec<DVec2> = angles.iter().map(|a| DVec2::new(a.cos(), flat * a.sin())).collect();
+            let deep = (random() * n as f64) as usize % n;
+            let points = points(&corners, deep);
+            let chosen = choose(&points, 0.0);
+            assert!(chosen.numbers().len() >= 3 && chosen.numbers()[0] == deep);
+            let spanned = match *chosen.numbers() {
+                [a, b, c, d] => area([a, b, c, d].map(|i| corners[i])),
+                [a, b, c] => area([a, b, c, c].map(|i| corners[i])),
+                _ => 0.0,
+            };
+            let mut best: f64 = 0.0;
+            for i in 0..n {
+                for j in 0..i {
+                    for k in 0..j {
+                        best = best.max(area([deep, i, j, k].map(|i| corners[i])));
+                    }
+                }
+            }
+            assert!(spanned >= best * (1.0 - 1e-12), "{n} corners: {spanned} of {best}");
+        }
+    }
+
+    #[test]
+    fn the_order_of_four_points_does_not_matter() {
+        let [a, b, c, d] = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]].map(DVec2::from_array);
+        assert_eq!([area([a, b, c, d]), area([a, c, b, d]), area([b, a, c, d])], [2.0; 3]);
+    }
+}

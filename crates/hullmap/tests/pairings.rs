@@ -1,0 +1,594 @@
+//! Every shape with every other: hulls of rank 0 to 3, shapes in closed form, scaled and rounded ones.
+//!
+//! Truth is analytic where there is a formula (a ball against anything whose signed distance is known, capsules). Elsewhere
+//! it is sampled from both sides: the support value in any direction is no less than the depth, and its negative no more
+//! than the distance; any two points are no nearer than the distance.
+
+use glam::{DMat3, DQuat, DVec2, DVec3};
+use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
+use hullmap::{
+    Cache, Contact, Overlap, Pack, Pose, Settings, Shape, ShapeError, Status, SupportMap, contact, distance,
+    intersects, rounding,
+};
+use hullmap_bake::{IndexKind, PointSet, bake_hull, write_pack};
+use shapes::{families::Family, rng::SplitMix64};
+
+const SEED: u64 = 0x005e_ed05;
+
+/// What the formulas below may be wrong by, over the size of what they measure.
+const TRUTH_ERROR: f64 = 1e-12;
+
+fn pack(positions: &[[f32; 3]]) -> Pack {
+    let points = PointSet {
+        name: "hull".into(),
+        positions: positions.to_vec(),
+        source_vertices: (0..positions.len() as u32).collect(),
+    };
+    let baked = bake_hull(&points, IndexKind::TREE).unwrap();
+    Pack::from_bytes(&write_pack(&[baked], &Default::default()).unwrap()).unwrap()
+}
+
+fn direction(rng: &mut SplitMix64) -> DVec3 {
+    DVec3::from_array(rng.direction())
+}
+
+fn rotation(rng: &mut SplitMix64) -> DQuat {
+    let axis = direction(rng);
+    DQuat::from_axis_angle(axis, rng.between(0.0, std::f64::consts::TAU))
+}
+
+/// Signed distances in closed form: negative inside.
+mod truth {
+    use super::*;
+
+    pub fn cuboid(half: DVec3, p: DVec3) -> f64 {
+        let q = p.abs() - half;
+        q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
+    }
+
+    pub fn segment(half_length: f64, p: DVec3) -> f64 {
+        p.distance(DVec3::Z * p.z.clamp(-half_length, half_length))
+    }
+
+    pub fn cylinder(half_height: f64, radius: f64, p: DVec3) -> f64 {
+        let q = DVec2::new(p.truncate().length() - radius, p.z.abs() - half_height);
+        q.max(DVec2::ZERO).length() + q.max_element().min(0.0)
+    }
+
+    pub fn cone(half_height: f64, radius: f64, p: DVec3) -> f64 {
+        let p = DVec2::new(p.truncate().length(), p.z);
+        let (tip, rim) = (DVec2::new(0.0, half_height), DVec2::new(radius, -half_height));
+        let along = rim - tip;
+        let normal = DVec2::new(-along.y, along.x).normalize();
+        let (above_base, off_side) = (-half_height - p.y, (p - tip).dot(normal));
+        if above_base <= 0.0 && off_side <= 0.0 {
+            return above_base.max(off_side);
+        }
+        let on_side = tip + along * ((p - tip).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+        let on_base = DVec2::new(p.x.min(radius), -half_height);
+        p.distance(on_side).min(p.distance(on_base))
+    }
+
+    /// Distance of two segments: by the nearest of ends to segments, and inside if they cross.
+    pub fn segments(p: [DVec3; 2], q: [DVec3; 2]) -> f64 {
+        let to = |x: DVec3, [a, b]: [DVec3; 2]| {
+            let along = b - a;
+            let t = (x - a).dot(along) / along.length_squared();
+            x.distance(a + along * t.clamp(0.0, 1.0))
+        };
+        let mut least = to(p[0], q).min(to(p[1], q)).min(to(q[0], p)).min(to(q[1], p));
+        let (u, v) = (p[1] - p[0], q[1] - q[0]);
+        let n = u.cross(v);
+        let m = DMat3::from_cols(u, -v, n);
+        if m.determinant().abs() > 1e-12 {
+            let at = m.inverse() * (q[0] - p[0]);
+            if (0.0..=1.0).contains(&at.x) && (0.0..=1.0).contains(&at.y) {
+                least = least.min((n * at.z).length());
+            }
+        }
+        least
+    }
+}
+
+/// Support calls and how the searches ended.
+#[derive(Default)]
+struct Effort {
+    iterations: Vec<u32>,
+    open: usize,
+    hits: usize,
+}
+
+impl Effort {
+    fn add(&mut self, iterations: u32, status: Status, hit: bool) {
+        self.iterations.push(iterations);
+        self.open += usize::from(matches!(status, Status::IterationLimit | Status::Stalled));
+        self.hits += usize::from(hit);
+    }
+
+    fn report(&mut self, name: &str) {
+        self.iterations.sort_unstable();
+        let at = |share: f64| self.iterations[((self.iterations.len() - 1) as f64 * share) as usize];
+        let (median, tail, most) = (at(0.5), at(0.99), at(1.0));
+        println!(
+            "{name:28} {:5} queries, {:3.0} % hits, iterations p50 {median:3}, p99 {tail:3}, most {most:3}, {} not converged",
+            self.iterations.len(),
+            100.0 * self.hits as f64 / self.iterations.len() as f64,
+            self.open
+        );
+    }
+}
+
+/// Asserts all answers about a pair whose signed distance is `truth`, by the general solver and by the cores.
+fn check(a: &dyn Shape, b: &dyn Shape, pose: Pose, truth: f64, at: &str, effort: &mut [Effort; 4]) {
+    let size = a.outer_radius() + b.outer_radius() + pose.translation().length();
+    let error = TRUTH_ERROR * size;
+    let settings = Settings::default();
+    let contacts = [
+        contact(a, b, pose, &settings, &mut Cache::new()),
+        rounding::contact(a, b, pose, &settings, &mut Cache::new()),
+    ];
+    let distances = [
+        distance(a, b, pose, &settings, &mut Cache::new()),
+        rounding::distance(a, b, pose, &settings, &mut Cache::new()),
+    ];
+    let yes = [intersects(a, b, pose, &mut Cache::new()), rounding::intersects(a, b, pose, &mut Cache::new())];
+    for way in 0..2 {
+        let (c, d, y) = (contacts[way], distances[way], yes[way]);
+        let at = format!("{at}, way {way}, truth {truth:e}: {c:?} {d:?} {y:?}");
+        effort[way].add(c.iterations, c.status, c.hit);
+        if truth > 0.0 {
+            effort[2 + way].add(d.iterations, d.status, false);
+        }
+        if truth < -error {
+            assert!(c.hit && y.is_hit() && d.distance == 0.0 && d.lower == 0.0, "{at}");
+            assert!(c.depth_lower <= -truth + error && -truth - error <= c.depth_upper, "{at}");
+            check_contact(a, b, pose, &c, error, &at);
+        } else if truth > error {
+            // Trouble may leave a hair's gap open, and says so; it never makes a hit of what is apart by more.
+            assert!(!c.hit || (c.depth_lower == 0.0 && c.depth_upper <= 1e-5 * size), "{at}");
+            assert!(y.status != Overlap::Overlapping, "{at}");
+            assert!(d.lower <= truth + error && truth - error <= d.upper, "{at}");
+        }
+        if way == 1 {
+            assert!(!matches!(c.status, Status::IterationLimit | Status::Stalled), "{at}");
+        }
+    }
+}
+
+/// What holds for every hit: the points are the depth apart along the normal, and on the shapes' support planes.
+fn check_contact(a: &dyn Shape, b: &dyn Shape, pose: Pose, c: &Contact, error: f64, at: &str) {
+    assert!((c.normal.length() - 1.0).abs() < 1e-12, "{at}");
+    let top = a.support(c.normal).point.dot(c.normal);
+    let bottom = pose.transform_point(b.support(pose.inverse_transform_vector(-c.normal)).point).dot(c.normal);
+    assert!((top - bottom - c.depth).abs() <= 1e-4 * c.depth + 10.0 * error, "{at}: {top} {bottom}");
+    let converged = matches!(c.status, Status::Exact | Status::Within);
+    if converged {
+        // The points of a facet of a curved surface lie a little inside.
+        let apart = (c.point_a - c.point_b).dot(c.normal) - c.depth;
+        assert!(apart.abs() <= 0.1 * c.depth + 10.0 * error, "{at}: {apart}");
+    }
+}
+
+/// A ball against shapes whose signed distance is known: a third deep, a third near touching, a third apart.
+#[test]
+fn balls_against_the_formulas() {
+    println!("seed {SEED:#x}");
+    let mut rng = SplitMix64::new(SEED);
+    type Signed = Box<dyn Fn(DVec3) -> f64>;
+    for kind in ["sphere", "box", "capsule", "cylinder", "cone"] {
+        let mut effort: [Effort; 4] = Default::default();
+        for i in 0..600 {
+            let mut length = || 10_f64.powf(rng.between(-1.0, 1.0));
+            let (x, y, z, r) = (length(), length(), length(), length());
+            let (shape, signed): (Box<dyn Shape>, Signed) = match kind {
+                "sphere" => (Box::new(Sphere::new(x).unwrap()), Box::new(move |p: DVec3| p.length() - x)),
+                "box" => {
+                    let half = DVec3::new(x, y, z);
+                    (Box::new(Cuboid::new(half).unwrap()), Box::new(move |p| truth::cuboid(half, p)))
+                }
+                "capsule" => (Box::new(Capsule::new(x, y).unwrap()), Box::new(move |p| truth::segment(x, p) - y)),
+                "cylinder" => (Box::new(Cylinder::new(x, y).unwrap()), Box::new(move |p| truth::cylinder(x, y, p))),
+                _ => (Box::new(Cone::new(x, y).unwrap()), Box::new(move |p| truth::cone(x, y, p))),
+            };
+            let ball = Sphere::new(r).unwrap();
+            // Out from the interior point until the ball's surface is at the gap wanted, by bisection.
+            let (way, from) = (direction(&mut rng), shape.interior_point());
+            let smaller = r.min(shape.inner_radius());
+            let wanted = match i % 3 {
+                0 => -smaller * rng.between(0.05, 0.9),
+                1 => smaller * rng.between(-0.02, 0.02),
+                _ => smaller * rng.between(0.02, 3.0),
+            };
+            let (mut near, mut far) = (0.0, 10.0 * (shape.outer_radius() + r));
+            for _ in 0..60 {
+                let middle = 0.5 * (near + far);
+                if signed(from + way * middle) - r < wanted { near = middle } else { far = middle }
+            }
+            let center = from + way * near;
+            let pose = Pose::new(center, rotation(&mut rng)).unwrap();
+            let gap = signed(center) - r;
+            check(&*shape, &ball, pose, gap, &format!("{kind} {x} {y} {z}, ball {r}, {i}"), &mut effort);
+            check(&ball, &*shape, pose.inverse(), gap, &format!("ball {r}, {kind} {x} {y} {z}, {i}"), &mut effort);
+        }
+        let share = effort[1].hits as f64 / effort[1].iterations.len() as f64;
+        assert!((0.3..0.7).contains(&share), "not representative: {share} of the pairs overlap");
+        for (effort, name) in effort.iter_mut().zip(["contact", "contact, cores", "distance", "distance, cores"]) {
+            effort.report(&format!("ball-{kind}, {name}"));
+        }
+    }
+}
+
+#[test]
+fn capsules_against_the_formula() {
+    println!("seed {SEED:#x}");
+    let mut rng = SplitMix64::new(SEED + 1);
+    let mut effort: [Effort; 4] = Default::default();
+    for i in 0..900 {
+        let length = |rng: &mut SplitMix64| 10_f64.powf(rng.between(-1.0, 0.5));
+        let (h, r, k, s) = (length(&mut rng), length(&mut rng), length(&mut rng), length(&mut rng));
+        let (a, b) = (Capsule::new(h, r).unwrap(), Capsule::new(k, s).unwrap());
+        let turn = if i % 5 == 0 { DQuat::IDENTITY } else { rotation(&mut rng) };
+        let far = rng.between(0.0, 1.0) * (h.min(k) + 2.0 * (r + s));
+        let pose = Pose::new(direction(&mut rng) * far, turn).unwrap();
+        let ends = |l: f64| [DVec3::Z * l, DVec3::NEG_Z * l];
+        let gap = truth::segments(ends(h), ends(k).map(|p| pose.transform_point(p))) - r - s;
+        check(&a, &b, pose, gap, &format!("capsules {h} {r}, {k} {s}, {i}, {pose:?}"), &mut effort);
+    }
+    let share = effort[1].hits as f64 / effort[1].iterations.len() as f64;
+    assert!((0.3..0.7).contains(&share), "not representative: {share} of the pairs overlap");
+    for (effort, name) in effort.iter_mut().zip(["contact", "contact, cores", "distance", "distance, cores"]) {
+        effort.report(&format!("capsule-capsule, {name}"));
+    }
+}
+
+/// Packs of hulls of each rank.
+fn packs() -> Vec<(&'static str, Pack)> {
+    let cube: Vec<[f32; 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|bit| bit as f32 - 0.5)).collect();
+    vec![
+        ("point", pack(&[[0.1, 0.2, 0.3]])),
+        ("segment", pack(&[[-0.5, 0.0, 0.1], [0.6, 0.3, 0.0]])),
+        ("triangle", pack(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.2], [0.0, 1.0, 0.1]])),
+        ("cube", pack(&cube)),
+        ("rock", pack(&Family::Rock.points(300, 1))),
+        ("ellipsoid", pack(&Family::ClusteredEllipsoid.points(300, 1))),
+        ("prism", pack(&Family::Prism.points(100, 1))),
+    ]
+}
+
+/// All shapes, of about unit size.
+fn all<'a>(packs: &'a [(&'static str, Pack)]) -> Vec<(&'static str, Box<dyn Shape + 'a>)> {
+    let mut all: Vec<(&'static str, Box<dyn Shape>)> = Vec::new();
+    for (name, pack) in packs {
+        all.push((name, Box::new(pack.hull(0).unwrap())));
+    }
+    let rock = packs[4].1.hull(0).unwrap();
+    all.push(("sphere", Box::new(Sphere::new(0.6).unwrap())));
+    all.push(("box", Box::new(Cuboid::new(DVec3::new(0.5, 0.3, 0.7)).unwrap())));
+    all.push(("capsule", Box::new(Capsule::new(0.5, 0.25).unwrap())));
+    all.push(("cylinder", Box::new(Cylinder::new(0.4, 0.5).unwrap())));
+    all.push(("cone", Box::new(Cone::new(0.5, 0.5).unwrap())));
+    all.push(("mirrored rock", Box::new(Scaled::new(rock, DVec3::new(-0.5, 1.2, 0.8)).unwrap())));
+    all.push(("rounded rock", Box::new(Rounded::new(rock, 0.2).unwrap())));
+    all.push((
+        "ellipsoid in closed form",
+        Box::new(Scaled::new(Sphere::new(0.5).unwrap(), DVec3::new(1.0, 0.4, 1.5)).unwrap()),
+    ));
+    all
+}
+
+/// The least support value of A − B over many directions, those of the answers among them, then downhill from the best: no
+/// less than the depth.
+fn sampled_depth(a: &dyn Shape, b: &dyn Shape, pose: Pose, rng: &mut SplitMix64, starts: [DVec3; 2]) -> f64 {
+    let value = |n: DVec3| {
+        let n = n.normalize();
+        let on_b = b.support(pose.inverse_transform_vector(-n)).point;
+        a.support(n).point.dot(n) - pose.transform_point(on_b).dot(n)
+    };
+    let mut best = (value(starts[0]), starts[0]);
+    for i in 0..200 {
+        let n = if i == 0 { starts[1] } else { direction(rng) };
+        if value(n) < best.0 {
+            best = (value(n), n);
+        }
+    }
+    let mut step = 0.3;
+    while step > 1e-6 {
+        let found = (0..12).map(|_| (best.1 + direction(rng) * step).normalize()).map(|n| (value(n), n));
+        match found.min_by(|p, q| p.0.total_cmp(&q.0)) {
+            Some(found) if found.0 < best.0 => best = found,
+            _ => step *= 0.6,
+        }
+    }
+    best.0
+}
+
+#[test]
+fn every_pairing_against_samples() {
+    println!("seed {SEED:#x}");
+    let packs = packs();
+    let shapes = all(&packs);
+    let settings = Settings::default();
+    let mut rng = SplitMix64::new(SEED + 2);
+    let (mut hits, mut total) = (0, 0);
+    let mut worst: Vec<(u32, String)> = Vec::new();
+    for (name_a, a) in &shapes {
+        for (name_b, b) in &shapes {
+            let mut effort: [Effort; 2] = Default::default();
+            for i in 0..12 {
+                let (way, turn) = (direction(&mut rng), rotation(&mut rng));
+                // Far enough to be apart half of the time, along the line of the interior points.
+                let reach =
+                    a.support(way).point.dot(way) - b.support(turn.inverse() * -way).point.dot(turn.inverse() * way);
+                let pose = Pose::new(way * reach * [0.3, 0.8, 0.97, 1.03, 1.3, 2.0][i % 6], turn).unwrap();
+                for way in 0..2 {
+                    let at = format!("{name_a}, {name_b}, pose {i} {pose:?}, way {way}");
+                    let (c, d, y) = if way == 0 {
+                        (
+                            contact(&**a, &**b, pose, &settings, &mut Cache::new()),
+                            distance(&**a, &**b, pose, &settings, &mut Cache::new()),
+                            intersects(&**a, &**b, pose, &mut Cache::new()),
+                        )
+                    } else {
+                        (
+                            rounding::contact(&**a, &**b, pose, &settings, &mut Cache::new()),
+                            rounding::distance(&**a, &**b, pose, &settings, &mut Cache::new()),
+                            rounding::intersects(&**a, &**b, pose, &mut Cache::new()),
+                        )
+                    };
+                    let sampled = sampled_depth(&**a, &**b, pose, &mut rng, [c.normal, d.normal]);
+                    let at = format!("{at}, sampled {sampled:e}: {c:?} {d:?} {y:?}");
+                    total += 1;
+                    effort[way].add(c.iterations, c.status, c.hit);
+                    let error = 1e-12;
+                    assert!(y.status != Overlap::Undecided, "{at}");
+                    if sampled < -error {
+                        assert!(!c.hit && !y.is_hit(), "{at}");
+                        // No direction separates by more than the distance, nor are any two points nearer.
+                        assert!(-sampled <= d.upper + error, "{at}");
+                        assert!(d.upper <= -sampled * (1.0 + 3e-4) + 1e-7, "{at}");
+                        let apart = d.point_a.distance(d.point_b);
+                        assert!(d.lower <= apart + error && (apart - d.distance).abs() <= 1e-9, "{at}");
+                    } else {
+                        hits += usize::from(c.hit);
+                        assert!(c.hit && y.is_hit(), "{at}");
+                        assert!(c.depth_lower <= sampled + error, "{at}");
+                        if matches!(c.status, Status::Exact | Status::Within) {
+                            assert!(c.depth_upper <= sampled * (1.0 + 3e-5) + 1e-9, "{at}");
+                        }
+                        check_contact(&**a, &**b, pose, &c, error, &at);
+                    }
+                }
+            }
+            for (effort, way) in effort.iter_mut().zip(["", ", cores"]) {
+                let most = effort.iterations.iter().max().copied().unwrap_or(0);
+                worst.push((most, format!("{name_a}, {name_b}{way}: {} not converged", effort.open)));
+                assert!(
+                    way.is_empty() || effort.open == 0 || !(name_a.contains("sphere") && name_b.contains("sphere"))
+                );
+            }
+        }
+    }
+    worst.sort();
+    println!("most iterations: {:#?}", &worst[worst.len() - 8..]);
+    println!("not converged: {:#?}", worst.iter().filter(|(_, name)| !name.contains(": 0 not")).collect::<Vec<_>>());
+    let share = f64::from(hits as u32) / f64::from(total);
+    assert!((0.3..0.7).contains(&share), "not representative: {share} of the pairs overlap");
+}
+
+fn moved(x: f64, y: f64, z: f64) -> Pose {
+    Pose::from_translation(DVec3::new(x, y, z)).unwrap()
+}
+
+fn solve(a: &dyn Shape, b: &dyn Shape, pose: Pose) -> Contact {
+    rounding::contact(a, b, pose, &Settings::default(), &mut Cache::new())
+}
+
+#[test]
+fn concentric() {
+    let (ball, small) = (Sphere::new(2.0).unwrap(), Sphere::new(0.5).unwrap());
+    let plate = Cuboid::new(DVec3::new(3.0, 2.0, 1.0)).unwrap();
+    let capsule = Capsule::new(1.0, 0.5).unwrap();
+    let cylinder = Cylinder::new(1.0, 3.0).unwrap();
+    for (a, b, depth) in [
+        (&ball as &dyn Shape, &small as &dyn Shape, 2.5),
+        (&ball, &plate, 3.0),
+        (&plate, &small, 1.5),
+        (&capsule, &small, 1.0),
+        (&capsule, &capsule, 1.0),
+        (&cylinder, &small, 1.5),
+        (&cylinder, &plate, 2.0),
+    ] {
+        for c in [solve(a, b, Pose::IDENTITY), contact(a, b, Pose::IDENTITY, &Settings::default(), &mut Cache::new())] {
+            assert!(c.hit && (c.depth - depth).abs() <= 2e-5 * depth, "{depth}: {c:?}");
+            assert!(c.depth_lower <= depth && depth <= c.depth_upper, "{depth}: {c:?}");
+        }
+    }
+}
+
+#[test]
+fn parallel_faces_and_edges_and_vertices() {
+    let cube = Cuboid::new(DVec3::ONE).unwrap();
+    let cylinder = Cylinder::new(1.0, 0.5).unwrap();
+    let cone = Cone::new(1.0, 0.5).unwrap();
+    let lying = |shape: &dyn Shape, turn: DQuat, z: f64| solve(&cube, shape, Pose::new(DVec3::Z * z, turn).unwrap());
+    let quarter = std::f64::consts::FRAC_PI_2;
+    for (c, depth) in [
+        // Face on face.
+        (lying(&cube, DQuat::IDENTITY, 1.9), 0.1),
+        (lying(&cylinder, DQuat::IDENTITY, 1.9), 0.1),
+        (lying(&cone, DQuat::IDENTITY, 1.9), 0.1),
+        // Edge, side line and rim on face.
+        (lying(&cube, DQuat::from_rotation_x(0.5 * quarter), 1.0 + 2_f64.sqrt() - 0.1), 0.1),
+        (lying(&cylinder, DQuat::from_rotation_x(quarter), 1.4), 0.1),
+        (lying(&cylinder, DQuat::from_rotation_x(0.5 * quarter), 1.0 + 1.5 / 2_f64.sqrt() - 0.1), 0.1),
+        // Tip on face.
+        (lying(&cone, DQuat::from_rotation_x(2.0 * quarter), 1.9), 0.1),
+    ] {
+        assert!(c.hit && (c.depth - depth).abs() <= 1e-5 * depth && c.normal.distance(DVec3::Z) < 1e-3, "{c:?}");
+        assert!(c.depth_lower <= depth + 1e-14 && depth - 1e-14 <= c.depth_upper, "{c:?}");
+    }
+    // Edge on edge, crossed: both cubes turned onto an edge.
+    let up = DQuat::from_rotation_x(0.5 * quarter);
+    let across = DQuat::from_rotation_z(quarter) * up;
+    let pose = Pose::new(up.inverse() * (DVec3::Z * (2.0 * 2_f64.sqrt() - 0.1)), up.inverse() * across).unwrap();
+    let c = solve(&cube, &cube, pose);
+    assert!((c.depth - 0.1).abs() < 1e-6 && c.normal.distance(up.inverse() * DVec3::Z) < 1e-6, "{c:?}");
+}
+
+/// A needle that goes through a plate ten thousand times as wide as thick.
+#[test]
+fn needle_in_plate() {
+    let plate = Cuboid::new(DVec3::new(1.0, 1.0, 1e-4)).unwrap();
+    let needle = pack(&Family::Needle.points(100, 1));
+    let needle = needle.hull(0).unwrap();
+    let along = needle.bounds()[1] - needle.bounds()[0];
+    assert!(along.max_element() > 100.0 * along.min_element());
+    let axis = (0..3).max_by(|i, j| along[*i].total_cmp(&along[*j])).unwrap();
+    let upright = DQuat::from_rotation_arc(DVec3::AXES[axis], DVec3::Z);
+    let thin = Capsule::new(1.0, 1e-4).unwrap();
+    for (shape, turn) in [(&needle as &dyn Shape, upright), (&thin, DQuat::IDENTITY)] {
+        for lean in [0.0, 0.3] {
+            let pose = Pose::new(DVec3::new(0.05, 0.1, 0.02), DQuat::from_rotation_x(lean) * turn).unwrap();
+            let c = solve(&plate, shape, pose);
+            let sampled = sampled_depth(&plate, shape, pose, &mut SplitMix64::new(SEED), [c.normal; 2]);
+            assert!(c.hit && c.depth_lower <= sampled && c.depth_upper <= sampled * 1.0001, "{sampled}: {c:?}");
+            let beside = Pose::new(DVec3::new(1.5, 1.3, 0.0), pose.rotation()).unwrap();
+            assert!(!solve(&plate, shape, beside).hit);
+        }
+    }
+}
+
+/// A pebble ten thousandth of what it lies on, far from the origin, and at both ends of what f32 holds.
+#[test]
+fn sizes_and_places() {
+    let quarter = std::f64::consts::FRAC_PI_2;
+    for unit in [1e-36, 1e-3, 1.0, 1e4, 1e33] {
+        let floor = Cuboid::new(DVec3::new(1e4, 1e4, 1e4) * unit).unwrap();
+        let pebbles: [Box<dyn Shape>; 5] = [
+            Box::new(Sphere::new(unit).unwrap()),
+            Box::new(Cuboid::new(DVec3::splat(unit)).unwrap()),
+            Box::new(Cylinder::new(unit, unit).unwrap()),
+            Box::new(Cone::new(unit, unit).unwrap()),
+            Box::new(Rounded::new(Cuboid::new(DVec3::splat(0.5 * unit)).unwrap(), 0.5 * unit).unwrap()),
+        ];
+        for (i, pebble) in pebbles.iter().enumerate() {
+            for gap in [-0.25, -1e-3, 1e-3, 2.0] {
+                let pose =
+                    Pose::new(DVec3::new(3e3, -7e3, 1e4 + 1.0 + gap) * unit, DQuat::from_rotation_z(0.3 * quarter))
+                        .unwrap();
+                let c = solve(&floor, &**pebble, pose);
+                let at = format!("unit {unit}, pebble {i}, gap {gap}: {c:?}");
+                assert_eq!(c.hit, gap < 0.0, "{at}");
+                let d = rounding::distance(&floor, &**pebble, pose, &Settings::default(), &mut Cache::new());
+                let error = 1e-10 * unit;
+                if gap < 0.0 {
+                    assert!((c.depth + gap * unit).abs() <= 2e-5 * -gap * unit + error, "{at}");
+                    assert!(c.depth_lower <= -gap * unit + error && -gap * unit - error <= c.depth_upper, "{at}");
+                } else {
+                    assert!(d.lower <= gap * unit + error && gap * unit - error <= d.upper, "{at} {d:?}");
+                }
+            }
+        }
+    }
+    // A rock a thousand kilometres from its origin, in f32: what is lost is lost in the file, and no more.
+    let far: Vec<[f32; 3]> = Family::Rock.points(200, 1).iter().map(|p| [p[0] + 1e6, p[1] * 8.0, p[2] * 8.0]).collect();
+    let pack = pack(&far);
+    let rock = pack.hull(0).unwrap();
+    let ball = Sphere::new(1.0).unwrap();
+    let top = rock.support(glam::Vec3::Z).point.as_dvec3();
+    let c = solve(&rock, &ball, Pose::from_translation(top + DVec3::Z * 0.5).unwrap());
+    assert!(c.hit && c.depth_lower <= 0.5 + 1e-6 && c.depth_upper >= 0.5 - 1e-6 || c.depth > 0.5, "{c:?}");
+}
+
+/// Mirroring and scaling a shape by a wrapper is scaling its points.
+#[test]
+fn scaled_hulls_are_hulls_of_scaled_points() {
+    let points = Family::Rock.points(200, 3);
+    let scale = DVec3::new(-2.0, 0.5, 4.0);
+    // Powers of two: f32 loses nothing.
+    let scaled: Vec<[f32; 3]> = points.iter().map(|p| [-2.0 * p[0], 0.5 * p[1], 4.0 * p[2]]).collect();
+    let (plain, baked) = (pack(&points), pack(&scaled));
+    let (by_wrapper, by_bake) = (Scaled::new(plain.hull(0).unwrap(), scale).unwrap(), baked.hull(0).unwrap());
+    let other = Cuboid::new(DVec3::splat(0.7)).unwrap();
+    let mut rng = SplitMix64::new(SEED + 3);
+    let mut hits = 0;
+    for i in 0..300 {
+        let pose = Pose::new(direction(&mut rng) * rng.between(0.5, 3.5), rotation(&mut rng)).unwrap();
+        let (c, d) = (solve(&by_wrapper, &other, pose), solve(&by_bake, &other, pose));
+        assert_eq!(c.hit, d.hit, "{i}: {c:?} {d:?}");
+        assert!((c.depth - d.depth).abs() <= 2e-5 * d.depth + 1e-12, "{i}: {c:?} {d:?}");
+        hits += usize::from(c.hit);
+        for _ in 0..10 {
+            let dir = direction(&mut rng);
+            let (p, q) = (SupportMap::support(&by_wrapper, dir), SupportMap::support(&by_bake, dir));
+            assert!((p.point.dot(dir) - q.point.dot(dir)).abs() < 1e-12);
+        }
+        let (inner, outer) = (by_wrapper.inner_radius(), by_wrapper.outer_radius());
+        let dir = direction(&mut rng);
+        let reach = by_bake.support(dir.as_vec3()).point.as_dvec3().dot(dir) - by_wrapper.interior_point().dot(dir);
+        assert!(inner <= reach + 1e-12 && reach <= outer + 1e-12);
+    }
+    assert!((90..210).contains(&hits), "not representative: {hits} of 300 overlap");
+}
+
+/// The balls that shapes vouch for lie in them, and hold them.
+#[test]
+fn balls_of_all_shapes() {
+    let packs = packs();
+    let mut rng = SplitMix64::new(SEED + 4);
+    for (name, shape) in all(&packs) {
+        for _ in 0..2000 {
+            let n = direction(&mut rng);
+            let reach = (shape.support(n).point - shape.interior_point()).dot(n);
+            let rounding = 1e-12;
+            assert!(reach >= shape.inner_radius() - rounding && reach <= shape.outer_radius() + rounding, "{name}");
+            let core = (shape.core_support(n).point - shape.interior_point()).dot(n);
+            assert!((core + shape.rounding_radius() - reach).abs() < rounding, "{name}");
+            let [inner, outer] = shape.core_radii();
+            assert!(core >= inner - rounding && core <= outer + rounding, "{name}");
+            // A feature's corners are as far out as the support point, but for the tilt.
+            let mut feature = hullmap::Feature::new();
+            shape.feature(n, &mut feature);
+            assert!(!feature.corners().is_empty());
+            for corner in feature.corners() {
+                let low = shape.support(n).point.dot(n) - corner.point.dot(n);
+                assert!((-rounding..=0.05).contains(&low), "{name}: {low}");
+            }
+        }
+        for none in [DVec3::ZERO, DVec3::splat(f64::NAN), DVec3::INFINITY] {
+            assert!(shape.support(none).point.is_finite(), "{name}");
+            let mut feature = hullmap::Feature::new();
+            shape.feature(none, &mut feature);
+            assert!(!feature.corners().is_empty() && feature.corners().iter().all(|c| c.point.is_finite()), "{name}");
+        }
+    }
+}
+
+#[test]
+fn senseless_parameters_are_errors() {
+    for bad in [f64::NAN, -1.0, f64::INFINITY, -1e-300, 1e39] {
+        let length =
+            |error: ShapeError| matches!(error, ShapeError::Length { found, .. } if found.to_bits() == bad.to_bits());
+        assert!(length(Sphere::new(bad).unwrap_err()));
+        for axis in DVec3::AXES {
+            let half =
+                DVec3::ONE - axis + if bad.is_nan() { DVec3::splat(bad) } else { axis * bad.clamp(-1e300, 1e300) };
+            assert!(Cuboid::new(half).is_err(), "{half}");
+        }
+        assert!(length(Capsule::new(bad, 1.0).unwrap_err()) && length(Capsule::new(1.0, bad).unwrap_err()));
+        assert!(length(Cylinder::new(bad, 1.0).unwrap_err()) && length(Cylinder::new(1.0, bad).unwrap_err()));
+        assert!(length(Cone::new(bad, 1.0).unwrap_err()) && length(Cone::new(1.0, bad).unwrap_err()));
+        assert!(length(Rounded::new(Sphere::new(1.0).unwrap(), bad).unwrap_err()));
+    }
+    for bad in [f64::NAN, 0.0, -0.0, f64::INFINITY, 1e-39, 1e39] {
+        let error = Scaled::new(Sphere::new(1.0).unwrap(), DVec3::new(1.0, bad, 1.0)).unwrap_err();
+        assert!(matches!(error, ShapeError::Scale { .. }) && error.to_string().contains("scale must be"), "{error}");
+    }
+    // Nothing is not senseless.
+    for shape in
+        [&Sphere::new(0.0).unwrap() as &dyn Shape, &Capsule::new(0.0, 0.0).unwrap(), &Cone::new(0.0, 0.0).unwrap()]
+    {
+        let c = solve(shape, &Cuboid::new(DVec3::ONE).unwrap(), moved(0.5, 0.0, 0.0));
+        assert!(c.hit && (c.depth - 0.5).abs() < 1e-12, "{c:?}");
+    }
+}
