@@ -29,6 +29,10 @@ const HOLDING: usize = 6;
 /// more. More layers than that are left to squares or planes, which cut across them.
 const LAYERS: f64 = 2.7;
 
+/// Cones of a cell that are looked at first, and by how much too many layers they may promise.
+const SAMPLES: usize = 32;
+const LIKELY: f64 = 3.0;
+
 /// A full turn, and half of one, in the unit of [`fan::angle`].
 const TURN: f64 = fan::TURN;
 const HALF_TURN: f64 = 0.5 * TURN;
@@ -130,6 +134,9 @@ impl Fan {
         // The end of the turn is to lie where the cell is not, if it does not lie all around the axis.
         let x = -(middle - axis * middle.dot(axis)).try_normalize()?;
         let y = axis.cross(x);
+        if !Self::is_likely(face, cones, x, y) {
+            return None;
+        }
         let mut intervals = Vec::with_capacity(cones.len());
         for (number, (vertex, polygon)) in cones.iter().enumerate() {
             let [low, high] = angles(face, polygon, x, y)?;
@@ -150,6 +157,24 @@ impl Fan {
         }
         let layers = layers(&intervals);
         (frame.span.is_finite() && layers <= LAYERS).then_some(Self { frame, intervals, layers })
+    }
+}
+
+impl Fan {
+    /// Whether some of the cones are narrow enough for all of them to lie side by side: a cheap question that cells of
+    /// compact cones fail.
+    fn is_likely(face: u32, cones: &Cones, x: DVec3, y: DVec3) -> bool {
+        let step = cones.len().div_ceil(SAMPLES);
+        let (mut count, mut total) = (0, 0.0);
+        let (mut start, mut end) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (_, polygon) in cones.iter().step_by(step) {
+            let Some([low, high]) = angles(face, polygon, x, y) else { return false };
+            count += 1;
+            total += high - low;
+            start = start.min(low);
+            end = end.max(high);
+        }
+        total / f64::from(count) * cones.len() as f64 <= LIKELY * LAYERS * (end - start)
     }
 }
 

@@ -44,6 +44,9 @@ const PROGRESS: f64 = 0.1;
 /// Cells of this many leaves of cones may be fans.
 const FAN_FROM: usize = 3;
 
+/// Cells of this many leaves of cones are looked at as fans before they are halved, smaller ones only where halving fails.
+const FAN_FIRST: usize = 16;
+
 /// Halvings of a fan, one after another, that part nothing before its places are left as they are.
 const FUTILE_WEDGES: u32 = 5;
 
@@ -96,7 +99,9 @@ impl Subdivision<'_> {
         if depth == 2 * MAX_HALVINGS || futile == FUTILE_LIMIT {
             return self.planes(cones);
         }
-        if let Some(fan) = self.fan(&cones) {
+        if cones.len() >= FAN_FIRST * self.leaf
+            && let Some(fan) = self.fan(&cones)
+        {
             return fan;
         }
         let axis = (depth % 2) as usize;
