@@ -3,6 +3,7 @@
 use hullmap_format::{
     archive::{HullRecord, Pack, Span},
     check::MAX_PACK_LEN,
+    edge,
     header::{HEADER_LEN, Header, options_hash},
 };
 use rkyv::{rancor, util::AlignedVec};
@@ -41,6 +42,13 @@ pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>,
             start += list.len() as u32;
             pack.neighbours.extend(list);
         }
+        if hull.rank == 3 {
+            for (vertex, list) in hull.vertices.iter().zip(&neighbours) {
+                let edges: Vec<[i16; 3]> =
+                    list.iter().map(|&w| edge::quantise(*vertex, hull.vertices[w as usize])).collect();
+                (0..3).for_each(|axis| pack.edges.extend(edges.iter().map(|edge| edge[axis])));
+            }
+        }
         pack.neighbour_faces.extend(hull.neighbour_faces(&neighbours));
         pack.outer_vertices.extend_from_slice(&baked.outer);
         pack.slots.extend_from_slice(&baked.index.encoded.slots);
@@ -69,6 +77,7 @@ fn end_of(pack: &Pack) -> Result<Span, BakeError> {
         neighbour: at(pack.neighbours.len())?,
         slot: at(pack.slots.len())?,
         block: at(pack.blocks.len())?,
+        edge: at(pack.edges.len())?,
         outer: at(pack.outer_vertices.len())?,
     })
 }

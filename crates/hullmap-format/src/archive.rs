@@ -48,6 +48,10 @@ pub struct Pack {
     pub outer_vertices: Vec<[f32; 3]>,
     /// The direction index: see [`crate::slot`].
     pub slots: Vec<u32>,
+    /// For each vertex the directions to its neighbours, as [`crate::edge`] has them: first all first coordinates, then all
+    /// second ones, then all third ones. A vertex's run starts at three times the start of its neighbours. Empty for hulls
+    /// that are no solids.
+    pub edges: Vec<i16>,
 }
 
 impl ArchivedPack {
@@ -77,6 +81,8 @@ pub struct Span {
     pub block: u32,
     /// In [`Pack::outer_vertices`].
     pub outer: u32,
+    /// In [`Pack::edges`].
+    pub edge: u32,
 }
 
 /// Facts about one hull. Lengths are in source units, points in the source's frame.

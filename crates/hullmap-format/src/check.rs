@@ -3,10 +3,11 @@
 //! Two depths. [`structure`] looks only at what is needed to hand out a hull's slices: rkyv's own bounds, and the spans;
 //! its cost grows with the number of hulls. [`contents`] looks at every number that a query could follow or return.
 
-use rkyv::rancor;
+use rkyv::{rancor, rend::f32_le};
 
 use crate::{
     archive::{ArchivedHullRecord, ArchivedPack, ArchivedSpan, LANES, index_kind},
+    edge,
     header::HEADER_LEN,
     walk::{Branches, Cost, IndexError, Shape, walk},
 };
@@ -104,6 +105,7 @@ fn layout(pack: &ArchivedPack, payload: &[u8]) -> Result<(), CheckError> {
         section(&pack.neighbour_faces),
         section(&pack.outer_vertices),
         section(&pack.slots),
+        section(&pack.edges),
         section(std::slice::from_ref(pack)),
     ];
     let mut end = start;
@@ -125,12 +127,13 @@ type SpanField = (&'static str, fn(&ArchivedSpan) -> u32, usize);
 
 fn spans(pack: &ArchivedPack) -> Result<(), CheckError> {
     let hull_count = pack.hulls.len();
-    let fields: [SpanField; 8] = [
+    let fields: [SpanField; 9] = [
         ("names", |s| s.name.to_native(), pack.names.len()),
         ("vertices", |s| s.vertex.to_native(), pack.vertices.len()),
         ("faces", |s| s.face.to_native(), pack.face_starts.len()),
         ("face vertices", |s| s.face_vertex.to_native(), pack.face_vertices.len()),
         ("neighbours", |s| s.neighbour.to_native(), pack.neighbours.len()),
+        ("edges", |s| s.edge.to_native(), pack.edges.len()),
         ("slots", |s| s.slot.to_native(), pack.slots.len()),
         ("blocks", |s| s.block.to_native(), pack.blocks.len()),
         ("outer vertices", |s| s.outer.to_native(), pack.outer_vertices.len()),
@@ -196,6 +199,7 @@ impl HullCheck<'_> {
         self.vertices()?;
         self.faces()?;
         self.neighbours()?;
+        self.edges()?;
         self.outer()?;
         self.index()?;
         self.blocks()
@@ -277,6 +281,30 @@ impl HullCheck<'_> {
         // Without faces the entries are 0.
         let faces = (self.end.face.to_native() - self.start.face.to_native()).max(1);
         self.require(left.iter().all(|f| *f < faces), "the face beside an edge is one that is not there")
+    }
+
+    /// Those of a solid are the directions to its neighbours; others have none.
+    fn edges(&self) -> Result<(), CheckError> {
+        let vertices = &self.pack.vertices[range(self.start.vertex.to_native(), self.end.vertex.to_native())];
+        let starts = &self.pack.neighbour_starts[range(self.start.vertex.to_native(), self.end.vertex.to_native())];
+        let neighbours = &self.pack.neighbours[range(self.start.neighbour.to_native(), self.end.neighbour.to_native())];
+        let edges = &self.pack.edges[range(self.start.edge.to_native(), self.end.edge.to_native())];
+        let expected = if self.record.rank == 3 { 3 * neighbours.len() } else { 0 };
+        self.require(edges.len() == expected, "it has not three numbers for each edge")?;
+        if edges.is_empty() {
+            return Ok(());
+        }
+        let ends = starts.iter().skip(1).map(|s| s.to_native() as usize).chain([neighbours.len()]);
+        let sound = vertices.iter().zip(starts.iter().zip(ends)).all(|(v, (start, end))| {
+            let start = start.to_native() as usize;
+            let (run, around) = (&edges[3 * start..3 * end], &neighbours[start..end]);
+            around.iter().enumerate().all(|(place, w)| {
+                let w = vertices[w.to_native() as usize];
+                let edge = edge::quantise(v.map(f32_le::to_native), w.map(f32_le::to_native));
+                (0..3).all(|axis| run[axis * around.len() + place] == edge[axis])
+            })
+        });
+        self.require(sound, "an edge contradicts its vertices")
     }
 
     /// None, or enough for a solid, all finite.

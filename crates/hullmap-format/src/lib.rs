@@ -16,6 +16,7 @@
 pub mod archive;
 pub mod check;
 pub mod cube;
+pub mod edge;
 pub mod fan;
 pub mod header;
 pub mod slot;

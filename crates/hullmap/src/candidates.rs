@@ -170,6 +170,8 @@ mod tests {
     use rkyv::rend::{f32_le, u32_le};
     use shapes::{families, rng::SplitMix64};
 
+    use std::marker::PhantomData;
+
     use super::*;
     use crate::simd::{Instructions, Level, Portable, Work};
 
@@ -188,7 +190,8 @@ mod tests {
         [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Level::of)
     }
 
-    struct Fast<'a, D>(&'a [ArchivedBlock], D, f32);
+    #[derive(Clone, Copy)]
+    struct Fast<'a, T>(&'a [ArchivedBlock], f32, PhantomData<T>);
 
     impl<D: Direction> Work for Fast<'_, D> {
         type Answer = (u32, [f32; 3]);
@@ -230,8 +233,12 @@ mod tests {
                 let narrow = dir.map(|c| c as f32);
                 for level in levels() {
                     let instructions = level.instructions();
-                    assert_eq!(fast(level, &blocks, dir, reach), exact_best(&blocks, dir), "{instructions:?} {dir:?}");
-                    let exact = exact_best(&blocks, narrow.map(f64::from));
+                    assert_eq!(
+                        fast(level, &blocks, dir, reach),
+                        exact_best(&blocks, dir).read(),
+                        "{instructions:?} {dir:?}"
+                    );
+                    let exact = exact_best(&blocks, narrow.map(f64::from)).read();
                     assert_eq!(fast(level, &blocks, narrow, reach), exact, "{instructions:?} {narrow:?}");
                 }
                 let first = blocks.first_chunk::<1>().unwrap();
@@ -246,13 +253,13 @@ mod tests {
     fn directions_that_overflow_are_decided_all_the_same() {
         let blocks = blocks(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [f32::MAX, 0.0, 0.0]]);
         for dir in [[1e30, 0.0, 0.0], [1e30, -1e30, 1e30]] {
-            assert_eq!(best(Portable, &blocks, dir, f32::MAX).0, 2);
+            assert_eq!(best(Portable, &blocks, dir, f32::MAX).read().0, 2);
         }
         // Two products that overflow with opposite signs, where one point's sum is small and the other's is not.
         let blocks = self::blocks(&[[2e9, 1.6e9, 0.0], [1e9, 0.0, 0.0]]);
-        assert_eq!(best(Portable, &blocks, [2e29, -2e29, 0.0], 2e9).0, 1);
-        assert_eq!(best(Portable, &blocks, [2.0, -2.0, 0.0], 2e9).0, 1);
-        assert!(best(Portable, &blocks, [f32::NAN; 3], f32::MAX).0 < 3);
+        assert_eq!(best(Portable, &blocks, [2e29, -2e29, 0.0], 2e9).read().0, 1);
+        assert_eq!(best(Portable, &blocks, [2.0, -2.0, 0.0], 2e9).read().0, 1);
+        assert!(best(Portable, &blocks, [f32::NAN; 3], f32::MAX).read().0 < 3);
         assert_eq!(margin([0.0; 3], 1.0), None);
         assert_eq!(margin([f32::NAN; 3], 1.0), None);
     }

@@ -5,18 +5,15 @@ use hullmap_format::{
     archive::{ArchivedBlock, ArchivedHullRecord, ArchivedPack, LANES, index_kind},
     walk::Cost,
 };
-use rkyv::rend::{f32_le, u32_le};
+use rkyv::rend::{f32_le, i16_le, u32_le};
 
 use crate::{
-    candidates,
+    hint::{AllLeadAway, Edges},
     lookup::{Index, Kind},
     minkowski::unit,
     simd::{Instructions, Level},
     support_map::{Support, SupportMap},
 };
-
-/// Neighbours of a hint beyond which an ordinary query is cheaper.
-const MOST_TRIED: usize = 16;
 
 /// A convex hull, read in place from its [`Pack`](crate::Pack). Copying it copies a few slices.
 ///
@@ -33,6 +30,7 @@ pub struct Hull<'a> {
     neighbour_starts: &'a [u32_le],
     neighbours: &'a [u32_le],
     neighbour_faces: &'a [u32_le],
+    edges: &'a [i16_le],
     outer_vertices: &'a [[f32_le; 3]],
     interior_point: DVec3,
 }
@@ -99,6 +97,7 @@ impl<'a> Hull<'a> {
             neighbour_starts: pack.neighbour_starts.get(vertices)?,
             neighbours: run(&pack.neighbours, start.neighbour, end.neighbour)?,
             neighbour_faces: run(&pack.neighbour_faces, start.neighbour, end.neighbour)?,
+            edges: run(&pack.edges, start.edge, end.edge)?,
             outer_vertices: run(&pack.outer_vertices, start.outer, end.outer)?,
             interior_point: vector(&record.interior_point),
         })
@@ -122,34 +121,32 @@ impl<'a> Hull<'a> {
 
     /// Support point in direction `dir`, tried first at vertex `hint`: the answer to a direction close by, mostly.
     ///
-    /// The answer is that of [`support`](Self::support), whatever the hint. The hint is taken only where it is certain:
-    /// where each neighbour's dot product is smaller by more than rounding. On a convex hull it is then the greatest of
-    /// all. Else, as with a hint that is no vertex, this is an ordinary query.
+    /// The answer is that of [`support`](Self::support), whatever the hint. The hint is taken only where it is certain: where
+    /// all its edges lead away from the direction, by more than rounding. On a convex hull it is then the greatest of all.
+    /// Else, as with a hint that is no vertex, this is an ordinary query.
     ///
     /// # Complexity
-    /// One dot product a neighbour of the hint (six on average, at most 16 are tried), then at most a query's cost.
+    /// One dot product for each neighbour of the hint, eight at a time (there are six on average; with more than 16 the hint is
+    /// not tried), then at most a query's cost.
     #[inline]
     pub fn support_from(&self, dir: Vec3, hint: u32) -> SupportPoint {
-        match self.certain(dir, hint) {
-            Some(point) => SupportPoint { point, index: hint },
+        match self.certain(dir.to_array(), hint) {
+            Some(point) => SupportPoint { point: Vec3::from_array(point), index: hint },
             None => self.support(dir),
         }
     }
 
     /// The position of vertex `hint` if it is certainly the support point in direction `dir`.
     #[inline]
-    fn certain(&self, dir: Vec3, hint: u32) -> Option<Vec3> {
-        let neighbours = self.neighbour_run(hint);
-        // A polygon's neighbours say nothing of directions across its plane, beyond which its points may lie a little.
-        if neighbours.len() > MOST_TRIED || neighbours.len() < 3 || self.record.rank != 3 {
-            return None;
-        }
-        let margin = candidates::margin(dir.to_array(), self.index.reach)?;
-        let point = self.vertex(hint)?;
-        let least = point.dot(dir) - margin;
-        // NaN takes the failing branch.
-        let beaten = |v: &u32_le| self.vertex(v.to_native()).is_some_and(|w| w.dot(dir) < least);
-        neighbours.iter().all(beaten).then_some(point)
+    fn certain(&self, dir: [f32; 3], hint: u32) -> Option<[f32; 3]> {
+        let at = hint as usize;
+        let start = self.neighbour_starts.get(at)?.to_native() as usize;
+        let end = self.neighbour_starts.get(at + 1).map_or(self.neighbours.len(), |next| next.to_native() as usize);
+        // Empty but for solids.
+        let numbers = self.edges.get(3 * start..)?;
+        let edges = Edges { numbers, count: end.saturating_sub(start) };
+        let point = self.vertices.get(at)?;
+        (!numbers.is_empty() && self.index.level.run(AllLeadAway(edges), dir)).then(|| point.map(f32_le::to_native))
     }
 
     /// The vector instructions that queries use: the best that this processor has, unless chosen otherwise.

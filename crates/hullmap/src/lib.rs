@@ -38,6 +38,7 @@
 pub mod batch;
 mod candidates;
 mod direction;
+mod hint;
 mod hull;
 pub mod levels;
 mod lookup;

@@ -5,14 +5,15 @@
 #![allow(unsafe_code)]
 
 use std::arch::x86_64::{
-    __m256, __m256d, _CMP_EQ_OQ, _CMP_NLT_UQ, _mm256_add_pd, _mm256_castps256_ps128, _mm256_cmp_pd, _mm256_cmp_ps,
-    _mm256_cvtps_pd, _mm256_cvtss_f32, _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_loadu_ps, _mm256_max_pd,
-    _mm256_max_ps, _mm256_movemask_pd, _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_permute_pd,
-    _mm256_permute_ps, _mm256_permute2f128_pd, _mm256_permute2f128_ps, _mm256_set1_pd, _mm256_set1_ps, _mm256_sub_ps,
+    __m256, __m256d, _CMP_EQ_OQ, _CMP_LT_OQ, _CMP_NLT_UQ, _mm_loadu_si128, _mm256_add_pd, _mm256_castps256_ps128,
+    _mm256_cmp_pd, _mm256_cmp_ps, _mm256_cvtepi16_epi32, _mm256_cvtepi32_ps, _mm256_cvtps_pd, _mm256_cvtss_f32,
+    _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_loadu_ps, _mm256_max_pd, _mm256_max_ps, _mm256_movemask_pd,
+    _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_permute_pd, _mm256_permute_ps, _mm256_permute2f128_pd,
+    _mm256_permute2f128_ps, _mm256_set1_pd, _mm256_set1_ps, _mm256_sub_ps,
 };
 
 use hullmap_format::archive::{ArchivedBlock, LANES};
-use rkyv::rend::f32_le;
+use rkyv::rend::{f32_le, i16_le};
 
 use super::{Simd, Work};
 
@@ -61,6 +62,12 @@ impl Simd for Avx2 {
     fn not_less(self, block: &ArchivedBlock, dir: [f32; 3], least: f32) -> u32 {
         // SAFETY: see above.
         unsafe { mask(dots(block, splat(dir)), _mm256_set1_ps(least)) }
+    }
+
+    #[inline(always)]
+    fn edges_below(self, edges: [&[i16_le; LANES]; 3], dir: [f32; 3], least: f32) -> u32 {
+        // SAFETY: see above.
+        unsafe { edges_below(edges, dir, least) }
     }
 
     #[inline(always)]
@@ -162,6 +169,25 @@ fn load(from: &[f32_le; LANES]) -> __m256 {
     // SAFETY: the 32 bytes read are those of the array: eight f32 without gaps, in the byte order of x86-64; any alignment
     // will do.
     unsafe { _mm256_loadu_ps(from.as_ptr().cast()) }
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn edges_below(edges: [&[i16_le; LANES]; 3], dir: [f32; 3], least: f32) -> u32 {
+    let [x, y, z] = edges;
+    let dot = _mm256_mul_ps(load_short(x), _mm256_set1_ps(dir[0]));
+    let dot = _mm256_fmadd_ps(load_short(y), _mm256_set1_ps(dir[1]), dot);
+    let dot = _mm256_fmadd_ps(load_short(z), _mm256_set1_ps(dir[2]), dot);
+    _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(dot, _mm256_set1_ps(least))) as u32
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn load_short(from: &[i16_le; LANES]) -> __m256 {
+    // SAFETY: the 16 bytes read are those of the array: eight i16 without gaps, in the byte order of x86-64; any alignment
+    // will do.
+    let short = unsafe { _mm_loadu_si128(from.as_ptr().cast()) };
+    _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(short))
 }
 
 /// Lanes that are not less than `least`, NaN among them.

@@ -11,7 +11,8 @@
 mod avx2;
 mod portable;
 
-use hullmap_format::archive::ArchivedBlock;
+use hullmap_format::archive::{ArchivedBlock, LANES};
+use rkyv::rend::i16_le;
 
 pub(crate) use portable::Portable;
 
@@ -37,6 +38,9 @@ pub(crate) trait Simd: Copy {
 
     /// Which lanes' dot products are not less than `least`, one bit a lane. NaN is not less.
     fn not_less(self, block: &ArchivedBlock, dir: [f32; 3], least: f32) -> u32;
+
+    /// Which of eight edges' dot products are less than `least`, one bit an edge. NaN is not.
+    fn edges_below(self, edges: [&[i16_le; LANES]; 3], dir: [f32; 3], least: f32) -> u32;
 
     /// The greatest dot product of any lane; NaN may be passed over. There is at least one block.
     fn greatest(self, blocks: &[ArchivedBlock], dir: [f32; 3]) -> f32;

@@ -2,7 +2,7 @@
 
 use glam::Vec4;
 use hullmap_format::archive::{ArchivedBlock, LANES};
-use rkyv::rend::f32_le;
+use rkyv::rend::{f32_le, i16_le};
 
 use super::Simd;
 use crate::candidates::exact_dot;
@@ -56,6 +56,19 @@ impl Simd for Portable {
     #[inline(always)]
     fn not_less(self, block: &ArchivedBlock, dir: [f32; 3], least: f32) -> u32 {
         mask(dots(block, dir.map(Vec4::splat)), least)
+    }
+
+    #[inline(always)]
+    fn edges_below(self, edges: [&[i16_le; LANES]; 3], dir: [f32; 3], least: f32) -> u32 {
+        let dir = dir.map(Vec4::splat);
+        let dots = [0, 1].map(|half| {
+            let four = |c: &[i16_le; LANES]| {
+                Vec4::from_array([0, 1, 2, 3].map(|lane| f32::from(c[4 * half + lane].to_native())))
+            };
+            four(edges[0]) * dir[0] + four(edges[1]) * dir[1] + four(edges[2]) * dir[2]
+        });
+        let least = Vec4::splat(least);
+        dots[0].cmplt(least).bitmask() | dots[1].cmplt(least).bitmask() << 4
     }
 
     #[inline(always)]
