@@ -193,16 +193,24 @@ mod tests {
     #[derive(Clone, Copy)]
     struct Fast<'a, T>(&'a [ArchivedBlock], f32, PhantomData<T>);
 
-    impl<D: Direction> Work for Fast<'_, D> {
+    impl<T> Work for Fast<'_, T>
+    where
+        T: Copy,
+        [T; 3]: Direction,
+    {
+        type Scalar = T;
         type Answer = (u32, [f32; 3]);
         #[inline(always)]
-        fn with<S: Simd>(self, simd: S) -> Self::Answer {
-            best(simd, self.0, self.1, self.2)
+        fn with<S: Simd>(self, simd: S, dir: [T; 3]) -> Self::Answer {
+            best(simd, self.0, dir, self.1).read()
         }
     }
 
-    fn fast(level: Level, blocks: &[ArchivedBlock], dir: impl Direction, reach: f32) -> Candidate<'_> {
-        level.run(Fast(blocks, dir, reach))
+    fn fast<T: Copy>(level: Level, blocks: &[ArchivedBlock], dir: [T; 3], reach: f32) -> (u32, [f32; 3])
+    where
+        [T; 3]: Direction,
+    {
+        level.run(Fast(blocks, reach, PhantomData), dir)
     }
 
     /// The fast path against its slow twin, over block counts, scales and offsets, with ties and near ties.
