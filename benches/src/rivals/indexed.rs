@@ -94,8 +94,8 @@ impl Rival for Hinted {
 
     fn index_bytes(&self) -> usize {
         let hull = self.0.hull();
-        let neighbours: usize = (0..hull.vertex_count() as u32).map(|v| hull.neighbours(v).len() + 1).sum();
-        self.0.index_bytes() + size_of::<u32>() * neighbours
+        let edges: usize = (0..hull.vertex_count() as u32).map(|v| hull.neighbours(v).len()).sum();
+        self.0.index_bytes() + size_of::<u32>() * hull.vertex_count() + size_of::<[i16; 3]>() * edges
     }
 
     fn footprint_bytes(&self) -> usize {

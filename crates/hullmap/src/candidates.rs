@@ -47,6 +47,9 @@ impl Candidate<'_> {
 /// Blocks of a list that are looked at together for its greatest dot product.
 const CHUNKS: usize = 64;
 
+/// Least blocks of such a run: finding the greatest of eight lanes costs as much as three blocks.
+const LEAST_CHUNK: usize = 16;
+
 /// Vertex number and position of the best candidate in `blocks`, which are at least one.
 ///
 /// `reach` is the greatest magnitude of a coordinate in any block.
@@ -85,7 +88,7 @@ fn best_of_few<S: Simd, const N: usize>(
 #[inline(always)]
 fn best_of_many<S: Simd>(simd: S, blocks: &[ArchivedBlock], dir: impl Direction, margin: f32) -> Candidate<'_> {
     let (narrow, exact) = (dir.narrow(), dir.exact());
-    let run_len = blocks.len().div_ceil(CHUNKS).max(4);
+    let run_len = blocks.len().div_ceil(CHUNKS).max(LEAST_CHUNK);
     let mut greatest = [0.0; CHUNKS];
     let mut least = f32::NEG_INFINITY;
     for (greatest, run) in greatest.iter_mut().zip(blocks.chunks(run_len)) {
