@@ -81,7 +81,7 @@ pub struct Tally {
     pub classes: BTreeMap<Class, [usize; 2]>,
     /// Pairs that are nearer to touching than [`SURE`].
     pub unsure: usize,
-    /// Of those, the ones whose yes or no is wrong.
+    /// Of those, the ones whose yes or no is wrong by more than rounding.
     pub unsure_wrong: usize,
     /// Answers of `intersects` that settle nothing.
     pub undecided: usize,
@@ -166,7 +166,7 @@ impl Tally {
             }
         } else {
             self.unsure += 1;
-            self.unsure_wrong += usize::from(right.contains(&false));
+            self.unsure_wrong += usize::from(clear > 2.0 * slack && right.contains(&false));
         }
 
         if deep.hit {
@@ -235,7 +235,7 @@ impl fmt::Display for Tally {
         )?;
         writeln!(
             f,
-            "within {SURE:e} of touching: {}, of which {} with a yes or no that is wrong; {} undecided",
+            "within {SURE:e} of touching: {}, of which {} with a yes or no that is wrong by more than rounding; {} undecided",
             self.unsure, self.unsure_wrong, self.undecided
         )?;
         for (name, which, statuses) in [("contacts", 0, &self.contacts), ("distances", 1, &self.distances)] {
