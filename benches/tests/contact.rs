@@ -12,7 +12,7 @@ use hullmap_bench::{
 /// Fewest hulls' vertices, and enough that phases beyond the first decide.
 const COUNTS: [usize; 2] = [8, 300];
 
-const EFFORT: Effort = Effort { poses: 40, paths: 4, frames: 9, piece: 12, rounds: 1 };
+const EFFORT: Effort = Effort { poses: 40, paths: 4, frames: 9, pieces: [12, 4], rounds: 1 };
 
 #[test]
 fn the_sample_is_fair_and_our_answers_hold() {

@@ -26,8 +26,8 @@ pub struct Effort {
     pub paths: usize,
     /// Poses of a path.
     pub frames: usize,
-    /// Queries that are timed at once: a multiple of the number of classes.
-    pub piece: usize,
+    /// Queries that are timed at once, ours and parry's.
+    pub pieces: [usize; 2],
     /// Rounds.
     pub rounds: usize,
 }
@@ -36,15 +36,15 @@ impl Effort {
     /// The whole table in less than five minutes.
     pub const fn full(n: usize) -> Self {
         match n {
-            0..=1_024 => Self { poses: 400, paths: 20, frames: 33, piece: 24, rounds: 15 },
-            1_025..=4_096 => Self { poses: 200, paths: 20, frames: 33, piece: 24, rounds: 9 },
-            4_097..=16_384 => Self { poses: 100, paths: 12, frames: 33, piece: 3, rounds: 7 },
-            _ => Self { poses: 70, paths: 8, frames: 33, piece: 3, rounds: 7 },
+            0..=1_024 => Self { poses: 400, paths: 20, frames: 33, pieces: [24, 24], rounds: 15 },
+            1_025..=4_096 => Self { poses: 200, paths: 20, frames: 33, pieces: [24, 4], rounds: 9 },
+            4_097..=16_384 => Self { poses: 100, paths: 12, frames: 33, pieces: [12, 1], rounds: 7 },
+            _ => Self { poses: 70, paths: 8, frames: 33, pieces: [12, 1], rounds: 7 },
         }
     }
 
     /// A short table in some seconds.
-    pub const QUICK: Self = Self { poses: 30, paths: 4, frames: 9, piece: 12, rounds: 3 };
+    pub const QUICK: Self = Self { poses: 30, paths: 4, frames: 9, pieces: [12, 4], rounds: 3 };
 }
 
 /// What is timed: all poses in turn, or those of one class.
@@ -166,7 +166,9 @@ struct Heat<'s> {
 impl<'s> Heat<'s> {
     fn new(stage: &'s Stage, query: Query, mix: Mix, effort: Effort) -> Self {
         let [poses, frames] = [&stage.poses, &stage.frames].map(|all| all[mix.place()].len());
-        let samples = [poses, poses, frames, frames].map(|queries| Samples::new(queries, effort.piece));
+        let [ours, parry] = effort.pieces;
+        let samples = [(poses, ours), (poses, parry), (frames, ours), (frames, ours)]
+            .map(|(queries, piece)| Samples::new(queries, piece));
         Self { stage, query, mix, samples }
     }
 
