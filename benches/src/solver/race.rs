@@ -1,8 +1,8 @@
 //! Interleaved timing of the three queries, ours and parry's.
 //!
 //! A round asks every engine every query on every pair of hulls, engines taking turns, in an order that changes from
-//! round to round; so a slow spell of the machine hits all alike. Of each piece of a few queries the median over the
-//! rounds counts. The mixed poses take turns by class, as a branch predictor meets them in a scene; the figures by
+//! round to round; so a slow spell of the machine hits all alike. Of each piece of a few queries the lower quartile
+//! over the rounds counts. The mixed poses take turns by class, as a branch predictor meets them in a scene; the figures by
 //! class are of passes of their own.
 //!
 //! All is in one thread and warm in memory: cold means that the solver remembers nothing, not that caches are empty.

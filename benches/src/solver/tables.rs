@@ -76,7 +76,7 @@ fn fractions_by_class(records: &[Record]) -> Matrix {
 }
 
 fn nanoseconds(records: &[Record]) -> Matrix {
-    let mut table = Matrix::new("ns a query, ours / parry3d's, medians", "n");
+    let mut table = Matrix::new("ns a query, ours / parry3d's", "n");
     each_cold(records, &mut table, |cell| Some(format!("{:.0} / {:.0}", cell.ours_ns, cell.parry_ns)));
     table
 }
