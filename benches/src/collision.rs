@@ -16,16 +16,13 @@ use hullmap::{Cache, Hull, Pack, Pose, SupportMap, intersects};
 use hullmap_bake::IndexKind;
 use shapes::{families::Family, rng::SplitMix64};
 
-use crate::subject::Subject;
+use crate::{
+    solver::pairs::{Class, touching_distance},
+    subject::Subject,
+};
 
 /// How many different rocks there are.
 pub const BODIES: u64 = 4;
-
-/// Distances of deep, touching and distant pairs, over the distance at which they touch.
-const SHARES: [[f64; 2]; 3] = [[0.0, 0.9], [0.98, 1.02], [1.05, 2.0]];
-
-/// Bisections that find where a pair touches: to a millionth of its size.
-const BISECTIONS: usize = 20;
 
 /// Two bodies and where the second is: `share` times as far along `direction` as where it touches the first.
 #[derive(Clone, Copy, Debug)]
@@ -78,7 +75,7 @@ impl Scene {
             rotation: DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize(),
             direction: DVec3::from_array(rng.direction()),
             share: {
-                let [low, high] = SHARES[number % SHARES.len()];
+                let [low, high] = Class::ALL[number % Class::ALL.len()].shares();
                 rng.between(low, high)
             },
         });
@@ -98,20 +95,10 @@ impl Scene {
 impl Pair {
     fn placed(&self, hulls: &[Hull<'_>]) -> Test {
         let (a, b) = (&hulls[self.a], &hulls[self.b]);
-        let at = |distance: f64| {
-            let from = a.interior_point() - self.rotation * b.interior_point();
-            Pose::new(from + self.direction * distance, self.rotation).expect("finite")
-        };
-        let (mut inside, mut outside) = (0.0, a.outer_radius() + b.outer_radius());
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (inside + outside);
-            if intersects(a, b, at(middle), &mut Cache::default()).is_hit() {
-                inside = middle
-            } else {
-                outside = middle
-            }
-        }
-        Test { a: self.a, b: self.b, b_in_a: at(inside * self.share) }
+        let distance = touching_distance(a, b, self.rotation, self.direction) * self.share;
+        let from = a.interior_point() - self.rotation * b.interior_point();
+        let b_in_a = Pose::new(from + self.direction * distance, self.rotation).expect("finite");
+        Test { a: self.a, b: self.b, b_in_a }
     }
 }
 

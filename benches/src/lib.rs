@@ -1,4 +1,5 @@
-//! Benchmarks: support queries side by side with everybody else's, and the paper's Figures 6 and 7 with our data.
+//! Benchmarks: support queries side by side with everybody else's, the solver beside parry3d, and the paper's Figures 6
+//! and 7 with our data.
 //!
 //! | module | what |
 //! |---|---|
@@ -10,6 +11,7 @@
 //! | [`eviction`] | how caches are emptied for cold queries |
 //! | [`regret`] | how far from the truth the answers are, in f64 |
 //! | [`matrix`], [`report`] | the tables |
+//! | [`solver`] | contact, intersects and distance beside parry3d |
 //! | [`collision`], [`fit`], [`chart`] | the paper's figures |
 //! | [`machine`], [`output`] | which machine it was; files written whole or not at all |
 //!
@@ -29,4 +31,5 @@ pub mod query;
 pub mod regret;
 pub mod report;
 pub mod rivals;
+pub mod solver;
 pub mod subject;

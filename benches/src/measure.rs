@@ -150,7 +150,7 @@ fn nanos_per(time: Duration, count: usize) -> f64 {
 }
 
 /// The numbers below `count`, in random order.
-fn shuffled(count: usize, rng: &mut SplitMix64) -> Vec<usize> {
+pub fn shuffled(count: usize, rng: &mut SplitMix64) -> Vec<usize> {
     let mut order: Vec<usize> = (0..count).collect();
     for last in (1..count).rev() {
         order.swap(last, rng.below(last + 1));

@@ -7,4 +7,5 @@ pub mod outside;
 pub mod packs;
 pub mod parry;
 pub mod regret;
+pub mod truth;
 pub mod wavefront;

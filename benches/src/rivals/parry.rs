@@ -28,6 +28,11 @@ impl Parry {
         // parry merges near-coplanar faces; were it to drop vertices, it would have less to scan than the others.
         (polyhedron.points().len() == subject.vertex_count()).then_some(Self { polyhedron })
     }
+
+    /// The polyhedron, for parry's own queries.
+    pub fn into_polyhedron(self) -> ConvexPolyhedron {
+        self.polyhedron
+    }
 }
 
 impl Rival for Parry {

@@ -1,0 +1,73 @@
+//! Contact, intersection and distance beside parry3d on the same hulls, in one run, against the targets.
+
+use std::{path::PathBuf, process::ExitCode, time::Instant};
+
+use clap::Parser;
+use hullmap_bench::{
+    machine::Machine,
+    output,
+    solver::{
+        race::{self, Effort, Record},
+        tables, targets,
+    },
+};
+use shapes::families::MIN_POINTS;
+
+/// Vertex counts of a quick table.
+const QUICK_COUNTS: [usize; 3] = [8, 128, 2_048];
+
+/// Compares contact, intersects and distance with parry3d's, on sphere, ellipsoid and rock hulls.
+///
+/// A third of the poses is deep, a third within 2 % of touching, a third apart. Tables go to standard output, progress to
+/// standard error. Missed targets are told, not an error.
+#[derive(Parser)]
+#[command(after_help = "Example:\n  cargo run --release -p hullmap-bench --bin contact-table -- --n 128,8192")]
+struct Arguments {
+    /// A short table: three vertex counts, few poses and rounds
+    #[arg(long)]
+    quick: bool,
+    /// Point counts, separated by commas [default: 8 to 32768; with --quick: 8,128,2048]
+    #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(MIN_POINTS as i64..))]
+    n: Vec<u32>,
+    /// Also write the tables as markdown, with the machine's name
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let records = measure(&arguments);
+    let [reached, of] = tables::reached(&records);
+    let sum = format!("{reached} of {of} targets reached");
+    let tables = tables::all(&records);
+    tables.iter().for_each(|table| println!("{}", table.to_text()));
+    println!("{sum}");
+    let machine = Machine::here();
+    eprint!("{}", machine.to_markdown());
+    let sections: Vec<String> = tables.iter().map(|table| table.to_markdown()).collect();
+    let markdown =
+        format!("# Contact, intersects and distance\n\n{}\n{sum}\n\n{}", machine.to_markdown(), sections.join("\n"));
+    match arguments.out.map_or(Ok(()), |path| output::write(&path, &markdown)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn measure(arguments: &Arguments) -> Vec<Record> {
+    let counts: Vec<usize> = match (arguments.n.is_empty(), arguments.quick) {
+        (false, _) => arguments.n.iter().map(|&n| n as usize).collect(),
+        (true, true) => QUICK_COUNTS.to_vec(),
+        (true, false) => targets::COUNTS.to_vec(),
+    };
+    let start = Instant::now();
+    let record = |n: usize| {
+        eprintln!("{:5.1} s  {n}", start.elapsed().as_secs_f64());
+        race::run(n, if arguments.quick { Effort::QUICK } else { Effort::full(n) })
+    };
+    let records = counts.into_iter().map(record).collect();
+    eprintln!("{:5.1} s  done", start.elapsed().as_secs_f64());
+    records
+}

@@ -1,0 +1,115 @@
+//! Signed depth of two hulls: the least distance from the origin to a facet of their Minkowski difference.
+//!
+//! # Reference
+//! Separating axis theorem for polytopes; the arcs on the Gauss map from D. Gregorius, "The Separating Axis Test between
+//! Convex Polyhedra", GDC 2013.
+//!
+//! # Steps
+//! 1. The normals of A − B's facets are A's face normals, B's reversed, and the cross products of such edges of A and
+//!    of −B whose arcs on the Gauss map cross.
+//! 2. In each of these directions the support value of A − B is how far B has to move to be out of A. The least is the
+//!    depth; if one is negative, its direction separates.
+//!
+//! # Deviations
+//! - Arcs that nearly cross are taken for crossing, and the support value is of all vertices, not of the edges alone. A direction
+//!   too many does no harm then: any direction's support value is an upper bound of the depth.
+
+use glam::DVec3;
+
+use super::polytope::{Polytope, perpendicular_part};
+
+/// How far from crossing two arcs may be: the sine of an angle.
+const ARC_SLACK: f64 = 1e-9;
+
+/// Edges whose directions enclose an angle with a smaller sine have no common normal in f64. Leaving out their
+/// facet, which is as narrow as that angle, costs at most that much of the size.
+const LEAST_SINE: f64 = 1e-14;
+
+/// How far B has to move along the unit vector `n` to be out of A.
+pub fn way_out(a: &Polytope, b: &Polytope, n: DVec3) -> f64 {
+    a.reach(n) + b.reach(-n)
+}
+
+/// The least way out of B, placed in A's frame, and its direction. Negative when the hulls are apart; then it is not the
+/// least one, as the search ends with the first that is below `enough`.
+pub fn signed_depth(a: &Polytope, b: &Polytope, enough: f64) -> (f64, DVec3) {
+    let mut least = (f64::INFINITY, DVec3::X);
+    for n in a.normals.iter().copied().chain(b.normals.iter().map(|n| -n)) {
+        let way = way_out(a, b, n);
+        if way < least.0 {
+            least = (way, n);
+            if way < enough {
+                return least;
+            }
+        }
+    }
+    // The great circle of one edge cuts the arc of another where its two normals lie on both sides.
+    let cuts = |left: f64, right: f64| left * right <= 0.0 || left.abs().min(right.abs()) <= ARC_SLACK;
+    for edge_a in &a.edges {
+        let [left_a, right_a] = edge_a.faces.map(|face| a.normals[face]);
+        let middle_a = left_a + right_a;
+        // Each is used by three edges or more.
+        let cosines: Vec<f64> = b.normals.iter().map(|n| edge_a.dir.dot(*n)).collect();
+        for edge_b in &b.edges {
+            let [left_b, right_b] = edge_b.faces.map(|face| cosines[face]);
+            if !(cuts(left_b, right_b) && cuts(edge_b.dir.dot(left_a), edge_b.dir.dot(right_a))) {
+                continue;
+            }
+            // Which of the two points that the great circles have in common lies on both arcs is asked below.
+            let cross = edge_a.dir.cross(edge_b.dir);
+            if cross.length() < LEAST_SINE {
+                continue;
+            }
+            let n = perpendicular_part(cross.normalize(), edge_a.dir);
+            let middle_b = -b.normals[edge_b.faces[0]] - b.normals[edge_b.faces[1]];
+            for n in [n, -n] {
+                let on_both = n.dot(middle_a) >= -ARC_SLACK && n.dot(middle_b) >= -ARC_SLACK;
+                if on_both && (edge_a.point - edge_b.point).dot(n) < least.0 {
+                    let way = way_out(a, b, n);
+                    if way < least.0 {
+                        least = (way, n);
+                        if way < enough {
+                            return least;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    least
+}
+
+/// The slow twin, from the points alone: the least way out along the normals of all triangles of vertices and along the cross
+/// products of all pairs of segments between vertices, both ways. O(n⁵).
+pub fn signed_depth_by_points(a: &Polytope, b: &Polytope) -> f64 {
+    let mut least = f64::INFINITY;
+    let mut consider = |cross: DVec3, scale: f64, dir: DVec3| {
+        if cross.length() > LEAST_SINE * scale {
+            let n = perpendicular_part(cross.normalize(), dir);
+            least = least.min(way_out(a, b, n)).min(way_out(a, b, -n));
+        }
+    };
+    for points in [&a.points, &b.points] {
+        for i in 0..points.len() {
+            for j in 0..i {
+                for k in 0..j {
+                    let sides = [points[j] - points[i], points[k] - points[j], points[i] - points[k]];
+                    let longest =
+                        sides.into_iter().fold(DVec3::ZERO, |l, s| if s.length() > l.length() { s } else { l });
+                    consider(sides[0].cross(sides[1]), sides[0].length() * sides[1].length(), longest.normalize());
+                }
+            }
+        }
+    }
+    for i in 0..a.points.len() {
+        for j in 0..i {
+            let e = (a.points[j] - a.points[i]).normalize();
+            for k in 0..b.points.len() {
+                for l in 0..k {
+                    consider(e.cross((b.points[l] - b.points[k]).normalize()), 1.0, e);
+                }
+            }
+        }
+    }
+    least
+}

@@ -1,0 +1,257 @@
+//! Hulls of many kinds and the poses they meet in.
+//!
+//! Pairs of one seed are numbered, and each can be made alone. A third of them is deep, a third about touching, a third
+//! apart; of those about touching a half is within 2 %, the others from 2 % down to 2e-8. Where a pair touches is found
+//! by bisection with [`hullmap::intersects`]: that shapes the sample, not the truth.
+
+use std::collections::HashMap;
+
+use glam::{DQuat, DVec3};
+use hullmap::{Cache, Hull, Pack, Pose, SupportMap, intersects};
+use hullmap_bake::IndexKind;
+use shapes::{families::Family, rng::SplitMix64};
+
+use super::polytope::Polytope;
+use crate::packs;
+
+/// Hulls of 4 to 16 random points.
+const SMALL: u64 = 120;
+
+/// Families, and of each the numbers of points.
+const FAMILIES: [(Family, &[usize]); 11] = [
+    (Family::Sphere, &[8, 20, 60, 128, 400]),
+    (Family::ClusteredEllipsoid, &[8, 20, 60, 128]),
+    (Family::Rock, &[8, 20, 60, 128, 400]),
+    (Family::Prism, &[8, 13, 32, 100]),
+    (Family::RotatedPrism, &[8, 13, 32, 100]),
+    (Family::Cone, &[8, 20, 64]),
+    (Family::Lens, &[10, 40, 128]),
+    (Family::UvSphere, &[14, 62]),
+    (Family::CubeGrid, &[8, 27, 30]),
+    (Family::FlatSheet, &[8, 20]),
+    (Family::Needle, &[8, 24, 60]),
+];
+
+/// The same for detailed hulls.
+const DETAILED: [(Family, &[usize]); 7] = [
+    (Family::Sphere, &[512, 2_000]),
+    (Family::ClusteredEllipsoid, &[512, 2_000]),
+    (Family::Rock, &[512, 2_000]),
+    (Family::RotatedPrism, &[512]),
+    (Family::Cone, &[512]),
+    (Family::Lens, &[512, 2_000]),
+    (Family::UvSphere, &[512]),
+];
+
+/// Scales that a pair's hulls are made at. Most pairs have 1 twice.
+const SCALES: [[f64; 2]; 10] = [
+    [1.0, 1.0],
+    [1.0, 1.0],
+    [1.0, 1.0],
+    [1.0, 1.0],
+    [1.0, 1.0],
+    [1.0, 1.0],
+    [1e-6, 1e-6],
+    [1e6, 1e6],
+    [1.0, 1e-4],
+    [1e-4, 1.0],
+];
+
+/// How far those hulls that are far from their frames' origin are, over their size.
+const FAR: f64 = 50.0;
+
+/// Bisections that find where a pair touches: to 1e-15 of its size.
+const BISECTIONS: usize = 50;
+
+/// How a pair is meant to lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Class {
+    /// At most 0.9 of the distance at which it touches.
+    Deep,
+    /// Within 2 % of it.
+    Touching,
+    /// At least 1.05 of it.
+    Apart,
+}
+
+/// Which hull: enough to make it again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Recipe {
+    kind: Kind,
+    scale: f64,
+    far: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Kind {
+    Small(u64),
+    Of(Family, usize),
+}
+
+impl Recipe {
+    /// The family's name, or `small`.
+    pub fn family(&self) -> &'static str {
+        match self.kind {
+            Kind::Small(_) => "small",
+            Kind::Of(family, _) => family.name(),
+        }
+    }
+
+    /// Its points.
+    pub fn points(&self) -> Vec<[f32; 3]> {
+        let unit: Vec<[f32; 3]> = match self.kind {
+            Kind::Small(seed) => {
+                let mut rng = SplitMix64::new(seed);
+                let count = 4 + rng.below(13);
+                let axes = DVec3::from_array([(); 3].map(|()| rng.between(0.3, 1.0)));
+                // Half of them on the surface of an ellipsoid, where all are extreme.
+                let least = if seed.is_multiple_of(2) { 1.0 } else { 0.2 };
+                let point = |rng: &mut SplitMix64| {
+                    (DVec3::from_array(rng.direction()) * axes * rng.between(least, 1.0)).as_vec3().to_array()
+                };
+                (0..count).map(|_| point(&mut rng)).collect()
+            }
+            Kind::Of(family, n) => family.points(n, n as u64),
+        };
+        let shift = if self.far { [1.0, -0.7, 0.4].map(|c| c * FAR) } else { [0.0; 3] };
+        unit.into_iter()
+            .map(|p| [0, 1, 2].map(|axis| ((f64::from(p[axis]) + shift[axis]) * self.scale) as f32))
+            .collect()
+    }
+}
+
+/// A baked hull and its truth.
+pub struct Body {
+    pack: Pack,
+    /// Its faces and edges.
+    pub polytope: Polytope,
+}
+
+impl Body {
+    fn new(recipe: &Recipe) -> Self {
+        let pack = packs::pack(recipe.family(), &recipe.points(), IndexKind::TREE);
+        let polytope = Polytope::new(&pack.hull(0).expect("a pack has a hull"));
+        Self { pack, polytope }
+    }
+
+    /// The hull that the solver is asked about.
+    ///
+    /// # Panics
+    /// If the pack has no hull: a bug.
+    pub fn hull(&self) -> Hull<'_> {
+        self.pack.hull(0).expect("a pack has a hull")
+    }
+}
+
+/// A pair of hulls in a pose.
+#[derive(Clone, Copy, Debug)]
+pub struct Pair {
+    /// Its number.
+    pub number: u64,
+    /// A and B.
+    pub recipes: [Recipe; 2],
+    /// How it was meant to lie.
+    pub class: Class,
+    /// Where B is.
+    pub b_in_a: Pose,
+}
+
+/// How many vertices hulls have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Detail {
+    /// 4 to 400, a third of them at most 16.
+    Few,
+    /// 512 to 2,000.
+    Many,
+}
+
+/// All pairs of one seed. Bakes what it needs once.
+pub struct Scene {
+    seed: u64,
+    detail: Detail,
+    bodies: HashMap<(Kind, u64, bool), Body>,
+}
+
+impl Scene {
+    /// Nothing is baked yet.
+    pub fn new(seed: u64, detail: Detail) -> Self {
+        Self { seed, detail, bodies: HashMap::new() }
+    }
+
+    /// Pair `number`, with its hulls.
+    ///
+    /// # Panics
+    /// If a hull cannot be baked: a bug.
+    pub fn pair(&mut self, number: u64) -> (Pair, [&Body; 2]) {
+        let mut rng = SplitMix64::new(self.seed ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let scales = SCALES[rng.below(SCALES.len())];
+        let mut recipes =
+            scales.map(|scale| Recipe { kind: kind(self.detail, &mut rng), scale, far: rng.below(6) == 0 });
+        // Two polygons have no solid difference when they are parallel: one is enough.
+        if recipes.iter().all(|recipe| recipe.family() == Family::FlatSheet.name()) {
+            recipes[1].kind = Kind::Small(0);
+        }
+        // A hull far from its origin is rounded to 1e-6 of its size; a flat one would not be flat.
+        recipes.iter_mut().for_each(|recipe| recipe.far &= recipe.family() != Family::FlatSheet.name());
+        for recipe in &recipes {
+            self.bodies.entry(key(recipe)).or_insert_with(|| Body::new(recipe));
+        }
+        let bodies = recipes.each_ref().map(|recipe| &self.bodies[&key(recipe)]);
+        let [a, b] = bodies.map(Body::hull);
+        let class = [Class::Deep, Class::Touching, Class::Apart][(number % 3) as usize];
+        let share = match class {
+            Class::Deep => rng.between(0.0, 0.9),
+            Class::Apart => rng.between(1.05, 2.0),
+            Class::Touching => {
+                let smaller = if rng.below(2) == 0 { 1.0 } else { 10_f64.powf(-rng.between(0.0, 6.0)) };
+                1.0 + rng.between(-0.02, 0.02) * smaller
+            }
+        };
+        let rotation = rotation(&mut rng);
+        let direction = match rng.below(10) {
+            0 => DVec3::AXES[rng.below(3)],
+            _ => DVec3::from_array(rng.direction()),
+        };
+        let reach = touching_distance(&a, &b, rotation, direction) * share;
+        let center = a.interior_point() + direction * reach;
+        let b_in_a = Pose::new(center - rotation * b.interior_point(), rotation).expect("finite");
+        (Pair { number, recipes, class, b_in_a }, bodies)
+    }
+}
+
+fn key(recipe: &Recipe) -> (Kind, u64, bool) {
+    (recipe.kind, recipe.scale.to_bits(), recipe.far)
+}
+
+fn kind(detail: Detail, rng: &mut SplitMix64) -> Kind {
+    let families = match detail {
+        Detail::Few if rng.below(3) == 0 => return Kind::Small(rng.next_u64() % SMALL),
+        Detail::Few => &FAMILIES[..],
+        Detail::Many => &DETAILED[..],
+    };
+    let (family, counts) = families[rng.below(families.len())];
+    Kind::Of(family, counts[rng.below(counts.len())])
+}
+
+/// Mostly at random; some rotations keep axes parallel, exactly or nearly.
+fn rotation(rng: &mut SplitMix64) -> DQuat {
+    let axis = DVec3::from_array(rng.direction());
+    match rng.below(20) {
+        0 => DQuat::IDENTITY,
+        1 => DQuat::from_axis_angle(DVec3::AXES[rng.below(3)], std::f64::consts::FRAC_PI_2 * rng.below(4) as f64),
+        2 => DQuat::from_axis_angle(axis, 10_f64.powf(-rng.between(1.0, 12.0))),
+        _ => DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize(),
+    }
+}
+
+/// How far apart the interior points are when B touches A.
+fn touching_distance(a: &Hull<'_>, b: &Hull<'_>, rotation: DQuat, direction: DVec3) -> f64 {
+    let from = a.interior_point() - rotation * b.interior_point();
+    let (mut inside, mut outside) = (0.0, a.outer_radius() + b.outer_radius());
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (inside + outside);
+        let b_in_a = Pose::new(from + direction * middle, rotation).expect("finite");
+        if intersects(a, b, b_in_a, &mut Cache::default()).is_hit() { inside = middle } else { outside = middle }
+    }
+    inside
+}

@@ -1,0 +1,253 @@
+//! What was wrong with an answer, and the counts over all pairs.
+
+use std::{collections::BTreeMap, fmt};
+
+use hullmap::{Cache, Contact, Distance, Intersection, Overlap, Settings, Status, contact, distance, intersects};
+
+use super::{
+    depth::{signed_depth, signed_depth_by_points, way_out},
+    gap::{distance_by_features, gap},
+    rounding,
+    scene::{Body, Class, Pair},
+};
+
+/// Depth or distance, over the mean diameter, above which a wrong yes or no is a miss. Below it is only counted.
+pub const SURE: f64 = 1e-6;
+
+/// Width of an interval, relative to its upper end, that is asked for by default.
+pub const WIDTH: f64 = Settings::DEFAULT_TOLERANCE;
+
+/// Width of a truth, relative to its upper end, that is too loose to judge widths of [`WIDTH`].
+pub const LOOSE: f64 = 0.1 * WIDTH;
+
+/// Vertices of each hull up to which the slow twins judge the truth.
+const TWIN_VERTICES: usize = 12;
+
+/// What the slow twins may be off by, relatively: their triangles are as thin as vertices happen to lie.
+const TWIN_ERROR: f64 = 1e-7;
+
+/// Something wrong. Lengths are in the pair's units.
+#[derive(Clone, Debug)]
+pub struct Miss {
+    /// What.
+    pub what: &'static str,
+    /// The pair.
+    pub pair: Pair,
+    /// Truth and answer.
+    pub details: String,
+}
+
+impl fmt::Display for Miss {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Pair { number, recipes, class, b_in_a } = &self.pair;
+        let (t, r) = (b_in_a.translation(), b_in_a.rotation());
+        write!(
+            f,
+            "{}: pair {number}, {class:?}\n  {:?}\n  {:?}\n  pose \"{} {} {} {} {} {} {}\"\n  {}",
+            self.what, recipes[0], recipes[1], t.x, t.y, t.z, r.x, r.y, r.z, r.w, self.details
+        )
+    }
+}
+
+/// What the solver says of a pair, with nothing remembered and default settings.
+#[derive(Clone, Copy, Debug)]
+pub struct Answers {
+    /// Yes or no.
+    pub yes: Intersection,
+    /// How deep.
+    pub deep: Contact,
+    /// How far.
+    pub near: Distance,
+}
+
+impl Answers {
+    /// Asks the solver.
+    pub fn to(pair: &Pair, bodies: [&Body; 2]) -> Self {
+        let ([a, b], settings) = (&bodies.map(Body::hull), Settings::default());
+        Self {
+            yes: intersects(a, b, pair.b_in_a, &mut Cache::default()),
+            deep: contact(a, b, pair.b_in_a, &settings, &mut Cache::default()),
+            near: distance(a, b, pair.b_in_a, &settings, &mut Cache::default()),
+        }
+    }
+}
+
+/// The counts over all pairs.
+#[derive(Clone, Debug, Default)]
+pub struct Tally {
+    /// Pairs judged.
+    pub pairs: usize,
+    /// Pairs by class, and of those the ones that overlap in truth.
+    pub classes: BTreeMap<Class, [usize; 2]>,
+    /// Pairs that are nearer to touching than [`SURE`].
+    pub unsure: usize,
+    /// Of those, the ones whose yes or no is wrong by more than rounding.
+    pub unsure_wrong: usize,
+    /// Answers of `intersects` that settle nothing.
+    pub undecided: usize,
+    /// Contacts of pairs that overlap, by status.
+    pub contacts: BTreeMap<&'static str, usize>,
+    /// Distances of pairs that are apart, by status.
+    pub distances: BTreeMap<&'static str, usize>,
+    /// Contacts, and distances, of pairs that are not within [`SURE`] of touching.
+    pub sure: [usize; 2],
+    /// Of those, the ones whose interval is wider than [`WIDTH`].
+    pub wide: [usize; 2],
+    /// The widest relative width of a sure contact and of a sure distance.
+    pub widest: [f64; 2],
+    /// Distances whose truth is an interval wider than [`LOOSE`].
+    pub loose_truths: usize,
+    /// Truths that the slow twins judged, depths and distances.
+    pub twins: [usize; 2],
+    /// Support calls of the costliest contact.
+    pub most_support_calls: u32,
+    /// Pairs by family, each hull counted.
+    pub families: BTreeMap<&'static str, usize>,
+    /// All that was wrong.
+    pub misses: Vec<Miss>,
+}
+
+impl Tally {
+    /// Judges the answers about a pair.
+    pub fn judge(&mut self, pair: &Pair, bodies: [&Body; 2], answers: &Answers) {
+        let [hull_a, hull_b] = &bodies.map(Body::hull);
+        let (a, b) = (&bodies[0].polytope, &bodies[1].polytope.placed(pair.b_in_a));
+        let slack = rounding(a, b, pair.b_in_a.translation().length());
+        let size = 0.5 * (hull_a.diameter() + hull_b.diameter());
+        let (depth, _) = signed_depth(a, b, -4.0 * slack);
+        let far = (depth < slack).then(|| {
+            let mut far = gap(a, b);
+            // Near touching, the direction between the points is as small as rounding; the facets' is not.
+            if far.upper - far.lower > LOOSE * far.upper {
+                far.lower = far.lower.max(-signed_depth(a, b, f64::NEG_INFINITY).0);
+            }
+            far
+        });
+        let apart = depth < -slack;
+        // How far the pair is from touching, either way.
+        let clear = far.map_or(depth, |far| far.lower.max(depth.abs().min(slack)));
+        let sure = clear > SURE * size && clear > 2.0 * slack;
+        let mut miss = |what, details: String| self.misses.push(Miss { what, pair: *pair, details });
+
+        let twins = [a, b].iter().all(|hull| hull.points.len() <= TWIN_VERTICES);
+        if twins && !apart {
+            let twin = signed_depth_by_points(a, b);
+            self.twins[0] += 1;
+            if !((twin - depth).abs() <= slack + TWIN_ERROR * depth) {
+                miss("the truths about the depth differ", format!("{depth:e}, by points {twin:e}, slack {slack:e}"));
+            }
+        }
+        if let (true, true, Some(far)) = (twins, apart, far) {
+            let twin = distance_by_features(a, b);
+            self.twins[1] += 1;
+            let slack = slack + TWIN_ERROR * far.upper;
+            if !(far.lower - slack <= twin && twin <= far.upper + slack) {
+                miss("the truths about the distance differ", format!("{far:?}, by features {twin:e}, slack {slack:e}"));
+            }
+        }
+        if let (true, Some(far)) = (apart, far) {
+            self.loose_truths += usize::from(far.upper - far.lower > LOOSE * far.upper + 2.0 * slack);
+        }
+
+        let Answers { yes, deep, near } = answers;
+        let near_hit = matches!(near.status, Status::Overlapping | Status::Touching);
+        let truth = || format!("depth {depth:e}, gap {far:?}, slack {slack:e}, size {size:e}");
+
+        self.undecided += usize::from(yes.status == Overlap::Undecided);
+        let right = [yes.is_hit(), deep.hit, near_hit].map(|hit| hit != apart);
+        if sure {
+            let of = [
+                "intersects says yes or no wrongly",
+                "contact says yes or no wrongly",
+                "distance says yes or no wrongly",
+            ];
+            for (what, _) in of.into_iter().zip(right).filter(|(_, right)| !right) {
+                miss(what, format!("{}\n  {yes:?}\n  {deep:?}\n  {near:?}", truth()));
+            }
+        } else {
+            self.unsure += 1;
+            self.unsure_wrong += usize::from(clear > 2.0 * slack && right.contains(&false));
+        }
+
+        if deep.hit {
+            // Apart in truth, within what `sure` lets pass: the depth is 0 there.
+            let depth = depth.max(0.0);
+            if !(deep.depth_lower <= depth + slack && depth - slack <= deep.depth_upper) {
+                miss("the depth's interval does not hold the truth", format!("{}\n  {deep:?}", truth()));
+            }
+            if !(0.0 <= deep.depth_lower && deep.depth_lower <= deep.depth && deep.depth <= deep.depth_upper) {
+                miss("the depth is not in its own interval", format!("{}\n  {deep:?}", truth()));
+            }
+            let way = way_out(a, b, deep.normal);
+            if !(way <= deep.depth_upper + slack) {
+                miss("the contact's normal is not the way out", format!("{}, way {way:e}\n  {deep:?}", truth()));
+            }
+            *self.contacts.entry(deep.status.as_str()).or_default() += 1;
+            self.most_support_calls = self.most_support_calls.max(deep.support_calls);
+        } else if !(way_out(a, b, deep.normal) <= slack) {
+            miss("the contact's axis does not separate", format!("{}\n  {deep:?}", truth()));
+        }
+        if let (Some(far), false) = (far, near_hit) {
+            if !(near.lower <= far.upper + slack && far.lower - slack <= near.upper) {
+                miss("the distance's interval does not hold the truth", format!("{}\n  {near:?}", truth()));
+            }
+            if !(0.0 <= near.lower && near.lower <= near.distance && near.distance <= near.upper) {
+                miss("the distance is not in its own interval", format!("{}\n  {near:?}", truth()));
+            }
+            *self.distances.entry(near.status.as_str()).or_default() += 1;
+        }
+        if sure && (deep.hit || !near_hit) {
+            let which = usize::from(!deep.hit);
+            let [lower, upper] = [[deep.depth_lower, deep.depth_upper], [near.lower, near.upper]][which];
+            // What rounding adds at both ends is no fault of the search.
+            let width = (upper - lower - 2.0 * slack).max(0.0) / upper;
+            self.sure[which] += 1;
+            self.wide[which] += usize::from(!(width <= WIDTH));
+            self.widest[which] = self.widest[which].max(width);
+        }
+
+        let counts = self.classes.entry(pair.class).or_default();
+        counts[0] += 1;
+        counts[1] += usize::from(!apart);
+        self.pairs += 1;
+        for recipe in &pair.recipes {
+            *self.families.entry(recipe.family()).or_default() += 1;
+        }
+    }
+
+    /// Share of the pairs that overlap in truth.
+    pub fn overlapping(&self) -> f64 {
+        self.classes.values().map(|[_, hits]| hits).sum::<usize>() as f64 / self.pairs as f64
+    }
+}
+
+impl fmt::Display for Tally {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{} pairs, {:.1} % overlap", self.pairs, 100.0 * self.overlapping())?;
+        for (class, [pairs, hits]) in &self.classes {
+            writeln!(f, "  {class:?}: {pairs}, of which {hits} overlap")?;
+        }
+        writeln!(f, "hulls: {:?}", self.families)?;
+        writeln!(
+            f,
+            "truths judged by slow twins: {} depths, {} distances; {} distances with a loose truth",
+            self.twins[0], self.twins[1], self.loose_truths
+        )?;
+        writeln!(
+            f,
+            "within {SURE:e} of touching: {}, of which {} with a yes or no that is wrong by more than rounding; {} undecided",
+            self.unsure, self.unsure_wrong, self.undecided
+        )?;
+        for (name, which, statuses) in [("contacts", 0, &self.contacts), ("distances", 1, &self.distances)] {
+            writeln!(
+                f,
+                "{name}: {statuses:?}; of {} sure ones {} are wider than {WIDTH:e} (widest {:.1e})",
+                self.sure[which], self.wide[which], self.widest[which]
+            )?;
+        }
+        writeln!(f, "most support calls of a contact: {}", self.most_support_calls)?;
+        let mut kinds: BTreeMap<&str, usize> = BTreeMap::new();
+        self.misses.iter().for_each(|miss| *kinds.entry(miss.what).or_default() += 1);
+        write!(f, "misses: {} {kinds:?}", self.misses.len())
+    }
+}
