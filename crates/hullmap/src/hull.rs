@@ -16,6 +16,11 @@ use crate::{
 /// Neighbours of a hint beyond which an ordinary query is cheaper.
 const MOST_TRIED: usize = 16;
 
+/// By how much a support point may fall short of the farthest, over the outer radius. A cut of the index may leave out a
+/// vertex whose cone reaches less than 1e-13 beyond it, which costs at most that share of the diameter, twice the radius; this
+/// allows for five such cuts, one within the other.
+const SUPPORT_ERROR: f64 = 1e-12;
+
 /// A convex hull, read in place from its [`Pack`](crate::Pack). Copying it copies a few slices.
 ///
 /// Points, directions and lengths are in the hull's local frame: that of the source mesh, in its units.
@@ -291,6 +296,16 @@ impl SupportMap for Hull<'_> {
     #[inline]
     fn outer_radius(&self) -> f64 {
         self.record.outer_radius.to_native()
+    }
+
+    #[inline]
+    fn support_error(&self) -> f64 {
+        SUPPORT_ERROR * self.record.outer_radius.to_native()
+    }
+
+    #[inline]
+    fn point(&self, feature: u32) -> Option<DVec3> {
+        self.vertex(feature).map(|v| v.as_dvec3())
     }
 }
 

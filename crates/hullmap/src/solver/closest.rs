@@ -15,7 +15,7 @@
 
 use super::barycentric::{self, blend};
 use crate::SupportMap;
-use crate::minkowski::{Minkowski, Vertex};
+use crate::minkowski::{Minkowski, Point};
 use glam::DVec3;
 
 /// Most steps, whatever the settings. Polytopes need 5 to 30; smooth shapes at the tightest tolerance about 200.
@@ -24,31 +24,31 @@ const MAX_CLOSEST: u32 = 1000;
 /// At most four vertices and the weights of their point nearest to the origin.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Simplex {
-    vertices: [Vertex; 4],
+    vertices: [Point; 4],
     weights: [f64; 4],
     count: usize,
 }
 
 impl Simplex {
-    pub(super) fn new(vertex: Vertex) -> Self {
+    pub(super) fn new(vertex: Point) -> Self {
         Self { vertices: [vertex; 4], weights: [1.0, 0.0, 0.0, 0.0], count: 1 }
     }
 
     /// Adds a vertex; there must be room, which [`nearest`](Self::nearest) makes.
-    pub(super) fn push(&mut self, vertex: Vertex) {
+    pub(super) fn push(&mut self, vertex: Point) {
         self.vertices[self.count] = vertex;
         self.weights[self.count] = 0.0;
         self.count += 1;
     }
 
-    pub(super) fn vertices(&self) -> &[Vertex] {
+    pub(super) fn points(&self) -> &[Point] {
         &self.vertices[..self.count]
     }
 
     /// The point of A and the point of B at the weights.
-    pub(super) fn points(&self) -> (DVec3, DVec3) {
+    pub(super) fn witnesses(&self) -> (DVec3, DVec3) {
         // Weights beyond the count are zero.
-        (blend(&self.weights, self.vertices.map(|v| v.a)), blend(&self.weights, self.vertices.map(|v| v.b)))
+        (blend(&self.weights, self.vertices.map(|v| v.a)), blend(&self.weights, self.vertices.map(|v| v.b())))
     }
 
     /// Point of the simplex nearest to the origin, and the origin's distance from the surface if it is inside, 0 otherwise. Keeps
@@ -164,12 +164,12 @@ pub(super) fn closest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         }
         let outward = y / length;
         best.normal = -outward;
-        let vertex = m.support(-outward);
+        let vertex = m.point(-outward);
         best.lower = best.lower.max(vertex.w.dot(outward));
         if best.upper - best.lower <= tolerance * best.upper + rounding {
             return Closest { end: End::Converged, ..best };
         }
-        if simplex.vertices().iter().any(|v| v.w == vertex.w) {
+        if simplex.points().iter().any(|v| v.w == vertex.w) {
             return Closest { end: End::Stalled, ..best };
         }
         simplex.push(vertex);

@@ -54,7 +54,7 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 ) -> Distance {
     let mut m = Minkowski::new(a, b, b_in_a);
     let rounding = m.rounding();
-    let center = m.center();
+    let center = m.center_point();
     let mut out = Distance {
         status: Status::Overlapping,
         distance: 0.0,
@@ -62,7 +62,7 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         upper: 0.0,
         normal: unit(-center.w).unwrap_or(DVec3::X),
         point_a: center.a,
-        point_b: center.b,
+        point_b: center.b(),
         iterations: 0,
         support_calls: 0,
     };
@@ -71,19 +71,18 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         cache.forget_axis();
         return out;
     }
-    let mut start = Simplex::new(center);
-    if let Some((first, rest)) = cache.simplex().split_first() {
-        start = Simplex::new(m.support(*first));
-        for dir in rest {
-            let vertex = m.support(*dir);
-            if start.vertices().iter().all(|v| v.w != vertex.w) {
-                start.push(vertex);
-            }
+    let mut start = None::<Simplex>;
+    for vertex in cache.simplex().iter().filter_map(|features| m.recall(*features)) {
+        match &mut start {
+            None => start = Some(Simplex::new(vertex)),
+            Some(simplex) if simplex.points().iter().all(|v| v.w != vertex.w) => simplex.push(vertex),
+            Some(_) => {}
         }
     }
+    let start = start.unwrap_or_else(|| Simplex::new(center));
     let found = closest(&mut m, start, settings.relative_gap(), settings.max_iterations);
-    cache.set_simplex(found.simplex.vertices());
-    (out.point_a, out.point_b) = found.simplex.points();
+    cache.set_simplex(found.simplex.points());
+    (out.point_a, out.point_b) = found.simplex.witnesses();
     out.iterations = found.iterations;
     if found.normal != DVec3::ZERO {
         out.normal = found.normal;

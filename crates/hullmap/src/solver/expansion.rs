@@ -8,7 +8,8 @@
 //! the centre ray.
 //!
 //! # Steps
-//! 1. start from the tetrahedron of v0 and the portal, or from one of [`seed`](super::seed);
+//! 1. start from the tetrahedron of v0 and the portal, from the last query's polytope under the new pose, or from a
+//!    tetrahedron of [`seed`](super::seed);
 //! 2. take the face nearest to the origin, its plane at d with normal n; d bounds the depth from below;
 //! 3. w = support along n; h(n) = w · n bounds it from above;
 //! 4. stop when the bounds are close; otherwise insert w; again.
@@ -16,25 +17,25 @@
 //! # Deviations
 //! - "Nearest" is by signed offset, so the origin need not be inside at the start: while it is outside the polytope grows
 //!   towards it, until it is inside or a support plane proves it outside. No portal can be too bad to start from.
+//! - d is a bound only once the surface is certain to wind around the origin; until then nothing is claimed.
 //! - The least h(n) of all faces tried is kept with its face, so the upper bound never grows.
 //! - Bounds that are close do not end the search before the contact points are good: if the face of the least h(n) is not on the
 //!   surface itself, the nearest face is asked once more; and a portal's face without the origin's foot in it gives none.
 //! - The ball of the interior points bounds the depth from below as well: round shapes end at once.
-//! - Small and big polytopes: most queries never touch the big arrays.
+//! - Polytopes come in four sizes: most queries never touch the big arrays.
 
 use super::barycentric::{blend, on_triangle};
+use super::cache::Cache;
 use super::closest::{self, Simplex, closest};
-use super::polytope::{Polytope, Refused};
+use super::polytope::{COPLANAR_NOISES, Polytope};
 use super::seed::{Flat, seed};
 use crate::SupportMap;
-use crate::minkowski::{Minkowski, Vertex};
+use crate::minkowski::{Minkowski, Point};
 use glam::DVec3;
 
-/// Vertices of the small polytope: enough for 9 in 10 queries on small hulls.
-const SMALL: usize = 32;
-
-/// Vertices of the big polytope, and so the cap on expansions: bytes number them.
-const BIG: usize = 256;
+/// Vertices of the polytopes, from the first to the last: enough for 9 in 10 queries on hulls of about 30 vertices, of any size, on
+/// sphere-like hulls, and for what a query may cost at all.
+const SIZES: [usize; 4] = [24, 64, 256, 1024];
 
 /// Most steps of the closest-point search on flat differences.
 const MAX_FLAT: u32 = 100;
@@ -81,7 +82,7 @@ pub(super) struct Bound {
     pub(super) upper: f64,
     /// Of unit length, from A to B.
     pub(super) normal: DVec3,
-    pub(super) face: [Vertex; 3],
+    pub(super) face: [Point; 3],
 }
 
 /// The outcome of the expansion.
@@ -97,7 +98,7 @@ pub(super) struct Expansion {
 impl Bound {
     /// No bound yet.
     pub(super) fn none() -> Self {
-        Self { upper: f64::INFINITY, normal: DVec3::ZERO, face: [Vertex::EMPTY; 3] }
+        Self { upper: f64::INFINITY, normal: DVec3::ZERO, face: [Point::EMPTY; 3] }
     }
 
     /// Whether the face lies on the surface, so that points on it are as deep as the bound says.
@@ -117,108 +118,253 @@ impl Bound {
     pub(super) fn points(&self) -> (DVec3, DVec3) {
         let [p, q, r] = self.face.map(|v| v.w);
         let weights = on_triangle(p, q, r).weights;
-        (blend(&weights, self.face.map(|v| v.a)), blend(&weights, self.face.map(|v| v.b)))
+        (blend(&weights, self.face.map(|v| v.a)), blend(&weights, self.face.map(|v| v.b())))
     }
 }
 
-/// Expands from `start`, if it has a volume, otherwise from a tetrahedron found here. `bound` is what is known already.
+/// What does not change during an expansion.
+#[derive(Clone, Copy, Debug)]
+struct Terms {
+    goal: Goal,
+    tolerance: f64,
+    /// Lower bound of the depth by the balls in the shapes.
+    ball: f64,
+    /// Below this least offset, inserting a vertex may turn the surface around the origin.
+    safe: f64,
+    max_expansions: u32,
+}
+
+/// What does.
+#[derive(Clone, Copy, Debug)]
+struct State {
+    out: Expansion,
+    /// The corners of the bound's face, where they are not in `out` yet.
+    corners: Option<[u16; 3]>,
+    /// The surface is certain to wind around the origin.
+    encloses: bool,
+}
+
+/// Expands from `start`, if it has a volume, otherwise from a tetrahedron found here. `bound` is what is known already. With a
+/// `cache`, keeps the polytope there.
 pub(super) fn expand<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
-    start: Option<[Vertex; 4]>,
+    start: Option<[Point; 4]>,
     goal: Goal,
     bound: Bound,
     max_expansions: u32,
+    cache: Option<&mut Cache>,
 ) -> Expansion {
-    let ball = m.inner_radius() - m.center().w.length();
-    let mut state = Expansion { end: End::Limit, lower: f64::NEG_INFINITY, bound, iterations: 0 };
-    let mut small = Polytope::empty(m.rounding());
+    let terms = terms(m, goal, max_expansions);
+    let mut state = fresh(bound);
+    let mut small = Polytope::<{ SIZES[0] }, { 2 * SIZES[0] }>::empty(m.noise());
     let thin = THIN_ROUNDINGS * m.rounding();
     if !start.is_some_and(|tetrahedron| small.start(tetrahedron, thin)) {
         match seed(m) {
             Ok(tetrahedron) if small.start(tetrahedron, 0.0) => {}
             Ok(_) => {
-                state.end = End::Stalled;
-                state.lower = ball;
-                return state;
+                state.out.end = End::Stalled;
+                state.out.lower = terms.ball;
+                return state.out;
             }
-            Err(Flat { normal }) => return expand_flat(m, normal, state),
+            Err(Flat { normal }) => return expand_flat(m, normal, state.out),
         }
     }
-    if !run::<A, B, SMALL, { 2 * SMALL - 4 }>(m, &mut small, &mut state, goal, ball, max_expansions) {
-        expand_big(m, &small, &mut state, goal, ball, max_expansions);
+    state.encloses = small.encloses();
+    if !run(m, &mut small, &mut state, &terms) {
+        let mut medium = small.grown();
+        return expand_more(m, &mut medium, &mut state, &terms, cache);
     }
-    state
+    finish(&small, &mut state, cache)
+}
+
+/// Expands from the polytope in `cache`, if there is one that encloses the origin under the new pose, and if that gets
+/// anywhere.
+pub(super) fn expand_again<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    goal: Goal,
+    max_expansions: u32,
+    cache: &mut Cache,
+) -> Option<Expansion> {
+    let kept = cache.polytope()?;
+    let terms = terms(m, goal, max_expansions);
+    let mut state = fresh(Bound::none());
+    let expansion = if kept.point_count() + SPARE <= SIZES[0] {
+        let points = kept.points().map(|features| m.recall(features));
+        let mut small = Polytope::<{ SIZES[0] }, { 2 * SIZES[0] }>::empty(m.noise());
+        if !(small.restore(points, kept.faces()) && small.encloses()) {
+            return None;
+        }
+        state.encloses = true;
+        if run(m, &mut small, &mut state, &terms) {
+            finish(&small, &mut state, Some(cache))
+        } else {
+            let mut medium = small.grown();
+            expand_more(m, &mut medium, &mut state, &terms, Some(cache))
+        }
+    } else {
+        expand_medium_again(m, &mut state, &terms, cache)?
+    };
+    (expansion.end != End::Stalled).then_some(expansion)
+}
+
+/// Vertices that a kept polytope must leave room for in the small one.
+const SPARE: usize = 6;
+
+#[inline(never)]
+fn expand_medium_again<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    state: &mut State,
+    terms: &Terms,
+    cache: &mut Cache,
+) -> Option<Expansion> {
+    let kept = cache.polytope()?;
+    let mut medium = Polytope::<{ SIZES[1] }, { 2 * SIZES[1] }>::empty(m.noise());
+    let points = kept.points().map(|features| m.recall(features));
+    if !(medium.restore(points, kept.faces()) && medium.encloses()) {
+        return None;
+    }
+    state.encloses = true;
+    Some(expand_more(m, &mut medium, state, terms, Some(cache)))
+}
+
+fn terms<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    goal: Goal,
+    max_expansions: u32,
+) -> Terms {
+    let tolerance = match goal {
+        Goal::Decide => 0.0,
+        Goal::Depth { tolerance } => tolerance,
+    };
+    let ball = m.inner_radius() - m.center_point().w.length();
+    Terms { goal, tolerance, ball, safe: (COPLANAR_NOISES + 1.0) * m.noise(), max_expansions }
+}
+
+fn fresh(bound: Bound) -> State {
+    let out = Expansion { end: End::Limit, lower: f64::NEG_INFINITY, bound, iterations: 0 };
+    State { out, corners: None, encloses: false }
 }
 
 /// Goes on with more room. Apart, so that the small path's stack stays small.
 #[inline(never)]
+fn expand_more<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    medium: &mut Polytope<{ SIZES[1] }, { 2 * SIZES[1] }>,
+    state: &mut State,
+    terms: &Terms,
+    cache: Option<&mut Cache>,
+) -> Expansion {
+    if run(m, medium, state, terms) {
+        return finish(medium, state, cache);
+    }
+    expand_big(m, medium, state, terms)
+}
+
+/// And with more. What is as big as this is not kept.
+#[inline(never)]
 fn expand_big<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
-    small: &Polytope<SMALL, { 2 * SMALL - 4 }>,
-    state: &mut Expansion,
-    goal: Goal,
-    ball: f64,
-    max_expansions: u32,
-) {
-    let mut big: Polytope<BIG, { 2 * BIG - 4 }> = small.grown();
+    medium: &Polytope<{ SIZES[1] }, { 2 * SIZES[1] }>,
+    state: &mut State,
+    terms: &Terms,
+) -> Expansion {
+    let mut big = medium.grown::<{ SIZES[2] }, { 2 * SIZES[2] }>();
+    if run(m, &mut big, state, terms) {
+        return finish(&big, state, None);
+    }
+    expand_biggest(m, &big, state, terms)
+}
+
+#[inline(never)]
+fn expand_biggest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    big: &Polytope<{ SIZES[2] }, { 2 * SIZES[2] }>,
+    state: &mut State,
+    terms: &Terms,
+) -> Expansion {
+    let mut biggest = big.grown::<{ SIZES[3] }, { 2 * SIZES[3] }>();
     // Without room the cap is reached: that is what the state says already.
-    run(m, &mut big, state, goal, ball, max_expansions);
+    run(m, &mut biggest, state, terms);
+    finish(&biggest, state, None)
+}
+
+fn finish<const V: usize, const F: usize>(
+    polytope: &Polytope<V, F>,
+    state: &mut State,
+    cache: Option<&mut Cache>,
+) -> Expansion {
+    if let Some(corners) = state.corners {
+        state.out.bound.face = corners.map(|i| *polytope.point(i));
+    }
+    if let Some(cache) = cache {
+        if state.encloses && state.out.end != End::Stalled {
+            cache.keep_polytope(polytope.points(), polytope.faces());
+        } else {
+            cache.forget_polytope();
+        }
+    }
+    state.out
 }
 
 /// Expands until done, true, or until there is no more room, false: then `state` is as before the last step.
 fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: usize>(
     m: &mut Minkowski<'_, A, B>,
     polytope: &mut Polytope<V, F>,
-    state: &mut Expansion,
-    goal: Goal,
-    ball: f64,
-    max_expansions: u32,
+    state: &mut State,
+    terms: &Terms,
 ) -> bool {
-    let rounding = m.rounding();
-    let tolerance = match goal {
-        Goal::Decide => 0.0,
-        Goal::Depth { tolerance } => tolerance,
-    };
+    let (noise, rounding) = (m.noise(), m.rounding());
+    let Terms { goal, tolerance, ball, safe, max_expansions } = *terms;
     loop {
         // 2. The nearest face bounds the depth from below.
         let face = polytope.nearest_face();
-        let (offset, normal) = (polytope.offset(face), polytope.normal(face));
-        state.lower = offset.max(ball);
-        if goal == Goal::Decide && state.lower > rounding {
-            state.end = End::Inside;
+        let (normal, offset) = polytope.plane(face);
+        if offset > safe && !state.encloses {
+            state.encloses = polytope.encloses();
+        }
+        state.out.lower = if state.encloses { offset.max(ball) } else { ball };
+        if goal == Goal::Decide && state.out.lower > rounding {
+            state.out.end = End::Inside;
             return true;
         }
         // No bound yet is infinite, and infinity is within a tolerance of infinity.
-        let close = state.bound.upper < f64::INFINITY
-            && state.bound.upper - state.lower <= tolerance * state.bound.upper + rounding;
-        if close && state.bound.is_tight(tolerance, rounding) && state.bound.has_foot(rounding) {
-            state.end = End::Converged;
-            return true;
+        let upper = state.out.bound.upper;
+        let close = upper < f64::INFINITY && upper - state.out.lower <= tolerance * upper + rounding;
+        if close {
+            if let Some(corners) = state.corners {
+                state.out.bound.face = corners.map(|i| *polytope.point(i));
+            }
+            if state.out.bound.is_tight(tolerance, rounding) && state.out.bound.has_foot(rounding) {
+                state.out.end = End::Converged;
+                return true;
+            }
         }
         // At least once: without a step there may be no bound at all.
-        if state.iterations >= max_expansions && state.bound.upper < f64::INFINITY {
-            state.end = End::Limit;
+        if state.out.iterations >= max_expansions && upper < f64::INFINITY {
+            state.out.end = End::Limit;
             return true;
         }
         if polytope.is_full() {
-            state.end = End::Limit;
+            state.out.end = End::Limit;
             return false;
         }
-        state.iterations += 1;
+        state.out.iterations += 1;
         // 3. The support plane bounds it from above.
-        let vertex = m.support(normal);
-        let value = vertex.w.dot(normal);
+        let point = m.point(normal);
+        let value = point.w.dot(normal);
         let tight = value - offset <= tolerance * value + rounding;
         let separated = value < -rounding;
         let touching = value <= TOUCHING_ROUNDINGS * rounding;
-        if value < state.bound.upper || tight || touching {
+        if value < upper || tight || touching {
             // Of the faces in this plane the one that the origin's foot is in.
-            let face = if tight { polytope.face_of_foot(face, rounding) } else { face };
-            state.bound = Bound { upper: value, normal, face: polytope.face_vertices(face) };
+            let face = if tight { polytope.face_of_foot(face, noise) } else { face };
+            (state.out.bound.upper, state.out.bound.normal) = (value, normal);
+            state.corners = Some(polytope.corners(face));
         }
         // 4. Close enough, or go on.
-        if separated || touching || tight || (close && state.bound.has_foot(rounding)) {
-            state.end = if separated {
+        let done = separated || touching || tight || (close && state.out.bound.has_foot(rounding));
+        if done {
+            state.out.end = if separated {
                 End::Separated
             } else if touching {
                 End::Touching
@@ -227,10 +373,13 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
             };
             return true;
         }
+        state.encloses &= offset > safe;
         // NaN counts as no progress.
         let above = value > offset;
-        if !above || polytope.has_vertex(vertex.w) || polytope.insert(vertex, face) == Err(Refused::Contradiction) {
-            state.end = End::Stalled;
+        if !above || polytope.insert(point, face).is_err() {
+            state.out.end = End::Stalled;
+            // The surface is torn.
+            state.encloses = false;
             return true;
         }
     }
@@ -243,13 +392,13 @@ fn expand_flat<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     normal: DVec3,
     mut state: Expansion,
 ) -> Expansion {
-    let near = closest(m, Simplex::new(m.center()), 0.0, MAX_FLAT);
+    let near = closest(m, Simplex::new(m.center_point()), 0.0, MAX_FLAT);
     state.iterations += near.iterations;
     state.lower = 0.0;
-    let first = near.simplex.vertices()[0];
+    let first = near.simplex.points()[0];
     // A face that says where they touch; weights are found again from it.
     let mut face = [first; 3];
-    for (corner, vertex) in face.iter_mut().zip(near.simplex.vertices()) {
+    for (corner, vertex) in face.iter_mut().zip(near.simplex.points()) {
         *corner = *vertex;
     }
     if near.lower > m.rounding() {
@@ -257,7 +406,7 @@ fn expand_flat<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         state.bound = Bound { upper: -near.lower, normal: near.normal, face };
         return state;
     }
-    let value = m.support(normal).w.dot(normal);
+    let value = m.point(normal).w.dot(normal);
     state.bound = Bound { upper: value.max(0.0), normal, face };
     state.end = if near.end == closest::End::AtOrigin
         || near.end == closest::End::Inside

@@ -21,7 +21,7 @@
 //!   always chosen: the paper's "should never get here" cannot happen.
 //! - The number of steps is capped; running out is a result.
 
-use super::discovery::Portal;
+use super::discovery::{Portal, is_beyond};
 use crate::SupportMap;
 use crate::minkowski::Minkowski;
 use glam::DVec3;
@@ -58,7 +58,8 @@ pub(super) struct Refinement {
     pub(super) side: Side,
     /// The last portal.
     pub(super) portal: Portal,
-    /// Unit normal, from A to B, of the plane that decided: separating, touching, in front of the origin, or with the least `upper`.
+    /// Normal, from A to B, of the plane that decided: separating, touching, in front of the origin, or with the least
+    /// `upper`. Of unit length only in the last case.
     pub(super) axis: DVec3,
     /// Support value of the difference along `axis`: no less than the depth. Infinite unless the surface was asked for.
     pub(super) upper: f64,
@@ -67,14 +68,14 @@ pub(super) struct Refinement {
     pub(super) iterations: u32,
 }
 
-/// Refines `portal`, which the ray from its centre through the origin pierces.
+/// Refines `portal`, which the ray from the centre through the origin pierces.
 pub(super) fn refine<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     portal: Portal,
     until: Until,
 ) -> Refinement {
     let rounding = m.rounding();
-    let v0 = portal.center.w;
+    let v0 = m.center_point().w;
     let mut out = Refinement {
         side: Side::Undecided,
         portal,
@@ -86,36 +87,43 @@ pub(super) fn refine<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     // Algorithm 1, line 6: while we can get closer.
     for _ in 0..MAX_REFINEMENT {
         out.iterations += 1;
-        let Some(n) = out.portal.normal() else {
+        let Some(mut n) = out.portal.normal() else {
             return out;
         };
         let [v1, v2, v3] = out.portal.vertices.map(|v| v.w);
+        if until != Until::Decided {
+            n /= n.length();
+        }
         let plane = n.dot(v1);
         // Line 9: origin on the inside of the outer face.
-        if plane > rounding {
+        if is_beyond(-plane, n, rounding) {
             out.side = Side::Overlapping;
             if until == Until::Decided {
                 out.axis = n;
                 return out;
             }
         }
-        let v4 = m.support(n);
+        let v4 = m.point(n);
         let value = v4.w.dot(n);
-        if value < -rounding {
+        if is_beyond(value, n, rounding) {
             (out.side, out.axis, out.upper) = (Side::Separated, n, value);
+            // What was seen last is nearest to the origin.
+            out.portal.vertices[0] = v4;
             return out;
         }
-        if value < out.upper && until != Until::Decided {
-            (out.upper, out.axis, out.upper_portal) = (value, n, out.portal);
-        }
         let enough = match until {
-            Until::Decided => rounding,
-            Until::Surface { tolerance } => rounding + tolerance * value,
+            Until::Decided => 0.0,
+            Until::Surface { tolerance } => {
+                if value < out.upper {
+                    (out.upper, out.axis, out.upper_portal) = (value, n, out.portal);
+                }
+                tolerance * value
+            }
         };
         // NaN counts as the surface: there is nothing farther out to go to.
-        let farther = value - plane > enough;
+        let farther = is_beyond(plane - value + enough, n, rounding);
         if !farther {
-            if out.side == Side::Undecided && value.abs() <= 2.0 * rounding {
+            if out.side == Side::Undecided && !is_beyond(-value.abs(), n, 2.0 * rounding) {
                 (out.side, out.axis) = (Side::Touching, n);
             }
             return out;
