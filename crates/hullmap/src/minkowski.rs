@@ -90,6 +90,7 @@ pub struct Minkowski<'s, A: ?Sized, B: ?Sized> {
 
 impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
     /// The difference of `a` and of `b` placed at `b_in_a`. Asks for interior points and radii; no support call.
+    #[inline(always)]
     pub fn new(a: &'s A, b: &'s B, b_in_a: Pose) -> Self {
         let rotation = b_in_a.rotation_matrix();
         let center_a = a.interior_point();
@@ -135,7 +136,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
     }
 
     /// [`support`](Self::support), as the solver keeps it.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn point(&mut self, dir: DVec3) -> Point {
         self.support_calls += 1;
         let on_a = self.a.support(dir);
@@ -153,14 +154,14 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
         Some(self.placed(self.a.point(features[0])?, self.b.point(features[1])?, features))
     }
 
-    #[inline]
+    #[inline(always)]
     fn placed(&self, a: DVec3, b_local: DVec3, features: [u32; 2]) -> Point {
         let offset_b = self.rotation * (b_local - self.center_b_local);
         Point { w: (self.center_a - self.center_b) + ((a - self.center_a) - offset_b), a, features }
     }
 
     /// [`center`](Self::center), as the solver keeps it.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn center_point(&self) -> Point {
         Point { w: self.center_a - self.center_b, a: self.center_a, features: Point::CENTER }
     }

@@ -87,16 +87,19 @@ impl Pose {
     }
 
     /// The rotation, of unit length.
+    #[inline]
     pub fn rotation(&self) -> DQuat {
         self.rotation
     }
 
     /// The translation: where B's origin lies in A's frame.
+    #[inline]
     pub fn translation(&self) -> DVec3 {
         self.translation
     }
 
     /// The rotation as a matrix, for those who turn many vectors.
+    #[inline]
     pub fn rotation_matrix(&self) -> DMat3 {
         DMat3::from_quat(self.rotation)
     }

@@ -17,7 +17,7 @@
 //!   start for the expansion: it took 3 to 20 support calls more, at 8 to 8,192 points.
 //! - A depth of zero has a normal and a status of its own.
 
-use super::discovery::{NoPortal, discover};
+use super::discovery::{Discovery, Portal, discover};
 use super::expansion::{self, Bound, Expansion, Goal, expand, expand_again};
 use super::intersection::{keep_miss, separated_early, tetrahedron};
 use super::refinement::{Side, Until, refine};
@@ -121,28 +121,26 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     {
         return contact_of(m, cache, &expanded, expanded.iterations);
     }
-    let (found, mut iterations) = discover(m);
+    let mut portal = Portal::NONE;
+    let (found, mut iterations) = discover(m, &mut portal);
     let mut bound = Bound::none();
     let mut start = None;
     match found {
-        Err(NoPortal::Separated { axis, seen }) => {
-            keep_miss(cache, axis, &seen);
+        Discovery::Separated { axis } => {
+            keep_miss(cache, axis, &portal.vertices);
             return apart(m, cache, axis, iterations);
         }
-        Ok(portal) => {
+        Discovery::Portal => {
             let until = if settings.max_iterations == 0 { Until::Surface { tolerance } } else { Until::Decided };
-            let refined = refine(m, portal, until);
+            let refined = refine(m, &mut portal, until, &mut bound);
             iterations += refined.iterations;
             if refined.side == Side::Separated {
-                keep_miss(cache, refined.axis, &refined.portal.vertices);
+                keep_miss(cache, refined.axis, &portal.vertices);
                 return apart(m, cache, refined.axis, iterations);
             }
-            start = Some(tetrahedron(m, &refined.portal));
-            if settings.max_iterations == 0 {
-                bound = Bound { upper: refined.upper, normal: refined.axis, face: refined.upper_portal.vertices };
-            }
+            start = Some(tetrahedron(m, &portal));
         }
-        Err(NoPortal::Flat | NoPortal::Limit) => {}
+        Discovery::Flat | Discovery::Limit => {}
     }
     let expanded = expand(m, start, Goal::Depth { tolerance }, bound, settings.max_iterations, Some(cache));
     iterations += expanded.iterations;

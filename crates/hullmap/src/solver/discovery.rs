@@ -40,6 +40,9 @@ pub(super) struct Portal {
 }
 
 impl Portal {
+    /// What there is before one is found.
+    pub(super) const NONE: Self = Self { vertices: [Point::EMPTY; 3] };
+
     /// The portal's normal, away from v0, of any length; nothing when the portal has no area.
     #[inline]
     pub(super) fn normal(&self) -> Option<DVec3> {
@@ -71,11 +74,13 @@ impl Portal {
     }
 }
 
-/// Why phase one found no portal.
+/// How phase one ended.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum NoPortal {
-    /// The origin is outside: a separating axis, from A to B, of any length, and the points seen last.
-    Separated { axis: DVec3, seen: [Point; 3] },
+pub(super) enum Discovery {
+    /// With a portal.
+    Portal,
+    /// The origin is outside: a separating axis, from A to B, of any length.
+    Separated { axis: DVec3 },
     /// The difference, or what was seen of it, is flat; somebody else must decide.
     Flat,
     /// The cap was reached.
@@ -88,19 +93,12 @@ pub(super) fn is_beyond(value: f64, n: DVec3, length: f64) -> bool {
     value < 0.0 && value * value > length * length * n.length_squared()
 }
 
-/// Finds a portal. Returns the number of steps too.
+/// Finds a portal, in place. If there is none, the points seen last are left there. Returns the number of steps too.
+#[inline]
 pub(super) fn discover<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
-) -> (Result<Portal, NoPortal>, u32) {
-    let mut steps = 0;
-    let found = discover_cold(m, &mut steps);
-    (found, steps.max(1))
-}
-
-fn discover_cold<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    steps: &mut u32,
-) -> Result<Portal, NoPortal> {
+    portal: &mut Portal,
+) -> (Discovery, u32) {
     // Algorithm 1, line 1: v0, the centre of the Minkowski difference.
     let v0 = m.center_point().w;
     let rounding = m.rounding();
@@ -110,19 +108,21 @@ fn discover_cold<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let towards = if v0.length_squared() > rounding * rounding { -v0 } else { DVec3::X };
     let mut v1 = m.point(towards);
     if is_beyond(v1.w.dot(towards), towards, rounding) {
-        return Err(NoPortal::Separated { axis: towards, seen: [v1; 3] });
+        portal.vertices = [v1; 3];
+        return (Discovery::Separated { axis: towards }, 1);
     }
     // v2 beside the line from v0 through the origin; in the line case beside the line from v0 through v1.
     let line = v1.w - v0;
-    let beside = v1.w.cross(v0);
-    let beside = if beside.length_squared() > flat * flat * line.length_squared() {
-        beside
-    } else {
-        perpendicular(unit(line).ok_or(NoPortal::Flat)?)
-    };
+    let mut beside = v1.w.cross(v0);
+    let aside = beside.length_squared() > flat * flat * line.length_squared();
+    if !aside {
+        let Some(line) = unit(line) else { return (Discovery::Flat, 1) };
+        beside = perpendicular(line);
+    }
     let mut v2 = m.point(beside);
     if is_beyond(v2.w.dot(beside), beside, rounding) {
-        return Err(NoPortal::Separated { axis: beside, seen: [v1, v2, v2] });
+        portal.vertices = [v1, v2, v2];
+        return (Discovery::Separated { axis: beside }, 1);
     }
     // v3 beside the plane of v0, v1, v2, on the origin's side.
     let mut n = (v1.w - v0).cross(v2.w - v0);
@@ -132,12 +132,14 @@ fn discover_cold<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
 
     // Lines 3 to 5: while the tetrahedron does not contain the origin, recalculate.
-    for _ in 0..MAX_DISCOVERY {
-        *steps += 1;
-        let dir = if n == DVec3::ZERO { return Err(NoPortal::Flat) } else { n };
-        let v3 = m.point(dir);
-        if is_beyond(v3.w.dot(dir), dir, rounding) {
-            return Err(NoPortal::Separated { axis: dir, seen: [v1, v2, v3] });
+    for step in 1..=MAX_DISCOVERY {
+        if n == DVec3::ZERO {
+            return (Discovery::Flat, step);
+        }
+        let v3 = m.point(n);
+        if is_beyond(v3.w.dot(n), n, rounding) {
+            portal.vertices = [v1, v2, v3];
+            return (Discovery::Separated { axis: n }, step);
         }
         // Listing 2: the ray passes outside the plane of v0, v1, v3: v3 takes v2's place.
         if v1.w.cross(v3.w).dot(v0) < 0.0 {
@@ -146,17 +148,14 @@ fn discover_cold<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         } else if v3.w.cross(v2.w).dot(v0) < 0.0 {
             v1 = v3;
         } else {
-            let portal = Portal { vertices: [v1, v2, v3] };
-            let height = (v3.w - v0).dot(dir);
+            portal.vertices = [v1, v2, v3];
+            let height = (v3.w - v0).dot(n);
             // NaN takes the failing branch.
-            let high = height > 0.0 && height * height > flat * flat * dir.length_squared();
-            return if high && portal.is_pierced(v0) && portal.normal().is_some() {
-                Ok(portal)
-            } else {
-                Err(NoPortal::Flat)
-            };
+            let high = height > 0.0 && height * height > flat * flat * n.length_squared();
+            let found = high && portal.is_pierced(v0) && portal.normal().is_some();
+            return (if found { Discovery::Portal } else { Discovery::Flat }, step);
         }
         n = (v1.w - v0).cross(v2.w - v0);
     }
-    Err(NoPortal::Limit)
+    (Discovery::Limit, MAX_DISCOVERY)
 }

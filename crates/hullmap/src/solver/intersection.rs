@@ -12,7 +12,7 @@
 //! # Deviations
 //! - The answer has four values; "touching" and "undecided" are not hidden in yes or no.
 
-use super::discovery::{NoPortal, Portal, discover, is_beyond};
+use super::discovery::{Discovery, Portal, discover, is_beyond};
 use super::expansion::{self, Bound, Expansion, Goal, expand};
 use super::refinement::{Side, Until, refine};
 use crate::minkowski::{Minkowski, Point, unit};
@@ -89,30 +89,31 @@ fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         cache.forget_axis();
         return (Overlap::Overlapping, 0);
     }
-    let (found, mut iterations) = discover(m);
+    let mut portal = Portal::NONE;
+    let (found, mut iterations) = discover(m, &mut portal);
     let mut start = None;
     match found {
-        Err(NoPortal::Separated { axis, seen }) => {
-            keep_miss(cache, axis, &seen);
+        Discovery::Separated { axis } => {
+            keep_miss(cache, axis, &portal.vertices);
             return (Overlap::Separated, iterations);
         }
-        Ok(portal) => {
-            let refined = refine(m, portal, Until::Decided);
+        Discovery::Portal => {
+            let refined = refine(m, &mut portal, Until::Decided, &mut Bound::none());
             iterations += refined.iterations;
             match refined.side {
                 Side::Separated => {
-                    keep_miss(cache, refined.axis, &refined.portal.vertices);
+                    keep_miss(cache, refined.axis, &portal.vertices);
                     return (Overlap::Separated, iterations);
                 }
-                Side::Overlapping if is_proved(m, &refined.portal) => {
+                Side::Overlapping if is_proved(m, &portal) => {
                     cache.forget_axis();
-                    cache.set_portal(&refined.portal.vertices);
+                    cache.set_portal(&portal.vertices);
                     return (Overlap::Overlapping, iterations);
                 }
-                Side::Touching | Side::Undecided | Side::Overlapping => start = Some(tetrahedron(m, &refined.portal)),
+                Side::Touching | Side::Undecided | Side::Overlapping => start = Some(tetrahedron(m, &portal)),
             }
         }
-        Err(NoPortal::Flat | NoPortal::Limit) => {}
+        Discovery::Flat | Discovery::Limit => {}
     }
     let (status, axis, steps) = decide_by_expansion(m, start);
     match status {
