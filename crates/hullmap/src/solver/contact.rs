@@ -154,7 +154,7 @@ fn contact_of<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     expanded: &Expansion,
     iterations: u32,
 ) -> Contact {
-    let Bound { upper, normal, .. } = expanded.bound;
+    let Bound { upper, normal, point_a, point_b } = expanded.bound;
     if expanded.end == expansion::End::Separated {
         return apart(m, cache, normal, iterations);
     }
@@ -174,7 +174,6 @@ fn contact_of<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         expansion::End::Limit => Status::IterationLimit,
         expansion::End::Stalled | expansion::End::Separated => Status::Stalled,
     };
-    let (point_a, point_b) = expanded.bound.points();
     Contact {
         hit: true,
         status,

@@ -75,14 +75,15 @@ pub(super) enum End {
     Stalled,
 }
 
-/// A face's normal, its support value, and the points of A and B on it that are nearest to each other.
+/// The least support value along a face's normal, and the points of A and B on the face that are nearest to each other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bound {
     /// Support value of the difference along `normal`.
     pub(super) upper: f64,
     /// Of unit length, from A to B.
     pub(super) normal: DVec3,
-    pub(super) face: [Point; 3],
+    pub(super) point_a: DVec3,
+    pub(super) point_b: DVec3,
 }
 
 /// The outcome of the expansion.
@@ -98,28 +99,23 @@ pub(super) struct Expansion {
 impl Bound {
     /// No bound yet.
     pub(super) fn none() -> Self {
-        Self { upper: f64::INFINITY, normal: DVec3::ZERO, face: [Point::EMPTY; 3] }
+        Self { upper: f64::INFINITY, normal: DVec3::ZERO, point_a: DVec3::ZERO, point_b: DVec3::ZERO }
     }
 
-    /// Whether the face lies on the surface, so that points on it are as deep as the bound says.
-    fn is_tight(&self, tolerance: f64, rounding: f64) -> bool {
-        self.upper - self.normal.dot(self.face[0].w) <= tolerance * self.upper + rounding
-    }
-
-    /// Whether the foot of the origin on the face's plane lies in the face. A polytope's nearest face has it; a portal
-    /// that the centre ray meets need not, and then gives no contact points however good its normal.
-    fn has_foot(&self, rounding: f64) -> bool {
-        let [p, q, r] = self.face.map(|v| v.w);
-        let foot = self.normal * self.normal.dot(p);
-        foot.distance(on_triangle(p, q, r).point) <= FOOT_OFF * foot.length() + rounding
-    }
-
-    /// The point of A and the point of B where the face is nearest to the origin.
-    pub(super) fn points(&self) -> (DVec3, DVec3) {
-        let [p, q, r] = self.face.map(|v| v.w);
+    /// A bound, with the points where the face is nearest to the origin.
+    pub(super) fn at(upper: f64, normal: DVec3, face: [&Point; 3]) -> Self {
+        let [p, q, r] = face.map(|v| v.w);
         let weights = on_triangle(p, q, r).weights;
-        (blend(&weights, self.face.map(|v| v.a)), blend(&weights, self.face.map(|v| v.b())))
+        let (point_a, point_b) = (blend(&weights, face.map(|v| v.a)), blend(&weights, face.map(|v| v.b())));
+        Self { upper, normal, point_a, point_b }
     }
+}
+
+/// Whether the foot of the origin on the plane through a face with this unit normal lies in the face. A polytope's nearest
+/// face has it; another need not, and then gives no contact points however good its normal.
+fn has_foot([p, q, r]: [&Point; 3], normal: DVec3, rounding: f64) -> bool {
+    let foot = normal * normal.dot(p.w);
+    foot.distance(on_triangle(p.w, q.w, r.w).point) <= FOOT_OFF * foot.length() + rounding
 }
 
 /// What does not change during an expansion.
@@ -138,7 +134,7 @@ struct Terms {
 #[derive(Clone, Copy, Debug)]
 struct State {
     out: Expansion,
-    /// The corners of the bound's face, where they are not in `out` yet.
+    /// The corners of the bound's face; its points are found in the end. None where the bound came from outside.
     corners: Option<[u16; 3]>,
     /// The surface is certain to wind around the origin.
     encloses: bool,
@@ -294,7 +290,8 @@ fn finish<const V: usize, const F: usize>(
     cache: Option<&mut Cache>,
 ) -> Expansion {
     if let Some(corners) = state.corners {
-        state.out.bound.face = corners.map(|i| *polytope.point(i));
+        let Bound { upper, normal, .. } = state.out.bound;
+        state.out.bound = Bound::at(upper, normal, corners.map(|i| polytope.point(i)));
     }
     if let Some(cache) = cache {
         if state.encloses && state.out.end != End::Stalled {
@@ -331,10 +328,14 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
         let upper = state.out.bound.upper;
         let close = upper < f64::INFINITY && upper - state.out.lower <= tolerance * upper + rounding;
         if close {
-            if let Some(corners) = state.corners {
-                state.out.bound.face = corners.map(|i| *polytope.point(i));
-            }
-            if state.out.bound.is_tight(tolerance, rounding) && state.out.bound.has_foot(rounding) {
+            // Where the bound's face is on the surface, points on it are as deep as the bound says.
+            let bound = &state.out.bound;
+            let good = |corners: [u16; 3]| {
+                let face = corners.map(|i| polytope.point(i));
+                let is_tight = upper - bound.normal.dot(face[0].w) <= tolerance * upper + rounding;
+                is_tight && has_foot(face, bound.normal, rounding)
+            };
+            if state.corners.is_none_or(good) {
                 state.out.end = End::Converged;
                 return true;
             }
@@ -362,7 +363,13 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
             state.corners = Some(polytope.corners(face));
         }
         // 4. Close enough, or go on.
-        let done = separated || touching || tight || (close && state.out.bound.has_foot(rounding));
+        let done = separated
+            || touching
+            || tight
+            || (close
+                && state.corners.is_none_or(|corners| {
+                    has_foot(corners.map(|i| polytope.point(i)), state.out.bound.normal, rounding)
+                }));
         if done {
             state.out.end = if separated {
                 End::Separated
@@ -395,19 +402,14 @@ fn expand_flat<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let near = closest(m, Simplex::new(m.center_point()), 0.0, MAX_FLAT);
     state.iterations += near.iterations;
     state.lower = 0.0;
-    let first = near.simplex.points()[0];
-    // A face that says where they touch; weights are found again from it.
-    let mut face = [first; 3];
-    for (corner, vertex) in face.iter_mut().zip(near.simplex.points()) {
-        *corner = *vertex;
-    }
+    let (point_a, point_b) = near.simplex.witnesses();
     if near.lower > m.rounding() {
         state.end = End::Separated;
-        state.bound = Bound { upper: -near.lower, normal: near.normal, face };
+        state.bound = Bound { upper: -near.lower, normal: near.normal, point_a, point_b };
         return state;
     }
     let value = m.point(normal).w.dot(normal);
-    state.bound = Bound { upper: value.max(0.0), normal, face };
+    state.bound = Bound { upper: value.max(0.0), normal, point_a, point_b };
     state.end = if near.end == closest::End::AtOrigin
         || near.end == closest::End::Inside
         || near.upper <= TOUCHING_ROUNDINGS * m.rounding()

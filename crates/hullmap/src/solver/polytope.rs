@@ -38,8 +38,11 @@ const PARALLEL: f64 = 1e-4;
 /// Two edges, a cross and a dot product round by 10 · 2⁻⁵³ of it.
 const CERTAIN: f64 = 8.0 * f64::EPSILON;
 
-/// Faces are compared, and planes computed, so many at a time.
+/// Planes are computed so many at a time.
 const LANES: usize = 4;
+
+/// Offsets are compared so many at a time.
+const WIDE: usize = 8;
 
 /// A vertex could not be inserted: rounding makes what it sees no disc, or a new face has no area.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +83,7 @@ pub(super) struct Polytope<const V: usize, const F: usize> {
 impl<const V: usize, const F: usize> Polytope<V, F> {
     /// Room without a surface. `noise` is what offsets may be wrong by.
     pub(super) fn empty(noise: f64) -> Self {
-        const { assert!(F >= 2 * V && F.is_multiple_of(LANES) && F <= u16::MAX as usize) }
+        const { assert!(F >= 2 * V && F.is_multiple_of(WIDE) && F <= u16::MAX as usize) }
         Self {
             points: [Point::EMPTY; V],
             point_count: 0,
@@ -158,7 +161,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
                     (to[0][lane], to[1][lane], to[2][lane]) = (w.x, w.y, w.z);
                 }
             }
-            let planes = planes(&corner[0], &corner[1], &corner[2]);
+            let planes = planes(corner[0], corner[1], corner[2]);
             for lane in 0..lanes {
                 let face = at + lane;
                 if self.is_spare(face) {
@@ -208,18 +211,24 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
 
     /// The face whose plane has the least offset: the lowest number of several.
     pub(super) fn nearest_face(&self) -> usize {
-        let used = self.face_count.next_multiple_of(LANES).min(F);
-        let mut low = [f64::INFINITY; LANES];
-        for chunk in self.offsets[..used].as_chunks::<LANES>().0 {
+        let used = self.face_count.next_multiple_of(WIDE).min(F);
+        let chunks = self.offsets[..used].as_chunks::<WIDE>().0;
+        let less = |a: f64, b: f64| if a < b { a } else { b };
+        let mut low = [f64::INFINITY; WIDE];
+        for chunk in chunks {
             for (low, offset) in low.iter_mut().zip(chunk) {
-                *low = if *offset < *low { *offset } else { *low };
+                *low = less(*offset, *low);
             }
         }
-        let least = low[0].min(low[1]).min(low[2].min(low[3]));
-        for (number, chunk) in self.offsets[..used].as_chunks::<LANES>().0.iter().enumerate() {
-            let hit = chunk.map(|offset| offset == least);
-            if hit[0] | hit[1] | hit[2] | hit[3] {
-                return number * LANES + hit.iter().position(|hit| *hit).unwrap_or(0);
+        let four = [less(low[0], low[4]), less(low[1], low[5]), less(low[2], low[6]), less(low[3], low[7])];
+        let least = less(less(four[0], four[2]), less(four[1], four[3]));
+        for (number, chunk) in chunks.iter().enumerate() {
+            let mut hits = 0_u32;
+            for (lane, offset) in chunk.iter().enumerate() {
+                hits |= u32::from(*offset == least) << lane;
+            }
+            if hits != 0 {
+                return number * WIDE + hits.trailing_zeros() as usize;
             }
         }
         0
@@ -367,29 +376,28 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         let mut previous = slot(&self.removed, horizon - 1);
         while at < horizon {
             let lanes = LANES.min(horizon - at);
-            let mut rim = [[0.0; LANES + 1]; 3];
-            let mut rim_numbers = [0; LANES + 1];
-            for lane in 0..=LANES {
+            let mut rim = [0; LANES + 1];
+            for (lane, number) in rim.iter_mut().enumerate() {
                 let k = at + lane.min(lanes);
-                let from = self.horizon[if k == horizon { 0 } else { k }].from;
-                let p = self.points[usize::from(from)].w;
-                rim_numbers[lane] = from;
-                (rim[0][lane], rim[1][lane], rim[2][lane]) = (p.x, p.y, p.z);
+                *number = self.horizon[if k == horizon { 0 } else { k }].from;
             }
-            let from = rim.map(|r| [r[0], r[1], r[2], r[3]]);
-            let to = rim.map(|r| [r[1], r[2], r[3], r[4]]);
-            let planes = planes(&tips, &from, &to);
+            let [p, q, r, s, t] = [rim[0], rim[1], rim[2], rim[3], rim[4]].map(usize::from);
+            let [p, q, r, s, t] =
+                [self.points[p].w, self.points[q].w, self.points[r].w, self.points[s].w, self.points[t].w];
+            let from = [[p.x, q.x, r.x, s.x], [p.y, q.y, r.y, s.y], [p.z, q.z, r.z, s.z]];
+            let to = [[q.x, r.x, s.x, t.x], [q.y, r.y, s.y, t.y], [q.z, r.z, s.z, t.z]];
+            let planes = planes(tips, from, to);
             for lane in 0..lanes {
                 let new = slot(&self.removed, at + lane);
                 let next = slot(&self.removed, if at + lane + 1 == horizon { 0 } else { at + lane + 1 });
                 let Horizon { beyond, beyond_edge, .. } = self.horizon[at + lane];
-                self.planes[new] = planes.map(|p| p[lane]);
+                self.planes[new] = [planes[0][lane], planes[1][lane], planes[2][lane], planes[3][lane]];
                 self.offsets[new] = planes[3][lane];
                 // NaN takes the failing branch.
                 if !planes[3][lane].is_finite() {
                     return Err(Contradiction);
                 }
-                self.corners[new] = [rim_numbers[lane], rim_numbers[lane + 1], apex];
+                self.corners[new] = [rim[lane], rim[lane + 1], apex];
                 self.neighbours[new] = [beyond, next as u16, previous as u16];
                 self.neighbours[usize::from(beyond)][usize::from(beyond_edge)] = new as u16;
                 previous = new;
@@ -408,8 +416,8 @@ fn after(edge: usize) -> usize {
 /// Unit normals and offsets of triangles `p q r`, counter-clockwise: x, y, z, offset. Not finite where there is no area.
 ///
 /// Written lane by lane so that the compiler finds the vectors.
-#[inline]
-fn planes(p: &[[f64; LANES]; 3], q: &[[f64; LANES]; 3], r: &[[f64; LANES]; 3]) -> [[f64; LANES]; 4] {
+#[inline(always)]
+fn planes(p: [[f64; LANES]; 3], q: [[f64; LANES]; 3], r: [[f64; LANES]; 3]) -> [[f64; LANES]; 4] {
     let mut out = [[0.0; LANES]; 4];
     for l in 0..LANES {
         let e = [q[0][l] - p[0][l], q[1][l] - p[1][l], q[2][l] - p[2][l]];
@@ -417,7 +425,7 @@ fn planes(p: &[[f64; LANES]; 3], q: &[[f64; LANES]; 3], r: &[[f64; LANES]; 3]) -
         let n = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
         let scale = 1.0 / (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
         let n = n.map(|c| c * scale);
-        let height = |v: &[[f64; LANES]; 3]| n[0] * v[0][l] + n[1] * v[1][l] + n[2] * v[2][l];
+        let height = |v: [[f64; LANES]; 3]| n[0] * v[0][l] + n[1] * v[1][l] + n[2] * v[2][l];
         // The plane of a sliver fits its corners only roughly: the innermost keeps the bound below true.
         let (at_p, at_q, at_r) = (height(p), height(q), height(r));
         let low = if at_q < at_r { at_q } else { at_r };

@@ -102,7 +102,7 @@ pub(super) fn refine<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
             Until::Decided => 0.0,
             Until::Surface { tolerance } => {
                 if value < bound.upper {
-                    *bound = Bound { upper: value, normal: n, face: portal.vertices };
+                    *bound = Bound::at(value, n, portal.vertices.each_ref());
                 }
                 tolerance * value
             }
