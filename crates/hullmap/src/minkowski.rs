@@ -146,7 +146,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
 
     /// The point that these features make under this pose, without a support query; nothing when a shape has no such
     /// feature, or cannot tell where it is.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn recall(&self, features: [u32; 2]) -> Option<Point> {
         if features == Point::CENTER {
             return Some(self.center_point());

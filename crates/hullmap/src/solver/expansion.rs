@@ -35,7 +35,7 @@ use glam::DVec3;
 
 /// Vertices of the polytopes, from the first to the last: enough for 9 in 10 queries on hulls of about 30 vertices, of any size, on
 /// sphere-like hulls, and for what a query may cost at all.
-const SIZES: [usize; 4] = [24, 64, 256, 1024];
+const SIZES: [usize; 4] = [32, 64, 256, 1024];
 
 /// Most steps of the closest-point search on flat differences.
 const MAX_FLAT: u32 = 100;
@@ -48,6 +48,13 @@ pub(super) const TOUCHING_ROUNDINGS: f64 = 2.0;
 
 /// A foot this share of its distance beside the face is as good as in it: contact points are off by as much.
 const FOOT_OFF: f64 = 1e-3;
+
+/// Vertices that a polytope has when it is kept for the next query, unless it ends with fewer. More would be vertices of small faces
+/// about the nearest one, which turn into dents when the pose changes, and each dent costs a support call again.
+const KEEP: usize = 28;
+
+/// Expansions from a kept polytope after which it is not kept any longer: it has grown stale.
+const WORN_OUT: u32 = 16;
 
 /// What to expand for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -148,7 +155,7 @@ pub(super) fn expand<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     goal: Goal,
     bound: Bound,
     max_expansions: u32,
-    cache: Option<&mut Cache>,
+    mut cache: Option<&mut Cache>,
 ) -> Expansion {
     let terms = terms(m, goal, max_expansions);
     let mut state = fresh(bound);
@@ -166,9 +173,11 @@ pub(super) fn expand<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         }
     }
     state.encloses = small.encloses();
-    if !run(m, &mut small, &mut state, &terms) {
-        let mut medium = small.grown();
-        return expand_more(m, &mut medium, &mut state, &terms, cache);
+    if let Some(cache) = &mut cache {
+        cache.forget_polytope();
+    }
+    if !run(m, &mut small, &mut state, &terms, cache.as_deref_mut()) {
+        return expand_more(m, &small, &mut state, &terms);
     }
     finish(&small, &mut state, cache)
 }
@@ -184,43 +193,20 @@ pub(super) fn expand_again<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let kept = cache.polytope()?;
     let terms = terms(m, goal, max_expansions);
     let mut state = fresh(Bound::none());
-    let expansion = if kept.point_count() + SPARE <= SIZES[0] {
-        let points = kept.points().map(|features| m.recall(features));
-        let mut small = Polytope::<{ SIZES[0] }, { 2 * SIZES[0] }>::empty(m.noise());
-        if !(small.restore(points, kept.faces()) && small.encloses()) {
-            return None;
-        }
-        state.encloses = true;
-        if run(m, &mut small, &mut state, &terms) {
-            finish(&small, &mut state, Some(cache))
-        } else {
-            let mut medium = small.grown();
-            expand_more(m, &mut medium, &mut state, &terms, Some(cache))
-        }
-    } else {
-        expand_medium_again(m, &mut state, &terms, cache)?
-    };
-    (expansion.end != End::Stalled).then_some(expansion)
-}
-
-/// Vertices that a kept polytope must leave room for in the small one.
-const SPARE: usize = 6;
-
-#[inline(never)]
-fn expand_medium_again<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    state: &mut State,
-    terms: &Terms,
-    cache: &mut Cache,
-) -> Option<Expansion> {
-    let kept = cache.polytope()?;
-    let mut medium = Polytope::<{ SIZES[1] }, { 2 * SIZES[1] }>::empty(m.noise());
-    let points = kept.points().map(|features| m.recall(features));
-    if !(medium.restore(points, kept.faces()) && medium.encloses()) {
+    let mut small = Polytope::<{ SIZES[0] }, { 2 * SIZES[0] }>::empty(m.noise());
+    if !(small.restore(kept.points().map(|features| m.recall(features)), kept.faces()) && small.encloses()) {
         return None;
     }
     state.encloses = true;
-    Some(expand_more(m, &mut medium, state, terms, Some(cache)))
+    let expansion = if run(m, &mut small, &mut state, &terms, None) {
+        finish(&small, &mut state, Some(cache))
+    } else {
+        expand_more(m, &small, &mut state, &terms)
+    };
+    if expansion.iterations > WORN_OUT {
+        cache.forget_polytope();
+    }
+    (expansion.end != End::Stalled).then_some(expansion)
 }
 
 fn terms<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
@@ -245,15 +231,15 @@ fn fresh(bound: Bound) -> State {
 #[inline(never)]
 fn expand_more<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
-    medium: &mut Polytope<{ SIZES[1] }, { 2 * SIZES[1] }>,
+    small: &Polytope<{ SIZES[0] }, { 2 * SIZES[0] }>,
     state: &mut State,
     terms: &Terms,
-    cache: Option<&mut Cache>,
 ) -> Expansion {
-    if run(m, medium, state, terms) {
-        return finish(medium, state, cache);
+    let mut medium = small.grown();
+    if run(m, &mut medium, state, terms, None) {
+        return finish(&medium, state, None);
     }
-    expand_big(m, medium, state, terms)
+    expand_big(m, &medium, state, terms)
 }
 
 /// And with more. What is as big as this is not kept.
@@ -265,7 +251,7 @@ fn expand_big<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     terms: &Terms,
 ) -> Expansion {
     let mut big = medium.grown::<{ SIZES[2] }, { 2 * SIZES[2] }>();
-    if run(m, &mut big, state, terms) {
+    if run(m, &mut big, state, terms, None) {
         return finish(&big, state, None);
     }
     expand_biggest(m, &big, state, terms)
@@ -280,7 +266,7 @@ fn expand_biggest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 ) -> Expansion {
     let mut biggest = big.grown::<{ SIZES[3] }, { 2 * SIZES[3] }>();
     // Without room the cap is reached: that is what the state says already.
-    run(m, &mut biggest, state, terms);
+    run(m, &mut biggest, state, terms, None);
     finish(&biggest, state, None)
 }
 
@@ -294,10 +280,10 @@ fn finish<const V: usize, const F: usize>(
         state.out.bound = Bound::at(upper, normal, corners.map(|i| polytope.point(i)));
     }
     if let Some(cache) = cache {
-        if state.encloses && state.out.end != End::Stalled {
-            cache.keep_polytope(polytope.points(), polytope.faces());
-        } else {
+        if !state.encloses || state.out.end == End::Stalled {
             cache.forget_polytope();
+        } else if polytope.points().len() <= KEEP {
+            cache.keep_polytope(polytope.points(), polytope.faces());
         }
     }
     state.out
@@ -309,15 +295,16 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
     polytope: &mut Polytope<V, F>,
     state: &mut State,
     terms: &Terms,
+    mut cache: Option<&mut Cache>,
 ) -> bool {
     let (noise, rounding) = (m.noise(), m.rounding());
     let Terms { goal, tolerance, ball, safe, max_expansions } = *terms;
     loop {
         // 2. The nearest face bounds the depth from below.
         let face = polytope.nearest_face();
-        let (normal, offset) = polytope.plane(face);
+        let (direction, length, offset) = polytope.plane(face);
         if offset > safe && !state.encloses {
-            state.encloses = polytope.encloses();
+            state.encloses = polytope.check_encloses();
         }
         state.out.lower = if state.encloses { offset.max(ball) } else { ball };
         if goal == Goal::Decide && state.out.lower > rounding {
@@ -349,17 +336,23 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
             state.out.end = End::Limit;
             return false;
         }
+        if polytope.points().len() == KEEP
+            && state.encloses
+            && let Some(cache) = &mut cache
+        {
+            cache.keep_polytope(polytope.points(), polytope.faces());
+        }
         state.out.iterations += 1;
         // 3. The support plane bounds it from above.
-        let point = m.point(normal);
-        let value = point.w.dot(normal);
+        let point = m.point(direction);
+        let value = point.w.dot(direction) / length;
         let tight = value - offset <= tolerance * value + rounding;
         let separated = value < -rounding;
         let touching = value <= TOUCHING_ROUNDINGS * rounding;
         if value < upper || tight || touching {
             // Of the faces in this plane the one that the origin's foot is in.
             let face = if tight { polytope.face_of_foot(face, noise) } else { face };
-            (state.out.bound.upper, state.out.bound.normal) = (value, normal);
+            (state.out.bound.upper, state.out.bound.normal) = (value, direction / length);
             state.corners = Some(polytope.corners(face));
         }
         // 4. Close enough, or go on.

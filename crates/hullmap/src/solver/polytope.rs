@@ -1,6 +1,6 @@
 //! The expanding polytope: a closed surface of triangles inside the Minkowski difference.
 //!
-//! Computes, face by face, unit normal and offset (distance of the plane from the origin, positive when the origin is
+//! Computes, face by face, normal and offset (distance of the plane from the origin, positive when the origin is
 //! behind it), and replaces the faces that a new vertex sees by a fan to that vertex.
 //!
 //! # Steps of [`Polytope::insert`]
@@ -56,15 +56,16 @@ struct Horizon {
     beyond_edge: u16,
 }
 
-/// A face's unit normal and offset.
-pub(super) type Plane = [f64; 4];
+/// A face's normal, of any length, and the dot product with it above which a point sees the face.
+type Plane = [f64; 4];
 
 /// A closed surface of triangles.
 #[derive(Clone, Debug)]
 pub(super) struct Polytope<const V: usize, const F: usize> {
     points: [Point; V],
     point_count: usize,
-    /// Infinite for slots that hold no face.
+    /// Squares of the offsets, with the offsets' signs: no square root for faces that are never asked. Infinite for slots that
+    /// hold no face.
     offsets: [f64; F],
     planes: [Plane; F],
     /// Counter-clockwise from outside.
@@ -72,6 +73,7 @@ pub(super) struct Polytope<const V: usize, const F: usize> {
     /// The face across the edge from corner i to corner i + 1.
     neighbours: [[u16; 3]; F],
     face_count: usize,
+    encloses: bool,
     /// Distances below this are none.
     slack: f64,
     /// Scratch of [`insert`](Self::insert): edges yet to be crossed, faces removed, edges of the horizon.
@@ -82,6 +84,7 @@ pub(super) struct Polytope<const V: usize, const F: usize> {
 
 impl<const V: usize, const F: usize> Polytope<V, F> {
     /// Room without a surface. `noise` is what offsets may be wrong by.
+    #[inline(always)]
     pub(super) fn empty(noise: f64) -> Self {
         const { assert!(F >= 2 * V && F.is_multiple_of(WIDE) && F <= u16::MAX as usize) }
         Self {
@@ -92,6 +95,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
             corners: [[0; 3]; F],
             neighbours: [[0; 3]; F],
             face_count: 0,
+            encloses: false,
             slack: COPLANAR_NOISES * noise,
             ahead: [(0, 0); F],
             removed: [0; F],
@@ -150,30 +154,29 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     /// Computes planes and offsets of the first `count` faces from their corners; false when one has no area.
     fn update_planes(&mut self, count: usize) -> bool {
         let mut all_solid = true;
-        let mut at = 0;
-        while at < count {
+        let mut encloses = true;
+        for at in (0..count).step_by(LANES) {
             let lanes = LANES.min(count - at);
-            let mut corner = [[[0.0; LANES]; 3]; 3];
-            for lane in 0..LANES {
-                let corners = self.corners[at + lane.min(lanes - 1)];
-                for (to, i) in corner.iter_mut().zip(corners) {
-                    let w = self.points[usize::from(i)].w;
-                    (to[0][lane], to[1][lane], to[2][lane]) = (w.x, w.y, w.z);
-                }
-            }
-            let planes = planes(corner[0], corner[1], corner[2]);
+            let [c, d, e, f] = [0, 1, 2, 3].map(|lane: usize| self.corners[at + lane.min(lanes - 1)]);
+            let w = |i: u16| self.points[usize::from(i)].w;
+            let across = |k: usize| {
+                let [p, q, r, s] = [w(c[k]), w(d[k]), w(e[k]), w(f[k])];
+                [[p.x, q.x, r.x, s.x], [p.y, q.y, r.y, s.y], [p.z, q.z, r.z, s.z]]
+            };
+            let (planes, offsets, certain) = planes(across(0), across(1), across(2), self.slack);
             for lane in 0..lanes {
                 let face = at + lane;
                 if self.is_spare(face) {
                     self.offsets[face] = f64::INFINITY;
                 } else {
-                    self.planes[face] = planes.map(|p| p[lane]);
-                    self.offsets[face] = planes[3][lane];
-                    all_solid &= planes[3][lane].is_finite();
+                    self.planes[face] = [planes[0][lane], planes[1][lane], planes[2][lane], planes[3][lane]];
+                    self.offsets[face] = offsets[lane];
+                    all_solid &= offsets[lane].is_finite();
+                    encloses &= certain[lane];
                 }
             }
-            at += lanes;
         }
+        self.encloses = all_solid && encloses;
         all_solid
     }
 
@@ -196,17 +199,17 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         big
     }
 
-    /// Whether the surface is certain to wind around the origin: seen from there, every face turns the same way, so that the
-    /// solid angles add up to a whole sphere or more.
+    /// Whether the surface was certain to wind around the origin when it was started or restored: seen from there, every
+    /// face turns the same way, so that the solid angles add up to a whole sphere or more.
     pub(super) fn encloses(&self) -> bool {
-        (0..self.face_count).filter(|face| self.offsets[*face] < f64::INFINITY).all(|face| {
-            let [p, q, r] = self.face_points(face).map(|v| v.w);
-            let (pq, pr) = (q - p, r - p);
-            // Half the sum of two squares is no less than the product.
-            let size = 0.5 * (pq.length_squared() + pr.length_squared()) * p.length();
-            // NaN takes the failing branch.
-            pq.cross(pr).dot(p) > CERTAIN * size
-        })
+        self.encloses
+    }
+
+    /// The same of the surface as it is now.
+    #[cold]
+    pub(super) fn check_encloses(&mut self) -> bool {
+        self.update_planes(self.face_count);
+        self.encloses
     }
 
     /// The face whose plane has the least offset: the lowest number of several.
@@ -234,10 +237,13 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         0
     }
 
-    /// Unit normal of a face, outwards, and its offset.
-    pub(super) fn plane(&self, face: usize) -> (DVec3, f64) {
-        let [x, y, z, offset] = self.planes[face];
-        (DVec3::new(x, y, z), offset)
+    /// Normal of a face, outwards, of any length, that length, and the face's offset.
+    #[inline]
+    pub(super) fn plane(&self, face: usize) -> (DVec3, f64, f64) {
+        let [x, y, z, _] = self.planes[face];
+        let normal = DVec3::new(x, y, z);
+        let offset_sq = self.offsets[face];
+        (normal, normal.length(), offset_sq.abs().sqrt().copysign(offset_sq))
     }
 
     /// The numbers of the corners of a face.
@@ -270,12 +276,19 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
             let [p, q, r] = self.face_points(face).map(|v| v.w);
             on_triangle(p, q, r).point.length_squared()
         };
-        let (normal, offset) = self.plane(face);
+        let (normal, length, offset) = self.plane(face);
         let (mut best, mut best_sq) = (face, nearest(face));
+        // Usually the foot is in the face itself.
+        let most = offset.abs() * (1.0 + COPLANAR) + slack;
+        if best_sq <= most * most {
+            return best;
+        }
         for other in 0..self.face_count {
-            let same_plane = self.offsets[other] - offset <= slack + COPLANAR * offset.abs()
-                && self.plane(other).0.distance(normal) < PARALLEL;
-            if same_plane {
+            if self.offsets[other] > most * most {
+                continue;
+            }
+            let (other_normal, other_length, _) = self.plane(other);
+            if (other_normal / other_length).distance(normal / length) < PARALLEL {
                 let other_sq = nearest(other);
                 if other_sq < best_sq {
                     (best, best_sq) = (other, other_sq);
@@ -322,8 +335,8 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
             } else {
                 2
             };
-            let [x, y, z, offset] = self.planes[next];
-            if x * w.x + y * w.y + z * w.z - offset > -self.slack {
+            let [x, y, z, seen_from] = self.planes[next];
+            if x * w.x + y * w.y + z * w.z > seen_from {
                 self.offsets[next] = f64::INFINITY;
                 if removed == F || ahead + 2 > F {
                     return Err(Contradiction);
@@ -386,15 +399,15 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
                 [self.points[p].w, self.points[q].w, self.points[r].w, self.points[s].w, self.points[t].w];
             let from = [[p.x, q.x, r.x, s.x], [p.y, q.y, r.y, s.y], [p.z, q.z, r.z, s.z]];
             let to = [[q.x, r.x, s.x, t.x], [q.y, r.y, s.y, t.y], [q.z, r.z, s.z, t.z]];
-            let planes = planes(tips, from, to);
+            let (planes, offsets, _) = planes(tips, from, to, self.slack);
             for lane in 0..lanes {
                 let new = slot(&self.removed, at + lane);
                 let next = slot(&self.removed, if at + lane + 1 == horizon { 0 } else { at + lane + 1 });
                 let Horizon { beyond, beyond_edge, .. } = self.horizon[at + lane];
                 self.planes[new] = [planes[0][lane], planes[1][lane], planes[2][lane], planes[3][lane]];
-                self.offsets[new] = planes[3][lane];
+                self.offsets[new] = offsets[lane];
                 // NaN takes the failing branch.
-                if !planes[3][lane].is_finite() {
+                if !offsets[lane].is_finite() {
                     return Err(Contradiction);
                 }
                 self.corners[new] = [rim[lane], rim[lane + 1], apex];
@@ -413,26 +426,39 @@ fn after(edge: usize) -> usize {
     if edge == 2 { 0 } else { edge + 1 }
 }
 
-/// Unit normals and offsets of triangles `p q r`, counter-clockwise: x, y, z, offset. Not finite where there is no area.
+/// Planes of triangles `p q r`, counter-clockwise, each as the four numbers of a [`Plane`]; then their offsets squared, with their
+/// signs, not finite where there is no area; and whether the volume of the triangle and the origin is certain to be
+/// positive.
 ///
 /// Written lane by lane so that the compiler finds the vectors.
 #[inline(always)]
-fn planes(p: [[f64; LANES]; 3], q: [[f64; LANES]; 3], r: [[f64; LANES]; 3]) -> [[f64; LANES]; 4] {
+fn planes(
+    p: [[f64; LANES]; 3],
+    q: [[f64; LANES]; 3],
+    r: [[f64; LANES]; 3],
+    slack: f64,
+) -> ([[f64; LANES]; 4], [f64; LANES], [bool; LANES]) {
     let mut out = [[0.0; LANES]; 4];
+    let mut offsets = [0.0; LANES];
+    let mut certain = [false; LANES];
     for l in 0..LANES {
         let e = [q[0][l] - p[0][l], q[1][l] - p[1][l], q[2][l] - p[2][l]];
         let f = [r[0][l] - p[0][l], r[1][l] - p[1][l], r[2][l] - p[2][l]];
         let n = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
-        let scale = 1.0 / (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
-        let n = n.map(|c| c * scale);
         let height = |v: [[f64; LANES]; 3]| n[0] * v[0][l] + n[1] * v[1][l] + n[2] * v[2][l];
         // The plane of a sliver fits its corners only roughly: the innermost keeps the bound below true.
         let (at_p, at_q, at_r) = (height(p), height(q), height(r));
         let low = if at_q < at_r { at_q } else { at_r };
         let low = if at_p < low { at_p } else { low };
-        (out[0][l], out[1][l], out[2][l], out[3][l]) = (n[0], n[1], n[2], low);
+        offsets[l] = low * low.abs() / (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        let seen_from = low - slack * (n[0].abs() + n[1].abs() + n[2].abs());
+        (out[0][l], out[1][l], out[2][l], out[3][l]) = (n[0], n[1], n[2], seen_from);
+        // Half the sum of two squares is no less than the product, nor the sum of coordinates than the length.
+        let edges = 0.5 * (e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+        // NaN takes the failing branch.
+        certain[l] = low > CERTAIN * edges * (p[0][l].abs() + p[1][l].abs() + p[2][l].abs());
     }
-    out
+    (out, offsets, certain)
 }
 
 #[cfg(test)]
@@ -470,7 +496,7 @@ mod tests {
             assert_closed(&polytope);
             assert!(polytope.encloses());
             for face in 0..4 {
-                assert!((polytope.plane(face).1 - 1.0 / 3.0_f64.sqrt()).abs() < 1e-15);
+                assert!((polytope.plane(face).2 - 1.0 / 3.0_f64.sqrt()).abs() < 1e-15);
             }
         }
     }
@@ -480,18 +506,18 @@ mod tests {
         let mut polytope = Polytope::<8, 16>::empty(1e-15);
         assert!(polytope.start(tetrahedron(), 0.1));
         for v in [vertex(-1.0, 1.0, 1.0), vertex(1.0, -1.0, 1.0), vertex(1.0, 1.0, -1.0), vertex(-1.0, -1.0, -1.0)] {
-            let above = |f: &usize| polytope.plane(*f).0.dot(v.w) > polytope.plane(*f).1 + 0.1;
+            let above = |f: &usize| polytope.plane(*f).0.dot(v.w) > polytope.planes[*f][3] + 0.1;
             let face = (0..polytope.face_count).find(above).unwrap();
             polytope.insert(v, face).unwrap();
             assert_closed(&polytope);
-            assert!(polytope.encloses());
+            assert!(polytope.check_encloses());
         }
         let live = (0..polytope.face_count).filter(|f| polytope.offsets[*f] < f64::INFINITY);
         assert_eq!(live.clone().count(), 12);
-        assert!(live.into_iter().all(|f| (polytope.plane(f).1 - 1.0).abs() < 1e-15));
+        assert!(live.into_iter().all(|f| (polytope.plane(f).2 - 1.0).abs() < 1e-15));
         assert!(polytope.is_full());
         let mut grown = polytope.grown::<16, 32>();
-        let top = (0..grown.face_count).find(|f| grown.plane(*f).0.z > 0.9).unwrap();
+        let top = (0..grown.face_count).find(|f| grown.plane(*f).0.z > 0.9 * grown.plane(*f).1).unwrap();
         grown.insert(vertex(0.0, 0.0, 3.0), top).unwrap();
         assert_closed(&grown);
     }
@@ -518,7 +544,8 @@ mod tests {
         while !polytope.is_full() {
             let point = Point { w: DVec3::from_array(rng.direction()), ..Point::EMPTY };
             let above = |f: &usize| {
-                polytope.offsets[*f] < f64::INFINITY && polytope.plane(*f).0.dot(point.w) > polytope.plane(*f).1 + 1e-6
+                let (normal, length, offset) = polytope.plane(*f);
+                polytope.offsets[*f] < f64::INFINITY && normal.dot(point.w) > (offset + 1e-6) * length
             };
             let face = (0..polytope.face_count).find(above).unwrap();
             polytope.insert(point, face).unwrap();
@@ -531,8 +558,9 @@ mod tests {
                 if polytope.offsets[face] < f64::INFINITY {
                     let [p, q, r] = polytope.face_points(face).map(|v| v.w);
                     let n = (q - p).cross(r - p).normalize();
-                    assert!((n - polytope.plane(face).0).length() < 1e-12);
-                    assert!((n.dot(p) - polytope.plane(face).1).abs() < 1e-12);
+                    let (normal, length, offset) = polytope.plane(face);
+                    assert!((n - normal / length).length() < 1e-12);
+                    assert!((n.dot(p) - offset).abs() < 1e-12);
                 }
             }
             assert_eq!(polytope.nearest_face(), least);
