@@ -58,8 +58,8 @@ impl Point {
     /// The features of the centre v0.
     pub(crate) const CENTER: [u32; 2] = [u32::MAX; 2];
 
-    /// Nothing: what arrays of points hold before they are filled.
-    pub(crate) const EMPTY: Self = Self { w: DVec3::ZERO, a: DVec3::ZERO, features: Self::CENTER };
+    /// Nothing: what arrays of points hold before they are filled. All zeros, which are the cheapest to write.
+    pub(crate) const EMPTY: Self = Self { w: DVec3::ZERO, a: DVec3::ZERO, features: [0; 2] };
 
     /// The point of B, in A's frame.
     pub(crate) fn b(&self) -> DVec3 {

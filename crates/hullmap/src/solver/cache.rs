@@ -176,7 +176,7 @@ mod tests {
     fn the_centre_is_not_kept_in_a_simplex() {
         let mut cache = Cache::new();
         let seen = Point { features: [3, 4], ..Point::EMPTY };
-        cache.set_simplex(&[seen, Point::EMPTY]);
+        cache.set_simplex(&[seen, Point { features: Point::CENTER, ..Point::EMPTY }]);
         assert_eq!(cache.simplex(), &[[3, 4]]);
         cache.clear();
         assert!(cache.simplex().is_empty());

@@ -185,6 +185,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     }
 
     /// The same surface with room for more.
+    #[inline(always)]
     pub(super) fn grown<const W: usize, const G: usize>(&self) -> Polytope<W, G> {
         let mut big = Polytope::<W, G>::empty(0.0);
         big.slack = self.slack;
