@@ -71,18 +71,19 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         cache.forget_axis();
         return out;
     }
-    let mut start = None::<Simplex>;
+    let mut simplex = None::<Simplex>;
     for vertex in cache.simplex().iter().filter_map(|features| m.recall(*features)) {
-        match &mut start {
-            None => start = Some(Simplex::new(vertex)),
+        match &mut simplex {
+            None => simplex = Some(Simplex::new(vertex)),
             Some(simplex) if simplex.points().iter().all(|v| v.w != vertex.w) => simplex.push(vertex),
             Some(_) => {}
         }
     }
-    let start = start.unwrap_or_else(|| Simplex::new(center));
-    let found = closest(&mut m, start, settings.relative_gap(), settings.max_iterations);
-    cache.set_simplex(found.simplex.points());
-    (out.point_a, out.point_b) = found.simplex.witnesses();
+    let mut simplex = simplex.unwrap_or_else(|| Simplex::new(center));
+    let found = closest(&mut m, &mut simplex, settings.relative_gap(), settings.max_iterations);
+    cache.set_simplex(simplex.points());
+    let (point_a, point_b, between) = simplex.witnesses();
+    (out.point_a, out.point_b) = (point_a, point_b);
     out.iterations = found.iterations;
     if found.normal != DVec3::ZERO {
         out.normal = found.normal;
@@ -97,14 +98,18 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         out.support_calls = m.support_calls();
         return out;
     }
-    out.distance = found.upper;
-    out.lower = (found.lower.max(center.w.length() - m.outer_radius()) - rounding).max(0.0);
-    out.upper = found.upper + rounding;
+    // The distance of two points that are there, whatever rounding did to the plane that the search went by.
+    out.distance = between.length();
+    let lower = found.lower.max(center.w.length() - m.outer_radius());
+    out.lower = (lower - rounding).max(0.0);
+    out.upper = out.distance + m.noise();
     out.status = match found.end {
-        closest::End::Converged if found.upper - found.lower <= rounding => Status::Exact,
-        closest::End::Converged => Status::Within,
+        closest::End::Converged if out.distance - lower <= rounding => Status::Exact,
+        closest::End::Converged if out.distance - lower <= settings.relative_gap() * out.distance + 2.0 * rounding => {
+            Status::Within
+        }
         closest::End::Limit => Status::IterationLimit,
-        closest::End::Stalled | closest::End::Inside | closest::End::AtOrigin => Status::Stalled,
+        _ => Status::Stalled,
     };
     if found.upper <= 2.0 * rounding && !apart {
         // The origin is on the simplex, but is it on the surface?

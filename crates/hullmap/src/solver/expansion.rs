@@ -392,10 +392,11 @@ fn expand_flat<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     normal: DVec3,
     mut state: Expansion,
 ) -> Expansion {
-    let near = closest(m, Simplex::new(m.center_point()), 0.0, MAX_FLAT);
+    let mut simplex = Simplex::new(m.center_point());
+    let near = closest(m, &mut simplex, 0.0, MAX_FLAT);
     state.iterations += near.iterations;
     state.lower = 0.0;
-    let (point_a, point_b) = near.simplex.witnesses();
+    let (point_a, point_b, _) = simplex.witnesses();
     if near.lower > m.rounding() {
         state.end = End::Separated;
         state.bound = Bound { upper: -near.lower, normal: near.normal, point_a, point_b };
