@@ -52,5 +52,7 @@ pub use hullmap_format::{header::Header, walk::Cost};
 pub use minkowski::{Minkowski, Vertex};
 pub use pack::{InvalidPack, NoSuchHull, OpenError, Pack};
 pub use pose::{Pose, PoseError};
-pub use solver::{Cache, Contact, Distance, Intersection, Overlap, Settings, Status, contact, distance, intersects};
+pub use solver::{
+    Cache, Contact, Distance, Intersection, Overlap, Settings, Status, contact, contact_in_steps, distance, intersects,
+};
 pub use support_map::{Support, SupportMap};

@@ -189,7 +189,7 @@ fn contact_of<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 }
 
 /// No contact: `axis` separates.
-fn apart<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+pub(super) fn apart<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,
     cache: &mut Cache,
     axis: DVec3,

@@ -25,7 +25,7 @@
 //! - Polytopes come in four sizes: most queries never touch the big arrays.
 
 use super::barycentric::{blend, on_triangle};
-use super::cache::Cache;
+use super::cache::{Cache, MOST_POINTS};
 use super::closest::{self, Simplex, closest};
 use super::polytope::{COPLANAR_NOISES, Polytope};
 use super::seed::{Flat, seed};
@@ -51,7 +51,7 @@ const FOOT_OFF: f64 = 1e-3;
 
 /// Vertices that a polytope has when it is kept for the next query, unless it ends with fewer. More would be vertices of small faces
 /// about the nearest one, which turn into dents when the pose changes, and each dent costs a support call again.
-const KEEP: usize = 28;
+const KEEP: usize = MOST_POINTS;
 
 /// Expansions from a kept polytope after which it is not kept any longer: it has grown stale.
 const WORN_OUT: u32 = 16;
