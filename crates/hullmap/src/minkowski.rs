@@ -22,9 +22,20 @@
 use crate::{Pose, SupportMap};
 use glam::{DMat3, DVec3};
 
-/// How many units of rounding a support value or a plane's offset may be wrong by, relative to the greatest length in the
-/// query. "Intervals" in docs/ARCHITECTURE.md derives 61 at most.
-const ROUNDING_UNITS: f64 = 64.0;
+/// How many units of rounding each length of the query adds to what a support value, or a plane's offset, may be wrong by:
+/// "Intervals" in docs/ARCHITECTURE.md derives 4.5, 23.5, 1.5, 65.75 and 4.25; the rest is for what that leaves out as of second order.
+mod rounding_units {
+    /// Of A's interior point.
+    pub(super) const CENTER_A: f64 = 5.0;
+    /// Of B's interior point, which is turned.
+    pub(super) const CENTER_B: f64 = 25.0;
+    /// Of the translation.
+    pub(super) const TRANSLATION: f64 = 2.0;
+    /// Of both outer radii together. Directions are turned too, which is what costs most.
+    pub(super) const RADII: f64 = 68.0;
+    /// Of the centre v0.
+    pub(super) const CENTER: f64 = 5.0;
+}
 
 /// A point of the Minkowski difference, with where it came from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,8 +107,13 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
         let center_a = a.interior_point();
         let center_b_local = b.interior_point();
         let outer_radius = a.outer_radius() + b.outer_radius();
-        let greatest = center_a.length() + center_b_local.length() + b_in_a.translation().length() + outer_radius;
-        let noise = ROUNDING_UNITS * f64::EPSILON * greatest;
+        let center_b = rotation * center_b_local + b_in_a.translation();
+        let noise = f64::EPSILON
+            * (rounding_units::CENTER_A * center_a.length()
+                + rounding_units::CENTER_B * center_b_local.length()
+                + rounding_units::TRANSLATION * b_in_a.translation().length()
+                + rounding_units::RADII * outer_radius
+                + rounding_units::CENTER * (center_a - center_b).length());
         Self {
             a,
             b,
@@ -105,7 +121,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
             unrotation: rotation.transpose(),
             center_a,
             center_b_local,
-            center_b: rotation * center_b_local + b_in_a.translation(),
+            center_b,
             inner_radius_a: a.inner_radius(),
             inner_radius: a.inner_radius() + b.inner_radius(),
             outer_radius,
