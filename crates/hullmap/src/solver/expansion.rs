@@ -22,7 +22,7 @@
 //! - Bounds that are close do not end the search before the contact points are good: if the face of the least h(n) is not on the
 //!   surface itself, the nearest face is asked once more; and a portal's face without the origin's foot in it gives none.
 //! - The ball of the interior points bounds the depth from below as well: round shapes end at once.
-//! - Polytopes come in four sizes: most queries never touch the big arrays.
+//! - Polytopes come in three sizes: most queries never touch the big arrays.
 
 use super::barycentric::{blend, on_triangle};
 use super::cache::{Cache, MOST_POINTS};
@@ -33,9 +33,9 @@ use crate::SupportMap;
 use crate::minkowski::{Minkowski, Point};
 use glam::DVec3;
 
-/// Vertices of the polytopes, from the first to the last: enough for 9 in 10 queries on hulls of about 30 vertices, of any size, on
-/// sphere-like hulls, and for what a query may cost at all.
-const SIZES: [usize; 4] = [32, 64, 256, 1024];
+/// Vertices of the polytopes, from the first to the last: enough for nearly all queries, for sphere-like hulls, and for what
+/// a query may cost at all.
+const SIZES: [usize; 3] = [48, 128, 1024];
 
 /// Most steps of the closest-point search on flat differences.
 const MAX_FLAT: u32 = 100;
@@ -54,7 +54,7 @@ const FOOT_OFF: f64 = 1e-3;
 const KEEP: usize = MOST_POINTS;
 
 /// Expansions from a kept polytope after which it is not kept any longer: it has grown stale.
-const WORN_OUT: u32 = 16;
+const WORN_OUT: u32 = 8;
 
 /// What to expand for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -235,36 +235,22 @@ fn expand_more<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     state: &mut State,
     terms: &Terms,
 ) -> Expansion {
-    let mut medium = small.grown();
+    let mut medium = small.grown::<{ SIZES[1] }, { 2 * SIZES[1] }>();
     if run(m, &mut medium, state, terms, None) {
         return finish(&medium, state, None);
     }
-    expand_big(m, &medium, state, terms)
+    expand_most(m, &medium, state, terms)
 }
 
-/// And with more. What is as big as this is not kept.
+/// And with more.
 #[inline(never)]
-fn expand_big<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+fn expand_most<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     medium: &Polytope<{ SIZES[1] }, { 2 * SIZES[1] }>,
     state: &mut State,
     terms: &Terms,
 ) -> Expansion {
-    let mut big = medium.grown::<{ SIZES[2] }, { 2 * SIZES[2] }>();
-    if run(m, &mut big, state, terms, None) {
-        return finish(&big, state, None);
-    }
-    expand_biggest(m, &big, state, terms)
-}
-
-#[inline(never)]
-fn expand_biggest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    big: &Polytope<{ SIZES[2] }, { 2 * SIZES[2] }>,
-    state: &mut State,
-    terms: &Terms,
-) -> Expansion {
-    let mut biggest = big.grown::<{ SIZES[3] }, { 2 * SIZES[3] }>();
+    let mut biggest = medium.grown::<{ SIZES[2] }, { 2 * SIZES[2] }>();
     // Without room the cap is reached: that is what the state says already.
     run(m, &mut biggest, state, terms, None);
     finish(&biggest, state, None)
