@@ -20,12 +20,12 @@ use crate::minkowski::Point;
 use glam::DVec3;
 
 /// Most vertices of a polytope that is kept.
-pub(super) const MOST_POINTS: usize = 40;
+pub(super) const MOST_POINTS: usize = 56;
 
 /// Slots for its faces.
 const MOST_FACES: usize = 2 * MOST_POINTS;
 
-/// Caller-owned memory of one ordered pair (A, B), to be passed to every query of that pair. 1 KB, without pointers.
+/// Caller-owned memory of one ordered pair (A, B), to be passed to every query of that pair. 1.3 KB, without pointers.
 ///
 /// It changes what a query costs, never its answer beyond rounding; a fresh one is always right, and so is one that belongs to
 /// another pair. All directions are in A's frame.
@@ -190,6 +190,6 @@ mod tests {
 
     #[test]
     fn it_is_as_small_as_the_documentation_says() {
-        assert!(size_of::<Cache>() <= 1024, "{}", size_of::<Cache>());
+        assert!(size_of::<Cache>() <= 1331, "{}", size_of::<Cache>());
     }
 }

@@ -35,7 +35,7 @@ use glam::DVec3;
 
 /// Vertices of the polytopes, from the first to the last: enough for nearly all queries, for sphere-like hulls, and for what
 /// a query may cost at all.
-const SIZES: [usize; 3] = [48, 128, 1024];
+const SIZES: [usize; 3] = [64, 128, 1024];
 
 /// Most steps of the closest-point search on flat differences.
 const MAX_FLAT: u32 = 100;
