@@ -255,6 +255,38 @@ fn a_cap_is_a_status_and_the_interval_holds() {
     assert!(capped * 2 > hits && far_capped * 4 > misses, "{capped} of {hits}, {far_capped} of {misses}");
 }
 
+/// From rough to exact: each step more may only narrow what is known, and what is known is true.
+#[test]
+fn more_iterations_narrow_the_interval() {
+    let mut rng = Rng(SEED + 10);
+    let mut widths = [0.0; 6];
+    let mut hits = 0;
+    for i in 0..200 {
+        let seed = rng.0;
+        let (a, b) = (PointCloud::random(&mut rng, 12, true), PointCloud::random(&mut rng, 12, true));
+        let pose = rng.pose(1.5);
+        let truth = signed_depth(&a, &b, pose);
+        if truth <= TRUTH_ERROR {
+            continue;
+        }
+        hits += 1;
+        let mut before = (0.0, f64::INFINITY);
+        for (number, max_iterations) in [1, 2, 4, 8, 16, 32].into_iter().enumerate() {
+            let settings = Settings { max_iterations, ..Settings::default() };
+            let c = contact(&a, &b, pose, &settings, &mut Cache::new());
+            let at = format!("pair {i}, seed {seed:#x}, {max_iterations} iterations, truth {truth:e}: {c:?}");
+            assert!(c.depth_lower <= truth + TRUTH_ERROR && truth <= c.depth_upper + TRUTH_ERROR, "{at}");
+            // The least offset may fall, by rounding of slivers, when faces are replaced.
+            assert!(c.depth_lower >= before.0 - 1e-9 && c.depth_upper <= before.1, "{at}: {before:?}");
+            before = (c.depth_lower, c.depth_upper);
+            widths[number] += (c.depth_upper - c.depth_lower) / c.depth_upper;
+        }
+    }
+    println!("{hits} hits, mean widths {:?}", widths.map(|w| w / f64::from(hits)));
+    assert!(hits > 60, "not representative: {hits} of 200 overlap");
+    assert!(widths.is_sorted_by(|wide, narrow| wide >= narrow) && widths[5] < 1e-2 * widths[0], "{widths:?}");
+}
+
 /// Poses along a path: a step and about 1 degree each, from apart to deep to apart.
 fn trajectory(rng: &mut Rng) -> Vec<Pose> {
     let (start, axis) = (rng.rotation(), rng.direction());

@@ -5,7 +5,8 @@
 //!
 //! # Steps
 //! 1. balls around the shapes, and the axis that separated them last time: apart;
-//! 2. phase one: find a portal (Algorithm 1 lines 1 to 5);
+//! 2. the polytope of last time under the new pose, if it still winds around the origin: go on with step 4 from it;
+//!    otherwise phase one: find a portal (Algorithm 1 lines 1 to 5);
 //! 3. phase two: refine it to the surface (lines 6 to 9);
 //! 4. expansion from the centre and the portal, until the depth is the least one;
 //! 5. contact points from barycentric coordinates (line 10).

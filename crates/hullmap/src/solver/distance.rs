@@ -6,7 +6,8 @@
 //!
 //! # Steps
 //! 1. balls inside the shapes overlap: distance 0, no support call;
-//! 2. start from the support points of the last nearest simplex's directions, or from the centre;
+//! 2. start from the last nearest simplex under the new pose, from what a yes/no query saw before it missed, or from the
+//!    centre;
 //! 3. closest-point search; a nearest point at the origin is settled by the expansion.
 
 use super::closest::{self, Simplex, closest};

@@ -43,10 +43,13 @@ impl Intersection {
 
 /// Whether `a` and `b`, placed at `b_in_a`, share a point.
 ///
-/// `cache` belongs to this ordered pair; it is read and brought up to date.
+/// `cache` belongs to this ordered pair; it is read and brought up to date. After a miss it holds the axis, which the next
+/// miss is mostly proved by, and the points seen: [`distance`](crate::distance) with the same cache goes on from them, in
+/// this frame or the next, and is cheaper by what was found out here (Kenwright, section 4.6).
 ///
 /// # Complexity
-/// No support call when balls decide, 1 to 4 for most pairs apart, 3 to 7 for most that overlap; capped. No allocation.
+/// No support call when balls decide, 1 to 4 for most pairs apart, 3 to 7 for most that overlap; with the last query's
+/// cache mostly one for pairs apart and none for those that overlap. Capped. No allocation.
 ///
 /// # Reference
 /// Kenwright, Algorithm 1.
