@@ -308,6 +308,14 @@ impl SupportMap for Hull<'_> {
         let [x, y, z] = self.vertices.get(feature as usize)?;
         Some(DVec3::new(x.to_native().into(), y.to_native().into(), z.to_native().into()))
     }
+
+    #[inline]
+    fn support_from(&self, dir: DVec3, hint: u32) -> Support {
+        match self.certain(dir.as_vec3(), hint) {
+            Some(point) => Support { point: point.as_dvec3(), feature: hint },
+            None => SupportMap::support(self, dir),
+        }
+    }
 }
 
 fn vector(v: &[rkyv::rend::f64_le; 3]) -> DVec3 {
