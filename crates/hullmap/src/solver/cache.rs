@@ -71,7 +71,7 @@ pub(super) struct Kept<'c> {
 
 impl Kept<'_> {
     /// The features that make the vertices.
-    pub(super) fn points(&self) -> impl Iterator<Item = [u32; 2]> {
+    pub(super) fn points(&self) -> impl ExactSizeIterator<Item = [u32; 2]> {
         self.points.iter().copied()
     }
 

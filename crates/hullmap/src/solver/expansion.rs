@@ -22,7 +22,7 @@
 //! - Bounds that are close do not end the search before the contact points are good: if the face of the least h(n) is not on the
 //!   surface itself, the nearest face is asked once more; and a portal's face without the origin's foot in it gives none.
 //! - The ball of the interior points bounds the depth from below as well: round shapes end at once.
-//! - Polytopes come in three sizes: most queries never touch the big arrays.
+//! - Polytopes come in four sizes: most queries never touch the big arrays.
 
 use super::barycentric::{blend, on_triangle};
 use super::cache::{Cache, MOST_POINTS};
@@ -33,9 +33,9 @@ use crate::SupportMap;
 use crate::minkowski::{Minkowski, Point};
 use glam::DVec3;
 
-/// Vertices of the polytopes, from the first to the last: enough for nearly all queries, for sphere-like hulls, and for what
-/// a query may cost at all.
-const SIZES: [usize; 3] = [64, 128, 1024];
+/// Vertices of the polytopes, from the first to the last: enough for small hulls and for touching ones, for nearly all, for
+/// sphere-like hulls, and for what a query may cost at all.
+const SIZES: [usize; 4] = [24, 64, 256, 1024];
 
 /// Most steps of the closest-point search on flat differences.
 const MAX_FLAT: u32 = 100;
@@ -55,6 +55,9 @@ const KEEP: usize = MOST_POINTS;
 
 /// Expansions from a kept polytope after which it is not kept any longer: it has grown stale.
 const WORN_OUT: u32 = 8;
+
+/// Room that a kept polytope must find in the smallest one.
+const SPARE: usize = 6;
 
 /// What to expand for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -177,7 +180,8 @@ pub(super) fn expand<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         cache.forget_polytope();
     }
     if !run(m, &mut small, &mut state, &terms, cache.as_deref_mut()) {
-        return expand_more(m, &small, &mut state, &terms);
+        let mut medium = small.grown::<{ SIZES[1] }, { 2 * SIZES[1] }>();
+        return expand_more(m, &mut medium, &mut state, &terms, cache);
     }
     finish(&small, &mut state, cache)
 }
@@ -190,23 +194,53 @@ pub(super) fn expand_again<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     max_expansions: u32,
     cache: &mut Cache,
 ) -> Option<Expansion> {
-    let kept = cache.polytope()?;
+    let points = cache.polytope()?.points().len();
     let terms = terms(m, goal, max_expansions);
-    let mut state = fresh(Bound::none());
-    let mut small = Polytope::<{ SIZES[0] }, { 2 * SIZES[0] }>::empty(m.noise());
-    if !(small.restore(kept.points().map(|features| m.recall(features)), kept.faces()) && small.encloses()) {
-        return None;
-    }
-    state.encloses = true;
-    let expansion = if run(m, &mut small, &mut state, &terms, None) {
-        finish(&small, &mut state, Some(cache))
+    let expansion = if points + SPARE <= SIZES[0] {
+        let mut small = Polytope::<{ SIZES[0] }, { 2 * SIZES[0] }>::empty(m.noise());
+        let mut state = restore(m, &mut small, cache)?;
+        if run(m, &mut small, &mut state, &terms, None) {
+            finish(&small, &mut state, Some(cache))
+        } else {
+            let mut medium = small.grown::<{ SIZES[1] }, { 2 * SIZES[1] }>();
+            expand_more(m, &mut medium, &mut state, &terms, Some(cache))
+        }
     } else {
-        expand_more(m, &small, &mut state, &terms)
+        expand_medium_again(m, &terms, cache)?
     };
     if expansion.iterations > WORN_OUT {
         cache.forget_polytope();
     }
     (expansion.end != End::Stalled).then_some(expansion)
+}
+
+/// Apart, so that the small path's stack stays small.
+#[inline(never)]
+fn expand_medium_again<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    terms: &Terms,
+    cache: &mut Cache,
+) -> Option<Expansion> {
+    let mut medium = Polytope::<{ SIZES[1] }, { 2 * SIZES[1] }>::empty(m.noise());
+    let mut state = restore(m, &mut medium, cache)?;
+    Some(if run(m, &mut medium, &mut state, terms, None) {
+        finish(&medium, &mut state, Some(cache))
+    } else {
+        expand_big(m, &medium, &mut state, terms)
+    })
+}
+
+/// The polytope in `cache` under the new pose; nothing if it does not enclose the origin for certain.
+#[inline]
+fn restore<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: usize>(
+    m: &Minkowski<'_, A, B>,
+    polytope: &mut Polytope<V, F>,
+    cache: &Cache,
+) -> Option<State> {
+    let kept = cache.polytope()?;
+    let points = kept.points().map(|features| m.recall(features));
+    let encloses = polytope.restore(points, kept.faces()) && polytope.encloses();
+    encloses.then(|| State { encloses: true, ..fresh(Bound::none()) })
 }
 
 fn terms<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
@@ -227,30 +261,44 @@ fn fresh(bound: Bound) -> State {
     State { out, corners: None, encloses: false }
 }
 
-/// Goes on with more room. Apart, so that the small path's stack stays small.
+/// Goes on with more room.
 #[inline(never)]
 fn expand_more<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
-    small: &Polytope<{ SIZES[0] }, { 2 * SIZES[0] }>,
+    medium: &mut Polytope<{ SIZES[1] }, { 2 * SIZES[1] }>,
     state: &mut State,
     terms: &Terms,
+    mut cache: Option<&mut Cache>,
 ) -> Expansion {
-    let mut medium = small.grown::<{ SIZES[1] }, { 2 * SIZES[1] }>();
-    if run(m, &mut medium, state, terms, None) {
-        return finish(&medium, state, None);
+    if run(m, medium, state, terms, cache.as_deref_mut()) {
+        return finish(medium, state, cache);
     }
-    expand_most(m, &medium, state, terms)
+    expand_big(m, medium, state, terms)
 }
 
-/// And with more.
+/// And with more. What is as big as this is not kept.
 #[inline(never)]
-fn expand_most<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+fn expand_big<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     medium: &Polytope<{ SIZES[1] }, { 2 * SIZES[1] }>,
     state: &mut State,
     terms: &Terms,
 ) -> Expansion {
-    let mut biggest = medium.grown::<{ SIZES[2] }, { 2 * SIZES[2] }>();
+    let mut big = medium.grown::<{ SIZES[2] }, { 2 * SIZES[2] }>();
+    if run(m, &mut big, state, terms, None) {
+        return finish(&big, state, None);
+    }
+    expand_biggest(m, &big, state, terms)
+}
+
+#[inline(never)]
+fn expand_biggest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    big: &Polytope<{ SIZES[2] }, { 2 * SIZES[2] }>,
+    state: &mut State,
+    terms: &Terms,
+) -> Expansion {
+    let mut biggest = big.grown::<{ SIZES[3] }, { 2 * SIZES[3] }>();
     // Without room the cap is reached: that is what the state says already.
     run(m, &mut biggest, state, terms, None);
     finish(&biggest, state, None)
