@@ -133,6 +133,61 @@ fn check_pair(pack_a: &Pack, pack_b: &Pack, rng: &mut SplitMix64, tally: &mut Ta
     }
 }
 
+/// Support calls with the cache of the frame before, over those without, that are allowed: contact, distance, yes or no.
+const WARM_SHARES: [f64; 3] = [0.5, 0.65, 0.9];
+
+/// A step of 1 % of the diameter and 1° a frame: the answers of a cold start, for a share of its cost.
+#[test]
+fn frames_that_follow_one_another_are_cheap() {
+    let settings = Settings::default();
+    let mut rng = SplitMix64::new(SEED);
+    let one = [1.0; 3];
+    for n in [8, 32, 128, 512, 2048] {
+        let packs =
+            [bake(Family::Sphere, n, one), bake(Family::ClusteredEllipsoid, n, one), bake(Family::Rock, n, one)];
+        let hulls = packs.each_ref().map(|pack| pack.hull(0).unwrap());
+        let mut calls = [[0_u32; 2]; 3];
+        let (mut hits, mut frames) = (0, 0);
+        for pair in 0..12 {
+            let (a, b) = (&hulls[pair % 3], &hulls[pair / 3 % 3]);
+            let size = 0.5 * (a.diameter() + b.diameter());
+            let (axis, beside) = (DVec3::from_array(rng.direction()), DVec3::from_array(rng.direction()) * 0.2);
+            let from = DVec3::from_array(rng.direction());
+            let mut rotation = DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize();
+            let mut caches = [(); 3].map(|()| Cache::default());
+            for frame in 0..160 {
+                rotation = (DQuat::from_axis_angle(axis, 1_f64.to_radians()) * rotation).normalize();
+                let offset = (from * (1.4 - 0.01 * f64::from(frame)) + beside) * size;
+                let pose = Pose::new(a.centroid() - rotation * b.centroid() + offset, rotation).unwrap();
+                let what = format!("{} / {}, n {n}, pair {pair}, frame {frame}, seed {SEED}", a.name(), b.name());
+
+                let warm = contact(a, b, pose, &settings, &mut caches[0]);
+                let cold = contact(a, b, pose, &settings, &mut Cache::default());
+                assert_eq!(warm.hit, cold.hit, "{what}: {warm:?} {cold:?}");
+                let meet = warm.depth_lower <= cold.depth_upper && cold.depth_lower <= warm.depth_upper;
+                assert!(meet, "{what}: {warm:?} {cold:?}");
+                calls[0] = [calls[0][0] + warm.support_calls, calls[0][1] + cold.support_calls];
+                (hits, frames) = (hits + usize::from(cold.hit), frames + 1);
+
+                let warm = distance(a, b, pose, &settings, &mut caches[1]);
+                let cold = distance(a, b, pose, &settings, &mut Cache::default());
+                assert!(warm.lower <= cold.upper && cold.lower <= warm.upper, "{what}: {warm:?} {cold:?}");
+                calls[1] = [calls[1][0] + warm.support_calls, calls[1][1] + cold.support_calls];
+
+                let warm = intersects(a, b, pose, &mut caches[2]);
+                let cold = intersects(a, b, pose, &mut Cache::default());
+                assert_eq!(warm.is_hit(), cold.is_hit(), "{what}: {warm:?} {cold:?}");
+                calls[2] = [calls[2][0] + warm.support_calls, calls[2][1] + cold.support_calls];
+            }
+        }
+        let share = hits as f64 / frames as f64;
+        assert!((0.3..=0.8).contains(&share), "n {n}: the sample is one-sided: {share}");
+        let shares = calls.map(|[warm, cold]| f64::from(warm) / f64::from(cold));
+        println!("n {n}: {hits} of {frames} frames overlap; support calls, warm over cold {shares:.2?}");
+        assert!(shares.iter().zip(WARM_SHARES).all(|(share, most)| *share <= most), "n {n}: {shares:?}");
+    }
+}
+
 #[test]
 fn two_cubes_and_a_point() {
     let cube = bake(Family::CubeGrid, 8, [1.0; 3]);

@@ -15,6 +15,11 @@ use crate::{
     support_map::{Support, SupportMap},
 };
 
+/// By how much a support point may fall short of the farthest, over the outer radius. A cut of the index may leave out a
+/// vertex whose cone reaches less than 1e-13 beyond it, which costs at most that share of the diameter, twice the radius; this
+/// allows for five such cuts, one within the other; see "Intervals" in docs/ARCHITECTURE.md.
+const SUPPORT_ERROR: f64 = 1e-12;
+
 /// A convex hull, read in place from its [`Pack`](crate::Pack). Copying it copies a few slices.
 ///
 /// Points, directions and lengths are in the hull's local frame: that of the source mesh, in its units.
@@ -364,6 +369,25 @@ impl SupportMap for Hull<'_> {
     #[inline]
     fn outer_radius(&self) -> f64 {
         self.record.outer_radius.to_native()
+    }
+
+    #[inline]
+    fn support_error(&self) -> f64 {
+        SUPPORT_ERROR * self.record.outer_radius.to_native()
+    }
+
+    #[inline]
+    fn point(&self, feature: u32) -> Option<DVec3> {
+        let [x, y, z] = self.vertices.get(feature as usize)?;
+        Some(DVec3::new(x.to_native().into(), y.to_native().into(), z.to_native().into()))
+    }
+
+    #[inline]
+    fn support_from(&self, dir: DVec3, hint: u32) -> Support {
+        match self.certain(dir.as_vec3().to_array(), hint) {
+            Some(point) => Support { point: DVec3::from_array(point.map(f64::from)), feature: hint },
+            None => SupportMap::support(self, dir),
+        }
     }
 }
 

@@ -64,5 +64,7 @@ pub use pose::{Pose, PoseError};
 pub use shape::{Corner, Feature, Shape};
 pub use shapes::ShapeError;
 pub use simd::Instructions;
-pub use solver::{Cache, Contact, Distance, Intersection, Overlap, Settings, Status, contact, distance, intersects};
+pub use solver::{
+    Cache, Contact, Distance, Intersection, Overlap, Settings, Status, contact, contact_in_steps, distance, intersects,
+};
 pub use support_map::{Support, SupportMap};

@@ -22,10 +22,20 @@
 use crate::{Pose, SupportMap};
 use glam::{DMat3, DVec3};
 
-/// How many units of rounding a support point's coordinates may be wrong by, relative to the greatest length in
-/// the query. Two rotations' products and sums, three subtractions and a dot product come to about 12; the rest is
-/// for the shapes' own rounding.
-const ROUNDING_UNITS: f64 = 32.0;
+/// How many units of rounding each length of the query adds to what a support value, or a plane's offset, may be wrong by:
+/// "Intervals" in docs/ARCHITECTURE.md derives 4.5, 23.5, 1.5, 65.75 and 4.25; the rest is for what that leaves out as of second order.
+mod rounding_units {
+    /// Of A's interior point.
+    pub(super) const CENTER_A: f64 = 5.0;
+    /// Of B's interior point, which is turned.
+    pub(super) const CENTER_B: f64 = 25.0;
+    /// Of the translation.
+    pub(super) const TRANSLATION: f64 = 2.0;
+    /// Of both outer radii together. Directions are turned too, which is what costs most.
+    pub(super) const RADII: f64 = 68.0;
+    /// Of the centre v0.
+    pub(super) const CENTER: f64 = 5.0;
+}
 
 /// A point of the Minkowski difference, with where it came from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,10 +54,28 @@ pub struct Vertex {
     pub feature_b: u32,
 }
 
-impl Vertex {
-    /// Nothing: what arrays of vertices hold before they are filled.
-    pub(crate) const EMPTY: Self =
-        Self { w: DVec3::ZERO, a: DVec3::ZERO, b: DVec3::ZERO, dir: DVec3::ZERO, feature_a: 0, feature_b: 0 };
+/// A point of the Minkowski difference as the solver keeps it: half the size of a [`Vertex`], as polytopes hold many.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Point {
+    /// The point a − b, in A's frame.
+    pub(crate) w: DVec3,
+    /// The point of A, in A's frame.
+    pub(crate) a: DVec3,
+    /// A's feature and B's; [`Point::CENTER`] for the centre.
+    pub(crate) features: [u32; 2],
+}
+
+impl Point {
+    /// The features of the centre v0.
+    pub(crate) const CENTER: [u32; 2] = [u32::MAX; 2];
+
+    /// Nothing: what arrays of points hold before they are filled. All zeros, which are the cheapest to write.
+    pub(crate) const EMPTY: Self = Self { w: DVec3::ZERO, a: DVec3::ZERO, features: [0; 2] };
+
+    /// The point of B, in A's frame.
+    pub(crate) fn b(&self) -> DVec3 {
+        self.a - self.w
+    }
 }
 
 /// The Minkowski difference A − B of two shapes, B placed by a pose.
@@ -66,18 +94,26 @@ pub struct Minkowski<'s, A: ?Sized, B: ?Sized> {
     inner_radius_a: f64,
     inner_radius: f64,
     outer_radius: f64,
+    noise: f64,
     rounding: f64,
     support_calls: u32,
 }
 
 impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
     /// The difference of `a` and of `b` placed at `b_in_a`. Asks for interior points and radii; no support call.
+    #[inline(always)]
     pub fn new(a: &'s A, b: &'s B, b_in_a: Pose) -> Self {
         let rotation = b_in_a.rotation_matrix();
         let center_a = a.interior_point();
         let center_b_local = b.interior_point();
         let outer_radius = a.outer_radius() + b.outer_radius();
-        let greatest = center_a.length() + center_b_local.length() + b_in_a.translation().length() + outer_radius;
+        let center_b = rotation * center_b_local + b_in_a.translation();
+        let noise = f64::EPSILON
+            * (rounding_units::CENTER_A * at_most(center_a)
+                + rounding_units::CENTER_B * at_most(center_b_local)
+                + rounding_units::TRANSLATION * at_most(b_in_a.translation())
+                + rounding_units::RADII * outer_radius
+                + rounding_units::CENTER * at_most(center_a - center_b));
         Self {
             a,
             b,
@@ -85,11 +121,12 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
             unrotation: rotation.transpose(),
             center_a,
             center_b_local,
-            center_b: rotation * center_b_local + b_in_a.translation(),
+            center_b,
             inner_radius_a: a.inner_radius(),
             inner_radius: a.inner_radius() + b.inner_radius(),
             outer_radius,
-            rounding: ROUNDING_UNITS * f64::EPSILON * greatest,
+            noise,
+            rounding: noise + a.support_error() + b.support_error(),
             support_calls: 0,
         }
     }
@@ -114,6 +151,37 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
         }
     }
 
+    /// [`support`](Self::support), as the solver keeps it.
+    #[inline(always)]
+    pub(crate) fn point(&mut self, dir: DVec3) -> Point {
+        self.support_calls += 1;
+        let on_a = self.a.support(dir);
+        let on_b = self.b.support(self.unrotation * -dir);
+        self.placed(on_a.point, on_b.point, [on_a.feature, on_b.feature])
+    }
+
+    /// The point that these features make under this pose, without a support query; nothing when a shape has no such
+    /// feature, or cannot tell where it is.
+    #[inline(always)]
+    pub(crate) fn recall(&self, features: [u32; 2]) -> Option<Point> {
+        if features == Point::CENTER {
+            return Some(self.center_point());
+        }
+        Some(self.placed(self.a.point(features[0])?, self.b.point(features[1])?, features))
+    }
+
+    #[inline(always)]
+    fn placed(&self, a: DVec3, b_local: DVec3, features: [u32; 2]) -> Point {
+        let offset_b = self.rotation * (b_local - self.center_b_local);
+        Point { w: (self.center_a - self.center_b) + ((a - self.center_a) - offset_b), a, features }
+    }
+
+    /// [`center`](Self::center), as the solver keeps it.
+    #[inline(always)]
+    pub(crate) fn center_point(&self) -> Point {
+        Point { w: self.center_a - self.center_b, a: self.center_a, features: Point::CENTER }
+    }
+
     /// The centre v0: the difference of the interior points, itself inside the CSO.
     pub fn center(&self) -> Vertex {
         Vertex {
@@ -136,7 +204,13 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
         self.outer_radius
     }
 
-    /// What the coordinates of a [`Vertex`] may be wrong by: a length, proportional to the greatest in the query.
+    /// What the solver's own arithmetic may make a support value, or the offset of a plane through vertices, wrong by: a
+    /// length, proportional to the greatest in the query.
+    pub fn noise(&self) -> f64 {
+        self.noise
+    }
+
+    /// [`noise`](Self::noise), and what the shapes' support points may fall short of the farthest.
     ///
     /// Signs of distances smaller than this mean nothing.
     pub fn rounding(&self) -> f64 {
@@ -150,12 +224,14 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
 
     /// True when the balls inside the shapes overlap, which settles that the shapes do. No support call.
     pub(crate) fn inner_balls_overlap(&self) -> bool {
-        self.center().w.length() + self.rounding < self.inner_radius
+        let radius = self.inner_radius - self.rounding;
+        radius > 0.0 && self.center_point().w.length_squared() < radius * radius
     }
 
     /// True when the balls around the shapes are apart, which settles that the shapes are. No support call.
     pub(crate) fn outer_balls_apart(&self) -> bool {
-        self.center().w.length() - self.rounding > self.outer_radius
+        let radius = self.outer_radius + self.rounding;
+        self.center_point().w.length_squared() > radius * radius
     }
 
     /// A point of A and of B, given that [`inner_balls_overlap`](Self::inner_balls_overlap): it divides the segment between
@@ -164,6 +240,12 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
         let share = self.inner_radius_a / self.inner_radius;
         self.center_a - (self.center_a - self.center_b) * share
     }
+}
+
+/// No less than the length of `v`, nor more than 1.8 times it: without a square root.
+#[inline]
+fn at_most(v: DVec3) -> f64 {
+    v.x.abs() + v.y.abs() + v.z.abs()
 }
 
 /// `v` at unit length; nothing when it is zero or not finite.

@@ -8,9 +8,13 @@
 
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
+/// Greatest magnitude of a translation's coordinate: that of the shapes' own coordinates, which are in single precision. The
+/// solver multiplies up to six lengths; of this size they are still numbers.
+pub const MAX_TRANSLATION: f64 = f32::MAX as f64;
+
 /// A rigid transform `b_in_a`: it maps B's local frame into A's.
 ///
-/// The translation is finite, in A's frame and units; the rotation is of unit length. There is no scale:
+/// The translation is finite and within [`MAX_TRANSLATION`], in A's frame and units; the rotation is of unit length. There is no scale:
 /// scaled shapes are other shapes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
@@ -21,9 +25,10 @@ pub struct Pose {
 /// Why numbers do not make a [`Pose`].
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PoseError {
-    /// A component of the translation is NaN or infinite.
+    /// A component of the translation is NaN, infinite, or beyond [`MAX_TRANSLATION`].
     #[error(
-        "translation must be finite, found ({}, {}, {}): check the pose's source for a division by zero or an overflow",
+        "translation must be finite and within {MAX_TRANSLATION:e}, found ({}, {}, {}): \
+         check the pose's source for a division by zero or an overflow",
         found.x, found.y, found.z
     )]
     Translation {
@@ -53,7 +58,7 @@ impl Pose {
     /// `rotation` is normalised here, so it may have any finite length but zero.
     ///
     /// # Errors
-    /// When a component is NaN or infinite, or when `rotation` is zero.
+    /// When a component is NaN or infinite, when the translation is beyond [`MAX_TRANSLATION`], or when `rotation` is zero.
     pub fn new(translation: DVec3, rotation: DQuat) -> Result<Self, PoseError> {
         if !rotation.is_finite() {
             return Err(PoseError::Rotation { found: rotation });
@@ -70,9 +75,11 @@ impl Pose {
     /// The pose that only moves, by `translation` in A's frame and units.
     ///
     /// # Errors
-    /// When a component is NaN or infinite.
+    /// When a component is NaN, infinite, or beyond [`MAX_TRANSLATION`].
     pub fn from_translation(translation: DVec3) -> Result<Self, PoseError> {
-        if !translation.is_finite() {
+        // NaN takes the failing branch.
+        let within = translation.to_array().into_iter().all(|c| c.abs() <= MAX_TRANSLATION);
+        if !within {
             return Err(PoseError::Translation { found: translation });
         }
         Ok(Self { rotation: DQuat::IDENTITY, translation })
@@ -87,16 +94,19 @@ impl Pose {
     }
 
     /// The rotation, of unit length.
+    #[inline]
     pub fn rotation(&self) -> DQuat {
         self.rotation
     }
 
     /// The translation: where B's origin lies in A's frame.
+    #[inline]
     pub fn translation(&self) -> DVec3 {
         self.translation
     }
 
     /// The rotation as a matrix, for those who turn many vectors.
+    #[inline]
     pub fn rotation_matrix(&self) -> DMat3 {
         DMat3::from_quat(self.rotation)
     }
@@ -161,6 +171,10 @@ mod tests {
     fn bad_numbers_are_errors_that_say_what_was_found() {
         let nan = Pose::from_translation(DVec3::new(0.0, f64::NAN, 0.0)).unwrap_err();
         assert!(nan.to_string().contains("(0, NaN, 0)"), "{nan}");
+        for far in [1e39, 1e154, -1e308] {
+            assert!(Pose::from_translation(DVec3::new(0.0, 0.0, far)).is_err());
+        }
+        assert!(Pose::from_translation(DVec3::splat(-3e38)).is_ok());
         let infinite = Pose::new(DVec3::ZERO, DQuat::from_xyzw(0.0, 0.0, f64::INFINITY, 1.0)).unwrap_err();
         assert!(matches!(infinite, PoseError::Rotation { .. }));
         let zero = Pose::new(DVec3::ZERO, DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0)).unwrap_err();

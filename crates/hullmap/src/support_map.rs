@@ -29,4 +29,28 @@ pub trait SupportMap {
 
     /// Radius of a ball around [`interior_point`](Self::interior_point) that holds the shape.
     fn outer_radius(&self) -> f64;
+
+    /// By how much a support point may fall short of the farthest point in the direction asked for, measured along it: a
+    /// length, beyond the rounding of one dot product.
+    ///
+    /// The intervals of [`contact`](crate::contact) and [`distance`](crate::distance) are wider by this. 0, as here, is for
+    /// support mappings that are exact but for rounding.
+    fn support_error(&self) -> f64 {
+        0.0
+    }
+
+    /// The point that `feature` of a [`Support`] names; `None` where features are not points, or there is no such one.
+    ///
+    /// With it, the solver starts from the points of the last query, without asking for them again. It must be a
+    /// point of the shape, whatever `feature`.
+    fn point(&self, feature: u32) -> Option<DVec3> {
+        let _ = feature;
+        None
+    }
+
+    /// [`support`](Self::support), by way of a feature that may be the answer again. The answer is that of `support`.
+    fn support_from(&self, dir: DVec3, hint: u32) -> Support {
+        let _ = hint;
+        self.support(dir)
+    }
 }

@@ -8,7 +8,7 @@ mod shapes;
 mod truth;
 
 use glam::{DQuat, DVec3};
-use hullmap::{Cache, Overlap, Pose, Settings, Status, contact, distance, intersects};
+use hullmap::{Cache, Overlap, Pose, Settings, Status, contact, contact_in_steps, distance, intersects};
 use proptest::prelude::*;
 use shapes::{Ball, Cuboid, PointCloud, Rng};
 use truth::{distance_apart, signed_depth, support_value};
@@ -255,6 +255,38 @@ fn a_cap_is_a_status_and_the_interval_holds() {
     assert!(capped * 2 > hits && far_capped * 4 > misses, "{capped} of {hits}, {far_capped} of {misses}");
 }
 
+/// From rough to exact: each step more may only narrow what is known, and what is known is true.
+#[test]
+fn more_iterations_narrow_the_interval() {
+    let mut rng = Rng(SEED + 10);
+    let mut widths = [0.0; 6];
+    let mut hits = 0;
+    for i in 0..200 {
+        let seed = rng.0;
+        let (a, b) = (PointCloud::random(&mut rng, 12, true), PointCloud::random(&mut rng, 12, true));
+        let pose = rng.pose(1.5);
+        let truth = signed_depth(&a, &b, pose);
+        if truth <= TRUTH_ERROR {
+            continue;
+        }
+        hits += 1;
+        let mut before = (0.0, f64::INFINITY);
+        for (number, max_iterations) in [1, 2, 4, 8, 16, 32].into_iter().enumerate() {
+            let settings = Settings { max_iterations, ..Settings::default() };
+            let c = contact(&a, &b, pose, &settings, &mut Cache::new());
+            let at = format!("pair {i}, seed {seed:#x}, {max_iterations} iterations, truth {truth:e}: {c:?}");
+            assert!(c.depth_lower <= truth + TRUTH_ERROR && truth <= c.depth_upper + TRUTH_ERROR, "{at}");
+            // The least offset may fall, by rounding of slivers, when faces are replaced.
+            assert!(c.depth_lower >= before.0 - 1e-9 && c.depth_upper <= before.1, "{at}: {before:?}");
+            before = (c.depth_lower, c.depth_upper);
+            widths[number] += (c.depth_upper - c.depth_lower) / c.depth_upper;
+        }
+    }
+    println!("{hits} hits, mean widths {:?}", widths.map(|w| w / f64::from(hits)));
+    assert!(hits > 60, "not representative: {hits} of 200 overlap");
+    assert!(widths.is_sorted_by(|wide, narrow| wide >= narrow) && widths[5] < 1e-2 * widths[0], "{widths:?}");
+}
+
 /// Poses along a path: a step and about 1 degree each, from apart to deep to apart.
 fn trajectory(rng: &mut Rng) -> Vec<Pose> {
     let (start, axis) = (rng.rotation(), rng.direction());
@@ -320,7 +352,7 @@ fn warm_answers_are_cold_answers() {
     assert!((0.3..0.7).contains(&share), "not representative: {share} of the poses overlap");
     println!("support calls, warm and cold: intersects, distance, contact {calls:?}");
     for [warm, cold] in calls {
-        assert!(f64::from(warm) < 1.02 * f64::from(cold), "a cache that costs more than it saves: {calls:?}");
+        assert!(f64::from(warm) < 0.6 * f64::from(cold), "a cache that saves too little: {calls:?}");
     }
 }
 
@@ -370,5 +402,136 @@ proptest! {
         if truth.is_finite() {
             prop_assert!(if c.hit { c.depth_lower <= truth.max(0.0) + 1e-12 } else { true }, "{} {:?}", truth, c);
         }
+    }
+}
+
+/// The same work whatever the pair, an interval that holds after any number of steps, and one that gets narrower.
+#[test]
+fn fixed_steps_are_the_same_work_for_every_pair() {
+    let mut rng = Rng(SEED + 6);
+    let mut hits = 0;
+    let mut widths = [0.0; 4];
+    let mut depth_off = [0; 4];
+    const PAIRS: usize = 600;
+    for i in 0..PAIRS {
+        let seed = rng.0;
+        let (a, b, pose) = pair(&mut rng);
+        let truth = signed_depth(&a, &b, pose);
+        let mut warm = Cache::new();
+        for (number, steps) in [6, 12, 24, 48].into_iter().enumerate() {
+            for cache in [&mut Cache::new(), &mut warm] {
+                let c = contact_in_steps(&a, &b, pose, steps, cache);
+                let at = format!("pair {i}, seed {seed:#x}, {steps} steps, truth {truth:e}: {c:?}");
+                assert_eq!((c.support_calls, c.iterations), (steps, steps), "{at}");
+                assert!((c.normal.length() - 1.0).abs() < 1e-14, "{at}");
+                if !c.hit {
+                    assert!(truth < TRUTH_ERROR, "{at}");
+                    continue;
+                }
+                assert!(0.0 <= c.depth_lower && c.depth_lower <= c.depth_upper, "{at}");
+                assert!(c.depth_lower <= truth.max(0.0) + TRUTH_ERROR && truth <= c.depth_upper + TRUTH_ERROR, "{at}");
+                assert!(c.point_a.is_finite() && c.point_b.is_finite(), "{at}");
+                if truth > TRUTH_ERROR {
+                    widths[number] += (c.depth_upper - c.depth_lower) / c.depth_upper;
+                    depth_off[number] += usize::from(c.depth_upper > 1.001 * truth);
+                }
+            }
+        }
+        hits += usize::from(truth > TRUTH_ERROR);
+        if truth.abs() > 1e-6 {
+            let c = contact_in_steps(&a, &b, pose, 48, &mut Cache::new());
+            assert_eq!(c.hit, truth > 0.0, "pair {i}, seed {seed:#x}, truth {truth:e}: {c:?}");
+        }
+    }
+    println!("{hits} hits, mean widths {:?}, depth off {depth_off:?}", widths.map(|w| w / (2 * hits) as f64));
+    assert!((PAIRS * 3 / 10..PAIRS * 7 / 10).contains(&hits), "not representative: {hits} of {PAIRS} overlap");
+    assert!(widths[3] < widths[2] && widths[2] < widths[1] && widths[1] < widths[0], "{widths:?}");
+    assert!(depth_off[3] * 3 < 2 * hits, "{depth_off:?} of {hits}, cold and warm");
+}
+
+/// Kenwright, 4.6: what a miss has seen serves the search for the nearest points, in the same frame or the next.
+#[test]
+fn the_search_goes_on_after_a_miss() {
+    let settings = Settings::default();
+    let mut rng = Rng(SEED + 7);
+    let (mut after, mut cold, mut next, mut misses) = (0, 0, 0, 0);
+    for _ in 0..300 {
+        let (a, b) = (PointCloud::random(&mut rng, 60, true), PointCloud::random(&mut rng, 60, true));
+        let pose = rng.pose(1.6);
+        let mut cache = Cache::new();
+        let yes = intersects(&a, &b, pose, &mut cache);
+        if yes.is_hit() || yes.support_calls == 0 {
+            continue;
+        }
+        misses += 1;
+        let d = distance(&a, &b, pose, &settings, &mut cache.clone());
+        let alone = distance(&a, &b, pose, &settings, &mut Cache::new());
+        assert!(d.lower <= alone.upper && alone.lower <= d.upper, "{d:?} {alone:?}");
+        let moved = Pose::new(pose.translation() + rng.direction() * 0.01, pose.rotation()).unwrap();
+        next += distance(&a, &b, moved, &settings, &mut cache).support_calls;
+        (after, cold) = (after + d.support_calls, cold + alone.support_calls);
+    }
+    println!(
+        "{misses} misses: {cold} calls for the distance from nothing, {after} after yes or no, {next} a frame later"
+    );
+    assert!(misses > 50, "not representative: {misses} misses");
+    assert!(f64::from(after) < 0.9 * f64::from(cold) && f64::from(next) < 0.95 * f64::from(cold));
+}
+
+#[test]
+fn swapped_shapes_give_the_mirrored_answer() {
+    let settings = Settings::default();
+    let mut rng = Rng(SEED + 8);
+    for i in 0..400 {
+        let seed = rng.0;
+        let (a, b, pose) = pair(&mut rng);
+        let at = format!("pair {i}, seed {seed:#x}");
+        let (c, s) = (
+            contact(&a, &b, pose, &settings, &mut Cache::new()),
+            contact(&b, &a, pose.inverse(), &settings, &mut Cache::new()),
+        );
+        assert_eq!(c.hit, s.hit, "{at}: {c:?} {s:?}");
+        assert!(c.depth_lower <= s.depth_upper && s.depth_lower <= c.depth_upper, "{at}: {c:?} {s:?}");
+        if c.hit && c.depth > 1e-9 {
+            // The normal, where the least depth is alone: along it the two depths differ by no more than the tolerance.
+            let mirrored = -pose.transform_vector(s.normal);
+            let along = support_value(&a.points, &b.placed(pose), mirrored);
+            assert!((along - c.depth).abs() <= 2e-5 * c.depth + 1e-12, "{at}: {c:?} {s:?}");
+        }
+        let (d, s) = (
+            distance(&a, &b, pose, &settings, &mut Cache::new()),
+            distance(&b, &a, pose.inverse(), &settings, &mut Cache::new()),
+        );
+        assert!(d.lower <= s.upper && s.lower <= d.upper, "{at}: {d:?} {s:?}");
+    }
+}
+
+/// Features and polytopes of other pairs, and of other shapes than points: steps, not truth.
+#[test]
+fn a_strangers_cache_is_harmless() {
+    let settings = Settings::default();
+    let mut rng = Rng(SEED + 9);
+    let mut stranger = Cache::new();
+    for i in 0..1500 {
+        let seed = rng.0;
+        let (a, b, pose) = pair(&mut rng);
+        let truth = signed_depth(&a, &b, pose);
+        let at = format!("pair {i}, seed {seed:#x}, truth {truth:e}");
+        let c = contact(&a, &b, pose, &settings, &mut stranger);
+        assert!(truth.abs() < TRUTH_ERROR || c.hit == (truth > 0.0), "{at} {c:?}");
+        if c.hit {
+            assert!(
+                c.depth_lower <= truth.max(0.0) + TRUTH_ERROR && truth <= c.depth_upper + TRUTH_ERROR,
+                "{at} {c:?}"
+            );
+            assert!(c.depth_upper - c.depth_lower <= 1.01e-5 * c.depth_upper + 1e-12, "{at} {c:?}");
+        }
+        let d = distance(&a, &b, pose, &settings, &mut stranger);
+        if truth < -TRUTH_ERROR {
+            let far = distance_apart(&a, &b, pose);
+            assert!(d.lower <= far + TRUTH_ERROR && far <= d.upper + TRUTH_ERROR, "{at} {far} {d:?}");
+        }
+        let yes = intersects(&a, &b, pose, &mut stranger);
+        assert!(truth.abs() < TRUTH_ERROR || yes.is_hit() == (truth > 0.0), "{at} {yes:?}");
     }
 }

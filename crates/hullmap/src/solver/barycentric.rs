@@ -47,33 +47,119 @@ pub(crate) fn on_segment(p: DVec3, q: DVec3) -> Nearest<2> {
     Nearest { weights: [1.0 - t, t], point: p + edge * t }
 }
 
-/// The nearest point on the triangle `p`, `q`, `r`; a triangle without area is taken as its three edges.
-pub(crate) fn on_triangle(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
+/// The nearest point on the triangle `p`, `q`, `r`, if it is inside and the triangle has an area.
+#[inline]
+fn inside_triangle(p: DVec3, q: DVec3, r: DVec3) -> Option<Nearest<3>> {
     let (pq, pr) = (q - p, r - p);
     let n = pq.cross(pr);
     let n_sq = n.length_squared();
-    if n_sq > THIN * THIN * pq.length_squared() * pr.length_squared() {
-        let at_q = -n.dot(p.cross(pr));
-        let at_r = n.dot(p.cross(pq));
-        let at_p = n_sq - at_q - at_r;
-        if at_p >= 0.0 && at_q >= 0.0 && at_r >= 0.0 {
-            let sum = at_p + at_q + at_r;
-            return Nearest {
-                weights: [at_p / sum, at_q / sum, at_r / sum],
-                // From the plane, not from the weights: as a direction this keeps more digits.
-                point: n * (n.dot(p) / n_sq),
-            };
+    let at_q = -n.dot(p.cross(pr));
+    let at_r = n.dot(p.cross(pq));
+    let at_p = n_sq - at_q - at_r;
+    // NaN takes the failing branch.
+    let inside =
+        at_p >= 0.0 && at_q >= 0.0 && at_r >= 0.0 && n_sq > THIN * THIN * pq.length_squared() * pr.length_squared();
+    inside.then(|| {
+        let share = 1.0 / (at_p + at_q + at_r);
+        Nearest {
+            weights: [at_p * share, at_q * share, at_r * share],
+            // From the plane, not from the weights: as a direction this keeps more digits.
+            point: n * (n.dot(p) / n_sq),
         }
+    })
+}
+
+/// The nearest point on the triangle `p`, `q`, `r`; a triangle without area is taken as its three edges.
+pub(crate) fn on_triangle(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
+    if let Some(inside) = inside_triangle(p, q, r) {
+        return inside;
     }
-    let (on_pq, on_qr, on_rp) = (on_segment(p, q), on_segment(q, r), on_segment(r, p));
-    let mut best = Nearest { weights: [on_pq.weights[0], on_pq.weights[1], 0.0], point: on_pq.point };
-    if on_qr.point.length_squared() < best.point.length_squared() {
-        best = Nearest { weights: [0.0, on_qr.weights[0], on_qr.weights[1]], point: on_qr.point };
-    }
-    if on_rp.point.length_squared() < best.point.length_squared() {
-        best = Nearest { weights: [on_rp.weights[1], 0.0, on_rp.weights[0]], point: on_rp.point };
+    let mut best = on_two_edges(p, q, r);
+    let on_pq = on_segment(p, q);
+    if on_pq.point.length_squared() < best.point.length_squared() {
+        best = Nearest { weights: [on_pq.weights[0], on_pq.weights[1], 0.0], point: on_pq.point };
     }
     best
+}
+
+/// [`on_triangle`], where the nearest point is known not to be on the edge from `p` to `q`.
+#[inline]
+fn on_triangle_with(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
+    inside_triangle(p, q, r).unwrap_or_else(|| on_two_edges(p, q, r))
+}
+
+/// The nearest point on the edges of a triangle that meet in `r`.
+#[inline]
+fn on_two_edges(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
+    let (on_qr, on_rp) = (on_segment(q, r), on_segment(r, p));
+    if on_rp.point.length_squared() < on_qr.point.length_squared() {
+        Nearest { weights: [on_rp.weights[1], 0.0, on_rp.weights[0]], point: on_rp.point }
+    } else {
+        Nearest { weights: [0.0, on_qr.weights[0], on_qr.weights[1]], point: on_qr.point }
+    }
+}
+
+/// The nearest point of the simplex of the first `count` of `v`, and the origin's distance from the surface if it is inside, 0
+/// otherwise. Weights beyond the count are zero.
+pub(crate) fn on_simplex(v: [DVec3; 4], count: usize) -> (Nearest<4>, f64) {
+    let [p, q, r, _] = v;
+    match count {
+        4 => on_tetrahedron(v),
+        3 => (padded(on_triangle(p, q, r)), 0.0),
+        2 => (padded(on_segment(p, q)), 0.0),
+        _ => (Nearest { weights: [1.0, 0.0, 0.0, 0.0], point: p }, 0.0),
+    }
+}
+
+/// [`on_simplex`], where the nearest point is known to need the last vertex: true of a support point that was added because it is
+/// nearer than the rest of the simplex. Half the work.
+#[inline]
+pub(crate) fn on_simplex_with_last(v: [DVec3; 4], count: usize) -> (Nearest<4>, f64) {
+    let [p, q, r, s] = v;
+    match count {
+        4 => on_tetrahedron_with(p, q, r, s),
+        3 => (padded(on_triangle_with(p, q, r)), 0.0),
+        _ => on_simplex(v, count),
+    }
+}
+
+fn padded<const N: usize>(nearest: Nearest<N>) -> Nearest<4> {
+    let mut weights = [0.0; 4];
+    weights[..N].copy_from_slice(&nearest.weights);
+    Nearest { weights, point: nearest.point }
+}
+
+/// [`on_tetrahedron`], where the nearest point is known not to be on the face `p`, `q`, `r`.
+fn on_tetrahedron_with(p: DVec3, q: DVec3, r: DVec3, s: DVec3) -> (Nearest<4>, f64) {
+    let (sp, sq, sr) = (p - s, q - s, r - s);
+    // Normals of the faces that meet in s, all outwards or all inwards, and the side of the origin.
+    let (across_r, across_p, across_q) = (sp.cross(sq), sq.cross(sr), sr.cross(sp));
+    let volume = across_r.dot(sr);
+    let side = |n: DVec3| -n.dot(s) * volume;
+    // NaN is outside.
+    let inside = [side(across_p), side(across_q), side(across_r)].map(|side| side > 0.0);
+    if inside == [true; 3] {
+        return on_tetrahedron([p, q, r, s]);
+    }
+    let mut best = None::<Nearest<4>>;
+    let mut take = |weights: [f64; 4], point: DVec3| {
+        if best.is_none_or(|b| point.length_squared() < b.point.length_squared()) {
+            best = Some(Nearest { weights, point });
+        }
+    };
+    if !inside[2] {
+        let Nearest { weights: [i, j, k], point } = on_triangle_with(p, q, s);
+        take([i, j, 0.0, k], point);
+    }
+    if !inside[1] {
+        let Nearest { weights: [i, j, k], point } = on_triangle_with(p, r, s);
+        take([i, 0.0, j, k], point);
+    }
+    if !inside[0] {
+        let Nearest { weights: [i, j, k], point } = on_triangle_with(q, r, s);
+        take([0.0, i, j, k], point);
+    }
+    best.map_or_else(|| on_tetrahedron([p, q, r, s]), |best| (best, 0.0))
 }
 
 /// The nearest point on the solid tetrahedron `v`, and whether the origin lies strictly inside it (the point is
@@ -150,6 +236,37 @@ mod tests {
         assert_weights(&on_triangle(moved[0], moved[1], moved[2]), moved, DVec3::new(0.0, 2.0, 2.0));
         let corner = t.map(|p| p + DVec3::new(4.0, 4.0, 0.0));
         assert_weights(&on_triangle(corner[0], corner[1], corner[2]), corner, DVec3::new(3.0, 3.0, 2.0));
+    }
+
+    /// The quick path against the slow one, where the last vertex is one that a closest-point search would add.
+    #[test]
+    fn what_needs_the_last_vertex_is_found_without_the_rest() {
+        let mut rng = ::shapes::rng::SplitMix64::new(8);
+        let mut counts = [0; 5];
+        for _ in 0..4000 {
+            let at = |rng: &mut ::shapes::rng::SplitMix64| {
+                DVec3::from_array(rng.direction()) * rng.between(0.2, 1.0) + DVec3::X * 0.8
+            };
+            let mut v = [DVec3::ZERO; 4].map(|_| at(&mut rng));
+            for count in 1..4 {
+                // Only what the nearest point is made of stays, as in the search.
+                let (nearest, _) = on_simplex(v, count);
+                if nearest.weights[..count].contains(&0.0) {
+                    break;
+                }
+                // A support point: farther towards the origin than what there is.
+                let y = nearest.point;
+                while v[count].dot(y) >= y.length_squared() * 0.999 {
+                    v[count] = at(&mut rng) * 1.5 - y * 0.1;
+                }
+                let (slow, within) = on_simplex(v, count + 1);
+                let (quick, quick_within) = on_simplex_with_last(v, count + 1);
+                assert!((slow.point - quick.point).length() < 1e-12, "{v:?} {slow:?} {quick:?}");
+                assert!((within - quick_within).abs() < 1e-12);
+                counts[count + 1] += 1;
+            }
+        }
+        assert!(counts[2..].iter().all(|count| *count > 300), "{counts:?}");
     }
 
     #[test]

@@ -11,11 +11,12 @@
 //! # Deviations
 //! - The lower bound is the running maximum and the upper the running minimum: both hold at any time, whatever
 //!   rounding does to a single step.
+//! - The nearest point is sought only on what has the newest vertex in it; if that comes no nearer, on the whole simplex.
 //! - Repeated vertices and steps that do not come nearer end the search as a status.
 
-use super::barycentric::{self, blend};
+use super::barycentric::{Nearest, blend, on_simplex, on_simplex_with_last};
 use crate::SupportMap;
-use crate::minkowski::{Minkowski, Vertex};
+use crate::minkowski::{Minkowski, Point};
 use glam::DVec3;
 
 /// Most steps, whatever the settings. Polytopes need 5 to 30; smooth shapes at the tightest tolerance about 200.
@@ -24,77 +25,64 @@ const MAX_CLOSEST: u32 = 1000;
 /// At most four vertices and the weights of their point nearest to the origin.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Simplex {
-    vertices: [Vertex; 4],
+    vertices: [Point; 4],
     weights: [f64; 4],
     count: usize,
 }
 
 impl Simplex {
-    pub(super) fn new(vertex: Vertex) -> Self {
-        Self { vertices: [vertex; 4], weights: [1.0, 0.0, 0.0, 0.0], count: 1 }
+    pub(super) fn new(vertex: Point) -> Self {
+        let mut vertices = [Point::EMPTY; 4];
+        vertices[0] = vertex;
+        Self { vertices, weights: [1.0, 0.0, 0.0, 0.0], count: 1 }
     }
 
-    /// Adds a vertex; there must be room, which [`nearest`](Self::nearest) makes.
-    pub(super) fn push(&mut self, vertex: Vertex) {
+    /// Adds a vertex; there must be room, which [`keep`](Self::keep) makes.
+    #[inline]
+    pub(super) fn push(&mut self, vertex: Point) {
         self.vertices[self.count] = vertex;
         self.weights[self.count] = 0.0;
         self.count += 1;
     }
 
-    pub(super) fn vertices(&self) -> &[Vertex] {
+    pub(super) fn points(&self) -> &[Point] {
         &self.vertices[..self.count]
     }
 
-    /// The point of A and the point of B at the weights.
-    pub(super) fn points(&self) -> (DVec3, DVec3) {
-        // Weights beyond the count are zero.
-        (blend(&self.weights, self.vertices.map(|v| v.a)), blend(&self.weights, self.vertices.map(|v| v.b)))
+    /// The points of A and of B at the weights, and their difference.
+    pub(super) fn witnesses(&self) -> (DVec3, DVec3, DVec3) {
+        let mut weights = self.weights;
+        weights[self.count..].fill(0.0);
+        let mut vertices = self.vertices;
+        vertices[self.count..].fill(self.vertices[0]);
+        let w = blend(&weights, vertices.map(|v| v.w));
+        let a = blend(&weights, vertices.map(|v| v.a));
+        (a, a - w, w)
     }
 
-    /// Point of the simplex nearest to the origin, and the origin's distance from the surface if it is inside, 0 otherwise. Keeps
-    /// only the vertices the point is made of: all four when the origin is inside.
-    fn nearest(&mut self) -> (DVec3, f64) {
-        let [p, q, r, s] = self.vertices.map(|v| v.w);
-        let mut clearance = 0.0;
-        let mut weights = [0.0; 4];
-        let point = match self.count {
-            1 => {
-                weights[0] = 1.0;
-                p
-            }
-            2 => {
-                let on = barycentric::on_segment(p, q);
-                weights[..2].copy_from_slice(&on.weights);
-                on.point
-            }
-            3 => {
-                let on = barycentric::on_triangle(p, q, r);
-                weights[..3].copy_from_slice(&on.weights);
-                on.point
-            }
-            _ => {
-                let (on, within) = barycentric::on_tetrahedron([p, q, r, s]);
-                clearance = within;
-                weights = on.weights;
-                on.point
-            }
-        };
+    #[inline]
+    fn corners(&self) -> [DVec3; 4] {
+        [self.vertices[0].w, self.vertices[1].w, self.vertices[2].w, self.vertices[3].w]
+    }
+
+    /// Keeps only the vertices that have a weight.
+    #[inline]
+    fn keep(&mut self, weights: [f64; 4]) {
         let mut kept = 0;
         for (i, weight) in weights.into_iter().enumerate().take(self.count) {
             if weight > 0.0 {
-                self.vertices[kept] = self.vertices[i];
+                if kept != i {
+                    self.vertices[kept] = self.vertices[i];
+                }
                 self.weights[kept] = weight;
                 kept += 1;
             }
         }
         // NaN weights keep nothing: stay with the first vertex.
         if kept == 0 {
-            *self = Self::new(self.vertices[0]);
-            return (self.vertices[0].w, 0.0);
+            (kept, self.weights[0]) = (1, 1.0);
         }
         self.count = kept;
-        self.weights[kept..].fill(0.0);
-        (point, clearance)
     }
 }
 
@@ -113,11 +101,10 @@ pub(super) enum End {
     Stalled,
 }
 
-/// The nearest point and its bounds.
+/// The nearest point and its bounds; the simplex is left where the search began.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Closest {
     pub(super) end: End,
-    pub(super) simplex: Simplex,
     /// Greatest distance known to be free, without allowance for rounding; can be negative.
     pub(super) lower: f64,
     /// Length of the nearest point found, without allowance for rounding.
@@ -127,52 +114,62 @@ pub(super) struct Closest {
     pub(super) iterations: u32,
 }
 
-/// Searches from `simplex` until upper − lower ≤ `tolerance` · upper + rounding.
+/// Searches from `simplex`, in place, until upper − lower ≤ `tolerance` · upper + rounding.
 pub(super) fn closest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
-    mut simplex: Simplex,
+    simplex: &mut Simplex,
     tolerance: f64,
     max_iterations: u32,
 ) -> Closest {
     let rounding = m.rounding();
-    let mut best = Closest {
-        end: End::Limit,
-        simplex,
-        lower: f64::NEG_INFINITY,
-        upper: f64::INFINITY,
-        normal: DVec3::ZERO,
-        iterations: 0,
-    };
+    let mut lower = f64::NEG_INFINITY;
+    let mut upper = f64::INFINITY;
+    let mut normal = DVec3::ZERO;
     // At least once: without a step there is no bound at all.
-    for _ in 0..max_iterations.clamp(1, MAX_CLOSEST) {
-        best.iterations += 1;
-        let (y, clearance) = simplex.nearest();
+    let most = max_iterations.clamp(1, MAX_CLOSEST);
+    for iterations in 1..=most {
+        let (mut nearest, mut clearance) = if iterations == 1 {
+            on_simplex(simplex.corners(), simplex.count)
+        } else {
+            on_simplex_with_last(simplex.corners(), simplex.count)
+        };
+        let mut length = nearest.point.length();
+        // NaN counts as no progress, here and below.
+        if !(length < upper || clearance > 0.0) {
+            (nearest, clearance) = on_simplex(simplex.corners(), simplex.count);
+            length = nearest.point.length();
+        }
+        let Nearest { weights, point: y } = nearest;
         if clearance > 0.0 {
+            simplex.keep(weights);
             // A hair inside may be a hair outside.
             let end = if clearance > rounding { End::Inside } else { End::AtOrigin };
-            return Closest { end, simplex, upper: 0.0, ..best };
+            return Closest { end, lower, upper: 0.0, normal, iterations };
         }
-        let length = y.length();
-        // NaN counts as no progress.
-        let nearer = length < best.upper;
+        let nearer = length < upper;
         if !nearer {
-            return Closest { end: End::Stalled, ..best };
+            // Without the last vertex it is what it was.
+            simplex.count = (simplex.count - 1).max(1);
+            return Closest { end: End::Stalled, lower, upper, normal, iterations };
         }
-        (best.simplex, best.upper) = (simplex, length);
+        simplex.keep(weights);
+        upper = length;
         if length <= rounding {
-            return Closest { end: End::AtOrigin, ..best };
+            return Closest { end: End::AtOrigin, lower, upper, normal, iterations };
         }
-        let outward = y / length;
-        best.normal = -outward;
-        let vertex = m.support(-outward);
-        best.lower = best.lower.max(vertex.w.dot(outward));
-        if best.upper - best.lower <= tolerance * best.upper + rounding {
-            return Closest { end: End::Converged, ..best };
+        let vertex = m.point(-y);
+        let scale = 1.0 / length;
+        normal = y * -scale;
+        lower = lower.max(vertex.w.dot(y) * scale);
+        if upper - lower <= tolerance * upper + rounding {
+            return Closest { end: End::Converged, lower, upper, normal, iterations };
         }
-        if simplex.vertices().iter().any(|v| v.w == vertex.w) {
-            return Closest { end: End::Stalled, ..best };
+        if simplex.points().iter().any(|v| v.w == vertex.w) {
+            return Closest { end: End::Stalled, lower, upper, normal, iterations };
         }
-        simplex.push(vertex);
+        if iterations < most {
+            simplex.push(vertex);
+        }
     }
-    best
+    Closest { end: End::Limit, lower, upper, normal, iterations: most }
 }

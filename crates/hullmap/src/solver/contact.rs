@@ -5,7 +5,8 @@
 //!
 //! # Steps
 //! 1. balls around the shapes, and the axis that separated them last time: apart;
-//! 2. phase one: find a portal (Algorithm 1 lines 1 to 5);
+//! 2. the polytope of last time under the new pose, if it still winds around the origin: go on with step 4 from it;
+//!    otherwise phase one: find a portal (Algorithm 1 lines 1 to 5);
 //! 3. phase two: refine it to the surface (lines 6 to 9);
 //! 4. expansion from the centre and the portal, until the depth is the least one;
 //! 5. contact points from barycentric coordinates (line 10).
@@ -17,9 +18,9 @@
 //!   start for the expansion: it took 3 to 20 support calls more, at 8 to 8,192 points.
 //! - A depth of zero has a normal and a status of its own.
 
-use super::discovery::{NoPortal, discover};
-use super::expansion::{self, Bound, Goal, expand};
-use super::intersection::{separated_early, tetrahedron};
+use super::discovery::{Discovery, Portal, discover};
+use super::expansion::{self, Bound, Expansion, Goal, expand, expand_again};
+use super::intersection::{keep_miss, separated_early, tetrahedron};
 use super::refinement::{Side, Until, refine};
 use crate::minkowski::{Minkowski, unit};
 use crate::{Cache, Pose, Settings, Status, SupportMap};
@@ -116,27 +117,45 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         cache.forget_axis();
         return found;
     }
-    let (found, mut iterations) = discover(m, cache.portal());
+    if settings.max_iterations > 0
+        && let Some(expanded) = expand_again(m, Goal::Depth { tolerance }, settings.max_iterations, cache)
+    {
+        return contact_of(m, cache, &expanded, expanded.iterations);
+    }
+    let mut portal = Portal::NONE;
+    let (found, mut iterations) = discover(m, &mut portal);
     let mut bound = Bound::none();
     let mut start = None;
     match found {
-        Err(NoPortal::Separated { axis }) => return apart(m, cache, axis, iterations),
-        Ok(portal) => {
+        Discovery::Separated { axis } => {
+            keep_miss(cache, axis, &portal.vertices);
+            return apart(m, cache, axis, iterations);
+        }
+        Discovery::Portal => {
             let until = if settings.max_iterations == 0 { Until::Surface { tolerance } } else { Until::Decided };
-            let refined = refine(m, portal, until);
+            let refined = refine(m, &mut portal, until, &mut bound);
             iterations += refined.iterations;
             if refined.side == Side::Separated {
+                keep_miss(cache, refined.axis, &portal.vertices);
                 return apart(m, cache, refined.axis, iterations);
             }
-            cache.set_portal(&refined.portal.vertices);
-            start = Some(tetrahedron(&refined.portal));
-            bound = Bound { upper: refined.upper, normal: refined.axis, face: refined.upper_portal.vertices };
+            start = Some(tetrahedron(m, &portal));
         }
-        Err(NoPortal::Flat | NoPortal::Limit) => {}
+        Discovery::Flat | Discovery::Limit => {}
     }
-    let expanded = expand(m, start, Goal::Depth { tolerance }, bound, settings.max_iterations);
+    let expanded = expand(m, start, Goal::Depth { tolerance }, bound, settings.max_iterations, Some(cache));
     iterations += expanded.iterations;
-    let Bound { upper, normal, .. } = expanded.bound;
+    contact_of(m, cache, &expanded, iterations)
+}
+
+/// What the expansion says.
+fn contact_of<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    cache: &mut Cache,
+    expanded: &Expansion,
+    iterations: u32,
+) -> Contact {
+    let Bound { upper, normal, point_a, point_b } = expanded.bound;
     if expanded.end == expansion::End::Separated {
         return apart(m, cache, normal, iterations);
     }
@@ -156,12 +175,11 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         expansion::End::Limit => Status::IterationLimit,
         expansion::End::Stalled | expansion::End::Separated => Status::Stalled,
     };
-    let (point_a, point_b) = expanded.bound.points();
     Contact {
         hit: true,
         status,
         depth: if status == Status::Touching { 0.0 } else { upper },
-        depth_lower: (expanded.lower - rounding).max(0.0),
+        depth_lower: (expanded.lower - m.noise()).max(0.0),
         depth_upper: upper.max(0.0) + rounding,
         normal: unit(normal).unwrap_or(DVec3::X),
         point_a,
@@ -172,14 +190,15 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 }
 
 /// No contact: `axis` separates.
-fn apart<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+pub(super) fn apart<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,
     cache: &mut Cache,
     axis: DVec3,
     iterations: u32,
 ) -> Contact {
+    let axis = unit(axis).unwrap_or(DVec3::X);
     cache.set_axis(axis);
-    let center = m.center();
+    let center = m.center_point();
     Contact {
         hit: false,
         status: Status::Separated,
@@ -188,7 +207,7 @@ fn apart<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         depth_upper: 0.0,
         normal: axis,
         point_a: center.a,
-        point_b: center.b,
+        point_b: center.b(),
         iterations,
         support_calls: 0,
     }
@@ -200,13 +219,13 @@ fn contact_of_balls<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     tolerance: f64,
 ) -> Option<Contact> {
     let rounding = m.rounding();
-    let lower = m.inner_radius() - m.center().w.length();
+    let lower = m.inner_radius() - m.center_point().w.length();
     // NaN takes the failing branch.
     if !(lower > rounding && m.outer_radius() - m.inner_radius() <= tolerance * lower + rounding) {
         return None;
     }
-    let normal = unit(-m.center().w).unwrap_or(DVec3::X);
-    let vertex = m.support(normal);
+    let normal = unit(-m.center_point().w).unwrap_or(DVec3::X);
+    let vertex = m.point(normal);
     let upper = vertex.w.dot(normal);
     (upper - lower <= tolerance * upper + rounding).then_some(Contact {
         hit: true,
@@ -216,7 +235,7 @@ fn contact_of_balls<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         depth_upper: upper + rounding,
         normal,
         point_a: vertex.a,
-        point_b: vertex.b,
+        point_b: vertex.b(),
         iterations: 1,
         support_calls: 0,
     })

@@ -6,7 +6,8 @@
 //!
 //! # Steps
 //! 1. balls inside the shapes overlap: distance 0, no support call;
-//! 2. start from the support points of the last nearest simplex's directions, or from the centre;
+//! 2. start from the last nearest simplex under the new pose, from what a yes/no query saw before it missed, or from the
+//!    centre;
 //! 3. closest-point search; a nearest point at the origin is settled by the expansion.
 
 use super::closest::{self, Simplex, closest};
@@ -54,7 +55,7 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 ) -> Distance {
     let mut m = Minkowski::new(a, b, b_in_a);
     let rounding = m.rounding();
-    let center = m.center();
+    let center = m.center_point();
     let mut out = Distance {
         status: Status::Overlapping,
         distance: 0.0,
@@ -62,7 +63,7 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         upper: 0.0,
         normal: unit(-center.w).unwrap_or(DVec3::X),
         point_a: center.a,
-        point_b: center.b,
+        point_b: center.b(),
         iterations: 0,
         support_calls: 0,
     };
@@ -71,19 +72,19 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         cache.forget_axis();
         return out;
     }
-    let mut start = Simplex::new(center);
-    if let Some((first, rest)) = cache.simplex().split_first() {
-        start = Simplex::new(m.support(*first));
-        for dir in rest {
-            let vertex = m.support(*dir);
-            if start.vertices().iter().all(|v| v.w != vertex.w) {
-                start.push(vertex);
-            }
+    let mut simplex = None::<Simplex>;
+    for vertex in cache.simplex().iter().filter_map(|features| m.recall(*features)) {
+        match &mut simplex {
+            None => simplex = Some(Simplex::new(vertex)),
+            Some(simplex) if simplex.points().iter().all(|v| v.w != vertex.w) => simplex.push(vertex),
+            Some(_) => {}
         }
     }
-    let found = closest(&mut m, start, settings.relative_gap(), settings.max_iterations);
-    cache.set_simplex(found.simplex.vertices());
-    (out.point_a, out.point_b) = found.simplex.points();
+    let mut simplex = simplex.unwrap_or_else(|| Simplex::new(center));
+    let found = closest(&mut m, &mut simplex, settings.relative_gap(), settings.max_iterations);
+    cache.set_simplex(simplex.points());
+    let (point_a, point_b, between) = simplex.witnesses();
+    (out.point_a, out.point_b) = (point_a, point_b);
     out.iterations = found.iterations;
     if found.normal != DVec3::ZERO {
         out.normal = found.normal;
@@ -98,14 +99,18 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         out.support_calls = m.support_calls();
         return out;
     }
-    out.distance = found.upper;
-    out.lower = (found.lower.max(center.w.length() - m.outer_radius()) - rounding).max(0.0);
-    out.upper = found.upper + rounding;
+    // The distance of two points that are there, whatever rounding did to the plane that the search went by.
+    out.distance = between.length();
+    let lower = found.lower.max(center.w.length() - m.outer_radius());
+    out.lower = (lower - rounding).max(0.0);
+    out.upper = out.distance + m.noise();
     out.status = match found.end {
-        closest::End::Converged if found.upper - found.lower <= rounding => Status::Exact,
-        closest::End::Converged => Status::Within,
+        closest::End::Converged if out.distance - lower <= rounding => Status::Exact,
+        closest::End::Converged if out.distance - lower <= settings.relative_gap() * out.distance + 2.0 * rounding => {
+            Status::Within
+        }
         closest::End::Limit => Status::IterationLimit,
-        closest::End::Stalled | closest::End::Inside | closest::End::AtOrigin => Status::Stalled,
+        _ => Status::Stalled,
     };
     if found.upper <= 2.0 * rounding && !apart {
         // The origin is on the simplex, but is it on the surface?

@@ -8,7 +8,8 @@
 //! the centre ray.
 //!
 //! # Steps
-//! 1. start from the tetrahedron of v0 and the portal, or from one of [`seed`](super::seed);
+//! 1. start from the tetrahedron of v0 and the portal, from the last query's polytope under the new pose, or from a
+//!    tetrahedron of [`seed`](super::seed);
 //! 2. take the face nearest to the origin, its plane at d with normal n; d bounds the depth from below;
 //! 3. w = support along n; h(n) = w · n bounds it from above;
 //! 4. stop when the bounds are close; otherwise insert w; again.
@@ -16,25 +17,25 @@
 //! # Deviations
 //! - "Nearest" is by signed offset, so the origin need not be inside at the start: while it is outside the polytope grows
 //!   towards it, until it is inside or a support plane proves it outside. No portal can be too bad to start from.
+//! - d is a bound only once the surface is certain to wind around the origin; until then nothing is claimed.
 //! - The least h(n) of all faces tried is kept with its face, so the upper bound never grows.
 //! - Bounds that are close do not end the search before the contact points are good: if the face of the least h(n) is not on the
 //!   surface itself, the nearest face is asked once more; and a portal's face without the origin's foot in it gives none.
 //! - The ball of the interior points bounds the depth from below as well: round shapes end at once.
-//! - Small and big polytopes: most queries never touch the big arrays.
+//! - Polytopes come in four sizes: most queries never touch the big arrays.
 
 use super::barycentric::{blend, on_triangle};
+use super::cache::{Cache, MOST_POINTS};
 use super::closest::{self, Simplex, closest};
-use super::polytope::{Polytope, Refused};
+use super::polytope::{COPLANAR_NOISES, Polytope};
 use super::seed::{Flat, seed};
 use crate::SupportMap;
-use crate::minkowski::{Minkowski, Vertex};
+use crate::minkowski::{Minkowski, Point};
 use glam::DVec3;
 
-/// Vertices of the small polytope: enough for 9 in 10 queries on small hulls.
-const SMALL: usize = 32;
-
-/// Vertices of the big polytope, and so the cap on expansions: bytes number them.
-const BIG: usize = 256;
+/// Vertices of the polytopes, from the first to the last: enough for small hulls and for touching ones, for nearly all, for
+/// sphere-like hulls, and for what a query may cost at all.
+const SIZES: [usize; 4] = [24, 64, 256, 1024];
 
 /// Most steps of the closest-point search on flat differences.
 const MAX_FLAT: u32 = 100;
@@ -47,6 +48,16 @@ pub(super) const TOUCHING_ROUNDINGS: f64 = 2.0;
 
 /// A foot this share of its distance beside the face is as good as in it: contact points are off by as much.
 const FOOT_OFF: f64 = 1e-3;
+
+/// Vertices that a polytope has when it is kept for the next query, unless it ends with fewer. More would be vertices of small faces
+/// about the nearest one, which turn into dents when the pose changes, and each dent costs a support call again.
+const KEEP: usize = MOST_POINTS;
+
+/// Expansions from a kept polytope after which it is not kept any longer: it has grown stale.
+const WORN_OUT: u32 = 8;
+
+/// Room that a kept polytope must find in the smallest one.
+const SPARE: usize = 6;
 
 /// What to expand for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,14 +85,15 @@ pub(super) enum End {
     Stalled,
 }
 
-/// A face's normal, its support value, and the points of A and B on it that are nearest to each other.
+/// The least support value along a face's normal, and the points of A and B on the face that are nearest to each other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bound {
     /// Support value of the difference along `normal`.
     pub(super) upper: f64,
     /// Of unit length, from A to B.
     pub(super) normal: DVec3,
-    pub(super) face: [Vertex; 3],
+    pub(super) point_a: DVec3,
+    pub(super) point_b: DVec3,
 }
 
 /// The outcome of the expansion.
@@ -97,128 +109,296 @@ pub(super) struct Expansion {
 impl Bound {
     /// No bound yet.
     pub(super) fn none() -> Self {
-        Self { upper: f64::INFINITY, normal: DVec3::ZERO, face: [Vertex::EMPTY; 3] }
+        Self { upper: f64::INFINITY, normal: DVec3::ZERO, point_a: DVec3::ZERO, point_b: DVec3::ZERO }
     }
 
-    /// Whether the face lies on the surface, so that points on it are as deep as the bound says.
-    fn is_tight(&self, tolerance: f64, rounding: f64) -> bool {
-        self.upper - self.normal.dot(self.face[0].w) <= tolerance * self.upper + rounding
-    }
-
-    /// Whether the foot of the origin on the face's plane lies in the face. A polytope's nearest face has it; a portal
-    /// that the centre ray meets need not, and then gives no contact points however good its normal.
-    fn has_foot(&self, rounding: f64) -> bool {
-        let [p, q, r] = self.face.map(|v| v.w);
-        let foot = self.normal * self.normal.dot(p);
-        foot.distance(on_triangle(p, q, r).point) <= FOOT_OFF * foot.length() + rounding
-    }
-
-    /// The point of A and the point of B where the face is nearest to the origin.
-    pub(super) fn points(&self) -> (DVec3, DVec3) {
-        let [p, q, r] = self.face.map(|v| v.w);
+    /// A bound, with the points where the face is nearest to the origin.
+    pub(super) fn at(upper: f64, normal: DVec3, face: [&Point; 3]) -> Self {
+        let [p, q, r] = face.map(|v| v.w);
         let weights = on_triangle(p, q, r).weights;
-        (blend(&weights, self.face.map(|v| v.a)), blend(&weights, self.face.map(|v| v.b)))
+        let (point_a, point_b) = (blend(&weights, face.map(|v| v.a)), blend(&weights, face.map(|v| v.b())));
+        Self { upper, normal, point_a, point_b }
     }
 }
 
-/// Expands from `start`, if it has a volume, otherwise from a tetrahedron found here. `bound` is what is known already.
+/// Whether the foot of the origin on the plane through a face with this unit normal lies in the face. A polytope's nearest
+/// face has it; another need not, and then gives no contact points however good its normal.
+fn has_foot([p, q, r]: [&Point; 3], normal: DVec3, rounding: f64) -> bool {
+    let foot = normal * normal.dot(p.w);
+    foot.distance(on_triangle(p.w, q.w, r.w).point) <= FOOT_OFF * foot.length() + rounding
+}
+
+/// What does not change during an expansion.
+#[derive(Clone, Copy, Debug)]
+struct Terms {
+    goal: Goal,
+    tolerance: f64,
+    /// Lower bound of the depth by the balls in the shapes.
+    ball: f64,
+    /// Below this least offset, inserting a vertex may turn the surface around the origin.
+    safe: f64,
+    max_expansions: u32,
+}
+
+/// What does.
+#[derive(Clone, Copy, Debug)]
+struct State {
+    out: Expansion,
+    /// The corners of the bound's face; its points are found in the end. None where the bound came from outside.
+    corners: Option<[u16; 3]>,
+    /// The surface is certain to wind around the origin.
+    encloses: bool,
+}
+
+/// Expands from `start`, if it has a volume, otherwise from a tetrahedron found here. `bound` is what is known already. With a
+/// `cache`, keeps the polytope there.
 pub(super) fn expand<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
-    start: Option<[Vertex; 4]>,
+    start: Option<[Point; 4]>,
     goal: Goal,
     bound: Bound,
     max_expansions: u32,
+    mut cache: Option<&mut Cache>,
 ) -> Expansion {
-    let ball = m.inner_radius() - m.center().w.length();
-    let mut state = Expansion { end: End::Limit, lower: f64::NEG_INFINITY, bound, iterations: 0 };
-    let mut small = Polytope::empty(m.rounding());
+    let terms = terms(m, goal, max_expansions);
+    let mut state = fresh(bound);
+    let mut small = Polytope::<{ SIZES[0] }, { 2 * SIZES[0] }>::empty(m.noise());
     let thin = THIN_ROUNDINGS * m.rounding();
     if !start.is_some_and(|tetrahedron| small.start(tetrahedron, thin)) {
         match seed(m) {
             Ok(tetrahedron) if small.start(tetrahedron, 0.0) => {}
             Ok(_) => {
-                state.end = End::Stalled;
-                state.lower = ball;
-                return state;
+                state.out.end = End::Stalled;
+                state.out.lower = terms.ball;
+                return state.out;
             }
-            Err(Flat { normal }) => return expand_flat(m, normal, state),
+            Err(Flat { normal }) => return expand_flat(m, normal, state.out),
         }
     }
-    if !run::<A, B, SMALL, { 2 * SMALL - 4 }>(m, &mut small, &mut state, goal, ball, max_expansions) {
-        expand_big(m, &small, &mut state, goal, ball, max_expansions);
+    state.encloses = small.encloses();
+    if let Some(cache) = &mut cache {
+        cache.forget_polytope();
     }
-    state
+    if !run(m, &mut small, &mut state, &terms, cache.as_deref_mut()) {
+        let mut medium = small.grown::<{ SIZES[1] }, { 2 * SIZES[1] }>();
+        return expand_more(m, &mut medium, &mut state, &terms, cache);
+    }
+    finish(&small, &mut state, cache)
 }
 
-/// Goes on with more room. Apart, so that the small path's stack stays small.
+/// Expands from the polytope in `cache`, if there is one that encloses the origin under the new pose, and if that gets
+/// anywhere.
+pub(super) fn expand_again<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    goal: Goal,
+    max_expansions: u32,
+    cache: &mut Cache,
+) -> Option<Expansion> {
+    let points = cache.polytope()?.points().len();
+    let terms = terms(m, goal, max_expansions);
+    let expansion = if points + SPARE <= SIZES[0] {
+        let mut small = Polytope::<{ SIZES[0] }, { 2 * SIZES[0] }>::empty(m.noise());
+        let mut state = restore(m, &mut small, cache)?;
+        if run(m, &mut small, &mut state, &terms, None) {
+            finish(&small, &mut state, Some(cache))
+        } else {
+            let mut medium = small.grown::<{ SIZES[1] }, { 2 * SIZES[1] }>();
+            expand_more(m, &mut medium, &mut state, &terms, Some(cache))
+        }
+    } else {
+        expand_medium_again(m, &terms, cache)?
+    };
+    if expansion.iterations > WORN_OUT {
+        cache.forget_polytope();
+    }
+    (expansion.end != End::Stalled).then_some(expansion)
+}
+
+/// Apart, so that the small path's stack stays small.
+#[inline(never)]
+fn expand_medium_again<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    terms: &Terms,
+    cache: &mut Cache,
+) -> Option<Expansion> {
+    let mut medium = Polytope::<{ SIZES[1] }, { 2 * SIZES[1] }>::empty(m.noise());
+    let mut state = restore(m, &mut medium, cache)?;
+    Some(if run(m, &mut medium, &mut state, terms, None) {
+        finish(&medium, &mut state, Some(cache))
+    } else {
+        expand_big(m, &medium, &mut state, terms)
+    })
+}
+
+/// The polytope in `cache` under the new pose; nothing if it does not enclose the origin for certain.
+#[inline]
+fn restore<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: usize>(
+    m: &Minkowski<'_, A, B>,
+    polytope: &mut Polytope<V, F>,
+    cache: &Cache,
+) -> Option<State> {
+    let kept = cache.polytope()?;
+    let points = kept.points().map(|features| m.recall(features));
+    let encloses = polytope.restore(points, kept.faces()) && polytope.encloses();
+    encloses.then(|| State { encloses: true, ..fresh(Bound::none()) })
+}
+
+fn terms<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    goal: Goal,
+    max_expansions: u32,
+) -> Terms {
+    let tolerance = match goal {
+        Goal::Decide => 0.0,
+        Goal::Depth { tolerance } => tolerance,
+    };
+    let ball = m.inner_radius() - m.center_point().w.length();
+    Terms { goal, tolerance, ball, safe: (COPLANAR_NOISES + 1.0) * m.noise(), max_expansions }
+}
+
+fn fresh(bound: Bound) -> State {
+    let out = Expansion { end: End::Limit, lower: f64::NEG_INFINITY, bound, iterations: 0 };
+    State { out, corners: None, encloses: false }
+}
+
+/// Goes on with more room.
+#[inline(never)]
+fn expand_more<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    medium: &mut Polytope<{ SIZES[1] }, { 2 * SIZES[1] }>,
+    state: &mut State,
+    terms: &Terms,
+    mut cache: Option<&mut Cache>,
+) -> Expansion {
+    if run(m, medium, state, terms, cache.as_deref_mut()) {
+        return finish(medium, state, cache);
+    }
+    expand_big(m, medium, state, terms)
+}
+
+/// And with more. What is as big as this is not kept.
 #[inline(never)]
 fn expand_big<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
-    small: &Polytope<SMALL, { 2 * SMALL - 4 }>,
-    state: &mut Expansion,
-    goal: Goal,
-    ball: f64,
-    max_expansions: u32,
-) {
-    let mut big: Polytope<BIG, { 2 * BIG - 4 }> = small.grown();
+    medium: &Polytope<{ SIZES[1] }, { 2 * SIZES[1] }>,
+    state: &mut State,
+    terms: &Terms,
+) -> Expansion {
+    let mut big = medium.grown::<{ SIZES[2] }, { 2 * SIZES[2] }>();
+    if run(m, &mut big, state, terms, None) {
+        return finish(&big, state, None);
+    }
+    expand_biggest(m, &big, state, terms)
+}
+
+#[inline(never)]
+fn expand_biggest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    big: &Polytope<{ SIZES[2] }, { 2 * SIZES[2] }>,
+    state: &mut State,
+    terms: &Terms,
+) -> Expansion {
+    let mut biggest = big.grown::<{ SIZES[3] }, { 2 * SIZES[3] }>();
     // Without room the cap is reached: that is what the state says already.
-    run(m, &mut big, state, goal, ball, max_expansions);
+    run(m, &mut biggest, state, terms, None);
+    finish(&biggest, state, None)
+}
+
+fn finish<const V: usize, const F: usize>(
+    polytope: &Polytope<V, F>,
+    state: &mut State,
+    cache: Option<&mut Cache>,
+) -> Expansion {
+    if let Some(corners) = state.corners {
+        let Bound { upper, normal, .. } = state.out.bound;
+        state.out.bound = Bound::at(upper, normal, corners.map(|i| polytope.point(i)));
+    }
+    if let Some(cache) = cache {
+        if !state.encloses || state.out.end == End::Stalled {
+            cache.forget_polytope();
+        } else if polytope.points().len() <= KEEP {
+            cache.keep_polytope(polytope.points(), polytope.faces());
+        }
+    }
+    state.out
 }
 
 /// Expands until done, true, or until there is no more room, false: then `state` is as before the last step.
 fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: usize>(
     m: &mut Minkowski<'_, A, B>,
     polytope: &mut Polytope<V, F>,
-    state: &mut Expansion,
-    goal: Goal,
-    ball: f64,
-    max_expansions: u32,
+    state: &mut State,
+    terms: &Terms,
+    mut cache: Option<&mut Cache>,
 ) -> bool {
-    let rounding = m.rounding();
-    let tolerance = match goal {
-        Goal::Decide => 0.0,
-        Goal::Depth { tolerance } => tolerance,
-    };
+    let (noise, rounding) = (m.noise(), m.rounding());
+    let Terms { goal, tolerance, ball, safe, max_expansions } = *terms;
     loop {
         // 2. The nearest face bounds the depth from below.
         let face = polytope.nearest_face();
-        let (offset, normal) = (polytope.offset(face), polytope.normal(face));
-        state.lower = offset.max(ball);
-        if goal == Goal::Decide && state.lower > rounding {
-            state.end = End::Inside;
+        let (direction, length, offset) = polytope.plane(face);
+        if offset > safe && !state.encloses {
+            state.encloses = polytope.check_encloses();
+        }
+        state.out.lower = if state.encloses { offset.max(ball) } else { ball };
+        if goal == Goal::Decide && state.out.lower > rounding {
+            state.out.end = End::Inside;
             return true;
         }
         // No bound yet is infinite, and infinity is within a tolerance of infinity.
-        let close = state.bound.upper < f64::INFINITY
-            && state.bound.upper - state.lower <= tolerance * state.bound.upper + rounding;
-        if close && state.bound.is_tight(tolerance, rounding) && state.bound.has_foot(rounding) {
-            state.end = End::Converged;
-            return true;
+        let upper = state.out.bound.upper;
+        let close = upper < f64::INFINITY && upper - state.out.lower <= tolerance * upper + rounding;
+        if close {
+            // Where the bound's face is on the surface, points on it are as deep as the bound says.
+            let bound = &state.out.bound;
+            let good = |corners: [u16; 3]| {
+                let face = corners.map(|i| polytope.point(i));
+                let is_tight = upper - bound.normal.dot(face[0].w) <= tolerance * upper + rounding;
+                is_tight && has_foot(face, bound.normal, rounding)
+            };
+            if state.corners.is_none_or(good) {
+                state.out.end = End::Converged;
+                return true;
+            }
         }
         // At least once: without a step there may be no bound at all.
-        if state.iterations >= max_expansions && state.bound.upper < f64::INFINITY {
-            state.end = End::Limit;
+        if state.out.iterations >= max_expansions && upper < f64::INFINITY {
+            state.out.end = End::Limit;
             return true;
         }
         if polytope.is_full() {
-            state.end = End::Limit;
+            state.out.end = End::Limit;
             return false;
         }
-        state.iterations += 1;
+        if polytope.points().len() == KEEP
+            && state.encloses
+            && let Some(cache) = &mut cache
+        {
+            cache.keep_polytope(polytope.points(), polytope.faces());
+        }
+        state.out.iterations += 1;
         // 3. The support plane bounds it from above.
-        let vertex = m.support(normal);
-        let value = vertex.w.dot(normal);
+        let point = m.point(direction);
+        let value = point.w.dot(direction) / length;
         let tight = value - offset <= tolerance * value + rounding;
         let separated = value < -rounding;
         let touching = value <= TOUCHING_ROUNDINGS * rounding;
-        if value < state.bound.upper || tight || touching {
+        if value < upper || tight || touching {
             // Of the faces in this plane the one that the origin's foot is in.
-            let face = if tight { polytope.face_of_foot(face, rounding) } else { face };
-            state.bound = Bound { upper: value, normal, face: polytope.face_vertices(face) };
+            let face = if tight { polytope.face_of_foot(face, noise) } else { face };
+            (state.out.bound.upper, state.out.bound.normal) = (value, direction / length);
+            state.corners = Some(polytope.corners(face));
         }
         // 4. Close enough, or go on.
-        if separated || touching || tight || (close && state.bound.has_foot(rounding)) {
-            state.end = if separated {
+        let done = separated
+            || touching
+            || tight
+            || (close
+                && state.corners.is_none_or(|corners| {
+                    has_foot(corners.map(|i| polytope.point(i)), state.out.bound.normal, rounding)
+                }));
+        if done {
+            state.out.end = if separated {
                 End::Separated
             } else if touching {
                 End::Touching
@@ -227,10 +407,13 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
             };
             return true;
         }
+        state.encloses &= offset > safe;
         // NaN counts as no progress.
         let above = value > offset;
-        if !above || polytope.has_vertex(vertex.w) || polytope.insert(vertex, face) == Err(Refused::Contradiction) {
-            state.end = End::Stalled;
+        if !above || polytope.insert(point, face).is_err() {
+            state.out.end = End::Stalled;
+            // The surface is torn.
+            state.encloses = false;
             return true;
         }
     }
@@ -243,22 +426,18 @@ fn expand_flat<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     normal: DVec3,
     mut state: Expansion,
 ) -> Expansion {
-    let near = closest(m, Simplex::new(m.center()), 0.0, MAX_FLAT);
+    let mut simplex = Simplex::new(m.center_point());
+    let near = closest(m, &mut simplex, 0.0, MAX_FLAT);
     state.iterations += near.iterations;
     state.lower = 0.0;
-    let first = near.simplex.vertices()[0];
-    // A face that says where they touch; weights are found again from it.
-    let mut face = [first; 3];
-    for (corner, vertex) in face.iter_mut().zip(near.simplex.vertices()) {
-        *corner = *vertex;
-    }
+    let (point_a, point_b, _) = simplex.witnesses();
     if near.lower > m.rounding() {
         state.end = End::Separated;
-        state.bound = Bound { upper: -near.lower, normal: near.normal, face };
+        state.bound = Bound { upper: -near.lower, normal: near.normal, point_a, point_b };
         return state;
     }
-    let value = m.support(normal).w.dot(normal);
-    state.bound = Bound { upper: value.max(0.0), normal, face };
+    let value = m.point(normal).w.dot(normal);
+    state.bound = Bound { upper: value.max(0.0), normal, point_a, point_b };
     state.end = if near.end == closest::End::AtOrigin
         || near.end == closest::End::Inside
         || near.upper <= TOUCHING_ROUNDINGS * m.rounding()

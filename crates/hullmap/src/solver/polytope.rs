@@ -1,22 +1,32 @@
 //! The expanding polytope: a closed surface of triangles inside the Minkowski difference.
 //!
-//! Computes, face by face, unit normal and offset (distance of the plane from the origin, positive when the origin is
+//! Computes, face by face, normal and offset (distance of the plane from the origin, positive when the origin is
 //! behind it), and replaces the faces that a new vertex sees by a fan to that vertex.
 //!
 //! # Steps of [`Polytope::insert`]
-//! 1. from the face the vertex was found over, flood to neighbours that see the vertex too;
-//! 2. the flood's border is the horizon: it must be one closed loop that meets each vertex once;
-//! 3. one new face for each edge of the horizon, in the slots of the old ones; neighbours are linked.
+//! 1. from the face the vertex was found over, walk to neighbours that see the vertex too, around each face in order: so the
+//!    border comes out in order as well;
+//! 2. the border is the horizon: each of its edges must start where the one before ends;
+//! 3. planes of the new faces, one for each edge of the horizon, four at a time;
+//! 4. the new faces go into the slots of the old ones; neighbours are linked.
 //!
-//! Fixed size, no heap: `V` vertices, `F` = 2 V − 4 faces, which is all that a closed surface of V vertices has.
+//! Fixed size, no heap: `V` vertices, `F` ≥ 2 V faces, where a closed surface of V vertices has 2 V − 4.
+//!
+//! # What holds, whatever rounding does
+//! - The surface is closed: each edge belongs to two faces that pass it in opposite directions. Step 2 sees to it.
+//! - All of a face lies at or beyond its offset along its normal, up to the rounding of a dot product: the offset is the
+//!   least of its corners', not one that is true only of the ideal plane.
+//! - [`Polytope::encloses`] proves that the surface winds around the origin; inserting keeps it so as long as the removed
+//!   faces and the new vertex are all beyond zero along the faces' normals. Then the least offset is the radius of a ball in
+//!   the difference, even if the surface is not convex (see "Intervals" in docs/ARCHITECTURE.md).
 
 use super::barycentric::on_triangle;
-use crate::minkowski::{Vertex, unit};
+use crate::minkowski::Point;
 use glam::DVec3;
 
-/// A vertex sees a face it is above, or below by no more than this share of the rounding: coplanar faces are
+/// A vertex sees a face it is above, or below by no more than this share of the noise: coplanar faces are
 /// replaced together, so that no sliver stands on an edge the new vertex lies in line with.
-const COPLANAR_ROUNDINGS: f64 = 4.0;
+pub(super) const COPLANAR_NOISES: f64 = 2.0;
 
 /// Planes whose distances from the origin differ by less than this share may be one plane: slivers' planes are rough.
 const COPLANAR: f64 = 1e-9;
@@ -24,54 +34,84 @@ const COPLANAR: f64 = 1e-9;
 /// Unit normals nearer than this may be of one plane, for the same reason.
 const PARALLEL: f64 = 1e-4;
 
-/// Why a vertex could not be inserted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Refused {
-    /// No room: continue in a bigger polytope.
-    Full,
-    /// Rounding makes what the vertex sees no disc, or a new face has no area.
-    Contradiction,
-}
+/// A volume's sign is certain if the volume is more than this share of the product of the three lengths it is made of.
+/// Two edges, a cross and a dot product round by 10 · 2⁻⁵³ of it.
+const CERTAIN: f64 = 8.0 * f64::EPSILON;
 
-/// An edge of the horizon: two vertices, and the face and edge beyond.
+/// Planes are computed so many at a time.
+const LANES: usize = 4;
+
+/// Offsets are compared so many at a time.
+const WIDE: usize = 8;
+
+/// A vertex could not be inserted: rounding makes what it sees no disc, or a new face has no area.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Contradiction;
+
+/// An edge of the horizon: the vertex it starts from, and the face and edge beyond.
 #[derive(Clone, Copy, Debug)]
 struct Horizon {
-    from: u8,
-    to: u8,
+    from: u16,
     beyond: u16,
-    beyond_edge: u8,
+    beyond_edge: u16,
 }
+
+/// A face's normal, of any length, and the dot product with it above which a point sees the face.
+type Plane = [f64; 4];
 
 /// A closed surface of triangles.
 #[derive(Clone, Debug)]
 pub(super) struct Polytope<const V: usize, const F: usize> {
-    vertices: [Vertex; V],
-    vertex_count: usize,
+    points: [Point; V],
+    point_count: usize,
+    /// Squares of the offsets, with the offsets' signs: no square root for faces that are never asked. Infinite for slots that
+    /// hold no face.
+    offsets: [f64; F],
+    planes: [Plane; F],
     /// Counter-clockwise from outside.
-    corners: [[u8; 3]; F],
+    corners: [[u16; 3]; F],
     /// The face across the edge from corner i to corner i + 1.
     neighbours: [[u16; 3]; F],
-    normals: [DVec3; F],
-    /// Infinite for slots that hold no face.
-    offsets: [f64; F],
     face_count: usize,
+    encloses: bool,
     /// Distances below this are none.
     slack: f64,
+    /// Scratch of [`insert`](Self::insert): edges yet to be crossed, faces removed, edges of the horizon.
+    ahead: [(u16, u16); F],
+    removed: [u16; F],
+    horizon: [Horizon; V],
 }
 
 impl<const V: usize, const F: usize> Polytope<V, F> {
+    /// Room without a surface. `noise` is what offsets may be wrong by.
+    #[inline(always)]
+    pub(super) fn empty(noise: f64) -> Self {
+        const { assert!(F >= 2 * V && F.is_multiple_of(WIDE) && F <= u16::MAX as usize) }
+        Self {
+            points: [Point::EMPTY; V],
+            point_count: 0,
+            offsets: [f64::INFINITY; F],
+            planes: [[0.0; 4]; F],
+            corners: [[0; 3]; F],
+            neighbours: [[0; 3]; F],
+            face_count: 0,
+            encloses: false,
+            slack: COPLANAR_NOISES * noise,
+            ahead: [(0, 0); F],
+            removed: [0; F],
+            horizon: [Horizon { from: 0, beyond: 0, beyond_edge: 0 }; V],
+        }
+    }
+
     /// Becomes the tetrahedron `seed`; false when one of its heights is `least_height` or less.
-    pub(super) fn start(&mut self, mut seed: [Vertex; 4], least_height: f64) -> bool {
-        const CORNERS: [[u8; 3]; 4] = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
+    pub(super) fn start(&mut self, mut seed: [Point; 4], least_height: f64) -> bool {
+        const CORNERS: [[u16; 3]; 4] = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
         const NEIGHBOURS: [[u16; 3]; 4] = [[1, 2, 3], [3, 2, 0], [1, 3, 0], [2, 1, 0]];
         let [p, q, r, s] = seed.map(|v| v.w);
-        let base = (q - p).cross(r - p);
-        let volume = base.dot(s - p);
-        let greatest_sq = base
-            .length_squared()
-            .max((q - p).cross(s - p).length_squared())
-            .max((r - p).cross(s - p).length_squared())
-            .max((r - q).cross(s - q).length_squared());
+        let (pq, pr, ps) = (q - p, r - p, s - p);
+        let normals = [pq.cross(pr), pq.cross(ps), pr.cross(ps), (r - q).cross(s - q)];
+        let volume = normals[0].dot(ps);
+        let greatest_sq = normals.iter().fold(0.0, |most: f64, n| most.max(n.length_squared()));
         // NaN takes the failing branch.
         let solid = volume.abs() > least_height * greatest_sq.sqrt();
         if !solid {
@@ -81,79 +121,175 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
             seed.swap(0, 1);
         }
         // Now s lies behind p q r.
-        self.vertices[..4].copy_from_slice(&seed);
-        (self.vertex_count, self.face_count) = (4, 4);
+        self.points[..4].copy_from_slice(&seed);
+        (self.point_count, self.face_count) = (4, 4);
+        self.corners[..4].copy_from_slice(&CORNERS);
         self.neighbours[..4].copy_from_slice(&NEIGHBOURS);
-        (0..4).all(|face| self.set_face(face, CORNERS[face]))
+        self.update_planes(4)
     }
 
-    /// Room without a surface. `rounding` is what vertices may be wrong by.
-    pub(super) fn empty(rounding: f64) -> Self {
-        const { assert!(V <= 256 && F + 4 >= 2 * V) }
-        Self {
-            vertices: [Vertex::EMPTY; V],
-            vertex_count: 0,
-            corners: [[0; 3]; F],
-            neighbours: [[0; 3]; F],
-            normals: [DVec3::ZERO; F],
-            offsets: [f64::INFINITY; F],
-            face_count: 0,
-            slack: COPLANAR_ROUNDINGS * rounding,
+    /// Becomes the surface of `corners` and `neighbours` over `points`, which were such once, under another pose. Slots whose corners
+    /// are one vertex hold no face. False when it does not fit or a face has no area.
+    pub(super) fn restore(
+        &mut self,
+        points: impl Iterator<Item = Option<Point>>,
+        faces: impl ExactSizeIterator<Item = ([u16; 3], [u16; 3])>,
+    ) -> bool {
+        self.point_count = 0;
+        for point in points {
+            let (Some(point), true) = (point, self.point_count < V) else { return false };
+            self.points[self.point_count] = point;
+            self.point_count += 1;
         }
+        if faces.len() > F {
+            return false;
+        }
+        self.face_count = faces.len();
+        for (face, (corners, neighbours)) in faces.enumerate() {
+            (self.corners[face], self.neighbours[face]) = (corners, neighbours);
+        }
+        self.update_planes(self.face_count)
+    }
+
+    /// Computes planes and offsets of the first `count` faces from their corners; false when one has no area.
+    fn update_planes(&mut self, count: usize) -> bool {
+        let mut all_solid = true;
+        let mut encloses = true;
+        for at in (0..count).step_by(LANES) {
+            let lanes = LANES.min(count - at);
+            let [c, d, e, f] = [0, 1, 2, 3].map(|lane: usize| self.corners[at + lane.min(lanes - 1)]);
+            let w = |i: u16| self.points[usize::from(i)].w;
+            let across = |k: usize| {
+                let [p, q, r, s] = [w(c[k]), w(d[k]), w(e[k]), w(f[k])];
+                [[p.x, q.x, r.x, s.x], [p.y, q.y, r.y, s.y], [p.z, q.z, r.z, s.z]]
+            };
+            let (planes, offsets, certain) = planes(across(0), across(1), across(2), self.slack);
+            for lane in 0..lanes {
+                let face = at + lane;
+                if self.is_spare(face) {
+                    self.offsets[face] = f64::INFINITY;
+                } else {
+                    self.planes[face] = [planes[0][lane], planes[1][lane], planes[2][lane], planes[3][lane]];
+                    self.offsets[face] = offsets[lane];
+                    all_solid &= offsets[lane].is_finite();
+                    encloses &= certain[lane];
+                }
+            }
+        }
+        self.encloses = all_solid && encloses;
+        all_solid
+    }
+
+    fn is_spare(&self, face: usize) -> bool {
+        self.corners[face][0] == self.corners[face][1]
     }
 
     /// The same surface with room for more.
+    #[inline(always)]
     pub(super) fn grown<const W: usize, const G: usize>(&self) -> Polytope<W, G> {
         let mut big = Polytope::<W, G>::empty(0.0);
         big.slack = self.slack;
-        big.vertices[..self.vertex_count].copy_from_slice(&self.vertices[..self.vertex_count]);
-        big.vertex_count = self.vertex_count;
+        big.points[..self.point_count].copy_from_slice(&self.points[..self.point_count]);
+        big.point_count = self.point_count;
         let n = self.face_count;
         big.corners[..n].copy_from_slice(&self.corners[..n]);
         big.neighbours[..n].copy_from_slice(&self.neighbours[..n]);
-        big.normals[..n].copy_from_slice(&self.normals[..n]);
+        big.planes[..n].copy_from_slice(&self.planes[..n]);
         big.offsets[..n].copy_from_slice(&self.offsets[..n]);
         big.face_count = n;
         big
     }
 
+    /// Whether the surface was certain to wind around the origin when it was started or restored: seen from there, every
+    /// face turns the same way, so that the solid angles add up to a whole sphere or more.
+    pub(super) fn encloses(&self) -> bool {
+        self.encloses
+    }
+
+    /// The same of the surface as it is now.
+    #[cold]
+    pub(super) fn check_encloses(&mut self) -> bool {
+        self.update_planes(self.face_count);
+        self.encloses
+    }
+
     /// The face whose plane has the least offset: the lowest number of several.
     pub(super) fn nearest_face(&self) -> usize {
-        let mut best = 0;
-        for (face, offset) in self.offsets[..self.face_count].iter().enumerate() {
-            if *offset < self.offsets[best] {
-                best = face;
+        let used = self.face_count.next_multiple_of(WIDE).min(F);
+        let chunks = self.offsets[..used].as_chunks::<WIDE>().0;
+        let less = |a: f64, b: f64| if a < b { a } else { b };
+        let mut low = [f64::INFINITY; WIDE];
+        for chunk in chunks {
+            for (low, offset) in low.iter_mut().zip(chunk) {
+                *low = less(*offset, *low);
             }
         }
-        best
+        let four = [less(low[0], low[4]), less(low[1], low[5]), less(low[2], low[6]), less(low[3], low[7])];
+        let least = less(less(four[0], four[2]), less(four[1], four[3]));
+        for (number, chunk) in chunks.iter().enumerate() {
+            let mut hits = 0_u32;
+            for (lane, offset) in chunk.iter().enumerate() {
+                hits |= u32::from(*offset == least) << lane;
+            }
+            if hits != 0 {
+                return number * WIDE + hits.trailing_zeros() as usize;
+            }
+        }
+        0
     }
 
-    /// Unit normal of a face, outwards.
-    pub(super) fn normal(&self, face: usize) -> DVec3 {
-        self.normals[face]
+    /// Normal of a face, outwards, of any length, that length, and the face's offset.
+    #[inline]
+    pub(super) fn plane(&self, face: usize) -> (DVec3, f64, f64) {
+        let [x, y, z, _] = self.planes[face];
+        let normal = DVec3::new(x, y, z);
+        let offset_sq = self.offsets[face];
+        (normal, normal.length(), offset_sq.abs().sqrt().copysign(offset_sq))
     }
 
-    /// Distance of a face's plane from the origin; negative when the origin is outside it.
-    pub(super) fn offset(&self, face: usize) -> f64 {
-        self.offsets[face]
+    /// The numbers of the corners of a face.
+    pub(super) fn corners(&self, face: usize) -> [u16; 3] {
+        self.corners[face]
     }
 
-    /// The corners of a face.
-    pub(super) fn face_vertices(&self, face: usize) -> [Vertex; 3] {
-        self.corners[face].map(|i| self.vertices[usize::from(i)])
+    /// The vertex with this number.
+    pub(super) fn point(&self, number: u16) -> &Point {
+        &self.points[usize::from(number)]
+    }
+
+    /// All vertices, also those that are inside by now.
+    pub(super) fn points(&self) -> &[Point] {
+        &self.points[..self.point_count]
+    }
+
+    /// Corners and neighbours of all slots; the corners of a slot that holds no face are one vertex.
+    pub(super) fn faces(&self) -> (&[[u16; 3]], &[[u16; 3]]) {
+        (&self.corners[..self.face_count], &self.neighbours[..self.face_count])
+    }
+
+    fn face_points(&self, face: usize) -> [&Point; 3] {
+        self.corners[face].map(|i| self.point(i))
     }
 
     /// Of all faces in the plane of `face`, give or take `slack`, the one with the point nearest to the origin.
     pub(super) fn face_of_foot(&self, face: usize, slack: f64) -> usize {
         let nearest = |face: usize| {
-            let [p, q, r] = self.face_vertices(face).map(|v| v.w);
+            let [p, q, r] = self.face_points(face).map(|v| v.w);
             on_triangle(p, q, r).point.length_squared()
         };
+        let (normal, length, offset) = self.plane(face);
         let (mut best, mut best_sq) = (face, nearest(face));
+        // Usually the foot is in the face itself.
+        let most = offset.abs() * (1.0 + COPLANAR) + slack;
+        if best_sq <= most * most {
+            return best;
+        }
         for other in 0..self.face_count {
-            let same_plane = self.offsets[other] - self.offsets[face] <= slack + COPLANAR * self.offsets[face].abs()
-                && self.normals[other].distance(self.normals[face]) < PARALLEL;
-            if same_plane {
+            if self.offsets[other] > most * most {
+                continue;
+            }
+            let (other_normal, other_length, _) = self.plane(other);
+            if (other_normal / other_length).distance(normal / length) < PARALLEL {
                 let other_sq = nearest(other);
                 if other_sq < best_sq {
                     (best, best_sq) = (other, other_sq);
@@ -165,140 +301,176 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
 
     /// True when there is no room for another vertex.
     pub(super) fn is_full(&self) -> bool {
-        self.vertex_count == V
+        self.point_count == V
     }
 
-    /// True when a vertex with these very coordinates is there already.
-    pub(super) fn has_vertex(&self, w: DVec3) -> bool {
-        self.vertices[..self.vertex_count].iter().any(|v| v.w == w)
-    }
-
-    /// Adds a vertex that lies above `face`.
+    /// Adds a vertex that lies above `face`. There must be room.
     ///
     /// # Errors
-    /// When there is no room (the surface is unchanged), or when rounding makes the horizon no loop (it must not be
-    /// used any more).
-    pub(super) fn insert(&mut self, vertex: Vertex, face: usize) -> Result<(), Refused> {
-        if self.vertex_count == V {
-            return Err(Refused::Full);
+    /// When rounding makes the horizon no loop; the surface must not be used any more.
+    pub(super) fn insert(&mut self, point: Point, face: usize) -> Result<(), Contradiction> {
+        let w = point.w;
+        // 1. Walk.
+        let (mut ahead, mut removed, mut horizon) = (3, 1, 0);
+        self.removed[0] = face as u16;
+        self.offsets[face] = f64::INFINITY;
+        for edge in 0..3 {
+            self.ahead[2 - edge] = (face as u16, edge as u16);
         }
-        // 1. Flood.
-        let mut seen = [false; F];
-        let mut stack = [0_u16; F];
-        let mut removed = [0_u16; F];
-        let mut horizon = [Horizon { from: 0, to: 0, beyond: 0, beyond_edge: 0 }; V];
-        let (mut depth, mut removed_count, mut horizon_count) = (1, 0, 0);
-        stack[0] = face as u16;
-        seen[face] = true;
-        while depth > 0 {
-            depth -= 1;
-            let at = usize::from(stack[depth]);
-            removed[removed_count] = at as u16;
-            removed_count += 1;
-            for edge in 0..3 {
-                let next = usize::from(self.neighbours[at][edge]);
-                if !seen[next] && self.normals[next].dot(vertex.w) - self.offsets[next] > -self.slack {
-                    seen[next] = true;
-                    stack[depth] = next as u16;
-                    depth += 1;
+        while ahead > 0 {
+            ahead -= 1;
+            let (at, edge) = self.ahead[ahead];
+            let (at, edge) = (usize::from(at), usize::from(edge));
+            let next = usize::from(self.neighbours[at][edge]);
+            if self.offsets[next] == f64::INFINITY {
+                continue;
+            }
+            let from = self.corners[at][edge];
+            // The edge that the two share starts, in the neighbour, where it ends here.
+            let to = self.corners[at][after(edge)];
+            let there = self.corners[next];
+            let back = if there[0] == to {
+                0
+            } else if there[1] == to {
+                1
+            } else {
+                2
+            };
+            let [x, y, z, seen_from] = self.planes[next];
+            if x * w.x + y * w.y + z * w.z > seen_from {
+                self.offsets[next] = f64::INFINITY;
+                if removed == F || ahead + 2 > F {
+                    return Err(Contradiction);
                 }
+                self.removed[removed] = next as u16;
+                removed += 1;
+                self.ahead[ahead] = (next as u16, after(after(back)) as u16);
+                self.ahead[ahead + 1] = (next as u16, after(back) as u16);
+                ahead += 2;
+            } else {
+                if horizon == V {
+                    return Err(Contradiction);
+                }
+                self.horizon[horizon] = Horizon { from, beyond: next as u16, beyond_edge: back as u16 };
+                horizon += 1;
             }
         }
-        // 2. The horizon, and where the loop goes on from each vertex.
-        let mut starts = [u16::MAX; V];
-        for &at in &removed[..removed_count] {
-            let at = usize::from(at);
-            for edge in 0..3 {
-                let beyond = self.neighbours[at][edge];
-                if seen[usize::from(beyond)] {
-                    continue;
-                }
-                let from = self.corners[at][edge];
-                let to = self.corners[at][(edge + 1) % 3];
-                if horizon_count == V || starts[usize::from(from)] != u16::MAX {
-                    return Err(Refused::Contradiction);
-                }
-                let Some(beyond_edge) = self.corners[usize::from(beyond)].iter().position(|c| *c == to) else {
-                    return Err(Refused::Contradiction);
-                };
-                starts[usize::from(from)] = horizon_count as u16;
-                horizon[horizon_count] = Horizon { from, to, beyond, beyond_edge: beyond_edge as u8 };
-                horizon_count += 1;
+        // 2. One loop: each edge starts where the one before it ends.
+        if horizon < 3 {
+            return Err(Contradiction);
+        }
+        let mut before = self.horizon[horizon - 1];
+        for edge in &self.horizon[..horizon] {
+            // Beyond the horizon the edge runs the other way: it ends where this one starts.
+            if self.corners[usize::from(before.beyond)][usize::from(before.beyond_edge)] != edge.from {
+                return Err(Contradiction);
             }
+            before = *edge;
         }
-        if horizon_count < 3 || !is_one_loop(&horizon[..horizon_count], &starts) {
-            return Err(Refused::Contradiction);
-        }
-        // 3. The fan: first in the freed slots, then in new ones.
-        let apex = self.vertex_count as u8;
-        self.vertices[self.vertex_count] = vertex;
-        self.vertex_count += 1;
-        let reused = removed_count.min(horizon_count);
+        let apex = self.point_count as u16;
+        self.points[self.point_count] = point;
+        self.point_count += 1;
+        // 4. Slots: first the freed ones, then new ones.
+        let reused = removed.min(horizon);
         let first_new = self.face_count;
-        if first_new + (horizon_count - reused) > F {
-            return Err(Refused::Contradiction);
+        if first_new + (horizon - reused) > F {
+            return Err(Contradiction);
         }
-        let slot = |k: usize| {
+        self.face_count += horizon - reused;
+        for spare in reused..removed {
+            let spare = usize::from(self.removed[spare]);
+            self.corners[spare] = [0; 3];
+        }
+        let slot = |removed: &[u16; F], k: usize| {
             if k < reused { usize::from(removed[k]) } else { first_new + k - reused }
         };
-        self.face_count += horizon_count - reused;
-        for &spare in &removed[reused..removed_count] {
-            self.offsets[usize::from(spare)] = f64::INFINITY;
-        }
-        for (k, edge) in horizon[..horizon_count].iter().enumerate() {
-            let new = slot(k);
-            let after = starts[usize::from(edge.to)];
-            if after == u16::MAX || !self.set_face(new, [edge.from, edge.to, apex]) {
-                return Err(Refused::Contradiction);
+        // 3. Planes.
+        let mut at = 0;
+        let tips = [[w.x; LANES], [w.y; LANES], [w.z; LANES]];
+        let mut previous = slot(&self.removed, horizon - 1);
+        while at < horizon {
+            let lanes = LANES.min(horizon - at);
+            let mut rim = [0; LANES + 1];
+            for (lane, number) in rim.iter_mut().enumerate() {
+                let k = at + lane.min(lanes);
+                *number = self.horizon[if k == horizon { 0 } else { k }].from;
             }
-            let after = slot(usize::from(after));
-            self.neighbours[new][0] = edge.beyond;
-            self.neighbours[new][1] = after as u16;
-            self.neighbours[after][2] = new as u16;
-            self.neighbours[usize::from(edge.beyond)][usize::from(edge.beyond_edge)] = new as u16;
+            let [p, q, r, s, t] = [rim[0], rim[1], rim[2], rim[3], rim[4]].map(usize::from);
+            let [p, q, r, s, t] =
+                [self.points[p].w, self.points[q].w, self.points[r].w, self.points[s].w, self.points[t].w];
+            let from = [[p.x, q.x, r.x, s.x], [p.y, q.y, r.y, s.y], [p.z, q.z, r.z, s.z]];
+            let to = [[q.x, r.x, s.x, t.x], [q.y, r.y, s.y, t.y], [q.z, r.z, s.z, t.z]];
+            let (planes, offsets, _) = planes(tips, from, to, self.slack);
+            for lane in 0..lanes {
+                let new = slot(&self.removed, at + lane);
+                let next = slot(&self.removed, if at + lane + 1 == horizon { 0 } else { at + lane + 1 });
+                let Horizon { beyond, beyond_edge, .. } = self.horizon[at + lane];
+                self.planes[new] = [planes[0][lane], planes[1][lane], planes[2][lane], planes[3][lane]];
+                self.offsets[new] = offsets[lane];
+                // NaN takes the failing branch.
+                if !offsets[lane].is_finite() {
+                    return Err(Contradiction);
+                }
+                self.corners[new] = [rim[lane], rim[lane + 1], apex];
+                self.neighbours[new] = [beyond, next as u16, previous as u16];
+                self.neighbours[usize::from(beyond)][usize::from(beyond_edge)] = new as u16;
+                previous = new;
+            }
+            at += lanes;
         }
         Ok(())
     }
-
-    /// Sets corners, normal and offset; false when the face has no area.
-    fn set_face(&mut self, face: usize, corners: [u8; 3]) -> bool {
-        let [p, q, r] = corners.map(|i| self.vertices[usize::from(i)].w);
-        let Some(normal) = unit((q - p).cross(r - p)) else {
-            return false;
-        };
-        self.corners[face] = corners;
-        self.normals[face] = normal;
-        // The plane of a sliver fits its corners only roughly: the innermost keeps the bound below true.
-        self.offsets[face] = normal.dot(p).min(normal.dot(q)).min(normal.dot(r));
-        self.offsets[face].is_finite()
-    }
 }
 
-/// Whether following `starts` from the first edge passes every edge once.
-fn is_one_loop(horizon: &[Horizon], starts: &[u16]) -> bool {
-    let mut at = 0;
-    for step in 1..=horizon.len() {
-        let next = starts[usize::from(horizon[at].to)];
-        if next == u16::MAX {
-            return false;
-        }
-        at = usize::from(next);
-        if at == 0 {
-            return step == horizon.len();
-        }
+/// The edge, or corner, after this one.
+fn after(edge: usize) -> usize {
+    if edge == 2 { 0 } else { edge + 1 }
+}
+
+/// Planes of triangles `p q r`, counter-clockwise, each as the four numbers of a [`Plane`]; then their offsets squared, with their
+/// signs, not finite where there is no area; and whether the volume of the triangle and the origin is certain to be
+/// positive.
+///
+/// Written lane by lane so that the compiler finds the vectors.
+#[inline(always)]
+fn planes(
+    p: [[f64; LANES]; 3],
+    q: [[f64; LANES]; 3],
+    r: [[f64; LANES]; 3],
+    slack: f64,
+) -> ([[f64; LANES]; 4], [f64; LANES], [bool; LANES]) {
+    let mut out = [[0.0; LANES]; 4];
+    let mut offsets = [0.0; LANES];
+    let mut certain = [false; LANES];
+    for l in 0..LANES {
+        let e = [q[0][l] - p[0][l], q[1][l] - p[1][l], q[2][l] - p[2][l]];
+        let f = [r[0][l] - p[0][l], r[1][l] - p[1][l], r[2][l] - p[2][l]];
+        let n = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
+        let height = |v: [[f64; LANES]; 3]| n[0] * v[0][l] + n[1] * v[1][l] + n[2] * v[2][l];
+        // The plane of a sliver fits its corners only roughly: the innermost keeps the bound below true.
+        let (at_p, at_q, at_r) = (height(p), height(q), height(r));
+        let low = if at_q < at_r { at_q } else { at_r };
+        let low = if at_p < low { at_p } else { low };
+        offsets[l] = low * low.abs() / (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        let seen_from = low - slack * (n[0].abs() + n[1].abs() + n[2].abs());
+        (out[0][l], out[1][l], out[2][l], out[3][l]) = (n[0], n[1], n[2], seen_from);
+        // Half the sum of two squares is no less than the product, nor the sum of coordinates than the length.
+        let edges = 0.5 * (e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+        // NaN takes the failing branch.
+        certain[l] = low > CERTAIN * edges * (p[0][l].abs() + p[1][l].abs() + p[2][l].abs());
     }
-    false
+    (out, offsets, certain)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn vertex(x: f64, y: f64, z: f64) -> Vertex {
-        Vertex { w: DVec3::new(x, y, z), ..Vertex::EMPTY }
+    fn vertex(x: f64, y: f64, z: f64) -> Point {
+        Point { w: DVec3::new(x, y, z), ..Point::EMPTY }
     }
 
-    fn tetrahedron() -> [Vertex; 4] {
+    fn tetrahedron() -> [Point; 4] {
         [vertex(1.0, 1.0, 1.0), vertex(-1.0, -1.0, 1.0), vertex(-1.0, 1.0, -1.0), vertex(1.0, -1.0, -1.0)]
     }
 
@@ -320,31 +492,33 @@ mod tests {
         let mut other_hand = tetrahedron();
         other_hand.swap(2, 3);
         for seed in [tetrahedron(), other_hand] {
-            let mut polytope = Polytope::<8, 12>::empty(1e-15);
+            let mut polytope = Polytope::<8, 16>::empty(1e-15);
             assert!(polytope.start(seed, 0.1));
             assert_closed(&polytope);
+            assert!(polytope.encloses());
             for face in 0..4 {
-                assert!((polytope.offset(face) - 1.0 / 3.0_f64.sqrt()).abs() < 1e-15);
+                assert!((polytope.plane(face).2 - 1.0 / 3.0_f64.sqrt()).abs() < 1e-15);
             }
         }
     }
 
     #[test]
     fn grows_to_a_cube_with_coplanar_faces() {
-        let mut polytope = Polytope::<8, 12>::empty(1e-15);
+        let mut polytope = Polytope::<8, 16>::empty(1e-15);
         assert!(polytope.start(tetrahedron(), 0.1));
         for v in [vertex(-1.0, 1.0, 1.0), vertex(1.0, -1.0, 1.0), vertex(1.0, 1.0, -1.0), vertex(-1.0, -1.0, -1.0)] {
-            let face =
-                (0..polytope.face_count).find(|f| polytope.normal(*f).dot(v.w) > polytope.offset(*f) + 0.1).unwrap();
+            let above = |f: &usize| polytope.plane(*f).0.dot(v.w) > polytope.planes[*f][3] + 0.1;
+            let face = (0..polytope.face_count).find(above).unwrap();
             polytope.insert(v, face).unwrap();
             assert_closed(&polytope);
+            assert!(polytope.check_encloses());
         }
-        let live = (0..polytope.face_count).filter(|f| polytope.offset(*f) < f64::INFINITY);
+        let live = (0..polytope.face_count).filter(|f| polytope.offsets[*f] < f64::INFINITY);
         assert_eq!(live.clone().count(), 12);
-        assert!(live.into_iter().all(|f| (polytope.offset(f) - 1.0).abs() < 1e-15));
-        assert_eq!(polytope.insert(vertex(0.0, 0.0, 3.0), 0), Err(Refused::Full));
-        let mut grown = polytope.grown::<16, 28>();
-        let top = (0..grown.face_count).find(|f| grown.normal(*f).z > 0.9).unwrap();
+        assert!(live.into_iter().all(|f| (polytope.plane(f).2 - 1.0).abs() < 1e-15));
+        assert!(polytope.is_full());
+        let mut grown = polytope.grown::<16, 32>();
+        let top = (0..grown.face_count).find(|f| grown.plane(*f).0.z > 0.9 * grown.plane(*f).1).unwrap();
         grown.insert(vertex(0.0, 0.0, 3.0), top).unwrap();
         assert_closed(&grown);
     }
@@ -352,6 +526,45 @@ mod tests {
     #[test]
     fn a_flat_tetrahedron_is_refused() {
         let flat = [vertex(0.0, 0.0, 0.0), vertex(1.0, 0.0, 0.0), vertex(0.0, 1.0, 0.0), vertex(1.0, 1.0, 0.0)];
-        assert!(!Polytope::<8, 12>::empty(1e-15).start(flat, 0.0));
+        assert!(!Polytope::<8, 16>::empty(1e-15).start(flat, 0.0));
+    }
+
+    #[test]
+    fn a_surface_beside_the_origin_does_not_enclose_it() {
+        let mut polytope = Polytope::<8, 16>::empty(1e-15);
+        assert!(polytope.start(tetrahedron().map(|v| Point { w: v.w + DVec3::X * 3.0, ..v }), 0.1));
+        assert!(!polytope.encloses());
+    }
+
+    /// The lanes against one plane at a time, and the least offset against a plain search.
+    #[test]
+    fn planes_and_nearest_face_are_what_a_plain_loop_says() {
+        let mut rng = shapes::rng::SplitMix64::new(11);
+        let mut polytope = Polytope::<64, 128>::empty(1e-15);
+        assert!(polytope.start(tetrahedron().map(|v| Point { w: v.w * 0.5, ..v }), 0.0));
+        while !polytope.is_full() {
+            let point = Point { w: DVec3::from_array(rng.direction()), ..Point::EMPTY };
+            let above = |f: &usize| {
+                let (normal, length, offset) = polytope.plane(*f);
+                polytope.offsets[*f] < f64::INFINITY && normal.dot(point.w) > (offset + 1e-6) * length
+            };
+            let face = (0..polytope.face_count).find(above).unwrap();
+            polytope.insert(point, face).unwrap();
+            assert_closed(&polytope);
+            let mut least = 0;
+            for face in 0..polytope.face_count {
+                if polytope.offsets[face] < polytope.offsets[least] {
+                    least = face;
+                }
+                if polytope.offsets[face] < f64::INFINITY {
+                    let [p, q, r] = polytope.face_points(face).map(|v| v.w);
+                    let n = (q - p).cross(r - p).normalize();
+                    let (normal, length, offset) = polytope.plane(face);
+                    assert!((n - normal / length).length() < 1e-12);
+                    assert!((n.dot(p) - offset).abs() < 1e-12);
+                }
+            }
+            assert_eq!(polytope.nearest_face(), least);
+        }
     }
 }

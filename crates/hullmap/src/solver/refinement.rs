@@ -21,7 +21,8 @@
 //!   always chosen: the paper's "should never get here" cannot happen.
 //! - The number of steps is capped; running out is a result.
 
-use super::discovery::Portal;
+use super::discovery::{Portal, is_beyond};
+use super::expansion::Bound;
 use crate::SupportMap;
 use crate::minkowski::Minkowski;
 use glam::DVec3;
@@ -56,80 +57,77 @@ pub(super) enum Side {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Refinement {
     pub(super) side: Side,
-    /// The last portal.
-    pub(super) portal: Portal,
-    /// Unit normal, from A to B, of the plane that decided: separating, touching, in front of the origin, or with the least `upper`.
+    /// Normal, from A to B, of the plane that decided: separating, touching, or in front of the origin. Of any length.
     pub(super) axis: DVec3,
-    /// Support value of the difference along `axis`: no less than the depth. Infinite unless the surface was asked for.
-    pub(super) upper: f64,
-    /// The portal whose normal `axis` is; only kept up to date until the surface.
-    pub(super) upper_portal: Portal,
     pub(super) iterations: u32,
 }
 
-/// Refines `portal`, which the ray from its centre through the origin pierces.
+/// Refines `portal`, which the ray from the centre through the origin pierces, in place. With [`Until::Surface`] the least
+/// support value along a portal's normal is kept in `bound`, with the portal.
+#[inline]
 pub(super) fn refine<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
-    portal: Portal,
+    portal: &mut Portal,
     until: Until,
+    bound: &mut Bound,
 ) -> Refinement {
     let rounding = m.rounding();
-    let v0 = portal.center.w;
-    let mut out = Refinement {
-        side: Side::Undecided,
-        portal,
-        axis: DVec3::ZERO,
-        upper: f64::INFINITY,
-        upper_portal: portal,
-        iterations: 0,
-    };
+    let v0 = m.center_point().w;
+    let mut side = Side::Undecided;
     // Algorithm 1, line 6: while we can get closer.
-    for _ in 0..MAX_REFINEMENT {
-        out.iterations += 1;
-        let Some(n) = out.portal.normal() else {
-            return out;
+    for iterations in 1..=MAX_REFINEMENT {
+        let Some(mut n) = portal.normal() else {
+            return Refinement { side, axis: DVec3::ZERO, iterations };
         };
-        let [v1, v2, v3] = out.portal.vertices.map(|v| v.w);
+        let [v1, v2, v3] = portal.vertices.map(|v| v.w);
+        if until != Until::Decided {
+            n /= n.length();
+        }
         let plane = n.dot(v1);
         // Line 9: origin on the inside of the outer face.
-        if plane > rounding {
-            out.side = Side::Overlapping;
+        if is_beyond(-plane, n, rounding) {
+            side = Side::Overlapping;
             if until == Until::Decided {
-                out.axis = n;
-                return out;
+                return Refinement { side, axis: n, iterations };
             }
         }
-        let v4 = m.support(n);
+        let v4 = m.point(n);
         let value = v4.w.dot(n);
-        if value < -rounding {
-            (out.side, out.axis, out.upper) = (Side::Separated, n, value);
-            return out;
-        }
-        if value < out.upper && until != Until::Decided {
-            (out.upper, out.axis, out.upper_portal) = (value, n, out.portal);
+        if is_beyond(value, n, rounding) {
+            // What was seen last is nearest to the origin.
+            portal.vertices[0] = v4;
+            return Refinement { side: Side::Separated, axis: n, iterations };
         }
         let enough = match until {
-            Until::Decided => rounding,
-            Until::Surface { tolerance } => rounding + tolerance * value,
+            Until::Decided => 0.0,
+            Until::Surface { tolerance } => {
+                if value < bound.upper {
+                    *bound = Bound::at(value, n, portal.vertices.each_ref());
+                }
+                tolerance * value
+            }
         };
         // NaN counts as the surface: there is nothing farther out to go to.
-        let farther = value - plane > enough;
+        let farther = is_beyond(plane - value + enough, n, rounding);
         if !farther {
-            if out.side == Side::Undecided && value.abs() <= 2.0 * rounding {
-                (out.side, out.axis) = (Side::Touching, n);
+            if side == Side::Undecided && !is_beyond(-value.abs(), n, 2.0 * rounding) {
+                side = Side::Touching;
             }
-            return out;
+            return Refinement { side, axis: n, iterations };
         }
         // Lines 7 and 8, Listing 2: v4 replaces the vertex across the side that the ray is on.
         let beside = v4.w.cross(v0);
-        let replaced = if v1.dot(beside) >= 0.0 {
-            if v2.dot(beside) >= 0.0 { 0 } else { 2 }
+        if v1.dot(beside) >= 0.0 {
+            if v2.dot(beside) >= 0.0 {
+                portal.vertices[0] = v4;
+            } else {
+                portal.vertices[2] = v4;
+            }
         } else if v3.dot(beside) >= 0.0 {
-            1
+            portal.vertices[1] = v4;
         } else {
-            0
-        };
-        out.portal.vertices[replaced] = v4;
+            portal.vertices[0] = v4;
+        }
     }
-    out
+    Refinement { side, axis: DVec3::ZERO, iterations: MAX_REFINEMENT }
 }

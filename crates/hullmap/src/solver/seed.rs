@@ -10,7 +10,7 @@
 //! 4. a length, height or thickness within rounding means rank 0, 1 or 2: flat.
 
 use crate::SupportMap;
-use crate::minkowski::{Minkowski, Vertex, perpendicular, unit};
+use crate::minkowski::{Minkowski, Point, perpendicular, unit};
 use glam::DVec3;
 
 /// Thicknesses up to this many roundings are none: two support points' error on either side, and the normal's.
@@ -25,11 +25,11 @@ pub(super) struct Flat {
 /// Finds a tetrahedron of support points. At most 12 support calls.
 pub(super) fn seed<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
-) -> Result<[Vertex; 4], Flat> {
+) -> Result<[Point; 4], Flat> {
     let thin = FLAT_ROUNDINGS * m.rounding();
-    let mut seen = [Vertex::EMPTY; 10];
+    let mut seen = [Point::EMPTY; 10];
     for (i, dir) in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z].into_iter().enumerate() {
-        seen[i] = m.support(dir);
+        seen[i] = m.point(dir);
     }
     let mut pair = (seen[0], seen[1]);
     for i in 0..6 {
@@ -42,14 +42,14 @@ pub(super) fn seed<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let (p, q) = pair;
     // NaN takes the branch of the flat, here and below.
     let Some(line) = unit(q.w - p.w).filter(|_| q.w.distance(p.w) > thin) else {
-        return Err(Flat { normal: unit(-m.center().w).unwrap_or(DVec3::X) });
+        return Err(Flat { normal: unit(-m.center_point().w).unwrap_or(DVec3::X) });
     };
     let side = perpendicular(line);
     let other = line.cross(side);
     for (i, dir) in [side, -side, other, -other].into_iter().enumerate() {
-        seen[6 + i] = m.support(dir);
+        seen[6 + i] = m.point(dir);
     }
-    let height = |v: &Vertex| (v.w - p.w).cross(line).length();
+    let height = |v: &Point| (v.w - p.w).cross(line).length();
     let mut r = seen[0];
     for v in &seen[1..] {
         if height(v) > height(&r) {
@@ -60,7 +60,7 @@ pub(super) fn seed<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let Some(normal) = normal else {
         return Err(Flat { normal: side });
     };
-    let (above, below) = (m.support(normal), m.support(-normal));
+    let (above, below) = (m.point(normal), m.point(-normal));
     let rise = (above.w - p.w).dot(normal);
     let fall = (p.w - below.w).dot(normal);
     let s = if rise >= fall { above } else { below };

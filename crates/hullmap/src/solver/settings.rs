@@ -20,7 +20,7 @@ impl Settings {
     pub const DEFAULT_TOLERANCE: f64 = 1e-5;
 
     /// As many steps as the expansion has room for.
-    pub const DEFAULT_MAX_ITERATIONS: u32 = 250;
+    pub const DEFAULT_MAX_ITERATIONS: u32 = 1000;
 
     /// The tolerance, made safe: NaN and negative numbers are 0.
     pub(crate) fn relative_gap(&self) -> f64 {

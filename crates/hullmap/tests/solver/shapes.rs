@@ -104,6 +104,9 @@ impl SupportMap for PointCloud {
     fn outer_radius(&self) -> f64 {
         self.outer_radius
     }
+    fn point(&self, feature: u32) -> Option<DVec3> {
+        self.points.get(feature as usize).copied()
+    }
 }
 
 /// A sphere, in closed form.
