@@ -181,7 +181,7 @@ impl Manifold {
     ///
     /// # Complexity
     /// That of [`rounding::contact`] (and of the distance, if apart by less than the margin), and of the two features: of
-    /// hulls 9 to 41 support queries each, whatever their vertex count. No allocation.
+    /// hulls 8 to 33 support queries each, whatever their vertex count. No allocation.
     pub fn update<A: Shape + ?Sized, B: Shape + ?Sized>(
         &mut self,
         a: &A,
