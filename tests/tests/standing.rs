@@ -157,12 +157,12 @@ fn solve(body: &mut Body, normal: DVec3, points: &mut [Point], slop: f64) {
             let total = (point.impulse[0] + change).max(0.0);
             body.push(normal * (total - point.impulse[0]), arm);
             point.impulse[0] = total;
-            for axis in 1..3 {
-                let change = -body.velocity_at(arm).dot(axes[axis]) / body.response(arm, axes[axis]);
-                let most = FRICTION * point.impulse[0];
-                let total = (point.impulse[axis] + change).clamp(-most, most);
-                body.push(axes[axis] * (total - point.impulse[axis]), arm);
-                point.impulse[axis] = total;
+            let most = FRICTION * point.impulse[0];
+            for (axis, impulse) in axes.iter().zip(&mut point.impulse).skip(1) {
+                let change = -body.velocity_at(arm).dot(*axis) / body.response(arm, *axis);
+                let total = (*impulse + change).clamp(-most, most);
+                body.push(*axis * (total - *impulse), arm);
+                *impulse = total;
             }
         }
     }
