@@ -97,7 +97,7 @@ fn levels_never_change_an_answer() {
 /// By default outer hulls are asked of large hulls without an index, and of those alone.
 #[test]
 fn outer_hulls_are_asked_where_they_are_cheaper() {
-    let points = Family::ClusteredEllipsoid.points(12_000, 1);
+    let points = Family::ClusteredEllipsoid.points(26_000, 1);
     let point_set =
         PointSet { name: "hull".into(), source_vertices: (0..points.len() as u32).collect(), positions: points };
     let mut rng = SplitMix64::new(SEED + 1);
