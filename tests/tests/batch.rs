@@ -109,13 +109,13 @@ fn the_same_bits_whatever_the_threads() {
     }
     let (settings, mut caches) = (Settings::default(), vec![Cache::new(); pairs.len()]);
     let mut hits = 0;
-    for frame in 0..2 {
+    for frame in &one {
         for (i, (pair, cache)) in pairs.iter().zip(&mut caches).enumerate() {
             let single = rounding::contact(pair.a, pair.b, pair.b_in_a, &settings, cache);
-            assert_eq!(single, one[frame].contacts[i], "in the pairs' order: {i}");
-            assert_eq!(single.hit, one[frame].intersections[i].is_hit(), "{i}");
-            assert_eq!(single.hit, one[frame].distances[i].distance == 0.0, "{i}");
-            assert!(!single.hit || !one[frame].manifolds[i].points().is_empty(), "{i}");
+            assert_eq!(single, frame.contacts[i], "in the pairs' order: {i}");
+            assert_eq!(single.hit, frame.intersections[i].is_hit(), "{i}");
+            assert_eq!(single.hit, frame.distances[i].distance == 0.0, "{i}");
+            assert!(!single.hit || !frame.manifolds[i].points().is_empty(), "{i}");
             hits += usize::from(single.hit);
         }
     }

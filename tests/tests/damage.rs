@@ -14,7 +14,11 @@ use std::{
 };
 
 use glam::{DQuat, DVec3, Vec3};
-use hullmap::{Cache, Hull, InvalidPack, Pack, Pose, Settings, SupportMap, contact, distance, intersects};
+use hullmap::levels::{self, Levels, OuterHulls};
+use hullmap::{
+    Cache, Feature, Hull, InvalidPack, Manifold, ManifoldSettings, Pack, Pose, Settings, Shape, SupportMap, distance,
+    intersects,
+};
 use hullmap_bake::{IndexKind, PointSet, SourceRecord};
 use hullmap_format::{
     archive::{self as format, ArchivedPack, Span},
@@ -120,6 +124,11 @@ impl Inquiry {
             assert_eq!(hull.vertex(got.index), Some(got.point), "in direction {dir}");
             let cost = hull.support_cost(dir);
             assert!(cost.nodes <= most.nodes && cost.dots <= most.dots, "{cost:?} exceeds {most:?}");
+            let mut feature = Feature::new();
+            hull.feature(dir.as_dvec3(), &mut feature);
+            assert!(!feature.corners().is_empty() && feature.corners().iter().all(|c| (c.vertex as usize) < count));
+            assert!(hull.faces_at(got.index).all(|face| (face as usize) < hull.face_count()));
+            assert!(hull.face_towards(dir.as_dvec3()).is_none_or(|face| hull.face(face).len() >= 3));
             let got = SupportMap::support(hull, dir.as_dvec3() * 1e200);
             assert!((got.feature as usize) < count && got.point.is_finite());
         }
@@ -130,7 +139,12 @@ fn ask_pair(a: &Hull, b: &Hull, b_in_a: Pose, cache: &mut Cache) {
     let settings = Settings::default();
     std::hint::black_box(intersects(a, b, b_in_a, cache));
     std::hint::black_box(distance(a, b, b_in_a, &settings, cache));
-    std::hint::black_box(contact(a, b, b_in_a, &settings, cache));
+    // The contact among other things.
+    let mut manifold = Manifold::new();
+    manifold.update(a, b, b_in_a, &ManifoldSettings::default(), cache);
+    assert!(manifold.points().len() <= 4);
+    let levels = Levels { boxes: true, outer: OuterHulls::Always };
+    std::hint::black_box(levels::intersects(a, b, b_in_a, levels, &mut Cache::new()));
 }
 
 /// How a pack's changed files ended.
@@ -396,6 +410,34 @@ fn a_resolution_whose_cells_overflow_is_refused() {
         changed[at..at + 4].copy_from_slice(&resolution.to_le_bytes());
         reseal(&mut changed);
         assert!(Pack::from_bytes(&changed).is_err(), "{resolution}");
+    }
+}
+
+/// Contacts follow the faces beside edges, and yes/no queries read the outer vertices.
+#[test]
+fn faces_and_outer_vertices_that_are_not_there_are_refused() {
+    let points = Family::Rock.points(300, 1);
+    let file = packs::bytes(&[point_set("rock", &points)], IndexKind::TREE, &SourceRecord::default()).unwrap();
+    let payload = payload(&file);
+    let archive = archive(&payload);
+    assert!(archive.outer_vertices.len() > 4 && Pack::from_bytes(&file).is_ok());
+    let place = |value: *const u8| HEADER_LEN + value.addr() - payload.as_ptr().addr();
+    let beside = place(std::ptr::from_ref(&archive.neighbour_faces[17]).cast());
+    let outer = place(std::ptr::from_ref(&archive.outer_vertices[3][1]).cast());
+    let faces = archive.face_starts.len() as u32;
+    for (at, word, refused) in [
+        (beside, faces - 1, false),
+        (beside, faces, true),
+        (beside, u32::MAX, true),
+        (outer, f32::NAN.to_bits(), true),
+        (outer, f32::NEG_INFINITY.to_bits(), true),
+        (outer, 1.0_f32.to_bits(), false),
+    ] {
+        let mut changed = file.clone();
+        changed[at..at + 4].copy_from_slice(&word.to_le_bytes());
+        reseal(&mut changed);
+        let result = Pack::from_bytes(&changed);
+        assert_eq!(result.is_err(), refused, "{word:#x} at {at}: {:?}", result.err());
     }
 }
 

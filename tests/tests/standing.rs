@@ -5,7 +5,8 @@
 //! manifolds hold it at both sides; with less than that it tips over, which the same simulation shows.
 
 use glam::{DMat3, DQuat, DVec3};
-use hullmap::{Cache, Hull, Manifold, ManifoldSettings, Pose, SupportMap, manifold::ManifoldPoint, shapes::Cuboid};
+use hullmap::shapes::{Cone, Cuboid, Cylinder, Rounded, Scaled};
+use hullmap::{Cache, Hull, Manifold, ManifoldSettings, Pose, Shape, manifold::ManifoldPoint};
 use hullmap_bake::IndexKind;
 use hullmap_tests::packs::pack;
 use shapes::solids::{extrusion, regular_polygon};
@@ -20,9 +21,25 @@ const BAUMGARTE: f64 = 0.2;
 /// Depth left alone, over the body's size.
 const SLOP: f64 = 1e-3;
 
+/// What stands: a shape, and what its mass does.
+#[derive(Clone, Copy)]
+struct Solid<'a> {
+    shape: &'a dyn Shape,
+    centroid: DVec3,
+    /// About the centroid, over the mass: xx, yy, zz, yz, zx, xy.
+    moments: [f64; 6],
+    size: f64,
+}
+
+impl<'a> Solid<'a> {
+    fn of(hull: &'a Hull) -> Self {
+        Self { shape: hull, centroid: hull.centroid(), moments: hull.second_moments(), size: hull.diameter() }
+    }
+}
+
 /// A body of mass 1.
 struct Body<'a> {
-    hull: Hull<'a>,
+    solid: Solid<'a>,
     center: DVec3,
     rotation: DQuat,
     velocity: DVec3,
@@ -32,16 +49,16 @@ struct Body<'a> {
 
 impl<'a> Body<'a> {
     /// Its lowest point at height `height`, turned by `rotation`.
-    fn new(hull: Hull<'a>, rotation: DQuat, height: f64) -> Self {
-        let [xx, yy, zz, yz, zx, xy] = hull.second_moments();
+    fn new(solid: Solid<'a>, rotation: DQuat, height: f64) -> Self {
+        let [xx, yy, zz, yz, zx, xy] = solid.moments;
         let inertia = DMat3::from_cols(
             DVec3::new(yy + zz, -xy, -zx),
             DVec3::new(-xy, zz + xx, -yz),
             DVec3::new(-zx, -yz, xx + yy),
         );
-        let low = rotation * (SupportMap::support(&hull, rotation.inverse() * DVec3::NEG_Z).point - hull.centroid());
+        let low = rotation * (solid.shape.support(rotation.inverse() * DVec3::NEG_Z).point - solid.centroid);
         Self {
-            hull,
+            solid,
             center: DVec3::Z * (height - low.z),
             rotation,
             velocity: DVec3::ZERO,
@@ -51,7 +68,7 @@ impl<'a> Body<'a> {
     }
 
     fn pose(&self) -> Pose {
-        Pose::new(self.center - self.rotation * self.hull.centroid(), self.rotation).unwrap()
+        Pose::new(self.center - self.rotation * self.solid.centroid, self.rotation).unwrap()
     }
 
     fn inverse_inertia(&self) -> DMat3 {
@@ -75,11 +92,11 @@ impl<'a> Body<'a> {
 }
 
 /// How the points of a step are found.
-#[derive(Clone, Copy, PartialEq)]
-enum Points {
+#[derive(Clone, Copy)]
+enum Points<'a> {
     Manifold,
     /// The first four corners of the face that is down: all that some engines keep of a face.
-    FirstFour,
+    FirstFour(&'a Hull<'a>),
 }
 
 /// A point of contact: in the floor's frame, whose top is at 0 here.
@@ -105,9 +122,9 @@ struct Outcome {
 }
 
 /// Lets `body` stand on a box whose top is at 0.
-fn simulate(mut body: Body, points: Points) -> Outcome {
+fn simulate(mut body: Body, points: Points<'_>) -> Outcome {
     let floor = Cuboid::new(DVec3::new(20.0, 20.0, 1.0)).unwrap();
-    let size = body.hull.diameter();
+    let size = body.solid.size;
     let (mut manifold, mut cache) = (Manifold::new(), Cache::new());
     let (up, start) = (body.rotation.inverse() * DVec3::Z, body.center);
     let mut outcome = Outcome::default();
@@ -115,18 +132,17 @@ fn simulate(mut body: Body, points: Points) -> Outcome {
         body.velocity += GRAVITY * STEP;
         let pose = body.pose();
         let lowered = Pose::new(pose.translation() + DVec3::Z, pose.rotation()).unwrap();
-        manifold.update(&floor, &body.hull, lowered, &ManifoldSettings::default(), &mut cache);
-        if points == Points::Manifold {
+        manifold.update(&floor, body.solid.shape, lowered, &ManifoldSettings::default(), &mut cache);
+        if let Points::FirstFour(hull) = points {
+            let face = hull.face_towards(body.rotation.inverse() * DVec3::NEG_Z).unwrap();
+            let corners = hull.face(face).take(4).map(|v| pose.transform_point(hull.vertex(v).unwrap().as_dvec3()));
+            let mut found: Vec<Point> = corners.map(|at| Point { at, depth: -at.z, impulse: [0.0; 3] }).collect();
+            solve(&mut body, DVec3::Z, &mut found, SLOP * size);
+        } else {
             let at = |p: &ManifoldPoint| Point { at: p.point_b - DVec3::Z, depth: p.depth, impulse: p.impulse };
             let mut found: Vec<Point> = manifold.points().iter().map(at).collect();
             solve(&mut body, manifold.normal(), &mut found, SLOP * size);
             manifold.points_mut().iter_mut().zip(found).for_each(|(kept, p)| kept.impulse = p.impulse);
-        } else {
-            let face = body.hull.face_towards(body.rotation.inverse() * DVec3::NEG_Z).unwrap();
-            let corners =
-                body.hull.face(face).take(4).map(|v| pose.transform_point(body.hull.vertex(v).unwrap().as_dvec3()));
-            let mut found: Vec<Point> = corners.map(|at| Point { at, depth: -at.z, impulse: [0.0; 3] }).collect();
-            solve(&mut body, DVec3::Z, &mut found, SLOP * size);
         }
         body.center += body.velocity * STEP;
         body.rotation = (DQuat::from_scaled_axis(body.spin * STEP) * body.rotation).normalize();
@@ -157,12 +173,12 @@ fn solve(body: &mut Body, normal: DVec3, points: &mut [Point], slop: f64) {
             let total = (point.impulse[0] + change).max(0.0);
             body.push(normal * (total - point.impulse[0]), arm);
             point.impulse[0] = total;
-            for axis in 1..3 {
-                let change = -body.velocity_at(arm).dot(axes[axis]) / body.response(arm, axes[axis]);
-                let most = FRICTION * point.impulse[0];
-                let total = (point.impulse[axis] + change).clamp(-most, most);
-                body.push(axes[axis] * (total - point.impulse[axis]), arm);
-                point.impulse[axis] = total;
+            let most = FRICTION * point.impulse[0];
+            for (axis, impulse) in axes.iter().zip(&mut point.impulse).skip(1) {
+                let change = -body.velocity_at(arm).dot(*axis) / body.response(arm, *axis);
+                let total = (*impulse + change).clamp(-most, most);
+                body.push(*axis * (total - *impulse), arm);
+                *impulse = total;
             }
         }
     }
@@ -192,16 +208,19 @@ fn some_rotation() -> DQuat {
 }
 
 /// Stands it on the box, exactly and dropped, and asserts that it goes on standing.
-fn assert_stands(name: &str, points: &[[f32; 3]], upright: DQuat) {
-    let pack = pack(name, points, IndexKind::TREE);
-    let hull = pack.hull(0).unwrap();
-    for drop in [0.0, 0.01 * hull.diameter()] {
-        let outcome = simulate(Body::new(hull, upright, drop), Points::Manifold);
-        println!("{name}, {} vertices, dropped by {drop:.3}: {outcome:?}", hull.vertex_count());
+fn assert_solid_stands(name: &str, solid: Solid, upright: DQuat) {
+    for drop in [0.0, 0.01 * solid.size] {
+        let outcome = simulate(Body::new(solid, upright, drop), Points::Manifold);
+        println!("{name}, dropped by {drop:.3}: {outcome:?}");
         assert!(outcome.greatest_tilt < 0.5, "{name}: {outcome:?}");
         assert!(outcome.last_speed < 1e-2 && outcome.fall.abs() < 0.02, "{name}: {outcome:?}");
         assert!(outcome.kept as f64 > 0.9 * outcome.points as f64, "{name}: {outcome:?}");
     }
+}
+
+fn assert_stands(name: &str, points: &[[f32; 3]], upright: DQuat) {
+    let pack = pack(name, points, IndexKind::TREE);
+    assert_solid_stands(name, Solid::of(&pack.hull(0).unwrap()), upright);
 }
 
 #[test]
@@ -228,12 +247,39 @@ fn an_imported_mesh_stands() {
     assert_stands("turned pawn", &turned(&pawn, rotation), rotation.inverse());
 }
 
+/// Round bases, scaled and rounded hulls.
+#[test]
+fn shapes_stand() {
+    let cylinder = Cylinder::new(1.0, 0.5).unwrap();
+    let size = 5_f64.sqrt();
+    let moments = [0.25 / 4.0, 0.25 / 4.0, 1.0 / 3.0, 0.0, 0.0, 0.0];
+    let solid = Solid { shape: &cylinder, centroid: DVec3::ZERO, moments, size };
+    assert_solid_stands("cylinder", solid, DQuat::IDENTITY);
+
+    let cone = Cone::new(1.0, 0.5).unwrap();
+    let moments = [0.25 * 3.0 / 20.0, 0.25 * 3.0 / 20.0, 4.0 * 3.0 / 80.0, 0.0, 0.0, 0.0];
+    let solid = Solid { shape: &cone, centroid: DVec3::Z * -0.5, moments, size };
+    assert_solid_stands("cone", solid, DQuat::IDENTITY);
+
+    let pack = pack("prism", &prism(12), IndexKind::TREE);
+    let hull = pack.hull(0).unwrap();
+    let plain = Solid::of(&hull);
+    let rounded = Rounded::new(hull, 0.1).unwrap();
+    assert_solid_stands("rounded prism", Solid { shape: &rounded, ..plain }, DQuat::IDENTITY);
+    let scale = DVec3::new(-1.5, 1.0, 0.5);
+    let scaled = Scaled::new(hull, scale).unwrap();
+    let [xx, yy, zz, ..] = plain.moments;
+    let moments = [xx * scale.x * scale.x, yy * scale.y * scale.y, zz * scale.z * scale.z, 0.0, 0.0, 0.0];
+    assert_solid_stands("mirrored prism", Solid { shape: &scaled, moments, ..plain }, DQuat::IDENTITY);
+}
+
 /// The simulation tells a manifold from less: the first four corners hold a box, and of more than eight sides not half.
 #[test]
 fn the_first_four_corners_do_not_hold_a_prism() {
     for n in [4, 8, 16, 64] {
         let pack = pack("prism", &prism(n), IndexKind::TREE);
-        let outcome = simulate(Body::new(pack.hull(0).unwrap(), DQuat::IDENTITY, 0.0), Points::FirstFour);
+        let hull = pack.hull(0).unwrap();
+        let outcome = simulate(Body::new(Solid::of(&hull), DQuat::IDENTITY, 0.0), Points::FirstFour(&hull));
         println!("prism of {n} on its first four corners: {outcome:?}");
         assert_eq!(outcome.greatest_tilt > 5.0, n >= 8, "prism of {n}: {outcome:?}");
     }

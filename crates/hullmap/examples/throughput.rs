@@ -2,25 +2,26 @@
 //!
 //!     cargo run --release --example throughput --package hullmap --features parallel
 //!
-//! Times are the least of several runs, one setting after the other in turn, so that a busy machine disturbs all alike.
+//! Times are the least of many short runs, one setting after the other in turn, so that a busy machine disturbs all alike and
+//! some hardly.
 
 use std::time::{Duration, Instant};
 
 use glam::{DQuat, DVec3};
 use hullmap::batch::{self, Pair};
-use hullmap::levels::{self, Level, Levels};
+use hullmap::levels::{self, Level, Levels, OuterHulls};
 use hullmap::{Cache, Hull, Manifold, ManifoldSettings, Pack, Pose, Settings, SupportMap, intersects, rounding};
 use hullmap_bake::{IndexKind, PointSet, bake_hull, write_pack};
 use shapes::{families::Family, rng::SplitMix64};
 
 const SEED: u64 = 7;
-const PAIRS: usize = 20_000;
-const RUNS: usize = 15;
+const PAIRS: usize = 2_000;
+const RUNS: usize = 200;
 
-fn pack(positions: &[[f32; 3]]) -> Result<Pack, Box<dyn std::error::Error>> {
+fn pack(positions: &[[f32; 3]], index: IndexKind) -> Result<Pack, Box<dyn std::error::Error>> {
     let source_vertices = (0..positions.len() as u32).collect();
     let points = PointSet { name: "hull".into(), positions: positions.to_vec(), source_vertices };
-    let baked = bake_hull(&points, IndexKind::TREE)?;
+    let baked = bake_hull(&points, index)?;
     Ok(Pack::from_bytes(&write_pack(&[baked], &Default::default())?)?)
 }
 
@@ -92,9 +93,9 @@ fn levels_of_detail(hulls: &[Hull]) -> Result<(), Box<dyn std::error::Error>> {
             decided
         };
         let (none, boxes, outer) = (
-            Levels { boxes: false, outer: false },
-            Levels { boxes: true, outer: false },
-            Levels { boxes: true, outer: true },
+            Levels { boxes: false, outer: OuterHulls::Never },
+            Levels { boxes: true, outer: OuterHulls::Never },
+            Levels { boxes: true, outer: OuterHulls::Always },
         );
         let times = least([
             Box::new(|| {
@@ -124,14 +125,19 @@ fn levels_of_detail(hulls: &[Hull]) -> Result<(), Box<dyn std::error::Error>> {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let cores = std::thread::available_parallelism()?.get();
-    for (count, n) in [(8, 128), (8, 2_048), (400, 2_048)] {
-        println!("{count} hulls of {n} points");
+    for (count, n, index) in [
+        (8, 128, IndexKind::TREE),
+        (8, 2_048, IndexKind::TREE),
+        (400, 2_048, IndexKind::TREE),
+        (8, 2_048, IndexKind::None),
+    ] {
+        println!("{count} hulls of {n} points, {index:?}");
         let families = [Family::Rock, Family::ClusteredEllipsoid, Family::Lens, Family::Needle];
         let packs = (0..count)
-            .map(|i| pack(&families[i % families.len()].points(n, i as u64)))
+            .map(|i| pack(&families[i % families.len()].points(n, i as u64), index))
             .collect::<Result<Vec<_>, _>>()?;
         let hulls = packs.iter().map(|pack| pack.hull(0)).collect::<Result<Vec<_>, _>>()?;
-        if count == 8 {
+        if count == 8 && index == IndexKind::TREE {
             threads(&hulls, cores)?;
         }
         levels_of_detail(&hulls)?;

@@ -129,8 +129,7 @@ impl Default for Feature {
 pub trait Shape: SupportMap {
     /// The feature that faces `dir` (local frame, any length but zero), into `out`.
     ///
-    /// Faces and edges count as facing `dir` within [`TILT`]. The default asks the support mapping in [`MAX_CORNERS`]
-    /// directions.
+    /// Faces and edges count as facing `dir` within [`TILT`]. The default asks the support mapping all around, by [`ring`].
     fn feature(&self, dir: DVec3, out: &mut Feature) {
         ring(self, dir, out);
     }
@@ -156,14 +155,42 @@ pub trait Shape: SupportMap {
 }
 
 /// The feature of any support mapping that faces `dir`: its support points in [`MAX_CORNERS`] directions tilted by [`TILT`], in
-/// order around `dir`, each once.
+/// order around `dir`.
+///
+/// Directions between two that have the same support point are not asked: they have it too.
 ///
 /// # Complexity
-/// [`MAX_CORNERS`] support queries.
+/// 8 support queries for a vertex, at most 12 for an edge, and [`MAX_CORNERS`] at most.
 pub fn ring<S: SupportMap + ?Sized>(shape: &S, dir: DVec3, out: &mut Feature) {
+    refine(shape, dir, coarse_ring(shape, dir), out);
+}
+
+/// Support points in every fourth of the directions.
+pub(crate) fn coarse_ring<S: SupportMap + ?Sized>(shape: &S, dir: DVec3) -> [Support; COARSE] {
+    let around = Around::new(dir);
+    std::array::from_fn(|i| shape.support(around.tilted(i * STRIDE)))
+}
+
+/// The feature that `coarse` directions are on, by all directions.
+pub(crate) fn refine<S: SupportMap + ?Sized>(shape: &S, dir: DVec3, coarse: [Support; COARSE], out: &mut Feature) {
+    let around = Around::new(dir);
     out.clear();
-    for step in 0..MAX_CORNERS {
-        push_tilted(shape, dir, step, out);
+    for (i, start) in coarse.iter().enumerate() {
+        let end = &coarse[(i + 1) % COARSE];
+        push_new(start, out);
+        if start.point == end.point {
+            continue;
+        }
+        let first = i * STRIDE;
+        let middle = shape.support(around.tilted(first + STRIDE / 2));
+        for (step, from, to) in [(1, start, &middle), (3, &middle, end)] {
+            if from.point != to.point {
+                push_new(&shape.support(around.tilted(first + step)), out);
+            }
+            if step == 1 {
+                push_new(&middle, out);
+            }
+        }
     }
     if let [first, .., last] = out.corners()
         && first.point == last.point
@@ -172,20 +199,36 @@ pub fn ring<S: SupportMap + ?Sized>(shape: &S, dir: DVec3, out: &mut Feature) {
     }
 }
 
-/// Adds the support point in `dir` tilted toward `step`/32 of a turn around it, unless it is the last one.
-fn push_tilted<S: SupportMap + ?Sized>(shape: &S, dir: DVec3, step: usize, out: &mut Feature) {
-    let Support { point, feature } = shape.support(tilted(dir, step));
-    if out.corners().last().is_none_or(|last| last.point != point) {
-        out.push(Corner { point, vertex: feature });
+/// Directions of a ring that are asked first, and how many steps there are between them.
+const COARSE: usize = 8;
+const STRIDE: usize = MAX_CORNERS / COARSE;
+
+/// Adds a support point, unless it is the last one.
+fn push_new(support: &Support, out: &mut Feature) {
+    if out.corners().last().is_none_or(|last| last.point != support.point) {
+        out.push(Corner { point: support.point, vertex: support.feature });
     }
 }
 
-/// `dir` tilted by [`TILT`] toward `step`/32 of a turn around it.
-pub(crate) fn tilted(dir: DVec3, step: usize) -> DVec3 {
-    let n = unit(dir).unwrap_or(DVec3::X);
-    let side = perpendicular(n);
-    let (cosine, sine) = turn(step);
-    n + (side * cosine + n.cross(side) * sine) * TILT
+/// Directions around one.
+struct Around {
+    n: DVec3,
+    x: DVec3,
+    y: DVec3,
+}
+
+impl Around {
+    fn new(dir: DVec3) -> Self {
+        let n = unit(dir).unwrap_or(DVec3::X);
+        let side = perpendicular(n);
+        Self { n, x: side * TILT, y: n.cross(side) * TILT }
+    }
+
+    /// The direction tilted by [`TILT`] toward `step`/32 of a turn around it.
+    fn tilted(&self, step: usize) -> DVec3 {
+        let (cosine, sine) = turn(step);
+        self.n + self.x * cosine + self.y * sine
+    }
 }
 
 #[cfg(test)]

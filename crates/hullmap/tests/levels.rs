@@ -1,7 +1,7 @@
 //! Levels of detail never change an answer, and each decides its share.
 
 use glam::{DQuat, DVec3};
-use hullmap::levels::{self, Level, Levels};
+use hullmap::levels::{self, Level, Levels, OuterHulls};
 use hullmap::{Cache, Overlap, Pack, Pose, SupportMap, intersects};
 use hullmap_bake::{IndexKind, PointSet, bake_hull, write_pack};
 use shapes::{families::Family, rng::SplitMix64};
@@ -53,7 +53,7 @@ fn levels_never_change_an_answer() {
     let packs = packs();
     let hulls: Vec<_> = packs.iter().map(|pack| pack.hull(0).unwrap()).collect();
     let mut rng = SplitMix64::new(SEED);
-    let all = Levels { boxes: true, outer: true };
+    let all = Levels { boxes: true, outer: OuterHulls::Always };
     let (mut hits, mut total) = (0, 0);
     let mut decided = [[0; 4]; 2];
     for a in &hulls {
@@ -63,13 +63,13 @@ fn levels_never_change_an_answer() {
                 let full = intersects(a, b, pose, &mut Cache::new());
                 hits += usize::from(full.is_hit());
                 total += 1;
-                for levels in [all, Levels::default(), Levels { boxes: false, outer: true }] {
+                for levels in [all, Levels::default(), Levels { boxes: false, outer: OuterHulls::Always }] {
                     let mut cache = Cache::new();
                     let cold = levels::intersects(a, b, pose, levels, &mut cache);
                     let at = format!("{} {} {pose:?} {levels:?}: {cold:?} {full:?}", a.name(), b.name());
                     assert_eq!(cold.intersection.status, full.status, "{at}");
                     assert!(cold.level != Level::Boxes || levels.boxes, "{at}");
-                    assert!(cold.level != Level::Outer || levels.outer, "{at}");
+                    assert!(cold.level != Level::Outer || levels.outer == OuterHulls::Always, "{at}");
                     assert!(cold.level == Level::Full || cold.intersection.support_calls == 0, "{at}");
                     // Once more, with what it remembers; the axis that a level kept separates the hulls too.
                     let warm = levels::intersects(a, b, pose, levels, &mut cache);
@@ -94,11 +94,33 @@ fn levels_never_change_an_answer() {
     assert!(decided[0].iter().all(|n| *n > total / 100), "each level has its share: {decided:?}");
 }
 
+/// By default outer hulls are asked of large hulls without an index, and of those alone.
+#[test]
+fn outer_hulls_are_asked_where_they_are_cheaper() {
+    let points = Family::ClusteredEllipsoid.points(26_000, 1);
+    let point_set =
+        PointSet { name: "hull".into(), source_vertices: (0..points.len() as u32).collect(), positions: points };
+    let mut rng = SplitMix64::new(SEED + 1);
+    for (kind, expected) in [(IndexKind::TREE, false), (IndexKind::None, true)] {
+        let baked = bake_hull(&point_set, kind).unwrap();
+        let pack = Pack::from_bytes(&write_pack(&[baked], &Default::default()).unwrap()).unwrap();
+        let hull = pack.hull(0).unwrap();
+        let mut asked = 0;
+        for _ in 0..100 {
+            let pose = pose(&hull, &hull, &mut rng);
+            let found = levels::intersects(&hull, &hull, pose, Levels::default(), &mut Cache::new());
+            assert_eq!(found.intersection.status, intersects(&hull, &hull, pose, &mut Cache::new()).status);
+            asked += usize::from(found.level == Level::Outer);
+        }
+        assert_eq!(asked > 0, expected, "{kind:?}: {asked}");
+    }
+}
+
 /// Where a level alone could go wrong: gaps of a hair's breadth between boxes that are the hulls.
 #[test]
 fn one_ulp_gap_between_boxes() {
     let cube: Vec<[f32; 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|bit| bit as f32)).collect();
-    let (pack, levels) = (pack(&cube), Levels { boxes: true, outer: true });
+    let (pack, levels) = (pack(&cube), Levels { boxes: true, outer: OuterHulls::Always });
     let hull = pack.hull(0).unwrap();
     for turn in [DQuat::IDENTITY, DQuat::from_rotation_z(0.3), DQuat::from_xyzw(0.1, 0.7, -0.2, 0.5).normalize()] {
         let way = turn * DVec3::Y;

@@ -361,3 +361,63 @@ fn a_small_face_has_all_its_corners() {
         assert!(n > 100 || feature.corners().len() <= 2, "{n}: {:?}", feature.corners());
     }
 }
+
+/// A support mapping that knows nothing of features: an ellipsoid's bowl cut off flat, as a point cloud.
+struct Cloud(Vec<DVec3>);
+
+impl SupportMap for Cloud {
+    fn support(&self, dir: DVec3) -> hullmap::Support {
+        let best = (0..self.0.len()).max_by(|a, b| self.0[*a].dot(dir).total_cmp(&self.0[*b].dot(dir))).unwrap();
+        hullmap::Support { point: self.0[best], feature: best as u32 }
+    }
+    fn interior_point(&self) -> DVec3 {
+        self.0.iter().sum::<DVec3>() / self.0.len() as f64
+    }
+    fn inner_radius(&self) -> f64 {
+        0.0
+    }
+    fn outer_radius(&self) -> f64 {
+        self.0.iter().map(|p| p.distance(self.interior_point())).fold(0.0, f64::max)
+    }
+}
+
+impl Shape for Cloud {}
+
+/// Shapes that are no solids, and such as tell no features of their own, rest all the same.
+#[test]
+fn flat_thin_and_unknown_shapes_have_manifolds() {
+    let floor = Cuboid::new(DVec3::new(5.0, 5.0, 1.0)).unwrap();
+    let sheet = pack(&[[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 1.5, 0.0]]);
+    let stick = pack(&[[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]);
+    let dot = pack(&[[0.0, 0.0, 0.0]]);
+    let [sheet, stick, dot] = [&sheet, &stick, &dot].map(|pack| pack.hull(0).unwrap());
+    assert_eq!([sheet.rank(), stick.rank(), dot.rank()], [2, 1, 0]);
+    let cloud = Cloud(
+        Family::ClusteredEllipsoid
+            .points(500, 1)
+            .iter()
+            .map(|p| DVec3::from_array(p.map(f64::from)).with_z(f64::from(p[2]).max(0.0)))
+            .collect(),
+    );
+    let edge = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
+    for (name, shape, pose, count) in [
+        ("sheet", &sheet as &dyn Shape, at(0.0, 0.0, 0.99, DQuat::IDENTITY), 4),
+        ("sheet on its edge", &sheet, at(0.0, 0.0, 1.99, edge), 2),
+        ("stick", &stick, at(0.0, 0.0, 0.99, DQuat::IDENTITY), 2),
+        ("stick on its end", &stick, at(0.0, 0.0, 1.99, DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2)), 1),
+        ("dot", &dot, at(0.0, 0.0, 0.99, DQuat::IDENTITY), 1),
+        ("cloud", &cloud, at(0.0, 0.0, 0.99, DQuat::IDENTITY), 4),
+    ] {
+        for swapped in [false, true] {
+            let found = if swapped { manifold(shape, &floor, pose.inverse()) } else { manifold(&floor, shape, pose) };
+            assert_eq!(found.points().len(), count, "{name}, swapped {swapped}: {found:?}");
+            let deepest = found.points().iter().map(|p| p.depth).fold(f64::NEG_INFINITY, f64::max);
+            assert!((deepest - 0.01).abs() < 1e-6, "{name}: {found:?}");
+        }
+    }
+    // Hanging over the floor's edge, a part of the sheet is held.
+    let found = manifold(&floor, &sheet, at(5.5, 0.0, 0.99, DQuat::IDENTITY));
+    assert!(found.points().iter().all(|p| p.point_a.x <= 5.0 + 1e-5) && found.points().len() == 4, "{found:?}");
+    let reach = found.points().iter().map(|p| p.point_a.x).fold(f64::NEG_INFINITY, f64::max);
+    assert!((reach - 5.0).abs() < 1e-5);
+}

@@ -320,7 +320,7 @@ fn every_pairing_against_samples() {
                 let reach =
                     a.support(way).point.dot(way) - b.support(turn.inverse() * -way).point.dot(turn.inverse() * way);
                 let pose = Pose::new(way * reach * [0.3, 0.8, 0.97, 1.03, 1.3, 2.0][i % 6], turn).unwrap();
-                for way in 0..2 {
+                for (way, effort) in effort.iter_mut().enumerate() {
                     let at = format!("{name_a}, {name_b}, pose {i} {pose:?}, way {way}");
                     let (c, d, y) = if way == 0 {
                         (
@@ -338,7 +338,7 @@ fn every_pairing_against_samples() {
                     let sampled = sampled_depth(&**a, &**b, pose, &mut rng, [c.normal, d.normal]);
                     let at = format!("{at}, sampled {sampled:e}: {c:?} {d:?} {y:?}");
                     total += 1;
-                    effort[way].add(c.iterations, c.status, c.hit);
+                    effort.add(c.iterations, c.status, c.hit);
                     let error = 1e-12;
                     assert!(y.status != Overlap::Undecided, "{at}");
                     if sampled < -error {

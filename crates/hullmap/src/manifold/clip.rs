@@ -211,21 +211,19 @@ struct Clipped {
     edge: Part,
 }
 
-/// The points where the features `a` and `b` (in one frame) meet; none where only the contact point does.
-pub(super) fn patch(a: &Feature, b: &Feature, frame: &Frame) -> Patch {
-    let mut out = Patch::new();
+/// Adds to `out` the points where the features `a` and `b` (in one frame) meet; none where only the contact point does.
+pub(super) fn meet(a: &Feature, b: &Feature, frame: &Frame, out: &mut Patch) {
     if a.corners().len() < 2 || b.corners().len() < 2 {
-        return out;
+        return;
     }
     let (a, b) = (Outline::new(a, frame), Outline::new(b, frame));
     if a.area == 0.0 && b.area == 0.0 {
-        edges(&a, &b, &mut out);
+        edges(&a, &b, out);
     } else if a.area >= b.area {
-        clip(&b, &a, true, &mut out);
+        clip(&b, &a, true, out);
     } else {
-        clip(&a, &b, false, &mut out);
+        clip(&a, &b, false, out);
     }
-    out
 }
 
 /// The common length of two edges that are parallel.
