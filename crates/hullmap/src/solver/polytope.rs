@@ -361,7 +361,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         }
         let mut before = self.horizon[horizon - 1];
         for edge in &self.horizon[..horizon] {
-            // Beyond the horizon the edge runs the other way: it ends where this one starts.
+            // Seen from beyond, the edge before runs the other way: it starts where this one does.
             if self.corners[usize::from(before.beyond)][usize::from(before.beyond_edge)] != edge.from {
                 return Err(Contradiction);
             }
