@@ -5,9 +5,7 @@ use std::alloc::System;
 use glam::{DQuat, DVec3};
 use hullmap::batch::{self, BatchError, Pair};
 use hullmap::shapes::{Capsule, Cuboid, Cylinder, Rounded, Scaled, Sphere};
-use hullmap::{
-    Cache, Contact, Distance, Intersection, Manifold, ManifoldSettings, Pack, Pose, Settings, Shape, rounding,
-};
+use hullmap::{Cache, Contact, Distance, Intersection, Manifold, ManifoldSettings, Pack, Pose, Settings, Shape};
 use hullmap_bake::IndexKind;
 use hullmap_tests::packs::pack;
 use shapes::{families::Family, rng::SplitMix64};
@@ -69,9 +67,9 @@ fn places(pairs: &[Pair<Any<'_>, Any<'_>>]) -> (Answers, [Vec<Cache>; 4]) {
     let ball = Sphere::new(1.0).unwrap();
     let (settings, cache) = (Settings::default(), &mut Cache::new());
     let answers = Answers {
-        contacts: vec![rounding::contact(&ball, &ball, Pose::IDENTITY, &settings, cache); pairs.len()],
-        distances: vec![rounding::distance(&ball, &ball, Pose::IDENTITY, &settings, cache); pairs.len()],
-        intersections: vec![rounding::intersects(&ball, &ball, Pose::IDENTITY, cache); pairs.len()],
+        contacts: vec![hullmap::contact(&ball, &ball, Pose::IDENTITY, &settings, cache); pairs.len()],
+        distances: vec![hullmap::distance(&ball, &ball, Pose::IDENTITY, &settings, cache); pairs.len()],
+        intersections: vec![hullmap::intersects(&ball, &ball, Pose::IDENTITY, cache); pairs.len()],
         manifolds: vec![Manifold::new(); pairs.len()],
     };
     (answers, [(); 4].map(|()| vec![Cache::new(); pairs.len()]))
@@ -111,7 +109,7 @@ fn the_same_bits_whatever_the_threads() {
     let mut hits = 0;
     for frame in &one {
         for (i, (pair, cache)) in pairs.iter().zip(&mut caches).enumerate() {
-            let single = rounding::contact(pair.a, pair.b, pair.b_in_a, &settings, cache);
+            let single = hullmap::contact(pair.a, pair.b, pair.b_in_a, &settings, cache);
             assert_eq!(single, frame.contacts[i], "in the pairs' order: {i}");
             assert_eq!(single.hit, frame.intersections[i].is_hit(), "{i}");
             assert_eq!(single.hit, frame.distances[i].distance == 0.0, "{i}");

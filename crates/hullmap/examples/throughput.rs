@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use glam::{DQuat, DVec3};
 use hullmap::batch::{self, Pair};
 use hullmap::levels::{self, Level, Levels, OuterHulls};
-use hullmap::{Cache, Hull, Manifold, ManifoldSettings, Pack, Pose, Settings, SupportMap, intersects, rounding};
+use hullmap::{Cache, Hull, Manifold, ManifoldSettings, Pack, Pose, Settings, SupportMap, intersects};
 use hullmap_bake::{IndexKind, PointSet, bake_hull, write_pack};
 use shapes::{families::Family, rng::SplitMix64};
 
@@ -60,7 +60,7 @@ fn threads(hulls: &[Hull], cores: usize) -> Result<(), Box<dyn std::error::Error
         rayon::ThreadPoolBuilder::new().num_threads(cores).build()?,
     );
     let settings = Settings::default();
-    let some = rounding::contact(pairs[0].a, pairs[0].b, pairs[0].b_in_a, &settings, &mut Cache::new());
+    let some = hullmap::contact(pairs[0].a, pairs[0].b, pairs[0].b_in_a, &settings, &mut Cache::new());
     let contact = |pool: &rayon::ThreadPool| {
         let (mut caches, mut out) = (vec![Cache::new(); PAIRS], vec![some; PAIRS]);
         pool.install(|| batch::contact(&pairs, &settings, &mut caches, &mut out)).expect("equal lengths");

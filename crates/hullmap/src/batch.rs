@@ -10,7 +10,7 @@
 
 #![forbid(unsafe_code)]
 
-use crate::{Cache, Contact, Distance, Intersection, Manifold, ManifoldSettings, Pose, Settings, Shape, rounding};
+use crate::{Cache, Contact, Distance, Intersection, Manifold, ManifoldSettings, Pose, Settings, Shape};
 
 /// Fewest pairs that are worth another thread: some 20 µs of work, ten times what handing it over costs.
 #[cfg(feature = "parallel")]
@@ -47,7 +47,7 @@ pub struct BatchError {
     pub answers: usize,
 }
 
-/// Contacts of all pairs, by [`rounding::contact`]: `out[i]` is that of `pairs[i]`, found with `caches[i]`.
+/// Contacts of all pairs, by [`crate::contact`]: `out[i]` is that of `pairs[i]`, found with `caches[i]`.
 ///
 /// # Errors
 /// Slices of different lengths; nothing is written then.
@@ -87,11 +87,11 @@ where
     B: Shape + Sync + ?Sized,
 {
     each(pairs, caches, out, |pair, cache, out| {
-        *out = rounding::contact(pair.a, pair.b, pair.b_in_a, settings, cache);
+        *out = crate::contact(pair.a, pair.b, pair.b_in_a, settings, cache);
     })
 }
 
-/// Distances of all pairs, by [`rounding::distance`]: `out[i]` is that of `pairs[i]`, found with `caches[i]`.
+/// Distances of all pairs, by [`crate::distance`]: `out[i]` is that of `pairs[i]`, found with `caches[i]`.
 ///
 /// # Errors
 /// Slices of different lengths; nothing is written then.
@@ -109,11 +109,11 @@ where
     B: Shape + Sync + ?Sized,
 {
     each(pairs, caches, out, |pair, cache, out| {
-        *out = rounding::distance(pair.a, pair.b, pair.b_in_a, settings, cache);
+        *out = crate::distance(pair.a, pair.b, pair.b_in_a, settings, cache);
     })
 }
 
-/// Yes or no for all pairs, by [`rounding::intersects`]: `out[i]` is that of `pairs[i]`, found with `caches[i]`.
+/// Yes or no for all pairs, by [`crate::intersects`]: `out[i]` is that of `pairs[i]`, found with `caches[i]`.
 ///
 /// # Errors
 /// Slices of different lengths; nothing is written then.
@@ -129,7 +129,7 @@ where
     A: Shape + Sync + ?Sized,
     B: Shape + Sync + ?Sized,
 {
-    each(pairs, caches, out, |pair, cache, out| *out = rounding::intersects(pair.a, pair.b, pair.b_in_a, cache))
+    each(pairs, caches, out, |pair, cache, out| *out = crate::intersects(pair.a, pair.b, pair.b_in_a, cache))
 }
 
 /// Manifolds of all pairs, brought up to date by [`Manifold::update`]: `manifolds[i]` belongs to `pairs[i]`, as `caches[i]` does.

@@ -46,7 +46,7 @@ pub mod manifold;
 pub mod minkowski;
 mod pack;
 pub mod pose;
-pub mod rounding;
+mod rounding;
 pub mod shape;
 pub mod shapes;
 mod simd;
@@ -61,10 +61,9 @@ pub use manifold::{Manifold, ManifoldSettings};
 pub use minkowski::{Minkowski, Vertex};
 pub use pack::{InvalidPack, NoSuchHull, OpenError, Pack};
 pub use pose::{Pose, PoseError};
+pub use rounding::{contact, distance, intersects};
 pub use shape::{Corner, Feature, Shape};
 pub use shapes::ShapeError;
 pub use simd::Instructions;
-pub use solver::{
-    Cache, Contact, Distance, Intersection, Overlap, Settings, Status, contact, contact_in_steps, distance, intersects,
-};
+pub use solver::{Cache, Contact, Distance, Intersection, Overlap, Settings, Status, contact_in_steps};
 pub use support_map::{Support, SupportMap};

@@ -1,8 +1,8 @@
-//! Contact, distance and intersection of rounded shapes, by solving their cores and adding the radii.
+//! Contact, distance and intersection of any shapes: those with a rounded core by solving the cores and adding the radii.
 //!
 //! A sphere is a rounded point, a capsule a rounded segment, a [`Rounded`](crate::shapes::Rounded) hull a hull and a radius. On
 //! the round shape itself the expansion cuts facets off a curved surface, one a step; on the core it ends after as many
-//! steps as the core has facets nearby. For shapes without a core these are the solver's own functions.
+//! steps as the core has facets nearby. For shapes without a core these are the functions of [`solver`].
 //!
 //! # Reference
 //! van den Bergen, "Collision Detection in Interactive 3D Environments", 4.3.3 and 4.5; the identity: with C the cores'
@@ -19,9 +19,7 @@
 
 #![forbid(unsafe_code)]
 
-use crate::{
-    Cache, Contact, Distance, Intersection, Overlap, Pose, Settings, Shape, Status, Support, SupportMap, solver,
-};
+use crate::{Cache, Contact, Distance, Intersection, Overlap, Pose, Settings, Status, Support, SupportMap, solver};
 use glam::DVec3;
 
 /// Rounding of the radii's sum and of a difference, in units of rounding of the greatest length.
@@ -33,7 +31,7 @@ const TOUCHING_ROUNDINGS: f64 = 64.0;
 /// A shape's core as a shape.
 struct Core<'s, S: ?Sized>(&'s S);
 
-impl<S: Shape + ?Sized> SupportMap for Core<'_, S> {
+impl<S: SupportMap + ?Sized> SupportMap for Core<'_, S> {
     fn support(&self, dir: DVec3) -> Support {
         self.0.core_support(dir)
     }
@@ -46,6 +44,12 @@ impl<S: Shape + ?Sized> SupportMap for Core<'_, S> {
     fn outer_radius(&self) -> f64 {
         self.0.core_radii()[1]
     }
+    fn support_error(&self) -> f64 {
+        self.0.support_error()
+    }
+    fn point(&self, feature: u32) -> Option<DVec3> {
+        self.0.core_point(feature)
+    }
 }
 
 /// How the cores lie.
@@ -57,7 +61,7 @@ enum Cores {
 }
 
 /// Distance of the cores, exact enough for its difference to `radius` to be known within the tolerance.
-fn cores<A: Shape + ?Sized, B: Shape + ?Sized>(
+fn cores<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
     radius: f64,
     settings: &Settings,
@@ -95,24 +99,27 @@ fn status_of(status: Status, [lower, upper]: [f64; 2], tolerance: f64, rounding:
     }
 }
 
-/// [`contact`](crate::contact) of two shapes, by their cores where they have any.
+/// Contact of `a` and of `b` placed at `b_in_a`: the shortest way to push B out of A; by their cores where they have any.
+///
+/// `cache` belongs to this ordered pair; it is read and brought up to date. See [`solver::contact`] for what is returned of
+/// shapes without cores.
 ///
 /// # Complexity
-/// That of [`distance`](crate::distance) of the cores, twice at most; if the cores overlap, their contact too. No allocation.
+/// That of the distance of the cores, twice at most; if the cores overlap, their contact too. No allocation.
 ///
 /// # Examples
 /// ```
 /// use hullmap::glam::DVec3;
 /// use hullmap::shapes::{Capsule, Sphere};
-/// use hullmap::{Cache, Pose, Settings, rounding};
+/// use hullmap::{Cache, Pose, Settings, contact};
 ///
 /// let (capsule, ball) = (Capsule::new(1.0, 0.5)?, Sphere::new(0.25)?);
 /// let b_in_a = Pose::from_translation(DVec3::new(0.6, 0.0, 0.3))?;
-/// let c = rounding::contact(&capsule, &ball, b_in_a, &Settings::default(), &mut Cache::new());
+/// let c = contact(&capsule, &ball, b_in_a, &Settings::default(), &mut Cache::new());
 /// assert!(c.hit && (c.depth - 0.15).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn contact<A: Shape + ?Sized, B: Shape + ?Sized>(
+pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &A,
     b: &B,
     b_in_a: Pose,
@@ -171,11 +178,13 @@ pub fn contact<A: Shape + ?Sized, B: Shape + ?Sized>(
     }
 }
 
-/// [`distance`](crate::distance) of two shapes, by their cores where they have any.
+/// Distance of `a` and of `b` placed at `b_in_a`, with their nearest points; by their cores where they have any.
+///
+/// `cache` belongs to this ordered pair; it is read and brought up to date. See [`solver::distance`].
 ///
 /// # Complexity
 /// That of the distance of the cores, twice at most. No allocation.
-pub fn distance<A: Shape + ?Sized, B: Shape + ?Sized>(
+pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &A,
     b: &B,
     b_in_a: Pose,
@@ -208,11 +217,18 @@ pub fn distance<A: Shape + ?Sized, B: Shape + ?Sized>(
     found
 }
 
-/// [`intersects`](crate::intersects) of two shapes, by their cores where they have any.
+/// Whether `a` and `b`, placed at `b_in_a`, share a point; by their cores where they have any.
+///
+/// `cache` belongs to this ordered pair; it is read and brought up to date. See [`solver::intersects`].
 ///
 /// # Complexity
 /// That of the distance of the cores, twice at most. No allocation.
-pub fn intersects<A: Shape + ?Sized, B: Shape + ?Sized>(a: &A, b: &B, b_in_a: Pose, cache: &mut Cache) -> Intersection {
+pub fn intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    a: &A,
+    b: &B,
+    b_in_a: Pose,
+    cache: &mut Cache,
+) -> Intersection {
     if !(a.rounding_radius() + b.rounding_radius() > 0.0) {
         return solver::intersects(a, b, b_in_a, cache);
     }

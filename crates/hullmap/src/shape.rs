@@ -1,4 +1,4 @@
-//! What a shape can tell beyond its support mapping: the feature that faces a direction, and a rounded shape's core.
+//! What a shape can tell beyond its support mapping: the feature that faces a direction.
 //!
 //! A contact manifold needs a *feature*: the vertex, edge or face of the shape that faces the contact. Any support
 //! mapping can tell it, by being asked in directions tilted a little to all sides ([`ring`]); shapes that know their
@@ -108,9 +108,9 @@ impl Default for Feature {
     }
 }
 
-/// A convex shape with features, and perhaps a core that is rounded.
+/// A convex shape with features.
 ///
-/// Implement it for a support mapping of your own by `impl Shape for Mine {}`: every method has a default.
+/// Implement it for a support mapping of your own by `impl Shape for Mine {}`.
 ///
 /// # Examples
 /// ```
@@ -132,25 +132,6 @@ pub trait Shape: SupportMap {
     /// Faces and edges count as facing `dir` within [`TILT`]. The default asks the support mapping all around, by [`ring`].
     fn feature(&self, dir: DVec3, out: &mut Feature) {
         ring(self, dir, out);
-    }
-
-    /// Radius r of the ball that the shape's core is rounded by: the shape is the Minkowski sum of both. 0 by default: no core.
-    ///
-    /// A sphere is a rounded point and a capsule a rounded segment. [`rounding`](crate::rounding) solves the cores, which takes a
-    /// few exact steps where curved shapes would take many, and adds the radii.
-    fn rounding_radius(&self) -> f64 {
-        0.0
-    }
-
-    /// Support mapping of the core; that of the shape by default. The core has the shape's
-    /// [`interior_point`](SupportMap::interior_point).
-    fn core_support(&self, dir: DVec3) -> Support {
-        self.support(dir)
-    }
-
-    /// Radii of balls around the interior point: one that lies in the core, one that holds it. The shape's by default.
-    fn core_radii(&self) -> [f64; 2] {
-        [self.inner_radius(), self.outer_radius()]
     }
 }
 

@@ -53,4 +53,28 @@ pub trait SupportMap {
         let _ = hint;
         self.support(dir)
     }
+
+    /// Radius r of the ball that the shape's core is rounded by: the shape is the Minkowski sum of both. 0 by default: no core.
+    ///
+    /// A sphere is a rounded point and a capsule a rounded segment. The queries solve the cores, which takes a few exact
+    /// steps where curved shapes would take many, and add the radii; [`solver`](crate::solver) has them as they are.
+    fn rounding_radius(&self) -> f64 {
+        0.0
+    }
+
+    /// Support mapping of the core; that of the shape by default. The core has the shape's
+    /// [`interior_point`](Self::interior_point).
+    fn core_support(&self, dir: DVec3) -> Support {
+        self.support(dir)
+    }
+
+    /// Radii of balls around the interior point: one that lies in the core, one that holds it. The shape's by default.
+    fn core_radii(&self) -> [f64; 2] {
+        [self.inner_radius(), self.outer_radius()]
+    }
+
+    /// The [`point`](Self::point) of the core that a feature names; the shape's by default.
+    fn core_point(&self, feature: u32) -> Option<DVec3> {
+        self.point(feature)
+    }
 }

@@ -8,7 +8,7 @@ use glam::{DMat3, DQuat, DVec2, DVec3};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
 use hullmap::{
     Cache, Contact, Overlap, Pack, Pose, Settings, Shape, ShapeError, Status, SupportMap, contact, distance,
-    intersects, rounding,
+    intersects, solver,
 };
 use hullmap_bake::{IndexKind, PointSet, bake_hull, write_pack};
 use shapes::{families::Family, rng::SplitMix64};
@@ -123,15 +123,13 @@ fn check(a: &dyn Shape, b: &dyn Shape, pose: Pose, truth: f64, at: &str, effort:
     let size = a.outer_radius() + b.outer_radius() + pose.translation().length();
     let error = TRUTH_ERROR * size;
     let settings = Settings::default();
-    let contacts = [
-        contact(a, b, pose, &settings, &mut Cache::new()),
-        rounding::contact(a, b, pose, &settings, &mut Cache::new()),
-    ];
+    let contacts =
+        [solver::contact(a, b, pose, &settings, &mut Cache::new()), contact(a, b, pose, &settings, &mut Cache::new())];
     let distances = [
+        solver::distance(a, b, pose, &settings, &mut Cache::new()),
         distance(a, b, pose, &settings, &mut Cache::new()),
-        rounding::distance(a, b, pose, &settings, &mut Cache::new()),
     ];
-    let yes = [intersects(a, b, pose, &mut Cache::new()), rounding::intersects(a, b, pose, &mut Cache::new())];
+    let yes = [solver::intersects(a, b, pose, &mut Cache::new()), intersects(a, b, pose, &mut Cache::new())];
     for way in 0..2 {
         let (c, d, y) = (contacts[way], distances[way], yes[way]);
         let at = format!("{at}, way {way}, truth {truth:e}: {c:?} {d:?} {y:?}");
@@ -324,15 +322,15 @@ fn every_pairing_against_samples() {
                     let at = format!("{name_a}, {name_b}, pose {i} {pose:?}, way {way}");
                     let (c, d, y) = if way == 0 {
                         (
-                            contact(&**a, &**b, pose, &settings, &mut Cache::new()),
-                            distance(&**a, &**b, pose, &settings, &mut Cache::new()),
-                            intersects(&**a, &**b, pose, &mut Cache::new()),
+                            solver::contact(&**a, &**b, pose, &settings, &mut Cache::new()),
+                            solver::distance(&**a, &**b, pose, &settings, &mut Cache::new()),
+                            solver::intersects(&**a, &**b, pose, &mut Cache::new()),
                         )
                     } else {
                         (
-                            rounding::contact(&**a, &**b, pose, &settings, &mut Cache::new()),
-                            rounding::distance(&**a, &**b, pose, &settings, &mut Cache::new()),
-                            rounding::intersects(&**a, &**b, pose, &mut Cache::new()),
+                            contact(&**a, &**b, pose, &settings, &mut Cache::new()),
+                            distance(&**a, &**b, pose, &settings, &mut Cache::new()),
+                            intersects(&**a, &**b, pose, &mut Cache::new()),
                         )
                     };
                     let sampled = sampled_depth(&**a, &**b, pose, &mut rng, [c.normal, d.normal]);
@@ -380,7 +378,7 @@ fn moved(x: f64, y: f64, z: f64) -> Pose {
 }
 
 fn solve(a: &dyn Shape, b: &dyn Shape, pose: Pose) -> Contact {
-    rounding::contact(a, b, pose, &Settings::default(), &mut Cache::new())
+    contact(a, b, pose, &Settings::default(), &mut Cache::new())
 }
 
 #[test]
@@ -398,7 +396,10 @@ fn concentric() {
         (&cylinder, &small, 1.5),
         (&cylinder, &plate, 2.0),
     ] {
-        for c in [solve(a, b, Pose::IDENTITY), contact(a, b, Pose::IDENTITY, &Settings::default(), &mut Cache::new())] {
+        for c in [
+            solve(a, b, Pose::IDENTITY),
+            solver::contact(a, b, Pose::IDENTITY, &Settings::default(), &mut Cache::new()),
+        ] {
             assert!(c.hit && (c.depth - depth).abs() <= 2e-5 * depth, "{depth}: {c:?}");
             assert!(c.depth_lower <= depth && depth <= c.depth_upper, "{depth}: {c:?}");
         }
@@ -479,7 +480,7 @@ fn sizes_and_places() {
                 let c = solve(&floor, &**pebble, pose);
                 let at = format!("unit {unit}, pebble {i}, gap {gap}: {c:?}");
                 assert_eq!(c.hit, gap < 0.0, "{at}");
-                let d = rounding::distance(&floor, &**pebble, pose, &Settings::default(), &mut Cache::new());
+                let d = distance(&floor, &**pebble, pose, &Settings::default(), &mut Cache::new());
                 let error = 1e-10 * unit;
                 if gap < 0.0 {
                     assert!((c.depth + gap * unit).abs() <= 2e-5 * -gap * unit + error, "{at}");

@@ -31,7 +31,7 @@ mod hull_face;
 mod select;
 
 use crate::minkowski::{Minkowski, perpendicular};
-use crate::{Cache, Contact, Feature, Pose, Settings, Shape, Status, rounding};
+use crate::{Cache, Contact, Feature, Pose, Settings, Shape, Status};
 use clip::{FACE, Frame, Part, Patch, PatchPoint, meet};
 use glam::DVec3;
 use select::{Choice, area, choose};
@@ -180,7 +180,7 @@ impl Manifold {
     /// pair.
     ///
     /// # Complexity
-    /// That of [`rounding::contact`] (and of the distance, if apart by less than the margin), and of the two features: of
+    /// That of [`contact`](crate::contact()) (and of the distance, if apart by less than the margin), and of the two features: of
     /// hulls 8 to 33 support queries each, whatever their vertex count. No allocation.
     pub fn update<A: Shape + ?Sized, B: Shape + ?Sized>(
         &mut self,
@@ -192,7 +192,7 @@ impl Manifold {
     ) -> Contact {
         let reach = a.outer_radius().min(b.outer_radius());
         let margin = settings.margin.max(0.0) * reach;
-        let mut contact = rounding::contact(a, b, b_in_a, &settings.contact, cache);
+        let mut contact = crate::contact(a, b, b_in_a, &settings.contact, cache);
         let mut depth = contact.depth;
         if !contact.hit {
             let Some(gap) = near((a, b, b_in_a), contact.normal, margin, &settings.contact, cache) else {
@@ -319,7 +319,7 @@ fn near<A: Shape + ?Sized, B: Shape + ?Sized>(
     if -Minkowski::new(a, b, b_in_a).support(axis).w.dot(axis) > margin {
         return None;
     }
-    let gap = rounding::distance(a, b, b_in_a, settings, cache);
+    let gap = crate::distance(a, b, b_in_a, settings, cache);
     (gap.lower <= margin && gap.status != Status::Overlapping).then_some(gap)
 }
 

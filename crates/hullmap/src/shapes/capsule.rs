@@ -46,6 +46,17 @@ impl SupportMap for Capsule {
     fn outer_radius(&self) -> f64 {
         self.half_length + self.radius
     }
+    fn rounding_radius(&self) -> f64 {
+        self.radius
+    }
+    fn core_support(&self, dir: DVec3) -> Support {
+        let lower = dir.z < 0.0;
+        let z = if lower { -self.half_length } else { self.half_length };
+        Support { point: DVec3::Z * z, feature: u32::from(lower) }
+    }
+    fn core_radii(&self) -> [f64; 2] {
+        [0.0, self.half_length]
+    }
 }
 
 impl Shape for Capsule {
@@ -63,16 +74,5 @@ impl Shape for Capsule {
         } else {
             out.push(end(self.core_support(n).feature));
         }
-    }
-    fn rounding_radius(&self) -> f64 {
-        self.radius
-    }
-    fn core_support(&self, dir: DVec3) -> Support {
-        let lower = dir.z < 0.0;
-        let z = if lower { -self.half_length } else { self.half_length };
-        Support { point: DVec3::Z * z, feature: u32::from(lower) }
-    }
-    fn core_radii(&self) -> [f64; 2] {
-        [0.0, self.half_length]
     }
 }

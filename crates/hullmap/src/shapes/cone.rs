@@ -1,6 +1,6 @@
 //! A cone along z, its tip up.
 
-use super::{RIM, direction, error::length, push_rim, radial};
+use super::{RIM, direction, error::length, length_of, push_rim, radial};
 use crate::shape::TILT;
 use crate::{Corner, Feature, Shape, ShapeError, Support, SupportMap};
 use glam::DVec3;
@@ -37,7 +37,7 @@ impl Cone {
 
     /// Length of the line from the tip to the rim.
     fn slant(&self) -> f64 {
-        (2.0 * self.half_height).hypot(self.radius)
+        length_of(2.0 * self.half_height, self.radius)
     }
 
     fn rim_point(&self, dir: DVec3) -> DVec3 {
@@ -49,7 +49,7 @@ impl SupportMap for Cone {
     fn support(&self, dir: DVec3) -> Support {
         let dir = direction(dir);
         // Tip or rim: which is farther, by twice the half height or by the radius.
-        if 2.0 * self.half_height * dir.z >= self.radius * dir.x.hypot(dir.y) {
+        if 2.0 * self.half_height * dir.z >= self.radius * length_of(dir.x, dir.y) {
             Support { point: DVec3::Z * self.half_height, feature: TIP }
         } else {
             Support { point: self.rim_point(dir), feature: RIM_POINT }
@@ -66,7 +66,7 @@ impl SupportMap for Cone {
     }
     fn outer_radius(&self) -> f64 {
         let inner = self.inner_radius();
-        (2.0 * self.half_height - inner).max(inner.hypot(self.radius))
+        (2.0 * self.half_height - inner).max(length_of(inner, self.radius))
     }
 }
 
@@ -76,7 +76,7 @@ impl Shape for Cone {
     fn feature(&self, dir: DVec3, out: &mut Feature) {
         out.clear();
         let n = direction(dir);
-        let across = n.x.hypot(n.y);
+        let across = length_of(n.x, n.y);
         // The side's normal leans up by radius over twice the half height; the sine of the angle to it.
         let off_side = (2.0 * self.half_height * n.z - self.radius * across) / self.slant();
         if across <= TILT && n.z < 0.0 && self.radius > 0.0 {

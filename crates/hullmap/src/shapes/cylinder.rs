@@ -1,6 +1,6 @@
 //! A cylinder along z.
 
-use super::{RIM, direction, error::length, push_rim, radial};
+use super::{RIM, direction, error::length, length_of, push_rim, radial};
 use crate::shape::{MAX_CORNERS, TILT};
 use crate::{Corner, Feature, Shape, ShapeError, Support, SupportMap};
 use glam::DVec3;
@@ -45,7 +45,7 @@ impl SupportMap for Cylinder {
         self.half_height.min(self.radius)
     }
     fn outer_radius(&self) -> f64 {
-        self.half_height.hypot(self.radius)
+        length_of(self.half_height, self.radius)
     }
 }
 
@@ -54,7 +54,7 @@ impl Shape for Cylinder {
     fn feature(&self, dir: DVec3, out: &mut Feature) {
         out.clear();
         let n = direction(dir);
-        let across = n.x.hypot(n.y);
+        let across = length_of(n.x, n.y);
         if across <= TILT && self.radius > 0.0 {
             let lower = n.z < 0.0;
             let z = if lower { -self.half_height } else { self.half_height };

@@ -10,8 +10,8 @@
 //! | [`Scaled`] | another shape, scaled along the axes, perhaps mirrored | |
 //! | [`Rounded`] | another shape and a ball, summed | the other shape's, its radius and the other's |
 //!
-//! Curved shapes answer `contact`, `distance` and `intersects` of the crate like any support mapping, in more steps;
-//! [`rounding`](crate::rounding) answers for those with a core in few steps and exactly.
+//! The queries solve those with a core by their cores, in few steps and exactly ([`rounding`](crate::rounding)); other curved
+//! shapes like any support mapping, in more steps.
 //!
 //! # Reference
 //! Support mappings in closed form: Snethen, "XenoCollide", Game Programming Gems 7; van den Bergen, "Collision Detection
@@ -52,6 +52,11 @@ fn direction(dir: DVec3) -> DVec3 {
 /// The part of `dir` across z, at unit length; x where there is none.
 fn radial(dir: DVec3) -> DVec3 {
     direction(DVec3::new(dir.x, dir.y, 0.0))
+}
+
+/// Length of (x, y). Not `hypot`, which is the platform's own and differs in its last digits; lengths here are far from overflow.
+fn length_of(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
 }
 
 /// Feature numbers of points of the rim of a disc are this and the place on the rim.

@@ -45,6 +45,21 @@ impl<S: SupportMap> SupportMap for Rounded<S> {
     fn outer_radius(&self) -> f64 {
         self.shape.outer_radius() + self.radius
     }
+    fn rounding_radius(&self) -> f64 {
+        self.shape.rounding_radius() + self.radius
+    }
+    fn core_support(&self, dir: DVec3) -> Support {
+        self.shape.core_support(dir)
+    }
+    fn core_radii(&self) -> [f64; 2] {
+        self.shape.core_radii()
+    }
+    fn core_point(&self, feature: u32) -> Option<DVec3> {
+        self.shape.core_point(feature)
+    }
+    fn support_error(&self) -> f64 {
+        self.shape.support_error()
+    }
 }
 
 impl<S: Shape> Shape for Rounded<S> {
@@ -55,14 +70,5 @@ impl<S: Shape> Shape for Rounded<S> {
         for corner in out.corners_mut() {
             corner.point += out_by;
         }
-    }
-    fn rounding_radius(&self) -> f64 {
-        self.shape.rounding_radius() + self.radius
-    }
-    fn core_support(&self, dir: DVec3) -> Support {
-        self.shape.core_support(dir)
-    }
-    fn core_radii(&self) -> [f64; 2] {
-        self.shape.core_radii()
     }
 }

@@ -70,20 +70,6 @@ impl<S: SupportMap> SupportMap for Scaled<S> {
     fn outer_radius(&self) -> f64 {
         self.scaled_radii([0.0, self.shape.outer_radius()])[1]
     }
-}
-
-impl<S: Shape> Shape for Scaled<S> {
-    /// Where all scales are the same, the inner shape's feature. Else angles are not kept, and the shape's edges and faces within
-    /// [`TILT`](crate::shape::TILT) of `dir` are found by asking around it.
-    fn feature(&self, dir: DVec3, out: &mut Feature) {
-        if self.uniform().is_none() {
-            return ring(self, dir, out);
-        }
-        self.shape.feature(dir * self.scale, out);
-        for corner in out.corners_mut() {
-            corner.point *= self.scale;
-        }
-    }
     fn rounding_radius(&self) -> f64 {
         self.uniform().map_or(0.0, |scale| self.shape.rounding_radius() * scale)
     }
@@ -97,6 +83,30 @@ impl<S: Shape> Shape for Scaled<S> {
         match self.uniform() {
             Some(_) => self.scaled_radii(self.shape.core_radii()),
             None => [self.inner_radius(), self.outer_radius()],
+        }
+    }
+    fn core_point(&self, feature: u32) -> Option<DVec3> {
+        let point = if self.uniform().is_some() { self.shape.core_point(feature) } else { self.shape.point(feature) };
+        point.map(|p| p * self.scale)
+    }
+    fn point(&self, feature: u32) -> Option<DVec3> {
+        self.shape.point(feature).map(|p| p * self.scale)
+    }
+    fn support_error(&self) -> f64 {
+        self.scaled_radii([0.0, self.shape.support_error()])[1]
+    }
+}
+
+impl<S: Shape> Shape for Scaled<S> {
+    /// Where all scales are the same, the inner shape's feature. Else angles are not kept, and the shape's edges and faces within
+    /// [`TILT`](crate::shape::TILT) of `dir` are found by asking around it.
+    fn feature(&self, dir: DVec3, out: &mut Feature) {
+        if self.uniform().is_none() {
+            return ring(self, dir, out);
+        }
+        self.shape.feature(dir * self.scale, out);
+        for corner in out.corners_mut() {
+            corner.point *= self.scale;
         }
     }
 }

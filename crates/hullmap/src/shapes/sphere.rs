@@ -38,13 +38,6 @@ impl SupportMap for Sphere {
     fn outer_radius(&self) -> f64 {
         self.radius
     }
-}
-
-impl Shape for Sphere {
-    fn feature(&self, dir: DVec3, out: &mut Feature) {
-        out.clear();
-        out.push(Corner { point: self.support(dir).point, vertex: 0 });
-    }
     fn rounding_radius(&self) -> f64 {
         self.radius
     }
@@ -53,5 +46,15 @@ impl Shape for Sphere {
     }
     fn core_radii(&self) -> [f64; 2] {
         [0.0, 0.0]
+    }
+    fn core_point(&self, _: u32) -> Option<DVec3> {
+        Some(DVec3::ZERO)
+    }
+}
+
+impl Shape for Sphere {
+    fn feature(&self, dir: DVec3, out: &mut Feature) {
+        out.clear();
+        out.push(Corner { point: self.support(dir).point, vertex: 0 });
     }
 }
