@@ -18,6 +18,7 @@ use hullmap::{Cache, Hull, InvalidPack, Pack, Pose, Settings, SupportMap, contac
 use hullmap_bake::{IndexKind, PointSet, SourceRecord};
 use hullmap_format::{
     archive::{self as format, ArchivedPack, Span},
+    fan,
     header::Header,
     slot::{Branch, Slot},
 };
@@ -120,6 +121,10 @@ impl Inquiry {
             assert_eq!(hull.vertex(got.index), Some(got.point), "in direction {dir}");
             let cost = hull.support_cost(dir);
             assert!(cost.nodes <= most.nodes && cost.dots <= most.dots, "{cost:?} exceeds {most:?}");
+            for hint in [got.index, 0, count as u32 - 1, count as u32, u32::MAX] {
+                let got = hull.support_from(dir, hint);
+                assert_eq!(hull.vertex(got.index), Some(got.point), "in direction {dir} from {hint}");
+            }
             let got = SupportMap::support(hull, dir.as_dvec3() * 1e200);
             assert!((got.feature as usize) < count && got.point.is_finite());
         }
@@ -365,6 +370,11 @@ fn nodes_of_every_kind_are_among_the_samples() {
                     }
                     Slot::Plane(at) => ("plane", at + 6..at + 8),
                     Slot::Bundle(at) => ("bundle", at + 42..at + 50),
+                    Slot::Fan(at) => {
+                        let slots = at + fan::HEAD_WORDS;
+                        let bits = archive.slots[(span.slot.to_native() + slots - 1) as usize].to_native();
+                        ("fan", slots..slots + (1 << bits))
+                    }
                     Slot::Block(_) if record.leaf_blocks > 1 => ("blocks", 0..0),
                     Slot::Block(_) => ("block", 0..0),
                     Slot::List(_) => ("list", 0..0),
@@ -375,7 +385,7 @@ fn nodes_of_every_kind_are_among_the_samples() {
         }
     }
     println!("{counts:?}");
-    for name in ["halves", "squares", "plane", "bundle", "block", "blocks", "list"] {
+    for name in ["halves", "squares", "plane", "bundle", "fan", "block", "blocks", "list"] {
         assert!(counts.contains_key(name), "{name}");
     }
 }

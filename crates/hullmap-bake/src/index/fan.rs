@@ -11,7 +11,7 @@
 use glam::DVec3;
 use hullmap_format::{cube, fan};
 
-use super::cones::{Cones, TOUCH};
+use super::cones::{Cones, TOUCH, touch_of};
 
 /// How far a plane may miss the axis, as the sine of the angle between them.
 ///
@@ -133,6 +133,8 @@ impl Fan {
         let middle = cones.iter().flat_map(|(_, polygon)| polygon).map(|&p| direction(face, p)).sum::<DVec3>();
         // The end of the turn is to lie where the cell is not, if it does not lie all around the axis.
         let x = -(middle - axis * middle.dot(axis)).try_normalize()?;
+        // Where the middle lies on the axis, what rounding has left may lie along it as well.
+        let x = (x - axis * x.dot(axis)).try_normalize()?;
         let y = axis.cross(x);
         if !Self::is_likely(face, cones, x, y) {
             return None;
@@ -178,16 +180,20 @@ impl Fan {
     }
 }
 
-/// The least and greatest angle over which a polygon reaches by more than [`TOUCH`], the least one from −1 on; none if an
-/// edge goes through the axis. A polygon around the axis reaches over all.
+/// The least and greatest angle over which a polygon reaches by more than [`TOUCH`] (a small one at all: [`touch_of`]), the
+/// least one from −1 on; none if an edge goes through the axis. A polygon around the axis reaches over all.
 fn angles(face: u32, polygon: &[[f64; 2]], x: DVec3, y: DVec3) -> Option<[f64; 2]> {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     // Angles along the outline, without a jump at the end of the turn.
     let (mut first, mut last) = (None, 0.0);
-    for &corner in polygon {
-        let d = direction(face, corner);
+    let beside = |corner: &[f64; 2]| {
+        let d = direction(face, *corner);
         let (x, y) = (d.dot(x), d.dot(y));
-        let distance = x.abs().max(y.abs());
+        (x, y, x.abs().max(y.abs()))
+    };
+    let touch = touch_of(polygon.iter().map(|corner| beside(corner).2).fold(0.0, f64::max));
+    for corner in polygon {
+        let (x, y, distance) = beside(corner);
         // A corner on the axis, or so near that it reaches over no plane through it.
         if distance <= TOUCH {
             continue;
@@ -195,8 +201,8 @@ fn angles(face: u32, polygon: &[[f64; 2]], x: DVec3, y: DVec3) -> Option<[f64; 2
         let angle = fan::angle(x, y);
         last = if first.is_none() { angle } else { last + turn(last, angle)? };
         first = first.or(Some(angle));
-        low = low.min(last + TOUCH / distance);
-        high = high.max(last - TOUCH / distance);
+        low = low.min(last + touch / distance);
+        high = high.max(last - touch / distance);
     }
     let Some(first) = first else { return Some([0.0; 2]) };
     if (last + turn(last, first)? - first).abs() > HALF_TURN {
