@@ -409,6 +409,46 @@ fn a_resolution_whose_cells_overflow_is_refused() {
     }
 }
 
+/// Changes one number of the archive at a time, which `place` finds, and opens the file.
+fn open_with<T>(file: &[u8], place: impl Fn(&ArchivedPack) -> &T, bytes: &[u8]) -> Result<Pack, InvalidPack> {
+    let payload = payload(file);
+    let at = HEADER_LEN + std::ptr::from_ref(place(archive(&payload))).addr() - payload.as_ptr().addr();
+    let mut changed = file.to_vec();
+    changed[at..at + bytes.len()].copy_from_slice(bytes);
+    reseal(&mut changed);
+    Pack::from_bytes(&changed)
+}
+
+/// A hint is believed by its edges: each must be that of its vertices, to the last digit.
+#[test]
+fn edges_that_contradict_their_vertices_are_refused() {
+    let (name, file) = samples().into_iter().find(|(name, _)| *name == "prism, tree").unwrap();
+    let count = archive(&payload(&file)).edges.len();
+    assert!(count > 1000, "{name}");
+    for number in (0..count).step_by(7) {
+        let right = archive(&payload(&file)).edges[number].to_native();
+        let open = |value: i16| open_with(&file, |pack| &pack.edges[number], &value.to_le_bytes());
+        assert!(open(right).is_ok());
+        for wrong in [right.wrapping_add(1), right.wrapping_sub(1), 0x7fff_i16.wrapping_sub(right), i16::MIN] {
+            let error = open(wrong).unwrap_err().to_string();
+            assert!(error.contains("an edge contradicts its vertices"), "{number}: {error}");
+        }
+    }
+}
+
+#[test]
+fn edges_of_another_number_are_refused() {
+    let (_, file) = samples().pop().unwrap();
+    let end = archive(&payload(&file)).spans[1].edge.to_native();
+    assert_eq!(end as usize, archive(&payload(&file)).edges.len(), "a cube's, and none of a triangle");
+    for fewer in [1, 3, 6, end] {
+        let error = open_with(&file, |pack| &pack.spans[1].edge, &(end - fewer).to_le_bytes()).unwrap_err().to_string();
+        assert!(error.contains("hull 0: it has not three numbers for each edge"), "{error}");
+    }
+    let error = open_with(&file, |pack| &pack.spans[2].edge, &(end - 2).to_le_bytes()).unwrap_err().to_string();
+    assert!(error.contains("edges"), "{error}");
+}
+
 /// Every section empty is consistent in itself, and promised not to open.
 #[test]
 fn a_pack_of_no_hulls_is_refused() {

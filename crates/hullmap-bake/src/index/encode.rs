@@ -246,7 +246,8 @@ impl<'a> Encoder<'a> {
 
     /// A slot for the leaf that lists these vertices; a list leaf's two words are appended.
     fn leaf(&mut self, list: &[u32]) -> Slot {
-        // The cones cover every cell; should rounding ever leave one empty, any vertex is as good.
+        // The cones cover every cell. Empty are steps of a fan that lie outside its cell, where no direction leads: any
+        // vertex will do.
         let list = if list.is_empty() { &[0][..] } else { list };
         let first = match self.known.get(list) {
             Some(&first) => first,
