@@ -36,6 +36,9 @@ const SLIVERS_AT_AXIS: f64 = 2e-11;
 /// What two dot products in f64 may be wrong by, as a share of the greatest coordinate.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
+/// How far source points may lie off a flat hull, over the diameter.
+const FLAT: f64 = 1e-7;
+
 /// All indices that a hull may have.
 const INDICES: [IndexKind; 6] = [
     IndexKind::TREE,
@@ -128,10 +131,10 @@ fn check(name: &str, points: &[[f32; 3]], indices: &[IndexKind], count: usize, s
     let fan_count = fans.len();
     let mut maker = Maker::new(&first, fans, SEED);
     let mut rng = SplitMix64::new(!SEED);
-    // A source point may lie outside a hull that is flat but for noise.
-    let allowed = slivers
-        + ROUNDING * truth.reach / truth.diameter
-        + first.containment_error() * first.diameter() / truth.diameter;
+    // Source points may lie off a hull that is flat but for noise.
+    let is_noisy = first.rank() < 3 && first.containment_error() > 0.0;
+    let noise = if is_noisy { FLAT } else { 0.0 };
+    let allowed = slivers + ROUNDING * truth.reach / truth.diameter + noise;
     let mut failures = 0;
     let mut before = 0;
     for place in 0..count {
@@ -165,8 +168,7 @@ fn check(name: &str, points: &[[f32; 3]], indices: &[IndexKind], count: usize, s
                     }
                 }
                 if number == 0 && instructions == Instructions::Portable {
-                    met.followed += 1;
-                    words[0].follow(exact, &mut met.nodes);
+                    met.followed += usize::from(words[0].follow(exact, &mut met.nodes));
                 }
                 // Hints ask what all indices share, and then the index.
                 if number > 0 {

@@ -127,16 +127,18 @@ impl Words {
         (counts, fans)
     }
 
-    /// Adds what the direction meets to `counts`.
-    pub fn follow(&self, d: DVec3, counts: &mut Counts) {
+    /// Adds what the direction meets to `counts`; false where there is no tree.
+    pub fn follow(&self, d: DVec3, counts: &mut Counts) -> bool {
         if self.kind != index_kind::TREE {
-            return;
+            return false;
         }
         let cell = cube::locate(d.as_vec3().to_array());
         let (mut u, mut v) = (u64::from(cell.u), u64::from(cell.v));
         let mut slot = self.slots[cell.face as usize];
         let mask = (1 << GRID_BITS) - 1;
         loop {
+            counts.lists += usize::from(matches!(Slot::decode(slot), Slot::List(_)));
+            counts.blocks += usize::from(matches!(Slot::decode(slot), Slot::Block(_)));
             let dot = |n: DVec3| n.x * d.x + n.y * d.y + n.z * d.z > 0.0;
             slot = match Slot::decode(slot) {
                 Slot::Branch(payload) => {
@@ -169,10 +171,10 @@ impl Words {
                     let step = fan::slot(|i| self.number(at + 2 * i), self.slots[at + 16], d.to_array());
                     self.slots[at + fan::HEAD_WORDS as usize + step as usize]
                 }
-                Slot::List(_) => return counts.lists += 1,
-                Slot::Block(_) => return counts.blocks += 1,
+                Slot::List(_) | Slot::Block(_) => break,
             };
         }
+        true
     }
 
     /// Whether the edges of `vertex` tell for certain that it is the support point in direction `d`.

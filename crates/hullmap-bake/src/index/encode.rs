@@ -1,6 +1,7 @@
 //! Subdivided cells → the words and blocks of an index, as [`hullmap_format::slot`] lays them out.
 //!
-//! Leaves that list the same vertices share their blocks.
+//! Leaves that list the same vertices share their blocks. Halvings become branches of as many levels as are worth it, planes
+//! bundles of three levels, the steps of a fan one row of slots.
 
 use std::collections::{HashMap, VecDeque};
 

@@ -2,7 +2,8 @@
 //!
 //! Neighbouring cells list overlapping sets: most leaves are not full, and what a leaf lists beyond its own cell's needs
 //! costs nothing but a lane that would be idle. Leaves are taken in the order of the tree, neighbours after one another;
-//! each joins the recent group that grows the least by it and still fits, or starts a new one.
+//! each joins the recent group that shares a vertex with it, grows the least by it and still fits, or starts a new one. In a
+//! second pass the groups join in the same way, whether they share a vertex or not.
 
 use std::collections::VecDeque;
 
