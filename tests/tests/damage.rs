@@ -22,6 +22,7 @@ use hullmap::{
 use hullmap_bake::{IndexKind, PointSet, SourceRecord};
 use hullmap_format::{
     archive::{self as format, ArchivedPack, Span},
+    fan,
     header::Header,
     slot::{Branch, Slot},
 };
@@ -129,6 +130,10 @@ impl Inquiry {
             assert!(!feature.corners().is_empty() && feature.corners().iter().all(|c| (c.vertex as usize) < count));
             assert!(hull.faces_at(got.index).all(|face| (face as usize) < hull.face_count()));
             assert!(hull.face_towards(dir.as_dvec3()).is_none_or(|face| hull.face(face).len() >= 3));
+            for hint in [got.index, 0, count as u32 - 1, count as u32, u32::MAX] {
+                let got = hull.support_from(dir, hint);
+                assert_eq!(hull.vertex(got.index), Some(got.point), "in direction {dir} from {hint}");
+            }
             let got = SupportMap::support(hull, dir.as_dvec3() * 1e200);
             assert!((got.feature as usize) < count && got.point.is_finite());
         }
@@ -379,6 +384,11 @@ fn nodes_of_every_kind_are_among_the_samples() {
                     }
                     Slot::Plane(at) => ("plane", at + 6..at + 8),
                     Slot::Bundle(at) => ("bundle", at + 42..at + 50),
+                    Slot::Fan(at) => {
+                        let slots = at + fan::HEAD_WORDS;
+                        let bits = archive.slots[(span.slot.to_native() + slots - 1) as usize].to_native();
+                        ("fan", slots..slots + (1 << bits))
+                    }
                     Slot::Block(_) if record.leaf_blocks > 1 => ("blocks", 0..0),
                     Slot::Block(_) => ("block", 0..0),
                     Slot::List(_) => ("list", 0..0),
@@ -389,7 +399,7 @@ fn nodes_of_every_kind_are_among_the_samples() {
         }
     }
     println!("{counts:?}");
-    for name in ["halves", "squares", "plane", "bundle", "block", "blocks", "list"] {
+    for name in ["halves", "squares", "plane", "bundle", "fan", "block", "blocks", "list"] {
         assert!(counts.contains_key(name), "{name}");
     }
 }
@@ -439,6 +449,46 @@ fn faces_and_outer_vertices_that_are_not_there_are_refused() {
         let result = Pack::from_bytes(&changed);
         assert_eq!(result.is_err(), refused, "{word:#x} at {at}: {:?}", result.err());
     }
+}
+
+/// Changes one number of the archive at a time, which `place` finds, and opens the file.
+fn open_with<T>(file: &[u8], place: impl Fn(&ArchivedPack) -> &T, bytes: &[u8]) -> Result<Pack, InvalidPack> {
+    let payload = payload(file);
+    let at = HEADER_LEN + std::ptr::from_ref(place(archive(&payload))).addr() - payload.as_ptr().addr();
+    let mut changed = file.to_vec();
+    changed[at..at + bytes.len()].copy_from_slice(bytes);
+    reseal(&mut changed);
+    Pack::from_bytes(&changed)
+}
+
+/// A hint is believed by its edges: each must be that of its vertices, to the last digit.
+#[test]
+fn edges_that_contradict_their_vertices_are_refused() {
+    let (name, file) = samples().into_iter().find(|(name, _)| *name == "prism, tree").unwrap();
+    let count = archive(&payload(&file)).edges.len();
+    assert!(count > 1000, "{name}");
+    for number in (0..count).step_by(7) {
+        let right = archive(&payload(&file)).edges[number].to_native();
+        let open = |value: i16| open_with(&file, |pack| &pack.edges[number], &value.to_le_bytes());
+        assert!(open(right).is_ok());
+        for wrong in [right.wrapping_add(1), right.wrapping_sub(1), 0x7fff_i16.wrapping_sub(right), i16::MIN] {
+            let error = open(wrong).unwrap_err().to_string();
+            assert!(error.contains("an edge contradicts its vertices"), "{number}: {error}");
+        }
+    }
+}
+
+#[test]
+fn edges_of_another_number_are_refused() {
+    let (_, file) = samples().pop().unwrap();
+    let end = archive(&payload(&file)).spans[1].edge.to_native();
+    assert_eq!(end as usize, archive(&payload(&file)).edges.len(), "a cube's, and none of a triangle");
+    for fewer in [1, 3, 6, end] {
+        let error = open_with(&file, |pack| &pack.spans[1].edge, &(end - fewer).to_le_bytes()).unwrap_err().to_string();
+        assert!(error.contains("hull 0: it has not three numbers for each edge"), "{error}");
+    }
+    let error = open_with(&file, |pack| &pack.spans[2].edge, &(end - 2).to_le_bytes()).unwrap_err().to_string();
+    assert!(error.contains("edges"), "{error}");
 }
 
 /// Every section empty is consistent in itself, and promised not to open.

@@ -30,11 +30,15 @@ struct Met {
     plain_leaves: usize,
     planes: usize,
     bundles: usize,
+    fans: usize,
     zero_planes: usize,
     lists: usize,
     shared: usize,
     padded: usize,
     directions: usize,
+    /// Directions whose support point is certain by its edges, and those whose is not.
+    certain: usize,
+    uncertain: usize,
     worst_regret: f64,
 }
 
@@ -68,7 +72,7 @@ fn compare(hulls: &[BakedHull], source: &SourceRecord, count: usize, met: &mut M
 
     assert_eq!(file.count(section::HULLS), pack.hull_count());
     assert_eq!(file.count(section::SPANS), pack.hull_count() + 1);
-    assert_eq!(file.span(0), [0; 8]);
+    assert_eq!(file.span(0), [0; 9]);
     let counts = [
         section::NAMES,
         section::VERTICES,
@@ -78,6 +82,7 @@ fn compare(hulls: &[BakedHull], source: &SourceRecord, count: usize, met: &mut M
         section::SLOTS,
         section::BLOCKS,
         section::OUTER_VERTICES,
+        section::EDGES,
     ];
     assert_eq!(file.span(hulls.len()), counts.map(|number| file.count(number)));
     assert_eq!(file.count(section::SOURCE_VERTICES), file.count(section::VERTICES));
@@ -172,6 +177,7 @@ fn shape(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
     }
     assert_eq!(ours.record.max_neighbours as usize, neighbours.iter().map(|list| list.len()).max().unwrap());
     beside(ours, theirs, &neighbours, &faces);
+    edges_of(ours, &neighbours);
     outer(ours, theirs, baked);
     let (v, c, f) = (ours.vertices.len(), ours.face_vertices.len(), faces.len());
     match ours.record.rank {
@@ -201,6 +207,19 @@ fn beside(ours: &reader::Hull, theirs: &hullmap::Hull, neighbours: &[&[u32]], fa
             let mut sorted = beside.to_vec();
             sorted.sort_unstable();
             assert!(at.eq(sorted));
+        }
+    }
+}
+
+/// The edges are those that the document computes; below rank 3 there are none.
+fn edges_of(ours: &reader::Hull, neighbours: &[&[u32]]) {
+    assert_eq!(ours.edges.len(), if ours.record.rank == 3 { 3 * ours.neighbours.len() } else { 0 });
+    for (v, (around, edges)) in neighbours.iter().zip(ours.edges()).enumerate() {
+        for (w, q) in around.iter().zip(edges) {
+            let [v, w] = [v, *w as usize].map(|i| DVec3::from_array(ours.vertices[i].map(f64::from)));
+            let e = w - v;
+            let length = (e.x * e.x + e.y * e.y + e.z * e.z).sqrt();
+            assert_eq!(q, e.to_array().map(|c| (c / length * 32767.0).round() as i16));
         }
     }
 }
@@ -247,6 +266,7 @@ fn index(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull, met: &m
     met.plain_leaves += walk.plain_leaves;
     met.planes += walk.planes;
     met.bundles += walk.bundles;
+    met.fans += walk.fans;
     met.zero_planes += walk.zero_planes;
     met.lists += walk.lists;
     met.shared += walk.shared;
@@ -254,6 +274,7 @@ fn index(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull, met: &m
 
 fn support(ours: &reader::Hull, theirs: &hullmap::Hull, count: usize, met: &mut Met) {
     let mut rng = SplitMix64::new(SEED);
+    let edges = ours.edges();
     for dir in directions::all(theirs, count, SEED) {
         let d = dir.to_array().map(f64::from);
         let expected = theirs.support(dir);
@@ -266,6 +287,14 @@ fn support(ours: &reader::Hull, theirs: &hullmap::Hull, count: usize, met: &mut 
         // A direction of f64 numbers, which no f32 holds.
         let fine = DVec3::from_array(rng.direction()) * 1e-9 * dir.as_dvec3().length() + dir.as_dvec3();
         assert_eq!(ours.support(fine.to_array()), SupportMap::support(theirs, fine).feature);
+
+        // A vertex that its edges tell to be the one is the one that the index finds.
+        if !edges.is_empty() && (1e-30..=1e30).contains(&dir.abs().max_element()) {
+            let is_certain = |v: u32| reader::Hull::is_certain(&edges[v as usize], dir.to_array());
+            *(if is_certain(expected.index) { &mut met.certain } else { &mut met.uncertain }) += 1;
+            let other = rng.below(edges.len()) as u32;
+            assert!(other == expected.index || !is_certain(other));
+        }
 
         let height = |v: &[f32; 3]| DVec3::from_array(v.map(f64::from)).dot(dir.as_dvec3());
         let best = ours.vertices.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
@@ -322,10 +351,23 @@ fn a_reader_written_from_the_document_agrees() {
     }
     println!("{met:?}");
     assert!(ranks.iter().all(|count| *count > 0), "hulls of each rank: {ranks:?}");
-    let slots = [met.halves, met.plain_leaves, met.planes, met.bundles, met.zero_planes, met.lists, met.shared];
+    let slots =
+        [met.halves, met.plain_leaves, met.planes, met.bundles, met.fans, met.zero_planes, met.lists, met.shared];
     assert!(slots.iter().all(|count| *count > 0), "slots of each kind: {met:?}");
     assert!(met.branches.iter().filter(|count| **count > 0).count() >= 4, "branches of several sizes: {met:?}");
     assert!(met.directions > 100_000 && met.padded > 0);
+    assert!(met.certain * 4 > met.directions && met.uncertain * 10 > met.directions, "{met:?}");
+}
+
+/// A file that was baked before version 2 is refused by its version, and told what to do about it.
+#[test]
+fn files_of_version_1_are_refused_with_the_remedy() {
+    let file = include_bytes!("../data/version-1.hullmap");
+    let error = Pack::from_bytes(file).unwrap_err().to_string();
+    println!("{error}");
+    assert!(error.contains("format version 1, where this build reads 2: bake the source again"), "{error}");
+    assert_eq!(u64_at(file, 16) as usize, file.len() - 64, "it is whole");
+    assert_eq!(u64_at(file, 56), XxHash3_64::oneshot(&[&file[..56], &file[64..]].concat()), "and sound");
 }
 
 #[test]
@@ -450,7 +492,7 @@ fn tables_have_no_gaps() {
     };
     for (heading, size) in [
         ("\n## 3. Header\n", 64),
-        ("\n### 6.1 Span\n", 32),
+        ("\n### 6.1 Span\n", 36),
         ("\n### 6.2 Hull record\n", 200),
         ("\n### 6.3 Block\n", 128),
     ] {

@@ -121,13 +121,14 @@ fn uses(text: &str, word: &str) -> bool {
 }
 
 #[test]
-fn unsafe_code_is_in_one_file() {
+fn unsafe_code_is_in_two_files() {
     // In two parts, so that this file is not one that uses it.
     let (word, lint) = (concat!("un", "safe"), concat!("un", "safe_code"));
     let sources = sources();
     let text = |path: &PathBuf| fs::read_to_string(workspace().join(path)).unwrap();
     let found: Vec<&PathBuf> = sources.iter().filter(|path| uses(&text(path), word)).collect();
-    assert_eq!(found, [Path::new("crates/hullmap/src/storage.rs")], "of {} files", sources.len());
+    let allowed = ["crates/hullmap/src/simd/avx2.rs", "crates/hullmap/src/storage.rs"].map(Path::new);
+    assert_eq!(found, allowed, "of {} files", sources.len());
     assert!(sources.len() > 50);
 
     // And the compiler is told so in every root but those of tests.
@@ -142,7 +143,7 @@ fn unsafe_code_is_in_one_file() {
         assert!(text(root).contains(&format!("#![{level}({lint})]")), "{}: no {level}({lint})", root.display());
     }
     let allowing = sources.iter().filter(|path| text(path).contains(&format!("allow({lint})")));
-    assert_eq!(allowing.collect::<Vec<_>>(), [Path::new("crates/hullmap/src/storage.rs")]);
+    assert_eq!(allowing.collect::<Vec<_>>(), allowed);
 }
 
 #[test]

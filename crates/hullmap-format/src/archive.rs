@@ -123,7 +123,7 @@ pub struct HullRecord {
     pub leaf_blocks: u32,
     /// Most neighbours of a vertex.
     pub max_neighbours: u32,
-    /// Most branches and planes above any leaf: no direction visits more.
+    /// Most branches, planes and fans above any leaf: no direction visits more.
     pub max_nodes: u32,
     /// Most lanes of any leaf, [`LANES`] a block, used or not: no direction is multiplied with more vertices.
     pub max_dots: u32,

@@ -6,25 +6,27 @@
 //! |---|---|---|
 //! | 0 | branch: the cell is divided evenly | tree: place · 16 + b, of 4ᵇ slots; binary tree: place, of 2 slots |
 //! | 1 | leaf of the usual number of blocks | the first block |
-//! | 2 | planes: the cell is cut by planes through the origin | place · 4 + (0 for one plane, 1 for seven, 2 for a fan) |
+//! | 2 | planes through the origin, or a fan of them | place · 4 + (0 for one plane, 1 for seven, 2 for a fan; 3 is none) |
 //! | 3 | leaf of any number of blocks | place, of 2 words: first block, number of blocks |
 //!
 //! A branch of a tree divides its cell into 2ᵇ × 2ᵇ squares, row by row (v), each row along u. One of a binary tree halves
-//! it, across u first, then v, in turn. Below planes there are no branches.
+//! it, across u first, then v, in turn. Below planes and fans there are planes, fans and leaves, but no branches.
 //!
 //! One plane takes 8 words: the normal's three f64, each low word first, then the slots behind and in front of it. Seven
 //! planes take 50: the normals' first coordinates, second ones, third ones, then eight slots. The first plane parts
 //! the cell; the next two part what lies behind and in front of it; the last four the four parts; a direction's slot is
 //! the number of its part. A direction `d` is in front where n·d > 0. Unused planes are zero: all is behind them.
 //!
-//! Normals are f64 because the planes of a fan all pass through one direction, the normal of the facet whose corners they
+//! A fan takes 17 words and 2ᵇ slots: equal steps around an axis, see [`crate::fan`].
+//!
+//! Normals are f64 because the planes around a facet all pass through one direction, the normal of the facet whose corners they
 //! part: rounded to f32 they would miss it by 6e-8, and around it no plane would part anything.
 //!
 //! A *place* is the number of a word in the hull's own run of words; blocks are numbered in the hull's own run too.
 //!
 //! A tree starts with the slots of the six faces; a cube map with those of all its cells, which are leaves; a hull without
 //! an index has no words. Nodes follow in the order in which the slots that name them first stand (breadth first), without
-//! gaps. Only slots of one node may name the same planes or list, and no two the same branch. So a reader can check the
+//! gaps. Only slots of one node may name the same planes, fan or list, and no two the same branch. So a reader can check the
 //! whole in one pass, and no node lies below itself.
 
 /// Words of a halving.
@@ -93,7 +95,7 @@ impl Branch {
 }
 
 impl Slot {
-    /// Reads a word. Every word is some slot.
+    /// Reads a word. Every word is read as some slot; one that is none is not what the slot is written as.
     #[inline]
     pub fn decode(word: u32) -> Self {
         let payload = word & PAYLOAD_MASK;
@@ -161,11 +163,14 @@ mod tests {
                 Slot::Block(payload),
                 Slot::Plane(payload),
                 Slot::Bundle(payload),
+                Slot::Fan(payload),
                 Slot::List(payload),
             ] {
                 assert_eq!(Slot::decode(slot.encode()), slot);
             }
         }
+        let none = Slot::Fan(5).encode() | 3;
+        assert_ne!(Slot::decode(none).encode(), none);
         let branch = Branch { at: BRANCH_LIMIT - 1, bits: MAX_BRANCH_BITS };
         assert_eq!(Branch::decode(branch.encode()), branch);
         for value in [1.0 / 3.0, -2e-300, 5e200, 0.0] {

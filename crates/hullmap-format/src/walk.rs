@@ -1,8 +1,8 @@
 //! One pass over a direction index: is it well formed, and what does a query cost at worst?
 //!
 //! The nodes of an index stand breadth first, without gaps ([`crate::slot`]). So the pass needs no recursion: it reads
-//! the words from the front, and each slot that names a node must name the next free place, or the same planes or list as
-//! an earlier slot of its own node. An index that passes has no cycle, no node below two others, no dead word, and every
+//! the words from the front, and each slot that names a node must name the next free place, or the same planes, fan or
+//! list as an earlier slot of its own node. An index that passes has no cycle, no node below two others, no dead word, and every
 //! leaf's blocks in range.
 
 use std::collections::VecDeque;
@@ -109,7 +109,13 @@ pub enum IndexError {
         /// Place of the planes.
         at: usize,
     },
-    /// A branch below planes, finer than the grid, or in a cube map; planes in a cube map.
+    /// A word that no slot is written as.
+    #[error("slot {slot} of the direction index is of no known kind")]
+    Unknown {
+        /// Place of the slot.
+        slot: usize,
+    },
+    /// A branch below planes or a fan, finer than the grid, or in a cube map; planes or a fan in a cube map.
     #[error("slot {slot} of the direction index is a node where none can stand")]
     Misplaced {
         /// Place of the slot.
@@ -226,7 +232,11 @@ impl<F: Fn(usize) -> u32> Walk<F> {
     }
 
     fn slot(&mut self, at: usize, depth: u32, bits_left: u32) -> Result<(), IndexError> {
-        let slot = Slot::decode((self.word)(at));
+        let word = (self.word)(at);
+        let slot = Slot::decode(word);
+        if slot.encode() != word {
+            return Err(IndexError::Unknown { slot: at });
+        }
         if depth > MAX_NODES {
             return Err(IndexError::Deep { slot: at });
         }
@@ -265,7 +275,7 @@ impl<F: Fn(usize) -> u32> Walk<F> {
         Ok(())
     }
 
-    /// Whether another slot of the node being read has named the same planes or list. Pending nodes ascend by place.
+    /// Whether another slot of the node being read has named the same planes, fan or list. Pending nodes ascend by place.
     fn is_of_this_node(&self, slot: Slot, place: u32) -> bool {
         let found = self.pending.partition_point(|node| node.place < place);
         let is_same = self.pending.get(found).is_some_and(|node| node.slot == slot);
@@ -295,6 +305,61 @@ mod tests {
 
     fn normal(n: [f64; 3]) -> Vec<u32> {
         n.into_iter().flat_map(encode_f64).collect()
+    }
+
+    /// One root: a fan of four steps, of which the first two are one plane, the others a block and a fan of two blocks.
+    fn fans() -> Vec<u32> {
+        let head = |bits: u32| {
+            let mut words = normal([1.0, 0.0, 0.0]);
+            words.extend(normal([0.0, 1.0, 0.0]));
+            words.extend([-1.0, 0.5].into_iter().flat_map(encode_f64));
+            words.push(bits);
+            words
+        };
+        let mut words = vec![Slot::Fan(1).encode()];
+        words.extend(head(2));
+        words.extend([Slot::Plane(22), Slot::Plane(22), Slot::Block(0), Slot::Fan(30)].map(Slot::encode));
+        words.extend(normal([0.0, 0.0, 1.0]));
+        words.extend([Slot::Block(1).encode(); 2]);
+        words.extend(head(1));
+        words.extend([Slot::Block(2).encode(); 2]);
+        words
+    }
+
+    #[test]
+    fn every_damage_of_a_fan_is_named() {
+        let check = |words: &[u32]| check(words, 1, 3, Branches::Squares);
+        let with = |at: usize, word: u32| {
+            let mut words = fans();
+            words[at] = word;
+            check(&words)
+        };
+        let all = fans();
+        assert_eq!(all.len(), 49);
+        assert_eq!(check(&all), Ok(Cost { nodes: 2, dots: 8 }));
+        for bits in [0, fan::MAX_BITS + 1, 31, 32, u32::MAX] {
+            assert!(matches!(with(17, bits), Err(IndexError::Short { at: 49 })), "{bits} bits");
+        }
+        assert!(matches!(with(17, 1), Err(IndexError::Order { slot: 18, .. })), "fewer steps");
+        assert!(matches!(with(17, fan::MAX_BITS), Err(IndexError::Short { .. })), "more steps than there are");
+        for number in 0..8 {
+            for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                assert!(matches!(with(2 + 2 * number, encode_f64(odd)[1]), Err(IndexError::Plane { at: 1 })), "{odd}");
+            }
+        }
+        assert!(matches!(check(&all[..10]), Err(IndexError::Short { .. })), "head cut short");
+        assert!(matches!(check(&all[..17]), Err(IndexError::Short { .. })), "head without its bits");
+        assert!(matches!(check(&all[..20]), Err(IndexError::Short { .. })), "slots cut short");
+        assert!(matches!(check(&all[..48]), Err(IndexError::Short { .. })), "slots of the inner fan cut short");
+        assert!(matches!(with(0, Slot::Fan(1).encode() | 3), Err(IndexError::Unknown { slot: 0 })));
+        assert!(matches!(with(20, Slot::Fan(22).encode() | 3), Err(IndexError::Unknown { slot: 20 })));
+        let branch = Slot::Branch(Branch { at: 30, bits: 1 }.encode()).encode();
+        assert!(matches!(with(21, branch), Err(IndexError::Misplaced { slot: 21 })), "a branch below a fan");
+        assert!(matches!(with(21, Slot::Fan(1).encode()), Err(IndexError::Order { slot: 21, .. })), "its own parent");
+        assert!(matches!(with(19, Slot::Fan(22).encode()), Err(IndexError::Order { slot: 19, .. })), "another kind");
+        assert!(matches!(with(47, Slot::Block(3).encode()), Err(IndexError::Blocks { slot: 47, .. })));
+        assert!(matches!(super::tests::check(&all, 1, 3, Branches::None), Err(IndexError::Misplaced { slot: 0 })));
+        assert!(super::tests::check(&all, 1, 3, Branches::Halves).is_ok());
     }
 
     /// One root: four squares, of which two share a plane node over a block and a list; the last are a bundle and a block.

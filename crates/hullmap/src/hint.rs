@@ -73,3 +73,112 @@ fn all_lead_away(edges: Edges, dir: [f32; 3], least: f32) -> bool {
         x * dir[0] + y * dir[1] + z * dir[2] < least
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use rkyv::rend::i16_le;
+    use shapes::rng::SplitMix64;
+
+    use super::*;
+    use crate::simd::{Instructions, Level};
+
+    /// All that this processor has.
+    fn levels() -> impl Iterator<Item = Level> {
+        [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Level::of)
+    }
+
+    /// `count` edges that lead away from x, by first coordinates, second ones and third ones, and `more` numbers of others.
+    fn numbers(rng: &mut SplitMix64, count: usize, more: usize) -> Vec<i16_le> {
+        let edges: Vec<[i16; 3]> = (0..count)
+            .map(|_| {
+                let [x, y, z] = rng.direction();
+                DVec3::new(-x.abs() - 0.1, y, z).normalize().to_array().map(|c| (c * edge::SCALE).round() as i16)
+            })
+            .collect();
+        let by_axis = (0..3).flat_map(|axis| edges.iter().map(move |edge| edge[axis]));
+        by_axis.chain((0..more).map(|_| rng.next_u64() as i16)).map(i16_le::from_native).collect()
+    }
+
+    /// The fast path against its slow twin, for every number of edges, with and without others behind them.
+    #[test]
+    fn eight_at_a_time_is_one_after_the_other() {
+        let mut rng = SplitMix64::new(7);
+        let mut yes = 0;
+        let rounds = 4_000;
+        for round in 0..rounds {
+            let count = 1 + round % MOST_EDGES;
+            let more = [0, 1, 7, 8, 60][rng.below(5)];
+            let numbers = numbers(&mut rng, count, more);
+            let edges = Edges { numbers: &numbers, count };
+            let spread = rng.unit();
+            let size = [1.0, 1e-29, 1e29, 3.0][rng.below(4)];
+            let dir = (DVec3::X + DVec3::from_array(rng.direction()) * spread * 1.5) * size;
+            let dir = dir.as_vec3().to_array();
+            let least = least(edges, dir).unwrap();
+            let slow = all_lead_away(edges, dir, least);
+            for level in levels() {
+                let fast = level.run(AllLeadAway(edges), dir);
+                assert_eq!(fast, slow, "{:?}, {count} edges, {dir:?}", level.instructions());
+            }
+            yes += usize::from(slow);
+        }
+        assert!((rounds / 5..rounds * 4 / 5).contains(&yes), "{yes} of {rounds} are certain");
+    }
+
+    /// Sums within rounding of the threshold are no matter: what is certain in one order of operations is so in f64.
+    #[test]
+    fn what_is_certain_leads_away_for_certain() {
+        let mut rng = SplitMix64::new(8);
+        let mut certain = 0;
+        for _ in 0..20_000 {
+            let numbers = numbers(&mut rng, 1, 9);
+            let q: [f64; 3] = std::array::from_fn(|axis| f64::from(numbers[axis].to_native()));
+            // Nearly at right angles to the edge.
+            let q = DVec3::from_array(q);
+            let beside = q.cross(DVec3::from_array(rng.direction())).normalize();
+            let dir = (beside - q.normalize() * rng.unit() * 1e-4).as_vec3();
+            for level in levels() {
+                if level.run(AllLeadAway(Edges { numbers: &numbers, count: 1 }), dir.to_array()) {
+                    // The edge before it was rounded is half a unit off in each coordinate at most.
+                    let dir = dir.as_dvec3();
+                    assert!(q.dot(dir) + 0.5 * dir.abs().element_sum() < 0.0);
+                    certain += 1;
+                }
+            }
+        }
+        assert!(certain > 1_000, "{certain}");
+    }
+
+    #[test]
+    fn what_cannot_be_told_is_not_certain() {
+        let mut rng = SplitMix64::new(9);
+        let numbers = numbers(&mut rng, MOST_EDGES + 1, 8);
+        let sure = |count: usize, dir: [f32; 3]| -> Vec<bool> {
+            let edges = Edges { numbers: &numbers, count };
+            levels().map(|level| level.run(AllLeadAway(edges), dir)).collect()
+        };
+        let away = [1.0, 0.0, 0.0];
+        assert!(sure(MOST_EDGES, away).iter().all(|sure| *sure));
+        assert!(sure(1, [1e30, 0.0, 0.0]).iter().all(|sure| *sure));
+        // No edges, too many, more than there are numbers.
+        for count in [0, MOST_EDGES + 1, 1_000, usize::MAX / 4] {
+            assert!(sure(count, away).iter().all(|sure| !sure), "{count}");
+        }
+        let (nan, inf) = (f32::NAN, f32::INFINITY);
+        for dir in [
+            [0.0; 3],
+            [nan; 3],
+            [1.0, nan, 0.0],
+            [inf, 0.0, 0.0],
+            [1.0, -inf, 0.0],
+            [f32::MAX, 0.0, 0.0],
+            [1e-31, 0.0, 0.0],
+            [1e-44, 0.0, 0.0],
+        ] {
+            assert!(sure(MOST_EDGES, dir).iter().all(|sure| !sure), "{dir:?}");
+        }
+        let short = Edges { numbers: &numbers[..5], count: 2 };
+        assert!(levels().all(|level| !level.run(AllLeadAway(short), away)));
+    }
+}

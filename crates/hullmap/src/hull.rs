@@ -398,3 +398,74 @@ fn vector(v: &[rkyv::rend::f64_le; 3]) -> DVec3 {
 fn run<T>(section: &[T], start: u32_le, end: u32_le) -> Option<&[T]> {
     section.get(start.to_native() as usize..end.to_native() as usize)
 }
+
+#[cfg(test)]
+mod tests {
+    use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
+    use shapes::{families, rng::SplitMix64};
+
+    use super::*;
+    use crate::Pack;
+
+    fn pack(positions: Vec<[f32; 3]>) -> Pack {
+        let set = PointSet { name: "hull".into(), source_vertices: (0..positions.len() as u32).collect(), positions };
+        let baked = bake_hull(&set, IndexKind::TREE).unwrap();
+        Pack::from_bytes(&write_pack(&[baked], &SourceRecord::default()).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn instructions_change_no_answer() {
+        for positions in [families::rock(500, 1), families::prism(500, 0), families::cube_grid(64, 0)] {
+            let pack = pack(positions);
+            let best = pack.hull(0).unwrap();
+            // Every processor has these.
+            let portable = best.with_instructions(Instructions::Portable).unwrap();
+            assert_eq!(portable.instructions(), Instructions::Portable);
+            match best.with_instructions(Instructions::Avx2) {
+                Some(hull) => {
+                    assert_eq!((hull.instructions(), best.instructions()), (Instructions::Avx2, Instructions::Avx2))
+                }
+                None => assert_eq!(best.instructions(), Instructions::Portable),
+            }
+            let mut rng = SplitMix64::new(1);
+            let mut hint = 0;
+            for round in 0..3_000 {
+                let mut dir = rng.direction();
+                // On faces and edges some tie.
+                dir[round % 3] *= [1.0, 0.0, 1e-8][round / 3 % 3];
+                let dir = DVec3::from_array(dir);
+                assert_eq!(SupportMap::support(&best, dir), SupportMap::support(&portable, dir), "{dir}");
+                let dir = dir.as_vec3();
+                assert_eq!(best.support(dir), portable.support(dir), "{dir}");
+                assert_eq!(best.support_from(dir, hint), portable.support_from(dir, hint), "{dir} from {hint}");
+                assert_eq!(best.support_cost(dir), portable.support_cost(dir));
+                hint = best.support(dir).index;
+            }
+        }
+    }
+
+    #[test]
+    fn hints_are_certain_within_cones_alone() {
+        let pack = pack(families::sphere(300, 4));
+        let hull = pack.hull(0).unwrap();
+        let (mut certain, mut rng) = (0, SplitMix64::new(2));
+        for _ in 0..2_000 {
+            let dir = DVec3::from_array(rng.direction()).as_vec3();
+            let right = hull.support(dir);
+            for hint in 0..hull.vertex_count() as u32 {
+                let found = hull.certain(dir.to_array(), hint);
+                assert!(
+                    found.is_none() || (hint, found) == (right.index, Some(right.point.to_array())),
+                    "{dir} {hint}"
+                );
+            }
+            certain += usize::from(hull.certain(dir.to_array(), right.index).is_some());
+            assert_eq!(hull.certain(dir.to_array(), u32::MAX), None);
+        }
+        assert!(certain > 1_900, "{certain} of 2,000");
+        // The last vertex, behind whose edges the section ends, too.
+        let last = hull.vertex_count() as u32 - 1;
+        let outward = hull.vertex(last).unwrap();
+        assert_eq!(hull.certain(outward.to_array(), last), Some(outward.to_array()));
+    }
+}

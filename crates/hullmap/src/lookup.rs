@@ -1,8 +1,8 @@
 //! Direction → leaf of the direction index → support vertex.
 //!
 //! 1. [`cube::locate`] finds the cell of the finest grid that the direction falls into.
-//! 2. A tree is descended from the face's root: a branch by the next bits of u and v, planes by the signs of n·d. A cube
-//!    map is one read. Without an index, every block is the leaf.
+//! 2. A tree is descended from the face's root: a branch by the next bits of u and v, planes by the signs of n·d, a fan
+//!    by an angle. A cube map is one read. Without an index, every block is the leaf.
 //! 3. Of the leaf's candidates the one with the greatest dot product wins, the lowest vertex number among equals
 //!    ([`crate::candidates`]).
 //!

@@ -1,4 +1,5 @@
-//! Where a pack's bytes live: a memory map, or a buffer of our own. The one module of the crate with unsafe code.
+//! Where a pack's bytes live: a memory map, or a buffer of our own. One of the two modules of the crate with unsafe code; the
+//! other is `simd/avx2.rs`.
 //!
 //! A storage is checked once, when it is made, and never changes after; [`Storage::archive`] then reads it in place.
 #![allow(unsafe_code)]

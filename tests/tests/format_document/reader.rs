@@ -5,12 +5,12 @@
 use std::{collections::VecDeque, ops::Range};
 
 /// Sections in the order of the root's entries (4): name, bytes of an element, multiple on which it starts.
-pub const SECTIONS: [(&str, usize, usize); 15] = [
+pub const SECTIONS: [(&str, usize, usize); 16] = [
     ("blocks", 128, 64),
     ("source_path", 1, 1),
     ("options", 1, 1),
     ("names", 1, 1),
-    ("spans", 32, 4),
+    ("spans", 36, 4),
     ("hulls", 200, 8),
     ("vertices", 12, 4),
     ("source_vertices", 4, 4),
@@ -21,10 +21,11 @@ pub const SECTIONS: [(&str, usize, usize); 15] = [
     ("neighbour_faces", 4, 4),
     ("outer_vertices", 12, 4),
     ("slots", 4, 4),
+    ("edges", 2, 2),
 ];
 
 const HEADER: usize = 64;
-pub const ROOT: usize = 120;
+pub const ROOT: usize = 128;
 
 /// Numbers of sections in [`SECTIONS`].
 pub mod section {
@@ -43,13 +44,14 @@ pub mod section {
     pub const NEIGHBOUR_FACES: usize = 12;
     pub const OUTER_VERTICES: usize = 13;
     pub const SLOTS: usize = 14;
+    pub const EDGES: usize = 15;
 }
 
 /// A whole file.
 pub struct File<'a> {
     bytes: &'a [u8],
     /// File offsets of each section's bytes.
-    pub sections: [Range<usize>; 15],
+    pub sections: [Range<usize>; 16],
 }
 
 /// One hull's runs.
@@ -65,6 +67,7 @@ pub struct Hull<'a> {
     pub neighbour_faces: Vec<u32>,
     pub outer_vertices: Vec<[f32; 3]>,
     pub slots: Vec<u32>,
+    pub edges: Vec<i16>,
     pub blocks: Vec<Block>,
 }
 
@@ -166,9 +169,9 @@ impl<'a> File<'a> {
         padding
     }
 
-    /// The eight numbers of span `hull` (6.1).
-    pub fn span(&self, hull: usize) -> [usize; 8] {
-        std::array::from_fn(|i| u32_at(self.section(section::SPANS), 32 * hull + 4 * i) as usize)
+    /// The nine numbers of span `hull` (6.1).
+    pub fn span(&self, hull: usize) -> [usize; 9] {
+        std::array::from_fn(|i| u32_at(self.section(section::SPANS), 36 * hull + 4 * i) as usize)
     }
 
     fn run(&self, number: usize, start: usize, end: usize) -> &'a [u8] {
@@ -192,6 +195,7 @@ impl<'a> File<'a> {
             neighbour_faces: words(run(section::NEIGHBOUR_FACES, 4)),
             outer_vertices: run(section::OUTER_VERTICES, 7).chunks(12).map(|v| floats(v, 0)).collect(),
             slots: words(run(section::SLOTS, 5)),
+            edges: run(section::EDGES, 8).chunks(2).map(|number| i16::from_le_bytes(array(number, 0))).collect(),
             blocks: run(section::BLOCKS, 6).chunks(128).map(Block::new).collect(),
         }
     }
@@ -297,6 +301,21 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// 7.3: the step of the fan at `at` in which the direction is.
+fn step(slots: &[u32], at: usize, d: [f64; 3]) -> usize {
+    let [x, y] = [at, at + 6].map(|at| dot(normals_at(slots, at, 1)[0], d));
+    // By the quarter whose middle is X, Y, −X or −Y.
+    let angle = match (y.abs() > x.abs(), x < 0.0, y < 0.0) {
+        (false, false, _) => y / x,
+        (true, _, false) => 2.0 - x / y,
+        (false, true, _) => 4.0 + y / x,
+        (true, _, true) => 6.0 - x / y,
+    };
+    let step = ((angle - number_at(slots, at + 12)) * number_at(slots, at + 14)).floor();
+    let last = (1 << slots[at + 16]) - 1;
+    if step.is_nan() { 0 } else { step.clamp(0.0, f64::from(last)) as usize }
+}
+
 /// Top bits of a grid number of 23 bits, and the others in their place.
 fn shift(g: u32, bits: u32) -> (u32, u32) {
     (g >> (23 - bits), g << bits & 0x7f_ffff)
@@ -336,8 +355,12 @@ impl Hull<'_> {
                     let first = rest as usize;
                     return Leaf { blocks: first..first + self.record.leaf_blocks as usize, nodes };
                 }
+                2 if rest & 3 == 2 => {
+                    let at = (rest >> 2) as usize;
+                    slot = self.slots[at + 17 + step(&self.slots, at, d)];
+                }
                 2 => {
-                    let (at, planes) = ((rest >> 1) as usize, if rest & 1 == 0 { 1 } else { 7 });
+                    let (at, planes) = ((rest >> 2) as usize, if rest & 3 == 0 { 1 } else { 7 });
                     let normals = normals_at(&self.slots, at, planes);
                     let front = |plane: usize| usize::from(dot(normals[plane], d) > 0.0);
                     // In heap order: below plane k are planes 2k + 1 and 2k + 2.
@@ -383,6 +406,22 @@ impl Hull<'_> {
         parts(&self.neighbour_starts, &self.neighbours)
     }
 
+    /// 5: the stored edges of each vertex, in its neighbours' order; nothing where there are none.
+    pub fn edges(&self) -> Vec<Vec<[i16; 3]>> {
+        let counts = self.neighbours().into_iter().map(|list| list.len());
+        let runs = self.neighbour_starts.iter().zip(counts).map(|(start, count)| (3 * *start as usize, count));
+        let of = |(at, count): (usize, usize)| {
+            (0..count).map(|i| std::array::from_fn(|axis| self.edges[at + axis * count + i])).collect()
+        };
+        if self.edges.is_empty() { Vec::new() } else { runs.map(of).collect() }
+    }
+
+    /// 7.7: whether these edges tell for certain that the vertex they start from is the support point.
+    pub fn is_certain(edges: &[[i16; 3]], d: [f32; 3]) -> bool {
+        let least = -0.52 * (d[0].abs() + d[1].abs() + d[2].abs());
+        edges.iter().map(|q| q.map(f32::from)).all(|q| q[0] * d[0] + q[1] * d[1] + q[2] * d[2] < least)
+    }
+
     /// For each vertex the faces to the left of its edges, in its neighbours' order.
     pub fn faces_beside(&self) -> Vec<&[u32]> {
         parts(&self.neighbour_starts, &self.neighbour_faces)
@@ -400,10 +439,11 @@ pub struct Walk {
     pub plain_leaves: usize,
     pub planes: usize,
     pub bundles: usize,
+    pub fans: usize,
     /// Planes of bundles that part nothing.
     pub zero_planes: usize,
     pub lists: usize,
-    /// Slots that name the planes or the list that an earlier slot of their node names.
+    /// Slots that name the planes, the fan or the list that an earlier slot of their node names.
     pub shared: usize,
 }
 
@@ -464,7 +504,7 @@ impl Hull<'_> {
         };
         let leaf = match slot >> 30 {
             0 => {
-                assert!(kind >= 2 && !node.below_planes, "branches are found in trees, above the planes");
+                assert!(kind >= 2 && !node.below_planes, "branches are found in trees, above planes and fans");
                 if kind == 2 {
                     let at = take(rest, 2);
                     walk.halves += 1;
@@ -483,11 +523,26 @@ impl Hull<'_> {
                 walk.plain_leaves += 1;
                 rest as usize..(rest + self.record.leaf_blocks) as usize
             }
+            2 if rest & 3 == 2 => {
+                assert!(kind >= 2, "fans are found in trees");
+                let bits = self.slots[(rest >> 2) as usize + 16];
+                assert!((1..=20).contains(&bits));
+                let at = take(rest >> 2, 17 + (1 << bits));
+                let [x, y] = [at, at + 6].map(|at| normals_at(&self.slots, at, 1)[0]);
+                for (found, expected) in [(dot(x, x), 1.0), (dot(y, y), 1.0), (dot(x, y), 0.0)] {
+                    assert!((found - expected).abs() < 1e-15, "{x:?} {y:?}");
+                }
+                let [start, rate] = [12, 14].map(|i| number_at(&self.slots, at + i));
+                assert!(start > -1.0 - 1e-9 && start + f64::from(1 << bits) / rate < 7.0 + 1e-9 && rate > 0.0);
+                walk.fans += 1;
+                below(at + 17..at + 17 + (1 << bits), 0, true);
+                return;
+            }
             2 => {
-                assert!(kind >= 2, "planes are found in trees");
+                assert!(kind >= 2 && rest & 3 < 2, "planes are found in trees");
                 let planes = if rest & 1 == 0 { 1 } else { 7 };
                 let (first, count) = (6 * planes, planes + 1);
-                let at = take(rest >> 1, first + count);
+                let at = take(rest >> 2, first + count);
                 for normal in normals_at(&self.slots, at, planes) {
                     if normal == [0.0; 3] && planes == 7 {
                         walk.zero_planes += 1;

@@ -12,6 +12,18 @@ use crate::gauss_map::GaussMap;
 /// a vertex whose cone is as close: the regret is at most about this times the diameter.
 pub const TOUCH: f64 = 1e-13;
 
+/// Polygons of these sizes are listed wherever they reach at all.
+///
+/// Between two planes, near the line in which they meet, all is within [`TOUCH`] of both: what lies there would be listed
+/// on neither side. Large polygons reach out of there and are found where they do. Small ones do not: what is listed instead
+/// is as wrong as they are large. Still smaller ones can be wrong by no more than [`TOUCH`].
+const SMALL: std::ops::Range<f64> = 8.0 * TOUCH..1e-6;
+
+/// How far a polygon of this size must reach beyond a plane to be listed there.
+pub fn touch_of(size: f64) -> f64 {
+    if SMALL.contains(&size) { 0.0 } else { TOUCH }
+}
+
 /// Polygons of the cones that meet a cell, in ascending order of their vertices.
 #[derive(Clone, Debug, Default)]
 pub struct Cones {
@@ -174,8 +186,21 @@ fn reach(polygon: &[[f64; 2]], line: Line) -> [bool; 2] {
         low = low.min(height);
         high = high.max(height);
     }
-    let [behind, front] = [low < line.overlap, high > -line.overlap];
+    let mut overlap = line.overlap;
+    if overlap < 0.0 && ((overlap..0.0).contains(&low) || (0.0..-overlap).contains(&high)) {
+        overlap = -touch_of(size(polygon));
+    }
+    let [behind, front] = [low < overlap, high > -overlap];
     if behind || front { [behind, front] } else { [true, true] }
+}
+
+/// The longer side of a polygon's bounds.
+fn size(polygon: &[[f64; 2]]) -> f64 {
+    let along = |axis: usize| {
+        let of = |start: f64, choose: fn(f64, f64) -> f64| polygon.iter().map(|p| p[axis]).fold(start, choose);
+        of(f64::NEG_INFINITY, f64::max) - of(f64::INFINITY, f64::min)
+    };
+    along(0).max(along(1))
 }
 
 /// Appends the part of a convex polygon on one side of a line (`sign` 1: in front; −1: behind), the overlap included.

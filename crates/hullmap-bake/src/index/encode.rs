@@ -1,6 +1,7 @@
 //! Subdivided cells → the words and blocks of an index, as [`hullmap_format::slot`] lays them out.
 //!
-//! Leaves that list the same vertices share their blocks.
+//! Leaves that list the same vertices share their blocks. Halvings become branches of as many levels as are worth it, planes
+//! bundles of three levels, the steps of a fan one row of slots.
 
 use std::collections::{HashMap, VecDeque};
 
@@ -246,7 +247,8 @@ impl<'a> Encoder<'a> {
 
     /// A slot for the leaf that lists these vertices; a list leaf's two words are appended.
     fn leaf(&mut self, list: &[u32]) -> Slot {
-        // The cones cover every cell; should rounding ever leave one empty, any vertex is as good.
+        // The cones cover every cell. Empty are steps of a fan that lie outside its cell, where no direction leads: any
+        // vertex will do.
         let list = if list.is_empty() { &[0][..] } else { list };
         let first = match self.known.get(list) {
             Some(&first) => first,

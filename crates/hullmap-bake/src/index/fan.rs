@@ -11,7 +11,7 @@
 use glam::DVec3;
 use hullmap_format::{cube, fan};
 
-use super::cones::{Cones, TOUCH};
+use super::cones::{Cones, TOUCH, touch_of};
 
 /// How far a plane may miss the axis, as the sine of the angle between them.
 ///
@@ -133,6 +133,8 @@ impl Fan {
         let middle = cones.iter().flat_map(|(_, polygon)| polygon).map(|&p| direction(face, p)).sum::<DVec3>();
         // The end of the turn is to lie where the cell is not, if it does not lie all around the axis.
         let x = -(middle - axis * middle.dot(axis)).try_normalize()?;
+        // Where the middle lies on the axis, what rounding has left may lie along it as well.
+        let x = (x - axis * x.dot(axis)).try_normalize()?;
         let y = axis.cross(x);
         if !Self::is_likely(face, cones, x, y) {
             return None;
@@ -178,16 +180,20 @@ impl Fan {
     }
 }
 
-/// The least and greatest angle over which a polygon reaches by more than [`TOUCH`], the least one from −1 on; none if an
-/// edge goes through the axis. A polygon around the axis reaches over all.
+/// The least and greatest angle over which a polygon reaches by more than [`TOUCH`] (a small one at all: [`touch_of`]), the
+/// least one from −1 on; none if an edge goes through the axis. A polygon around the axis reaches over all.
 fn angles(face: u32, polygon: &[[f64; 2]], x: DVec3, y: DVec3) -> Option<[f64; 2]> {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     // Angles along the outline, without a jump at the end of the turn.
     let (mut first, mut last) = (None, 0.0);
-    for &corner in polygon {
-        let d = direction(face, corner);
+    let beside = |corner: &[f64; 2]| {
+        let d = direction(face, *corner);
         let (x, y) = (d.dot(x), d.dot(y));
-        let distance = x.abs().max(y.abs());
+        (x, y, x.abs().max(y.abs()))
+    };
+    let touch = touch_of(polygon.iter().map(|corner| beside(corner).2).fold(0.0, f64::max));
+    for corner in polygon {
+        let (x, y, distance) = beside(corner);
         // A corner on the axis, or so near that it reaches over no plane through it.
         if distance <= TOUCH {
             continue;
@@ -195,8 +201,8 @@ fn angles(face: u32, polygon: &[[f64; 2]], x: DVec3, y: DVec3) -> Option<[f64; 2
         let angle = fan::angle(x, y);
         last = if first.is_none() { angle } else { last + turn(last, angle)? };
         first = first.or(Some(angle));
-        low = low.min(last + TOUCH / distance);
-        high = high.max(last - TOUCH / distance);
+        low = low.min(last + touch / distance);
+        high = high.max(last - touch / distance);
     }
     let Some(first) = first else { return Some([0.0; 2]) };
     if (last + turn(last, first)? - first).abs() > HALF_TURN {
@@ -234,4 +240,142 @@ fn layers(intervals: &[Interval]) -> f64 {
 
 fn direction(face: u32, p: [f64; 2]) -> DVec3 {
     DVec3::from_array(cube::direction(face, p[0], p[1]))
+}
+
+#[cfg(test)]
+mod tests {
+    use shapes::{families, rng::SplitMix64};
+
+    use super::*;
+    use crate::{
+        PointSet,
+        gauss_map::GaussMap,
+        hull,
+        index::subdivide::{Tree, subdivide},
+    };
+
+    /// The angles of a polygon in the face z = 1 around the axis z, of which the face's centre is a point.
+    fn around_z(polygon: &[[f64; 2]]) -> Option<[f64; 2]> {
+        angles(4, polygon, DVec3::X, DVec3::Y)
+    }
+
+    fn assert_near(found: Option<[f64; 2]>, expected: [f64; 2]) {
+        let near = |found: [f64; 2]| (0..2).all(|i| (found[i] - expected[i]).abs() < 1e-12);
+        assert!(found.is_some_and(near), "{found:?}, not {expected:?}");
+    }
+
+    #[test]
+    fn angles_of_polygons() {
+        assert_near(around_z(&[[0.5, 0.0], [0.5, 0.25], [0.25, 0.25]]), [0.0, 1.0]);
+        // A corner on the axis adds nothing.
+        assert_near(around_z(&[[0.0, 0.0], [0.5, 0.0], [0.25, 0.25]]), [0.0, 1.0]);
+        assert_near(around_z(&[[-0.5, 0.5], [-0.5, -0.5], [-0.25, -0.5]]), [3.0, 5.5]);
+        // Across the end of the turn, at -45 degrees: on from there, without a jump.
+        assert_near(around_z(&[[0.25, -0.5], [0.5, -0.25], [0.6, 0.0]]), [6.5, 8.0]);
+        // Whatever corner comes first, and either way round.
+        let mut polygon = vec![[0.25, -0.5], [0.5, -0.25], [0.6, 0.1], [0.2, 0.0]];
+        let expected = around_z(&polygon).unwrap();
+        for _ in 0..4 {
+            polygon.rotate_left(1);
+            assert_near(around_z(&polygon), expected);
+            let mut reversed = polygon.clone();
+            reversed.reverse();
+            assert_near(around_z(&reversed), expected);
+        }
+    }
+
+    #[test]
+    fn a_polygon_around_the_axis_covers_all() {
+        let polygon = [[0.5, 0.1], [-0.3, 0.4], [-0.2, -0.6]];
+        assert_eq!(around_z(&polygon), Some([-1.0, TURN - 1.0]));
+        let reversed = [polygon[2], polygon[1], polygon[0]];
+        assert_eq!(around_z(&reversed), Some([-1.0, TURN - 1.0]));
+    }
+
+    #[test]
+    fn an_edge_through_the_axis_is_no_interval() {
+        assert_eq!(around_z(&[[0.5, 0.0], [0.0, 0.5], [-0.5, 0.0]]), None);
+        assert!(around_z(&[[0.5, 0.0], [0.0, 0.5], [-0.5, 1e-3]]).is_some());
+    }
+
+    #[test]
+    fn tiny_polygons_have_a_place() {
+        assert_eq!(around_z(&[[1e-14, 0.0], [0.0, 1e-14], [-1e-14, -1e-14]]), Some([0.0; 2]), "on the axis");
+        // Thinner than what counts, away from it.
+        let [low, high] = around_z(&[[0.5, 0.25], [0.5, 0.25 + 1e-14], [0.5 + 1e-14, 0.25]]).unwrap();
+        assert!(low == high && (low - 0.5).abs() < 1e-12, "{low} {high}");
+        // Small, near the axis: all that it reaches over counts.
+        let [low, high] = around_z(&[[1e-10, 0.0], [1e-10, 1e-10], [2e-10, 1e-10]]).unwrap();
+        assert_eq!([low, high], [0.0, 1.0]);
+    }
+
+    #[test]
+    fn frames_and_angles_agree() {
+        let mut rng = SplitMix64::new(3);
+        for _ in 0..1_000 {
+            let x = DVec3::from_array(rng.direction());
+            let y = x.cross(DVec3::from_array(rng.direction())).normalize();
+            let frame = Frame { x, y, start: rng.between(-1.0, 3.0), span: rng.between(0.1, 3.9) };
+            let (place, distance) = (rng.unit(), rng.unit());
+            let normal = frame.plane(place);
+            assert!((normal.length() - 1.0).abs() < 1e-15 && normal.dot(x.cross(y)).abs() < 1e-15);
+            // On the plane, on the side of the place.
+            let on = x.cross(y) * rng.between(-1.0, 1.0) + normal.cross(x.cross(y)) * distance;
+            let angle = fan::angle(on.dot(x), on.dot(y));
+            assert!((angle - frame.start - frame.span * place).abs() < 1e-12 / distance, "{frame:?} {place}");
+            // Greater places lie in front.
+            let beyond = on + normal * 0.1 * distance;
+            assert!(fan::angle(beyond.dot(x), beyond.dot(y)) > angle || angle > 6.0);
+            let part = frame.part(3, 2);
+            assert_eq!((part.start, part.span), (frame.start + frame.span * 0.75, frame.span / 4.0));
+        }
+    }
+
+    #[test]
+    fn steps_list_what_reaches_into_them() {
+        let interval = |low, high| Interval { polygon: 0, vertex: 0, low, high };
+        let i = interval(0.25, 0.5);
+        assert!(i.meets(0.0, 0.3) && i.meets(0.3, 0.4) && i.meets(0.45, 1.0));
+        assert!(!i.meets(0.0, 0.25) && !i.meets(0.5, 1.0), "touching is not reaching");
+        let point = interval(0.5, 0.5);
+        assert!(point.meets(0.5, 1.0) && !point.meets(0.0, 0.5));
+    }
+
+    fn trees(positions: Vec<[f32; 3]>) -> Vec<Tree> {
+        let source_vertices = (0..positions.len() as u32).collect();
+        let hull = hull::build(&PointSet { name: String::new(), positions, source_vertices }).unwrap();
+        let map = GaussMap::new(&hull);
+        (0..6).map(|face| subdivide(&map, face, 6)).collect()
+    }
+
+    fn count(tree: &Tree, is_one: &impl Fn(&Tree) -> bool) -> usize {
+        let below = match tree {
+            Tree::Leaf(_) => 0,
+            Tree::Axis(halves) | Tree::Plane(_, halves) | Tree::Wedges(halves) => {
+                halves.iter().map(|half| count(half, is_one)).sum()
+            }
+            Tree::Fan(_, root) => count(root, is_one),
+        };
+        below + usize::from(is_one(tree))
+    }
+
+    #[test]
+    fn a_prism_is_one_fan_a_face() {
+        for (face, tree) in trees(families::prism(2_000, 0)).iter().enumerate() {
+            assert!(matches!(tree, Tree::Fan(..)), "face {face}");
+            assert_eq!(count(tree, &|tree| matches!(tree, Tree::Plane(..) | Tree::Axis(_))), 0, "face {face}");
+            let Tree::Fan(frame, _) = tree else { continue };
+            assert!(frame.x.cross(frame.y).z.abs() > 1.0 - 1e-12, "around z");
+            // All around on the caps, a quarter turn on the sides.
+            let expected = if face >= 4 { TURN } else { 2.0 };
+            assert!((frame.span - expected).abs() < 1e-2, "face {face}: {}", frame.span);
+        }
+    }
+
+    #[test]
+    fn a_sphere_has_no_fans() {
+        let trees = trees(families::sphere(2_000, 1));
+        let fans: usize = trees.iter().map(|tree| count(tree, &|tree| matches!(tree, Tree::Fan(..)))).sum();
+        assert_eq!(fans, 0);
+    }
 }

@@ -1,8 +1,9 @@
 //! Hull → direction index.
 //!
 //! 1. [`crate::gauss_map`] gives each vertex its normal cone; [`cones`] cuts the cones to the faces of a cube.
-//! 2. [`subdivide`] (a tree) or [`cube_map`] (a uniform grid) lists for each cell every vertex whose cone meets it.
-//! 3. [`packing`] lets neighbouring leaves share blocks.
+//! 2. [`subdivide`] (a tree, with [`fan`]s in it) or [`cube_map`] (a uniform grid) lists for each cell every vertex whose cone
+//!    meets it.
+//! 3. [`packing`] lets leaves of a tree share blocks, neighbours first.
 //! 4. [`encode`] writes the lists as blocks and the cells as words.
 
 pub mod cones;

@@ -2,7 +2,8 @@
 //!
 //! Neighbouring cells list overlapping sets: most leaves are not full, and what a leaf lists beyond its own cell's needs
 //! costs nothing but a lane that would be idle. Leaves are taken in the order of the tree, neighbours after one another;
-//! each joins the recent group that grows the least by it and still fits, or starts a new one.
+//! each joins the recent group that shares a vertex with it, grows the least by it and still fits, or starts a new one. In a
+//! second pass the groups join in the same way, whether they share a vertex or not.
 
 use std::collections::VecDeque;
 
@@ -147,5 +148,35 @@ mod tests {
         shared.sort();
         shared.dedup();
         assert!(shared.len() < 30, "{} groups of 68 vertices", shared.len());
+    }
+
+    /// Lists that share nothing are joined where both fit; what is nearly full is left alone.
+    #[test]
+    fn the_second_pass_joins_what_shares_nothing() {
+        let lists = vec![vec![0, 1, 2], vec![10, 11, 12], vec![20, 21], (30..37).collect(), vec![40], vec![50, 51, 52]];
+        let (of_list, groups) = join(lists.clone(), 8, Partners::Overlapping);
+        assert_eq!((of_list, groups.len()), ((0..6).collect(), 6), "the first pass finds nothing in common");
+        let (of_list, groups) = join(lists.clone(), 8, Partners::Any);
+        assert_eq!(of_list, [0, 0, 0, 1, 2, 2]);
+        assert_eq!(groups, [vec![0, 1, 2, 10, 11, 12, 20, 21], (30..37).collect(), vec![40, 50, 51, 52]]);
+        // The same in both passes, over a tree.
+        let mut tree = lists.iter().cloned().map(Tree::Leaf).reduce(|a, b| Tree::Axis(Box::new([a, b]))).unwrap();
+        share(std::slice::from_mut(&mut tree), 8);
+        let mut at = 0;
+        leaves(&tree, &mut |list| {
+            assert_eq!(list, groups[of_list[at]]);
+            at += 1;
+        });
+        assert_eq!(at, lists.len());
+    }
+
+    #[test]
+    fn lists_longer_than_a_leaf_stay_as_they_are() {
+        let lists = vec![(0..9).collect::<Vec<u32>>(), vec![0, 1], (0..9).collect(), vec![1, 2]];
+        for partners in [Partners::Overlapping, Partners::Any] {
+            let (of_list, groups) = join(lists.clone(), 8, partners);
+            assert_eq!(of_list, [0, 1, 2, 1]);
+            assert_eq!(groups, [(0..9).collect(), vec![0, 1, 2], (0..9).collect::<Vec<u32>>()]);
+        }
     }
 }

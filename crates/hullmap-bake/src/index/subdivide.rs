@@ -1,13 +1,16 @@
 //! Adaptive binary subdivision of the cube's faces (Kenwright 4.9), with exact leaves.
 //!
 //! 1. A cell that few enough normal cones meet is a leaf, and lists them all.
-//! 2. Any other cell is halved: across u, across v, and so on in turn.
-//! 3. Where halving hardly parts the cones, the cell is cut by a plane between two of them instead, and so is all below it.
+//! 2. A cell with room for a fan is one if its cones lie side by side around an axis ([`super::fan`]). Its steps are halved
+//!    until each is a leaf; where that parts nothing, planes go on.
+//! 3. Any other cell is halved: across u, across v, and so on in turn.
+//! 4. Where halving hardly parts the cones, the cell is a fan, however small, or else is cut by a plane between two of them,
+//!    and so is all below it.
 //!
 //! Deviations from the paper: it stops where a cell's corners share their support vertex, or at a depth limit, where it
 //! then answers wrongly; here the leaf lists every vertex that can be the answer, and a cell whose corners agree is
-//! just a leaf of one. Step 3 is new: the cones of a fan (around a facet of many corners, or along a prism's side) are
-//! long and thin, and squares small enough to part them are too many, n² of them instead of n.
+//! just a leaf of one. Steps 2 and 4 are new: the cones around a facet of many corners, or along a prism's side, are long
+//! and thin, and squares small enough to part them are too many, n² of them instead of n.
 
 use glam::DVec3;
 use hullmap_format::cube::{GRID_BITS, grid_to_uv};
