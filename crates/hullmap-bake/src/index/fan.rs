@@ -5,7 +5,7 @@
 //! at once, where squares would need to be as small as a cone is thin, and planes are a logarithm deep.
 //!
 //! 1. [`axis`]: of the lines in which planes between neighbouring cones meet, the one that most such planes hold.
-//! 2. [`Fan::new`]: the interval of each cone in [`fan::place`].
+//! 2. [`Fan::new`]: the interval of angles ([`fan::angle`]) that each cone covers, as places from 0 to 1.
 //! 3. It is a fan if few intervals lie over one another.
 
 use glam::DVec3;
@@ -40,7 +40,7 @@ const HALF_TURN: f64 = 0.5 * TURN;
 /// Edges of a polygon that span half a turn but for this go through the axis.
 const THROUGH_AXIS: f64 = 1e-6;
 
-/// The part of a fan that [`fan::place`] puts at 0 to 1.
+/// Where the places of a fan are: which angles lie at 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// Where angles count from, at right angles to the axis, of unit length.
@@ -100,7 +100,7 @@ impl Interval {
 
 /// The cones of a cell, side by side.
 pub struct Fan {
-    /// Where a direction's place is.
+    /// Which angles the places are.
     pub frame: Frame,
     /// The intervals, in the order of the polygons; two for one across the end of the turn.
     pub intervals: Vec<Interval>,
