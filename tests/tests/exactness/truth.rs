@@ -52,11 +52,29 @@ impl Truth {
         greatest
     }
 
-    /// (greatest dot product − that of `got`) / (|d| · diameter), whatever the length of `d`; 0 where all points are the same.
-    pub fn regret(&self, d: DVec3, got: DVec3) -> f64 {
+    /// The truth about one direction, of whatever length; none for one that is none.
+    pub fn ask(&self, d: DVec3) -> Option<Asked> {
+        if !d.is_finite() || d == DVec3::ZERO {
+            return None;
+        }
         // By a power of two, which rounds nothing.
         let d = d * (-f64::from(d.abs().max_element().log2().floor() as i32)).exp2();
-        if self.diameter == 0.0 { 0.0 } else { (self.greatest(d) - dot(got, d)) / (d.length() * self.diameter) }
+        Some(Asked { d, greatest: self.greatest(d), size: d.length() * self.diameter })
+    }
+}
+
+/// The greatest dot product in one direction.
+pub struct Asked {
+    d: DVec3,
+    greatest: f64,
+    /// Length of the direction times the diameter.
+    size: f64,
+}
+
+impl Asked {
+    /// (greatest dot product − that of `got`) / (|d| · diameter); 0 where all points are the same.
+    pub fn regret(&self, got: DVec3) -> f64 {
+        if self.size == 0.0 { 0.0 } else { (self.greatest - dot(got, self.d)) / self.size }
     }
 }
 
