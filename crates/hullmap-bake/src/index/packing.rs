@@ -9,8 +9,8 @@ use std::collections::VecDeque;
 
 use super::subdivide::Tree;
 
-/// Groups that a leaf may still join.
-const WINDOW: usize = 256;
+/// Groups, of those that list one vertex, or of those that share nothing, that are looked at: the most recent ones.
+const WINDOW: usize = 64;
 
 /// Groups with less than this part of their room left are not joined with others that they share nothing with.
 const NEARLY_FULL: usize = 8;
@@ -18,14 +18,14 @@ const NEARLY_FULL: usize = 8;
 /// Replaces every leaf's list of at most `capacity` vertices by that of its group; longer lists stay as they are.
 ///
 /// # Complexity
-/// O(leaves · window).
+/// O(leaves) where a vertex is in a few groups, O(leaves · window) where one is in all.
 pub fn share(trees: &mut [Tree], capacity: usize) {
     let mut lists = Vec::new();
     for tree in trees.iter() {
         leaves(tree, &mut |list| lists.push(list.to_vec()));
     }
-    let (of_leaf, groups) = join(lists, capacity, Partners::Overlapping);
-    let (of_group, groups) = join(groups, capacity, Partners::Any);
+    let (of_leaf, groups) = join_overlapping(lists, capacity);
+    let (of_group, groups) = join_any(groups, capacity);
     let mut of_leaf = of_leaf.into_iter();
     for tree in trees {
         leaves_mut(tree, &mut |list| {
@@ -36,54 +36,67 @@ pub fn share(trees: &mut [Tree], capacity: usize) {
     }
 }
 
-/// Which groups a list may join.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Partners {
-    /// Those that list one of its vertices.
-    Overlapping,
-    /// All.
-    Any,
+/// Lists that have been joined: the group of each list, and the groups.
+type Joined = (Vec<usize>, Vec<Vec<u32>>);
+
+/// Joins lists that share a vertex into groups of at most `capacity` vertices; a longer list stays alone.
+fn join_overlapping(lists: Vec<Vec<u32>>, capacity: usize) -> Joined {
+    let mut groups: Vec<Vec<u32>> = Vec::new();
+    // Of each group, how many vertices it shares with the list in hand, and when it was joined last.
+    let (mut shared, mut joined_at) = (Vec::<usize>::new(), Vec::<usize>::new());
+    let vertex_count = lists.iter().flatten().max().map_or(0, |most| *most as usize + 1);
+    let mut groups_of: Vec<Vec<usize>> = vec![Vec::new(); vertex_count];
+    let mut joined = Vec::with_capacity(lists.len());
+    let mut partners = Vec::new();
+    for (time, list) in lists.into_iter().enumerate() {
+        partners.clear();
+        for vertex in &list {
+            for &group in groups_of[*vertex as usize].iter().rev().take(WINDOW) {
+                if shared[group] == 0 {
+                    partners.push(group);
+                }
+                shared[group] += 1;
+            }
+        }
+        let fits = |group: &usize| groups[*group].len() + list.len() - shared[*group] <= capacity;
+        let best = partners.iter().copied().filter(fits).max_by_key(|group| (shared[*group], joined_at[*group]));
+        partners.iter().for_each(|group| shared[*group] = 0);
+        let group = best.unwrap_or(groups.len());
+        if best.is_none() {
+            groups.push(Vec::new());
+            shared.push(0);
+            joined_at.push(0);
+        }
+        if list.len() <= capacity {
+            for vertex in list.iter().filter(|v| groups[group].binary_search(v).is_err()) {
+                groups_of[*vertex as usize].push(group);
+            }
+        }
+        merge(&mut groups[group], &list);
+        joined_at[group] = time;
+        joined.push(group);
+    }
+    (joined, groups)
 }
 
-/// Joins lists into groups of at most `capacity` vertices; a longer list stays alone. Returns the group of each list, and
-/// the groups.
-fn join(lists: Vec<Vec<u32>>, capacity: usize, partners: Partners) -> (Vec<usize>, Vec<Vec<u32>>) {
+/// Joins groups with room left, whether they share a vertex or not.
+fn join_any(lists: Vec<Vec<u32>>, capacity: usize) -> Joined {
+    let closed = capacity - capacity / NEARLY_FULL;
     let mut groups: Vec<Vec<u32>> = Vec::new();
     // The groups that may grow, most recent first.
     let mut open: VecDeque<usize> = VecDeque::new();
     let mut joined = Vec::with_capacity(lists.len());
     for list in lists {
-        let mut best = None;
-        let (mut least, closed) = match partners {
-            Partners::Overlapping => (list.len(), capacity + 1),
-            Partners::Any => (list.len() + 1, capacity - capacity / NEARLY_FULL),
-        };
-        if list.len() >= closed {
-            groups.push(list);
-            joined.push(groups.len() - 1);
-            continue;
+        let grown = |group: usize| groups[group].len() + missing(&groups[group], &list);
+        let fitting = open.iter().enumerate().filter(|(_, group)| grown(**group) <= capacity);
+        let best = fitting.min_by_key(|(_, group)| missing(&groups[**group], &list)).map(|(place, _)| place);
+        let best = best.filter(|_| list.len() < closed);
+        let group = best.and_then(|place| open.remove(place)).unwrap_or(groups.len());
+        if group == groups.len() {
+            groups.push(Vec::new());
+            open.truncate(WINDOW - 1);
         }
-        for (place, &group) in open.iter().enumerate() {
-            let room = capacity.saturating_sub(groups[group].len());
-            let growth = missing(&groups[group], &list);
-            if growth < least && growth <= room {
-                (best, least) = (Some(place), growth);
-                if growth == 0 {
-                    break;
-                }
-            }
-        }
-        let group = match best.and_then(|place| open.remove(place)) {
-            Some(group) => {
-                merge(&mut groups[group], &list);
-                group
-            }
-            None => {
-                groups.push(list);
-                open.truncate(WINDOW - 1);
-                groups.len() - 1
-            }
-        };
+        merge(&mut groups[group], &list);
         if groups[group].len() < closed {
             open.push_front(group);
         }
@@ -154,9 +167,9 @@ mod tests {
     #[test]
     fn the_second_pass_joins_what_shares_nothing() {
         let lists = vec![vec![0, 1, 2], vec![10, 11, 12], vec![20, 21], (30..37).collect(), vec![40], vec![50, 51, 52]];
-        let (of_list, groups) = join(lists.clone(), 8, Partners::Overlapping);
+        let (of_list, groups) = join_overlapping(lists.clone(), 8);
         assert_eq!((of_list, groups.len()), ((0..6).collect(), 6), "the first pass finds nothing in common");
-        let (of_list, groups) = join(lists.clone(), 8, Partners::Any);
+        let (of_list, groups) = join_any(lists.clone(), 8);
         assert_eq!(of_list, [0, 0, 0, 1, 2, 2]);
         assert_eq!(groups, [vec![0, 1, 2, 10, 11, 12, 20, 21], (30..37).collect(), vec![40, 50, 51, 52]]);
         // The same in both passes, over a tree.
@@ -173,8 +186,8 @@ mod tests {
     #[test]
     fn lists_longer_than_a_leaf_stay_as_they_are() {
         let lists = vec![(0..9).collect::<Vec<u32>>(), vec![0, 1], (0..9).collect(), vec![1, 2]];
-        for partners in [Partners::Overlapping, Partners::Any] {
-            let (of_list, groups) = join(lists.clone(), 8, partners);
+        for join in [join_overlapping, join_any] {
+            let (of_list, groups) = join(lists.clone(), 8);
             assert_eq!(of_list, [0, 1, 2, 1]);
             assert_eq!(groups, [(0..9).collect(), vec![0, 1, 2], (0..9).collect::<Vec<u32>>()]);
         }

@@ -38,7 +38,7 @@ const FUTILE_LIMIT: u32 = 12;
 const FUTILE: f64 = 0.9;
 
 /// Vertices from which planes are tried, and planes from each.
-const PLANE_SAMPLES: usize = 16;
+const PLANE_SAMPLES: usize = 8;
 const PLANES_OF_VERTEX: usize = 3;
 
 /// A plane must leave this share of the cones, and at least one, out of its fuller side.

@@ -10,7 +10,7 @@
 //! | [`Scaled`] | another shape, scaled along the axes, perhaps mirrored | |
 //! | [`Rounded`] | another shape and a ball, summed | the other shape's, its radius and the other's |
 //!
-//! The queries solve those with a core by their cores, in few steps and exactly ([`rounding`](crate::rounding)); other curved
+//! The queries solve those with a core by their cores, in few steps and exactly (`rounding`); other curved
 //! shapes like any support mapping, in more steps.
 //!
 //! # Reference
