@@ -34,7 +34,7 @@ pub(crate) struct Candidate<'a> {
 
 impl Candidate<'_> {
     /// Its vertex number and position.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn read(self) -> (u32, [f32; 3]) {
         let Self { block, lane } = self;
         // Below LANES as it is: for the compiler.

@@ -93,7 +93,7 @@ where
 
 impl<'a> Index<'a> {
     /// Vertex number and position of the support vertex in direction `dir`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn support<T>(&self, dir: [T; 3]) -> (u32, [f32; 3])
     where
         [T; 3]: Direction,

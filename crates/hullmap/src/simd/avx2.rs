@@ -31,7 +31,7 @@ impl Avx2 {
     }
 
     /// Does `work` in a function compiled for these instructions.
-    #[inline]
+    #[inline(always)]
     pub(super) fn run<W: Work>(self, work: W, dir: [W::Scalar; 3]) -> W::Answer {
         let [x, y, z] = dir;
         // SAFETY: `self` proves that the processor has the features that `compiled` is compiled for.

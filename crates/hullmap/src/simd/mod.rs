@@ -92,12 +92,19 @@ impl Level {
     }
 
     /// Does `work` with these instructions.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn run<W: Work>(self, work: W, dir: [W::Scalar; 3]) -> W::Answer {
+        let [x, y, z] = dir;
         match self {
-            Self::Portable => work.with(Portable, dir),
+            Self::Portable => portable(work, x, y, z),
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2(avx2) => avx2.run(work, dir),
+            Self::Avx2(avx2) => avx2.run(work, [x, y, z]),
         }
     }
+}
+
+/// Apart, so that the path for other instructions can be inlined where it is asked for.
+#[inline(never)]
+fn portable<W: Work>(work: W, x: W::Scalar, y: W::Scalar, z: W::Scalar) -> W::Answer {
+    work.with(Portable, [x, y, z])
 }
