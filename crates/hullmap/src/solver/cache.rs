@@ -120,10 +120,11 @@ impl Cache {
     }
 
     /// Keeps at most three vertices, leaving out the centre, which is known anyway.
-    pub(crate) fn set_simplex(&mut self, vertices: &[Point]) {
+    #[inline]
+    pub(crate) fn set_simplex(&mut self, vertices: impl IntoIterator<Item = [u32; 2]>) {
         self.simplex_count = 0;
-        for v in vertices.iter().filter(|v| v.features != Point::CENTER).take(3) {
-            self.simplex[usize::from(self.simplex_count)] = v.features;
+        for features in vertices.into_iter().filter(|features| *features != Point::CENTER).take(3) {
+            self.simplex[usize::from(self.simplex_count)] = features;
             self.simplex_count += 1;
         }
     }
@@ -167,8 +168,7 @@ mod tests {
     #[test]
     fn the_centre_is_not_kept_in_a_simplex() {
         let mut cache = Cache::new();
-        let seen = Point { features: [3, 4], ..Point::EMPTY };
-        cache.set_simplex(&[seen, Point { features: Point::CENTER, ..Point::EMPTY }]);
+        cache.set_simplex([[3, 4], Point::CENTER]);
         assert_eq!(cache.simplex(), &[[3, 4]]);
         cache.clear();
         assert!(cache.simplex().is_empty());
