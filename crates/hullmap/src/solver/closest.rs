@@ -14,7 +14,9 @@
 //! - The nearest point is sought only on what has the newest vertex in it; if that comes no nearer, on the whole simplex.
 //! - Repeated vertices and steps that do not come nearer end the search as a status.
 
-use super::barycentric::{Made, blend, on_segment_to, on_simplex, on_tetrahedron_to, on_triangle_to};
+use super::barycentric::{
+    Made, blend, on_segment, on_segment_to, on_simplex, on_tetrahedron_to, on_triangle, on_triangle_to,
+};
 use crate::SupportMap;
 use crate::minkowski::{Minkowski, Point};
 use glam::DVec3;
@@ -32,6 +34,8 @@ pub(super) struct Simplex {
     features: [[u32; 2]; SLOTS],
     /// Slots that hold a vertex, one bit each.
     used: u8,
+    /// Weights of the vertices in the nearest point, where the search came by them: it mostly needs none.
+    weights: Option<[f64; SLOTS]>,
 }
 
 const SLOTS: usize = 4;
@@ -40,7 +44,7 @@ impl Simplex {
     /// Without a vertex.
     #[inline(always)]
     pub(super) fn empty() -> Self {
-        Self { w: [[0.0; SLOTS]; 3], a: [DVec3::ZERO; SLOTS], features: [[0; 2]; SLOTS], used: 0 }
+        Self { w: [[0.0; SLOTS]; 3], a: [DVec3::ZERO; SLOTS], features: [[0; 2]; SLOTS], used: 0, weights: None }
     }
 
     pub(super) fn new(vertex: Point) -> Self {
@@ -77,6 +81,11 @@ impl Simplex {
         DVec3::new(self.w[0][slot], self.w[1][slot], self.w[2][slot])
     }
 
+    /// The slot of the only vertex; nothing where there are more.
+    fn single(&self) -> Option<usize> {
+        self.used.is_power_of_two().then_some(self.used.trailing_zeros() as usize)
+    }
+
     pub(super) fn is_empty(&self) -> bool {
         self.used == 0
     }
@@ -92,38 +101,63 @@ impl Simplex {
         mask & self.used != 0
     }
 
-    /// The vertices, the first one again where there are fewer than four; their slots; their count.
-    fn corners(&self) -> ([DVec3; SLOTS], [usize; SLOTS], usize) {
+    /// The slots in use, the first one again where there are fewer than four, and their count.
+    #[inline]
+    fn packed(&self) -> ([usize; SLOTS], usize) {
         let first = self.used.trailing_zeros() as usize % SLOTS;
         let (mut at, mut count) = ([first; SLOTS], 0);
         for slot in self.slots() {
             at[count] = slot;
             count += 1;
         }
-        (at.map(|slot| self.corner(slot)), at, count)
+        (at, count)
     }
 
     /// The points of A and of B that make the point nearest to the origin, and their difference.
     pub(super) fn witnesses(&self) -> (DVec3, DVec3, DVec3) {
-        let (corners, at, count) = self.corners();
-        let weights = on_simplex(corners, count).0.weights;
-        let w = blend(&weights, corners);
-        let a = blend(&weights, at.map(|slot| self.a[slot]));
-        (a, a - w, w)
+        let ([i, j, k, l], count) = self.packed();
+        let w = [self.corner(i), self.corner(j), self.corner(k), self.corner(l)];
+        let weights = match self.weights {
+            Some(weights) => {
+                // Slots beyond the count repeat the first, which must count once.
+                let weight = |at: usize, slot: usize| if at < count { weights[slot] } else { 0.0 };
+                [weight(0, i), weight(1, j), weight(2, k), weight(3, l)]
+            }
+            None => match count {
+                2 => {
+                    let [p, q] = on_segment(w[0], w[1]).weights;
+                    [p, q, 0.0, 0.0]
+                }
+                3 => {
+                    let [p, q, r] = on_triangle(w[0], w[1], w[2]).weights;
+                    [p, q, r, 0.0]
+                }
+                _ => on_simplex(w, count).0.weights,
+            },
+        };
+        let between = blend(&weights, w);
+        let point_a = blend(&weights, [self.a[i], self.a[j], self.a[k], self.a[l]]);
+        (point_a, point_a - between, between)
     }
 
     /// The nearest point, the slots of the vertices that it is made of, and the origin's distance from the surface if it is
-    /// inside.
+    /// inside. Keeps the weights.
     #[inline(never)]
-    fn nearest(&self) -> (DVec3, u8, f64) {
-        let (corners, at, count) = self.corners();
-        let (nearest, clearance) = on_simplex(corners, count);
-        let mut kept = 0;
-        for (slot, weight) in at.into_iter().zip(nearest.weights).take(count) {
+    fn nearest(&mut self) -> (DVec3, u8, f64) {
+        let ([i, j, k, l], count) = self.packed();
+        let w = [self.corner(i), self.corner(j), self.corner(k), self.corner(l)];
+        let (nearest, clearance) = on_simplex(w, count);
+        let (mut kept, mut weights) = (0, [0.0; SLOTS]);
+        for (slot, weight) in [i, j, k, l].into_iter().zip(nearest.weights).take(count) {
             kept |= u8::from(weight > 0.0) << slot;
+            weights[slot] = weight;
         }
         // NaN weights keep nothing: stay with the first vertex.
-        (nearest.point, if kept == 0 { 1 << at[0] } else { kept }, clearance)
+        if kept == 0 {
+            (kept, weights[i]) = (1 << i, 1.0);
+        }
+        self.weights = Some(weights);
+        (nearest.point, kept, clearance)
     }
 
     /// The nearest point, known to need the vertex in slot `newest`, which is `s`; and the slots of the vertices that it is
@@ -191,13 +225,15 @@ pub(super) fn closest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let mut lower = f64::NEG_INFINITY;
     let mut upper = f64::INFINITY;
     let mut normal = DVec3::ZERO;
-    let mut newest = None;
+    // A single vertex needs no search.
+    let mut newest = simplex.single().map(|slot| (slot, simplex.corner(slot)));
     // At least once: without a step there is no bound at all.
     let most = max_iterations.clamp(1, MAX_CLOSEST);
     for iterations in 1..=most {
         let quick = newest.and_then(|(slot, w)| simplex.nearest_to(slot, w));
         let (mut y, mut kept) = quick.unwrap_or_default();
         let mut length = y.length();
+        simplex.weights = None;
         // NaN counts as no progress, here and below.
         if quick.is_none() || !(length < upper) {
             let clearance;
@@ -214,6 +250,7 @@ pub(super) fn closest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
                 // Without the last vertex it is what it was.
                 if let Some((slot, _)) = newest {
                     simplex.used &= !(1 << slot);
+                    simplex.weights = None;
                 }
                 return Closest { end: End::Stalled, lower, upper, normal, iterations };
             }
