@@ -83,6 +83,17 @@ impl Level {
         }
     }
 
+    /// Where the least of `values` is, which come in whole chunks: the first place of several. 0 when there are none, or NaN
+    /// alone.
+    #[inline(always)]
+    pub(crate) fn least(self, values: &[[f64; LANES]]) -> usize {
+        match self {
+            Self::Portable => portable::least(values),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(avx2) => avx2.least(values),
+        }
+    }
+
     pub(crate) fn instructions(self) -> Instructions {
         match self {
             Self::Portable => Instructions::Portable,
