@@ -372,13 +372,8 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
             // The edge that the two share starts, in the neighbour, where it ends here.
             let to = self.corners[at][after(edge)];
             let there = self.corners[next];
-            let back = if there[0] == to {
-                0
-            } else if there[1] == to {
-                1
-            } else {
-                2
-            };
+            // Not branches, as they are as good as random.
+            let back = usize::from(there[1] == to) | usize::from(there[2] == to) << 1;
             let [x, y, z, seen_from] = &self.planes;
             if x[next] * w.x + y[next] * w.y + z[next] * w.z > seen_from[next] {
                 self.offsets[next] = f64::INFINITY;
