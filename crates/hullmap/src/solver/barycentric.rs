@@ -185,10 +185,8 @@ fn on_triangle_at(s: DVec3, e: DVec3, f: DVec3, n: DVec3) -> Made {
     let (at_e, at_f) = (n.dot(f.cross(s)), n.dot(s.cross(e)));
     let at_s = n_sq - at_e - at_f;
     // One branch, not four. NaN takes the failing one.
-    let inside = (at_e >= 0.0)
-        & (at_f >= 0.0)
-        & (at_s >= 0.0)
-        & (n_sq > THIN * THIN * e.length_squared() * f.length_squared());
+    let inside =
+        (at_e >= 0.0) & (at_f >= 0.0) & (at_s >= 0.0) & (n_sq > THIN * THIN * e.length_squared() * f.length_squared());
     if inside {
         let of = u8::from(at_e > 0.0) | u8::from(at_f > 0.0) << 1 | u8::from(at_s > 0.0) << 2;
         // From the plane, not from weights: as a direction this keeps more digits.

@@ -94,8 +94,7 @@ impl Simplex {
     #[inline(always)]
     pub(super) fn contains(&self, w: DVec3) -> bool {
         // All slots: nothing to predict.
-        let equal =
-            |slot: usize| (self.w[0][slot] == w.x) & (self.w[1][slot] == w.y) & (self.w[2][slot] == w.z);
+        let equal = |slot: usize| (self.w[0][slot] == w.x) & (self.w[1][slot] == w.y) & (self.w[2][slot] == w.z);
         let equal = [0, 1, 2, 3].map(equal);
         let mask = u8::from(equal[0]) | u8::from(equal[1]) << 1 | u8::from(equal[2]) << 2 | u8::from(equal[3]) << 3;
         mask & self.used != 0

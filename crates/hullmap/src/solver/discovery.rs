@@ -67,10 +67,7 @@ impl Portal {
     #[inline]
     pub(super) fn is_pierced(&self, v0: DVec3) -> bool {
         let [v1, v2, v3] = self.vertices.map(|v| v.w);
-        v1.cross(v3).dot(v0) >= 0.0
-            && v3.cross(v2).dot(v0) >= 0.0
-            && v2.cross(v1).dot(v0) >= 0.0
-            && self.faces_away(v0)
+        v1.cross(v3).dot(v0) >= 0.0 && v3.cross(v2).dot(v0) >= 0.0 && v2.cross(v1).dot(v0) >= 0.0 && self.faces_away(v0)
     }
 
     /// Whether the normal points away from `v0`.

@@ -435,8 +435,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
                 *number = self.horizon[if k == horizon { 0 } else { k }].from;
             }
             let [p, q, r, s, t] = [rim[0], rim[1], rim[2], rim[3], rim[4]].map(usize::from);
-            let [p, q, r, s, t] =
-                [self.at(p), self.at(q), self.at(r), self.at(s), self.at(t)];
+            let [p, q, r, s, t] = [self.at(p), self.at(q), self.at(r), self.at(s), self.at(t)];
             let from = [[p.x, q.x, r.x, s.x], [p.y, q.y, r.y, s.y], [p.z, q.z, r.z, s.z]];
             let to = [[q.x, r.x, s.x, t.x], [q.y, r.y, s.y, t.y], [q.z, r.z, s.z, t.z]];
             let (planes, offsets, _) = planes(tips, from, to, self.slack);
