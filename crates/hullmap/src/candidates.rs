@@ -34,7 +34,7 @@ pub(crate) struct Candidate<'a> {
 
 impl Candidate<'_> {
     /// Its vertex number and position.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn read(self) -> (u32, [f32; 3]) {
         let Self { block, lane } = self;
         // Below LANES as it is: for the compiler.
@@ -57,25 +57,28 @@ const LEAST_CHUNK: usize = 16;
 pub(crate) fn best<S: Simd>(simd: S, blocks: &[ArchivedBlock], dir: impl Direction, reach: f32) -> Candidate<'_> {
     let narrow = dir.narrow();
     let Some(margin) = margin(narrow, reach) else { return exact_best(blocks, dir.exact()) };
-    match blocks.len() {
-        // The usual leaf.
-        1 => best_of_few::<S, 1>(simd, blocks, dir, margin),
-        2 => best_of_few::<S, 2>(simd, blocks, dir, margin),
-        3 => best_of_few::<S, 3>(simd, blocks, dir, margin),
-        4 => best_of_few::<S, 4>(simd, blocks, dir, margin),
-        _ => best_of_many(simd, blocks, dir, margin),
+    // The usual leaf first.
+    if let Some(few) = blocks.as_array::<1>() {
+        best_of_few(simd, few, dir, margin)
+    } else if let Some(few) = blocks.as_array::<2>() {
+        best_of_few(simd, few, dir, margin)
+    } else if let Some(few) = blocks.as_array::<3>() {
+        best_of_few(simd, few, dir, margin)
+    } else if let Some(few) = blocks.as_array::<4>() {
+        best_of_few(simd, few, dir, margin)
+    } else {
+        best_of_many(simd, blocks, dir, margin)
     }
 }
 
 /// The best of up to four blocks.
 #[inline(always)]
-fn best_of_few<S: Simd, const N: usize>(
+pub(crate) fn best_of_few<S: Simd, const N: usize>(
     simd: S,
-    blocks: &[ArchivedBlock],
+    few: &[ArchivedBlock; N],
     dir: impl Direction,
     margin: f32,
 ) -> Candidate<'_> {
-    let Some(few) = blocks.first_chunk::<N>() else { return exact_best(blocks, dir.exact()) };
     let near = simd.near_best(few, dir.narrow(), margin);
     let is_alone = near & near.wrapping_sub(1) == 0;
     let lane = if is_alone { near.trailing_zeros() as usize } else { simd.exact_best(few, near, dir.exact()) };

@@ -349,11 +349,11 @@ impl<'a> Hull<'a> {
 }
 
 impl SupportMap for Hull<'_> {
-    #[inline]
+    #[inline(always)]
     fn support(&self, dir: DVec3) -> Support {
-        let dir = dir.to_array();
-        let (feature, point) = self.index.support(dir);
-        Support { point: DVec3::from_array(point.map(f64::from)), feature }
+        // By name, not as arrays: what goes through memory here stalls the processor.
+        let (feature, [x, y, z]) = self.index.support([dir.x, dir.y, dir.z]);
+        Support { point: DVec3::new(x.into(), y.into(), z.into()), feature }
     }
 
     #[inline]

@@ -91,18 +91,44 @@ where
     }
 }
 
+/// A support query of a hull of up to eight vertices: no index, no range but that of the margin, and few registers.
+#[derive(Clone, Copy)]
+struct OneBlock<'i, 'a, T>(&'a [ArchivedBlock; 1], &'i Index<'a>, PhantomData<T>);
+
+impl<'a, T> Work for OneBlock<'_, 'a, T>
+where
+    T: Copy,
+    [T; 3]: Direction,
+{
+    type Scalar = T;
+    type Answer = Candidate<'a>;
+
+    #[inline(always)]
+    fn with<S: Simd>(self, simd: S, dir: [T; 3]) -> Candidate<'a> {
+        match candidates::margin(dir.narrow(), self.1.reach) {
+            Some(margin) => candidates::best_of_few(simd, self.0, dir, margin),
+            None => self.1.support_out_of_range(dir.exact()),
+        }
+    }
+}
+
 impl<'a> Index<'a> {
     /// Vertex number and position of the support vertex in direction `dir`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn support<T>(&self, dir: [T; 3]) -> (u32, [f32; 3])
     where
+        T: Copy,
         [T; 3]: Direction,
     {
+        if let (Kind::Scan, Some(block)) = (self.kind, self.blocks.as_array()) {
+            return self.level.run(OneBlock(block, self, PhantomData), dir).read();
+        }
         self.level.run(Query(self, PhantomData), dir).read()
     }
 
     /// The same for directions so long or short that f32 would overflow, and for those that are none.
     #[cold]
+    #[inline(never)]
     fn support_out_of_range(&self, dir: [f64; 3]) -> Candidate<'a> {
         let dir = crate::direction::in_range(dir);
         candidates::best(Portable, self.leaf(dir).blocks, dir, self.reach)

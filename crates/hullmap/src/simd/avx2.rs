@@ -7,9 +7,9 @@
 use std::arch::x86_64::{
     __m256, __m256d, _CMP_EQ_OQ, _CMP_LT_OQ, _CMP_NLT_UQ, _mm_loadu_si128, _mm256_add_pd, _mm256_castps256_ps128,
     _mm256_cmp_pd, _mm256_cmp_ps, _mm256_cvtepi16_epi32, _mm256_cvtepi32_ps, _mm256_cvtps_pd, _mm256_cvtss_f32,
-    _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_loadu_ps, _mm256_max_pd, _mm256_max_ps, _mm256_movemask_pd,
-    _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_permute_pd, _mm256_permute_ps, _mm256_permute2f128_pd,
-    _mm256_permute2f128_ps, _mm256_set1_pd, _mm256_set1_ps, _mm256_sub_ps,
+    _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_loadu_pd, _mm256_loadu_ps, _mm256_max_pd, _mm256_max_ps,
+    _mm256_min_pd, _mm256_movemask_pd, _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_permute_pd,
+    _mm256_permute_ps, _mm256_permute2f128_pd, _mm256_permute2f128_ps, _mm256_set1_pd, _mm256_set1_ps, _mm256_sub_ps,
 };
 
 use hullmap_format::archive::{ArchivedBlock, LANES};
@@ -31,12 +31,52 @@ impl Avx2 {
     }
 
     /// Does `work` in a function compiled for these instructions.
-    #[inline]
+    #[inline(always)]
     pub(super) fn run<W: Work>(self, work: W, dir: [W::Scalar; 3]) -> W::Answer {
         let [x, y, z] = dir;
         // SAFETY: `self` proves that the processor has the features that `compiled` is compiled for.
         unsafe { compiled(self, work, x, y, z) }
     }
+
+    /// Where the least of `values` is, which come in whole chunks: the first place of several. 0 when there are none, or NaN
+    /// alone.
+    #[inline(always)]
+    pub(super) fn least(self, values: &[[f64; LANES]]) -> usize {
+        // SAFETY: `self` proves that the processor has the features.
+        unsafe { least(values) }
+    }
+}
+
+/// First the least value, then the places that hold it, 64 at a time: nothing to predict where there are no more.
+#[target_feature(enable = "avx2,bmi1")]
+fn least(values: &[[f64; LANES]]) -> usize {
+    let mut low = [_mm256_set1_pd(f64::INFINITY); 2];
+    for chunk in values {
+        let halves = load_pd(chunk);
+        low = [_mm256_min_pd(halves[0], low[0]), _mm256_min_pd(halves[1], low[1])];
+    }
+    let low = _mm256_min_pd(low[0], low[1]);
+    let low = _mm256_min_pd(low, _mm256_permute2f128_pd::<1>(low, low));
+    let low = _mm256_min_pd(low, _mm256_permute_pd::<0b0101>(low));
+    for (number, chunks) in values.chunks(64 / LANES).enumerate() {
+        let mut equal = 0_u64;
+        for chunk in chunks.iter().rev() {
+            let halves = load_pd(chunk);
+            let mask = |half| _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_EQ_OQ>(half, low)) as u32;
+            equal = equal << LANES | u64::from(mask(halves[0]) | mask(halves[1]) << 4);
+        }
+        if equal != 0 {
+            return 64 * number + equal.trailing_zeros() as usize;
+        }
+    }
+    0
+}
+
+#[inline]
+#[target_feature(enable = "avx2")]
+fn load_pd(from: &[f64; LANES]) -> [__m256d; 2] {
+    // SAFETY: the 32 bytes read each time are four f64 of the array's eight, the first and the last; any alignment will do.
+    unsafe { [_mm256_loadu_pd(from.as_ptr()), _mm256_loadu_pd(from.as_ptr().add(4))] }
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,bmi2")]

@@ -83,6 +83,17 @@ impl Level {
         }
     }
 
+    /// Where the least of `values` is, which come in whole chunks: the first place of several. 0 when there are none, or NaN
+    /// alone.
+    #[inline(always)]
+    pub(crate) fn least(self, values: &[[f64; LANES]]) -> usize {
+        match self {
+            Self::Portable => portable::least(values),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(avx2) => avx2.least(values),
+        }
+    }
+
     pub(crate) fn instructions(self) -> Instructions {
         match self {
             Self::Portable => Instructions::Portable,
@@ -92,12 +103,47 @@ impl Level {
     }
 
     /// Does `work` with these instructions.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn run<W: Work>(self, work: W, dir: [W::Scalar; 3]) -> W::Answer {
+        let [x, y, z] = dir;
         match self {
-            Self::Portable => work.with(Portable, dir),
+            Self::Portable => portable(work, x, y, z),
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2(avx2) => avx2.run(work, dir),
+            Self::Avx2(avx2) => avx2.run(work, [x, y, z]),
         }
+    }
+}
+
+/// Apart, so that the path for other instructions can be inlined where it is asked for.
+#[inline(never)]
+fn portable<W: Work>(work: W, x: W::Scalar, y: W::Scalar, z: W::Scalar) -> W::Answer {
+    work.with(Portable, [x, y, z])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shapes::rng::SplitMix64;
+
+    #[test]
+    fn least_is_the_first_of_the_least() {
+        let mut rng = SplitMix64::new(3);
+        for chunks in [1, 2, 7, 8, 9, 40] {
+            for round in 0..200 {
+                let mut values = vec![[f64::INFINITY; LANES]; chunks];
+                for value in values.as_flattened_mut() {
+                    // Few values, so that there are ties; infinity for slots that are empty.
+                    *value = (rng.between(0.0, 20.0) as i32 - 4 + round % 3).into();
+                    *value = if *value > 10.0 { f64::INFINITY } else { *value };
+                }
+                let flat = values.as_flattened();
+                let expected = (0..flat.len()).fold(0, |best, at| if flat[at] < flat[best] { at } else { best });
+                for level in [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Level::of) {
+                    assert_eq!(level.least(&values), expected, "{:?} {values:?}", level.instructions());
+                }
+            }
+        }
+        assert_eq!(Level::best().least(&[]), 0);
+        assert_eq!(Level::best().least(&[[f64::NAN; LANES]]), 0);
     }
 }

@@ -28,6 +28,30 @@ fn mask(dots: [Vec4; 2], least: f32) -> u32 {
     !(dots[0].cmplt(least).bitmask() | dots[1].cmplt(least).bitmask() << 4) & 0xff
 }
 
+/// Where the least value is: see [`Level::least`](super::Level::least).
+#[inline(never)]
+pub(super) fn least(values: &[[f64; LANES]]) -> usize {
+    let less = |a: f64, b: f64| if a < b { a } else { b };
+    let mut low = [f64::INFINITY; LANES];
+    for chunk in values {
+        for (low, value) in low.iter_mut().zip(chunk) {
+            *low = less(*value, *low);
+        }
+    }
+    let four = [less(low[0], low[4]), less(low[1], low[5]), less(low[2], low[6]), less(low[3], low[7])];
+    let least = less(less(four[0], four[2]), less(four[1], four[3]));
+    for (number, chunk) in values.iter().enumerate() {
+        let mut equal = 0_u32;
+        for (lane, value) in chunk.iter().enumerate() {
+            equal |= u32::from(*value == least) << lane;
+        }
+        if equal != 0 {
+            return number * LANES + equal.trailing_zeros() as usize;
+        }
+    }
+    0
+}
+
 impl Simd for Portable {
     #[inline(always)]
     fn near_best<const N: usize>(self, blocks: &[ArchivedBlock; N], dir: [f32; 3], margin: f32) -> u32 {

@@ -82,12 +82,6 @@ pub(crate) fn on_triangle(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
     best
 }
 
-/// [`on_triangle`], where the nearest point is known not to be on the edge from `p` to `q`.
-#[inline]
-fn on_triangle_with(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
-    inside_triangle(p, q, r).unwrap_or_else(|| on_two_edges(p, q, r))
-}
-
 /// The nearest point on the edges of a triangle that meet in `r`.
 #[inline]
 fn on_two_edges(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
@@ -111,55 +105,99 @@ pub(crate) fn on_simplex(v: [DVec3; 4], count: usize) -> (Nearest<4>, f64) {
     }
 }
 
-/// [`on_simplex`], where the nearest point is known to need the last vertex: true of a support point that was added because it is
-/// nearer than the rest of the simplex. Half the work.
-#[inline]
-pub(crate) fn on_simplex_with_last(v: [DVec3; 4], count: usize) -> (Nearest<4>, f64) {
-    let [p, q, r, s] = v;
-    match count {
-        4 => on_tetrahedron_with(p, q, r, s),
-        3 => (padded(on_triangle_with(p, q, r)), 0.0),
-        _ => on_simplex(v, count),
-    }
-}
-
 fn padded<const N: usize>(nearest: Nearest<N>) -> Nearest<4> {
     let mut weights = [0.0; 4];
     weights[..N].copy_from_slice(&nearest.weights);
     Nearest { weights, point: nearest.point }
 }
 
-/// [`on_tetrahedron`], where the nearest point is known not to be on the face `p`, `q`, `r`.
-fn on_tetrahedron_with(p: DVec3, q: DVec3, r: DVec3, s: DVec3) -> (Nearest<4>, f64) {
+/// A point nearest to the origin, and which vertices it is made of: one bit each, in the order of the arguments.
+///
+/// The weights themselves are asked for once, in the end, of [`on_simplex`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Made {
+    pub(crate) point: DVec3,
+    pub(crate) of: u8,
+}
+
+/// The nearest point on the segment from `p` to the newest vertex `s`, if it needs `s`: true of a support point that was added
+/// because it is nearer than the rest of the simplex. So in the functions below, which do half the work of [`on_simplex`].
+#[inline(always)]
+pub(crate) fn on_segment_to(p: DVec3, s: DVec3) -> Made {
+    let (point, t) = along(s, p - s);
+    Made { point, of: u8::from(t > 0.0) | u8::from(t < 1.0) << 1 }
+}
+
+/// The same on the triangle `p`, `q`, `s`.
+#[inline(always)]
+pub(crate) fn on_triangle_to(p: DVec3, q: DVec3, s: DVec3) -> Made {
+    let (sp, sq) = (p - s, q - s);
+    on_triangle_at(s, sp, sq, sp.cross(sq))
+}
+
+/// The same on the tetrahedron `p`, `q`, `r`, `s`; nothing when the origin is inside, or may be.
+#[inline(always)]
+pub(crate) fn on_tetrahedron_to(p: DVec3, q: DVec3, r: DVec3, s: DVec3) -> Option<Made> {
     let (sp, sq, sr) = (p - s, q - s, r - s);
     // Normals of the faces that meet in s, all outwards or all inwards, and the side of the origin.
     let (across_r, across_p, across_q) = (sp.cross(sq), sq.cross(sr), sr.cross(sp));
     let volume = across_r.dot(sr);
-    let side = |n: DVec3| -n.dot(s) * volume;
-    // NaN is outside.
-    let inside = [side(across_p), side(across_q), side(across_r)].map(|side| side > 0.0);
-    if inside == [true; 3] {
-        return on_tetrahedron([p, q, r, s]);
-    }
-    let mut best = None::<Nearest<4>>;
-    let mut take = |weights: [f64; 4], point: DVec3| {
-        if best.is_none_or(|b| point.length_squared() < b.point.length_squared()) {
-            best = Some(Nearest { weights, point });
+    let mut best = None::<Made>;
+    let mut best_sq = f64::INFINITY;
+    let mut take = |found: Made, of: u8| {
+        let found_sq = found.point.length_squared();
+        if found_sq < best_sq {
+            (best, best_sq) = (Some(Made { of, ..found }), found_sq);
         }
     };
-    if !inside[2] {
-        let Nearest { weights: [i, j, k], point } = on_triangle_with(p, q, s);
-        take([i, j, 0.0, k], point);
+    // NaN and a tetrahedron without volume are outside.
+    let is_inside = |n: DVec3| n.dot(s) * volume < 0.0;
+    if !is_inside(across_r) {
+        let found = on_triangle_at(s, sp, sq, across_r);
+        take(found, found.of & 3 | (found.of & 4) << 1);
     }
-    if !inside[1] {
-        let Nearest { weights: [i, j, k], point } = on_triangle_with(p, r, s);
-        take([i, 0.0, j, k], point);
+    if !is_inside(across_q) {
+        let found = on_triangle_at(s, sr, sp, across_q);
+        take(found, (found.of & 1) << 2 | (found.of & 2) >> 1 | (found.of & 4) << 1);
     }
-    if !inside[0] {
-        let Nearest { weights: [i, j, k], point } = on_triangle_with(q, r, s);
-        take([0.0, i, j, k], point);
+    if !is_inside(across_p) {
+        let found = on_triangle_at(s, sq, sr, across_p);
+        take(found, found.of << 1);
     }
-    best.map_or_else(|| on_tetrahedron([p, q, r, s]), |best| (best, 0.0))
+    best
+}
+
+/// The point nearest to the origin on the segment from `s` along `edge`, and how far along.
+#[inline(always)]
+fn along(s: DVec3, edge: DVec3) -> (DVec3, f64) {
+    let t = -s.dot(edge) / edge.length_squared();
+    // NaN, of a segment without length, takes the branch of `s`.
+    let t = if t > 0.0 { t } else { 0.0 };
+    let t = if t < 1.0 { t } else { 1.0 };
+    (s + edge * t, t)
+}
+
+/// The nearest point on the triangle of `s`, `s + e` and `s + f`, whose normal is `n` = e × f; made of, in the order of bits,
+/// `s + e`, `s + f`, `s`.
+#[inline(always)]
+fn on_triangle_at(s: DVec3, e: DVec3, f: DVec3, n: DVec3) -> Made {
+    let n_sq = n.length_squared();
+    let (at_e, at_f) = (n.dot(f.cross(s)), n.dot(s.cross(e)));
+    let at_s = n_sq - at_e - at_f;
+    // One branch, not four. NaN takes the failing one.
+    let inside =
+        (at_e >= 0.0) & (at_f >= 0.0) & (at_s >= 0.0) & (n_sq > THIN * THIN * e.length_squared() * f.length_squared());
+    if inside {
+        let of = u8::from(at_e > 0.0) | u8::from(at_f > 0.0) << 1 | u8::from(at_s > 0.0) << 2;
+        // From the plane, not from weights: as a direction this keeps more digits.
+        return Made { point: n * (n.dot(s) / n_sq), of };
+    }
+    let ((on_e, at_e), (on_f, at_f)) = (along(s, e), along(s, f));
+    if on_e.length_squared() < on_f.length_squared() {
+        Made { point: on_e, of: u8::from(at_e > 0.0) | u8::from(at_e < 1.0) << 2 }
+    } else {
+        Made { point: on_f, of: u8::from(at_f > 0.0) << 1 | u8::from(at_f < 1.0) << 2 }
+    }
 }
 
 /// The nearest point on the solid tetrahedron `v`, and whether the origin lies strictly inside it (the point is
@@ -260,9 +298,18 @@ mod tests {
                     v[count] = at(&mut rng) * 1.5 - y * 0.1;
                 }
                 let (slow, within) = on_simplex(v, count + 1);
-                let (quick, quick_within) = on_simplex_with_last(v, count + 1);
-                assert!((slow.point - quick.point).length() < 1e-12, "{v:?} {slow:?} {quick:?}");
-                assert!((within - quick_within).abs() < 1e-12);
+                let [p, q, r, s] = v;
+                let quick = match count {
+                    1 => Some(on_segment_to(p, q)),
+                    2 => Some(on_triangle_to(p, q, r)),
+                    _ => on_tetrahedron_to(p, q, r, s),
+                };
+                assert_eq!(quick.is_none(), within > 0.0);
+                if let Some(quick) = quick {
+                    assert!((slow.point - quick.point).length() < 1e-12, "{v:?} {slow:?} {quick:?}");
+                    let of = slow.weights.iter().enumerate().fold(0, |of, (i, w)| of | u8::from(*w > 0.0) << i);
+                    assert_eq!(of, quick.of, "{v:?} {slow:?} {quick:?}");
+                }
                 counts[count + 1] += 1;
             }
         }

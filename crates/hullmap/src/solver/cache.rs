@@ -120,10 +120,11 @@ impl Cache {
     }
 
     /// Keeps at most three vertices, leaving out the centre, which is known anyway.
-    pub(crate) fn set_simplex(&mut self, vertices: &[Point]) {
+    #[inline]
+    pub(crate) fn set_simplex(&mut self, vertices: impl IntoIterator<Item = [u32; 2]>) {
         self.simplex_count = 0;
-        for v in vertices.iter().filter(|v| v.features != Point::CENTER).take(3) {
-            self.simplex[usize::from(self.simplex_count)] = v.features;
+        for features in vertices.into_iter().filter(|features| *features != Point::CENTER).take(3) {
+            self.simplex[usize::from(self.simplex_count)] = features;
             self.simplex_count += 1;
         }
     }
@@ -142,14 +143,12 @@ impl Cache {
     }
 
     /// Keeps a polytope: vertices, then corners and neighbours of its faces. One that is too big is not kept.
-    pub(super) fn keep_polytope(&mut self, points: &[Point], (corners, neighbours): (&[[u16; 3]], &[[u16; 3]])) {
+    pub(super) fn keep_polytope(&mut self, points: &[[u32; 2]], (corners, neighbours): (&[[u16; 3]], &[[u16; 3]])) {
         self.point_count = 0;
         if points.len() > MOST_POINTS || corners.len() > MOST_FACES {
             return;
         }
-        for (to, from) in self.points.iter_mut().zip(points) {
-            *to = from.features;
-        }
+        self.points[..points.len()].copy_from_slice(points);
         for (to, from) in self.corners.iter_mut().zip(corners) {
             *to = from.map(|c| c as u8);
         }
@@ -167,8 +166,7 @@ mod tests {
     #[test]
     fn the_centre_is_not_kept_in_a_simplex() {
         let mut cache = Cache::new();
-        let seen = Point { features: [3, 4], ..Point::EMPTY };
-        cache.set_simplex(&[seen, Point { features: Point::CENTER, ..Point::EMPTY }]);
+        cache.set_simplex([[3, 4], Point::CENTER]);
         assert_eq!(cache.simplex(), &[[3, 4]]);
         cache.clear();
         assert!(cache.simplex().is_empty());
@@ -178,13 +176,13 @@ mod tests {
     fn a_polytope_comes_back_as_it_was() {
         let mut cache = Cache::new();
         assert!(cache.polytope().is_none());
-        let points = [1, 2, 3, 4].map(|i| Point { features: [i, 10 + i], ..Point::EMPTY });
+        let points = [1, 2, 3, 4].map(|i| [i, 10 + i]);
         let (corners, neighbours) = ([[0, 1, 2], [0, 3, 1]], [[1, 2, 3], [3, 2, 0]]);
         cache.keep_polytope(&points, (&corners, &neighbours));
         let kept = cache.polytope().unwrap();
-        assert!(kept.points().eq(points.iter().map(|p| p.features)));
+        assert!(kept.points().eq(points));
         assert!(kept.faces().eq(corners.into_iter().zip(neighbours)));
-        cache.keep_polytope(&[Point::EMPTY; MOST_POINTS + 1], (&corners, &neighbours));
+        cache.keep_polytope(&[[0; 2]; MOST_POINTS + 1], (&corners, &neighbours));
         assert!(cache.polytope().is_none());
     }
 

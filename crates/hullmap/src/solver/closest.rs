@@ -14,7 +14,9 @@
 //! - The nearest point is sought only on what has the newest vertex in it; if that comes no nearer, on the whole simplex.
 //! - Repeated vertices and steps that do not come nearer end the search as a status.
 
-use super::barycentric::{Nearest, blend, on_simplex, on_simplex_with_last};
+use super::barycentric::{
+    Made, blend, on_segment, on_segment_to, on_simplex, on_tetrahedron_to, on_triangle, on_triangle_to,
+};
 use crate::SupportMap;
 use crate::minkowski::{Minkowski, Point};
 use glam::DVec3;
@@ -22,67 +24,164 @@ use glam::DVec3;
 /// Most steps, whatever the settings. Polytopes need 5 to 30; smooth shapes at the tightest tolerance about 200.
 const MAX_CLOSEST: u32 = 1000;
 
-/// At most four vertices and the weights of their point nearest to the origin.
+/// At most four vertices, in slots that are not moved: what was just written and is read back in other pieces would stall the
+/// processor.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Simplex {
-    vertices: [Point; 4],
-    weights: [f64; 4],
-    count: usize,
+    /// Coordinates of the points of the difference, x, y and z apart.
+    w: [[f64; SLOTS]; 3],
+    a: [DVec3; SLOTS],
+    features: [[u32; 2]; SLOTS],
+    /// Slots that hold a vertex, one bit each.
+    used: u8,
+    /// Weights of the vertices in the nearest point, where the search came by them: it mostly needs none.
+    weights: Option<[f64; SLOTS]>,
 }
 
+const SLOTS: usize = 4;
+
 impl Simplex {
+    /// Without a vertex.
+    #[inline(always)]
+    pub(super) fn empty() -> Self {
+        Self { w: [[0.0; SLOTS]; 3], a: [DVec3::ZERO; SLOTS], features: [[0; 2]; SLOTS], used: 0, weights: None }
+    }
+
     pub(super) fn new(vertex: Point) -> Self {
-        let mut vertices = [Point::EMPTY; 4];
-        vertices[0] = vertex;
-        Self { vertices, weights: [1.0, 0.0, 0.0, 0.0], count: 1 }
+        let mut simplex = Self::empty();
+        simplex.push(vertex);
+        simplex
     }
 
-    /// Adds a vertex; there must be room, which [`keep`](Self::keep) makes.
+    /// Adds a vertex; there must be room. Tells its slot.
+    #[inline(always)]
+    pub(super) fn push(&mut self, vertex: Point) -> usize {
+        let slot = self.used.trailing_ones() as usize % SLOTS;
+        let Point { w, a, features } = vertex;
+        (self.w[0][slot], self.w[1][slot], self.w[2][slot]) = (w.x, w.y, w.z);
+        self.a[slot] = a;
+        self.features[slot] = features;
+        self.used |= 1 << slot;
+        slot
+    }
+
+    fn slots(&self) -> impl Iterator<Item = usize> {
+        let used = self.used;
+        (0..SLOTS).filter(move |slot| used >> slot & 1 == 1)
+    }
+
+    /// The features that make the vertices.
+    pub(super) fn features(&self) -> impl Iterator<Item = [u32; 2]> {
+        self.slots().map(|slot| self.features[slot])
+    }
+
+    #[inline(always)]
+    fn corner(&self, slot: usize) -> DVec3 {
+        let slot = slot % SLOTS;
+        DVec3::new(self.w[0][slot], self.w[1][slot], self.w[2][slot])
+    }
+
+    /// The slot of the only vertex; nothing where there are more.
+    fn single(&self) -> Option<usize> {
+        self.used.is_power_of_two().then_some(self.used.trailing_zeros() as usize)
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.used == 0
+    }
+
+    /// Whether a vertex is at this point.
+    #[inline(always)]
+    pub(super) fn contains(&self, w: DVec3) -> bool {
+        // All slots: nothing to predict.
+        let equal = |slot: usize| (self.w[0][slot] == w.x) & (self.w[1][slot] == w.y) & (self.w[2][slot] == w.z);
+        let equal = [0, 1, 2, 3].map(equal);
+        let mask = u8::from(equal[0]) | u8::from(equal[1]) << 1 | u8::from(equal[2]) << 2 | u8::from(equal[3]) << 3;
+        mask & self.used != 0
+    }
+
+    /// The slots in use, the first one again where there are fewer than four, and their count.
     #[inline]
-    pub(super) fn push(&mut self, vertex: Point) {
-        self.vertices[self.count] = vertex;
-        self.weights[self.count] = 0.0;
-        self.count += 1;
+    fn packed(&self) -> ([usize; SLOTS], usize) {
+        let first = self.used.trailing_zeros() as usize % SLOTS;
+        let (mut at, mut count) = ([first; SLOTS], 0);
+        for slot in self.slots() {
+            at[count] = slot;
+            count += 1;
+        }
+        (at, count)
     }
 
-    pub(super) fn points(&self) -> &[Point] {
-        &self.vertices[..self.count]
-    }
-
-    /// The points of A and of B at the weights, and their difference.
+    /// The points of A and of B that make the point nearest to the origin, and their difference.
     pub(super) fn witnesses(&self) -> (DVec3, DVec3, DVec3) {
-        let mut weights = self.weights;
-        weights[self.count..].fill(0.0);
-        let mut vertices = self.vertices;
-        vertices[self.count..].fill(self.vertices[0]);
-        let w = blend(&weights, vertices.map(|v| v.w));
-        let a = blend(&weights, vertices.map(|v| v.a));
-        (a, a - w, w)
-    }
-
-    #[inline]
-    fn corners(&self) -> [DVec3; 4] {
-        [self.vertices[0].w, self.vertices[1].w, self.vertices[2].w, self.vertices[3].w]
-    }
-
-    /// Keeps only the vertices that have a weight.
-    #[inline]
-    fn keep(&mut self, weights: [f64; 4]) {
-        let mut kept = 0;
-        for (i, weight) in weights.into_iter().enumerate().take(self.count) {
-            if weight > 0.0 {
-                if kept != i {
-                    self.vertices[kept] = self.vertices[i];
-                }
-                self.weights[kept] = weight;
-                kept += 1;
+        let ([i, j, k, l], count) = self.packed();
+        let w = [self.corner(i), self.corner(j), self.corner(k), self.corner(l)];
+        let weights = match self.weights {
+            Some(weights) => {
+                // Slots beyond the count repeat the first, which must count once.
+                let weight = |at: usize, slot: usize| if at < count { weights[slot] } else { 0.0 };
+                [weight(0, i), weight(1, j), weight(2, k), weight(3, l)]
             }
+            None => match count {
+                2 => {
+                    let [p, q] = on_segment(w[0], w[1]).weights;
+                    [p, q, 0.0, 0.0]
+                }
+                3 => {
+                    let [p, q, r] = on_triangle(w[0], w[1], w[2]).weights;
+                    [p, q, r, 0.0]
+                }
+                _ => on_simplex(w, count).0.weights,
+            },
+        };
+        let between = blend(&weights, w);
+        let point_a = blend(&weights, [self.a[i], self.a[j], self.a[k], self.a[l]]);
+        (point_a, point_a - between, between)
+    }
+
+    /// The nearest point, the slots of the vertices that it is made of, and the origin's distance from the surface if it is
+    /// inside. Keeps the weights.
+    #[inline(never)]
+    fn nearest(&mut self) -> (DVec3, u8, f64) {
+        let ([i, j, k, l], count) = self.packed();
+        let w = [self.corner(i), self.corner(j), self.corner(k), self.corner(l)];
+        let (nearest, clearance) = on_simplex(w, count);
+        let (mut kept, mut weights) = (0, [0.0; SLOTS]);
+        for (slot, weight) in [i, j, k, l].into_iter().zip(nearest.weights).take(count) {
+            kept |= u8::from(weight > 0.0) << slot;
+            weights[slot] = weight;
         }
         // NaN weights keep nothing: stay with the first vertex.
         if kept == 0 {
-            (kept, self.weights[0]) = (1, 1.0);
+            (kept, weights[i]) = (1 << i, 1.0);
         }
-        self.count = kept;
+        self.weights = Some(weights);
+        (nearest.point, kept, clearance)
+    }
+
+    /// The nearest point, known to need the vertex in slot `newest`, which is `s`; and the slots of the vertices that it is
+    /// made of. Nothing where the origin is inside.
+    #[inline(always)]
+    fn nearest_to(&self, newest: usize, s: DVec3) -> Option<(DVec3, u8)> {
+        let others = self.used & !(1 << newest);
+        if others == 0 {
+            return Some((s, self.used));
+        }
+        let i = others.trailing_zeros() as usize;
+        let others = others & (others - 1);
+        if others == 0 {
+            let Made { point, of } = on_segment_to(self.corner(i), s);
+            return Some((point, (of & 1) << i | (of >> 1) << newest));
+        }
+        let j = others.trailing_zeros() as usize;
+        let others = others & (others - 1);
+        if others == 0 {
+            let Made { point, of } = on_triangle_to(self.corner(i), self.corner(j), s);
+            return Some((point, (of & 1) << i | (of >> 1 & 1) << j | (of >> 2) << newest));
+        }
+        let k = others.trailing_zeros() as usize;
+        let Made { point, of } = on_tetrahedron_to(self.corner(i), self.corner(j), self.corner(k), s)?;
+        Some((point, (of & 1) << i | (of >> 1 & 1) << j | (of >> 2 & 1) << k | (of >> 3) << newest))
     }
 }
 
@@ -125,34 +224,37 @@ pub(super) fn closest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let mut lower = f64::NEG_INFINITY;
     let mut upper = f64::INFINITY;
     let mut normal = DVec3::ZERO;
+    // A single vertex needs no search.
+    let mut newest = simplex.single().map(|slot| (slot, simplex.corner(slot)));
     // At least once: without a step there is no bound at all.
     let most = max_iterations.clamp(1, MAX_CLOSEST);
     for iterations in 1..=most {
-        let (mut nearest, mut clearance) = if iterations == 1 {
-            on_simplex(simplex.corners(), simplex.count)
-        } else {
-            on_simplex_with_last(simplex.corners(), simplex.count)
-        };
-        let mut length = nearest.point.length();
+        let quick = newest.and_then(|(slot, w)| simplex.nearest_to(slot, w));
+        let (mut y, mut kept) = quick.unwrap_or_default();
+        let mut length = y.length();
+        simplex.weights = None;
         // NaN counts as no progress, here and below.
-        if !(length < upper || clearance > 0.0) {
-            (nearest, clearance) = on_simplex(simplex.corners(), simplex.count);
-            length = nearest.point.length();
+        if quick.is_none() || !(length < upper) {
+            let clearance;
+            (y, kept, clearance) = simplex.nearest();
+            length = y.length();
+            if clearance > 0.0 {
+                simplex.used = kept;
+                // A hair inside may be a hair outside.
+                let end = if clearance > rounding { End::Inside } else { End::AtOrigin };
+                return Closest { end, lower, upper: 0.0, normal, iterations };
+            }
+            let nearer = length < upper;
+            if !nearer {
+                // Without the last vertex it is what it was.
+                if let Some((slot, _)) = newest {
+                    simplex.used &= !(1 << slot);
+                    simplex.weights = None;
+                }
+                return Closest { end: End::Stalled, lower, upper, normal, iterations };
+            }
         }
-        let Nearest { weights, point: y } = nearest;
-        if clearance > 0.0 {
-            simplex.keep(weights);
-            // A hair inside may be a hair outside.
-            let end = if clearance > rounding { End::Inside } else { End::AtOrigin };
-            return Closest { end, lower, upper: 0.0, normal, iterations };
-        }
-        let nearer = length < upper;
-        if !nearer {
-            // Without the last vertex it is what it was.
-            simplex.count = (simplex.count - 1).max(1);
-            return Closest { end: End::Stalled, lower, upper, normal, iterations };
-        }
-        simplex.keep(weights);
+        simplex.used = kept;
         upper = length;
         if length <= rounding {
             return Closest { end: End::AtOrigin, lower, upper, normal, iterations };
@@ -164,11 +266,11 @@ pub(super) fn closest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         if upper - lower <= tolerance * upper + rounding {
             return Closest { end: End::Converged, lower, upper, normal, iterations };
         }
-        if simplex.points().iter().any(|v| v.w == vertex.w) {
+        if simplex.contains(vertex.w) {
             return Closest { end: End::Stalled, lower, upper, normal, iterations };
         }
         if iterations < most {
-            simplex.push(vertex);
+            newest = Some((simplex.push(vertex), vertex.w));
         }
     }
     Closest { end: End::Limit, lower, upper, normal, iterations: most }

@@ -161,25 +161,23 @@ fn contact_of<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
     cache.forget_axis();
     let rounding = m.rounding();
+    let depth_lower = (expanded.lower - m.noise()).max(0.0);
+    // A face may be proved nearest before anybody looks whether it is at zero.
+    let touching = expanded.end == expansion::End::Touching || upper <= expansion::TOUCHING_ROUNDINGS * rounding;
     let status = match expanded.end {
-        expansion::End::Touching => Status::Touching,
-        // A face may be proved nearest before anybody looks whether it is at zero.
-        _ if upper <= expansion::TOUCHING_ROUNDINGS * rounding => Status::Touching,
-        expansion::End::Converged | expansion::End::Inside => {
-            if upper - expanded.lower <= rounding {
-                Status::Exact
-            } else {
-                Status::Within
-            }
-        }
+        // What is certainly deep, by however little, does not only touch.
+        _ if touching && depth_lower == 0.0 => Status::Touching,
+        _ if touching => Status::Exact,
         expansion::End::Limit => Status::IterationLimit,
         expansion::End::Stalled | expansion::End::Separated => Status::Stalled,
+        _ if upper - expanded.lower <= rounding => Status::Exact,
+        expansion::End::Converged | expansion::End::Inside | expansion::End::Touching => Status::Within,
     };
     Contact {
         hit: true,
         status,
-        depth: if status == Status::Touching { 0.0 } else { upper },
-        depth_lower: (expanded.lower - m.noise()).max(0.0),
+        depth: if status == Status::Touching { 0.0 } else { upper.max(depth_lower) },
+        depth_lower,
         depth_upper: upper.max(0.0) + rounding,
         normal: unit(normal).unwrap_or(DVec3::X),
         point_a,
@@ -239,4 +237,26 @@ fn contact_of_balls<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         iterations: 1,
         support_calls: 0,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes::Cuboid;
+
+    #[test]
+    fn certainly_deep_by_a_hair_is_not_touching() {
+        let (a, b) = (Cuboid::new(DVec3::ONE).unwrap(), Cuboid::new(DVec3::ONE).unwrap());
+        let m = Minkowski::new(&a, &b, Pose::from_translation(DVec3::X).unwrap());
+        let found = |lower, upper| {
+            let bound = Bound { upper, normal: DVec3::X, ..Bound::none() };
+            let expanded = Expansion { end: expansion::End::Touching, lower, bound, iterations: 1 };
+            contact_of(&m, &mut Cache::new(), &expanded, 1)
+        };
+        let deep = found(1.25 * m.noise(), 1.5 * m.noise());
+        assert_eq!(deep.status, Status::Exact);
+        assert!(0.0 < deep.depth_lower && deep.depth_lower <= deep.depth && deep.depth <= deep.depth_upper);
+        let unknown = found(0.75 * m.noise(), 1.5 * m.noise());
+        assert_eq!((unknown.status, unknown.depth, unknown.depth_lower), (Status::Touching, 0.0, 0.0));
+    }
 }

@@ -67,10 +67,14 @@ impl Portal {
     #[inline]
     pub(super) fn is_pierced(&self, v0: DVec3) -> bool {
         let [v1, v2, v3] = self.vertices.map(|v| v.w);
-        v1.cross(v3).dot(v0) >= 0.0
-            && v3.cross(v2).dot(v0) >= 0.0
-            && v2.cross(v1).dot(v0) >= 0.0
-            && (v2 - v1).cross(v3 - v1).dot(v1 - v0) > 0.0
+        v1.cross(v3).dot(v0) >= 0.0 && v3.cross(v2).dot(v0) >= 0.0 && v2.cross(v1).dot(v0) >= 0.0 && self.faces_away(v0)
+    }
+
+    /// Whether the normal points away from `v0`.
+    #[inline(always)]
+    fn faces_away(&self, v0: DVec3) -> bool {
+        let [v1, v2, v3] = self.vertices.map(|v| v.w);
+        (v2 - v1).cross(v3 - v1).dot(v1 - v0) > 0.0
     }
 }
 
@@ -152,7 +156,9 @@ pub(super) fn discover<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
             let height = (v3.w - v0).dot(n);
             // NaN takes the failing branch.
             let high = height > 0.0 && height * height > flat * flat * n.length_squared();
-            let found = high && portal.is_pierced(v0) && portal.normal().is_some();
+            // The other two sides were tested just now. NaN takes the failing branch here.
+            let pierced = v2.w.cross(v1.w).dot(v0) >= 0.0 && portal.faces_away(v0);
+            let found = high && pierced && portal.normal().is_some();
             return (if found { Discovery::Portal } else { Discovery::Flat }, step);
         }
         n = (v1.w - v0).cross(v2.w - v0);

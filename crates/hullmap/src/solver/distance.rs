@@ -72,17 +72,17 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         cache.forget_axis();
         return out;
     }
-    let mut simplex = None::<Simplex>;
+    let mut simplex = Simplex::empty();
     for vertex in cache.simplex().iter().filter_map(|features| m.recall(*features)) {
-        match &mut simplex {
-            None => simplex = Some(Simplex::new(vertex)),
-            Some(simplex) if simplex.points().iter().all(|v| v.w != vertex.w) => simplex.push(vertex),
-            Some(_) => {}
+        if !simplex.contains(vertex.w) {
+            simplex.push(vertex);
         }
     }
-    let mut simplex = simplex.unwrap_or_else(|| Simplex::new(center));
+    if simplex.is_empty() {
+        simplex.push(center);
+    }
     let found = closest(&mut m, &mut simplex, settings.relative_gap(), settings.max_iterations);
-    cache.set_simplex(simplex.points());
+    cache.set_simplex(simplex.features());
     let (point_a, point_b, between) = simplex.witnesses();
     (out.point_a, out.point_b) = (point_a, point_b);
     out.iterations = found.iterations;

@@ -123,9 +123,9 @@ impl Bound {
 
 /// Whether the foot of the origin on the plane through a face with this unit normal lies in the face. A polytope's nearest
 /// face has it; another need not, and then gives no contact points however good its normal.
-fn has_foot([p, q, r]: [&Point; 3], normal: DVec3, rounding: f64) -> bool {
-    let foot = normal * normal.dot(p.w);
-    foot.distance(on_triangle(p.w, q.w, r.w).point) <= FOOT_OFF * foot.length() + rounding
+fn has_foot([p, q, r]: [DVec3; 3], normal: DVec3, rounding: f64) -> bool {
+    let foot = normal * normal.dot(p);
+    foot.distance(on_triangle(p, q, r).point) <= FOOT_OFF * foot.length() + rounding
 }
 
 /// What does not change during an expansion.
@@ -311,13 +311,13 @@ fn finish<const V: usize, const F: usize>(
 ) -> Expansion {
     if let Some(corners) = state.corners {
         let Bound { upper, normal, .. } = state.out.bound;
-        state.out.bound = Bound::at(upper, normal, corners.map(|i| polytope.point(i)));
+        state.out.bound = Bound::at(upper, normal, corners.map(|i| polytope.point(i)).each_ref());
     }
     if let Some(cache) = cache {
         if !state.encloses || state.out.end == End::Stalled {
             cache.forget_polytope();
-        } else if polytope.points().len() <= KEEP {
-            cache.keep_polytope(polytope.points(), polytope.faces());
+        } else if polytope.point_count() <= KEEP {
+            cache.keep_polytope(polytope.features(), polytope.faces());
         }
     }
     state.out
@@ -352,8 +352,8 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
             // Where the bound's face is on the surface, points on it are as deep as the bound says.
             let bound = &state.out.bound;
             let good = |corners: [u16; 3]| {
-                let face = corners.map(|i| polytope.point(i));
-                let is_tight = upper - bound.normal.dot(face[0].w) <= tolerance * upper + rounding;
+                let face = corners.map(|i| polytope.point(i).w);
+                let is_tight = upper - bound.normal.dot(face[0]) <= tolerance * upper + rounding;
                 is_tight && has_foot(face, bound.normal, rounding)
             };
             if state.corners.is_none_or(good) {
@@ -370,11 +370,11 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
             state.out.end = End::Limit;
             return false;
         }
-        if polytope.points().len() == KEEP
+        if polytope.point_count() == KEEP
             && state.encloses
             && let Some(cache) = &mut cache
         {
-            cache.keep_polytope(polytope.points(), polytope.faces());
+            cache.keep_polytope(polytope.features(), polytope.faces());
         }
         state.out.iterations += 1;
         // 3. The support plane bounds it from above.
@@ -395,7 +395,7 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
             || tight
             || (close
                 && state.corners.is_none_or(|corners| {
-                    has_foot(corners.map(|i| polytope.point(i)), state.out.bound.normal, rounding)
+                    has_foot(corners.map(|i| polytope.point(i).w), state.out.bound.normal, rounding)
                 }));
         if done {
             state.out.end = if separated {

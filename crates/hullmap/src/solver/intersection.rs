@@ -131,7 +131,7 @@ pub(super) fn keep_miss(cache: &mut Cache, axis: DVec3, seen: &[Point; 3]) {
     if let Some(axis) = unit(axis) {
         cache.set_axis(axis);
     }
-    cache.set_simplex(seen);
+    cache.set_simplex(seen.iter().map(|v| v.features));
 }
 
 /// Whether the origin is in the tetrahedron of the centre and of the portal that these features make. No support call.

@@ -22,6 +22,7 @@
 
 use super::barycentric::on_triangle;
 use crate::minkowski::Point;
+use crate::simd::Level;
 use glam::DVec3;
 
 /// A vertex sees a face it is above, or below by no more than this share of the noise: coplanar faces are
@@ -56,24 +57,31 @@ struct Horizon {
     beyond_edge: u16,
 }
 
-/// A face's normal, of any length, and the dot product with it above which a point sees the face.
-type Plane = [f64; 4];
-
 /// A closed surface of triangles.
+///
+/// Points and planes are kept by coordinate. One is read soon after it was written: as single numbers, both times; read as a
+/// vector what was written by numbers, and the processor stalls.
 #[derive(Clone, Debug)]
 pub(super) struct Polytope<const V: usize, const F: usize> {
-    points: [Point; V],
+    /// Coordinates of the points of the difference: x, y, z.
+    w: [[f64; V]; 3],
+    a: [DVec3; V],
+    features: [[u32; 2]; V],
     point_count: usize,
     /// Squares of the offsets, with the offsets' signs: no square root for faces that are never asked. Infinite for slots that
     /// hold no face.
     offsets: [f64; F],
-    planes: [Plane; F],
+    /// A face's normal, of any length, and the dot product with it above which a point sees the face.
+    planes: [[f64; F]; 4],
     /// Counter-clockwise from outside.
     corners: [[u16; 3]; F],
     /// The face across the edge from corner i to corner i + 1.
     neighbours: [[u16; 3]; F],
     face_count: usize,
+    /// The face whose plane has the least offset: the lowest number of several.
+    nearest: usize,
     encloses: bool,
+    level: Level,
     /// Distances below this are none.
     slack: f64,
     /// Scratch of [`insert`](Self::insert): edges yet to be crossed, faces removed, edges of the horizon.
@@ -88,14 +96,18 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     pub(super) fn empty(noise: f64) -> Self {
         const { assert!(F >= 2 * V && F.is_multiple_of(WIDE) && F <= u16::MAX as usize) }
         Self {
-            points: [Point::EMPTY; V],
+            w: [[0.0; V]; 3],
+            a: [DVec3::ZERO; V],
+            features: [[0; 2]; V],
             point_count: 0,
             offsets: [f64::INFINITY; F],
-            planes: [[0.0; 4]; F],
+            planes: [[0.0; F]; 4],
             corners: [[0; 3]; F],
             neighbours: [[0; 3]; F],
             face_count: 0,
+            nearest: 0,
             encloses: false,
+            level: Level::best(),
             slack: COPLANAR_NOISES * noise,
             ahead: [(0, 0); F],
             removed: [0; F],
@@ -121,8 +133,9 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
             seed.swap(0, 1);
         }
         // Now s lies behind p q r.
-        self.points[..4].copy_from_slice(&seed);
-        (self.point_count, self.face_count) = (4, 4);
+        self.point_count = 0;
+        seed.into_iter().for_each(|point| self.push(point));
+        self.face_count = 4;
         self.corners[..4].copy_from_slice(&CORNERS);
         self.neighbours[..4].copy_from_slice(&NEIGHBOURS);
         self.update_planes(4)
@@ -138,8 +151,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         self.point_count = 0;
         for point in points {
             let (Some(point), true) = (point, self.point_count < V) else { return false };
-            self.points[self.point_count] = point;
-            self.point_count += 1;
+            self.push(point);
         }
         if faces.len() > F {
             return false;
@@ -158,7 +170,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         for at in (0..count).step_by(LANES) {
             let lanes = LANES.min(count - at);
             let [c, d, e, f] = [0, 1, 2, 3].map(|lane: usize| self.corners[at + lane.min(lanes - 1)]);
-            let w = |i: u16| self.points[usize::from(i)].w;
+            let w = |i: u16| self.at(usize::from(i));
             let across = |k: usize| {
                 let [p, q, r, s] = [w(c[k]), w(d[k]), w(e[k]), w(f[k])];
                 [[p.x, q.x, r.x, s.x], [p.y, q.y, r.y, s.y], [p.z, q.z, r.z, s.z]]
@@ -169,7 +181,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
                 if self.is_spare(face) {
                     self.offsets[face] = f64::INFINITY;
                 } else {
-                    self.planes[face] = [planes[0][lane], planes[1][lane], planes[2][lane], planes[3][lane]];
+                    self.set_plane(face, [planes[0][lane], planes[1][lane], planes[2][lane], planes[3][lane]]);
                     self.offsets[face] = offsets[lane];
                     all_solid &= offsets[lane].is_finite();
                     encloses &= certain[lane];
@@ -177,6 +189,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
             }
         }
         self.encloses = all_solid && encloses;
+        self.nearest = self.least_offset();
         all_solid
     }
 
@@ -189,14 +202,21 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     pub(super) fn grown<const W: usize, const G: usize>(&self) -> Polytope<W, G> {
         let mut big = Polytope::<W, G>::empty(0.0);
         big.slack = self.slack;
-        big.points[..self.point_count].copy_from_slice(&self.points[..self.point_count]);
+        for axis in 0..3 {
+            big.w[axis][..self.point_count].copy_from_slice(&self.w[axis][..self.point_count]);
+        }
+        big.a[..self.point_count].copy_from_slice(&self.a[..self.point_count]);
+        big.features[..self.point_count].copy_from_slice(&self.features[..self.point_count]);
         big.point_count = self.point_count;
         let n = self.face_count;
         big.corners[..n].copy_from_slice(&self.corners[..n]);
         big.neighbours[..n].copy_from_slice(&self.neighbours[..n]);
-        big.planes[..n].copy_from_slice(&self.planes[..n]);
+        for (big, small) in big.planes.iter_mut().zip(&self.planes) {
+            big[..n].copy_from_slice(&small[..n]);
+        }
         big.offsets[..n].copy_from_slice(&self.offsets[..n]);
         big.face_count = n;
+        big.nearest = self.nearest;
         big
     }
 
@@ -214,35 +234,44 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     }
 
     /// The face whose plane has the least offset: the lowest number of several.
+    #[inline]
     pub(super) fn nearest_face(&self) -> usize {
+        self.nearest
+    }
+
+    #[inline(always)]
+    fn least_offset(&self) -> usize {
         let used = self.face_count.next_multiple_of(WIDE).min(F);
-        let chunks = self.offsets[..used].as_chunks::<WIDE>().0;
-        let less = |a: f64, b: f64| if a < b { a } else { b };
-        let mut low = [f64::INFINITY; WIDE];
-        for chunk in chunks {
-            for (low, offset) in low.iter_mut().zip(chunk) {
-                *low = less(*offset, *low);
-            }
-        }
-        let four = [less(low[0], low[4]), less(low[1], low[5]), less(low[2], low[6]), less(low[3], low[7])];
-        let least = less(less(four[0], four[2]), less(four[1], four[3]));
-        for (number, chunk) in chunks.iter().enumerate() {
-            let mut hits = 0_u32;
-            for (lane, offset) in chunk.iter().enumerate() {
-                hits |= u32::from(*offset == least) << lane;
-            }
-            if hits != 0 {
-                return number * WIDE + hits.trailing_zeros() as usize;
-            }
-        }
-        0
+        self.level.least(self.offsets[..used].as_chunks::<WIDE>().0)
+    }
+
+    #[inline(always)]
+    fn at(&self, number: usize) -> DVec3 {
+        DVec3::new(self.w[0][number], self.w[1][number], self.w[2][number])
+    }
+
+    /// Adds a vertex without faces; there must be room.
+    #[inline(always)]
+    fn push(&mut self, point: Point) {
+        let number = self.point_count;
+        (self.w[0][number], self.w[1][number], self.w[2][number]) = (point.w.x, point.w.y, point.w.z);
+        self.a[number] = point.a;
+        self.features[number] = point.features;
+        self.point_count += 1;
+    }
+
+    #[inline(always)]
+    fn set_plane(&mut self, face: usize, [x, y, z, seen_from]: [f64; 4]) {
+        self.planes[0][face] = x;
+        self.planes[1][face] = y;
+        self.planes[2][face] = z;
+        self.planes[3][face] = seen_from;
     }
 
     /// Normal of a face, outwards, of any length, that length, and the face's offset.
     #[inline]
     pub(super) fn plane(&self, face: usize) -> (DVec3, f64, f64) {
-        let [x, y, z, _] = self.planes[face];
-        let normal = DVec3::new(x, y, z);
+        let normal = DVec3::new(self.planes[0][face], self.planes[1][face], self.planes[2][face]);
         let offset_sq = self.offsets[face];
         (normal, normal.length(), offset_sq.abs().sqrt().copysign(offset_sq))
     }
@@ -253,13 +282,19 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     }
 
     /// The vertex with this number.
-    pub(super) fn point(&self, number: u16) -> &Point {
-        &self.points[usize::from(number)]
+    pub(super) fn point(&self, number: u16) -> Point {
+        let number = usize::from(number);
+        Point { w: self.at(number), a: self.a[number], features: self.features[number] }
     }
 
-    /// All vertices, also those that are inside by now.
-    pub(super) fn points(&self) -> &[Point] {
-        &self.points[..self.point_count]
+    /// How many vertices there are, also those that are inside by now.
+    pub(super) fn point_count(&self) -> usize {
+        self.point_count
+    }
+
+    /// The features that make the vertices.
+    pub(super) fn features(&self) -> &[[u32; 2]] {
+        &self.features[..self.point_count]
     }
 
     /// Corners and neighbours of all slots; the corners of a slot that holds no face are one vertex.
@@ -267,14 +302,14 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         (&self.corners[..self.face_count], &self.neighbours[..self.face_count])
     }
 
-    fn face_points(&self, face: usize) -> [&Point; 3] {
-        self.corners[face].map(|i| self.point(i))
+    fn face_points(&self, face: usize) -> [DVec3; 3] {
+        self.corners[face].map(|i| self.at(usize::from(i)))
     }
 
     /// Of all faces in the plane of `face`, give or take `slack`, the one with the point nearest to the origin.
     pub(super) fn face_of_foot(&self, face: usize, slack: f64) -> usize {
         let nearest = |face: usize| {
-            let [p, q, r] = self.face_points(face).map(|v| v.w);
+            let [p, q, r] = self.face_points(face);
             on_triangle(p, q, r).point.length_squared()
         };
         let (normal, length, offset) = self.plane(face);
@@ -308,8 +343,16 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     ///
     /// # Errors
     /// When rounding makes the horizon no loop; the surface must not be used any more.
+    #[inline(always)]
     pub(super) fn insert(&mut self, point: Point, face: usize) -> Result<(), Contradiction> {
-        let w = point.w;
+        self.push(point);
+        self.join(point.w.x, point.w.y, point.w.z, face)
+    }
+
+    /// Joins the last vertex to the surface. It comes as three numbers, in registers.
+    #[inline(never)]
+    fn join(&mut self, x: f64, y: f64, z: f64, face: usize) -> Result<(), Contradiction> {
+        let w = DVec3::new(x, y, z);
         // 1. Walk.
         let (mut ahead, mut removed, mut horizon) = (3, 1, 0);
         self.removed[0] = face as u16;
@@ -329,15 +372,10 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
             // The edge that the two share starts, in the neighbour, where it ends here.
             let to = self.corners[at][after(edge)];
             let there = self.corners[next];
-            let back = if there[0] == to {
-                0
-            } else if there[1] == to {
-                1
-            } else {
-                2
-            };
-            let [x, y, z, seen_from] = self.planes[next];
-            if x * w.x + y * w.y + z * w.z > seen_from {
+            // Not branches, as they are as good as random.
+            let back = usize::from(there[1] == to) | usize::from(there[2] == to) << 1;
+            let [x, y, z, seen_from] = &self.planes;
+            if x[next] * w.x + y[next] * w.y + z[next] * w.z > seen_from[next] {
                 self.offsets[next] = f64::INFINITY;
                 if removed == F || ahead + 2 > F {
                     return Err(Contradiction);
@@ -367,9 +405,10 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
             }
             before = *edge;
         }
-        let apex = self.point_count as u16;
-        self.points[self.point_count] = point;
-        self.point_count += 1;
+        let apex = (self.point_count - 1) as u16;
+        // Of the faces that stay, while the planes of the new ones are computed.
+        let mut nearest = self.least_offset();
+        let mut least = self.offsets[nearest];
         // 4. Slots: first the freed ones, then new ones.
         let reused = removed.min(horizon);
         let first_new = self.face_count;
@@ -396,8 +435,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
                 *number = self.horizon[if k == horizon { 0 } else { k }].from;
             }
             let [p, q, r, s, t] = [rim[0], rim[1], rim[2], rim[3], rim[4]].map(usize::from);
-            let [p, q, r, s, t] =
-                [self.points[p].w, self.points[q].w, self.points[r].w, self.points[s].w, self.points[t].w];
+            let [p, q, r, s, t] = [self.at(p), self.at(q), self.at(r), self.at(s), self.at(t)];
             let from = [[p.x, q.x, r.x, s.x], [p.y, q.y, r.y, s.y], [p.z, q.z, r.z, s.z]];
             let to = [[q.x, r.x, s.x, t.x], [q.y, r.y, s.y, t.y], [q.z, r.z, s.z, t.z]];
             let (planes, offsets, _) = planes(tips, from, to, self.slack);
@@ -405,8 +443,11 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
                 let new = slot(&self.removed, at + lane);
                 let next = slot(&self.removed, if at + lane + 1 == horizon { 0 } else { at + lane + 1 });
                 let Horizon { beyond, beyond_edge, .. } = self.horizon[at + lane];
-                self.planes[new] = [planes[0][lane], planes[1][lane], planes[2][lane], planes[3][lane]];
+                self.set_plane(new, [planes[0][lane], planes[1][lane], planes[2][lane], planes[3][lane]]);
                 self.offsets[new] = offsets[lane];
+                // Not a branch, as it is as good as random.
+                let nearer = (offsets[lane] < least) | ((offsets[lane] == least) & (new < nearest));
+                (nearest, least) = if nearer { (new, offsets[lane]) } else { (nearest, least) };
                 // NaN takes the failing branch.
                 if !offsets[lane].is_finite() {
                     return Err(Contradiction);
@@ -418,6 +459,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
             }
             at += lanes;
         }
+        self.nearest = nearest;
         Ok(())
     }
 }
@@ -507,7 +549,7 @@ mod tests {
         let mut polytope = Polytope::<8, 16>::empty(1e-15);
         assert!(polytope.start(tetrahedron(), 0.1));
         for v in [vertex(-1.0, 1.0, 1.0), vertex(1.0, -1.0, 1.0), vertex(1.0, 1.0, -1.0), vertex(-1.0, -1.0, -1.0)] {
-            let above = |f: &usize| polytope.plane(*f).0.dot(v.w) > polytope.planes[*f][3] + 0.1;
+            let above = |f: &usize| polytope.plane(*f).0.dot(v.w) > polytope.planes[3][*f] + 0.1;
             let face = (0..polytope.face_count).find(above).unwrap();
             polytope.insert(v, face).unwrap();
             assert_closed(&polytope);
@@ -557,7 +599,7 @@ mod tests {
                     least = face;
                 }
                 if polytope.offsets[face] < f64::INFINITY {
-                    let [p, q, r] = polytope.face_points(face).map(|v| v.w);
+                    let [p, q, r] = polytope.face_points(face);
                     let n = (q - p).cross(r - p).normalize();
                     let (normal, length, offset) = polytope.plane(face);
                     assert!((n - normal / length).length() < 1e-12);
