@@ -91,11 +91,11 @@ where
     }
 }
 
-/// A support query of a hull of up to eight vertices: no index, no range but that of the margin, and few registers.
+/// A support query of a hull of few vertices: no index, no range but that of the margin, and few registers.
 #[derive(Clone, Copy)]
-struct OneBlock<'i, 'a, T>(&'a [ArchivedBlock; 1], &'i Index<'a>, PhantomData<T>);
+struct Few<'i, 'a, T, const N: usize>(&'a [ArchivedBlock; N], &'i Index<'a>, PhantomData<T>);
 
-impl<'a, T> Work for OneBlock<'_, 'a, T>
+impl<'a, T, const N: usize> Work for Few<'_, 'a, T, N>
 where
     T: Copy,
     [T; 3]: Direction,
@@ -120,10 +120,34 @@ impl<'a> Index<'a> {
         T: Copy,
         [T; 3]: Direction,
     {
-        if let (Kind::Scan, Some(block)) = (self.kind, self.blocks.as_array()) {
-            return self.level.run(OneBlock(block, self, PhantomData), dir).read();
+        let [x, y, z] = dir;
+        // The smallest hulls are asked in place; more than that in place makes these slower.
+        let found = match (self.kind, self.blocks.as_array::<1>()) {
+            (Kind::Scan, Some(few)) => self.level.run(Few(few, self, PhantomData), [x, y, z]),
+            _ => self.support_of_many(x, y, z),
+        };
+        found.read()
+    }
+
+    #[inline(never)]
+    fn support_of_many<T>(&self, x: T, y: T, z: T) -> Candidate<'a>
+    where
+        T: Copy,
+        [T; 3]: Direction,
+    {
+        let dir = [x, y, z];
+        if self.kind == Kind::Scan {
+            if let Some(few) = self.blocks.as_array::<2>() {
+                return self.level.run(Few(few, self, PhantomData), dir);
+            }
+            if let Some(few) = self.blocks.as_array::<3>() {
+                return self.level.run(Few(few, self, PhantomData), dir);
+            }
+            if let Some(few) = self.blocks.as_array::<4>() {
+                return self.level.run(Few(few, self, PhantomData), dir);
+            }
         }
-        self.level.run(Query(self, PhantomData), dir).read()
+        self.level.run(Query(self, PhantomData), dir)
     }
 
     /// The same for directions so long or short that f32 would overflow, and for those that are none.

@@ -469,7 +469,7 @@ fn after(edge: usize) -> usize {
     if edge == 2 { 0 } else { edge + 1 }
 }
 
-/// Planes of triangles `p q r`, counter-clockwise, each as the four numbers of a [`Plane`]; then their offsets squared, with their
+/// Planes of triangles `p q r`, counter-clockwise, each as normal and the height from which it is seen; then their offsets squared, with their
 /// signs, not finite where there is no area; and whether the volume of the triangle and the origin is certain to be
 /// positive.
 ///
