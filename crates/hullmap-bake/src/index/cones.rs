@@ -10,7 +10,7 @@ use crate::gauss_map::GaussMap;
 /// Cones that only touch a plane are listed on their own side alone. Else a fan, whose cones all meet in one point, would
 /// be on both sides of every cut through it. A direction so close to the cut that rounding puts it on the wrong side finds
 /// a vertex whose cone is as close: the regret is at most about this times the diameter.
-pub const TOUCH: f64 = 1e-13;
+pub const TOUCH: f64 = 4e-15;
 
 /// Polygons of these sizes are listed wherever they reach at all.
 ///
