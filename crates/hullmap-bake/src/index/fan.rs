@@ -108,23 +108,25 @@ pub struct Fan {
     pub layers: f64,
 }
 
-/// The line that most of the planes with these normals hold, if several do: its direction, of unit length.
+/// The line that most of the planes with these normals hold, if several do: its direction, of unit length. Of those that as
+/// many hold, the one in which two planes meet at the greatest angle, as that is the least wrong.
 pub fn axis(normals: &[DVec3]) -> Option<DVec3> {
-    let mut best = (HOLDING - 1, None);
+    let mut best = (HOLDING - 1, 1.0, None);
     for stride in [normals.len() / 2, normals.len() / 3, normals.len() / 5 + 1] {
         for (i, &a) in normals.iter().enumerate() {
             let axis = a.cross(normals[(i + stride) % normals.len()]);
-            if axis.length() < LEAST_ANGLE {
+            let sine = axis.length();
+            if sine < LEAST_ANGLE {
                 continue;
             }
-            let axis = axis.normalize();
+            let axis = axis / sine;
             let holds = normals.iter().filter(|n| n.dot(axis).abs() < NEAR_AXIS).count();
-            if holds > best.0 {
-                best = (holds, Some(axis));
+            if (holds, sine) > (best.0, best.1) {
+                best = (holds, sine, Some(axis));
             }
         }
     }
-    best.1
+    best.2
 }
 
 impl Fan {
@@ -300,9 +302,10 @@ mod tests {
 
     #[test]
     fn tiny_polygons_have_a_place() {
-        assert_eq!(around_z(&[[1e-14, 0.0], [0.0, 1e-14], [-1e-14, -1e-14]]), Some([0.0; 2]), "on the axis");
+        let tiny = 0.1 * TOUCH;
+        assert_eq!(around_z(&[[tiny, 0.0], [0.0, tiny], [-tiny, -tiny]]), Some([0.0; 2]), "on the axis");
         // Thinner than what counts, away from it.
-        let [low, high] = around_z(&[[0.5, 0.25], [0.5, 0.25 + 1e-14], [0.5 + 1e-14, 0.25]]).unwrap();
+        let [low, high] = around_z(&[[0.5, 0.25], [0.5, 0.25 + tiny], [0.5 + tiny, 0.25]]).unwrap();
         assert!(low == high && (low - 0.5).abs() < 1e-12, "{low} {high}");
         // Small, near the axis: all that it reaches over counts.
         let [low, high] = around_z(&[[1e-10, 0.0], [1e-10, 1e-10], [2e-10, 1e-10]]).unwrap();
