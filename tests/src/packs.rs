@@ -8,6 +8,16 @@ use twox_hash::XxHash3_64;
 const HEADER_LEN: usize = 64;
 const CHECKSUM_AT: usize = 56;
 
+/// All kinds of index that a hull may have.
+pub const ALL_INDICES: [IndexKind; 6] = [
+    IndexKind::TREE,
+    IndexKind::COMPACT,
+    IndexKind::Binary,
+    IndexKind::CubeMap { resolution: 1 },
+    IndexKind::CubeMap { resolution: 24 },
+    IndexKind::None,
+];
+
 /// A set of points, all of which count.
 pub fn point_set(name: &str, positions: &[[f32; 3]]) -> PointSet {
     let source_vertices = (0..positions.len() as u32).collect();

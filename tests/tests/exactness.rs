@@ -16,7 +16,7 @@ use directions::{KINDS, Kind, Maker};
 use glam::{DQuat, DVec3, Vec3};
 use hullmap::{Hull, Instructions, Pack, SupportMap};
 use hullmap_bake::{IndexKind, SourceRecord};
-use hullmap_tests::packs::{bytes, point_set};
+use hullmap_tests::packs::{ALL_INDICES, bytes, point_set};
 use nodes::{Counts, Words};
 use shapes::{families::Family, rng::SplitMix64};
 use truth::Truth;
@@ -38,16 +38,6 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// How far source points may lie off a flat hull, over the diameter.
 const FLAT: f64 = 1e-7;
-
-/// All indices that a hull may have.
-const INDICES: [IndexKind; 6] = [
-    IndexKind::TREE,
-    IndexKind::COMPACT,
-    IndexKind::Binary,
-    IndexKind::CubeMap { resolution: 1 },
-    IndexKind::CubeMap { resolution: 24 },
-    IndexKind::None,
-];
 
 /// What was asked, and what it met.
 #[derive(Debug, Default)]
@@ -257,10 +247,10 @@ fn every_family_with_every_index() {
     let mut sum = Met::default();
     for family in Family::ALL {
         let points = family.points(1_500, 11);
-        sum.add(check(family.name(), &points, &INDICES, 12_000, SLIVERS));
-        sum.add(check(family.name(), &family.points(20_000, 5), &INDICES[..1], 20_000, SLIVERS));
+        sum.add(check(family.name(), &points, &ALL_INDICES, 12_000, SLIVERS));
+        sum.add(check(family.name(), &family.points(20_000, 5), &ALL_INDICES[..1], 20_000, SLIVERS));
         for n in [8, 9, 40, 200] {
-            sum.add(check(&format!("{} {n}", family.name()), &family.points(n, 7), &INDICES, 3_000, SLIVERS));
+            sum.add(check(&format!("{} {n}", family.name()), &family.points(n, 7), &ALL_INDICES, 3_000, SLIVERS));
         }
     }
     sum.assert_representative();
@@ -279,7 +269,7 @@ fn every_family_turned_scaled_and_moved() {
             ("huge", around(1e6, 0.0)),
             ("far", around(1.0, 1_000.0)),
         ] {
-            sum.add(check(&format!("{} {name}", family.name()), &points, &INDICES[..2], 12_000, SLIVERS));
+            sum.add(check(&format!("{} {name}", family.name()), &points, &ALL_INDICES[..2], 12_000, SLIVERS));
         }
     }
     sum.assert_representative();
@@ -319,7 +309,7 @@ fn prisms_and_what_else_has_fans() {
     ));
     shapes.push(("long rod".into(), base.iter().map(|p| [p[0] * 1e-3, p[1] * 1e-3, p[2]]).collect()));
     for (name, points) in shapes {
-        sum.add(check(&name, &points, &INDICES[..2], 25_000, SLIVERS));
+        sum.add(check(&name, &points, &ALL_INDICES[..2], 25_000, SLIVERS));
     }
     sum.assert_representative();
 }
@@ -342,7 +332,7 @@ fn caps_that_are_all_but_flat() {
         for n in [300, 3_000] {
             let name = |kind| format!("{kind} cap {bump:e}, {n}");
             let mut ask = |kind, points: &[[f32; 3]]| {
-                sum.add(check(&name(kind), points, &INDICES[..1], 12_000, SLIVERS_AT_AXIS));
+                sum.add(check(&name(kind), points, &ALL_INDICES[..1], 12_000, SLIVERS_AT_AXIS));
             };
             ask("bumpy", &bumpy_cap(bump, &random(n, 4)));
             ask("crowded", &bumpy_cap(bump, &crowded(n, 2)));
@@ -361,6 +351,6 @@ fn caps_that_are_all_but_flat() {
 #[test]
 fn small_cones_between_two_cuts_are_listed() {
     for n in [300, 3_000] {
-        check(&format!("bumps of 1e-10, {n}"), &bumpy_cap(1e-10, &crowded(n, 2)), &INDICES[..1], 50_000, SLIVERS);
+        check(&format!("bumps of 1e-10, {n}"), &bumpy_cap(1e-10, &crowded(n, 2)), &ALL_INDICES[..1], 50_000, SLIVERS);
     }
 }

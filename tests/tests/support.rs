@@ -1,7 +1,11 @@
 //! Support queries on baked packs against brute force in f64, over every family of shapes and every index.
 
 use hullmap_bake::IndexKind;
-use hullmap_tests::{directions, packs::pack, regret::Truth};
+use hullmap_tests::{
+    directions,
+    packs::{ALL_INDICES, pack},
+    regret::Truth,
+};
 use shapes::families::Family;
 
 /// Regret up to which a support query counts as exact.
@@ -36,21 +40,12 @@ fn check(name: &str, positions: &[[f32; 3]], index: IndexKind, count: usize) -> 
     worst
 }
 
-const INDICES: [IndexKind; 6] = [
-    IndexKind::TREE,
-    IndexKind::COMPACT,
-    IndexKind::Binary,
-    IndexKind::CubeMap { resolution: 1 },
-    IndexKind::CubeMap { resolution: 24 },
-    IndexKind::None,
-];
-
 #[test]
 fn exact_on_every_family_with_every_index() {
     for family in Family::ALL {
         for n in [8, 9, 40, 1000] {
             let points = family.points(n, 11);
-            for index in INDICES {
+            for index in ALL_INDICES {
                 let worst = check(family.name(), &points, index, 4_000);
                 println!("{:20} {n:5} {index:?}: worst regret {worst:.1e}", family.name());
             }
@@ -100,7 +95,7 @@ fn exact_on_degenerate_points() {
         cases.push((format!("straight 1e-{exponent}"), nearly_straight(t)));
     }
     for (name, points) in cases {
-        for index in INDICES {
+        for index in ALL_INDICES {
             check(&name, &points, index, 1_000);
         }
     }

@@ -253,7 +253,7 @@ mod tests {
         PointSet,
         gauss_map::GaussMap,
         hull,
-        index::subdivide::{Tree, subdivide},
+        index::subdivide::{Cuts, Tree, subdivide},
     };
 
     /// The angles of a polygon in the face z = 1 around the axis z, of which the face's centre is a point.
@@ -348,7 +348,7 @@ mod tests {
         let source_vertices = (0..positions.len() as u32).collect();
         let hull = hull::build(&PointSet { name: String::new(), positions, source_vertices }).unwrap();
         let map = GaussMap::new(&hull);
-        (0..6).map(|face| subdivide(&map, face, 6)).collect()
+        (0..6).map(|face| subdivide(&map, face, 6, Cuts::FansAndPlanes)).collect()
     }
 
     fn count(tree: &Tree, is_one: &impl Fn(&Tree) -> bool) -> usize {

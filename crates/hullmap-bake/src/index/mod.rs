@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 use crate::{BakeError, IndexKind, LeafBlocks, gauss_map::GaussMap, hull::Hull};
 use encode::Encoded;
-use subdivide::Tree;
+use subdivide::{Cuts, Tree};
 
 /// Hulls of up to this many vertices are scanned whatever tree is asked for: four blocks cost no more than a descent.
 pub const SCAN_UP_TO: usize = 32;
@@ -65,18 +65,18 @@ impl Index {
 /// An index too large for the places that slots can name.
 pub fn build(hull: &Hull, kind: IndexKind) -> Result<Index, BakeError> {
     let vertices = &hull.vertices;
-    let tree = |leaf: usize| -> Vec<Tree> {
+    let tree = |leaf: usize, cuts: Cuts| -> Vec<Tree> {
         if vertices.len() <= leaf {
             return (0..6).map(|_| Tree::Leaf((0..vertices.len() as u32).collect())).collect();
         }
         let map = GaussMap::new(hull);
-        (0..6).into_par_iter().map(|face| subdivide::subdivide(&map, face, leaf)).collect()
+        (0..6).into_par_iter().map(|face| subdivide::subdivide(&map, face, leaf, cuts)).collect()
     };
     match kind {
         IndexKind::Tree { .. } if vertices.len() <= SCAN_UP_TO => Ok(scan(vertices)),
         IndexKind::Tree { leaf_blocks } => {
             let leaf = leaf_blocks.lanes();
-            let mut roots = tree(fine_leaf(leaf));
+            let mut roots = tree(fine_leaf(leaf), Cuts::FansAndPlanes);
             packing::share(&mut roots, leaf);
             finish(hull, index_kind::TREE, 0, leaf / LANES, &roots)
         }
@@ -89,7 +89,7 @@ pub fn build(hull: &Hull, kind: IndexKind) -> Result<Index, BakeError> {
             }
             Ok(scan(vertices))
         }
-        IndexKind::Binary => finish(hull, index_kind::BINARY, 0, 1, &tree(LANES)),
+        IndexKind::Binary => finish(hull, index_kind::BINARY, 0, 1, &tree(LANES, Cuts::Planes)),
         IndexKind::CubeMap { resolution } => {
             let cells = if vertices.len() <= LANES {
                 vec![(0..vertices.len() as u32).collect(); 6 * (resolution as usize).pow(2)]
@@ -136,6 +136,18 @@ fn finish(hull: &Hull, kind: u32, resolution: u32, leaf_blocks: usize, roots: &[
 mod tests {
     use super::*;
     use crate::{PointSet, hull};
+
+    /// The paper's tree is what others are compared with: halves, planes where they stall, and no fans.
+    #[test]
+    fn the_binary_tree_has_no_fans() {
+        let positions = shapes::families::prism(2_000, 0);
+        let set = PointSet { name: String::new(), source_vertices: (0..2_000).collect(), positions };
+        let hull = hull::build(&set).unwrap();
+        let nodes = |kind| build(&hull, kind).unwrap().cost.nodes;
+        let [fans, halves] = [IndexKind::TREE, IndexKind::Binary].map(nodes);
+        println!("nodes: {fans} with fans, {halves} without");
+        assert!(fans <= 2 && halves >= 2 * fans + 1, "{fans} with fans, {halves} without");
+    }
 
     #[test]
     fn budgets_are_kept_and_used() {

@@ -9,7 +9,7 @@
 //!
 //! Deviations from the paper: it stops where a cell's corners share their support vertex, or at a depth limit, where it
 //! then answers wrongly; here the leaf lists every vertex that can be the answer, and a cell whose corners agree is
-//! just a leaf of one. Steps 2 and 4 are new: the cones around a facet of many corners, or along a prism's side, are long
+//! just a leaf of one. Steps 2 and 4 are new (the paper's own tree does without fans: [`Cuts`]): the cones around a facet of many corners, or along a prism's side, are long
 //! and thin, and squares small enough to part them are too many, n² of them instead of n.
 
 use glam::DVec3;
@@ -71,18 +71,28 @@ pub enum Tree {
     Wedges(Box<[Tree; 2]>),
 }
 
+/// What may part the cones of a cell, beside halving.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cuts {
+    /// Planes, where halving stalls: as near to the paper as an exact tree of reasonable size gets.
+    Planes,
+    /// Fans, and planes where there is no fan.
+    FansAndPlanes,
+}
+
 /// Subdivides one face of the cube, down to leaves of at most `leaf` vertices.
 ///
 /// # Complexity
 /// O(n log n) for n vertices on all families tried; the result does not depend on the number of threads.
-pub fn subdivide(map: &GaussMap, face: u32, leaf: usize) -> Tree {
-    Subdivision { map, face, leaf }.cell(Cones::on_face(map, face), [0, 0], 0, 0)
+pub fn subdivide(map: &GaussMap, face: u32, leaf: usize, cuts: Cuts) -> Tree {
+    Subdivision { map, face, leaf, cuts }.cell(Cones::on_face(map, face), [0, 0], 0, 0)
 }
 
 struct Subdivision<'a> {
     map: &'a GaussMap,
     face: u32,
     leaf: usize,
+    cuts: Cuts,
 }
 
 /// A fan that is being subdivided.
@@ -150,7 +160,7 @@ impl Subdivision<'_> {
 
     /// A cell whose cones lie side by side.
     fn fan(&self, cones: &Cones) -> Option<Tree> {
-        if cones.len() < FAN_FROM * self.leaf {
+        if self.cuts == Cuts::Planes || cones.len() < FAN_FROM * self.leaf {
             return None;
         }
         let axis = fan::axis(&self.samples(cones).collect::<Vec<_>>())?;
