@@ -91,13 +91,8 @@ impl Simplex {
     }
 
     /// Whether a vertex is at this point.
-    #[inline(always)]
     pub(super) fn contains(&self, w: DVec3) -> bool {
-        // All slots: nothing to predict.
-        let equal = |slot: usize| (self.w[0][slot] == w.x) & (self.w[1][slot] == w.y) & (self.w[2][slot] == w.z);
-        let equal = [0, 1, 2, 3].map(equal);
-        let mask = u8::from(equal[0]) | u8::from(equal[1]) << 1 | u8::from(equal[2]) << 2 | u8::from(equal[3]) << 3;
-        mask & self.used != 0
+        self.slots().any(|slot| self.corner(slot) == w)
     }
 
     /// The slots in use, the first one again where there are fewer than four, and their count.
@@ -266,9 +261,7 @@ pub(super) fn closest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         if upper - lower <= tolerance * upper + rounding {
             return Closest { end: End::Converged, lower, upper, normal, iterations };
         }
-        if simplex.contains(vertex.w) {
-            return Closest { end: End::Stalled, lower, upper, normal, iterations };
-        }
+        // A vertex that is there already brings nothing nearer, which the next step sees.
         if iterations < most {
             newest = Some((simplex.push(vertex), vertex.w));
         }

@@ -20,6 +20,7 @@
 //!   and points stay in registers, or are read back in the pieces that they were written in: a quarter of the time.
 //! - The horizon from one bit a face and every edge of the faces seen, with next to no branches, in place of the walk: 11 to 18 % slower
 //!   contacts of deep pairs. The walk looks at five faces.
+//! - Starting the closest-point search from the first support point in place of the centre: 4 % slower at 8 points, 6 % faster at 2,048.
 //! - A lookup for trees alone, without the other kinds of index: no difference. Those for one to four blocks are worth 8 to 18 %.
 
 #![forbid(unsafe_code)]

@@ -24,6 +24,7 @@ use super::barycentric::on_triangle;
 use crate::minkowski::Point;
 use crate::simd::Level;
 use glam::DVec3;
+use std::hint::select_unpredictable;
 
 /// A vertex sees a face it is above, or below by no more than this share of the noise: coplanar faces are
 /// replaced together, so that no sliver stands on an edge the new vertex lies in line with.
@@ -44,6 +45,9 @@ const LANES: usize = 4;
 
 /// Offsets are compared so many at a time.
 const WIDE: usize = 8;
+
+/// Up to so many, all slots are compared, in use or not: a loop of another length each time costs more.
+const ALWAYS_ALL: usize = 128;
 
 /// A vertex could not be inserted: rounding makes what it sees no disc, or a new face has no area.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -241,7 +245,8 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
 
     #[inline(always)]
     fn least_offset(&self) -> usize {
-        let used = self.face_count.next_multiple_of(WIDE).min(F);
+        // The same number of chunks each time, where it is small: nothing to predict.
+        let used = if F <= ALWAYS_ALL { F } else { self.face_count.next_multiple_of(WIDE).min(F) };
         self.level.least(self.offsets[..used].as_chunks::<WIDE>().0)
     }
 
@@ -353,8 +358,9 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     #[inline(never)]
     fn join(&mut self, x: f64, y: f64, z: f64, face: usize) -> Result<(), Contradiction> {
         let w = DVec3::new(x, y, z);
-        // 1. Walk.
+        // 1. Walk; 2. each edge of the horizon starts where the one before it ends.
         let (mut ahead, mut removed, mut horizon) = (3, 1, 0);
+        let (mut last, mut is_broken) = (0, false);
         self.removed[0] = face as u16;
         self.offsets[face] = f64::INFINITY;
         for edge in 0..3 {
@@ -390,43 +396,34 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
                     return Err(Contradiction);
                 }
                 self.horizon[horizon] = Horizon { from, beyond: next as u16, beyond_edge: back as u16 };
+                is_broken |= (from != last) & (horizon > 0);
                 horizon += 1;
+                last = to;
             }
         }
-        // 2. One loop: each edge starts where the one before it ends.
-        if horizon < 3 {
+        if horizon < 3 || is_broken || self.horizon[0].from != last {
             return Err(Contradiction);
-        }
-        let mut before = self.horizon[horizon - 1];
-        for edge in &self.horizon[..horizon] {
-            // Seen from beyond, the edge before runs the other way: it starts where this one does.
-            if self.corners[usize::from(before.beyond)][usize::from(before.beyond_edge)] != edge.from {
-                return Err(Contradiction);
-            }
-            before = *edge;
         }
         let apex = (self.point_count - 1) as u16;
         // Of the faces that stay, while the planes of the new ones are computed.
         let mut nearest = self.least_offset();
         let mut least = self.offsets[nearest];
-        // 4. Slots: first the freed ones, then new ones.
-        let reused = removed.min(horizon);
-        let first_new = self.face_count;
-        if first_new + (horizon - reused) > F {
+        // 4. Slots: the freed ones, then new ones, of which a horizon needs two at most.
+        let new = horizon.saturating_sub(removed);
+        if removed + 2 > F || self.face_count + new > F {
             return Err(Contradiction);
         }
-        self.face_count += horizon - reused;
-        for spare in reused..removed {
+        self.removed[removed] = self.face_count as u16;
+        self.removed[removed + 1] = self.face_count as u16 + 1;
+        self.face_count += new;
+        for spare in horizon..removed {
             let spare = usize::from(self.removed[spare]);
             self.corners[spare] = [0; 3];
         }
-        let slot = |removed: &[u16; F], k: usize| {
-            if k < reused { usize::from(removed[k]) } else { first_new + k - reused }
-        };
         // 3. Planes.
         let mut at = 0;
         let tips = [[w.x; LANES], [w.y; LANES], [w.z; LANES]];
-        let mut previous = slot(&self.removed, horizon - 1);
+        let mut previous = self.removed[horizon - 1];
         while at < horizon {
             let lanes = LANES.min(horizon - at);
             let mut rim = [0; LANES + 1];
@@ -440,22 +437,25 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
             let to = [[q.x, r.x, s.x, t.x], [q.y, r.y, s.y, t.y], [q.z, r.z, s.z, t.z]];
             let (planes, offsets, _) = planes(tips, from, to, self.slack);
             for lane in 0..lanes {
-                let new = slot(&self.removed, at + lane);
-                let next = slot(&self.removed, if at + lane + 1 == horizon { 0 } else { at + lane + 1 });
+                let number = self.removed[at + lane];
+                let new = usize::from(number);
+                let next = self.removed[if at + lane + 1 == horizon { 0 } else { at + lane + 1 }];
                 let Horizon { beyond, beyond_edge, .. } = self.horizon[at + lane];
                 self.set_plane(new, [planes[0][lane], planes[1][lane], planes[2][lane], planes[3][lane]]);
-                self.offsets[new] = offsets[lane];
+                let offset = offsets[lane];
+                self.offsets[new] = offset;
                 // Not a branch, as it is as good as random.
-                let nearer = (offsets[lane] < least) | ((offsets[lane] == least) & (new < nearest));
-                (nearest, least) = if nearer { (new, offsets[lane]) } else { (nearest, least) };
+                let is_nearer = (offset < least) | ((offset == least) & (new < nearest));
+                nearest = select_unpredictable(is_nearer, new, nearest);
+                least = if offset < least { offset } else { least };
                 // NaN takes the failing branch.
-                if !offsets[lane].is_finite() {
+                if !offset.is_finite() {
                     return Err(Contradiction);
                 }
                 self.corners[new] = [rim[lane], rim[lane + 1], apex];
-                self.neighbours[new] = [beyond, next as u16, previous as u16];
-                self.neighbours[usize::from(beyond)][usize::from(beyond_edge)] = new as u16;
-                previous = new;
+                self.neighbours[new] = [beyond, next, previous];
+                self.neighbours[usize::from(beyond)][usize::from(beyond_edge)] = number;
+                previous = number;
             }
             at += lanes;
         }
@@ -466,7 +466,8 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
 
 /// The edge, or corner, after this one.
 fn after(edge: usize) -> usize {
-    if edge == 2 { 0 } else { edge + 1 }
+    // 1, 2, 0 in two bits each, from the lowest on: not a branch.
+    0b00_10_01 >> (2 * edge) & 3
 }
 
 /// Planes of triangles `p q r`, counter-clockwise, each as normal and the height from which it is seen; then their offsets squared, with their
