@@ -7,12 +7,14 @@
 //! | [`outer`] | hull | a coarse polytope around it |
 //! | [`gauss_map`] | hull | normal cones |
 //! | [`index`] | normal cones | cube map or tree: words and blocks |
+//! | [`bvh`] | bounds of the hulls | the tree of boxes over them |
 //! | [`pack`] | baked hulls | bytes |
 //!
 //! The baker knows no files and no command line: points in, bytes out. Its output is a pure function of its input,
 //! whatever the number of threads.
 #![forbid(unsafe_code)]
 
+pub mod bvh;
 pub mod diameter;
 pub mod gauss_map;
 pub mod hull;
@@ -22,6 +24,7 @@ pub mod mass;
 pub mod outer;
 pub mod pack;
 
+pub use hullmap_format::archive::NO_SOURCE_VERTEX;
 pub use pack::write_pack;
 
 /// Most points of one hull: point numbers are kept in 32 bits, with room for marks.
@@ -34,8 +37,11 @@ pub struct PointSet {
     pub name: String,
     /// Positions in source units.
     pub positions: Vec<[f32; 3]>,
-    /// For each position the zero-based number of the vertex in the source file (the `v` lines of an OBJ).
+    /// For each position the zero-based number of the vertex in the source file (the `v` lines of an OBJ);
+    /// [`NO_SOURCE_VERTEX`] for a point that is none of the source's.
     pub source_vertices: Vec<u32>,
+    /// Origin of the positions' frame in the source's frame: what was taken from the source's coordinates.
+    pub origin: [f64; 3],
 }
 
 /// Which direction index a bake builds.
@@ -131,6 +137,9 @@ pub enum BakeError {
     /// The index would need longer words.
     #[error("the direction index has more words than its slots can name: use --index none, or simplify the mesh")]
     IndexTooLarge,
+    /// The hulls are not in one frame.
+    #[error("the hulls of a pack have different origins: build them in one frame")]
+    Origins,
     /// The pack would need longer offsets.
     #[error("the pack would be larger than 2 GiB: split the source into several files")]
     PackTooLarge,
@@ -146,6 +155,14 @@ pub struct BakedHull {
     pub name: String,
     /// Source points the hull was built of.
     pub point_count: usize,
+    /// Origin of the hull's frame in the source's.
+    pub origin: [f64; 3],
+    /// How far the hull reaches beyond the convex hull of its source points at most; 0 for an exact one.
+    pub outer_error: f64,
+    /// How far a vertex of the source object lies outside all of its parts at most; 0 for a hull that is no part.
+    pub uncovered: f64,
+    /// Number among the convex parts of its source object; 0 for the first, and for a hull that is no part.
+    pub part: u32,
     /// The hull.
     pub hull: hull::Hull,
     /// Its mass properties.
@@ -171,5 +188,17 @@ pub fn bake_hull(points: &PointSet, index: IndexKind) -> Result<BakedHull, BakeE
     let interior = interior::interior(&hull, &mass);
     let outer = outer::outer(&hull);
     let index = index::build(&hull, index)?;
-    Ok(BakedHull { name: points.name.clone(), point_count: points.positions.len(), hull, mass, interior, outer, index })
+    Ok(BakedHull {
+        name: points.name.clone(),
+        point_count: points.positions.len(),
+        origin: points.origin,
+        outer_error: 0.0,
+        uncovered: 0.0,
+        part: 0,
+        hull,
+        mass,
+        interior,
+        outer,
+        index,
+    })
 }

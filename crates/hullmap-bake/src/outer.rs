@@ -104,8 +104,12 @@ fn polytope(positions: &[DVec3], margin: f64) -> Vec<[f32; 3]> {
 
 /// Whether the hull of `outer` is a solid that holds every one of `positions`: exact.
 fn holds(outer: &[[f32; 3]], positions: &[DVec3]) -> bool {
-    let points =
-        PointSet { name: String::new(), positions: outer.to_vec(), source_vertices: (0..outer.len() as u32).collect() };
+    let points = PointSet {
+        name: String::new(),
+        positions: outer.to_vec(),
+        source_vertices: (0..outer.len() as u32).collect(),
+        ..PointSet::default()
+    };
     let Ok(solid) = hull::build(&points) else { return false };
     let coord = |v: DVec3| robust::Coord3D { x: v.x, y: v.y, z: v.z };
     let corners = solid.positions();
@@ -123,7 +127,7 @@ mod tests {
 
     fn build(positions: Vec<[f32; 3]>) -> Hull {
         let source_vertices = (0..positions.len() as u32).collect();
-        hull::build(&PointSet { name: String::new(), positions, source_vertices }).unwrap()
+        hull::build(&PointSet { name: String::new(), positions, source_vertices, ..PointSet::default() }).unwrap()
     }
 
     /// Containment is certified in `outer`; here by other means, and the polytope is close.

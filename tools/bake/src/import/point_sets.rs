@@ -82,7 +82,7 @@ fn split_at_objects(scan: &Scan, referenced: &[bool], stem: &str, takes_all: boo
 
 fn point_set(scan: &Scan, name: String, vertices: Vec<u32>) -> PointSet {
     let positions = vertices.iter().map(|&vertex| scan.positions[vertex as usize]).collect();
-    PointSet { name, positions, source_vertices: vertices }
+    PointSet { name, positions, source_vertices: vertices, ..PointSet::default() }
 }
 
 /// The names, each later repetition with the lowest suffix `_2`, `_3`, … that gives a name not in the list.
