@@ -5,6 +5,7 @@
 //! | [`hull`] | source points | certified convex hull of rank 3, 2, 1 or 0 |
 //! | [`mass`], [`interior`], [`diameter`] | hull | the facts the pack records |
 //! | [`outer`] | hull | a coarse polytope around it |
+//! | [`simplify`] | hull | one of fewer vertices that holds it |
 //! | [`gauss_map`] | hull | normal cones |
 //! | [`index`] | normal cones | cube map or tree: words and blocks |
 //! | [`bvh`] | bounds of the hulls | the tree of boxes over them |
@@ -23,6 +24,7 @@ pub mod interior;
 pub mod mass;
 pub mod outer;
 pub mod pack;
+pub mod simplify;
 
 pub use hullmap_format::archive::NO_SOURCE_VERTEX;
 pub use pack::write_pack;
@@ -137,6 +139,26 @@ pub enum BakeError {
     /// The index would need longer words.
     #[error("the direction index has more words than its slots can name: use --index none, or simplify the mesh")]
     IndexTooLarge,
+    /// No solid has so few vertices.
+    #[error("a hull cannot have {asked} vertices at most: ask for {} or more", simplify::FEWEST)]
+    TooFewVertices {
+        /// How many were asked for.
+        asked: usize,
+    },
+    /// A distance that is none.
+    #[error("{asked} is no distance that a simplified hull may keep: ask for 0 or more")]
+    NoDistance {
+        /// What was asked for.
+        asked: f64,
+    },
+    /// Rounding to f32 defeats every hull of so few vertices: a flat one far from the origin.
+    #[error(
+        "no hull of {asked} vertices or fewer that holds it was found: allow more, or bake it closer to the origin"
+    )]
+    NotSimplified {
+        /// How many were asked for.
+        asked: usize,
+    },
     /// The hulls are not in one frame.
     #[error("the hulls of a pack have different origins: build them in one frame")]
     Origins,
