@@ -37,6 +37,7 @@
 
 pub mod batch;
 mod candidates;
+pub mod compound;
 mod direction;
 mod hint;
 mod hull;
@@ -54,6 +55,7 @@ pub mod solver;
 mod storage;
 pub mod support_map;
 
+pub use compound::{Compound, CompoundCache};
 pub use glam;
 pub use hull::{Hull, IndexKind, SupportPoint};
 pub use hullmap_format::{header::Header, walk::Cost};
