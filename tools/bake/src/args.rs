@@ -4,12 +4,8 @@ use std::path::PathBuf;
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
-use hullmap_bake::IndexKind;
 
-use crate::options::{BuildOptions, ImportOptions, MAX_RESOLUTION, Split, Vertices};
-
-/// Cube-map resolution where none is asked for.
-const DEFAULT_RESOLUTION: u32 = 64;
+use crate::option_layer::OptionLayer;
 
 /// Directions that a verification tries on each hull where nothing else is asked for.
 pub const DEFAULT_DIRECTIONS: usize = 10_000;
@@ -49,22 +45,9 @@ pub struct BuildArgs {
     /// Folder for the packs; it mirrors the folders of the input
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// One hull a file, or one for each `o` line
-    #[arg(long, value_enum, default_value_t = Split::None, value_name = "none|object", hide_possible_values = true)]
-    split: Split,
-    /// The points that elements reference, or all
-    #[arg(long, value_enum, default_value_t = Vertices::Referenced, value_name = "referenced|all", hide_possible_values = true)]
-    vertices: Vertices,
-    /// The direction index: tree, compact, binary, cubemap or none
-    #[arg(long, value_enum, default_value_t = Index::Tree, value_name = "KIND", hide_possible_values = true)]
-    index: Index,
-    /// Instead of --index: the fastest one of at most this many bytes a hull vertex
-    #[arg(long, value_name = "BYTES", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "index")]
-    index_budget: Option<u32>,
-
-    /// Cells along the edge of a cube face, 1 to 1024, for --index cubemap [default: 64]
-    #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_RESOLUTION)))]
-    resolution: Option<u32>,
+    /// What shapes the packs.
+    #[command(flatten)]
+    pub options: OptionLayer,
     /// Verify each pack before it is put in place
     #[arg(long)]
     pub verify: bool,
@@ -77,39 +60,6 @@ pub struct BuildArgs {
     /// Print one JSON object a file
     #[arg(long)]
     pub json: bool,
-}
-
-/// The direction indices by their names on the command line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Index {
-    /// The level-compressed tree over the six cube faces: the fastest
-    Tree,
-    /// The same with larger leaves: half the bytes
-    Compact,
-    /// The paper's binary tree
-    Binary,
-    /// A uniform cube map
-    Cubemap,
-    /// No index: every query scans all vertices
-    None,
-}
-
-impl BuildArgs {
-    /// The options that shape the packs.
-    pub fn options(&self) -> BuildOptions {
-        let index = match self.index {
-            Index::Tree => IndexKind::TREE,
-            Index::Compact => IndexKind::COMPACT,
-            Index::Binary => IndexKind::Binary,
-            Index::Cubemap => IndexKind::CubeMap { resolution: self.resolution.unwrap_or(DEFAULT_RESOLUTION) },
-            Index::None => IndexKind::None,
-        };
-        let index = match self.index_budget {
-            Some(bytes_per_vertex) => IndexKind::Budget { bytes_per_vertex },
-            None => index,
-        };
-        BuildOptions { import: ImportOptions { split: self.split, vertices: self.vertices }, index }
-    }
 }
 
 /// What `bake verify` takes.
@@ -189,10 +139,9 @@ where
 {
     let cli = Cli::try_parse_from(words)?;
     if let Command::Build(args) = &cli.command
-        && args.resolution.is_some()
-        && args.index != Index::Cubemap
+        && let Some((key, why)) = args.options.clash()
     {
-        let message = "--resolution belongs to --index cubemap; leave it out or choose that index";
+        let message = format!("--{} {why}", key.replace('_', "-"));
         return Err(Cli::command().error(ErrorKind::ArgumentConflict, message));
     }
     if let Command::Verify(VerifyArgs { directions: 0, .. }) = &cli.command {
@@ -203,12 +152,15 @@ where
 
 #[cfg(test)]
 mod tests {
+    use hullmap_bake::IndexKind;
+
     use super::*;
+    use crate::options::{BuildOptions, DecomposeOptions, ImportOptions, Simplify, Split, UpAxis, Vertices};
 
     fn build(words: &str) -> Result<BuildOptions, i32> {
         let line = format!("bake build in.obj --out out {words}");
         match parse(line.split_whitespace()) {
-            Ok(Cli { command: Command::Build(args) }) => Ok(args.options()),
+            Ok(Cli { command: Command::Build(args) }) => Ok(args.options.options()),
             Ok(_) => unreachable!(),
             Err(error) => Err(error.exit_code()),
         }
@@ -221,16 +173,24 @@ mod tests {
 
     #[test]
     fn build_options() {
-        let import = ImportOptions { split: Split::None, vertices: Vertices::Referenced };
-        assert_eq!(build(""), Ok(BuildOptions { import, index: IndexKind::TREE }));
+        let usual = BuildOptions::DEFAULT;
+        assert_eq!(build(""), Ok(usual));
         assert_eq!(build("--index none").unwrap().index, IndexKind::None);
         assert_eq!(build("--index compact").unwrap().index, IndexKind::COMPACT);
         assert_eq!(build("--index-budget 40").unwrap().index, IndexKind::Budget { bytes_per_vertex: 40 });
         assert_eq!(build("--index binary").unwrap().index, IndexKind::Binary);
         assert_eq!(build("--index cubemap").unwrap().index, IndexKind::CubeMap { resolution: 64 });
         assert_eq!(build("--index cubemap --resolution 1024").unwrap().index, IndexKind::CubeMap { resolution: 1024 });
-        let import = ImportOptions { split: Split::Object, vertices: Vertices::All };
+        let import = ImportOptions { split: Split::Object, vertices: Vertices::All, ..usual.import };
         assert_eq!(build("--split object --vertices all").unwrap().import, import);
+        let import = ImportOptions { unit_scale: 0.01, up_axis: UpAxis::YToZ, recentre: true, ..usual.import };
+        assert_eq!(build("--unit-scale 0.01 --up-axis y-to-z --recentre").unwrap().import, import);
+        assert!(!build("--recentre=false").unwrap().import.recentre);
+        assert_eq!(build("--max-vertices 64").unwrap().simplify, Simplify::MaxVertices(64));
+        assert_eq!(build("--max-error 1e-3").unwrap().simplify, Simplify::MaxError(1e-3));
+        let parts = DecomposeOptions { max_parts: 8, hull_approximation: false, ..DecomposeOptions::DEFAULT };
+        let words = "--decompose --vhacd-max-parts 8 --vhacd-hull-approximation false";
+        assert_eq!(build(words).unwrap().decompose, Some(parts));
     }
 
     #[test]
@@ -242,6 +202,13 @@ mod tests {
             "--index-budget 0",
             "--index-budget 40 --index tree",
             "--index octree",
+            "--unit-scale 0",
+            "--unit-scale nan",
+            "--up-axis x",
+            "--max-vertices 3",
+            "--max-vertices 8 --max-error 1",
+            "--vhacd-max-parts 8",
+            "--decompose --vhacd-resolution 0",
             "--split group",
             "--vertices some",
             "--jobs 0",
@@ -275,7 +242,7 @@ mod tests {
     #[test]
     fn a_wrong_value_is_told_the_right_ones() {
         let message = parse("bake build a --out b --split group".split_whitespace()).unwrap_err().to_string();
-        assert!(message.contains("none, object"), "{message}");
+        assert!(message.contains("none, object, auto"), "{message}");
     }
 
     #[test]

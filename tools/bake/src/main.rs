@@ -10,6 +10,7 @@ mod baker;
 mod commands;
 mod import;
 mod open;
+mod option_layer;
 mod options;
 mod outcome;
 mod pack_file;

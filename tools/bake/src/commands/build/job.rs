@@ -14,7 +14,7 @@ use crate::baker::BakedPack;
 use crate::commands::verify::{self, Truth};
 use crate::import::{Imported, import_obj};
 use crate::open::{open_pack, read_header};
-use crate::options::BuildOptions;
+use crate::options::{BuildOptions, ImportOptions, Simplify, Split};
 use crate::pack_file::{folder_of, put_in_place, recorded_path, write_beside};
 
 /// How a file ended.
@@ -117,6 +117,9 @@ impl Build<'_> {
     }
 
     fn bake(&self, job: &Job, row: &mut Row) -> Result<Status, String> {
+        if let Some(option) = without_effect(&self.options) {
+            return Err(format!("{}: {option} has no effect in this version; leave it out", row.source));
+        }
         let bytes = std::fs::read(&job.source).map_err(|error| format!("{}: cannot read: {error}", row.source))?;
         let hash = source_hash(&bytes);
         if !self.force && self.is_fresh(&job.output, hash) && self.fill_from_pack(job, row) {
@@ -186,6 +189,21 @@ impl Build<'_> {
         row.bytes = Some(pack.byte_len() as u64);
         true
     }
+}
+
+/// The first option that is known but that nothing acts on yet: better refused than silently ignored.
+fn without_effect(options: &BuildOptions) -> Option<&'static str> {
+    let (import, usual) = (options.import, ImportOptions::DEFAULT);
+    [
+        (import.split == Split::Auto, "split auto"),
+        (import.unit_scale != usual.unit_scale, "unit_scale"),
+        (import.up_axis != usual.up_axis, "up_axis"),
+        (import.recentre, "recentre"),
+        (options.decompose.is_some(), "decompose"),
+        (options.simplify != Simplify::None, "max_vertices or max_error"),
+    ]
+    .into_iter()
+    .find_map(|(is_asked, name)| is_asked.then_some(name))
 }
 
 /// Verifies as `bake verify` does with its defaults.

@@ -37,7 +37,7 @@ fn run_with(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut dyn Write
     }
     let pool = pool.build().map_err(|error| Failure::usage(format!("cannot start threads: {error}")))?;
 
-    let build = Build { options: args.options(), verify: args.verify, force: args.force, project, baker };
+    let build = Build { options: args.options.options(), verify: args.verify, force: args.force, project, baker };
     let progress = progress_bar(jobs.len());
     let rows: Vec<Row> = pool.install(|| {
         let one = |job| {
