@@ -26,7 +26,7 @@ pub fn point_sets(
 ) -> (Vec<PointSet>, Vec<String>) {
     let takes_all = options.vertices == Vertices::All || scan.elements.is_empty();
     match options.split {
-        Split::None => {
+        Split::None | Split::Auto => {
             let chosen = (0..scan.positions.len() as u32).filter(|&v| takes_all || referenced[v as usize]);
             (vec![point_set(scan, stem.to_owned(), chosen.collect())], Vec::new())
         }
