@@ -52,7 +52,7 @@ fn points(name: &str, positions: Vec<[f32; 3]>) -> PointSet {
     // Numbers in the source differ from those in the set, as in a file of several objects, and some points are not the source's.
     let number = |i| if i % 7 == 6 { NO_SOURCE_VERTEX } else { 3 * i + 5 };
     let source_vertices = (0..positions.len() as u32).map(number).collect();
-    PointSet { name: name.to_owned(), positions, source_vertices, origin: ORIGIN }
+    PointSet { name: name.to_owned(), positions, source_vertices, origin: ORIGIN, ..PointSet::default() }
 }
 
 fn bake(points: &PointSet, index: IndexKind) -> BakedHull {

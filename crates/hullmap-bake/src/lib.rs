@@ -2,6 +2,7 @@
 //!
 //! | module | from | to |
 //! |---|---|---|
+//! | [`decompose`] | concave mesh | points of its convex parts |
 //! | [`hull`] | source points | certified convex hull of rank 3, 2, 1 or 0 |
 //! | [`mass`], [`interior`], [`diameter`] | hull | the facts the pack records |
 //! | [`outer`] | hull | a coarse polytope around it |
@@ -16,6 +17,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bvh;
+pub mod decompose;
 pub mod diameter;
 pub mod gauss_map;
 pub mod hull;
@@ -44,6 +46,8 @@ pub struct PointSet {
     pub source_vertices: Vec<u32>,
     /// Origin of the positions' frame in the source's frame: what was taken from the source's coordinates.
     pub origin: [f64; 3],
+    /// The mesh over the positions, by their numbers; none in a point cloud. [`decompose`] alone looks at it.
+    pub triangles: Vec<[u32; 3]>,
 }
 
 /// Which direction index a bake builds.
@@ -205,7 +209,34 @@ pub struct BakedHull {
 /// # Complexity
 /// O(n log n) on all families tried.
 pub fn bake_hull(points: &PointSet, index: IndexKind) -> Result<BakedHull, BakeError> {
-    let hull = hull::build(points)?;
+    bake(points, hull::build(points)?, 0.0, index)
+}
+
+/// The same, of a simplified hull: with no more vertices, or no farther out, than `limit` says. A hull that is within the limit stays as
+/// it is.
+///
+/// # Errors
+/// See [`BakeError`].
+///
+/// # Complexity
+/// That of [`bake_hull`], and of [`simplify`](simplify::simplify).
+pub fn bake_simplified_hull(
+    points: &PointSet,
+    limit: simplify::Limit,
+    index: IndexKind,
+) -> Result<BakedHull, BakeError> {
+    let exact = hull::build(points)?;
+    match simplify::simplify(&exact, limit)? {
+        Some(simplify::Simplified { mut hull, outer_error }) => {
+            // Of the source's points, not of the exact hull's vertices alone.
+            hull.containment_error = hull::containment_error(&hull, points)?;
+            bake(points, hull, outer_error, index)
+        }
+        None => bake(points, exact, 0.0, index),
+    }
+}
+
+fn bake(points: &PointSet, hull: hull::Hull, outer_error: f64, index: IndexKind) -> Result<BakedHull, BakeError> {
     let mass = mass::mass(&hull);
     let interior = interior::interior(&hull, &mass);
     let outer = outer::outer(&hull);
@@ -214,7 +245,7 @@ pub fn bake_hull(points: &PointSet, index: IndexKind) -> Result<BakedHull, BakeE
         name: points.name.clone(),
         point_count: points.positions.len(),
         origin: points.origin,
-        outer_error: 0.0,
+        outer_error,
         uncovered: 0.0,
         part: 0,
         hull,

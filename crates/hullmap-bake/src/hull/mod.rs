@@ -132,6 +132,15 @@ pub fn build(points: &PointSet) -> Result<Hull, BakeError> {
     Ok(hull)
 }
 
+/// How far the worst of `points` lies outside of `hull`, over its diameter.
+///
+/// # Errors
+/// Farther than [`certify::CONTAINMENT`].
+pub fn containment_error(hull: &Hull, points: &PointSet) -> Result<f64, BakeError> {
+    let positions: Vec<DVec3> = distinct(points)?.iter().map(|(p, _)| DVec3::from_array(p.map(f64::from))).collect();
+    certify::certify(hull, &positions)
+}
+
 /// The two points farthest apart along the line of `ends`.
 fn segment_ends(positions: &[DVec3], ends: [usize; 2]) -> Vec<u32> {
     let along = positions[ends[1]] - positions[ends[0]];
