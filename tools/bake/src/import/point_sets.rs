@@ -26,7 +26,7 @@ pub fn point_sets(
 ) -> (Vec<PointSet>, Vec<String>) {
     let takes_all = options.vertices == Vertices::All || scan.elements.is_empty();
     match options.split {
-        Split::None => {
+        Split::None | Split::Auto => {
             let chosen = (0..scan.positions.len() as u32).filter(|&v| takes_all || referenced[v as usize]);
             (vec![point_set(scan, stem.to_owned(), chosen.collect())], Vec::new())
         }
@@ -82,7 +82,7 @@ fn split_at_objects(scan: &Scan, referenced: &[bool], stem: &str, takes_all: boo
 
 fn point_set(scan: &Scan, name: String, vertices: Vec<u32>) -> PointSet {
     let positions = vertices.iter().map(|&vertex| scan.positions[vertex as usize]).collect();
-    PointSet { name, positions, source_vertices: vertices }
+    PointSet { name, positions, source_vertices: vertices, ..PointSet::default() }
 }
 
 /// The names, each later repetition with the lowest suffix `_2`, `_3`, … that gives a name not in the list.

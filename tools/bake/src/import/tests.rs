@@ -4,10 +4,14 @@ use super::fault::Fault;
 use super::*;
 use crate::verification::random::SplitMix;
 
-const WHOLE: ImportOptions = ImportOptions { split: Split::None, vertices: Vertices::Referenced };
-const WHOLE_ALL: ImportOptions = ImportOptions { split: Split::None, vertices: Vertices::All };
-const OBJECTS: ImportOptions = ImportOptions { split: Split::Object, vertices: Vertices::Referenced };
-const OBJECTS_ALL: ImportOptions = ImportOptions { split: Split::Object, vertices: Vertices::All };
+const WHOLE: ImportOptions =
+    ImportOptions { split: Split::None, vertices: Vertices::Referenced, ..ImportOptions::DEFAULT };
+const WHOLE_ALL: ImportOptions =
+    ImportOptions { split: Split::None, vertices: Vertices::All, ..ImportOptions::DEFAULT };
+const OBJECTS: ImportOptions =
+    ImportOptions { split: Split::Object, vertices: Vertices::Referenced, ..ImportOptions::DEFAULT };
+const OBJECTS_ALL: ImportOptions =
+    ImportOptions { split: Split::Object, vertices: Vertices::All, ..ImportOptions::DEFAULT };
 
 /// Four corners of a square; tests add elements.
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
