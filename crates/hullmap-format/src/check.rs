@@ -1,7 +1,12 @@
 //! Whether a file keeps the promises that the runtime relies on.
 //!
-//! Two depths. [`structure`] looks only at what is needed to hand out a hull's slices: rkyv's own bounds, and the spans;
-//! its cost grows with the number of hulls. [`contents`] looks at every number that a query could follow or return.
+//! Four depths, each needing those before it:
+//!
+//! 1. [`access`]: rkyv's own bounds. O(1).
+//! 2. [`structure`]: what is needed to hand out a hull's slices: sections and spans. O(number of hulls).
+//! 3. [`contents`]: every number that a query could follow or return. One pass over the archive, at the speed of memory: loops
+//!    without early exits, over whole sections where they can be, are what the compiler makes vectors of.
+//! 4. [`crate::repeats`]: that what the file holds twice agrees. No query needs it; `bake verify` asks.
 
 use rkyv::{
     rancor,
@@ -9,8 +14,8 @@ use rkyv::{
 };
 
 use crate::{
-    archive::{ArchivedHullRecord, ArchivedPack, ArchivedSpan, LANES, NO_SOURCE_VERTEX, index_kind},
-    bvh, edge,
+    archive::{ArchivedHullRecord, ArchivedPack, ArchivedSpan, NO_SOURCE_VERTEX, index_kind},
+    bvh,
     header::HEADER_LEN,
     walk::{Branches, Cost, IndexError, Shape, walk},
 };
@@ -68,6 +73,17 @@ pub enum CheckError {
     },
 }
 
+/// The archive in `payload` (all bytes behind the header), its vectors inside the payload; nothing else is looked at.
+///
+/// # Errors
+/// A vector outside the payload.
+///
+/// # Complexity
+/// O(1).
+pub fn access(payload: &[u8]) -> Result<&ArchivedPack, CheckError> {
+    rkyv::access::<ArchivedPack, rancor::Error>(payload).map_err(|error| CheckError::Archive(error.to_string()))
+}
+
 /// The archive in `payload` (all bytes behind the header), its vectors and spans checked.
 ///
 /// `payload` must start on a multiple of 64 bytes in memory.
@@ -78,8 +94,7 @@ pub enum CheckError {
 /// # Complexity
 /// O(number of hulls).
 pub fn structure(payload: &[u8]) -> Result<&ArchivedPack, CheckError> {
-    let pack =
-        rkyv::access::<ArchivedPack, rancor::Error>(payload).map_err(|error| CheckError::Archive(error.to_string()))?;
+    let pack = access(payload)?;
     if pack.hulls.is_empty() {
         return Err(CheckError::NoHulls);
     }
@@ -132,22 +147,17 @@ fn layout(pack: &ArchivedPack, payload: &[u8]) -> Result<(), CheckError> {
     if end == start + payload.len() { Ok(()) } else { Err(CheckError::Layout { what: "the last bytes" }) }
 }
 
-/// One number of a span, the section it starts in, and that section's length.
-type SpanField = (&'static str, fn(&ArchivedSpan) -> u32, usize);
+/// The numbers of a span and the sections they start in.
+fn starts(span: &ArchivedSpan) -> [u32; SECTIONS.len()] {
+    let s = span;
+    [s.name, s.vertex, s.face, s.face_vertex, s.neighbour, s.edge, s.slot, s.block, s.outer].map(u32_le::to_native)
+}
+
+const SECTIONS: [&str; 9] =
+    ["names", "vertices", "faces", "face vertices", "neighbours", "edges", "slots", "blocks", "outer vertices"];
 
 fn spans(pack: &ArchivedPack) -> Result<(), CheckError> {
     let hull_count = pack.hulls.len();
-    let fields: [SpanField; 9] = [
-        ("names", |s| s.name.to_native(), pack.names.len()),
-        ("vertices", |s| s.vertex.to_native(), pack.vertices.len()),
-        ("faces", |s| s.face.to_native(), pack.face_starts.len()),
-        ("face vertices", |s| s.face_vertex.to_native(), pack.face_vertices.len()),
-        ("neighbours", |s| s.neighbour.to_native(), pack.neighbours.len()),
-        ("edges", |s| s.edge.to_native(), pack.edges.len()),
-        ("slots", |s| s.slot.to_native(), pack.slots.len()),
-        ("blocks", |s| s.block.to_native(), pack.blocks.len()),
-        ("outer vertices", |s| s.outer.to_native(), pack.outer_vertices.len()),
-    ];
     // Readers are promised a hull.
     if hull_count == 0 || pack.spans.len() != hull_count + 1 {
         return Err(CheckError::Spans { hull: hull_count, section: "spans" });
@@ -161,20 +171,30 @@ fn spans(pack: &ArchivedPack) -> Result<(), CheckError> {
     if pack.neighbour_faces.len() != pack.neighbours.len() {
         return Err(CheckError::Spans { hull: hull_count, section: "neighbour faces" });
     }
-    for (section, start, len) in fields {
-        let mut last = 0;
-        for (hull, span) in pack.spans.iter().enumerate() {
-            let at = start(span);
-            if at < last || (hull == 0 && at != 0) {
-                return Err(CheckError::Spans { hull, section });
-            }
-            last = at;
+    let lengths = [
+        pack.names.len(),
+        pack.vertices.len(),
+        pack.face_starts.len(),
+        pack.face_vertices.len(),
+        pack.neighbours.len(),
+        pack.edges.len(),
+        pack.slots.len(),
+        pack.blocks.len(),
+        pack.outer_vertices.len(),
+    ];
+    let mut last = [0; SECTIONS.len()];
+    for (hull, span) in pack.spans.iter().enumerate() {
+        let now = starts(span);
+        let broken = |section: &usize| now[*section] < last[*section] || (hull == 0 && now[*section] != 0);
+        if let Some(section) = (0..SECTIONS.len()).find(broken) {
+            return Err(CheckError::Spans { hull, section: SECTIONS[section] });
         }
-        if last as usize != len {
-            return Err(CheckError::Spans { hull: hull_count, section });
-        }
+        last = now;
     }
-    Ok(())
+    match (0..SECTIONS.len()).find(|&section| last[section] as usize != lengths[section]) {
+        Some(section) => Err(CheckError::Spans { hull: hull_count, section: SECTIONS[section] }),
+        None => Ok(()),
+    }
 }
 
 /// Checks every number that a query could follow or return, in an archive that passed [`structure`].
@@ -264,13 +284,27 @@ impl HullCheck<'_> {
 
     fn vertices(&self) -> Result<(), CheckError> {
         let vertices = &self.pack.vertices[range(self.start.vertex.to_native(), self.end.vertex.to_native())];
-        let (low, high) = (&self.record.bounds_min, &self.record.bounds_max);
-        // A NaN is in no bounds.
-        let inside = vertices.iter().all(|v| (0..3).all(|i| low[i] <= v[i] && v[i] <= high[i]));
+        let (low, high) = (self.record.bounds_min, self.record.bounds_max);
+        // Four vertices at a time; a NaN is in no bounds.
+        let fours = vertices.as_chunks::<4>();
+        let four = |bound: [f32_le; 3]| [bound; 4].map(|v| v.map(f32_le::to_native));
+        let (lows, highs) = (four(low), four(high));
+        let mut inside = true;
+        for four in fours.0 {
+            for (v, (low, high)) in four.as_flattened().iter().zip(lows.as_flattened().iter().zip(highs.as_flattened()))
+            {
+                inside &= (*low <= v.to_native()) & (v.to_native() <= *high);
+            }
+        }
+        inside &= fours.1.iter().all(|v| (0..3).all(|i| low[i] <= v[i] && v[i] <= high[i]));
         self.require(inside, "a vertex lies outside the bounds or is not finite")?;
         let numbers = &self.pack.source_vertices[range(self.start.vertex.to_native(), self.end.vertex.to_native())];
-        let ascend = |pair: &[u32_le]| pair[0] < pair[1] || pair[0] == NO_SOURCE_VERTEX && pair[0] == pair[1];
-        self.require(numbers.windows(2).all(ascend), "its source vertices do not ascend")
+        let later = numbers.get(1..).unwrap_or_default();
+        let ascend = numbers.iter().zip(later).fold(true, |ascend, (a, b)| {
+            let (a, b) = (a.to_native(), b.to_native());
+            ascend & ((a < b) | ((a == NO_SOURCE_VERTEX) & (b == NO_SOURCE_VERTEX)))
+        });
+        self.require(ascend, "its source vertices do not ascend")
     }
 
     /// Every face has three vertices or more, every vertex number is in range, and V − E + F = 2.
@@ -281,14 +315,10 @@ impl HullCheck<'_> {
         if self.record.rank < 2 {
             return self.require(starts.is_empty() && loops.is_empty(), "a segment or point has faces");
         }
-        let ends = starts.iter().skip(1).map(|s| s.to_native()).chain([loops.len() as u32]);
-        let long_enough = starts
-            .iter()
-            .zip(ends)
-            .all(|(start, end)| start.to_native().checked_add(3).is_some_and(|least| least <= end));
-        self.require(long_enough && starts.first().is_some_and(|s| *s == 0), "a face has fewer than three vertices")?;
+        let (least, _) = run_lengths(starts, loops.len()).unwrap_or_default();
+        self.require(least >= 3, "a face has fewer than three vertices")?;
         let n = self.vertex_count();
-        self.require(loops.iter().all(|v| *v < n), "a face names a vertex that is not there")?;
+        self.require(all_below(loops, n), "a face names a vertex that is not there")?;
         let euler = i64::from(n) - loops.len() as i64 / 2 + starts.len() as i64;
         self.require(loops.len().is_multiple_of(2) && euler == 2, "vertices, edges and faces do not make a polyhedron")
     }
@@ -297,41 +327,23 @@ impl HullCheck<'_> {
     fn neighbours(&self) -> Result<(), CheckError> {
         let starts = &self.pack.neighbour_starts[range(self.start.vertex.to_native(), self.end.vertex.to_native())];
         let all = &self.pack.neighbours[range(self.start.neighbour.to_native(), self.end.neighbour.to_native())];
-        let ends = starts.iter().skip(1).map(|s| s.to_native()).chain([all.len() as u32]);
-        let counts = starts.iter().zip(ends).map(|(start, end)| end.checked_sub(start.to_native()));
-        let most = counts.reduce(|most, count| Some(most?.max(count?))).flatten();
+        let most = run_lengths(starts, all.len()).map(|(_, most)| most);
         let fits = most == Some(self.record.max_neighbours.to_native());
-        self.require(fits && starts.first().is_some_and(|s| *s == 0), "its neighbours do not follow one another")?;
+        self.require(fits, "its neighbours do not follow one another")?;
         let n = self.vertex_count();
-        self.require(all.iter().all(|v| *v < n), "a neighbour is a vertex that is not there")?;
+        self.require(all_below(all, n), "a neighbour is a vertex that is not there")?;
         let left = &self.pack.neighbour_faces[range(self.start.neighbour.to_native(), self.end.neighbour.to_native())];
         // Without faces the entries are 0.
         let faces = (self.end.face.to_native() - self.start.face.to_native()).max(1);
-        self.require(left.iter().all(|f| *f < faces), "the face beside an edge is one that is not there")
+        self.require(all_below(left, faces), "the face beside an edge is one that is not there")
     }
 
-    /// Those of a solid are the directions to its neighbours; others have none.
+    /// A solid has three numbers for each neighbour; others have none.
     fn edges(&self) -> Result<(), CheckError> {
-        let vertices = &self.pack.vertices[range(self.start.vertex.to_native(), self.end.vertex.to_native())];
-        let starts = &self.pack.neighbour_starts[range(self.start.vertex.to_native(), self.end.vertex.to_native())];
-        let neighbours = &self.pack.neighbours[range(self.start.neighbour.to_native(), self.end.neighbour.to_native())];
-        let edges = &self.pack.edges[range(self.start.edge.to_native(), self.end.edge.to_native())];
-        let expected = if self.record.rank == 3 { 3 * neighbours.len() } else { 0 };
-        self.require(edges.len() == expected, "it has not three numbers for each edge")?;
-        if edges.is_empty() {
-            return Ok(());
-        }
-        let ends = starts.iter().skip(1).map(|s| s.to_native() as usize).chain([neighbours.len()]);
-        let sound = vertices.iter().zip(starts.iter().zip(ends)).all(|(v, (start, end))| {
-            let start = start.to_native() as usize;
-            let (run, around) = (&edges[3 * start..3 * end], &neighbours[start..end]);
-            around.iter().enumerate().all(|(place, w)| {
-                let w = vertices[w.to_native() as usize];
-                let edge = edge::quantise(v.map(f32_le::to_native), w.map(f32_le::to_native));
-                (0..3).all(|axis| run[axis * around.len() + place] == edge[axis])
-            })
-        });
-        self.require(sound, "an edge contradicts its vertices")
+        let neighbours = (self.end.neighbour.to_native() - self.start.neighbour.to_native()) as usize;
+        let edges = (self.end.edge.to_native() - self.start.edge.to_native()) as usize;
+        let expected = if self.record.rank == 3 { 3 * neighbours } else { 0 };
+        self.require(edges == expected, "it has not three numbers for each edge")
     }
 
     /// None, or enough for a solid, all finite.
@@ -369,19 +381,51 @@ impl HullCheck<'_> {
         self.require(cost == stated, "the stated worst case is not that of its index")
     }
 
-    /// Every lane of every block repeats the vertex it names.
+    /// Every lane of every block names a vertex that is there, and has its place inside the bounds.
     fn blocks(&self) -> Result<(), CheckError> {
-        let vertices = &self.pack.vertices[range(self.start.vertex.to_native(), self.end.vertex.to_native())];
         let blocks = &self.pack.blocks[range(self.start.block.to_native(), self.end.block.to_native())];
-        let sound = blocks.iter().all(|block| {
-            (0..LANES).all(|lane| {
-                vertices
-                    .get(block.vertex[lane].to_native() as usize)
-                    .is_some_and(|v| block.x[lane] == v[0] && block.y[lane] == v[1] && block.z[lane] == v[2])
-            })
-        });
-        self.require(sound, "a block of its index contradicts its vertices")
+        let n = self.vertex_count();
+        let (low, high) = (self.record.bounds_min, self.record.bounds_max);
+        let mut named = true;
+        let mut inside = true;
+        for block in blocks {
+            for (axis, lanes) in [&block.x, &block.y, &block.z].into_iter().enumerate() {
+                let (low, high) = (low[axis].to_native(), high[axis].to_native());
+                for lane in lanes {
+                    // A NaN is in no bounds.
+                    inside &= (low <= lane.to_native()) & (lane.to_native() <= high);
+                }
+            }
+            for vertex in &block.vertex {
+                named &= vertex.to_native() < n;
+            }
+        }
+        self.require(named && inside, "a block of its index contradicts its vertices")
     }
+}
+
+/// Whether all numbers are below `limit`. No early exit: so it is done in vectors.
+fn all_below(numbers: &[u32_le], limit: u32) -> bool {
+    numbers.iter().fold(true, |below, number| below & (number.to_native() < limit))
+}
+
+/// Shortest and longest of the runs that start at `starts` and follow one another up to `end`; nothing where they do not, or there
+/// are none.
+fn run_lengths(starts: &[u32_le], end: usize) -> Option<(u32, u32)> {
+    let (first, last, end) = (starts.first()?.to_native(), starts.last()?.to_native(), u32::try_from(end).ok()?);
+    let (mut least, mut most, mut farthest) = (u32::MAX, 0, 0);
+    // Of numbers up to the end, one that comes before the other is more than the end behind it, modulo 2³².
+    let mut take = |start: u32, end: u32| {
+        let length = end.wrapping_sub(start);
+        least = least.min(length);
+        most = most.max(length);
+        farthest = farthest.max(start);
+    };
+    for (start, end) in starts.iter().zip(&starts[1..]) {
+        take(start.to_native(), end.to_native());
+    }
+    take(last, end);
+    (first == 0 && farthest <= end && most <= end).then_some((least, most))
 }
 
 fn range(start: u32, end: u32) -> std::ops::Range<usize> {

@@ -10,6 +10,7 @@
 //! | [`bvh`] | the tree of bounding boxes over a pack's hulls |
 //! | [`walk`] | one pass over an index: is it well formed, and what does a query cost at worst |
 //! | [`check`] | whether a file keeps the promises that the runtime relies on |
+//! | [`repeats`] | whether what a file holds twice agrees |
 //!
 //! `docs/FORMAT.md` describes the same byte by byte.
 #![forbid(unsafe_code)]
@@ -21,6 +22,7 @@ pub mod cube;
 pub mod edge;
 pub mod fan;
 pub mod header;
+pub mod repeats;
 pub mod slot;
 pub mod walk;
 

@@ -5,7 +5,8 @@
 //! 3. Checksum.
 //! 4. Structure, then every number that a query could follow ([`hullmap_format::check`]).
 //!
-//! After that, no query on the pack can panic, loop or read out of bounds.
+//! After that, no query on the pack can panic, loop or read out of bounds. [`Pack::open_skipping_contents`] and
+//! [`Pack::open_skipping_checks`] leave out steps, and are named for them.
 
 use std::{
     fs::File,
@@ -17,6 +18,7 @@ use hullmap_format::{
     archive::ArchivedBvhNode,
     check::{self, CheckError},
     header::{Header, HeaderError, options_hash},
+    repeats,
 };
 use rkyv::util::AlignedVec;
 
@@ -70,6 +72,38 @@ pub enum InvalidPack {
     Content(#[from] CheckError),
 }
 
+/// Files from this length on are worth a second thread, where the caller has some: smaller ones take less than a millisecond or two.
+#[cfg(feature = "parallel")]
+const LARGE: usize = 8 << 20;
+
+/// Checksum and contents. Neither needs the other; what is told first is damage.
+fn check_all(header: &Header, payload: &[u8]) -> Result<(), InvalidPack> {
+    let contents = || {
+        let pack = check::structure(payload)?;
+        check::contents(pack)?;
+        let stated = options_hash(pack.options_text()) == header.options_hash;
+        if stated { Ok(()) } else { Err(InvalidPack::Options) }
+    };
+    // Both read all of the file, which is as fast as one core's memory is.
+    #[cfg(feature = "parallel")]
+    if payload.len() >= LARGE {
+        let (intact, sound) = rayon::join(|| header.matches_checksum(payload), contents);
+        return if intact { sound } else { Err(InvalidPack::Checksum) };
+    }
+    if header.matches_checksum(payload) { contents() } else { Err(InvalidPack::Checksum) }
+}
+
+/// How much of a file is looked at when it is opened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Checks {
+    /// The vectors' bounds: nothing else keeps memory safe.
+    Bounds,
+    /// And where each hull's numbers stand.
+    Structure,
+    /// And all numbers.
+    All,
+}
+
 /// No hull has that number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("no hull {index}: the pack holds {hull_count}, counted from 0")]
@@ -93,7 +127,43 @@ impl Pack {
     /// One pass over the file; no allocation that grows with it.
     #[cfg(feature = "mmap")]
     pub fn open(path: impl AsRef<Path>) -> Result<Self, OpenError> {
-        let path = path.as_ref();
+        Self::map(path.as_ref(), Checks::All)
+    }
+
+    /// Maps the file and checks its structure: header, length, and where each hull's numbers stand. **Skips the contents**: the
+    /// checksum, and every number that a query follows or returns.
+    ///
+    /// For a file that has passed [`Pack::open`] since it was written, as at the end of an installation. If it is damaged all the
+    /// same, queries may answer wrongly, not end, or panic; they never read out of bounds.
+    ///
+    /// # Errors
+    /// As [`Pack::open`], for what is looked at.
+    ///
+    /// # Complexity
+    /// O(number of hulls). No allocation that grows with the file.
+    #[cfg(feature = "mmap")]
+    pub fn open_skipping_contents(path: impl AsRef<Path>) -> Result<Self, OpenError> {
+        Self::map(path.as_ref(), Checks::Structure)
+    }
+
+    /// Maps the file and looks at its header, its length and the places of its sections alone. **Skips all else**, that each hull's
+    /// numbers are there included.
+    ///
+    /// For files that are trusted as the program itself is, where each microsecond of start-up counts. If one is damaged all the same,
+    /// a hull may be told to be missing, and queries may answer wrongly, not end, or panic; they never read out of bounds.
+    ///
+    /// # Errors
+    /// As [`Pack::open`], for what is looked at.
+    ///
+    /// # Complexity
+    /// O(1).
+    #[cfg(feature = "mmap")]
+    pub fn open_skipping_checks(path: impl AsRef<Path>) -> Result<Self, OpenError> {
+        Self::map(path.as_ref(), Checks::Bounds)
+    }
+
+    #[cfg(feature = "mmap")]
+    fn map(path: &Path, checks: Checks) -> Result<Self, OpenError> {
         let io_error = |source| OpenError::Io { path: path.to_owned(), source };
         let file = File::open(path).map_err(io_error)?;
         if file.metadata().map_err(io_error)?.len() == 0 {
@@ -102,7 +172,7 @@ impl Pack {
             return Err(OpenError::Invalid { path: path.to_owned(), source });
         }
         let map = crate::storage::map(&file).map_err(io_error)?;
-        Self::from_storage_bytes(map).map_err(|source| OpenError::Invalid { path: path.to_owned(), source })
+        Self::from_storage_bytes(map, checks).map_err(|source| OpenError::Invalid { path: path.to_owned(), source })
     }
 
     /// Reads the file into memory of our own and checks all of it.
@@ -117,7 +187,7 @@ impl Pack {
         let io_error = |source| OpenError::Io { path: path.to_owned(), source };
         let mut buffer = AlignedVec::new();
         buffer.extend_from_reader(&mut File::open(path).map_err(io_error)?).map_err(io_error)?;
-        Self::from_storage_bytes(Bytes::Owned(buffer))
+        Self::from_storage_bytes(Bytes::Owned(buffer), Checks::All)
             .map_err(|source| OpenError::Invalid { path: path.to_owned(), source })
     }
 
@@ -131,23 +201,36 @@ impl Pack {
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, InvalidPack> {
         let mut buffer = AlignedVec::with_capacity(bytes.len());
         buffer.extend_from_slice(bytes);
-        Self::from_storage_bytes(Bytes::Owned(buffer))
+        Self::from_storage_bytes(Bytes::Owned(buffer), Checks::All)
     }
 
-    fn from_storage_bytes(bytes: Bytes) -> Result<Self, InvalidPack> {
-        let file = bytes.as_slice();
-        let header = Header::read(file)?;
-        header.check_length(file.len())?;
-        let payload = file.get(hullmap_format::header::HEADER_LEN..).unwrap_or_default();
-        if !header.matches_checksum(payload) {
-            return Err(InvalidPack::Checksum);
+    fn from_storage_bytes(bytes: Bytes, checks: Checks) -> Result<Self, InvalidPack> {
+        let header = Header::read(bytes.as_slice())?;
+        header.check_length(bytes.as_slice().len())?;
+        let payload = bytes.payload();
+        match checks {
+            Checks::Bounds => {}
+            Checks::Structure => {
+                check::structure(payload)?;
+            }
+            Checks::All => check_all(&header, payload)?,
         }
-        let storage = Storage::new(bytes)?;
-        check::contents(storage.archive())?;
-        if options_hash(storage.archive().options_text()) != header.options_hash {
-            return Err(InvalidPack::Options);
-        }
-        Ok(Self { storage, header })
+        Ok(Self { storage: Storage::new(bytes)?, header })
+    }
+
+    /// Compares what the file holds twice: index blocks repeat their vertices, and edges are directions between vertices. No query
+    /// needs it to be safe, so that [`Pack::open`] leaves it out; `bake verify` asks.
+    ///
+    /// # Errors
+    /// The first hull that contradicts itself.
+    ///
+    /// # Panics
+    /// On a damaged pack that was opened without checking its contents.
+    ///
+    /// # Complexity
+    /// O(file), some ten times as long as opening it.
+    pub fn check_repeats(&self) -> Result<(), InvalidPack> {
+        Ok(repeats::repeats(self.storage.archive())?)
     }
 
     /// The file's header.
@@ -170,7 +253,7 @@ impl Pack {
         self.storage.archive().options_text()
     }
 
-    /// Number of hulls, at least 1.
+    /// Number of hulls, at least 1 in a pack that was checked.
     pub fn hull_count(&self) -> usize {
         self.storage.archive().hulls.len()
     }

@@ -11,7 +11,7 @@ use hullmap_format::{
 };
 use rkyv::util::AlignedVec;
 
-/// Bytes of a whole file, header included, whose archive has passed [`check::structure`].
+/// Bytes of a whole file, header included, whose archive has passed [`check::access`].
 #[derive(Debug)]
 pub(crate) struct Storage {
     bytes: Bytes,
@@ -34,6 +34,11 @@ impl Bytes {
             Self::Owned(buffer) => buffer,
         }
     }
+
+    /// What follows the header.
+    pub(crate) fn payload(&self) -> &[u8] {
+        self.as_slice().get(HEADER_LEN..).unwrap_or_default()
+    }
 }
 
 /// Maps `file` read-only.
@@ -46,10 +51,9 @@ pub(crate) fn map(file: &std::fs::File) -> std::io::Result<Bytes> {
 }
 
 impl Storage {
-    /// Takes bytes that hold a header and the archive behind it; checks the archive's structure.
+    /// Takes bytes that hold a header and the archive behind it; checks the bounds of the archive's vectors.
     pub(crate) fn new(bytes: Bytes) -> Result<Self, CheckError> {
-        let payload = bytes.as_slice().get(HEADER_LEN..).unwrap_or_default();
-        check::structure(payload)?;
+        check::access(bytes.payload())?;
         Ok(Self { bytes })
     }
 
@@ -60,7 +64,7 @@ impl Storage {
 
     /// The archive, in place.
     pub(crate) fn archive(&self) -> &ArchivedPack {
-        let payload = &self.bytes.as_slice()[HEADER_LEN..];
+        let payload = self.bytes.payload();
         // SAFETY: `new` ran rkyv's checked access, with the same type, over the same bytes; neither a map nor an owned
         // buffer moves its bytes when the `Storage` moves, and nothing here writes to them.
         unsafe { rkyv::access_unchecked::<ArchivedPack>(payload) }

@@ -171,13 +171,14 @@ fn verify_pack(place: &PackPlace, asked: Option<&Path>, args: &VerifyArgs) -> Re
 /// Verifies every hull of a pack; the names of files in the reports are left out.
 ///
 /// # Errors
-/// The source has other hulls than the pack.
+/// The source has other hulls than the pack, or what the pack holds twice does not agree.
 pub fn verify_hulls(pack: &Pack, truth: &Truth, count: usize, seed: u64) -> Result<Vec<HullReport>, String> {
     if let Truth::Source(sets) = truth
         && sets.len() != pack.hull_count()
     {
         return Err(format!("{} hulls where the source has {}; bake it again", pack.hull_count(), sets.len()));
     }
+    pack.check_repeats().map_err(|error| error.to_string())?;
     let one = |(number, hull): (usize, Hull)| match truth {
         Truth::Source(sets) => verify_hull(&hull, Some(&sets[number]), count, seed),
         Truth::Stored => verify_hull(&hull, None, count, seed),
