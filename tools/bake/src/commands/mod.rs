@@ -3,4 +3,5 @@
 pub mod build;
 pub mod inspect;
 pub mod query;
+pub mod report;
 pub mod verify;

@@ -113,7 +113,10 @@ pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
 }
 
 /// The packs that the inputs name, in their order and by name within a folder.
-fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
+///
+/// # Errors
+/// An input that cannot be read, or a folder without packs.
+pub fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
     let mut places = Vec::new();
     for input in inputs {
         let kind = std::fs::metadata(input)
