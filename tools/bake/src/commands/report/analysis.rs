@@ -194,7 +194,8 @@ pub fn analyse(place: &PackPlace, args: &ReportArgs) -> Result<Analysis, Failure
     for (number, hull) in pack.hulls().take(shown_count).enumerate() {
         let census = census(&contents.indices[number], &directions);
         let found = hull_warnings(&hull, &census);
-        warnings.extend(found.into_iter().map(|warning| format!("Hull {}: {warning}.", hull.name())));
+        let of = if hull_count > 1 { format!("hull {}: ", hull.name()) } else { String::new() };
+        warnings.extend(found.into_iter().map(|warning| sentence(&format!("{of}{warning}."))));
         paces.push(pace(&hull, &directions, shown_count));
         hulls.push(facts(&hull, census));
     }
@@ -205,7 +206,7 @@ pub fn analyse(place: &PackPlace, args: &ReportArgs) -> Result<Analysis, Failure
         format_version: pack.header().format_version,
         options: pack.options().to_owned(),
         recorded_source: pack.source_path().to_owned(),
-        source: source.as_ref().map(|source| source.path.display().to_string()),
+        source: source.as_ref().map(|source| source_name(source, &pack)),
         source_points: source.iter().flat_map(|source| &source.point_sets).map(|set| set.positions.len()).sum(),
         hull_count,
         vertex_count: pack.hulls().map(|hull| hull.vertex_count()).sum(),
@@ -218,6 +219,21 @@ pub fn analyse(place: &PackPlace, args: &ReportArgs) -> Result<Analysis, Failure
         drawn,
         times: Times { open, verification: verified, paces },
     })
+}
+
+/// The text with a capital in front.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// How a page names the source. The path that leads to it from the pack names the machine's folders: what the pack records
+/// stands for it.
+fn source_name(source: &Source, pack: &Pack) -> String {
+    if source.path.is_absolute() && !pack.source_path().is_empty() {
+        return pack.source_path().to_owned();
+    }
+    source.path.display().to_string()
 }
 
 fn verify(pack: &Pack, source: Option<&Source>, args: &ReportArgs, faults: &mut Vec<String>) -> Vec<HullReport> {

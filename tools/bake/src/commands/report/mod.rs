@@ -77,7 +77,7 @@ fn report_folder(args: &ReportArgs, places: &[PackPlace], out: &mut dyn Write) -
     let mut cards = Vec::new();
     for place in places {
         let below = place.path.strip_prefix(&args.input).unwrap_or(&place.path);
-        let name = slashed(below);
+        let name = slashed(&below.with_extension(""));
         match analyse(place, args) {
             Ok(pack) => {
                 let mut file = below.as_os_str().to_owned();

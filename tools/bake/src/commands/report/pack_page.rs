@@ -114,8 +114,8 @@ fn facts(pack: &Analysis) -> String {
     let worst = |pick: fn(&HullFacts) -> u32| pack.hulls.iter().map(pick).max().unwrap_or(0);
     let nodes = (average(|hull| mean(&hull.census.nodes)), worst(|hull| hull.max_nodes));
     let dots = (average(|hull| hull.census.mean_dots), worst(|hull| hull.max_dots));
-    rows.push(("Nodes a query", format!("{:.2}, at most {}", nodes.0, nodes.1)));
-    rows.push(("Dot products a query", format!("{:.1}, at most {}", dots.0, count(dots.1.into()))));
+    rows.push(("Nodes a query", format!("{}, at most {}", short(nodes.0), nodes.1)));
+    rows.push(("Dot products a query", format!("{}, at most {}", short(dots.0), count(dots.1.into()))));
     let regrets = pack.verification.iter().filter_map(|report| report.max_regret);
     if let Some(worst) = regrets.reduce(f64::max) {
         rows.push(("Greatest regret", short(worst)));
@@ -180,7 +180,7 @@ fn hulls(pack: &Analysis) -> String {
         ("diameter", false),
         ("area", false),
         ("volume", false),
-        ("containment error", false),
+        ("error", false),
         ("index", true),
         ("bytes", false),
         ("a vertex", false),
@@ -206,7 +206,7 @@ fn hulls(pack: &Analysis) -> String {
         ]
     });
     table(
-        "The hulls of the pack. The containment error is relative to the diameter; nodes and candidates are means over all directions.",
+        "The hulls of the pack. The error is how far a source point lies outside, over the diameter; nodes and candidates are means over all directions.",
         &heads,
         rows,
         &[],
@@ -333,7 +333,7 @@ fn times(pack: &Analysis) -> String {
         ""
     };
     format!(
-        "<!-- times -->\n<section aria-labelledby=\"times-title\" id=\"times\">\n<h2 id=\"times-title\">Times</h2>\n<p>Measured while this page was made, on one thread of the machine that made it; means over the hulls. They differ from run to run and from machine to machine; trust the ratio, and the counts of nodes and dot products above, which depend on the file alone.{build}</p>\n{}</section>\n<!-- /times -->",
-        table("Times", &[("what", true), ("time", false)], rows, &[])
+        "<!-- times -->\n<section aria-labelledby=\"times-title\" id=\"times\">\n<h2 id=\"times-title\">Times</h2>\n<p>Measured while this page was made, on the machine that made it. They differ from run to run and from machine to machine; trust the ratio, and the counts of nodes and dot products above, which depend on the file alone.{build}</p>\n{}</section>\n<!-- /times -->",
+        table("Means over the hulls, on one thread", &[("what", true), ("time", false)], rows, &[])
     )
 }

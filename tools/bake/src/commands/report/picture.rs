@@ -30,6 +30,9 @@ const LIGHT: [f64; 3] = [-0.36, 0.6, 0.71];
 /// The darkest and lightest shade of hulls, then of meshes.
 const COLOURS: [[[u8; 3]; 2]; 2] = [[[60, 96, 150], [150, 190, 240]], [[92, 74, 52], [244, 212, 164]]];
 
+/// Radius of a dot, in pixels.
+const DOT: f64 = 1.5;
+
 /// Of 255, how much of a hull covers what is behind the picture.
 const HULL_ALPHA: u8 = 150;
 
@@ -65,14 +68,19 @@ pub fn picture(hulls: &[Shape], meshes: &[Shape]) -> String {
             }
             // What has no triangles is dots, and edges as rows of dots.
             if shape.triangles.is_empty() {
+                let is_alone = shape.points.len() == 1;
                 for &[from, to] in &shape.edges {
                     let [from, to] = [from, to].map(|corner| place(shape.points[corner as usize]));
                     for step in 0..=SIZE[0] {
                         let along = step as f64 / SIZE[0] as f64;
-                        dot(&mut pixels, [0, 1].map(|i| from[i] + (to[i] - from[i]) * along), layer);
+                        dot(&mut pixels, [0, 1].map(|i| from[i] + (to[i] - from[i]) * along), DOT, layer);
                     }
                 }
-                shape.points.iter().for_each(|&point| dot(&mut pixels, [place(point)[0], place(point)[1]], layer));
+                let radius = if is_alone { 8.0 } else { DOT };
+                shape
+                    .points
+                    .iter()
+                    .for_each(|&point| dot(&mut pixels, [place(point)[0], place(point)[1]], radius, layer));
             }
         }
     }
@@ -123,10 +131,11 @@ fn fill(pixels: &mut [u8], depths: &mut [f64], [a, b, c]: [[f64; 3]; 3], layer: 
     }
 }
 
-fn dot(pixels: &mut [u8], [x, y]: [f64; 2], layer: usize) {
-    for (dx, dy) in [(-1.0, -1.0), (0.0, -1.0), (1.0, -1.0), (-1.0, 0.0), (0.0, 0.0), (1.0, 0.0), (0.0, 1.0)] {
+fn dot(pixels: &mut [u8], [x, y]: [f64; 2], radius: f64, layer: usize) {
+    let reach = radius.ceil() as i32;
+    for (dx, dy) in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (f64::from(dx), f64::from(dy)))) {
         let (column, row) = ((x + dx) as usize, (y + dy) as usize);
-        if column < SIZE[0] && row < SIZE[1] {
+        if dx * dx + dy * dy <= radius * radius && column < SIZE[0] && row < SIZE[1] {
             pixels[row * SIZE[0] + column] = colour(layer, 0.7);
         }
     }
@@ -201,7 +210,7 @@ mod tests {
         let empty = Shape::default();
         for (shape, least) in [(point, 5), (segment, 200), (empty, 0)] {
             let drawn = pixels(&picture(&[shape], &[])).iter().filter(|&&pixel| pixel > 0).count();
-            assert!(drawn >= least && drawn < 4000, "{drawn}");
+            assert!(drawn >= least && drawn < 4_000, "{drawn}");
         }
     }
 

@@ -42,7 +42,8 @@ pub fn hull_warnings(hull: &Hull, census: &Census) -> Vec<String> {
         }
     }
     let distance = hull.centroid().length() / hull.diameter();
-    if distance > FAR {
+    // A point has no diameter; where it lies is no matter.
+    if hull.rank() > 0 && distance > FAR {
         list.push(format!(
             "far from the origin: {distance:.0} times its diameter, where f32 coordinates have few digits left; move the mesh to the origin and place it by its pose"
         ));

@@ -86,7 +86,12 @@ function oklch(lightness, chroma, hue) {
 function colourOf(number) {
   const hue = (number * 0.61803398875) % 1;
   const step = (number * 0.7548776662) % 1;
-  return oklch(0.62 + 0.24 * step, 0.07 + 0.06 * ((number * 0.5698402909) % 1), hue);
+  return oklch(0.64 + 0.24 * step, 0.05 + 0.06 * ((number * 0.5698402909) % 1), hue);
+}
+
+/** A colour for a hull among others, light enough to be shaded. */
+function hullColourOf(number) {
+  return oklch(0.78, 0.095, (number * 0.61803398875 + 0.7) % 1);
 }
 
 /** From few to many, 0 to 1: pale to deep. */

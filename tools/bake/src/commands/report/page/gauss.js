@@ -125,7 +125,7 @@ class GaussView {
       const pixel = scale / size;
       const cover = (this.map.read.paths.length * pixel) / 6;
       const opacity = Math.min(0.75, Math.max(0.05, 0.2 / cover));
-      context.strokeStyle = `rgb(${cssColour("--cell")} / ${opacity})`;
+      context.strokeStyle = `rgb(${cssColour("--cell").join(" ")} / ${opacity})`;
       for (const [depth, path] of this.map.read.paths.all) {
         context.lineWidth = pixel * (depth === 0 ? 1.1 : 0.8);
         context.stroke(path);

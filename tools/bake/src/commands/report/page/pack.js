@@ -38,21 +38,27 @@
     const shapes = list.flatMap((hull) => [hull.hull, hull.source].filter(Boolean));
     const low = [0, 1, 2].map((axis) => Math.min(...shapes.map((shape) => shape.low[axis])));
     const high = [0, 1, 2].map((axis) => Math.max(...shapes.map((shape) => shape.low[axis] + shape.size[axis])));
-    return { centre: low.map((c, axis) => (c + high[axis]) / 2), radius: Math.hypot(...low.map((c, axis) => (high[axis] - c) / 2)) };
+    const centre = low.map((c, axis) => (c + high[axis]) / 2);
+    let reach = 0;
+    for (const { points } of shapes) {
+      for (let i = 0; i < points.length; i += 3) {
+        reach = Math.max(reach, Math.hypot(points[i] - centre[0], points[i + 1] - centre[1], points[i + 2] - centre[2]));
+      }
+    }
+    return { centre, radius: reach };
   }
 
   function draw3d() {
     if (!has3d) return;
     const list = current();
     if (!list.length) return;
-    camera.look(frame(list));
     camera.up = get("up").value;
     const look = Object.fromEntries(["hull", "mesh", "edge", "mesh-edge", "mark"].map((name) => [name, cssColour(`--${name}`)]));
     const isOn = (id) => get(id).checked;
     views.hull.begin();
     for (const hull of list) {
       const shape = hull.hull;
-      const colour = chosen === ALL ? colourOf(hull.number) : look.hull;
+      const colour = chosen === ALL ? hullColourOf(hull.number) : look.hull;
       if (shape.triangles.length) views.hull.triangles(shape, camera, colour);
       // Fine meshes of edges are drawn paler.
       const opacity = Math.min(0.9, Math.max(0.12, Math.sqrt(900 / (shape.edges.length + 1))));
@@ -175,6 +181,7 @@
     marked = null;
     for (const view of Object.values(views)) if (view) view.forget();
     camera.reset();
+    if (current().length) camera.look(frame(current()));
     gauss.show(mapped().gauss);
     captions();
     legend();
