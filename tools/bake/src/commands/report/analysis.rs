@@ -164,7 +164,7 @@ pub fn analyse(place: &PackPlace, args: &ReportArgs) -> Result<Analysis, Failure
     let start = Instant::now();
     let pack = open_pack(&place.path)?;
     let open = start.elapsed();
-    let contents = Contents::read(&place.path)?;
+    let contents = Contents::read(&place.path, &pack)?;
     let mut faults = Vec::new();
     let source = match find_source(place, Recorded::of(&pack), args.source.as_deref()) {
         Err(failure) if failure.exit == Exit::Wanting => {

@@ -177,7 +177,7 @@ mod tests {
                 assert_eq!(face.point(dir), [x, y]);
             }
             // Right, up and outward are a right-handed frame: nothing is mirrored, seen from outside.
-            let [right, up, out] = [face.right, face.up, face.middle].map(|v| glam::IVec3::from_array(v).as_dvec3());
+            let [right, up, out] = [face.right, face.up, face.middle].map(|v| glam::DVec3::from(v.map(f64::from)));
             assert_eq!(right.cross(up), out, "{}", face.name);
         }
     }

@@ -5,6 +5,7 @@
 
 use std::path::Path;
 
+use hullmap::{Hull, Pack};
 use hullmap_format::{
     archive::{LANES, index_kind},
     check,
@@ -33,18 +34,17 @@ impl Contents {
     ///
     /// # Errors
     /// The file cannot be read, or is no longer what it was.
-    pub fn read(path: &Path) -> Result<Self, Failure> {
+    pub fn read(path: &Path, pack: &Pack) -> Result<Self, Failure> {
         let failure = |error: String| Failure::usage(format!("{}: cannot read: {error}", path.display()));
         let mut bytes = AlignedVec::<HEADER_LEN>::new();
         let mut file = std::fs::File::open(path).map_err(|error| failure(error.to_string()))?;
         bytes.extend_from_reader(&mut file).map_err(|error| failure(error.to_string()))?;
         let payload = bytes.get(HEADER_LEN..).unwrap_or_default();
         let archive = check::structure(payload).map_err(|error| failure(error.to_string()))?;
-        let index = |hull: usize| {
+        let index = |(hull, ends): (usize, Vec<End>)| {
             let (start, end) = (&archive.spans[hull], &archive.spans[hull + 1]);
             let words = start.slot.to_native() as usize..end.slot.to_native() as usize;
             let blocks = start.block.to_native() as usize..end.block.to_native() as usize;
-            let vertices = start.vertex.to_native() as usize..end.vertex.to_native() as usize;
             let record = &archive.hulls[hull];
             IndexReader {
                 kind: match record.index_kind.to_native() {
@@ -56,10 +56,13 @@ impl Contents {
                 leaf_blocks: record.leaf_blocks.to_native(),
                 words: archive.slots[words].iter().map(|word| word.to_native()).collect(),
                 blocks: archive.blocks[blocks].iter().map(|block| block.vertex.map(|v| v.to_native())).collect(),
-                ends: ends(&archive.vertices[vertices].iter().map(|v| v.map(|c| c.to_native())).collect::<Vec<_>>()),
+                ends,
             }
         };
-        let indices = (0..archive.hulls.len()).map(index).collect();
+        if archive.hulls.len() != pack.hull_count() {
+            return Err(failure("it has changed since it was opened".to_owned()));
+        }
+        let indices = pack.hulls().map(|hull| ends(&hull)).enumerate().map(index).collect();
         Ok(Self { indices, sections: sections(archive, bytes.len()) })
     }
 }
@@ -75,8 +78,16 @@ pub struct IndexReader {
     pub words: Vec<u32>,
     /// The vertex in each lane of each block.
     pub blocks: Vec<[u32; LANES]>,
-    /// Vertices at the ends of the axes: what unused lanes hold.
-    ends: Vec<u32>,
+    /// What unused lanes may hold.
+    ends: Vec<End>,
+}
+
+/// A vertex at the end of an axis.
+#[derive(Clone, Debug)]
+struct End {
+    vertex: u32,
+    /// The vertices that share an edge with it, ascending.
+    neighbours: Vec<u32>,
 }
 
 /// The kinds of index.
@@ -170,19 +181,23 @@ impl IndexReader {
 
     /// The vertices that a leaf lists, ascending: its lanes without those that only fill it up.
     ///
-    /// A lane that fills is the end of an axis and stands last. Where it stands there once and its number is the greatest,
-    /// it could be a candidate: then it counts as one.
+    /// What fills stands last, and is the end of an axis on the hull's far side. Where it stands there once, it could be a
+    /// candidate: it counts as one where it shares an edge with another, as the cones of a cell's candidates do.
     pub fn candidates(&self, leaf: Leaf) -> Vec<u32> {
         let run = leaf.first as usize..(leaf.first + leaf.count) as usize;
         let mut lanes = self.blocks.get(run).unwrap_or_default().as_flattened().to_vec();
         let Some(&last) = lanes.last() else { return lanes };
         let filled = lanes.iter().rev().take_while(|&&lane| lane == last).count();
         lanes.truncate(lanes.len() - filled);
-        let ascends = lanes.last().is_none_or(|&before| before < last);
-        // The fill is the last candidate again only if the ends of the axes are all candidates.
-        let is_all_ends = self.ends.iter().all(|&end| end == last || lanes.contains(&end));
-        let fills = filled > 1 && self.ends.contains(&last) && !is_all_ends;
-        if lanes.is_empty() || (ascends && !fills) {
+        let end = self.ends.iter().find(|end| end.vertex == last);
+        let fills = match end {
+            // Candidates ascend, and the last one fills only where all ends are candidates themselves.
+            _ if lanes.last().is_some_and(|&before| before > last) => true,
+            Some(_) if filled > 1 => self.ends.iter().any(|end| end.vertex != last && !lanes.contains(&end.vertex)),
+            Some(end) => !lanes.iter().any(|lane| end.neighbours.binary_search(lane).is_ok()),
+            None => false,
+        };
+        if lanes.is_empty() || !fills {
             lanes.push(last);
         }
         lanes
@@ -214,23 +229,22 @@ fn is_in_front(normal: [f64; 3], dir: [f32; 3]) -> bool {
     normal[0] * dir[0] + normal[1] * dir[1] + normal[2] * dir[2] > 0.0
 }
 
-/// The vertices with the least and greatest coordinates, each the first of its kind in the order of their numbers.
-fn ends(vertices: &[[f32; 3]]) -> Vec<u32> {
+/// The vertices with the least and greatest coordinates.
+fn ends(hull: &Hull) -> Vec<End> {
+    let coordinates = |axis: usize| hull.vertices().map(move |vertex| vertex[axis]).enumerate();
     let mut ends = Vec::new();
     for axis in 0..3 {
-        let by_axis = |a: &u32, b: &u32| vertices[*a as usize][axis].total_cmp(&vertices[*b as usize][axis]);
-        let numbers = || 0..vertices.len() as u32;
-        ends.extend(numbers().min_by(by_axis));
-        ends.extend(numbers().max_by(by_axis));
+        ends.extend(coordinates(axis).min_by(|a, b| a.1.total_cmp(&b.1)));
+        ends.extend(coordinates(axis).max_by(|a, b| a.1.total_cmp(&b.1)));
     }
+    let mut ends: Vec<u32> = ends.into_iter().map(|(vertex, _)| vertex as u32).collect();
     ends.sort_unstable();
     ends.dedup();
-    ends
+    ends.into_iter().map(|vertex| End { vertex, neighbours: hull.neighbours(vertex).collect() }).collect()
 }
 
 #[cfg(test)]
 pub mod tests {
-    use hullmap::Pack;
     use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
 
     use super::*;
@@ -256,7 +270,9 @@ pub mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("cloud.hullmap");
         std::fs::write(&path, &bytes).unwrap();
-        (Pack::from_bytes(&bytes).unwrap(), Contents::read(&path).unwrap())
+        let pack = Pack::from_bytes(&bytes).unwrap();
+        let contents = Contents::read(&path, &pack).unwrap();
+        (pack, contents)
     }
 
     pub const KINDS: [IndexKind; 5] =
@@ -290,7 +306,7 @@ pub mod tests {
             leaf_blocks: 1,
             words: Vec::new(),
             blocks: vec![lanes],
-            ends: vec![1, 9],
+            ends: vec![End { vertex: 1, neighbours: vec![2] }, End { vertex: 9, neighbours: vec![8] }],
         };
         let leaf = Leaf { first: 0, count: 1, nodes: 0 };
         let candidates = |lanes| index(lanes).candidates(leaf);
@@ -299,5 +315,7 @@ pub mod tests {
         assert_eq!(candidates([0, 1, 9, 9, 9, 9, 9, 9]), [0, 1, 9], "all ends are candidates");
         assert_eq!(candidates([5; LANES]), [5]);
         assert_eq!(candidates([1, 2, 3, 4, 5, 6, 7, 8]), [1, 2, 3, 4, 5, 6, 7, 8]);
+        assert_eq!(candidates([0, 2, 3, 4, 5, 6, 7, 9]), [0, 2, 3, 4, 5, 6, 7], "far from all others");
+        assert_eq!(candidates([0, 2, 3, 4, 5, 6, 8, 9]), [0, 2, 3, 4, 5, 6, 8, 9], "beside 8");
     }
 }

@@ -163,7 +163,12 @@ class GaussView {
 
   /** Share of the pixels that anything was drawn on, and how many colours there are. */
   share() {
-    const { data } = this.context.getImageData(0, 0, this.canvas.width, this.canvas.height);
+    // A copy is read: reading the canvas itself would make the browser draw it more slowly from then on.
+    const copy = document.createElement("canvas");
+    [copy.width, copy.height] = [this.canvas.width, this.canvas.height];
+    const context = copy.getContext("2d", { willReadFrequently: true });
+    context.drawImage(this.canvas, 0, 0);
+    const { data } = context.getImageData(0, 0, copy.width, copy.height);
     let drawn = 0;
     const colours = new Set();
     for (let i = 0; i < data.length; i += 4) {

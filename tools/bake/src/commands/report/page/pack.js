@@ -119,11 +119,15 @@
     const way = hull.index === "none" ? "no index: all vertices" : `leaf at block ${grouped(leaf.block)}`;
     const parts = [
       `direction (${numbers(dir.map((c) => Math.round(c * 1e4) / 1e4))})`,
-      `vertex ${grouped(vertex)}${position ? ` at (${numbers(position)})` : ""}`,
+      `vertex ${grouped(vertex)}${position ? ` at (${position.map((c) => fixed(c, hull.hull.digits)).join(", ")})` : ""}`,
       `${way}, depth ${leaf.nodes} ${leaf.nodes === 1 ? "node" : "nodes"}`,
       `${grouped(leaf.candidates)} ${leaf.candidates === 1 ? "candidate" : "candidates"} in ${grouped(leaf.dots)} lanes: ${leaf.listed.join(", ")}${more}`,
     ];
     readout.textContent = parts.join(" · ");
+  }
+
+  function fixed(number, digits) {
+    return String(Number(number.toFixed(digits))).replace("-", "−").replace(/^−0$/, "0");
   }
 
   function legend() {
