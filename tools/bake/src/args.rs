@@ -52,6 +52,9 @@ pub enum Command {
     /// Print completions for a shell
     #[command(after_help = "Example:\n  bake completions bash > ~/.local/share/bash-completion/completions/bake")]
     Completions(CompletionsArgs),
+    /// Show packs on a page that any browser opens: meshes, hulls, indices, figures
+    #[command(after_help = "Example:\n  bake report baked --out report.html")]
+    Report(ReportArgs),
 }
 
 /// What `bake build` takes.
@@ -165,6 +168,35 @@ pub struct QueryArgs {
     /// Print one JSON object a pose
     #[arg(long)]
     pub json: bool,
+}
+
+/// What `bake report` takes.
+#[derive(Debug, clap::Args)]
+pub struct ReportArgs {
+    /// The pack, or a folder to search for packs: then one page for all, and one for each in OUT's `.pages` folder
+    #[arg(value_name = "FILE|DIR")]
+    pub input: PathBuf,
+    /// The page to write; it needs no other file and no network
+    #[arg(long, value_name = "REPORT.html")]
+    pub out: PathBuf,
+    /// The source file, or a folder with the source files [default: found as by `bake verify`]
+    #[arg(long, value_name = "PATH")]
+    pub source: Option<PathBuf>,
+    /// Directions in which each hull is verified
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_DIRECTIONS, value_parser = at_least_one)]
+    pub directions: usize,
+    /// Seed of the random directions
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub seed: u64,
+}
+
+/// A count that is at least 1.
+fn at_least_one(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(0) => Err("must be at least 1".to_owned()),
+        Ok(count) => Ok(count),
+        Err(error) => Err(error.to_string()),
+    }
 }
 
 /// What a query computes.

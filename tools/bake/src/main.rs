@@ -58,5 +58,6 @@ fn run(cli: &Cli, out: &mut dyn Write) -> Result<Exit, Failure> {
         Command::Query(args) => commands::query::run(args, out),
         Command::Init(args) => commands::init::run(args, out),
         Command::Completions(args) => commands::completions::run(args, out),
+        Command::Report(args) => commands::report::run(args, out),
     }
 }

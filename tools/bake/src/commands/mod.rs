@@ -5,4 +5,5 @@ pub mod completions;
 pub mod init;
 pub mod inspect;
 pub mod query;
+pub mod report;
 pub mod verify;

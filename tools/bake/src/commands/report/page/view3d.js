@@ -1,0 +1,280 @@
+// Two pictures that turn together.
+
+const TRIANGLE_SHADER = [
+  `#version 300 es
+  in vec3 corner; uniform mat4 toView; uniform mat4 toClip; out vec3 seen;
+  void main() { vec4 at = toView * vec4(corner, 1.0); seen = at.xyz; gl_Position = toClip * at; }`,
+  // The normal is that of the flat triangle, from how its points change across the screen; both sides are lit.
+  `#version 300 es
+  precision highp float; in vec3 seen; uniform vec3 colour; out vec4 shown;
+  void main() {
+    vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
+    normal *= sign(normal.z + 1e-9);
+    float lit = 0.42 + 0.5 * max(dot(normal, normalize(vec3(-0.36, 0.6, 0.71))), 0.0) + 0.14 * normal.z;
+    shown = vec4(colour * min(lit, 1.06), 1.0);
+  }`,
+];
+
+const LINE_SHADER = [
+  `#version 300 es
+  in vec3 corner; in vec3 tint; uniform mat4 toView; uniform mat4 toClip; uniform float forward; uniform float dot_size;
+  out vec3 colour;
+  void main() {
+    gl_Position = toClip * toView * vec4(corner, 1.0);
+    gl_Position.z -= forward * gl_Position.w;
+    gl_PointSize = dot_size;
+    colour = tint;
+  }`,
+  `#version 300 es
+  precision highp float; in vec3 colour; uniform float opacity; uniform bool round; out vec4 shown;
+  void main() {
+    if (round && length(gl_PointCoord - 0.5) > 0.5) discard;
+    shown = vec4(colour * opacity, opacity);
+  }`,
+];
+
+/** A canvas that draws layers of triangles, lines and dots; nothing where there is no WebGL. */
+function openView(canvas) {
+  const gl = canvas.getContext("webgl2", { antialias: true, alpha: true, preserveDrawingBuffer: true });
+  if (!gl) return null;
+  const program = ([vertex, fragment]) => {
+    const made = gl.createProgram();
+    for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
+      gl.attachShader(made, shader);
+    }
+    gl.bindAttribLocation(made, 0, "corner");
+    gl.bindAttribLocation(made, 1, "tint");
+    gl.linkProgram(made);
+    return { made, at: (name) => gl.getUniformLocation(made, name) };
+  };
+  const solid = program(TRIANGLE_SHADER), thin = program(LINE_SHADER);
+  gl.enable(gl.DEPTH_TEST);
+  gl.enable(gl.BLEND);
+  gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+
+  const buffer = (kind, data) => {
+    const made = gl.createBuffer();
+    gl.bindBuffer(kind, made);
+    gl.bufferData(kind, data, gl.STATIC_DRAW);
+    return made;
+  };
+  let known = new Map();
+  const uploaded = (shape) => {
+    if (!known.has(shape)) {
+      known.set(shape, {
+        points: buffer(gl.ARRAY_BUFFER, shape.points),
+        triangles: buffer(gl.ELEMENT_ARRAY_BUFFER, shape.triangles),
+        edges: buffer(gl.ELEMENT_ARRAY_BUFFER, shape.edges),
+        tints: null,
+      });
+    }
+    return known.get(shape);
+  };
+  const bindCorners = (made) => {
+    gl.bindBuffer(gl.ARRAY_BUFFER, made);
+    gl.enableVertexAttribArray(0);
+    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
+  };
+  const set = (of, camera) => {
+    gl.useProgram(of.made);
+    gl.uniformMatrix4fv(of.at("toView"), false, camera.toView);
+    gl.uniformMatrix4fv(of.at("toClip"), false, camera.toClip(canvas.width / canvas.height));
+  };
+  const thinly = (camera, { colour, opacity = 1, forward = 0.0006, size = 1, round = false }) => {
+    set(thin, camera);
+    gl.uniform1f(thin.at("forward"), forward);
+    gl.uniform1f(thin.at("dot_size"), size * Math.max(1, devicePixelRatio));
+    gl.uniform1f(thin.at("opacity"), opacity);
+    gl.uniform1i(thin.at("round"), round ? 1 : 0);
+    if (colour) {
+      gl.disableVertexAttribArray(1);
+      gl.vertexAttrib3f(1, ...colour.map((c) => c / 255));
+    }
+  };
+
+  return {
+    canvas,
+    forget() {
+      for (const made of known.values()) {
+        for (const one of Object.values(made)) if (one) gl.deleteBuffer(one);
+      }
+      known = new Map();
+    },
+    begin() {
+      const scale = Math.min(devicePixelRatio || 1, 2);
+      const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.max(1, Math.round(x * scale)));
+      if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+      gl.viewport(0, 0, width, height);
+      gl.clearColor(0, 0, 0, 0);
+      gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    },
+    triangles(shape, camera, colour) {
+      const made = uploaded(shape);
+      set(solid, camera);
+      gl.uniform3f(solid.at("colour"), ...colour.map((c) => c / 255));
+      bindCorners(made.points);
+      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, made.triangles);
+      gl.drawElements(gl.TRIANGLES, shape.triangles.length, gl.UNSIGNED_SHORT, 0);
+    },
+    edges(shape, camera, look) {
+      const made = uploaded(shape);
+      thinly(camera, look);
+      bindCorners(made.points);
+      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, made.edges);
+      gl.drawElements(gl.LINES, shape.edges.length, gl.UNSIGNED_SHORT, 0);
+    },
+    dots(shape, camera, look) {
+      const made = uploaded(shape);
+      thinly(camera, { round: true, forward: 0.0012, ...look });
+      bindCorners(made.points);
+      if (!look.colour) {
+        if (!made.tints) {
+          const tints = new Uint8Array(shape.points.length);
+          for (let at = 0; 3 * at < tints.length; at++) tints.set(colourOf(shape.number(at)), 3 * at);
+          made.tints = buffer(gl.ARRAY_BUFFER, tints);
+        }
+        gl.bindBuffer(gl.ARRAY_BUFFER, made.tints);
+        gl.enableVertexAttribArray(1);
+        gl.vertexAttribPointer(1, 3, gl.UNSIGNED_BYTE, true, 0, 0);
+      }
+      gl.drawArrays(gl.POINTS, 0, shape.points.length / 3);
+    },
+    /** A ray with a dot: a direction and its support vertex. */
+    mark(camera, from, to, vertex, colour) {
+      const made = buffer(gl.ARRAY_BUFFER, new Float32Array([...from, ...to, ...vertex]));
+      thinly(camera, { colour, forward: 0.002 });
+      bindCorners(made);
+      gl.drawArrays(gl.LINES, 0, 2);
+      thinly(camera, { colour, forward: 0.5, size: 9, round: true });
+      gl.drawArrays(gl.POINTS, 2, 1);
+      gl.deleteBuffer(made);
+    },
+    /** Share of the pixels that anything was drawn on. */
+    share() {
+      const pixels = new Uint8Array(4 * canvas.width * canvas.height);
+      gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+      let drawn = 0;
+      for (let i = 3; i < pixels.length; i += 4) drawn += pixels[i] > 0 ? 1 : 0;
+      return (4 * drawn) / pixels.length;
+    },
+  };
+}
+
+/** Where the viewer stands. Angles in radians; `zoom` 1 shows the whole. */
+class Camera {
+  constructor() {
+    this.centre = [0, 0, 0];
+    this.radius = 1;
+    this.up = "z";
+    this.reset();
+  }
+
+  reset() {
+    [this.yaw, this.pitch, this.zoom] = [-0.62, 0.42, 1];
+  }
+
+  turn(right, down) {
+    this.yaw += right;
+    this.pitch = Math.min(Math.max(this.pitch + down, -Math.PI / 2), Math.PI / 2);
+  }
+
+  grow(factor) {
+    this.zoom = Math.min(Math.max(this.zoom * factor, 0.3), 40);
+  }
+
+  look({ centre, radius }) {
+    this.centre = centre;
+    this.radius = radius > 0 ? radius : 1;
+  }
+
+  /** Columns of the matrix from source units to the viewer: right, up, towards. */
+  get toView() {
+    const [sy, cy, sp, cp] = [Math.sin(this.yaw), Math.cos(this.yaw), Math.sin(this.pitch), Math.cos(this.pitch)];
+    // With z up, then with its axes renamed for y up.
+    const rows = [[cy, sy, 0], [-sy * sp, cy * sp, cp], [sy * cp, -cy * cp, sp]]
+      .map(([x, y, z]) => (this.up === "z" ? [x, y, z] : [x, z, -y]))
+      .map((row) => row.map((c) => c / this.radius));
+    const shift = rows.map((row) => -row.reduce((sum, c, axis) => sum + c * this.centre[axis], 0));
+    shift[2] -= this.away;
+    return new Float32Array([0, 1, 2].flatMap((axis) => [...rows.map((row) => row[axis]), 0]).concat(shift, 1));
+  }
+
+  /** Distance to the centre, in radii. */
+  get away() {
+    return 1 + 3.1 / this.zoom;
+  }
+
+  toClip(aspect) {
+    // A lens of 30°, wider where the picture is higher than wide.
+    const lens = 1 / Math.tan(0.262) * Math.min(1, aspect);
+    const near = Math.max(this.away - 1.8, 0.02), far = this.away + 1.8;
+    const depth = near - far;
+    return new Float32Array([
+      lens / aspect, 0, 0, 0, 0, lens, 0, 0, 0, 0, (far + near) / depth, -1, 0, 0, (2 * far * near) / depth, 0,
+    ]);
+  }
+}
+
+/** Mouse, touch and keys of a picture that turns. */
+function steer(canvas, camera, redraw) {
+  const touches = new Map();
+  let spread = 0;
+  const between = () => {
+    const [a, b] = [...touches.values()];
+    return Math.hypot(a.x - b.x, a.y - b.y);
+  };
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    canvas.classList.add("dragging");
+    touches.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    if (touches.size === 2) spread = between();
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    const before = touches.get(event.pointerId);
+    if (!before) return;
+    const now = { x: event.clientX, y: event.clientY };
+    touches.set(event.pointerId, now);
+    if (touches.size === 1) {
+      camera.turn((before.x - now.x) * 0.01, (now.y - before.y) * 0.01);
+    } else if (touches.size === 2 && spread > 0) {
+      camera.grow(between() / spread);
+      spread = between();
+    }
+    redraw();
+  });
+  for (const name of ["pointerup", "pointercancel"]) {
+    canvas.addEventListener(name, (event) => {
+      touches.delete(event.pointerId);
+      if (!touches.size) canvas.classList.remove("dragging");
+    });
+  }
+  canvas.addEventListener("wheel", (event) => {
+    // The wheel scrolls the page until the picture is chosen.
+    if (document.activeElement !== canvas && !event.ctrlKey) return;
+    event.preventDefault();
+    camera.grow(Math.exp(-event.deltaY * (event.deltaMode ? 0.03 : 0.001)));
+    redraw();
+  }, { passive: false });
+  canvas.addEventListener("keydown", (event) => {
+    const step = event.shiftKey ? 0.3 : 0.08;
+    const keys = {
+      ArrowLeft: () => camera.turn(step, 0),
+      ArrowRight: () => camera.turn(-step, 0),
+      ArrowUp: () => camera.turn(0, -step),
+      ArrowDown: () => camera.turn(0, step),
+      "+": () => camera.grow(1.15),
+      "=": () => camera.grow(1.15),
+      "-": () => camera.grow(1 / 1.15),
+      Home: () => camera.reset(),
+    };
+    if (keys[event.key] && !event.altKey && !event.metaKey && !event.ctrlKey) {
+      event.preventDefault();
+      keys[event.key]();
+      redraw();
+    }
+  });
+}
