@@ -35,9 +35,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::args::ReportArgs;
-use crate::packs::{PackPlace, find_packs};
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::{folder_of, put_in_place, write_beside};
+use crate::packs::{PackPlace, find_packs};
 
 use crate::table::grouped;
 use analysis::{Analysis, analyse};
