@@ -182,12 +182,25 @@ pub struct ReportArgs {
     /// The source file, or a folder with the source files [default: found as by `bake verify`]
     #[arg(long, value_name = "PATH")]
     pub source: Option<PathBuf>,
+    /// Which axis points up in the pictures
+    #[arg(long, value_enum, default_value_t = Up::Z, value_name = "z|y", hide_possible_values = true)]
+    pub up: Up,
     /// Directions in which each hull is verified
     #[arg(long, value_name = "N", default_value_t = DEFAULT_DIRECTIONS, value_parser = at_least_one)]
     pub directions: usize,
     /// Seed of the random directions
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
+}
+
+/// An axis that points up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Up {
+    /// As in Blender and Unreal
+    Z,
+    /// As in glTF, Unity and Godot
+    Y,
 }
 
 /// A count that is at least 1.

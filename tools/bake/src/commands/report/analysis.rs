@@ -13,7 +13,7 @@ use super::shape::{Shape, ShownShape, triangle_cap};
 use super::sizes::Section;
 use super::source_mesh::source_shapes;
 use super::warnings::hull_warnings;
-use crate::args::ReportArgs;
+use crate::args::{ReportArgs, Up};
 use crate::commands::verify::{HullReport, Truth, verify_hulls};
 use crate::open::open_pack;
 use crate::outcome::{Exit, Failure};
@@ -117,6 +117,8 @@ pub struct Times {
 pub struct Drawn {
     /// How the cube's faces lie in the cross.
     pub faces: [Face; 6],
+    /// Which axis points up at first.
+    pub up: Up,
     /// Hulls of the pack.
     pub hull_count: usize,
     /// The hulls that have facts.
@@ -200,7 +202,7 @@ pub fn analyse(place: &PackPlace, args: &ReportArgs) -> Result<Analysis, Failure
         paces.push(pace(&hull, &directions, shown_count));
         hulls.push(facts(&hull, census));
     }
-    let drawn = draw(&pack, &contents, meshes.as_deref(), &hulls);
+    let drawn = draw(&pack, &contents, meshes.as_deref(), &hulls, args.up);
     Ok(Analysis {
         file: place.path.display().to_string(),
         bytes: pack.byte_len(),
@@ -215,7 +217,7 @@ pub fn analyse(place: &PackPlace, args: &ReportArgs) -> Result<Analysis, Failure
         faults,
         warnings,
         sections: contents.sections,
-        picture: still(&pack, meshes.unwrap_or_default()),
+        picture: still(&pack, meshes.unwrap_or_default(), args.up),
         hulls,
         drawn,
         times: Times { open, verification: verified, paces },
@@ -278,7 +280,7 @@ fn facts(hull: &Hull, census: Census) -> HullFacts {
 }
 
 /// Draws hulls in their order for as long as there is room on the page.
-fn draw(pack: &Pack, contents: &Contents, meshes: Option<&[Shape]>, hulls: &[HullFacts]) -> Drawn {
+fn draw(pack: &Pack, contents: &Contents, meshes: Option<&[Shape]>, hulls: &[HullFacts], up: Up) -> Drawn {
     let (cap, resolution) = (triangle_cap(hulls.len()), resolution(hulls.len()));
     let mut room = PICTURE_BUDGET;
     let mut drawn = Vec::new();
@@ -305,12 +307,12 @@ fn draw(pack: &Pack, contents: &Contents, meshes: Option<&[Shape]>, hulls: &[Hul
         }
         drawn.push(next);
     }
-    Drawn { faces: FACES, hull_count: pack.hull_count(), hulls: drawn }
+    Drawn { faces: FACES, up, hull_count: pack.hull_count(), hulls: drawn }
 }
 
 /// The still picture: hulls around the mesh; of a pack whose source is gone the hulls alone.
-fn still(pack: &Pack, meshes: Vec<Shape>) -> String {
+fn still(pack: &Pack, meshes: Vec<Shape>, up: Up) -> String {
     let cap = STILL_TRIANGLES.div_ceil(pack.hull_count());
     let hulls: Vec<Shape> = pack.hulls().map(|hull| Shape::of_hull(&hull).with_at_most(cap)).collect();
-    picture(&hulls, &meshes)
+    picture(&hulls, &meshes, up)
 }

@@ -1,17 +1,17 @@
 //! `bake report`: packs on pages that any browser opens, without a network.
 //!
 //! 1. [`analysis`] opens a pack, finds its source, verifies it, counts what queries cost, and gathers what is drawn.
-//! 2. [`pack_page`] makes one page of that; [`folder_page`] one of many packs, each with a page beside it.
+//! 2. [`mod@pack_page`] makes one page of that; [`mod@folder_page`] one of many packs, each with a page beside it.
 //! 3. Pages are written to temporary files and renamed, the folder's last, so that it links to what is there.
 //!
 //! | module | concept |
 //! |---|---|
 //! | [`index_reader`] | a direction index, and the leaf of a direction |
-//! | [`cells`] | the index's cells, as lines on the cube |
-//! | [`gauss_map`] | support vertices and leaves over the unfolded cube |
-//! | [`census`] | what queries cost over the sphere |
+//! | [`mod@cells`] | the index's cells, as lines on the cube |
+//! | [`mod@gauss_map`] | support vertices and leaves over the unfolded cube |
+//! | [`mod@census`] | what queries cost over the sphere |
 //! | [`shape`], [`source_mesh`] | triangles to look at |
-//! | [`picture`] | a still picture of them |
+//! | [`mod@picture`] | a still picture of them |
 //! | [`sizes`], [`warnings`] | bytes by section, and what may surprise |
 //! | [`html`], [`encode`] | text and numbers in a page |
 

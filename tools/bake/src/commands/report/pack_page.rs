@@ -133,8 +133,9 @@ fn source_note(pack: &Analysis) -> String {
 
 /// A table: heads with whether they are words, then rows of cells that are HTML already.
 fn table(caption: &str, heads: &[(&str, bool)], rows: impl Iterator<Item = Vec<String>>, foot: &[String]) -> String {
+    // The caption stands outside of what scrolls, so that it wraps where the table is wider than the screen.
     let mut out = format!(
-        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\"><table><caption>{caption}</caption>\n<thead><tr>"
+        "<p class=\"soft\">{caption}</p>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\"><table aria-label=\"{caption}\">\n<thead><tr>"
     );
     let class = |is_word: bool| if is_word { " class=\"word\"" } else { "" };
     for (head, is_word) in heads {

@@ -6,6 +6,7 @@
 
 use super::encode::base64;
 use super::shape::Shape;
+use crate::args::Up;
 
 /// Pixels of a picture; shown at half of that.
 pub const SIZE: [usize; 2] = [320, 240];
@@ -36,8 +37,9 @@ const DOT: f64 = 1.5;
 /// Of 255, how much of a hull covers what is behind the picture.
 const HULL_ALPHA: u8 = 150;
 
-/// The picture as a `data:` address: the hulls behind, the meshes in front. Seen with z up.
-pub fn picture(hulls: &[Shape], meshes: &[Shape]) -> String {
+/// The picture as a `data:` address: the hulls behind, the meshes in front.
+pub fn picture(hulls: &[Shape], meshes: &[Shape], up: Up) -> String {
+    let seen = |point: [f32; 3]| seen(point, up);
     let all = || hulls.iter().chain(meshes);
     let mut low = [f64::INFINITY; 2];
     let mut high = [f64::NEG_INFINITY; 2];
@@ -88,7 +90,8 @@ pub fn picture(hulls: &[Shape], meshes: &[Shape]) -> String {
 }
 
 /// A point by right, up and towards the viewer.
-fn seen(point: [f32; 3]) -> [f64; 3] {
+fn seen([x, y, z]: [f32; 3], up: Up) -> [f64; 3] {
+    let point = if up == Up::Z { [x, y, z] } else { [x, -z, y] };
     VIEW.map(|axis| (0..3).map(|i| axis[i] * f64::from(point[i])).sum())
 }
 
@@ -190,7 +193,7 @@ mod tests {
     fn pictures_show_hull_and_mesh() {
         let mut small = tetrahedron();
         small.points.iter_mut().flatten().for_each(|c| *c *= 0.5);
-        let drawn = pixels(&picture(&[tetrahedron()], &[small]));
+        let drawn = pixels(&picture(&[tetrahedron()], &[small], Up::Z));
         let share = |from: usize, to: usize| {
             drawn.iter().filter(|&&pixel| (from..to).contains(&usize::from(pixel))).count() as f64 / drawn.len() as f64
         };
@@ -199,7 +202,17 @@ mod tests {
         // The size of the whole does not matter.
         let mut large = tetrahedron();
         large.points.iter_mut().flatten().for_each(|c| *c *= 1024.0);
-        assert_eq!(picture(&[large], &[]), picture(&[tetrahedron()], &[]));
+        assert_eq!(picture(&[large], &[], Up::Z), picture(&[tetrahedron()], &[], Up::Z));
+    }
+
+    #[test]
+    fn either_axis_points_up() {
+        let mut lying = tetrahedron();
+        lying.points.iter_mut().for_each(|point| point[2] *= 3.0);
+        let mut turned = lying.clone();
+        turned.points.iter_mut().for_each(|point| *point = [point[0], point[2], -point[1]]);
+        assert_eq!(picture(&[lying.clone()], &[], Up::Z), picture(&[turned], &[], Up::Y));
+        assert_ne!(picture(&[lying.clone()], &[], Up::Z), picture(&[lying], &[], Up::Y));
     }
 
     #[test]
@@ -209,7 +222,7 @@ mod tests {
         let segment = Shape { points: vec![[0.0; 3], [1.0, 0.0, 0.0]], edges, ..Shape::default() };
         let empty = Shape::default();
         for (shape, least) in [(point, 5), (segment, 200), (empty, 0)] {
-            let drawn = pixels(&picture(&[shape], &[])).iter().filter(|&&pixel| pixel > 0).count();
+            let drawn = pixels(&picture(&[shape], &[], Up::Z)).iter().filter(|&&pixel| pixel > 0).count();
             assert!(drawn >= least && drawn < 4_000, "{drawn}");
         }
     }

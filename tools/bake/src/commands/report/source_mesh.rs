@@ -146,7 +146,7 @@ fn flattened(corners: &[u32], points: &[[f32; 3]]) -> Vec<[f64; 2]> {
     let axis = (0..3).fold(0, |best, next| if normal[next].abs() > normal[best].abs() { next } else { best });
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let sign = if normal[axis] < 0.0 { -1.0 } else { 1.0 };
-    (0..corners.len()).map(|i| at(i)).map(|p| [p[u] * sign, p[v]]).collect()
+    (0..corners.len()).map(at).map(|p| [p[u] * sign, p[v]]).collect()
 }
 
 /// Positive where a path turns left.

@@ -42,7 +42,10 @@ function chart(title, unit, pairs) {
   figure.append(element("h3", title));
   const { total, mean, median, most, max } = summary(pairs);
   const list = bars(pairs);
-  const percent = (count) => (count === total ? "100 %" : `${((100 * count) / total).toFixed(count * 100 < total ? 2 : 1)} %`);
+  const percent = (count) => {
+    const share = (100 * count) / total;
+    return count === total ? "100 %" : share < 0.01 && count ? "< 0.01 %" : `${share.toFixed(share < 1 ? 2 : 1)} %`;
+  };
   const range = ({ from, to }) => (from === to ? grouped(from) : `${grouped(from)}–${grouped(to)}`);
   const sentence = `mean ${short(mean)}, median ${grouped(median)}, 99 % take at most ${grouped(most)}, all at most ${grouped(max)} ${unit}`;
   const picture = svg("svg", { viewBox: "0 0 440 190", class: "chart", role: "img", "aria-label": `${title}: ${sentence}` });

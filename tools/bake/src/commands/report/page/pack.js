@@ -16,6 +16,7 @@
   let marked = null;
 
   // Controls.
+  get("up").value = data.up;
   const choice = get("hull-choice");
   if (isMany) {
     choice.append(new Option(`all ${grouped(data.hull_count)} hulls`, ALL));
@@ -145,7 +146,7 @@
     const list = current();
     const sum = (pick) => list.reduce((total, hull) => total + pick(hull), 0);
     const what = chosen === ALL ? `all ${grouped(list.length)} hulls shown` : hulls[chosen].name;
-    const part = (shown, whole) => (shown < whole ? ` (${grouped(shown)} of ${grouped(whole)} triangles drawn)` : "");
+    const part = (shown, whole) => (shown < whole ? ` (${grouped(shown)} of ${grouped(whole)} drawn)` : "");
     if (hasSource) {
       const shown = sum((hull) => (hull.source ? hull.source.shown : 0));
       const whole = sum((hull) => (hull.source ? hull.source.whole : 0));
@@ -156,7 +157,7 @@
     }
     const shown = sum((hull) => hull.hull.shown), whole = sum((hull) => hull.hull.whole);
     get("hull-caption").textContent = list.length
-      ? `Hull: ${what}, ${grouped(sum((hull) => hull.vertices))} vertices, ${grouped(sum((hull) => hull.faces))} faces${part(shown, whole)}`
+      ? `Hull: ${what}, ${grouped(sum((hull) => hull.vertices))} vertices, ${grouped(sum((hull) => hull.faces))} faces${shown < whole ? `, as triangles${part(shown, whole)}` : ""}`
       : "This hull is not drawn: the page would grow too large.";
     const hull = mapped();
     const map = hull.gauss;
