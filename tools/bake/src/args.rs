@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 
+use crate::import::LimitArgs;
 use crate::option_layer::OptionLayer;
 
 /// Directions that a verification tries on each hull where nothing else is asked for.
@@ -22,7 +23,7 @@ pub struct Cli {
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Bake OBJ files into .hullmap packs
+    /// Bake source files into .hullmap packs
     #[command(after_help = "Example:\n  bake build assets --out baked --verify")]
     Build(BuildArgs),
     /// Check packs against the meshes they were baked from
@@ -39,7 +40,7 @@ pub enum Command {
 /// What `bake build` takes.
 #[derive(Debug, clap::Args)]
 pub struct BuildArgs {
-    /// OBJ files, or folders to search for them
+    /// OBJ, glTF, GLB, STL and PLY files, or folders to search for them
     #[arg(required = true, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
     /// Folder for the packs; it mirrors the folders of the input
@@ -48,6 +49,9 @@ pub struct BuildArgs {
     /// What shapes the packs.
     #[command(flatten)]
     pub options: OptionLayer,
+    /// What a source file may ask for.
+    #[command(flatten)]
+    pub limits: LimitArgs,
     /// Verify each pack before it is put in place
     #[arg(long)]
     pub verify: bool,
@@ -68,7 +72,7 @@ pub struct VerifyArgs {
     /// Packs, or folders to search for them
     #[arg(required = true, value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
-    /// The OBJ file, or a folder with the OBJ files [default: beside the pack, then at the
+    /// The source file, or a folder with the source files [default: beside the pack, then at the
     /// path it records; where neither is there, the stored hull stands in]
     #[arg(long, value_name = "PATH")]
     pub source: Option<PathBuf>,

@@ -5,16 +5,16 @@ use std::path::Path;
 use std::time::Instant;
 
 use hullmap_bake::{PointSet, SourceRecord};
-use hullmap_format::header::{options_hash, source_hash};
+use hullmap_format::header::options_hash;
 use serde::Serialize;
 
 use super::plan::Job;
 use crate::args::DEFAULT_DIRECTIONS;
 use crate::baker::BakedPack;
 use crate::commands::verify::{self, Truth};
-use crate::import::{Imported, import_obj};
+use crate::import::{self, Imported, Limits, ReadError, SourceFile};
 use crate::open::{open_pack, read_header};
-use crate::options::{BuildOptions, ImportOptions, Simplify, Split};
+use crate::options::{BuildOptions, Simplify};
 use crate::pack_file::{folder_of, put_in_place, recorded_path, write_beside};
 
 /// How a file ended.
@@ -32,7 +32,7 @@ pub enum Status {
 /// What is said of a file; `None` where it did not get that far. The names are those of the JSON.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// The OBJ file.
+    /// The source file.
     pub source: String,
     /// The pack.
     pub output: String,
@@ -42,9 +42,9 @@ pub struct Row {
     pub hulls: Option<usize>,
     /// Source points over all hulls.
     pub vertices_in: Option<usize>,
-    /// `v` lines in the source.
+    /// Vertices in the source.
     pub vertices_source: Option<usize>,
-    /// `v` lines that no element references.
+    /// Vertices that no element references.
     pub vertices_unreferenced: Option<usize>,
     /// Points that an earlier one equals.
     pub vertices_duplicate: Option<usize>,
@@ -59,6 +59,8 @@ pub struct Row {
     pub millis: f64,
     /// What the user may want to know of the source.
     pub notes: Vec<String>,
+    /// What the user should look at, with the remedy.
+    pub warnings: Vec<String>,
     /// Why it failed.
     pub error: Option<String>,
 }
@@ -70,6 +72,8 @@ pub type Baker = dyn Fn(&[PointSet], &BuildOptions, &SourceRecord) -> Result<Bak
 pub struct Build<'a> {
     /// The options that shape the packs.
     pub options: BuildOptions,
+    /// What a source file may ask for.
+    pub limits: Limits,
     /// Verify each pack.
     pub verify: bool,
     /// Bake even what is fresh.
@@ -98,6 +102,7 @@ impl Build<'_> {
             bytes: None,
             millis: 0.0,
             notes: Vec::new(),
+            warnings: Vec::new(),
             error: None,
         };
         // The row is only ever filled in further, so a panic leaves nothing half done in it.
@@ -120,18 +125,21 @@ impl Build<'_> {
         if let Some(option) = without_effect(&self.options) {
             return Err(format!("{}: {option} has no effect in this version; leave it out", row.source));
         }
-        let bytes = std::fs::read(&job.source).map_err(|error| format!("{}: cannot read: {error}", row.source))?;
-        let hash = source_hash(&bytes);
+        let source = import::read(&row.source, &job.source, &self.limits).map_err(|error| match error {
+            ReadError::Io(error) => format!("{}: cannot read: {error}", row.source),
+            ReadError::Import(error) => error.to_string(),
+        })?;
+        let hash = source.hash;
         if !self.force && self.is_fresh(&job.output, hash) && self.fill_from_pack(job, row) {
             if self.verify {
-                let imported = self.import(job, row, &bytes)?;
+                let imported = self.import(job, row, &source)?;
                 verify_pack(&job.output, &imported).map_err(|error| format!("{error}; bake it again with --force"))?;
             }
             return Ok(Status::Fresh);
         }
 
-        let imported = self.import(job, row, &bytes)?;
-        drop(bytes);
+        let imported = self.import(job, row, &source)?;
+        drop(source);
         let cannot_write = |error| format!("{}: cannot write: {error}", row.output);
         let folder = folder_of(&job.output);
         std::fs::create_dir_all(folder).map_err(cannot_write)?;
@@ -153,17 +161,20 @@ impl Build<'_> {
         row.ranks = Some(pack.ranks);
         row.bytes = Some(pack.bytes.len() as u64);
         row.notes.extend(pack.notes);
+        row.warnings.extend(pack.warnings);
         Ok(Status::Baked)
     }
 
-    fn import(&self, job: &Job, row: &mut Row, bytes: &[u8]) -> Result<Imported, String> {
+    fn import(&self, job: &Job, row: &mut Row, source: &SourceFile) -> Result<Imported, String> {
         let stem = job.source.file_stem().unwrap_or_default().to_string_lossy();
-        let mut imported = import_obj(&row.source, &stem, bytes, self.options.import).map_err(|e| e.to_string())?;
+        let mut imported = import::import(&row.source, &stem, &job.source, source, &self.options.import, &self.limits)
+            .map_err(|e| e.to_string())?;
         row.vertices_in = Some(imported.point_count());
         row.vertices_source = Some(imported.vertex_count);
         row.vertices_unreferenced = Some(imported.unreferenced_count);
         row.vertices_duplicate = Some(imported.duplicate_count);
         row.notes = std::mem::take(&mut imported.notes);
+        row.warnings = std::mem::take(&mut imported.warnings);
         Ok(imported)
     }
 
@@ -193,11 +204,8 @@ impl Build<'_> {
 
 /// The first option that is known but that nothing acts on yet: better refused than silently ignored.
 fn without_effect(options: &BuildOptions) -> Option<&'static str> {
-    let (import, usual) = (options.import, ImportOptions::DEFAULT);
+    let import = options.import;
     [
-        (import.split == Split::Auto, "split auto"),
-        (import.unit_scale != usual.unit_scale, "unit_scale"),
-        (import.up_axis != usual.up_axis, "up_axis"),
         (import.recentre, "recentre"),
         (options.decompose.is_some(), "decompose"),
         (options.simplify != Simplify::None, "max_vertices or max_error"),

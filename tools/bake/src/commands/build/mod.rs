@@ -1,4 +1,4 @@
-//! `bake build`: OBJ files to packs, in parallel, each by itself.
+//! `bake build`: source files to packs, in parallel, each by itself.
 
 mod job;
 mod plan;
@@ -37,7 +37,14 @@ fn run_with(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut dyn Write
     }
     let pool = pool.build().map_err(|error| Failure::usage(format!("cannot start threads: {error}")))?;
 
-    let build = Build { options: args.options.options(), verify: args.verify, force: args.force, project, baker };
+    let build = Build {
+        options: args.options.options(),
+        verify: args.verify,
+        force: args.force,
+        limits: args.limits.limits(),
+        project,
+        baker,
+    };
     let progress = progress_bar(jobs.len());
     let rows: Vec<Row> = pool.install(|| {
         let one = |job| {
@@ -53,6 +60,9 @@ fn run_with(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut dyn Write
     for row in &rows {
         for note in &row.notes {
             eprintln!("note: {}: {note}", row.source);
+        }
+        for warning in &row.warnings {
+            eprintln!("warning: {}: {warning}", row.source);
         }
         if let Some(error) = &row.error {
             eprintln!("error: {error}");

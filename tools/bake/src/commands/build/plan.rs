@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 
 use walkdir::WalkDir;
 
+use crate::import::{self, is_source};
 use crate::outcome::Failure;
 
 /// One source file and the pack it becomes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Job {
-    /// The OBJ file as it was named or found.
+    /// The source file as it was named or found.
     pub source: PathBuf,
     /// The pack.
     pub output: PathBuf,
@@ -22,7 +23,7 @@ pub struct Job {
 /// but not in circles. A file that two inputs reach with the same output is baked once.
 ///
 /// # Errors
-/// An input that is missing or cannot be read, a folder without OBJ files, two files that become one pack.
+/// An input that is missing or cannot be read, a folder without source files, two files that become one pack.
 pub fn plan(inputs: &[PathBuf], out: &Path) -> Result<Vec<Job>, Failure> {
     let mut jobs = Vec::new();
     for input in inputs {
@@ -33,7 +34,7 @@ pub fn plan(inputs: &[PathBuf], out: &Path) -> Result<Vec<Job>, Failure> {
             let before = jobs.len();
             plan_folder(input, out, &mut jobs)?;
             if jobs.len() == before {
-                return Err(Failure::usage(format!("{}: no OBJ files in this folder", input.display())));
+                return Err(Failure::usage(format!("{}: no {} files in this folder", input.display(), import::NAMES)));
             }
         } else {
             jobs.push(Job { source: input.clone(), output: pack_path(out, input) });
@@ -48,14 +49,14 @@ fn plan_folder(folder: &Path, out: &Path, jobs: &mut Vec<Job>) -> Result<(), Fai
             Ok(entry) => entry,
             Err(error) if error.loop_ancestor().is_some() => continue,
             // A link that leads nowhere is no mesh, unless it is called one.
-            Err(error) if error.path().is_some_and(|path| path.is_symlink() && !is_obj(path)) => {
+            Err(error) if error.path().is_some_and(|path| path.is_symlink() && !is_source(path)) => {
                 continue;
             }
             Err(error) => {
                 return Err(Failure::usage(format!("{}: cannot search: {error}", folder.display())));
             }
         };
-        if entry.file_type().is_file() && is_obj(entry.path()) {
+        if entry.file_type().is_file() && is_source(entry.path()) {
             let below = entry.path().strip_prefix(folder).unwrap_or(entry.path());
             let place = out.join(below.parent().unwrap_or(Path::new("")));
             jobs.push(Job { source: entry.path().to_owned(), output: pack_path(&place, entry.path()) });
@@ -94,11 +95,6 @@ fn pack_path(place: &Path, source: &Path) -> PathBuf {
     let mut name = source.file_stem().unwrap_or_default().to_owned();
     name.push(".hullmap");
     place.join(name)
-}
-
-/// Whether the name ends in `.obj`, in capitals or not.
-fn is_obj(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj"))
 }
 
 #[cfg(test)]
@@ -151,7 +147,12 @@ mod tests {
     fn missing_and_empty_inputs_are_errors() {
         let meshes = folder(&["a.txt"]);
         assert!(plan(&[meshes.path().join("no.obj")], Path::new("out")).unwrap_err().message.contains("no.obj"));
-        assert!(plan(&[meshes.path().to_owned()], Path::new("out")).unwrap_err().message.contains("no OBJ files"));
+        assert!(
+            plan(&[meshes.path().to_owned()], Path::new("out"))
+                .unwrap_err()
+                .message
+                .contains("no OBJ, glTF, GLB, STL or PLY files")
+        );
     }
 
     #[cfg(unix)]
