@@ -11,7 +11,7 @@ use crate::options::{
 /// Options as far as they are said; `None` where this place is silent. As arguments of clap, the flags of `bake build`.
 #[derive(Clone, Debug, Default, PartialEq, clap::Args)]
 pub struct OptionLayer {
-    /// One hull a file, one for each object, or by artists' names (UCX_…, …-convcol)
+    /// One hull a file, or for each object, or by artists' names (UCX_…)
     #[arg(long, value_enum, value_name = "none|object|auto", hide_possible_values = true)]
     pub split: Option<Split>,
     /// The points that elements reference, or all
@@ -23,13 +23,13 @@ pub struct OptionLayer {
     /// Turn about x: y-to-z makes what points along y point along z
     #[arg(long, value_enum, value_name = "keep|y-to-z|z-to-y", hide_possible_values = true)]
     pub up_axis: Option<UpAxis>,
-    /// Take points from the middle of the file's bounds, for meshes far from the origin
+    /// Take points from the middle of the bounds: for meshes far off
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true", hide_possible_values = true)]
     pub recentre: Option<bool>,
     /// The direction index: tree, medium, compact, binary, cubemap or none
     #[arg(long, value_enum, value_name = "KIND", hide_possible_values = true)]
     pub index: Option<IndexName>,
-    /// Instead of --index: the fastest one of at most this many bytes a hull vertex
+    /// Instead of --index: the fastest of so many bytes a vertex
     #[arg(long, value_name = "BYTES", value_parser = at_least_1, conflicts_with = "index")]
     pub index_budget: Option<u32>,
     /// Cells along the edge of a cube face, 1 to 1024, for --index cubemap
@@ -45,31 +45,32 @@ pub struct OptionLayer {
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true", hide_possible_values = true, help_heading = "Decomposition")]
     pub decompose: Option<bool>,
     /// Volume by which a part may differ from its hull, 0 to 1
-    #[arg(long, value_name = "F", value_parser = fraction, requires = "decompose", help_heading = "Decomposition")]
+    #[arg(long, value_name = "F", value_parser = fraction, requires = "decompose", hide_short_help = true, help_heading = "Decomposition")]
     pub vhacd_concavity: Option<f32>,
     /// Voxels along the longest side, 1 to 512
-    #[arg(long, value_name = "N", value_parser = voxels, requires = "decompose", help_heading = "Decomposition")]
+    #[arg(long, value_name = "N", value_parser = voxels, requires = "decompose", hide_short_help = true, help_heading = "Decomposition")]
     pub vhacd_resolution: Option<u32>,
     /// Most parts
-    #[arg(long, value_name = "N", value_parser = at_least_1, requires = "decompose", help_heading = "Decomposition")]
+    #[arg(long, value_name = "N", value_parser = at_least_1, requires = "decompose", hide_short_help = true, help_heading = "Decomposition")]
     pub vhacd_max_parts: Option<u32>,
     /// Weight of balanced cuts, 0 to 1
-    #[arg(long, value_name = "F", value_parser = fraction, requires = "decompose", help_heading = "Decomposition")]
+    #[arg(long, value_name = "F", value_parser = fraction, requires = "decompose", hide_short_help = true, help_heading = "Decomposition")]
     pub vhacd_alpha: Option<f32>,
     /// Weight of cuts through an axis of revolution, 0 to 1
-    #[arg(long, value_name = "F", value_parser = fraction, requires = "decompose", help_heading = "Decomposition")]
+    #[arg(long, value_name = "F", value_parser = fraction, requires = "decompose", hide_short_help = true, help_heading = "Decomposition")]
     pub vhacd_beta: Option<f32>,
     /// Try every Nth cutting plane, 1 to 16
-    #[arg(long, value_name = "N", value_parser = downsampling, requires = "decompose", help_heading = "Decomposition")]
+    #[arg(long, value_name = "N", value_parser = downsampling, requires = "decompose", hide_short_help = true, help_heading = "Decomposition")]
     pub vhacd_plane_downsampling: Option<u32>,
     /// Make trial hulls of every Nth voxel, 1 to 16
-    #[arg(long, value_name = "N", value_parser = downsampling, requires = "decompose", help_heading = "Decomposition")]
+    #[arg(long, value_name = "N", value_parser = downsampling, requires = "decompose", hide_short_help = true, help_heading = "Decomposition")]
     pub vhacd_hull_downsampling: Option<u32>,
     /// Make trial hulls of voxels rather than of the mesh
     #[arg(
         long,
         value_name = "BOOL",
         requires = "decompose",
+        hide_short_help = true,
         help_heading = "Decomposition",
         hide_possible_values = true
     )]
@@ -80,6 +81,7 @@ pub struct OptionLayer {
         value_enum,
         value_name = "flood|cavities|surface",
         requires = "decompose",
+        hide_short_help = true,
         help_heading = "Decomposition",
         hide_possible_values = true
     )]
@@ -254,7 +256,8 @@ impl OptionLayer {
             (_, Some(Limit::At(error))) => Simplify::MaxError(error),
             _ => Simplify::None,
         };
-        let named = || self.index.unwrap_or(IndexName::Tree).kind(self.resolution.unwrap_or(DEFAULT_RESOLUTION));
+        let resolution = self.resolution.unwrap_or(DEFAULT_RESOLUTION);
+        let named = || self.index.map_or(BuildOptions::DEFAULT.index, |name| name.kind(resolution));
         let index = self.index_budget.map_or_else(named, |bytes_per_vertex| IndexKind::Budget { bytes_per_vertex });
         BuildOptions { import, decompose: (self.decompose == Some(true)).then_some(parts), simplify, index }
     }

@@ -260,6 +260,16 @@ impl fmt::Display for BuildOptions {
 }
 
 impl BuildOptions {
+    /// The options for people: as recorded, but with the index by its name on the command line.
+    pub fn in_words(&self) -> String {
+        let text = self.to_string();
+        let IndexKind::Tree { leaf_blocks } = self.index else {
+            return text;
+        };
+        let leaf = leaf_blocks.lanes();
+        text.replacen(&format!("index tree {leaf}"), &format!("index {}", word(&IndexName::of_tree(leaf))), 1)
+    }
+
     /// The options with this text: what [`Display`](fmt::Display) wrote comes back as it was.
     ///
     /// `None` where a version of the tool with other options baked the pack.
@@ -274,9 +284,9 @@ impl BuildOptions {
                 layer.set(key, value).ok()?;
             }
         }
-        // These were there from the start, whatever they say.
-        (layer.split?, layer.vertices?);
-        Some(Self { index: index?, ..layer.options() })
+        // These two were there from the start.
+        let is_whole = layer.split.is_some() && layer.vertices.is_some();
+        index.filter(|_| is_whole).map(|index| Self { index, ..layer.options() })
     }
 }
 
@@ -295,8 +305,8 @@ fn index_from_recorded(text: &str) -> Option<IndexKind> {
     let number: Option<u32> = number.map(|number| number.parse().ok()).map_or(Some(None), |number| number.map(Some))?;
     match (name, number) {
         ("tree", None | Some(8)) => Some(IndexKind::TREE),
-        ("tree", Some(16)) => Some(IndexKind::Tree { leaf_blocks: LeafBlocks::Two }),
-        ("tree", Some(32)) => Some(IndexKind::COMPACT),
+        ("tree", Some(16)) | ("medium", None) => Some(IndexKind::Tree { leaf_blocks: LeafBlocks::Two }),
+        ("tree", Some(32)) | ("compact", None) => Some(IndexKind::COMPACT),
         ("budget", Some(bytes_per_vertex)) => Some(IndexKind::Budget { bytes_per_vertex }),
         ("cubemap", Some(resolution)) => Some(IndexKind::CubeMap { resolution }),
         ("binary", None) => Some(IndexKind::Binary),
@@ -362,6 +372,9 @@ mod tests {
             let text = options.to_string();
             assert_eq!(BuildOptions::from_recorded(&text), Some(options), "{text}");
             assert_eq!(ImportOptions::from_recorded(&text), Some(options.import), "{text}");
+            let words = options.in_words();
+            assert_eq!(BuildOptions::from_recorded(&words), Some(options), "{words}");
+            assert!(!words.contains("tree "), "{words}");
         }
         for text in [
             "",

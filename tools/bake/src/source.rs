@@ -8,6 +8,7 @@ use crate::import::{self, EXTENSIONS, Limits, ReadError, SourceFile};
 use crate::options::ImportOptions;
 use crate::outcome::Failure;
 use crate::pack_file::{folder_of, resolve_recorded};
+use crate::packs::PackPlace;
 
 /// A pack's source, found and imported as it was when the pack was baked.
 #[derive(Debug)]
@@ -34,15 +35,6 @@ impl<'a> Recorded<'a> {
     pub fn of(pack: &'a hullmap::Pack) -> Self {
         Self { hash: pack.header().source_hash, path: pack.source_path(), options: pack.options() }
     }
-}
-
-/// A pack on the way to be verified: where it is, and where it lies below the folder that was named.
-#[derive(Clone, Debug)]
-pub struct PackPlace {
-    /// The pack.
-    pub path: PathBuf,
-    /// Its folder below the one that was searched; empty for a pack that was named itself.
-    pub below: PathBuf,
 }
 
 /// Finds and imports the source of a pack.

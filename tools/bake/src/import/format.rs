@@ -49,6 +49,11 @@ pub fn is_source(path: &Path) -> bool {
     Format::of_extension(path).is_some()
 }
 
+/// Whether the extension is the one that glTF files give to the buffers beside them.
+pub fn is_buffer(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("bin"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

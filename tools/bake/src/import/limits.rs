@@ -11,7 +11,7 @@ pub const MEMORY_FACTOR: u64 = 8;
 
 /// What an import may take beyond that: what limited lists and their names come to at their longest.
 #[cfg(test)]
-pub const MEMORY_BASE: u64 = 256 << 20;
+pub const MEMORY_BASE: u64 = 64 << 20;
 
 /// Most entries of each list in a glTF file (nodes, meshes, accessors, …): some thousands are usual. An entry can be as
 /// short as `{},` and takes up to 200 bytes in memory, so that a list comes to 50 MiB at most.
@@ -42,13 +42,13 @@ impl Limits {
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct LimitArgs {
     /// Refuse larger source files; importing takes up to 8 times their bytes
-    #[arg(long, value_name = "N", default_value_t = Limits::DEFAULT.input_bytes, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", help_heading = "How it runs", default_value_t = Limits::DEFAULT.input_bytes, value_parser = clap::value_parser!(u64).range(1..))]
     max_input_bytes: u64,
     /// Refuse to cut files of more objects
-    #[arg(long, value_name = "N", default_value_t = Limits::DEFAULT.objects)]
+    #[arg(long, value_name = "N", help_heading = "How it runs", default_value_t = Limits::DEFAULT.objects)]
     max_objects: usize,
     /// Refuse glTF files that repeat more vertices and corners by instances
-    #[arg(long, value_name = "N", default_value_t = Limits::DEFAULT.repeated_vertices)]
+    #[arg(long, value_name = "N", help_heading = "How it runs", default_value_t = Limits::DEFAULT.repeated_vertices)]
     max_instanced: usize,
 }
 

@@ -37,10 +37,10 @@ use hullmap_bake::PointSet;
 use rayon::prelude::*;
 
 pub use fault::ImportError;
-pub use format::{EXTENSIONS, NAMES, is_source};
+pub use format::{EXTENSIONS, NAMES, is_buffer, is_source};
 pub use limits::{LimitArgs, Limits};
 pub use mesh::Polygons;
-pub use read::{ReadError, SourceFile, read};
+pub use read::{ReadError, SourceFile, buffers_of, read};
 
 use crate::options::{ImportOptions, Vertices};
 use fault::LineFault;

@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::Read as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use hullmap_format::header::source_hash;
 
@@ -28,11 +28,6 @@ impl SourceFile {
     pub fn alone(bytes: Vec<u8>) -> Self {
         let hash = source_hash(&bytes);
         Self { bytes, beside: Vec::new(), hash }
-    }
-
-    /// Bytes over all files.
-    pub fn byte_count(&self) -> usize {
-        self.bytes.len() + self.beside.iter().map(|(_, bytes)| bytes.len()).sum::<usize>()
     }
 }
 
@@ -74,6 +69,17 @@ pub fn read(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, Read
     let hashes = std::iter::once(&bytes).chain(beside.iter().map(|(_, bytes)| bytes));
     let hashes: Vec<u8> = hashes.flat_map(|bytes| source_hash(bytes).to_le_bytes()).collect();
     Ok(SourceFile { bytes, beside, hash: source_hash(&hashes) })
+}
+
+/// Paths of the buffers that a glTF file names beside it, for those who watch files; none where it cannot be read.
+pub fn buffers_of(path: &Path) -> Vec<PathBuf> {
+    if Format::of(path, &[]) != Format::Gltf {
+        return Vec::new();
+    }
+    let mut left = Limits::DEFAULT.input_bytes;
+    let bytes = read_bounded(path, &mut left).ok().flatten().unwrap_or_default();
+    let names = gltf::buffer_paths(&bytes).unwrap_or_default();
+    names.iter().map(|name| path.with_file_name(name)).collect()
 }
 
 fn too_large(limits: &Limits) -> LineFault {

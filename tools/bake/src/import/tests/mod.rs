@@ -1,5 +1,8 @@
 //! Import of literal OBJ texts, and of the folder that HULLMAP_MESHES names.
 
+mod formats;
+mod limits;
+
 use super::fault::Fault;
 use super::*;
 use crate::options::Split;
