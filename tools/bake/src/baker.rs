@@ -8,6 +8,7 @@ use hullmap_bake::simplify::Limit;
 use hullmap_bake::{BakedHull, IndexKind, PointSet, SourceRecord, bake_hull, bake_simplified_hull, write_pack};
 use rayon::prelude::*;
 
+use crate::import::advice::{self, HullFacts};
 use crate::options::{self, BuildOptions, DecomposeOptions, Simplify};
 
 /// A pack in memory.
@@ -21,6 +22,8 @@ pub struct BakedPack {
     pub vertex_count: usize,
     /// What the user may want to know of the bake.
     pub notes: Vec<String>,
+    /// What the user should look at.
+    pub warnings: Vec<String>,
 }
 
 /// The points of one hull: a point set of the source, or a convex part of it.
@@ -91,7 +94,22 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
     let bytes = write_pack(&hulls, source).map_err(|error| error.to_string())?;
     let ranks = hulls.iter().map(|baked| baked.hull.rank).collect();
     let vertex_count = hulls.iter().map(|baked| baked.hull.vertices.len()).sum();
-    Ok(BakedPack { bytes, ranks, vertex_count, notes })
+    let warnings = hulls.iter().flat_map(|baked| advice::of_hull(&facts(baked))).collect();
+    Ok(BakedPack { bytes, ranks, vertex_count, notes, warnings })
+}
+
+/// What warnings are given by.
+fn facts(baked: &BakedHull) -> HullFacts<'_> {
+    let coordinates = baked.hull.vertices.iter().flatten();
+    HullFacts {
+        name: &baked.name,
+        rank: baked.hull.rank,
+        point_count: baked.point_count,
+        vertex_count: baked.hull.vertices.len(),
+        diameter: baked.hull.diameter,
+        inner_radius: baked.interior.inner_radius,
+        greatest_coordinate: coordinates.map(|x| f64::from(x.abs())).fold(0.0, f64::max),
+    }
 }
 
 /// Measures what the parts of each set leave out, tells the hulls, and says it.
