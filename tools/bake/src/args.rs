@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 
+use crate::import::LimitArgs;
 use crate::option_layer::OptionLayer;
 
 /// Directions that a verification tries on each hull where nothing else is asked for.
@@ -60,7 +61,7 @@ pub enum Command {
 /// What `bake build` takes.
 #[derive(Debug, clap::Args)]
 pub struct BuildArgs {
-    /// Mesh files, or folders to search for them
+    /// Meshes (OBJ, glTF, GLB, STL, PLY), or folders to search for them
     #[arg(required = true, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
     /// Folder for the packs; it mirrors the folders of the input
@@ -69,6 +70,9 @@ pub struct BuildArgs {
     /// What shapes the packs.
     #[command(flatten)]
     pub options: OptionLayer,
+    /// What a source file may ask for.
+    #[command(flatten)]
+    pub limits: LimitArgs,
     /// Take options from this file [default: the nearest hullmap.toml above each mesh]
     #[arg(long, value_name = "FILE", help_heading = "Configuration")]
     pub config: Option<PathBuf>,

@@ -15,6 +15,11 @@ pub fn note(message: impl Display) {
     say(format_args!("note: {message}"));
 }
 
+/// Something that the user should look at.
+pub fn warning(message: impl Display) {
+    say(format_args!("warning: {message}"));
+}
+
 /// A line as it is.
 pub fn say(line: impl Display) {
     let _ = writeln!(stderr(), "{line}");

@@ -22,6 +22,9 @@ const MAX_STEPS: usize = 60;
 /// By how little of the greatest coordinate a further vertex may bring the plane nearer and end the search.
 const PROGRESS: f64 = 1e-14;
 
+/// Steps of a climb after which a sample of vertices is looked at; ten are common.
+const LONG_WAY: usize = 24;
+
 /// A hull that nearest points are asked of.
 pub struct Nearest {
     points: Vec<DVec3>,
@@ -57,9 +60,21 @@ impl Nearest {
     }
 
     /// A vertex farthest in `direction`, found by climbing from `from`.
+    ///
+    /// A way that gets long goes on from the best of a sample of vertices: around a face of ten thousand corners it would be as long
+    /// as the face.
     pub fn climb(&self, direction: DVec3, from: u32) -> u32 {
         let mut best = (self.points[from as usize].dot(direction), from);
-        loop {
+        for step in 0.. {
+            if step == LONG_WAY {
+                let every = self.points.len().isqrt();
+                for number in (0..self.points.len()).step_by(every) {
+                    let height = self.points[number].dot(direction);
+                    if height > best.0 {
+                        best = (height, number as u32);
+                    }
+                }
+            }
             let before = best.1;
             for &next in &self.neighbours[before as usize] {
                 let height = self.points[next as usize].dot(direction);
@@ -68,9 +83,10 @@ impl Nearest {
                 }
             }
             if best.1 == before {
-                return before;
+                break;
             }
         }
+        best.1
     }
 
     fn farthest(&self, direction: DVec3) -> u32 {

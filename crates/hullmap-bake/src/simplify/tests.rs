@@ -109,8 +109,15 @@ fn a_ball_is_left_by_less_than_twice_the_best_known() {
 #[test]
 #[ignore = "prints a table"]
 fn table() {
-    let mut sets: Vec<(String, Vec<[f32; 3]>)> =
-        Family::ALL.iter().map(|family| (family.name().to_owned(), family.points(20_000, 1))).collect();
+    let mut sets: Vec<(String, Vec<[f32; 3]>)> = Family::ALL
+        .iter()
+        .map(|family| {
+            (
+                family.name().to_owned(),
+                family.points(std::env::var("POINTS").ok().and_then(|n| n.parse().ok()).unwrap_or(20_000), 1),
+            )
+        })
+        .collect();
     let folder = std::env::var("MESHES").ok().and_then(|folder| std::fs::read_dir(folder).ok());
     let mut paths: Vec<_> = folder.into_iter().flatten().flatten().map(|entry| entry.path()).collect();
     paths.sort();

@@ -9,16 +9,15 @@ use std::time::Instant;
 
 use hullmap::Pack;
 use hullmap_bake::{PointSet, SourceRecord};
-use hullmap_format::header::source_hash;
 
 use super::freshness::{Expected, Found, judge};
 use super::rows::{Row, Status};
 use crate::args::DEFAULT_DIRECTIONS;
 use crate::baker::BakedPack;
 use crate::commands::verify::{self, Truth};
-use crate::import::{Imported, import_obj};
+use crate::import::{self, Imported, Limits, ReadError, SourceFile};
 use crate::open::open_pack;
-use crate::options::{BuildOptions, ImportOptions, Simplify, Split};
+use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::{folder_of, put_in_place, recorded_path, write_beside};
 
@@ -40,6 +39,8 @@ pub type Baker = dyn Fn(&[PointSet], &BuildOptions, &SourceRecord) -> Result<Bak
 
 /// What all files of a build share.
 pub struct Build<'a> {
+    /// What a source file may ask for.
+    pub limits: Limits,
     /// Verify each pack.
     pub verify: bool,
     /// Bake even what is fresh.
@@ -84,17 +85,15 @@ impl Build<'_> {
     }
 
     fn bake(&self, job: &Job, row: &mut Row) -> Result<Status, Failure> {
-        if let Some(option) = without_effect(&job.options) {
-            let source = &row.source;
-            return Err(Failure::wanting(format!("{source}: {option} has no effect in this version; leave it out")));
-        }
-        let bytes = std::fs::read(&job.source)
-            .map_err(|error| Failure::usage(format!("{}: cannot read: {error}; check the file", row.source)))?;
-        let hash = source_hash(&bytes);
+        let source = import::read(&row.source, &job.source, &self.limits).map_err(|error| match error {
+            ReadError::Io(error) => Failure::usage(format!("{}: cannot read: {error}; check the file", row.source)),
+            ReadError::Import(error) => Failure::wanting(error.to_string()),
+        })?;
+        let hash = source.hash;
         let folder = folder_of(&job.output);
         if let Some(status) = self.judge(job, hash, row) {
             if self.verify && status == Status::Fresh {
-                let imported = import(job, row, &bytes)?;
+                let imported = self.import(job, row, &source)?;
                 verify_pack(&job.output, &imported).map_err(|failure| Failure {
                     message: format!("{failure}; bake it again with --force"),
                     ..failure
@@ -103,8 +102,8 @@ impl Build<'_> {
             return Ok(status);
         }
 
-        let imported = import(job, row, &bytes)?;
-        drop(bytes);
+        let imported = self.import(job, row, &source)?;
+        drop(source);
         let output = row.output.clone();
         let cannot_write = |error| {
             let remedy = "check that its folder can be written to and has room";
@@ -129,6 +128,7 @@ impl Build<'_> {
         row.ranks = Some(pack.ranks);
         row.bytes = Some(pack.bytes.len() as u64);
         row.notes.extend(pack.notes);
+        row.warnings.extend(pack.warnings);
         Ok(Status::Baked)
     }
 
@@ -151,18 +151,22 @@ impl Build<'_> {
         row.reason = Some(reason);
         self.check.then_some(status)
     }
-}
 
-fn import(job: &Job, row: &mut Row, bytes: &[u8]) -> Result<Imported, Failure> {
-    let stem = job.source.file_stem().unwrap_or_default().to_string_lossy();
-    let mut imported = import_obj(&row.source, &stem, bytes, job.options.import)
-        .map_err(|error| Failure::wanting(error.to_string()))?;
-    row.vertices_in = Some(imported.point_count());
-    row.vertices_source = Some(imported.vertex_count);
-    row.vertices_unreferenced = Some(imported.unreferenced_count);
-    row.vertices_duplicate = Some(imported.duplicate_count);
-    row.notes = std::mem::take(&mut imported.notes);
-    Ok(imported)
+    fn import(&self, job: &Job, row: &mut Row, source: &SourceFile) -> Result<Imported, Failure> {
+        let stem = job.source.file_stem().unwrap_or_default().to_string_lossy();
+        let mut imported = import::import(&row.source, &stem, &job.source, source, &job.options.import, &self.limits)
+            .map_err(|error| Failure::wanting(error.to_string()))?;
+        if job.options.decompose.is_some() {
+            imported.give_triangles();
+        }
+        row.vertices_in = Some(imported.point_count());
+        row.vertices_source = Some(imported.vertex_count);
+        row.vertices_unreferenced = Some(imported.unreferenced_count);
+        row.vertices_duplicate = Some(imported.duplicate_count);
+        row.notes = std::mem::take(&mut imported.notes);
+        row.warnings = std::mem::take(&mut imported.warnings);
+        Ok(imported)
+    }
 }
 
 fn fill_from_pack(pack: &Pack, row: &mut Row) {
@@ -171,21 +175,6 @@ fn fill_from_pack(pack: &Pack, row: &mut Row) {
     row.vertices_hull = Some(pack.hulls().map(|hull| hull.vertex_count()).sum());
     row.ranks = Some(pack.hulls().map(|hull| hull.rank()).collect());
     row.bytes = Some(pack.byte_len() as u64);
-}
-
-/// The first option that is known but that nothing acts on yet: better refused than silently ignored.
-fn without_effect(options: &BuildOptions) -> Option<&'static str> {
-    let (import, usual) = (options.import, ImportOptions::DEFAULT);
-    [
-        (import.split == Split::Auto, "split auto"),
-        (import.unit_scale != usual.unit_scale, "unit_scale"),
-        (import.up_axis != usual.up_axis, "up_axis"),
-        (import.recentre, "recentre"),
-        (options.decompose.is_some(), "decompose"),
-        (options.simplify != Simplify::None, "max_vertices or max_error"),
-    ]
-    .into_iter()
-    .find_map(|(is_asked, name)| is_asked.then_some(name))
 }
 
 /// Verifies as `bake verify` does with its defaults.

@@ -24,6 +24,7 @@ use crate::args::{BuildArgs, DEFAULT_MEMORY};
 use crate::baker::bake_pack;
 use crate::config::Configs;
 use crate::depfile::{self, Rule};
+use crate::import;
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, put_in_place, sweep, write_beside};
 use crate::{interrupt, messages};
@@ -98,7 +99,8 @@ fn build(
 
     let chosen: Vec<&Job> = jobs.iter().filter(|job| chosen(job)).collect();
     let costs: Vec<u64> = chosen.iter().map(|job| memory_of(job)).collect();
-    let build = Build { verify: args.verify, force: args.force, check: args.check, project, baker };
+    let limits = args.limits.limits();
+    let build = Build { limits, verify: args.verify, force: args.force, check: args.check, project, baker };
     let progress = Progress::new(args.quiet, chosen.len(), costs.iter().sum());
     let work = |place: usize| {
         let job = chosen[place];
@@ -139,7 +141,7 @@ fn memory_of(job: &Job) -> u64 {
     MEMORY_PER_FILE + MEMORY_PER_SOURCE_BYTE * source + MEMORY_PER_VOXEL * voxels
 }
 
-/// Notes and errors, in the order of the files.
+/// Notes, warnings and errors, in the order of the files.
 fn tell(args: &BuildArgs, rows: &[Row]) {
     for row in rows {
         if !args.quiet {
@@ -150,6 +152,9 @@ fn tell(args: &BuildArgs, rows: &[Row]) {
             }
             for note in &row.notes {
                 messages::note(format_args!("{}: {note}", row.source));
+            }
+            for warning in &row.warnings {
+                messages::warning(format_args!("{}: {warning}", row.source));
             }
         }
         if let Some(error) = &row.error {
@@ -166,9 +171,12 @@ fn write_rows(args: &BuildArgs, rows: &[Row], out: &mut dyn Write) -> Result<(),
     }
 }
 
-/// Writes which pack depends on which mesh and `hullmap.toml`.
+/// Writes which pack depends on which mesh, which buffers beside it, and which `hullmap.toml`.
 fn write_depfile(path: &Path, target: Option<&Path>, jobs: &[Job]) -> Result<(), Failure> {
-    let prerequisites = |job: &Job| [Some(job.source.clone()), job.config.clone()].into_iter().flatten();
+    let prerequisites = |job: &Job| {
+        let own = [Some(job.source.clone()), job.config.clone()].into_iter().flatten();
+        own.chain(import::buffers_of(&job.source))
+    };
     let rules = match target {
         None => jobs
             .iter()

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use walkdir::WalkDir;
 
+use crate::import::{NAMES, is_source};
 use crate::outcome::Failure;
 
 /// One mesh and the place of the pack it becomes.
@@ -22,7 +23,7 @@ pub struct Place {
 /// but not in circles. A file that two inputs reach with the same output is baked once.
 ///
 /// # Errors
-/// An input that is missing or cannot be read, a folder without OBJ files, two files that become one pack.
+/// An input that is missing or cannot be read, a folder without meshes, two files that become one pack.
 pub fn plan(inputs: &[PathBuf], out: &Path) -> Result<Vec<Place>, Failure> {
     let mut places = Vec::new();
     for input in inputs {
@@ -33,7 +34,7 @@ pub fn plan(inputs: &[PathBuf], out: &Path) -> Result<Vec<Place>, Failure> {
             let before = places.len();
             plan_folder(input, out, &mut places)?;
             if places.len() == before {
-                return Err(Failure::usage(format!("{}: no meshes in this folder", input.display())));
+                return Err(Failure::usage(format!("{}: no meshes ({NAMES}) in this folder", input.display())));
             }
         } else {
             places.push(Place { source: input.clone(), output: pack_path(out, input) });
@@ -94,11 +95,6 @@ fn pack_path(folder: &Path, source: &Path) -> PathBuf {
     let mut name = source.file_stem().unwrap_or_default().to_owned();
     name.push(".hullmap");
     folder.join(name)
-}
-
-/// Whether the name ends in `.obj`, in capitals or not.
-pub fn is_source(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj"))
 }
 
 #[cfg(test)]

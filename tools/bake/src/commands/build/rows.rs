@@ -76,6 +76,8 @@ pub struct Row {
     pub millis: f64,
     /// What the user may want to know of the source.
     pub notes: Vec<String>,
+    /// What the user should look at, with the remedy.
+    pub warnings: Vec<String>,
     /// Why it failed.
     pub error: Option<String>,
 }
@@ -99,6 +101,7 @@ impl Row {
             bytes: None,
             millis: 0.0,
             notes: Vec::new(),
+            warnings: Vec::new(),
             error: None,
         }
     }

@@ -10,10 +10,10 @@ use notify::event::{AccessKind, AccessMode, EventKind, ModifyKind};
 use notify::{Event, RecommendedWatcher, RecursiveMode, Watcher};
 
 use super::job::{Baker, Job};
-use super::plan::is_source;
 use super::{build, jobs};
 use crate::args::BuildArgs;
 use crate::config::FILE_NAME;
+use crate::import::{is_buffer, is_source};
 use crate::messages;
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::folder_of;
@@ -158,7 +158,7 @@ fn matters(kind: EventKind, path: &Path, made: &Path) -> bool {
         EventKind::Remove(_) => path.extension().is_none(),
         _ => false,
     };
-    is_change && (is_source(path) || is_config || may_be_folder && !path.starts_with(made))
+    is_change && (is_source(path) || is_buffer(path) || is_config || may_be_folder && !path.starts_with(made))
 }
 
 fn tell(paths: &BTreeSet<PathBuf>) {

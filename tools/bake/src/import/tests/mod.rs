@@ -1,7 +1,11 @@
 //! Import of literal OBJ texts, and of the folder that HULLMAP_MESHES names.
 
+mod formats;
+mod limits;
+
 use super::fault::Fault;
 use super::*;
+use crate::options::Split;
 use crate::verification::random::SplitMix;
 
 const WHOLE: ImportOptions =
@@ -15,6 +19,11 @@ const OBJECTS_ALL: ImportOptions =
 
 /// Four corners of a square; tests add elements.
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+fn import_obj(file: &str, stem: &str, bytes: &[u8], options: ImportOptions) -> Result<Imported, ImportError> {
+    let source = SourceFile::alone(bytes.to_vec());
+    super::import(file, stem, Path::new("shape.obj"), &source, &options, &Limits::DEFAULT)
+}
 
 fn import(text: impl AsRef<[u8]>, options: ImportOptions) -> Imported {
     import_obj("shape.obj", "shape", text.as_ref(), options).unwrap()
