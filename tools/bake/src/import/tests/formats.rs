@@ -420,7 +420,7 @@ fn ply_of_every_make() {
         (header("element vertex 0\nend_header\n"), "no vertices"),
         (header("element vertex 1\nproperty float x\nend_header\n1"), "no number `y`"),
         (cloud.replace("vertex 4", "vertex 5"), "the file ends in vertex 4 of the 5"),
-        (cloud.replace("vertex 4", "vertex 1000000000"), "claims 1000000000 of `vertex`"),
+        (cloud.replace("vertex 4", "vertex 1000000000"), "1000000000 vertices of less than 6 bytes each"),
         (cloud.replace("1 0 0", "1 x 0"), "a.ply:9: coordinate `x` is not a number"),
         (cloud.replace("1 0 0", "1 nan 0"), "a.ply:9: coordinate `nan`"),
         (
