@@ -39,7 +39,12 @@ impl Subject {
     pub fn new(family: Family, n: usize, seed: u64) -> Self {
         let points = family.points(n, seed);
         let source_vertices = (0..points.len() as u32).collect();
-        let set = PointSet { name: family.name().to_owned(), positions: points.clone(), source_vertices };
+        let set = PointSet {
+            name: family.name().to_owned(),
+            positions: points.clone(),
+            source_vertices,
+            ..PointSet::default()
+        };
         let baked = bake_hull(&set, IndexKind::None).unwrap_or_else(|e| panic!("{}, {n} points: {e}", family.name()));
         Self { family, points, baked }
     }

@@ -21,7 +21,7 @@ pub const ALL_INDICES: [IndexKind; 6] = [
 /// A set of points, all of which count.
 pub fn point_set(name: &str, positions: &[[f32; 3]]) -> PointSet {
     let source_vertices = (0..positions.len() as u32).collect();
-    PointSet { name: name.to_owned(), positions: positions.to_vec(), source_vertices }
+    PointSet { name: name.to_owned(), positions: positions.to_vec(), source_vertices, ..PointSet::default() }
 }
 
 /// The bytes of a pack with a hull of each of `sets`.

@@ -69,8 +69,16 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
         sample("prism, tree", &one(&Family::Prism.points(80, 0)), IndexKind::TREE),
         sample("rotated prism, tree", &one(&Family::RotatedPrism.points(48, 0)), IndexKind::TREE),
         sample("sphere, compact", &one(&Family::Sphere.points(40, 4)), IndexKind::COMPACT),
+        sample("five hulls, no index", &five_hulls(), IndexKind::None),
         sample("two hulls, tree", &[point_set("a", &cube), point_set("", &cube[..3])], IndexKind::TREE),
     ]
+}
+
+/// Tetrahedra far from each other, so that their tree of boxes has three levels or more.
+fn five_hulls() -> Vec<PointSet> {
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0_f32]];
+    let at = |i: usize| corners.map(|[x, y, z]| [x + 3.0 * i as f32, y + (i % 2) as f32, z - i as f32]);
+    (0..5).map(|i| point_set(["a", "b", "c", "d", "e"][i], &at(i))).collect()
 }
 
 /// Asks everything that can be asked of a pack that opened.
@@ -490,6 +498,64 @@ fn edges_of_another_number_are_refused() {
     }
     let error = open_with(&file, |pack| &pack.spans[2].edge, &(end - 2).to_le_bytes()).unwrap_err().to_string();
     assert!(error.contains("edges"), "{error}");
+}
+
+/// Queries between packs walk the tree of boxes, and believe its boxes.
+#[test]
+fn a_tree_of_boxes_that_is_none_is_refused() {
+    let (_, file) = samples().into_iter().find(|(name, _)| name.starts_with("five")).unwrap();
+    let bytes = payload(&file);
+    let nodes = &archive(&bytes).nodes;
+    assert_eq!(nodes.len(), 9);
+    let target = |node: usize| nodes[node].target.to_native();
+    let leaf = nodes.iter().position(|node| node.hull_count == 1).unwrap();
+    let other = nodes.iter().rposition(|node| node.hull_count == 1).unwrap();
+    let set_target = |node: usize, to: u32| open_with(&file, |pack| &pack.nodes[node].target, &to.to_le_bytes());
+    let set_count = |node: usize, to: u32| open_with(&file, |pack| &pack.nodes[node].hull_count, &to.to_le_bytes());
+    let set_low = |node: usize, to: f32| open_with(&file, |pack| &pack.nodes[node].bounds_min[0], &to.to_le_bytes());
+    let set_leaf = |to: usize| open_with(&file, |pack| &pack.hulls[0].leaf, &(to as u32).to_le_bytes());
+    let low = nodes[leaf].bounds_min[0].to_native();
+    let cases = [
+        ("the same", set_target(0, target(0)), true),
+        ("a cycle", set_target(0, 0), false),
+        ("the node itself", set_target(1, 1), false),
+        ("a shared child", set_target(1, target(0)), false),
+        ("a child past the end", set_target(1, 8), false),
+        ("no number at all", set_target(1, u32::MAX), false),
+        ("two leaves of a hull", set_target(leaf, target(other)), false),
+        ("a hull that is not there", set_target(leaf, 5), false),
+        ("a leaf that counts two", set_count(leaf, 2), false),
+        ("no hulls below", set_count(0, 0), false),
+        ("an inner node as a leaf", set_count(0, 1), false),
+        ("another leaf", set_leaf(other), false),
+        ("no leaf", set_leaf(9), false),
+        ("a box too small", set_low(leaf, low.next_up()), false),
+        ("a box too large", set_low(leaf, low.next_down()), false),
+        ("a root too small", set_low(0, 0.5), false),
+        ("no box", set_low(0, f32::NAN), false),
+    ];
+    for (name, opened, is_sound) in cases {
+        let error = opened.err().map(|error| error.to_string());
+        println!("{name}: {error:?}");
+        assert_eq!(error.is_none(), is_sound, "{name}");
+        assert!(error.is_none_or(|error| error.contains("the tree of boxes over the hulls: ")), "{name}");
+    }
+}
+
+#[test]
+fn parts_frames_and_errors_that_contradict_each_other_are_refused() {
+    let (_, file) = samples().into_iter().find(|(name, _)| name.starts_with("five")).unwrap();
+    let set_part = |hull: usize, to: u32| open_with(&file, |pack| &pack.hulls[hull].part, &to.to_le_bytes());
+    let set_origin = |hull: usize, to: f64| open_with(&file, |pack| &pack.hulls[hull].origin[1], &to.to_le_bytes());
+    let set_error = |to: f64| open_with(&file, |pack| &pack.hulls[3].outer_error, &to.to_le_bytes());
+    let set_uncovered = |to: f64| open_with(&file, |pack| &pack.hulls[3].uncovered, &to.to_le_bytes());
+    assert!(set_part(0, 1).is_err() && set_part(3, 1).is_ok() && set_part(3, 2).is_err());
+    assert!(set_part(3, u32::MAX).is_err());
+    assert!(set_origin(2, 1.0).is_err() && set_origin(0, f64::NAN).is_err() && set_origin(1, -0.0).is_ok());
+    for set in [&set_error as &dyn Fn(f64) -> _, &set_uncovered] {
+        let fails = |to: f64| -> bool { Result::<Pack, InvalidPack>::is_err(&set(to)) };
+        assert!(!fails(0.5) && fails(-0.5) && fails(f64::NAN) && fails(f64::INFINITY));
+    }
 }
 
 /// Every section empty is consistent in itself, and promised not to open.

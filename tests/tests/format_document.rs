@@ -19,6 +19,12 @@ const TETRAHEDRON: &str = include_str!("../../assets/tetrahedron.obj");
 
 const SEED: u64 = 0xf0_0d_0c;
 
+/// Where the frame of the hulls lies in the source's.
+const ORIGIN: [f64; 3] = [1e6, -0.1, 3.0];
+
+/// The number of a vertex that is none of the source's, by the document.
+const NO_SOURCE_VERTEX: u32 = 0xffff_ffff;
+
 /// Regret, over the diameter, that the document speaks of in 7.5.
 const ROUNDING: f64 = 2e-12;
 
@@ -43,9 +49,10 @@ struct Met {
 }
 
 fn points(name: &str, positions: Vec<[f32; 3]>) -> PointSet {
-    // Numbers in the source differ from those in the set, as in a file of several objects.
-    let source_vertices = (0..positions.len() as u32).map(|i| 3 * i + 5).collect();
-    PointSet { name: name.to_owned(), positions, source_vertices }
+    // Numbers in the source differ from those in the set, as in a file of several objects, and some points are not the source's.
+    let number = |i| if i % 7 == 6 { NO_SOURCE_VERTEX } else { 3 * i + 5 };
+    let source_vertices = (0..positions.len() as u32).map(number).collect();
+    PointSet { name: name.to_owned(), positions, source_vertices, origin: ORIGIN, ..PointSet::default() }
 }
 
 fn bake(points: &PointSet, index: IndexKind) -> BakedHull {
@@ -90,6 +97,7 @@ fn compare(hulls: &[BakedHull], source: &SourceRecord, count: usize, met: &mut M
 
     assert_eq!(file.count(section::NEIGHBOUR_FACES), file.count(section::NEIGHBOURS));
 
+    boxes(&file);
     for (number, baked) in hulls.iter().enumerate() {
         let (ours, theirs) = (file.hull(number), pack.hull(number).unwrap());
         record(&ours, &theirs, baked);
@@ -97,6 +105,32 @@ fn compare(hulls: &[BakedHull], source: &SourceRecord, count: usize, met: &mut M
         index(&ours, &theirs, baked, met);
         support(&ours, &theirs, count, met);
     }
+}
+
+/// The tree of boxes is what the document says, and leads to each hull once.
+fn boxes(file: &File) {
+    let (nodes, count) = (file.nodes(), file.count(section::HULLS));
+    assert_eq!(nodes.len(), 2 * count - 1);
+    let mut free = 1;
+    let mut levels = vec![0; nodes.len()];
+    for (number, node) in nodes.iter().enumerate() {
+        let inside =
+            |other: [[f32; 3]; 2]| (0..3).all(|i| node.bounds[0][i] <= other[0][i] && other[1][i] <= node.bounds[1][i]);
+        if node.hull_count == 1 {
+            let hull = file.hull(node.target);
+            assert_eq!(hull.record.leaf as usize, number);
+            assert_eq!(node.bounds, [hull.record.bounds_min, hull.record.bounds_max]);
+            continue;
+        }
+        assert_eq!(node.target, free);
+        free += 2;
+        for child in [node.target, node.target + 1] {
+            levels[child] = levels[number] + 1;
+            assert!(inside(nodes[child].bounds) && levels[child] < 32);
+        }
+        assert_eq!(node.hull_count, nodes[node.target].hull_count + nodes[node.target + 1].hull_count);
+    }
+    assert_eq!((free, nodes[0].hull_count), (nodes.len(), count));
 }
 
 fn hashes(bytes: &[u8], file: &File, source: &SourceRecord) {
@@ -122,6 +156,9 @@ fn record(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
     assert_eq!(r.surface_area, theirs.surface_area());
     assert_eq!(r.second_moments, theirs.second_moments());
     assert_eq!(r.containment_error, theirs.containment_error());
+    assert_eq!((r.outer_error, r.uncovered, r.part), (theirs.outer_error(), theirs.uncovered(), theirs.part()));
+    assert_eq!((r.outer_error, r.uncovered, r.part), (baked.outer_error, baked.uncovered, baked.part));
+    assert_eq!((r.origin, r.origin), (theirs.origin().to_array(), baked.origin));
     assert_eq!([r.bounds_min, r.bounds_max], theirs.bounds().map(|b| b.to_array()));
     assert_eq!(r.rank, theirs.rank());
     let expected = match theirs.index_kind() {
@@ -153,9 +190,10 @@ fn shape(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
     assert!(ours.vertices.iter().flatten().all(|c| c.to_bits() != (-0.0_f32).to_bits()));
     assert_eq!(ours.source_vertices, baked.hull.source_vertices);
     for (vertex, number) in ours.source_vertices.iter().enumerate() {
-        assert_eq!(theirs.source_vertex(vertex as u32), Some(*number));
+        let expected = (*number != NO_SOURCE_VERTEX).then_some(*number);
+        assert_eq!(theirs.source_vertex(vertex as u32), expected);
     }
-    assert!(ours.source_vertices.is_sorted_by(|a, b| a < b));
+    assert!(ours.source_vertices.is_sorted_by(|a, b| a < b || *a == NO_SOURCE_VERTEX && a == b));
     let faces = ours.faces();
     let expected: Vec<Vec<u32>> = theirs.faces().map(|face| face.collect()).collect();
     assert_eq!(faces, expected);
@@ -359,15 +397,18 @@ fn a_reader_written_from_the_document_agrees() {
     assert!(met.certain * 4 > met.directions && met.uncertain * 10 > met.directions, "{met:?}");
 }
 
-/// A file that was baked before version 2 is refused by its version, and told what to do about it.
+/// Files of earlier versions are refused by their version, and told what to do about it.
 #[test]
-fn files_of_version_1_are_refused_with_the_remedy() {
-    let file = include_bytes!("../data/version-1.hullmap");
-    let error = Pack::from_bytes(file).unwrap_err().to_string();
-    println!("{error}");
-    assert!(error.contains("format version 1, where this build reads 2: bake the source again"), "{error}");
-    assert_eq!(u64_at(file, 16) as usize, file.len() - 64, "it is whole");
-    assert_eq!(u64_at(file, 56), XxHash3_64::oneshot(&[&file[..56], &file[64..]].concat()), "and sound");
+fn files_of_older_versions_are_refused_with_the_remedy() {
+    let files = [&include_bytes!("../data/version-1.hullmap")[..], include_bytes!("../data/version-2.hullmap")];
+    for (file, version) in files.into_iter().zip(1..) {
+        let error = Pack::from_bytes(file).unwrap_err().to_string();
+        println!("{error}");
+        let expected = format!("format version {version}, where this build reads 3: bake the source again");
+        assert!(error.contains(&expected), "{error}");
+        assert_eq!(u64_at(file, 16) as usize, file.len() - 64, "it is whole");
+        assert_eq!(u64_at(file, 56), XxHash3_64::oneshot(&[&file[..56], &file[64..]].concat()), "and sound");
+    }
 }
 
 #[test]
@@ -422,7 +463,12 @@ fn tetrahedron() -> PointSet {
             numbers.try_into().unwrap()
         })
         .collect();
-    PointSet { name: "tetrahedron".to_owned(), source_vertices: (0..positions.len() as u32).collect(), positions }
+    PointSet {
+        name: "tetrahedron".to_owned(),
+        source_vertices: (0..positions.len() as u32).collect(),
+        positions,
+        ..PointSet::default()
+    }
 }
 
 fn shown_pack() -> Vec<u8> {
@@ -493,8 +539,9 @@ fn tables_have_no_gaps() {
     for (heading, size) in [
         ("\n## 3. Header\n", 64),
         ("\n### 6.1 Span\n", 36),
-        ("\n### 6.2 Hull record\n", 200),
+        ("\n### 6.2 Hull record\n", 248),
         ("\n### 6.3 Block\n", 128),
+        ("\n### 6.4 Node\n", 32),
     ] {
         let end = rows(heading).into_iter().fold(0, |end, (offset, size)| {
             assert_eq!(offset, end, "{heading}");

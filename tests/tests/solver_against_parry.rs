@@ -21,7 +21,7 @@ fn bake(family: Family, n: usize, stretch: [f32; 3]) -> Pack {
     let positions: Vec<[f32; 3]> =
         family.points(n, SEED).iter().map(|p| [p[0] * stretch[0], p[1] * stretch[1], p[2] * stretch[2]]).collect();
     let source_vertices = (0..positions.len() as u32).collect();
-    let points = PointSet { name: family.name().to_owned(), positions, source_vertices };
+    let points = PointSet { name: family.name().to_owned(), positions, source_vertices, ..PointSet::default() };
     let baked = bake_hull(&points, IndexKind::TREE).unwrap();
     Pack::from_bytes(&write_pack(&[baked], &SourceRecord::default()).unwrap()).unwrap()
 }
@@ -194,7 +194,12 @@ fn two_cubes_and_a_point() {
     let cube = cube.hull(0).unwrap();
     let side = f64::from(cube.bounds()[1].x - cube.bounds()[0].x);
     let point = {
-        let points = PointSet { name: "point".into(), positions: vec![[0.0; 3]], source_vertices: vec![0] };
+        let points = PointSet {
+            name: "point".into(),
+            positions: vec![[0.0; 3]],
+            source_vertices: vec![0],
+            ..PointSet::default()
+        };
         let baked = bake_hull(&points, IndexKind::TREE).unwrap();
         Pack::from_bytes(&write_pack(&[baked], &SourceRecord::default()).unwrap()).unwrap()
     };

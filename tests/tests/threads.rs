@@ -10,7 +10,7 @@ fn bake(family: Family, kind: IndexKind, threads: usize) -> Vec<u8> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let positions = family.points(POINTS, SEED);
     let source_vertices = (0..positions.len() as u32).collect();
-    let set = PointSet { name: family.name().to_owned(), positions, source_vertices };
+    let set = PointSet { name: family.name().to_owned(), positions, source_vertices, ..PointSet::default() };
     pool.install(|| write_pack(&[bake_hull(&set, kind).unwrap()], &SourceRecord::default()).unwrap())
 }
 

@@ -143,7 +143,8 @@ mod tests {
 
     fn map(positions: Vec<[f32; 3]>) -> (Hull, GaussMap) {
         let source_vertices = (0..positions.len() as u32).collect();
-        let hull = hull::build(&PointSet { name: String::new(), positions, source_vertices }).unwrap();
+        let hull =
+            hull::build(&PointSet { name: String::new(), positions, source_vertices, ..PointSet::default() }).unwrap();
         let map = GaussMap::new(&hull);
         (hull, map)
     }

@@ -2,17 +2,22 @@
 //!
 //! | module | from | to |
 //! |---|---|---|
+//! | [`decompose`] | concave mesh | points of its convex parts |
 //! | [`hull`] | source points | certified convex hull of rank 3, 2, 1 or 0 |
 //! | [`mass`], [`interior`], [`diameter`] | hull | the facts the pack records |
 //! | [`outer`] | hull | a coarse polytope around it |
+//! | [`simplify`] | hull | one of fewer vertices that holds it |
 //! | [`gauss_map`] | hull | normal cones |
 //! | [`index`] | normal cones | cube map or tree: words and blocks |
+//! | [`bvh`] | bounds of the hulls | the tree of boxes over them |
 //! | [`pack`] | baked hulls | bytes |
 //!
 //! The baker knows no files and no command line: points in, bytes out. Its output is a pure function of its input,
 //! whatever the number of threads.
 #![forbid(unsafe_code)]
 
+pub mod bvh;
+pub mod decompose;
 pub mod diameter;
 pub mod gauss_map;
 pub mod hull;
@@ -21,7 +26,9 @@ pub mod interior;
 pub mod mass;
 pub mod outer;
 pub mod pack;
+pub mod simplify;
 
+pub use hullmap_format::archive::NO_SOURCE_VERTEX;
 pub use pack::write_pack;
 
 /// Most points of one hull: point numbers are kept in 32 bits, with room for marks.
@@ -34,8 +41,13 @@ pub struct PointSet {
     pub name: String,
     /// Positions in source units.
     pub positions: Vec<[f32; 3]>,
-    /// For each position the zero-based number of the vertex in the source file (the `v` lines of an OBJ).
+    /// For each position the zero-based number of the vertex in the source file (the `v` lines of an OBJ);
+    /// [`NO_SOURCE_VERTEX`] for a point that is none of the source's.
     pub source_vertices: Vec<u32>,
+    /// Origin of the positions' frame in the source's frame: what was taken from the source's coordinates.
+    pub origin: [f64; 3],
+    /// The mesh over the positions, by their numbers; none in a point cloud. [`decompose`] alone looks at it.
+    pub triangles: Vec<[u32; 3]>,
 }
 
 /// Which direction index a bake builds.
@@ -131,6 +143,29 @@ pub enum BakeError {
     /// The index would need longer words.
     #[error("the direction index has more words than its slots can name: use --index none, or simplify the mesh")]
     IndexTooLarge,
+    /// No solid has so few vertices.
+    #[error("a hull cannot have {asked} vertices at most: ask for {} or more", simplify::FEWEST)]
+    TooFewVertices {
+        /// How many were asked for.
+        asked: usize,
+    },
+    /// A distance that is none.
+    #[error("{asked} is no distance that a simplified hull may keep: ask for 0 or more")]
+    NoDistance {
+        /// What was asked for.
+        asked: f64,
+    },
+    /// Rounding to f32 defeats every hull of so few vertices: a flat one far from the origin.
+    #[error(
+        "no hull of {asked} vertices or fewer that holds it was found: allow more, or bake it closer to the origin"
+    )]
+    NotSimplified {
+        /// How many were asked for.
+        asked: usize,
+    },
+    /// The hulls are not in one frame.
+    #[error("the hulls of a pack have different origins: build them in one frame")]
+    Origins,
     /// The pack would need longer offsets.
     #[error("the pack would be larger than 2 GiB: split the source into several files")]
     PackTooLarge,
@@ -146,6 +181,14 @@ pub struct BakedHull {
     pub name: String,
     /// Source points the hull was built of.
     pub point_count: usize,
+    /// Origin of the hull's frame in the source's.
+    pub origin: [f64; 3],
+    /// How far the hull reaches beyond the convex hull of its source points at most; 0 for an exact one.
+    pub outer_error: f64,
+    /// How far a vertex of the source object lies outside all of its parts at most; 0 for a hull that is no part.
+    pub uncovered: f64,
+    /// Number among the convex parts of its source object; 0 for the first, and for a hull that is no part.
+    pub part: u32,
     /// The hull.
     pub hull: hull::Hull,
     /// Its mass properties.
@@ -166,10 +209,49 @@ pub struct BakedHull {
 /// # Complexity
 /// O(n log n) on all families tried.
 pub fn bake_hull(points: &PointSet, index: IndexKind) -> Result<BakedHull, BakeError> {
-    let hull = hull::build(points)?;
+    bake(points, hull::build(points)?, 0.0, index)
+}
+
+/// The same, of a simplified hull: with no more vertices, or no farther out, than `limit` says. A hull that is within the limit stays as
+/// it is.
+///
+/// # Errors
+/// See [`BakeError`].
+///
+/// # Complexity
+/// That of [`bake_hull`], and of [`simplify`](simplify::simplify).
+pub fn bake_simplified_hull(
+    points: &PointSet,
+    limit: simplify::Limit,
+    index: IndexKind,
+) -> Result<BakedHull, BakeError> {
+    let exact = hull::build(points)?;
+    match simplify::simplify(&exact, limit)? {
+        Some(simplify::Simplified { mut hull, outer_error }) => {
+            // Of the source's points, not of the exact hull's vertices alone.
+            hull.containment_error = hull::containment_error(&hull, points)?;
+            bake(points, hull, outer_error, index)
+        }
+        None => bake(points, exact, 0.0, index),
+    }
+}
+
+fn bake(points: &PointSet, hull: hull::Hull, outer_error: f64, index: IndexKind) -> Result<BakedHull, BakeError> {
     let mass = mass::mass(&hull);
     let interior = interior::interior(&hull, &mass);
     let outer = outer::outer(&hull);
     let index = index::build(&hull, index)?;
-    Ok(BakedHull { name: points.name.clone(), point_count: points.positions.len(), hull, mass, interior, outer, index })
+    Ok(BakedHull {
+        name: points.name.clone(),
+        point_count: points.positions.len(),
+        origin: points.origin,
+        outer_error,
+        uncovered: 0.0,
+        part: 0,
+        hull,
+        mass,
+        interior,
+        outer,
+        index,
+    })
 }

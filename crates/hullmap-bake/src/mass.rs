@@ -103,7 +103,8 @@ mod tests {
 
     fn of(positions: &[[f32; 3]]) -> Mass {
         let source_vertices = (0..positions.len() as u32).collect();
-        let set = PointSet { name: String::new(), positions: positions.to_vec(), source_vertices };
+        let set =
+            PointSet { name: String::new(), positions: positions.to_vec(), source_vertices, ..PointSet::default() };
         mass(&hull::build(&set).unwrap())
     }
 

@@ -64,7 +64,7 @@ pub fn outer(hull: &Hull) -> Vec<[f32; 3]> {
     let positions = hull.positions();
     let tries = (0..MAX_TRIES).map(|tried| MARGIN * 4_f64.powi(tried as i32));
     let polytopes = tries.map(|margin| polytope(&positions, margin));
-    polytopes.into_iter().find(|outer| holds(outer, &positions)).unwrap_or_default()
+    polytopes.into_iter().find(|outer| outer.len() <= MOST && holds(outer, &positions)).unwrap_or_default()
 }
 
 /// The vertices of the polytope whose planes are pushed outward by `margin` times the greatest coordinate.
@@ -103,16 +103,20 @@ fn polytope(positions: &[DVec3], margin: f64) -> Vec<[f32; 3]> {
 }
 
 /// Whether the hull of `outer` is a solid that holds every one of `positions`: exact.
-fn holds(outer: &[[f32; 3]], positions: &[DVec3]) -> bool {
-    let points =
-        PointSet { name: String::new(), positions: outer.to_vec(), source_vertices: (0..outer.len() as u32).collect() };
+pub(crate) fn holds(outer: &[[f32; 3]], positions: &[DVec3]) -> bool {
+    let points = PointSet {
+        name: String::new(),
+        positions: outer.to_vec(),
+        source_vertices: (0..outer.len() as u32).collect(),
+        ..PointSet::default()
+    };
     let Ok(solid) = hull::build(&points) else { return false };
     let coord = |v: DVec3| robust::Coord3D { x: v.x, y: v.y, z: v.z };
     let corners = solid.positions();
     let planes: Vec<[robust::Coord3D<f64>; 3]> =
         solid.faces.iter().map(|face| [0, 1, 2].map(|i| coord(corners[face[i] as usize]))).collect();
     let behind = |p: &DVec3| planes.iter().all(|[a, b, c]| robust::orient3d(*a, *b, *c, coord(*p)) >= 0.0);
-    solid.rank == 3 && outer.len() <= MOST && positions.iter().all(behind)
+    solid.rank == 3 && positions.iter().all(behind)
 }
 
 #[cfg(test)]
@@ -123,7 +127,7 @@ mod tests {
 
     fn build(positions: Vec<[f32; 3]>) -> Hull {
         let source_vertices = (0..positions.len() as u32).collect();
-        hull::build(&PointSet { name: String::new(), positions, source_vertices }).unwrap()
+        hull::build(&PointSet { name: String::new(), positions, source_vertices, ..PointSet::default() }).unwrap()
     }
 
     /// Containment is certified in `outer`; here by other means, and the polytope is close.

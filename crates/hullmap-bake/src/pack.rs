@@ -8,12 +8,12 @@ use hullmap_format::{
 };
 use rkyv::{rancor, util::AlignedVec};
 
-use crate::{BakeError, BakedHull, SourceRecord};
+use crate::{BakeError, BakedHull, SourceRecord, bvh};
 
 /// The bytes of a pack that holds `hulls`: a function of the arguments alone.
 ///
 /// # Errors
-/// No hulls, or more than 32-bit offsets reach (2 GiB).
+/// No hulls, hulls of different frames, or more than 32-bit offsets reach (2 GiB).
 pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     if hulls.is_empty() {
         return Err(BakeError::Empty);
@@ -57,6 +57,10 @@ pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>,
         pack.hulls.push(record(baked, most));
         pack.spans.push(end_of(&pack)?);
     }
+    if hulls.iter().any(|baked| baked.origin != hulls[0].origin) {
+        return Err(BakeError::Origins);
+    }
+    pack.nodes = bvh::build(&mut pack.hulls);
     let payload = rkyv::api::high::to_bytes_in::<_, rancor::Error>(&pack, AlignedVec::<HEADER_LEN>::new())
         .map_err(|_| BakeError::PackTooLarge)?;
     if payload.len() + HEADER_LEN > MAX_PACK_LEN {
@@ -97,6 +101,9 @@ fn record(baked: &BakedHull, max_neighbours: u32) -> HullRecord {
         surface_area: mass.surface_area,
         second_moments: mass.second_moments,
         containment_error: hull.containment_error,
+        outer_error: baked.outer_error,
+        uncovered: baked.uncovered,
+        origin: baked.origin,
         bounds_min: component(f32::min),
         bounds_max: component(f32::max),
         rank: hull.rank,
@@ -107,5 +114,8 @@ fn record(baked: &BakedHull, max_neighbours: u32) -> HullRecord {
         max_nodes: index.cost.nodes,
         max_dots: index.cost.dots,
         source_points: baked.point_count as u32,
+        // The tree tells.
+        leaf: 0,
+        part: baked.part,
     }
 }

@@ -27,9 +27,14 @@ pub struct Pack {
     pub spans: Vec<Span>,
     /// One record a hull.
     pub hulls: Vec<HullRecord>,
-    /// Vertices, source units, the source's frame; −0 is stored as +0. In ascending order of their source vertices.
+    /// Boxes over the hulls, see [`crate::bvh`]: the root first, then breadth first, two nodes side by side for each inner one.
+    /// One leaf a hull: 2H − 1 nodes for H hulls.
+    pub nodes: Vec<BvhNode>,
+    /// Vertices, source units, the hull's frame; −0 is stored as +0. In ascending order of their source vertices, those that
+    /// have none last, by their coordinates.
     pub vertices: Vec<[f32; 3]>,
     /// For each vertex its zero-based number in the source; the first one where several source vertices coincide.
+    /// [`NO_SOURCE_VERTEX`] for one that the bake made, of a simplified hull or of a convex part.
     pub source_vertices: Vec<u32>,
     /// For each face the place in its hull's run of `face_vertices` at which its vertices start. They end where the
     /// next face's start, those of a hull's last face at the run's end.
@@ -85,7 +90,9 @@ pub struct Span {
     pub edge: u32,
 }
 
-/// Facts about one hull. Lengths are in source units, points in the source's frame.
+/// Facts about one hull. Lengths are in source units, points in the hull's frame: the source's, moved by [`origin`].
+///
+/// [`origin`]: HullRecord::origin
 #[derive(Archive, Serialize, Clone, Copy, Debug, Default, PartialEq)]
 #[rkyv(derive(Debug))]
 pub struct HullRecord {
@@ -109,6 +116,13 @@ pub struct HullRecord {
     pub second_moments: [f64; 6],
     /// How far the worst source point lies outside the hull, divided by the diameter; 0 for a point.
     pub containment_error: f64,
+    /// How far the hull reaches beyond the convex hull of its source points at most, source units; 0 for an exact one.
+    pub outer_error: f64,
+    /// How far a vertex of the source object lies outside all of its parts at most, source units; the same for all parts of an
+    /// object, 0 for a hull that is no part.
+    pub uncovered: f64,
+    /// Origin of the hull's frame in the source's: what was taken from the source's coordinates. The same for all hulls.
+    pub origin: [f64; 3],
     /// Least coordinates of the vertices.
     pub bounds_min: [f32; 3],
     /// Greatest coordinates of the vertices.
@@ -129,7 +143,29 @@ pub struct HullRecord {
     pub max_dots: u32,
     /// Source points that the hull was built of; those that coincide count each.
     pub source_points: u32,
+    /// Number of its leaf in [`Pack::nodes`].
+    pub leaf: u32,
+    /// Number among the convex parts of its source object, which stand one after the other; 0 for the first part and for a
+    /// hull that is no part.
+    pub part: u32,
 }
+
+/// A node of the tree of boxes. Two `vec4` in a GPU buffer.
+#[derive(Archive, Serialize, Clone, Copy, Debug, Default, PartialEq)]
+#[rkyv(derive(Debug))]
+pub struct BvhNode {
+    /// Least coordinates of the vertices of all hulls below.
+    pub bounds_min: [f32; 3],
+    /// The hull of a leaf; for an inner node the number of its first child, behind which the second one stands.
+    pub target: u32,
+    /// Greatest coordinates of the vertices of all hulls below.
+    pub bounds_max: [f32; 3],
+    /// Hulls below: 1 for a leaf, and for leaves alone.
+    pub hull_count: u32,
+}
+
+/// Entry of [`Pack::source_vertices`] for a vertex that is none of the source's.
+pub const NO_SOURCE_VERTEX: u32 = u32::MAX;
 
 /// Values of [`HullRecord::index_kind`].
 pub mod index_kind {

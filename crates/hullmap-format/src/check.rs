@@ -3,11 +3,14 @@
 //! Two depths. [`structure`] looks only at what is needed to hand out a hull's slices: rkyv's own bounds, and the spans;
 //! its cost grows with the number of hulls. [`contents`] looks at every number that a query could follow or return.
 
-use rkyv::{rancor, rend::f32_le};
+use rkyv::{
+    rancor,
+    rend::{f32_le, u32_le},
+};
 
 use crate::{
-    archive::{ArchivedHullRecord, ArchivedPack, ArchivedSpan, LANES, index_kind},
-    edge,
+    archive::{ArchivedHullRecord, ArchivedPack, ArchivedSpan, LANES, NO_SOURCE_VERTEX, index_kind},
+    bvh, edge,
     header::HEADER_LEN,
     walk::{Branches, Cost, IndexError, Shape, walk},
 };
@@ -46,6 +49,12 @@ pub enum CheckError {
     Hull {
         /// The hull.
         hull: usize,
+        /// What is wrong.
+        what: &'static str,
+    },
+    /// The tree of boxes over the hulls is not one.
+    #[error("the tree of boxes over the hulls: {what}; bake the source again")]
+    Boxes {
         /// What is wrong.
         what: &'static str,
     },
@@ -96,6 +105,7 @@ fn layout(pack: &ArchivedPack, payload: &[u8]) -> Result<(), CheckError> {
         section(&pack.names),
         section(&pack.spans),
         section(&pack.hulls),
+        section(&pack.nodes),
         section(&pack.vertices),
         section(&pack.source_vertices),
         section(&pack.face_starts),
@@ -181,7 +191,8 @@ pub fn contents(pack: &ArchivedPack) -> Result<(), CheckError> {
     pack.spans.windows(2).zip(pack.hulls.iter()).enumerate().try_for_each(|(hull, (spans, record))| {
         let [start, end] = spans else { return Ok(()) };
         HullCheck { hull, pack, start, end, record }.run()
-    })
+    })?;
+    bvh::check(pack).map_err(|what| CheckError::Boxes { what })
 }
 
 struct HullCheck<'a> {
@@ -196,6 +207,7 @@ impl HullCheck<'_> {
     fn run(&self) -> Result<(), CheckError> {
         self.name()?;
         self.numbers()?;
+        self.part()?;
         self.vertices()?;
         self.faces()?;
         self.neighbours()?;
@@ -225,9 +237,11 @@ impl HullCheck<'_> {
     fn numbers(&self) -> Result<(), CheckError> {
         let r = self.record;
         let lengths = [r.inner_radius, r.outer_radius, r.diameter, r.volume, r.surface_area, r.containment_error];
+        let lengths = lengths.into_iter().chain([r.outer_error, r.uncovered]);
         // `>=` is false for NaN.
-        let sound = lengths.iter().all(|l| l.to_native() >= 0.0 && l.to_native().is_finite())
+        let sound = lengths.into_iter().all(|l| l.to_native() >= 0.0 && l.to_native().is_finite())
             && r.centroid.iter().chain(&r.interior_point).chain(&r.second_moments).all(|c| c.to_native().is_finite())
+            && r.origin.iter().all(|c| c.to_native().is_finite())
             && r.bounds_min.iter().chain(&r.bounds_max).all(|c| c.to_native().is_finite());
         self.require(sound, "a length is negative or a number is not finite")?;
         let rank = r.rank.to_native();
@@ -238,12 +252,25 @@ impl HullCheck<'_> {
         self.require(r.inner_radius <= r.outer_radius, "its inner ball is larger than its outer one")
     }
 
+    /// Parts of an object are counted from 0 on, one after the other, in one frame.
+    fn part(&self) -> Result<(), CheckError> {
+        let before = self.hull.checked_sub(1).map(|before| &self.pack.hulls[before]);
+        let part = self.record.part.to_native();
+        let follows = part == 0 || before.is_some_and(|before| before.part.to_native().checked_add(1) == Some(part));
+        self.require(follows, "the number of its part does not follow the one before")?;
+        let shared = before.is_none_or(|before| before.origin == self.record.origin);
+        self.require(shared, "its frame is not that of the hull before")
+    }
+
     fn vertices(&self) -> Result<(), CheckError> {
         let vertices = &self.pack.vertices[range(self.start.vertex.to_native(), self.end.vertex.to_native())];
         let (low, high) = (&self.record.bounds_min, &self.record.bounds_max);
         // A NaN is in no bounds.
         let inside = vertices.iter().all(|v| (0..3).all(|i| low[i] <= v[i] && v[i] <= high[i]));
-        self.require(inside, "a vertex lies outside the bounds or is not finite")
+        self.require(inside, "a vertex lies outside the bounds or is not finite")?;
+        let numbers = &self.pack.source_vertices[range(self.start.vertex.to_native(), self.end.vertex.to_native())];
+        let ascend = |pair: &[u32_le]| pair[0] < pair[1] || pair[0] == NO_SOURCE_VERTEX && pair[0] == pair[1];
+        self.require(numbers.windows(2).all(ascend), "its source vertices do not ascend")
     }
 
     /// Every face has three vertices or more, every vertex number is in range, and V − E + F = 2.

@@ -7,6 +7,7 @@
 //! | [`archive`] | the rkyv types behind it: plain vectors of plain numbers |
 //! | [`cube`] | direction ↔ cell of the cube map |
 //! | [`slot`] | the words of a direction index |
+//! | [`bvh`] | the tree of bounding boxes over a pack's hulls |
 //! | [`walk`] | one pass over an index: is it well formed, and what does a query cost at worst |
 //! | [`check`] | whether a file keeps the promises that the runtime relies on |
 //!
@@ -14,6 +15,7 @@
 #![forbid(unsafe_code)]
 
 pub mod archive;
+pub mod bvh;
 pub mod check;
 pub mod cube;
 pub mod edge;
@@ -28,4 +30,4 @@ pub const EXTENSION: &str = "hullmap";
 /// Version of the format that this crate writes and reads.
 ///
 /// Any change to the bytes, or to what they mean, raises it; `docs/FORMAT.md` keeps the history.
-pub const FORMAT_VERSION: u32 = 2;
+pub const FORMAT_VERSION: u32 = 3;

@@ -20,7 +20,8 @@ const RUNS: usize = 200;
 
 fn pack(positions: &[[f32; 3]], index: IndexKind) -> Result<Pack, Box<dyn std::error::Error>> {
     let source_vertices = (0..positions.len() as u32).collect();
-    let points = PointSet { name: "hull".into(), positions: positions.to_vec(), source_vertices };
+    let points =
+        PointSet { name: "hull".into(), positions: positions.to_vec(), source_vertices, ..PointSet::default() };
     let baked = bake_hull(&points, index)?;
     Ok(Pack::from_bytes(&write_pack(&[baked], &Default::default())?)?)
 }

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use hullmap_format::{
-    archive::{ArchivedBlock, ArchivedHullRecord, ArchivedPack, LANES, index_kind},
+    archive::{ArchivedBlock, ArchivedHullRecord, ArchivedPack, LANES, NO_SOURCE_VERTEX, index_kind},
     walk::Cost,
 };
 use rkyv::rend::{f32_le, i16_le, u32_le};
@@ -200,9 +200,10 @@ impl<'a> Hull<'a> {
         self.vertices.iter().map(|v| Vec3::from_array(v.map(|c| c.to_native())))
     }
 
-    /// Zero-based number that vertex `index` has in the source file; `None` past the last one.
+    /// Zero-based number that vertex `index` has in the source file; `None` past the last one, and for a vertex that is none of the
+    /// source's: of a simplified hull, or where a convex part was cut off.
     pub fn source_vertex(&self, index: u32) -> Option<u32> {
-        self.source_vertices.get(index as usize).map(|v| v.to_native())
+        self.source_vertices.get(index as usize).map(|v| v.to_native()).filter(|v| *v != NO_SOURCE_VERTEX)
     }
 
     /// Number of source points the hull was built of.
@@ -332,6 +333,30 @@ impl<'a> Hull<'a> {
         self.record.containment_error.to_native()
     }
 
+    /// How far the hull reaches beyond the convex hull of its source points at most, in source units: 0 for an exact hull, above
+    /// for a simplified one.
+    pub fn outer_error(&self) -> f64 {
+        self.record.outer_error.to_native()
+    }
+
+    /// Origin of the hull's frame in the frame of the source file: add it to a point of the hull for the source's coordinates. Zero
+    /// unless the bake recentred; the same for all hulls of a pack.
+    pub fn origin(&self) -> DVec3 {
+        vector(&self.record.origin)
+    }
+
+    /// Number of the hull among the convex parts of its source object, counted from 0; 0 for a hull that is no part, too. Parts
+    /// of an object stand one after the other.
+    pub fn part(&self) -> u32 {
+        self.record.part.to_native()
+    }
+
+    /// How far a vertex of the source object lies outside all of its convex parts at most, in source units: what a decomposition
+    /// lost. The same for all parts of an object; 0 for a hull that is no part.
+    pub fn uncovered(&self) -> f64 {
+        self.record.uncovered.to_native()
+    }
+
     /// Which direction index the hull was baked with.
     pub fn index_kind(&self) -> IndexKind {
         match self.index.kind {
@@ -408,7 +433,12 @@ mod tests {
     use crate::Pack;
 
     fn pack(positions: Vec<[f32; 3]>) -> Pack {
-        let set = PointSet { name: "hull".into(), source_vertices: (0..positions.len() as u32).collect(), positions };
+        let set = PointSet {
+            name: "hull".into(),
+            source_vertices: (0..positions.len() as u32).collect(),
+            positions,
+            ..PointSet::default()
+        };
         let baked = bake_hull(&set, IndexKind::TREE).unwrap();
         Pack::from_bytes(&write_pack(&[baked], &SourceRecord::default()).unwrap()).unwrap()
     }

@@ -9,7 +9,7 @@
 //! # std::env::set_current_dir(&folder)?;
 //! # let positions = shapes::families::rock(200, 1);
 //! # let source_vertices = (0..200).collect();
-//! # let points = hullmap_bake::PointSet { name: "rock".into(), positions, source_vertices };
+//! # let points = hullmap_bake::PointSet { name: "rock".into(), positions, source_vertices, ..Default::default() };
 //! # let baked = hullmap_bake::bake_hull(&points, hullmap_bake::IndexKind::TREE)?;
 //! # std::fs::create_dir("baked")?;
 //! # std::fs::write("baked/rock.hullmap", hullmap_bake::write_pack(&[baked], &Default::default())?)?;
@@ -37,6 +37,7 @@
 
 pub mod batch;
 mod candidates;
+pub mod compound;
 mod direction;
 mod hint;
 mod hull;
@@ -54,6 +55,7 @@ pub mod solver;
 mod storage;
 pub mod support_map;
 
+pub use compound::{Compound, CompoundCache};
 pub use glam;
 pub use hull::{Hull, IndexKind, SupportPoint};
 pub use hullmap_format::{header::Header, walk::Cost};

@@ -14,6 +14,7 @@ use std::{
 };
 
 use hullmap_format::{
+    archive::ArchivedBvhNode,
     check::{self, CheckError},
     header::{Header, HeaderError, options_hash},
 };
@@ -183,6 +184,11 @@ impl Pack {
     /// O(1), no allocation.
     pub fn hull(&self, index: usize) -> Result<Hull<'_>, NoSuchHull> {
         Hull::new(self.storage.archive(), index).ok_or(NoSuchHull { index, hull_count: self.hull_count() })
+    }
+
+    /// The tree of boxes over the hulls.
+    pub(crate) fn nodes(&self) -> &[ArchivedBvhNode] {
+        &self.storage.archive().nodes
     }
 
     /// All hulls, in the file's order.

@@ -10,7 +10,8 @@ const SEED: u64 = 0x005e_ed07;
 
 fn pack(positions: &[[f32; 3]]) -> Pack {
     let source_vertices = (0..positions.len() as u32).collect();
-    let points = PointSet { name: "hull".into(), positions: positions.to_vec(), source_vertices };
+    let points =
+        PointSet { name: "hull".into(), positions: positions.to_vec(), source_vertices, ..PointSet::default() };
     let baked = bake_hull(&points, IndexKind::TREE).unwrap();
     Pack::from_bytes(&write_pack(&[baked], &Default::default()).unwrap()).unwrap()
 }
@@ -98,8 +99,12 @@ fn levels_never_change_an_answer() {
 #[test]
 fn outer_hulls_are_asked_where_they_are_cheaper() {
     let points = Family::ClusteredEllipsoid.points(26_000, 1);
-    let point_set =
-        PointSet { name: "hull".into(), source_vertices: (0..points.len() as u32).collect(), positions: points };
+    let point_set = PointSet {
+        name: "hull".into(),
+        source_vertices: (0..points.len() as u32).collect(),
+        positions: points,
+        ..PointSet::default()
+    };
     let mut rng = SplitMix64::new(SEED + 1);
     for (kind, expected) in [(IndexKind::TREE, false), (IndexKind::None, true)] {
         let baked = bake_hull(&point_set, kind).unwrap();

@@ -10,7 +10,8 @@ const SEED: u64 = 0x005e_ed06;
 
 fn pack(positions: &[[f32; 3]]) -> Pack {
     let source_vertices = (0..positions.len() as u32).collect();
-    let points = PointSet { name: "hull".into(), positions: positions.to_vec(), source_vertices };
+    let points =
+        PointSet { name: "hull".into(), positions: positions.to_vec(), source_vertices, ..PointSet::default() };
     let baked = bake_hull(&points, IndexKind::TREE).unwrap();
     Pack::from_bytes(&write_pack(&[baked], &Default::default()).unwrap()).unwrap()
 }

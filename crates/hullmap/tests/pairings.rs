@@ -23,6 +23,7 @@ fn pack(positions: &[[f32; 3]]) -> Pack {
         name: "hull".into(),
         positions: positions.to_vec(),
         source_vertices: (0..positions.len() as u32).collect(),
+        ..PointSet::default()
     };
     let baked = bake_hull(&points, IndexKind::TREE).unwrap();
     Pack::from_bytes(&write_pack(&[baked], &Default::default()).unwrap()).unwrap()

@@ -5,13 +5,14 @@
 use std::{collections::VecDeque, ops::Range};
 
 /// Sections in the order of the root's entries (4): name, bytes of an element, multiple on which it starts.
-pub const SECTIONS: [(&str, usize, usize); 16] = [
+pub const SECTIONS: [(&str, usize, usize); 17] = [
     ("blocks", 128, 64),
     ("source_path", 1, 1),
     ("options", 1, 1),
     ("names", 1, 1),
     ("spans", 36, 4),
-    ("hulls", 200, 8),
+    ("hulls", 248, 8),
+    ("nodes", 32, 4),
     ("vertices", 12, 4),
     ("source_vertices", 4, 4),
     ("face_starts", 4, 4),
@@ -25,7 +26,7 @@ pub const SECTIONS: [(&str, usize, usize); 16] = [
 ];
 
 const HEADER: usize = 64;
-pub const ROOT: usize = 128;
+pub const ROOT: usize = 136;
 
 /// Numbers of sections in [`SECTIONS`].
 pub mod section {
@@ -35,23 +36,24 @@ pub mod section {
     pub const NAMES: usize = 3;
     pub const SPANS: usize = 4;
     pub const HULLS: usize = 5;
-    pub const VERTICES: usize = 6;
-    pub const SOURCE_VERTICES: usize = 7;
-    pub const FACE_STARTS: usize = 8;
-    pub const FACE_VERTICES: usize = 9;
-    pub const NEIGHBOUR_STARTS: usize = 10;
-    pub const NEIGHBOURS: usize = 11;
-    pub const NEIGHBOUR_FACES: usize = 12;
-    pub const OUTER_VERTICES: usize = 13;
-    pub const SLOTS: usize = 14;
-    pub const EDGES: usize = 15;
+    pub const NODES: usize = 6;
+    pub const VERTICES: usize = 7;
+    pub const SOURCE_VERTICES: usize = 8;
+    pub const FACE_STARTS: usize = 9;
+    pub const FACE_VERTICES: usize = 10;
+    pub const NEIGHBOUR_STARTS: usize = 11;
+    pub const NEIGHBOURS: usize = 12;
+    pub const NEIGHBOUR_FACES: usize = 13;
+    pub const OUTER_VERTICES: usize = 14;
+    pub const SLOTS: usize = 15;
+    pub const EDGES: usize = 16;
 }
 
 /// A whole file.
 pub struct File<'a> {
     bytes: &'a [u8],
     /// File offsets of each section's bytes.
-    pub sections: [Range<usize>; 16],
+    pub sections: [Range<usize>; 17],
 }
 
 /// One hull's runs.
@@ -82,6 +84,9 @@ pub struct Record {
     pub surface_area: f64,
     pub second_moments: [f64; 6],
     pub containment_error: f64,
+    pub outer_error: f64,
+    pub uncovered: f64,
+    pub origin: [f64; 3],
     pub bounds_min: [f32; 3],
     pub bounds_max: [f32; 3],
     pub rank: u32,
@@ -92,6 +97,15 @@ pub struct Record {
     pub max_nodes: u32,
     pub max_dots: u32,
     pub source_points: u32,
+    pub leaf: u32,
+    pub part: u32,
+}
+
+/// 6.4.
+pub struct BoxNode {
+    pub bounds: [[f32; 3]; 2],
+    pub target: usize,
+    pub hull_count: usize,
 }
 
 /// 6.3.
@@ -130,7 +144,7 @@ impl<'a> File<'a> {
     /// 3 and 4: header, but for the hashes, and places of the sections.
     pub fn new(bytes: &'a [u8]) -> Self {
         assert_eq!(&bytes[..8], b"hullmap\n");
-        assert_eq!(u32_at(bytes, 8), 2, "format version");
+        assert_eq!(u32_at(bytes, 8), 3, "format version");
         assert_eq!(u32_at(bytes, 12), 64, "header length");
         assert_eq!(u64_at(bytes, 16), bytes.len() as u64 - 64, "payload length");
         assert_eq!(u64_at(bytes, 48), 0, "reserved");
@@ -179,6 +193,16 @@ impl<'a> File<'a> {
         &self.section(number)[start * size..end * size]
     }
 
+    /// The tree of boxes (6.4).
+    pub fn nodes(&self) -> Vec<BoxNode> {
+        let node = |bytes: &[u8]| BoxNode {
+            bounds: [floats(bytes, 0), floats(bytes, 16)],
+            target: u32_at(bytes, 12) as usize,
+            hull_count: u32_at(bytes, 28) as usize,
+        };
+        self.section(section::NODES).chunks(32).map(node).collect()
+    }
+
     /// One hull, by its spans.
     pub fn hull(&self, hull: usize) -> Hull<'a> {
         let (start, end) = (self.span(hull), self.span(hull + 1));
@@ -221,7 +245,7 @@ fn doubles<const N: usize>(bytes: &[u8], at: usize) -> [f64; N] {
 
 impl Record {
     fn new(bytes: &[u8]) -> Self {
-        assert_eq!(bytes.len(), 200);
+        assert_eq!(bytes.len(), 248);
         Self {
             diameter: f64_at(bytes, 0),
             centroid: doubles(bytes, 8),
@@ -232,16 +256,21 @@ impl Record {
             surface_area: f64_at(bytes, 80),
             second_moments: doubles(bytes, 88),
             containment_error: f64_at(bytes, 136),
-            bounds_min: floats(bytes, 144),
-            bounds_max: floats(bytes, 156),
-            rank: u32_at(bytes, 168),
-            index_kind: u32_at(bytes, 172),
-            resolution: u32_at(bytes, 176),
-            leaf_blocks: u32_at(bytes, 180),
-            max_neighbours: u32_at(bytes, 184),
-            max_nodes: u32_at(bytes, 188),
-            max_dots: u32_at(bytes, 192),
-            source_points: u32_at(bytes, 196),
+            outer_error: f64_at(bytes, 144),
+            uncovered: f64_at(bytes, 152),
+            origin: doubles(bytes, 160),
+            bounds_min: floats(bytes, 184),
+            bounds_max: floats(bytes, 196),
+            rank: u32_at(bytes, 208),
+            index_kind: u32_at(bytes, 212),
+            resolution: u32_at(bytes, 216),
+            leaf_blocks: u32_at(bytes, 220),
+            max_neighbours: u32_at(bytes, 224),
+            max_nodes: u32_at(bytes, 228),
+            max_dots: u32_at(bytes, 232),
+            source_points: u32_at(bytes, 236),
+            leaf: u32_at(bytes, 240),
+            part: u32_at(bytes, 244),
         }
     }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use hullmap_bake::PointSet;
 
 use crate::import::{self, EXTENSIONS, Limits, ReadError, SourceFile};
-use crate::options::ImportOptions;
+use crate::options::BuildOptions;
 use crate::outcome::Failure;
 use crate::pack_file::{folder_of, resolve_recorded};
 use crate::packs::PackPlace;
@@ -123,12 +123,16 @@ const NO_LIMITS: Limits = Limits { input_bytes: u64::MAX, objects: usize::MAX, r
 
 fn import(path: &Path, source: &SourceFile, recorded: &str) -> Result<Vec<PointSet>, Failure> {
     let name = path.display().to_string();
-    let options = ImportOptions::from_recorded(recorded).ok_or_else(|| {
+    let options = BuildOptions::from_recorded(recorded).ok_or_else(|| {
         Failure::wanting(format!("{name}: its pack was baked with options unknown to this version; bake it again"))
     })?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let imported = import::import(&name, &stem, path, source, &options, &NO_LIMITS);
-    Ok(imported.map_err(|error| Failure::wanting(error.to_string()))?.point_sets)
+    let imported = import::import(&name, &stem, path, source, &options.import, &NO_LIMITS);
+    let mut imported = imported.map_err(|error| Failure::wanting(error.to_string()))?;
+    if options.decompose.is_some() {
+        imported.triangulate();
+    }
+    Ok(imported.point_sets)
 }
 
 #[cfg(test)]

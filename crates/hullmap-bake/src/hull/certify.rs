@@ -177,7 +177,12 @@ mod tests {
 
     fn cube() -> (Hull, Vec<DVec3>) {
         let corners: Vec<[f32; 3]> = (0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect();
-        let set = PointSet { name: String::new(), source_vertices: (0..8).collect(), positions: corners };
+        let set = PointSet {
+            name: String::new(),
+            source_vertices: (0..8).collect(),
+            positions: corners,
+            ..PointSet::default()
+        };
         let hull = build(&set).unwrap();
         let points = hull.positions();
         (hull, points)

@@ -19,9 +19,9 @@ use rank::Simplex;
 pub struct Hull {
     /// Dimension: 3 solid, 2 polygon, 1 segment, 0 point.
     pub rank: u32,
-    /// Positions of the vertices, in the source's order. Signed zeros are made one.
+    /// Positions of the vertices, in the source's order, those that are not the source's last. Signed zeros are made one.
     pub vertices: Vec<[f32; 3]>,
-    /// For each vertex the first source vertex with that position.
+    /// For each vertex the first source vertex with that position; [`NO_SOURCE_VERTEX`](crate::NO_SOURCE_VERTEX) where there is none.
     pub source_vertices: Vec<u32>,
     /// Faces as polygons of vertex numbers, counter-clockwise from outside: facets of a solid, both sides of a polygon.
     pub faces: Vec<Vec<u32>>,
@@ -109,7 +109,8 @@ pub fn build(points: &PointSet) -> Result<Hull, BakeError> {
         }
     };
     let mut chosen = chosen;
-    chosen.sort_unstable_by_key(|&p| distinct[p as usize].1);
+    // Those that are no source vertices have the same number: by position.
+    chosen.sort_unstable_by_key(|&p| (distinct[p as usize].1, p));
     chosen.dedup();
     let mut number = vec![u32::MAX; distinct.len()];
     for (vertex, &p) in chosen.iter().enumerate() {
@@ -129,6 +130,15 @@ pub fn build(points: &PointSet) -> Result<Hull, BakeError> {
     hull.diameter = crate::diameter::diameter(&hull.positions());
     hull.containment_error = certify::certify(&hull, &positions)?;
     Ok(hull)
+}
+
+/// How far the worst of `points` lies outside of `hull`, over its diameter.
+///
+/// # Errors
+/// Farther than [`certify::CONTAINMENT`].
+pub fn containment_error(hull: &Hull, points: &PointSet) -> Result<f64, BakeError> {
+    let positions: Vec<DVec3> = distinct(points)?.iter().map(|(p, _)| DVec3::from_array(p.map(f64::from))).collect();
+    certify::certify(hull, &positions)
 }
 
 /// The two points farthest apart along the line of `ends`.

@@ -141,7 +141,8 @@ mod tests {
     #[test]
     fn the_binary_tree_has_no_fans() {
         let positions = shapes::families::prism(2_000, 0);
-        let set = PointSet { name: String::new(), source_vertices: (0..2_000).collect(), positions };
+        let set =
+            PointSet { name: String::new(), source_vertices: (0..2_000).collect(), positions, ..PointSet::default() };
         let hull = hull::build(&set).unwrap();
         let nodes = |kind| build(&hull, kind).unwrap().cost.nodes;
         let [fans, halves] = [IndexKind::TREE, IndexKind::Binary].map(nodes);
@@ -152,7 +153,8 @@ mod tests {
     #[test]
     fn budgets_are_kept_and_used() {
         let positions = shapes::families::rock(600, 3);
-        let set = PointSet { name: String::new(), source_vertices: (0..600).collect(), positions };
+        let set =
+            PointSet { name: String::new(), source_vertices: (0..600).collect(), positions, ..PointSet::default() };
         let hull = hull::build(&set).unwrap();
         let budget = |bytes_per_vertex| build(&hull, IndexKind::Budget { bytes_per_vertex }).unwrap();
         for (bytes, leaf_blocks) in [(100, 1), (50, 2), (40, 4)] {

@@ -308,6 +308,7 @@ mod tests {
             name: String::new(),
             positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]],
             source_vertices: vec![3, 7, 9],
+            ..PointSet::default()
         };
         let vertices = [Vec3::new(2.0, -0.0, 0.0), Vec3::new(1.0, 0.0, 0.0)];
         let count = |numbers: [u32; 2]| count_strangers(&vertices, numbers.into_iter(), &set);

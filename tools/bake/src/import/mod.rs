@@ -49,12 +49,11 @@ use format::Format;
 /// What came out of a source file.
 #[derive(Debug)]
 pub struct Imported {
-    /// One set for each hull, in file order, none of them empty, all with different names.
+    /// One set for each hull, in file order, none of them empty, all with different names. Their origin is that of the
+    /// points' frame in the source's frame, turned and scaled as the points are; 0 unless recentred.
     pub point_sets: Vec<PointSet>,
     /// For each set the faces over it, by the numbers of its own points; none in a point cloud.
     pub faces: Vec<Polygons>,
-    /// Origin of the points' frame in the source's frame, turned and scaled as the points are; 0 unless recentred.
-    pub origin: [f64; 3],
     /// Number of vertices in the file.
     pub vertex_count: usize,
     /// Number of vertices that no element references.
@@ -71,6 +70,13 @@ impl Imported {
     /// Points over all sets; a vertex that two objects reference counts twice.
     pub fn point_count(&self) -> usize {
         self.point_sets.iter().map(|set| set.positions.len()).sum()
+    }
+
+    /// Gives the sets their triangles, which only a decomposition looks at, in place of the faces.
+    pub fn triangulate(&mut self) {
+        for (set, faces) in self.point_sets.iter_mut().zip(std::mem::take(&mut self.faces)) {
+            set.triangles = faces.triangles();
+        }
     }
 }
 
@@ -134,7 +140,6 @@ pub fn import(
     Ok(Imported {
         point_sets: sets.point_sets,
         faces: sets.faces,
-        origin: sets.origin,
         vertex_count,
         unreferenced_count,
         duplicate_count,

@@ -27,8 +27,6 @@ pub struct Sets {
     pub point_sets: Vec<PointSet>,
     /// The faces over each set, by the numbers of its own points.
     pub faces: Vec<Polygons>,
-    /// Origin of the points' frame in the source's frame, turned and scaled.
-    pub origin: [f64; 3],
     /// What the user may want to know.
     pub notes: Vec<String>,
     /// What the user should look at.
@@ -181,7 +179,6 @@ fn build(
 ) -> Result<(), Fault> {
     let chosen = parts.iter().flat_map(|(_, vertices, _)| vertices.iter().copied());
     let placement = Placement::new(positions, chosen, options);
-    sets.origin = placement.origin;
     // Number of each vertex in the set at hand; those of other sets are never read.
     let mut number = vec![0_u32; positions.len()];
     for (name, vertices, mut faces) in parts {
@@ -192,7 +189,9 @@ fn build(
             *corner = number[*corner as usize];
         }
         let points = vertices.iter().map(|&vertex| placement.place(positions, vertex)).collect::<Result<_, _>>()?;
-        sets.point_sets.push(PointSet { name, positions: points, source_vertices: vertices });
+        let origin = placement.origin;
+        let set = PointSet { name, positions: points, source_vertices: vertices, origin, ..PointSet::default() };
+        sets.point_sets.push(set);
         sets.faces.push(faces);
     }
     Ok(())

@@ -160,6 +160,9 @@ impl Build<'_> {
         let stem = job.source.file_stem().unwrap_or_default().to_string_lossy();
         let mut imported = import::import(&row.source, &stem, &job.source, source, &job.options.import, &self.limits)
             .map_err(|error| Failure::wanting(error.to_string()))?;
+        if job.options.decompose.is_some() {
+            imported.triangulate();
+        }
         row.vertices_in = Some(imported.point_count());
         row.vertices_source = Some(imported.vertex_count);
         row.vertices_unreferenced = Some(imported.unreferenced_count);
@@ -180,14 +183,9 @@ fn fill_from_pack(pack: &Pack, row: &mut Row) {
 
 /// The first option that is known but that nothing acts on yet: better refused than silently ignored.
 fn without_effect(options: &BuildOptions) -> Option<&'static str> {
-    let import = options.import;
-    [
-        (import.recentre, "recentre"),
-        (options.decompose.is_some(), "decompose"),
-        (options.simplify != Simplify::None, "max_vertices or max_error"),
-    ]
-    .into_iter()
-    .find_map(|(is_asked, name)| is_asked.then_some(name))
+    [(options.decompose.is_some(), "decompose"), (options.simplify != Simplify::None, "max_vertices or max_error")]
+        .into_iter()
+        .find_map(|(is_asked, name)| is_asked.then_some(name))
 }
 
 /// Verifies as `bake verify` does with its defaults.

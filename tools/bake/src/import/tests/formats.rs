@@ -404,7 +404,7 @@ fn ply_of_every_make() {
     let recentred = ImportOptions { recentre: true, ..WHOLE };
     let imported = import_bytes("a.ply", cloud.as_bytes(), recentred).unwrap();
     assert_eq!(imported.point_sets[0].positions[3][2], (1.00000001_f64 - 1.00000001 / 2.0) as f32);
-    assert_eq!(imported.origin[2], 1.00000001 / 2.0);
+    assert_eq!(imported.point_sets[0].origin[2], 1.00000001 / 2.0);
 
     let faces = "element face 1\nproperty list uchar int vertex_index\n";
     for (text, expected) in [

@@ -1,0 +1,171 @@
+//! Bounds of hulls → the flat tree of boxes over them.
+//!
+//! # Steps
+//! 1. Split the hulls, from all of them on: of the splits by the middles of their boxes along each axis the one with the least
+//!    expected cost, area times number of hulls on either side (the surface area heuristic, all places tried).
+//! 2. Lay the nodes out breadth first, children side by side.
+//!
+//! # Reference
+//! MacDonald, Booth, "Heuristics for ray tracing using space subdivision", 1990.
+//!
+//! # Deviations
+//! - A split that could make the tree too deep is by number instead.
+
+use std::collections::VecDeque;
+
+use glam::DVec3;
+use hullmap_format::{
+    archive::{BvhNode, HullRecord},
+    bvh::MAX_LEVELS,
+};
+
+/// The tree over `hulls` by their bounds, one leaf each; tells every hull its leaf. A function of the bounds and their order.
+///
+/// # Complexity
+/// O(n log² n) on typical packs.
+pub fn build(hulls: &mut [HullRecord]) -> Vec<BvhNode> {
+    let mut nodes = vec![BvhNode::default()];
+    let mut queue = VecDeque::from([(0, 1, (0..hulls.len()).collect::<Vec<usize>>())]);
+    while let Some((number, level, mut below)) = queue.pop_front() {
+        let bounds = Bounds::around(hulls, &below);
+        let first_child = nodes.len();
+        nodes[number] = BvhNode {
+            bounds_min: bounds.low,
+            bounds_max: bounds.high,
+            target: first_child as u32,
+            hull_count: below.len() as u32,
+        };
+        if let [hull] = below[..] {
+            nodes[number].target = hull as u32;
+            hulls[hull].leaf = number as u32;
+            continue;
+        }
+        let right = split(hulls, &mut below, MAX_LEVELS - level);
+        nodes.extend([BvhNode::default(); 2]);
+        queue.extend([(first_child, level + 1, below), (first_child + 1, level + 1, right)]);
+    }
+    nodes
+}
+
+/// Least and greatest coordinates.
+#[derive(Clone, Copy)]
+struct Bounds {
+    low: [f32; 3],
+    high: [f32; 3],
+}
+
+impl Bounds {
+    fn of(hull: &HullRecord) -> Self {
+        Self { low: hull.bounds_min, high: hull.bounds_max }
+    }
+
+    fn with(self, other: Self) -> Self {
+        Self {
+            low: std::array::from_fn(|i| self.low[i].min(other.low[i])),
+            high: std::array::from_fn(|i| self.high[i].max(other.high[i])),
+        }
+    }
+
+    fn around(hulls: &[HullRecord], below: &[usize]) -> Self {
+        below[1..].iter().fold(Self::of(&hulls[below[0]]), |all, hull| all.with(Self::of(&hulls[*hull])))
+    }
+
+    /// Half of its surface.
+    fn area(self) -> f64 {
+        let size = DVec3::from_array(self.high.map(f64::from)) - DVec3::from_array(self.low.map(f64::from));
+        size.x * size.y + size.y * size.z + size.z * size.x
+    }
+}
+
+/// Leaves one half in `below`, which has two hulls or more, and returns the other. `levels` more are allowed.
+fn split(hulls: &[HullRecord], below: &mut Vec<usize>, levels: u32) -> Vec<usize> {
+    let mut best = (f64::INFINITY, 0, below.len() / 2);
+    let is_deep = below.len().next_power_of_two().ilog2() >= levels;
+    for axis in 0..3 {
+        sort(hulls, below, axis);
+        let areas = |order: &mut dyn Iterator<Item = usize>| -> Vec<f64> {
+            let grow = |all: &mut Option<Bounds>, hull: usize| {
+                let own = Bounds::of(&hulls[hull]);
+                *all = Some(all.map_or(own, |all| all.with(own)));
+                all.map(Bounds::area)
+            };
+            order.scan(None, grow).collect()
+        };
+        let from_left = areas(&mut below.iter().copied());
+        let mut from_right = areas(&mut below.iter().rev().copied());
+        from_right.reverse();
+        let places = if is_deep { below.len() / 2..below.len() / 2 + 1 } else { 1..below.len() };
+        for place in places {
+            let cost = from_left[place - 1] * place as f64 + from_right[place] * (below.len() - place) as f64;
+            if cost < best.0 {
+                best = (cost, axis, place);
+            }
+        }
+    }
+    sort(hulls, below, best.1);
+    below.split_off(best.2)
+}
+
+/// Sorts by the middles of the boxes along an axis, then by number.
+fn sort(hulls: &[HullRecord], below: &mut [usize], axis: usize) {
+    let twice_middle = |hull: usize| f64::from(hulls[hull].bounds_min[axis]) + f64::from(hulls[hull].bounds_max[axis]);
+    below.sort_unstable_by(|a, b| twice_middle(*a).total_cmp(&twice_middle(*b)).then(a.cmp(b)));
+}
+
+#[cfg(test)]
+mod tests {
+    use shapes::rng::SplitMix64;
+
+    use super::*;
+
+    fn levels(nodes: &[BvhNode], node: usize) -> u32 {
+        let BvhNode { target, hull_count, .. } = nodes[node];
+        if hull_count == 1 {
+            return 1;
+        }
+        1 + levels(nodes, target as usize).max(levels(nodes, target as usize + 1))
+    }
+
+    fn boxes(count: usize, mut low: impl FnMut(usize) -> [f32; 3]) -> Vec<HullRecord> {
+        let record = |i| {
+            let bounds_min = low(i);
+            HullRecord { bounds_min, bounds_max: bounds_min.map(|c| c * 1.5 + 0.5), ..HullRecord::default() }
+        };
+        (0..count).map(record).collect()
+    }
+
+    #[test]
+    fn every_hull_has_its_leaf_within_all_boxes_above() {
+        let mut rng = SplitMix64::new(3);
+        for count in [1, 2, 3, 7, 64, 500] {
+            let mut hulls = boxes(count, |_| rng.direction().map(|c| c as f32));
+            let nodes = build(&mut hulls);
+            assert_eq!(nodes.len(), 2 * count - 1);
+            let mut met = vec![0; count];
+            let mut pending = vec![0];
+            while let Some(number) = pending.pop() {
+                let node: BvhNode = nodes[number];
+                if node.hull_count == 1 {
+                    met[node.target as usize] += 1;
+                    assert_eq!(hulls[node.target as usize].leaf as usize, number);
+                    continue;
+                }
+                for child in [node.target as usize, node.target as usize + 1] {
+                    let below = &nodes[child];
+                    assert!((0..3).all(|i| node.bounds_min[i] <= below.bounds_min[i]));
+                    assert!((0..3).all(|i| node.bounds_max[i] >= below.bounds_max[i]));
+                    pending.push(child);
+                }
+            }
+            assert!(met.iter().all(|times| *times == 1), "{met:?}");
+        }
+    }
+
+    /// Boxes that double in size and distance are cut off one by one where nothing stops it.
+    #[test]
+    fn no_tree_is_too_deep() {
+        let mut hulls = boxes(120, |i| [2_f32.powi(i as i32), 0.0, 0.0]);
+        let nodes = build(&mut hulls);
+        assert!((16..=MAX_LEVELS).contains(&levels(&nodes, 0)), "{}", levels(&nodes, 0));
+    }
+}

@@ -1,0 +1,312 @@
+//! A concave mesh → convex parts, by V-HACD.
+//!
+//! # Steps
+//! 1. A mesh that is convex already stays one hull: all triangles lie on its hull's surface, and have as much area.
+//! 2. V-HACD (parry3d, in f64) cuts the voxels of the mesh by planes until each part is nearly convex.
+//! 3. A part's points are those of the triangles in its voxels, clipped by them. Points that are the source's keep their numbers.
+//! 4. What the parts leave out is measured, vertex by vertex ([`uncovered`]): V-HACD promises nothing.
+//!
+//! # Reference
+//! Mamou, Ghorbel, "A simple and efficient approach for 3D mesh approximate convex decomposition", 2009.
+//!
+//! # Deviations
+//! - Parts are hulls of the mesh's own triangles, not of voxels: voxels are as coarse as their grid.
+
+use glam::DVec3;
+use parry3d_f64::transformation::{
+    vhacd::{VHACD, VHACDParameters},
+    voxelization::FillMode,
+};
+
+use crate::{
+    BakeError, NO_SOURCE_VERTEX, PointSet,
+    hull::{self, Hull},
+    simplify::nearest::Nearest,
+};
+
+/// How a mesh is cut; the meaning of each is V-HACD's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// Volume by which a part may differ from its hull, relative to the whole, 0 to 1.
+    pub concavity: f64,
+    /// Voxels along the mesh's longest side, at least 1.
+    pub resolution: u32,
+    /// Most parts, at least 1.
+    pub max_parts: u32,
+    /// Weight of cuts into halves of equal volume.
+    pub alpha: f64,
+    /// Weight of cuts through an axis of revolution.
+    pub beta: f64,
+    /// Every how many-th cutting plane is tried, at least 1.
+    pub plane_downsampling: u32,
+    /// Every how many-th voxel a trial hull is of, at least 1.
+    pub hull_downsampling: u32,
+    /// Whether trial hulls are of voxels rather than of the mesh.
+    pub hull_approximation: bool,
+    /// What is inside.
+    pub fill: Fill,
+}
+
+/// How the inside of a voxelised mesh is counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fill {
+    /// What the outside cannot reach is inside.
+    Flood,
+    /// The same, but closed cavities count as outside.
+    Cavities,
+    /// The surface's voxels alone.
+    Surface,
+}
+
+impl Default for Parameters {
+    /// parry3d's.
+    fn default() -> Self {
+        let VHACDParameters { concavity, alpha, beta, resolution, plane_downsampling, .. } = VHACDParameters::default();
+        Self {
+            concavity,
+            resolution,
+            max_parts: 1024,
+            alpha,
+            beta,
+            plane_downsampling,
+            hull_downsampling: 4,
+            hull_approximation: true,
+            fill: Fill::Flood,
+        }
+    }
+}
+
+/// How far a triangle of a convex mesh may lie behind the hull's surface, over the diameter: rounding to f32, of a point far from the
+/// origin.
+const ON_SURFACE: f64 = 1e-6;
+
+/// By how much the areas of a convex mesh and of its hull may differ, relative to the hull's.
+const SAME_AREA: f64 = 1e-4;
+
+/// The convex parts of a mesh, in an order that depends on it and on the parameters alone; `None` where it is one already, or has no
+/// triangles or no volume to cut.
+///
+/// The parts are named as the mesh with `_part_00` and so on behind it.
+///
+/// # Errors
+/// A point that is not finite, or none at all.
+///
+/// # Complexity
+/// O(resolution³) for the voxels; with the defaults a second or so.
+pub fn decompose(mesh: &PointSet, parameters: &Parameters) -> Result<Option<Vec<PointSet>>, BakeError> {
+    let hull = hull::build(mesh)?;
+    if hull.rank < 3 || mesh.triangles.is_empty() || is_convex(mesh, &hull) {
+        return Ok(None);
+    }
+    // Around the middle of the bounds, so that voxels are cut with all digits.
+    let positions: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
+    let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    // A coordinate of f32 numbers' sum, and their differences, are exact in f64 in all but absurd ranges.
+    let middle = ((low + high) * 0.5).as_vec3().as_dvec3();
+    let points: Vec<_> = positions.iter().map(|p| to_parry(*p - middle)).collect();
+    let found = VHACD::decompose(&to_vhacd(parameters), &points, &mesh.triangles, true);
+    let order = by_position(mesh);
+    let mut parts = Vec::new();
+    for cut in found.compute_primitive_intersections(&points, &mesh.triangles) {
+        let mut part: Vec<([f32; 3], u32)> = cut
+            .iter()
+            .map(|p| (DVec3::new(p.x, p.y, p.z) + middle).to_array().map(|c| c as f32 + 0.0))
+            .map(|p| (p, number_of(mesh, &order, p)))
+            .collect();
+        part.sort_unstable_by_key(|(p, number)| (*number, p.map(f32::to_bits)));
+        part.dedup();
+        if part.is_empty() {
+            continue;
+        }
+        parts.push(PointSet {
+            name: format!("{}_part_{:02}", mesh.name, parts.len()),
+            positions: part.iter().map(|(p, _)| *p).collect(),
+            source_vertices: part.iter().map(|(_, number)| *number).collect(),
+            origin: mesh.origin,
+            triangles: Vec::new(),
+        });
+    }
+    Ok((parts.len() > 1).then_some(parts))
+}
+
+/// How far the vertex of the mesh that lies farthest outside of all parts lies from the nearest; 0 where all are in some part.
+///
+/// # Complexity
+/// One nearest-point search for each vertex and each part that it may be in, or near.
+pub fn uncovered(mesh: &PointSet, parts: &[&Hull]) -> f64 {
+    let parts: Vec<(Nearest, [DVec3; 2])> = parts.iter().map(|hull| (Nearest::new(hull), bounds(hull))).collect();
+    let mut worst = 0.0_f64;
+    for p in &mesh.positions {
+        let p = DVec3::from_array(p.map(f64::from));
+        let mut least = f64::INFINITY;
+        for (nearest, [low, high]) in &parts {
+            let outside_box = (*low - p).max(p - *high).max(DVec3::ZERO).length();
+            // NaN, of which there is none, would be looked at. A point that is no nearer than the worst does not count.
+            if !(outside_box >= least) && least > worst {
+                least = least.min(nearest.from(p, 0).point.distance(p));
+            }
+        }
+        worst = worst.max(least);
+    }
+    worst
+}
+
+fn bounds(hull: &Hull) -> [DVec3; 2] {
+    let positions = hull.positions();
+    [
+        positions.iter().copied().fold(DVec3::INFINITY, DVec3::min),
+        positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max),
+    ]
+}
+
+/// Whether the mesh is the surface of its own hull.
+fn is_convex(mesh: &PointSet, hull: &Hull) -> bool {
+    let nearest = Nearest::new(hull);
+    let at = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
+    let (mut area, mut start) = (0.0, 0);
+    for [a, b, c] in mesh.triangles.iter().map(|triangle| triangle.map(at)) {
+        let normal = (b - a).cross(c - a);
+        area += 0.5 * normal.length();
+        let normal = normal.normalize_or_zero();
+        // Whichever way round it is written.
+        let is_on_surface = [normal, -normal].into_iter().any(|normal| {
+            start = nearest.climb(normal, start);
+            normal.dot(nearest.vertex(start) - a) <= ON_SURFACE * hull.diameter
+        });
+        if !is_on_surface {
+            return false;
+        }
+    }
+    let whole = crate::mass::mass(hull).surface_area;
+    (area - whole).abs() <= SAME_AREA * whole
+}
+
+/// Numbers of the mesh's points, by position, then by number.
+fn by_position(mesh: &PointSet) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    order.sort_unstable_by_key(|i| (key(mesh.positions[*i as usize]), mesh.source_vertices[*i as usize]));
+    order
+}
+
+fn key(p: [f32; 3]) -> [u32; 3] {
+    p.map(|c| (c + 0.0).to_bits())
+}
+
+/// The source vertex at a position; [`NO_SOURCE_VERTEX`] where there is none.
+fn number_of(mesh: &PointSet, order: &[u32], p: [f32; 3]) -> u32 {
+    let at = order.partition_point(|i| key(mesh.positions[*i as usize]) < key(p));
+    let found = order.get(at).filter(|i| key(mesh.positions[**i as usize]) == key(p));
+    found.map_or(NO_SOURCE_VERTEX, |i| mesh.source_vertices[*i as usize])
+}
+
+fn to_parry(p: DVec3) -> parry3d_f64::math::Vector {
+    parry3d_f64::math::Vector::new(p.x, p.y, p.z)
+}
+
+fn to_vhacd(parameters: &Parameters) -> VHACDParameters {
+    let fill_mode = match parameters.fill {
+        Fill::Flood => FillMode::FloodFill { detect_cavities: false },
+        Fill::Cavities => FillMode::FloodFill { detect_cavities: true },
+        Fill::Surface => FillMode::SurfaceOnly,
+    };
+    VHACDParameters {
+        concavity: parameters.concavity,
+        alpha: parameters.alpha,
+        beta: parameters.beta,
+        resolution: parameters.resolution,
+        plane_downsampling: parameters.plane_downsampling,
+        convex_hull_downsampling: parameters.hull_downsampling,
+        fill_mode,
+        convex_hull_approximation: parameters.hull_approximation,
+        max_convex_hulls: parameters.max_parts,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Boxes that touch, as one mesh: each by its low and high corner.
+    fn boxes(name: &str, boxes: &[[[f32; 3]; 2]]) -> PointSet {
+        let mut set = PointSet { name: name.to_owned(), ..PointSet::default() };
+        for [low, high] in boxes {
+            let first = set.positions.len() as u32;
+            set.positions.extend(
+                (0..8).map(|i| std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] })),
+            );
+            let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6_u32]];
+            set.triangles.extend(
+                quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).map(|t| t.map(|v| v + first)),
+            );
+        }
+        set.source_vertices = (0..set.positions.len() as u32).map(|i| i + 10).collect();
+        set
+    }
+
+    /// A U of three bars.
+    fn horseshoe() -> PointSet {
+        boxes(
+            "u",
+            &[
+                [[0.0, 0.0, 0.0], [3.0, 1.0, 1.0]],
+                [[0.0, 1.0, 0.0], [1.0, 3.0, 1.0]],
+                [[2.0, 1.0, 0.0], [3.0, 3.0, 1.0]],
+            ],
+        )
+    }
+
+    #[test]
+    fn a_horseshoe_falls_into_parts_that_cover_it() {
+        let mesh = horseshoe();
+        let parts = decompose(&mesh, &Parameters::default()).unwrap().unwrap();
+        assert!((2..40).contains(&parts.len()), "{}", parts.len());
+        let hulls: Vec<Hull> = parts.iter().map(|part| hull::build(part).unwrap()).collect();
+        assert!(parts.iter().enumerate().all(|(number, part)| part.name == format!("u_part_{number:02}")));
+        // The gap between its arms is free: the volume is that of the bars, not of their hull.
+        let volume: f64 = hulls.iter().map(|hull| crate::mass::mass(hull).volume).sum();
+        println!("{} parts of volume {volume}, where the bars have 7 and their hull 9", parts.len());
+        assert!((6.0..8.0).contains(&volume), "{volume}");
+        let lost = uncovered(&mesh, &hulls.iter().collect::<Vec<_>>());
+        assert!(lost <= 1e-6, "{lost}");
+        // Corners that are the source's keep their numbers.
+        let known = parts.iter().flat_map(|part| part.source_vertices.iter().zip(&part.positions));
+        let mut count = 0;
+        for (number, p) in known.filter(|(number, _)| **number != NO_SOURCE_VERTEX) {
+            assert_eq!(mesh.positions[*number as usize - 10], *p);
+            count += 1;
+        }
+        assert!(count >= 16, "{count}");
+    }
+
+    #[test]
+    fn what_is_convex_stays_whole_and_what_is_half_open_does_not() {
+        let cube = boxes("cube", &[[[0.0; 3], [1.0; 3]]]);
+        assert!(decompose(&cube, &Parameters::default()).unwrap().is_none());
+        let cloud = PointSet { triangles: Vec::new(), ..horseshoe() };
+        assert!(decompose(&cloud, &Parameters::default()).unwrap().is_none());
+        let lidless = PointSet { triangles: cube.triangles[..10].to_vec(), ..cube };
+        assert!(!is_convex(&lidless, &hull::build(&lidless).unwrap()));
+    }
+
+    #[test]
+    fn what_a_lost_part_leaves_out_is_found() {
+        let mesh = horseshoe();
+        let parts = decompose(&mesh, &Parameters::default()).unwrap().unwrap();
+        let hulls: Vec<Hull> = parts.iter().map(|part| hull::build(part).unwrap()).collect();
+        let lost = uncovered(&mesh, &hulls[..1].iter().collect::<Vec<_>>());
+        assert!(lost > 1.0, "{lost}");
+    }
+
+    #[test]
+    fn parts_are_the_same_at_any_number_of_threads() {
+        let mesh = horseshoe();
+        let of_threads = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let parts = pool.install(|| decompose(&mesh, &Parameters::default())).unwrap().unwrap();
+            parts.into_iter().map(|part| (part.name, part.positions, part.source_vertices)).collect::<Vec<_>>()
+        };
+        let one = of_threads(1);
+        assert!([2, 16].into_iter().all(|threads| of_threads(threads) == one));
+    }
+}

@@ -1,0 +1,182 @@
+//! The point of an intersection of half-spaces that is nearest to a given point.
+//!
+//! # Steps
+//! Start at the point itself, with no plane held. Take the plane that is violated most; of it and the planes held, at most three of
+//! which fix a point, find those that the nearest point in all of their half-spaces lies on. Hold these. The distance grows with
+//! every step, so no set of planes comes twice.
+//!
+//! # Reference
+//! Sharir, Welzl, "A combinatorial bound for linear programming and related problems", 1992 (the nearest point is a problem of its
+//! type, of dimension 3); Goldfarb, Idnani, "A numerically stable dual method for solving strictly convex quadratic programs", 1983.
+
+use glam::{DMat3, DVec3};
+
+/// All x with `normal` · x ≥ `offset`; the normal is of unit length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HalfSpace {
+    /// Points into it.
+    pub normal: DVec3,
+    /// Height of its plane.
+    pub offset: f64,
+}
+
+/// Steps after which there is no answer; five to ten are common.
+const MAX_STEPS: usize = 100;
+
+/// How far outside of a half-space a point may lie and count as inside, over the distance that it was moved and the plane's offset.
+const SLACK: f64 = 1e-13;
+
+/// The same of a point that was computed from planes at flat angles.
+const AMPLIFIED: f64 = 1e-11;
+
+/// The same where nearly parallel planes stop the search: what they leave open is a thousandth of what rounding to f32 will cost.
+const LIMIT: f64 = 1e-10;
+
+/// Square of the sine below which planes are taken for parallel: their common line or point would be noise.
+const PARALLEL: f64 = 1e-20;
+
+/// The point of all `half_spaces` that is nearest to the origin; `None` where they have no point in common, or none nearer than
+/// `reach`.
+///
+/// # Complexity
+/// O(number of half-spaces) a step.
+pub fn nearest_to_origin(half_spaces: &[HalfSpace], reach: f64) -> Option<DVec3> {
+    let mut held: [HalfSpace; 3] = [HalfSpace { normal: DVec3::X, offset: 0.0 }; 3];
+    let mut count = 0;
+    let mut x = DVec3::ZERO;
+    for _ in 0..MAX_STEPS {
+        let mut worst = (0.0, None);
+        for half_space in half_spaces {
+            let missing = half_space.offset - half_space.normal.dot(x);
+            if missing > worst.0 + SLACK * (half_space.offset.abs() + x.length()) {
+                worst = (missing, Some(*half_space));
+            }
+        }
+        let Some(violated) = worst.1 else { return Some(x) };
+        let step = with(&held[..count], violated);
+        let progress = step.filter(|(nearest, ..)| nearest.length_squared() > x.length_squared());
+        let Some((nearest, kept, kept_count)) = progress else {
+            // The limit of rounding, or planes without a common point.
+            return (worst.0 <= LIMIT * (violated.offset.abs() + x.length())).then_some(x);
+        };
+        // NaN, too.
+        if !(nearest.length() < reach) {
+            return None;
+        }
+        (x, held, count) = (nearest, kept, kept_count);
+    }
+    None
+}
+
+/// The nearest point in the half-spaces of `held` and `new`, and the planes that it lies on, `new` among them.
+fn with(held: &[HalfSpace], new: HalfSpace) -> Option<(DVec3, [HalfSpace; 3], usize)> {
+    let mut best: Option<(DVec3, [HalfSpace; 3], usize)> = None;
+    // Every choice of at most two of those held.
+    for choice in 0..1_u32 << held.len() {
+        if choice.count_ones() > 2 {
+            continue;
+        }
+        let mut planes = [new; 3];
+        let mut count = 1;
+        for (number, half_space) in held.iter().enumerate() {
+            if choice >> number & 1 == 1 {
+                planes[count] = *half_space;
+                count += 1;
+            }
+        }
+        let Some(x) = on_planes(&planes[..count]) else { continue };
+        // Those that it lies on, it lies on but for rounding, which flat angles between them make larger.
+        let is_inside = |(number, h): (usize, &HalfSpace)| {
+            choice >> number & 1 == 1 || h.normal.dot(x) >= h.offset - AMPLIFIED * (x.length() + h.offset.abs())
+        };
+        let inside = held.iter().enumerate().all(is_inside);
+        // Of several that rounding leaves the nearest.
+        if inside && best.is_none_or(|(other, ..)| x.length_squared() < other.length_squared()) {
+            best = Some((x, planes, count));
+        }
+    }
+    best
+}
+
+/// The point on all `planes`, one to three, that is nearest to the origin; `None` where it lies nearer in their half-spaces or
+/// the planes are parallel.
+fn on_planes(planes: &[HalfSpace]) -> Option<DVec3> {
+    match planes {
+        [a] => (a.offset >= 0.0).then(|| a.normal * a.offset),
+        [a, b] => {
+            let c = a.normal.dot(b.normal);
+            let sine_sq = a.normal.cross(b.normal).length_squared();
+            let (s, t) = (a.offset - c * b.offset, b.offset - c * a.offset);
+            (sine_sq > PARALLEL && s >= 0.0 && t >= 0.0).then(|| (a.normal * s + b.normal * t) / sine_sq)
+        }
+        [a, b, c] => {
+            let normals = DMat3::from_cols(a.normal, b.normal, c.normal);
+            let determinant = normals.determinant();
+            if !(determinant * determinant > PARALLEL * PARALLEL) {
+                return None;
+            }
+            let [bc, ca, ab] = [b.normal.cross(c.normal), c.normal.cross(a.normal), a.normal.cross(b.normal)];
+            let x = (bc * a.offset + ca * b.offset + ab * c.offset) / determinant;
+            // Its weights of the normals: none may pull.
+            let weights = DVec3::new(bc.dot(x), ca.dot(x), ab.dot(x)) / determinant;
+            (weights.min_element() >= 0.0).then_some(x)
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use shapes::rng::SplitMix64;
+
+    use super::*;
+
+    /// All sets of up to three planes.
+    fn slow(half_spaces: &[HalfSpace]) -> Option<DVec3> {
+        let mut best: Option<DVec3> = None;
+        let all = half_spaces.len();
+        let mut consider = |x: Option<DVec3>| {
+            let Some(x) = x else { return };
+            let inside = half_spaces.iter().all(|h| h.normal.dot(x) >= h.offset - 1e-9);
+            if inside && best.is_none_or(|other| x.length() < other.length()) {
+                best = Some(x);
+            }
+        };
+        consider(Some(DVec3::ZERO));
+        for i in 0..all {
+            consider(on_planes(&[half_spaces[i]]));
+            for j in 0..i {
+                consider(on_planes(&[half_spaces[i], half_spaces[j]]));
+                for k in 0..j {
+                    consider(on_planes(&[half_spaces[i], half_spaces[j], half_spaces[k]]));
+                }
+            }
+        }
+        best
+    }
+
+    #[test]
+    fn agrees_with_all_sets_of_planes() {
+        let mut rng = SplitMix64::new(11);
+        let (mut none, mut some) = (0, 0);
+        for round in 0..3_000 {
+            let spread = [0.02, 0.1, 1.0, 3.0][round % 4];
+            let half_spaces: Vec<HalfSpace> = (0..2 + round % 12)
+                .map(|_| {
+                    let normal = (DVec3::Z + DVec3::from_array(rng.direction()) * spread).normalize();
+                    HalfSpace { normal, offset: rng.between(-0.5, 1.0) }
+                })
+                .collect();
+            match (nearest_to_origin(&half_spaces, 1e6), slow(&half_spaces)) {
+                (Some(fast), Some(slow)) => {
+                    some += 1;
+                    assert!(fast.distance(slow) < 1e-7 * (1.0 + slow.length()), "round {round}: {fast} {slow}");
+                }
+                (None, Some(slow)) => assert!(slow.length() > 1e3, "round {round}: {slow}"),
+                (None, None) => none += 1,
+                (Some(fast), None) => panic!("round {round}: {fast} is in no common part"),
+            }
+        }
+        assert!(some > 1_000 && none > 100, "{some} {none}");
+    }
+}

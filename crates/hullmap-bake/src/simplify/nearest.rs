@@ -1,0 +1,246 @@
+//! The point of a convex hull that is nearest to a point outside.
+//!
+//! # Steps
+//! Take the vertex farthest towards the point; then, again and again, the nearest point in the simplex of the vertices held, and
+//! with them the vertex farthest from there towards the point. The distance falls with every step.
+//!
+//! # Reference
+//! Gilbert, Johnson, Keerthi, "A fast procedure for computing the distance between complex objects in three-dimensional space", 1988.
+//!
+//! # Deviations
+//! - The vertex farthest in a direction is found by climbing from neighbour to neighbour, from where the last one was. Climbing may
+//!   stop at a plateau that rounding makes; the answer is then a point of the hull still, but for the last digits the nearest.
+//!   [`Nearest::certain`] looks at all vertices instead.
+
+use glam::DVec3;
+
+use crate::hull::Hull;
+
+/// Steps after which the best point so far is the answer; three to eight are common.
+const MAX_STEPS: usize = 60;
+
+/// By how little of the greatest coordinate a further vertex may bring the plane nearer and end the search.
+const PROGRESS: f64 = 1e-14;
+
+/// Steps of a climb after which a sample of vertices is looked at; ten are common.
+const LONG_WAY: usize = 24;
+
+/// A hull that nearest points are asked of.
+pub struct Nearest {
+    points: Vec<DVec3>,
+    neighbours: Vec<Vec<u32>>,
+    scale: f64,
+}
+
+/// A point of the hull, and a vertex near it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Foot {
+    /// The point, which is in the hull but for rounding.
+    pub point: DVec3,
+    /// Where a search for a point nearby does well to start.
+    pub vertex: u32,
+}
+
+impl Nearest {
+    /// Of `hull`, a solid.
+    pub fn new(hull: &Hull) -> Self {
+        let points = hull.positions();
+        let scale = points.iter().fold(0.0, |scale: f64, p| scale.max(p.abs().max_element()));
+        Self { points, neighbours: hull.neighbours(), scale }
+    }
+
+    /// The nearest point to `target`, searched from `start` on.
+    pub fn from(&self, target: DVec3, start: u32) -> Foot {
+        self.search(target, start, |direction, from| self.climb(direction, from))
+    }
+
+    /// The nearest point to `target`, by a look at all vertices.
+    pub fn certain(&self, target: DVec3) -> Foot {
+        self.search(target, 0, |direction, _| self.farthest(direction))
+    }
+
+    /// A vertex farthest in `direction`, found by climbing from `from`.
+    ///
+    /// A way that gets long goes on from the best of a sample of vertices: around a face of ten thousand corners it would be as long
+    /// as the face.
+    pub fn climb(&self, direction: DVec3, from: u32) -> u32 {
+        let mut best = (self.points[from as usize].dot(direction), from);
+        for step in 0.. {
+            if step == LONG_WAY {
+                let every = self.points.len().isqrt();
+                for number in (0..self.points.len()).step_by(every) {
+                    let height = self.points[number].dot(direction);
+                    if height > best.0 {
+                        best = (height, number as u32);
+                    }
+                }
+            }
+            let before = best.1;
+            for &next in &self.neighbours[before as usize] {
+                let height = self.points[next as usize].dot(direction);
+                if height > best.0 {
+                    best = (height, next);
+                }
+            }
+            if best.1 == before {
+                break;
+            }
+        }
+        best.1
+    }
+
+    fn farthest(&self, direction: DVec3) -> u32 {
+        let heights = self.points.iter().map(|p| p.dot(direction));
+        let best = heights.enumerate().fold(
+            (f64::NEG_INFINITY, 0),
+            |best, (i, height)| {
+                if height > best.0 { (height, i) } else { best }
+            },
+        );
+        best.1 as u32
+    }
+
+    /// The mean of the vertices: inside.
+    pub fn middle(&self) -> DVec3 {
+        self.points.iter().sum::<DVec3>() / self.points.len() as f64
+    }
+
+    /// Positions of the vertices.
+    pub fn points(&self) -> &[DVec3] {
+        &self.points
+    }
+
+    /// A vertex's position.
+    pub fn vertex(&self, number: u32) -> DVec3 {
+        self.points[number as usize]
+    }
+
+    fn search(&self, target: DVec3, start: u32, farthest: impl Fn(DVec3, u32) -> u32) -> Foot {
+        let mut simplex = [start; 4];
+        let mut count = 1;
+        let mut point = self.vertex(start);
+        for _ in 0..MAX_STEPS {
+            let towards = target - point;
+            let next = farthest(towards, simplex[count - 1]);
+            let gained = towards.dot(self.vertex(next) - point);
+            // NaN ends it.
+            if !(gained > PROGRESS * self.scale * towards.length()) || simplex[..count].contains(&next) {
+                break;
+            }
+            let mut corners = simplex;
+            corners[count] = next;
+            let (nearest, kept, kept_count) = self.in_simplex(target, &corners[..=count]);
+            if nearest.distance_squared(target) >= point.distance_squared(target) {
+                break;
+            }
+            (point, simplex, count) = (nearest, kept, kept_count);
+            if count == 4 {
+                // The target is inside.
+                break;
+            }
+        }
+        Foot { point, vertex: simplex[count - 1] }
+    }
+
+    /// The nearest point to `target` in the simplex of `corners`, and the corners of the least face that holds it, the last
+    /// one last.
+    fn in_simplex(&self, target: DVec3, corners: &[u32]) -> (DVec3, [u32; 4], usize) {
+        let mut best = (f64::INFINITY, DVec3::ZERO, [0; 4], 0);
+        // The last corner is farther than all others: it is always of the face.
+        let (new, others) = corners.split_last().expect("a simplex has a corner");
+        for choice in 0..1_u32 << others.len() {
+            let mut chosen = [0; 4];
+            let mut count = 0;
+            for (number, corner) in others.iter().enumerate() {
+                if choice >> number & 1 == 1 {
+                    chosen[count] = *corner;
+                    count += 1;
+                }
+            }
+            chosen[count] = *new;
+            let positions = chosen.map(|corner| self.vertex(corner) - target);
+            let Some(nearest) = inside_face(&positions[..=count]) else { continue };
+            let distance = nearest.length_squared();
+            if distance < best.0 {
+                best = (distance, target + nearest, chosen, count + 1);
+            }
+        }
+        (best.1, best.2, best.3)
+    }
+}
+
+/// The point nearest to the origin in the plane (line) of the corners, if it lies between them.
+fn inside_face(corners: &[DVec3]) -> Option<DVec3> {
+    match *corners {
+        [a] => Some(a),
+        [a, b] => {
+            let along = b - a;
+            let t = -a.dot(along) / along.length_squared();
+            (0.0..=1.0).contains(&t).then(|| a + along * t)
+        }
+        [a, b, c] => {
+            let normal = (b - a).cross(c - a);
+            let area = normal.length_squared();
+            let weights = DVec3::new(b.cross(c).dot(normal), c.cross(a).dot(normal), a.cross(b).dot(normal)) / area;
+            (weights.min_element() >= 0.0).then(|| normal * (a.dot(normal) / area))
+        }
+        [a, b, c, d] => {
+            let volume = (b - a).cross(c - a).dot(d - a);
+            let part = |p: DVec3, q: DVec3, r: DVec3| p.cross(q).dot(r) / volume;
+            let weights = [part(b, d, c), part(a, c, d), part(a, d, b), part(a, b, c)];
+            weights.iter().all(|w| *w >= 0.0).then_some(DVec3::ZERO)
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use shapes::{families::Family, rng::SplitMix64};
+
+    use super::*;
+    use crate::{PointSet, hull};
+
+    /// By the faces: the nearest point in any facet's triangles, which a fan over its corners is enough for.
+    fn slow(hull: &Hull, target: DVec3) -> f64 {
+        let points = hull.positions();
+        let mut best = f64::INFINITY;
+        for face in &hull.faces {
+            for i in 1..face.len() - 1 {
+                let corners = [face[0], face[i], face[i + 1]].map(|v| points[v as usize] - target);
+                for set in [vec![0], vec![1], vec![2], vec![0, 1], vec![1, 2], vec![0, 2], vec![0, 1, 2]] {
+                    let chosen: Vec<DVec3> = set.iter().map(|i: &usize| corners[*i]).collect();
+                    best = best.min(inside_face(&chosen).map_or(f64::INFINITY, |p| p.length()));
+                }
+            }
+        }
+        best
+    }
+
+    #[test]
+    fn agrees_with_all_faces() {
+        let mut rng = SplitMix64::new(4);
+        for family in [Family::Sphere, Family::Rock, Family::Cone, Family::Prism, Family::Needle, Family::CubeGrid] {
+            let positions = family.points(216, 3);
+            let source_vertices = (0..positions.len() as u32).collect();
+            let hull = hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).unwrap();
+            let nearest = Nearest::new(&hull);
+            let mut start = 0;
+            for round in 0..300 {
+                let far = [1.01, 1.2, 3.0][round % 3];
+                let on = nearest.vertex(nearest.farthest(DVec3::from_array(rng.direction())));
+                let target = on * far + DVec3::from_array(rng.direction()) * (far - 1.0) * 0.3 * hull.diameter;
+                let expected = slow(&hull, target);
+                if nearest.certain(target).point == target {
+                    continue;
+                }
+                let certain = nearest.certain(target).point.distance(target);
+                let climbed = nearest.from(target, start);
+                start = climbed.vertex;
+                for found in [certain, climbed.point.distance(target)] {
+                    assert!((found - expected).abs() <= 1e-9 * hull.diameter, "{family:?} {round}: {found} {expected}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! Fewer vertices for a flat hull: edges are left out, and their neighbours prolonged until they meet.
+//!
+//! # Steps
+//! 1. An edge goes by putting one vertex for its two: where the lines of the edges beside it meet. The polygon holds what it held.
+//! 2. The edge whose vertex would lie nearest to the hull goes first.
+//! 3. Vertices are pushed outward in the plane by more than rounding to f32 takes away, and rounded. That moves them out of the
+//!    plane, too: what is inside is inside but for the containment error, as with every flat hull.
+
+use std::{cmp::Reverse, collections::BinaryHeap};
+
+use glam::DVec3;
+
+use super::{Limit, MAX_TRIES, PUSH, ROUNDING, Simplified, of_points};
+use crate::hull::{Hull, certify::accurate_cross, edges};
+
+/// Fewest corners of a polygon.
+const FEWEST: usize = 3;
+
+/// A flat hull of fewer vertices, within the limit; `None` where none is found.
+///
+/// # Complexity
+/// O(n log n), and each new vertex with the hull's edges that it stands for.
+pub fn simplify(hull: &Hull, limit: Limit) -> Option<Simplified> {
+    let positions = hull.positions();
+    let ring: Vec<DVec3> = hull.faces[0].iter().map(|v| positions[*v as usize]).collect();
+    let scale = positions.iter().fold(0.0, |scale: f64, p| scale.max(p.abs().max_element()));
+    let normal = edges(&hull.faces[0])
+        .map(|(a, b)| accurate_cross(positions[a as usize] - ring[0], positions[b as usize] - ring[0]))
+        .sum::<DVec3>()
+        .normalize();
+    (0..MAX_TRIES).find_map(|tried| {
+        let push = PUSH * scale * 2_f64.powi(tried);
+        let (most, reach) = match limit {
+            Limit::Vertices(most) => (most, f64::INFINITY),
+            Limit::Distance(distance) => (FEWEST, distance - 2.0 * push),
+        };
+        let outline = outline(&ring, normal, most, reach);
+        if outline.len() >= ring.len() {
+            return None;
+        }
+        let rounded = (0..outline.len()).map(|i| {
+            let at = |step: usize| outline[(i + step) % outline.len()];
+            let (before, here, after) = (at(outline.len() - 1), at(0), at(1));
+            let out = [here - before, after - here].map(|side| side.cross(normal).normalize());
+            // On both sides' lines, pushed by as much.
+            let step = (out[0] + out[1]) / (1.0 + out[0].dot(out[1]));
+            (here + step * push).to_array().map(|c| c as f32 + 0.0)
+        });
+        let mut outer = of_points(rounded.collect())?;
+        outer.containment_error = crate::hull::certify::certify(&outer, &positions).ok()?;
+        let distance = |p: DVec3| distance_to_polygon(p, &ring, normal);
+        let farthest = outer.positions().into_iter().map(distance).fold(0.0, f64::max);
+        let outer_error = farthest + ROUNDING * hull.diameter;
+        let fits = match limit {
+            Limit::Vertices(most) => outer.vertices.len() <= most,
+            Limit::Distance(distance) => outer_error <= distance,
+        };
+        (fits && outer.rank == 2).then_some(Simplified { hull: outer, outer_error })
+    })
+}
+
+/// Corners of the polygon that is left when edges went as long as there were more than `most` and the next vertex would not be farther than
+/// `reach` from the hull.
+fn outline(ring: &[DVec3], normal: DVec3, most: usize, reach: f64) -> Vec<DVec3> {
+    let count = ring.len();
+    // The lines that are left, in a ring: line i runs from corner i of the hull to the next.
+    let mut next: Vec<usize> = (0..count).map(|i| (i + 1) % count).collect();
+    let mut last: Vec<usize> = (0..count).map(|i| (i + count - 1) % count).collect();
+    let mut is_left = vec![true; count];
+    let mut changes = vec![0_u32; count];
+    let along = |line: usize| ring[(line + 1) % count] - ring[line];
+    // Where two lines meet, if they do in front of the first.
+    let meet = |a: usize, b: usize| {
+        let turn = along(a).cross(along(b)).dot(normal);
+        let t = (ring[b] - ring[a]).cross(along(b)).dot(normal) / turn;
+        (turn > 0.0 && t.is_finite()).then(|| ring[a] + along(a) * t)
+    };
+    // How far from the hull the corner is that stands for all between two lines: the hull's nearest edges are those between.
+    let distance = |a: usize, b: usize| {
+        let corner = meet(a, b)?;
+        let mut least = f64::INFINITY;
+        let mut line = a;
+        loop {
+            least = least.min(distance_to_segment(corner, ring[line], ring[(line + 1) % count]));
+            if line == b {
+                return Some(least);
+            }
+            line = (line + 1) % count;
+        }
+    };
+    let mut queue = BinaryHeap::new();
+    let look = |line: usize, next: &[usize], last: &[usize], changes: &[u32], queue: &mut BinaryHeap<_>| {
+        if let Some(distance) = distance(last[line], next[line]) {
+            queue.push(Reverse((distance.to_bits(), line, changes[line])));
+        }
+    };
+    (0..count).for_each(|line| look(line, &next, &last, &changes, &mut queue));
+    let mut left = count;
+    while left > most.max(FEWEST) {
+        let Some(Reverse((distance, line, change))) = queue.pop() else { break };
+        if !is_left[line] || change != changes[line] {
+            continue;
+        }
+        if f64::from_bits(distance) > reach {
+            break;
+        }
+        let (before, after) = (last[line], next[line]);
+        (next[before], last[after], is_left[line]) = (after, before, false);
+        left -= 1;
+        for neighbour in [before, after] {
+            changes[neighbour] += 1;
+            look(neighbour, &next, &last, &changes, &mut queue);
+        }
+    }
+    (0..count).filter(|line| is_left[*line]).filter_map(|line| meet(last[line], line)).collect()
+}
+
+fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
+    let along = b - a;
+    let t = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+    p.distance(a + along * t)
+}
+
+/// From a point near the polygon's plane.
+fn distance_to_polygon(p: DVec3, ring: &[DVec3], normal: DVec3) -> f64 {
+    let sides = || ring.iter().zip(ring.iter().cycle().skip(1));
+    let is_inside = sides().all(|(a, b)| (*b - *a).cross(p - *a).dot(normal) >= 0.0);
+    let height = normal.dot(p - ring[0]).abs();
+    if is_inside { height } else { sides().map(|(a, b)| distance_to_segment(p, *a, *b)).fold(f64::INFINITY, f64::min) }
+}

@@ -1,0 +1,274 @@
+//! The surface of a convex polytope as triangles, which grows by points outside.
+//!
+//! Who is outside is decided by exact predicates, as in [`hull::solid`](crate::hull::solid): the surface stays that of a convex
+//! polytope, whatever the points.
+
+use glam::DVec3;
+
+use crate::hull::{Hull, certify::accurate_cross};
+
+const NONE: u32 = u32::MAX;
+
+/// Triangles around a convex polytope.
+pub struct Surface {
+    points: Vec<DVec3>,
+    triangles: Vec<Triangle>,
+    /// Places of triangles that are gone.
+    free: Vec<u32>,
+    /// A triangle at each vertex; `NONE` for one that is gone.
+    at: Vec<u32>,
+    live: usize,
+    /// Changes at each vertex so far.
+    changes: Vec<u32>,
+}
+
+#[derive(Clone, Copy)]
+struct Triangle {
+    /// Counter-clockwise seen from outside.
+    corners: [u32; 3],
+    /// Triangle across the edge from corner `i` to corner `i + 1`.
+    across: [u32; 3],
+}
+
+impl Surface {
+    /// That of `hull`, a solid, its facets cut to triangles in zigzag, so that no vertex gets many edges by it.
+    pub fn new(hull: &Hull) -> Self {
+        let points = hull.positions();
+        let mut corners: Vec<[u32; 3]> = Vec::new();
+        for face in &hull.faces {
+            let (mut first, mut last) = (0, face.len() - 1);
+            while last - first >= 2 {
+                let next = if (last - first).is_multiple_of(2) { first + 1 } else { last - 1 };
+                corners.push([face[first], face[next], face[last]]);
+                *(if next == first + 1 { &mut first } else { &mut last }) = next;
+            }
+        }
+        let mut sides: Vec<(u32, u32, u32, usize)> = corners
+            .iter()
+            .enumerate()
+            .flat_map(|(number, c)| (0..3).map(move |i| (c[i], c[(i + 1) % 3], number as u32, i)))
+            .collect();
+        sides.sort_unstable();
+        let mut triangles: Vec<Triangle> =
+            corners.iter().map(|c| Triangle { corners: *c, across: [NONE; 3] }).collect();
+        let mut at = vec![NONE; points.len()];
+        for &(from, to, number, i) in &sides {
+            let other = sides.binary_search_by_key(&(to, from), |side| (side.0, side.1));
+            let other = other.expect("a hull's faces are a closed surface");
+            triangles[number as usize].across[i] = sides[other].2;
+            at[from as usize] = number;
+        }
+        let (live, changes) = (points.len(), vec![0; points.len()]);
+        Self { points, triangles, free: Vec::new(), at, live, changes }
+    }
+
+    /// That of a tetrahedron, whose corners, not in one plane, get other numbers where that turns it the right way round.
+    pub fn tetrahedron(points: [DVec3; 4]) -> Self {
+        let [a, b, c, d] = points;
+        let points = if above([a, b, c], d) < 0.0 { vec![a, b, c, d] } else { vec![a, c, b, d] };
+        let triangles =
+            [([0, 1, 2], [3, 1, 2]), ([2, 1, 3], [0, 3, 2]), ([0, 2, 3], [0, 1, 3]), ([1, 0, 3], [0, 2, 1])];
+        let triangles = triangles.map(|(corners, across)| Triangle { corners, across }).to_vec();
+        Self { points, triangles, free: Vec::new(), at: vec![0, 0, 0, 1], live: 4, changes: vec![0; 4] }
+    }
+
+    /// Number of vertices.
+    pub fn vertex_count(&self) -> usize {
+        self.live
+    }
+
+    /// Positions of all vertices, with their numbers.
+    pub fn vertices(&self) -> impl Iterator<Item = (u32, DVec3)> + '_ {
+        let is_there = |(number, _): &(usize, &DVec3)| self.at[*number] != NONE;
+        self.points.iter().enumerate().filter(is_there).map(|(number, p)| (number as u32, *p))
+    }
+
+    /// Position of a vertex.
+    pub fn point(&self, vertex: u32) -> DVec3 {
+        self.points[vertex as usize]
+    }
+
+    /// Whether the vertex is still one.
+    pub fn is_there(&self, vertex: u32) -> bool {
+        self.at[vertex as usize] != NONE
+    }
+
+    /// How often the triangles at a vertex have changed.
+    pub fn changes(&self, vertex: u32) -> u32 {
+        self.changes[vertex as usize]
+    }
+
+    /// The triangles at a vertex, clockwise, each from the vertex on: with it the corners that follow.
+    pub fn around(&self, vertex: u32) -> impl Iterator<Item = [u32; 2]> + '_ {
+        let first = self.at[vertex as usize];
+        let mut next = first;
+        std::iter::from_fn(move || {
+            if next == NONE {
+                return None;
+            }
+            let triangle = &self.triangles[next as usize];
+            let i = triangle.corners.iter().position(|c| *c == vertex).expect("a triangle at a vertex has it");
+            next = triangle.across[i];
+            if next == first {
+                next = NONE;
+            }
+            Some([triangle.corners[(i + 1) % 3], triangle.corners[(i + 2) % 3]])
+        })
+    }
+
+    /// A triangle at a vertex that is there.
+    pub fn triangle_at(&self, vertex: u32) -> u32 {
+        self.at[vertex as usize]
+    }
+
+    /// The triangles at a vertex, by number.
+    pub fn triangles_at(&self, vertex: u32) -> Vec<u32> {
+        let first = self.at[vertex as usize];
+        let mut all = vec![first];
+        loop {
+            let triangle = &self.triangles[all[all.len() - 1] as usize];
+            let i = triangle.corners.iter().position(|c| *c == vertex).expect("a triangle at a vertex has it");
+            if triangle.across[i] == first {
+                return all;
+            }
+            all.push(triangle.across[i]);
+        }
+    }
+
+    /// Corners of a triangle, counter-clockwise seen from outside. The places of triangles that are gone are taken by others.
+    pub fn corners(&self, triangle: u32) -> [u32; 3] {
+        self.triangles[triangle as usize].corners
+    }
+
+    /// Unit outward normal of the triangle of three vertices; zero where it has none.
+    pub fn normal(&self, [a, b, c]: [u32; 3]) -> DVec3 {
+        let [a, b, c] = [a, b, c].map(|v| self.point(v));
+        accurate_cross(b - a, c - a).normalize_or_zero()
+    }
+
+    /// Whether `p` is strictly outside of all triangles at `vertex`: exact.
+    pub fn sees_all_around(&self, p: DVec3, vertex: u32) -> bool {
+        self.around(vertex).all(|[b, c]| self.is_above(p, [vertex, b, c]))
+    }
+
+    fn is_above(&self, p: DVec3, corners: [u32; 3]) -> bool {
+        above(corners.map(|v| self.point(v)), p) > 0.0
+    }
+
+    /// Moves a vertex where the surface stays convex: false, and nothing changes, where it would not. Exact.
+    pub fn try_move(&mut self, vertex: u32, to: DVec3) -> bool {
+        let before = std::mem::replace(&mut self.points[vertex as usize], to);
+        let first = self.at[vertex as usize];
+        let mut next = first;
+        let convex = loop {
+            let triangle = self.triangles[next as usize];
+            let i = triangle.corners.iter().position(|c| *c == vertex).expect("a triangle at a vertex has it");
+            // Across the spoke, and across the rim.
+            let is_bent = |side: usize| {
+                let other = self.triangles[triangle.across[side] as usize];
+                let [from, to] = [triangle.corners[side], triangle.corners[(side + 1) % 3]];
+                let far = other.corners.into_iter().find(|c| *c != from && *c != to).expect("a third corner");
+                above(triangle.corners.map(|v| self.point(v)), self.point(far)) < 0.0
+            };
+            if !is_bent(i) || !is_bent((i + 1) % 3) {
+                break false;
+            }
+            next = triangle.across[i];
+            if next == first {
+                break true;
+            }
+        };
+        if !convex {
+            self.points[vertex as usize] = before;
+            return false;
+        }
+        let ring: Vec<u32> = self.around(vertex).map(|[b, _]| b).chain([vertex]).collect();
+        ring.into_iter().for_each(|v| self.changes[v as usize] += 1);
+        true
+    }
+
+    /// Adds a point that is outside of a triangle, which thereby is gone with all others that it sees: the surface is
+    /// that of the convex hull with it. Returns its number; `None`, and nothing changes, where it is not outside. Exact.
+    pub fn insert(&mut self, p: DVec3, start: u32) -> Option<u32> {
+        if !self.is_above(p, self.triangles[start as usize].corners) {
+            return None;
+        }
+        // The triangles seen, and the rim around them: edges with the triangle outside.
+        let mut seen = vec![start];
+        let mut corners_seen: Vec<u32> = Vec::new();
+        let mut rim: Vec<(u32, u32, u32)> = Vec::new();
+        let mut is_seen = std::collections::HashSet::from([start]);
+        let mut read = 0;
+        while read < seen.len() {
+            let Triangle { corners, across } = self.triangles[seen[read] as usize];
+            read += 1;
+            corners_seen.extend(corners);
+            for i in 0..3 {
+                if is_seen.contains(&across[i]) {
+                    continue;
+                }
+                if self.is_above(p, self.triangles[across[i] as usize].corners) {
+                    is_seen.insert(across[i]);
+                    seen.push(across[i]);
+                } else {
+                    rim.push((corners[i], corners[(i + 1) % 3], across[i]));
+                }
+            }
+        }
+        rim.sort_unstable();
+        // What is seen of a convex surface is a disc; this is what the fan below needs of it.
+        let is_loop = rim.windows(2).all(|pair| pair[0].0 != pair[1].0)
+            && rim.iter().all(|edge| rim.binary_search_by_key(&edge.1, |other| other.0).is_ok());
+        if !is_loop {
+            return None;
+        }
+        let new = self.points.len() as u32;
+        self.points.push(p);
+        self.at.push(NONE);
+        self.changes.push(0);
+        corners_seen.sort_unstable();
+        corners_seen.dedup();
+        for corner in &corners_seen {
+            self.at[*corner as usize] = NONE;
+            self.changes[*corner as usize] += 1;
+        }
+        for gone in &seen {
+            self.triangles[*gone as usize].corners = [NONE; 3];
+        }
+        self.free.extend(&seen);
+        let fan: Vec<u32> = rim
+            .iter()
+            .map(|&(from, to, outside)| {
+                let triangle = Triangle { corners: [from, to, new], across: [outside, NONE, NONE] };
+                match self.free.pop() {
+                    Some(place) => {
+                        self.triangles[place as usize] = triangle;
+                        place
+                    }
+                    None => {
+                        self.triangles.push(triangle);
+                        (self.triangles.len() - 1) as u32
+                    }
+                }
+            })
+            .collect();
+        for (&(from, to, outside), &place) in rim.iter().zip(&fan) {
+            let next = fan[rim.binary_search_by_key(&to, |edge| edge.0).expect("the rim is closed")];
+            self.triangles[place as usize].across[1] = next;
+            self.triangles[next as usize].across[2] = place;
+            let outside = &mut self.triangles[outside as usize];
+            let side = (0..3).find(|&i| outside.corners[i] == to && outside.corners[(i + 1) % 3] == from);
+            outside.across[side.expect("a rim edge belongs to the triangle outside")] = place;
+            self.at[from as usize] = place;
+        }
+        self.at[new as usize] = fan[0];
+        self.live = self.live + 1 - corners_seen.iter().filter(|corner| self.at[**corner as usize] == NONE).count();
+        Some(new)
+    }
+}
+
+/// Positive where `p` lies above the plane of the corners (counter-clockwise seen from above), zero in it: exact in sign.
+fn above([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
+    let coord = |v: DVec3| robust::Coord3D { x: v.x, y: v.y, z: v.z };
+    -robust::orient3d(coord(a), coord(b), coord(c), coord(p))
+}
