@@ -77,8 +77,18 @@ pub fn cargo<S: AsRef<OsStr>>(words: impl IntoIterator<Item = S>) -> Output {
     output
 }
 
+/// `bake` with these words in `folder`, not started yet: for what must be interrupted, watched or piped.
+///
+/// # Panics
+/// If it cannot be built.
+pub fn command<S: AsRef<OsStr>>(folder: &Path, words: impl IntoIterator<Item = S>) -> Command {
+    let mut command = Command::new(binary());
+    command.args(words).current_dir(folder);
+    command
+}
+
 /// The binary, built.
-fn binary() -> &'static Path {
+pub fn binary() -> &'static Path {
     static BINARY: OnceLock<PathBuf> = OnceLock::new();
     BINARY.get_or_init(|| {
         // This test is <target>/<profile>/deps/<name>.

@@ -98,20 +98,6 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
     Ok(BakedPack { bytes, ranks, vertex_count, notes, warnings })
 }
 
-/// What warnings are given by.
-fn facts(baked: &BakedHull) -> HullFacts<'_> {
-    let coordinates = baked.hull.vertices.iter().flatten();
-    HullFacts {
-        name: &baked.name,
-        rank: baked.hull.rank,
-        point_count: baked.point_count,
-        vertex_count: baked.hull.vertices.len(),
-        diameter: baked.hull.diameter,
-        inner_radius: baked.interior.inner_radius,
-        greatest_coordinate: coordinates.map(|x| f64::from(x.abs())).fold(0.0, f64::max),
-    }
-}
-
 /// Measures what the parts of each set leave out, tells the hulls, and says it.
 fn cover(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull]) -> Vec<String> {
     let mut notes = Vec::new();
@@ -153,6 +139,20 @@ fn vhacd(options: &DecomposeOptions) -> Parameters {
             options::Fill::Cavities => Fill::Cavities,
             options::Fill::Surface => Fill::Surface,
         },
+    }
+}
+
+/// What warnings are given by.
+fn facts(baked: &BakedHull) -> HullFacts<'_> {
+    let coordinates = baked.hull.vertices.iter().flatten();
+    HullFacts {
+        name: &baked.name,
+        rank: baked.hull.rank,
+        point_count: baked.point_count,
+        vertex_count: baked.hull.vertices.len(),
+        diameter: baked.hull.diameter,
+        inner_radius: baked.interior.inner_radius,
+        greatest_coordinate: coordinates.map(|x| f64::from(x.abs())).fold(0.0, f64::max),
     }
 }
 

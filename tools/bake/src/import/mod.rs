@@ -45,12 +45,12 @@ pub use read::{ReadError, SourceFile, buffers_of, read};
 use crate::options::{ImportOptions, Vertices};
 use fault::LineFault;
 use format::Format;
-use mesh::Positions;
 
 /// What came out of a source file.
 #[derive(Debug)]
 pub struct Imported {
-    /// One set for each hull, in file order, none of them empty, all with different names.
+    /// One set for each hull, in file order, none of them empty, all with different names. Their origin is that of the
+    /// points' frame in the source's frame, turned and scaled as the points are; 0 unless recentred.
     pub point_sets: Vec<PointSet>,
     /// For each set the faces over it, by the numbers of its own points; none in a point cloud.
     pub faces: Vec<Polygons>,
@@ -117,7 +117,8 @@ pub fn import(
     let unreferenced_count = referenced.iter().filter(|&&is| !is).count();
     let sets = point_sets::point_sets(&mut mesh, &referenced, stem, options, limits);
     let sets = sets.map_err(|fault| name(fault.of_file()))?;
-    let duplicate_count = count_duplicates(&mesh.positions, &sets.point_sets);
+    drop((mesh.positions, referenced));
+    let duplicate_count = count_duplicates(vertex_count, &sets.point_sets);
 
     let mut notes = sets.notes;
     if !has_elements {
@@ -152,28 +153,22 @@ fn count(number: usize, one: &str, many: &str) -> String {
     format!("{number} {}", if number == 1 { one } else { many })
 }
 
-/// Chosen vertices whose position an earlier chosen vertex has; the two zeros count as equal.
-fn count_duplicates(positions: &Positions, sets: &[PointSet]) -> usize {
-    let mut chosen: Vec<u32> = sets.iter().flat_map(|set| &set.source_vertices).copied().collect();
-    if sets.len() > 1 {
-        chosen.par_sort_unstable();
-        chosen.dedup();
-    }
-    // Adding +0 turns -0 into +0 and leaves every other number alone.
-    match positions {
-        Positions::Single(all) => {
-            let mut keys: Vec<[u32; 3]> =
-                chosen.iter().map(|&vertex| all[vertex as usize].map(|x| (x + 0.0).to_bits())).collect();
-            keys.par_sort_unstable();
-            let count = keys.len();
-            keys.dedup();
-            count - keys.len()
-        }
-        Positions::Double(all) => {
-            chosen.par_sort_unstable_by_key(|&vertex| all[vertex as usize].map(|x| (x + 0.0).to_bits()));
-            let count = chosen.len();
-            chosen.dedup_by_key(|vertex| all[*vertex as usize].map(|x| (x + 0.0).to_bits()));
-            count - chosen.len()
+/// Chosen vertices whose point an earlier chosen vertex has; the two zeros count as equal. A vertex of two sets counts
+/// once.
+fn count_duplicates(vertex_count: usize, sets: &[PointSet]) -> usize {
+    let mut is_counted = vec![false; vertex_count];
+    let mut keys: Vec<[u32; 3]> = Vec::new();
+    keys.reserve_exact(sets.iter().map(|set| set.positions.len()).sum::<usize>().min(vertex_count));
+    for set in sets {
+        for (position, &vertex) in set.positions.iter().zip(&set.source_vertices) {
+            if !std::mem::replace(&mut is_counted[vertex as usize], true) {
+                // Adding +0 turns -0 into +0 and leaves every other number alone.
+                keys.push(position.map(|x| (x + 0.0).to_bits()));
+            }
         }
     }
+    keys.par_sort_unstable();
+    let count = keys.len();
+    keys.dedup();
+    count - keys.len()
 }

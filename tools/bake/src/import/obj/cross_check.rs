@@ -275,7 +275,7 @@ mod tests {
     const TEXT: &[u8] = b"v 0 0 0\nv 1 0 0\nl 1 -1\nv 0 1 0\nv 5 5 5\nf 3 1/7/7 2\nf -1 1 2 # x\n";
 
     fn read(text: &[u8]) -> Scan {
-        scan(text, false, &Limits::DEFAULT).unwrap()
+        scan(text, &Limits::DEFAULT).unwrap()
     }
 
     #[test]

@@ -128,7 +128,7 @@ mod tests {
         let mut random = SplitMix::new(SEED);
         let mut cut_count = 0;
         for round in 0..2000 {
-            let text: Vec<u8> = (0..random.below(60)).map(|_| b"\n\n\r\\\\ vfo#1"[random.below(12)]).collect();
+            let text: Vec<u8> = (0..random.below(60)).map(|_| b"\n\n\r\\\\ vfo#1"[random.below(11)]).collect();
             let size = 1 + random.below(20);
             let parts = parts(&text, size);
             cut_count += parts.len() - 1;

@@ -22,7 +22,7 @@ use super::mesh::{Mesh, Positions};
 /// # Complexity
 /// O(bytes), shared by the threads of the pool.
 pub fn read(bytes: &[u8], wants_double: bool, limits: &Limits) -> Result<Mesh, LineFault> {
-    let scan = scan::scan(bytes, wants_double, limits)?;
+    let scan = scan::scan(bytes, limits)?;
     cross_check::cross_check(&scan, bytes).map_err(|fault| fault.of_file())?;
     let mut notes = Vec::new();
     if scan.short_face_count > 0 {
@@ -35,9 +35,12 @@ pub fn read(bytes: &[u8], wants_double: bool, limits: &Limits) -> Result<Mesh, L
         ));
     }
     let is_grouped = scan.objects.len() == 1 && scan.group_count > 0;
-    let positions = match scan.doubles {
-        Some(doubles) => Positions::Double(doubles),
-        None => Positions::Single(scan.positions),
+    let positions = if wants_double {
+        // One after the other, for the sake of memory.
+        drop(scan.positions);
+        Positions::Double(scan::doubles(bytes)?)
+    } else {
+        Positions::Single(scan.positions)
     };
     Ok(Mesh {
         loose: scan.loose,

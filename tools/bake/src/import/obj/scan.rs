@@ -36,8 +36,6 @@ const PART_BYTES: usize = 4 << 20;
 pub struct Scan {
     /// Position of each `v` line, in file order, all finite.
     pub positions: Vec<[f32; 3]>,
-    /// The same with the digits of f64, where they are wanted.
-    pub doubles: Option<Vec<[f64; 3]>>,
     /// `f` elements: zero-based numbers of `v` lines, all in range.
     pub faces: Polygons,
     /// References of `l` and `p` elements, likewise.
@@ -65,18 +63,18 @@ pub fn text_of(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)
 }
 
-/// Reads the geometry of an OBJ file; `wants_double` keeps the digits of f64 too.
+/// Reads the geometry of an OBJ file.
 ///
 /// # Errors
 /// The first fault in the file, with its line; references that are too large come after all others.
 ///
 /// # Complexity
 /// O(bytes), shared by the threads of the pool; memory a small multiple of the file.
-pub fn scan(bytes: &[u8], wants_double: bool, limits: &Limits) -> Result<Scan, LineFault> {
-    scan_in_parts(bytes, wants_double, limits, PART_BYTES)
+pub fn scan(bytes: &[u8], limits: &Limits) -> Result<Scan, LineFault> {
+    scan_in_parts(bytes, limits, PART_BYTES)
 }
 
-fn scan_in_parts(bytes: &[u8], wants_double: bool, limits: &Limits, part_bytes: usize) -> Result<Scan, LineFault> {
+fn scan_in_parts(bytes: &[u8], limits: &Limits, part_bytes: usize) -> Result<Scan, LineFault> {
     let text = text_of(bytes);
     if text.starts_with(b"\xFF\xFE") || text.starts_with(b"\xFE\xFF") {
         return Err(Fault::Utf16.of_file());
@@ -101,16 +99,10 @@ fn scan_in_parts(bytes: &[u8], wants_double: bool, limits: &Limits, part_bytes: 
         return Err(Fault::TooManyVertices.of_file());
     }
     let read = |(part, (vertices, lines)): (&&[u8], (usize, usize))| {
-        let mut scan = Scan {
-            doubles: wants_double.then(Vec::new),
-            vertices_before: vertices,
-            object_limit: limits.objects,
-            ..Scan::default()
-        };
+        let mut scan = Scan { vertices_before: vertices, object_limit: limits.objects, ..Scan::default() };
         scan.read_part(part, lines + 1).map(|()| scan)
     };
     let mut whole = Scan {
-        doubles: wants_double.then(Vec::new),
         objects: vec![Object { name: String::new(), first_vertex: 0, first_face: 0, first_loose: 0 }],
         object_limit: limits.objects,
         ..Scan::default()
@@ -121,9 +113,6 @@ fn scan_in_parts(bytes: &[u8], wants_double: bool, limits: &Limits, part_bytes: 
         // Growing by doubling would hold the list twice at the end.
         let total = |len: fn(&Scan) -> usize| scans.iter().flatten().map(len).sum::<usize>();
         whole.positions.reserve_exact(total(|scan| scan.positions.len()));
-        if let Some(doubles) = &mut whole.doubles {
-            doubles.reserve_exact(total(|scan| scan.positions.len()));
-        }
         whole.faces.corners.reserve_exact(total(|scan| scan.faces.corners.len()));
         whole.faces.ends.reserve_exact(total(|scan| scan.faces.ends.len()));
         whole.loose.reserve_exact(total(|scan| scan.loose.len()));
@@ -215,7 +204,6 @@ impl Scan {
         for (coordinate, word) in position.iter_mut().zip(&numbers[..found.min(3)]) {
             *coordinate = parse_coordinate::<f32>(word)?;
         }
-        let mut weight = None;
         match found {
             0..3 => return Err(Fault::TooFewCoordinates { found }),
             3 | 6 => {}
@@ -230,19 +218,10 @@ impl Scan {
                         return Err(Fault::Overflow { text: excerpt(&format!("{word} / {w}")) });
                     }
                 }
-                weight = Some(numbers[3]);
             }
             _ => return Err(Fault::CoordinateCount { found }),
         }
         self.positions.push(position);
-        if let Some(doubles) = &mut self.doubles {
-            let weight = weight.map_or(Ok(1.0), parse_coordinate::<f64>)?;
-            let mut position = [0.0; 3];
-            for (coordinate, word) in position.iter_mut().zip(&numbers) {
-                *coordinate = parse_coordinate::<f64>(word)? / weight;
-            }
-            doubles.push(position);
-        }
         Ok(())
     }
 
@@ -306,13 +285,9 @@ impl Scan {
         self.has_too_many_objects |= part.has_too_many_objects;
         if vertices + faces + loose == 0 {
             // The first part, usually the only one, is taken as it is.
-            (self.positions, self.doubles, self.faces, self.loose) =
-                (part.positions, part.doubles, part.faces, part.loose);
+            (self.positions, self.faces, self.loose) = (part.positions, part.faces, part.loose);
         } else {
             self.positions.extend(part.positions);
-            if let (Some(doubles), Some(more)) = (&mut self.doubles, part.doubles) {
-                doubles.extend(more);
-            }
             self.faces.corners.extend(part.faces.corners);
             self.faces.ends.extend(part.faces.ends.iter().map(|end| end + corners as u32));
             self.loose.extend(part.loose);
@@ -323,6 +298,50 @@ impl Scan {
         self.greatest = self.greatest.max(part.greatest);
         Ok(())
     }
+}
+
+/// The positions of all `v` lines again, with the digits of f64, of a text that has been scanned without fault.
+///
+/// # Errors
+/// A weight whose f64 is zero, or a quotient that is not finite.
+///
+/// # Complexity
+/// O(bytes), shared by the threads of the pool.
+pub fn doubles(bytes: &[u8]) -> Result<Vec<[f64; 3]>, LineFault> {
+    let parts = parts(text_of(bytes), PART_BYTES);
+    let read = |part: &&[u8]| -> Result<Vec<[f64; 3]>, Fault> {
+        let mut positions = Vec::new();
+        let mut lines = Lines::new(part, 1);
+        while let Some((_, line)) = lines.next_logical() {
+            if is_other(&line) {
+                continue;
+            }
+            with_words!(&line, words => if words.next() == Some("v") {
+                positions.push(double(words.take_while(|word| !word.starts_with('#')))?);
+            });
+        }
+        Ok(positions)
+    };
+    let lists: Vec<Result<Vec<[f64; 3]>, Fault>> = parts.par_iter().map(read).collect();
+    let mut all = Vec::new();
+    all.reserve_exact(lists.iter().flatten().map(Vec::len).sum());
+    for list in lists {
+        all.extend(list.map_err(Fault::of_file)?);
+    }
+    Ok(all)
+}
+
+fn double<'a>(words: impl Iterator<Item = &'a str>) -> Result<[f64; 3], Fault> {
+    let (numbers, found) = first_words(words);
+    let weight = if found == 4 { parse_coordinate::<f64>(numbers[3])? } else { 1.0 };
+    let mut position = [0.0; 3];
+    for (coordinate, word) in position.iter_mut().zip(&numbers) {
+        *coordinate = parse_coordinate::<f64>(word)? / weight;
+        if !coordinate.is_finite() {
+            return Err(Fault::Overflow { text: excerpt(&format!("{word} / {weight}")) });
+        }
+    }
+    Ok(position)
 }
 
 /// The first four words, and how many there are.
@@ -384,24 +403,41 @@ mod tests {
         for fault in ["", "f 1 0\n", "f 900 1\n", "v 1 2\n", "l\n", "f -400\n", "surf 1\n"] {
             let text = text(fault);
             let outline = |scan: Result<Scan, LineFault>| match scan {
-                Ok(s) => Ok(format!(
-                    "{:?}",
-                    (s.positions, s.doubles, s.faces, s.loose, s.objects, s.group_count, s.free_form_line)
-                )),
+                Ok(s) => {
+                    Ok(format!("{:?}", (s.positions, s.faces, s.loose, s.objects, s.group_count, s.free_form_line)))
+                }
                 Err(error) => Err((error.line, error.fault.to_string())),
             };
-            let whole = outline(scan_in_parts(text.as_bytes(), true, &limits, usize::MAX));
+            let whole = outline(scan_in_parts(text.as_bytes(), &limits, usize::MAX));
             for size in [1, 7, 64, 500] {
-                assert_eq!(outline(scan_in_parts(text.as_bytes(), true, &limits, size)), whole, "{fault} in {size}");
+                assert_eq!(outline(scan_in_parts(text.as_bytes(), &limits, size)), whole, "{fault} in {size}");
             }
         }
+    }
+
+    #[test]
+    fn doubles_round_to_the_floats() {
+        let text = text("v 3 6 9 0.3\n");
+        let scan = scan(text.as_bytes(), &Limits::DEFAULT).unwrap();
+        let doubles = doubles(text.as_bytes()).unwrap();
+        assert_eq!(doubles.len(), scan.positions.len());
+        let mut weighted_count = 0;
+        for (double, single) in doubles.iter().zip(&scan.positions) {
+            let rounded = double.map(|x| x as f32);
+            // Quotients of floats are rounded twice.
+            let is_weighted = rounded != *single;
+            weighted_count += usize::from(is_weighted);
+            assert!(rounded.iter().zip(single).all(|(a, b)| (a - b).abs() <= 2e-7 * b.abs()), "{double:?} {single:?}");
+        }
+        assert!(weighted_count <= 41, "{weighted_count}");
+        assert!(doubles.iter().any(|v| v[1] == 0.1));
     }
 
     #[test]
     fn objects_beyond_the_limit_are_joined() {
         let limits = Limits { objects: 3, ..Limits::DEFAULT };
         for size in [1, 64, usize::MAX] {
-            let scan = scan_in_parts(text("").as_bytes(), false, &limits, size).unwrap();
+            let scan = scan_in_parts(text("").as_bytes(), &limits, size).unwrap();
             assert!(scan.has_too_many_objects && scan.objects.len() == 4, "{size}");
         }
     }

@@ -16,6 +16,12 @@ use super::mesh::{Mesh, Polygons, Positions};
 use body::Body;
 use header::{Element, Encoding, Header, Scalar};
 
+/// Vertices that any file may have; beyond, each must have taken [`VERTEX_BYTES`].
+const FREE_VERTICES: u64 = 1 << 20;
+
+/// Bytes of a vertex: three shorts, or three digits with their blanks. It becomes 45 bytes in memory.
+const VERTEX_BYTES: usize = 6;
+
 /// Corners of strips that any file may have; beyond, each must have taken [`STRIP_BYTES_A_CORNER`].
 const FREE_STRIP_CORNERS: usize = 1 << 22;
 
@@ -44,6 +50,13 @@ pub fn read(bytes: &[u8], wants_double: bool) -> Result<Mesh, LineFault> {
     }
     if vertex.count > u64::from(u32::MAX - 1) {
         return Err(Fault::TooManyVertices.of_file());
+    }
+    if vertex.count > FREE_VERTICES.max((bytes.len() / VERTEX_BYTES) as u64) {
+        return Err(Fault::format(format!(
+            "{} vertices of less than {VERTEX_BYTES} bytes each, or the file was cut off: write coordinates as floats",
+            vertex.count
+        ))
+        .of_file());
     }
     let vertex_count = vertex.count as u32;
     let most_strip_corners = (bytes.len() / STRIP_BYTES_A_CORNER).max(FREE_STRIP_CORNERS);

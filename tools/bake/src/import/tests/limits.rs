@@ -69,18 +69,7 @@ fn cases() -> Vec<Case> {
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
     let plain = |name, bytes, fate| case(name, "a.obj", WHOLE, bytes, fate);
     vec![
-        plain(
-            "face of millions of corners",
-            || {
-                repeated(SQUARE, " 1", "\n")
-                    .iter()
-                    .enumerate()
-                    .map(|(at, &b)| if at == SQUARE.len() { b'f' } else { b })
-                    .collect()
-            },
-            Fails("vertex reference"),
-        ),
-        plain("face of millions of corners, in order", || repeated("v 0 0 0\nf", " 1", "\n"), Works { points: 1 }),
+        plain("face of millions of corners", || repeated("v 0 0 0\nf", " 1", "\n"), Works { points: 1 }),
         plain("element of millions of corners", || repeated("v 0 0 0\np", " 1", "\n"), Works { points: 1 }),
         plain("remark of one long line", || repeated("v 1 2 3\n#", "remark ", "\nv 1 2 4"), Works { points: 2 }),
         plain("vertex with a long remark", || repeated("v 1 2 3 #", "remark ", "\n"), Works { points: 1 }),
@@ -100,6 +89,7 @@ fn cases() -> Vec<Case> {
             || counted(|i, t| write!(t, "v {} {} 0\n", i % 1000, i / 1000 % 10_000).unwrap()),
             Works { points: 0 },
         ),
+        plain("shortest vertices", || repeated("", "v 0 0 0\n", ""), Works { points: 0 }),
         case("short vertices, recentred", "a.obj", recentred, || repeated("", "v 0 0 0\n", ""), Works { points: 0 }),
         plain("short points", || repeated("v 0 0 0\n", "p 1\n", ""), Works { points: 1 }),
         plain("short faces", || repeated("v 0 0 0\n", "f 1\n", ""), Works { points: 1 }),
@@ -130,7 +120,7 @@ fn cases() -> Vec<Case> {
             || {
                 b"ply\nformat ascii 1.0\nelement vertex 1000000000000000000\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n".to_vec()
             },
-            Fails("claims 1000000000000000000"),
+            Fails("more than 4294967294 vertices"),
         ),
         case(
             "PLY of a billion vertices",
@@ -139,7 +129,7 @@ fn cases() -> Vec<Case> {
             || {
                 b"ply\nformat binary_little_endian 1.0\nelement vertex 1000000000\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n".to_vec()
             },
-            Fails("claims 1000000000"),
+            Fails("1000000000 vertices of less than 6 bytes each, or the file was cut off"),
         ),
         case(
             "PLY of endless nothing",
@@ -291,13 +281,13 @@ fn cases() -> Vec<Case> {
             || scene(r#"{"children":[1]},{"children":[0],"mesh":0}"#, "0"),
             Fails("its own ancestor"),
         ),
-        case("glTF of deep brackets", "a.gltf", WHOLE, || repeated("{\"asset\":", "[", ""), Fails("recursion limit")),
+        case("glTF of deep brackets", "a.gltf", WHOLE, || repeated("{\"asset\":", "[", ""), Fails("expected a string")),
         case(
             "glTF of deep brackets in what is not read",
             "a.gltf",
             WHOLE,
             || repeated("{\"extras\":", "[", ""),
-            Fails("recursion limit"),
+            Fails("EOF while parsing a list"),
         ),
         case(
             "GLB that repeats a mesh",
@@ -343,6 +333,7 @@ fn great_and_false_files_take_no_more_memory_than_promised() {
         println!("skipped: memory is measured on Linux alone");
         return;
     }
+    let mut failed = Vec::new();
     for (number, case) in cases().iter().enumerate() {
         let output = Command::new(std::env::current_exe().unwrap())
             .args(["--exact", "import::tests::limits::one_file", "--ignored", "--nocapture", "--test-threads=1"])
@@ -350,10 +341,20 @@ fn great_and_false_files_take_no_more_memory_than_promised() {
             .output()
             .unwrap();
         let text = String::from_utf8_lossy(&output.stdout);
-        let said = text.lines().find(|line| line.starts_with("import of")).unwrap_or_default();
+        let said = text.lines().find_map(|line| line.find("import of").map(|at| &line[at..])).unwrap_or_default();
         println!("{}: {said}", case.name);
-        assert!(output.status.success(), "{}: {text}{}", case.name, String::from_utf8_lossy(&output.stderr));
+        if !output.status.success() {
+            failed.push(format!("{}: {text}{}", case.name, String::from_utf8_lossy(&output.stderr)));
+        }
     }
+    assert!(
+        failed.is_empty(),
+        "{}",
+        failed.join(
+            "
+"
+        )
+    );
 }
 
 #[test]
@@ -383,7 +384,8 @@ fn one_file() {
         }
         (_, result) => panic!("{result:?}"),
     }
-    assert!(peak <= MEMORY_FACTOR * length + MEMORY_BASE, "{peak} bytes for {length}");
+    let base = if length >= SIZE as u64 { 0 } else { MEMORY_BASE };
+    assert!(peak <= MEMORY_FACTOR * length + base, "{peak} bytes for {length}");
 }
 
 /// A number of bytes that the system knows of this process.

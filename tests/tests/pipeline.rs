@@ -1,0 +1,420 @@
+//! `bake build` as a part of a project: what it bakes again and what not, its configuration, depfiles, and what it leaves.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use hullmap_tests::command::{Run, bake_in, binary};
+use serde_json::Value;
+use tempfile::TempDir;
+
+const CUBE: &str =
+    "o cube\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\nf 1 2 4 3\nf 5 6 8 7\n";
+
+/// A folder with these files.
+fn folder(files: &[(&str, &str)]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        write(&folder, name, text);
+    }
+    folder
+}
+
+fn write(folder: &TempDir, name: &str, text: &str) {
+    let path = folder.path().join(name);
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    fs::write(path, text).unwrap();
+}
+
+fn bake(folder: &TempDir, line: &str) -> Run {
+    bake_in(folder.path(), line.split_whitespace())
+}
+
+/// `pack: status` of each row, in order.
+fn statuses(run: &Run) -> Vec<String> {
+    let text = |value: &Value| value.as_str().unwrap().to_owned();
+    run.json().iter().map(|row| format!("{}: {}", text(&row["output"]), text(&row["status"]))).collect()
+}
+
+/// All files below a folder, relative to it, sorted.
+fn files(folder: &Path) -> Vec<String> {
+    fn walk(folder: &Path, root: &Path, found: &mut Vec<String>) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                walk(&path, root, found);
+            } else {
+                found.push(path.strip_prefix(root).unwrap().to_str().unwrap().to_owned());
+            }
+        }
+    }
+    let mut found = Vec::new();
+    walk(folder, folder, &mut found);
+    found.sort();
+    found
+}
+
+/// Flips a bit in the middle of a file.
+fn damage(path: PathBuf) {
+    let mut bytes = fs::read(&path).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(path, bytes).unwrap();
+}
+
+#[test]
+fn a_check_bakes_nothing_and_names_what_is_stale_and_why() {
+    let folder = folder(&[("in/a.obj", CUBE), ("in/b.obj", CUBE), ("in/c.obj", CUBE), ("in/d/e.obj", CUBE)]);
+    let run = bake(&folder, "build in --out o --check --json").expect(1);
+    assert!(run.json().iter().all(|row| row["status"] == "missing"));
+    assert!(!folder.path().join("o").exists(), "nothing was made");
+    bake(&folder, "build in --out o").expect(0);
+    assert_eq!(bake(&folder, "build in --out o --check").expect(0).stdout, "4 fresh, 0 stale, 0 missing\n");
+
+    // Time stamps say nothing: a touched source is fresh, one changed under its old stamp is not.
+    let b = folder.path().join("in/b.obj");
+    let stamp = fs::metadata(&b).unwrap().modified().unwrap();
+    write(&folder, "in/a.obj", CUBE);
+    write(&folder, "in/b.obj", &CUBE.replace("1 1 1", "1 1 2"));
+    fs::File::options().write(true).open(&b).unwrap().set_modified(stamp).unwrap();
+    damage(folder.path().join("o/c.hullmap"));
+    fs::remove_file(folder.path().join("o/d/e.hullmap")).unwrap();
+    let before: Vec<Vec<u8>> = files(folder.path()).iter().map(|f| fs::read(folder.path().join(f)).unwrap()).collect();
+    let run = bake(&folder, "build in --out o --check --json").expect(1);
+    let expected = ["o/a.hullmap: fresh", "o/b.hullmap: stale", "o/c.hullmap: stale", "o/d/e.hullmap: missing"];
+    assert_eq!(statuses(&run), expected);
+    for (place, reason) in [(1, "the source has changed"), (2, "checksum"), (3, "there is no pack yet")] {
+        assert!(run.json()[place]["reason"].as_str().unwrap().contains(reason), "{}", run.stdout);
+    }
+    let table = bake(&folder, "build in --out o --check").expect(1).stdout;
+    assert!(table.contains("stale") && table.contains("o/c.hullmap") && table.contains("checksum"), "{table}");
+    assert!(!table.contains("o/a.hullmap") && table.ends_with("1 fresh, 2 stale, 1 missing\n"), "{table}");
+    let after: Vec<Vec<u8>> = files(folder.path()).iter().map(|f| fs::read(folder.path().join(f)).unwrap()).collect();
+    assert_eq!(before, after, "a check changes nothing");
+
+    let run = bake(&folder, "build in --out o --check --json --index compact").expect(1);
+    let reason = run.json()[0]["reason"].as_str().unwrap().to_owned();
+    assert!(reason.contains("index tree`") && reason.contains("index compact`"), "{reason}");
+    assert_eq!(
+        bake(&folder, "build in --out o").expect(0).stdout.lines().last().unwrap().split(';').next(),
+        Some("3 baked, 1 fresh, 0 failed")
+    );
+    bake(&folder, "build in --out o --check").expect(0);
+}
+
+/// Every byte of a pack counts: whichever is damaged, the pack is stale.
+#[test]
+fn no_damaged_pack_passes_as_fresh() {
+    let folder = folder(&[("in/a.obj", CUBE)]);
+    bake(&folder, "build in --out o").expect(0);
+    let path = folder.path().join("o/a.hullmap");
+    let good = fs::read(&path).unwrap();
+    let places: Vec<usize> = (0..64).chain((64..good.len()).step_by(41)).collect();
+    for &place in &places {
+        let mut bad = good.clone();
+        bad[place] ^= 1 << (place % 8);
+        fs::write(&path, bad).unwrap();
+        let run = bake(&folder, "build in --out o --check --json").expect(1);
+        assert_eq!(run.json()[0]["status"], "stale", "byte {place}");
+    }
+    for bad in [&good[..good.len() - 1], &good[..64], &good[..7], &[]] {
+        fs::write(&path, bad).unwrap();
+        bake(&folder, "build in --out o --check").expect(1);
+    }
+    bake(&folder, "build in --out o").expect(0);
+    assert_eq!(fs::read(&path).unwrap(), good);
+}
+
+#[test]
+fn packs_without_a_source_are_named_and_removed_only_if_asked_for() {
+    let folder = folder(&[
+        ("in/a.obj", CUBE),
+        ("in/gone.obj", CUBE),
+        ("in/deep/er/gone.obj", CUBE),
+        ("other/mesh.obj", CUBE),
+        ("o/notes.hullmap", "no pack at all"),
+        ("o/deep/readme.txt", "mine"),
+    ]);
+    bake(&folder, "build in --out o").expect(0);
+    bake(&folder, "build other --out o").expect(0);
+    fs::remove_file(folder.path().join("in/gone.obj")).unwrap();
+    fs::remove_dir_all(folder.path().join("in/deep")).unwrap();
+    let whole = files(&folder.path().join("o"));
+    for line in ["build in --out o --json", "build in --out o --check --json"] {
+        let run = bake(&folder, line).expect(0);
+        let expected = ["o/a.hullmap: fresh", "o/deep/er/gone.hullmap: orphaned", "o/gone.hullmap: orphaned"];
+        assert_eq!(statuses(&run), expected, "another build's packs are its own");
+        assert!(run.stderr.contains("o/gone.hullmap: its source ../in/gone.obj is gone (--prune removes it)"));
+        assert_eq!(files(&folder.path().join("o")), whole);
+    }
+    bake(&folder, "build in --out o --check --prune").expect(1);
+    bake(&folder, "build in/a.obj --out o --prune").expect(0);
+    assert_eq!(files(&folder.path().join("o")), whole, "neither a check nor a build of files removes anything");
+    let run = bake(&folder, "build in --out o --prune --json").expect(0);
+    assert_eq!(statuses(&run), ["o/a.hullmap: fresh", "o/deep/er/gone.hullmap: pruned", "o/gone.hullmap: pruned"]);
+    let left = ["a.hullmap", "deep/readme.txt", "mesh.hullmap", "notes.hullmap"];
+    assert_eq!(files(&folder.path().join("o")), left);
+    assert!(!folder.path().join("o/deep/er").exists(), "a folder that is empty then goes too");
+    bake(&folder, "build in --out o --check --prune").expect(0);
+}
+
+/// From outside, packs record no folder of their source: they may be another build's and are not removed.
+#[test]
+fn a_pack_that_may_be_another_builds_is_not_removed() {
+    let folder = folder(&[("in/a.obj", CUBE), ("in/gone.obj", CUBE), ("elsewhere/x", "")]);
+    let outside = |words: &str| bake_in(&folder.path().join("elsewhere"), words.split_whitespace());
+    outside("build ../in --out ../o").expect(0);
+    fs::remove_file(folder.path().join("in/gone.obj")).unwrap();
+    let run = outside("build ../in --out ../o --prune").expect(0);
+    assert!(run.stderr.contains("not removed"), "{}", run.stderr);
+    assert!(folder.path().join("o/gone.hullmap").exists());
+    // Beside their sources there is no doubt.
+    outside("build ../in --out ../in").expect(0);
+    fs::remove_file(folder.path().join("in/a.obj")).unwrap();
+    write(&folder, "in/b.obj", CUBE);
+    outside("build ../in --out ../in --prune").expect(0);
+    assert_eq!(files(&folder.path().join("in")), ["b.hullmap", "b.obj"]);
+}
+
+#[test]
+fn options_come_from_hullmap_toml_by_rule_and_flags_win() {
+    let toml = "[defaults]\nindex = \"none\"\n\n[[rule]]\nfiles = \"props/*\"\nsplit = \"object\"\nindex = \"binary\"\n\n\
+                [[rule]]\nfiles = \"*_all.obj\"\nvertices = \"all\"\n";
+    let folder = folder(&[
+        ("in/a.obj", CUBE),
+        ("in/props/b.obj", CUBE),
+        ("in/props/c_all.obj", CUBE),
+        ("in/hullmap.toml", toml),
+    ]);
+    let options = |line: &str| -> Vec<String> {
+        let rows = bake(&folder, line).expect(0).json();
+        rows.iter().map(|row| row["options"].as_str().unwrap().to_owned()).collect()
+    };
+    let expected = [
+        "split none, vertices referenced, index none",
+        "split object, vertices referenced, index binary",
+        "split object, vertices all, index binary",
+    ];
+    assert_eq!(options("build in --out o --json"), expected);
+    let inspected = bake(&folder, "inspect o --json").expect(0).json();
+    let recorded: Vec<&str> = inspected.iter().map(|report| report["options"].as_str().unwrap()).collect();
+    assert_eq!(recorded, expected, "what is told is what is recorded");
+    assert_eq!(options("build in/props --out o2 --json"), expected[1..], "however the mesh is named");
+    let flags = options("build in --out o3 --index compact --json");
+    assert!(flags.iter().all(|text| text.ends_with("index tree 32")) && flags[1].starts_with("split object"));
+    assert!(options("build in --out o4 --no-config --json").iter().all(|text| text.ends_with("index tree 8")));
+    write(&folder, "conf/other.toml", "[defaults]\nindex = \"cubemap\"\nresolution = 3\n");
+    let other = options("build in --out o5 --config conf/other.toml --json");
+    assert!(other.iter().all(|text| text.ends_with("index cubemap 3")), "{other:?}");
+
+    // A rule that changes makes its own meshes stale and no others; a remark none.
+    write(&folder, "in/hullmap.toml", &format!("# remark\n{}", toml.replace("vertices = \"all\"", "index = \"none\"")));
+    let run = bake(&folder, "build in --out o --json").expect(0);
+    let expected = ["o/a.hullmap: fresh", "o/props/b.hullmap: fresh", "o/props/c_all.hullmap: baked"];
+    assert_eq!(statuses(&run), expected);
+}
+
+#[test]
+fn a_wrong_hullmap_toml_ends_before_any_work() {
+    let folder = folder(&[("in/a.obj", CUBE), ("in/sub/b.obj", CUBE)]);
+    for (text, expected) in [
+        ("[defaults]\n\nsplti = \"none\"\n", "in/sub/hullmap.toml:3: unknown key `splti`; did you mean `split`?"),
+        ("[defaults]\nindex = \"tre\"\n", "in/sub/hullmap.toml:2: index = \"tre\": expected one of tree, "),
+        ("[defaults\n", "in/sub/hullmap.toml:1: no TOML: "),
+    ] {
+        write(&folder, "in/sub/hullmap.toml", text);
+        let run = bake(&folder, "build in --out o").expect(2);
+        assert!(run.stderr.contains(expected) && run.stdout.is_empty(), "{}", run.stderr);
+        assert!(!folder.path().join("o").exists(), "nothing was made");
+    }
+    assert!(bake(&folder, "build in --out o --config no.toml").expect(2).stderr.contains("no.toml"));
+    bake(&folder, "build in --out o --no-config").expect(0);
+}
+
+#[test]
+fn init_writes_a_file_that_changes_nothing_and_never_overwrites() {
+    let folder = folder(&[("in/a.obj", CUBE)]);
+    bake(&folder, "build in --out o").expect(0);
+    let run = bake(&folder, "init in").expect(0);
+    assert!(run.stdout.starts_with("in/hullmap.toml written"), "{}", run.stdout);
+    bake(&folder, "build in --out o --check").expect(0);
+    write(&folder, "in/hullmap.toml", "# mine\n");
+    let run = bake(&folder, "init in").expect(2);
+    assert!(run.stderr.contains("in/hullmap.toml: is there already"), "{}", run.stderr);
+    assert_eq!(fs::read_to_string(folder.path().join("in/hullmap.toml")).unwrap(), "# mine\n");
+    assert!(bake(&folder, "init nowhere").expect(2).stderr.contains("nowhere"));
+    bake_in(&folder.path().join("o"), ["init"]).expect(0);
+    assert!(folder.path().join("o/hullmap.toml").exists());
+}
+
+/// Whether a program can be started; says so where it cannot.
+fn has(program: &str) -> bool {
+    let is_there = Command::new(program).arg("--version").output().is_ok();
+    if !is_there {
+        println!("skipped: there is no {program} here");
+    }
+    is_there
+}
+
+/// Names with all that Make and Ninja treat as their own.
+const NAMES: [&str; 4] = ["plain.obj", "with space.obj", "hash#tag.obj", "cash$.obj"];
+
+fn project_with_odd_names() -> TempDir {
+    let folder = folder(&[("in/hullmap.toml", "[defaults]\nindex = \"none\"\n")]);
+    for name in NAMES {
+        write(&folder, &format!("in/{name}"), CUBE);
+    }
+    folder
+}
+
+/// Make reads the depfile: a changed mesh remakes, a changed `hullmap.toml` does, nothing else does, a removed mesh is no error.
+#[test]
+fn make_understands_the_depfile() {
+    if !has("make") {
+        return;
+    }
+    let folder = project_with_odd_names();
+    let bake = binary().display();
+    let rule = format!(
+        "o/stamp:\n\t{bake} build in --out o --quiet --depfile o.d --depfile-target o/stamp && touch o/stamp\n-include o.d\n"
+    );
+    write(&folder, "Makefile", &rule);
+    let make = || {
+        let run = Command::new("make").current_dir(folder.path()).output().unwrap();
+        let said = format!("{}{}", String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
+        assert!(run.status.success(), "{said}");
+        !said.contains("up to date")
+    };
+    assert!(make() && !make());
+    let later = |name: &str| {
+        // One second on: file systems with coarse stamps see it too.
+        let stamp = fs::metadata(folder.path().join("o/stamp")).unwrap().modified().unwrap();
+        let file = fs::File::options().write(true).open(folder.path().join(name)).unwrap();
+        file.set_modified(stamp + std::time::Duration::from_secs(1)).unwrap();
+    };
+    for name in NAMES.map(|name| format!("in/{name}")).iter().map(String::as_str).chain(["in/hullmap.toml"]) {
+        later(name);
+        assert!(make(), "{name}");
+        let stamp = fs::File::options().write(true).open(folder.path().join("o/stamp")).unwrap();
+        stamp.set_modified(std::time::SystemTime::now() + std::time::Duration::from_secs(5)).unwrap();
+        assert!(!make(), "{name}");
+        stamp.set_modified(std::time::SystemTime::now()).unwrap();
+    }
+    fs::remove_file(folder.path().join("in/with space.obj")).unwrap();
+    make();
+}
+
+#[test]
+fn ninja_understands_the_depfile() {
+    if !has("ninja") {
+        return;
+    }
+    let folder = project_with_odd_names();
+    let bake = binary().display().to_string().replace('$', "$$").replace(' ', "$ ");
+    let rules = format!(
+        "rule bake\n  command = {bake} build in --out o --quiet --depfile $out.d --depfile-target $out && touch $out\n  \
+         depfile = $out.d\nbuild stamp: bake\n"
+    );
+    write(&folder, "build.ninja", &rules);
+    let ninja = || {
+        let run = Command::new("ninja").current_dir(folder.path()).output().unwrap();
+        let said = format!("{}{}", String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
+        assert!(run.status.success(), "{said}");
+        !said.contains("no work to do")
+    };
+    assert!(ninja() && !ninja());
+    for name in NAMES.map(|name| format!("in/{name}")).iter().map(String::as_str).chain(["in/hullmap.toml"]) {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        let text = fs::read_to_string(folder.path().join(name)).unwrap();
+        write(&folder, name, &text);
+        assert!(ninja(), "{name}");
+        assert!(!ninja(), "{name}");
+    }
+    fs::remove_file(folder.path().join("in/with space.obj")).unwrap();
+    assert!(ninja());
+}
+
+#[test]
+fn a_depfile_names_the_sources_of_each_pack() {
+    let folder = folder(&[("in/a.obj", CUBE), ("in/b.obj", CUBE), ("in/hullmap.toml", "")]);
+    bake(&folder, "build in --out o --depfile deps.d").expect(0);
+    let text = fs::read_to_string(folder.path().join("deps.d")).unwrap();
+    assert!(text.starts_with("o/a.hullmap: \\\n  in/a.obj \\\n  in/hullmap.toml\no/b.hullmap: \\\n"), "{text}");
+    let run = bake(&folder, "build in --out o --depfile no/deps.d").expect(2);
+    assert!(run.stderr.contains("no/deps.d: cannot write the depfile"), "{}", run.stderr);
+}
+
+#[test]
+fn quiet_prints_errors_alone_and_verbose_lists_what_is_fresh() {
+    let folder = folder(&[("in/a.obj", "v 0 0 0\nv 1 0 0\nv 1 0 0\n"), ("bad/b.obj", "v 0 0\n")]);
+    let run = bake(&folder, "build in --out o --quiet").expect(0);
+    assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""));
+    let run = bake(&folder, "build bad --out o --quiet").expect(1);
+    assert!(run.stdout.is_empty() && run.stderr.starts_with("error: bad/b.obj:1: "), "{run:?}");
+    let run = bake(&folder, "build in --out o").expect(0);
+    assert!(!run.stdout.contains("in/a.obj") && run.stdout.starts_with("0 baked, 1 fresh"), "{}", run.stdout);
+    assert!(bake(&folder, "build in --out o --verbose").expect(0).stdout.contains("in/a.obj"));
+    assert_eq!(bake(&folder, "build in --out o --quiet --json").expect(0).json().len(), 1);
+}
+
+/// What cannot be read or written exits with 2, and the others are baked all the same.
+#[test]
+fn an_output_that_cannot_be_written_is_no_fault_of_the_mesh() {
+    let folder = folder(&[("in/a.obj", CUBE), ("in/sub/b.obj", CUBE), ("o/sub", "a file where a folder must be")]);
+    let run = bake(&folder, "build in --out o --json").expect(2);
+    assert_eq!(statuses(&run), ["o/a.hullmap: baked", "o/sub/b.hullmap: failed"]);
+    assert!(run.stderr.contains("o/sub/b.hullmap: cannot write: "), "{}", run.stderr);
+    assert_eq!(files(&folder.path().join("o")), ["a.hullmap", "sub"]);
+    // A pack's place that is taken by a folder.
+    write(&folder, "p/a.hullmap/x", "");
+    let run = bake(&folder, "build in/a.obj --out p").expect(2);
+    assert!(run.stderr.contains("p/a.hullmap"), "{}", run.stderr);
+    assert_eq!(files(&folder.path().join("p")), ["a.hullmap/x"], "no temporary file is left");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_folder_without_permission_is_told_as_such() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder(&[("in/a.obj", CUBE), ("o/x", "")]);
+    let out = folder.path().join("o");
+    fs::set_permissions(&out, fs::Permissions::from_mode(0o555)).unwrap();
+    if fs::write(out.join("probe"), "").is_ok() {
+        println!("skipped: this user may write anywhere");
+        return;
+    }
+    let run = bake(&folder, "build in --out o").expect(2);
+    assert!(run.stderr.contains("o/a.hullmap: cannot write: Permission denied"), "{}", run.stderr);
+    fs::set_permissions(&out, fs::Permissions::from_mode(0o755)).unwrap();
+    let source = folder.path().join("in/a.obj");
+    fs::set_permissions(&source, fs::Permissions::from_mode(0o000)).unwrap();
+    let run = bake(&folder, "build in --out o").expect(2);
+    assert!(run.stderr.contains("in/a.obj: cannot read: Permission denied"), "{}", run.stderr);
+}
+
+#[test]
+fn an_output_folder_inside_the_input_is_never_taken_for_input() {
+    let folder = folder(&[("in/a.obj", CUBE), ("in/sub/b.obj", CUBE)]);
+    for _ in 0..3 {
+        bake(&folder, "build in --out in/baked --prune").expect(0);
+    }
+    let expected = ["a.obj", "baked/a.hullmap", "baked/sub/b.hullmap", "sub/b.obj"];
+    assert_eq!(files(&folder.path().join("in")), expected);
+    bake(&folder, "build in --out in --prune").expect(0);
+    bake(&folder, "build in --out in/baked --check --prune").expect(0);
+    bake(&folder, "verify in --require-source").expect(0);
+}
+
+#[test]
+fn completions_for_every_shell_name_the_subcommands() {
+    let folder = folder(&[]);
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let run = bake(&folder, &format!("completions {shell}")).expect(0);
+        for word in ["build", "inspect", "up-axis", "completions"] {
+            assert!(run.stdout.contains(word), "{shell} without {word}");
+        }
+    }
+    assert!(bake(&folder, "completions tcsh").expect(2).stderr.contains("Usage: bake completions"));
+}
