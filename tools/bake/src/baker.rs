@@ -3,6 +3,7 @@
 use hullmap_bake::{BakedHull, IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
 use rayon::prelude::*;
 
+use crate::import::advice::{self, HullFacts};
 use crate::options::BuildOptions;
 
 /// A pack in memory.
@@ -16,6 +17,8 @@ pub struct BakedPack {
     pub vertex_count: usize,
     /// What the user may want to know of the bake.
     pub notes: Vec<String>,
+    /// What the user should look at.
+    pub warnings: Vec<String>,
 }
 
 /// Builds, certifies and indexes a hull of each point set, and puts them into one pack.
@@ -35,7 +38,22 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
     if let IndexKind::Budget { bytes_per_vertex } = options.index {
         notes.extend(hulls.iter().map(|baked| budget_note(baked, bytes_per_vertex)));
     }
-    Ok(BakedPack { bytes, ranks, vertex_count, notes })
+    let warnings = hulls.iter().flat_map(|baked| advice::of_hull(&facts(baked))).collect();
+    Ok(BakedPack { bytes, ranks, vertex_count, notes, warnings })
+}
+
+/// What warnings are given by.
+fn facts(baked: &BakedHull) -> HullFacts<'_> {
+    let coordinates = baked.hull.vertices.iter().flatten();
+    HullFacts {
+        name: &baked.name,
+        rank: baked.hull.rank,
+        point_count: baked.point_count,
+        vertex_count: baked.hull.vertices.len(),
+        diameter: baked.hull.diameter,
+        inner_radius: baked.interior.inner_radius,
+        greatest_coordinate: coordinates.map(|x| f64::from(x.abs())).fold(0.0, f64::max),
+    }
 }
 
 /// Which index a budget bought.

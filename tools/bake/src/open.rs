@@ -1,11 +1,8 @@
 //! Opening packs, with errors that know the exit code.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use hullmap::{OpenError, Pack};
-use hullmap_format::header::{HEADER_LEN, Header};
 
 use crate::outcome::Failure;
 
@@ -24,11 +21,4 @@ pub fn open_pack(path: &Path) -> Result<Pack, Failure> {
         OpenError::Io { .. } => Failure::usage(format!("{error}; check the path")),
         OpenError::Invalid { .. } => Failure::wanting(error.to_string()),
     })
-}
-
-/// Reads a pack's header alone. `None` where there is no file, or none with a header of this format version.
-pub fn read_header(path: &Path) -> Option<Header> {
-    let mut bytes = [0; HEADER_LEN];
-    File::open(path).ok()?.read_exact(&mut bytes).ok()?;
-    Header::read(&bytes).ok()
 }

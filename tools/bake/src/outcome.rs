@@ -47,12 +47,25 @@ impl fmt::Display for Failure {
     }
 }
 
-/// Writing to standard output failed. A reader that has gone away (`bake … | head`) is not worth a message.
+/// Writing to standard output failed. A reader that has gone away (`bake … | head`) has all it wanted: that ends the
+/// command quietly and well.
 impl From<std::io::Error> for Failure {
     fn from(error: std::io::Error) -> Self {
         match error.kind() {
-            std::io::ErrorKind::BrokenPipe => Self::usage(""),
+            std::io::ErrorKind::BrokenPipe => Self { exit: Exit::Done, message: String::new() },
             _ => Self::usage(format!("cannot write the results: {error}")),
         }
+    }
+}
+
+/// The result of a command that ends with `exit` once `written` tells that its answer is out. A reader that has gone away
+/// changes nothing about how the work itself ended.
+///
+/// # Errors
+/// The answer could not be written.
+pub fn end(exit: Exit, written: Result<(), Failure>) -> Result<Exit, Failure> {
+    match written {
+        Err(failure) if !failure.message.is_empty() => Err(failure),
+        _ => Ok(exit),
     }
 }

@@ -1,44 +1,126 @@
 //! Writing a pack so that nobody ever sees half of one, and the way back from it to its source.
+//!
+//! A pack is written to a temporary file beside its place, synced, and renamed. The temporary file is locked while its
+//! process lives: [`sweep`] removes those that a killed process left, and no others.
 
 use std::ffi::OsStr;
+use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
 
 use tempfile::{Builder, NamedTempFile};
 
+use crate::interrupt;
+
+/// How often a temporary file is made anew after a sweep took it in the moment before it was locked.
+const MOST_ATTEMPTS: usize = 100;
+
+/// End of a temporary file's name; it starts with a point and the pack's name.
+const SUFFIX: &str = ".tmp";
+
+/// What a pack's name ends in.
+const PACK: &str = ".hullmap";
+
+/// A whole file on the disk beside its place. Dropped, it vanishes.
+#[derive(Debug)]
+pub struct Unplaced {
+    /// `None` once it is in place.
+    file: Option<NamedTempFile>,
+    path: PathBuf,
+}
+
+impl Unplaced {
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Drop for Unplaced {
+    fn drop(&mut self) {
+        if let Some(file) = self.file.take() {
+            interrupt::settle(&self.path, || drop(file));
+        }
+    }
+}
+
 /// Writes `bytes` to a temporary file beside `target`, down to the disk. It vanishes unless [`put_in_place`] is called.
 ///
 /// # Errors
 /// The folder cannot be written to.
-pub fn write_beside(target: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
+pub fn write_beside(target: &Path, bytes: &[u8]) -> io::Result<Unplaced> {
+    let mut unplaced = make_locked(target)?;
+    if let Some(file) = &mut unplaced.file {
+        file.write_all(bytes)?;
+        file.as_file().sync_all()?;
+    }
+    Ok(unplaced)
+}
+
+/// A temporary file that no sweep takes.
+fn make_locked(target: &Path) -> io::Result<Unplaced> {
     let name = target.file_name().unwrap_or(OsStr::new("pack"));
     let mut prefix = OsStr::new(".").to_owned();
     prefix.push(name);
     let mut builder = Builder::new();
-    builder.prefix(&prefix).suffix(".tmp");
+    builder.prefix(&prefix).suffix(SUFFIX);
     #[cfg(unix)]
     {
         // Temporary files are private by default; a pack is a file like any other, and the umask decides.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    let mut file = builder.tempfile_in(folder_of(target))?;
-    file.write_all(bytes)?;
-    file.as_file().sync_all()?;
-    Ok(file)
+    for _ in 0..MOST_ATTEMPTS {
+        let file = interrupt::make(|| builder.tempfile_in(folder_of(target)), NamedTempFile::path)?;
+        let unplaced = Unplaced { path: file.path().to_owned(), file: Some(file) };
+        // A file system without locks has no sweep either: it cannot lock what it finds.
+        let is_locked = unplaced.file.as_ref().is_some_and(|file| file.as_file().lock().is_ok());
+        if !is_locked || unplaced.path.exists() {
+            return Ok(unplaced);
+        }
+    }
+    Err(io::Error::other("another process keeps removing the temporary file"))
 }
 
 /// Renames a temporary file to `target`, over what was there.
 ///
 /// # Errors
 /// The rename failed; the temporary file is gone and `target` is as it was.
-pub fn put_in_place(file: NamedTempFile, target: &Path) -> io::Result<()> {
-    file.persist(target).map_err(|error| error.error)?;
+pub fn put_in_place(mut unplaced: Unplaced, target: &Path) -> io::Result<()> {
+    if let Some(file) = unplaced.file.take() {
+        interrupt::settle(&unplaced.path, || file.persist(target).map(drop)).map_err(|error| error.error)?;
+    }
     // The rename itself reaches the disk with the folder. Not every system lets one open a folder: best effort.
-    if let Ok(folder) = std::fs::File::open(folder_of(target)) {
+    if let Ok(folder) = File::open(folder_of(target)) {
         let _ = folder.sync_all();
     }
     Ok(())
+}
+
+/// Removes the temporary files that processes which live no more left in `folder`.
+pub fn sweep(folder: &Path) {
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return;
+    };
+    for entry in entries.flatten() {
+        if is_temporary(&entry.file_name()) {
+            let path = entry.path();
+            let Ok(file) = OpenOptions::new().read(true).write(true).open(&path) else {
+                continue;
+            };
+            if file.try_lock().is_ok() {
+                let _ = std::fs::remove_file(&path);
+            }
+        }
+    }
+}
+
+/// Whether a file of this name can only be one of ours: `.rock.hullmapAbCdEf.tmp`.
+fn is_temporary(name: &OsStr) -> bool {
+    let name = name.to_string_lossy();
+    let middle = name.strip_prefix('.').and_then(|name| name.strip_suffix(SUFFIX));
+    let random = middle.and_then(|middle| middle.rsplit_once(PACK)).map(|(_, random)| random);
+    random.is_some_and(|random| random.len() == 6 && random.bytes().all(|byte| byte.is_ascii_alphanumeric()))
 }
 
 /// The folder a file is in.
@@ -141,5 +223,46 @@ mod tests {
         assert_eq!(std::fs::read(&target).unwrap(), b"two");
         assert_eq!(names(), ["x.hullmap"]);
         assert!(write_beside(&folder.path().join("no/x.hullmap"), b"").is_err());
+    }
+
+    #[test]
+    fn a_sweep_takes_what_the_dead_left_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let living = write_beside(&folder.path().join("x.hullmap"), b"living").unwrap();
+        let dead = living.path().file_name().unwrap().to_str().unwrap().replace("x.hullmap", "dead.hullmap");
+        let others = [".x.hullmap.tmp", ".notes.tmp", "x.hullmapAbCdEf.tmp", ".x.hullmapAbC-Ef.tmp", "x.hullmap"];
+        for name in others.iter().chain([&dead.as_str()]) {
+            std::fs::write(folder.path().join(name), "").unwrap();
+        }
+        sweep(folder.path());
+        assert!(!folder.path().join(&dead).exists(), "{dead}");
+        assert!(living.path().exists());
+        assert!(others.iter().all(|name| folder.path().join(name).exists()));
+        put_in_place(living, &folder.path().join("x.hullmap")).unwrap();
+        assert_eq!(std::fs::read(folder.path().join("x.hullmap")).unwrap(), b"living");
+        sweep(&folder.path().join("no such folder"));
+    }
+
+    /// A sweep between making and locking takes the file; its maker makes another.
+    #[test]
+    fn writers_and_sweepers_do_not_disturb_each_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let is_done = std::sync::atomic::AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                while !is_done.load(std::sync::atomic::Ordering::Relaxed) {
+                    sweep(folder.path());
+                }
+            });
+            for number in 0..60_u32 {
+                let target = folder.path().join(format!("{}.hullmap", number % 3));
+                put_in_place(write_beside(&target, &number.to_le_bytes()).unwrap(), &target).unwrap();
+            }
+            is_done.store(true, std::sync::atomic::Ordering::Relaxed);
+        });
+        let mut left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+        left.sort();
+        assert_eq!(left, ["0.hullmap", "1.hullmap", "2.hullmap"]);
+        assert_eq!(std::fs::read(folder.path().join("2.hullmap")).unwrap(), 59_u32.to_le_bytes());
     }
 }

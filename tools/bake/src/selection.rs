@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::outcome::Failure;
+use crate::packs::is_pack;
 
 /// Most hull names that a message lists.
 const NAMES_IN_MESSAGE: usize = 8;
@@ -17,13 +18,19 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// Takes `text` apart at its last `#`, unless a file has that whole name.
+    /// Takes `text` apart at a `#`: after the longest part that names a file; where none does, after the first one that is
+    /// called like a pack, else at the last `#`. So both files and hulls may have a `#` in their names.
     pub fn parse(text: &str) -> Self {
-        match text.rsplit_once('#') {
-            Some((file, hull)) if !Path::new(text).is_file() => {
-                Self { file: PathBuf::from(file), hull: Some(hull.to_owned()) }
-            }
-            _ => Self { file: PathBuf::from(text), hull: None },
+        let whole = || Self { file: PathBuf::from(text), hull: None };
+        if Path::new(text).is_file() {
+            return whole();
+        }
+        let cuts: Vec<(&str, &str)> = text.match_indices('#').map(|(at, _)| (&text[..at], &text[at + 1..])).collect();
+        let existing = cuts.iter().rfind(|(file, _)| Path::new(file).is_file());
+        let named = || cuts.iter().find(|(file, _)| is_pack(Path::new(file)));
+        match existing.or_else(named).or(cuts.last()) {
+            Some((file, hull)) => Self { file: PathBuf::from(file), hull: Some((*hull).to_owned()) },
+            None => whole(),
         }
     }
 
@@ -57,7 +64,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_last_hash_divides() {
+    fn hulls_and_files_may_have_a_hash_in_their_names() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["x.hullmap", "a#b.hullmap"] {
+            std::fs::write(folder.path().join(name), "").unwrap();
+        }
+        for (text, file, hull) in [
+            ("x.hullmap#left#2", "x.hullmap", "left#2"),
+            ("x.hullmap##", "x.hullmap", "#"),
+            ("x.hullmap#a.hullmap#b", "x.hullmap", "a.hullmap#b"),
+            ("a#b.hullmap#c#d", "a#b.hullmap", "c#d"),
+            ("gone.hullmap#left#2", "gone.hullmap", "left#2"),
+        ] {
+            let selection = Selection::parse(folder.path().join(text).to_str().unwrap());
+            assert_eq!(selection, Selection { file: folder.path().join(file), hull: Some(hull.to_owned()) }, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_hash_behind_a_pack_divides() {
         let selection = Selection::parse("a#b/x.hullmap#left");
         assert_eq!(selection.file, Path::new("a#b/x.hullmap"));
         assert_eq!(selection.hull.as_deref(), Some("left"));

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use hullmap_bake::PointSet;
-use hullmap_format::header::source_hash;
 
-use crate::import::import_obj;
+use crate::import::{self, EXTENSIONS, Imported, Limits, Polygons, ReadError, SourceFile};
 use crate::options::ImportOptions;
 use crate::outcome::Failure;
 use crate::pack_file::{folder_of, resolve_recorded};
+use crate::packs::PackPlace;
 
 /// A pack's source, found and imported as it was when the pack was baked.
 #[derive(Debug)]
@@ -17,12 +17,14 @@ pub struct Source {
     pub path: PathBuf,
     /// The point sets that the pack's hulls must be of, in the same order.
     pub point_sets: Vec<PointSet>,
+    /// For each set the faces over it, by the numbers of its own points.
+    pub faces: Vec<Polygons>,
 }
 
 /// What a pack says of its source.
 #[derive(Clone, Copy, Debug)]
 pub struct Recorded<'a> {
-    /// XXH3-128 of its bytes.
+    /// XXH3-128 of all bytes that it was baked from: see [`SourceFile::hash`].
     pub hash: u128,
     /// Its path relative to the pack's folder, or its name; empty where none was recorded.
     pub path: &'a str,
@@ -37,20 +39,11 @@ impl<'a> Recorded<'a> {
     }
 }
 
-/// A pack on the way to be verified: where it is, and where it lies below the folder that was named.
-#[derive(Clone, Debug)]
-pub struct PackPlace {
-    /// The pack.
-    pub path: PathBuf,
-    /// Its folder below the one that was searched; empty for a pack that was named itself.
-    pub below: PathBuf,
-}
-
 /// Finds and imports the source of a pack.
 ///
-/// `asked` is what `--source` says: the OBJ file, or a folder that holds it, mirrored or flat. Without it, the OBJ
-/// file beside the pack with the pack's stem is tried, then the recorded path. Of several files the first with the
-/// recorded hash counts. `None` if nothing was asked for and no file is there.
+/// `asked` is what `--source` says: the file, or a folder that holds it, mirrored or flat. Without it, the files beside
+/// the pack with the pack's stem and the extension of a source are tried, then the recorded path. Of several files the
+/// first with the recorded hash counts. `None` if nothing was asked for and no file is there.
 ///
 /// # Errors
 /// `--source` names nothing, or no file of the right name (usage); the files that are there have other bytes than the
@@ -67,16 +60,23 @@ pub fn find_source(place: &PackPlace, recorded: Recorded, asked: Option<&Path>) 
     };
     let mut stale = None;
     for path in candidates {
-        let bytes = match std::fs::read(&path) {
-            Ok(bytes) => bytes,
-            Err(error) if asked == Some(&path) => {
+        // What was baked once was within the limits of that time, whatever they were.
+        let source = match import::read(&path.display().to_string(), &path, &NO_LIMITS) {
+            Ok(source) => source,
+            Err(ReadError::Io(error)) if asked == Some(&path) => {
                 return Err(Failure::usage(format!("{}: cannot read the source: {error}", path.display())));
             }
-            Err(_) => continue,
+            Err(ReadError::Io(_)) => continue,
+            // A file that is there, but with a buffer gone or damaged, is not what the pack was baked from.
+            Err(ReadError::Import(error)) if asked == Some(&path) => return Err(Failure::wanting(error.to_string())),
+            Err(ReadError::Import(_)) => {
+                stale.get_or_insert(path);
+                continue;
+            }
         };
-        if source_hash(&bytes) == recorded.hash {
-            let point_sets = import(&path, &bytes, recorded.options)?;
-            return Ok(Some(Source { path, point_sets }));
+        if source.hash == recorded.hash {
+            let Imported { point_sets, faces, .. } = import(&path, &source, recorded.options)?;
+            return Ok(Some(Source { path, point_sets, faces }));
         }
         stale.get_or_insert(path);
     }
@@ -87,10 +87,11 @@ pub fn find_source(place: &PackPlace, recorded: Recorded, asked: Option<&Path>) 
             path.display()
         ))),
         (None, Some(asked)) => Err(Failure::usage(format!(
-            "{}: no source for it in {}; expected {}.obj",
+            "{}: no source for it in {}; expected {}.{}",
             place.path.display(),
             asked.display(),
-            place.path.file_stem().unwrap_or_default().display()
+            place.path.file_stem().unwrap_or_default().display(),
+            EXTENSIONS.join("|")
         ))),
         (None, None) => Ok(None),
     }
@@ -108,34 +109,35 @@ fn in_folder(place: &PackPlace, recorded: &str, folder: &Path) -> Vec<PathBuf> {
     paths
 }
 
-/// The OBJ files in `folder` with the stem of `pack`, whatever the case of their extension, sorted.
+/// The source files in `folder` with the stem of `pack`, whatever the case of their extension, sorted.
 fn with_stem(folder: &Path, pack: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return Vec::new();
     };
-    let is_source = |path: &PathBuf| {
-        path.file_stem() == pack.file_stem()
-            && path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj"))
-    };
-    let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_source).collect();
+    let is_candidate = |path: &PathBuf| path.file_stem() == pack.file_stem() && import::is_source(path);
+    let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_candidate).collect();
     paths.sort_unstable();
     paths
 }
 
-fn import(path: &Path, bytes: &[u8], recorded: &str) -> Result<Vec<PointSet>, Failure> {
+/// Nothing is too large.
+const NO_LIMITS: Limits = Limits { input_bytes: u64::MAX, objects: usize::MAX, repeated_vertices: usize::MAX };
+
+fn import(path: &Path, source: &SourceFile, recorded: &str) -> Result<Imported, Failure> {
     let name = path.display().to_string();
     let options = ImportOptions::from_recorded(recorded).ok_or_else(|| {
         Failure::wanting(format!("{name}: its pack was baked with options unknown to this version; bake it again"))
     })?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let imported = import_obj(&name, &stem, bytes, options).map_err(|e| Failure::wanting(e.to_string()))?;
-    Ok(imported.point_sets)
+    let imported = import::import(&name, &stem, path, source, &options, &NO_LIMITS);
+    imported.map_err(|error| Failure::wanting(error.to_string()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::outcome::Exit;
+    use hullmap_format::header::source_hash;
 
     const CLOUD: &str = "o a\nv 1 2 3\no b\nv 4 5 6\n";
 

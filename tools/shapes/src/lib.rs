@@ -8,6 +8,7 @@
 //! - [`families`]: `fn(n, seed) -> Vec<[f32; 3]>`, and [`families::Family`] to iterate over them by name.
 //! - [`mesh`] and [`solids`]: an indexed polygon mesh and the ways to build one.
 //! - [`obj`]: OBJ text, in the variety of dialects that real files come in.
+//! - [`gltf`], [`stl`], [`ply`]: the other formats that meshes come in.
 //! - [`models`] and [`assets`]: the committed models, and the files they become.
 //!
 //! ```
@@ -22,10 +23,13 @@
 
 pub mod assets;
 pub mod families;
+pub mod gltf;
 pub mod mesh;
 pub mod models;
 pub mod obj;
+pub mod ply;
 pub mod rng;
 pub mod solids;
+pub mod stl;
 mod turn;
 mod vector;

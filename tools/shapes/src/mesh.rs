@@ -72,6 +72,14 @@ impl Mesh {
         index
     }
 
+    /// The faces as triangles, each a fan from its first corner.
+    pub fn fans(&self) -> Vec<[u32; 3]> {
+        let fan = |face: &Vec<u32>| -> Vec<[u32; 3]> {
+            (2..face.len()).map(|corner| [face[0], face[corner - 1], face[corner]]).collect()
+        };
+        self.faces.iter().flat_map(fan).collect()
+    }
+
     /// Volume enclosed, positive where faces wind counter-clockwise seen from outside.
     ///
     /// Sums the tetrahedra from the origin to the fan of each face; that is exact (but for rounding) for a closed

@@ -1,14 +1,17 @@
-//! `bake inspect`: what a pack holds.
+//! `bake inspect`: what packs hold.
 
 use std::io::Write;
 
-use hullmap::{Hull, IndexKind};
+use hullmap::{Hull, IndexKind, Pack};
 use serde::Serialize;
 
 use crate::args::InspectArgs;
+use crate::messages;
 use crate::open::open_pack;
+use crate::options::{BuildOptions, IndexName, word};
 use crate::outcome::{Exit, Failure};
-use crate::table::grouped;
+use crate::packs::find_packs;
+use crate::table::{grouped, rounded};
 
 /// What is said of a pack. The names are those of the JSON.
 #[derive(Debug, Serialize)]
@@ -44,6 +47,7 @@ struct HullReport {
 /// What is said of a direction index.
 #[derive(Debug, Serialize)]
 struct IndexReport {
+    /// Its name on the command line.
     kind: String,
     /// Cells along the edge of a cube face, of a cube map.
     resolution: Option<u32>,
@@ -55,35 +59,51 @@ struct IndexReport {
 /// Runs the command.
 ///
 /// # Errors
-/// The pack cannot be read, or is none.
+/// An input that cannot be read, or a folder without packs. A pack that is none is told of beside the others.
 pub fn run(args: &InspectArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
-    let pack = open_pack(&args.file)?;
+    let mut exit = Exit::Done;
+    for (number, place) in find_packs(&args.inputs)?.iter().enumerate() {
+        let report = match open_pack(&place.path) {
+            Ok(pack) => report(place.path.display().to_string(), &pack),
+            Err(failure) => {
+                exit = exit.max(failure.exit);
+                messages::error(failure);
+                continue;
+            }
+        };
+        if args.json {
+            serde_json::to_writer(&mut *out, &report).map_err(std::io::Error::from)?;
+            writeln!(out)?;
+        } else {
+            if number > 0 {
+                writeln!(out)?;
+            }
+            write_text(&report, out)?;
+        }
+    }
+    Ok(exit)
+}
+
+fn report(file: String, pack: &Pack) -> PackReport {
     let header = pack.header();
-    let report = PackReport {
-        file: args.file.display().to_string(),
+    PackReport {
+        file,
         format_version: header.format_version,
         bytes: pack.byte_len() as u64,
         source: pack.source_path().to_owned(),
         options: pack.options().to_owned(),
         source_hash: format!("{:032x}", header.source_hash),
         hulls: pack.hulls().map(|hull| describe(&hull)).collect(),
-    };
-    if args.json {
-        serde_json::to_writer(&mut *out, &report).map_err(std::io::Error::from)?;
-        writeln!(out)?;
-    } else {
-        write_text(&report, out)?;
     }
-    Ok(Exit::Done)
 }
 
 fn describe(hull: &Hull) -> HullReport {
     let worst = hull.worst_cost();
     let (kind, resolution) = match hull.index_kind() {
-        IndexKind::Tree { .. } => ("tree", None),
-        IndexKind::Binary => ("binary", None),
-        IndexKind::CubeMap { resolution } => ("cubemap", Some(resolution)),
-        IndexKind::None => ("none", None),
+        IndexKind::Tree { leaf } => (IndexName::of_tree(leaf as usize), None),
+        IndexKind::Binary => (IndexName::Binary, None),
+        IndexKind::CubeMap { resolution } => (IndexName::Cubemap, Some(resolution)),
+        IndexKind::None => (IndexName::None, None),
     };
     HullReport {
         name: hull.name().to_owned(),
@@ -98,7 +118,7 @@ fn describe(hull: &Hull) -> HullReport {
         diameter: hull.diameter(),
         containment_error: hull.containment_error(),
         index: IndexReport {
-            kind: kind.to_owned(),
+            kind: word(&kind),
             resolution,
             bytes: hull.index_byte_len() as u64,
             max_nodes: worst.nodes,
@@ -123,21 +143,21 @@ fn write_text(report: &PackReport, out: &mut dyn Write) -> Result<(), Failure> {
     writeln!(out, "  format version     {}", report.format_version)?;
     writeln!(out, "  bytes              {}", grouped(report.bytes))?;
     writeln!(out, "  source             {} (xxh3 {})", report.source, report.source_hash)?;
-    writeln!(out, "  options            {}", report.options)?;
+    let options = BuildOptions::from_recorded(&report.options).map(|options| options.in_words());
+    writeln!(out, "  options            {}", options.as_ref().unwrap_or(&report.options))?;
     for (place, hull) in report.hulls.iter().enumerate() {
-        let [low, high] = hull.bounds;
-        let [x, y, z] = hull.centroid;
+        let [low, high] = hull.bounds.map(|corner| corner.map(|x| rounded(x.into())).join(" "));
         let index = &hull.index;
         writeln!(out, "\nhull #{place} {}", hull.name)?;
         writeln!(out, "  rank               {} ({})", hull.rank, rank_name(hull.rank))?;
         writeln!(out, "  points             {}", number(hull.points))?;
         writeln!(out, "  vertices           {}", number(hull.vertices))?;
         writeln!(out, "  faces              {}", number(hull.faces))?;
-        writeln!(out, "  volume             {}", hull.volume)?;
-        writeln!(out, "  surface area       {}", hull.surface_area)?;
-        writeln!(out, "  centroid           {x} {y} {z}")?;
-        writeln!(out, "  bounds             {} {} {} to {} {} {}", low[0], low[1], low[2], high[0], high[1], high[2])?;
-        writeln!(out, "  diameter           {}", hull.diameter)?;
+        writeln!(out, "  volume             {}", rounded(hull.volume))?;
+        writeln!(out, "  surface area       {}", rounded(hull.surface_area))?;
+        writeln!(out, "  centroid           {}", hull.centroid.map(rounded).join(" "))?;
+        writeln!(out, "  bounds             {low} to {high}")?;
+        writeln!(out, "  diameter           {}", rounded(hull.diameter))?;
         writeln!(out, "  containment error  {:.1e} of the diameter", hull.containment_error)?;
         writeln!(
             out,
@@ -216,7 +236,10 @@ mod tests {
         write_text(&report(), &mut out).unwrap();
         let text = String::from_utf8(out).unwrap();
         assert!(
-            text.contains("hull #0 cube\n") && text.contains("3 (solid)") && text.contains("60.0 a vertex"),
+            text.contains("hull #0 cube\n")
+                && text.contains(" 3.464102\n")
+                && text.contains("3 (solid)")
+                && text.contains("60.0 a vertex"),
             "{text}"
         );
     }

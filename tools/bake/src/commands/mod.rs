@@ -1,6 +1,8 @@
 //! The subcommands, one module each. Results go to the writer they are given, messages to standard error.
 
 pub mod build;
+pub mod completions;
+pub mod init;
 pub mod inspect;
 pub mod query;
 pub mod report;

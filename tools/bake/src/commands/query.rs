@@ -11,7 +11,7 @@ use crate::outcome::{Exit, Failure};
 use crate::pair::{PairAnswer, PairSolver};
 use crate::pose::{parse_pose, read_poses};
 use crate::selection::Selection;
-use crate::table::{Align, Table, or_dash};
+use crate::table::{Align, Table, or_dash, rounded};
 
 /// What is said of a pose; `None` where the mode does not compute it. The names are those of the JSON.
 #[derive(Debug, Serialize)]
@@ -125,8 +125,8 @@ fn table(mode: Mode) -> Table {
 fn row(report: &PoseReport, mode: Mode) -> Vec<String> {
     let hit = or_dash(report.hit, |hit| if hit { "yes" } else { "no" }.to_owned());
     let mut cells = vec![report.pose.to_string(), hit, report.status.to_owned()];
-    let length = |value: Option<f64>| or_dash(value, |value| format!("{value:.6}"));
-    let triple = |value: Option<[f64; 3]>| or_dash(value, |[x, y, z]| format!("{x:.6} {y:.6} {z:.6}"));
+    let length = |value: Option<f64>| or_dash(value, rounded);
+    let triple = |value: Option<[f64; 3]>| or_dash(value, |value| value.map(rounded).join(" "));
     if mode == Mode::Contact {
         cells.push(length(report.depth));
     }
@@ -185,6 +185,13 @@ mod tests {
             assert!(report.get(key).is_some(), "{key}");
         }
         assert_eq!((&report["depth_lower"], &report["distance"]), (&0.4.into(), &serde_json::Value::Null));
+    }
+
+    #[test]
+    fn small_numbers_keep_their_digits() {
+        let answer = PairAnswer { depth: Some([1.25e-7; 3]), normal: Some([0.0, 1.0, -3e-9]), ..PairAnswer::default() };
+        let cells = row(&PoseReport::new(0, answer), Mode::Contact);
+        assert!(cells.contains(&"1.25e-7".to_owned()) && cells.contains(&"0 1 -3e-9".to_owned()), "{cells:?}");
     }
 
     #[test]

@@ -1,18 +1,19 @@
 //! `bake verify`: packs against the meshes they were baked from.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::Path;
 
 use glam::Vec3;
 use hullmap::{Hull, Pack};
 use hullmap_bake::PointSet;
 use serde::Serialize;
-use walkdir::WalkDir;
 
 use crate::args::VerifyArgs;
+use crate::messages;
 use crate::open::open_pack;
-use crate::outcome::{Exit, Failure};
-use crate::source::{PackPlace, Recorded, find_source};
+use crate::outcome::{Exit, Failure, end};
+use crate::packs::{PackPlace, find_packs};
+use crate::source::{Recorded, find_source};
 use crate::table::{Align, Table, grouped};
 use crate::verification::directions::directions;
 use crate::verification::truth::Points;
@@ -84,8 +85,10 @@ impl HullReport {
 pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     let mut reports = Vec::new();
-    for place in find_packs(&args.inputs)? {
-        match verify_pack(&place, args) {
+    let places = find_packs(&args.inputs)?;
+    let sources = asked_sources(args.source.as_deref(), &places)?;
+    for (place, asked) in places.iter().zip(sources) {
+        match verify_pack(place, asked, args) {
             Ok(mut hulls) => {
                 if hulls.iter().any(|report| !report.pass) {
                     exit = exit.max(Exit::Wanting);
@@ -106,50 +109,52 @@ pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
             out.flush()?;
         }
     }
-    if !args.json {
-        write_table(&reports, out)?;
-    }
-    Ok(exit)
+    if args.json { Ok(exit) } else { end(exit, write_table(&reports, out)) }
 }
 
-/// The packs that the inputs name, in their order and by name within a folder.
+/// What `--source` says for each pack. One mesh is the source of the packs that are called like it; if there are any, the
+/// others are left to the usual search.
 ///
 /// # Errors
-/// An input that cannot be read, or a folder without packs.
-pub fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
-    let mut places = Vec::new();
-    for input in inputs {
-        let kind = std::fs::metadata(input)
-            .map_err(|error| Failure::usage(format!("{}: cannot read: {error}; check the path", input.display())))?;
-        if !kind.is_dir() {
-            places.push(PackPlace { path: input.clone(), below: PathBuf::new() });
-            continue;
-        }
-        let before = places.len();
-        for entry in WalkDir::new(input).sort_by_file_name() {
-            let entry =
-                entry.map_err(|error| Failure::usage(format!("{}: cannot search: {error}", input.display())))?;
-            let path = entry.path();
-            if path.extension().is_some_and(|extension| extension == "hullmap") && !entry.file_type().is_dir() {
-                let below = path.strip_prefix(input).ok().and_then(|path| path.parent());
-                places.push(PackPlace { path: path.to_owned(), below: below.unwrap_or(input).to_owned() });
-            }
-        }
-        if places.len() == before {
-            return Err(Failure::usage(format!("{}: no .hullmap files in this folder", input.display())));
-        }
+/// `--source` names a mesh, there are several packs, and none is called like it.
+pub fn asked_sources<'a>(asked: Option<&'a Path>, places: &[PackPlace]) -> Result<Vec<Option<&'a Path>>, Failure> {
+    let Some(mesh) = asked.filter(|path| !path.is_dir() && places.len() > 1) else {
+        return Ok(vec![asked; places.len()]);
+    };
+    let is_meant = |place: &PackPlace| {
+        // A pack that does not open is told of later.
+        let pack = open_pack(&place.path).ok();
+        let recorded = pack.as_ref().and_then(|pack| pack.source_path().rsplit('/').next());
+        place.path.file_stem() == mesh.file_stem()
+            || recorded.is_some_and(|name| mesh.file_name().is_some_and(|file| file == name))
+    };
+    let sources: Vec<Option<&Path>> = places.iter().map(|place| asked.filter(|_| is_meant(place))).collect();
+    if sources.iter().all(Option::is_none) {
+        return Err(Failure::usage(format!(
+            "--source {}: none of the {} packs is called like it; name its pack, or a folder of meshes",
+            mesh.display(),
+            places.len()
+        )));
     }
-    Ok(places)
+    Ok(sources)
 }
 
-fn verify_pack(place: &PackPlace, args: &VerifyArgs) -> Result<Vec<HullReport>, Failure> {
+fn verify_pack(place: &PackPlace, asked: Option<&Path>, args: &VerifyArgs) -> Result<Vec<HullReport>, Failure> {
     let pack = open_pack(&place.path)?;
-    let source = find_source(place, Recorded::of(&pack), args.source.as_deref())?;
+    let source = find_source(place, Recorded::of(&pack), asked)?;
     let file = place.path.display().to_string();
     let truth = match &source {
         Some(source) => Truth::Source(&source.point_sets),
+        None if args.require_source => {
+            let recorded = pack.source_path();
+            return Err(Failure::wanting(format!(
+                "{file}: no source found, neither beside it nor at the recorded `{recorded}`; name it by --source"
+            )));
+        }
         None => {
-            eprintln!("note: {file}: no source found; compared with the stored hull only (--source names one)");
+            messages::note(format_args!(
+                "{file}: no source found; compared with the stored hull only (--source names one)"
+            ));
             Truth::Stored
         }
     };
@@ -277,7 +282,7 @@ fn write_table(reports: &[HullReport], out: &mut dyn Write) -> Result<(), Failur
             } else {
                 report.problems.join("; ")
             };
-            eprintln!("error: {message}");
+            messages::error(message);
         }
     }
     table.write(out)?;
@@ -308,23 +313,6 @@ mod tests {
         assert_eq!(count([9, 7]), 0);
         assert_eq!(count([7, 9]), 2);
         assert_eq!(count([9, 8]), 1);
-    }
-
-    #[test]
-    fn packs_are_found_with_their_place() {
-        let folder = tempfile::tempdir().unwrap();
-        let sub = folder.path().join("a/b");
-        std::fs::create_dir_all(&sub).unwrap();
-        for path in [sub.join("x.hullmap"), folder.path().join("y.hullmap"), sub.join("z.obj")] {
-            std::fs::write(path, "").unwrap();
-        }
-        let places = find_packs(&[folder.path().to_owned(), sub.join("x.hullmap")]).unwrap();
-        let below: Vec<_> = places.iter().map(|place| place.below.to_str().unwrap().replace('\\', "/")).collect();
-        assert_eq!(below, ["a/b", "", ""]);
-        assert!(places[1].path.ends_with("y.hullmap"));
-        let empty = tempfile::tempdir().unwrap();
-        assert_eq!(find_packs(&[empty.path().to_owned()]).unwrap_err().exit, Exit::Usage);
-        assert_eq!(find_packs(&[empty.path().join("no.hullmap")]).unwrap_err().exit, Exit::Usage);
     }
 
     #[test]

@@ -1,8 +1,8 @@
-//! What can be wrong with an OBJ file, said so that its author can mend it.
+//! What can be wrong with a source file, said so that its author can mend it.
 
 use std::fmt;
 
-/// Why an OBJ file was not imported: where and what.
+/// Why a source file was not imported: where and what.
 #[derive(Debug)]
 pub struct ImportError {
     /// The file as the user named it.
@@ -33,9 +33,32 @@ pub struct LineFault {
     pub fault: Fault,
 }
 
-/// What is wrong with an OBJ file.
+/// What is wrong with a source file.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum Fault {
+    /// What the other formats can have wrong with them, in full.
+    #[error("{0}")]
+    Format(String),
+    /// A coordinate that leaves f32 when it is scaled or moved.
+    #[error("vertex {vertex} is at {coordinate:e} {after}, too large for 32-bit floats (limit 3.4e38); {remedy}")]
+    Unplaceable {
+        /// Zero-based number.
+        vertex: u32,
+        /// The coordinate.
+        coordinate: f64,
+        /// What was done to it.
+        after: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// More objects than the limit, in a file that is to be cut at them.
+    #[error(
+        "more than {limit} objects, each of which would become a hull; use --split none, split the file, or raise --max-objects"
+    )]
+    TooManyObjects {
+        /// The limit.
+        limit: usize,
+    },
     /// Zero bytes, or white space only.
     #[error("the file is empty; expected an OBJ file with `v x y z` lines: export it again")]
     Empty,
@@ -50,6 +73,9 @@ pub enum Fault {
     /// More `v` lines than vertex numbers.
     #[error("more than {} vertices; split the file", u32::MAX - 1)]
     TooManyVertices,
+    /// More references than their places can be numbered.
+    #[error("more than {} corners; split the file", u32::MAX)]
+    TooManyReferences,
     /// Fewer than three numbers after `v`.
     #[error(
         "`v` has {found} of its 3 coordinates; expected `v x y z`: complete the line, or export the file again if it was cut off"
@@ -141,7 +167,25 @@ pub enum Fault {
     Disagreement(String),
 }
 
+/// Longest excerpt of a faulty word in a message, in characters.
+const EXCERPT_CHARS: usize = 40;
+
+/// The start of a faulty word, without control characters.
+pub fn excerpt(word: &str) -> String {
+    let mut text: String =
+        word.chars().take(4 * EXCERPT_CHARS).filter(|c| !c.is_control()).take(EXCERPT_CHARS).collect();
+    if word.chars().nth(EXCERPT_CHARS).is_some() {
+        text.push('…');
+    }
+    text
+}
+
 impl Fault {
+    /// A fault of a format without variants of its own: what was found, what was expected, and the remedy.
+    pub fn format(text: impl Into<String>) -> Self {
+        Self::Format(text.into())
+    }
+
     /// The fault at a one-based line.
     pub fn at(self, line: usize) -> LineFault {
         LineFault { line: Some(line), fault: self }

@@ -1,36 +1,71 @@
-//! OBJ bytes to the point sets that hulls are built of, with the number of each point's `v` line.
+//! A source file's bytes to the point sets that hulls are built of, with the number of each point's vertex in the file.
 //!
-//! 1. [`scan`] reads every vertex and every reference, and names the line of any fault.
-//! 2. [`cross_check`] has tobj read the same words; the two must agree on every position and reference.
-//! 3. [`point_sets`] chooses the points and cuts them into objects.
+//! 1. [`read()`] takes the file, and the buffers beside a glTF file, into memory.
+//! 2. [`obj`], [`gltf`], [`stl`] or [`ply`] makes a [`mesh`] of it: vertices, elements, objects. `limits` bounds them.
+//! 3. [`point_sets`] chooses the points, cuts them into objects (by `conventions`, with `--split auto`), and has
+//!    [`placement`] turn, scale and move them.
+//! 4. [`advice`] says what a user should look at.
+//!
+//! | format | vertices, as they are numbered | objects |
+//! |---|---|---|
+//! | OBJ | `v` lines | what `o` lines open |
+//! | glTF, GLB | instances of positions, node after node | nodes that show a mesh |
+//! | STL | distinct positions, by first appearance | `solid`s |
+//! | PLY | elements `vertex` | the file |
 
-mod cross_check;
+pub mod advice;
+mod conventions;
+mod coordinate;
 mod fault;
+mod format;
+mod gltf;
+mod limits;
+mod mesh;
+mod obj;
+mod placement;
+mod ply;
 mod point_sets;
-mod scan;
+mod read;
+mod stl;
+#[cfg(test)]
+mod tests;
+mod tokens;
 
-use std::collections::HashSet;
+use std::path::Path;
 
 use hullmap_bake::PointSet;
+use rayon::prelude::*;
 
 pub use fault::ImportError;
+pub use format::{EXTENSIONS, NAMES, is_buffer, is_source};
+pub use limits::{LimitArgs, Limits};
+pub use mesh::Polygons;
+pub use read::{ReadError, SourceFile, buffers_of, read};
 
-use crate::options::{ImportOptions, Split, Vertices};
+use crate::options::{ImportOptions, Vertices};
 use fault::LineFault;
+use format::Format;
+use mesh::Positions;
 
-/// What came out of an OBJ file.
+/// What came out of a source file.
 #[derive(Debug)]
 pub struct Imported {
     /// One set for each hull, in file order, none of them empty, all with different names.
     pub point_sets: Vec<PointSet>,
-    /// Number of `v` lines in the file.
+    /// For each set the faces over it, by the numbers of its own points; none in a point cloud.
+    pub faces: Vec<Polygons>,
+    /// Origin of the points' frame in the source's frame, turned and scaled as the points are; 0 unless recentred.
+    pub origin: [f64; 3],
+    /// Number of vertices in the file.
     pub vertex_count: usize,
-    /// Number of `v` lines that no element references.
+    /// Number of vertices that no element references.
     pub unreferenced_count: usize,
     /// Number of chosen points that an earlier one already equals. They are kept: hulls are of all points.
     pub duplicate_count: usize,
     /// What a user may want to know, a sentence each.
     pub notes: Vec<String>,
+    /// What a user should look at, a sentence each, with the remedy.
+    pub warnings: Vec<String>,
 }
 
 impl Imported {
@@ -40,30 +75,47 @@ impl Imported {
     }
 }
 
-/// Imports an OBJ file from its bytes.
+/// Imports a source file.
 ///
-/// `file` is the name to use in messages; `stem` names the hull of what belongs to no named object.
-/// Material files are neither needed nor read.
+/// `file` is the name to use in messages; `stem` names the hull of what belongs to no named object; `path` says the
+/// format, by its extension. Material files are neither needed nor read.
 ///
 /// # Errors
-/// The first fault in the file, with file, line, what was found and what to do about it.
+/// The first fault in the file, with file, line or object, what was found and what to do about it.
 ///
 /// # Complexity
 /// O(bytes).
-pub fn import_obj(file: &str, stem: &str, bytes: &[u8], options: ImportOptions) -> Result<Imported, ImportError> {
+pub fn import(
+    file: &str,
+    stem: &str,
+    path: &Path,
+    source: &SourceFile,
+    options: &ImportOptions,
+    limits: &Limits,
+) -> Result<Imported, ImportError> {
     let name = |LineFault { line, fault }| ImportError { file: file.to_owned(), line, fault };
-    let scan = scan::scan(bytes).map_err(name)?;
-    cross_check::cross_check(&scan).map_err(|fault| name(fault.of_file()))?;
+    let wants_double = placement::wants_double(options);
+    let mut mesh = match Format::of(path, &source.bytes) {
+        Format::Obj => obj::read(&source.bytes, wants_double, limits),
+        Format::Gltf => gltf::read(&source.bytes, &source.beside, limits),
+        Format::Stl => stl::read(&source.bytes, wants_double, limits),
+        Format::Ply => ply::read(&source.bytes, wants_double),
+    }
+    .map_err(name)?;
 
-    let mut referenced = vec![false; scan.positions.len()];
-    for &vertex in &scan.references {
+    let vertex_count = mesh.positions.len();
+    let has_elements = mesh.has_elements();
+    let mut referenced = vec![false; vertex_count];
+    for &vertex in mesh.faces.corners.iter().chain(&mesh.loose) {
         referenced[vertex as usize] = true;
     }
     let unreferenced_count = referenced.iter().filter(|&&is| !is).count();
-    let (point_sets, mut notes) = point_sets::point_sets(&scan, &referenced, stem, options);
-    let duplicate_count = count_duplicates(&scan.positions, &point_sets);
+    let sets = point_sets::point_sets(&mut mesh, &referenced, stem, options, limits);
+    let sets = sets.map_err(|fault| name(fault.of_file()))?;
+    let duplicate_count = count_duplicates(&mesh.positions, &sets.point_sets);
 
-    if scan.elements.is_empty() {
+    let mut notes = sets.notes;
+    if !has_elements {
         notes.push("no elements, so every vertex counts (a point cloud)".to_owned());
     } else if unreferenced_count > 0 {
         let fate = match options.vertices {
@@ -72,22 +124,23 @@ pub fn import_obj(file: &str, stem: &str, bytes: &[u8], options: ImportOptions) 
         };
         notes.push(format!("{} that no element references, {fate}", count(unreferenced_count, "vertex", "vertices")));
     }
-    if duplicate_count > 0 {
+    if duplicate_count > 0 && mesh.may_share_vertices {
         notes.push(format!("{} an earlier one", count(duplicate_count, "point equals", "points equal")));
     }
-    if scan.short_face_count > 0 {
-        notes.push(format!("{} with fewer than 3 vertices", count(scan.short_face_count, "face", "faces")));
-    }
-    if let Some(line) = scan.free_form_line {
-        notes.push(format!(
-            "line {line}: free-form curves and surfaces are not read; --vertices all takes their control points"
-        ));
-    }
-    if options.split == Split::Object && scan.objects.len() == 1 && scan.group_count > 0 {
-        notes.push("the file has groups (g) but no objects (o), and is cut at objects only".to_owned());
-    }
-    let vertex_count = scan.positions.len();
-    Ok(Imported { point_sets, vertex_count, unreferenced_count, duplicate_count, notes })
+    notes.append(&mut mesh.notes);
+    let mut warnings = sets.warnings;
+    warnings.append(&mut mesh.warnings);
+    warnings.extend(sets.point_sets.iter().filter_map(|set| advice::far_away(&set.name, &set.positions)));
+    Ok(Imported {
+        point_sets: sets.point_sets,
+        faces: sets.faces,
+        origin: sets.origin,
+        vertex_count,
+        unreferenced_count,
+        duplicate_count,
+        notes,
+        warnings,
+    })
 }
 
 /// `1 vertex`, `2 vertices`.
@@ -96,16 +149,27 @@ fn count(number: usize, one: &str, many: &str) -> String {
 }
 
 /// Chosen vertices whose position an earlier chosen vertex has; the two zeros count as equal.
-fn count_duplicates(positions: &[[f32; 3]], sets: &[PointSet]) -> usize {
-    let mut is_chosen = vec![false; positions.len()];
-    for &vertex in sets.iter().flat_map(|set| &set.source_vertices) {
-        is_chosen[vertex as usize] = true;
+fn count_duplicates(positions: &Positions, sets: &[PointSet]) -> usize {
+    let mut chosen: Vec<u32> = sets.iter().flat_map(|set| &set.source_vertices).copied().collect();
+    if sets.len() > 1 {
+        chosen.par_sort_unstable();
+        chosen.dedup();
     }
-    let mut seen = HashSet::with_capacity(positions.len());
-    let chosen = positions.iter().zip(&is_chosen).filter(|&(_, &is)| is);
     // Adding +0 turns -0 into +0 and leaves every other number alone.
-    chosen.filter(|(position, _)| !seen.insert(position.map(|x| (x + 0.0).to_bits()))).count()
+    match positions {
+        Positions::Single(all) => {
+            let mut keys: Vec<[u32; 3]> =
+                chosen.iter().map(|&vertex| all[vertex as usize].map(|x| (x + 0.0).to_bits())).collect();
+            keys.par_sort_unstable();
+            let count = keys.len();
+            keys.dedup();
+            count - keys.len()
+        }
+        Positions::Double(all) => {
+            chosen.par_sort_unstable_by_key(|&vertex| all[vertex as usize].map(|x| (x + 0.0).to_bits()));
+            let count = chosen.len();
+            chosen.dedup_by_key(|vertex| all[*vertex as usize].map(|x| (x + 0.0).to_bits()));
+            count - chosen.len()
+        }
+    }
 }
-
-#[cfg(test)]
-mod tests;

@@ -1,103 +1,223 @@
 //! Which points each hull is of.
 //!
 //! A vertex belongs to every object with an element that references it; a vertex that nothing references, where
-//! those count, to the object it was declared in. Objects are what `o` lines open: groups (`g`) cut an object into
-//! parts for materials or selection, which are no bodies of their own, so hulls ignore them. An `o` line always opens
-//! a new object, even with a name that was there before.
+//! those count, to the object it was declared in. Objects are what `o` lines open, nodes with a mesh, or solids: groups
+//! (`g`) cut an object into parts for materials or selection, which are no bodies of their own, so hulls ignore them.
+//! An `o` line always opens a new object, even with a name that was there before.
 
 use std::collections::HashSet;
+use std::ops::Range;
 
 use hullmap_bake::PointSet;
 
-use super::scan::Scan;
+use super::conventions;
+use super::fault::Fault;
+use super::limits::Limits;
+use super::mesh::{Mesh, Polygons, Positions};
+use super::placement::Placement;
 use crate::options::{ImportOptions, Split, Vertices};
 
 /// Most names that a note lists.
 const NAMES_IN_NOTE: usize = 5;
 
-/// The point sets of a file, in file order, and notes for the user.
-///
-/// `referenced` says for each vertex whether any element references it; `stem` names what has no name.
-pub fn point_sets(
-    scan: &Scan,
-    referenced: &[bool],
-    stem: &str,
-    options: ImportOptions,
-) -> (Vec<PointSet>, Vec<String>) {
-    let takes_all = options.vertices == Vertices::All || scan.elements.is_empty();
-    match options.split {
-        Split::None => {
-            let chosen = (0..scan.positions.len() as u32).filter(|&v| takes_all || referenced[v as usize]);
-            (vec![point_set(scan, stem.to_owned(), chosen.collect())], Vec::new())
-        }
-        Split::Object => split_at_objects(scan, referenced, stem, takes_all),
-    }
+/// The sets of a file, and what came up on the way.
+#[derive(Debug, Default)]
+pub struct Sets {
+    /// One set for each hull, in file order, none of them empty.
+    pub point_sets: Vec<PointSet>,
+    /// The faces over each set, by the numbers of its own points.
+    pub faces: Vec<Polygons>,
+    /// Origin of the points' frame in the source's frame, turned and scaled.
+    pub origin: [f64; 3],
+    /// What the user may want to know.
+    pub notes: Vec<String>,
+    /// What the user should look at.
+    pub warnings: Vec<String>,
 }
 
-fn split_at_objects(scan: &Scan, referenced: &[bool], stem: &str, takes_all: bool) -> (Vec<PointSet>, Vec<String>) {
-    let mut members: Vec<Vec<u32>> = vec![Vec::new(); scan.objects.len()];
-    for (number, element) in scan.elements.iter().enumerate() {
-        members[element.object as usize].extend_from_slice(scan.references_of(number));
+/// The point sets of a file.
+///
+/// `referenced` says for each vertex whether any element references it; `stem` names what has no name.
+///
+/// # Errors
+/// Too many objects to cut at, or points that f32 cannot hold.
+pub fn point_sets(
+    mesh: &mut Mesh,
+    referenced: &[bool],
+    stem: &str,
+    options: &ImportOptions,
+    limits: &Limits,
+) -> Result<Sets, Fault> {
+    let takes_all = options.vertices == Vertices::All || !mesh.has_elements();
+    if options.split != Split::None && mesh.has_too_many_objects {
+        return Err(Fault::TooManyObjects { limit: limits.objects });
     }
-    if takes_all {
-        let declared = scan.vertex_objects.iter().enumerate();
-        for (vertex, &object) in declared.filter(|&(vertex, _)| !referenced[vertex]) {
-            members[object as usize].push(vertex as u32);
-        }
+    let mut sets = Sets::default();
+    let chosen = match options.split {
+        Split::None => None,
+        Split::Object => Some(all_objects(mesh, referenced, takes_all, stem, &mut sets)),
+        Split::Auto => collision_parts(mesh, referenced, takes_all, stem, &mut sets),
+    };
+    let Some(objects) = chosen else {
+        let vertices = (0..mesh.positions.len() as u32).filter(|&v| takes_all || referenced[v as usize]).collect();
+        let faces = std::mem::take(&mut mesh.faces);
+        build(&mut sets, &mesh.positions, options, vec![(stem.to_owned(), vertices, faces)])?;
+        return Ok(sets);
+    };
+    let mut parts = Vec::with_capacity(objects.len());
+    for object in objects {
+        let name = name_of(mesh, object, stem).to_owned();
+        let vertices = members(mesh, object, referenced, takes_all);
+        parts.push((name, vertices, faces_of(mesh, object)));
     }
+    let unique = unique_names(&parts.iter().map(|(name, ..)| name.clone()).collect::<Vec<_>>());
+    let mut renamed = 0;
+    for (part, name) in parts.iter_mut().zip(unique) {
+        renamed += usize::from(part.0 != name);
+        part.0 = name;
+    }
+    if renamed > 0 {
+        sets.notes.push(format!("objects renamed since an earlier one has the name: {renamed}"));
+    }
+    build(&mut sets, &mesh.positions, options, parts)?;
+    Ok(sets)
+}
 
-    let mut names = Vec::new();
-    let mut sets = Vec::new();
-    let mut skipped = Vec::new();
-    for (object, mut vertices) in members.into_iter().enumerate() {
-        let name = &scan.objects[object];
-        let name = if name.is_empty() { stem } else { name };
-        if vertices.is_empty() {
+/// Every object that has points.
+fn all_objects(mesh: &Mesh, referenced: &[bool], takes_all: bool, stem: &str, sets: &mut Sets) -> Vec<usize> {
+    let (mut chosen, mut skipped) = (Vec::new(), Vec::new());
+    for object in 0..mesh.objects.len() {
+        if has_members(mesh, object, referenced, takes_all) {
+            chosen.push(object);
+        } else if object > 0 {
             // What stands before the first `o` line is no object that anyone would miss.
-            if object > 0 {
-                skipped.push(name);
-            }
-            continue;
+            skipped.push(name_of(mesh, object, stem));
         }
-        vertices.sort_unstable();
-        vertices.dedup();
-        names.push(name.to_owned());
-        sets.push(vertices);
     }
-
-    let mut notes = Vec::new();
     if !skipped.is_empty() {
         let more = if skipped.len() > NAMES_IN_NOTE { ", …" } else { "" };
         let listed = skipped[..skipped.len().min(NAMES_IN_NOTE)].join(", ");
-        notes.push(format!("objects without elements, skipped: {} ({listed}{more})", skipped.len()));
+        sets.notes.push(format!("objects without elements, skipped: {} ({listed}{more})", skipped.len()));
     }
-    let unique = unique_names(&names);
-    let renamed = unique.iter().zip(&names).filter(|(new, old)| new != old).count();
-    if renamed > 0 {
-        notes.push(format!("objects renamed since an earlier one has the name: {renamed}"));
+    if mesh.has_only_groups {
+        sets.notes.push("the file has groups (g) but no objects (o), and is cut at objects only".to_owned());
     }
-    let sets = unique.into_iter().zip(sets).map(|(name, vertices)| point_set(scan, name, vertices));
-    (sets.collect(), notes)
+    chosen
 }
 
-fn point_set(scan: &Scan, name: String, vertices: Vec<u32>) -> PointSet {
-    let positions = vertices.iter().map(|&vertex| scan.positions[vertex as usize]).collect();
-    PointSet { name, positions, source_vertices: vertices }
+/// The objects that artists marked as collision parts; `None` where nothing is marked.
+fn collision_parts(
+    mesh: &Mesh,
+    referenced: &[bool],
+    takes_all: bool,
+    stem: &str,
+    sets: &mut Sets,
+) -> Option<Vec<usize>> {
+    let objects = (0..mesh.objects.len()).filter(|&object| has_members(mesh, object, referenced, takes_all));
+    let objects: Vec<usize> = objects.collect();
+    let names: Vec<&str> = objects.iter().map(|&object| name_of(mesh, object, stem)).collect();
+    let Some(selection) = conventions::select(&names) else {
+        sets.notes.push(
+            "no names of collision parts (UCX_…, …-convcolonly, convex_<n>): one hull of the whole file".to_owned(),
+        );
+        return None;
+    };
+    sets.notes.extend(selection.notes);
+    sets.warnings.extend(selection.warnings);
+    Some(objects.into_iter().zip(selection.is_part).filter(|(_, is_part)| *is_part).map(|(object, _)| object).collect())
+}
+
+fn name_of<'a>(mesh: &'a Mesh, object: usize, stem: &'a str) -> &'a str {
+    let name = &mesh.objects[object].name;
+    if name.is_empty() { stem } else { name }
+}
+
+/// The vertices, faces and loose references that belong to an object, by their places in the mesh's lists.
+fn extent(mesh: &Mesh, object: usize) -> [Range<usize>; 3] {
+    let start = &mesh.objects[object];
+    let end = mesh.objects.get(object + 1);
+    let range = |start: u32, end: Option<u32>, len: usize| start as usize..end.map_or(len, |end| end as usize);
+    [
+        range(start.first_vertex, end.map(|end| end.first_vertex), mesh.positions.len()),
+        range(start.first_face, end.map(|end| end.first_face), mesh.faces.len()),
+        range(start.first_loose, end.map(|end| end.first_loose), mesh.loose.len()),
+    ]
+}
+
+fn has_members(mesh: &Mesh, object: usize, referenced: &[bool], takes_all: bool) -> bool {
+    let [vertices, faces, loose] = extent(mesh, object);
+    !faces.is_empty() || !loose.is_empty() || takes_all && vertices.into_iter().any(|vertex| !referenced[vertex])
+}
+
+/// Numbers of an object's vertices, ascending.
+fn members(mesh: &Mesh, object: usize, referenced: &[bool], takes_all: bool) -> Vec<u32> {
+    let [declared, faces, loose] = extent(mesh, object);
+    let mut vertices = mesh.faces.corners[mesh.faces.start(faces.start)..mesh.faces.start(faces.end)].to_vec();
+    vertices.extend_from_slice(&mesh.loose[loose]);
+    if takes_all {
+        vertices.extend(declared.filter(|&vertex| !referenced[vertex]).map(|vertex| vertex as u32));
+    }
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices.shrink_to_fit();
+    vertices
+}
+
+fn faces_of(mesh: &Mesh, object: usize) -> Polygons {
+    let [_, faces, _] = extent(mesh, object);
+    let (start, end) = (mesh.faces.start(faces.start), mesh.faces.start(faces.end));
+    Polygons {
+        corners: mesh.faces.corners[start..end].to_vec(),
+        ends: mesh.faces.ends[faces].iter().map(|place| place - start as u32).collect(),
+    }
+}
+
+/// Places the points of named lists of vertices, and renumbers the faces over them.
+fn build(
+    sets: &mut Sets,
+    positions: &Positions,
+    options: &ImportOptions,
+    parts: Vec<(String, Vec<u32>, Polygons)>,
+) -> Result<(), Fault> {
+    let chosen = parts.iter().flat_map(|(_, vertices, _)| vertices.iter().copied());
+    let placement = Placement::new(positions, chosen, options);
+    sets.origin = placement.origin;
+    // Number of each vertex in the set at hand; those of other sets are never read.
+    let mut number = vec![0_u32; positions.len()];
+    for (name, vertices, mut faces) in parts {
+        for (own, &vertex) in vertices.iter().enumerate() {
+            number[vertex as usize] = own as u32;
+        }
+        for corner in &mut faces.corners {
+            *corner = number[*corner as usize];
+        }
+        let points = vertices.iter().map(|&vertex| placement.place(positions, vertex)).collect::<Result<_, _>>()?;
+        sets.point_sets.push(PointSet { name, positions: points, source_vertices: vertices });
+        sets.faces.push(faces);
+    }
+    Ok(())
 }
 
 /// The names, each later repetition with the lowest suffix `_2`, `_3`, … that gives a name not in the list.
 fn unique_names(names: &[String]) -> Vec<String> {
     let mut taken: HashSet<String> = names.iter().cloned().collect();
     let mut seen = HashSet::new();
+    // Where the search for a free suffix of a name goes on: equal names would else try all suffixes again.
+    let mut next = std::collections::HashMap::new();
     let mut unique = Vec::with_capacity(names.len());
     for name in names {
         if seen.insert(name.as_str()) {
             unique.push(name.clone());
             continue;
         }
-        let free = (2..).map(|number| format!("{name}_{number}")).find(|name| !taken.contains(name));
-        let free = free.expect("finitely many names are taken");
-        taken.insert(free.clone());
+        let number = next.entry(name.as_str()).or_insert(2_u64);
+        let free = loop {
+            let free = format!("{name}_{number}");
+            *number += 1;
+            if taken.insert(free.clone()) {
+                break free;
+            }
+        };
         unique.push(free);
     }
     unique
@@ -111,5 +231,12 @@ mod tests {
     fn names_become_unique_without_stealing() {
         let names = ["a", "a", "a_2", "a", "b", "a_2"].map(str::to_owned);
         assert_eq!(unique_names(&names), ["a", "a_3", "a_2", "a_4", "b", "a_2_2"]);
+    }
+
+    #[test]
+    fn equal_names_in_great_number_take_no_time() {
+        let names = vec![String::from("part"); 100_000];
+        let unique = unique_names(&names);
+        assert_eq!(unique[99_999], "part_100000");
     }
 }

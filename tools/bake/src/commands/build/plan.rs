@@ -5,100 +5,96 @@ use std::path::{Path, PathBuf};
 
 use walkdir::WalkDir;
 
+use crate::import::{NAMES, is_source};
 use crate::outcome::Failure;
 
-/// One source file and the pack it becomes.
+/// One mesh and the place of the pack it becomes.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Job {
-    /// The OBJ file as it was named or found.
+pub struct Place {
+    /// The mesh as it was named or found.
     pub source: PathBuf,
     /// The pack.
     pub output: PathBuf,
 }
 
-/// The jobs, in the order of the inputs and by name within a folder.
+/// The places, in the order of the inputs and by name within a folder.
 ///
 /// A file becomes `out/<stem>.hullmap`; a folder's files keep their place below it. Links to folders are followed,
 /// but not in circles. A file that two inputs reach with the same output is baked once.
 ///
 /// # Errors
-/// An input that is missing or cannot be read, a folder without OBJ files, two files that become one pack.
-pub fn plan(inputs: &[PathBuf], out: &Path) -> Result<Vec<Job>, Failure> {
-    let mut jobs = Vec::new();
+/// An input that is missing or cannot be read, a folder without meshes, two files that become one pack.
+pub fn plan(inputs: &[PathBuf], out: &Path) -> Result<Vec<Place>, Failure> {
+    let mut places = Vec::new();
     for input in inputs {
         let kind = std::fs::metadata(input).map_err(|error| {
             Failure::usage(format!("{}: cannot read this input: {error}; check the path", input.display()))
         })?;
         if kind.is_dir() {
-            let before = jobs.len();
-            plan_folder(input, out, &mut jobs)?;
-            if jobs.len() == before {
-                return Err(Failure::usage(format!("{}: no OBJ files in this folder", input.display())));
+            let before = places.len();
+            plan_folder(input, out, &mut places)?;
+            if places.len() == before {
+                return Err(Failure::usage(format!("{}: no meshes ({NAMES}) in this folder", input.display())));
             }
         } else {
-            jobs.push(Job { source: input.clone(), output: pack_path(out, input) });
+            places.push(Place { source: input.clone(), output: pack_path(out, input) });
         }
     }
-    without_clashes(jobs)
+    without_clashes(places)
 }
 
-fn plan_folder(folder: &Path, out: &Path, jobs: &mut Vec<Job>) -> Result<(), Failure> {
+fn plan_folder(folder: &Path, out: &Path, places: &mut Vec<Place>) -> Result<(), Failure> {
     for entry in WalkDir::new(folder).follow_links(true).sort_by_file_name() {
         let entry = match entry {
             Ok(entry) => entry,
             Err(error) if error.loop_ancestor().is_some() => continue,
             // A link that leads nowhere is no mesh, unless it is called one.
-            Err(error) if error.path().is_some_and(|path| path.is_symlink() && !is_obj(path)) => {
+            Err(error) if error.path().is_some_and(|path| path.is_symlink() && !is_source(path)) => {
                 continue;
             }
             Err(error) => {
                 return Err(Failure::usage(format!("{}: cannot search: {error}", folder.display())));
             }
         };
-        if entry.file_type().is_file() && is_obj(entry.path()) {
+        if entry.file_type().is_file() && is_source(entry.path()) {
             let below = entry.path().strip_prefix(folder).unwrap_or(entry.path());
-            let place = out.join(below.parent().unwrap_or(Path::new("")));
-            jobs.push(Job { source: entry.path().to_owned(), output: pack_path(&place, entry.path()) });
+            let folder = out.join(below.parent().unwrap_or(Path::new("")));
+            places.push(Place { source: entry.path().to_owned(), output: pack_path(&folder, entry.path()) });
         }
     }
     Ok(())
 }
 
-fn without_clashes(jobs: Vec<Job>) -> Result<Vec<Job>, Failure> {
+fn without_clashes(places: Vec<Place>) -> Result<Vec<Place>, Failure> {
     let mut by_output: HashMap<PathBuf, PathBuf> = HashMap::new();
-    let mut kept = Vec::with_capacity(jobs.len());
-    for job in jobs {
-        if let Some(other) = by_output.get(&job.output) {
-            let is_same = match (other.canonicalize(), job.source.canonicalize()) {
+    let mut kept = Vec::with_capacity(places.len());
+    for place in places {
+        if let Some(other) = by_output.get(&place.output) {
+            let is_same = match (other.canonicalize(), place.source.canonicalize()) {
                 (Ok(a), Ok(b)) => a == b,
-                _ => *other == job.source,
+                _ => *other == place.source,
             };
             if !is_same {
                 return Err(Failure::usage(format!(
                     "{} and {} would both become {}; rename one or bake them apart",
                     other.display(),
-                    job.source.display(),
-                    job.output.display()
+                    place.source.display(),
+                    place.output.display()
                 )));
             }
             continue;
         }
-        by_output.insert(job.output.clone(), job.source.clone());
-        kept.push(job);
+        by_output.insert(place.output.clone(), place.source.clone());
+        kept.push(place);
     }
     Ok(kept)
 }
 
-/// `place/<stem>.hullmap`; the stem keeps its inner points.
-fn pack_path(place: &Path, source: &Path) -> PathBuf {
+/// `folder/<stem>.hullmap`; the stem keeps its inner points.
+fn pack_path(folder: &Path, source: &Path) -> PathBuf {
     let mut name = source.file_stem().unwrap_or_default().to_owned();
     name.push(".hullmap");
-    place.join(name)
-}
-
-/// Whether the name ends in `.obj`, in capitals or not.
-fn is_obj(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj"))
+    folder.join(name)
 }
 
 #[cfg(test)]
@@ -118,8 +114,8 @@ mod tests {
     }
 
     fn outputs(inputs: &[PathBuf]) -> Vec<String> {
-        let jobs = plan(inputs, Path::new("out")).unwrap();
-        jobs.iter().map(|job| job.output.to_str().unwrap().replace('\\', "/")).collect()
+        let places = plan(inputs, Path::new("out")).unwrap();
+        places.iter().map(|place| place.output.to_str().unwrap().replace('\\', "/")).collect()
     }
 
     #[test]
@@ -151,7 +147,7 @@ mod tests {
     fn missing_and_empty_inputs_are_errors() {
         let meshes = folder(&["a.txt"]);
         assert!(plan(&[meshes.path().join("no.obj")], Path::new("out")).unwrap_err().message.contains("no.obj"));
-        assert!(plan(&[meshes.path().to_owned()], Path::new("out")).unwrap_err().message.contains("no OBJ files"));
+        assert!(plan(&[meshes.path().to_owned()], Path::new("out")).unwrap_err().message.contains("no meshes"));
     }
 
     #[cfg(unix)]

@@ -20,7 +20,8 @@ fn write_text(sets: &[PointSet], options: &BuildOptions, source: &SourceRecord) 
     let names: Vec<&str> = sets.iter().map(|set| set.name.as_str()).collect();
     let text = format!("{} {:x} {options} {names:?}", source.path, source.hash);
     let vertex_count = sets.iter().map(|set| set.positions.len()).sum();
-    Ok(BakedPack { bytes: text.into_bytes(), ranks: vec![2; sets.len()], vertex_count, notes: Vec::new() })
+    let (bytes, ranks) = (text.into_bytes(), vec![2; sets.len()]);
+    Ok(BakedPack { bytes, ranks, vertex_count, ..BakedPack::default() })
 }
 
 /// Runs `bake build` with these words in a folder with these files; the output goes to `out` in it.

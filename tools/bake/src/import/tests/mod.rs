@@ -1,16 +1,29 @@
 //! Import of literal OBJ texts, and of the folder that HULLMAP_MESHES names.
 
+mod formats;
+mod limits;
+
 use super::fault::Fault;
 use super::*;
+use crate::options::Split;
 use crate::verification::random::SplitMix;
 
-const WHOLE: ImportOptions = ImportOptions { split: Split::None, vertices: Vertices::Referenced };
-const WHOLE_ALL: ImportOptions = ImportOptions { split: Split::None, vertices: Vertices::All };
-const OBJECTS: ImportOptions = ImportOptions { split: Split::Object, vertices: Vertices::Referenced };
-const OBJECTS_ALL: ImportOptions = ImportOptions { split: Split::Object, vertices: Vertices::All };
+const WHOLE: ImportOptions =
+    ImportOptions { split: Split::None, vertices: Vertices::Referenced, ..ImportOptions::DEFAULT };
+const WHOLE_ALL: ImportOptions =
+    ImportOptions { split: Split::None, vertices: Vertices::All, ..ImportOptions::DEFAULT };
+const OBJECTS: ImportOptions =
+    ImportOptions { split: Split::Object, vertices: Vertices::Referenced, ..ImportOptions::DEFAULT };
+const OBJECTS_ALL: ImportOptions =
+    ImportOptions { split: Split::Object, vertices: Vertices::All, ..ImportOptions::DEFAULT };
 
 /// Four corners of a square; tests add elements.
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+fn import_obj(file: &str, stem: &str, bytes: &[u8], options: ImportOptions) -> Result<Imported, ImportError> {
+    let source = SourceFile::alone(bytes.to_vec());
+    super::import(file, stem, Path::new("shape.obj"), &source, &options, &Limits::DEFAULT)
+}
 
 fn import(text: impl AsRef<[u8]>, options: ImportOptions) -> Imported {
     import_obj("shape.obj", "shape", text.as_ref(), options).unwrap()

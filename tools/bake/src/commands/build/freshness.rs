@@ -1,0 +1,89 @@
+//! Whether a pack is what a bake would make: by its bytes, never by time stamps.
+//!
+//! A pack is fresh if its header states this format version, the hash of the source's bytes and the hash of the options; if it
+//! records the path that the source has; and if it opens: every byte of it counts in the checksum that the header
+//! states, and every number in it is checked. So a damaged pack is never fresh. A stale header ends the question at
+//! 64 bytes; for a fresh one the check costs less than reading and hashing the source, which is needed anyway.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+use hullmap::Pack;
+use hullmap_format::header::{HEADER_LEN, Header, options_hash};
+
+use crate::open::open_pack;
+use crate::options::BuildOptions;
+
+/// What a pack must say of itself to be fresh.
+#[derive(Debug)]
+pub struct Expected<'a> {
+    /// XXH3-128 of the source's bytes.
+    pub source_hash: u128,
+    /// The options of the bake.
+    pub options: &'a BuildOptions,
+    /// The source's path as a pack in this folder records it.
+    pub recorded_path: &'a str,
+}
+
+/// What there is at the pack's place.
+#[derive(Debug)]
+pub enum Found {
+    /// What a bake would make.
+    Fresh(Pack),
+    /// Something else, and why it is not what a bake would make.
+    Stale(String),
+    /// Nothing.
+    Missing,
+}
+
+/// Judges the pack at `path`.
+///
+/// # Complexity
+/// One read of 64 bytes; for a pack with the right header one pass over its bytes.
+pub fn judge(path: &Path, expected: &Expected) -> Found {
+    let mut bytes = Vec::with_capacity(HEADER_LEN);
+    let read = File::open(path).and_then(|file| file.take(HEADER_LEN as u64).read_to_end(&mut bytes));
+    match read {
+        Ok(_) => {}
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Found::Missing,
+        Err(error) => return Found::Stale(format!("the pack cannot be read: {error}")),
+    }
+    let header = match Header::read(&bytes) {
+        Ok(header) => header,
+        Err(error) => return Found::Stale(error.to_string()),
+    };
+    let source_changed = header.source_hash != expected.source_hash;
+    let text = expected.options.to_string();
+    let options_changed = header.options_hash != options_hash(&text);
+    if source_changed || options_changed {
+        let mut reasons = Vec::new();
+        if source_changed {
+            reasons.push("the source has changed".to_owned());
+        }
+        if options_changed {
+            let was = open_pack(path).map_or_else(|_| "others".to_owned(), |pack| shown(pack.options()));
+            reasons.push(format!("the options have changed: `{was}` became `{}`", shown(&text)));
+        }
+        return Found::Stale(reasons.join("; "));
+    }
+    match open_pack(path) {
+        Err(failure) => {
+            // The message starts with the pack's path, which is told anyway.
+            let path = format!("{}: ", path.display());
+            Found::Stale(failure.message.strip_prefix(&path).unwrap_or(&failure.message).to_owned())
+        }
+        // Another bake may have replaced it in between.
+        Ok(pack) if *pack.header() != header => Found::Stale("it was replaced while it was read".to_owned()),
+        Ok(pack) if pack.source_path() != expected.recorded_path => {
+            let was = pack.source_path();
+            Found::Stale(format!("it records its source as `{was}`, which is now `{}`", expected.recorded_path))
+        }
+        Ok(pack) => Found::Fresh(pack),
+    }
+}
+
+/// A recorded text in today's words.
+fn shown(recorded: &str) -> String {
+    BuildOptions::from_recorded(recorded).map_or_else(|| recorded.to_owned(), |options| options.in_words())
+}

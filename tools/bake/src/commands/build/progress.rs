@@ -1,0 +1,205 @@
+//! How far a build is: bars on a terminal, now and then a line elsewhere, nothing where quiet was asked for.
+
+use std::collections::BTreeMap;
+use std::io::{IsTerminal, stderr};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use indicatif::{HumanDuration, MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::rows::Status;
+use crate::interrupt;
+use crate::messages;
+use crate::table::grouped;
+
+/// Builds that end sooner show no bars: they would only flicker.
+const BARS_AFTER: Duration = Duration::from_millis(300);
+
+/// A file is shown by name once it has been in work for so long.
+const NAME_AFTER: Duration = Duration::from_millis(300);
+
+/// Files shown by name at most: those that have been in work longest.
+const MOST_NAMES: usize = 6;
+
+/// Time between two lines where there is no terminal: a log that somebody reads later wants few.
+const LINE_EVERY: Duration = Duration::from_secs(10);
+
+/// Work done before the time that is left is told, of the whole: before that, it would jump about.
+const TOLD_FROM: f64 = 0.02;
+
+/// The progress of one build. All of it may be called from any thread.
+#[derive(Debug)]
+pub struct Progress {
+    start: Instant,
+    display: Display,
+    state: Mutex<State>,
+}
+
+#[derive(Debug)]
+enum Display {
+    None,
+    Lines,
+    Bars { screen: MultiProgress, overall: ProgressBar, names: Vec<ProgressBar> },
+}
+
+#[derive(Debug, Default)]
+struct State {
+    files: usize,
+    cost: u64,
+    done: usize,
+    done_cost: u64,
+    baked: usize,
+    failed: usize,
+    /// Files in work by their place in the build: name and start.
+    in_work: BTreeMap<usize, (String, Instant)>,
+    last_line: Option<Instant>,
+}
+
+impl Progress {
+    /// Nothing done of `files` files that cost this much together.
+    pub fn new(is_quiet: bool, files: usize, cost: u64) -> Self {
+        let display = match (is_quiet, stderr().is_terminal()) {
+            (true, _) => Display::None,
+            (false, false) => Display::Lines,
+            (false, true) => bars(cost),
+        };
+        let state = State { files, cost, ..State::default() };
+        Self { start: Instant::now(), display, state: Mutex::new(state) }
+    }
+
+    /// A file is in work from now on.
+    pub fn begin(&self, place: usize, name: String) {
+        self.state().in_work.insert(place, (name, Instant::now()));
+    }
+
+    /// A file is done.
+    pub fn end(&self, place: usize, cost: u64, status: Status) {
+        let mut state = self.state();
+        state.in_work.remove(&place);
+        state.done += 1;
+        state.done_cost += cost;
+        match status {
+            Status::Baked => state.baked += 1,
+            Status::Failed => state.failed += 1,
+            _ => {}
+        }
+    }
+
+    /// Shows how far it is, if it is time to.
+    pub fn tick(&self) {
+        let now = Instant::now();
+        match &self.display {
+            Display::None => {}
+            Display::Lines => {
+                let mut state = self.state();
+                if now - state.last_line.unwrap_or(self.start) >= LINE_EVERY {
+                    state.last_line = Some(now);
+                    messages::say(state.line(now - self.start, now));
+                }
+            }
+            Display::Bars { overall, names, .. } if now - self.start >= BARS_AFTER => {
+                let state = self.state();
+                overall.set_position(state.done_cost);
+                overall.set_message(state.summary(now - self.start));
+                let mut shown = state.longest(now, NAME_AFTER).into_iter();
+                for bar in names {
+                    bar.set_message(shown.next().unwrap_or_default());
+                    bar.tick();
+                }
+            }
+            Display::Bars { .. } => {}
+        }
+    }
+
+    /// Takes bars off the screen.
+    pub fn finish(&self) {
+        if let Display::Bars { screen, .. } = &self.display {
+            let _ = screen.clear();
+            interrupt::show(None);
+        }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+fn bars(cost: u64) -> Display {
+    let screen = MultiProgress::with_draw_target(ProgressDrawTarget::stderr());
+    let style = |template| ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    let bar = |length: Option<u64>, template| {
+        let bar = ProgressBar::with_draw_target(length, ProgressDrawTarget::hidden());
+        screen.add(bar.with_style(style(template)))
+    };
+    let overall = bar(Some(cost.max(1)), "{wide_bar} {msg}");
+    let names = (0..MOST_NAMES).map(|_| bar(None, "  {wide_msg}")).collect();
+    interrupt::show(Some(screen.clone()));
+    Display::Bars { screen, overall, names }
+}
+
+impl State {
+    /// `120 of 10 000 files, 7 baked, 1 failed, about 2 minutes left`.
+    fn summary(&self, elapsed: Duration) -> String {
+        let mut text = format!("{} of {} files", grouped(self.done as u64), grouped(self.files as u64));
+        for (count, word) in [(self.baked, "baked"), (self.failed, "failed")] {
+            if count > 0 {
+                text += &format!(", {} {word}", grouped(count as u64));
+            }
+        }
+        if let Some(left) = time_left(elapsed, self.done_cost, self.cost) {
+            text += &format!(", about {} left", HumanDuration(left));
+        }
+        text
+    }
+
+    /// The summary, and what has been in work longest.
+    fn line(&self, elapsed: Duration, now: Instant) -> String {
+        let longest = self.longest(now, NAME_AFTER).into_iter().next();
+        format!("{}{}", self.summary(elapsed), longest.map_or_else(String::new, |name| format!("; in work: {name}")))
+    }
+
+    /// Names and times of the files that have been in work for longest, and at least for `least`.
+    fn longest(&self, now: Instant, least: Duration) -> Vec<String> {
+        let age = |start: Instant| now.saturating_duration_since(start);
+        let mut files: Vec<&(String, Instant)> =
+            self.in_work.values().filter(|(_, start)| age(*start) >= least).collect();
+        files.sort_by_key(|(_, start)| *start);
+        files.truncate(MOST_NAMES);
+        files.into_iter().map(|(name, start)| format!("{name} ({:.1} s)", age(*start).as_secs_f64())).collect()
+    }
+}
+
+/// Time left if the rest goes as fast as what is done went; `None` while too little is done to tell.
+fn time_left(elapsed: Duration, done: u64, all: u64) -> Option<Duration> {
+    let share = done as f64 / all.max(1) as f64;
+    (share >= TOLD_FROM && done < all).then(|| elapsed.mul_f64((1.0 - share) / share))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_left_is_in_proportion() {
+        let second = Duration::from_secs(1);
+        assert_eq!(time_left(second, 1, 4), Some(3 * second));
+        assert_eq!(time_left(second, 1, 1000), None);
+        assert_eq!(time_left(second, 4, 4), None);
+        assert_eq!(time_left(second, 0, 0), None);
+    }
+
+    #[test]
+    fn a_line_tells_counts_time_left_and_the_longest_file() {
+        let start = Instant::now();
+        let now = start + Duration::from_secs(60);
+        let mut state = State { files: 12_000, cost: 400, done: 3000, done_cost: 100, ..State::default() };
+        assert_eq!(state.line(now - start, now), "3 000 of 12 000 files, about 3 minutes left");
+        (state.baked, state.failed) = (5, 1);
+        state.in_work.insert(3, ("new.obj".to_owned(), now));
+        state.in_work.insert(4, ("big.obj".to_owned(), start + Duration::from_secs(48)));
+        state.in_work.insert(9, ("mid.obj".to_owned(), start + Duration::from_secs(50)));
+        let line = state.line(now - start, now);
+        assert_eq!(line, "3 000 of 12 000 files, 5 baked, 1 failed, about 3 minutes left; in work: big.obj (12.0 s)");
+        assert_eq!(state.longest(now, NAME_AFTER).len(), 2);
+    }
+}

@@ -1,0 +1,237 @@
+//! What is said of each file of a build, as JSON and as a table.
+
+use std::io::Write;
+
+use serde::Serialize;
+
+use crate::outcome::Failure;
+use crate::table::{Align, Table, grouped, or_dash};
+
+/// How a file ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// It was baked.
+    Baked,
+    /// The pack that was there is what a bake would make.
+    Fresh,
+    /// It was not baked, or the pack did not pass.
+    Failed,
+    /// `--check`: the pack that is there is not what a bake would make.
+    Stale,
+    /// `--check`: there is no pack.
+    Missing,
+    /// A pack whose source is gone.
+    Orphaned,
+    /// A pack whose source was gone, and that was removed.
+    Pruned,
+}
+
+impl Status {
+    /// As the table has it: what needs somebody is in capitals.
+    fn word(self) -> &'static str {
+        match self {
+            Self::Baked => "baked",
+            Self::Fresh => "fresh",
+            Self::Failed => "FAILED",
+            Self::Stale => "stale",
+            Self::Missing => "missing",
+            Self::Orphaned => "orphaned",
+            Self::Pruned => "pruned",
+        }
+    }
+}
+
+/// What is said of a file; `None` where it did not get that far. The names are those of the JSON.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// The mesh; of a pack without one, where it was.
+    pub source: String,
+    /// The pack.
+    pub output: String,
+    /// How it ended.
+    pub status: Status,
+    /// Why it was not fresh, or why the pack is an orphan.
+    pub reason: Option<String>,
+    /// The options, as the pack records them.
+    pub options: Option<String>,
+    /// Hulls in the pack.
+    pub hulls: Option<usize>,
+    /// Source points over all hulls.
+    pub vertices_in: Option<usize>,
+    /// Vertices in the source.
+    pub vertices_source: Option<usize>,
+    /// Source vertices that no element references.
+    pub vertices_unreferenced: Option<usize>,
+    /// Points that an earlier one equals.
+    pub vertices_duplicate: Option<usize>,
+    /// Hull vertices over all hulls.
+    pub vertices_hull: Option<usize>,
+    /// Rank of each hull: 3 solid, 2 polygon, 1 segment, 0 point.
+    pub ranks: Option<Vec<u32>>,
+    /// Size of the pack.
+    pub bytes: Option<u64>,
+    /// Time from start to end in milliseconds. A thread that waits for others works on another file meanwhile, so the
+    /// times of many files add up to more than the whole took.
+    pub millis: f64,
+    /// What the user may want to know of the source.
+    pub notes: Vec<String>,
+    /// What the user should look at, with the remedy.
+    pub warnings: Vec<String>,
+    /// Why it failed.
+    pub error: Option<String>,
+}
+
+impl Row {
+    /// A row of which nothing more is known.
+    pub fn new(source: String, output: String, status: Status) -> Self {
+        Self {
+            source,
+            output,
+            status,
+            reason: None,
+            options: None,
+            hulls: None,
+            vertices_in: None,
+            vertices_source: None,
+            vertices_unreferenced: None,
+            vertices_duplicate: None,
+            vertices_hull: None,
+            ranks: None,
+            bytes: None,
+            millis: 0.0,
+            notes: Vec::new(),
+            warnings: Vec::new(),
+            error: None,
+        }
+    }
+}
+
+/// Writes one JSON object a line.
+///
+/// # Errors
+/// The writer's.
+pub fn write_json(rows: &[Row], out: &mut dyn Write) -> Result<(), Failure> {
+    for row in rows {
+        serde_json::to_writer(&mut *out, row).map_err(std::io::Error::from)?;
+        writeln!(out)?;
+    }
+    Ok(out.flush()?)
+}
+
+/// Writes the rows, without fresh ones unless those are asked for, then a line that counts them all.
+///
+/// # Errors
+/// The writer's.
+pub fn write_table(rows: &[Row], lists_fresh: bool, is_check: bool, out: &mut dyn Write) -> Result<(), Failure> {
+    let listed: Vec<&Row> = rows.iter().filter(|row| lists_fresh || row.status != Status::Fresh).collect();
+    if !listed.is_empty() {
+        let table = if is_check { check_table(&listed) } else { build_table(&listed) };
+        table.write(out)?;
+        writeln!(out)?;
+    }
+    writeln!(out, "{}", summary(rows, is_check))?;
+    Ok(out.flush()?)
+}
+
+fn build_table(rows: &[&Row]) -> Table {
+    let mut table = Table::new(&[
+        ("source", Align::Left),
+        ("pack", Align::Left),
+        ("hulls", Align::Right),
+        ("points", Align::Right),
+        ("vertices", Align::Right),
+        ("rank", Align::Right),
+        ("bytes", Align::Right),
+        ("ms", Align::Right),
+        ("status", Align::Left),
+    ]);
+    let number = |value: Option<usize>| or_dash(value, |value| grouped(value as u64));
+    for row in rows {
+        table.push(vec![
+            row.source.clone(),
+            row.output.clone(),
+            number(row.hulls),
+            number(row.vertices_in),
+            number(row.vertices_hull),
+            or_dash(row.ranks.as_deref(), ranks),
+            or_dash(row.bytes, grouped),
+            format!("{:.1}", row.millis),
+            row.status.word().to_owned(),
+        ]);
+    }
+    table
+}
+
+fn check_table(rows: &[&Row]) -> Table {
+    let columns = [("status", Align::Left), ("pack", Align::Left), ("why", Align::Left)];
+    let mut table = Table::new(&columns);
+    for row in rows {
+        let why = row.error.as_ref().or(row.reason.as_ref());
+        table.push(vec![row.status.word().to_owned(), row.output.clone(), or_dash(why, String::clone)]);
+    }
+    table
+}
+
+/// `3 baked, 9 fresh, 0 failed; 12 hulls in 34 567 bytes`.
+fn summary(rows: &[Row], is_check: bool) -> String {
+    let count = |status| rows.iter().filter(|row| row.status == status).count();
+    let always = if is_check {
+        [Status::Fresh, Status::Stale, Status::Missing].as_slice()
+    } else {
+        &[Status::Baked, Status::Fresh, Status::Failed]
+    };
+    let rare = [Status::Failed, Status::Orphaned, Status::Pruned];
+    let rare = rare.into_iter().filter(|status| !always.contains(status) && count(*status) > 0);
+    let counts = always.iter().copied().chain(rare);
+    let counts: Vec<String> =
+        counts.map(|status| format!("{} {}", grouped(count(status) as u64), status.word().to_lowercase())).collect();
+    if is_check {
+        return counts.join(", ");
+    }
+    let bytes: u64 = rows.iter().filter_map(|row| row.bytes).sum();
+    let hulls: usize = rows.iter().filter_map(|row| row.hulls).sum();
+    format!("{}; {} hulls in {} bytes", counts.join(", "), grouped(hulls as u64), grouped(bytes))
+}
+
+/// The one rank of all hulls, or the lowest and the highest.
+fn ranks(ranks: &[u32]) -> String {
+    match (ranks.iter().min(), ranks.iter().max()) {
+        (Some(least), Some(greatest)) if least < greatest => format!("{least}-{greatest}"),
+        (Some(least), _) => least.to_string(),
+        _ => "-".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows() -> Vec<Row> {
+        let row = |status| Row::new("a.obj".to_owned(), "a.hullmap".to_owned(), status);
+        [Status::Fresh, Status::Baked, Status::Failed, Status::Fresh, Status::Orphaned].map(row).to_vec()
+    }
+
+    fn table(lists_fresh: bool, is_check: bool) -> String {
+        let mut out = Vec::new();
+        write_table(&rows(), lists_fresh, is_check, &mut out).unwrap();
+        String::from_utf8(out).unwrap()
+    }
+
+    #[test]
+    fn fresh_files_are_counted_and_listed_only_if_asked_for() {
+        let text = table(false, false);
+        assert_eq!(text.lines().count(), 1 + 3 + 2, "{text}");
+        assert!(text.ends_with("\n\n1 baked, 2 fresh, 1 failed, 1 orphaned; 0 hulls in 0 bytes\n"), "{text}");
+        assert_eq!(table(true, false).lines().count(), 1 + 5 + 2);
+        let mut out = Vec::new();
+        write_table(&rows()[..1], false, false, &mut out).unwrap();
+        assert_eq!(out, b"0 baked, 1 fresh, 0 failed; 0 hulls in 0 bytes\n");
+    }
+
+    #[test]
+    fn a_check_counts_what_is_stale() {
+        let text = table(false, true);
+        assert!(text.ends_with("\n\n2 fresh, 0 stale, 0 missing, 1 failed, 1 orphaned\n"), "{text}");
+    }
+}

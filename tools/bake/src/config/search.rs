@@ -1,0 +1,213 @@
+//! Which `hullmap.toml` counts for a mesh.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::{Config, FILE_NAME};
+use crate::option_layer::OptionLayer;
+use crate::outcome::Failure;
+use crate::pack_file::folder_of;
+
+/// What marks the root of a project, beside the folder that `bake` was started in.
+const ROOT_MARKS: [&str; 2] = [".git", ".hg"];
+
+/// The `hullmap.toml` files of a build, each read once.
+///
+/// The nearest one counts for a mesh: in the mesh's folder, or in the next folder above it that has one. The search ends with
+/// the folder that holds a version control's `.git` or `.hg`, else with the one that `bake` was started in, else at the file
+/// system's root. So which one counts depends on where the mesh lies, not on how it was named.
+#[derive(Debug)]
+pub struct Configs {
+    choice: Choice,
+    /// The folder that `bake` was started in, canonical.
+    project: PathBuf,
+    /// What was found for each canonical folder.
+    found: HashMap<PathBuf, Option<Arc<Config>>>,
+    /// Each file that was read, by its folder.
+    read: HashMap<PathBuf, Arc<Config>>,
+}
+
+#[derive(Debug)]
+enum Choice {
+    /// None whatever.
+    None,
+    /// This one for all, with its canonical folder.
+    One(Arc<Config>, PathBuf),
+    /// The nearest.
+    Nearest,
+}
+
+impl Configs {
+    /// The files that count: none, the one named, or the nearest ones.
+    ///
+    /// # Errors
+    /// The one named cannot be read or is faulty.
+    pub fn new(named: Option<&Path>, none: bool, project: &Path) -> Result<Self, Failure> {
+        let choice = match named {
+            _ if none => Choice::None,
+            Some(path) => {
+                let config = Config::read(path)?;
+                Choice::One(Arc::new(config), canonical(folder_of(path)))
+            }
+            None => Choice::Nearest,
+        };
+        Ok(Self { choice, project: canonical(project), found: HashMap::new(), read: HashMap::new() })
+    }
+
+    /// What the file that counts for `mesh` says of it, and that file.
+    ///
+    /// # Errors
+    /// The file cannot be read or is faulty.
+    pub fn layer(&mut self, mesh: &Path) -> Result<(OptionLayer, Option<Arc<Config>>), Failure> {
+        let folder = canonical(folder_of(mesh));
+        let name = Path::new(mesh.file_name().unwrap_or_default());
+        let (config, root) = match &self.choice {
+            Choice::None => (None, PathBuf::new()),
+            Choice::One(config, root) => (Some(config.clone()), root.clone()),
+            Choice::Nearest => {
+                let config = self.nearest(&folder, folder_of(mesh))?;
+                let root = config.as_ref().map_or_else(PathBuf::new, |config| canonical(folder_of(&config.path)));
+                (config, root)
+            }
+        };
+        let layer = config.as_ref().map_or_else(OptionLayer::default, |config| {
+            let place = folder.strip_prefix(&root).ok().map(|below| below.join(name));
+            config.layer(place.as_deref(), name)
+        });
+        Ok((layer, config))
+    }
+
+    /// The nearest file in or above a canonical folder, which the user knows as `shown`.
+    fn nearest(&mut self, folder: &Path, shown: &Path) -> Result<Option<Arc<Config>>, Failure> {
+        if let Some(found) = self.found.get(folder) {
+            return Ok(found.clone());
+        }
+        let mut found = None;
+        for (steps, above) in folder.ancestors().enumerate() {
+            let place = above.join(FILE_NAME);
+            if place.is_file() {
+                if let Some(config) = self.read.get(above) {
+                    found = Some(config.clone());
+                } else {
+                    let config = Arc::new(Config::read(&shown_above(shown, steps, &place))?);
+                    self.read.insert(above.to_owned(), config.clone());
+                    found = Some(config);
+                }
+                break;
+            }
+            if self.is_root(above, folder) {
+                break;
+            }
+        }
+        self.found.insert(folder.to_owned(), found.clone());
+        Ok(found)
+    }
+
+    fn is_root(&self, above: &Path, folder: &Path) -> bool {
+        if ROOT_MARKS.iter().any(|mark| above.join(mark).exists()) {
+            return true;
+        }
+        let is_marked_above = || above.ancestors().any(|above| ROOT_MARKS.iter().any(|mark| above.join(mark).exists()));
+        above == self.project && folder.starts_with(&self.project) && !is_marked_above()
+    }
+}
+
+/// The file as the user would name it: from the folder that was named, while that has so many folders above it.
+fn shown_above(shown: &Path, steps: usize, canonical: &Path) -> PathBuf {
+    let is_plain = !shown.components().any(|part| part == std::path::Component::ParentDir);
+    let named = shown.ancestors().nth(steps).filter(|named| is_plain && *named != Path::new(""));
+    let here = steps == shown.components().count() && shown.is_relative() && is_plain && shown != Path::new(".");
+    match named {
+        Some(named) => {
+            let file = named.join(FILE_NAME);
+            // `./hullmap.toml` reads as a file in this folder just as well without the dot.
+            file.strip_prefix(".").map_or_else(|_| file.clone(), Path::to_owned)
+        }
+        None if here => PathBuf::from(FILE_NAME),
+        None => canonical.to_owned(),
+    }
+}
+
+/// The folder's canonical path; as it is where it has none, so that reading it fails with a message of its own.
+fn canonical(folder: &Path) -> PathBuf {
+    folder.canonicalize().unwrap_or_else(|_| folder.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in files {
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        }
+        folder
+    }
+
+    /// Unit scale that counts for a mesh, where each file sets its own.
+    fn scale(configs: &mut Configs, root: &Path, mesh: &str) -> Option<f64> {
+        configs.layer(&root.join(mesh)).unwrap().0.unit_scale
+    }
+
+    const FILES: [(&str, &str); 5] = [
+        ("hullmap.toml", "[defaults]\nunit_scale = 1\n"),
+        ("repo/assets/hullmap.toml", "[defaults]\nunit_scale = 2\n[[rule]]\nfiles = \"deep/*.obj\"\nunit_scale = 3\n"),
+        ("repo/.git/HEAD", ""),
+        ("repo/assets/deep/er/x.obj", ""),
+        ("repo/other/x.obj", ""),
+    ];
+
+    #[test]
+    fn the_nearest_file_up_to_the_root_counts() {
+        let folder = folder(&FILES);
+        let mut configs = Configs::new(None, false, folder.path()).unwrap();
+        for (mesh, expected) in [
+            ("x.obj", Some(1.0)),
+            ("repo/assets/x.obj", Some(2.0)),
+            ("repo/assets/deep/x.obj", Some(3.0)),
+            ("repo/assets/deep/er/x.obj", Some(2.0)),
+            ("repo/other/x.obj", None),
+            ("repo/x.obj", None),
+        ] {
+            assert_eq!(scale(&mut configs, folder.path(), mesh), expected, "{mesh}");
+        }
+        assert_eq!(configs.read.len(), 2, "each is read once");
+    }
+
+    #[test]
+    fn without_version_control_the_folder_of_the_start_is_the_root() {
+        let folder = folder(&[("hullmap.toml", "[defaults]\nunit_scale = 1\n"), ("a/b/x.obj", "")]);
+        let mut inside = Configs::new(None, false, &folder.path().join("a")).unwrap();
+        assert_eq!(scale(&mut inside, folder.path(), "a/b/x.obj"), None);
+        let mut outside = Configs::new(None, false, folder.path()).unwrap();
+        assert_eq!(scale(&mut outside, folder.path(), "a/b/x.obj"), Some(1.0));
+    }
+
+    #[test]
+    fn a_named_file_counts_for_all_and_none_for_nothing() {
+        let folder = folder(&FILES);
+        let named = folder.path().join("repo/assets/hullmap.toml");
+        let mut configs = Configs::new(Some(&named), false, folder.path()).unwrap();
+        assert_eq!(scale(&mut configs, folder.path(), "repo/other/x.obj"), Some(2.0));
+        assert_eq!(scale(&mut configs, folder.path(), "repo/assets/deep/x.obj"), Some(3.0));
+        let mut configs = Configs::new(None, true, folder.path()).unwrap();
+        assert_eq!(scale(&mut configs, folder.path(), "repo/assets/x.obj"), None);
+        assert!(Configs::new(Some(&folder.path().join("no.toml")), false, folder.path()).is_err());
+    }
+
+    #[test]
+    fn files_are_shown_as_the_user_would_name_them() {
+        let way = |shown: &str, steps: usize| shown_above(Path::new(shown), steps, Path::new("/c/hullmap.toml"));
+        assert_eq!(way("a/b", 0), Path::new("a/b/hullmap.toml"));
+        assert_eq!(way("a/b", 1), Path::new("a/hullmap.toml"));
+        assert_eq!(way("a/b", 2), Path::new("hullmap.toml"));
+        assert_eq!(way("a/b", 3), Path::new("/c/hullmap.toml"));
+        assert_eq!(way("../a", 1), Path::new("/c/hullmap.toml"));
+        assert_eq!(way(".", 0), Path::new("hullmap.toml"));
+        assert_eq!(way(".", 1), Path::new("/c/hullmap.toml"));
+    }
+}

@@ -1,0 +1,96 @@
+//! Dependency files for Ninja and Make: which files each pack was baked from.
+
+use std::fmt::Write;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// A target and what it depends on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Rule {
+    /// The file that is out of date when another is newer.
+    pub target: PathBuf,
+    /// The others.
+    pub prerequisites: Vec<PathBuf>,
+}
+
+/// The text of a dependency file. Each prerequisite also gets a rule without prerequisites, so that Make goes on when one
+/// has been removed.
+///
+/// # Errors
+/// A path with a line break, which neither Ninja nor Make can read, or one that is not UTF-8.
+pub fn text(rules: &[Rule]) -> io::Result<String> {
+    let mut text = String::new();
+    for rule in rules {
+        text.push_str(&escaped(&rule.target)?);
+        text.push(':');
+        for path in &rule.prerequisites {
+            // A fresh line each: easy to read, and no line grows without bound.
+            let _ = write!(text, " \\\n  {}", escaped(path)?);
+        }
+        text.push('\n');
+    }
+    let mut paths: Vec<&PathBuf> = rules.iter().flat_map(|rule| &rule.prerequisites).collect();
+    paths.sort_unstable();
+    paths.dedup();
+    for path in paths {
+        let _ = write!(text, "\n{}:\n", escaped(path)?);
+    }
+    Ok(text)
+}
+
+/// A path as both programs read it: `\ ` for a space (with the backslashes before it doubled), `\#`, `$$`; a `%` in a
+/// rule without a pattern is itself.
+fn escaped(path: &Path) -> io::Result<String> {
+    let invalid = |what: &str| io::Error::new(io::ErrorKind::InvalidInput, format!("{}: {what}", path.display()));
+    let path_text = path.to_str().ok_or_else(|| invalid("a path that is not UTF-8 cannot stand in a depfile"))?;
+    let mut text = String::with_capacity(path_text.len() + 8);
+    let mut backslashes = 0;
+    for letter in path_text.chars() {
+        match letter {
+            '\n' | '\r' => return Err(invalid("a path with a line break cannot stand in a depfile")),
+            ' ' | '\t' => {
+                text.extend(std::iter::repeat_n('\\', backslashes + 1));
+            }
+            '#' => text.push('\\'),
+            '$' => text.push('$'),
+            _ => {}
+        }
+        text.push(letter);
+        backslashes = if letter == '\\' { backslashes + 1 } else { 0 };
+    }
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rule(target: &str, prerequisites: &[&str]) -> Rule {
+        Rule { target: target.into(), prerequisites: prerequisites.iter().map(PathBuf::from).collect() }
+    }
+
+    #[test]
+    fn rules_and_empty_rules() {
+        let rules =
+            [rule("o/b.hullmap", &["in/b.obj", "hullmap.toml"]), rule("o/a.hullmap", &["in/a.obj", "hullmap.toml"])];
+        let expected = "o/b.hullmap: \\\n  in/b.obj \\\n  hullmap.toml\no/a.hullmap: \\\n  in/a.obj \\\n  hullmap.toml\n\
+                        \nhullmap.toml:\n\nin/a.obj:\n\nin/b.obj:\n";
+        assert_eq!(text(&rules).unwrap(), expected);
+    }
+
+    #[test]
+    fn letters_with_a_meaning_are_escaped() {
+        for (path, expected) in [
+            ("a b", "a\\ b"),
+            ("a\\ b", "a\\\\\\ b"),
+            ("a#b", "a\\#b"),
+            ("$a", "$$a"),
+            ("100%", "100%"),
+            ("a\\b", "a\\b"),
+            ("é", "é"),
+        ] {
+            assert_eq!(escaped(Path::new(path)).unwrap(), expected);
+        }
+        assert!(text(&[rule("a\nb", &[])]).is_err());
+    }
+}

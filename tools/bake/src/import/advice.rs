@@ -1,0 +1,145 @@
+//! What a user should look at: sets and hulls that bake, but may not be what was meant.
+//!
+//! Every threshold is a ratio: nothing changes where a mesh is scaled, but for the one limit that f32 itself has.
+
+/// Distance from the origin, in sizes of the set, beyond which precision is lost: f32 then steps by more than 6e-5 of
+/// the size, four digits.
+const FAR: f64 = 1000.0;
+
+/// Size of a hull in widths of it beyond which it is thin: of the seven digits of f32, three are left across it.
+const THIN: f64 = 1e4;
+
+/// Vertices beyond which a hull is huge: it takes 13 MB in a pack, more than the processor's nearer caches, and every
+/// query of it waits for memory.
+const HUGE_VERTICES: usize = 1 << 16;
+
+/// Coordinate beyond which a hull is huge: its square no longer fits f32, and engines that measure distances in f32
+/// get infinities. The one threshold with a unit, that of the source.
+const HUGE_COORDINATE: f64 = 1.8e19;
+
+/// What is known of a baked hull.
+#[derive(Clone, Copy, Debug)]
+pub struct HullFacts<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Its dimension: 3 solid, 2 polygon, 1 segment, 0 point.
+    pub rank: u32,
+    /// Points that it was built of.
+    pub point_count: usize,
+    /// Vertices that it has.
+    pub vertex_count: usize,
+    /// Greatest distance between two vertices.
+    pub diameter: f64,
+    /// Radius of a ball in it, around its centroid.
+    pub inner_radius: f64,
+    /// Greatest absolute value of its coordinates.
+    pub greatest_coordinate: f64,
+}
+
+/// Warns of points whose distance from the origin costs them digits.
+pub fn far_away(name: &str, positions: &[[f32; 3]]) -> Option<String> {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for position in positions {
+        for axis in 0..3 {
+            low[axis] = low[axis].min(f64::from(position[axis]));
+            high[axis] = high[axis].max(f64::from(position[axis]));
+        }
+    }
+    let size = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+    let far = (0..3).map(|axis| low[axis].abs().max(high[axis].abs())).fold(0.0, f64::max);
+    // A single point has no size to lose digits of.
+    (size > 0.0 && far > FAR * size).then(|| {
+        format!(
+            "object {name}: {far:.3e} from the origin, with a size of {size:.3e}, so that 32-bit coordinates step by {:.1e} of the size; --recentre keeps the file's digits",
+            far * f64::from(f32::EPSILON) / size
+        )
+    })
+}
+
+/// Warns of what is flat, thin or huge.
+pub fn of_hull(facts: &HullFacts) -> Vec<String> {
+    let name = facts.name;
+    let mut warnings = Vec::new();
+    match facts.rank {
+        3 => {
+            // The ball around the centroid is the widest but for a factor of three: a centroid lies at least a quarter
+            // of the width away from each side.
+            let width = 2.0 * facts.inner_radius;
+            if !(facts.diameter <= THIN * width) {
+                warnings.push(format!(
+                    "hull {name} is thin: {:.3e} across and about {width:.1e} thick; contacts on it are poor in digits: thicken it, or leave it out if it is a decal",
+                    facts.diameter
+                ));
+            }
+        }
+        // A single source point, and a line of two, are as flat as they were meant.
+        2 => warnings.push(format!(
+            "hull {name} is flat: its {} points lie in one plane; it collides as a polygon without thickness: give it thickness if it should be a solid",
+            facts.point_count
+        )),
+        1 if facts.point_count > 2 => warnings.push(format!(
+            "hull {name} is a segment: its {} points lie on one line; is an axis scaled to 0?",
+            facts.point_count
+        )),
+        0 if facts.point_count > 1 => warnings.push(format!(
+            "hull {name} is a point: its {} points are all the same; is the object scaled to 0?",
+            facts.point_count
+        )),
+        _ => {}
+    }
+    if facts.vertex_count > HUGE_VERTICES {
+        warnings.push(format!(
+            "hull {name} is huge: {} vertices, more than {HUGE_VERTICES}; --max-vertices or --max-error make it smaller within a stated distance",
+            facts.vertex_count
+        ));
+    }
+    if facts.greatest_coordinate > HUGE_COORDINATE {
+        warnings.push(format!(
+            "hull {name} reaches {:.1e} from the origin, and squares of that overflow 32-bit floats; use a smaller --unit-scale",
+            facts.greatest_coordinate
+        ));
+    }
+    warnings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn far_is_far_at_any_scale() {
+        for scale in [1e-20, 1e-3, 1.0, 1e3, 1e20] {
+            let at = |x: f32| [[x * scale, 0.0, 0.0], [(x + 1.0) * scale, scale, 0.0]];
+            assert_eq!(far_away("a", &at(-500.0)), None, "{scale}");
+            assert!(far_away("a", &at(2000.0)).unwrap().contains("object a: "), "{scale}");
+            assert!(far_away("a", &at(-2000.0)).is_some(), "{scale}");
+        }
+        assert_eq!(far_away("a", &[[1e30; 3]]), None);
+        assert_eq!(far_away("a", &[]), None);
+    }
+
+    #[test]
+    fn each_trouble_has_its_words() {
+        let plain = HullFacts {
+            name: "a",
+            rank: 3,
+            point_count: 100,
+            vertex_count: 80,
+            diameter: 1.0,
+            inner_radius: 0.3,
+            greatest_coordinate: 1.0,
+        };
+        let words = |facts| of_hull(&facts).join("; ");
+        assert_eq!(words(plain), "");
+        assert_eq!(words(HullFacts { inner_radius: 1e-4, ..plain }), "");
+        assert!(words(HullFacts { inner_radius: 4e-5, ..plain }).contains("hull a is thin"));
+        assert!(words(HullFacts { inner_radius: f64::NAN, ..plain }).contains("thin"));
+        assert!(words(HullFacts { rank: 2, ..plain }).contains("flat"));
+        assert!(words(HullFacts { rank: 1, ..plain }).contains("segment"));
+        assert!(words(HullFacts { rank: 0, ..plain }).contains("is a point"));
+        assert_eq!(words(HullFacts { rank: 1, point_count: 2, ..plain }), "");
+        assert_eq!(words(HullFacts { rank: 0, point_count: 1, ..plain }), "");
+        assert!(words(HullFacts { vertex_count: 65_537, ..plain }).contains("--max-vertices"));
+        assert!(words(HullFacts { greatest_coordinate: 1e20, ..plain }).contains("overflow"));
+    }
+}

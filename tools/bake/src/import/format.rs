@@ -1,0 +1,79 @@
+//! Which format a file is in.
+
+use std::path::Path;
+
+/// A format of source files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Wavefront OBJ.
+    Obj,
+    /// glTF, as text or GLB.
+    Gltf,
+    /// STL, as text or binary.
+    Stl,
+    /// PLY, as text or binary.
+    Ply,
+}
+
+/// Extensions of source files, in lower case.
+pub const EXTENSIONS: [&str; 5] = ["obj", "gltf", "glb", "stl", "ply"];
+
+/// Names of the formats, for messages.
+pub const NAMES: &str = "OBJ, glTF, GLB, STL or PLY";
+
+impl Format {
+    /// The format that a file's extension says, in capitals or not; where it says none, that of its first bytes: `glTF`,
+    /// `ply`, else OBJ, which begins as it likes.
+    pub fn of(path: &Path, bytes: &[u8]) -> Self {
+        Self::of_extension(path).unwrap_or(match bytes {
+            [b'g', b'l', b'T', b'F', ..] => Self::Gltf,
+            [b'p', b'l', b'y', b'\r' | b'\n', ..] => Self::Ply,
+            _ => Self::Obj,
+        })
+    }
+
+    fn of_extension(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        Some(match extension.as_str() {
+            "obj" => Self::Obj,
+            "gltf" | "glb" => Self::Gltf,
+            "stl" => Self::Stl,
+            "ply" => Self::Ply,
+            _ => return None,
+        })
+    }
+}
+
+/// Whether a search of a folder takes this file: whether its extension is one of [`EXTENSIONS`], in capitals or not.
+pub fn is_source(path: &Path) -> bool {
+    Format::of_extension(path).is_some()
+}
+
+/// Whether the extension is the one that glTF files give to the buffers beside them.
+pub fn is_buffer(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("bin"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extensions_first_then_bytes() {
+        for (name, bytes, format) in [
+            ("a.obj", &b"glTF"[..], Format::Obj),
+            ("a.v2.GLB", b"", Format::Gltf),
+            ("a.gltf", b"", Format::Gltf),
+            ("a.Stl", b"", Format::Stl),
+            ("a.ply", b"", Format::Ply),
+            ("a.txt", b"ply\r\n", Format::Ply),
+            ("a.txt", b"glTF", Format::Gltf),
+            ("a.txt", b"plywood", Format::Obj),
+            ("a", b"v 0 0 0", Format::Obj),
+        ] {
+            assert_eq!(Format::of(Path::new(name), bytes), format, "{name}");
+            assert_eq!(is_source(Path::new(name)), !name.ends_with("txt") && name != "a", "{name}");
+        }
+        assert!(EXTENSIONS.iter().all(|extension| is_source(&Path::new("x").with_extension(extension))));
+    }
+}

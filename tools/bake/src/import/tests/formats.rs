@@ -1,0 +1,536 @@
+//! glTF, STL and PLY: the same mesh in every format, other readers' opinion of it, and what is wrong with bad files.
+
+use shapes::mesh::Mesh;
+use shapes::{families::Family, gltf, ply, solids, stl};
+
+use super::super::*;
+use crate::options::Split;
+use crate::verification::random::SplitMix;
+
+const WHOLE: ImportOptions = ImportOptions::DEFAULT;
+const OBJECTS: ImportOptions = ImportOptions { split: Split::Object, ..WHOLE };
+
+/// A prism with pentagons, moved so that no coordinate is round.
+fn prism() -> Mesh {
+    let mut mesh = solids::extrusion(&solids::regular_polygon(5, 1.0), -0.3, 0.7);
+    mesh.vertices.iter_mut().for_each(|v| *v = [v[0] + 0.1, v[1] - 7.3, v[2] * 1.7]);
+    mesh
+}
+
+fn import_bytes(name: &str, bytes: &[u8], options: ImportOptions) -> Result<Imported, ImportError> {
+    import(name, "shape", Path::new(name), &SourceFile::alone(bytes.to_vec()), &options, &Limits::DEFAULT)
+}
+
+fn fails(name: &str, bytes: &[u8], expected: &str) {
+    let message = import_bytes(name, bytes, WHOLE).expect_err(expected).to_string();
+    assert!(message.starts_with(name) && message.contains(expected), "{message}\nexpected: {expected}");
+}
+
+fn names(imported: &Imported) -> Vec<&str> {
+    imported.point_sets.iter().map(|set| set.name.as_str()).collect()
+}
+
+/// Triangles by position, each from its least corner on, sorted: the same for all ways to number vertices.
+fn triangles(imported: &Imported) -> Vec<[[u32; 3]; 3]> {
+    let mut all = Vec::new();
+    for (set, faces) in imported.point_sets.iter().zip(&imported.faces) {
+        for corners in faces.triangles() {
+            let at = corners.map(|corner| set.positions[corner as usize].map(|x| (x + 0.0).to_bits()));
+            let least = (0..3).min_by_key(|&corner| at[corner]).unwrap();
+            all.push([at[least], at[(least + 1) % 3], at[(least + 2) % 3]]);
+        }
+    }
+    all.sort_unstable();
+    all
+}
+
+fn obj(mesh: &Mesh) -> Vec<u8> {
+    let mut text: String = mesh.vertices.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+    for face in &mesh.faces {
+        let corners: Vec<String> = face.iter().map(|corner| (corner + 1).to_string()).collect();
+        text += &format!("f {}\n", corners.join(" "));
+    }
+    text.into_bytes()
+}
+
+/// The prism in every way that a file can hold it.
+fn files(mesh: &Mesh) -> Vec<(&'static str, Vec<u8>)> {
+    let parts = gltf::parts(&[("prism", mesh)], r#"{"mesh":0,"name":"node"}"#, "0");
+    vec![
+        ("shape.obj", obj(mesh)),
+        ("shape.glb", parts.glb()),
+        ("shape.gltf", parts.text_with_data().into_bytes()),
+        ("shape.stl", stl::binary(mesh, "solid in name only")),
+        ("shape.STL", stl::binary(mesh, "")),
+        ("text.stl", stl::text(&[("prism", mesh)]).into_bytes()),
+        ("shape.ply", ply::file(mesh, ply::Encoding::Text)),
+        ("little.ply", ply::file(mesh, ply::Encoding::Little)),
+        ("big.ply", ply::file(mesh, ply::Encoding::Big)),
+    ]
+}
+
+#[test]
+fn every_format_holds_the_same_mesh() {
+    let mesh = prism();
+    let expected = triangles(&import_bytes("shape.obj", &obj(&mesh), WHOLE).unwrap());
+    assert_eq!(expected.len(), 8 * 2);
+    for (name, bytes) in files(&mesh) {
+        let imported = import_bytes(name, &bytes, WHOLE).unwrap();
+        assert_eq!(triangles(&imported), expected, "{name}");
+        assert_eq!(names(&imported), ["shape"], "{name}");
+        let set = &imported.point_sets[0];
+        assert_eq!(set.source_vertices, (0..10).collect::<Vec<u32>>(), "{name}");
+        if !name.to_lowercase().ends_with("stl") {
+            assert_eq!(set.positions, mesh.vertices, "{name}");
+        }
+        assert_eq!((imported.vertex_count, imported.unreferenced_count, imported.duplicate_count), (10, 0, 0));
+        assert!(imported.notes.is_empty() && imported.warnings.is_empty(), "{name}: {:?}", imported.notes);
+    }
+}
+
+/// Other people's readers of the same bytes.
+#[test]
+fn other_readers_agree() {
+    let mesh = prism();
+    let points = |imported: &Imported| -> Vec<[f32; 3]> {
+        let set = &imported.point_sets[0];
+        imported.faces[0].triangles().iter().flatten().map(|&corner| set.positions[corner as usize]).collect()
+    };
+    for (name, bytes) in files(&mesh) {
+        let ours = import_bytes(name, &bytes, WHOLE).unwrap();
+        let theirs: Vec<[f32; 3]> = if name.starts_with("shape.gl") {
+            let document = ::gltf::Gltf::from_slice(&bytes).unwrap();
+            let buffer = gltf::parts(&[("prism", &mesh)], "{}", "0").buffer;
+            let primitive = document.meshes().next().unwrap().primitives().next().unwrap();
+            let reader = primitive.reader(|_| Some(&buffer));
+            let positions: Vec<[f32; 3]> = reader.read_positions().unwrap().collect();
+            reader.read_indices().unwrap().into_u32().map(|index| positions[index as usize]).collect()
+        } else if name == "text.stl" || name == "shape.STL" {
+            // It takes every file that begins with `solid ` for text.
+            let read = stl_io::read_stl(&mut std::io::Cursor::new(&bytes)).unwrap();
+            let corners = read.faces.iter().flat_map(|face| face.vertices);
+            corners.map(|corner| read.vertices[corner]).map(|v| [v[0], v[1], v[2]]).collect()
+        } else if name.ends_with(".ply") {
+            let parser = ply_rs_bw::parser::Parser::<ply_rs_bw::ply::DefaultElement>::new();
+            let read = parser.read_ply(&mut &bytes[..]).unwrap();
+            let number = |element: &ply_rs_bw::ply::DefaultElement, name: &str| element[name].to_f32_lossy().unwrap();
+            let vertex = |element| ["x", "y", "z"].map(|name| number(element, name));
+            let vertices: Vec<[f32; 3]> = read.payload["vertex"].iter().map(vertex).collect();
+            let faces = read.payload["face"].iter().map(|face| face["vertex_indices"].to_u32_list().unwrap());
+            let fans = faces.flat_map(|face| {
+                (2..face.len()).flat_map(move |i| [face[0], face[i - 1], face[i]]).collect::<Vec<_>>()
+            });
+            fans.map(|corner| vertices[corner as usize]).collect()
+        } else {
+            continue;
+        };
+        assert_eq!(points(&ours), theirs, "{name}");
+    }
+}
+
+#[test]
+fn nodes_are_placed_in_f64_and_named() {
+    let mesh = prism();
+    // A mirrored child of a turned parent; the same mesh twice; a node without a name; a nameless root.
+    let nodes = r#"{"children":[1,2],"rotation":[0,0,0.70710678,0.70710678],"translation":[10,0,0]},
+        {"mesh":0,"name":"left","scale":[-2,1,1]},
+        {"mesh":0,"matrix":[1,0,0,0, 0,0,1,0, 0,-1,0,0, 5,6,7,1]},
+        {"mesh":1,"name":"left"},
+        {"mesh":1,"name":"unseen"}"#;
+    let cube = solids::polyhedron(
+        &solids::cube_vertices(),
+        &[[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]],
+    );
+    let bytes = gltf::parts(&[("prism", &mesh), ("cube", &cube)], nodes, "0,3").glb();
+    let imported = import_bytes("a.glb", &bytes, OBJECTS).unwrap();
+    assert_eq!(names(&imported), ["left", "prism", "left_2"]);
+    assert_eq!(imported.vertex_count, 10 + 10 + 8);
+    assert_eq!(imported.point_sets[1].source_vertices[0], 10);
+    let near = |got: [f32; 3], expected: [f64; 3]| {
+        assert!(got.iter().zip(expected).all(|(a, b)| (f64::from(*a) - b).abs() < 3e-6), "{got:?} {expected:?}");
+    };
+    for (number, v) in mesh.vertices.iter().enumerate() {
+        let [x, y, z] = v.map(f64::from);
+        // A quarter turn about z after the node's own transform, then ten along x.
+        near(imported.point_sets[0].positions[number], [-y + 10.0, -2.0 * x, z]);
+        let [x, y, z] = [x + 5.0, -z + 6.0, y + 7.0];
+        near(imported.point_sets[1].positions[number], [-y + 10.0, x, z]);
+    }
+    // Whatever mirrors, faces wind outwards.
+    for (set, faces) in imported.point_sets.iter().zip(&imported.faces) {
+        let faces = faces.triangles().iter().map(|corners| corners.to_vec()).collect();
+        let mesh = Mesh { vertices: set.positions.clone(), faces };
+        assert!(mesh.signed_volume() > 0.5, "{}", set.name);
+    }
+    assert!(imported.notes.iter().any(|note| note.contains("more than once")), "{:?}", imported.notes);
+    // The whole scene is one set.
+    assert_eq!(import_bytes("a.glb", &bytes, WHOLE).unwrap().point_sets[0].positions.len(), 28);
+}
+
+#[test]
+fn buffers_beside_the_file_are_read_and_hashed() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = prism();
+    let parts = gltf::parts(&[("prism", &mesh)], r#"{"mesh":0}"#, "0");
+    let path = folder.path().join("a.gltf");
+    std::fs::write(&path, parts.text("data/a%20b.bin")).unwrap();
+    let error = |expected: &str| match read("a.gltf", &path, &Limits::DEFAULT) {
+        Err(ReadError::Import(error)) => assert!(error.to_string().contains(expected), "{error}"),
+        other => panic!("{other:?}"),
+    };
+    error("its buffer data/a b.bin cannot be read");
+    std::fs::create_dir(folder.path().join("data")).unwrap();
+    let buffer = folder.path().join("data/a b.bin");
+    std::fs::write(&buffer, &parts.buffer).unwrap();
+    assert_eq!(buffers_of(&path), [buffer.clone()]);
+    let source = read("a.gltf", &path, &Limits::DEFAULT).unwrap();
+    let imported = import("a.gltf", "a", &path, &source, &WHOLE, &Limits::DEFAULT).unwrap();
+    assert_eq!(imported.point_sets[0].positions, mesh.vertices);
+
+    // Every byte counts; so does a byte that is moved from one file to the other.
+    let mut changed = parts.buffer.clone();
+    changed[3] ^= 1;
+    std::fs::write(&buffer, &changed).unwrap();
+    assert_ne!(read("a.gltf", &path, &Limits::DEFAULT).unwrap().hash, source.hash);
+    std::fs::write(&buffer, &parts.buffer).unwrap();
+    assert_eq!(read("a.gltf", &path, &Limits::DEFAULT).unwrap().hash, source.hash);
+    let limits = Limits { input_bytes: source.bytes.len() as u64 + 5, ..Limits::DEFAULT };
+    assert!(
+        matches!(read("a.gltf", &path, &limits), Err(ReadError::Import(e)) if e.to_string().contains("--max-input-bytes"))
+    );
+    std::fs::write(&buffer, &parts.buffer[..100]).unwrap();
+    let source = read("a.gltf", &path, &Limits::DEFAULT).unwrap();
+    let error = import("a.gltf", "a", &path, &source, &WHOLE, &Limits::DEFAULT).unwrap_err();
+    assert!(error.to_string().contains("has 100: it was cut off"), "{error}");
+}
+
+/// A document of one mesh whose accessors and views are these, over a buffer.
+fn custom(accessors: &str, views: &str, primitive: &str, extra: &str, buffer: &[u8]) -> Vec<u8> {
+    let json = format!(
+        r#"{{"asset":{{"version":"2.0"}},{extra}"nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{primitive}]}}],"accessors":[{accessors}],"bufferViews":[{views}],"buffers":[{{"byteLength":{}}}]}}"#,
+        buffer.len()
+    );
+    gltf::glb(json.as_bytes(), buffer)
+}
+
+#[test]
+fn accessors_of_all_kinds() {
+    let point = r#"{"attributes":{"POSITION":0},"mode":0}"#;
+    let positions = |accessor: &str, views: &str, buffer: &[u8]| {
+        let bytes = custom(accessor, views, point, "", buffer);
+        import_bytes("a.glb", &bytes, WHOLE).map(|imported| imported.point_sets[0].positions.clone())
+    };
+    // Interleaved, with an offset.
+    let floats: Vec<u8> = [9.0_f32, 1.0, 2.0, 3.0, 9.0, 4.0, 5.0, 6.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let view = r#"{"buffer":0,"byteLength":32,"byteStride":16}"#;
+    let accessor = r#"{"bufferView":0,"byteOffset":4,"componentType":5126,"type":"VEC3","count":2}"#;
+    assert_eq!(positions(accessor, view, &floats).unwrap(), [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+    // Zeros with one element replaced: no view of its own.
+    let sparse = r#"{"componentType":5126,"type":"VEC3","count":3,"sparse":{"count":1,
+        "indices":{"bufferView":0,"componentType":5123},"values":{"bufferView":1}}}"#;
+    let mut buffer = vec![1, 0, 0, 0];
+    buffer.extend([7.0_f32, 8.0, 9.0].iter().flat_map(|x| x.to_le_bytes()));
+    let views = r#"{"buffer":0,"byteLength":2},{"buffer":0,"byteOffset":4,"byteLength":12}"#;
+    assert_eq!(positions(sparse, views, &buffer).unwrap(), [[0.0; 3], [7.0, 8.0, 9.0], [0.0; 3]]);
+    for (from, to) in [(r#""count":3"#, r#""count":1"#), (r#""byteLength":2}"#, r#""byteLength":1}"#)] {
+        let error = positions(&sparse.replace(from, to), &views.replace(from, to), &buffer).unwrap_err().to_string();
+        assert!(error.contains("accessor 0"), "{error}");
+    }
+    // Quantized: shorts, normalized and not.
+    let shorts: Vec<u8> = [32767_i16, -32768, 0, 0].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let short = r#"{"bufferView":0,"componentType":5122,"type":"VEC3","count":1}"#;
+    let view = r#"{"buffer":0,"byteLength":8}"#;
+    assert_eq!(positions(short, view, &shorts).unwrap(), [[32767.0, -32768.0, 0.0]]);
+    let normalized = short.replace("\"count\"", "\"normalized\":true,\"count\"");
+    assert_eq!(positions(&normalized, view, &shorts).unwrap(), [[1.0, -1.0, 0.0]]);
+    // Not finite.
+    let nan: Vec<u8> = [1.0_f32, f32::NAN, 0.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let accessor = r#"{"bufferView":0,"componentType":5126,"type":"VEC3","count":1}"#;
+    let error = positions(accessor, r#"{"buffer":0,"byteLength":12}"#, &nan).unwrap_err().to_string();
+    assert!(error.contains("node 0, mesh 0: vertex 0 is at [1.0, NaN, 0.0]"), "{error}");
+}
+
+#[test]
+fn primitives_of_all_modes() {
+    let floats: Vec<u8> = (0..15).flat_map(|x| (x as f32 * x as f32).to_le_bytes()).collect();
+    let accessor = r#"{"bufferView":0,"componentType":5126,"type":"VEC3","count":5}"#;
+    let view = r#"{"buffer":0,"byteLength":60}"#;
+    for (mode, expected) in [
+        (0, &[][..]),
+        (3, &[]),
+        (4, &[[0, 1, 2]]),
+        (5, &[[0, 1, 2], [2, 1, 3], [2, 3, 4]]),
+        (6, &[[0, 1, 2], [0, 2, 3], [0, 3, 4]]),
+    ] {
+        let primitive = format!(r#"{{"attributes":{{"POSITION":0}},"mode":{mode}}}"#);
+        let imported = import_bytes("a.glb", &custom(accessor, view, &primitive, "", &floats), WHOLE).unwrap();
+        assert_eq!(imported.faces[0].triangles(), expected, "{mode}");
+        let left_out = if mode == 4 { 2 } else { 0 };
+        assert_eq!(imported.unreferenced_count, left_out, "{mode}");
+    }
+    // Two primitives that share positions share vertices.
+    let twice = r#"{"attributes":{"POSITION":0}},{"attributes":{"POSITION":0},"mode":1}"#;
+    let imported = import_bytes("a.glb", &custom(accessor, view, twice, "", &floats), WHOLE).unwrap();
+    assert_eq!(imported.vertex_count, 5);
+}
+
+#[test]
+fn what_is_wrong_with_gltf_is_said() {
+    let mesh = prism();
+    let good = gltf::parts(&[("prism", &mesh)], r#"{"mesh":0,"name":"crate"}"#, "0");
+    let change = |from: &str, to: &str| {
+        assert!(good.json.contains(from), "{from} in {}", good.json);
+        let parts = gltf::Parts { json: good.json.replacen(from, to, 1), ..good.clone() };
+        parts.glb()
+    };
+    for extension in ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "VENDOR_unheard_of"] {
+        let bytes =
+            change("\"scene\"", &format!(r#""extensionsRequired":["KHR_materials_unlit","{extension}"],"scene""#));
+        fails("a.glb", &bytes, &format!("requires the extension {extension}"));
+    }
+    let fine = change("\"scene\"", r#""extensionsRequired":["KHR_materials_unlit","KHR_mesh_quantization"],"scene""#);
+    assert!(import_bytes("a.glb", &fine, WHOLE).is_ok());
+    for (from, to, expected) in [
+        ("\"2.0\"", "\"1.0\"", "glTF version 1.0; expected 2.0"),
+        ("\"scene\":0", "\"scene\":3", "scene 3 does not exist"),
+        ("\"nodes\":[0]", "\"nodes\":[7]", "node 7 does not exist"),
+        ("\"nodes\":[0]", "\"nodes\":[0,0]", "node 0 (crate) has two parents"),
+        ("\"mesh\":0", "\"mesh\":0,\"children\":[0]", "node 0 (crate) has two parents, or is its own ancestor"),
+        ("\"mesh\":0", "\"mesh\":9", "node 0 (crate) shows mesh 9"),
+        ("\"mesh\":0", "\"scale\":[1e308,1e308,1e308],\"mesh\":0", "vertex"),
+        ("\"mesh\":0", "\"scale\":[1e40,1,1],\"mesh\":0", "too large for 32-bit floats"),
+        ("\"mesh\":0", "\"matrix\":[1,0,0,0.5,0,1,0,0,0,0,1,0,0,0,0,1],\"mesh\":0", "last row"),
+        ("\"mesh\":0", "\"rotation\":[0,0,0,0],\"mesh\":0", "not finite"),
+        ("\"mesh\":0,", "", "the scene shows no vertices"),
+        ("\"POSITION\":0", "\"POSITION\":1", "accessor 1 is not of type Vec3"),
+        ("\"POSITION\":0", "\"POSITION\":8", "accessor 8 does not exist"),
+        ("\"POSITION\":0", "\"POSITION\":-8", "no glTF document"),
+        ("\"count\":10", "\"count\":11", "has 11 elements, which its buffer view has not"),
+        ("\"count\":10", "\"count\":9", "corner"),
+        ("\"componentType\":5125", "\"componentType\":5126", "vertex numbers of the component type 5126"),
+        ("\"componentType\":5126", "\"componentType\":7", "unknown component type 7"),
+        ("\"byteOffset\":0", "\"byteOffset\":18446744073709551615", "buffer view 0"),
+        ("\"bufferView\":0", "\"bufferView\":5", "buffer view 5, which does not exist"),
+        ("\"asset\"", "\"nothing\"", "missing field `asset`"),
+        ("{\"asset\"", "[{\"asset\"", "no glTF document"),
+    ] {
+        fails("a.glb", &change(from, to), expected);
+    }
+    let text = good.text("data:;base64,%%%").replace(",\"nodes\"", ",\n\"nodes\"");
+    fails("a.gltf", text.as_bytes(), "buffer 0 is no base64");
+    fails("a.gltf", good.text("../up.bin").as_bytes(), "buffer 0 has the URI `../up.bin`");
+    fails("a.gltf", good.text("beside.bin").as_bytes(), "buffer 0 (beside.bin) is missing");
+    let wrong = import_bytes("a.gltf", b"{\"asset\":{\"version\":\"2.0\"},\n\"scene\":x}", WHOLE).unwrap_err();
+    assert_eq!(wrong.line, Some(2), "{wrong}");
+    fails("a.gltf", b" \n", "the file is empty");
+    let glb = good.glb();
+    for length in 0..glb.len() {
+        assert!(import_bytes("a.glb", &glb[..length], WHOLE).is_err(), "{length}");
+    }
+    fails("a.glb", &glb[..40], "was cut off");
+    let mut claims = glb.clone();
+    claims[8] = 3;
+    claims[9..12].fill(0);
+    fails("a.glb", &claims, "a GLB chunk claims");
+    fails("a.glb", b"glTF\x02\0\0\0\x0C\0\0\0", "no JSON chunk");
+    fails("a.glb", b"glTF\x01\0\0\0\x0C\0\0\0", "GLB version 1");
+}
+
+#[test]
+fn stl_of_every_make() {
+    let mesh = prism();
+    let text = stl::text(&[("one", &mesh), ("two words", &mesh), ("one", &mesh)]);
+    let imported = import_bytes("a.stl", text.as_bytes(), OBJECTS).unwrap();
+    assert_eq!(names(&imported), ["one", "two words", "one_2"]);
+    assert_eq!(imported.vertex_count, 10, "equal positions are one vertex");
+    for text in [
+        text.to_uppercase(),
+        text.replace('\n', "\r\n"),
+        text.replace('\n', " ").replace(" solid", "\nsolid").replace("facet normal", "\nfacet normal"),
+        text.replace("normal 0 0 0", "normal nan -inf x"),
+    ] {
+        assert_eq!(import_bytes("a.stl", text.trim_start().as_bytes(), OBJECTS).unwrap().point_count(), 30);
+    }
+    // Digits of f64 in a text are kept where they are wanted.
+    let far = "solid x\nfacet normal 0 0 1 outer loop\nvertex 1000000.001 0 0 vertex 1000000.002 0 0\nvertex 1000000.003 1 0\nendloop endfacet endsolid";
+    let recentred = ImportOptions { recentre: true, ..WHOLE };
+    let imported = import_bytes("a.stl", far.as_bytes(), recentred).unwrap();
+    assert_eq!(imported.point_sets[0].positions[0][0], -0.001);
+    assert!(imported.warnings.is_empty(), "{:?}", imported.warnings);
+
+    let binary = stl::binary(&mesh, "solid");
+    for (bytes, expected) in [
+        (&b"  "[..], "the file is empty"),
+        (b"mesh", "4 bytes are neither an STL text"),
+        (&binary[..200], "claims 16 triangles, 884 bytes, but the file has 200"),
+        (&stl::binary(&Mesh::default(), "x"), "no triangle found"),
+        (
+            b"solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0\nendloop",
+            "a.stl:6: coordinate `endloop`",
+        ),
+        (b"solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nendloop", "a.stl:5: a facet has 1 of its 3 vertices"),
+        (b"solid x\nfacet normal 0 0 1\nouter lop", "a.stl:3: `lop`, where `loop` is expected"),
+        (b"solid x\nfacet normal 0 0", "the file ends where the normal's three numbers"),
+        (b"solid x\nfacets\nendsolid", "a.stl:2: `facets`, where `facet`"),
+        (b"solid x\nendsolid x", "no triangle found"),
+    ] {
+        fails("a.stl", bytes, expected);
+    }
+    let mut nan = binary.clone();
+    nan[84 + 50 + 12 + 12..][..4].copy_from_slice(&f32::NAN.to_le_bytes());
+    fails("a.stl", &nan, "corner 1 of triangle 1 has the coordinate NaN");
+    let longer = [&binary[..], &[0; 7]].concat();
+    assert!(import_bytes("a.stl", &longer, WHOLE).unwrap().warnings[0].contains("7 bytes behind the 16 triangles"));
+}
+
+#[test]
+fn ply_of_every_make() {
+    let header = |body: &str| format!("ply\nformat ascii 1.0\n{body}");
+    let vertices = "element vertex 4\nproperty double x\nproperty double y\nproperty double z\n";
+    let points = "0 0 0\n1 0 0\n0 1 0\n0 0 1.00000001\n";
+    let strips = header(&format!(
+        "{vertices}element tristrips 1\nproperty list int int vertex_indices\nend_header\n{points}8 0 1 2 3 -1 3 2 0\n"
+    ));
+    let imported = import_bytes("a.ply", strips.as_bytes(), WHOLE).unwrap();
+    assert_eq!(imported.faces[0].triangles(), [[0, 1, 2], [2, 1, 3], [3, 2, 0]]);
+    let edges = header(&format!(
+        "element nothing 9\n{vertices}element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n{points}3 1"
+    ));
+    let imported = import_bytes("a.ply", edges.replace('\n', "\r\n").as_bytes(), WHOLE).unwrap();
+    assert_eq!(imported.point_sets[0].source_vertices, [1, 3]);
+    let cloud = header(&format!("{vertices}end_header\n{points}"));
+    assert_eq!(import_bytes("a.ply", cloud.as_bytes(), WHOLE).unwrap().point_count(), 4);
+    // Doubles are rounded once, after they were moved.
+    let recentred = ImportOptions { recentre: true, ..WHOLE };
+    let imported = import_bytes("a.ply", cloud.as_bytes(), recentred).unwrap();
+    assert_eq!(imported.point_sets[0].positions[3][2], (1.00000001_f64 - 1.00000001 / 2.0) as f32);
+    assert_eq!(imported.origin[2], 1.00000001 / 2.0);
+
+    let faces = "element face 1\nproperty list uchar int vertex_index\n";
+    for (text, expected) in [
+        ("".to_owned(), "the file is empty"),
+        ("plywood\n".to_owned(), "a.ply:1: the first line is not `ply`"),
+        (header("element vertex 1"), "no `end_header`"),
+        ("ply\nend_header\n".to_owned(), "no `format` line"),
+        (header("format ascii 2.0\n"), "a.ply:3: `format ascii 2.0`, where version 1.0"),
+        (header("property int x\n"), "a.ply:3: `property int x`, where an `element`"),
+        (header("element vertex many\n"), "a.ply:3: "),
+        (header("element vertex 1\nproperty real x\n"), "a.ply:4: "),
+        (header("end_header\n"), "no `element vertex`"),
+        (header("element vertex 0\nend_header\n"), "no vertices"),
+        (header("element vertex 1\nproperty float x\nend_header\n1"), "no number `y`"),
+        (cloud.replace("vertex 4", "vertex 5"), "the file ends in vertex 4 of the 5"),
+        (cloud.replace("vertex 4", "vertex 1000000000"), "claims 1000000000 of `vertex`"),
+        (cloud.replace("1 0 0", "1 x 0"), "a.ply:9: coordinate `x` is not a number"),
+        (cloud.replace("1 0 0", "1 nan 0"), "a.ply:9: coordinate `nan`"),
+        (
+            header(&format!("{vertices}{faces}end_header\n{points}3 0 1 4\n")),
+            "face 0 names vertex 4, but vertices are numbered from 0 to 3",
+        ),
+        (header(&format!("{vertices}{faces}end_header\n{points}3 0 1 -1\n")), "face 0 names vertex -1"),
+        (header(&format!("{vertices}{faces}end_header\n{points}9 0 1 2\n")), "face 0 has a list of 9 numbers"),
+    ] {
+        fails("a.ply", text.as_bytes(), expected);
+    }
+    for encoding in [ply::Encoding::Little, ply::Encoding::Big] {
+        let bytes = ply::file(&prism(), encoding);
+        for length in 0..bytes.len() {
+            assert!(import_bytes("a.ply", &bytes[..length], WHOLE).is_err(), "{length}");
+        }
+        let at = bytes.len() - prism().faces.iter().map(|face| 9 + 4 * face.len()).sum::<usize>() - 13;
+        let mut nan = bytes.clone();
+        nan[at..at + 4].fill(0xFF);
+        fails("a.ply", &nan, "vertex 9 has the coordinate NaN");
+    }
+}
+
+/// Whatever is done to a file, it is read or refused in words: nothing panics, nothing that is not finite comes out.
+#[test]
+fn damaged_files_are_refused_or_read() {
+    const SEED: u64 = 23;
+    let mut random = SplitMix::new(SEED);
+    let (mut read_count, mut refused_count) = (0, 0);
+    let files = files(&prism());
+    for round in 0..6000 {
+        let (name, bytes) = &files[round % files.len()];
+        let mut bytes = bytes.clone();
+        for _ in 0..=random.below(4) {
+            let at = random.below(bytes.len());
+            match random.below(5) {
+                0 => bytes[at] = random.bits() as u8,
+                1 => drop(bytes.remove(at)),
+                2 => bytes.insert(at, b"0-9e\"{}[],\0\xFF"[random.below(12)]),
+                3 => bytes.truncate(at.max(1)),
+                _ => {
+                    let end = (at + random.below(9)).min(bytes.len());
+                    bytes[at..end].fill([0, 0xFF, b'9'][random.below(3)]);
+                }
+            }
+        }
+        let source = SourceFile::alone(bytes);
+        match import(name, "shape", Path::new(name), &source, &OBJECTS, &Limits::DEFAULT) {
+            Ok(imported) => {
+                read_count += 1;
+                for (set, faces) in imported.point_sets.iter().zip(&imported.faces) {
+                    assert!(set.positions.iter().flatten().all(|x| x.is_finite()), "seed {SEED}, round {round}");
+                    assert!(faces.corners.iter().all(|&corner| (corner as usize) < set.positions.len()));
+                }
+            }
+            Err(error) => {
+                refused_count += 1;
+                assert!(error.to_string().len() < 500, "seed {SEED}, round {round}: {error}");
+            }
+        }
+    }
+    println!("{read_count} read, {refused_count} refused");
+    assert!(read_count > 500 && refused_count > 1000, "{read_count} read, {refused_count} refused: they say little");
+}
+
+/// Convex meshes go through unchanged, in every format and by every name that artists give.
+#[test]
+fn convex_meshes_keep_their_vertices() {
+    let ball: Vec<[f32; 3]> = Family::Sphere.points(200, 3);
+    for (name, bytes) in files(&prism()) {
+        let set = &import_bytes(name, &bytes, WHOLE).unwrap().point_sets[0];
+        let hull = hullmap_bake::hull::build(set).unwrap();
+        assert_eq!(hull.vertices, set.positions, "{name}");
+    }
+    let text: String = ball.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+    let text = format!(
+        "o Ball\nv 9 9 9\np 1\no UCX_Ball_01\n{text}p {}\n",
+        (2..202).map(|n| n.to_string()).collect::<Vec<_>>().join(" ")
+    );
+    let imported = import_bytes("a.obj", text.as_bytes(), ImportOptions { split: Split::Auto, ..WHOLE }).unwrap();
+    assert_eq!(names(&imported), ["UCX_Ball_01"]);
+    let hull = hullmap_bake::hull::build(&imported.point_sets[0]).unwrap();
+    assert_eq!(hull.vertices, ball);
+    assert_eq!(hull.source_vertices, (1..201).collect::<Vec<u32>>());
+}
+
+#[test]
+fn auto_takes_what_artists_mark() {
+    let auto = ImportOptions { split: Split::Auto, ..WHOLE };
+    let mesh = prism();
+    let nodes = r#"{"mesh":0,"name":"Crate"},{"mesh":0,"name":"Crate-convcolonly"},{"mesh":0,"name":"UCX_Crate_01"}"#;
+    let bytes = gltf::parts(&[("prism", &mesh)], nodes, "0,1,2").glb();
+    let imported = import_bytes("a.glb", &bytes, auto).unwrap();
+    assert_eq!(names(&imported), ["Crate-convcolonly", "UCX_Crate_01"]);
+    assert!(imported.notes.iter().any(|note| note.contains("left out: 1")), "{:?}", imported.notes);
+    let coacd: String = (0..3)
+        .map(|part| {
+            format!(
+                "o convex_{part}\nv {part} 0 0\nv {part} 1 0\nv {part} 0 1\nf {} {} {}\n",
+                3 * part + 1,
+                3 * part + 2,
+                3 * part + 3
+            )
+        })
+        .collect();
+    let imported = import_bytes("a.obj", coacd.as_bytes(), auto).unwrap();
+    assert_eq!(names(&imported), ["convex_0", "convex_1", "convex_2"]);
+    assert_eq!(imported.faces[2].triangles(), [[0, 1, 2]]);
+    // Nothing marked: as `none`.
+    let imported = import_bytes("a.obj", coacd.replace("convex_", "part_").as_bytes(), auto).unwrap();
+    assert_eq!(names(&imported), ["shape"]);
+    assert!(imported.notes.iter().any(|note| note.contains("no names of collision parts")), "{:?}", imported.notes);
+}

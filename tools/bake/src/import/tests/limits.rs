@@ -1,0 +1,394 @@
+//! Files that ask for too much: a clear error, or they just work, and never more memory than is promised.
+//!
+//! Memory is measured in a process of its own for each file: the greatest resident size since the file lay in memory.
+
+use std::fmt::Write as _;
+use std::process::Command;
+
+use shapes::gltf;
+
+use super::super::limits::{GLTF_LIST, MEMORY_BASE, MEMORY_FACTOR};
+use super::super::*;
+use crate::options::Split;
+
+/// Bytes of a large file here.
+const SIZE: usize = 24 << 20;
+
+/// Says to this program, started again, which file to import.
+const CASE: &str = "HULLMAP_IMPORT_CASE";
+
+const WHOLE: ImportOptions = ImportOptions::DEFAULT;
+
+/// What must come of a file: some words of an error, or points.
+enum Fate {
+    Fails(&'static str),
+    Works { points: usize },
+}
+
+use Fate::{Fails, Works};
+
+struct Case {
+    name: &'static str,
+    file: &'static str,
+    options: ImportOptions,
+    bytes: fn() -> Vec<u8>,
+    fate: Fate,
+}
+
+fn repeated(start: &str, piece: &str, end: &str) -> Vec<u8> {
+    let mut text = start.as_bytes().to_vec();
+    text.reserve_exact(SIZE + piece.len() + end.len());
+    while text.len() < SIZE {
+        text.extend_from_slice(piece.as_bytes());
+    }
+    text.extend_from_slice(end.as_bytes());
+    text
+}
+
+/// Lines with numbers that count up, so that all vertices differ.
+fn counted(line: fn(usize, &mut String)) -> Vec<u8> {
+    let mut text = String::with_capacity(SIZE + 1000);
+    let mut number = 0;
+    while text.len() < SIZE {
+        line(number, &mut text);
+        number += 1;
+    }
+    text.into_bytes()
+}
+
+/// A GLB file of nodes.
+fn scene(nodes: &str, roots: &str) -> Vec<u8> {
+    let mesh = shapes::solids::extrusion(&shapes::solids::regular_polygon(1000, 1.0), 0.0, 1.0);
+    gltf::parts(&[("mesh", &mesh)], nodes, roots).glb()
+}
+
+fn cases() -> Vec<Case> {
+    let objects = ImportOptions { split: Split::Object, ..WHOLE };
+    let recentred = ImportOptions { recentre: true, ..WHOLE };
+    let case = |name, file, options, bytes, fate| Case { name, file, options, bytes, fate };
+    const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    let plain = |name, bytes, fate| case(name, "a.obj", WHOLE, bytes, fate);
+    vec![
+        plain("face of millions of corners", || repeated("v 0 0 0\nf", " 1", "\n"), Works { points: 1 }),
+        plain("element of millions of corners", || repeated("v 0 0 0\np", " 1", "\n"), Works { points: 1 }),
+        plain("remark of one long line", || repeated("v 1 2 3\n#", "remark ", "\nv 1 2 4"), Works { points: 2 }),
+        plain("vertex with a long remark", || repeated("v 1 2 3 #", "remark ", "\n"), Works { points: 1 }),
+        plain("coordinate of millions of digits", || repeated("v 1 2 3", "0", "\n"), Fails("too large")),
+        plain("one line continued for ever", || repeated("v 0 0 0\nf 1", " \\\n 1", "\n"), Works { points: 1 }),
+        plain(
+            "bytes that are no text",
+            || {
+                let mut bytes = repeated("v 0 0 0\n", "x", "");
+                bytes[8..].fill(0xFF);
+                bytes
+            },
+            Works { points: 1 },
+        ),
+        plain(
+            "short vertices",
+            || counted(|i, t| write!(t, "v {} {} 0\n", i % 1000, i / 1000 % 10_000).unwrap()),
+            Works { points: 0 },
+        ),
+        case("short vertices, recentred", "a.obj", recentred, || repeated("", "v 0 0 0\n", ""), Works { points: 0 }),
+        plain("short points", || repeated("v 0 0 0\n", "p 1\n", ""), Works { points: 1 }),
+        plain("short faces", || repeated("v 0 0 0\n", "f 1\n", ""), Works { points: 1 }),
+        plain("short triangles", || repeated(SQUARE, "f 1 2 3\nf 1 3 4\n", ""), Works { points: 4 }),
+        plain("objects without number", || repeated(SQUARE, "o\n", "p 1\n"), Works { points: 1 }),
+        case(
+            "objects without number, cut",
+            "a.obj",
+            objects,
+            || repeated(SQUARE, "o\n", "p 1\n"),
+            Fails("--max-objects"),
+        ),
+        case(
+            "objects to the limit",
+            "a.obj",
+            objects,
+            || {
+                let mut text = String::from("v 0 0 0\n");
+                (0..Limits::DEFAULT.objects).for_each(|_| text += "o\np 1\n");
+                text.into_bytes()
+            },
+            Works { points: Limits::DEFAULT.objects },
+        ),
+        case(
+            "PLY of a billion billion vertices",
+            "a.ply",
+            WHOLE,
+            || {
+                b"ply\nformat ascii 1.0\nelement vertex 1000000000000000000\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n".to_vec()
+            },
+            Fails("more than 4294967294 vertices"),
+        ),
+        case(
+            "PLY of a billion vertices",
+            "a.ply",
+            WHOLE,
+            || {
+                b"ply\nformat binary_little_endian 1.0\nelement vertex 1000000000\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n".to_vec()
+            },
+            Fails("claims 1000000000"),
+        ),
+        case(
+            "PLY of endless nothing",
+            "a.ply",
+            WHOLE,
+            || {
+                b"ply\nformat ascii 1.0\nelement edge 18446744073709551615\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n".to_vec()
+            },
+            Works { points: 1 },
+        ),
+        case(
+            "PLY faces of bytes",
+            "a.ply",
+            WHOLE,
+            || {
+                let count = SIZE / 2;
+                let mut bytes = format!("ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty char x\nproperty char y\nproperty char z\nelement face {count}\nproperty list uchar uchar vertex_indices\nend_header\n\0\0\0").into_bytes();
+                bytes.extend([1, 0].repeat(count));
+                bytes
+            },
+            Works { points: 1 },
+        ),
+        case(
+            "PLY strip of bytes",
+            "a.ply",
+            WHOLE,
+            || {
+                let mut bytes = format!("ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty char x\nproperty char y\nproperty char z\nelement tristrips 1\nproperty list uint uchar vertex_indices\nend_header\n\0\0\0").into_bytes();
+                bytes.extend((SIZE as u32).to_be_bytes());
+                bytes.resize(bytes.len() + SIZE, 0);
+                bytes
+            },
+            Fails("strips of"),
+        ),
+        case(
+            "PLY vertices of bytes",
+            "a.ply",
+            WHOLE,
+            || {
+                let mut bytes = format!("ply\nformat binary_big_endian 1.0\nelement vertex {}\nproperty short x\nproperty short y\nproperty short z\nend_header\n", SIZE / 6).into_bytes();
+                bytes.extend(
+                    (0..SIZE / 6).flat_map(|i| [0, 0, (i >> 24) as u8, (i >> 16) as u8, (i >> 8) as u8, i as u8]),
+                );
+                bytes
+            },
+            Works { points: SIZE / 6 },
+        ),
+        case(
+            "STL of billions of triangles",
+            "a.stl",
+            WHOLE,
+            || [vec![0; 80], vec![0xFF; 4], vec![0; 500]].concat(),
+            Fails("claims 4294967295 triangles"),
+        ),
+        case(
+            "STL soup",
+            "a.stl",
+            WHOLE,
+            || {
+                let count = SIZE / 50;
+                let mut bytes = vec![0; 80];
+                bytes.extend((count as u32).to_le_bytes());
+                for i in 0..count {
+                    bytes.extend([0; 12]);
+                    for corner in 0..9 {
+                        bytes.extend(((9 * i + corner) as f32).to_le_bytes());
+                    }
+                    bytes.extend([0; 2]);
+                }
+                bytes
+            },
+            Works { points: 0 },
+        ),
+        case(
+            "STL text of solids",
+            "a.stl",
+            WHOLE,
+            || {
+                repeated(
+                    "solid x\nfacet normal 0 0 0 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet\nendsolid\n",
+                    "solid\n",
+                    "",
+                )
+            },
+            Works { points: 3 },
+        ),
+        case(
+            "STL name of one long line",
+            "a.stl",
+            objects,
+            || {
+                repeated(
+                    "solid x\nfacet normal 0 0 0 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet\nsolid ",
+                    "name",
+                    "\nendsolid",
+                )
+            },
+            Works { points: 3 },
+        ),
+        case(
+            "GLB that claims 4 GiB",
+            "a.glb",
+            WHOLE,
+            || {
+                let mut bytes = scene(r#"{"mesh":0}"#, "0");
+                bytes[8..12].fill(0xFF);
+                bytes
+            },
+            Fails("claims 4294967295 bytes"),
+        ),
+        case(
+            "GLB of a billion zeros",
+            "a.glb",
+            WHOLE,
+            || {
+                gltf::glb(br#"{"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[{"componentType":5126,"type":"VEC3","count":1000000000}]}"#, b"")
+            },
+            Fails("--max-instanced"),
+        ),
+        case(
+            "GLB of too many nodes",
+            "a.glb",
+            WHOLE,
+            || scene(&vec!["{}"; GLTF_LIST + 1].join(","), "0"),
+            Fails("a list of more than 262144 entries"),
+        ),
+        case(
+            "GLB of many nodes",
+            "a.glb",
+            WHOLE,
+            || scene(&format!("{},{{\"mesh\":0}}", vec!["{}"; GLTF_LIST - 1].join(",")), "262143"),
+            Works { points: 2000 },
+        ),
+        case(
+            "GLB of a deep tree",
+            "a.glb",
+            WHOLE,
+            || {
+                let mut nodes = String::new();
+                (1..200_000).for_each(|child| write!(nodes, "{{\"children\":[{child}]}},").unwrap());
+                scene(&(nodes + r#"{"mesh":0}"#), "0")
+            },
+            Works { points: 2000 },
+        ),
+        case(
+            "GLB of an endless tree",
+            "a.glb",
+            WHOLE,
+            || scene(r#"{"children":[1]},{"children":[0],"mesh":0}"#, "0"),
+            Fails("its own ancestor"),
+        ),
+        case("glTF of deep brackets", "a.gltf", WHOLE, || repeated("{\"asset\":", "[", ""), Fails("expected a string")),
+        case(
+            "glTF of deep brackets in what is not read",
+            "a.gltf",
+            WHOLE,
+            || repeated("{\"extras\":", "[", ""),
+            Fails("EOF while parsing a list"),
+        ),
+        case(
+            "GLB that repeats a mesh",
+            "a.glb",
+            WHOLE,
+            || {
+                let nodes = vec![r#"{"mesh":0}"#; 20_000].join(",");
+                let roots = (0..20_000).map(|i| i.to_string()).collect::<Vec<_>>().join(",");
+                scene(&nodes, &roots)
+            },
+            Fails("--max-instanced"),
+        ),
+        case(
+            "GLB that repeats a mesh a little",
+            "a.glb",
+            objects,
+            || {
+                let nodes = vec![r#"{"mesh":0}"#; 200].join(",");
+                let roots = (0..200).map(|i| i.to_string()).collect::<Vec<_>>().join(",");
+                scene(&nodes, &roots)
+            },
+            Works { points: 400_000 },
+        ),
+        case(
+            "glTF of one long data URI",
+            "a.gltf",
+            WHOLE,
+            || {
+                repeated(
+                    "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":1,\"uri\":\"data:;base64,",
+                    "AAAA",
+                    "\"}]}",
+                )
+            },
+            Fails("shows no vertices"),
+        ),
+    ]
+}
+
+#[test]
+fn great_and_false_files_take_no_more_memory_than_promised() {
+    if !cfg!(target_os = "linux") {
+        println!("skipped: memory is measured on Linux alone");
+        return;
+    }
+    let mut failed = Vec::new();
+    for (number, case) in cases().iter().enumerate() {
+        let output = Command::new(std::env::current_exe().unwrap())
+            .args(["--exact", "import::tests::limits::one_file", "--ignored", "--nocapture", "--test-threads=1"])
+            .env(CASE, number.to_string())
+            .output()
+            .unwrap();
+        let text = String::from_utf8_lossy(&output.stdout);
+        let said = text.lines().find_map(|line| line.find("import of").map(|at| &line[at..])).unwrap_or_default();
+        println!("{}: {said}", case.name);
+        if !output.status.success() {
+            failed.push(format!("{}: {text}{}", case.name, String::from_utf8_lossy(&output.stderr)));
+        }
+    }
+    assert!(
+        failed.is_empty(),
+        "{}",
+        failed.join(
+            "
+"
+        )
+    );
+}
+
+#[test]
+#[ignore = "one file of the test above, in a process of its own"]
+fn one_file() {
+    let Ok(number) = std::env::var(CASE) else {
+        return;
+    };
+    let case = &cases()[number.parse::<usize>().unwrap()];
+    let source = SourceFile::alone((case.bytes)());
+    let length = source.bytes.len() as u64;
+    // From here on the greatest resident size counts anew.
+    std::fs::write("/proc/self/clear_refs", "5").unwrap();
+    let before = status("VmRSS:").saturating_sub(length);
+    let start = std::time::Instant::now();
+    let result = import(case.file, "shape", Path::new(case.file), &source, &case.options, &Limits::DEFAULT);
+    let peak = status("VmHWM:").saturating_sub(before);
+    let factor = peak as f64 / length as f64;
+    println!("import of {length} bytes: {peak} bytes at most, {factor:.1} times, in {:.2?}", start.elapsed());
+    match (&case.fate, result) {
+        (Fails(words), Err(error)) => {
+            let message = error.to_string();
+            assert!(message.contains(words) && message.len() < 500, "{message}");
+        }
+        (Works { points }, Ok(imported)) => {
+            assert!(*points == 0 || imported.point_count() == *points, "{} points", imported.point_count());
+        }
+        (_, result) => panic!("{result:?}"),
+    }
+    assert!(peak <= MEMORY_FACTOR * length + MEMORY_BASE, "{peak} bytes for {length}");
+}
+
+/// A number of bytes that the system knows of this process.
+fn status(key: &str) -> u64 {
+    let text = std::fs::read_to_string("/proc/self/status").unwrap();
+    let line = text.lines().find_map(|line| line.strip_prefix(key)).unwrap();
+    1024 * line.trim().trim_end_matches("kB").trim().parse::<u64>().unwrap()
+}

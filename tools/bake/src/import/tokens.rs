@@ -1,0 +1,77 @@
+//! The words of a text, with the lines they are on.
+
+/// Cuts a text at blanks and line ends. Bytes need not be UTF-8.
+#[derive(Clone, Debug)]
+pub struct Tokens<'a> {
+    rest: &'a [u8],
+    line: usize,
+}
+
+impl<'a> Tokens<'a> {
+    /// The words of `text`, which starts on line `line` of its file.
+    pub fn new(text: &'a [u8], line: usize) -> Self {
+        Self { rest: text, line }
+    }
+
+    /// One-based line of the last word; behind the last one, of the end.
+    pub fn line(&self) -> usize {
+        self.line
+    }
+
+    /// What is not read yet.
+    pub fn rest(&self) -> &'a [u8] {
+        self.rest
+    }
+
+    /// The next word.
+    pub fn next(&mut self) -> Option<&'a [u8]> {
+        while let [first, tail @ ..] = self.rest {
+            match first {
+                // A CR before an LF does not count; one alone ends a line.
+                b'\n' => self.line += 1,
+                b'\r' if tail.first() != Some(&b'\n') => self.line += 1,
+                b'\r' | b' ' | b'\t' | 0x0B | 0x0C => {}
+                _ => {
+                    let end = self.rest.iter().position(|b| matches!(b, b'\t'..=b'\r' | b' '));
+                    let (word, tail) = self.rest.split_at(end.unwrap_or(self.rest.len()));
+                    self.rest = tail;
+                    return Some(word);
+                }
+            }
+            self.rest = tail;
+        }
+        None
+    }
+
+    /// What is left of the line, without the blanks around it.
+    pub fn rest_of_line(&mut self) -> &'a [u8] {
+        let end = self.rest.iter().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(self.rest.len());
+        let (line, tail) = self.rest.split_at(end);
+        self.rest = tail;
+        line.trim_ascii()
+    }
+}
+
+/// The text of a word; replacement characters stand for what is not UTF-8.
+pub fn text(word: &[u8]) -> std::borrow::Cow<'_, str> {
+    String::from_utf8_lossy(word)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_know_their_lines() {
+        let mut tokens = Tokens::new(b" a\tb\r\n\r\nc\rd  e f \n\x0Cg", 3);
+        let mut found = Vec::new();
+        while let Some(word) = tokens.next() {
+            found.push((tokens.line(), text(word).into_owned()));
+            if word == b"d" {
+                assert_eq!(tokens.rest_of_line(), b"e f");
+            }
+        }
+        let expected = [(3, "a"), (3, "b"), (5, "c"), (6, "d"), (7, "g")];
+        assert_eq!(found, expected.map(|(line, word)| (line, word.to_owned())));
+    }
+}

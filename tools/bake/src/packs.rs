@@ -1,0 +1,74 @@
+//! The packs that the words of a command name.
+
+use std::path::{Path, PathBuf};
+
+use walkdir::WalkDir;
+
+use crate::outcome::Failure;
+
+/// A pack: where it is, and where it lies below the folder that was named.
+#[derive(Clone, Debug)]
+pub struct PackPlace {
+    /// The pack.
+    pub path: PathBuf,
+    /// Its folder below the one that was searched; empty for a pack that was named itself.
+    pub below: PathBuf,
+}
+
+/// The packs that the inputs name, in their order and by name within a folder.
+///
+/// # Errors
+/// An input that cannot be read, a folder without packs.
+pub fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
+    let mut places = Vec::new();
+    for input in inputs {
+        let kind = std::fs::metadata(input)
+            .map_err(|error| Failure::usage(format!("{}: cannot read: {error}; check the path", input.display())))?;
+        if !kind.is_dir() {
+            places.push(PackPlace { path: input.clone(), below: PathBuf::new() });
+            continue;
+        }
+        let before = places.len();
+        for entry in WalkDir::new(input).sort_by_file_name() {
+            let entry =
+                entry.map_err(|error| Failure::usage(format!("{}: cannot search: {error}", input.display())))?;
+            let path = entry.path();
+            if is_pack(path) && !entry.file_type().is_dir() {
+                let below = path.strip_prefix(input).ok().and_then(|path| path.parent());
+                places.push(PackPlace { path: path.to_owned(), below: below.unwrap_or(input).to_owned() });
+            }
+        }
+        if places.len() == before {
+            return Err(Failure::usage(format!("{}: no .hullmap files in this folder", input.display())));
+        }
+    }
+    Ok(places)
+}
+
+/// Whether the name ends in `.hullmap`.
+pub fn is_pack(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "hullmap")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::outcome::Exit;
+
+    #[test]
+    fn packs_are_found_with_their_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let sub = folder.path().join("a/b");
+        std::fs::create_dir_all(&sub).unwrap();
+        for path in [sub.join("x.hullmap"), folder.path().join("y.hullmap"), sub.join("z.obj")] {
+            std::fs::write(path, "").unwrap();
+        }
+        let places = find_packs(&[folder.path().to_owned(), sub.join("x.hullmap")]).unwrap();
+        let below: Vec<_> = places.iter().map(|place| place.below.to_str().unwrap().replace('\\', "/")).collect();
+        assert_eq!(below, ["a/b", "", ""]);
+        assert!(places[1].path.ends_with("y.hullmap"));
+        let empty = tempfile::tempdir().unwrap();
+        assert_eq!(find_packs(&[empty.path().to_owned()]).unwrap_err().exit, Exit::Usage);
+        assert_eq!(find_packs(&[empty.path().join("no.hullmap")]).unwrap_err().exit, Exit::Usage);
+    }
+}
