@@ -173,6 +173,27 @@ fn a_page_draws_mesh_hull_and_map() {
     }
 }
 
+/// What the importer placed is what is shown: other formats, scaled and turned.
+#[test]
+fn meshes_of_any_format_are_shown_as_they_were_placed() {
+    let folder = tempfile::tempdir().unwrap();
+    let corners = ["0 0 0", "1 0 0", "0 1 0", "0 0 1"];
+    let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]].map(|face| {
+        let corners = face.map(|corner| format!("vertex {}\n", corners[corner])).concat();
+        format!("facet normal 0 0 0\nouter loop\n{corners}endloop\nendfacet\n")
+    });
+    fs::create_dir(folder.path().join("in")).unwrap();
+    fs::write(folder.path().join("in/corner.stl"), format!("solid corner\n{}endsolid corner\n", faces.concat()))
+        .unwrap();
+    run(&folder, &["build", "in", "--out", "packs", "--unit-scale", "0.01", "--up-axis", "y-to-z"]).expect(0);
+    let page = page(&folder, "corner");
+    assert!(text(&page).contains("\"source\":{\"low\":[0.0,-0.01,0.0],\"size\":[0.01,0.01,0.01]"));
+    let Some(browser) = browser("meshes_of_any_format_are_shown_as_they_were_placed") else { return };
+    let loaded = load(browser, &page, &[]);
+    loaded.assert_sound();
+    assert!(loaded.dom.contains("Source mesh: 4 points, 4 triangles") && loaded.share("source") > 0.05);
+}
+
 #[test]
 fn a_pack_of_many_hulls_has_a_choice() {
     let folder = baked(&["two_objects"], &["--split", "object"]);

@@ -47,15 +47,15 @@ pub enum Command {
     /// Intersection, distance or contact of two hulls
     #[command(after_help = "Example:\n  bake query baked/rock.hullmap baked/cube.hullmap --pose \"0.5 0 0 0 0 0 1\"")]
     Query(QueryArgs),
+    /// Show packs on a page that any browser opens: meshes, hulls, indices, figures
+    #[command(after_help = "Example:\n  bake report baked --out report.html")]
+    Report(ReportArgs),
     /// Write a commented hullmap.toml
     #[command(after_help = "Example:\n  bake init assets")]
     Init(InitArgs),
     /// Print completions for a shell
     #[command(after_help = "Example:\n  bake completions bash > ~/.local/share/bash-completion/completions/bake")]
     Completions(CompletionsArgs),
-    /// Show packs on a page that any browser opens: meshes, hulls, indices, figures
-    #[command(after_help = "Example:\n  bake report baked --out report.html")]
-    Report(ReportArgs),
 }
 
 /// What `bake build` takes.

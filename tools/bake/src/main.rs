@@ -56,8 +56,8 @@ fn run(cli: &Cli, out: &mut dyn Write) -> Result<Exit, Failure> {
         Command::Verify(args) => commands::verify::run(args, out),
         Command::Inspect(args) => commands::inspect::run(args, out),
         Command::Query(args) => commands::query::run(args, out),
+        Command::Report(args) => commands::report::run(args, out),
         Command::Init(args) => commands::init::run(args, out),
         Command::Completions(args) => commands::completions::run(args, out),
-        Command::Report(args) => commands::report::run(args, out),
     }
 }

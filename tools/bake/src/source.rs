@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use hullmap_bake::PointSet;
 
-use crate::import::{self, EXTENSIONS, Limits, ReadError, SourceFile};
+use crate::import::{self, EXTENSIONS, Imported, Limits, Polygons, ReadError, SourceFile};
 use crate::options::BuildOptions;
 use crate::outcome::Failure;
 use crate::pack_file::{folder_of, resolve_recorded};
@@ -17,6 +17,8 @@ pub struct Source {
     pub path: PathBuf,
     /// The point sets that the pack's hulls must be of, in the same order.
     pub point_sets: Vec<PointSet>,
+    /// For each set the faces over it, by the numbers of its own points.
+    pub faces: Vec<Polygons>,
 }
 
 /// What a pack says of its source.
@@ -73,8 +75,8 @@ pub fn find_source(place: &PackPlace, recorded: Recorded, asked: Option<&Path>) 
             }
         };
         if source.hash == recorded.hash {
-            let point_sets = import(&path, &source, recorded.options)?;
-            return Ok(Some(Source { path, point_sets }));
+            let Imported { point_sets, faces, .. } = import(&path, &source, recorded.options)?;
+            return Ok(Some(Source { path, point_sets, faces }));
         }
         stale.get_or_insert(path);
     }
@@ -121,7 +123,7 @@ fn with_stem(folder: &Path, pack: &Path) -> Vec<PathBuf> {
 /// Nothing is too large.
 const NO_LIMITS: Limits = Limits { input_bytes: u64::MAX, objects: usize::MAX, repeated_vertices: usize::MAX };
 
-fn import(path: &Path, source: &SourceFile, recorded: &str) -> Result<Vec<PointSet>, Failure> {
+fn import(path: &Path, source: &SourceFile, recorded: &str) -> Result<Imported, Failure> {
     let name = path.display().to_string();
     let options = BuildOptions::from_recorded(recorded).ok_or_else(|| {
         Failure::wanting(format!("{name}: its pack was baked with options unknown to this version; bake it again"))
@@ -132,7 +134,7 @@ fn import(path: &Path, source: &SourceFile, recorded: &str) -> Result<Vec<PointS
     if options.decompose.is_some() {
         imported.give_triangles();
     }
-    Ok(imported.point_sets)
+    Ok(imported)
 }
 
 #[cfg(test)]

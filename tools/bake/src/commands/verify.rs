@@ -94,7 +94,7 @@ pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     let mut reports = Vec::new();
     let places = find_packs(&args.inputs)?;
-    let sources = asked_sources(args, &places)?;
+    let sources = asked_sources(args.source.as_deref(), &places)?;
     for (place, asked) in places.iter().zip(sources) {
         match verify_pack(place, asked, args) {
             Ok(mut hulls) => {
@@ -125,8 +125,7 @@ pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
 ///
 /// # Errors
 /// `--source` names a mesh, there are several packs, and none is called like it.
-fn asked_sources<'a>(args: &'a VerifyArgs, places: &[PackPlace]) -> Result<Vec<Option<&'a Path>>, Failure> {
-    let asked = args.source.as_deref();
+pub fn asked_sources<'a>(asked: Option<&'a Path>, places: &[PackPlace]) -> Result<Vec<Option<&'a Path>>, Failure> {
     let Some(mesh) = asked.filter(|path| !path.is_dir() && places.len() > 1) else {
         return Ok(vec![asked; places.len()]);
     };

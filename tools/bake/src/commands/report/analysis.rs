@@ -1,5 +1,6 @@
 //! All that a report says of one pack, before any of it is HTML.
 
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use hullmap::{Hull, IndexKind, Pack};
@@ -123,6 +124,8 @@ pub struct Drawn {
     pub hull_count: usize,
     /// The hulls that have facts.
     pub hulls: Vec<DrawnHull>,
+    /// The source's meshes, where they are not one for each hull, as of a mesh that was cut into parts.
+    pub meshes: Vec<ShownShape>,
 }
 
 /// The data of one hull's pictures.
@@ -159,17 +162,17 @@ impl Analysis {
     }
 }
 
-/// Opens, verifies, counts and draws a pack.
+/// Opens, verifies, counts and draws a pack; `asked` is what `--source` says for it.
 ///
 /// # Errors
 /// The pack cannot be read or is none; `--source` names nothing. What is wrong with a pack that opens is among its faults.
-pub fn analyse(place: &PackPlace, args: &ReportArgs) -> Result<Analysis, Failure> {
+pub fn analyse(place: &PackPlace, asked: Option<&Path>, args: &ReportArgs) -> Result<Analysis, Failure> {
     let start = Instant::now();
     let pack = open_pack(&place.path)?;
     let open = start.elapsed();
     let contents = Contents::read(&place.path, &pack)?;
     let mut faults = Vec::new();
-    let source = match find_source(place, Recorded::of(&pack), args.source.as_deref()) {
+    let source = match find_source(place, Recorded::of(&pack), asked) {
         Err(failure) if failure.exit == Exit::Wanting => {
             faults.push(failure.message);
             None
@@ -191,7 +194,7 @@ pub fn analyse(place: &PackPlace, args: &ReportArgs) -> Result<Analysis, Failure
             "The source {found}, so the hull stands alone and was compared with itself only; --source names the file."
         ));
     }
-    let meshes = source.as_ref().map(|source| source_shapes(&source.path, &source.point_sets));
+    let meshes = source.as_ref().map(|source| source_shapes(source));
     let mut hulls = Vec::new();
     let mut paces = Vec::new();
     for (number, hull) in pack.hulls().take(shown_count).enumerate() {
@@ -282,7 +285,12 @@ fn facts(hull: &Hull, census: Census) -> HullFacts {
 /// Draws hulls in their order for as long as there is room on the page.
 fn draw(pack: &Pack, contents: &Contents, meshes: Option<&[Shape]>, hulls: &[HullFacts], up: Up) -> Drawn {
     let (cap, resolution) = (triangle_cap(hulls.len()), resolution(hulls.len()));
-    let mut room = PICTURE_BUDGET;
+    let pairs = meshes.filter(|meshes| meshes.len() == pack.hull_count());
+    let of_all = meshes.filter(|_| pairs.is_none()).unwrap_or_default();
+    let mesh_cap = triangle_cap(of_all.len());
+    let whole = of_all.iter().take(MAX_HULLS).map(|mesh| mesh.with_at_most(mesh_cap).shown(mesh));
+    let meshes: Vec<ShownShape> = whole.collect();
+    let mut room = PICTURE_BUDGET.saturating_sub(super::html::json(&meshes).len());
     let mut drawn = Vec::new();
     for (number, (hull, facts)) in pack.hulls().zip(hulls).enumerate() {
         let mut next = DrawnHull {
@@ -299,15 +307,15 @@ fn draw(pack: &Pack, contents: &Contents, meshes: Option<&[Shape]>, hulls: &[Hul
             census: facts.census.clone(),
         };
         if room > 0 {
-            let shown = |shape: &Shape| shape.with_at_most(cap).shown(shape.triangles.len());
-            next.source = meshes.and_then(|meshes| meshes.get(number)).map(shown);
+            let shown = |shape: &Shape| shape.with_at_most(cap).shown(shape);
+            next.source = pairs.and_then(|meshes| meshes.get(number)).map(shown);
             next.hull = Some(shown(&Shape::of_hull(&hull)));
             next.gauss = Some(gauss_map(&hull, &contents.indices[number], resolution));
             room = room.saturating_sub(super::html::json(&next).len());
         }
         drawn.push(next);
     }
-    Drawn { faces: FACES, up, hull_count: pack.hull_count(), hulls: drawn }
+    Drawn { faces: FACES, up, hull_count: pack.hull_count(), hulls: drawn, meshes }
 }
 
 /// The still picture: hulls around the mesh; of a pack whose source is gone the hulls alone.

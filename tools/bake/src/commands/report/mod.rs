@@ -35,10 +35,11 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::args::ReportArgs;
-use crate::outcome::{Exit, Failure};
+use crate::commands::verify::asked_sources;
+use crate::messages;
+use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, put_in_place, write_beside};
 use crate::packs::{PackPlace, find_packs};
-
 use crate::table::grouped;
 use analysis::{Analysis, analyse};
 use folder_page::{Card, Content, folder_page};
@@ -55,30 +56,37 @@ pub fn run(args: &ReportArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
         return Err(Failure::usage(message));
     }
     let places = find_packs(std::slice::from_ref(&args.input))?;
+    let sources = asked_sources(args.source.as_deref(), &places)?;
     if args.input.is_dir() {
-        return report_folder(args, &places, out);
+        return report_folder(args, &places, &sources, out);
     }
     let mut exit = Exit::Done;
-    for place in &places {
-        let pack = analyse(place, args)?;
+    for (place, asked) in places.iter().zip(sources) {
+        let pack = analyse(place, asked, args)?;
         let page = pack_page(&pack, None);
         write_page(&args.out, &page)?;
         tell(&pack);
-        writeln!(out, "{}: {} bytes", args.out.display(), grouped(page.len() as u64))?;
         exit = exit.max(pack.exit());
+        let written = writeln!(out, "{}: {} bytes", args.out.display(), grouped(page.len() as u64));
+        end(exit, written.map_err(Failure::from))?;
     }
     Ok(exit)
 }
 
-fn report_folder(args: &ReportArgs, places: &[PackPlace], out: &mut dyn Write) -> Result<Exit, Failure> {
+fn report_folder(
+    args: &ReportArgs,
+    places: &[PackPlace],
+    sources: &[Option<&Path>],
+    out: &mut dyn Write,
+) -> Result<Exit, Failure> {
     let pages = pages_folder(&args.out);
     let mut exit = Exit::Done;
     let mut bytes = 0;
     let mut cards = Vec::new();
-    for place in places {
+    for (place, asked) in places.iter().zip(sources) {
         let below = place.path.strip_prefix(&args.input).unwrap_or(&place.path);
         let name = slashed(&below.with_extension(""));
-        match analyse(place, args) {
+        match analyse(place, *asked, args) {
             Ok(pack) => {
                 let mut file = below.as_os_str().to_owned();
                 file.push(".html");
@@ -93,7 +101,7 @@ fn report_folder(args: &ReportArgs, places: &[PackPlace], out: &mut dyn Write) -
                 cards.push(card(name, &pack, slashed(&PathBuf::from(&pages).join(file))));
             }
             Err(failure) => {
-                eprintln!("error: {failure}");
+                messages::error(&failure);
                 exit = exit.max(failure.exit);
                 let verdict = "<span class=\"chip bad\">not opened</span>".to_owned();
                 cards.push(Card { name, verdict, is_faulty: true, remarks: vec![failure.message], content: None });
@@ -104,8 +112,9 @@ fn report_folder(args: &ReportArgs, places: &[PackPlace], out: &mut dyn Write) -
     write_page(&args.out, &page)?;
     bytes += page.len();
     let packs = if cards.len() == 1 { "pack" } else { "packs" };
-    writeln!(out, "{}: {} {packs}, {} bytes in all", args.out.display(), cards.len(), grouped(bytes as u64))?;
-    Ok(exit)
+    let written =
+        writeln!(out, "{}: {} {packs}, {} bytes in all", args.out.display(), cards.len(), grouped(bytes as u64));
+    end(exit, written.map_err(Failure::from))
 }
 
 /// The folder of the packs' pages, beside `page`: `report.html` has `report.pages`.
@@ -140,7 +149,7 @@ fn card(name: String, pack: &Analysis, page: String) -> Card {
 fn tell(pack: &Analysis) {
     for fault in &pack.faults {
         let place = if fault.starts_with(&pack.file) { String::new() } else { format!("{}: ", pack.file) };
-        eprintln!("error: {place}{fault}");
+        messages::error(format_args!("{place}{fault}"));
     }
 }
 

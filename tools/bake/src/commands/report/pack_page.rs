@@ -294,7 +294,10 @@ fn limits(pack: &Analysis) -> String {
         ));
     }
     let thinned = |shape: &super::shape::ShownShape| shape.shown < shape.whole;
-    let drawn = || pack.drawn.hulls.iter().flat_map(|hull| [&hull.source, &hull.hull]).flatten();
+    let drawn = || {
+        let of_hulls = pack.drawn.hulls.iter().flat_map(|hull| [&hull.source, &hull.hull]).flatten();
+        of_hulls.chain(&pack.drawn.meshes)
+    };
     if drawn().any(thinned) {
         let sum = |pick: fn(&super::shape::ShownShape) -> usize| count(drawn().map(pick).sum::<usize>() as u64);
         list.push(format!(

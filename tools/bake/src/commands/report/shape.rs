@@ -51,6 +51,8 @@ pub struct ShownShape {
     pub shown: usize,
     /// Triangles there are.
     pub whole: usize,
+    /// Corners there are.
+    pub corners: usize,
 }
 
 /// Triangles of each hull where a page shows this many.
@@ -131,8 +133,8 @@ impl Shape {
         Self { points, numbers, triangles, edges }
     }
 
-    /// The shape for a page, of which `whole` triangles are all.
-    pub fn shown(&self, whole: usize) -> ShownShape {
+    /// The shape for a page, made from `whole`.
+    pub fn shown(&self, whole: &Self) -> ShownShape {
         let [low, high] = self.bounds();
         let size = [0, 1, 2].map(|axis| high[axis] - low[axis]);
         let scaled = |p: &[f32; 3]| [0, 1, 2].map(|i| fraction(f64::from(p[i]), f64::from(low[i]), f64::from(size[i])));
@@ -144,7 +146,8 @@ impl Shape {
             triangles: words(self.triangles.as_flattened().iter().map(|&corner| corner as u16)),
             edges: words(self.edges.as_flattened().iter().map(|&corner| corner as u16)),
             shown: self.triangles.len(),
-            whole,
+            whole: whole.triangles.len(),
+            corners: whole.points.len(),
         }
     }
 }
@@ -191,7 +194,7 @@ mod tests {
     #[test]
     fn points_and_large_clouds_do() {
         let point = Shape { points: vec![[1.0, 2.0, 3.0]], ..Shape::default() };
-        assert_eq!(point.shown(0).points, words([0, 0, 0]));
+        assert_eq!(point.shown(&point).points, words([0, 0, 0]));
         let many = Shape { points: cloud(140_000), ..Shape::default() };
         let fewer = many.with_at_most(100).points.len();
         assert!(fewer <= MAX_CORNERS && fewer > MAX_CORNERS / 8, "{fewer}");

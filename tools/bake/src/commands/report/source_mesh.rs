@@ -1,18 +1,11 @@
-//! The faces of a source mesh, to look at: an import for hulls keeps points alone.
+//! The faces of a source mesh, to look at.
 //!
-//! 1. tobj reads the file's faces, as polygons.
-//! 2. A face belongs to the hull whose points all its corners are, by their positions, bit by bit.
-//! 3. Polygons are cut into triangles by ears, so that concave ones look as they are (Meisters, "Polygons have ears",
-//!    1975).
-//!
-//! Nothing of this touches what is baked or verified; what cannot be shown is left out.
-
-use std::collections::HashMap;
-use std::path::Path;
-
-use hullmap_bake::PointSet;
+//! Polygons are cut into triangles by ears, so that concave ones look as they are (Meisters, "Polygons have ears", 1975).
+//! Nothing of this touches what is baked or verified.
 
 use super::shape::Shape;
+use crate::import::Polygons;
+use crate::source::Source;
 
 /// Most corners of a concave polygon that is cut by ears, which takes their number squared for each.
 const MAX_EAR_CORNERS: usize = 512;
@@ -20,78 +13,27 @@ const MAX_EAR_CORNERS: usize = 512;
 /// The source of each hull: its faces where the file has any, else its points.
 ///
 /// # Complexity
-/// O(bytes + hulls · corners).
-pub fn source_shapes(path: &Path, sets: &[PointSet]) -> Vec<Shape> {
-    let file = Faces::read(path).unwrap_or_default();
-    sets.iter().map(|set| file.of(set)).collect()
+/// O(corners), but for concave polygons.
+pub fn source_shapes(source: &Source) -> Vec<Shape> {
+    let pairs = source.point_sets.iter().zip(&source.faces);
+    pairs.map(|(set, faces)| shape(&set.positions, faces)).collect()
 }
 
-/// The faces of a file.
-#[derive(Debug, Default)]
-struct Faces {
-    points: Vec<[f32; 3]>,
-    /// Corners of all faces, one after the other.
-    corners: Vec<u32>,
-    /// Where each face's corners end.
-    ends: Vec<usize>,
-}
-
-impl Faces {
-    /// Reads an OBJ file; `None` where tobj does not.
-    fn read(path: &Path) -> Option<Self> {
-        let bytes = std::fs::read(path).ok()?;
-        let options =
-            tobj::LoadOptions { single_index: false, triangulate: false, ignore_points: true, ignore_lines: true };
-        let no_materials = |_: &Path| Ok(Default::default());
-        let (models, _) = tobj::load_obj_buf(&mut bytes.as_slice(), &options, no_materials).ok()?;
-        let mut faces = Self::default();
-        for tobj::Model { mesh, .. } in models {
-            let first = faces.points.len() as u32;
-            faces.points.extend(mesh.positions.as_chunks::<3>().0);
-            // Empty where all faces are triangles.
-            let arities: Vec<usize> = match mesh.face_arities.as_slice() {
-                [] => vec![3; mesh.indices.len() / 3],
-                some => some.iter().map(|&arity| arity as usize).collect(),
-            };
-            faces.corners.extend(mesh.indices.iter().map(|&index| first + index));
-            let mut end = faces.ends.last().copied().unwrap_or(0);
-            for arity in arities {
-                end += arity;
-                faces.ends.push(end);
+fn shape(points: &[[f32; 3]], faces: &Polygons) -> Shape {
+    let mut shape = Shape { points: points.to_vec(), ..Shape::default() };
+    for number in 0..faces.len() {
+        let corners = &faces.corners[faces.start(number)..faces.start(number + 1)];
+        for (i, &from) in corners.iter().enumerate() {
+            let to = corners[(i + 1) % corners.len()];
+            if from != to {
+                shape.edges.push([from.min(to), from.max(to)]);
             }
         }
-        let is_sound = faces.ends.last().is_none_or(|&end| end <= faces.corners.len());
-        let is_in_range = |&corner: &u32| (corner as usize) < faces.points.len();
-        (is_sound && faces.corners.iter().all(is_in_range)).then_some(faces)
+        triangulate(corners, points, &mut shape.triangles);
     }
-
-    /// The faces all of whose corners are points of `set`.
-    fn of(&self, set: &PointSet) -> Shape {
-        // Adding +0 turns −0 into +0.
-        let bits = |p: [f32; 3]| p.map(|x| (x + 0.0).to_bits());
-        let mut places = HashMap::with_capacity(set.positions.len());
-        for (place, &position) in set.positions.iter().enumerate() {
-            places.entry(bits(position)).or_insert(place as u32);
-        }
-        let place: Vec<Option<u32>> = self.points.iter().map(|&p| places.get(&bits(p)).copied()).collect();
-        let mut shape = Shape { points: set.positions.clone(), ..Shape::default() };
-        let mut start = 0;
-        for &end in &self.ends {
-            let corners = self.corners[start..end].iter().map(|&corner| place[corner as usize]);
-            start = end;
-            let Some(corners) = corners.collect::<Option<Vec<u32>>>() else { continue };
-            for (i, &from) in corners.iter().enumerate() {
-                let to = corners[(i + 1) % corners.len()];
-                if from != to {
-                    shape.edges.push([from.min(to), from.max(to)]);
-                }
-            }
-            triangulate(&corners, &shape.points, &mut shape.triangles);
-        }
-        shape.edges.sort_unstable();
-        shape.edges.dedup();
-        shape
-    }
+    shape.edges.sort_unstable();
+    shape.edges.dedup();
+    shape
 }
 
 /// Cuts a polygon into triangles: ears where it is concave, a fan where it is not, or where no ears are found.
@@ -158,11 +100,6 @@ fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
 
-    fn set(positions: &[[f32; 3]]) -> PointSet {
-        let source_vertices = (0..positions.len() as u32).collect();
-        PointSet { name: String::new(), positions: positions.to_vec(), source_vertices, ..PointSet::default() }
-    }
-
     fn area(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> f64 {
         let at = |corner: u32| glam::Vec3::from_array(points[corner as usize]).as_dvec3();
         triangles.iter().map(|&[a, b, c]| (at(b) - at(a)).cross(at(c) - at(a)).length() / 2.0).sum()
@@ -188,17 +125,15 @@ mod tests {
     }
 
     #[test]
-    fn faces_go_to_the_hull_of_their_points() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("two.obj");
-        let text = "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no b\nv 0 0 5\nv 1 0 5\nv 1 1 5\nv 0 1 5\nf 4 5 6 7\n";
-        std::fs::write(&path, text).unwrap();
-        let a = set(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, -0.0]]);
-        let b = set(&[[0.0, 0.0, 5.0], [1.0, 0.0, 5.0], [1.0, 1.0, 5.0], [0.0, 1.0, 5.0]]);
-        let shapes = source_shapes(&path, &[a, b]);
-        assert_eq!(shapes[0].triangles, [[0, 1, 2]]);
-        assert_eq!((shapes[1].triangles.len(), shapes[1].edges.len()), (2, 4));
-        assert!(source_shapes(&folder.path().join("gone.obj"), &[set(&[[0.0; 3]])])[0].triangles.is_empty());
+    fn edges_are_those_of_faces() {
+        let points = [[0.0, 0.0, 5.0], [1.0, 0.0, 5.0], [1.0, 1.0, 5.0], [0.0, 1.0, 5.0], [2.0, 2.0, 2.0]];
+        let mut faces = Polygons::default();
+        faces.push(&[0, 1, 2, 3]);
+        faces.push(&[2, 1, 4]);
+        let shape = shape(&points, &faces);
+        assert_eq!(shape.triangles, [[0, 1, 2], [0, 2, 3], [2, 1, 4]]);
+        assert_eq!(shape.edges, [[0, 1], [0, 3], [1, 2], [1, 4], [2, 3], [2, 4]]);
+        assert!(super::shape(&points, &Polygons::default()).triangles.is_empty());
     }
 
     #[test]

@@ -53,6 +53,7 @@ function shapeOf(shown) {
     size: shown.size,
     shown: shown.shown,
     whole: shown.whole,
+    corners: shown.corners,
     /** Digits behind the point that 16 bits between the bounds can tell. */
     digits: Math.min(Math.max(Math.ceil(-Math.log10(Math.max(...shown.size, 1e-30) / 32768)), 0), 20),
     /** Position of vertex `number`; nothing if it is not on the page. */

@@ -10,7 +10,10 @@
     source: hull.source && shapeOf(hull.source),
   }));
   const isMany = data.hulls.length > 1;
-  const hasSource = hulls.some((hull) => hull.source);
+  // Of a mesh that was cut into parts the whole stands beside each of them.
+  const whole = data.meshes.map(shapeOf);
+  const hasSource = whole.length > 0 || hulls.some((hull) => hull.source);
+  const meshesOf = (list) => (whole.length ? whole : list.map((hull) => hull.source).filter(Boolean));
   const camera = new Camera();
   let chosen = isMany ? ALL : 0;
   let marked = null;
@@ -36,7 +39,7 @@
   const current = () => (chosen === ALL ? hulls.filter((hull) => hull.hull) : [hulls[chosen]].filter((hull) => hull.hull));
 
   function frame(list) {
-    const shapes = list.flatMap((hull) => [hull.hull, hull.source].filter(Boolean));
+    const shapes = [...list.map((hull) => hull.hull), ...meshesOf(list)];
     const low = [0, 1, 2].map((axis) => Math.min(...shapes.map((shape) => shape.low[axis])));
     const high = [0, 1, 2].map((axis) => Math.max(...shapes.map((shape) => shape.low[axis] + shape.size[axis])));
     const centre = low.map((c, axis) => (c + high[axis]) / 2);
@@ -74,17 +77,15 @@
     }
     if (!views.source) return;
     views.source.begin();
-    for (const { source, hull } of list) {
-      if (source) {
-        if (source.triangles.length) views.source.triangles(source, camera, look.mesh);
-        else views.source.dots(source, camera, { colour: look["mesh-edge"], size: source.points.length > 30 ? 3.5 : 10 });
-        const opacity = Math.min(0.8, Math.max(0.15, Math.sqrt(1500 / (source.edges.length + 1))));
-        if (isOn("show-mesh-edges")) views.source.edges(source, camera, { colour: look["mesh-edge"], opacity });
-      }
-      if (isOn("show-around")) {
-        const opacity = Math.min(0.55, Math.max(0.06, Math.sqrt(250 / (hull.edges.length + 1))));
-        views.source.edges(hull, camera, { colour: look.edge, opacity, forward: 0 });
-      }
+    for (const source of meshesOf(list)) {
+      if (source.triangles.length) views.source.triangles(source, camera, look.mesh);
+      else views.source.dots(source, camera, { colour: look["mesh-edge"], size: source.points.length > 30 ? 3.5 : 10 });
+      const opacity = Math.min(0.8, Math.max(0.15, Math.sqrt(1500 / (source.edges.length + 1))));
+      if (isOn("show-mesh-edges")) views.source.edges(source, camera, { colour: look["mesh-edge"], opacity });
+    }
+    for (const { hull } of list) {
+      const opacity = Math.min(0.55, Math.max(0.06, Math.sqrt(250 / (hull.edges.length + 1))));
+      if (isOn("show-around")) views.source.edges(hull, camera, { colour: look.edge, opacity, forward: 0 });
     }
   }
 
@@ -148,11 +149,11 @@
     const what = chosen === ALL ? `all ${grouped(list.length)} hulls shown` : hulls[chosen].name;
     const part = (shown, whole) => (shown < whole ? ` (${grouped(shown)} of ${grouped(whole)} drawn)` : "");
     if (hasSource) {
-      const shown = sum((hull) => (hull.source ? hull.source.shown : 0));
-      const whole = sum((hull) => (hull.source ? hull.source.whole : 0));
-      const points = sum((hull) => hull.points);
-      get("source-caption").textContent = whole
-        ? `Source mesh: ${grouped(points)} points, ${grouped(whole)} triangles${part(shown, whole)}`
+      const count = (pick) => meshesOf(list).reduce((total, mesh) => total + pick(mesh), 0);
+      const [shown, all] = [count((mesh) => mesh.shown), count((mesh) => mesh.whole)];
+      const points = count((mesh) => mesh.corners);
+      get("source-caption").textContent = all
+        ? `Source mesh: ${grouped(points)} points, ${grouped(all)} triangles${part(shown, all)}`
         : `Source: ${grouped(points)} points without faces`;
     }
     const shown = sum((hull) => hull.hull.shown), whole = sum((hull) => hull.hull.whole);
