@@ -34,9 +34,21 @@ const ROUNDING_UNITS: f64 = 64.0;
 /// What a unit vector's length may be off by.
 const UNIT: f64 = 1e-14;
 
-/// How many of the solver's own roundings apart a pair may be that is still told as touching, and by how many an exact interval may be
-/// wide: rounding at both ends, twice.
-const TOUCHING_ROUNDINGS: f64 = 8.0;
+/// How many of the solver's own roundings apart or deep a pair may be that is still told as touching, and by how many an exact interval
+/// may be wide: shapes up to 16 roundings thick count as flat.
+const TOUCHING_ROUNDINGS: f64 = 20.0;
+
+/// The same in units of rounding of the lengths in the query, for shapes that are solved by their cores.
+const TOUCHING_UNITS: f64 = 640.0;
+
+/// By how much, over the greatest length, points where shapes touch may be apart: those of slivers lose digits.
+const TOUCHING_POINTS: f64 = 1e-4;
+
+/// By how much, over the greatest length, a point that is told as common may be outside of one of the shapes.
+const COMMON_POINT: f64 = 1e-7;
+
+/// Share of the depth by which contact points may be less deep: the foot of the origin beside the nearest face.
+const FOOT_OFF: f64 = 1e-3;
 
 /// Most steps and support calls of a query: the caps of all phases together, twice as rounded shapes are asked twice.
 const MOST: u32 = 2 * 1600;
@@ -157,6 +169,10 @@ struct Scene<'s, 'p> {
     slack: f64,
     /// What the solver says that it may be off by.
     rounding: f64,
+    /// Lengths up to this are touching.
+    hair: f64,
+    /// The greatest length in the query.
+    reach: f64,
 }
 
 impl<'s, 'p> Scene<'s, 'p> {
@@ -164,7 +180,10 @@ impl<'s, 'p> Scene<'s, 'p> {
         let (turn, shift) = (DMat3::from_quat(b_in_a.rotation()), b_in_a.translation());
         let slack = ROUNDING_UNITS * f64::EPSILON * (a.model.greatest + b.model.greatest + shift.length());
         let rounding = Minkowski::new(a.shape(), b.shape(), b_in_a).rounding();
-        Self { a, b, b_in_a, turn, unturn: turn.transpose(), shift, slack, rounding }
+        let centers = a.shape().interior_point().length() + b.shape().interior_point().length();
+        let reach = a.shape().outer_radius() + b.shape().outer_radius() + centers + shift.length();
+        let hair = TOUCHING_ROUNDINGS * rounding + TOUCHING_UNITS * f64::EPSILON * reach;
+        Self { a, b, b_in_a, turn, unturn: turn.transpose(), shift, slack, rounding, hair, reach }
     }
 
     /// How far B has to move along the unit vector `n` to be out of A; negative when `n` separates them.
@@ -224,13 +243,13 @@ impl<'s, 'p> Scene<'s, 'p> {
             at_most("intersects says apart, contact says deep", depth_lower, 0.0, slack);
         }
         if yes.status == Overlap::Overlapping {
-            at_most("intersects says overlapping, an axis separates", gap, 0.0, slack);
+            at_most("intersects says overlapping, an axis separates", gap, self.rounding, slack);
         }
         if near.status == Status::Overlapping {
-            at_most("distance says overlapping, an axis separates", gap, 0.0, slack);
+            at_most("distance says overlapping, an axis separates", gap, self.rounding, slack);
         }
         // As far as rounding, a yes may be false; never when all is settled.
-        let hair = TOUCHING_ROUNDINGS * self.rounding;
+        let hair = self.hair;
         if yes.status == Overlap::Touching {
             at_most("intersects says touching, an axis separates", gap, hair, slack);
             at_most("intersects says touching, contact says deep", depth_lower, hair, slack);
@@ -274,8 +293,8 @@ impl<'s, 'p> Scene<'s, 'p> {
         }
         let between = c.point_a - c.point_b;
         at_most("the contact's points are deeper than the depth", between.dot(c.normal), c.depth_upper, slack);
-        at_most("the contact's points are less deep than the depth", c.depth_lower, between.length(), slack);
-        let (width, hair) = (c.depth_upper - c.depth_lower, TOUCHING_ROUNDINGS * self.rounding);
+        at_most("the contact's points are less deep than the depth", c.depth_lower * (1.0 - FOOT_OFF), between.length(), slack);
+        let (width, hair) = (c.depth_upper - c.depth_lower, self.hair);
         match c.status {
             Status::Exact => at_most("an exact depth is wide", width, hair, slack),
             Status::Within => {
@@ -301,8 +320,9 @@ impl<'s, 'p> Scene<'s, 'p> {
         match d.status {
             Status::Overlapping => {
                 at_most("an overlap has a distance", d.upper, 0.0, 0.0);
-                at_most("the common point is not in B", self.outside_b(d.point_a), 0.0, 2.0 * slack + self.rounding);
-                at_most("the common point is not in A", self.outside_a(d.point_b), 0.0, 2.0 * slack + self.rounding);
+                let hair = self.hair + COMMON_POINT * self.reach;
+                at_most("the common point is not in B", self.outside_b(d.point_a), hair, slack);
+                at_most("the common point is not in A", self.outside_a(d.point_b), hair, slack);
                 return;
             }
             Status::Separated => at_most("a distance has a status of others", 1.0, 0.0, 0.0),
@@ -314,8 +334,10 @@ impl<'s, 'p> Scene<'s, 'p> {
         let centers = self.a.shape().interior_point()
             - (self.turn * self.b.shape().interior_point() + self.shift);
         let by_balls = centers.length() - self.a.shape().outer_radius() - self.b.shape().outer_radius();
-        at_most("the distance's lower end is above the planes' gap", d.lower, (-way).max(by_balls), slack);
-        let (width, hair) = (d.upper - d.lower, TOUCHING_ROUNDINGS * self.rounding);
+        if d.lower > 0.0 {
+            at_most("the distance's lower end is above the planes' gap", d.lower, (-way).max(by_balls), slack);
+        }
+        let (width, hair) = (d.upper - d.lower, self.hair);
         match d.status {
             Status::Exact => at_most("an exact distance is wide", width, hair, slack),
             Status::Within => {
@@ -323,7 +345,7 @@ impl<'s, 'p> Scene<'s, 'p> {
             }
             Status::Touching => {
                 at_most("touching has a distance", d.distance + d.lower, 0.0, 0.0);
-                at_most("touching is far", d.upper, hair, slack);
+                at_most("touching is far", d.upper, hair + TOUCHING_POINTS * self.reach, slack);
             }
             _ => {}
         }
@@ -357,10 +379,10 @@ impl<'s, 'p> Scene<'s, 'p> {
         tally.facets += 1;
         let (depth, axis) = signed_depth(&a, &b, -4.0 * self.slack);
         let deep = &answers.deep;
-        let (depth, hair) = (depth, TOUCHING_ROUNDINGS * self.rounding);
+        let hair = self.hair;
         let fits = if deep.hit {
+            // The upper end has a certificate. Facets' normals are not all there are where a polygon is flat but for rounding.
             deep.depth_lower <= depth.max(0.0) + self.slack
-                && depth - self.slack <= deep.depth_upper
                 && (depth >= -hair || matches!(deep.status, Status::IterationLimit | Status::Stalled))
         } else {
             depth <= self.slack
@@ -377,7 +399,7 @@ impl<'s, 'p> Scene<'s, 'p> {
         let meet = |p: [f64; 2], q: [f64; 2]| p[0] <= q[1] + slack && q[0] <= p[1] + slack;
         let depth = |c: &Contact| [c.depth_lower, c.depth_upper];
         let gap = |d: &Distance| [d.lower, d.upper];
-        let hair = TOUCHING_ROUNDINGS * self.rounding;
+        let hair = self.hair;
         let what = if !meet(depth(&here.deep), depth(&there.deep)) {
             "the mirrored depth is another"
         } else if !meet(gap(&here.near), gap(&there.near)) {
