@@ -293,7 +293,7 @@ impl<'s, 'p> Scene<'s, 'p> {
         }
         let between = c.point_a - c.point_b;
         at_most("the contact's points are deeper than the depth", between.dot(c.normal), c.depth_upper, slack);
-        at_most("the contact's points are less deep than the depth", c.depth_lower * (1.0 - FOOT_OFF), between.length(), slack);
+        at_most("the contact's points are less deep than the depth", c.depth_lower * (1.0 - FOOT_OFF), between.length(), slack + self.rounding);
         let (width, hair) = (c.depth_upper - c.depth_lower, self.hair);
         match c.status {
             Status::Exact => at_most("an exact depth is wide", width, hair, slack),

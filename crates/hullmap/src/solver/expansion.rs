@@ -170,16 +170,27 @@ pub(super) fn expand<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     settle(m, expansion)
 }
 
+/// Looks after the points of A and of B that come with the bound.
+///
 /// A face in whose plane the origin lies proves nothing where the origin is beside the face, not on it: flat shapes in one plane, apart
-/// in it. Then the closest points are asked.
+/// in it. Then the closest points are asked. And where no face near the surface had the origin's foot, as on a cylinder around a ball
+/// until the steps run out, points that are less deep than the bound give way to a support point.
 #[inline]
 fn settle<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
-    expansion: Expansion,
+    mut expansion: Expansion,
 ) -> Expansion {
-    let Bound { point_a, point_b, .. } = expansion.bound;
-    let is_beside = point_a.distance_squared(point_b) > BESIDE_ROUNDINGS * BESIDE_ROUNDINGS * m.rounding() * m.rounding();
-    if expansion.end == End::Touching && is_beside { settle_beside(m, expansion) } else { expansion }
+    let Bound { upper, normal, point_a, point_b } = expansion.bound;
+    let apart_sq = point_a.distance_squared(point_b);
+    let (beside, shallow) = (BESIDE_ROUNDINGS * m.rounding(), (1.0 - FOOT_OFF) * upper - m.rounding());
+    if expansion.end == End::Touching && apart_sq > beside * beside {
+        return settle_beside(m, expansion);
+    }
+    if shallow > 0.0 && upper < f64::INFINITY && apart_sq < shallow * shallow {
+        let point = m.point(normal);
+        (expansion.bound.point_a, expansion.bound.point_b) = (point.a, point.b());
+    }
+    expansion
 }
 
 #[cold]
@@ -358,16 +369,7 @@ fn finish<const V: usize, const F: usize>(
 ) -> Expansion {
     if let Some(corners) = state.corners {
         let Bound { upper, normal, .. } = state.out.bound;
-        let points_on = |corners: [u16; 3]| Bound::at(upper, normal, corners.map(|i| polytope.point(i)).each_ref());
-        let apart = |bound: &Bound| bound.point_a.distance(bound.point_b);
-        state.out.bound = points_on(corners);
-        if apart(&state.out.bound) < (1.0 - FOOT_OFF) * upper {
-            // A face that was a bound without being near the surface; by now the nearest is nearer.
-            let nearest = points_on(polytope.corners(polytope.nearest_face()));
-            if apart(&nearest) > apart(&state.out.bound) {
-                state.out.bound = nearest;
-            }
-        }
+        state.out.bound = Bound::at(upper, normal, corners.map(|i| polytope.point(i)).each_ref());
     }
     if let Some(cache) = cache {
         if !state.encloses || state.out.end == End::Stalled {
@@ -439,30 +441,31 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
         let tight = value - offset <= tolerance * value + rounding;
         let separated = value < -rounding;
         let touching = value <= TOUCHING_ROUNDINGS * rounding;
-        // On a cylinder around a point, all faces are as near: each may be the one with good points.
-        let another = close && value <= upper + rounding;
-        if value < upper || tight || touching || another {
+        if value < upper || tight || touching {
             // Of the faces in this plane the one that the origin's foot is in.
             let face = if tight { polytope.face_of_foot(face, noise) } else { face };
-            let value = if another { value.min(upper) } else { value };
             (state.out.bound.upper, state.out.bound.normal) = (value, direction / length);
             state.corners = Some(polytope.corners(face));
         }
         // 4. Close enough, or go on.
-        let has_points = || {
-            state.corners.is_none_or(|corners| {
-                let face = corners.map(|i| polytope.point(i).w);
-                let Bound { upper, normal, .. } = state.out.bound;
-                upper - normal.dot(face[0]) <= FOOT_OFF * upper + rounding && has_foot(face, normal, rounding)
-            })
+        let has_points = |corners: [u16; 3], upper: f64, normal: DVec3| {
+            let face = corners.map(|i| polytope.point(i).w);
+            upper - normal.dot(face[0]) <= FOOT_OFF * upper + rounding && has_foot(face, normal, rounding)
         };
-        let mut done = separated || touching || tight || (close && has_points());
-        if close && !done && value <= state.out.bound.upper + rounding {
-            // A support point where the normal points to it, as on a ball, is as good as a foot.
-            let normal = direction / length;
+        let Bound { upper, normal, .. } = state.out.bound;
+        let mut done = separated
+            || touching
+            || tight
+            || (close && state.corners.is_none_or(|corners| has_points(corners, upper, normal)));
+        if close && !done && value - state.out.lower <= tolerance * value + rounding {
+            // Another bound is as good, of a face with points, or of a support point that the normal points to, as on a ball.
+            let (normal, corners) = (direction / length, polytope.corners(face));
             if point.w.distance(normal * value) <= FOOT_OFF * value + rounding {
                 state.out.bound = Bound { upper: value, normal, point_a: point.a, point_b: point.b() };
                 (state.corners, done) = (None, true);
+            } else if has_points(corners, value, normal) {
+                (state.out.bound.upper, state.out.bound.normal) = (value, normal);
+                (state.corners, done) = (Some(corners), true);
             }
         }
         if done {
