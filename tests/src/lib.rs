@@ -3,9 +3,11 @@
 
 pub mod command;
 pub mod directions;
+pub mod game_hulls;
 pub mod outside;
 pub mod packs;
 pub mod parry;
 pub mod regret;
+pub mod soak;
 pub mod truth;
 pub mod wavefront;

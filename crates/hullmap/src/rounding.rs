@@ -10,7 +10,7 @@
 //! distance d from C, the shapes are d − r apart, or r − d deep; if it is t deep in C, they are t + r deep.
 //!
 //! # Steps
-//! 1. distance of the cores, as exactly as is asked; if the difference to r is then not known as exactly, once more;
+//! 1. distance of the cores, as exactly as is asked; if the difference to r is then not known as exactly, once or twice more;
 //! 2. cores that overlap: their contact.
 //!
 //! # Deviations
@@ -19,6 +19,7 @@
 
 #![forbid(unsafe_code)]
 
+use crate::minkowski::unit;
 use crate::{Cache, Contact, Distance, Intersection, Overlap, Pose, Settings, Status, Support, SupportMap, solver};
 use glam::DVec3;
 
@@ -27,6 +28,9 @@ const ROUNDING_UNITS: f64 = 8.0;
 
 /// Uncertainties up to this many roundings are called touching; the solver's own distances are uncertain by some 16 of them.
 const TOUCHING_ROUNDINGS: f64 = 64.0;
+
+/// The same for what support points are short of: on both ends of an interval, twice.
+const TOUCHING_SHORTFALLS: f64 = 8.0;
 
 /// A shape's core as a shape.
 struct Core<'s, S: ?Sized>(&'s S);
@@ -60,6 +64,10 @@ enum Cores {
     Overlapping(Distance),
 }
 
+/// Most searches for the cores' distance. Each knows the difference to the radii better than the one before, and so how exact the next
+/// has to be.
+const MOST_SEARCHES: usize = 3;
+
 /// Distance of the cores, exact enough for its difference to `radius` to be known within the tolerance.
 fn cores<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
@@ -72,9 +80,12 @@ fn cores<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     if matches!(gap.status, Status::Overlapping | Status::Touching) {
         return Cores::Overlapping(gap);
     }
-    let left = (gap.distance - radius).abs();
-    // NaN takes the branch that tries again.
-    if !(gap.upper - gap.lower <= settings.relative_gap() * left) {
+    for _ in 1..MOST_SEARCHES {
+        let left = (gap.distance - radius).abs();
+        // NaN takes the branch that tries again.
+        if gap.upper - gap.lower <= settings.relative_gap() * left {
+            break;
+        }
         let settings = Settings { tolerance: settings.relative_gap() * (left / gap.distance).min(1.0), ..*settings };
         let (iterations, support_calls) = (gap.iterations, gap.support_calls);
         gap = solver::distance(&a, &b, b_in_a, &settings, cache);
@@ -89,13 +100,28 @@ fn rounding(radius: f64, distance: f64) -> f64 {
     ROUNDING_UNITS * f64::EPSILON * (radius + distance)
 }
 
+/// Width of an interval, and length of a touch, that is rounding alone: a length. The cores' own is in units of what the shapes reach.
+fn hair<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(a: &A, b: &B, b_in_a: Pose) -> f64 {
+    let [center_a, center_b] = [a.interior_point(), b.interior_point()].map(|p| p.length());
+    let reach = a.outer_radius() + b.outer_radius() + center_a + center_b + b_in_a.translation().length();
+    TOUCHING_ROUNDINGS * rounding(reach, 0.0) + TOUCHING_SHORTFALLS * (a.support_error() + b.support_error())
+}
+
+/// The way out of the cores between their nearest points, of unit length: with it the rounded shapes' points are as far apart as the
+/// distance says. The normal is that of the planes which prove the lower bound, and a little another.
+fn outward(gap: &Distance, hair: f64) -> DVec3 {
+    unit(gap.point_b - gap.point_a).filter(|_| gap.point_a.distance(gap.point_b) > hair).unwrap_or(gap.normal)
+}
+
 /// The status of an interval that follows from that of the cores' `status`.
-fn status_of(status: Status, [lower, upper]: [f64; 2], tolerance: f64, rounding: f64) -> Status {
+fn status_of(status: Status, [lower, upper]: [f64; 2], tolerance: f64, hair: f64) -> Status {
+    let width = upper - lower;
+    // NaN takes the last branch.
     match status {
-        Status::Exact => Status::Exact,
-        _ if upper - lower <= 4.0 * rounding => Status::Exact,
-        Status::IterationLimit | Status::Stalled if upper - lower > tolerance * upper => status,
-        _ => Status::Within,
+        _ if width <= hair => Status::Exact,
+        _ if width <= tolerance * upper + hair => Status::Within,
+        Status::IterationLimit => Status::IterationLimit,
+        _ => Status::Stalled,
     }
 }
 
@@ -105,7 +131,7 @@ fn status_of(status: Status, [lower, upper]: [f64; 2], tolerance: f64, rounding:
 /// shapes without cores.
 ///
 /// # Complexity
-/// That of the distance of the cores, twice at most; if the cores overlap, their contact too. No allocation.
+/// That of the distance of the cores, three times at most; if the cores overlap, their contact too. No allocation.
 ///
 /// # Examples
 /// ```
@@ -134,8 +160,9 @@ pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let tolerance = settings.relative_gap();
     match cores((a, b, b_in_a), radius, settings, cache) {
         Cores::Apart(gap) => {
-            let rounding = rounding(radius, gap.upper);
+            let (rounding, hair) = (rounding(radius, gap.upper), hair(a, b, b_in_a));
             let (lower, upper) = (radius - gap.upper - rounding, radius - gap.lower + rounding);
+            let out = outward(&gap, hair);
             let mut found = Contact {
                 hit: true,
                 status: Status::Touching,
@@ -143,8 +170,8 @@ pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
                 depth_lower: 0.0,
                 depth_upper: upper,
                 normal: gap.normal,
-                point_a: gap.point_a + gap.normal * radii[0],
-                point_b: gap.point_b - gap.normal * radii[1],
+                point_a: gap.point_a + out * radii[0],
+                point_b: gap.point_b - out * radii[1],
                 iterations: gap.iterations,
                 support_calls: gap.support_calls,
             };
@@ -152,19 +179,24 @@ pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
                 (found.hit, found.status, found.depth_upper) = (false, Status::Separated, 0.0);
             } else if lower > 0.0 {
                 (found.depth, found.depth_lower) = (radius - gap.distance, lower);
-                found.status = status_of(gap.status, [lower, upper], tolerance, rounding);
+                found.status = status_of(gap.status, [lower, upper], tolerance, hair);
+            } else if upper > hair {
+                // Neither certainly deep nor only touching.
+                found.depth = (radius - gap.distance).max(0.0);
+                found.status = status_of(gap.status, [0.0, upper], tolerance, hair);
             }
             found
         }
         Cores::Overlapping(gap) => {
             let core = solver::contact(&Core(a), &Core(b), b_in_a, settings, cache);
             let rounding = rounding(radius, core.depth_upper);
-            // Cores that are a hair apart after all have a depth of 0 here, wrong by less than the distance's rounding.
-            let lower = radius + core.depth_lower - rounding - if core.hit { 0.0 } else { gap.upper };
+            // Cores that are not certainly deep may be apart, by no more than their points are.
+            let apart = if core.depth_lower > 0.0 { 0.0 } else { gap.upper };
+            let lower = radius + core.depth_lower - rounding - apart;
             let upper = radius + core.depth_upper + rounding;
             Contact {
                 hit: true,
-                status: status_of(core.status, [lower, upper], tolerance, rounding),
+                status: status_of(core.status, [lower, upper], tolerance, hair(a, b, b_in_a)),
                 depth: radius + core.depth,
                 depth_lower: lower.max(0.0),
                 depth_upper: upper,
@@ -183,7 +215,7 @@ pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 /// `cache` belongs to this ordered pair; it is read and brought up to date. See [`solver::distance`].
 ///
 /// # Complexity
-/// That of the distance of the cores, twice at most. No allocation.
+/// That of the distance of the cores, three times at most. No allocation.
 pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &A,
     b: &B,
@@ -198,21 +230,22 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
     let (Cores::Apart(gap) | Cores::Overlapping(gap)) = &mut cores((a, b, b_in_a), radius, settings, cache);
     let mut found = *gap;
-    let rounding = rounding(radius, gap.upper);
+    let (rounding, hair) = (rounding(radius, gap.upper), hair(a, b, b_in_a));
     let (lower, upper) = (gap.lower - radius - rounding, gap.upper - radius + rounding);
     // The nearest points move out by the radii; in an overlap that leaves points of both shapes between them.
-    let overlap = (radius - gap.distance).clamp(0.0, radius);
-    let shares = radii.map(|r| r - overlap * (r / radius));
-    found.point_a += gap.normal * shares[0];
-    found.point_b -= gap.normal * shares[1];
+    let overlap = (radius - gap.point_a.distance(gap.point_b)).clamp(0.0, radius);
+    let (shares, out) = (radii.map(|r| r - overlap * (r / radius)), outward(gap, 0.0));
+    found.point_a += out * shares[0];
+    found.point_b -= out * shares[1];
     (found.lower, found.upper) = (lower.max(0.0), upper.max(0.0));
     found.distance = (gap.distance - radius).max(0.0);
     if upper < 0.0 {
         (found.status, found.distance) = (Status::Overlapping, 0.0);
-    } else if lower <= 0.0 {
+    } else if lower <= 0.0 && upper <= hair {
         (found.status, found.distance) = (Status::Touching, 0.0);
     } else {
-        found.status = status_of(gap.status, [lower, upper], settings.relative_gap(), rounding);
+        // With a lower end of 0, neither certainly apart nor only touching.
+        found.status = status_of(gap.status, [found.lower, upper], settings.relative_gap(), hair);
     }
     found
 }
@@ -222,7 +255,7 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 /// `cache` belongs to this ordered pair; it is read and brought up to date. See [`solver::intersects`].
 ///
 /// # Complexity
-/// That of the distance of the cores, twice at most. No allocation.
+/// That of the distance of the cores, three times at most. No allocation.
 pub fn intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &A,
     b: &B,
@@ -233,12 +266,11 @@ pub fn intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         return solver::intersects(a, b, b_in_a, cache);
     }
     let found = distance(a, b, b_in_a, &Settings::default(), cache);
-    let reach = a.outer_radius() + b.outer_radius() + b_in_a.translation().length();
     let status = match found.status {
         Status::Overlapping => Overlap::Overlapping,
-        Status::Touching if found.upper <= TOUCHING_ROUNDINGS * rounding(reach, 0.0) => Overlap::Touching,
-        Status::Touching => Overlap::Undecided,
-        _ => Overlap::Separated,
+        Status::Touching => Overlap::Touching,
+        _ if found.lower > 0.0 => Overlap::Separated,
+        _ => Overlap::Undecided,
     };
     Intersection { status, iterations: found.iterations, support_calls: found.support_calls }
 }

@@ -13,9 +13,11 @@
 //!   rounding does to a single step.
 //! - The nearest point is sought only on what has the newest vertex in it; if that comes no nearer, on the whole simplex.
 //! - Repeated vertices and steps that do not come nearer end the search as a status.
+//! - The normal told is that of the plane which gave the lower bound, not of the last step: it is the proof.
+//! - Weights of a sliver reproduce the nearest point badly; they are corrected where that is seen.
 
 use super::barycentric::{
-    Made, blend, on_segment, on_segment_to, on_simplex, on_tetrahedron_to, on_triangle, on_triangle_to,
+    Made, blend, corrected, on_segment, on_segment_to, on_simplex, on_tetrahedron_to, on_triangle, on_triangle_to,
 };
 use crate::SupportMap;
 use crate::minkowski::{Minkowski, Point};
@@ -23,6 +25,9 @@ use glam::DVec3;
 
 /// Most steps, whatever the settings. Polytopes need 5 to 30; smooth shapes at the tightest tolerance about 200.
 const MAX_CLOSEST: u32 = 1000;
+
+/// Most corrections of weights: each squares a relative error, of 1e-5 or so in a sliver at the limit of what counts as a triangle.
+const MOST_CORRECTIONS: usize = 3;
 
 /// At most four vertices, in slots that are not moved: what was just written and is read back in other pieces would stall the
 /// processor.
@@ -107,11 +112,33 @@ impl Simplex {
         (at, count)
     }
 
-    /// The points of A and of B that make the point nearest to the origin, and their difference.
-    pub(super) fn witnesses(&self) -> (DVec3, DVec3, DVec3) {
+    /// The points of A and of B that make the point nearest to the origin, and their difference. `length` is that of the nearest point
+    /// where the search ended, `noise` by how much their difference may be longer.
+    pub(super) fn witnesses(&self, length: f64, noise: f64) -> (DVec3, DVec3, DVec3) {
         let ([i, j, k, l], count) = self.packed();
         let w = [self.corner(i), self.corner(j), self.corner(k), self.corner(l)];
-        let weights = match self.weights {
+        let mut weights = self.packed_weights([i, j, k, l], w, count);
+        let mut between = blend(&weights, w);
+        for _ in 0..MOST_CORRECTIONS {
+            if between.length() <= length + noise {
+                break;
+            }
+            let better = corrected(&weights, w, count);
+            let nearer = blend(&better, w);
+            // NaN counts as no progress.
+            if !(nearer.length() < between.length()) {
+                break;
+            }
+            (weights, between) = (better, nearer);
+        }
+        let point_a = blend(&weights, [self.a[i], self.a[j], self.a[k], self.a[l]]);
+        (point_a, point_a - between, between)
+    }
+
+    /// Weights of the vertices in the nearest point, in packed order.
+    #[inline(always)]
+    fn packed_weights(&self, [i, j, k, l]: [usize; SLOTS], w: [DVec3; SLOTS], count: usize) -> [f64; SLOTS] {
+        match self.weights {
             Some(weights) => {
                 // Slots beyond the count repeat the first, which must count once.
                 let weight = |at: usize, slot: usize| if at < count { weights[slot] } else { 0.0 };
@@ -128,10 +155,7 @@ impl Simplex {
                 }
                 _ => on_simplex(w, count).0.weights,
             },
-        };
-        let between = blend(&weights, w);
-        let point_a = blend(&weights, [self.a[i], self.a[j], self.a[k], self.a[l]]);
-        (point_a, point_a - between, between)
+        }
     }
 
     /// The nearest point, the slots of the vertices that it is made of, and the origin's distance from the surface if it is
@@ -203,7 +227,7 @@ pub(super) struct Closest {
     pub(super) lower: f64,
     /// Length of the nearest point found, without allowance for rounding.
     pub(super) upper: f64,
-    /// Unit direction from A to B along the nearest point; zero when none was found.
+    /// Unit direction from A to B, of the planes that gave the lower bound; zero when there were none.
     pub(super) normal: DVec3,
     pub(super) iterations: u32,
 }
@@ -256,8 +280,12 @@ pub(super) fn closest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         }
         let vertex = m.point(-y);
         let scale = 1.0 / length;
-        normal = y * -scale;
-        lower = lower.max(vertex.w.dot(y) * scale);
+        let height = vertex.w.dot(y) * scale;
+        // NaN is no bound, and any normal better than none.
+        if height > lower || normal == DVec3::ZERO {
+            normal = y * -scale;
+        }
+        lower = lower.max(height);
         if upper - lower <= tolerance * upper + rounding {
             return Closest { end: End::Converged, lower, upper, normal, iterations };
         }

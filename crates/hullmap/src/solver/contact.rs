@@ -120,7 +120,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     if settings.max_iterations > 0
         && let Some(expanded) = expand_again(m, Goal::Depth { tolerance }, settings.max_iterations, cache)
     {
-        return contact_of(m, cache, &expanded, expanded.iterations);
+        return contact_of(m, cache, &expanded, tolerance, expanded.iterations);
     }
     let mut portal = Portal::NONE;
     let (found, mut iterations) = discover(m, &mut portal);
@@ -145,7 +145,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
     let expanded = expand(m, start, Goal::Depth { tolerance }, bound, settings.max_iterations, Some(cache));
     iterations += expanded.iterations;
-    contact_of(m, cache, &expanded, iterations)
+    contact_of(m, cache, &expanded, tolerance, iterations)
 }
 
 /// What the expansion says.
@@ -153,6 +153,7 @@ fn contact_of<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,
     cache: &mut Cache,
     expanded: &Expansion,
+    tolerance: f64,
     iterations: u32,
 ) -> Contact {
     let Bound { upper, normal, point_a, point_b } = expanded.bound;
@@ -163,7 +164,12 @@ fn contact_of<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let rounding = m.rounding();
     let depth_lower = (expanded.lower - m.noise()).max(0.0);
     // A face may be proved nearest before anybody looks whether it is at zero.
-    let touching = expanded.end == expansion::End::Touching || upper <= expansion::TOUCHING_ROUNDINGS * rounding;
+    let touching = match expanded.end {
+        expansion::End::Touching => upper <= expansion::FLAT_ROUNDINGS * rounding,
+        // A flat difference's own plane may hold the origin beside it.
+        expansion::End::Stalled => false,
+        _ => upper <= expansion::TOUCHING_ROUNDINGS * rounding,
+    };
     let status = match expanded.end {
         // What is certainly deep, by however little, does not only touch.
         _ if touching && depth_lower == 0.0 => Status::Touching,
@@ -171,7 +177,9 @@ fn contact_of<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         expansion::End::Limit => Status::IterationLimit,
         expansion::End::Stalled | expansion::End::Separated => Status::Stalled,
         _ if upper - expanded.lower <= rounding => Status::Exact,
-        expansion::End::Converged | expansion::End::Inside | expansion::End::Touching => Status::Within,
+        _ if upper - expanded.lower <= tolerance * upper + 2.0 * rounding => Status::Within,
+        // A face that is on the surface, of a polytope that is too thin to be certain to enclose the origin.
+        expansion::End::Converged | expansion::End::Inside | expansion::End::Touching => Status::Stalled,
     };
     Contact {
         hit: true,
@@ -251,7 +259,7 @@ mod tests {
         let found = |lower, upper| {
             let bound = Bound { upper, normal: DVec3::X, ..Bound::none() };
             let expanded = Expansion { end: expansion::End::Touching, lower, bound, iterations: 1 };
-            contact_of(&m, &mut Cache::new(), &expanded, 1)
+            contact_of(&m, &mut Cache::new(), &expanded, 0.0, 1)
         };
         let deep = found(1.25 * m.noise(), 1.5 * m.noise());
         assert_eq!(deep.status, Status::Exact);

@@ -53,14 +53,26 @@ impl Portal {
         (n.length_squared() > FLAT * FLAT * e2.length_squared() * e3.length_squared()).then_some(n)
     }
 
-    /// Distance of the origin from the nearest of the three planes through v0 and a side; negative outside.
+    /// Whether the origin is for certain in the tetrahedron of v0 and the portal, or beside it by less than a ball of `inner_radius` around
+    /// v0 makes room for: in a convex set that holds ball and portal. `rounding` is what points may be off by.
     ///
-    /// Where the centre is well inside the difference this does not matter, but a centre on the surface has surface points in
-    /// these planes.
-    pub(super) fn clearance(&self, v0: DVec3) -> f64 {
+    /// An offset from the plane of a face is uncertain by `rounding` over the sine of the angle between two of the face's edges. So
+    /// what is compared is volumes, with `rounding` times the product of the edges' lengths.
+    pub(super) fn holds_origin(&self, v0: DVec3, inner_radius: f64, rounding: f64) -> bool {
         let [v1, v2, v3] = self.vertices.map(|v| v.w);
-        let side = |p: DVec3, q: DVec3| p.cross(q).dot(v0) / (p - v0).cross(q - v0).length();
-        side(v1, v3).min(side(v3, v2)).min(side(v2, v1))
+        let (e2, e3) = (v2 - v1, v3 - v1);
+        let n = e2.cross(e3);
+        let (below, height) = (n.dot(v1), n.dot(v1 - v0));
+        // NaN takes the failing branch, here and below.
+        let is_below = below > rounding * (e2.length_squared() * e3.length_squared()).sqrt();
+        // The ball's share where the origin is: all of it at v0, none at the portal.
+        let room = inner_radius * (below / height).min(1.0);
+        let is_within = |p: DVec3, q: DVec3| {
+            let (volume, from_p, from_q) = (p.cross(q).dot(v0), p - v0, q - v0);
+            let uncertain = rounding * (from_p.length_squared() * from_q.length_squared()).sqrt();
+            volume > uncertain || (volume >= 0.0 && room * from_p.cross(from_q).length() > uncertain)
+        };
+        is_below && height > 0.0 && is_within(v1, v3) && is_within(v3, v2) && is_within(v2, v1)
     }
 
     /// Whether the ray from `v0` pierces the portal and the normal points away from it: all that phase one promises.

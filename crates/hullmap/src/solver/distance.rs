@@ -27,8 +27,8 @@ pub struct Distance {
     pub lower: f64,
     /// The distance is no more than this, rounding included.
     pub upper: f64,
-    /// Of unit length, from A to B along the shortest segment; when they touch, of a plane between them. When the shapes
-    /// overlap, any unit vector.
+    /// Of unit length, from A to B along the shortest segment: of the planes, square to it, that prove `lower`. When they touch, of a
+    /// plane between them. When the shapes overlap, any unit vector.
     pub normal: DVec3,
     /// The point of A nearest to B; when they overlap, a point of both.
     pub point_a: DVec3,
@@ -83,7 +83,7 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
     let found = closest(&mut m, &mut simplex, settings.relative_gap(), settings.max_iterations);
     cache.set_simplex(simplex.features());
-    let (point_a, point_b, between) = simplex.witnesses();
+    let (point_a, point_b, between) = simplex.witnesses(found.upper, m.noise());
     (out.point_a, out.point_b) = (point_a, point_b);
     out.iterations = found.iterations;
     if found.normal != DVec3::ZERO {
@@ -114,18 +114,22 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     };
     if found.upper <= 2.0 * rounding && !apart {
         // The origin is on the simplex, but is it on the surface?
-        let (overlap, axis, steps) = decide_by_expansion(&mut m, None);
+        let (overlap, bound, steps) = decide_by_expansion(&mut m, None);
         out.iterations += steps;
         // Points that are all but the same point nowhere; the face that the origin is on does.
-        if overlap != Overlap::Overlapping && axis != DVec3::ZERO {
-            out.normal = axis;
+        if overlap != Overlap::Overlapping && bound.normal != DVec3::ZERO {
+            out.normal = bound.normal;
+            let apart = bound.point_a.distance(bound.point_b);
+            if apart < out.distance {
+                (out.point_a, out.point_b, out.upper) = (bound.point_a, bound.point_b, apart + m.noise());
+            }
         }
-        (out.status, out.distance, out.lower) = match overlap {
-            Overlap::Overlapping => (Status::Overlapping, 0.0, 0.0),
-            _ => (Status::Touching, 0.0, 0.0),
-        };
-        if out.status == Status::Overlapping {
-            out.upper = 0.0;
+        out.lower = 0.0;
+        match overlap {
+            Overlap::Overlapping => (out.status, out.distance, out.upper) = (Status::Overlapping, 0.0, 0.0),
+            Overlap::Touching | Overlap::Separated => (out.status, out.distance) = (Status::Touching, 0.0),
+            // It may be deep.
+            Overlap::Undecided => (out.status, out.distance) = (Status::Stalled, out.point_a.distance(out.point_b)),
         }
     }
     out.support_calls = m.support_calls();

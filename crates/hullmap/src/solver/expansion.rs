@@ -20,7 +20,7 @@
 //! - d is a bound only once the surface is certain to wind around the origin; until then nothing is claimed.
 //! - The least h(n) of all faces tried is kept with its face, so the upper bound never grows.
 //! - Bounds that are close do not end the search before the contact points are good: if the face of the least h(n) is not on the
-//!   surface itself, the nearest face is asked once more; and a portal's face without the origin's foot in it gives none.
+//!   surface itself, or is without the origin's foot, the nearest face is asked, until a face, or a support point, gives them.
 //! - The ball of the interior points bounds the depth from below as well: round shapes end at once.
 //! - Polytopes come in four sizes: most queries never touch the big arrays.
 
@@ -30,7 +30,7 @@ use super::closest::{self, Simplex, closest};
 use super::polytope::{COPLANAR_NOISES, Polytope};
 use super::seed::{Flat, seed};
 use crate::SupportMap;
-use crate::minkowski::{Minkowski, Point};
+use crate::minkowski::{Minkowski, Point, unit};
 use glam::DVec3;
 
 /// Vertices of the polytopes, from the first to the last: enough for small hulls and for touching ones, for nearly all, for
@@ -45,6 +45,12 @@ const THIN_ROUNDINGS: f64 = 64.0;
 
 /// Support values up to this many roundings are touching: one for the support point, one for the normal.
 pub(super) const TOUCHING_ROUNDINGS: f64 = 2.0;
+
+/// Support values of flat differences that still are touching: their thickness is up to half of this, along a normal that is as uncertain.
+pub(super) const FLAT_ROUNDINGS: f64 = 16.0;
+
+/// Contact points of a touching face that are farther apart than this many roundings say that the origin is beside the face.
+const BESIDE_ROUNDINGS: f64 = 4.0;
 
 /// A foot this share of its distance beside the face is as good as in it: contact points are off by as much.
 const FOOT_OFF: f64 = 1e-3;
@@ -158,6 +164,61 @@ pub(super) fn expand<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     goal: Goal,
     bound: Bound,
     max_expansions: u32,
+    cache: Option<&mut Cache>,
+) -> Expansion {
+    let expansion = expand_from(m, start, goal, bound, max_expansions, cache);
+    settle(m, expansion)
+}
+
+/// Looks after the points of A and of B that come with the bound.
+///
+/// A face in whose plane the origin lies proves nothing where the origin is beside the face, not on it: flat shapes in one plane, apart
+/// in it. Then the closest points are asked. And where no face near the surface had the origin's foot, as on a cylinder around a ball
+/// until the steps run out, points that are less deep than the bound give way to a support point.
+#[inline]
+fn settle<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    mut expansion: Expansion,
+) -> Expansion {
+    let Bound { upper, normal, point_a, point_b } = expansion.bound;
+    let apart_sq = point_a.distance_squared(point_b);
+    let (beside, shallow) = (BESIDE_ROUNDINGS * m.rounding(), (1.0 - FOOT_OFF) * upper - m.rounding());
+    if expansion.end == End::Touching && apart_sq > beside * beside {
+        return settle_beside(m, expansion);
+    }
+    if shallow > 0.0 && upper < f64::INFINITY && apart_sq < shallow * shallow {
+        let point = m.point(normal);
+        (expansion.bound.point_a, expansion.bound.point_b) = (point.a, point.b());
+    }
+    expansion
+}
+
+#[cold]
+#[inline(never)]
+fn settle_beside<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    mut expansion: Expansion,
+) -> Expansion {
+    let mut simplex = Simplex::new(m.center_point());
+    let near = closest(m, &mut simplex, 0.0, MAX_FLAT);
+    let (point_a, point_b, between) = simplex.witnesses(near.upper, m.noise());
+    expansion.iterations += near.iterations;
+    let bound = &mut expansion.bound;
+    if near.lower > m.rounding() {
+        expansion.end = End::Separated;
+        *bound = Bound { upper: -near.lower, normal: near.normal, point_a, point_b };
+    } else if between.length_squared() < bound.point_a.distance_squared(bound.point_b) {
+        (bound.point_a, bound.point_b) = (point_a, point_b);
+    }
+    expansion
+}
+
+fn expand_from<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    start: Option<[Point; 4]>,
+    goal: Goal,
+    bound: Bound,
+    max_expansions: u32,
     mut cache: Option<&mut Cache>,
 ) -> Expansion {
     let terms = terms(m, goal, max_expansions);
@@ -167,11 +228,8 @@ pub(super) fn expand<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     if !start.is_some_and(|tetrahedron| small.start(tetrahedron, thin)) {
         match seed(m) {
             Ok(tetrahedron) if small.start(tetrahedron, 0.0) => {}
-            Ok(_) => {
-                state.out.end = End::Stalled;
-                state.out.lower = terms.ball;
-                return state.out;
-            }
+            // Thick only by the noise in the normal of a thin triangle.
+            Ok(tetrahedron) => return expand_flat(m, widest(tetrahedron), state.out),
             Err(Flat { normal }) => return expand_flat(m, normal, state.out),
         }
     }
@@ -211,7 +269,7 @@ pub(super) fn expand_again<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     if expansion.iterations > WORN_OUT {
         cache.forget_polytope();
     }
-    (expansion.end != End::Stalled).then_some(expansion)
+    (expansion.end != End::Stalled).then(|| settle(m, expansion))
 }
 
 /// Apart, so that the small path's stack stays small.
@@ -390,13 +448,26 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
             state.corners = Some(polytope.corners(face));
         }
         // 4. Close enough, or go on.
-        let done = separated
+        let has_points = |corners: [u16; 3], upper: f64, normal: DVec3| {
+            let face = corners.map(|i| polytope.point(i).w);
+            upper - normal.dot(face[0]) <= FOOT_OFF * upper + rounding && has_foot(face, normal, rounding)
+        };
+        let Bound { upper, normal, .. } = state.out.bound;
+        let mut done = separated
             || touching
             || tight
-            || (close
-                && state.corners.is_none_or(|corners| {
-                    has_foot(corners.map(|i| polytope.point(i).w), state.out.bound.normal, rounding)
-                }));
+            || (close && state.corners.is_none_or(|corners| has_points(corners, upper, normal)));
+        if close && !done && value - state.out.lower <= tolerance * value + rounding {
+            // Another bound is as good, of a face with points, or of a support point that the normal points to, as on a ball.
+            let (normal, corners) = (direction / length, polytope.corners(face));
+            if point.w.distance(normal * value) <= FOOT_OFF * value + rounding {
+                state.out.bound = Bound { upper: value, normal, point_a: point.a, point_b: point.b() };
+                (state.corners, done) = (None, true);
+            } else if has_points(corners, value, normal) {
+                (state.out.bound.upper, state.out.bound.normal) = (value, normal);
+                (state.corners, done) = (Some(corners), true);
+            }
+        }
         if done {
             state.out.end = if separated {
                 End::Separated
@@ -419,6 +490,14 @@ fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: 
     }
 }
 
+/// The normal of the widest face of a tetrahedron that is none.
+fn widest(tetrahedron: [Point; 4]) -> DVec3 {
+    let [p, q, r, s] = tetrahedron.map(|v| v.w);
+    let normals = [(q - p).cross(r - p), (q - p).cross(s - p), (r - p).cross(s - p), (r - q).cross(s - q)];
+    let wider = |widest: DVec3, n: DVec3| if n.length_squared() > widest.length_squared() { n } else { widest };
+    unit(normals.into_iter().fold(DVec3::ZERO, wider)).unwrap_or(DVec3::X)
+}
+
 /// A difference without thickness along `normal`: its depth is zero, if it holds the origin at all.
 #[inline(never)]
 fn expand_flat<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
@@ -430,7 +509,7 @@ fn expand_flat<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let near = closest(m, &mut simplex, 0.0, MAX_FLAT);
     state.iterations += near.iterations;
     state.lower = 0.0;
-    let (point_a, point_b, _) = simplex.witnesses();
+    let (point_a, point_b, _) = simplex.witnesses(near.upper, m.noise());
     if near.lower > m.rounding() {
         state.end = End::Separated;
         state.bound = Bound { upper: -near.lower, normal: near.normal, point_a, point_b };

@@ -118,9 +118,9 @@ fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         }
         Discovery::Flat | Discovery::Limit => {}
     }
-    let (status, axis, steps) = decide_by_expansion(m, start);
+    let (status, Bound { normal, .. }, steps) = decide_by_expansion(m, start);
     match status {
-        Overlap::Separated => cache.set_axis(axis),
+        Overlap::Separated => cache.set_axis(normal),
         _ => cache.forget_axis(),
     }
     (status, iterations + steps)
@@ -143,11 +143,9 @@ fn is_behind<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &Minkowski<'_, A
         && is_proved(m, &portal)
 }
 
-/// Whether the origin, known to be behind the portal, is truly inside and not on the surface: either the centre is well inside, and
-/// with it the whole tetrahedron but the portal, or the origin keeps clear of the other three sides.
+/// Whether the origin, seen behind the portal, is truly inside and not on the surface.
 fn is_proved<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &Minkowski<'_, A, B>, portal: &Portal) -> bool {
-    let (rounding, v0) = (m.rounding(), m.center_point().w);
-    (m.inner_radius() > rounding && portal.is_pierced(v0)) || portal.clearance(v0) > rounding
+    portal.holds_origin(m.center_point().w, m.inner_radius(), m.rounding())
 }
 
 /// The centre and the portal.
@@ -159,17 +157,20 @@ pub(super) fn tetrahedron<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     [m.center_point(), v1, v2, v3]
 }
 
-/// The last word on whether the origin is inside, with an axis that separates if it is not.
+/// The last word on whether the origin is inside, with an axis that separates if it is not, and the points where they touch if they do.
 pub(super) fn decide_by_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     start: Option<[Point; 4]>,
-) -> (Overlap, DVec3, u32) {
+) -> (Overlap, Bound, u32) {
     let Expansion { end, bound, iterations, .. } = expand(m, start, Goal::Decide, Bound::none(), MAX_DECIDING, None);
     let status = match end {
         expansion::End::Separated => Overlap::Separated,
         expansion::End::Inside => Overlap::Overlapping,
-        expansion::End::Touching | expansion::End::Converged => Overlap::Touching,
-        expansion::End::Limit | expansion::End::Stalled => Overlap::Undecided,
+        // A face on the surface may be well away from the origin, of a polytope too thin to be certain to hold it.
+        expansion::End::Touching | expansion::End::Converged if bound.upper <= expansion::FLAT_ROUNDINGS * m.rounding() => {
+            Overlap::Touching
+        }
+        _ => Overlap::Undecided,
     };
-    (status, bound.normal, iterations)
+    (status, bound, iterations)
 }

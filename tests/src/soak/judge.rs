@@ -1,0 +1,415 @@
+//! The certificates: what the answers claim, tested by brute force on the shapes' definitions.
+//!
+//! | claim | certificate |
+//! |---|---|
+//! | apart | along the axis told, the reaches leave a gap |
+//! | overlapping | the point told as common is inside both, by their faces' planes |
+//! | depth at most | along the normal told, the reaches overlap by no more |
+//! | depth at least | no direction is a shorter way out: other answers' normals; for some pairs all face normals, for a few all facets of the Minkowski difference |
+//! | distance at least | along the normal told, the gap of the reaches is no less |
+//! | distance at most | the points told are inside their shapes, and no farther apart |
+//!
+//! Beyond these: numbers are finite, intervals in order, statuses those that the interval's width allows, and the three queries
+//! do not contradict each other.
+
+use std::hash::Hasher;
+
+use glam::{DMat3, DVec3};
+use hullmap::{
+    Cache, Contact, Distance, Intersection, Minkowski, Overlap, Pose, Settings, Status, SupportMap, contact, distance,
+    intersects,
+};
+use twox_hash::XxHash3_64;
+
+use super::{
+    cast::{Body, Pair, Solid},
+    tally::{Tally, Wrong},
+};
+use crate::truth::{depth::signed_depth, polytope::Polytope};
+
+/// Units of rounding that a certificate may be off by, of the greatest lengths: a turned direction or point is off by some 40, a dot
+/// product by a few, on each of the shapes.
+const ROUNDING_UNITS: f64 = 64.0;
+
+/// What a unit vector's length may be off by.
+const UNIT: f64 = 1e-14;
+
+/// How many of the solver's own roundings apart or deep a pair may be that is still told as touching, and by how many an exact interval
+/// may be wide: shapes up to 16 roundings thick count as flat.
+const TOUCHING_ROUNDINGS: f64 = 20.0;
+
+/// The same in units of rounding of the lengths in the query, for shapes that are solved by their cores.
+const TOUCHING_UNITS: f64 = 640.0;
+
+/// By how much, over the greatest length, points where shapes touch may be apart: those of slivers lose digits.
+const TOUCHING_POINTS: f64 = 1e-4;
+
+/// By how much, over the greatest length, a point that is told as common may be outside of one of the shapes.
+const COMMON_POINT: f64 = 1e-7;
+
+/// Share of the depth by which contact points may be less deep: the foot of the origin beside the nearest face.
+const FOOT_OFF: f64 = 1e-3;
+
+/// Most steps and support calls of a query: the caps of all phases together, twice as rounded shapes are asked twice.
+const MOST: u32 = 2 * 1600;
+
+/// One pair in so many is judged by all face normals too, and one in so many by all facets.
+const NORMALS_EVERY: u64 = 16;
+const FACETS_EVERY: u64 = 1024;
+
+/// Edges up to which all facets are looked at.
+const MOST_EDGES: usize = 400;
+
+/// What the solver says of a pair.
+#[derive(Clone, Copy, Debug)]
+pub struct Answers {
+    /// Yes or no.
+    pub yes: Intersection,
+    /// How deep.
+    pub deep: Contact,
+    /// How far.
+    pub near: Distance,
+}
+
+/// What is remembered of a pair, one for each query.
+#[derive(Default)]
+pub struct Caches([Cache; 3]);
+
+impl Answers {
+    /// Asks the solver: hulls as hulls, else through the shapes' interface.
+    pub fn to(a: &Body<'_>, b: &Body<'_>, b_in_a: Pose, caches: &mut Caches) -> Self {
+        match (&a.solid, &b.solid) {
+            (Solid::Hull(a), Solid::Hull(b)) => Self::of(a, b, b_in_a, caches),
+            _ => Self::of(a.shape(), b.shape(), b_in_a, caches),
+        }
+    }
+
+    fn of<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(a: &A, b: &B, b_in_a: Pose, caches: &mut Caches) -> Self {
+        let (settings, [yes, deep, near]) = (Settings::default(), &mut caches.0);
+        Self {
+            yes: intersects(a, b, b_in_a, yes),
+            deep: contact(a, b, b_in_a, &settings, deep),
+            near: distance(a, b, b_in_a, &settings, near),
+        }
+    }
+
+    /// All bits of it, with zeros of one sign.
+    fn hash(&self) -> u64 {
+        let mut hasher = XxHash3_64::with_seed(0);
+        let Self { yes, deep, near } = self;
+        hasher.write_u32(yes.status as u32);
+        hasher.write_u32(deep.status as u32);
+        hasher.write_u32(near.status as u32);
+        for count in [yes.iterations, yes.support_calls, deep.iterations, deep.support_calls, near.iterations, near.support_calls]
+        {
+            hasher.write(&count.to_le_bytes());
+        }
+        let lengths = [deep.depth, deep.depth_lower, deep.depth_upper, near.distance, near.lower, near.upper];
+        let vectors = [deep.normal, deep.point_a, deep.point_b, near.normal, near.point_a, near.point_b];
+        for number in lengths.into_iter().chain(vectors.into_iter().flat_map(|v| v.to_array())) {
+            hasher.write(&(number + 0.0).to_bits().to_le_bytes());
+        }
+        hasher.finish()
+    }
+}
+
+/// Judges all that is asked about a pair.
+pub(super) fn judge_pair(pair: &Pair<'_, '_>, tally: &mut Tally) {
+    let ([a, b], number) = (pair.bodies, pair.number);
+    let mut caches = Caches::default();
+    let answers = Answers::to(a, b, pair.b_in_a, &mut caches);
+    tally.pairs += 1;
+    let counts = tally.meetings.entry(pair.meeting).or_default();
+    *counts = [counts[0] + 1, counts[1] + u64::from(answers.deep.hit)];
+    for body in pair.bodies {
+        *tally.kinds.entry(body.kind).or_default() += 1;
+    }
+    let scene = Scene::new(a, b, pair.b_in_a);
+    scene.judge(pair, "cold", &answers, tally);
+    if number.is_multiple_of(NORMALS_EVERY) {
+        scene.judge_by_normals(pair, &answers, tally);
+    }
+    if number.is_multiple_of(FACETS_EVERY) {
+        scene.judge_by_facets(pair, &answers, tally);
+    }
+    match number % 4 {
+        1 => {
+            // The next frame, with what this one left behind: a hair on, or a step.
+            let step = [1e-9, 1e-3, 0.1][(number / 4 % 3) as usize];
+            let reach = a.shape().outer_radius().min(b.shape().outer_radius());
+            let shift = DVec3::new(0.6, -0.64, 0.48) * (step * reach);
+            let turn = glam::DQuat::from_xyzw(0.3 * step, 0.2 * step, -0.5 * step, 1.0);
+            let moved = Pose::new(pair.b_in_a.translation() + shift, turn * pair.b_in_a.rotation()).expect("finite");
+            let answers = Answers::to(a, b, moved, &mut caches);
+            Scene::new(a, b, moved).judge(pair, "warm", &answers, tally);
+        }
+        // The caches are those of other shapes for the half of these.
+        2 | 3 => {
+            let inverse = pair.b_in_a.inverse();
+            let mut fresh = Caches::default();
+            let caches = if number % 4 == 2 { &mut fresh } else { &mut caches };
+            let mirrored = Answers::to(b, a, inverse, caches);
+            let back = Scene::new(b, a, inverse);
+            back.judge(pair, "mirrored", &mirrored, tally);
+            scene.compare(pair, &answers, &mirrored, &back, tally);
+        }
+        _ => {}
+    }
+}
+
+/// Two bodies and how they lie.
+struct Scene<'s, 'p> {
+    a: &'s Body<'p>,
+    b: &'s Body<'p>,
+    b_in_a: Pose,
+    turn: DMat3,
+    unturn: DMat3,
+    shift: DVec3,
+    /// What a certificate may be off by.
+    slack: f64,
+    /// What the solver says that it may be off by.
+    rounding: f64,
+    /// Lengths up to this are touching.
+    hair: f64,
+    /// The greatest length in the query.
+    reach: f64,
+}
+
+impl<'s, 'p> Scene<'s, 'p> {
+    fn new(a: &'s Body<'p>, b: &'s Body<'p>, b_in_a: Pose) -> Self {
+        let (turn, shift) = (DMat3::from_quat(b_in_a.rotation()), b_in_a.translation());
+        let slack = ROUNDING_UNITS * f64::EPSILON * (a.model.greatest + b.model.greatest + shift.length());
+        let rounding = Minkowski::new(a.shape(), b.shape(), b_in_a).rounding();
+        let centers = a.shape().interior_point().length() + b.shape().interior_point().length();
+        let reach = a.shape().outer_radius() + b.shape().outer_radius() + centers + shift.length();
+        let hair = TOUCHING_ROUNDINGS * rounding + TOUCHING_UNITS * f64::EPSILON * reach;
+        Self { a, b, b_in_a, turn, unturn: turn.transpose(), shift, slack, rounding, hair, reach }
+    }
+
+    /// How far B has to move along the unit vector `n` to be out of A; negative when `n` separates them.
+    fn way_out(&self, n: DVec3) -> f64 {
+        self.a.model.reach(n) + self.b.model.reach(self.unturn * -n) - n.dot(self.shift)
+    }
+
+    /// How far outside of A a point of A's frame is.
+    fn outside_a(&self, p: DVec3) -> f64 {
+        self.a.model.outside(p)
+    }
+
+    fn outside_b(&self, p: DVec3) -> f64 {
+        self.b.model.outside(self.unturn * (p - self.shift))
+    }
+
+    fn wrong(&self, pair: &Pair<'_, '_>, what: &'static str, order: &str, answers: &Answers, more: String, tally: &mut Tally) {
+        let Answers { yes, deep, near } = answers;
+        let (slack, rounding) = (self.slack, self.rounding);
+        let details = format!(
+            "{pair}\n  {order}, at {:?}\n  {yes:?}\n  {deep:?}\n  {near:?}\n  slack {slack:e}, rounding {rounding:e}, {more}",
+            self.b_in_a
+        );
+        tally.take_wrong(Wrong { number: pair.number, what, details });
+    }
+
+    fn judge(&self, pair: &Pair<'_, '_>, order: &str, answers: &Answers, tally: &mut Tally) {
+        let Answers { yes, deep, near } = answers;
+        tally.judged += 1;
+        tally.count(yes, deep, near);
+        tally.fingerprint = tally.fingerprint.wrapping_add(answers.hash().rotate_left((pair.number % 63) as u32));
+        let mut tightest = 0.0_f64;
+        let mut wrong: Option<(&'static str, f64, f64)> = None;
+        // Written so that NaN is wrong.
+        let mut at_most = |what: &'static str, found: f64, limit: f64, slack: f64| {
+            if !(found <= limit + slack) {
+                wrong.get_or_insert((what, found, limit));
+            } else if slack > 0.0 {
+                tightest = tightest.max((found - limit) / slack);
+            }
+        };
+        let slack = self.slack;
+        let (way_deep, way_near) = (self.way_out(deep.normal), self.way_out(near.normal));
+        self.judge_contact(deep, way_deep, &mut at_most);
+        self.judge_distance(near, way_near, &mut at_most);
+        for counts in [[yes.iterations, yes.support_calls], [deep.iterations, deep.support_calls], [near.iterations, near.support_calls]] {
+            at_most("a cap is not held", counts[0].max(counts[1]).into(), MOST.into(), 0.0);
+        }
+
+        // What one of them proves, the others must not deny.
+        let gap = -way_deep.min(way_near);
+        let depth_lower = deep.depth_lower;
+        if depth_lower > 0.0 {
+            at_most("the depth's lower end is above another way out", depth_lower, way_near, slack);
+        }
+        if yes.status == Overlap::Separated {
+            at_most("intersects says apart, contact says deep", depth_lower, 0.0, slack);
+        }
+        if yes.status == Overlap::Overlapping {
+            at_most("intersects says overlapping, an axis separates", gap, self.rounding, slack);
+        }
+        if near.status == Status::Overlapping {
+            at_most("distance says overlapping, an axis separates", gap, self.rounding, slack);
+        }
+        // As far as rounding, a yes may be false; never when all is settled.
+        let hair = self.hair;
+        if yes.status == Overlap::Touching {
+            at_most("intersects says touching, an axis separates", gap, hair, slack);
+            at_most("intersects says touching, contact says deep", depth_lower, hair, slack);
+        }
+        if deep.hit && !matches!(deep.status, Status::IterationLimit | Status::Stalled) {
+            at_most("contact hits, an axis separates", gap, hair, slack);
+        }
+        if near.status == Status::Touching {
+            at_most("distance says touching, an axis separates", gap, near.upper.max(hair), slack);
+            at_most("distance says touching, contact says deep", depth_lower, hair, slack);
+        }
+        if near.lower > 0.0 {
+            at_most("distance says apart, contact says deep", depth_lower, 0.0, slack);
+        }
+        tally.tightest = tally.tightest.max(tightest);
+        if let Some((what, found, limit)) = wrong {
+            let more = format!("found {found:e}, limit {limit:e}, ways out {way_deep:e} {way_near:e}");
+            self.wrong(pair, what, order, answers, more, tally);
+        }
+    }
+
+    fn judge_contact(&self, c: &Contact, way: f64, at_most: &mut impl FnMut(&'static str, f64, f64, f64)) {
+        let slack = self.slack;
+        at_most("the contact's normal is not of unit length", (c.normal.length() - 1.0).abs(), UNIT, 0.0);
+        at_most("the contact's point is not on A", self.outside_a(c.point_a), 0.0, slack);
+        at_most("the contact's point is not on B", self.outside_b(c.point_b), 0.0, slack);
+        if !c.hit {
+            at_most("the contact's axis does not separate", way, 0.0, slack);
+            at_most("no contact has a depth", c.depth.max(c.depth_lower).max(c.depth_upper), 0.0, 0.0);
+            at_most("no contact has another status", f64::from(c.status != Status::Separated), 0.0, 0.0);
+            return;
+        }
+        let impossible = matches!(c.status, Status::Separated | Status::Overlapping);
+        at_most("a contact has a status of others", f64::from(impossible), 0.0, 0.0);
+        at_most("a depth below zero", -c.depth_lower, 0.0, 0.0);
+        at_most("the depth is not in its interval", c.depth_lower, c.depth, 0.0);
+        at_most("the depth is not in its interval", c.depth, c.depth_upper, 0.0);
+        at_most("the contact's normal is not the way out", way, c.depth_upper, slack);
+        if c.depth_lower > 0.0 {
+            at_most("the depth's lower end is above the way out", c.depth_lower, way, slack);
+        }
+        let between = c.point_a - c.point_b;
+        at_most("the contact's points are deeper than the depth", between.dot(c.normal), c.depth_upper, slack);
+        at_most("the contact's points are less deep than the depth", c.depth_lower * (1.0 - FOOT_OFF), between.length(), slack + self.rounding);
+        let (width, hair) = (c.depth_upper - c.depth_lower, self.hair);
+        match c.status {
+            Status::Exact => at_most("an exact depth is wide", width, hair, slack),
+            Status::Within => {
+                at_most("a depth is wider than its status", width, Settings::DEFAULT_TOLERANCE * c.depth_upper + hair, slack);
+            }
+            Status::Touching => {
+                at_most("touching has a depth", c.depth + c.depth_lower, 0.0, 0.0);
+                at_most("touching is deep", c.depth_upper, hair, slack);
+            }
+            _ => {}
+        }
+    }
+
+    fn judge_distance(&self, d: &Distance, way: f64, at_most: &mut impl FnMut(&'static str, f64, f64, f64)) {
+        let slack = self.slack;
+        at_most("the distance's normal is not of unit length", (d.normal.length() - 1.0).abs(), UNIT, 0.0);
+        at_most("the distance's point is not on A", self.outside_a(d.point_a), 0.0, slack);
+        at_most("the distance's point is not on B", self.outside_b(d.point_b), 0.0, slack);
+        at_most("a distance below zero", -d.lower, 0.0, 0.0);
+        at_most("the distance is not in its interval", d.lower, d.distance, 0.0);
+        at_most("the distance is not in its interval", d.distance, d.upper, 0.0);
+        let apart = d.point_a.distance(d.point_b);
+        match d.status {
+            Status::Overlapping => {
+                at_most("an overlap has a distance", d.upper, 0.0, 0.0);
+                let hair = self.hair + COMMON_POINT * self.reach;
+                at_most("the common point is not in B", self.outside_b(d.point_a), hair, slack);
+                at_most("the common point is not in A", self.outside_a(d.point_b), hair, slack);
+                return;
+            }
+            Status::Separated => at_most("a distance has a status of others", 1.0, 0.0, 0.0),
+            _ => {}
+        }
+        at_most("the distance's points are farther apart than its upper end", apart, d.upper, slack);
+        at_most("the distance's points are nearer than its lower end", d.lower, apart, slack);
+        // The balls' line is a bound of its own.
+        let centers = self.a.shape().interior_point()
+            - (self.turn * self.b.shape().interior_point() + self.shift);
+        let by_balls = centers.length() - self.a.shape().outer_radius() - self.b.shape().outer_radius();
+        if d.lower > 0.0 {
+            at_most("the distance's lower end is above the planes' gap", d.lower, (-way).max(by_balls), slack);
+        }
+        let (width, hair) = (d.upper - d.lower, self.hair);
+        match d.status {
+            Status::Exact => at_most("an exact distance is wide", width, hair, slack),
+            Status::Within => {
+                at_most("a distance is wider than its status", width, Settings::DEFAULT_TOLERANCE * d.upper + hair, slack);
+            }
+            Status::Touching => {
+                at_most("touching has a distance", d.distance + d.lower, 0.0, 0.0);
+                at_most("touching is far", d.upper, hair + TOUCHING_POINTS * self.reach, slack);
+            }
+            _ => {}
+        }
+    }
+
+    /// The depth against the ways out along all face normals.
+    fn judge_by_normals(&self, pair: &Pair<'_, '_>, answers: &Answers, tally: &mut Tally) {
+        tally.normals += 1;
+        let deep = &answers.deep;
+        let of_b = self.b.model.face_normals().map(|n| -(self.turn * n));
+        for n in self.a.model.face_normals().chain(of_b) {
+            let way = self.way_out(n);
+            if deep.depth_lower > 0.0 && !(deep.depth_lower <= way + self.slack) {
+                let more = format!("way out {way:e} along {n}");
+                self.wrong(pair, "the depth's lower end is above a face's way out", "cold", answers, more, tally);
+                return;
+            }
+        }
+    }
+
+    /// The depth against that of all facets of the Minkowski difference.
+    fn judge_by_facets(&self, pair: &Pair<'_, '_>, answers: &Answers, tally: &mut Tally) {
+        let (Solid::Hull(a), Solid::Hull(b)) = (&self.a.solid, &self.b.solid) else { return };
+        if a.rank() < 2 || b.rank() < 2 {
+            return;
+        }
+        let (a, b) = (Polytope::new(a), Polytope::new(b).placed(self.b_in_a));
+        if a.edges.len().max(b.edges.len()) > MOST_EDGES {
+            return;
+        }
+        tally.facets += 1;
+        let (depth, axis) = signed_depth(&a, &b, -4.0 * self.slack);
+        let deep = &answers.deep;
+        let hair = self.hair;
+        let fits = if deep.hit {
+            // The upper end has a certificate. Facets' normals are not all there are where a polygon is flat but for rounding.
+            deep.depth_lower <= depth.max(0.0) + self.slack
+                && (depth >= -hair || matches!(deep.status, Status::IterationLimit | Status::Stalled))
+        } else {
+            depth <= self.slack
+        };
+        if !fits {
+            let more = format!("depth by facets {depth:e} along {axis}");
+            self.wrong(pair, "the depth is not that of the facets", "cold", answers, more, tally);
+        }
+    }
+
+    /// The same pair seen from the other side: the intervals have a point in common.
+    fn compare(&self, pair: &Pair<'_, '_>, here: &Answers, there: &Answers, back: &Scene<'_, '_>, tally: &mut Tally) {
+        let slack = self.slack + back.slack;
+        let meet = |p: [f64; 2], q: [f64; 2]| p[0] <= q[1] + slack && q[0] <= p[1] + slack;
+        let depth = |c: &Contact| [c.depth_lower, c.depth_upper];
+        let gap = |d: &Distance| [d.lower, d.upper];
+        let hair = self.hair;
+        let what = if !meet(depth(&here.deep), depth(&there.deep)) {
+            "the mirrored depth is another"
+        } else if !meet(gap(&here.near), gap(&there.near)) {
+            "the mirrored distance is another"
+        } else if here.deep.hit != there.deep.hit && here.deep.depth_lower.max(there.deep.depth_lower) > hair {
+            "the mirrored contact is another"
+        } else {
+            return;
+        };
+        let more = format!("mirrored {there:?}");
+        self.wrong(pair, what, "cold", here, more, tally);
+    }
+}

@@ -1,0 +1,244 @@
+//! A shape as its definition: how far it reaches in a direction, and how far outside of it a point is.
+
+use glam::DVec3;
+use hullmap::Hull;
+
+use crate::truth::polytope::{Edge, Polytope};
+
+/// What a shape is made of, before scale and rounding.
+#[derive(Clone, Debug)]
+pub enum Core {
+    /// The convex hull of points, and the planes of its faces: outward normals and offsets. Without planes it is a segment or a
+    /// point, the first two of the points being its ends.
+    Points {
+        /// The vertices.
+        points: Vec<DVec3>,
+        /// Unit normal, and how far the points reach along it.
+        planes: Vec<(DVec3, f64)>,
+        /// The edges of a hull with faces.
+        edges: Vec<Edge>,
+    },
+    /// A box about the origin, by its half edges.
+    Cuboid(DVec3),
+    /// A segment along z about the origin, by its half length.
+    Segment(f64),
+    /// A cylinder about z, by half height and radius.
+    Cylinder(f64, f64),
+    /// A cone about z, tip up, by half height and radius of the base.
+    Cone(f64, f64),
+    /// A ball about the origin, by its radius.
+    Ball(f64),
+}
+
+/// A core, scaled along the axes, summed with a ball. In the shape's own frame and units.
+#[derive(Clone, Debug)]
+pub struct Model {
+    core: Core,
+    scale: DVec3,
+    radius: f64,
+    /// The greatest length of a point, at least.
+    pub greatest: f64,
+}
+
+impl Model {
+    /// `core` as it is.
+    pub fn new(core: Core) -> Self {
+        let greatest = match &core {
+            Core::Points { points, .. } => points.iter().map(|p| p.length()).fold(0.0, f64::max),
+            Core::Cuboid(half) => half.length(),
+            Core::Segment(half) => *half,
+            Core::Cylinder(half, radius) | Core::Cone(half, radius) => half + radius,
+            Core::Ball(radius) => *radius,
+        };
+        Self { core, scale: DVec3::ONE, radius: 0.0, greatest }
+    }
+
+    /// The hull's own vertices, and planes through its faces.
+    pub fn of_hull(hull: &Hull<'_>) -> Self {
+        if hull.rank() < 2 {
+            let points: Vec<DVec3> = hull.vertices().map(|v| v.as_dvec3()).collect();
+            assert!(points.len() <= 2, "{} is a segment or a point", hull.name());
+            return Self::new(Core::Points { points, planes: Vec::new(), edges: Vec::new() });
+        }
+        let Polytope { points, normals, edges } = Polytope::new(hull);
+        // However much noise is in a sliver's normal, a plane in front of all points is one that holds the hull.
+        let planes = normals.into_iter().map(|n| (n, reach(&points, n))).collect();
+        Self::new(Core::Points { points, planes, edges })
+    }
+
+    /// Scaled along the axes, before what it was rounded by.
+    pub fn scaled(self, scale: DVec3) -> Self {
+        assert_eq!(self.radius, 0.0, "scale first");
+        Self { scale, greatest: self.greatest * scale.abs().max_element(), ..self }
+    }
+
+    /// Summed with a ball.
+    pub fn rounded(self, radius: f64) -> Self {
+        Self { radius: self.radius + radius, greatest: self.greatest + radius, ..self }
+    }
+
+    /// The greatest dot product of a point of the shape with `dir`.
+    pub fn reach(&self, dir: DVec3) -> f64 {
+        let d = dir * self.scale;
+        let across = |d: DVec3| (d.x * d.x + d.y * d.y).sqrt();
+        let core = match &self.core {
+            Core::Points { points, .. } => reach(points, d),
+            Core::Cuboid(half) => d.abs().dot(*half),
+            Core::Segment(half) => d.z.abs() * half,
+            Core::Cylinder(half, radius) => d.z.abs() * half + across(d) * radius,
+            Core::Cone(half, radius) => (d.z * half).max(across(d) * radius - d.z * half),
+            Core::Ball(radius) => d.length() * radius,
+        };
+        if self.radius > 0.0 { core + dir.length() * self.radius } else { core }
+    }
+
+    /// How far outside of the shape `p` is, at least; negative inside.
+    pub fn outside(&self, p: DVec3) -> f64 {
+        let q = if self.scale == DVec3::ONE { p } else { p / self.scale };
+        let size = self.scale.abs();
+        let across = (q.x * q.x + q.y * q.y).sqrt();
+        let core = match &self.core {
+            Core::Points { points, planes, .. } if planes.is_empty() => {
+                let [first, last] = [points[0], points[points.len() - 1]].map(|p| p * self.scale);
+                to_segment(p, first, last)
+            }
+            Core::Points { planes, .. } if size == DVec3::ONE => {
+                planes.iter().map(|(n, offset)| n.dot(p) - offset).fold(f64::NEG_INFINITY, more)
+            }
+            Core::Points { planes, .. } => {
+                let height = |(n, offset): &(DVec3, f64)| (n.dot(q) - offset) / (*n / self.scale).length();
+                planes.iter().map(height).fold(f64::NEG_INFINITY, more)
+            }
+            Core::Cuboid(half) => ((q.abs() - *half) * size).max_element(),
+            Core::Segment(half) => {
+                let end = DVec3::Z * (*half * self.scale.z);
+                to_segment(p, end, -end)
+            }
+            Core::Cylinder(half, radius) => {
+                ((q.z.abs() - half) * size.z).max((across - radius) * size.x.min(size.y))
+            }
+            Core::Cone(half, radius) => {
+                let slant = (4.0 * half * half + radius * radius).sqrt();
+                let side = if slant > 0.0 {
+                    // Behind the side's line in the plane through the axis.
+                    let height = (2.0 * half * across + radius * (q.z - half)) / slant;
+                    if height > 0.0 { height * size.min_element() } else { height }
+                } else {
+                    q.length()
+                };
+                ((-half - q.z) * size.z).max(side)
+            }
+            Core::Ball(radius) => {
+                let height = q.length() - radius;
+                if height > 0.0 { height * size.min_element() } else { height }
+            }
+        };
+        core - self.radius
+    }
+
+    /// Outward directions in which the shape has faces; none of shapes without.
+    pub fn face_normals(&self) -> impl Iterator<Item = DVec3> {
+        let planes = match &self.core {
+            Core::Points { planes, .. } => &planes[..],
+            _ => &[],
+        };
+        planes.iter().map(|(n, _)| (*n / self.scale).normalize())
+    }
+
+    /// Normal of face number `place` of as many as there are, counted round; `None` of shapes without faces.
+    pub fn face_normal(&self, place: usize) -> Option<DVec3> {
+        match &self.core {
+            Core::Points { planes, .. } if !planes.is_empty() => {
+                Some((planes[place % planes.len()].0 / self.scale).normalize())
+            }
+            Core::Cuboid(_) => Some(DVec3::AXES[place % 3] * if place % 2 == 0 { 1.0 } else { -1.0 }),
+            Core::Cylinder(..) | Core::Cone(..) => Some(DVec3::NEG_Z),
+            _ => None,
+        }
+    }
+
+    /// Direction of edge number `place`, counted round, and an outward direction across it.
+    pub fn edge(&self, place: usize, lean: f64) -> Option<(DVec3, DVec3)> {
+        match &self.core {
+            Core::Points { planes, edges, .. } if !edges.is_empty() => {
+                let edge = &edges[place % edges.len()];
+                let [left, right] = edge.faces.map(|face| planes[face].0);
+                let out = left * lean + right * (1.0 - lean);
+                Some(((edge.dir * self.scale).normalize(), (out / self.scale).normalize()))
+            }
+            Core::Cuboid(_) => {
+                let axis = place % 3;
+                let out = DVec3::AXES[(axis + 1) % 3] * lean + DVec3::AXES[(axis + 2) % 3] * (1.0 - lean);
+                Some((DVec3::AXES[axis], out.normalize()))
+            }
+            Core::Segment(_) => Some((DVec3::Z, DVec3::X)),
+            _ => None,
+        }
+    }
+}
+
+fn more(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
+/// Four sums at a time, as one maximum waits for the one before.
+fn reach(points: &[DVec3], dir: DVec3) -> f64 {
+    let mut greatest = [f64::NEG_INFINITY; 4];
+    let (fours, rest) = points.as_chunks::<4>();
+    for four in fours {
+        for (greatest, p) in greatest.iter_mut().zip(four) {
+            *greatest = more(*greatest, p.dot(dir));
+        }
+    }
+    rest.iter().map(|p| p.dot(dir)).chain(greatest).fold(f64::NEG_INFINITY, more)
+}
+
+fn to_segment(p: DVec3, q: DVec3, r: DVec3) -> f64 {
+    let side = r - q;
+    let length_sq = side.length_squared();
+    let share = if length_sq > 0.0 { ((p - q).dot(side) / length_sq).clamp(0.0, 1.0) } else { 0.0 };
+    p.distance(q + side * share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hullmap::SupportMap;
+    use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
+    use shapes::rng::SplitMix64;
+
+    /// The shapes' support points, which are a definition too, reach as far as the model says and lie on its surface.
+    #[test]
+    fn models_are_what_the_support_mappings_are() {
+        let scale = DVec3::new(2.0, -0.5, 0.75);
+        let half = DVec3::new(0.3, 0.5, 0.7);
+        let pairs: Vec<(Box<dyn SupportMap>, Model)> = vec![
+            (Box::new(Sphere::new(0.7).unwrap()), Model::new(Core::Segment(0.0)).rounded(0.7)),
+            (Box::new(Cuboid::new(half).unwrap()), Model::new(Core::Cuboid(half))),
+            (Box::new(Capsule::new(0.6, 0.2).unwrap()), Model::new(Core::Segment(0.6)).rounded(0.2)),
+            (Box::new(Cylinder::new(0.6, 0.2).unwrap()), Model::new(Core::Cylinder(0.6, 0.2))),
+            (Box::new(Cone::new(0.6, 0.4).unwrap()), Model::new(Core::Cone(0.6, 0.4))),
+            (Box::new(Cone::new(0.0, 0.4).unwrap()), Model::new(Core::Cone(0.0, 0.4))),
+            (Box::new(Cone::new(0.6, 0.0).unwrap()), Model::new(Core::Cone(0.6, 0.0))),
+            (Box::new(Scaled::new(Cone::new(0.6, 0.4).unwrap(), scale).unwrap()), Model::new(Core::Cone(0.6, 0.4)).scaled(scale)),
+            (Box::new(Scaled::new(Sphere::new(0.7).unwrap(), scale).unwrap()), Model::new(Core::Ball(0.7)).scaled(scale)),
+            (
+                Box::new(Rounded::new(Scaled::new(Cuboid::new(half).unwrap(), scale).unwrap(), 0.1).unwrap()),
+                Model::new(Core::Cuboid(half)).scaled(scale).rounded(0.1),
+            ),
+        ];
+        let mut rng = SplitMix64::new(3);
+        for (number, (shape, model)) in pairs.iter().enumerate() {
+            for _ in 0..500 {
+                let dir = DVec3::from_array(rng.direction());
+                let point = shape.support(dir).point;
+                assert!((point.dot(dir) - model.reach(dir)).abs() < 1e-14, "{number} {dir} {point}");
+                assert!(model.outside(point).abs() < 1e-14, "{number} {dir} {point} {}", model.outside(point));
+                assert!(model.outside(point + dir * 0.01) > 0.0, "{number} {dir}");
+                assert!(point.length() <= model.greatest + 1e-14);
+                let inner = shape.interior_point();
+                assert!(model.outside(inner.lerp(point, 0.9)) < 1e-14, "{number} {dir}");
+            }
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! The counts over all pairs, and what was wrong.
+
+use std::{collections::BTreeMap, fmt};
+
+use hullmap::{Contact, Distance, Intersection};
+
+use super::{cast::Kind, meeting::Meeting};
+
+/// Wrong answers of each sort that are kept in full.
+const KEPT: usize = 5;
+
+/// Something wrong.
+#[derive(Clone, Debug)]
+pub struct Wrong {
+    /// The pair's number.
+    pub number: u64,
+    /// What.
+    pub what: &'static str,
+    /// The pair and the answers.
+    pub details: String,
+}
+
+impl fmt::Display for Wrong {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "pair {}: {}\n  {}", self.number, self.what, self.details)
+    }
+}
+
+/// The counts. Sums and maxima alone, so that they do not depend on an order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// Pairs judged.
+    pub pairs: u64,
+    /// Triples of answers judged: a pair's own, mirrored, warm.
+    pub judged: u64,
+    /// Of those, the ones whose depth was compared with all facets of the Minkowski difference.
+    pub facets: u64,
+    /// Of those, the ones whose depth was compared with all face normals.
+    pub normals: u64,
+    /// By how the pair was meant to lie, and of those the contacts that hit.
+    pub meetings: BTreeMap<Meeting, [u64; 2]>,
+    /// Bodies by kind.
+    pub kinds: BTreeMap<Kind, u64>,
+    /// Statuses of `intersects`, `contact` and `distance`.
+    pub statuses: [BTreeMap<&'static str, u64>; 3],
+    /// Most iterations of each.
+    pub iterations: [u32; 3],
+    /// Most support calls of each.
+    pub support_calls: [u32; 3],
+    /// The least distance, over the width that is allowed, by which anything was right; above 1 it is wrong.
+    pub tightest: f64,
+    /// All answers' bits, summed: the same for the same answers in any order.
+    pub fingerprint: u64,
+    /// How often which thing was wrong.
+    pub wrong: BTreeMap<&'static str, u64>,
+    /// The first of each sort: the pair's number, and the details.
+    pub kept: BTreeMap<&'static str, Vec<(u64, String)>>,
+}
+
+impl Tally {
+    /// Adds another's counts.
+    pub fn add(&mut self, other: Self) {
+        fn sum<K: Ord>(into: &mut BTreeMap<K, u64>, from: BTreeMap<K, u64>) {
+            from.into_iter().for_each(|(key, count)| *into.entry(key).or_default() += count);
+        }
+        self.pairs += other.pairs;
+        self.judged += other.judged;
+        self.facets += other.facets;
+        self.normals += other.normals;
+        for (meeting, [pairs, hits]) in other.meetings {
+            let counts = self.meetings.entry(meeting).or_default();
+            *counts = [counts[0] + pairs, counts[1] + hits];
+        }
+        sum(&mut self.kinds, other.kinds);
+        for (into, from) in self.statuses.iter_mut().zip(other.statuses) {
+            sum(into, from);
+        }
+        for which in 0..3 {
+            self.iterations[which] = self.iterations[which].max(other.iterations[which]);
+            self.support_calls[which] = self.support_calls[which].max(other.support_calls[which]);
+        }
+        self.tightest = self.tightest.max(other.tightest);
+        self.fingerprint = self.fingerprint.wrapping_add(other.fingerprint);
+        sum(&mut self.wrong, other.wrong);
+        for (what, others) in other.kept {
+            let kept = self.kept.entry(what).or_default();
+            kept.extend(others);
+            keep_first(kept);
+        }
+    }
+
+    /// Counts something wrong.
+    pub fn take_wrong(&mut self, wrong: Wrong) {
+        *self.wrong.entry(wrong.what).or_default() += 1;
+        let kept = self.kept.entry(wrong.what).or_default();
+        kept.push((wrong.number, wrong.details));
+        keep_first(kept);
+    }
+
+    /// The first wrong answers of each sort, by the pairs' numbers.
+    pub fn wrongs(&self) -> impl Iterator<Item = Wrong> {
+        let each = |(what, kept): (&&'static str, &Vec<(u64, String)>)| {
+            let what = *what;
+            kept.clone().into_iter().map(move |(number, details)| Wrong { number, what, details })
+        };
+        self.kept.iter().flat_map(each)
+    }
+
+    pub(super) fn count(&mut self, yes: &Intersection, deep: &Contact, near: &Distance) {
+        let names = [yes.status.as_str(), deep.status.as_str(), near.status.as_str()];
+        let iterations = [yes.iterations, deep.iterations, near.iterations];
+        let calls = [yes.support_calls, deep.support_calls, near.support_calls];
+        for which in 0..3 {
+            *self.statuses[which].entry(names[which]).or_default() += 1;
+            self.iterations[which] = self.iterations[which].max(iterations[which]);
+            self.support_calls[which] = self.support_calls[which].max(calls[which]);
+        }
+    }
+
+    /// Share of the pairs whose contacts hit.
+    pub fn hits(&self) -> f64 {
+        self.meetings.values().map(|[_, hits]| hits).sum::<u64>() as f64 / self.pairs as f64
+    }
+}
+
+fn keep_first(kept: &mut Vec<(u64, String)>) {
+    kept.sort();
+    kept.truncate(KEPT);
+}
+
+impl fmt::Display for Tally {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{} pairs, {:.1} % hit; {} triples of answers judged, {} of them by all face normals, {} by all facets",
+            self.pairs,
+            100.0 * self.hits(),
+            self.judged,
+            self.normals,
+            self.facets
+        )?;
+        for (meeting, [pairs, hits]) in &self.meetings {
+            writeln!(f, "  {meeting:?}: {pairs}, of which {hits} hit")?;
+        }
+        writeln!(f, "bodies: {:?}", self.kinds)?;
+        for (which, name) in ["intersects", "contact", "distance"].into_iter().enumerate() {
+            let (iterations, calls) = (self.iterations[which], self.support_calls[which]);
+            writeln!(
+                f,
+                "{name}: {:?}; most iterations {iterations}, most support calls {calls}",
+                self.statuses[which]
+            )?;
+        }
+        writeln!(f, "tightest certificate: {:.3} of what is allowed", self.tightest)?;
+        writeln!(f, "fingerprint: {:016x}", self.fingerprint)?;
+        write!(f, "wrong: {} {:?}", self.wrong.values().sum::<u64>(), self.wrong)
+    }
+}
