@@ -302,7 +302,7 @@ fn a_watch_bakes_what_changes_survives_errors_and_ends_on_ctrl_c() {
 #[test]
 fn memory_stays_within_the_bound() {
     // What the process takes however little it bakes: code, threads, their stacks and the allocator's arenas.
-    const BASE: u64 = 40 << 20;
+    const BASE: u64 = 24 << 20;
     let folder = meshes(6, 15_000);
     let source = fs::metadata(folder.path().join("in/0.obj")).unwrap().len();
     let peak = |words: &[&str]| -> u64 {
@@ -320,7 +320,7 @@ fn memory_stays_within_the_bound() {
         assert!(child.wait().unwrap().success());
         peak
     };
-    let one = 32 * source + (256 << 10);
+    let one = 64 * source + (256 << 10);
     let bounded = peak(&["--memory", &one.to_string()]);
     let free = peak(&[]);
     println!("sources of {source} bytes; peak {bounded} within a bound of {one}, {free} within 4 GiB");

@@ -418,3 +418,78 @@ fn completions_for_every_shell_name_the_subcommands() {
     }
     assert!(bake(&folder, "completions tcsh").expect(2).stderr.contains("Usage: bake completions"));
 }
+
+#[test]
+fn verify_can_require_the_source() {
+    let folder = folder(&[("in/a.obj", CUBE), ("in/b.obj", CUBE)]);
+    bake(&folder, "build in --out o").expect(0);
+    bake(&folder, "verify o --require-source").expect(0);
+    fs::remove_file(folder.path().join("in/b.obj")).unwrap();
+    bake(&folder, "verify o").expect(0);
+    let run = bake(&folder, "verify o --require-source --json").expect(1);
+    let passes: Vec<bool> = run.json().iter().map(|report| report["pass"].as_bool().unwrap()).collect();
+    assert_eq!(passes, [true, false]);
+    assert!(run.json()[1]["problems"][0].as_str().unwrap().contains("no source found"), "{}", run.stdout);
+}
+
+/// It said that all other packs of the folder were stale.
+#[test]
+fn one_mesh_is_the_source_of_the_packs_that_are_called_like_it() {
+    let folder = folder(&[("in/a.obj", CUBE), ("in/b.obj", &CUBE.replace("1 1 1", "1 1 2")), ("x/c.obj", CUBE)]);
+    bake(&folder, "build in --out o").expect(0);
+    let run = bake(&folder, "verify o --source in/a.obj --json").expect(0);
+    let sources: Vec<Value> = run.json().iter().map(|report| report["source"].clone()).collect();
+    assert_eq!(sources[0], "in/a.obj");
+    assert!(sources[1].as_str().unwrap().ends_with("in/b.obj"), "the others are searched for as ever: {sources:?}");
+    let run = bake(&folder, "verify o --source x/c.obj").expect(2);
+    assert!(run.stderr.contains("none of the 2 packs is called like it"), "{}", run.stderr);
+    bake(&folder, "verify o/b.hullmap --source in/a.obj").expect(1);
+}
+
+#[test]
+fn hulls_with_a_hash_in_their_names_can_be_queried() {
+    let two = "o left#2\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no right\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf 4 5 6\n";
+    let folder = folder(&[("two#x.obj", two)]);
+    bake(&folder, "build two#x.obj --out . --split object").expect(0);
+    let run = bake(&folder, "query two#x.hullmap#left#2 two#x.hullmap#right --mode distance --json").expect(0);
+    assert!((run.json()[0]["distance"].as_f64().unwrap() - 4.0).abs() < 1e-9, "{}", run.stdout);
+    let run = bake(&folder, "query two#x.hullmap#left#3 two#x.hullmap#right").expect(2);
+    assert!(run.stderr.contains("no hull `left#3`"), "{}", run.stderr);
+}
+
+#[test]
+fn inspect_takes_files_and_folders_and_goes_on_behind_a_bad_one() {
+    let folder = folder(&[("in/a.obj", &CUBE.replace("1 1 1", "1.1 1.2 1.3")), ("in/b.obj", CUBE), ("in/c.obj", CUBE)]);
+    bake(&folder, "build in --out o").expect(0);
+    damage(folder.path().join("o/b.hullmap"));
+    let run = bake(&folder, "inspect o/c.hullmap o --json").expect(1);
+    let files: Vec<Value> = run.json().iter().map(|report| report["file"].clone()).collect();
+    assert_eq!(files, ["o/c.hullmap", "o/a.hullmap", "o/c.hullmap"]);
+    assert!(run.stderr.contains("o/b.hullmap") && run.stderr.contains("checksum"), "{}", run.stderr);
+    // Text has the digits that matter, JSON has all of them.
+    let text = bake(&folder, "inspect o/a.hullmap").expect(0).stdout;
+    assert!(text.contains("bounds             0 0 0 to 1.1 1.2 1.3\n"), "{text}");
+    let json = bake(&folder, "inspect o/a.hullmap --json").expect(0).json().remove(0);
+    let diameter = json["hulls"][0]["diameter"].as_f64().unwrap();
+    let truth = [1.1_f32, 1.2, 1.3].iter().map(|&x| f64::from(x).powi(2)).sum::<f64>().sqrt();
+    assert!((diameter - truth).abs() < 1e-12);
+    assert!(text.contains("diameter           2.083267\n"), "{text}");
+}
+
+#[test]
+fn indices_are_called_alike_everywhere() {
+    let points: String =
+        shapes::families::Family::Sphere.points(200, 3).iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+    let folder = folder(&[("a.obj", &points)]);
+    for name in ["tree", "medium", "compact", "binary", "cubemap", "none"] {
+        bake(&folder, &format!("build a.obj --out . --index {name}")).expect(0);
+        let json = bake(&folder, "inspect a.hullmap --json").expect(0).json().remove(0);
+        assert_eq!(json["hulls"][0]["index"]["kind"], name);
+        let text = bake(&folder, "inspect a.hullmap").expect(0).stdout;
+        assert!(text.contains(&format!("index              {name}, ")), "{text}");
+        assert!(text.contains(&format!("vertices referenced, index {name}")), "{text}");
+        write(&folder, "hullmap.toml", &format!("[defaults]\nindex = \"{name}\"\n"));
+        bake(&folder, "build a.obj --out . --check").expect(0);
+        fs::remove_file(folder.path().join("hullmap.toml")).unwrap();
+    }
+}

@@ -99,8 +99,8 @@ impl Progress {
             }
             Display::Bars { overall, names, .. } if now - self.start >= BARS_AFTER => {
                 let state = self.state();
-                overall.set_position(state.done_cost);
                 overall.set_message(state.summary(now - self.start));
+                overall.set_position(state.done_cost);
                 let mut shown = state.longest(now, NAME_AFTER).into_iter();
                 for bar in names {
                     bar.set_message(shown.next().unwrap_or_default());

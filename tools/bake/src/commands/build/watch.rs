@@ -39,7 +39,6 @@ pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut dyn Write)
     let mut watcher = Watched { watcher: watcher.map_err(cannot)?, folders: BTreeSet::new() };
     // Watched before the first build, so that nothing is missed in between.
     watcher.watch_all(args).map_err(cannot)?;
-    let made = args.out.canonicalize().unwrap_or_else(|_| args.out.clone());
     let mut changed = None;
     loop {
         match once(args, project, baker, changed.as_ref(), out) {
@@ -50,6 +49,8 @@ pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut dyn Write)
         if !args.quiet {
             messages::say("watching for changes; Ctrl-C ends");
         }
+        // Now that the folder is there it has a canonical path, as all paths of events have.
+        let made = args.out.canonicalize().unwrap_or_else(|_| args.out.clone());
         let paths = match wait(&events, &made) {
             Some(paths) => paths,
             None => return Ok(Exit::Done),
