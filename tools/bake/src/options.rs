@@ -290,15 +290,6 @@ impl BuildOptions {
     }
 }
 
-impl ImportOptions {
-    /// How the source of a pack with these recorded options was read.
-    ///
-    /// `None` where a version of the tool with other options baked the pack.
-    pub fn from_recorded(text: &str) -> Option<Self> {
-        BuildOptions::from_recorded(text).map(|options| options.import)
-    }
-}
-
 /// A number alone, as `budget 40` states it; a tree without one, as the first packs had it, is the default tree.
 fn index_from_recorded(text: &str) -> Option<IndexKind> {
     let (name, number) = text.split_once(' ').map_or((text, None), |(name, number)| (name, Some(number)));
@@ -371,7 +362,7 @@ mod tests {
         for options in samples() {
             let text = options.to_string();
             assert_eq!(BuildOptions::from_recorded(&text), Some(options), "{text}");
-            assert_eq!(ImportOptions::from_recorded(&text), Some(options.import), "{text}");
+            assert_eq!(BuildOptions::from_recorded(&text).map(|read| read.import), Some(options.import), "{text}");
             let words = options.in_words();
             assert_eq!(BuildOptions::from_recorded(&words), Some(options), "{words}");
             assert!(!words.contains("tree "), "{words}");

@@ -1,7 +1,7 @@
-//! One pair of hulls in pose after pose: the solver's answers in the words of the command's JSON.
+//! One pair of hulls, or of packs, in pose after pose: the solver's answers in the words of the command's JSON.
 
 use glam::DVec3;
-use hullmap::{Cache, Hull, Overlap, Pose, Settings, Status};
+use hullmap::{Compound, CompoundCache, Contact, Overlap, Pose, Settings, Status, compound};
 
 use crate::args::Mode;
 
@@ -26,21 +26,23 @@ pub struct PairAnswer {
     pub iterations: u32,
     /// Pairs of support queries, one on each of the two hulls.
     pub support_calls: u32,
+    /// Numbers of the hulls that it is the answer of, where there are several.
+    pub hulls: Option<[usize; 2]>,
 }
 
-/// A solver for one pair of hulls, with the cache that carries over from pose to pose.
+/// A solver for one pair of hulls or packs, with the cache that carries over from pose to pose.
 #[derive(Debug)]
 pub struct PairSolver<'a> {
-    a: Hull<'a>,
-    b: Hull<'a>,
+    a: Compound<'a>,
+    b: Compound<'a>,
     settings: Settings,
-    cache: Cache,
+    cache: CompoundCache,
 }
 
 impl<'a> PairSolver<'a> {
     /// A solver with an empty cache.
-    pub fn new(a: Hull<'a>, b: Hull<'a>) -> Self {
-        Self { a, b, settings: Settings::default(), cache: Cache::default() }
+    pub fn new(a: Compound<'a>, b: Compound<'a>) -> Self {
+        Self { a, b, settings: Settings::default(), cache: CompoundCache::default() }
     }
 
     /// Answers for one pose of B in A's frame.
@@ -52,19 +54,27 @@ impl<'a> PairSolver<'a> {
         }
     }
 
+    /// The hulls of an answer, where there are several to tell apart.
+    fn told(&self, hulls: [usize; 2]) -> Option<[usize; 2]> {
+        (self.a.hull_count() > 1 || self.b.hull_count() > 1).then_some(hulls)
+    }
+
     fn intersect(&mut self, b_in_a: Pose) -> PairAnswer {
-        let found = hullmap::intersects(&self.a, &self.b, b_in_a, &mut self.cache);
+        let found = compound::intersects(&self.a, &self.b, b_in_a, &mut self.cache);
+        let is_hit = found.answer.is_hit();
         PairAnswer {
-            hit: (found.status != Overlap::Undecided).then_some(found.is_hit()),
-            status: found.status.as_str(),
-            iterations: found.iterations,
-            support_calls: found.support_calls,
+            hit: (found.answer.status != Overlap::Undecided).then_some(is_hit),
+            status: found.answer.status.as_str(),
+            iterations: found.answer.iterations,
+            support_calls: found.answer.support_calls,
+            hulls: self.told(found.hulls).filter(|_| is_hit),
             ..PairAnswer::default()
         }
     }
 
     fn distance(&mut self, b_in_a: Pose) -> PairAnswer {
-        let found = hullmap::distance(&self.a, &self.b, b_in_a, &self.settings, &mut self.cache);
+        let whole = compound::distance(&self.a, &self.b, b_in_a, &self.settings, &mut self.cache);
+        let found = whole.answer;
         let hit = match found.status {
             Status::Overlapping | Status::Touching => Some(true),
             _ if found.lower > 0.0 => Some(false),
@@ -79,24 +89,42 @@ impl<'a> PairSolver<'a> {
             point_b: Some(found.point_b.to_array()),
             iterations: found.iterations,
             support_calls: found.support_calls,
+            hulls: self.told(whole.hulls),
             ..PairAnswer::default()
         }
     }
 
     fn contact(&mut self, b_in_a: Pose) -> PairAnswer {
-        let found = hullmap::contact(&self.a, &self.b, b_in_a, &self.settings, &mut self.cache);
-        // Apart, the points are not the nearest ones: --mode distance tells those.
-        let if_hit = |point: DVec3| found.hit.then_some(point.to_array());
-        PairAnswer {
-            hit: Some(found.hit),
-            status: found.status.as_str(),
-            depth: Some([found.depth, found.depth_lower, found.depth_upper]),
-            normal: Some(found.normal.to_array()),
-            point_a: if_hit(found.point_a),
-            point_b: if_hit(found.point_b),
-            iterations: found.iterations,
-            support_calls: found.support_calls,
-            ..PairAnswer::default()
+        if let ([Some(a), Some(b)], None) = ([self.a.hull(0), self.b.hull(0)], self.told([0, 0])) {
+            // One hull each: apart, there is an axis that says so.
+            let found = hullmap::contact(&a, &b, b_in_a, &self.settings, self.cache.pair([0, 0]));
+            return of_contact(&found, None);
         }
+        match compound::contact(&self.a, &self.b, b_in_a, &self.settings, &mut self.cache) {
+            Some(whole) => of_contact(&whole.answer, self.told(whole.hulls)),
+            None => PairAnswer {
+                hit: Some(false),
+                status: Status::Separated.as_str(),
+                depth: Some([0.0; 3]),
+                ..PairAnswer::default()
+            },
+        }
+    }
+}
+
+fn of_contact(found: &Contact, hulls: Option<[usize; 2]>) -> PairAnswer {
+    // Apart, the points are not the nearest ones: --mode distance tells those.
+    let if_hit = |point: DVec3| found.hit.then_some(point.to_array());
+    PairAnswer {
+        hit: Some(found.hit),
+        status: found.status.as_str(),
+        depth: Some([found.depth, found.depth_lower, found.depth_upper]),
+        normal: Some(found.normal.to_array()),
+        point_a: if_hit(found.point_a),
+        point_b: if_hit(found.point_b),
+        iterations: found.iterations,
+        support_calls: found.support_calls,
+        hulls,
+        ..PairAnswer::default()
     }
 }

@@ -130,7 +130,7 @@ fn import(path: &Path, source: &SourceFile, recorded: &str) -> Result<Vec<PointS
     let imported = import::import(&name, &stem, path, source, &options.import, &NO_LIMITS);
     let mut imported = imported.map_err(|error| Failure::wanting(error.to_string()))?;
     if options.decompose.is_some() {
-        imported.triangulate();
+        imported.give_triangles();
     }
     Ok(imported.point_sets)
 }

@@ -40,8 +40,8 @@ impl CompoundCache {
         self.slots.iter_mut().for_each(|slot| *slot = Slot::default());
     }
 
-    /// The cache of a pair: its own, or an empty one.
-    pub(super) fn of(&mut self, pair: [usize; 2]) -> &mut Cache {
+    /// The cache of a pair of hulls, by their numbers in A and in B, for queries of this pair alone: its own, or an empty one.
+    pub fn pair(&mut self, pair: [usize; 2]) -> &mut Cache {
         // Neighbouring pairs go to different places.
         let place = (pair[0].wrapping_mul(31).wrapping_add(pair[1])) % self.slots.len();
         let slot = &mut self.slots[place];

@@ -118,9 +118,9 @@ pub struct Compounded<T> {
 pub fn intersects(a: &Compound, b: &Compound, b_in_a: Pose, cache: &mut CompoundCache) -> Compounded<Intersection> {
     let answer = Intersection { status: Overlap::Separated, iterations: 0, support_calls: 0 };
     let mut best = Compounded { answer, hulls: [0, 0], pairs: 0, boxes: 0 };
-    let mut ask = |best: &mut Compounded<Intersection>, pair: [usize; 2], cache: &mut CompoundCache| {
+    let ask = |best: &mut Compounded<Intersection>, pair: [usize; 2], cache: &mut CompoundCache| {
         let [Some(hull_a), Some(hull_b)] = [a.hull(pair[0]), b.hull(pair[1])] else { return };
-        let found = levels::intersects(&hull_a, &hull_b, b_in_a, Levels::default(), cache.of(pair)).intersection;
+        let found = levels::intersects(&hull_a, &hull_b, b_in_a, Levels::default(), cache.pair(pair)).intersection;
         best.pairs += 1;
         best.answer.iterations += found.iterations;
         best.answer.support_calls += found.support_calls;
@@ -220,7 +220,7 @@ struct Nearest<'q, 'a> {
 impl Nearest<'_, '_> {
     fn ask(&mut self, pair: [usize; 2], cache: &mut CompoundCache) -> Option<Distance> {
         let (hull_a, hull_b) = (self.a.hull(pair[0])?, self.b.hull(pair[1])?);
-        let found = crate::distance(&hull_a, &hull_b, self.b_in_a, self.settings, cache.of(pair));
+        let found = crate::distance(&hull_a, &hull_b, self.b_in_a, self.settings, cache.pair(pair));
         // Overlapping goes before touching, though both are 0 long.
         let rank = |found: &Distance| (found.distance, found.status != Status::Overlapping);
         if self.best.is_none_or(|(best, _)| rank(&found) < rank(&best)) {
@@ -269,7 +269,7 @@ pub fn contacts(
     let mut sum = Contacts::default();
     while let Some(pair) = descent.next(0.0) {
         let [Some(hull_a), Some(hull_b)] = [a.hull(pair[0]), b.hull(pair[1])] else { continue };
-        let found = crate::contact(&hull_a, &hull_b, b_in_a, settings, cache.of(pair));
+        let found = crate::contact(&hull_a, &hull_b, b_in_a, settings, cache.pair(pair));
         sum.pairs += 1;
         sum.iterations += found.iterations;
         sum.support_calls += found.support_calls;

@@ -41,6 +41,10 @@ struct HullReport {
     bounds: [[f32; 3]; 2],
     diameter: f64,
     containment_error: f64,
+    outer_error: f64,
+    uncovered: f64,
+    part: u32,
+    origin: [f64; 3],
     index: IndexReport,
 }
 
@@ -117,6 +121,10 @@ fn describe(hull: &Hull) -> HullReport {
         bounds: hull.bounds().map(|corner| corner.to_array()),
         diameter: hull.diameter(),
         containment_error: hull.containment_error(),
+        outer_error: hull.outer_error(),
+        uncovered: hull.uncovered(),
+        part: hull.part(),
+        origin: hull.origin().to_array(),
         index: IndexReport {
             kind: word(&kind),
             resolution,
@@ -159,6 +167,17 @@ fn write_text(report: &PackReport, out: &mut dyn Write) -> Result<(), Failure> {
         writeln!(out, "  bounds             {low} to {high}")?;
         writeln!(out, "  diameter           {}", rounded(hull.diameter))?;
         writeln!(out, "  containment error  {:.1e} of the diameter", hull.containment_error)?;
+        if hull.outer_error > 0.0 {
+            let share = hull.outer_error / hull.diameter;
+            writeln!(out, "  outer error        {:.3e} ({share:.1e} of the diameter)", hull.outer_error)?;
+        }
+        if hull.part > 0 || report.hulls.get(place + 1).is_some_and(|next| next.part == 1) {
+            writeln!(out, "  part               {} of its object", hull.part)?;
+            writeln!(out, "  uncovered          {:.3e}", hull.uncovered)?;
+        }
+        if hull.origin != [0.0; 3] {
+            writeln!(out, "  origin             {} in the source", hull.origin.map(rounded).join(" "))?;
+        }
         writeln!(
             out,
             "  index              {}, {} bytes ({:.1} a vertex), at most {} nodes and {} dot products a query",
@@ -190,6 +209,10 @@ mod tests {
             bounds: [[-1.0; 3], [1.0; 3]],
             diameter: 12.0_f64.sqrt(),
             containment_error: 0.0,
+            outer_error: 0.0,
+            uncovered: 0.0,
+            part: 0,
+            origin: [0.0; 3],
             index,
         };
         PackReport {

@@ -1,8 +1,8 @@
-//! `bake query`: two hulls in many poses.
+//! `bake query`: two hulls, or whole packs, in many poses.
 
 use std::io::Write;
 
-use hullmap::{Hull, Pack, Pose};
+use hullmap::{Compound, Hull, Pack, Pose};
 use serde::Serialize;
 
 use crate::args::{Mode, QueryArgs};
@@ -31,11 +31,16 @@ struct PoseReport {
     point_b: Option<[f64; 3]>,
     iterations: u32,
     support_calls: u32,
+    /// Name of the hull of A that the answer is of, where a whole pack was asked.
+    hull_a: Option<String>,
+    /// Name of the hull of B.
+    hull_b: Option<String>,
 }
 
 impl PoseReport {
     fn new(pose: usize, answer: PairAnswer) -> Self {
-        let PairAnswer { hit, status, depth, distance, normal, point_a, point_b, iterations, support_calls } = answer;
+        let PairAnswer { hit, status, depth, distance, normal, point_a, point_b, iterations, support_calls, .. } =
+            answer;
         let [depth, depth_lower, depth_upper] = bounded(depth);
         let [distance, distance_lower, distance_upper] = bounded(distance);
         Self {
@@ -53,6 +58,8 @@ impl PoseReport {
             point_b,
             iterations,
             support_calls,
+            hull_a: None,
+            hull_b: None,
         }
     }
 }
@@ -70,10 +77,15 @@ pub fn run(args: &QueryArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
     let poses = poses(args)?;
     let (select_a, select_b) = (Selection::parse(&args.a), Selection::parse(&args.b));
     let (pack_a, pack_b) = (open_pack(&select_a.file)?, open_pack(&select_b.file)?);
-    let mut solver = PairSolver::new(choose(&select_a, &pack_a)?, choose(&select_b, &pack_b)?);
+    let (a, b) = (choose(&select_a, &pack_a)?, choose(&select_b, &pack_b)?);
+    let names =
+        |pair: [usize; 2]| [a.hull(pair[0]), b.hull(pair[1])].map(|hull| hull.map(|hull| hull.name().to_owned()));
+    let mut solver = PairSolver::new(a, b);
     let mut table = table(args.mode);
     for (place, pose) in poses.into_iter().enumerate() {
-        let report = PoseReport::new(place, solver.query(pose, args.mode));
+        let answer = solver.query(pose, args.mode);
+        let [hull_a, hull_b] = answer.hulls.map_or([None, None], names);
+        let report = PoseReport { hull_a, hull_b, ..PoseReport::new(place, answer) };
         if args.json {
             serde_json::to_writer(&mut *out, &report).map_err(std::io::Error::from)?;
             writeln!(out)?;
@@ -102,11 +114,15 @@ fn poses(args: &QueryArgs) -> Result<Vec<Pose>, Failure> {
     Ok(poses)
 }
 
-fn choose<'a>(selection: &Selection, pack: &'a Pack) -> Result<Hull<'a>, Failure> {
+/// The hull that is chosen, or the whole pack.
+fn choose<'a>(selection: &Selection, pack: &'a Pack) -> Result<Compound<'a>, Failure> {
     let hulls: Vec<Hull> = pack.hulls().collect();
+    if selection.hull.is_none() {
+        return Ok(Compound::new(pack));
+    }
     let names: Vec<&str> = hulls.iter().map(|hull| hull.name()).collect();
     let number = selection.choose(&names)?;
-    Ok(hulls[number])
+    Ok(Compound::from(hulls[number]))
 }
 
 fn table(mode: Mode) -> Table {

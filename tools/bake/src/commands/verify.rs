@@ -1,23 +1,27 @@
 //! `bake verify`: packs against the meshes they were baked from.
 
+use std::collections::HashSet;
 use std::io::Write;
 use std::path::Path;
 
 use glam::Vec3;
 use hullmap::{Hull, Pack};
-use hullmap_bake::PointSet;
+use hullmap_bake::{NO_SOURCE_VERTEX, PointSet};
 use serde::Serialize;
 
 use crate::args::VerifyArgs;
+use crate::baker::parts;
 use crate::messages;
 use crate::open::open_pack;
+use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure, end};
 use crate::packs::{PackPlace, find_packs};
 use crate::source::{Recorded, find_source};
 use crate::table::{Align, Table, grouped};
 use crate::verification::directions::directions;
+use crate::verification::outside::{measure_outside, uncovered};
 use crate::verification::truth::Points;
-use crate::verification::{Measurement, measure};
+use crate::verification::{Measurement, REGRET_LIMIT, measure};
 
 /// What a pack is compared with.
 #[derive(Debug)]
@@ -61,6 +65,10 @@ pub struct HullReport {
     pub problems: Vec<String>,
     /// Direction of the greatest regret.
     pub worst_direction: Option<[f32; 3]>,
+    /// How far the hull may reach beyond the source's, as it says; 0 for an exact one.
+    pub outer_error: Option<f64>,
+    /// How far a vertex of the source object may lie outside of all of its parts, as they say.
+    pub uncovered: Option<f64>,
 }
 
 impl HullReport {
@@ -173,38 +181,80 @@ fn verify_pack(place: &PackPlace, asked: Option<&Path>, args: &VerifyArgs) -> Re
 /// # Errors
 /// The source has other hulls than the pack.
 pub fn verify_hulls(pack: &Pack, truth: &Truth, count: usize, seed: u64) -> Result<Vec<HullReport>, String> {
-    if let Truth::Source(sets) = truth
-        && sets.len() != pack.hull_count()
-    {
-        return Err(format!("{} hulls where the source has {}; bake it again", pack.hull_count(), sets.len()));
-    }
-    let one = |(number, hull): (usize, Hull)| match truth {
-        Truth::Source(sets) => verify_hull(&hull, Some(&sets[number]), count, seed),
-        Truth::Stored => verify_hull(&hull, None, count, seed),
+    let Truth::Source(sets) = truth else {
+        return Ok(pack.hulls().map(|hull| verify_hull(&hull, None, count, seed)).collect());
     };
-    Ok(pack.hulls().enumerate().map(one).collect())
+    let options = BuildOptions::from_recorded(pack.options());
+    let parts = parts(sets, options.as_ref().and_then(|options| options.decompose.as_ref()))?;
+    if parts.len() != pack.hull_count() {
+        return Err(format!("{} hulls where the source has {}; bake it again", pack.hull_count(), parts.len()));
+    }
+    let hulls = pack.hulls().zip(&parts);
+    let mut reports: Vec<HullReport> =
+        hulls.map(|(hull, part)| verify_hull(&hull, Some(&part.points), count, seed)).collect();
+    for (set, points) in sets.iter().enumerate() {
+        let own: Vec<usize> = (0..parts.len()).filter(|number| parts[*number].set == set).collect();
+        verify_parts(pack, &own, points, &mut reports);
+    }
+    Ok(reports)
+}
+
+/// Whether the parts of a set leave out no more of its points than they say.
+fn verify_parts(pack: &Pack, numbers: &[usize], points: &PointSet, reports: &mut [HullReport]) {
+    let hulls: Vec<Hull> = numbers.iter().filter_map(|number| pack.hull(*number).ok()).collect();
+    let said = hulls.iter().map(Hull::uncovered).fold(0.0, f64::max);
+    let found = if hulls.len() > 1 { uncovered(points, &hulls) } else { 0.0 };
+    let size = hulls.iter().map(Hull::diameter).fold(0.0, f64::max);
+    for (place, number) in numbers.iter().enumerate() {
+        let report = &mut reports[*number];
+        if hulls[place].part() as usize != place {
+            report.problems.push(format!("it is part {place} of {}, not {}", points.name, hulls[place].part()));
+        }
+        // NaN fails.
+        if !(found <= said + REGRET_LIMIT * size) {
+            report.problems.push(format!(
+                "a vertex of {} lies {found:.3e} outside of all parts, where {said:.3e} is said",
+                points.name
+            ));
+        }
+        report.pass = report.pass && report.problems.is_empty();
+    }
 }
 
 fn verify_hull(hull: &Hull, source: Option<&PointSet>, count: usize, seed: u64) -> HullReport {
     let vertices: Vec<Vec3> = hull.vertices().collect();
     let faces: Vec<Vec<u32>> = hull.faces().map(Iterator::collect).collect();
+    let own = || Points::new(&vertices.iter().map(|vertex| vertex.to_array()).collect::<Vec<_>>());
+    let directions = directions(&vertices, &faces, count, seed);
+    let is_simplified = hull.outer_error() > 0.0;
     let mut problems = Vec::new();
     let points = match source {
         Some(set) => {
             if set.name != hull.name() {
                 problems.push(format!("the source calls this hull {}", set.name));
             }
-            let numbers = (0..vertices.len() as u32).filter_map(|index| hull.source_vertex(index));
-            let strangers = count_strangers(&vertices, numbers, set);
+            if set.origin != hull.origin().to_array() {
+                problems.push(format!("its origin is {}, where the source's is {:?}", hull.origin(), set.origin));
+            }
+            let numbers = (0..vertices.len() as u32).map(|index| hull.source_vertex(index));
+            let strangers = count_strangers(&vertices, numbers, set, is_simplified);
             if strangers > 0 {
                 problems.push(format!("{strangers} vertices are not the source vertices they are recorded as"));
             }
-            Points::new(&set.positions)
+            let truth = Points::new(&set.positions);
+            if is_simplified {
+                let found = measure_outside(&vertices, &truth, &directions);
+                problems.extend(found.problem(hull.outer_error()));
+                // The index is exact for the hull that is stored.
+                own()
+            } else {
+                truth
+            }
         }
-        None => Points::new(&vertices.iter().map(|vertex| vertex.to_array()).collect::<Vec<_>>()),
+        None => own(),
     };
     let Measurement { max_regret, worst_direction, mismatches, invalid_answers, cost } =
-        measure(hull, &points, &directions(&vertices, &faces, count, seed));
+        measure(hull, &points, &directions);
     if invalid_answers > 0 {
         problems.push(format!("{invalid_answers} special directions have an answer that is no vertex"));
     }
@@ -231,16 +281,34 @@ fn verify_hull(hull: &Hull, source: Option<&PointSet>, count: usize, seed: u64) 
         source: None,
         problems,
         worst_direction: worst_direction.map(|dir| dir.to_array()),
+        outer_error: Some(hull.outer_error()),
+        uncovered: Some(hull.uncovered()),
     }
 }
 
 /// Hull vertices that are not, bit by bit, the source vertex that they are recorded as. The two zeros are equal.
-fn count_strangers(vertices: &[Vec3], numbers: impl Iterator<Item = u32>, set: &PointSet) -> usize {
+///
+/// A vertex that is none of the source's must be one of the part's other points; the vertices of a simplified hull are nobody's.
+fn count_strangers(
+    vertices: &[Vec3],
+    numbers: impl Iterator<Item = Option<u32>>,
+    set: &PointSet,
+    is_simplified: bool,
+) -> usize {
     let bits = |position: [f32; 3]| position.map(|x| (x + 0.0).to_bits());
-    let is_known = |(vertex, number): &(&Vec3, u32)| {
-        // Source vertices ascend.
-        let place = set.source_vertices.binary_search(number);
-        place.is_ok_and(|place| bits(set.positions[place]) == bits(vertex.to_array()))
+    // Source vertices ascend, those that are none come last.
+    let known = set.source_vertices.partition_point(|number| *number != NO_SOURCE_VERTEX);
+    let others: HashSet<[u32; 3]> = set.positions[known..].iter().map(|position| bits(*position)).collect();
+    let is_known = |(vertex, number): &(&Vec3, Option<u32>)| {
+        let vertex = bits(vertex.to_array());
+        match number {
+            _ if is_simplified => number.is_none(),
+            None => others.contains(&vertex),
+            Some(number) => {
+                let place = set.source_vertices[..known].binary_search(number);
+                place.is_ok_and(|place| bits(set.positions[place]) == vertex)
+            }
+        }
     };
     vertices.iter().zip(numbers).filter(|pair| !is_known(pair)).count()
 }
@@ -311,7 +379,7 @@ mod tests {
             ..PointSet::default()
         };
         let vertices = [Vec3::new(2.0, -0.0, 0.0), Vec3::new(1.0, 0.0, 0.0)];
-        let count = |numbers: [u32; 2]| count_strangers(&vertices, numbers.into_iter(), &set);
+        let count = |numbers: [u32; 2]| count_strangers(&vertices, numbers.into_iter().map(Some), &set, false);
         assert_eq!(count([9, 7]), 0);
         assert_eq!(count([7, 9]), 2);
         assert_eq!(count([9, 8]), 1);

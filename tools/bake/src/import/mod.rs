@@ -73,7 +73,7 @@ impl Imported {
     }
 
     /// Gives the sets their triangles, which only a decomposition looks at, in place of the faces.
-    pub fn triangulate(&mut self) {
+    pub fn give_triangles(&mut self) {
         for (set, faces) in self.point_sets.iter_mut().zip(std::mem::take(&mut self.faces)) {
             set.triangles = faces.triangles();
         }

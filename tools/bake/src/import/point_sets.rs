@@ -189,9 +189,13 @@ fn build(
             *corner = number[*corner as usize];
         }
         let points = vertices.iter().map(|&vertex| placement.place(positions, vertex)).collect::<Result<_, _>>()?;
-        let origin = placement.origin;
-        let set = PointSet { name, positions: points, source_vertices: vertices, origin, ..PointSet::default() };
-        sets.point_sets.push(set);
+        sets.point_sets.push(PointSet {
+            name,
+            positions: points,
+            source_vertices: vertices,
+            origin: placement.origin,
+            ..PointSet::default()
+        });
         sets.faces.push(faces);
     }
     Ok(())

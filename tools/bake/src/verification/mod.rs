@@ -5,6 +5,7 @@
 //! source's has a negative one. Both are mismatches.
 
 pub mod directions;
+pub mod outside;
 pub mod random;
 pub mod truth;
 

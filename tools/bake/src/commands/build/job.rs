@@ -17,7 +17,7 @@ use crate::baker::BakedPack;
 use crate::commands::verify::{self, Truth};
 use crate::import::{self, Imported, Limits, ReadError, SourceFile};
 use crate::open::open_pack;
-use crate::options::{BuildOptions, Simplify};
+use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::{folder_of, put_in_place, recorded_path, write_beside};
 
@@ -85,10 +85,6 @@ impl Build<'_> {
     }
 
     fn bake(&self, job: &Job, row: &mut Row) -> Result<Status, Failure> {
-        if let Some(option) = without_effect(&job.options) {
-            let source = &row.source;
-            return Err(Failure::wanting(format!("{source}: {option} has no effect in this version; leave it out")));
-        }
         let source = import::read(&row.source, &job.source, &self.limits).map_err(|error| match error {
             ReadError::Io(error) => Failure::usage(format!("{}: cannot read: {error}; check the file", row.source)),
             ReadError::Import(error) => Failure::wanting(error.to_string()),
@@ -161,7 +157,7 @@ impl Build<'_> {
         let mut imported = import::import(&row.source, &stem, &job.source, source, &job.options.import, &self.limits)
             .map_err(|error| Failure::wanting(error.to_string()))?;
         if job.options.decompose.is_some() {
-            imported.triangulate();
+            imported.give_triangles();
         }
         row.vertices_in = Some(imported.point_count());
         row.vertices_source = Some(imported.vertex_count);
@@ -179,13 +175,6 @@ fn fill_from_pack(pack: &Pack, row: &mut Row) {
     row.vertices_hull = Some(pack.hulls().map(|hull| hull.vertex_count()).sum());
     row.ranks = Some(pack.hulls().map(|hull| hull.rank()).collect());
     row.bytes = Some(pack.byte_len() as u64);
-}
-
-/// The first option that is known but that nothing acts on yet: better refused than silently ignored.
-fn without_effect(options: &BuildOptions) -> Option<&'static str> {
-    [(options.decompose.is_some(), "decompose"), (options.simplify != Simplify::None, "max_vertices or max_error")]
-        .into_iter()
-        .find_map(|(is_asked, name)| is_asked.then_some(name))
 }
 
 /// Verifies as `bake verify` does with its defaults.
