@@ -3,7 +3,8 @@
 //! # Steps
 //! 1. A mesh that is convex already stays one hull: all triangles lie on its hull's surface, and have as much area.
 //! 2. V-HACD (parry3d, in f64) cuts the voxels of the mesh by planes until each part is nearly convex.
-//! 3. A part's points are those of the triangles in its voxels, clipped by them. Points that are the source's keep their numbers.
+//! 3. A part's points are those of the triangles in its voxels, clipped by them. Points that are the source's keep their numbers and
+//!    their places; the others are rounded to a fine grid.
 //! 4. What the parts leave out is measured, vertex by vertex ([`uncovered`]): V-HACD promises nothing.
 //!
 //! # Reference
@@ -83,6 +84,10 @@ const ON_SURFACE: f64 = 1e-6;
 /// By how much the areas of a convex mesh and of its hull may differ, relative to the hull's.
 const SAME_AREA: f64 = 1e-4;
 
+/// Points that a part gets by clipping stand on a grid of this share of the mesh's size, a power of two: their last digits are noise,
+/// and every noisy point would be a vertex.
+const GRID: f64 = 1.0 / 4_194_304.0;
+
 /// The convex parts of a mesh, in an order that depends on it and on the parameters alone; `None` where it is one already, or has no
 /// triangles or no volume to cut.
 ///
@@ -107,12 +112,18 @@ pub fn decompose(mesh: &PointSet, parameters: &Parameters) -> Result<Option<Vec<
     let points: Vec<_> = positions.iter().map(|p| to_parry(*p - middle)).collect();
     let found = VHACD::decompose(&to_vhacd(parameters), &points, &mesh.triangles, true);
     let order = by_position(mesh);
+    let step = 2_f64.powi(((high - low).max_element() * GRID).log2().ceil() as i32);
     let mut parts = Vec::new();
     for cut in found.compute_primitive_intersections(&points, &mesh.triangles) {
         let mut part: Vec<([f32; 3], u32)> = cut
             .iter()
-            .map(|p| (DVec3::new(p.x, p.y, p.z) + middle).to_array().map(|c| c as f32 + 0.0))
-            .map(|p| (p, number_of(mesh, &order, p)))
+            .map(|p| {
+                let exact = DVec3::new(p.x, p.y, p.z) + middle;
+                let number = number_of(mesh, &order, exact.to_array().map(|c| c as f32 + 0.0));
+                let snapped = (exact / step).round() * step;
+                let kept = if number == NO_SOURCE_VERTEX { snapped } else { exact };
+                (kept.to_array().map(|c| c as f32 + 0.0), number)
+            })
             .collect();
         part.sort_unstable_by_key(|(p, number)| (*number, p.map(f32::to_bits)));
         part.dedup();
@@ -144,7 +155,7 @@ pub fn uncovered(mesh: &PointSet, parts: &[&Hull]) -> f64 {
             let outside_box = (*low - p).max(p - *high).max(DVec3::ZERO).length();
             // NaN, of which there is none, would be looked at. A point that is no nearer than the worst does not count.
             if !(outside_box >= least) && least > worst {
-                least = least.min(nearest.from(p, 0).point.distance(p));
+                least = least.min(nearest.certain(p).point.distance(p));
             }
         }
         worst = worst.max(least);

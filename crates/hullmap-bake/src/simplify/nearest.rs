@@ -62,19 +62,11 @@ impl Nearest {
     /// A vertex farthest in `direction`, found by climbing from `from`.
     ///
     /// A way that gets long goes on from the best of a sample of vertices: around a face of ten thousand corners it would be as long
-    /// as the face.
+    /// as the face. So does one that ends, once: among vertices that are next to each other rounding may hide the way up.
     pub fn climb(&self, direction: DVec3, from: u32) -> u32 {
         let mut best = (self.points[from as usize].dot(direction), from);
+        let mut is_sampled = false;
         for step in 0.. {
-            if step == LONG_WAY {
-                let every = self.points.len().isqrt();
-                for number in (0..self.points.len()).step_by(every) {
-                    let height = self.points[number].dot(direction);
-                    if height > best.0 {
-                        best = (height, number as u32);
-                    }
-                }
-            }
             let before = best.1;
             for &next in &self.neighbours[before as usize] {
                 let height = self.points[next as usize].dot(direction);
@@ -82,8 +74,22 @@ impl Nearest {
                     best = (height, next);
                 }
             }
-            if best.1 == before {
-                break;
+            if best.1 == before || step == LONG_WAY {
+                if is_sampled && best.1 == before {
+                    break;
+                }
+                if !is_sampled {
+                    is_sampled = true;
+                    for number in (0..self.points.len()).step_by(self.points.len().isqrt().max(1)) {
+                        let height = self.points[number].dot(direction);
+                        if height > best.0 {
+                            best = (height, number as u32);
+                        }
+                    }
+                    if best.1 == before {
+                        break;
+                    }
+                }
             }
         }
         best.1

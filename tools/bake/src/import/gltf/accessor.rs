@@ -19,6 +19,9 @@ pub struct Data<'a> {
     pub buffers: Vec<&'a [u8]>,
 }
 
+/// Replaced elements: their numbers, ascending, and their bytes one after the other.
+type Replaced<'a> = (Vec<u32>, &'a [u8]);
+
 /// An accessor that has been checked: every element it has is there.
 pub struct Elements<'a> {
     /// Its number, for messages.
@@ -30,8 +33,7 @@ pub struct Elements<'a> {
     is_normalized: bool,
     /// Number of elements.
     pub count: usize,
-    /// Replaced elements, by number, and their bytes one after the other.
-    replaced: Option<(Vec<u32>, &'a [u8])>,
+    replaced: Option<Replaced<'a>>,
     /// Components of an element.
     width: usize,
 }
@@ -81,7 +83,7 @@ impl<'a> Data<'a> {
         Ok(Elements { number, bytes, stride, component_type, is_normalized, count, replaced, width })
     }
 
-    fn replaced(&self, accessor: &Accessor, size: usize) -> Result<Option<(Vec<u32>, &'a [u8])>, String> {
+    fn replaced(&self, accessor: &Accessor, size: usize) -> Result<Option<Replaced<'a>>, String> {
         let Some(sparse) = &accessor.sparse else {
             return Ok(None);
         };

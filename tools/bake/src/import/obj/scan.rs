@@ -309,25 +309,33 @@ impl Scan {
 /// O(bytes), shared by the threads of the pool.
 pub fn doubles(bytes: &[u8]) -> Result<Vec<[f64; 3]>, LineFault> {
     let parts = parts(text_of(bytes), PART_BYTES);
-    let read = |part: &&[u8]| -> Result<Vec<[f64; 3]>, Fault> {
-        let mut positions = Vec::new();
+    let counts: Vec<usize> = parts.par_iter().map(|part| count_vertices_and_lines(part).0).collect();
+    let mut all = vec![[0.0; 3]; counts.iter().sum()];
+    // Each part writes where its vertices belong, so that no list is there twice.
+    let mut places = Vec::with_capacity(parts.len());
+    let mut rest = all.as_mut_slice();
+    for count in counts {
+        let (place, tail) = rest.split_at_mut(count);
+        places.push(place);
+        rest = tail;
+    }
+    let read = |(part, place): (&&[u8], &mut [[f64; 3]])| -> Result<(), Fault> {
+        let mut places = place.iter_mut();
         let mut lines = Lines::new(part, 1);
         while let Some((_, line)) = lines.next_logical() {
             if is_other(&line) {
                 continue;
             }
-            with_words!(&line, words => if words.next() == Some("v") {
-                positions.push(double(words.take_while(|word| !word.starts_with('#')))?);
+            with_words!(&line, words => if words.next() == Some("v")
+                && let Some(place) = places.next()
+            {
+                *place = double(words.take_while(|word| !word.starts_with('#')))?;
             });
         }
-        Ok(positions)
+        Ok(())
     };
-    let lists: Vec<Result<Vec<[f64; 3]>, Fault>> = parts.par_iter().map(read).collect();
-    let mut all = Vec::new();
-    all.reserve_exact(lists.iter().flatten().map(Vec::len).sum());
-    for list in lists {
-        all.extend(list.map_err(Fault::of_file)?);
-    }
+    let results: Vec<Result<(), Fault>> = parts.par_iter().zip(places).map(read).collect();
+    results.into_iter().collect::<Result<(), Fault>>().map_err(Fault::of_file)?;
     Ok(all)
 }
 

@@ -86,7 +86,7 @@ fn cases() -> Vec<Case> {
         ),
         plain(
             "short vertices",
-            || counted(|i, t| write!(t, "v {} {} 0\n", i % 1000, i / 1000 % 10_000).unwrap()),
+            || counted(|i, t| writeln!(t, "v {} {} 0", i % 1000, i / 1000 % 10_000).unwrap()),
             Works { points: 0 },
         ),
         plain("shortest vertices", || repeated("", "v 0 0 0\n", ""), Works { points: 0 }),
@@ -157,7 +157,7 @@ fn cases() -> Vec<Case> {
             "a.ply",
             WHOLE,
             || {
-                let mut bytes = format!("ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty char x\nproperty char y\nproperty char z\nelement tristrips 1\nproperty list uint uchar vertex_indices\nend_header\n\0\0\0").into_bytes();
+                let mut bytes = b"ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty char x\nproperty char y\nproperty char z\nelement tristrips 1\nproperty list uint uchar vertex_indices\nend_header\n\0\0\0".to_vec();
                 bytes.extend((SIZE as u32).to_be_bytes());
                 bytes.resize(bytes.len() + SIZE, 0);
                 bytes
