@@ -2,7 +2,7 @@
 //!
 //! | file | concept |
 //! |---|---|
-//! | [`wrap`] | few vertices at one distance from the hull |
+//! | [`wrap`](mod@wrap) | few vertices at one distance from the hull |
 //! | [`collapse`] | fewer vertices, edge by edge |
 //! | [`surface`] | the triangles that both work on |
 //! | [`nearest`], [`half_spaces`] | nearest points of a hull, of half-spaces |
@@ -10,7 +10,7 @@
 //!
 //! # Steps
 //! 1. Wraps of many distances: the nearest one of at most so many vertices, or that of the allowed distance.
-//! 2. A wrap of [`FINER`] times as many vertices (or the hull itself), collapsed. The better of the two is kept, with the coarse
+//! 2. A wrap of eight times as many vertices (or the hull itself), collapsed. The better of the two is kept, with the coarse
 //!    polytope of [`outer`](mod@crate::outer) as a third. On round shapes wraps are nearer, on those with facets collapses mostly.
 //! 3. Each vertex is pushed outward by more than its rounding to f32 takes away; exact predicates say whether all of the hull is
 //!    inside.
@@ -165,8 +165,8 @@ fn fewest_by_wrap(nearest: &Nearest, hull: &Hull, most: usize) -> Option<Surface
             break;
         }
     }
-    let nearer = (1..=NEARER).map(|less| high * (1.0 - 0.01 * less as f64));
-    nearer.into_iter().filter_map(try_at).last().or(best)
+    let mut nearer = (1..=NEARER).rev().map(|less| high * (1.0 - 0.01 * less as f64));
+    nearer.find_map(try_at).or(best)
 }
 
 /// A wrap of some more vertices, or the hull, collapsed to at most `most` vertices, or as far as `reach` allows.

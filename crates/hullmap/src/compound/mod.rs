@@ -51,6 +51,7 @@ pub struct Compound<'a> {
 }
 
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a hull is some slices; behind a pointer it would need an owner")]
 enum Members<'a> {
     Pack(&'a Pack),
     One(Hull<'a>),
