@@ -194,7 +194,7 @@ pub fn analyse(place: &PackPlace, asked: Option<&Path>, args: &ReportArgs) -> Re
             "The source {found}, so the hull stands alone and was compared with itself only; --source names the file."
         ));
     }
-    let meshes = source.as_ref().map(|source| source_shapes(source));
+    let meshes = source.as_ref().map(source_shapes);
     let mut hulls = Vec::new();
     let mut paces = Vec::new();
     for (number, hull) in pack.hulls().take(shown_count).enumerate() {
