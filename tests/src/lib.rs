@@ -3,6 +3,8 @@
 
 pub mod command;
 pub mod directions;
+pub mod fuzzed;
+pub mod hostile;
 pub mod outside;
 pub mod packs;
 pub mod parry;
