@@ -3,7 +3,9 @@
 
 pub mod command;
 pub mod directions;
+pub mod fuzzed;
 pub mod game_hulls;
+pub mod hostile;
 pub mod outside;
 pub mod packs;
 pub mod parry;

@@ -1,5 +1,7 @@
 //! Packs made in process, without the command.
 
+use std::hash::Hasher;
+
 use hullmap::Pack;
 use hullmap_bake::{BakeError, IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
 use twox_hash::XxHash3_64;
@@ -47,7 +49,9 @@ pub fn pack(name: &str, positions: &[[f32; 3]], index: IndexKind) -> Pack {
 /// header stay as they are.
 pub fn reseal(file: &mut [u8]) {
     if file.len() >= HEADER_LEN {
-        let others = [&file[..CHECKSUM_AT], &file[HEADER_LEN..]].concat();
-        file[CHECKSUM_AT..HEADER_LEN].copy_from_slice(&XxHash3_64::oneshot(&others).to_le_bytes());
+        let mut hasher = XxHash3_64::with_seed(0);
+        hasher.write(&file[..CHECKSUM_AT]);
+        hasher.write(&file[HEADER_LEN..]);
+        file[CHECKSUM_AT..HEADER_LEN].copy_from_slice(&hasher.finish().to_le_bytes());
     }
 }

@@ -1,0 +1,16 @@
+//! Bytes as a pack: refused, or every query ends soundly.
+#![no_main]
+
+use libfuzzer_sys::{fuzz_mutator, fuzz_target, fuzzer_mutate};
+
+fuzz_target!(|data: &[u8]| hullmap_tests::fuzzed::open_and_query(data));
+
+// Two in three changes keep the file's length, word by word; the others are libFuzzer's own.
+fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
+    if seed % 3 == 0 {
+        fuzzer_mutate(data, size, max_size)
+    } else {
+        hullmap_tests::fuzzed::change_pack(&mut data[..size], seed);
+        size
+    }
+});

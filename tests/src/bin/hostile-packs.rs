@@ -1,0 +1,165 @@
+//! Packs made to do harm, as many as one likes.
+
+use std::{
+    path::Path,
+    process::ExitCode,
+    sync::{
+        Mutex,
+        atomic::{AtomicUsize, Ordering},
+    },
+    time::Instant,
+};
+
+use clap::{Parser, ValueEnum};
+use hullmap::Pack;
+use hullmap_tests::hostile::{
+    inquiry::{Extent, Inquiry},
+    samples::{self, Sample},
+    series::{Series, Subject},
+    trial::{self, Tally},
+    unchecked::{self, Findings},
+};
+
+/// Changes packs in many ways, and asks 1000 supports and 20 contacts of each that opens.
+///
+/// Counts go to standard output, progress to standard error. A panic or a hang ends it, and names the change.
+#[derive(Parser)]
+#[command(
+    after_help = "Example:\n  cargo run --release -p hullmap-tests --bin hostile-packs -- --flips 10000000 --seed 1 --threads 2"
+)]
+struct Arguments {
+    /// How many bits to flip: all of the small packs, then all of packs that are drawn
+    #[arg(long, default_value_t = 10_000_000)]
+    flips: usize,
+    /// Seed of the drawn packs, and of drawn changes
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Threads
+    #[arg(long, default_value_t = 2)]
+    threads: usize,
+    /// Start with this pack: those before it are counted as flipped already
+    #[arg(long, default_value_t = 0)]
+    first: u64,
+    /// Changes drawn for each small pack
+    #[arg(long, default_value_t = 4_000)]
+    drawn: usize,
+    /// Which changes; all by default
+    #[arg(long, value_delimiter = ',')]
+    only: Vec<Kind>,
+    /// Try one change in so many of each series
+    #[arg(long, default_value_t = 1)]
+    every: usize,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// Prefixes and extensions by 1 to 4096 bytes
+    Lengths,
+    /// Words set to lengths, ends of ranges and odd floats
+    Words,
+    /// Several words at once
+    Drawn,
+    /// Flipped bits in files that are opened without checks
+    Unchecked,
+    /// Flipped bits, as they are and with a right checksum
+    Flips,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    println!("seed {}", arguments.seed);
+    let small = samples::small();
+    let bytes: usize = small.iter().map(|sample| sample.file.len()).sum();
+    println!("{} small packs, {bytes} bytes", small.len());
+    for kind in Kind::value_variants() {
+        if !arguments.only.is_empty() && !arguments.only.contains(kind) {
+            continue;
+        }
+        match kind {
+            Kind::Lengths => total("lengths", Series::Lengths, &small, &arguments),
+            Kind::Words => total("words", Series::Words, &small, &arguments),
+            Kind::Drawn => total("several words", Series::Drawn, &small, &arguments),
+            Kind::Unchecked => unchecked(&small, &arguments),
+            Kind::Flips => flips(&small, &arguments),
+        }
+    }
+    ExitCode::SUCCESS
+}
+
+/// One series over all small packs.
+fn total(name: &str, series: Series, small: &[Sample], arguments: &Arguments) {
+    let mut sum = Tally::default();
+    for sample in small {
+        let subject = Subject::new(sample, arguments.seed);
+        let count = subject.count(series).unwrap_or(arguments.drawn);
+        sum += try_series(&subject, series, count, arguments);
+        eprintln!("{name}, {}: {sum}", sample.name);
+    }
+    println!("{name}: {sum}");
+}
+
+fn try_series(subject: &Subject, series: Series, count: usize, arguments: &Arguments) -> Tally {
+    let pack = Pack::from_bytes(&subject.sample.file).expect("a sample opens");
+    let inquiry = Inquiry::new(&pack, Extent::FULL);
+    let numbers: Vec<usize> = (0..count).step_by(arguments.every).collect();
+    trial::run(&format!("{series:?}, {}", subject.sample.name), &numbers, arguments.threads, |number, file| {
+        subject.change(series, number, file);
+        let Ok(pack) = Pack::from_bytes(file) else { return false };
+        assert!(!series.is_always_refused(), "it opened");
+        inquiry.ask(&pack);
+        true
+    })
+}
+
+fn flips(small: &[Sample], arguments: &Arguments) {
+    let (mut plain, mut sealed, mut packs, mut passed) = (Tally::default(), Tally::default(), 0, 0);
+    let start = Instant::now();
+    while passed < arguments.flips {
+        let drawn;
+        let sample = match small.get(packs as usize) {
+            Some(sample) => sample,
+            None => {
+                drawn = samples::drawn(arguments.seed, packs);
+                &drawn
+            }
+        };
+        let count = (8 * sample.file.len()).min(arguments.flips - passed);
+        passed += count;
+        packs += 1;
+        if packs <= arguments.first {
+            continue;
+        }
+        let subject = Subject::new(sample, arguments.seed);
+        plain += try_series(&subject, Series::Bits, count, arguments);
+        sealed += try_series(&subject, Series::SealedBits, count, arguments);
+        eprintln!("{:6.0} s  pack {packs}, {}: {sealed}", start.elapsed().as_secs_f64(), sample.name);
+    }
+    println!("flipped bits of {} packs, as they are: {plain}", packs - arguments.first.min(packs));
+    println!("flipped bits under a right checksum: {sealed}");
+}
+
+fn unchecked(small: &[Sample], arguments: &Arguments) {
+    let folder = tempfile::tempdir().expect("the system has a folder for temporary files");
+    let (findings, mut sum) = (Mutex::new(Findings::default()), Tally::default());
+    let files = AtomicUsize::new(0);
+    for sample in small {
+        let subject = Subject::new(sample, arguments.seed);
+        for series in [Series::SealedBits, Series::Words, Series::Drawn] {
+            let count = subject.count(series).unwrap_or(arguments.drawn);
+            let numbers: Vec<usize> = (0..count).step_by(arguments.every).collect();
+            let pack = Pack::from_bytes(&sample.file).expect("a sample opens");
+            let inquiry = Inquiry::new(&pack, Extent::BRIEF).unjudged();
+            let name = format!("unchecked, {series:?}, {}", sample.name);
+            sum += trial::run(&name, &numbers, arguments.threads, |number, file| {
+                subject.change(series, number, file);
+                let path: &Path = &folder.path().join(files.fetch_add(1, Ordering::Relaxed).to_string());
+                unchecked::ask(path, file, &inquiry, &findings)
+            });
+        }
+        eprintln!("unchecked, {}: {sum}", sample.name);
+    }
+    let Findings { asked, panics } = findings.into_inner().expect("no panic while it is held");
+    println!("opened without checks: {sum}; {asked} inquiries");
+    println!("panics of unchecked packs: {}", panics.values().sum::<usize>());
+    panics.iter().for_each(|(place, count)| println!("  {count:8} {place}"));
+}

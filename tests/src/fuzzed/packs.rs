@@ -1,0 +1,81 @@
+//! Bytes as a pack.
+
+use std::cell::OnceCell;
+
+use hullmap::Pack;
+use shapes::rng::SplitMix64;
+
+use crate::{
+    hostile::{
+        HEADER_LEN,
+        inquiry::{Extent, Inquiry},
+        samples,
+    },
+    packs::reseal,
+};
+
+/// What stands in a right header before the payload's length: magic, version, header length.
+const FRONT: usize = 16;
+
+/// Words that are changed together at most.
+const MOST_WORDS: usize = 4;
+
+thread_local! {
+    static INQUIRY: OnceCell<(Vec<u8>, Inquiry)> = const { OnceCell::new() };
+}
+
+/// Opens the bytes as they are, then with everything in the header right that says how the payload is to be read, and
+/// asks whatever opens.
+///
+/// # Panics
+/// If a query panics, or answers with what is not there.
+pub fn open_and_query(data: &[u8]) {
+    INQUIRY.with(|cell| {
+        let (front, inquiry) = cell.get_or_init(|| {
+            let file = samples::named("sphere, tree");
+            let pack = Pack::from_bytes(&file).expect("a sample opens");
+            (file[..FRONT].to_vec(), Inquiry::new(&pack, Extent::BRIEF))
+        });
+        if let Ok(pack) = Pack::from_bytes(data) {
+            inquiry.ask(&pack);
+        }
+        if data.len() < HEADER_LEN {
+            return;
+        }
+        let mut file = data.to_vec();
+        file[..FRONT].copy_from_slice(front);
+        file[FRONT..24].copy_from_slice(&((data.len() - HEADER_LEN) as u64).to_le_bytes());
+        file[48..56].fill(0);
+        reseal(&mut file);
+        if let Ok(pack) = Pack::from_bytes(&file) {
+            inquiry.ask(&pack);
+        }
+    });
+}
+
+/// Changes a few aligned words of a pack's payload, in place: to small numbers, to others of the pack, a little, or to anything.
+/// A file changed so is nearly a pack; bytes put in or taken out make one that dies at its first check.
+pub fn change_pack(file: &mut [u8], seed: u32) {
+    let words = file.len().saturating_sub(HEADER_LEN) / 4;
+    if words == 0 {
+        return;
+    }
+    let mut rng = SplitMix64::new(seed.into());
+    for _ in 0..1 + rng.below(MOST_WORDS) {
+        let at = HEADER_LEN + 4 * rng.below(words);
+        let other = HEADER_LEN + 4 * rng.below(words);
+        let word = |at: usize| u32::from_le_bytes([file[at], file[at + 1], file[at + 2], file[at + 3]]);
+        let (old, taken) = (word(at), word(other));
+        let new = match rng.below(8) {
+            0 => rng.below(16) as u32,
+            1 => taken,
+            2 => old.wrapping_add(1),
+            3 => old.wrapping_sub(1),
+            4 => old ^ 1 << rng.below(32),
+            5 => rng.next_u64() as u32,
+            6 => words as u32 - rng.below(4) as u32,
+            _ => [u32::MAX, 1 << 31, f32::NAN.to_bits(), f32::MAX.to_bits()][rng.below(4)],
+        };
+        file[at..at + 4].copy_from_slice(&new.to_le_bytes());
+    }
+}

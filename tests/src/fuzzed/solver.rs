@@ -1,0 +1,260 @@
+//! Bytes as two shapes and how they lie, judged by brute force over their points.
+//!
+//! The answers themselves say where to look: a depth is at most what their normal shows, and at least no more than any
+//! direction shows; a distance the other way round.
+
+use glam::{DMat3, DVec3};
+use hullmap::shapes::{Rounded, Scaled};
+use hullmap::{
+    Cache, Contact, Distance, Hull, Manifold, ManifoldSettings, Overlap, Pack, Pose, Settings, Shape, Status, contact,
+    distance, intersects,
+};
+use hullmap_bake::IndexKind;
+
+use super::bytes::Bytes;
+use crate::packs::{self, point_set};
+
+/// Most points of a shape.
+const MOST_POINTS: usize = 32;
+
+/// Most steps and support calls of a query: the caps of all phases together, twice as rounded shapes are asked twice.
+const MOST_STEPS: u32 = 2 * 1600;
+
+/// Units of rounding of the greatest lengths that brute force may be off by: a turned point is off by some 40.
+const ROUNDING_UNITS: f64 = 64.0;
+
+/// Face normals of each shape that are looked at.
+const MOST_NORMALS: usize = 64;
+
+/// What a unit vector's length may be off by.
+const UNIT: f64 = 1e-14;
+
+/// Poses asked with one cache.
+const POSES: usize = 3;
+
+/// A hull, what it is scaled by, and the radius that it is rounded by.
+struct Body {
+    pack: Pack,
+    scale: DVec3,
+    radius: f64,
+    points: Vec<DVec3>,
+}
+
+/// Builds two shapes, asks all queries in a few poses, and judges the answers.
+///
+/// # Panics
+/// If an answer is not a number, breaks a cap, or contradicts brute force.
+pub fn solver(data: &[u8]) {
+    let mut bytes = Bytes::new(data);
+    let (Some(a), Some(b)) = (Body::read(&mut bytes), Body::read(&mut bytes)) else { return };
+    let hulls = [&a, &b].map(|body| body.pack.hull(0).expect("a pack has a hull"));
+    let mut caches = Caches::default();
+    for _ in 0..POSES {
+        let Some(b_in_a) = pose(&mut bytes, &a, &b) else { return };
+        let scene = Scene::new(&a, &b, b_in_a, &hulls);
+        a.with(hulls[0], &mut WithFirst { body: &b, hull: hulls[1], scene: &scene, caches: &mut caches });
+        if bytes.is_empty() {
+            return;
+        }
+    }
+}
+
+/// What is remembered of the pair, one for each query.
+#[derive(Default)]
+struct Caches {
+    yes: Cache,
+    deep: Cache,
+    near: Cache,
+    manifold: Manifold,
+    manifold_cache: Cache,
+}
+
+/// Does something with a shape of a type that is known there alone.
+trait With {
+    fn with(&mut self, shape: &impl Shape);
+}
+
+struct WithFirst<'s, 'h> {
+    body: &'s Body,
+    hull: Hull<'h>,
+    scene: &'s Scene<'s>,
+    caches: &'s mut Caches,
+}
+
+impl With for WithFirst<'_, '_> {
+    fn with(&mut self, shape: &impl Shape) {
+        self.body.with(self.hull, &mut WithBoth { a: shape, scene: self.scene, caches: self.caches });
+    }
+}
+
+struct WithBoth<'s, A> {
+    a: &'s A,
+    scene: &'s Scene<'s>,
+    caches: &'s mut Caches,
+}
+
+impl<A: Shape> With for WithBoth<'_, A> {
+    fn with(&mut self, b: &impl Shape) {
+        let (settings, b_in_a) = (Settings::default(), self.scene.b_in_a);
+        let yes = intersects(self.a, b, b_in_a, &mut self.caches.yes);
+        let deep = contact(self.a, b, b_in_a, &settings, &mut self.caches.deep);
+        let near = distance(self.a, b, b_in_a, &settings, &mut self.caches.near);
+        let steps = [
+            yes.iterations,
+            yes.support_calls,
+            deep.iterations,
+            deep.support_calls,
+            near.iterations,
+            near.support_calls,
+        ];
+        assert!(steps.iter().all(|count| *count <= MOST_STEPS), "a cap is not held: {steps:?}");
+        self.scene.judge(yes.status, &deep, &near);
+        let Caches { manifold, manifold_cache, .. } = &mut self.caches;
+        manifold.update(self.a, b, b_in_a, &ManifoldSettings::default(), manifold_cache);
+        let points = manifold.points();
+        assert!(points.len() <= 4 && points.iter().all(|p| p.point_a.is_finite() && p.point_b.is_finite()));
+    }
+}
+
+impl Body {
+    fn read(bytes: &mut Bytes) -> Option<Self> {
+        let shape = bytes.byte();
+        let size = 10_f64.powi(i32::from(shape / 8 % 13) - 6);
+        let positions: Vec<[f32; 3]> =
+            bytes.points(MOST_POINTS, false).iter().map(|p| p.map(|c| (f64::from(c) * size) as f32)).collect();
+        let index = [IndexKind::TREE, IndexKind::None][usize::from(shape >> 7)];
+        let file = packs::bytes(&[point_set("body", &positions)], index, &Default::default());
+        let file = file.unwrap_or_else(|error| panic!("{error}: {positions:?}"));
+        let pack = Pack::from_bytes(&file).expect("what was baked opens");
+        let scale = match shape % 4 {
+            2 => DVec3::new(bytes.share(), bytes.share(), bytes.share()) * 4.0,
+            _ => DVec3::ONE,
+        };
+        let radius = if shape % 4 == 3 { bytes.share().abs() * size } else { 0.0 };
+        if scale.abs().min_element() <= 0.0 {
+            return None;
+        }
+        let points = pack.hull(0).ok()?.vertices().map(|v| v.as_dvec3() * scale).collect();
+        Some(Self { pack, scale, radius, points })
+    }
+
+    fn with(&self, hull: Hull<'_>, then: &mut impl With) {
+        if self.radius > 0.0 {
+            then.with(&Rounded::new(hull, self.radius).expect("a radius above 0"));
+        } else if self.scale == DVec3::ONE {
+            then.with(&hull);
+        } else {
+            then.with(&Scaled::new(hull, self.scale).expect("no factor is 0"));
+        }
+    }
+
+    /// Greatest dot product of any point with the unit vector `dir`.
+    fn reach(&self, dir: DVec3) -> f64 {
+        self.points.iter().map(|p| p.dot(dir)).fold(f64::NEG_INFINITY, f64::max) + self.radius
+    }
+
+    /// Greatest distance of a point from the frame's origin.
+    fn greatest(&self) -> f64 {
+        self.points.iter().map(|p| p.length()).fold(0.0, f64::max) + self.radius
+    }
+
+    /// Unit normals of the faces, of the shape's own frame.
+    fn normals(&self, hull: &Hull) -> Vec<DVec3> {
+        (0..hull.face_count().min(MOST_NORMALS) as u32)
+            .filter_map(|face| (hull.face_normal(face)? / self.scale).try_normalize())
+            .collect()
+    }
+}
+
+/// Anywhere near, or so that the reaches along some axis touch, up to a hair of any size.
+fn pose(bytes: &mut Bytes, a: &Body, b: &Body) -> Option<Pose> {
+    let (kind, rotation) = (bytes.below(3), bytes.rotation());
+    let size = a.greatest() + b.greatest();
+    let translation = match kind {
+        0 => DVec3::new(bytes.share(), bytes.share(), bytes.share()) * size,
+        1 => DVec3::new(bytes.float().into(), bytes.float().into(), bytes.float().into()),
+        _ => {
+            let axis = bytes.axis();
+            let hair = bytes.signed() * 10_f64.powi(-(bytes.below(17) as i32)) * size / 128.0;
+            axis * (a.reach(axis) + b.reach(rotation.inverse() * -axis) + hair)
+        }
+    };
+    Pose::new(translation, rotation).ok()
+}
+
+struct Scene<'s> {
+    a: &'s Body,
+    b: &'s Body,
+    b_in_a: Pose,
+    turn: DMat3,
+    /// Directions of A's frame that may show a shorter way out.
+    normals: Vec<DVec3>,
+    slack: f64,
+}
+
+impl<'s> Scene<'s> {
+    fn new(a: &'s Body, b: &'s Body, b_in_a: Pose, hulls: &[Hull; 2]) -> Self {
+        let turn = b_in_a.rotation_matrix();
+        let mut normals = a.normals(&hulls[0]);
+        normals.extend(b.normals(&hulls[1]).into_iter().map(|n| -(turn * n)));
+        let slack = ROUNDING_UNITS * f64::EPSILON * (a.greatest() + b.greatest() + b_in_a.translation().length());
+        Self { a, b, b_in_a, turn, normals, slack }
+    }
+
+    /// How far B has to move along the unit vector `n` to be out of A; negative when `n` separates them.
+    fn way_out(&self, n: DVec3) -> f64 {
+        self.a.reach(n) + self.b.reach(self.turn.transpose() * -n) - n.dot(self.b_in_a.translation())
+    }
+
+    fn judge(&self, yes: Overlap, deep: &Contact, near: &Distance) {
+        let slack = self.slack;
+        let told = || format!("{yes:?}\n{deep:?}\n{near:?}\nslack {slack:e} at {:?}", self.b_in_a);
+        // Written so that NaN is wrong.
+        let at_most = |what: &str, found: f64, limit: f64| {
+            assert!(found <= limit, "{what}: {found:e} above {limit:e}\n{}", told());
+        };
+        for normal in [deep.normal, near.normal] {
+            at_most("a normal is not of unit length", (normal.length() - 1.0).abs(), UNIT);
+        }
+        let (way_deep, way_near) = (self.way_out(deep.normal), self.way_out(near.normal));
+        at_most("the depth's lower end is below 0", -deep.depth_lower, 0.0);
+        at_most("the depth is below its interval", deep.depth_lower, deep.depth);
+        at_most("the depth is above its interval", deep.depth, deep.depth_upper);
+        at_most("the distance's lower end is below 0", -near.lower, 0.0);
+        at_most("the distance is below its interval", near.lower, near.distance);
+        at_most("the distance is above its interval", near.distance, near.upper);
+        if deep.hit {
+            at_most("the contact's normal is not the way out", way_deep, deep.depth_upper + slack);
+        } else {
+            at_most("the contact's axis does not separate", way_deep, slack);
+        }
+        if deep.depth_lower > 0.0 {
+            for way in self.normals.iter().map(|n| self.way_out(*n)).chain([way_deep, way_near]) {
+                at_most("the depth's lower end is above a way out", deep.depth_lower, way + slack);
+            }
+            at_most("contact says deep, distance says apart", near.lower, slack);
+            assert!(yes != Overlap::Separated, "contact says deep, intersects says apart\n{}", told());
+        }
+        let apart = near.point_a.distance(near.point_b);
+        if near.status == Status::Overlapping {
+            at_most("distance says overlapping, an axis separates", -way_near.min(way_deep), slack);
+        } else {
+            at_most("the distance's points are farther apart than its upper end", apart, near.upper + slack);
+        }
+        if near.lower > 0.0 {
+            at_most("the distance's lower end is not shown by its normal", near.lower, -way_near + slack);
+        }
+        if yes == Overlap::Overlapping {
+            at_most("intersects says overlapping, an axis separates", -way_near.min(way_deep), slack);
+        }
+        // Points of the shapes are behind all planes at their faces.
+        for (point_a, point_b) in [(deep.point_a, deep.point_b), (near.point_a, near.point_b)] {
+            let in_b = self.turn.transpose() * (point_b - self.b_in_a.translation());
+            for &n in &self.normals {
+                at_most("a point is not in A", point_a.dot(n), self.a.reach(n) + slack);
+                let n = self.turn.transpose() * n;
+                at_most("a point is not in B", in_b.dot(n), self.b.reach(n) + slack);
+            }
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! All that can be asked of a pack that opened.
+
+use std::hint::black_box;
+
+use glam::{DQuat, DVec3, Vec3};
+use hullmap::levels::{self, Levels, OuterHulls};
+use hullmap::{
+    Cache, Feature, Hull, Instructions, Manifold, ManifoldSettings, Pack, Pose, Settings, Shape, SupportMap, contact,
+    distance, intersects,
+};
+use hullmap_bake::IndexKind;
+
+use crate::{directions, packs};
+
+/// One direction in so many is also asked by hint, by other instructions, for its cost, its feature and its face.
+const MORE_EVERY: usize = 16;
+
+/// One pair in so many is also asked by levels and for its manifold.
+const MANIFOLD_EVERY: usize = 4;
+
+/// Seed of the directions.
+const SEED: u64 = 0xdead;
+
+/// How much is asked of a pack.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Extent {
+    /// Support queries, over all hulls.
+    pub supports: usize,
+    /// Contacts, each with a distance and a yes or no.
+    pub pairs: usize,
+}
+
+impl Extent {
+    /// What every pack that opens must bear.
+    pub const FULL: Self = Self { supports: 1000, pairs: 20 };
+    /// For tests that take no time.
+    pub const BRIEF: Self = Self { supports: 60, pairs: 3 };
+}
+
+/// Questions for the changed files of one pack.
+pub struct Inquiry {
+    dirs: Vec<Vec3>,
+    poses: Vec<Pose>,
+    cube: Pack,
+    extent: Extent,
+    is_judged: bool,
+}
+
+impl Inquiry {
+    /// Questions for packs like `pack`: in directions of its first hull's faces and edges, and in any others.
+    ///
+    /// # Panics
+    /// If the pack has no hull.
+    pub fn new(pack: &Pack, extent: Extent) -> Self {
+        let corners: Vec<[f32; 3]> = (0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect();
+        let cube = packs::pack("cube", &corners, IndexKind::TREE);
+        let own = directions::all(&pack.hull(0).expect("a pack has a hull"), extent.supports, SEED);
+        let invalid: Vec<Vec3> = directions::invalid().into_iter().step_by(7).collect();
+        let valid = extent.supports.saturating_sub(invalid.len());
+        // Of so many that a few must do, some of each kind.
+        let step = (own.len() / valid.max(1)).max(1);
+        let dirs = own.into_iter().step_by(step).take(valid).chain(invalid).collect();
+        let turned = DQuat::from_array([0.3, -0.2, 0.5, 0.7]);
+        let poses = [
+            ([0.0, 0.0, 0.0], turned),
+            ([0.6, 0.5, 0.4], turned),
+            ([9.0, -3.0, 1.0], turned),
+            ([1.0, 0.0, 0.0], DQuat::IDENTITY),
+            ([0.0, 0.0, 1e-9], DQuat::IDENTITY),
+        ]
+        .map(|(translation, rotation)| Pose::new(DVec3::from_array(translation), rotation).expect("finite"));
+        Self { dirs, poses: poses.to_vec(), cube, extent, is_judged: true }
+    }
+
+    /// The same questions with no answer judged: for packs that were opened without a look at their contents.
+    pub fn unjudged(self) -> Self {
+        Self { is_judged: false, ..self }
+    }
+
+    /// Asks.
+    ///
+    /// # Panics
+    /// If an answer is out of range, or not finite where all stored numbers are.
+    pub fn ask(&self, pack: &Pack) {
+        self.require(pack.hull_count() > 0, || "an opened pack has a hull".to_owned());
+        self.require(pack.hull(pack.hull_count()).is_err(), || "a hull past the last one".to_owned());
+        black_box((pack.source_path(), pack.options(), pack.header(), pack.byte_len()));
+        // What the file holds twice need not agree: then answers are wrong, and must be sound all the same.
+        let agrees = self.is_judged && pack.check_repeats().is_ok();
+        let hulls = pack.hulls().count();
+        for (number, hull) in pack.hulls().enumerate() {
+            self.ask_facts(&hull);
+            for &dir in self.dirs.iter().skip(number).step_by(hulls) {
+                self.ask_support(&hull, dir, agrees);
+            }
+            for &dir in self.dirs.iter().skip(number).step_by(MORE_EVERY * hulls) {
+                self.ask_more(&hull, dir, agrees);
+            }
+        }
+        let cube = self.cube.hull(0).expect("a cube is one hull");
+        let mut cache = Cache::default();
+        for number in 0..self.extent.pairs {
+            let Ok(hull) = pack.hull(number / 3 % pack.hull_count().max(1)) else { continue };
+            let [a, b] = [[&hull, &cube], [&cube, &hull], [&hull, &hull]][number % 3];
+            self.ask_pair(a, b, self.poses[number % self.poses.len()], number, &mut cache);
+        }
+        if !self.is_judged {
+            black_box(pack.check_repeats().is_ok());
+        }
+    }
+
+    fn require(&self, holds: bool, what: impl FnOnce() -> String) {
+        if self.is_judged {
+            assert!(holds, "{}", what());
+        }
+    }
+
+    fn ask_facts(&self, hull: &Hull) {
+        let count = hull.vertex_count();
+        let sound = count > 0 && hull.rank() <= 3 && hull.vertices().len() == count;
+        self.require(sound, || format!("{count} vertices of rank {}", hull.rank()));
+        self.require(hull.vertex(count as u32).is_none(), || "a vertex past the last one".to_owned());
+        self.require(hull.vertices().all(|vertex| vertex.is_finite()), || "a vertex is not finite".to_owned());
+        let are_faces = hull.faces().map(|mut face| face.len() >= 3 && face.all(|vertex| (vertex as usize) < count));
+        let faces = are_faces.filter(|is_face| *is_face).count();
+        self.require(faces == hull.face_count(), || format!("{faces} of {} faces are sound", hull.face_count()));
+        let last = [0, count as u32 - u32::from(count > 0), count as u32, u32::MAX];
+        for index in last {
+            black_box((hull.source_vertex(index), hull.neighbours(index).len(), hull.faces_at(index).len()));
+            black_box((hull.face(index).len(), hull.face_normal(index)));
+        }
+        black_box((hull.name(), hull.bounds(), hull.volume(), hull.surface_area(), hull.second_moments()));
+        black_box((hull.centroid(), hull.diameter(), hull.containment_error(), hull.source_point_count()));
+        black_box((hull.index_kind(), hull.index_byte_len(), hull.origin(), hull.part(), hull.uncovered()));
+        black_box((hull.outer_error(), hull.outer_vertices().map(|vertex| vertex.x).sum::<f32>()));
+    }
+
+    fn expect_vertex(&self, hull: &Hull, dir: Vec3, index: u32, point: Vec3, agrees: bool) {
+        let vertex = hull.vertex(index);
+        let sound = vertex == Some(point) || !agrees && vertex.is_some() && point.is_finite();
+        self.require(sound, || format!("in direction {dir}: vertex {index} is {vertex:?}, not {point}"));
+    }
+
+    fn ask_support(&self, hull: &Hull, dir: Vec3, agrees: bool) {
+        let got = hull.support(dir);
+        self.expect_vertex(hull, dir, got.index, got.point, agrees);
+    }
+
+    fn ask_more(&self, hull: &Hull, dir: Vec3, agrees: bool) {
+        let count = hull.vertex_count();
+        let got = hull.support(dir);
+        if let Some(portable) = hull.with_instructions(Instructions::Portable) {
+            let other = portable.support(dir);
+            self.require(other == got, || format!("in direction {dir}: {got:?}, and {other:?} by other instructions"));
+        }
+        let (cost, most) = (hull.support_cost(dir), hull.worst_cost());
+        self.require(cost.nodes <= most.nodes && cost.dots <= most.dots, || format!("{cost:?} exceeds {most:?}"));
+        for hint in [got.index, 0, (count as u32).wrapping_sub(1), count as u32, u32::MAX] {
+            let got = hull.support_from(dir, hint);
+            self.expect_vertex(hull, dir, got.index, got.point, agrees);
+        }
+        let mut feature = Feature::new();
+        hull.feature(dir.as_dvec3(), &mut feature);
+        let corners = feature.corners();
+        let sound = !corners.is_empty() && corners.iter().all(|corner| (corner.vertex as usize) < count);
+        self.require(sound, || format!("in direction {dir}: the feature {corners:?}"));
+        let all_there = hull.faces_at(got.index).all(|face| (face as usize) < hull.face_count());
+        self.require(all_there, || format!("a face at vertex {} is not there", got.index));
+        let towards = hull.face_towards(dir.as_dvec3());
+        self.require(towards.is_none_or(|face| hull.face(face).len() >= 3), || format!("{towards:?} is no face"));
+        let got = SupportMap::support(hull, dir.as_dvec3() * 1e200);
+        let sound = (got.feature as usize) < count && got.point.is_finite();
+        self.require(sound, || format!("in direction {dir} times 1e200: {got:?}"));
+    }
+
+    fn ask_pair(&self, a: &Hull, b: &Hull, b_in_a: Pose, number: usize, cache: &mut Cache) {
+        let settings = Settings::default();
+        black_box(intersects(a, b, b_in_a, cache));
+        black_box(contact(a, b, b_in_a, &settings, cache));
+        black_box(distance(a, b, b_in_a, &settings, cache));
+        if number.is_multiple_of(MANIFOLD_EVERY) {
+            let mut manifold = Manifold::new();
+            manifold.update(a, b, b_in_a, &ManifoldSettings::default(), cache);
+            self.require(manifold.points().len() <= 4, || "a manifold of more than four points".to_owned());
+            let levels = Levels { boxes: true, outer: OuterHulls::Always };
+            black_box(levels::intersects(a, b, b_in_a, levels, &mut Cache::new()));
+        }
+    }
+}

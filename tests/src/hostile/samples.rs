@@ -1,0 +1,147 @@
+//! The packs that are changed.
+
+use hullmap_bake::{IndexKind, LeafBlocks, NO_SOURCE_VERTEX, PointSet, SourceRecord, bake_hull, write_pack};
+use shapes::{families::Family, rng::SplitMix64};
+
+use crate::packs::{self, ALL_INDICES, point_set};
+
+/// A pack, by name.
+#[derive(Clone, Debug)]
+pub struct Sample {
+    /// What it holds.
+    pub name: String,
+    /// Its bytes.
+    pub file: Vec<u8>,
+}
+
+/// Small packs of every rank and kind of index, with one leaf and with nodes of each kind, of one hull and of several, of parts
+/// and of simplified hulls.
+///
+/// # Panics
+/// If one cannot be baked: a bug.
+pub fn small() -> Vec<Sample> {
+    let map = |resolution| IndexKind::CubeMap { resolution };
+    let one = |points: &[[f32; 3]]| vec![point_set("hüll", points)];
+    let octagon: Vec<[f32; 3]> = Family::Prism.points(24, 0).iter().map(|p| [p[0], p[1], 0.5]).collect();
+    let sixteen = IndexKind::Tree { leaf_blocks: LeafBlocks::Two };
+    vec![
+        sample("point, tree", &one(&[[1.0, 2.0, 3.0]]), IndexKind::TREE),
+        sample("point, no index", &one(&[[0.0; 3]]), IndexKind::None),
+        sample("segment, cube map 1", &one(&[[0.0; 3], [1.0, 2.0, 3.0]]), map(1)),
+        sample("segment, binary tree", &one(&[[-1.0; 3], [1e-3, 2.0, 0.0]]), IndexKind::Binary),
+        sample("polygon, tree", &one(&octagon), IndexKind::TREE),
+        sample("polygon, no index", &one(&octagon[..5]), IndexKind::None),
+        sample("cube, no index", &one(&cube()), IndexKind::None),
+        sample("cube, cube map 2", &one(&cube()), map(2)),
+        sample("cube, tree", &one(&cube()), IndexKind::TREE),
+        sample("sphere, cube map 3", &one(&Family::Sphere.points(14, 1)), map(3)),
+        sample("sphere, cube map 1", &one(&Family::Sphere.points(30, 2)), map(1)),
+        sample("cone, binary tree", &one(&Family::Cone.points(14, 1)), IndexKind::Binary),
+        sample("sphere, binary tree", &one(&Family::Sphere.points(20, 5)), IndexKind::Binary),
+        sample("sphere, tree", &one(&Family::Sphere.points(36, 3)), IndexKind::TREE),
+        sample("prism, tree", &one(&Family::Prism.points(80, 0)), IndexKind::TREE),
+        sample("rotated prism, tree", &one(&Family::RotatedPrism.points(48, 0)), IndexKind::TREE),
+        sample("needle, tree", &one(&Family::Needle.points(24, 1)), IndexKind::TREE),
+        sample("lens, leaves of 16", &one(&Family::Lens.points(40, 1)), sixteen),
+        sample("sphere, compact", &one(&Family::Sphere.points(40, 4)), IndexKind::COMPACT),
+        sample("rock, budget", &one(&Family::Rock.points(48, 1)), IndexKind::Budget { bytes_per_vertex: 120 }),
+        sample("five hulls, no index", &five_hulls(), IndexKind::None),
+        sample("hulls of all ranks, tree", &all_ranks(), IndexKind::TREE),
+        sample("recentred, tree", &recentred(), IndexKind::TREE),
+        simplified(),
+        parts(),
+        sample("two hulls, tree", &[point_set("a", &cube()), point_set("", &cube()[..3])], IndexKind::TREE),
+    ]
+}
+
+/// The small pack of this name.
+///
+/// # Panics
+/// If there is none.
+pub fn named(name: &str) -> Vec<u8> {
+    let found = small().into_iter().find(|sample| sample.name == name);
+    found.unwrap_or_else(|| panic!("no sample is called {name}")).file
+}
+
+/// Pack `number` of those that `seed` draws: one to three hulls of 9 to 300 points each, of any family and kind of index.
+///
+/// # Panics
+/// If it cannot be baked: a bug.
+pub fn drawn(seed: u64, number: u64) -> Sample {
+    let mut rng = SplitMix64::new(seed ^ number << 32);
+    let index = ALL_INDICES[rng.below(ALL_INDICES.len())];
+    let mut name = format!("drawn {number}, {index:?}");
+    let sets: Vec<PointSet> = (0..1 + rng.below(3))
+        .map(|hull| {
+            let family = Family::ALL[rng.below(Family::ALL.len())];
+            let count = 9 + rng.below(292) / (hull + 1);
+            name += &format!(", {} {count}", family.name());
+            let shift = rng.direction().map(|c| c as f32 * 2.5 * hull as f32);
+            let points = family.points(count, rng.next_u64());
+            let points: Vec<[f32; 3]> = points.iter().map(|p| [0, 1, 2].map(|axis| p[axis] + shift[axis])).collect();
+            point_set(["a", "bé", "c"][hull], &points)
+        })
+        .collect();
+    sample(&name, &sets, index)
+}
+
+fn sample(name: &str, sets: &[PointSet], index: IndexKind) -> Sample {
+    let file = packs::bytes(sets, index, &source()).unwrap_or_else(|error| panic!("{name}: {error}"));
+    Sample { name: name.to_owned(), file }
+}
+
+fn source() -> SourceRecord {
+    SourceRecord { path: "../ä.obj".into(), hash: 7 << 90, options: "split none".into() }
+}
+
+fn cube() -> Vec<[f32; 3]> {
+    (0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect()
+}
+
+/// Tetrahedra far from each other, so that their tree of boxes has three levels or more.
+fn five_hulls() -> Vec<PointSet> {
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0_f32]];
+    let at = |i: usize| corners.map(|[x, y, z]| [x + 3.0 * i as f32, y + (i % 2) as f32, z - i as f32]);
+    (0..5).map(|i| point_set(["a", "b", "c", "d", "e"][i], &at(i))).collect()
+}
+
+fn all_ranks() -> Vec<PointSet> {
+    let at = |count: usize, shift: f32| -> Vec<[f32; 3]> {
+        cube()[..count].iter().map(|p| [p[0] + shift, p[1], p[2] * 0.5]).collect()
+    };
+    vec![
+        point_set("point", &at(1, 0.0)),
+        point_set("segment", &at(2, 2.0)),
+        point_set("polygon", &at(4, 4.0)),
+        point_set("solid", &at(8, 6.0)),
+    ]
+}
+
+fn recentred() -> Vec<PointSet> {
+    let origin = [1e7, -3.25, 0.0];
+    let set = |name, family: Family| PointSet { origin, ..point_set(name, &family.points(16, 9)) };
+    vec![set("left", Family::Rock), set("right", Family::Sphere)]
+}
+
+/// A hull that reaches beyond its source, as simplifying makes them: none of its vertices is the source's.
+fn simplified() -> Sample {
+    let mut set = point_set("simplified", &Family::Rock.points(12, 2));
+    set.source_vertices.fill(NO_SOURCE_VERTEX);
+    let mut baked = bake_hull(&set, IndexKind::TREE).expect("a rock can be baked");
+    baked.outer_error = 0.03;
+    let file = write_pack(&[baked], &source()).expect("a small pack can be written");
+    Sample { name: "simplified, tree".to_owned(), file }
+}
+
+/// Three convex parts of one object beside a hull of another, as decomposing makes them.
+fn parts() -> Sample {
+    let mut hulls: Vec<_> = five_hulls()[..4]
+        .iter()
+        .map(|set| bake_hull(set, IndexKind::TREE).expect("a tetrahedron can be baked"))
+        .collect();
+    for (part, hull) in hulls[1..].iter_mut().enumerate() {
+        (hull.part, hull.uncovered, hull.outer_error) = (part as u32, 0.25, 0.01);
+    }
+    let file = write_pack(&hulls, &source()).expect("a small pack can be written");
+    Sample { name: "parts, tree".to_owned(), file }
+}

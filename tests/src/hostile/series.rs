@@ -1,0 +1,151 @@
+//! The ways to change a pack: each a series, whose members are numbered.
+
+use hullmap::Pack;
+use shapes::rng::SplitMix64;
+
+use super::{HEADER_LEN, samples::Sample};
+use crate::packs::reseal;
+
+/// Bytes added to a file at most.
+pub const MOST_ADDED: usize = 4096;
+
+/// Draws until a change is found that opens alone: two thirds do.
+const DRAWS: usize = 12;
+
+/// Where the header states the payload's length.
+const LENGTH_AT: std::ops::Range<usize> = 16..24;
+
+/// A way to change packs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Series {
+    /// Each bit flipped; the checksum left as it is.
+    Bits,
+    /// Each bit flipped; the checksum right.
+    SealedBits,
+    /// Each prefix, and each extension by 1 to [`MOST_ADDED`] bytes: as they are, with a right checksum, and with the right
+    /// length too.
+    Lengths,
+    /// Each 32-bit word behind the header set to each of [`Subject::values`]; the checksum right.
+    Words,
+    /// Two to six words changed at once, each in a way that opens alone, and one in four with something that need not: the
+    /// likeliest way past checks that look at one number at a time. The checksum is right.
+    Drawn,
+}
+
+/// A pack that is changed.
+pub struct Subject<'s> {
+    /// The pack.
+    pub sample: &'s Sample,
+    /// Words that go wrong most in it: ends of ranges, numbers that are lengths or places in this file, odd floats.
+    pub values: Vec<u32>,
+    seed: u64,
+}
+
+impl<'s> Subject<'s> {
+    /// Takes a pack, and the seed of what is drawn.
+    ///
+    /// # Panics
+    /// If the pack does not open.
+    pub fn new(sample: &'s Sample, seed: u64) -> Self {
+        Self { sample, values: values(&sample.file), seed }
+    }
+
+    /// Makes member `number` of a series in `out`.
+    pub fn change(&self, series: Series, number: usize, out: &mut Vec<u8>) {
+        let file = &self.sample.file;
+        out.clear();
+        out.extend_from_slice(file);
+        match series {
+            Series::Bits => flip(out, number),
+            Series::SealedBits => {
+                flip(out, number);
+                reseal(out);
+            }
+            Series::Lengths => {
+                let (number, sealed) = (number / 3, number % 3);
+                let filler = [0, 0xff, b'\n'][number % 3];
+                let len = if number < file.len() { number } else { number + 1 };
+                out.resize(len, filler);
+                if sealed > 1 && len >= HEADER_LEN {
+                    out[LENGTH_AT].copy_from_slice(&((len - HEADER_LEN) as u64).to_le_bytes());
+                }
+                if sealed > 0 {
+                    reseal(out);
+                }
+            }
+            Series::Words => {
+                set_word(out, number / self.values.len(), self.values[number % self.values.len()]);
+                reseal(out);
+            }
+            Series::Drawn => self.draw(number, out),
+        }
+    }
+
+    /// Members of a series that has an end; `None` of one that is drawn.
+    pub fn count(&self, series: Series) -> Option<usize> {
+        let len = self.sample.file.len();
+        match series {
+            Series::Bits | Series::SealedBits => Some(8 * len),
+            Series::Lengths => Some(3 * (len + MOST_ADDED)),
+            Series::Words => Some((len - HEADER_LEN) / 4 * self.values.len()),
+            Series::Drawn => None,
+        }
+    }
+
+    fn draw(&self, number: usize, out: &mut [u8]) {
+        let mut rng = SplitMix64::new(self.seed ^ (number as u64) << 20);
+        let words = (out.len() - HEADER_LEN) / 4;
+        for _ in 0..2 + rng.below(5) {
+            for _ in 0..DRAWS {
+                let (word, value) = (rng.below(words), self.values[rng.below(self.values.len())]);
+                let mut alone = self.sample.file.clone();
+                set_word(&mut alone, word, value);
+                reseal(&mut alone);
+                if alone != self.sample.file && Pack::from_bytes(&alone).is_ok() {
+                    set_word(out, word, value);
+                    break;
+                }
+            }
+        }
+        if rng.below(4) == 0 {
+            let (at, other) = (HEADER_LEN + 4 * rng.below(words), HEADER_LEN + 4 * rng.below(words));
+            match rng.below(3) {
+                0 => flip(out, 8 * at + rng.below(32)),
+                1 => out[at..at + 4].copy_from_slice(&(rng.next_u64() as u32).to_le_bytes()),
+                _ => out.copy_within(other..other + 4, at),
+            }
+        }
+        reseal(out);
+    }
+}
+
+impl Series {
+    /// Whether none of its members may open.
+    pub fn is_always_refused(self) -> bool {
+        matches!(self, Self::Bits | Self::Lengths)
+    }
+}
+
+fn flip(file: &mut [u8], bit: usize) {
+    file[bit / 8] ^= 1 << (bit % 8);
+}
+
+fn set_word(file: &mut [u8], word: usize, value: u32) {
+    file[HEADER_LEN + 4 * word..][..4].copy_from_slice(&value.to_le_bytes());
+}
+
+fn values(file: &[u8]) -> Vec<u32> {
+    let payload = (file.len() - HEADER_LEN) as u32;
+    let pack = Pack::from_bytes(file).expect("a sample opens");
+    let hull = pack.hull(0).expect("a pack has a hull");
+    let (vertices, faces) = (hull.vertex_count() as u32, hull.face_count() as u32);
+    let floats = [f32::NAN, f32::INFINITY, f32::MAX, -1.0].map(f32::to_bits);
+    // High words of an f64: NaN, infinity, 1e308.
+    let doubles = [f64::NAN, f64::INFINITY, 1e308].map(|x| (x.to_bits() >> 32) as u32);
+    let mut values = vec![0, 1, 2, 6, u32::MAX, i32::MAX as u32, 1 << 31, 1 << 30, 0xffff];
+    values.extend([payload, payload / 4, payload - 1, vertices, vertices - 1, vertices + 1, faces, faces + 1]);
+    values.extend(floats.into_iter().chain(doubles));
+    values.sort_unstable();
+    values.dedup();
+    values
+}
