@@ -134,6 +134,7 @@ impl Pack {
     }
 
     fn from_storage_bytes(bytes: Bytes) -> Result<Self, InvalidPack> {
+        crate::simd::read_variable();
         let file = bytes.as_slice();
         let header = Header::read(file)?;
         header.check_length(file.len())?;

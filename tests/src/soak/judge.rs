@@ -319,7 +319,7 @@ impl<'s, 'p> Scene<'s, 'p> {
             "the contact's points are less deep than the depth",
             c.depth_lower * (1.0 - FOOT_OFF),
             between.length(),
-            slack + self.rounding,
+            slack + 2.0 * self.rounding,
         );
         let (width, hair) = (c.depth_upper - c.depth_lower, self.hair);
         match c.status {
