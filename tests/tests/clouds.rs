@@ -1,7 +1,6 @@
 //! Small clouds of game data, many of them slivers or nearly flat, and large ones of families known to be hard.
 //!
-//! The clouds are those of the file that `HULLMAP_HULLS` names: little-endian, a u32 count and as many times three
-//! f32, repeated to the end. Each is baked with every kind of index and asked in many directions, the truth being
+//! The clouds are those of the file that `HULLMAP_HULLS` names. Each is baked with every kind of index and asked in many directions, the truth being
 //! brute force.
 
 use std::{
@@ -16,7 +15,7 @@ use std::{
 use glam::{DVec3, Vec3};
 use hullmap::Hull;
 use hullmap_bake::IndexKind;
-use hullmap_tests::{directions, outside, packs::pack, regret::Truth};
+use hullmap_tests::{directions, game_hulls, packs::pack, regret::Truth};
 use shapes::families::Family;
 
 /// Regret up to which a support query counts as exact.
@@ -37,17 +36,6 @@ const INDICES: [IndexKind; 5] = [
     IndexKind::CubeMap { resolution: 8 },
     IndexKind::None,
 ];
-
-/// The clouds in a file of them.
-fn read(bytes: &[u8]) -> Vec<Vec<[f32; 3]>> {
-    let mut words = bytes.chunks_exact(4).map(|word| <[u8; 4]>::try_from(word).expect("four bytes"));
-    let mut clouds = Vec::new();
-    while let Some(count) = words.next() {
-        let mut number = || f32::from_le_bytes(words.next().expect("the file ends inside a cloud"));
-        clouds.push((0..u32::from_le_bytes(count)).map(|_| std::array::from_fn(|_| number())).collect());
-    }
-    clouds
-}
 
 /// Directions that a hull may get wrong: those of [`directions::all`], and every face's normal.
 fn all_directions(hull: &Hull) -> Vec<Vec3> {
@@ -113,8 +101,7 @@ fn check(name: &str, points: &[[f32; 3]], seen: &Mutex<BTreeMap<u32, Seen>>) {
 
 #[test]
 fn every_cloud_of_game_data_bakes_and_answers_exactly() {
-    let Some(path) = outside::path("HULLMAP_HULLS", "the clouds of game data") else { return };
-    let clouds = read(&std::fs::read(path).unwrap());
+    let Some(clouds) = game_hulls::clouds("the clouds of game data") else { return };
     let (seen, next) = (Mutex::new(BTreeMap::new()), AtomicUsize::new(0));
     std::thread::scope(|scope| {
         for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
@@ -173,14 +160,4 @@ fn a_lost_vertex_is_noticed() {
         let worst = all_directions(&hull).into_iter().map(|dir| truth.regret(dir, hull.support(dir).point));
         assert!(worst.fold(0.0, f64::max) > 1e3 * EXACT, "vertex {lost}, seed {SEED:#x}");
     }
-}
-
-#[test]
-fn a_file_of_clouds_is_read() {
-    let mut bytes = Vec::new();
-    for cloud in [vec![[1.0_f32, 2.0, 3.0]], vec![], vec![[4.0, 5.0, 6.0], [7.0, 8.0, 9.0]]] {
-        bytes.extend((cloud.len() as u32).to_le_bytes());
-        bytes.extend(cloud.iter().flatten().flat_map(|x| x.to_le_bytes()));
-    }
-    assert_eq!(read(&bytes), [vec![[1.0, 2.0, 3.0]], vec![], vec![[4.0, 5.0, 6.0], [7.0, 8.0, 9.0]]]);
 }

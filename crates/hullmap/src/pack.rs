@@ -205,6 +205,7 @@ impl Pack {
     }
 
     fn from_storage_bytes(bytes: Bytes, checks: Checks) -> Result<Self, InvalidPack> {
+        crate::simd::read_variable();
         let header = Header::read(bytes.as_slice())?;
         header.check_length(bytes.as_slice().len())?;
         let payload = bytes.payload();

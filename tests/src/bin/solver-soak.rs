@@ -17,7 +17,9 @@ use hullmap_tests::{
 /// Pairs are numbered and the same on any number of threads. Counts and wrong answers go to standard output, progress to standard
 /// error. Exits with 1 if an answer is wrong.
 #[derive(Parser)]
-#[command(after_help = "Example:\n  HULLMAP_HULLS=game_hulls.bin cargo run --release -p hullmap-tests --bin solver-soak -- --pairs 100000000")]
+#[command(
+    after_help = "Example:\n  HULLMAP_HULLS=game_hulls.bin cargo run --release -p hullmap-tests --bin solver-soak -- --pairs 100000000"
+)]
 struct Arguments {
     /// How many pairs
     #[arg(long, default_value_t = 1_000_000)]
@@ -63,15 +65,20 @@ fn main() -> ExitCode {
     eprintln!("bodies: {:?}", cast.counts);
     let (start, end) = (Instant::now(), first.saturating_add(pairs));
     let mut tally = Tally::default();
-    let mut next = first;
+    let (mut next, mut left) = (first, told);
     while next < end {
         let until = end.min(next + BLOCK);
-        tally.add(soak(&cast, seed, next..until, threads));
+        let block = soak(&cast, seed, next..until, threads);
+        // At once: a long run may be cut short.
+        for wrong in block.wrongs().take(left) {
+            println!("{wrong}\n");
+            left -= 1;
+        }
+        tally.add(block);
         next = until;
-        let wrong: u64 = tally.wrong.values().sum();
-        eprintln!("{:7.1} s  {} pairs, {wrong} wrong; go on with --first {next}", start.elapsed().as_secs_f64(), tally.pairs);
+        let (seconds, wrong) = (start.elapsed().as_secs_f64(), tally.wrong.values().sum::<u64>());
+        eprintln!("{seconds:7.1} s  {} pairs, {wrong} wrong; go on with --first {next}", tally.pairs);
     }
     println!("seed {seed}, pairs {first} to {next}, bodies {:?}\n{tally}", cast.counts);
-    tally.wrongs().take(told).for_each(|wrong| println!("\n{wrong}"));
     if tally.wrong.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) }
 }

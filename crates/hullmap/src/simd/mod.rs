@@ -1,7 +1,7 @@
 //! Dot products of eight candidates at once, with the instructions that the processor has.
 //!
 //! A build for plain x86-64 holds every path; which one a hull takes is found out when the hull is taken from its pack, and
-//! can be chosen ([`Instructions`]). All give the same answers: they only pick the candidates that f32 cannot tell apart
+//! can be chosen ([`Instructions`]), for a whole process by the variable [`VARIABLE`]. All give the same answers: they only pick the candidates that f32 cannot tell apart
 //! from the best, by a margin wider than they can differ ([`crate::candidates`]).
 //!
 //! To add a set of instructions, implement [`Simd`] for a type that only its detection can make (as `avx2` does), and add
@@ -11,12 +11,37 @@
 mod avx2;
 mod portable;
 
+use std::sync::{
+    Once,
+    atomic::{AtomicBool, Ordering},
+};
+
 use hullmap_format::archive::{ArchivedBlock, LANES};
 use rkyv::rend::i16_le;
 
 pub(crate) use portable::Portable;
 
+/// The environment variable that chooses the instructions of a process: `portable` or `avx2`.
+const VARIABLE: &str = "HULLMAP_INSTRUCTIONS";
+
+/// Whether the variable asks for plain instructions.
+static PORTABLE: AtomicBool = AtomicBool::new(false);
+
+/// Reads the variable, the first time that it is called: when a pack is opened, so that no query ever does.
+pub(crate) fn read_variable() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let portable = std::env::var_os(VARIABLE).is_some_and(|value| value == "portable");
+        PORTABLE.store(portable, Ordering::Relaxed);
+    });
+}
+
 /// A set of vector instructions.
+///
+/// Every hull uses the best that the processor has, unless [`Hull::with_instructions`](crate::Hull::with_instructions) chooses, or the
+/// environment variable `HULLMAP_INSTRUCTIONS`, for the whole process: `portable`, or `avx2`, the default where there is any. It is
+/// read once, when the first pack is opened. Other values, and what the processor has not, are ignored: a word in the environment must
+/// not keep a game from starting. [`Hull::instructions`](crate::Hull::instructions) tells what came of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Instructions {
@@ -63,10 +88,12 @@ pub(crate) enum Level {
 }
 
 impl Level {
-    /// The best that this processor has.
+    /// The best that this processor has, or what the environment asks for.
     pub(crate) fn best() -> Self {
         #[cfg(target_arch = "x86_64")]
-        if let Some(avx2) = avx2::Avx2::detect() {
+        if !PORTABLE.load(Ordering::Relaxed)
+            && let Some(avx2) = avx2::Avx2::detect()
+        {
             return Self::Avx2(avx2);
         }
         Self::Portable

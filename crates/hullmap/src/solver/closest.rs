@@ -131,6 +131,17 @@ impl Simplex {
             }
             (weights, between) = (better, nearer);
         }
+        if !(between.length() <= length + noise) {
+            // Of a sliver's edges one is as near as the sliver is thin, and has exact weights.
+            for (p, q) in (1..count).flat_map(|q| (0..q).map(move |p| (p, q))) {
+                let on_edge = on_segment(w[p], w[q]);
+                if on_edge.point.length() < between.length() {
+                    weights = [0.0; SLOTS];
+                    (weights[p], weights[q]) = (on_edge.weights[0], on_edge.weights[1]);
+                    between = blend(&weights, w);
+                }
+            }
+        }
         let point_a = blend(&weights, [self.a[i], self.a[j], self.a[k], self.a[l]]);
         (point_a, point_a - between, between)
     }

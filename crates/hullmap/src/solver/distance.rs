@@ -101,7 +101,12 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
     // The distance of two points that are there, whatever rounding did to the plane that the search went by.
     out.distance = between.length();
-    let lower = found.lower.max(center.w.length() - m.outer_radius());
+    let by_balls = center.w.length() - m.outer_radius();
+    let lower = found.lower.max(by_balls);
+    if by_balls > found.lower {
+        // The planes that prove it are square to the centres' line.
+        out.normal = unit(-center.w).unwrap_or(out.normal);
+    }
     out.lower = (lower - rounding).max(0.0);
     out.upper = out.distance + m.noise();
     out.status = match found.end {

@@ -1,0 +1,81 @@
+//! Compares the golden hashes with what this build computes on this machine, or renews them.
+
+use std::{path::Path, process::ExitCode};
+
+use hullmap_golden::{FILE, golden::Golden};
+
+const HELP: &str = "Compares the golden hashes of packs and answers with what this build computes on this machine.
+
+Usage: golden [--renew [--unreleased]] [--threads N]
+
+  --renew       Writes what was computed. Refused where packs of the same format version changed
+  --unreleased  Not refused: the version was never released
+  --threads N   Threads of the bake and of the queries; all processors by default
+
+Exits with 0 if all is the same, 1 if not, 2 for wrong usage or I/O.
+
+Example:
+  cargo run --release -p hullmap-golden";
+
+fn main() -> ExitCode {
+    let (mut renew, mut unreleased, mut threads) = (false, false, 0);
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        match word.as_str() {
+            "--renew" => renew = true,
+            "--unreleased" => unreleased = true,
+            "--threads" => match words.next().and_then(|word| word.parse().ok()) {
+                Some(number) => threads = number,
+                None => return usage("--threads needs a number"),
+            },
+            "--help" | "-h" => {
+                println!("{HELP}");
+                return ExitCode::SUCCESS;
+            }
+            _ => return usage(&format!("{word:?} is no option")),
+        }
+    }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(FILE);
+    let told = match std::fs::read_to_string(&path) {
+        Ok(text) => Golden::read(&text),
+        Err(error) if renew => {
+            eprintln!("{}: {error}; starting a new one", path.display());
+            Ok(Golden { format_version: 0, hashes: Default::default() })
+        }
+        Err(error) => Err(error.to_string()),
+    };
+    let told = match told {
+        Ok(told) => told,
+        Err(error) => {
+            eprintln!("{}: {error}", path.display());
+            return ExitCode::from(2);
+        }
+    };
+    let found = match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+        Ok(pool) => pool.install(|| Golden::small().join(Golden::large())),
+        Err(error) => return usage(&error.to_string()),
+    };
+    let differences = told.differences(&found);
+    println!("{} hashes, {} differ", found.hashes.len(), differences.len());
+    differences.iter().for_each(|line| println!("{line}"));
+    if !renew {
+        return if differences.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) };
+    }
+    let breaks = |line: &String| line.contains("raise FORMAT_VERSION");
+    if differences.iter().any(breaks) && !unreleased {
+        eprintln!("not renewed: a version's bytes never change; with --unreleased if nobody has a pack of it");
+        return ExitCode::from(1);
+    }
+    match std::fs::write(&path, found.text()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{}: {error}", path.display());
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn usage(what: &str) -> ExitCode {
+    eprintln!("{what}; see --help");
+    ExitCode::from(2)
+}

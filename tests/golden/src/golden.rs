@@ -1,0 +1,103 @@
+//! The golden file: one line a hash, `name hash`, after one that names the format version.
+
+use std::{collections::BTreeMap, fmt::Write};
+
+use hullmap_format::FORMAT_VERSION;
+use rayon::prelude::*;
+
+use crate::{
+    answers::{self, CHUNKS, PER_CHUNK},
+    packs::{self, Set},
+};
+
+/// Answers of each kind in the small set.
+const SMALL: usize = 6;
+
+const VERSION: &str = "format-version";
+
+/// What the file holds, or what was computed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Golden {
+    /// Version of the format that the packs are of.
+    pub format_version: u32,
+    /// Hashes by name.
+    pub hashes: BTreeMap<String, u64>,
+}
+
+impl Golden {
+    /// Bakes and asks the small set.
+    pub fn small() -> Self {
+        let files = packs::files(Set::Small);
+        let chunk = answers::chunk(&packs::opened(&files), 0, SMALL);
+        Self::of("small", packs::hashes(&files), answers::joined(&[chunk]))
+    }
+
+    /// Bakes and asks the large set, on rayon's pool.
+    pub fn large() -> Self {
+        let files = packs::files(Set::Large);
+        let opened = packs::opened(&files);
+        let chunks: Vec<_> =
+            (0..CHUNKS).into_par_iter().map(|number| answers::chunk(&opened, number, PER_CHUNK)).collect();
+        Self::of("large", packs::hashes(&files), answers::joined(&chunks))
+    }
+
+    fn of(set: &str, packs: Vec<(String, u64)>, answers: Vec<(String, u64)>) -> Self {
+        let hashes = packs.into_iter().chain(answers).map(|(name, hash)| (format!("{set} {name}"), hash)).collect();
+        Self { format_version: FORMAT_VERSION, hashes }
+    }
+
+    /// Both sets' hashes.
+    pub fn join(mut self, other: Self) -> Self {
+        self.hashes.extend(other.hashes);
+        self
+    }
+
+    /// What a text of the golden file says.
+    ///
+    /// # Errors
+    /// The first line that is none.
+    pub fn read(text: &str) -> Result<Self, String> {
+        let (mut format_version, mut hashes) = (0, BTreeMap::new());
+        for line in text.lines().filter(|line| !line.starts_with('#') && !line.is_empty()) {
+            let wrong = || format!("{line:?} is no line of a golden file; renew it");
+            let (name, value) = line.rsplit_once(' ').ok_or_else(wrong)?;
+            if name == VERSION {
+                format_version = value.parse().map_err(|_| wrong())?;
+            } else {
+                hashes.insert(name.to_owned(), u64::from_str_radix(value, 16).map_err(|_| wrong())?);
+            }
+        }
+        Ok(Self { format_version, hashes })
+    }
+
+    /// As the golden file.
+    pub fn text(&self) -> String {
+        let mut text = String::from(
+            "# XXH3-64 of packs and of answers. Renew by `cargo run --release -p hullmap-golden -- --renew`.\n",
+        );
+        let mut line = |name: &str, value: String| writeln!(text, "{name} {value}").expect("a string takes all");
+        line(VERSION, self.format_version.to_string());
+        self.hashes.iter().for_each(|(name, hash)| line(name, format!("{hash:016x}")));
+        text
+    }
+
+    /// What of `found` is not as told here, a line each: a hash that is another, or is not told. Packs of the same version must never
+    /// be other bytes.
+    pub fn differences(&self, found: &Self) -> Vec<String> {
+        let mut lines = Vec::new();
+        for (name, hash) in &found.hashes {
+            let told = self.hashes.get(name);
+            if told == Some(hash) {
+                continue;
+            }
+            let is_pack = name.contains(" pack ");
+            let told = told.map_or("nothing".to_owned(), |told| format!("{told:016x}"));
+            let remedy = match (is_pack, self.format_version == found.format_version) {
+                (true, true) => "the same version's bytes changed: raise FORMAT_VERSION and tell docs/FORMAT.md why",
+                _ => "if it was meant, renew the file",
+            };
+            lines.push(format!("{name}: found {hash:016x}, golden {told}; {remedy}"));
+        }
+        lines
+    }
+}
