@@ -296,15 +296,15 @@ fn open_with_word(file: &[u8], at: usize, word: u32) -> Result<Pack, InvalidPack
 /// A node below itself would never end, one below two others could be asked for twice as often at each level.
 #[test]
 fn index_trees_with_cycles_or_shared_nodes_are_refused() {
-    let mut tried = 0;
-    for name in
-        ["sphere, tree", "prism, tree", "rotated prism, tree", "needle, tree", "sphere, binary tree", "sphere, compact"]
-    {
-        let file = samples::named(name);
-        let (words, slots) = (tree_words(&file), slots(&file));
+    let (mut tried, mut trees) = (0, 0);
+    for samples::Sample { name, file } in samples::small() {
         let is_node = |slot: Slot| !matches!(slot, Slot::Block(_) | Slot::List(_));
+        let (words, slots, bytes) = (tree_words(&file), slots(&file), payload(&file));
         let nodes: Vec<&Place> = slots.iter().filter(|place| is_node(place.slot)).collect();
-        assert!(nodes.len() >= 2, "{name}");
+        if nodes.len() < 2 || archive(&bytes).hulls.len() > 1 {
+            continue;
+        }
+        trees += 1;
         for place in &slots {
             // A node above, below or beside; where it is a leaf, one more node.
             for node in nodes.iter().step_by(nodes.len().div_ceil(24)) {
@@ -321,12 +321,12 @@ fn index_trees_with_cycles_or_shared_nodes_are_refused() {
             }
         }
         let root = nodes.iter().find(|place| place.word < 6).unwrap();
-        let is_binary = archive(&payload(&file)).hulls[0].index_kind == format::index_kind::BINARY;
+        let is_binary = archive(&bytes).hulls[0].index_kind == format::index_kind::BINARY;
         let own = if is_binary { Slot::Branch(0) } else { Slot::Branch(Branch { at: 0, bits: 1 }.encode()) };
         refused(open_with_word(&file, root.word, own.encode()), "of the direction index");
     }
-    println!("{tried} slots named another node");
-    assert!(tried > 5_000);
+    println!("{tried} slots of {trees} trees named another node");
+    assert!(tried > 2_000 && trees >= 4, "{tried} of {trees}");
 }
 
 /// What a query costs at worst is stated, and believed by those who plan with it.

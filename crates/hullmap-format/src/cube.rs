@@ -125,7 +125,7 @@ mod tests {
         for resolution in [1 << 30, 1 << 31, u32::MAX - 1, u32::MAX] {
             uniform_cell(last, resolution);
         }
-        assert_eq!(uniform_cell(last, 1 << 30), 6 * (1 << 60) - (1 << 37) * (1 + (1 << 30)) + (1 << 37) - (1 << 7));
+        assert_eq!(uniform_cell(last, 1 << 30), 6 * (1 << 60) - (1 << 37) + (1 << 30) - (1 << 7));
         assert_eq!(uniform_cell(last, 3), 53);
     }
 
