@@ -108,8 +108,12 @@ impl<A: Shape> With for WithBoth<'_, A> {
             near.support_calls,
         ];
         assert!(steps.iter().all(|count| *count <= MOST_STEPS), "a cap is not held: {steps:?}");
-        let balls = self.scene.balls_apart([self.a.interior_point(), b.interior_point()]);
-        self.scene.judge(yes.status, &deep, &near, balls);
+        // As near as rounding allows: its points show what no lower end may be above.
+        let nearest = Settings { tolerance: 0.0, ..settings };
+        let nearest = distance(self.a, b, b_in_a, &nearest, &mut Cache::default());
+        for near in [&near, &nearest] {
+            self.scene.judge(yes.status, &deep, near, nearest.point_a.distance(nearest.point_b));
+        }
         let Caches { manifold, manifold_cache, .. } = &mut self.caches;
         manifold.update(self.a, b, b_in_a, &ManifoldSettings::default(), manifold_cache);
         let points = manifold.points();
@@ -207,16 +211,8 @@ impl<'s> Scene<'s> {
         self.a.reach(n) + self.b.reach(self.turn.transpose() * -n) - n.dot(self.b_in_a.translation())
     }
 
-    /// How far apart the balls around these points of the shapes are, that hold the shapes: a bound that the solver starts from.
-    fn balls_apart(&self, centers: [DVec3; 2]) -> f64 {
-        let radius = |body: &Body, center: DVec3| {
-            body.points.iter().map(|p| p.distance(center)).fold(0.0, f64::max) + body.radius
-        };
-        let apart = self.b_in_a.transform_point(centers[1]).distance(centers[0]);
-        apart - radius(self.a, centers[0]) - radius(self.b, centers[1])
-    }
-
-    fn judge(&self, yes: Overlap, deep: &Contact, near: &Distance, balls: f64) {
+    /// Judges the answers; shapes that do not overlap have points as near to each other as `nearest`.
+    fn judge(&self, yes: Overlap, deep: &Contact, near: &Distance, nearest: f64) {
         let slack = self.slack;
         let told = || format!("{yes:?}\n{deep:?}\n{near:?}\nslack {slack:e} at {:?}", self.b_in_a);
         // Written so that NaN is wrong.
@@ -252,9 +248,7 @@ impl<'s> Scene<'s> {
             at_most("the distance's points are farther apart than its upper end", apart, near.upper + slack);
         }
         if near.lower > 0.0 {
-            let shown = balls.max(-way_near);
-            at_most("the distance's lower end is shown neither by its normal nor by balls", near.lower, shown + slack);
-            at_most("the distance's points are nearer than its lower end", near.lower, apart + slack);
+            at_most("the distance's lower end is above a distance of points", near.lower, apart.min(nearest) + slack);
         }
         if yes == Overlap::Overlapping {
             at_most("intersects says overlapping, an axis separates", -way_near.min(way_deep), slack);
