@@ -89,11 +89,14 @@ pub fn direction(face: u32, u: f64, v: f64) -> [f64; 3] {
 }
 
 /// Cell of a uniform cube map with `resolution` cells along a face's edge, row by row, face by face.
+///
+/// Resolutions near 2³², which a file that was not checked may state, have more cells than 64 bits count: some number comes back.
 #[inline]
 pub fn uniform_cell(cell: Cell, resolution: u32) -> u64 {
     let column = uniform_step(cell.u, resolution);
     let row = uniform_step(cell.v, resolution);
-    (u64::from(cell.face) * u64::from(resolution) + row) * u64::from(resolution) + column
+    let first_of_row = (u64::from(cell.face) * u64::from(resolution) + row).wrapping_mul(u64::from(resolution));
+    first_of_row.wrapping_add(column)
 }
 
 #[inline]
@@ -113,6 +116,17 @@ mod tests {
     fn next(state: &mut u64) -> f64 {
         *state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (*state >> 11) as f64 / (1_u64 << 53) as f64 * 2.0 - 1.0
+    }
+
+    /// A pack opened without checks made it overflow, which panics where overflow is checked.
+    #[test]
+    fn resolutions_that_overflow_have_some_cell() {
+        let last = Cell { face: 5, u: GRID_MASK, v: GRID_MASK };
+        for resolution in [1 << 30, 1 << 31, u32::MAX - 1, u32::MAX] {
+            uniform_cell(last, resolution);
+        }
+        assert_eq!(uniform_cell(last, 1 << 30), 6 * (1 << 60) - (1 << 37) + (1 << 30) - (1 << 7));
+        assert_eq!(uniform_cell(last, 3), 53);
     }
 
     #[test]

@@ -124,7 +124,7 @@ impl Pack {
     /// [`OpenError`] names the file, what is wrong with it, and what to do.
     ///
     /// # Complexity
-    /// One pass over the file; no allocation that grows with it.
+    /// One pass over the file; memory for the widest level of a hull's direction index, a few times that level's words.
     #[cfg(feature = "mmap")]
     pub fn open(path: impl AsRef<Path>) -> Result<Self, OpenError> {
         Self::map(path.as_ref(), Checks::All)

@@ -73,9 +73,27 @@ pub fn change_pack(file: &mut [u8], seed: u32) {
             3 => old.wrapping_sub(1),
             4 => old ^ 1 << rng.below(32),
             5 => rng.next_u64() as u32,
-            6 => words as u32 - rng.below(4) as u32,
+            6 => (words as u32).wrapping_sub(rng.below(4) as u32),
             _ => [u32::MAX, 1 << 31, f32::NAN.to_bits(), f32::MAX.to_bits()][rng.below(4)],
         };
         file[at..at + 4].copy_from_slice(&new.to_le_bytes());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Files of a word or two made it panic.
+    #[test]
+    fn files_of_any_length_can_be_changed() {
+        for len in [0, 1, 63, 64, 67, 68, 71, 72, 500] {
+            for seed in 0..200 {
+                let mut file = vec![7; len];
+                change_pack(&mut file, seed);
+                assert_eq!(file.len(), len);
+                assert!(file.iter().take(HEADER_LEN).all(|byte| *byte == 7), "the header is not touched");
+            }
+        }
     }
 }

@@ -108,7 +108,12 @@ impl<A: Shape> With for WithBoth<'_, A> {
             near.support_calls,
         ];
         assert!(steps.iter().all(|count| *count <= MOST_STEPS), "a cap is not held: {steps:?}");
-        self.scene.judge(yes.status, &deep, &near);
+        // As near as rounding allows: its points show what no lower end may be above.
+        let nearest = Settings { tolerance: 0.0, ..settings };
+        let nearest = distance(self.a, b, b_in_a, &nearest, &mut Cache::default());
+        for near in [&near, &nearest] {
+            self.scene.judge(yes.status, &deep, near, nearest.point_a.distance(nearest.point_b));
+        }
         let Caches { manifold, manifold_cache, .. } = &mut self.caches;
         manifold.update(self.a, b, b_in_a, &ManifoldSettings::default(), manifold_cache);
         let points = manifold.points();
@@ -206,7 +211,8 @@ impl<'s> Scene<'s> {
         self.a.reach(n) + self.b.reach(self.turn.transpose() * -n) - n.dot(self.b_in_a.translation())
     }
 
-    fn judge(&self, yes: Overlap, deep: &Contact, near: &Distance) {
+    /// Judges the answers; shapes that do not overlap have points as near to each other as `nearest`.
+    fn judge(&self, yes: Overlap, deep: &Contact, near: &Distance, nearest: f64) {
         let slack = self.slack;
         let told = || format!("{yes:?}\n{deep:?}\n{near:?}\nslack {slack:e} at {:?}", self.b_in_a);
         // Written so that NaN is wrong.
@@ -242,7 +248,7 @@ impl<'s> Scene<'s> {
             at_most("the distance's points are farther apart than its upper end", apart, near.upper + slack);
         }
         if near.lower > 0.0 {
-            at_most("the distance's lower end is not shown by its normal", near.lower, -way_near + slack);
+            at_most("the distance's lower end is above a distance of points", near.lower, apart.min(nearest) + slack);
         }
         if yes == Overlap::Overlapping {
             at_most("intersects says overlapping, an axis separates", -way_near.min(way_deep), slack);
