@@ -55,7 +55,7 @@ pub fn files(set: Set) -> Vec<(&'static str, Vec<u8>)> {
     let bake = |&(name, family, count, index): &Recipe| {
         let positions = family.points(count, SEED);
         let source_vertices = (0..positions.len() as u32).collect();
-        let points = PointSet { name: name.to_owned(), positions, source_vertices };
+        let points = PointSet { name: name.to_owned(), positions, source_vertices, ..PointSet::default() };
         let baked = bake_hull(&points, index).unwrap_or_else(|error| panic!("{name}: {error}"));
         let file = write_pack(&[baked], &SourceRecord::default()).unwrap_or_else(|error| panic!("{name}: {error}"));
         (name, file)
