@@ -16,8 +16,8 @@ use std::{
 use glam::{DQuat, DVec3, Vec3};
 use hullmap::levels::{self, Levels, OuterHulls};
 use hullmap::{
-    Cache, Feature, Hull, InvalidPack, Manifold, ManifoldSettings, Pack, Pose, Settings, Shape, SupportMap, distance,
-    intersects,
+    Cache, Compound, CompoundCache, Feature, Hull, InvalidPack, Manifold, ManifoldSettings, Pack, Pose, Settings,
+    Shape, SupportMap, compound, distance, intersects,
 };
 use hullmap_bake::{IndexKind, PointSet, SourceRecord};
 use hullmap_format::{
@@ -104,6 +104,16 @@ impl Inquiry {
         assert!(pack.hull_count() > 0, "an opened pack has a hull");
         assert!(pack.hull(pack.hull_count()).is_err());
         std::hint::black_box((pack.source_path(), pack.options(), pack.header(), pack.byte_len()));
+        let (whole, other) = (Compound::new(pack), Compound::new(&self.cube));
+        let mut cache = CompoundCache::new(2);
+        for &pose in &self.poses {
+            for (a, b) in [(&whole, &other), (&other, &whole), (&whole, &whole)] {
+                std::hint::black_box(compound::intersects(a, b, pose, &mut cache));
+                std::hint::black_box(compound::distance(a, b, pose, &Settings::default(), &mut cache));
+                let deepest = compound::contact(a, b, pose, &Settings::default(), &mut cache);
+                assert!(deepest.is_none_or(|found| found.hulls[0] < a.hull_count() && found.hulls[1] < b.hull_count()));
+            }
+        }
         let cube = self.cube.hull(0).unwrap();
         for hull in pack.hulls() {
             self.ask_hull(&hull);
