@@ -18,7 +18,7 @@
 //! use hullmap::{Compound, CompoundCache, Pose, Settings, compound};
 //!
 //! let table = Compound::new(&pack);
-//! let b_in_a = Pose::from_translation(DVec3::new(1.75, 0.25, 0.0))?;
+//! let b_in_a = Pose::from_translation(DVec3::new(3.25, 0.125, 0.0))?;
 //! let mut cache = CompoundCache::default();
 //! let deepest = compound::contact(&table, &table, b_in_a, &Settings::default(), &mut cache).ok_or("apart")?;
 //! println!("hulls {:?} are {:.3} deep in each other", deepest.hulls, deepest.answer.depth);
