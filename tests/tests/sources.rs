@@ -95,7 +95,7 @@ fn recentred_hulls_keep_the_digits_of_what_is_far_away() {
     let pack = Pack::open(folder.path().join("moved/far.hullmap")).unwrap();
     let hull = pack.hull(0).unwrap();
     let (origin, point) = (hull.origin(), hull.support(Vec3::ONE).point);
-    for (axis, expected) in [1_000_000.0003, -2_000_000.0010, 3_000_000.09].into_iter().enumerate() {
+    for (axis, expected) in [1.000_000_000_3e6, -2.000_000_001e6, 3.000_000_09e6].into_iter().enumerate() {
         let found = origin[axis] + f64::from(point[axis]);
         assert!((found - expected).abs() < 1e-8, "axis {axis}: {found} for {expected}");
     }
