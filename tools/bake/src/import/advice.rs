@@ -47,7 +47,13 @@ pub fn far_away(name: &str, positions: &[[f32; 3]]) -> Option<String> {
     }
     let size = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
     let far = (0..3).map(|axis| low[axis].abs().max(high[axis].abs())).fold(0.0, f64::max);
-    // A single point has no size to lose digits of.
+    // A single point has no size to lose digits of, but several that came out as one may have lost all.
+    if size == 0.0 && positions.len() > 1 && far > 0.0 {
+        return Some(format!(
+            "object {name}: its {} points have the same 32-bit coordinates, {far:.3e} from the origin; if they differ in the file, --recentre keeps them apart",
+            positions.len()
+        ));
+    }
     (size > 0.0 && far > FAR * size).then(|| {
         format!(
             "object {name}: {far:.3e} from the origin, with a size of {size:.3e}, so that 32-bit coordinates step by {:.1e} of the size; --recentre keeps the file's digits",
@@ -115,6 +121,8 @@ mod tests {
             assert!(far_away("a", &at(-2000.0)).is_some(), "{scale}");
         }
         assert_eq!(far_away("a", &[[1e30; 3]]), None);
+        assert_eq!(far_away("a", &[[0.0; 3]; 2]), None);
+        assert!(far_away("a", &[[1e6; 3]; 2]).unwrap().contains("--recentre"));
         assert_eq!(far_away("a", &[]), None);
     }
 

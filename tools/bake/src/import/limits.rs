@@ -2,8 +2,8 @@
 //!
 //! Every reader takes memory for what is there, never for what a header claims, so that most files need no limit at
 //! all. What is left are bytes that stand for much more than themselves: an `o` line of two bytes becomes a hull, a
-//! node of twenty bytes repeats a whole mesh. With these limits, importing takes at most [`MEMORY_FACTOR`] times the
-//! file, its own bytes included, and [`MEMORY_BASE`], and 64 bytes for each vertex or corner that a glTF file repeats.
+//! node of twenty bytes repeats a whole mesh. With these limits, importing takes at most `MEMORY_FACTOR` times the
+//! file, its own bytes included, and `MEMORY_BASE`, and 64 bytes for each vertex or corner that a glTF file repeats.
 
 /// Peak memory of an import, in multiples of the bytes read.
 #[cfg(test)]

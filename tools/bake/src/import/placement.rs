@@ -4,6 +4,9 @@ use super::fault::Fault;
 use super::mesh::Positions;
 use crate::options::{ImportOptions, UpAxis};
 
+/// Vertices that are placed before their memory is given back: 6 MB.
+const PLACED_AT_A_TIME: usize = 1 << 18;
+
 /// How the vertices of one file are placed.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement {
@@ -67,7 +70,38 @@ impl Placement {
         if let (Positions::Single(singles), false) = (positions, self.is_recentred || self.scale != 1.0) {
             return Ok(self.turn(singles[vertex as usize]));
         }
-        let point = self.in_source(positions.get(vertex));
+        self.place_point(positions.get(vertex), vertex)
+    }
+
+    /// All vertices in the hulls' frame. Those in f64 are given back to the system as they are placed: both lists as a
+    /// whole would be the most that an import ever holds.
+    ///
+    /// # Errors
+    /// A coordinate that is too large for f32.
+    pub fn place_all(&self, positions: &mut Positions) -> Result<Vec<[f32; 3]>, Fault> {
+        let mut placed = vec![[0.0; 3]; positions.len()];
+        match positions {
+            Positions::Double(doubles) => {
+                // From the end, where a list can be shortened.
+                while let Some(point) = doubles.pop() {
+                    let vertex = doubles.len();
+                    placed[vertex] = self.place_point(point, vertex as u32)?;
+                    if vertex % PLACED_AT_A_TIME == 0 {
+                        doubles.shrink_to_fit();
+                    }
+                }
+            }
+            Positions::Single(_) => {
+                for (vertex, placed) in placed.iter_mut().enumerate() {
+                    *placed = self.place(positions, vertex as u32)?;
+                }
+            }
+        }
+        Ok(placed)
+    }
+
+    fn place_point(&self, point: [f64; 3], vertex: u32) -> Result<[f32; 3], Fault> {
+        let point = self.in_source(point);
         let moved = [0, 1, 2].map(|axis| point[axis] - self.origin[axis]);
         let placed = moved.map(|x| x as f32);
         match placed.iter().position(|x| !x.is_finite()) {
@@ -91,7 +125,13 @@ mod tests {
     fn placed(positions: &Positions, options: ImportOptions) -> (Vec<[f32; 3]>, [f64; 3]) {
         let count = positions.len() as u32;
         let placement = Placement::new(positions, 0..count, &options);
-        ((0..count).map(|vertex| placement.place(positions, vertex).unwrap()).collect(), placement.origin)
+        let one_by_one: Vec<[f32; 3]> = (0..count).map(|vertex| placement.place(positions, vertex).unwrap()).collect();
+        let mut copy = match positions {
+            Positions::Single(all) => Positions::Single(all.clone()),
+            Positions::Double(all) => Positions::Double(all.clone()),
+        };
+        assert_eq!(placement.place_all(&mut copy).unwrap(), one_by_one);
+        (one_by_one, placement.origin)
     }
 
     #[test]

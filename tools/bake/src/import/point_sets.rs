@@ -57,9 +57,13 @@ pub fn point_sets(
         Split::Auto => collision_parts(mesh, referenced, takes_all, stem, &mut sets),
     };
     let Some(objects) = chosen else {
-        let vertices = (0..mesh.positions.len() as u32).filter(|&v| takes_all || referenced[v as usize]).collect();
+        let is_chosen = |vertex: &u32| takes_all || referenced[*vertex as usize];
+        let all = 0..mesh.positions.len() as u32;
+        // Counted first: a list that grows by doubling may end at twice its size.
+        let mut vertices = Vec::with_capacity(all.clone().filter(is_chosen).count());
+        vertices.extend(all.filter(is_chosen));
         let faces = std::mem::take(&mut mesh.faces);
-        build(&mut sets, &mesh.positions, options, vec![(stem.to_owned(), vertices, faces)])?;
+        build(&mut sets, &mut mesh.positions, options, vec![(stem.to_owned(), vertices, faces)])?;
         return Ok(sets);
     };
     let mut parts = Vec::with_capacity(objects.len());
@@ -77,7 +81,7 @@ pub fn point_sets(
     if renamed > 0 {
         sets.notes.push(format!("objects renamed since an earlier one has the name: {renamed}"));
     }
-    build(&mut sets, &mesh.positions, options, parts)?;
+    build(&mut sets, &mut mesh.positions, options, parts)?;
     Ok(sets)
 }
 
@@ -173,22 +177,35 @@ fn faces_of(mesh: &Mesh, object: usize) -> Polygons {
 /// Places the points of named lists of vertices, and renumbers the faces over them.
 fn build(
     sets: &mut Sets,
-    positions: &Positions,
+    positions: &mut Positions,
     options: &ImportOptions,
     parts: Vec<(String, Vec<u32>, Polygons)>,
 ) -> Result<(), Fault> {
     let chosen = parts.iter().flat_map(|(_, vertices, _)| vertices.iter().copied());
     let placement = Placement::new(positions, chosen, options);
+    let is_only = parts.len() == 1;
     // Number of each vertex in the set at hand; those of other sets are never read.
-    let mut number = vec![0_u32; positions.len()];
+    let mut number: Vec<u32> = Vec::new();
     for (name, vertices, mut faces) in parts {
-        for (own, &vertex) in vertices.iter().enumerate() {
-            number[vertex as usize] = own as u32;
+        // Ascending and each once: as many as there are is all of them, and they keep their numbers.
+        if vertices.len() < positions.len() && !faces.corners.is_empty() {
+            number.resize(positions.len(), 0);
+            for (own, &vertex) in vertices.iter().enumerate() {
+                number[vertex as usize] = own as u32;
+            }
+            for corner in &mut faces.corners {
+                *corner = number[*corner as usize];
+            }
         }
-        for corner in &mut faces.corners {
-            *corner = number[*corner as usize];
-        }
-        let points = vertices.iter().map(|&vertex| placement.place(positions, vertex)).collect::<Result<_, _>>()?;
+        let points = if is_only && vertices.len() == positions.len() {
+            placement.place_all(positions)?
+        } else {
+            let mut points = Vec::with_capacity(vertices.len());
+            for &vertex in &vertices {
+                points.push(placement.place(positions, vertex)?);
+            }
+            points
+        };
         sets.point_sets.push(PointSet {
             name,
             positions: points,
