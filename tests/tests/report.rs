@@ -276,7 +276,7 @@ fn a_folder_has_an_index_and_a_page_a_pack() {
         assert_eq!(back, folder.path().join("site/report.html").canonicalize().unwrap());
     }
     assert!(links.contains(&"report.pages/deep/er/a%20b%231.hullmap.html".to_owned()), "{links:?}");
-    assert!(index.contains("all exact") && index.contains("Flat: all its points lie in one plane"));
+    assert!(index.contains("all exact") && index.contains("hull flat_sheet is flat: its "));
 
     let Some(browser) = browser("a_folder_has_an_index_and_a_page_a_pack") else { return };
     let loaded = load(browser, &folder.path().join("site/report.html"), &[]);
@@ -299,6 +299,109 @@ fn decoded(link: &str) -> String {
         bytes.extend(&part.as_bytes()[2..]);
     }
     String::from_utf8(bytes).unwrap()
+}
+
+/// A U whose two ends are polygons of eight corners that turn inwards at two.
+fn concave_prism() -> String {
+    let outline = [(0, 0), (3, 0), (3, 3), (2, 3), (2, 1), (1, 1), (1, 3), (0, 3)];
+    let corners = [0, 1].map(|z| outline.map(|(x, y)| format!("v {x} {y} {z}\n")).concat()).concat();
+    let sides: String =
+        (0..8).map(|i| format!("f {} {} {} {}\n", i + 1, (i + 1) % 8 + 1, (i + 1) % 8 + 9, i + 9)).collect();
+    // A point that nothing references, and one that equals another.
+    format!("{corners}v 9 9 9\nv 0 0 0\n{sides}f 8 7 6 5 4 3 2 1\nf 9 10 11 12 13 14 15 16\nf 1 18 2\n")
+}
+
+/// The data that a page draws.
+fn data(page: &str) -> serde_json::Value {
+    let text = page.split("id=\"data\">").nth(1).unwrap().split("</script>").next().unwrap();
+    serde_json::from_str(text).unwrap()
+}
+
+/// Cells of a table's column, by its head; tables are those after `mark`.
+fn column(page: &str, mark: &str, head: &str) -> Vec<String> {
+    let table = page.split(mark).last().unwrap().split("<table").nth(1).unwrap().split("</table>").next().unwrap();
+    let cells = |row: &str, tag: &str| -> Vec<String> {
+        let cells = row.split(tag).skip(1).map(|cell| cell.split_once('>').unwrap().1);
+        cells.map(|cell| cell.rsplit_once("</t").unwrap().0.to_owned()).collect()
+    };
+    let place = cells(table.split("</thead>").next().unwrap(), "<th ").iter().position(|name| name == head);
+    let place = place.unwrap_or_else(|| panic!("no column {head}"));
+    let rows = table.split("<tbody>").nth(1).unwrap().split("<tr>").skip(1);
+    rows.map(|row| cells(row, "<td")[place].clone()).collect()
+}
+
+const OF_HULLS: &str = "The hulls of the pack.";
+const OF_VERIFICATION: &str = "Support queries of the runtime compared with every point of the source";
+
+#[test]
+fn convex_parts_are_verified_against_the_source_cut_again() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("u.obj"), concave_prism()).unwrap();
+    let built = run(&folder, &["build", "u.obj", "--out", "packs", "--decompose", "--json"]).expect(0).json();
+    run(&folder, &["report", "packs/u.hullmap", "--out", "page.html"]).expect(0);
+    let page = text(folder.path().join("page.html"));
+    let parts = built[0]["hulls"].as_u64().unwrap() as usize;
+    assert!(parts >= 2, "{built:?}");
+    let data = data(&page);
+    assert_eq!(data["hulls"].as_array().unwrap().len(), parts);
+    assert!(data["hulls"].as_array().unwrap().iter().all(|hull| hull["hull"]["shown"].as_u64().unwrap() > 0));
+    // The whole mesh stands beside the parts: 8 quads, two ends of 6 triangles, and the loose one.
+    assert_eq!((data["meshes"].as_array().unwrap().len(), data["meshes"][0]["whole"].as_u64()), (1, Some(29)));
+    let verified = column(&page, OF_VERIFICATION, "result");
+    assert!(verified.len() == parts && verified.iter().all(|cell| cell.contains("good\">exact<")), "{verified:?}");
+    assert_eq!(column(&page, OF_HULLS, "uncovered").len(), parts);
+    assert!(column(&page, OF_HULLS, "outer error").iter().all(|cell| cell == "0"));
+    // All that the bake said is on the page, in its words.
+    let said: Vec<&str> = ["notes", "warnings"]
+        .iter()
+        .flat_map(|list| built[0][*list].as_array().unwrap())
+        .map(|text| text.as_str().unwrap())
+        .collect();
+    assert!(said.iter().any(|text| text.contains(&format!("{parts} parts"))), "{said:?}");
+    assert!(said.iter().any(|text| text.contains("no element references")), "{said:?}");
+    assert!(said.iter().any(|text| text.contains("equals an earlier one")), "{said:?}");
+    for text in said {
+        assert!(page.contains(&format!("</strong> {text}</li>")), "{text}");
+    }
+
+    // The ends have the gap of the U, so the parts do: a fan from an end's first corner would close it.
+    let volumes = run(&folder, &["inspect", "packs", "--json"]).expect(0).json();
+    let hulls = volumes[0]["hulls"].as_array().unwrap();
+    let volume: f64 = hulls.iter().map(|hull| hull["volume"].as_f64().unwrap()).sum();
+    assert!((6.9..7.4).contains(&volume), "{volume}, where the mesh has 7");
+}
+
+#[test]
+fn simplified_hulls_are_said_to_hold_their_source() {
+    let folder = tempfile::tempdir().unwrap();
+    let points: String = Family::Rock.points(2_000, 5).iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+    fs::write(folder.path().join("rock.obj"), points).unwrap();
+    for (more, kind, limit) in [("32", "Warning", 1e-2..f64::INFINITY), ("200", "Note", 1e-9..1e-2)] {
+        let words = ["build", "rock.obj", "--out", "packs", "--max-vertices", more, "--json"];
+        let built = run(&folder, &words).expect(0).json();
+        run(&folder, &["report", "packs/rock.hullmap", "--out", "page.html"]).expect(0);
+        let page = text(folder.path().join("page.html"));
+        assert!(page.contains("class=\"chip good\">holds its source<") && !page.contains(">exact<"));
+        let inspected = run(&folder, &["inspect", "packs", "--json"]).expect(0).json();
+        let hull = &inspected[0]["hulls"][0];
+        let (error, diameter) = (hull["outer_error"].as_f64().unwrap(), hull["diameter"].as_f64().unwrap());
+        assert!(limit.contains(&(error / diameter)), "{more}: {error}");
+        let shown: f64 = column(&page, OF_HULLS, "outer error")[0].replace('−', "-").parse().unwrap();
+        assert!((shown - error).abs() < 0.01 * error, "{shown} {error}");
+        assert_eq!(column(&page, OF_HULLS, "uncovered"), ["0"]);
+        assert_eq!(data(&page)["hulls"][0]["vertices"], hull["vertices"]);
+        let list = if kind == "Note" { "notes" } else { "warnings" };
+        let said =
+            built[0][list].as_array().unwrap().iter().find(|text| text.to_string().contains("outside the source by"));
+        let said = said.unwrap_or_else(|| panic!("{built:?}")).as_str().unwrap();
+        assert!(page.contains(&format!("<strong>{kind}:</strong> {said}</li>")), "{said}");
+    }
+
+    // In a folder, and with its source named, it is the same.
+    fs::rename(folder.path().join("packs/rock.hullmap"), folder.path().join("packs/other.hullmap")).unwrap();
+    run(&folder, &["verify", "packs", "--source", "rock.obj"]).expect(0);
+    run(&folder, &["report", "packs", "--source", "rock.obj", "--out", "index.html"]).expect(0);
+    assert!(text(folder.path().join("index.html")).contains("all verified"));
 }
 
 #[test]

@@ -8,7 +8,7 @@ use hullmap_bake::simplify::Limit;
 use hullmap_bake::{BakedHull, IndexKind, PointSet, SourceRecord, bake_hull, bake_simplified_hull, write_pack};
 use rayon::prelude::*;
 
-use crate::import::advice::{self, HullFacts};
+use crate::import::advice::{self, HullFacts, Remark};
 use crate::options::{self, BuildOptions, DecomposeOptions, Simplify};
 
 /// A pack in memory.
@@ -81,26 +81,23 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
         let hull = hull.map_err(|error| format!("hull {}: {error}", part.points.name))?;
         hulls.push(BakedHull { part: part.number, ..hull });
     }
-    let mut notes = Vec::new();
-    if options.decompose.is_some() {
-        notes.extend(cover(point_sets, &parts, &mut hulls));
-    }
-    if limit.is_some() {
-        notes.extend(hulls.iter().filter(|baked| baked.outer_error > 0.0).map(simplified_note));
-    }
+    let (mut notes, mut warnings) = (Vec::new(), Vec::new());
+    let covers = if options.decompose.is_some() { cover(point_sets, &parts, &mut hulls) } else { Vec::new() };
+    let simplified = hulls.iter().filter_map(|baked| advice::simplified(&facts(baked)));
+    covers.into_iter().chain(simplified).for_each(|remark| remark.tell(&mut notes, &mut warnings));
     if let IndexKind::Budget { bytes_per_vertex } = options.index {
         notes.extend(hulls.iter().map(|baked| budget_note(baked, bytes_per_vertex)));
     }
     let bytes = write_pack(&hulls, source).map_err(|error| error.to_string())?;
     let ranks = hulls.iter().map(|baked| baked.hull.rank).collect();
     let vertex_count = hulls.iter().map(|baked| baked.hull.vertices.len()).sum();
-    let warnings = hulls.iter().flat_map(|baked| advice::of_hull(&facts(baked))).collect();
+    warnings.extend(hulls.iter().flat_map(|baked| advice::of_hull(&facts(baked))));
     Ok(BakedPack { bytes, ranks, vertex_count, notes, warnings })
 }
 
 /// Measures what the parts of each set leave out, tells the hulls, and says it.
-fn cover(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull]) -> Vec<String> {
-    let mut notes = Vec::new();
+fn cover(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull]) -> Vec<Remark> {
+    let mut remarks = Vec::new();
     let mut start = 0;
     for (set, points) in point_sets.iter().enumerate() {
         let count = parts[start..].iter().take_while(|part| part.set == set).count();
@@ -113,15 +110,16 @@ fn cover(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull]) -> Ve
             } else {
                 "it is convex, or thin, as it is"
             };
-            notes.push(format!("{name}: one hull: {why}"));
+            remarks.push(Remark::Note(format!("{name}: one hull: {why}")));
             continue;
         }
         let whole: Vec<&Hull> = own.iter().map(|baked| &baked.hull).collect();
         let uncovered = decompose::uncovered(points, &whole);
         own.iter_mut().for_each(|baked| baked.uncovered = uncovered);
-        notes.push(format!("{name}: {count} parts; every vertex is in one, or {uncovered:.3e} away at most"));
+        let size = own.iter().map(|baked| baked.hull.diameter).fold(0.0, f64::max);
+        remarks.push(advice::parts(name, count, uncovered, size));
     }
-    notes
+    remarks
 }
 
 fn vhacd(options: &DecomposeOptions) -> Parameters {
@@ -153,17 +151,8 @@ fn facts(baked: &BakedHull) -> HullFacts<'_> {
         diameter: baked.hull.diameter,
         inner_radius: baked.interior.inner_radius,
         greatest_coordinate: coordinates.map(|x| f64::from(x.abs())).fold(0.0, f64::max),
+        outer_error: baked.outer_error,
     }
-}
-
-/// What a simplified hull promises.
-fn simplified_note(baked: &BakedHull) -> String {
-    let BakedHull { name, hull, outer_error, .. } = baked;
-    let share = outer_error / hull.diameter;
-    let count = hull.vertices.len();
-    format!(
-        "hull {name}: {count} vertices, outside the source by {outer_error:.3e} at most ({share:.1e} of the diameter)"
-    )
 }
 
 /// Which index a budget bought.

@@ -19,6 +19,10 @@ pub struct Source {
     pub point_sets: Vec<PointSet>,
     /// For each set the faces over it, by the numbers of its own points.
     pub faces: Vec<Polygons>,
+    /// What the import notes, a sentence each.
+    pub notes: Vec<String>,
+    /// What the import warns of, a sentence each.
+    pub warnings: Vec<String>,
 }
 
 /// What a pack says of its source.
@@ -75,8 +79,8 @@ pub fn find_source(place: &PackPlace, recorded: Recorded, asked: Option<&Path>) 
             }
         };
         if source.hash == recorded.hash {
-            let Imported { point_sets, faces, .. } = import(&path, &source, recorded.options)?;
-            return Ok(Some(Source { path, point_sets, faces }));
+            let Imported { point_sets, faces, notes, warnings, .. } = import(&path, &source, recorded.options)?;
+            return Ok(Some(Source { path, point_sets, faces, notes, warnings }));
         }
         stale.get_or_insert(path);
     }

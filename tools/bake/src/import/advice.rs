@@ -1,5 +1,7 @@
 //! What a user should look at: sets and hulls that bake, but may not be what was meant.
 //!
+//! `bake build` and `bake report` say it, in the same words.
+//!
 //! Every threshold is a ratio: nothing changes where a mesh is scaled, but for the one limit that f32 itself has.
 
 /// Distance from the origin, in sizes of the set, beyond which precision is lost: f32 then steps by more than 6e-5 of
@@ -16,6 +18,35 @@ const HUGE_VERTICES: usize = 1 << 16;
 /// Coordinate beyond which a hull is huge: its square no longer fits f32, and engines that measure distances in f32
 /// get infinities. The one threshold with a unit, that of the source.
 const HUGE_COORDINATE: f64 = 1.8e19;
+
+/// Share of the size by which a hull, or the parts of a mesh, may leave their source before it is a warning: contacts that are
+/// a hundredth early or late are seen.
+const LOOSE: f64 = 0.01;
+
+/// A sentence for one of two lists.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Remark {
+    /// What the user may want to know.
+    Note(String),
+    /// What the user should look at, with the remedy.
+    Warning(String),
+}
+
+impl Remark {
+    /// The text as a note, or with a remedy as a warning where `error` is loose for `size`.
+    fn by_size(text: String, error: f64, size: f64, remedy: &str) -> Self {
+        // NaN is a warning.
+        if error <= LOOSE * size { Self::Note(text) } else { Self::Warning(format!("{text}; {remedy}")) }
+    }
+
+    /// Adds it to the list that it is for.
+    pub fn tell(self, notes: &mut Vec<String>, warnings: &mut Vec<String>) {
+        match self {
+            Self::Note(text) => notes.push(text),
+            Self::Warning(text) => warnings.push(text),
+        }
+    }
+}
 
 /// What is known of a baked hull.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +65,28 @@ pub struct HullFacts<'a> {
     pub inner_radius: f64,
     /// Greatest absolute value of its coordinates.
     pub greatest_coordinate: f64,
+    /// How far it may reach beyond its source; 0 for an exact one.
+    pub outer_error: f64,
+}
+
+/// What a simplified hull promises; `None` for one that is exact.
+pub fn simplified(facts: &HullFacts) -> Option<Remark> {
+    let HullFacts { name, vertex_count, outer_error, diameter, .. } = *facts;
+    if outer_error == 0.0 {
+        return None;
+    }
+    let share = outer_error / diameter;
+    let text = format!(
+        "hull {name}: {vertex_count} vertices, outside the source by {outer_error:.3e} at most ({share:.1e} of the diameter)"
+    );
+    let remedy = "a greater --max-vertices, or a lesser --max-error, brings it nearer";
+    Some(Remark::by_size(text, outer_error, diameter, remedy))
+}
+
+/// What the `count` parts of a set promise; `size` is that of the greatest part.
+pub fn parts(name: &str, count: usize, uncovered: f64, size: f64) -> Remark {
+    let text = format!("{name}: {count} parts; every vertex is in one, or {uncovered:.3e} away at most");
+    Remark::by_size(text, uncovered, size, "a greater --vhacd-resolution or --vhacd-max-parts leaves out less")
 }
 
 /// Warns of points whose distance from the origin costs them digits.
@@ -136,6 +189,7 @@ mod tests {
             diameter: 1.0,
             inner_radius: 0.3,
             greatest_coordinate: 1.0,
+            outer_error: 0.0,
         };
         let words = |facts| of_hull(&facts).join("; ");
         assert_eq!(words(plain), "");
@@ -149,5 +203,35 @@ mod tests {
         assert_eq!(words(HullFacts { rank: 0, point_count: 1, ..plain }), "");
         assert!(words(HullFacts { vertex_count: 65_537, ..plain }).contains("--max-vertices"));
         assert!(words(HullFacts { greatest_coordinate: 1e20, ..plain }).contains("overflow"));
+    }
+
+    #[test]
+    fn what_is_not_exact_is_noted_and_what_is_loose_is_warned_of() {
+        let said = |remark: Remark| {
+            let (mut notes, mut warnings) = (Vec::new(), Vec::new());
+            remark.tell(&mut notes, &mut warnings);
+            (notes.join("; "), warnings.join("; "))
+        };
+        let simple = |outer_error| {
+            simplified(&HullFacts {
+                name: "a",
+                rank: 3,
+                point_count: 9,
+                vertex_count: 8,
+                diameter: 10.0,
+                inner_radius: 1.0,
+                greatest_coordinate: 1.0,
+                outer_error,
+            })
+        };
+        assert_eq!(simple(0.0), None);
+        let (note, warning) = said(simple(0.05).unwrap());
+        assert!(note.contains("hull a: 8 vertices, outside the source by 5.000e-2 at most") && warning.is_empty());
+        let (note, warning) = said(simple(0.2).unwrap());
+        assert!(note.is_empty() && warning.contains("2.0e-2 of the diameter); a greater --max-vertices"), "{warning}");
+        assert!(matches!(simple(f64::NAN), Some(Remark::Warning(_))));
+        assert!(matches!(parts("a", 3, 1e-3, 1.0), Remark::Note(_)));
+        let (_, warning) = said(parts("a", 3, 0.02, 1.0));
+        assert!(warning.contains("a: 3 parts;") && warning.contains("--vhacd-resolution"), "{warning}");
     }
 }

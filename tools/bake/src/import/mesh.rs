@@ -1,5 +1,7 @@
 //! What every reader makes of a file: vertices, elements over them, and where objects begin.
 
+use super::ears::triangulate;
+
 /// Vertices in file order, with the digits that the file has or that the options need.
 #[derive(Debug)]
 pub enum Positions {
@@ -58,18 +60,16 @@ impl Polygons {
         self.ends.push(self.corners.len() as u32);
     }
 
-    /// The polygons as triangles, each cut into a fan from its first corner; those of fewer than three corners are left
-    /// out. The winding is the file's.
+    /// The polygons over `points` as triangles, two fewer than each has corners, whether it is convex or not. The winding is the
+    /// file's.
     ///
     /// # Complexity
-    /// O(corners).
-    pub fn triangles(&self) -> Vec<[u32; 3]> {
+    /// O(corners) for convex polygons; for others see [`triangulate`].
+    pub fn triangles(&self, points: &[[f32; 3]]) -> Vec<[u32; 3]> {
         let mut triangles = Vec::with_capacity(self.corners.len().saturating_sub(2 * self.len()));
         for number in 0..self.len() {
             let corners = &self.corners[self.start(number)..self.ends[number] as usize];
-            if let [first, rest @ ..] = corners {
-                triangles.extend(rest.windows(2).map(|pair| [*first, pair[0], pair[1]]));
-            }
+            triangulate(corners, points, &mut triangles);
         }
         triangles
     }
@@ -153,13 +153,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn faces_become_fans() {
+    fn convex_faces_become_fans() {
+        let on_circle = |i: u8| [(f32::from(i) * 0.5).cos(), (f32::from(i) * 0.5).sin(), 0.0];
+        let points: Vec<[f32; 3]> = (0..10).map(on_circle).collect();
         let mut faces = Polygons::default();
         for corners in [&[4, 5, 6][..], &[7], &[0, 1, 2, 3, 9], &[8, 8], &[3, 2, 1, 0]] {
             faces.push(corners);
         }
         let fans = [[4, 5, 6], [0, 1, 2], [0, 2, 3], [0, 3, 9], [3, 2, 1], [3, 1, 0]];
-        assert_eq!(faces.triangles(), fans);
-        assert_eq!(Polygons::default().triangles(), [[0; 3]; 0]);
+        assert_eq!(faces.triangles(&points), fans);
+        assert_eq!(Polygons::default().triangles(&points), [[0; 3]; 0]);
     }
 }

@@ -16,6 +16,7 @@
 pub mod advice;
 mod conventions;
 mod coordinate;
+mod ears;
 mod fault;
 mod format;
 mod gltf;
@@ -75,7 +76,7 @@ impl Imported {
     /// Gives each point set the triangles of its faces, for a decomposition.
     pub fn give_triangles(&mut self) {
         for (set, faces) in self.point_sets.iter_mut().zip(&self.faces) {
-            set.triangles = faces.triangles();
+            set.triangles = faces.triangles(&set.positions);
         }
     }
 }

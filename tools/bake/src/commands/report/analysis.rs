@@ -13,7 +13,7 @@ use super::picture::picture;
 use super::shape::{Shape, ShownShape, triangle_cap};
 use super::sizes::Section;
 use super::source_mesh::source_shapes;
-use super::warnings::hull_warnings;
+use super::warnings::{Remarks, of_hull, of_pack};
 use crate::args::{ReportArgs, Up};
 use crate::commands::verify::{HullReport, Truth, verify_hulls};
 use crate::open::open_pack;
@@ -57,8 +57,10 @@ pub struct Analysis {
     pub verification: Vec<HullReport>,
     /// What is wrong: the pack is found wanting.
     pub faults: Vec<String>,
-    /// What may surprise.
+    /// What one should look at.
     pub warnings: Vec<String>,
+    /// What one may want to know.
+    pub notes: Vec<String>,
     /// Bytes by section.
     pub sections: Vec<Section>,
     /// What the page draws.
@@ -90,6 +92,10 @@ pub struct HullFacts {
     pub diameter: f64,
     /// How far the worst source point lies outside, over the diameter.
     pub containment_error: f64,
+    /// How far it may reach beyond its source, a length; 0 for an exact one.
+    pub outer_error: f64,
+    /// How far a vertex of the object may lie outside of all of its parts, a length.
+    pub uncovered: f64,
     /// Kind of index, in words.
     pub index: String,
     /// Bytes of the index.
@@ -156,6 +162,11 @@ impl Analysis {
         if self.faults.is_empty() { Exit::Done } else { Exit::Wanting }
     }
 
+    /// Whether every hull is that of its points, and none was simplified.
+    pub fn is_exact(&self) -> bool {
+        self.verification.iter().all(|report| report.outer_error == Some(0.0))
+    }
+
     /// Hulls that have facts but are not drawn.
     pub fn undrawn(&self) -> usize {
         self.drawn.hulls.iter().filter(|hull| hull.hull.is_none()).count()
@@ -187,21 +198,22 @@ pub fn analyse(place: &PackPlace, asked: Option<&Path>, args: &ReportArgs) -> Re
     let hull_count = pack.hull_count();
     let shown_count = hull_count.min(MAX_HULLS);
     let directions = even_directions(direction_count(shown_count));
-    let mut warnings = Vec::new();
+    let Remarks { mut notes, mut warnings } = of_pack(&pack, source.as_ref());
     if source.is_none() {
         let found = if faults.is_empty() { "was not found" } else { "cannot be used" };
-        warnings.push(format!(
-            "The source {found}, so the hull stands alone and was compared with itself only; --source names the file."
-        ));
+        let told = format!(
+            "the source {found}, so the hull stands alone and was compared with itself only; --source names the file"
+        );
+        warnings.insert(0, told);
     }
     let meshes = source.as_ref().map(source_shapes);
     let mut hulls = Vec::new();
     let mut paces = Vec::new();
     for (number, hull) in pack.hulls().take(shown_count).enumerate() {
         let census = census(&contents.indices[number], &directions);
-        let found = hull_warnings(&hull, &census);
-        let of = if hull_count > 1 { format!("hull {}: ", hull.name()) } else { String::new() };
-        warnings.extend(found.into_iter().map(|warning| sentence(&format!("{of}{warning}."))));
+        let found = of_hull(&hull, &census);
+        notes.extend(found.notes);
+        warnings.extend(found.warnings);
         paces.push(pace(&hull, &directions, shown_count));
         hulls.push(facts(&hull, census));
     }
@@ -219,18 +231,13 @@ pub fn analyse(place: &PackPlace, asked: Option<&Path>, args: &ReportArgs) -> Re
         verification,
         faults,
         warnings,
+        notes,
         sections: contents.sections,
         picture: still(&pack, meshes.unwrap_or_default(), args.up),
         hulls,
         drawn,
         times: Times { open, verification: verified, paces },
     })
-}
-
-/// The text with a capital in front.
-fn sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// How a page names the source. The path that leads to it from the pack names the machine's folders: what the pack records
@@ -269,6 +276,8 @@ fn facts(hull: &Hull, census: Census) -> HullFacts {
         surface_area: hull.surface_area(),
         diameter: hull.diameter(),
         containment_error: hull.containment_error(),
+        outer_error: hull.outer_error(),
+        uncovered: hull.uncovered(),
         index: match hull.index_kind() {
             IndexKind::Tree { leaf } => format!("tree, leaves of {leaf}"),
             IndexKind::Binary => "binary".to_owned(),

@@ -17,6 +17,8 @@ pub struct Card {
     pub verdict: String,
     /// Whether there are faults.
     pub is_faulty: bool,
+    /// Whether no hull is a simplified one.
+    pub is_exact: bool,
     /// What is wrong or may surprise.
     pub remarks: Vec<String>,
     /// What the pack holds; `None` where it does not open.
@@ -53,7 +55,8 @@ pub fn folder_page(folder: &str, cards: &[Card]) -> String {
         sum(|content| content.bytes)
     );
     let verdict = if failed == 0 {
-        "<span class=\"chip good\">all exact</span>".to_owned()
+        let word = if cards.iter().all(|card| card.is_exact) { "all exact" } else { "all verified" };
+        format!("<span class=\"chip good\">{word}</span>")
     } else {
         format!("<span class=\"chip bad\">{} failed</span>", packs(failed))
     };

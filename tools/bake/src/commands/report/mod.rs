@@ -104,7 +104,14 @@ fn report_folder(
                 messages::error(&failure);
                 exit = exit.max(failure.exit);
                 let verdict = "<span class=\"chip bad\">not opened</span>".to_owned();
-                cards.push(Card { name, verdict, is_faulty: true, remarks: vec![failure.message], content: None });
+                cards.push(Card {
+                    name,
+                    verdict,
+                    is_faulty: true,
+                    is_exact: false,
+                    remarks: vec![failure.message],
+                    content: None,
+                });
             }
         }
     }
@@ -134,6 +141,7 @@ fn card(name: String, pack: &Analysis, page: String) -> Card {
         name,
         verdict: verdict(pack),
         is_faulty: !pack.faults.is_empty(),
+        is_exact: pack.is_exact(),
         remarks: pack.faults.iter().chain(&pack.warnings).cloned().collect(),
         content: Some(Content {
             page,

@@ -68,18 +68,22 @@ pub fn verdict(pack: &Analysis) -> String {
         ("bad", "failed")
     } else if pack.source.is_none() {
         ("odd", "exact to the stored hull")
-    } else {
+    } else if pack.is_exact() {
         ("good", "exact")
+    } else {
+        ("good", "holds its source")
     };
     format!("<span class=\"chip {class}\">{word}</span>")
 }
 
 fn warnings(pack: &Analysis) -> String {
-    if pack.faults.is_empty() && pack.warnings.is_empty() {
+    if pack.faults.is_empty() && pack.warnings.is_empty() && pack.notes.is_empty() {
         return String::new();
     }
-    let mut out = "<section aria-labelledby=\"warnings-title\">\n<h2 id=\"warnings-title\">Warnings</h2>\n<ul class=\"warnings\">\n".to_owned();
-    for (class, word, list) in [("bad", "Fault", &pack.faults), ("odd", "Note", &pack.warnings)] {
+    let mut out = "<section aria-labelledby=\"warnings-title\">\n<h2 id=\"warnings-title\">Warnings and notes</h2>\n<ul class=\"warnings\">\n".to_owned();
+    for (class, word, list) in
+        [("bad", "Fault", &pack.faults), ("odd", "Warning", &pack.warnings), ("plain", "Note", &pack.notes)]
+    {
         for text in list.iter().take(MAX_WARNINGS) {
             let _ = writeln!(out, "<li class=\"{class}\"><strong>{word}:</strong> {}</li>", escape(text));
         }
@@ -91,7 +95,7 @@ fn warnings(pack: &Analysis) -> String {
     out + "</ul>\n</section>\n"
 }
 
-/// Faults, and warnings, that a page lists.
+/// Faults, warnings, and notes, that a page lists of each.
 const MAX_WARNINGS: usize = 40;
 
 fn facts(pack: &Analysis) -> String {
@@ -182,6 +186,8 @@ fn hulls(pack: &Analysis) -> String {
         ("area", false),
         ("volume", false),
         ("error", false),
+        ("outer error", false),
+        ("uncovered", false),
         ("index", true),
         ("bytes", false),
         ("a vertex", false),
@@ -199,6 +205,8 @@ fn hulls(pack: &Analysis) -> String {
             short(hull.surface_area),
             short(hull.volume),
             short(hull.containment_error),
+            short(hull.outer_error),
+            short(hull.uncovered),
             escape(&hull.index),
             count(hull.index_bytes as u64),
             format!("{:.1}", hull.index_bytes as f64 / hull.vertices.max(1) as f64),
@@ -207,7 +215,7 @@ fn hulls(pack: &Analysis) -> String {
         ]
     });
     table(
-        "The hulls of the pack. The error is how far a source point lies outside, over the diameter; nodes and candidates are means over all directions.",
+        "The hulls of the pack. The error is how far a source point lies outside, over the diameter. The outer error is how far a simplified hull may reach beyond its source, uncovered how far a vertex of the mesh may lie outside of all of its parts; both are lengths, and 0 where there is none. Nodes and candidates are means over all directions.",
         &heads,
         rows,
         &[],
@@ -221,8 +229,13 @@ fn verification(pack: &Analysis) -> String {
     let against =
         if first.against == Some("source") { "every point of the source" } else { "the stored hull's own vertices" };
     let caption = format!(
-        "Support queries of the runtime compared with {against}, by brute force in f64, in {} directions a hull. Regret is what an answer falls short, over the diameter; exact is 2e−7 at most.",
-        count(first.directions.unwrap_or(0) as u64)
+        "Support queries of the runtime compared with {against}, by brute force in f64, in {} directions a hull. Regret is what an answer falls short, over the diameter; exact is 2e−7 at most.{}",
+        count(first.directions.unwrap_or(0) as u64),
+        if pack.is_exact() || pack.source.is_none() {
+            ""
+        } else {
+            " A simplified hull was found to hold every point of its source and to leave it by no more than its outer error; its queries are compared with its own vertices."
+        }
     );
     let heads = [
         ("hull", true),
@@ -236,10 +249,11 @@ fn verification(pack: &Analysis) -> String {
     // Those that failed are never left out.
     let is_listed = |(place, report): &(usize, &HullReport)| *place < super::analysis::MAX_HULLS || !report.pass;
     let rows = pack.verification.iter().enumerate().filter(is_listed).map(|(_, report)| {
-        let result = if report.pass {
-            "<span class=\"chip good\">exact</span>".to_owned()
-        } else {
-            "<span class=\"chip bad\">failed</span>".to_owned()
+        let (class, word) = match (report.pass, report.outer_error) {
+            (false, _) => ("bad", "failed"),
+            (true, Some(0.0)) => ("good", "exact"),
+            (true, _) if report.against == Some("source") => ("good", "holds its source"),
+            (true, _) => ("odd", "simplified"),
         };
         vec![
             escape(report.hull.as_deref().unwrap_or("–")),
@@ -247,7 +261,7 @@ fn verification(pack: &Analysis) -> String {
             number(report.mismatches),
             number(report.max_nodes.map(|nodes| nodes as usize)),
             number(report.max_dots.map(|dots| dots as usize)),
-            result,
+            format!("<span class=\"chip {class}\">{word}</span>"),
         ]
     });
     table(&caption, &heads, rows, &[])

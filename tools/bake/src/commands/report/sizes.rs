@@ -1,7 +1,7 @@
 //! What a file's bytes go to, section by section.
 
 use hullmap_format::{
-    archive::{ArchivedBlock, ArchivedHullRecord, ArchivedPack, ArchivedSpan},
+    archive::{ArchivedBlock, ArchivedBvhNode, ArchivedHullRecord, ArchivedPack, ArchivedSpan},
     header::HEADER_LEN,
 };
 
@@ -29,6 +29,7 @@ pub fn sections(archive: &ArchivedPack, byte_len: usize) -> Vec<Section> {
         of("names", "the hulls' names", archive.names.len(), 1),
         of("spans", "where each hull's data start", archive.spans.len(), size_of::<ArchivedSpan>()),
         of("hulls", "facts about each hull", archive.hulls.len(), size_of::<ArchivedHullRecord>()),
+        of("nodes", "boxes over the hulls", archive.nodes.len(), size_of::<ArchivedBvhNode>()),
         of("vertices", "positions", archive.vertices.len(), 12),
         of("source_vertices", "the vertices' numbers in the source", archive.source_vertices.len(), 4),
         of("face_starts", "where each face's corners start", archive.face_starts.len(), 4),

@@ -1,14 +1,10 @@
-//! What a user should know about a pack: what is wrong with it, and what may surprise at runtime.
+//! What a user should know about a pack: what the bake said of it, and what may surprise at runtime.
 
-use hullmap::Hull;
+use hullmap::{Hull, IndexKind, Pack, SupportMap};
 
 use super::census::Census;
-
-/// Length over thickness from which a solid counts as thin: contacts on its sides then lose four digits.
-const THIN: f64 = 1e4;
-
-/// Distance from the origin over diameter from which positions lose digits: of an f32's seven, three are gone.
-const FAR: f64 = 1e3;
+use crate::import::advice::{self, HullFacts};
+use crate::source::Source;
 
 /// Dot products that a query takes at most where the default index fits; more is slower than need be.
 const MANY_DOTS: u32 = 64;
@@ -16,78 +12,110 @@ const MANY_DOTS: u32 = 64;
 /// Vertices from which a hull without an index is slower than one with it.
 const MANY_WITHOUT_INDEX: usize = 32;
 
-/// What may surprise about a hull, a sentence each.
-pub fn hull_warnings(hull: &Hull, census: &Census) -> Vec<String> {
-    let mut list = Vec::new();
-    match hull.rank() {
-        2 => list.push(
-            "flat: all its points lie in one plane, so it has no volume; give it thickness if it should stop things"
-                .to_owned(),
-        ),
-        1 => {
-            list.push("a segment: all its points lie on one line; if it should be a solid, check the source".to_owned())
-        }
-        0 => list.push(
-            "a single point: all its points lie in one place; if it should be a solid, check the source".to_owned(),
-        ),
-        _ => {
-            let thickness = 3.0 * hull.volume() / hull.surface_area();
-            let aspect = hull.diameter() / thickness;
-            // NaN takes the failing branch.
-            if !(aspect < THIN) {
-                list.push(format!(
-                    "thin: {aspect:.0} times as long as thick; contacts on its sides lose digits, so thicken it or make it flat"
-                ));
-            }
-        }
+/// Sentences, as `bake build` says them.
+#[derive(Debug, Default)]
+pub struct Remarks {
+    /// What one may want to know.
+    pub notes: Vec<String>,
+    /// What one should look at.
+    pub warnings: Vec<String>,
+}
+
+/// What the import of its source says, and what the parts of each object promise. Without a source, whether the hulls themselves
+/// are far from the origin.
+pub fn of_pack(pack: &Pack, source: Option<&Source>) -> Remarks {
+    let mut remarks = Remarks::default();
+    if let Some(source) = source {
+        remarks.notes.clone_from(&source.notes);
+        remarks.warnings.clone_from(&source.warnings);
     }
-    let distance = hull.centroid().length() / hull.diameter();
-    // A point has no diameter; where it lies is no matter.
-    if hull.rank() > 0 && distance > FAR {
-        list.push(format!(
-            "far from the origin: {distance:.0} times its diameter, where f32 coordinates have few digits left; move the mesh to the origin and place it by its pose"
-        ));
+    let hulls: Vec<Hull> = pack.hulls().collect();
+    let mut start = 0;
+    while let Some(first) = hulls.get(start) {
+        let count = 1 + hulls[start + 1..].iter().take_while(|hull| hull.part() > 0).count();
+        let parts = &hulls[start..start + count];
+        let name = if count > 1 {
+            first.name().rsplit_once("_part_").map_or(first.name(), |(name, _)| name)
+        } else {
+            first.name()
+        };
+        if count > 1 {
+            let size = parts.iter().map(Hull::diameter).fold(0.0, f64::max);
+            let remark = advice::parts(name, count, first.uncovered(), size);
+            remark.tell(&mut remarks.notes, &mut remarks.warnings);
+        }
+        if source.is_none() {
+            let vertices: Vec<[f32; 3]> = parts.iter().flat_map(Hull::vertices).map(|v| v.to_array()).collect();
+            remarks.warnings.extend(advice::far_away(name, &vertices));
+        }
+        start += count;
     }
+    remarks
+}
+
+/// What there is to say of a hull.
+pub fn of_hull(hull: &Hull, census: &Census) -> Remarks {
+    let greatest = hull.bounds().iter().map(|corner| corner.abs().max_element()).fold(0.0, f32::max);
+    let facts = HullFacts {
+        name: hull.name(),
+        rank: hull.rank(),
+        point_count: hull.source_point_count() as usize,
+        vertex_count: hull.vertex_count(),
+        diameter: hull.diameter(),
+        inner_radius: hull.inner_radius(),
+        greatest_coordinate: greatest.into(),
+        outer_error: hull.outer_error(),
+    };
+    let mut remarks = Remarks { notes: Vec::new(), warnings: advice::of_hull(&facts) };
+    if let Some(remark) = advice::simplified(&facts) {
+        remark.tell(&mut remarks.notes, &mut remarks.warnings);
+    }
+    let name = hull.name();
     let worst = hull.worst_cost().dots;
-    if hull.index_kind() == hullmap::IndexKind::None && hull.vertex_count() > MANY_WITHOUT_INDEX {
-        list.push(format!(
-            "no index: every query multiplies {} vertices; --index tree takes at most 8 for most hulls",
+    if hull.index_kind() == IndexKind::None && hull.vertex_count() > MANY_WITHOUT_INDEX {
+        remarks.warnings.push(format!(
+            "hull {name} has no index: every query multiplies {} vertices; --index tree takes at most 8 for most hulls",
             hull.vertex_count()
         ));
     } else if worst > MANY_DOTS {
-        list.push(format!(
-            "dear in places: some queries take {worst} dot products, {:.1} on average; --index tree has a bound of few",
+        remarks.warnings.push(format!(
+            "hull {name} is dear in places: some queries take {worst} dot products, {:.1} on average; --index tree has a bound of few",
             census.mean_dots
         ));
     }
-    list
+    remarks
 }
 
 #[cfg(test)]
 mod tests {
-    use hullmap_bake::IndexKind;
+    use hullmap_bake::IndexKind as Kind;
 
     use super::super::census::{census, even_directions};
     use super::super::index_reader::tests::{baked, cloud};
     use super::*;
 
-    fn warned(positions: Vec<[f32; 3]>, kind: IndexKind) -> String {
+    fn warned(positions: Vec<[f32; 3]>, kind: Kind) -> String {
         let (pack, contents) = baked(positions, kind);
-        hull_warnings(&pack.hull(0).unwrap(), &census(&contents.indices[0], &even_directions(500))).join("|")
+        let mut found = of_pack(&pack, None);
+        let hull = of_hull(&pack.hull(0).unwrap(), &census(&contents.indices[0], &even_directions(500)));
+        found.warnings.extend(hull.warnings);
+        assert!(found.notes.is_empty() && hull.notes.is_empty());
+        found.warnings.join("|")
     }
 
     #[test]
     fn each_oddity_is_named_and_nothing_else() {
         let moved = |by: f32, flat: f32| cloud(200).iter().map(|&[x, y, z]| [x + by, y, z * flat]).collect::<Vec<_>>();
         for (positions, kind, expected) in [
-            (cloud(200), IndexKind::TREE, ""),
-            (moved(0.0, 1e-5), IndexKind::TREE, "thin:"),
-            (moved(0.0, 0.0), IndexKind::TREE, "flat:"),
-            (vec![[0.0; 3], [1.0; 3]], IndexKind::TREE, "a segment:"),
-            (vec![[0.0; 3]], IndexKind::TREE, "a single point:"),
-            (moved(1e5, 1.0), IndexKind::TREE, "far from the origin:"),
-            (cloud(200), IndexKind::None, "no index:"),
-            (cloud(200), IndexKind::CubeMap { resolution: 1 }, "dear in places:"),
+            (cloud(200), Kind::TREE, ""),
+            (moved(0.0, 1e-5), Kind::TREE, "hull cloud is thin:"),
+            (moved(0.0, 0.0), Kind::TREE, "hull cloud is flat:"),
+            (vec![[0.0; 3], [1.0; 3], [2.0; 3]], Kind::TREE, "hull cloud is a segment:"),
+            (vec![[0.0; 3], [0.0; 3]], Kind::TREE, "hull cloud is a point:"),
+            (vec![[0.0; 3]], Kind::TREE, ""),
+            (moved(1e5, 1.0), Kind::TREE, "object cloud: 1.000e5 from the origin"),
+            (cloud(200), Kind::None, "hull cloud has no index:"),
+            (cloud(200), Kind::CubeMap { resolution: 1 }, "hull cloud is dear in places:"),
         ] {
             let found = warned(positions, kind);
             assert!(found.starts_with(expected) && !found.contains('|'), "{expected} {found}");

@@ -34,7 +34,7 @@ fn names(imported: &Imported) -> Vec<&str> {
 fn triangles(imported: &Imported) -> Vec<[[u32; 3]; 3]> {
     let mut all = Vec::new();
     for (set, faces) in imported.point_sets.iter().zip(&imported.faces) {
-        for corners in faces.triangles() {
+        for corners in faces.triangles(&set.positions) {
             let at = corners.map(|corner| set.positions[corner as usize].map(|x| (x + 0.0).to_bits()));
             let least = (0..3).min_by_key(|&corner| at[corner]).unwrap();
             all.push([at[least], at[(least + 1) % 3], at[(least + 2) % 3]]);
@@ -94,7 +94,12 @@ fn other_readers_agree() {
     let mesh = prism();
     let points = |imported: &Imported| -> Vec<[f32; 3]> {
         let set = &imported.point_sets[0];
-        imported.faces[0].triangles().iter().flatten().map(|&corner| set.positions[corner as usize]).collect()
+        imported.faces[0]
+            .triangles(&set.positions)
+            .iter()
+            .flatten()
+            .map(|&corner| set.positions[corner as usize])
+            .collect()
     };
     for (name, bytes) in files(&mesh) {
         let ours = import_bytes(name, &bytes, WHOLE).unwrap();
@@ -158,7 +163,7 @@ fn nodes_are_placed_in_f64_and_named() {
     }
     // Whatever mirrors, faces wind outwards.
     for (set, faces) in imported.point_sets.iter().zip(&imported.faces) {
-        let faces = faces.triangles().iter().map(|corners| corners.to_vec()).collect();
+        let faces = faces.triangles(&set.positions).iter().map(|corners| corners.to_vec()).collect();
         let mesh = Mesh { vertices: set.positions.clone(), faces };
         assert!(mesh.signed_volume() > 0.5, "{}", set.name);
     }
@@ -264,7 +269,7 @@ fn primitives_of_all_modes() {
     ] {
         let primitive = format!(r#"{{"attributes":{{"POSITION":0}},"mode":{mode}}}"#);
         let imported = import_bytes("a.glb", &custom(accessor, view, &primitive, "", &floats), WHOLE).unwrap();
-        assert_eq!(imported.faces[0].triangles(), expected, "{mode}");
+        assert_eq!(imported.faces[0].triangles(&imported.point_sets[0].positions), expected, "{mode}");
         let left_out = if mode == 4 { 2 } else { 0 };
         assert_eq!(imported.unreferenced_count, left_out, "{mode}");
     }
@@ -392,7 +397,7 @@ fn ply_of_every_make() {
         "{vertices}element tristrips 1\nproperty list int int vertex_indices\nend_header\n{points}8 0 1 2 3 -1 3 2 0\n"
     ));
     let imported = import_bytes("a.ply", strips.as_bytes(), WHOLE).unwrap();
-    assert_eq!(imported.faces[0].triangles(), [[0, 1, 2], [2, 1, 3], [3, 2, 0]]);
+    assert_eq!(imported.faces[0].triangles(&imported.point_sets[0].positions), [[0, 1, 2], [2, 1, 3], [3, 2, 0]]);
     let edges = header(&format!(
         "element nothing 9\n{vertices}element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n{points}3 1"
     ));
@@ -528,7 +533,7 @@ fn auto_takes_what_artists_mark() {
         .collect();
     let imported = import_bytes("a.obj", coacd.as_bytes(), auto).unwrap();
     assert_eq!(names(&imported), ["convex_0", "convex_1", "convex_2"]);
-    assert_eq!(imported.faces[2].triangles(), [[0, 1, 2]]);
+    assert_eq!(imported.faces[2].triangles(&imported.point_sets[2].positions), [[0, 1, 2]]);
     // Nothing marked: as `none`.
     let imported = import_bytes("a.obj", coacd.replace("convex_", "part_").as_bytes(), auto).unwrap();
     assert_eq!(names(&imported), ["shape"]);
