@@ -13,6 +13,9 @@ use hullmap::{OpenError, Pack};
 
 use super::inquiry::Inquiry;
 
+/// A way to open a file.
+type Way = fn(&Path) -> Result<Pack, OpenError>;
+
 /// What came of files opened without checks.
 #[derive(Debug, Default)]
 pub struct Findings {
@@ -30,8 +33,7 @@ pub struct Findings {
 /// If the file cannot be written.
 pub fn ask(path: &Path, file: &[u8], inquiry: &Inquiry, findings: &Mutex<Findings>) -> bool {
     std::fs::write(path, file).expect("the test's folder can be written to");
-    let ways: [fn(&Path) -> Result<Pack, OpenError>; 2] =
-        [|path| Pack::open_skipping_contents(path), |path| Pack::open_skipping_checks(path)];
+    let ways: [Way; 2] = [|path| Pack::open_skipping_contents(path), |path| Pack::open_skipping_checks(path)];
     let mut has_opened = false;
     for way in ways {
         let Ok(pack) = way(path) else { continue };
