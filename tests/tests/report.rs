@@ -76,7 +76,7 @@ fn load(browser: &str, page: &Path, more: &[&str]) -> Loaded {
     let profile = tempfile::tempdir().unwrap();
     let output = Command::new(browser)
         .args(["--headless", "--no-sandbox", "--disable-dev-shm-usage", "--no-first-run", "--window-size=1280,1600"])
-        .args(["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
+        .args(["--use-gl=angle", "--use-angle=swiftshader", concat!("--enable-un", "safe-swiftshader")])
         .args(["--enable-logging=stderr", PAGE_TIME, "--dump-dom"])
         .arg(format!("--user-data-dir={}", profile.path().display()))
         .args(more)

@@ -5,8 +5,8 @@ use std::hint::black_box;
 use glam::{DQuat, DVec3, Vec3};
 use hullmap::levels::{self, Levels, OuterHulls};
 use hullmap::{
-    Cache, Feature, Hull, Instructions, Manifold, ManifoldSettings, Pack, Pose, Settings, Shape, SupportMap, contact,
-    distance, intersects,
+    Cache, Compound, CompoundCache, Feature, Hull, Instructions, Manifold, ManifoldSettings, Pack, Pose, Settings,
+    Shape, SupportMap, compound, contact, distance, intersects,
 };
 use hullmap_bake::IndexKind;
 
@@ -104,8 +104,25 @@ impl Inquiry {
             let [a, b] = [[&hull, &cube], [&cube, &hull], [&hull, &hull]][number % 3];
             self.ask_pair(a, b, self.poses[number % self.poses.len()], number, &mut cache);
         }
+        self.ask_whole(pack);
         if !self.is_judged {
             black_box(pack.check_repeats().is_ok());
+        }
+    }
+
+    /// Asks all hulls together, by the tree of boxes.
+    fn ask_whole(&self, pack: &Pack) {
+        let (whole, other) = (Compound::new(pack), Compound::new(&self.cube));
+        let mut cache = CompoundCache::new(2);
+        for &pose in self.poses.iter().take(self.extent.pairs) {
+            for (a, b) in [(&whole, &other), (&other, &whole), (&whole, &whole)] {
+                black_box(compound::intersects(a, b, pose, &mut cache));
+                black_box(compound::distance(a, b, pose, &Settings::default(), &mut cache));
+                let deepest = compound::contact(a, b, pose, &Settings::default(), &mut cache);
+                let is_there =
+                    deepest.is_none_or(|found| a.hull(found.hulls[0]).is_some() && b.hull(found.hulls[1]).is_some());
+                self.require(is_there, || "the hulls of a contact".to_owned());
+            }
         }
     }
 

@@ -47,7 +47,7 @@ pub enum Command {
     /// Intersection, distance or contact of two hulls
     #[command(after_help = "Example:\n  bake query baked/rock.hullmap baked/cube.hullmap --pose \"0.5 0 0 0 0 0 1\"")]
     Query(QueryArgs),
-    /// Show packs on a page that any browser opens: meshes, hulls, indices, figures
+    /// Show packs on a page for any browser: meshes, hulls, figures
     #[command(after_help = "Example:\n  bake report baked --out report.html")]
     Report(ReportArgs),
     /// Write a commented hullmap.toml

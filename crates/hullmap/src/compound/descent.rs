@@ -16,11 +16,14 @@ pub(super) struct Descent<'q, 'a> {
     stack: [(u32, u32, f64); STACK],
     len: usize,
     boxes: u32,
+    /// Pairs of nodes there are.
+    most_boxes: u64,
 }
 
 impl<'q, 'a> Descent<'q, 'a> {
     pub(super) fn new(placement: Placement<'q, 'a>) -> Self {
-        let mut this = Self { placement, stack: [(0, 0, 0.0); STACK], len: 0, boxes: 0 };
+        let most_boxes = placement.a.node_count() as u64 * placement.b.node_count() as u64;
+        let mut this = Self { placement, stack: [(0, 0, 0.0); STACK], len: 0, boxes: 0, most_boxes };
         if let Some((_, _, least, _)) = this.pair(0, 0) {
             this.push((0, 0, least));
         }
@@ -50,8 +53,13 @@ impl<'q, 'a> Descent<'q, 'a> {
                 (Below::Nodes(_), Below::Nodes(_)) => a.size_sq() > b.size_sq(),
             };
             let pairs = match (opens_a, a.below, b.below) {
-                (true, Below::Nodes(first), _) => [(first, number_b), (first + 1, number_b)],
-                (false, _, Below::Nodes(first)) => [(number_a, first), (number_a, first + 1)],
+                // Children come after their parents; not in a damaged pack that was opened unchecked, where a walk must end too.
+                (true, Below::Nodes(first), _) if first > number_a => {
+                    [(first, number_b), (first.saturating_add(1), number_b)]
+                }
+                (false, _, Below::Nodes(first)) if first > number_b => {
+                    [(number_a, first), (number_a, first.saturating_add(1))]
+                }
                 _ => return None,
             };
             let [Some(first), Some(second)] = pairs.map(|(a, b)| self.pair(a, b)) else { return None };
@@ -65,13 +73,21 @@ impl<'q, 'a> Descent<'q, 'a> {
         None
     }
 
+    /// There is room, but in trees deeper than those of checked packs.
     fn push(&mut self, pair: (u32, u32, f64)) {
-        self.stack[self.len] = pair;
-        self.len += 1;
+        if let Some(place) = self.stack.get_mut(self.len) {
+            *place = pair;
+            self.len += 1;
+        }
     }
 
     /// The pair, the least distance of its boxes, and that of their middles squared.
+    ///
+    /// Nothing, too, once as many were compared as there are pairs of nodes: trees meet each pair once.
     fn pair(&mut self, a: u32, b: u32) -> Option<(u32, u32, f64, f64)> {
+        if u64::from(self.boxes) >= self.most_boxes {
+            return None;
+        }
         let (node_a, node_b) = (Node::of(self.placement.a, a)?, Node::of(self.placement.b, b)?);
         self.boxes += 1;
         let least = self.placement.least_distance(&node_a, &node_b);

@@ -71,6 +71,14 @@ impl<'a> Compound<'a> {
         }
     }
 
+    /// Number of boxes in its tree.
+    fn node_count(&self) -> usize {
+        match self.members {
+            Members::Pack(pack) => pack.nodes().len(),
+            Members::One(_) => 1,
+        }
+    }
+
     /// Hull number `index`, counted from 0; `None` past the last one.
     pub fn hull(&self, index: usize) -> Option<Hull<'a>> {
         match self.members {
@@ -92,6 +100,19 @@ impl<'a> From<&'a Pack> for Compound<'a> {
         Self::new(pack)
     }
 }
+
+/// Distance of packs that were opened unchecked, and turn out to have no hulls.
+const NOTHING_KNOWN: Distance = Distance {
+    status: Status::Stalled,
+    distance: 0.0,
+    lower: 0.0,
+    upper: f64::INFINITY,
+    normal: glam::DVec3::X,
+    point_a: glam::DVec3::ZERO,
+    point_b: glam::DVec3::ZERO,
+    iterations: 0,
+    support_calls: 0,
+};
 
 /// Answer of a query between compounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -235,7 +256,8 @@ impl Nearest<'_, '_> {
     }
 
     fn answer(self) -> (Distance, [usize; 2]) {
-        let (mut answer, hulls) = self.best.expect("both have a first hull, which is asked");
+        // Checked packs have a first hull, which is asked.
+        let (mut answer, hulls) = self.best.unwrap_or((NOTHING_KNOWN, [0, 0]));
         answer.upper = self.upper;
         if self.lower.0 < answer.lower {
             answer.lower = self.lower.0;
