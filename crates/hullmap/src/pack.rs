@@ -7,6 +7,18 @@
 //!
 //! After that, no query on the pack can panic, loop or read out of bounds. [`Pack::open_skipping_contents`] and
 //! [`Pack::open_skipping_checks`] leave out steps, and are named for them.
+//!
+//! | way | memory | the file is cut or written to | the file is replaced by renaming |
+//! |---|---|---|---|
+//! | [`Pack::open`] | the file's own pages, shared by all processes | not allowed: SIGBUS, zeros or other answers | safe |
+//! | [`Pack::read`] | a copy | safe | safe |
+//! | [`Pack::read_sealed`] | a copy on read-only pages: a stray write of this process faults instead of changing an answer | safe | safe |
+//! | [`Pack::from_bytes`] | a copy of memory | no file | no file |
+//!
+//! No signal handler is installed: whether a fault under a map ends the process is the program's to say.
+//!
+//! A sealed `memfd` in place of read-only pages would add that other processes can be handed the copy. Those that open the same file share its
+//! pages already; and it would take a dependency, or foreign calls, that the runtime does without.
 
 use std::{
     fs::File,
@@ -28,6 +40,41 @@ use crate::{
 };
 
 /// An opened pack. Hulls borrow from it; share it between threads by reference or in an `Arc`.
+///
+/// # Examples
+/// Reloading while other threads ask. A reader holds the lock for as long as it takes to count one up, and asks without it. The old
+/// pack, and its map, goes with its last reader:
+/// ```
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let folder = tempfile::tempdir()?;
+/// # let path = folder.path().join("rock.hullmap");
+/// # let write = |scale: f32| -> Result<(), Box<dyn std::error::Error>> {
+/// #     let positions = shapes::families::rock(40, 1).into_iter().map(|p| p.map(|c| c * scale)).collect();
+/// #     let points = hullmap_bake::PointSet { name: "rock".into(), positions, source_vertices: (0..40).collect() };
+/// #     let baked = hullmap_bake::bake_hull(&points, hullmap_bake::IndexKind::TREE)?;
+/// #     let fresh = path.with_extension("fresh");
+/// #     std::fs::write(&fresh, hullmap_bake::write_pack(&[baked], &Default::default())?)?;
+/// #     Ok(std::fs::rename(&fresh, &path)?)
+/// # };
+/// # write(1.0)?;
+/// use std::sync::{Arc, RwLock};
+/// use hullmap::{Pack, glam::Vec3};
+///
+/// let current = RwLock::new(Arc::new(Pack::open(&path)?));
+/// let reader = || current.read().expect("no writer panics").clone();
+///
+/// let pack = reader();
+/// let before = pack.hull(0)?.support(Vec3::X).point.x;
+/// # write(2.0)?;
+/// // `bake` has renamed a new file over the old one.
+/// let fresh = Arc::new(Pack::open(&path)?);
+/// *current.write().expect("no writer panics") = fresh;
+/// // Who asks on goes on with the old one; who asks anew gets the new one.
+/// assert_eq!(pack.hull(0)?.support(Vec3::X).point.x, before);
+/// assert_eq!(reader().hull(0)?.support(Vec3::X).point.x, 2.0 * before);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug)]
 pub struct Pack {
     storage: Storage,
@@ -118,7 +165,8 @@ impl Pack {
     /// Maps the file and checks all of it.
     ///
     /// The file must not be cut or written to while it is mapped: replace packs by renaming a new file over the old
-    /// one, as `bake` does. Where that cannot be promised, use [`Pack::read`].
+    /// one, as `bake` does. Else queries answer from other bytes than were checked, and on Unix the process gets SIGBUS where the
+    /// file no longer reaches. Where it cannot be promised, use [`Pack::read`] or [`Pack::read_sealed`].
     ///
     /// # Errors
     /// [`OpenError`] names the file, what is wrong with it, and what to do.
@@ -189,6 +237,29 @@ impl Pack {
         buffer.extend_from_reader(&mut File::open(path).map_err(io_error)?).map_err(io_error)?;
         Self::from_storage_bytes(Bytes::Owned(buffer), Checks::All)
             .map_err(|source| OpenError::Invalid { path: path.to_owned(), source })
+    }
+
+    /// Reads the file into memory of our own, makes its pages read-only, and checks all of it: neither another process nor a stray
+    /// write of this one changes an answer.
+    ///
+    /// # Errors
+    /// As [`Pack::open`].
+    ///
+    /// # Complexity
+    /// One read and one pass over the file; whole pages.
+    #[cfg(feature = "mmap")]
+    pub fn read_sealed(path: impl AsRef<Path>) -> Result<Self, OpenError> {
+        let path = path.as_ref();
+        let io_error = |source| OpenError::Io { path: path.to_owned(), source };
+        let mut file = File::open(path).map_err(io_error)?;
+        let length = file.metadata().map_err(io_error)?.len();
+        let invalid = |source| OpenError::Invalid { path: path.to_owned(), source };
+        if length == 0 {
+            return Err(invalid(HeaderError::TooShort { found: 0 }.into()));
+        }
+        let length = usize::try_from(length).map_err(|error| io_error(io::Error::other(error)))?;
+        let pages = crate::storage::sealed(&mut file, length).map_err(io_error)?;
+        Self::from_storage_bytes(pages, Checks::All).map_err(invalid)
     }
 
     /// Copies the bytes of a whole file and checks all of them.

@@ -19,7 +19,7 @@ pub(crate) struct Storage {
 
 #[derive(Debug)]
 pub(crate) enum Bytes {
-    /// A read-only map of a file.
+    /// A read-only map: of a file, or of memory of our own.
     #[cfg(feature = "mmap")]
     Mapped(memmap2::Mmap),
     /// A copy, aligned as the archive needs it.
@@ -48,6 +48,14 @@ pub(crate) fn map(file: &std::fs::File) -> std::io::Result<Bytes> {
     // rewrites the file while it is mapped is what `Pack::open` asks of its caller: packs are replaced by renaming, as
     // `bake` does, which leaves a mapped file as it was.
     unsafe { memmap2::Mmap::map(file) }.map(Bytes::Mapped)
+}
+
+/// Reads `len` bytes of `file` into pages of our own, and makes them read-only.
+#[cfg(feature = "mmap")]
+pub(crate) fn sealed(file: &mut std::fs::File, len: usize) -> std::io::Result<Bytes> {
+    let mut pages = memmap2::MmapMut::map_anon(len)?;
+    std::io::Read::read_exact(file, &mut pages)?;
+    pages.make_read_only().map(Bytes::Mapped)
 }
 
 impl Storage {
