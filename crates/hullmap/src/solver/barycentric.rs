@@ -351,7 +351,8 @@ mod tests {
             let thin = [1e-4, 1e-6, 1e-8][round % 3];
             let dir = |rng: &mut ::shapes::rng::SplitMix64| DVec3::from_array(rng.direction());
             let (x, y) = (dir(&mut rng), dir(&mut rng));
-            let around = [x * -1.1 + y * thin * 0.3, x * 0.9 + y * thin * 0.2, x * 0.3 - y * thin * rng.between(0.2, 0.9)];
+            let around =
+                [x * -1.1 + y * thin * 0.3, x * 0.9 + y * thin * 0.2, x * 0.3 - y * thin * rng.between(0.2, 0.9)];
             // The origin is beside the triangle, within its sides.
             let off = x.cross(y).normalize_or_zero() * 1e-9;
             let [p, q, r] = around.map(|v| v + off);

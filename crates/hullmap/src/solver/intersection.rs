@@ -167,7 +167,9 @@ pub(super) fn decide_by_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized
         expansion::End::Separated => Overlap::Separated,
         expansion::End::Inside => Overlap::Overlapping,
         // A face on the surface may be well away from the origin, of a polytope too thin to be certain to hold it.
-        expansion::End::Touching | expansion::End::Converged if bound.upper <= expansion::FLAT_ROUNDINGS * m.rounding() => {
+        expansion::End::Touching | expansion::End::Converged
+            if bound.upper <= expansion::FLAT_ROUNDINGS * m.rounding() =>
+        {
             Overlap::Touching
         }
         _ => Overlap::Undecided,
