@@ -91,9 +91,10 @@ pub fn command<S: AsRef<OsStr>>(folder: &Path, words: impl IntoIterator<Item = S
 pub fn binary() -> &'static Path {
     static BINARY: OnceLock<PathBuf> = OnceLock::new();
     BINARY.get_or_init(|| {
-        // This test is <target>/<profile>/deps/<name>.
+        // A test is <target>/<profile>/deps/<name>, a command of this package <target>/<profile>/<name>.
         let test = std::env::current_exe().expect("a test knows where it is");
-        let folder = test.parent().and_then(Path::parent).expect("tests lie in a profile's folder");
+        let above = test.ancestors().skip(1).find(|folder| folder.file_name() != Some(OsStr::new("deps")));
+        let folder = above.expect("tests lie in a profile's folder");
         let profile = match folder.file_name().and_then(OsStr::to_str) {
             Some("debug") | None => "dev",
             Some(profile) => profile,

@@ -3,6 +3,8 @@
 
 pub mod command;
 pub mod directions;
+#[cfg(target_os = "linux")]
+pub mod faults;
 pub mod fuzzed;
 pub mod game_hulls;
 pub mod hostile;

@@ -297,33 +297,72 @@ fn a_watch_bakes_what_changes_survives_errors_and_ends_on_ctrl_c() {
     assert_eq!(child.wait().unwrap().code(), Some(130));
 }
 
-/// Peak memory of a build of great files, by what `/proc` says of the process while it lives.
+/// What the process takes however little it bakes: code, threads, their stacks and the allocator's arenas.
+#[cfg(target_os = "linux")]
+const BASE: u64 = 24 << 20;
+
+/// Peak memory of a build of the folder `in`, by what `/proc` says of the process while it lives.
+#[cfg(target_os = "linux")]
+fn peak(folder: &TempDir, words: &[&str]) -> u64 {
+    let line = ["build", "in", "--out", "o", "--force", "--quiet", "--jobs", "6"];
+    let mut child = command(folder.path(), line.iter().chain(words)).spawn().unwrap();
+    let status = format!("/proc/{}/status", child.id());
+    let mut peak = 0;
+    while child.try_wait().unwrap().is_none() {
+        let text = fs::read_to_string(&status).unwrap_or_default();
+        let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let kib = line.and_then(|line| line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok());
+        peak = peak.max(kib.unwrap_or(0) << 10);
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert!(child.wait().unwrap().success());
+    peak
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn memory_stays_within_the_bound() {
-    // What the process takes however little it bakes: code, threads, their stacks and the allocator's arenas.
-    const BASE: u64 = 24 << 20;
     let folder = meshes(6, 15_000);
     let source = fs::metadata(folder.path().join("in/0.obj")).unwrap().len();
-    let peak = |words: &[&str]| -> u64 {
-        let line = ["build", "in", "--out", "o", "--force", "--quiet", "--jobs", "6"];
-        let mut child = command(folder.path(), line.iter().chain(words)).spawn().unwrap();
-        let status = format!("/proc/{}/status", child.id());
-        let mut peak = 0;
-        while child.try_wait().unwrap().is_none() {
-            let text = fs::read_to_string(&status).unwrap_or_default();
-            let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-            let kib = line.and_then(|line| line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok());
-            peak = peak.max(kib.unwrap_or(0) << 10);
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        assert!(child.wait().unwrap().success());
-        peak
-    };
     let one = 64 * source + (256 << 10);
-    let bounded = peak(&["--memory", &one.to_string()]);
-    let free = peak(&[]);
+    let bounded = peak(&folder, &["--memory", &one.to_string()]);
+    let free = peak(&folder, &[]);
     println!("sources of {source} bytes; peak {bounded} within a bound of {one}, {free} within 4 GiB");
     assert!(bounded <= one + BASE, "{bounded} of {one} and {BASE}");
     assert!(free > bounded, "six at once take more than one at a time: {free}, {bounded}");
+}
+
+/// The densest sources: clouds of 12 bytes a point, all of them on the hull; with the indices that take most.
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_of_dense_formats_and_large_indices_stays_within_the_bound() {
+    const POINTS: usize = 15_000;
+    const RESOLUTION: u64 = 256;
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("in")).unwrap();
+    for number in 0..6 {
+        let header = format!(
+            "ply\nformat binary_little_endian 1.0\nelement vertex {POINTS}\nproperty float x\nproperty float y\n\
+             property float z\nend_header\n"
+        );
+        let points = Family::Sphere.points(POINTS, number);
+        let bytes = points.as_flattened().iter().flat_map(|x| x.to_le_bytes());
+        fs::write(
+            folder.path().join(format!("in/{number}.ply")),
+            header.into_bytes().into_iter().chain(bytes).collect::<Vec<u8>>(),
+        )
+        .unwrap();
+    }
+    let source = fs::metadata(folder.path().join("in/0.ply")).unwrap().len();
+    for (words, cells) in [
+        (["--index", "tree"].as_slice(), 0),
+        (&["--index-budget", "100"], 0),
+        (&["--index", "cubemap", "--resolution", &RESOLUTION.to_string()], 6 * RESOLUTION * RESOLUTION),
+    ] {
+        let one = 160 * source + 288 * cells + (256 << 10);
+        let memory = one.to_string();
+        let bounded = peak(&folder, &[words, &["--memory", &memory]].concat());
+        println!("{words:?}: sources of {source} bytes; peak {bounded} within a bound of {one}");
+        assert!(bounded <= one + BASE, "{words:?}: {bounded} of {one} and {BASE}");
+    }
 }

@@ -150,7 +150,8 @@ fn packs_without_a_source_are_named_and_removed_only_if_asked_for() {
         assert_eq!(files(&folder.path().join("o")), whole);
     }
     bake(&folder, "build in --out o --check --prune").expect(1);
-    bake(&folder, "build in/a.obj --out o --prune").expect(0);
+    let run = bake(&folder, "build in/a.obj --out o --prune").expect(0);
+    assert!(run.stderr.contains("note: --prune applies to nothing"), "{}", run.stderr);
     assert_eq!(files(&folder.path().join("o")), whole, "neither a check nor a build of files removes anything");
     let run = bake(&folder, "build in --out o --prune --json").expect(0);
     assert_eq!(statuses(&run), ["o/a.hullmap: fresh", "o/deep/er/gone.hullmap: pruned", "o/gone.hullmap: pruned"]);

@@ -194,9 +194,27 @@ impl OptionLayer {
             Some(("index_budget", "chooses the index itself; leave out it or index"))
         } else if self.max_vertices.is_some() && self.max_error.is_some() {
             Some(("max_error", "cannot be kept together with max_vertices; leave one out"))
+        } else if self.decompose == Some(false) {
+            self.first_of_decomposition().map(|key| (key, "applies to nothing where decompose is false; leave one out"))
         } else {
             None
         }
+    }
+
+    /// A parameter of the decomposition that is set.
+    fn first_of_decomposition(&self) -> Option<&'static str> {
+        let set = [
+            ("vhacd_concavity", self.vhacd_concavity.is_some()),
+            ("vhacd_resolution", self.vhacd_resolution.is_some()),
+            ("vhacd_max_parts", self.vhacd_max_parts.is_some()),
+            ("vhacd_alpha", self.vhacd_alpha.is_some()),
+            ("vhacd_beta", self.vhacd_beta.is_some()),
+            ("vhacd_plane_downsampling", self.vhacd_plane_downsampling.is_some()),
+            ("vhacd_hull_downsampling", self.vhacd_hull_downsampling.is_some()),
+            ("vhacd_hull_approximation", self.vhacd_hull_approximation.is_some()),
+            ("vhacd_fill", self.vhacd_fill.is_some()),
+        ];
+        set.into_iter().find_map(|(key, is_set)| is_set.then_some(key))
     }
 
     /// This layer upon `lower`. What belongs together is replaced together: an index with its resolution or budget,
@@ -429,5 +447,12 @@ mod tests {
         );
         assert_eq!(layer(&[("max_error", "5"), ("max_vertices", "5")]).clash().map(|clash| clash.0), Some("max_error"));
         assert_eq!(layer(&[("index", "cubemap"), ("resolution", "5")]).clash(), None);
+        let parameters: Vec<_> = VALUES.into_iter().filter(|(key, _)| key.starts_with("vhacd_")).collect();
+        for (key, value) in parameters {
+            assert_eq!(layer(&[("decompose", "false"), (key, value)]).clash().map(|clash| clash.0), Some(key));
+            assert_eq!(layer(&[("decompose", "true"), (key, value)]).clash(), None);
+            // Here the command line, or a rule, may decompose.
+            assert_eq!(layer(&[(key, value)]).clash(), None);
+        }
     }
 }

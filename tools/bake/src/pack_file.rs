@@ -1,7 +1,7 @@
 //! Writing a pack so that nobody ever sees half of one, and the way back from it to its source.
 //!
-//! A pack is written to a temporary file beside its place, synced, and renamed. The temporary file is locked while its
-//! process lives: [`sweep`] removes those that a killed process left, and no others.
+//! A pack is written to a temporary file beside its place, synced, renamed, and its folder is synced. The temporary file is
+//! locked while its process lives: [`sweep`] removes those that a killed process left, and no others.
 
 use std::ffi::OsStr;
 use std::fs::{File, OpenOptions};
@@ -9,13 +9,15 @@ use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
 
 use tempfile::{Builder, NamedTempFile};
+use walkdir::WalkDir;
 
 use crate::interrupt;
 
 /// How often a temporary file is made anew after a sweep took it in the moment before it was locked.
 const MOST_ATTEMPTS: usize = 100;
 
-/// End of a temporary file's name; it starts with a point and the pack's name.
+/// End of a temporary file's name; it starts with a point and the name of what it becomes. In between is [`PACK`], whatever it
+/// becomes, and six letters or digits.
 const SUFFIX: &str = ".tmp";
 
 /// What a pack's name ends in.
@@ -62,6 +64,9 @@ fn make_locked(target: &Path) -> io::Result<Unplaced> {
     let name = target.file_name().unwrap_or(OsStr::new("pack"));
     let mut prefix = OsStr::new(".").to_owned();
     prefix.push(name);
+    if !name.to_string_lossy().ends_with(PACK) {
+        prefix.push(PACK);
+    }
     let mut builder = Builder::new();
     builder.prefix(&prefix).suffix(SUFFIX);
     #[cfg(unix)]
@@ -74,27 +79,72 @@ fn make_locked(target: &Path) -> io::Result<Unplaced> {
         let file = interrupt::make(|| builder.tempfile_in(folder_of(target)), NamedTempFile::path)?;
         let unplaced = Unplaced { path: file.path().to_owned(), file: Some(file) };
         // A file system without locks has no sweep either: it cannot lock what it finds.
-        let is_locked = unplaced.file.as_ref().is_some_and(|file| file.as_file().lock().is_ok());
-        if !is_locked || unplaced.path.exists() {
+        let is_locked = unplaced.file.as_ref().is_some_and(|file| lock(file.as_file()).is_ok());
+        if !is_locked || unplaced.path.try_exists().unwrap_or(true) {
             return Ok(unplaced);
         }
     }
     Err(io::Error::other("another process keeps removing the temporary file"))
 }
 
+/// Waits for the lock; a signal meanwhile does not matter.
+fn lock(file: &File) -> io::Result<()> {
+    loop {
+        match file.lock() {
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            result => return result,
+        }
+    }
+}
+
 /// Renames a temporary file to `target`, over what was there.
 ///
 /// # Errors
-/// The rename failed; the temporary file is gone and `target` is as it was.
+/// The rename failed, and the temporary file is gone and `target` is as it was; or it did not reach the disk, which the error
+/// says: then `target` is the new file.
 pub fn put_in_place(mut unplaced: Unplaced, target: &Path) -> io::Result<()> {
     if let Some(file) = unplaced.file.take() {
         interrupt::settle(&unplaced.path, || file.persist(target).map(drop)).map_err(|error| error.error)?;
     }
-    // The rename itself reaches the disk with the folder. Not every system lets one open a folder: best effort.
-    if let Ok(folder) = File::open(folder_of(target)) {
-        let _ = folder.sync_all();
+    sync_in_place(target)
+}
+
+/// As [`put_in_place`], where nothing is there yet.
+///
+/// # Errors
+/// As there; and something is there already, which is left as it was.
+pub fn put_in_free_place(mut unplaced: Unplaced, target: &Path) -> io::Result<()> {
+    if let Some(file) = unplaced.file.take() {
+        interrupt::settle(&unplaced.path, || file.persist_noclobber(target).map(drop)).map_err(|error| error.error)?;
     }
-    Ok(())
+    sync_in_place(target)
+}
+
+fn sync_in_place(target: &Path) -> io::Result<()> {
+    sync_folder(folder_of(target)).map_err(|error| {
+        io::Error::new(error.kind(), format!("it is in place, but a power cut might undo that: {error}"))
+    })
+}
+
+/// Makes a folder and those above it, down to the disk.
+///
+/// # Errors
+/// It is not there and cannot be made, or does not reach the disk.
+pub fn make_folder(folder: &Path) -> io::Result<()> {
+    let is_missing = |folder: &&Path| *folder != Path::new("") && matches!(folder.try_exists(), Ok(false));
+    let missing: Vec<&Path> = folder.ancestors().take_while(is_missing).collect();
+    std::fs::create_dir_all(folder)?;
+    missing.into_iter().try_for_each(|made| sync_folder(folder_of(made)))
+}
+
+/// Brings a folder's entries down to the disk. Not every system has a way to: where there is none, that is no error.
+fn sync_folder(folder: &Path) -> io::Result<()> {
+    use io::ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
+    match File::open(folder).and_then(|folder| folder.sync_all()) {
+        // Windows opens no folders, some file systems sync none; and one may be written to that must not be read.
+        Err(error) if matches!(error.kind(), InvalidInput | PermissionDenied | Unsupported) => Ok(()),
+        result => result,
+    }
 }
 
 /// Removes the temporary files that processes which live no more left in `folder`.
@@ -103,15 +153,22 @@ pub fn sweep(folder: &Path) {
         return;
     };
     for entry in entries.flatten() {
-        if is_temporary(&entry.file_name()) {
-            let path = entry.path();
-            let Ok(file) = OpenOptions::new().read(true).write(true).open(&path) else {
-                continue;
-            };
-            if file.try_lock().is_ok() {
-                let _ = std::fs::remove_file(&path);
-            }
-        }
+        sweep_file(&entry.path());
+    }
+}
+
+/// [`sweep`] in `folder` and all folders below it. Links are not followed.
+pub fn sweep_below(folder: &Path) {
+    WalkDir::new(folder).into_iter().flatten().for_each(|entry| sweep_file(entry.path()));
+}
+
+/// Removes a file if it is temporary and its process lives no more.
+fn sweep_file(path: &Path) {
+    if path.file_name().is_some_and(is_temporary)
+        && let Ok(file) = OpenOptions::new().read(true).write(true).open(path)
+        && file.try_lock().is_ok()
+    {
+        let _ = std::fs::remove_file(path);
     }
 }
 
@@ -135,18 +192,17 @@ pub fn folder_of(file: &Path) -> &Path {
 /// in `project`, the folder that `bake` was started in; else the file's name alone.
 ///
 /// So what is recorded, and with it every byte of the pack, depends on how the project is laid out, and on nothing of
-/// the machine around it. All three must exist.
-pub fn recorded_path(source: &Path, pack_folder: &Path, project: &Path) -> String {
+/// the machine around it.
+///
+/// # Errors
+/// Where one of the three lies cannot be found out: a name alone would be another record.
+pub fn recorded_path(source: &Path, pack_folder: &Path, project: &Path) -> io::Result<String> {
     let name = || source.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let (Ok(source), Ok(folder), Ok(project)) =
-        (source.canonicalize(), pack_folder.canonicalize(), project.canonicalize())
-    else {
-        return name();
-    };
+    let (source, folder, project) = (source.canonicalize()?, pack_folder.canonicalize()?, project.canonicalize()?);
     if source.starts_with(&project) && folder.starts_with(&project) {
-        relative(&source, &folder).unwrap_or_else(name)
+        Ok(relative(&source, &folder).unwrap_or_else(name))
     } else {
-        name()
+        Ok(name())
     }
 }
 
@@ -199,13 +255,15 @@ mod tests {
         std::fs::create_dir_all(&packs).unwrap();
         let source = meshes.join("x.obj");
         std::fs::write(&source, "").unwrap();
-        let recorded = recorded_path(&source, &packs, root.path());
+        let recorded = |source: &Path, project: &Path| recorded_path(source, &packs, project).unwrap();
+        let outside = recorded(&source, &meshes);
+        assert_eq!(outside, "x.obj", "packs outside the project");
+        assert_eq!(recorded(&source, &root.path().join("out")), "x.obj", "meshes outside the project");
+        assert!(recorded_path(&meshes.join("gone.obj"), &packs, root.path()).is_err());
+        let recorded = recorded(&source, root.path());
         assert_eq!(recorded, "../../meshes/x.obj");
         let found = resolve_recorded(&recorded, &packs).unwrap();
         assert_eq!(found.canonicalize().unwrap(), source.canonicalize().unwrap());
-        assert_eq!(recorded_path(&meshes.join("gone.obj"), &packs, root.path()), "gone.obj");
-        assert_eq!(recorded_path(&source, &packs, &meshes), "x.obj", "packs outside the project");
-        assert_eq!(recorded_path(&source, &packs, &root.path().join("out")), "x.obj", "meshes outside the project");
         assert_eq!(resolve_recorded("", &packs), None);
         assert_eq!(resolve_recorded("/etc/passwd", &packs), None);
     }

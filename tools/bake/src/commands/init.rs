@@ -1,11 +1,11 @@
 //! `bake init`: a `hullmap.toml` to start from.
 
-use std::fs::OpenOptions;
 use std::io::{self, Write};
 
 use crate::args::InitArgs;
 use crate::config::{FILE_NAME, TEMPLATE};
 use crate::outcome::{Exit, Failure, end};
+use crate::pack_file::{put_in_free_place, write_beside};
 
 /// Runs the command.
 ///
@@ -14,15 +14,13 @@ use crate::outcome::{Exit, Failure, end};
 pub fn run(args: &InitArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
     let path = args.folder.join(FILE_NAME);
     let shown = path.strip_prefix(".").unwrap_or(&path).display();
-    let made = OpenOptions::new().write(true).create_new(true).open(&path);
-    let mut file = made.map_err(|error| match error.kind() {
+    // Whole or not at all: half a file would stand in the way of the next try.
+    let made = write_beside(&path, TEMPLATE.as_bytes()).and_then(|file| put_in_free_place(file, &path));
+    made.map_err(|error| match error.kind() {
         io::ErrorKind::AlreadyExists => {
             Failure::usage(format!("{shown}: is there already and was left as it is; remove it first to start anew"))
         }
         _ => Failure::usage(format!("{shown}: cannot write: {error}; name a folder that is there")),
     })?;
-    file.write_all(TEMPLATE.as_bytes())
-        .and_then(|()| file.sync_all())
-        .map_err(|error| Failure::usage(format!("{shown}: cannot write: {error}")))?;
     end(Exit::Done, writeln!(out, "{shown} written: every option with its default, commented out").map_err(Into::into))
 }

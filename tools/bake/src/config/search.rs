@@ -1,6 +1,8 @@
 //! Which `hullmap.toml` counts for a mesh.
 
 use std::collections::HashMap;
+use std::fs::FileType;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -48,11 +50,11 @@ impl Configs {
             _ if none => Choice::None,
             Some(path) => {
                 let config = Config::read(path)?;
-                Choice::One(Arc::new(config), canonical(folder_of(path)))
+                Choice::One(Arc::new(config), canonical(folder_of(path))?)
             }
             None => Choice::Nearest,
         };
-        Ok(Self { choice, project: canonical(project), found: HashMap::new(), read: HashMap::new() })
+        Ok(Self { choice, project: canonical(project)?, found: HashMap::new(), read: HashMap::new() })
     }
 
     /// What the file that counts for `mesh` says of it, and that file.
@@ -60,14 +62,18 @@ impl Configs {
     /// # Errors
     /// The file cannot be read or is faulty.
     pub fn layer(&mut self, mesh: &Path) -> Result<(OptionLayer, Option<Arc<Config>>), Failure> {
-        let folder = canonical(folder_of(mesh));
+        if matches!(self.choice, Choice::None) {
+            return Ok((OptionLayer::default(), None));
+        }
+        let folder = canonical(folder_of(mesh))?;
         let name = Path::new(mesh.file_name().unwrap_or_default());
         let (config, root) = match &self.choice {
             Choice::None => (None, PathBuf::new()),
             Choice::One(config, root) => (Some(config.clone()), root.clone()),
             Choice::Nearest => {
                 let config = self.nearest(&folder, folder_of(mesh))?;
-                let root = config.as_ref().map_or_else(PathBuf::new, |config| canonical(folder_of(&config.path)));
+                let root =
+                    config.as_ref().map_or_else(|| Ok(PathBuf::new()), |config| canonical(folder_of(&config.path)))?;
                 (config, root)
             }
         };
@@ -86,7 +92,7 @@ impl Configs {
         let mut found = None;
         for (steps, above) in folder.ancestors().enumerate() {
             let place = above.join(FILE_NAME);
-            if place.is_file() {
+            if kind_of(&place)?.is_some_and(|kind| kind.is_file()) {
                 if let Some(config) = self.read.get(above) {
                     found = Some(config.clone());
                 } else {
@@ -96,7 +102,7 @@ impl Configs {
                 }
                 break;
             }
-            if self.is_root(above, folder) {
+            if self.is_root(above, folder)? {
                 break;
             }
         }
@@ -104,13 +110,44 @@ impl Configs {
         Ok(found)
     }
 
-    fn is_root(&self, above: &Path, folder: &Path) -> bool {
-        if ROOT_MARKS.iter().any(|mark| above.join(mark).exists()) {
-            return true;
+    fn is_root(&self, above: &Path, folder: &Path) -> Result<bool, Failure> {
+        if is_marked(above)? {
+            return Ok(true);
         }
-        let is_marked_above = || above.ancestors().any(|above| ROOT_MARKS.iter().any(|mark| above.join(mark).exists()));
-        above == self.project && folder.starts_with(&self.project) && !is_marked_above()
+        if above != self.project || !folder.starts_with(&self.project) {
+            return Ok(false);
+        }
+        for above in above.ancestors() {
+            if is_marked(above)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
+}
+
+/// Whether a folder is the root of a project for all to see.
+fn is_marked(folder: &Path) -> Result<bool, Failure> {
+    for mark in ROOT_MARKS {
+        if kind_of(&folder.join(mark))?.is_some() {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+/// What there is at a path, if anything. What cannot be asked may be a file that counts: that is an error, lest meshes are baked
+/// with other options than theirs.
+fn kind_of(path: &Path) -> Result<Option<FileType>, Failure> {
+    match std::fs::metadata(path) {
+        Ok(metadata) => Ok(Some(metadata.file_type())),
+        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
+        Err(error) => Err(cannot_search(path, &error)),
+    }
+}
+
+fn cannot_search(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::usage(format!("{}: cannot search for {FILE_NAME}: {error}; --no-config goes without", path.display()))
 }
 
 /// The file as the user would name it: from the folder that was named, while that has so many folders above it.
@@ -129,9 +166,12 @@ fn shown_above(shown: &Path, steps: usize, canonical: &Path) -> PathBuf {
     }
 }
 
-/// The folder's canonical path; as it is where it has none, so that reading it fails with a message of its own.
-fn canonical(folder: &Path) -> PathBuf {
-    folder.canonicalize().unwrap_or_else(|_| folder.to_owned())
+/// The folder's canonical path; as it is where it is not there, so that reading it fails with a message of its own.
+fn canonical(folder: &Path) -> Result<PathBuf, Failure> {
+    match folder.canonicalize() {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(folder.to_owned()),
+        result => result.map_err(|error| cannot_search(folder, &error)),
+    }
 }
 
 #[cfg(test)]

@@ -43,13 +43,20 @@ impl Limits {
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct LimitArgs {
     /// Refuse larger source files; importing takes up to 8 times their bytes
-    #[arg(long, value_name = "N", help_heading = "How it runs", default_value_t = Limits::DEFAULT.input_bytes, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(
+        long,
+        value_name = "N",
+        help_heading = "Limits",
+        hide_short_help = true,
+        default_value_t = Limits::DEFAULT.input_bytes,
+        value_parser = clap::value_parser!(u64).range(1..)
+    )]
     max_input_bytes: u64,
     /// Refuse to cut files of more objects
-    #[arg(long, value_name = "N", help_heading = "How it runs", default_value_t = Limits::DEFAULT.objects)]
+    #[arg(long, value_name = "N", help_heading = "Limits", hide_short_help = true, default_value_t = Limits::DEFAULT.objects)]
     max_objects: usize,
     /// Refuse glTF files that repeat more vertices and corners by instances
-    #[arg(long, value_name = "N", help_heading = "How it runs", default_value_t = Limits::DEFAULT.repeated_vertices)]
+    #[arg(long, value_name = "N", help_heading = "Limits", hide_short_help = true, default_value_t = Limits::DEFAULT.repeated_vertices)]
     max_instanced: usize,
 }
 

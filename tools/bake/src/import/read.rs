@@ -1,7 +1,7 @@
 //! A source file in memory, with the files it draws on, and the hash of all that was read.
 
 use std::fs::File;
-use std::io::Read as _;
+use std::io::{ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
 
 use hullmap_format::header::source_hash;
@@ -34,7 +34,7 @@ impl SourceFile {
 /// Why a source file could not be read.
 #[derive(Debug)]
 pub enum ReadError {
-    /// It cannot be opened or read.
+    /// It, or a file that it draws on and that is there, cannot be opened or read.
     Io(std::io::Error),
     /// It is too large, or a file that it draws on is missing or damaged.
     Import(ImportError),
@@ -55,11 +55,12 @@ pub fn read(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, Read
     let mut beside = Vec::new();
     for name in gltf::buffer_paths(&bytes).map_err(fault)? {
         let folder = path.parent().unwrap_or(Path::new(""));
-        let buffer = read_bounded(&folder.join(&name), &mut left).map_err(|error| {
-            fault(
-                Fault::format(format!("its buffer {name} cannot be read: {error}; put it back beside the file"))
-                    .of_file(),
-            )
+        let buffer = read_bounded(&folder.join(&name), &mut left).map_err(|error| match error.kind() {
+            ErrorKind::NotFound => {
+                let text = format!("its buffer {name} cannot be read: {error}; put it back beside the file");
+                fault(Fault::format(text).of_file())
+            }
+            kind => ReadError::Io(std::io::Error::new(kind, format!("its buffer {name}: {error}"))),
         })?;
         beside.push((name, buffer.ok_or_else(|| fault(too_large(limits)))?));
     }

@@ -19,7 +19,7 @@ use crate::import::{self, Imported, Limits, ReadError, SourceFile};
 use crate::open::open_pack;
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
-use crate::pack_file::{folder_of, put_in_place, recorded_path, write_beside};
+use crate::pack_file::{folder_of, make_folder, put_in_place, recorded_path, write_beside};
 
 /// One mesh, the pack it becomes, and how.
 #[derive(Clone, Debug)]
@@ -91,7 +91,7 @@ impl Build<'_> {
         })?;
         let hash = source.hash;
         let folder = folder_of(&job.output);
-        if let Some(status) = self.judge(job, hash, row) {
+        if let Some(status) = self.judge(job, hash, row)? {
             if self.verify && status == Status::Fresh {
                 let imported = self.import(job, row, &source)?;
                 verify_pack(&job.output, &imported).map_err(|failure| Failure {
@@ -109,12 +109,8 @@ impl Build<'_> {
             let remedy = "check that its folder can be written to and has room";
             Failure::usage(format!("{output}: cannot write: {error}; {remedy}"))
         };
-        std::fs::create_dir_all(folder).map_err(cannot_write)?;
-        let record = SourceRecord {
-            path: recorded_path(&job.source, folder, self.project),
-            hash,
-            options: job.options.to_string(),
-        };
+        make_folder(folder).map_err(cannot_write)?;
+        let record = SourceRecord { path: self.recorded_path(job)?, hash, options: job.options.to_string() };
         let pack = (self.baker)(&imported.point_sets, &job.options, &record)
             .map_err(|error| Failure::wanting(format!("{}: {error}", row.source)))?;
         let file = write_beside(&job.output, &pack.bytes).map_err(cannot_write)?;
@@ -133,23 +129,40 @@ impl Build<'_> {
     }
 
     /// How the file ends without a bake, with the row filled in; `None` where it has to be baked, with the reason in the row.
-    fn judge(&self, job: &Job, source_hash: u128, row: &mut Row) -> Option<Status> {
+    fn judge(&self, job: &Job, source_hash: u128, row: &mut Row) -> Result<Option<Status>, Failure> {
         if self.force {
             row.reason = Some("--force".to_owned());
-            return None;
+            return Ok(None);
         }
-        let recorded_path = recorded_path(&job.source, folder_of(&job.output), self.project);
-        let expected = Expected { source_hash, options: &job.options, recorded_path: &recorded_path };
-        let (status, reason) = match judge(&job.output, &expected) {
+        // A folder that is not there has no pack either.
+        let found = match folder_of(&job.output).try_exists() {
+            Ok(false) => Found::Missing,
+            _ => {
+                let recorded_path = self.recorded_path(job)?;
+                let expected = Expected { source_hash, options: &job.options, recorded_path: &recorded_path };
+                judge(&job.output, &expected)
+            }
+        };
+        let (status, reason) = match found {
             Found::Fresh(pack) => {
                 fill_from_pack(&pack, row);
-                return Some(Status::Fresh);
+                return Ok(Some(Status::Fresh));
             }
             Found::Stale(reason) => (Status::Stale, reason),
             Found::Missing => (Status::Missing, "there is no pack yet".to_owned()),
         };
         row.reason = Some(reason);
-        self.check.then_some(status)
+        Ok(self.check.then_some(status))
+    }
+
+    /// What the pack is to say of its source's place.
+    fn recorded_path(&self, job: &Job) -> Result<String, Failure> {
+        recorded_path(&job.source, folder_of(&job.output), self.project).map_err(|error| {
+            let (source, output) = (job.source.display(), job.output.display());
+            Failure::usage(format!(
+                "{source}: cannot find out where it lies from {output}: {error}; check both folders"
+            ))
+        })
     }
 
     fn import(&self, job: &Job, row: &mut Row, source: &SourceFile) -> Result<Imported, Failure> {

@@ -7,6 +7,7 @@
 
 mod freshness;
 mod job;
+mod memory;
 mod orphans;
 mod plan;
 mod progress;
@@ -26,22 +27,11 @@ use crate::config::Configs;
 use crate::depfile::{self, Rule};
 use crate::import;
 use crate::outcome::{Exit, Failure, end};
-use crate::pack_file::{folder_of, put_in_place, sweep, write_beside};
+use crate::pack_file::{folder_of, make_folder, put_in_place, sweep, sweep_below, write_beside};
 use crate::{interrupt, messages};
 use job::{Baker, Build, Job};
 use progress::Progress;
 use rows::{Row, Status, write_json, write_table};
-
-/// Memory that a file takes while it is baked, for each byte of its source. Measured on OBJ: 8 for a cloud of 1,000,000 points
-/// with 2,534 of them on the hull; 25 to 31 for 100,000 points that all are, up to 59 with what the allocator keeps of files
-/// that other threads baked before. `interruptions.rs` of the tests measures that the bound holds.
-const MEMORY_PER_SOURCE_BYTE: u64 = 64;
-
-/// Memory that a file takes however short it is.
-const MEMORY_PER_FILE: u64 = 256 << 10;
-
-/// Memory of one voxel of a decomposition.
-const MEMORY_PER_VOXEL: u64 = 64;
 
 /// Runs the command.
 ///
@@ -66,6 +56,11 @@ fn run_with(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut dyn Write
 /// The files to bake, each with its options. Nothing is written yet.
 fn jobs(args: &BuildArgs, project: &Path) -> Result<Vec<Job>, Failure> {
     let places = plan::plan(&args.inputs, &args.out)?;
+    if args.prune && !args.quiet && !bakes_folders(args) {
+        messages::note(
+            "--prune applies to nothing: sources are gone from folders, and no input is one; name the folder",
+        );
+    }
     let mut configs = Configs::new(args.config.as_deref(), args.no_config, project)?;
     let job = |place: plan::Place| {
         let (layer, config) = configs.layer(&place.source)?;
@@ -87,9 +82,13 @@ fn build(
 ) -> Result<Exit, Failure> {
     let outputs: HashSet<&Path> = jobs.iter().map(|job| job.output.as_path()).collect();
     if !args.check {
-        std::fs::create_dir_all(&args.out)
+        make_folder(&args.out)
             .map_err(|error| Failure::usage(format!("{}: cannot make this folder: {error}", args.out.display())))?;
-        let folders: BTreeSet<&Path> = outputs.iter().map(|output| folder_of(output)).collect();
+        // Below the output too, as a killed bake may have had meshes that are gone now; but no walk for a single file.
+        if bakes_folders(args) {
+            sweep_below(&args.out);
+        }
+        let folders: BTreeSet<&Path> = outputs.iter().copied().chain(args.depfile.as_deref()).map(folder_of).collect();
         folders.into_iter().for_each(sweep);
     }
     let mut pool = rayon::ThreadPoolBuilder::new();
@@ -99,7 +98,7 @@ fn build(
     let pool = pool.build().map_err(|error| Failure::usage(format!("cannot start threads: {error}")))?;
 
     let chosen: Vec<&Job> = jobs.iter().filter(|job| chosen(job)).collect();
-    let costs: Vec<u64> = chosen.iter().map(|job| memory_of(job)).collect();
+    let costs: Vec<u64> = chosen.iter().map(|job| memory::estimate(job)).collect();
     let limits = args.limits.limits();
     let build = Build { limits, verify: args.verify, force: args.force, check: args.check, project, baker };
     let progress = Progress::new(args.quiet, chosen.len(), costs.iter().sum());
@@ -116,7 +115,7 @@ fn build(
 
     let mut exit = results.iter().map(|(_, exit)| *exit).max().unwrap_or(Exit::Done);
     let mut rows: Vec<Row> = results.into_iter().map(|(row, _)| row).collect();
-    if args.inputs.iter().any(|input| input.is_dir()) {
+    if bakes_folders(args) {
         for orphan in orphans::find(&args.out, &args.inputs, &outputs) {
             let row = orphan.row(&args.out, args.prune && !args.check);
             if row.error.is_some() {
@@ -127,19 +126,17 @@ fn build(
             rows.push(row);
         }
     }
-    if let Some(depfile) = &args.depfile {
-        write_depfile(depfile, args.depfile_target.as_deref(), jobs)?;
-    }
+    // What was baked is told even where the depfile cannot be written.
+    let depfile =
+        args.depfile.as_ref().map_or(Ok(()), |path| write_depfile(path, args.depfile_target.as_deref(), jobs));
     tell(args, &rows);
-    end(exit, write_rows(args, &rows, out))
+    let exit = end(exit, write_rows(args, &rows, out))?;
+    depfile.map(|()| exit)
 }
 
-/// What a file may take while it is in work, in bytes.
-fn memory_of(job: &Job) -> u64 {
-    // A file that cannot be asked cannot be read either, which is told when it is tried.
-    let source = std::fs::metadata(&job.source).map_or(0, |metadata| metadata.len());
-    let voxels = job.options.decompose.map_or(0, |parts| u64::from(parts.resolution).pow(3));
-    MEMORY_PER_FILE + MEMORY_PER_SOURCE_BYTE * source + MEMORY_PER_VOXEL * voxels
+/// Whether an input is a folder: then orphans are looked for.
+fn bakes_folders(args: &BuildArgs) -> bool {
+    args.inputs.iter().any(|input| input.is_dir())
 }
 
 /// Notes, warnings and errors, in the order of the files.

@@ -1,6 +1,7 @@
 //! Packs in the output folder whose source is gone.
 
 use std::collections::HashSet;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use walkdir::WalkDir;
@@ -39,8 +40,10 @@ fn judge(pack: &Path, out: &Path, inputs: &[PathBuf]) -> Option<Orphan> {
     let recorded_place = resolve_recorded(&recorded, folder_of(pack))?;
     let name = recorded_place.file_name()?;
     let below = pack.strip_prefix(out).ok()?.parent().unwrap_or(Path::new(""));
-    let folders: Vec<PathBuf> = inputs.iter().filter(|input| input.is_dir()).map(|input| input.join(below)).collect();
-    if recorded_place.exists() || folders.iter().any(|folder| folder.join(name).exists()) {
+    let folders: Vec<PathBuf> = inputs.iter().filter(|input| !input.is_file()).map(|input| input.join(below)).collect();
+    // Where the system cannot say, it may be there.
+    let may_be_there = |path: &Path| path.try_exists().unwrap_or(true);
+    if may_be_there(&recorded_place) || folders.iter().any(|folder| may_be_there(&folder.join(name))) {
         return None;
     }
     // A name alone tells where the source was only if packs lie beside their sources.
@@ -76,6 +79,8 @@ impl Orphan {
                 row.status = Status::Pruned;
                 remove_empty_folders(folder_of(&self.pack), out);
             }
+            // Another bake was faster.
+            Err(error) if error.kind() == ErrorKind::NotFound => row.status = Status::Pruned,
             Err(error) => row.error = Some(format!("{}: cannot remove: {error}", row.output)),
         }
         row

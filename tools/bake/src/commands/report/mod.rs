@@ -38,7 +38,7 @@ use crate::args::ReportArgs;
 use crate::commands::verify::asked_sources;
 use crate::messages;
 use crate::outcome::{Exit, Failure, end};
-use crate::pack_file::{folder_of, put_in_place, write_beside};
+use crate::pack_file::{folder_of, make_folder, put_in_place, sweep, write_beside};
 use crate::packs::{PackPlace, find_packs};
 use crate::table::grouped;
 use analysis::{Analysis, analyse};
@@ -57,6 +57,9 @@ pub fn run(args: &ReportArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
     }
     let places = find_packs(std::slice::from_ref(&args.input))?;
     let sources = asked_sources(args.source.as_deref(), &places)?;
+    // What a killed report has left.
+    sweep(folder_of(&args.out));
+    sweep(&args.out.with_file_name(pages_folder(&args.out)));
     if args.input.is_dir() {
         return report_folder(args, &places, &sources, out);
     }
@@ -163,7 +166,7 @@ fn tell(pack: &Analysis) {
 
 fn write_page(target: &Path, page: &str) -> Result<(), Failure> {
     let failure = |error| Failure::usage(format!("{}: cannot write the page: {error}", target.display()));
-    std::fs::create_dir_all(folder_of(target)).map_err(failure)?;
+    make_folder(folder_of(target)).map_err(failure)?;
     write_beside(target, page.as_bytes()).and_then(|file| put_in_place(file, target)).map_err(failure)
 }
 

@@ -1,0 +1,260 @@
+//! A disk whose power is cut: what may be on it afterwards.
+//!
+//! 1. A bake is traced, and its calls become [`Op`]s on a simulated disk.
+//! 2. The disk is cut after each of them. What was synced stands. Of the rest the disk keeps what it likes: each entry of a folder
+//!    by itself, whatever the order they were made in, and of each file nothing, half, all, or its length with zeros in it.
+//! 3. Each disk that can come of it holds old and new packs alone; and a bake on a real disk like it makes all packs new.
+//!
+//! That is what POSIX leaves open, and more than today's file systems do: they keep entries in their order.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt,
+};
+
+use super::{
+    inject::{Call, Fault, Injector},
+    project::{Files, Project, WORDS},
+};
+
+/// Entries that were not synced, of which every subset is tried; of more, those made first, each alone, and all but each.
+const MOST_IN_ALL_SUBSETS: usize = 6;
+
+/// What a bake does to the disk.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Op {
+    /// A folder is made.
+    Folder(String),
+    /// An empty file is made.
+    Create(String),
+    /// So many bytes are appended.
+    Write(String, usize),
+    /// A file's bytes, or a folder's entries, are synced.
+    Sync(String),
+    /// A file gets another place, over what is there.
+    Rename(String, String),
+    /// A file is removed.
+    Remove(String),
+}
+
+/// What came of the cuts.
+#[derive(Clone, Debug, Default)]
+pub struct Tally {
+    /// Operations of the bake.
+    pub ops: usize,
+    /// Disks that may come of a cut, over all cuts.
+    pub disks: usize,
+    /// Of these, those that differ.
+    pub distinct: usize,
+    /// Distinct disks on which a bake was run, which made everything new.
+    pub healed: usize,
+    /// What went wrong.
+    pub wrong: Vec<String>,
+}
+
+impl fmt::Display for Tally {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { ops, disks, distinct, healed, wrong } = self;
+        let wrong = wrong.len();
+        write!(
+            f,
+            "power cut after each of {ops} operations: {disks} disks, {distinct} distinct; {healed} healed; {wrong} wrong"
+        )
+    }
+}
+
+/// What an undisturbed bake of the project does to the disk, on one thread.
+///
+/// # Panics
+/// The bake fails.
+pub fn record(project: &Project, injector: &Injector) -> Vec<Op> {
+    project.put(&project.old);
+    let words: Vec<&str> = WORDS.into_iter().chain(["--jobs", "1"]).collect();
+    let (run, calls) = injector.run(project.binary(), &words, project.folder(), 0, Fault::None);
+    assert!(run.status.success(), "{run:?}");
+    ops(&calls, project)
+}
+
+fn ops(calls: &[Call], project: &Project) -> Vec<Op> {
+    let root = format!("{}/", project.folder().canonicalize().expect("it is there").display());
+    let place = |path: &str| path.strip_prefix(&root).map(|path| path.replace("/./", "/")).unwrap_or_default();
+    let mut known: BTreeSet<String> = project.old.keys().cloned().collect();
+    let mut ops = Vec::new();
+    for call in calls.iter().filter(|call| call.result >= 0) {
+        let path = place(&call.path);
+        let is_known = known.contains(&path);
+        match call.name.as_str() {
+            "open" if call.bytes > 0 && !is_known => {
+                known.insert(path.clone());
+                ops.push(Op::Create(path));
+            }
+            "write" => ops.push(Op::Write(path, call.result as usize)),
+            "fsync" => ops.push(Op::Sync(path)),
+            "mkdir" => ops.push(Op::Folder(path)),
+            "unlink" => ops.push(Op::Remove(path)),
+            "rename" => {
+                known.insert(place(&call.second));
+                ops.push(Op::Rename(path, place(&call.second)));
+            }
+            "open" | "read" | "stat" | "lstat" | "readlink" | "access" | "list" | "lock" | "map" => {}
+            other => panic!("the simulated disk knows no {other}"),
+        }
+    }
+    ops
+}
+
+/// Cuts the power after each operation of `ops`, of which the last is the end of a bake that claimed success; bakes on
+/// every `stride`th of the disks that differ.
+pub fn cut(project: &Project, ops: &[Op], stride: usize) -> Tally {
+    let mut tally = Tally { ops: ops.len(), ..Tally::default() };
+    let mut seen: BTreeSet<Files> = BTreeSet::new();
+    for end in 0..=ops.len() {
+        for disk in disks(project, &ops[..end]) {
+            tally.disks += 1;
+            let place = || format!("cut after operation {end} of {}", ops.len());
+            match project.judge_files(&disk) {
+                Err(error) => tally.wrong.push(format!("{}: {error}", place())),
+                // The orphan may be back: that is no promise.
+                Ok(left) if end == ops.len() && left.old > usize::from(disk.contains_key("o/gone.hullmap")) => {
+                    tally.wrong.push(format!("{}: success was claimed, but {} outputs are old", place(), left.old));
+                }
+                Ok(_) => {}
+            }
+            if seen.insert(disk.clone()) && seen.len().is_multiple_of(stride) && tally.wrong.is_empty() {
+                project.put(&disk);
+                match project.bake_again() {
+                    Ok(()) => tally.healed += 1,
+                    Err(error) => tally.wrong.push(format!("{}: {error}", place())),
+                }
+            }
+        }
+    }
+    tally.distinct = seen.len();
+    tally
+}
+
+/// An operation on entries, and whether it was synced.
+struct Entry {
+    op: Op,
+    is_synced: bool,
+}
+
+/// A file's bytes: how many were written, and how many of them synced.
+#[derive(Clone, Copy, Default)]
+struct Length {
+    written: usize,
+    synced: usize,
+}
+
+/// What the disk keeps of bytes that were written and not synced.
+#[derive(Clone, Copy)]
+enum Kept {
+    Nothing,
+    Half,
+    All,
+    Zeros,
+}
+
+/// The disks that may be found after these operations.
+fn disks(project: &Project, ops: &[Op]) -> Vec<Files> {
+    let mut entries: Vec<Entry> = Vec::new();
+    // By the place at which a file was made: a file keeps its bytes when it is renamed.
+    let mut lengths: BTreeMap<String, Length> = BTreeMap::new();
+    for op in ops {
+        match op {
+            Op::Write(path, count) => lengths.entry(path.clone()).or_default().written += count,
+            Op::Sync(path) => match lengths.get_mut(path) {
+                Some(length) => length.synced = length.written,
+                None => {
+                    entries.iter_mut().filter(|entry| touches(&entry.op, path)).for_each(|entry| entry.is_synced = true)
+                }
+            },
+            op => entries.push(Entry { op: op.clone(), is_synced: false }),
+        }
+        if let Op::Create(path) = op {
+            lengths.insert(path.clone(), Length::default());
+        }
+    }
+    let loose: Vec<usize> = (0..entries.len()).filter(|&place| !entries[place].is_synced).collect();
+    let mut disks = Vec::new();
+    for subset in subsets(loose.len()) {
+        let is_kept = |place: usize| loose.iter().position(|&at| at == place).is_none_or(|at| subset[at]);
+        let kept: Vec<&Op> =
+            (0..entries.len()).filter(|&place| is_kept(place)).map(|place| &entries[place].op).collect();
+        for bytes in [Kept::Nothing, Kept::Half, Kept::All, Kept::Zeros] {
+            disks.push(disk(project, ops, &kept, &lengths, bytes));
+        }
+    }
+    disks
+}
+
+/// Whether syncing `folder` makes an entry last.
+fn touches(op: &Op, folder: &str) -> bool {
+    let parent = |path: &str| path.rsplit_once('/').map_or(String::new(), |(parent, _)| parent.to_owned());
+    match op {
+        Op::Folder(path) | Op::Create(path) | Op::Remove(path) => parent(path) == folder,
+        Op::Rename(from, to) => parent(from) == folder && parent(to) == folder,
+        Op::Write(..) | Op::Sync(_) => false,
+    }
+}
+
+/// Subsets of so many things: all, or those that are named at [`MOST_IN_ALL_SUBSETS`].
+fn subsets(count: usize) -> Vec<Vec<bool>> {
+    if count <= MOST_IN_ALL_SUBSETS {
+        return (0..1_usize << count).map(|bits| (0..count).map(|at| bits >> at & 1 == 1).collect()).collect();
+    }
+    let first = (0..=count).map(|most| (0..count).map(|at| at < most).collect());
+    let alone = (0..count).map(|one| (0..count).map(|at| at == one).collect());
+    let without = (0..count).map(|one| (0..count).map(|at| at != one).collect());
+    first.chain(alone).chain(without).collect()
+}
+
+/// The disk that has these entries, and of the files that were written these bytes.
+fn disk(project: &Project, ops: &[Op], entries: &[&Op], lengths: &BTreeMap<String, Length>, kept: Kept) -> Files {
+    // Where each file ends up is what its bytes are.
+    let whole = |made: &str| {
+        let end = ops.iter().find_map(|op| matches!(op, Op::Rename(from, _) if from == made).then_some(op));
+        let place = match end {
+            Some(Op::Rename(_, to)) => to.as_str(),
+            _ => made,
+        };
+        project.new.get(place).cloned().unwrap_or_default()
+    };
+    let content = |made: &str| {
+        let Length { written, synced } = lengths.get(made).copied().unwrap_or_default();
+        let mut bytes = whole(made);
+        // A cut before the rename knows the file by its temporary name alone: any bytes do.
+        bytes.resize(bytes.len().max(written), b'?');
+        bytes.truncate(match kept {
+            Kept::Nothing => synced,
+            Kept::Half => synced + (written - synced) / 2,
+            Kept::All | Kept::Zeros => written,
+        });
+        if matches!(kept, Kept::Zeros) {
+            bytes[synced..].fill(0);
+        }
+        bytes
+    };
+    let made_folders: BTreeSet<&String> =
+        ops.iter().filter_map(|op| if let Op::Folder(path) = op { Some(path) } else { None }).collect();
+    let mut files = project.old.clone();
+    let mut folders: BTreeSet<&String> = BTreeSet::new();
+    for op in entries {
+        match op {
+            Op::Folder(path) => drop(folders.insert(path)),
+            Op::Create(path) => drop(files.insert(path.clone(), content(path))),
+            Op::Remove(path) => drop(files.remove(path)),
+            // Its new entry can be there though the old one never was.
+            Op::Rename(from, to) => {
+                files.remove(from);
+                files.insert(to.clone(), content(from));
+            }
+            Op::Write(..) | Op::Sync(_) => {}
+        }
+    }
+    // What is in a folder is lost with it.
+    files.retain(|path, _| {
+        !made_folders.iter().any(|folder| !folders.contains(folder) && path.starts_with(&format!("{folder}/")))
+    });
+    files
+}
