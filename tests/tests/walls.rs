@@ -146,6 +146,90 @@ fn unsafe_code_is_in_two_files() {
     assert_eq!(allowing.collect::<Vec<_>>(), allowed);
 }
 
+/// What libraries and machines compute differently in the last digits, as methods: the platform's own functions, and those of glam that use
+/// them. Roots, sums and products are exact everywhere; `mul_add` is too.
+const INEXACT: [&str; 31] = [
+    "sin",
+    "cos",
+    "tan",
+    "sin_cos",
+    "asin",
+    "acos",
+    "atan",
+    "atan2",
+    "sinh",
+    "cosh",
+    "tanh",
+    "exp",
+    "exp2",
+    "exp_m1",
+    "ln",
+    "ln_1p",
+    "log",
+    "log2",
+    "log10",
+    "powf",
+    "hypot",
+    "cbrt",
+    "from_axis_angle",
+    "from_scaled_axis",
+    "from_rotation_x",
+    "from_rotation_y",
+    "from_rotation_z",
+    "from_euler",
+    "to_axis_angle",
+    "slerp",
+    "angle_between",
+];
+
+/// Code before a file's own tests, without comments.
+fn code(text: &str) -> String {
+    let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+    code.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n")
+}
+
+/// Whether `code` calls the function, as a method or by its type; libm's, which are the same everywhere, apart.
+fn calls(code: &str, function: &str) -> bool {
+    [format!(".{function}("), format!("::{function}(")]
+        .iter()
+        .any(|call| code.match_indices(call.as_str()).any(|(at, _)| !code[..at].ends_with("libm")))
+}
+
+/// Baked bytes and answers are the same on every machine.
+#[test]
+fn nothing_that_is_hashed_comes_from_a_platforms_own_sines() {
+    let sources = sources();
+    let hashed = |path: &&PathBuf| {
+        [
+            "crates/hullmap/src",
+            "crates/hullmap-bake/src",
+            "crates/hullmap-format/src",
+            "tools/shapes/src",
+            "tests/golden/src",
+        ]
+        .iter()
+        .any(|folder| path.starts_with(folder))
+    };
+    let hashed: Vec<&PathBuf> = sources.iter().filter(hashed).collect();
+    assert!(hashed.len() > 40, "{}", hashed.len());
+    for path in hashed {
+        let code = code(&fs::read_to_string(workspace().join(path)).unwrap());
+        for function in INEXACT {
+            assert!(!calls(&code, function), "{} calls {function}: take libm's, or a root", path.display());
+        }
+        // Its precision is unspecified too; the baker squares by it, which is exact.
+        let is_baker = path.starts_with("crates/hullmap-bake");
+        assert!(is_baker || !calls(&code, "powi"), "{} calls powi", path.display());
+    }
+}
+
+#[test]
+fn calls_of_inexact_functions_are_found() {
+    assert!(calls(&code("let x = y.sin();"), "sin") && calls(&code("DQuat::from_rotation_x(1.0)"), "from_rotation_x"));
+    assert!(!calls(&code("libm::sin(y)"), "sin") && !calls(&code("y.sinister()"), "sin"));
+    assert!(!calls(&code("// y.sin()\n#[cfg(test)]\ny.sin()"), "sin"));
+}
+
 #[test]
 fn words_are_told_from_comments_and_longer_words() {
     assert!(uses("let x = 1;\n  odd { f() }", "odd"));

@@ -554,3 +554,101 @@ fn touching_shapes_have_a_normal_that_separates() {
         assert!((d.normal - axis).length() < 1e-9, "{axis}: {}", d.normal);
     }
 }
+
+#[test]
+fn origin_in_a_faces_plane_but_beside_the_face() {
+    // A polygon, and a slab whose top is in the polygon's plane, beside it: no face proves them apart or touching, the nearest points do.
+    let polygon = PointCloud::polygon(24, 1.0);
+    for thick in [1e-3, 1e-5, 1e-7] {
+        let slab = PointCloud::cuboid(DVec3::new(0.7, 0.5, thick));
+        for gap in [1e-2, 1e-4, 1e-6] {
+            for turn in [0.0, 0.3, 1.0] {
+                let rotation = DQuat::from_rotation_z(turn);
+                let reach = (rotation.inverse() * DVec3::X).abs().dot(DVec3::new(0.7, 0.5, 0.0));
+                let pose = Pose::new(DVec3::new(1.0 + reach + gap, 0.0, -thick), rotation).unwrap();
+                let what = format!("{thick} {gap} {turn}");
+                assert_eq!(hit(&polygon, &slab, pose), Overlap::Separated, "{what}");
+                assert_eq!(hit(&slab, &polygon, pose.inverse()), Overlap::Separated, "{what}");
+                assert!(!deep(&polygon, &slab, pose).hit && !deep(&slab, &polygon, pose.inverse()).hit, "{what}");
+                assert!(far(&polygon, &slab, pose).lower > 0.99 * gap, "{what}");
+            }
+        }
+    }
+}
+
+#[test]
+fn degenerate_simplex_has_a_finite_depth() {
+    // Segments that cross at all angles, down to none, far from their frames' origins.
+    let away = DVec3::new(50.0, -35.0, 20.0);
+    let mut rng = Rng(23);
+    for round in 0..3000 {
+        let along = rng.direction();
+        let angle = [1.0, 1e-3, 1e-6, 1e-9, 1e-12, 1e-14, 1e-15][round % 7];
+        let other = (along + rng.direction() * angle).normalize();
+        let segment = |dir: DVec3| PointCloud::new(vec![away + dir * 1.1, away - dir]);
+        let (a, b) = (segment(along), segment(other));
+        let shift = rng.direction() * [0.0, 1e-15, 1e-14, 1e-13][round % 4];
+        let pose = Pose::from_translation(shift).unwrap();
+        for c in [deep(&a, &b, pose), deep(&b, &a, pose.inverse())] {
+            assert!(c.depth.is_finite() && c.depth_upper < 3.0, "{c:?}");
+        }
+    }
+}
+
+#[test]
+fn witness_points_where_every_face_is_as_near() {
+    // A ball at the centre of a cylinder: the depth is known at once, a face that shows it is not.
+    for (half, radius, ball) in [(700.0, 500.0, 500.0), (0.7, 0.5, 0.8), (3.0, 0.5, 0.01)] {
+        let cylinder = hullmap::shapes::Cylinder::new(half, radius).unwrap();
+        let ball = hullmap::shapes::Sphere::new(ball).unwrap();
+        let c = deep(&cylinder, &ball, Pose::IDENTITY);
+        assert_near(c.depth, radius + ball.radius());
+        let between = c.point_a - c.point_b;
+        assert!(between.dot(c.normal) <= c.depth_upper * (1.0 + 1e-12), "{c:?}");
+        assert!(between.length() >= c.depth_lower * (1.0 - 1e-3), "{c:?}");
+        assert!((DVec3::new(c.point_a.x, c.point_a.y, 0.0).length() - radius).abs() < 1e-3 * radius, "{c:?}");
+    }
+}
+
+#[test]
+fn cores_that_nearly_touch_are_no_deeper_than_they_are() {
+    let (ball, needle) =
+        (hullmap::shapes::Sphere::new(0.0008).unwrap(), hullmap::shapes::Capsule::new(0.0007, 0.0).unwrap());
+    let mut rng = Rng(29);
+    for _ in 0..2000 {
+        // The segment passes the ball's centre at a distance from 1e-6 to 1e-16.
+        let rotation = rng.rotation();
+        let side = (rotation * DVec3::Z).cross(rng.direction()).normalize();
+        let gap = 10.0_f64.powf(-rng.range(6.0, 16.0));
+        let pose = Pose::new(side * gap, rotation).unwrap();
+        let truth = 0.0008 - gap;
+        for c in [deep(&ball, &needle, pose), deep(&needle, &ball, pose.inverse())] {
+            assert!(c.depth_lower <= truth + 1e-17 && truth - 1e-17 <= c.depth_upper, "{gap:e}: {c:?}");
+        }
+    }
+}
+
+#[test]
+fn parallel_close_faces() {
+    let (a, b) = (shy_cube(), PointCloud::cuboid(DVec3::new(0.5, 2.0, 0.25)));
+    for exponent in 3..=15 {
+        for sign in [-1.0, 1.0] {
+            let gap = sign * 10.0_f64.powi(-exponent);
+            for slide in [0.0, 0.3, 1.2] {
+                let pose = at(1.5 + gap, slide, 0.1);
+                let gap = pose.translation().x - 1.5;
+                let (c, d) = (deep(&a, &b, pose), far(&a, &b, pose));
+                // What is farther than rounding is told for certain.
+                if gap.abs() > 2e-15 * 64.0 {
+                    assert_eq!(c.hit, gap < 0.0, "{gap:e}");
+                    assert_eq!(hit(&a, &b, pose) == Overlap::Separated, gap > 0.0, "{gap:e}");
+                }
+                if c.hit {
+                    assert!(c.depth_lower <= (-gap).max(0.0) && -gap <= c.depth_upper, "{gap:e}: {c:?}");
+                    assert!(c.normal.distance(DVec3::X) < 1e-12, "{gap:e}: {c:?}");
+                }
+                assert!(d.lower <= gap.max(0.0) && gap <= d.upper + 1e-15, "{gap:e}: {d:?}");
+            }
+        }
+    }
+}
