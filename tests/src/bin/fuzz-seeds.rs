@@ -5,7 +5,7 @@ use std::{fs, path::PathBuf};
 use clap::Parser;
 use hullmap_tests::fuzzed::{TARGETS, seeds::seeds};
 
-/// Writes first inputs for each fuzz target into DIR/<target>.
+/// Writes first inputs of each fuzz target into a folder of its name, in DIR.
 #[derive(Parser)]
 #[command(after_help = "Example:\n  cargo run --release -p hullmap-tests --bin fuzz-seeds -- fuzz/corpus")]
 struct Arguments {
