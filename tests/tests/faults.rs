@@ -52,10 +52,10 @@ fn a_cut_of_the_power_after_every_operation() {
     let Some(injector) = injector() else { return };
     let project = Project::new(binary(), 0);
     let ops = power::record(&project, &injector);
-    let tally = power::cut(&project, &ops, 7);
+    let tally = power::cut(&project, &ops, 1);
     println!("{tally}");
     assert!(tally.wrong.is_empty(), "{:#?}", tally.wrong);
-    assert!(tally.distinct > 100 && tally.healed > 10, "representative: {tally}");
+    assert!(tally.distinct > 30 && tally.healed == tally.distinct, "representative: {tally}");
 
     // The same bake without its syncs must be found out.
     let without =

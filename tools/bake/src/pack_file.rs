@@ -131,6 +131,14 @@ fn sync_in_place(target: &Path) -> io::Result<()> {
 /// # Errors
 /// It is not there and cannot be made, or does not reach the disk.
 pub fn make_folder(folder: &Path) -> io::Result<()> {
+    match std::fs::metadata(folder) {
+        Ok(found) if found.is_dir() => return Ok(()),
+        Err(error) if !matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {
+            return Err(error);
+        }
+        // Something else is in its place, which the attempt to make it tells best.
+        _ => {}
+    }
     let is_missing = |folder: &&Path| *folder != Path::new("") && matches!(folder.try_exists(), Ok(false));
     let missing: Vec<&Path> = folder.ancestors().take_while(is_missing).collect();
     std::fs::create_dir_all(folder)?;

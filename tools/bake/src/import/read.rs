@@ -72,15 +72,21 @@ pub fn read(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, Read
     Ok(SourceFile { bytes, beside, hash: source_hash(&hashes) })
 }
 
-/// Paths of the buffers that a glTF file names beside it, for those who watch files; none where it cannot be read.
-pub fn buffers_of(path: &Path) -> Vec<PathBuf> {
+/// Paths of the buffers that a glTF file names beside it, for those who watch files; none where it is faulty or not there.
+///
+/// # Errors
+/// It is there and cannot be read.
+pub fn buffers_of(path: &Path) -> std::io::Result<Vec<PathBuf>> {
     if Format::of(path, &[]) != Format::Gltf {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let mut left = Limits::DEFAULT.input_bytes;
-    let bytes = read_bounded(path, &mut left).ok().flatten().unwrap_or_default();
+    let bytes = match read_bounded(path, &mut left) {
+        Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
+        read => read.ok().flatten().unwrap_or_default(),
+    };
     let names = gltf::buffer_paths(&bytes).unwrap_or_default();
-    names.iter().map(|name| path.with_file_name(name)).collect()
+    Ok(names.iter().map(|name| path.with_file_name(name)).collect())
 }
 
 fn too_large(limits: &Limits) -> LineFault {

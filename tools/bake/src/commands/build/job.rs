@@ -135,13 +135,12 @@ impl Build<'_> {
             return Ok(None);
         }
         // A folder that is not there has no pack either.
-        let found = match folder_of(&job.output).try_exists() {
-            Ok(false) => Found::Missing,
-            _ => {
-                let recorded_path = self.recorded_path(job)?;
-                let expected = Expected { source_hash, options: &job.options, recorded_path: &recorded_path };
-                judge(&job.output, &expected)
-            }
+        let found = if folder_of(&job.output).try_exists().map_err(|error| cannot_place(job, &error))? {
+            let recorded_path = self.recorded_path(job)?;
+            let expected = Expected { source_hash, options: &job.options, recorded_path: &recorded_path };
+            judge(&job.output, &expected)
+        } else {
+            Found::Missing
         };
         let (status, reason) = match found {
             Found::Fresh(pack) => {
@@ -157,12 +156,7 @@ impl Build<'_> {
 
     /// What the pack is to say of its source's place.
     fn recorded_path(&self, job: &Job) -> Result<String, Failure> {
-        recorded_path(&job.source, folder_of(&job.output), self.project).map_err(|error| {
-            let (source, output) = (job.source.display(), job.output.display());
-            Failure::usage(format!(
-                "{source}: cannot find out where it lies from {output}: {error}; check both folders"
-            ))
-        })
+        recorded_path(&job.source, folder_of(&job.output), self.project).map_err(|error| cannot_place(job, &error))
     }
 
     fn import(&self, job: &Job, row: &mut Row, source: &SourceFile) -> Result<Imported, Failure> {
@@ -180,6 +174,11 @@ impl Build<'_> {
         row.warnings = std::mem::take(&mut imported.warnings);
         Ok(imported)
     }
+}
+
+fn cannot_place(job: &Job, error: &std::io::Error) -> Failure {
+    let (source, output) = (job.source.display(), job.output.display());
+    Failure::usage(format!("{source}: cannot find out where it lies from {output}: {error}; check both folders"))
 }
 
 fn fill_from_pack(pack: &Pack, row: &mut Row) {

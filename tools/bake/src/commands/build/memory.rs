@@ -37,7 +37,7 @@ pub fn estimate(job: &Job) -> u64 {
     let per_byte = if is_text(&job.source) { PER_TEXT_BYTE } else { PER_DENSE_BYTE };
     // A GLB file has its buffer in it, and would have to be read whole to be asked for others.
     let is_gltf = job.source.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gltf"));
-    let buffers = if is_gltf { import::buffers_of(&job.source) } else { Vec::new() };
+    let buffers = if is_gltf { import::buffers_of(&job.source).unwrap_or_default() } else { Vec::new() };
     let bytes: u64 = length(&job.source) + buffers.iter().map(|path| length(path)).sum::<u64>();
     let voxels = job.options.decompose.map_or(0, |parts| u64::from(parts.resolution).pow(3));
     let cells = match job.options.index {

@@ -171,20 +171,19 @@ fn write_rows(args: &BuildArgs, rows: &[Row], out: &mut dyn Write) -> Result<(),
 
 /// Writes which pack depends on which mesh, which buffers beside it, and which `hullmap.toml`.
 fn write_depfile(path: &Path, target: Option<&Path>, jobs: &[Job]) -> Result<(), Failure> {
-    let prerequisites = |job: &Job| {
+    let mut rules = Vec::new();
+    for job in jobs {
+        let buffers = import::buffers_of(&job.source).map_err(|error| {
+            let source = job.source.display();
+            Failure::usage(format!("{}: not written: {source}: cannot read: {error}; check the file", path.display()))
+        })?;
         let own = [Some(job.source.clone()), job.config.clone()].into_iter().flatten();
-        own.chain(import::buffers_of(&job.source))
-    };
-    let rules = match target {
-        None => jobs
-            .iter()
-            .map(|job| Rule { target: job.output.clone(), prerequisites: prerequisites(job).collect() })
-            .collect(),
-        Some(target) => {
-            let all: BTreeSet<PathBuf> = jobs.iter().flat_map(prerequisites).collect();
-            vec![Rule { target: target.to_owned(), prerequisites: all.into_iter().collect() }]
-        }
-    };
+        rules.push(Rule { target: job.output.clone(), prerequisites: own.chain(buffers).collect() });
+    }
+    if let Some(target) = target {
+        let all: BTreeSet<PathBuf> = rules.into_iter().flat_map(|rule| rule.prerequisites).collect();
+        rules = vec![Rule { target: target.to_owned(), prerequisites: all.into_iter().collect() }];
+    }
     depfile::text(&rules)
         .and_then(|text| write_beside(path, text.as_bytes()))
         .and_then(|file| put_in_place(file, path))

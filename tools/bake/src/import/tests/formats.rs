@@ -187,7 +187,7 @@ fn buffers_beside_the_file_are_read_and_hashed() {
     std::fs::create_dir(folder.path().join("data")).unwrap();
     let buffer = folder.path().join("data/a b.bin");
     std::fs::write(&buffer, &parts.buffer).unwrap();
-    assert_eq!(buffers_of(&path), std::slice::from_ref(&buffer));
+    assert_eq!(buffers_of(&path).unwrap(), std::slice::from_ref(&buffer));
     let source = read("a.gltf", &path, &Limits::DEFAULT).unwrap();
     let imported = import("a.gltf", "a", &path, &source, &WHOLE, &Limits::DEFAULT).unwrap();
     assert_eq!(imported.point_sets[0].positions, mesh.vertices);
