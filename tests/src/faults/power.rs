@@ -213,7 +213,7 @@ fn subsets(count: usize) -> Vec<Vec<bool>> {
 fn disk(project: &Project, ops: &[Op], entries: &[&Op], lengths: &BTreeMap<String, Length>, kept: Kept) -> Files {
     // Where each file ends up is what its bytes are.
     let whole = |made: &str| {
-        let end = ops.iter().find_map(|op| matches!(op, Op::Rename(from, _) if from == made).then_some(op));
+        let end = ops.iter().find(|op| matches!(op, Op::Rename(from, _) if from == made));
         let place = match end {
             Some(Op::Rename(_, to)) => to.as_str(),
             _ => made,

@@ -57,6 +57,7 @@ pub enum Kind {
 }
 
 /// What the solver is asked about.
+#[expect(clippy::large_enum_variant, reason = "most of them are hulls")]
 pub enum Solid<'p> {
     /// A hull, asked about as such.
     Hull(Hull<'p>),

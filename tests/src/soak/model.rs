@@ -149,7 +149,7 @@ impl Model {
             Core::Points { planes, .. } if !planes.is_empty() => {
                 Some((planes[place % planes.len()].0 / self.scale).normalize())
             }
-            Core::Cuboid(_) => Some(DVec3::AXES[place % 3] * if place % 2 == 0 { 1.0 } else { -1.0 }),
+            Core::Cuboid(_) => Some(DVec3::AXES[place % 3] * if place.is_multiple_of(2) { 1.0 } else { -1.0 }),
             Core::Cylinder(..) | Core::Cone(..) => Some(DVec3::NEG_Z),
             _ => None,
         }
