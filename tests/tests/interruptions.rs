@@ -324,7 +324,7 @@ fn peak(folder: &TempDir, words: &[&str]) -> u64 {
 fn memory_stays_within_the_bound() {
     let folder = meshes(6, 15_000);
     let source = fs::metadata(folder.path().join("in/0.obj")).unwrap().len();
-    let one = 64 * source + (256 << 10);
+    let one = 128 * source + (256 << 10);
     let bounded = peak(&folder, &["--memory", &one.to_string()]);
     let free = peak(&folder, &[]);
     println!("sources of {source} bytes; peak {bounded} within a bound of {one}, {free} within 4 GiB");
@@ -359,7 +359,7 @@ fn memory_of_dense_formats_and_large_indices_stays_within_the_bound() {
         (&["--index-budget", "100"], 0),
         (&["--index", "cubemap", "--resolution", &RESOLUTION.to_string()], 6 * RESOLUTION * RESOLUTION),
     ] {
-        let one = 160 * source + 288 * cells + (256 << 10);
+        let one = 320 * source + 480 * cells + (256 << 10);
         let memory = one.to_string();
         let bounded = peak(&folder, &[words, &["--memory", &memory]].concat());
         println!("{words:?}: sources of {source} bytes; peak {bounded} within a bound of {one}");

@@ -112,7 +112,7 @@ pub fn decompose(mesh: &PointSet, parameters: &Parameters) -> Result<Option<Vec<
     let points: Vec<_> = positions.iter().map(|p| to_parry(*p - middle)).collect();
     let found = VHACD::decompose(&to_vhacd(parameters), &points, &mesh.triangles, true);
     let order = by_position(mesh);
-    let step = 2_f64.powi(((high - low).max_element() * GRID).log2().ceil() as i32);
+    let step = power_of_two_from((high - low).max_element() * GRID);
     let mut parts = Vec::new();
     for cut in found.compute_primitive_intersections(&points, &mesh.triangles) {
         let mut part: Vec<([f32; 3], u32)> = cut
@@ -234,9 +234,31 @@ fn to_vhacd(parameters: &Parameters) -> VHACDParameters {
     }
 }
 
+/// The least power of two that is not below `x`, which is positive and normal: by its bits, exactly.
+fn power_of_two_from(x: f64) -> f64 {
+    const MANTISSA_BITS: u32 = f64::MANTISSA_DIGITS - 1;
+    let exponent = x.to_bits() >> MANTISSA_BITS;
+    let is_power = x.to_bits().trailing_zeros() >= MANTISSA_BITS;
+    f64::from_bits((exponent + u64::from(!is_power)) << MANTISSA_BITS)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn powers_of_two_are_the_next_ones() {
+        for (x, power) in [
+            (1.0, 1.0),
+            (1.0 + f64::EPSILON, 2.0),
+            (0.75, 1.0),
+            (0.5, 0.5),
+            (3e-7, 2_f64.powi(-21)),
+            (5e9, 2_f64.powi(33)),
+        ] {
+            assert_eq!(power_of_two_from(x), power, "{x}");
+        }
+    }
 
     /// Boxes that touch, as one mesh: each by its low and high corner.
     fn boxes(name: &str, boxes: &[[[f32; 3]; 2]]) -> PointSet {

@@ -50,7 +50,7 @@ use crate::{
 /// # let path = folder.path().join("rock.hullmap");
 /// # let write = |scale: f32| -> Result<(), Box<dyn std::error::Error>> {
 /// #     let positions = shapes::families::rock(40, 1).into_iter().map(|p| p.map(|c| c * scale)).collect();
-/// #     let points = hullmap_bake::PointSet { name: "rock".into(), positions, source_vertices: (0..40).collect() };
+/// #     let points = hullmap_bake::PointSet { name: "rock".into(), positions, source_vertices: (0..40).collect(), ..Default::default() };
 /// #     let baked = hullmap_bake::bake_hull(&points, hullmap_bake::IndexKind::TREE)?;
 /// #     let fresh = path.with_extension("fresh");
 /// #     std::fs::write(&fresh, hullmap_bake::write_pack(&[baked], &Default::default())?)?;

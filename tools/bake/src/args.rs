@@ -85,7 +85,7 @@ pub struct BuildArgs {
     /// Bake nothing; name what is stale or missing, and exit with 1 if anything is
     #[arg(long, conflicts_with_all = ["force", "verify", "watch", "depfile"], help_heading = "What is baked")]
     pub check: bool,
-    /// Remove packs whose source is gone from an input folder; with --check, exit with 1 if there are any
+    /// Remove packs whose source is gone; with --check, exit with 1 if there are any
     #[arg(long, help_heading = "What is baked")]
     pub prune: bool,
     /// Verify each pack before it is put in place
@@ -177,7 +177,7 @@ pub struct QueryArgs {
 /// What `bake report` takes.
 #[derive(Debug, clap::Args)]
 pub struct ReportArgs {
-    /// The pack, or a folder to search for packs: then one page for all, and one for each in OUT's `.pages` folder
+    /// The pack, or a folder of packs: one page for all, and one for each in a folder beside it
     #[arg(value_name = "FILE|DIR")]
     pub input: PathBuf,
     /// The page to write; it needs no other file and no network

@@ -12,13 +12,13 @@ use hullmap_bake::IndexKind;
 use super::job::Job;
 use crate::import;
 
-/// Memory for each byte of an OBJ file: 25 to 31 for 100,000 points that are all on the hull, up to 59 with what the allocator
-/// keeps of files that other threads baked before.
-const PER_TEXT_BYTE: u64 = 64;
+/// Memory for each byte of an OBJ file: 25 to 31 for 100,000 points that are all on the hull; with what the allocator keeps of files
+/// that other threads baked before, up to 59 for those, and up to 105 for 15,000 points.
+const PER_TEXT_BYTE: u64 = 128;
 
 /// Memory for each byte of the other formats, and of their buffers, in which a point can be 12 bytes long: 78 for such a cloud, and
 /// as with OBJ up to twice that with what the allocator keeps.
-const PER_DENSE_BYTE: u64 = 160;
+const PER_DENSE_BYTE: u64 = 320;
 
 /// Memory of a file however short it is.
 const PER_FILE: u64 = 256 << 10;
@@ -26,8 +26,8 @@ const PER_FILE: u64 = 256 << 10;
 /// Memory of one voxel of a decomposition.
 const PER_VOXEL: u64 = 64;
 
-/// Memory of one cell of a cube map while it is made; the pack has four bytes of them.
-const PER_CELL: u64 = 288;
+/// Memory of one cell of a cube map while it is made, 288 bytes, with what the allocator keeps; the pack has four bytes of them.
+const PER_CELL: u64 = 480;
 
 /// What baking this file may take, in bytes.
 ///
