@@ -317,12 +317,12 @@ fn data(page: &str) -> serde_json::Value {
     serde_json::from_str(text).unwrap()
 }
 
-/// Cells of a table's column, by its head; tables are those after `mark`.
+/// Cells of a column, by its head, of the table whose caption has `mark` in it.
 fn column(page: &str, mark: &str, head: &str) -> Vec<String> {
-    let table = page.split(mark).last().unwrap().split("<table").nth(1).unwrap().split("</table>").next().unwrap();
+    let table = page.split_once(mark).unwrap().1.split("<table").nth(1).unwrap().split("</table>").next().unwrap();
     let cells = |row: &str, tag: &str| -> Vec<String> {
         let cells = row.split(tag).skip(1).map(|cell| cell.split_once('>').unwrap().1);
-        cells.map(|cell| cell.rsplit_once("</t").unwrap().0.to_owned()).collect()
+        cells.map(|cell| cell.split("</t").next().unwrap().to_owned()).collect()
     };
     let place = cells(table.split("</thead>").next().unwrap(), "<th ").iter().position(|name| name == head);
     let place = place.unwrap_or_else(|| panic!("no column {head}"));
@@ -479,7 +479,7 @@ fn sources_that_are_gone_or_changed_are_told() {
     fs::rename(folder.path().join("in/gear.obj"), folder.path().join("elsewhere/gear.obj")).unwrap();
     run(&folder, &["report", pack, "--out", "page.html"]).expect(0);
     let page = text(folder.path().join("page.html"));
-    assert!(page.contains("The source was not found, so the hull stands alone"));
+    assert!(page.contains("the source was not found, so the hull stands alone"));
     assert!(page.contains("exact to the stored hull") && page.contains("\"source\":null"));
     if let Some(browser) = browser("sources_that_are_gone_or_changed_are_told") {
         let loaded = load(browser, &folder.path().join("page.html"), &[]);
