@@ -17,9 +17,7 @@ use hullmap_tests::{
 /// Pairs are numbered and the same on any number of threads. Counts and wrong answers go to standard output, progress to standard
 /// error. Exits with 1 if an answer is wrong.
 #[derive(Parser)]
-#[command(
-    after_help = "Example:\n  HULLMAP_HULLS=game_hulls.bin cargo run --release -p hullmap-tests --bin solver-soak -- --pairs 100000000"
-)]
+#[command(after_help = "Example:\n  HULLMAP_HULLS=game_hulls.bin cargo run --release -p hullmap-tests --bin solver-soak -- --pairs 100000000")]
 struct Arguments {
     /// How many pairs
     #[arg(long, default_value_t = 1_000_000)]
@@ -71,11 +69,7 @@ fn main() -> ExitCode {
         tally.add(soak(&cast, seed, next..until, threads));
         next = until;
         let wrong: u64 = tally.wrong.values().sum();
-        eprintln!(
-            "{:7.1} s  {} pairs, {wrong} wrong; go on with --first {next}",
-            start.elapsed().as_secs_f64(),
-            tally.pairs
-        );
+        eprintln!("{:7.1} s  {} pairs, {wrong} wrong; go on with --first {next}", start.elapsed().as_secs_f64(), tally.pairs);
     }
     println!("seed {seed}, pairs {first} to {next}, bodies {:?}\n{tally}", cast.counts);
     tally.wrongs().take(told).for_each(|wrong| println!("\n{wrong}"));

@@ -100,14 +100,8 @@ impl Answers {
         hasher.write_u32(yes.status as u32);
         hasher.write_u32(deep.status as u32);
         hasher.write_u32(near.status as u32);
-        for count in [
-            yes.iterations,
-            yes.support_calls,
-            deep.iterations,
-            deep.support_calls,
-            near.iterations,
-            near.support_calls,
-        ] {
+        for count in [yes.iterations, yes.support_calls, deep.iterations, deep.support_calls, near.iterations, near.support_calls]
+        {
             hasher.write(&count.to_le_bytes());
         }
         let lengths = [deep.depth, deep.depth_lower, deep.depth_upper, near.distance, near.lower, near.upper];
@@ -206,15 +200,7 @@ impl<'s, 'p> Scene<'s, 'p> {
         self.b.model.outside(self.unturn * (p - self.shift))
     }
 
-    fn wrong(
-        &self,
-        pair: &Pair<'_, '_>,
-        what: &'static str,
-        order: &str,
-        answers: &Answers,
-        more: String,
-        tally: &mut Tally,
-    ) {
+    fn wrong(&self, pair: &Pair<'_, '_>, what: &'static str, order: &str, answers: &Answers, more: String, tally: &mut Tally) {
         let Answers { yes, deep, near } = answers;
         let (slack, rounding) = (self.slack, self.rounding);
         let details = format!(
@@ -243,11 +229,7 @@ impl<'s, 'p> Scene<'s, 'p> {
         let (way_deep, way_near) = (self.way_out(deep.normal), self.way_out(near.normal));
         self.judge_contact(deep, way_deep, &mut at_most);
         self.judge_distance(near, way_near, &mut at_most);
-        for counts in [
-            [yes.iterations, yes.support_calls],
-            [deep.iterations, deep.support_calls],
-            [near.iterations, near.support_calls],
-        ] {
+        for counts in [[yes.iterations, yes.support_calls], [deep.iterations, deep.support_calls], [near.iterations, near.support_calls]] {
             at_most("a cap is not held", counts[0].max(counts[1]).into(), MOST.into(), 0.0);
         }
 
@@ -311,22 +293,12 @@ impl<'s, 'p> Scene<'s, 'p> {
         }
         let between = c.point_a - c.point_b;
         at_most("the contact's points are deeper than the depth", between.dot(c.normal), c.depth_upper, slack);
-        at_most(
-            "the contact's points are less deep than the depth",
-            c.depth_lower * (1.0 - FOOT_OFF),
-            between.length(),
-            slack + self.rounding,
-        );
+        at_most("the contact's points are less deep than the depth", c.depth_lower * (1.0 - FOOT_OFF), between.length(), slack + self.rounding);
         let (width, hair) = (c.depth_upper - c.depth_lower, self.hair);
         match c.status {
             Status::Exact => at_most("an exact depth is wide", width, hair, slack),
             Status::Within => {
-                at_most(
-                    "a depth is wider than its status",
-                    width,
-                    Settings::DEFAULT_TOLERANCE * c.depth_upper + hair,
-                    slack,
-                );
+                at_most("a depth is wider than its status", width, Settings::DEFAULT_TOLERANCE * c.depth_upper + hair, slack);
             }
             Status::Touching => {
                 at_most("touching has a depth", c.depth + c.depth_lower, 0.0, 0.0);
@@ -359,7 +331,8 @@ impl<'s, 'p> Scene<'s, 'p> {
         at_most("the distance's points are farther apart than its upper end", apart, d.upper, slack);
         at_most("the distance's points are nearer than its lower end", d.lower, apart, slack);
         // The balls' line is a bound of its own.
-        let centers = self.a.shape().interior_point() - (self.turn * self.b.shape().interior_point() + self.shift);
+        let centers = self.a.shape().interior_point()
+            - (self.turn * self.b.shape().interior_point() + self.shift);
         let by_balls = centers.length() - self.a.shape().outer_radius() - self.b.shape().outer_radius();
         if d.lower > 0.0 {
             at_most("the distance's lower end is above the planes' gap", d.lower, (-way).max(by_balls), slack);
@@ -368,12 +341,7 @@ impl<'s, 'p> Scene<'s, 'p> {
         match d.status {
             Status::Exact => at_most("an exact distance is wide", width, hair, slack),
             Status::Within => {
-                at_most(
-                    "a distance is wider than its status",
-                    width,
-                    Settings::DEFAULT_TOLERANCE * d.upper + hair,
-                    slack,
-                );
+                at_most("a distance is wider than its status", width, Settings::DEFAULT_TOLERANCE * d.upper + hair, slack);
             }
             Status::Touching => {
                 at_most("touching has a distance", d.distance + d.lower, 0.0, 0.0);
