@@ -258,7 +258,11 @@ impl<'p> Cast<'p> {
             };
             let scale = DVec3::new(-1.0, 0.5, 2.0);
             let scaled = Scaled::new(hull, scale).expect("a scale");
-            add("rounded", Box::new(Rounded::new(hull, radius).expect("a radius")), Model::of_hull(&hull).rounded(radius));
+            add(
+                "rounded",
+                Box::new(Rounded::new(hull, radius).expect("a radius")),
+                Model::of_hull(&hull).rounded(radius),
+            );
             add("scaled", Box::new(scaled), Model::of_hull(&hull).scaled(scale));
             let thin = DVec3::new(1.0, 1e-6, 1.0);
             add("squeezed", Box::new(Scaled::new(hull, thin).expect("a scale")), Model::of_hull(&hull).scaled(thin));
@@ -298,7 +302,11 @@ impl<'p> Cast<'p> {
     /// That of game hulls' usual size, else any.
     fn any_decade(&self, rng: &mut SplitMix64) -> i32 {
         let usual = decade(1.0);
-        if rng.below(2) == 0 && self.decades.contains_key(&usual) { usual } else { self.keys[rng.below(self.keys.len())] }
+        if rng.below(2) == 0 && self.decades.contains_key(&usual) {
+            usual
+        } else {
+            self.keys[rng.below(self.keys.len())]
+        }
     }
 
     fn pick(&self, decade: i32, rng: &mut SplitMix64) -> &Body<'p> {

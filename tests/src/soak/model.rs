@@ -114,9 +114,7 @@ impl Model {
                 let end = DVec3::Z * (*half * self.scale.z);
                 to_segment(p, end, -end)
             }
-            Core::Cylinder(half, radius) => {
-                ((q.z.abs() - half) * size.z).max((across - radius) * size.x.min(size.y))
-            }
+            Core::Cylinder(half, radius) => ((q.z.abs() - half) * size.z).max((across - radius) * size.x.min(size.y)),
             Core::Cone(half, radius) => {
                 let slant = (4.0 * half * half + radius * radius).sqrt();
                 let side = if slant > 0.0 {
@@ -220,8 +218,14 @@ mod tests {
             (Box::new(Cone::new(0.6, 0.4).unwrap()), Model::new(Core::Cone(0.6, 0.4))),
             (Box::new(Cone::new(0.0, 0.4).unwrap()), Model::new(Core::Cone(0.0, 0.4))),
             (Box::new(Cone::new(0.6, 0.0).unwrap()), Model::new(Core::Cone(0.6, 0.0))),
-            (Box::new(Scaled::new(Cone::new(0.6, 0.4).unwrap(), scale).unwrap()), Model::new(Core::Cone(0.6, 0.4)).scaled(scale)),
-            (Box::new(Scaled::new(Sphere::new(0.7).unwrap(), scale).unwrap()), Model::new(Core::Ball(0.7)).scaled(scale)),
+            (
+                Box::new(Scaled::new(Cone::new(0.6, 0.4).unwrap(), scale).unwrap()),
+                Model::new(Core::Cone(0.6, 0.4)).scaled(scale),
+            ),
+            (
+                Box::new(Scaled::new(Sphere::new(0.7).unwrap(), scale).unwrap()),
+                Model::new(Core::Ball(0.7)).scaled(scale),
+            ),
             (
                 Box::new(Rounded::new(Scaled::new(Cuboid::new(half).unwrap(), scale).unwrap(), 0.1).unwrap()),
                 Model::new(Core::Cuboid(half)).scaled(scale).rounded(0.1),

@@ -98,7 +98,7 @@ pub struct BuildArgs {
     #[arg(long, value_name = "FILE", help_heading = "What is baked")]
     pub depfile: Option<PathBuf>,
     /// In the depfile, let this one target depend on everything
-    #[arg(long, value_name = "TARGET", requires = "depfile", help_heading = "What is baked")]
+    #[arg(long, hide_short_help = true, value_name = "TARGET", requires = "depfile", help_heading = "What is baked")]
     pub depfile_target: Option<PathBuf>,
     /// Threads to use [default: one a core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "How it runs")]

@@ -30,10 +30,10 @@ pub struct OptionLayer {
     #[arg(long, value_enum, value_name = "KIND", hide_possible_values = true)]
     pub index: Option<IndexName>,
     /// Instead of --index: the fastest of so many bytes a vertex
-    #[arg(long, value_name = "BYTES", value_parser = at_least_1, conflicts_with = "index")]
+    #[arg(long, hide_short_help = true, value_name = "BYTES", value_parser = at_least_1, conflicts_with = "index")]
     pub index_budget: Option<u32>,
     /// Cells along the edge of a cube face, 1 to 1024, for --index cubemap
-    #[arg(long, value_name = "R", value_parser = resolution)]
+    #[arg(long, hide_short_help = true, value_name = "R", value_parser = resolution)]
     pub resolution: Option<u32>,
     /// An outer hull of at most N vertices, at least 4, or none
     #[arg(long, value_name = "N", value_parser = max_vertices, help_heading = "Simplification")]
