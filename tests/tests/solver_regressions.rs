@@ -1,0 +1,40 @@
+//! Pairs that the soak found wrong answers about, on baked hulls, whose support points are a little uncertain.
+
+use glam::{DQuat, DVec3};
+use hullmap::shapes::{Capsule, Sphere};
+use hullmap::{Cache, Contact, Overlap, Pose, Settings, SupportMap, contact, distance, intersects};
+use hullmap_bake::IndexKind;
+use hullmap_tests::packs::pack;
+
+fn deep<A: SupportMap, B: SupportMap>(a: &A, b: &B, pose: Pose) -> Contact {
+    contact(a, b, pose, &Settings::default(), &mut Cache::new())
+}
+
+/// Two polygons, one of them in the plane of a face of the difference, 7e-5 beside it: told as touching, with a gap 30,000 roundings wide.
+#[test]
+fn beside_a_face_is_not_touching() {
+    let flat = [[1000.0, 0.0, 0.0], [-1000.0, 0.0, 0.0], [0.0, 800.0, 0.0], [100.0, 200.0, 1e-5]];
+    let sliver = [[-1000.0, 0.0, 250.0], [1000.0, 0.0, 250.0], [300.0, 0.01, 250.0]];
+    let packs = [pack("flat", &flat, IndexKind::TREE), pack("sliver", &sliver, IndexKind::TREE)];
+    let [a, b] = packs.each_ref().map(|pack| pack.hull(0).unwrap());
+    let quarter = DQuat::from_xyzw(-std::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0, std::f64::consts::FRAC_1_SQRT_2);
+    let pose = Pose::new(DVec3::new(1999.9999999999998, -249.99991135212065, 0.0), quarter).unwrap();
+    let gap = distance(&a, &b, pose, &Settings::default(), &mut Cache::new());
+    assert!(gap.lower > 6.9e-5 && gap.upper < 7e-5, "{gap:?}");
+    assert_eq!(intersects(&a, &b, pose, &mut Cache::new()).status, Overlap::Separated);
+    assert!(!deep(&a, &b, pose).hit);
+}
+
+/// A ball around a point 8e-13 from a segment: the cores were told as touching, and the depth as that of the whole radius.
+#[test]
+fn cores_a_hair_apart_are_no_deeper_than_they_are() {
+    let (needle, ball) = (Capsule::new(0.0007, 0.0).unwrap(), Sphere::new(0.0008).unwrap());
+    let shift = DVec3::new(-5.496251782692585e-13, 6.14096393094371e-13, -4.704256949261687e-12);
+    let turn =
+        DQuat::from_xyzw(3.523716018709407e-1, -8.912437729690775e-1, -2.80570094148559e-1, 5.2907594995608064e-2);
+    let pose = Pose::new(shift, turn).unwrap();
+    let truth = 0.0008 - (shift.x * shift.x + shift.y * shift.y).sqrt();
+    for c in [deep(&needle, &ball, pose), deep(&ball, &needle, pose.inverse())] {
+        assert!(c.depth_lower <= truth + 1e-17 && truth - 1e-17 <= c.depth_upper, "{truth:e}: {c:?}");
+    }
+}
