@@ -43,6 +43,11 @@ fn build_open_verify() {
 }
 
 #[test]
+fn import() {
+    replay(TARGETS[3]);
+}
+
+#[test]
 fn seeds_run() {
     for (name, run) in TARGETS {
         let seeds = seeds::seeds(name);

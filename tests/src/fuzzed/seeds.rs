@@ -1,6 +1,7 @@
 //! Inputs to start from: without them nearly all inputs die at the first check.
 
-use shapes::rng::SplitMix64;
+use hullmap_import::EXTENSIONS;
+use shapes::{gltf, mesh::Mesh, obj, ply, rng::SplitMix64, solids, stl};
 
 use crate::hostile::samples;
 
@@ -31,6 +32,48 @@ pub fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
             .collect(),
         "solver" => numbers(1),
         "build_open_verify" => numbers(2),
+        "import" => source_files(),
         _ => Vec::new(),
     }
+}
+
+/// What OBJ files say beyond plain faces: objects by name, numbers from the end, lines, points, lines continued, all numbers' forms.
+const OBJ: &str = "o UCX_a_01\nv 0 0 0\nv 1 0 .5e1 1\nv +1. 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nf 1/1/1 2//1 3 \\\n 4\n\
+                   o UCX_a_02\nv 0 0 1\nv 1 0 1\nf -1 -2 1\nl 1 5\np 6\ng convcol-col\ns off\nusemtl m\n# end";
+
+/// Files of every format, with a byte that says which and one that says the options before each.
+fn source_files() -> Vec<(String, Vec<u8>)> {
+    let (prism, cone) =
+        (solids::extrusion(&solids::regular_polygon(5, 1.0), -1.0, 1.0), solids::cone(6, 1.0, 0.0, 2.0));
+    let obj = |mesh: &Mesh| {
+        let objects = vec![obj::Object::from_mesh(Some("Cone-convcolonly"), mesh)];
+        obj::Document { objects, ..Default::default() }.to_text().into_bytes()
+    };
+    // A node of every kind: moved by a matrix, by translation, rotation and scale, below another, and showing no mesh.
+    let nodes = r#"{"name": "UCX_a_00", "mesh": 0, "matrix": [0,1,0,0, -1,0,0,0, 0,0,1,0, 3,4,5,1]},
+        {"mesh": 1, "translation": [1, 2, 3], "rotation": [0, 0, 1, 0], "scale": [1, -2, 0.5], "children": [2]},
+        {"name": "below", "mesh": 0, "children": []}, {"name": "none"}"#;
+    let scene = gltf::parts(&[("a", &prism), ("b", &cone)], nodes, "0, 1, 3");
+    let texts = stl::text(&[("a", &prism), ("b", &cone)]);
+    let files = [
+        ("obj", "written-by-hand", OBJ.as_bytes().to_vec()),
+        ("obj", "prism", obj(&prism)),
+        ("obj", "cone", obj(&cone)),
+        ("gltf", "scene", scene.text_with_data().into_bytes()),
+        ("gltf", "buffer-missing", scene.text("a.bin").into_bytes()),
+        ("glb", "scene", scene.glb()),
+        ("stl", "two-solids", texts.into_bytes()),
+        ("stl", "binary", stl::binary(&prism, "made by hullmap")),
+        ("ply", "text", ply::file(&prism, ply::Encoding::Text)),
+        ("ply", "little", ply::file(&cone, ply::Encoding::Little)),
+        ("ply", "big", ply::file(&cone, ply::Encoding::Big)),
+    ];
+    let mut seeds = Vec::new();
+    for (extension, name, bytes) in &files {
+        let format = EXTENSIONS.iter().position(|known| known == extension).unwrap_or(0) as u8;
+        for options in [0b000_0000, 0b100_0001, 0b001_0010, 0b110_1110] {
+            seeds.push((format!("{extension}-{name}-{options}"), [&[format, options], &bytes[..]].concat()));
+        }
+    }
+    seeds
 }

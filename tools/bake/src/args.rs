@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 
-use crate::import::LimitArgs;
+use hullmap_import::Limits;
+
 use crate::option_layer::OptionLayer;
 
 /// Directions that a verification tries on each hull where nothing else is asked for.
@@ -115,6 +116,34 @@ pub struct BuildArgs {
     /// Print one JSON object a file
     #[arg(long, help_heading = "How it runs")]
     pub json: bool,
+}
+
+/// How much a source file may ask for.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub struct LimitArgs {
+    /// Refuse larger source files; importing takes up to 8 times their bytes
+    #[arg(
+        long,
+        value_name = "N",
+        help_heading = "Limits",
+        hide_short_help = true,
+        default_value_t = Limits::DEFAULT.input_bytes,
+        value_parser = clap::value_parser!(u64).range(1..)
+    )]
+    max_input_bytes: u64,
+    /// Refuse to cut files of more objects
+    #[arg(long, value_name = "N", help_heading = "Limits", hide_short_help = true, default_value_t = Limits::DEFAULT.objects)]
+    max_objects: usize,
+    /// Refuse glTF files that repeat more vertices and corners by instances
+    #[arg(long, value_name = "N", help_heading = "Limits", hide_short_help = true, default_value_t = Limits::DEFAULT.repeated_vertices)]
+    max_instanced: usize,
+}
+
+impl LimitArgs {
+    /// The limits that the flags set.
+    pub fn limits(&self) -> Limits {
+        Limits { input_bytes: self.max_input_bytes, objects: self.max_objects, repeated_vertices: self.max_instanced }
+    }
 }
 
 /// What `bake verify` takes.
@@ -309,7 +338,8 @@ mod tests {
     use hullmap_bake::IndexKind;
 
     use super::*;
-    use crate::options::{BuildOptions, DecomposeOptions, ImportOptions, Simplify, Split, UpAxis, Vertices};
+    use crate::options::{BuildOptions, DecomposeOptions, Simplify};
+    use hullmap_import::{ImportOptions, Split, UpAxis, Vertices};
 
     fn build(words: &str) -> Result<BuildOptions, i32> {
         let line = format!("bake build in.obj --out out {words}");

@@ -8,7 +8,7 @@ use hullmap_bake::simplify::Limit;
 use hullmap_bake::{BakedHull, IndexKind, PointSet, SourceRecord, bake_hull, bake_simplified_hull, write_pack};
 use rayon::prelude::*;
 
-use crate::import::advice::{self, HullFacts, Remark};
+use crate::advice::{self, HullFacts, Remark};
 use crate::options::{self, BuildOptions, DecomposeOptions, Simplify};
 
 /// A pack in memory.

@@ -1,17 +1,17 @@
 //! The `bake` command: meshes to `.hullmap` packs, and questions about them.
 //!
 //! `args` says what may be asked, `commands` answers it. `config` reads `hullmap.toml`; `option_layer` and `options` hold what
-//! shapes a bake. `import` reads OBJ files, `verification` measures how exact a
-//! pack is. The work itself is done by the crates `hullmap-bake` (in `baker`) and `hullmap` (in `open` and `pair`).
+//! shapes a bake. `verification` measures how exact a pack is, `advice` says what a user should look at. The work itself is done by
+//! the crates `hullmap-import`, `hullmap-bake` (in `baker`) and `hullmap` (in `open` and `pair`).
 
 #![forbid(unsafe_code)]
 
+mod advice;
 mod args;
 mod baker;
 mod commands;
 mod config;
 mod depfile;
-mod import;
 mod interrupt;
 mod messages;
 mod open;

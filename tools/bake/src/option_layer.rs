@@ -2,11 +2,9 @@
 //! in a pack. Each option has one name, one way to be read and one range, wherever it is written.
 
 use hullmap_bake::IndexKind;
+use hullmap_import::{ImportOptions, Split, UpAxis, Vertices};
 
-use crate::options::{
-    BuildOptions, DEFAULT_RESOLUTION, DecomposeOptions, Fill, ImportOptions, IndexName, MAX_RESOLUTION, Simplify,
-    Split, UpAxis, Vertices,
-};
+use crate::options::{BuildOptions, DEFAULT_RESOLUTION, DecomposeOptions, Fill, IndexName, MAX_RESOLUTION, Simplify};
 
 /// Options as far as they are said; `None` where this place is silent. As arguments of clap, the flags of `bake build`.
 #[derive(Clone, Debug, Default, PartialEq, clap::Args)]

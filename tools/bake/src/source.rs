@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use hullmap_bake::PointSet;
 
-use crate::import::{self, EXTENSIONS, Imported, Limits, Polygons, ReadError, SourceFile};
 use crate::options::BuildOptions;
 use crate::outcome::Failure;
 use crate::pack_file::{folder_of, resolve_recorded};
 use crate::packs::PackPlace;
+use hullmap_import::{self as import, EXTENSIONS, Imported, Limits, Polygons, ReadError, SourceFile};
 
 /// A pack's source, found and imported as it was when the pack was baked.
 #[derive(Debug)]

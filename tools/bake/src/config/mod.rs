@@ -76,7 +76,8 @@ mod tests {
     use hullmap_bake::IndexKind;
 
     use super::*;
-    use crate::options::{BuildOptions, Simplify, Split};
+    use crate::options::{BuildOptions, Simplify};
+    use hullmap_import::Split;
 
     const TEXT: &str = r#"
 [defaults]

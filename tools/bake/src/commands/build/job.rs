@@ -15,11 +15,11 @@ use super::rows::{Row, Status};
 use crate::args::DEFAULT_DIRECTIONS;
 use crate::baker::BakedPack;
 use crate::commands::verify::{self, Truth};
-use crate::import::{self, Imported, Limits, ReadError, SourceFile};
 use crate::open::open_pack;
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::{folder_of, make_folder, put_in_place, recorded_path, write_beside};
+use hullmap_import::{self as import, Imported, Limits, ReadError, SourceFile};
 
 /// One mesh, the pack it becomes, and how.
 #[derive(Clone, Debug)]

@@ -10,7 +10,6 @@ use std::path::Path;
 use hullmap_bake::IndexKind;
 
 use super::job::Job;
-use crate::import;
 
 /// Memory for each byte of an OBJ file: 25 to 31 for 100,000 points that are all on the hull; with what the allocator keeps of files
 /// that other threads baked before, up to 59 for those, and up to 105 for 15,000 points.
@@ -37,7 +36,7 @@ pub fn estimate(job: &Job) -> u64 {
     let per_byte = if is_text(&job.source) { PER_TEXT_BYTE } else { PER_DENSE_BYTE };
     // A GLB file has its buffer in it, and would have to be read whole to be asked for others.
     let is_gltf = job.source.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gltf"));
-    let buffers = if is_gltf { import::buffers_of(&job.source).unwrap_or_default() } else { Vec::new() };
+    let buffers = if is_gltf { hullmap_import::buffers_of(&job.source).unwrap_or_default() } else { Vec::new() };
     let bytes: u64 = length(&job.source) + buffers.iter().map(|path| length(path)).sum::<u64>();
     let voxels = job.options.decompose.map_or(0, |parts| u64::from(parts.resolution).pow(3));
     let cells = match job.options.index {

@@ -25,7 +25,6 @@ use crate::args::{BuildArgs, DEFAULT_MEMORY};
 use crate::baker::bake_pack;
 use crate::config::Configs;
 use crate::depfile::{self, Rule};
-use crate::import;
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, make_folder, put_in_place, sweep, sweep_below, write_beside};
 use crate::{interrupt, messages};
@@ -173,7 +172,7 @@ fn write_rows(args: &BuildArgs, rows: &[Row], out: &mut dyn Write) -> Result<(),
 fn write_depfile(path: &Path, target: Option<&Path>, jobs: &[Job]) -> Result<(), Failure> {
     let mut rules = Vec::new();
     for job in jobs {
-        let buffers = import::buffers_of(&job.source).map_err(|error| {
+        let buffers = hullmap_import::buffers_of(&job.source).map_err(|error| {
             let source = job.source.display();
             Failure::usage(format!("{}: not written: {source}: cannot read: {error}; check the file", path.display()))
         })?;

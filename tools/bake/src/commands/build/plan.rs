@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use walkdir::WalkDir;
 
-use crate::import::{NAMES, is_source};
 use crate::outcome::Failure;
+use hullmap_import::{NAMES, is_source};
 
 /// One mesh and the place of the pack it becomes.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -13,10 +13,10 @@ use super::job::{Baker, Job};
 use super::{build, jobs};
 use crate::args::BuildArgs;
 use crate::config::FILE_NAME;
-use crate::import::{is_buffer, is_source};
 use crate::messages;
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::folder_of;
+use hullmap_import::{is_buffer, is_source};
 
 /// A change counts once nothing more has changed for so long: editors save in several steps.
 const QUIET: Duration = Duration::from_millis(200);

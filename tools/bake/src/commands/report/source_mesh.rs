@@ -1,8 +1,8 @@
 //! The faces of a source mesh, to look at.
 
 use super::shape::Shape;
-use crate::import::Polygons;
 use crate::source::Source;
+use hullmap_import::Polygons;
 
 /// The source of each hull: its faces where the file has any, else its points.
 ///

@@ -3,7 +3,7 @@
 use hullmap::{Hull, IndexKind, Pack, SupportMap};
 
 use super::census::Census;
-use crate::import::advice::{self, HullFacts};
+use crate::advice::{self, HullFacts};
 use crate::source::Source;
 
 /// Dot products that a query takes at most where the default index fits; more is slower than need be.
@@ -46,7 +46,7 @@ pub fn of_pack(pack: &Pack, source: Option<&Source>) -> Remarks {
         }
         if source.is_none() {
             let vertices: Vec<[f32; 3]> = parts.iter().flat_map(Hull::vertices).map(|v| v.to_array()).collect();
-            remarks.warnings.extend(advice::far_away(name, &vertices));
+            remarks.warnings.extend(hullmap_import::far_away(name, &vertices));
         }
         start += count;
     }

@@ -1,7 +1,7 @@
 //! Numbers of a glTF file: an accessor's elements, from a buffer, from zeros, and from sparse replacements.
 
 use super::document::{Accessor, Document, Kind};
-use crate::import::fault::Fault;
+use crate::fault::Fault;
 
 /// Component types, by their numbers in OpenGL.
 const BYTE: u32 = 5120;

@@ -1,6 +1,6 @@
 //! Vertex references of an OBJ file, or why they are none.
 
-use crate::import::fault::{Fault, excerpt};
+use crate::fault::{Fault, excerpt};
 
 /// Zero-based vertex number of a reference such as `7`, `7/1`, `7//3`, `7/1/3` or `-1`, with `declared` vertices
 /// above it. The numbers of texture coordinates and normals must be numbers; their range does not matter to a hull.

@@ -1,6 +1,6 @@
 //! The header of a PLY file: which elements it has, in which order, of which properties.
 
-use crate::import::fault::{Fault, LineFault, excerpt};
+use crate::fault::{Fault, LineFault, excerpt};
 
 /// How the numbers behind the header are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 use hullmap_format::header::source_hash;
 
-use super::fault::{Fault, ImportError, LineFault};
-use super::format::Format;
-use super::gltf;
-use super::limits::Limits;
+use crate::fault::{Fault, ImportError, LineFault};
+use crate::format::Format;
+use crate::gltf;
+use crate::limits::Limits;
 
 /// All bytes that a pack is baked from.
 #[derive(Clone, Debug, Default)]

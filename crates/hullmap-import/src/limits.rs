@@ -39,34 +39,6 @@ impl Limits {
     pub const DEFAULT: Self = Self { input_bytes: 4 << 30, objects: 1 << 17, repeated_vertices: 1 << 22 };
 }
 
-/// The flags that raise or lower them.
-#[derive(Clone, Copy, Debug, clap::Args)]
-pub struct LimitArgs {
-    /// Refuse larger source files; importing takes up to 8 times their bytes
-    #[arg(
-        long,
-        value_name = "N",
-        help_heading = "Limits",
-        hide_short_help = true,
-        default_value_t = Limits::DEFAULT.input_bytes,
-        value_parser = clap::value_parser!(u64).range(1..)
-    )]
-    max_input_bytes: u64,
-    /// Refuse to cut files of more objects
-    #[arg(long, value_name = "N", help_heading = "Limits", hide_short_help = true, default_value_t = Limits::DEFAULT.objects)]
-    max_objects: usize,
-    /// Refuse glTF files that repeat more vertices and corners by instances
-    #[arg(long, value_name = "N", help_heading = "Limits", hide_short_help = true, default_value_t = Limits::DEFAULT.repeated_vertices)]
-    max_instanced: usize,
-}
-
-impl LimitArgs {
-    /// The limits that the flags set.
-    pub fn limits(&self) -> Limits {
-        Limits { input_bytes: self.max_input_bytes, objects: self.max_objects, repeated_vertices: self.max_instanced }
-    }
-}
-
 impl Default for Limits {
     fn default() -> Self {
         Self::DEFAULT

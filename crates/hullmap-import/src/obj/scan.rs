@@ -23,10 +23,10 @@ use rayon::prelude::*;
 
 use super::lines::{Lines, parts, with_words};
 use super::reference::resolve_reference;
-use crate::import::coordinate::parse_coordinate;
-use crate::import::fault::{Fault, LineFault, excerpt};
-use crate::import::limits::Limits;
-use crate::import::mesh::{Object, Polygons};
+use crate::coordinate::parse_coordinate;
+use crate::fault::{Fault, LineFault, excerpt};
+use crate::limits::Limits;
+use crate::mesh::{Object, Polygons};
 
 /// Bytes of a part: some milliseconds of work.
 const PART_BYTES: usize = 4 << 20;

@@ -6,7 +6,7 @@ mod limits;
 use super::fault::Fault;
 use super::*;
 use crate::options::Split;
-use crate::verification::random::SplitMix;
+use shapes::rng::SplitMix64;
 
 const WHOLE: ImportOptions =
     ImportOptions { split: Split::None, vertices: Vertices::Referenced, ..ImportOptions::DEFAULT };
@@ -319,7 +319,7 @@ fn damaged_files_are_read_alike_by_both_readers_or_refused_by_the_first() {
         "\0",
     ];
     let texts = [TWO, "v 1 2 3 2\r\nv 4 5 6 0.1 0.2 0.3\r\nvt 0 0\r\nf 1/1 2/1 \\\r\n -1//\r\np 1 -2\r\n"];
-    let mut random = SplitMix::new(SEED);
+    let mut random = SplitMix64::new(SEED);
     let mut imported_count = 0;
     for round in 0..4000 {
         let mut bytes = texts[round % texts.len()].as_bytes().to_vec();
@@ -329,7 +329,7 @@ fn damaged_files_are_read_alike_by_both_readers_or_refused_by_the_first() {
             }
             let at = random.below(bytes.len());
             match random.below(4) {
-                0 => bytes[at] = random.bits() as u8,
+                0 => bytes[at] = random.next_u64() as u8,
                 1 => drop(bytes.remove(at)),
                 2 => bytes.truncate(at.max(1)),
                 _ => {

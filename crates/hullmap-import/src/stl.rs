@@ -14,11 +14,11 @@
 use std::collections::HashMap;
 use std::hash::Hash;
 
-use super::coordinate::parse_coordinate;
-use super::fault::{Fault, LineFault, excerpt};
-use super::limits::Limits;
-use super::mesh::{Mesh, Polygons, Positions};
-use super::tokens::{Tokens, text};
+use crate::coordinate::parse_coordinate;
+use crate::fault::{Fault, LineFault, excerpt};
+use crate::limits::Limits;
+use crate::mesh::{Mesh, Polygons, Positions};
+use crate::tokens::{Tokens, text};
 
 /// Bytes before the triangles of a binary file: a free text, and the number of triangles.
 const HEADER: usize = 84;

@@ -1,7 +1,7 @@
 //! From a file's coordinates to a hull's: turned, scaled, moved to the middle, and rounded to f32 once.
 
-use super::fault::Fault;
-use super::mesh::Positions;
+use crate::fault::Fault;
+use crate::mesh::Positions;
 use crate::options::{ImportOptions, UpAxis};
 
 /// Vertices that are placed before their memory is given back: 6 MB.

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::document::Document;
-use crate::import::fault::{Fault, LineFault, excerpt};
+use crate::fault::{Fault, LineFault, excerpt};
 
 /// Bytes of a GLB file's header, and of a chunk's.
 const GLB_HEADER: usize = 12;

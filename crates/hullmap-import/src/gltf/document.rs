@@ -9,7 +9,7 @@ use std::marker::PhantomData;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error as _, IgnoredAny, SeqAccess, Visitor};
 
-use crate::import::limits::GLTF_LIST;
+use crate::limits::GLTF_LIST;
 
 /// A glTF document.
 #[derive(Debug, Deserialize)]

@@ -10,12 +10,12 @@ use std::ops::Range;
 
 use hullmap_bake::PointSet;
 
-use super::conventions;
-use super::fault::Fault;
-use super::limits::Limits;
-use super::mesh::{Mesh, Polygons, Positions};
-use super::placement::Placement;
+use crate::conventions;
+use crate::fault::Fault;
+use crate::limits::Limits;
+use crate::mesh::{Mesh, Polygons, Positions};
 use crate::options::{ImportOptions, Split, Vertices};
+use crate::placement::Placement;
 
 /// Most names that a note lists.
 const NAMES_IN_NOTE: usize = 5;

@@ -115,7 +115,7 @@ pub(super) use with_words;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verification::random::SplitMix;
+    use shapes::rng::SplitMix64;
 
     fn all(bytes: &[u8]) -> Vec<(usize, Vec<u8>)> {
         let mut lines = Lines::new(bytes, 1);
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn parts_have_the_lines_of_the_whole() {
         const SEED: u64 = 5;
-        let mut random = SplitMix::new(SEED);
+        let mut random = SplitMix64::new(SEED);
         let mut cut_count = 0;
         for round in 0..2000 {
             let text: Vec<u8> = (0..random.below(60)).map(|_| b"\n\n\r\\\\ vfo#1"[random.below(11)]).collect();

@@ -1,6 +1,6 @@
 //! Coordinates in text, or why they are none.
 
-use super::fault::{Fault, excerpt};
+use crate::fault::{Fault, excerpt};
 
 /// A floating-point type that coordinates are read as.
 pub trait Coordinate: std::str::FromStr + Copy {

@@ -1,6 +1,6 @@
 //! What every reader makes of a file: vertices, elements over them, and where objects begin.
 
-use super::ears::triangulate;
+use crate::ears::triangulate;
 
 /// Vertices in file order, with the digits that the file has or that the options need.
 #[derive(Debug)]
@@ -42,6 +42,11 @@ impl Polygons {
     /// Number of polygons.
     pub fn len(&self) -> usize {
         self.ends.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
     }
 
     /// Where the corners of polygon `number` start; for the number of polygons, where the last one's end.

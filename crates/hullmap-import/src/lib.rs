@@ -4,7 +4,7 @@
 //! 2. [`obj`], [`gltf`], [`stl`] or [`ply`] makes a [`mesh`] of it: vertices, elements, objects. `limits` bounds them.
 //! 3. [`point_sets`] chooses the points, cuts them into objects (by `conventions`, with `--split auto`), and has
 //!    [`placement`] turn, scale and move them.
-//! 4. [`advice`] says what a user should look at.
+//! 4. [`far`] warns of points that f32 cannot tell apart where they are.
 //!
 //! | format | vertices, as they are numbered | objects |
 //! |---|---|---|
@@ -13,16 +13,19 @@
 //! | STL | distinct positions, by first appearance | `solid`s |
 //! | PLY | elements `vertex` | the file |
 
-pub mod advice;
+#![forbid(unsafe_code)]
+
 mod conventions;
 mod coordinate;
 mod ears;
+mod far;
 mod fault;
 mod format;
 mod gltf;
 mod limits;
 mod mesh;
 mod obj;
+mod options;
 mod placement;
 mod ply;
 mod point_sets;
@@ -37,13 +40,14 @@ use std::path::Path;
 use hullmap_bake::PointSet;
 use rayon::prelude::*;
 
+pub use far::far_away;
 pub use fault::ImportError;
 pub use format::{EXTENSIONS, NAMES, is_buffer, is_source};
-pub use limits::{LimitArgs, Limits};
+pub use limits::Limits;
 pub use mesh::Polygons;
+pub use options::{ImportOptions, Split, UpAxis, Vertices};
 pub use read::{ReadError, SourceFile, buffers_of, read};
 
-use crate::options::{ImportOptions, Vertices};
 use fault::LineFault;
 use format::Format;
 
@@ -137,7 +141,7 @@ pub fn import(
     notes.append(&mut mesh.notes);
     let mut warnings = sets.warnings;
     warnings.append(&mut mesh.warnings);
-    warnings.extend(sets.point_sets.iter().filter_map(|set| advice::far_away(&set.name, &set.positions)));
+    warnings.extend(sets.point_sets.iter().filter_map(|set| far_away(&set.name, &set.positions)));
     Ok(Imported {
         point_sets: sets.point_sets,
         faces: sets.faces,

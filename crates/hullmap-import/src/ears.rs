@@ -284,14 +284,14 @@ mod tests {
     #[test]
     fn random_outlines_are_covered() {
         let seed = 5;
-        let mut random = crate::verification::random::SplitMix::new(seed);
+        let mut random = shapes::rng::SplitMix64::new(seed);
         let mut concave = 0;
         for round in 0..400 {
             let count = 4 + round % 60;
             let outline: Vec<[f32; 3]> = (0..count)
                 .map(|i| {
                     let angle = std::f32::consts::TAU * i as f32 / count as f32;
-                    let radius = 0.2 + random.in_ball().length();
+                    let radius = random.between(0.2, 1.2) as f32;
                     [7.0, (64.0 * radius * angle.cos()), (64.0 * radius * angle.sin())]
                 })
                 .collect();
@@ -310,8 +310,9 @@ mod tests {
         println!("star of 200,000 corners: {:?}", start.elapsed());
         let start = std::time::Instant::now();
         let count = 20_000;
-        let mut random = crate::verification::random::SplitMix::new(1);
-        let tangle: Vec<[f32; 3]> = (0..count).map(|_| random.in_ball().to_array()).collect();
+        let mut random = shapes::rng::SplitMix64::new(1);
+        let tangle: Vec<[f32; 3]> =
+            (0..count).map(|_| std::array::from_fn(|_| random.between(-1.0, 1.0) as f32)).collect();
         assert_eq!(cut(&tangle).len(), count - 2);
         println!("tangle of {count} corners: {:?}", start.elapsed());
     }

@@ -1,9 +1,9 @@
 //! The numbers behind the header of a PLY file.
 
 use super::header::{Element, Encoding, Header, Scalar};
-use crate::import::coordinate::parse_coordinate;
-use crate::import::fault::{Fault, LineFault, excerpt};
-use crate::import::tokens::{Tokens, text};
+use crate::coordinate::parse_coordinate;
+use crate::fault::{Fault, LineFault, excerpt};
+use crate::tokens::{Tokens, text};
 
 /// Reads one number after the other.
 pub enum Body<'a> {

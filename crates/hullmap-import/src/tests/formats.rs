@@ -5,7 +5,7 @@ use shapes::{families::Family, gltf, ply, solids, stl};
 
 use super::super::*;
 use crate::options::Split;
-use crate::verification::random::SplitMix;
+use shapes::rng::SplitMix64;
 
 const WHOLE: ImportOptions = ImportOptions::DEFAULT;
 const OBJECTS: ImportOptions = ImportOptions { split: Split::Object, ..WHOLE };
@@ -453,7 +453,7 @@ fn ply_of_every_make() {
 #[test]
 fn damaged_files_are_refused_or_read() {
     const SEED: u64 = 23;
-    let mut random = SplitMix::new(SEED);
+    let mut random = SplitMix64::new(SEED);
     let (mut read_count, mut refused_count) = (0, 0);
     let files = files(&prism());
     for round in 0..6000 {
@@ -462,7 +462,7 @@ fn damaged_files_are_refused_or_read() {
         for _ in 0..=random.below(4) {
             let at = random.below(bytes.len());
             match random.below(5) {
-                0 => bytes[at] = random.bits() as u8,
+                0 => bytes[at] = random.next_u64() as u8,
                 1 => drop(bytes.remove(at)),
                 2 => bytes.insert(at, b"0-9e\"{}[],\0\xFF"[random.below(12)]),
                 3 => bytes.truncate(at.max(1)),

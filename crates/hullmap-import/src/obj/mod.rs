@@ -92,11 +92,11 @@ mod tests {
             let checked = start.elapsed();
             assert_eq!((scan.positions.len(), scan.faces.len()), (1_000_000, 1_998_000));
             drop(scan);
-            let source = crate::import::SourceFile::alone(text.clone().into_bytes());
+            let source = crate::SourceFile::alone(text.clone().into_bytes());
             let options = crate::options::ImportOptions::DEFAULT;
             let path = std::path::Path::new("a.obj");
             let start = Instant::now();
-            crate::import::import("a.obj", "a", path, &source, &options, &Limits::DEFAULT).unwrap();
+            crate::import("a.obj", "a", path, &source, &options, &Limits::DEFAULT).unwrap();
             let whole = start.elapsed();
             println!(
                 "scan {scanned:.2?}, tobj {:.2?}, the rest {:.2?}",

@@ -21,8 +21,8 @@ use rayon::prelude::*;
 
 use super::lines::{Lines, with_words};
 use super::scan::{Scan, text_of};
-use crate::import::fault::Fault;
-use crate::import::limits::CORNERS_AT_A_TIME;
+use crate::fault::Fault;
+use crate::limits::CORNERS_AT_A_TIME;
 
 /// Stands for a vertex that no element of an object has referenced yet.
 const UNSEEN: u32 = u32::MAX;
@@ -269,8 +269,8 @@ impl BufRead for PlainText<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::import::limits::Limits;
-    use crate::import::obj::scan::scan;
+    use crate::limits::Limits;
+    use crate::obj::scan::scan;
 
     const TEXT: &[u8] = b"v 0 0 0\nv 1 0 0\nl 1 -1\nv 0 1 0\nv 5 5 5\nf 3 1/7/7 2\nf -1 1 2 # x\n";
 
