@@ -1,7 +1,7 @@
 //! Pairs that the soak found wrong answers about, on baked hulls, whose support points are a little uncertain.
 
 use glam::{DQuat, DVec3};
-use hullmap::shapes::{Capsule, Sphere};
+use hullmap::shapes::{Capsule, Cylinder, Sphere};
 use hullmap::{Cache, Contact, Overlap, Pose, Settings, SupportMap, contact, distance, intersects};
 use hullmap_bake::IndexKind;
 use hullmap_tests::packs::pack;
@@ -37,4 +37,34 @@ fn cores_a_hair_apart_are_no_deeper_than_they_are() {
     for c in [deep(&needle, &ball, pose), deep(&ball, &needle, pose.inverse())] {
         assert!(c.depth_lower <= truth + 1e-17 && truth - 1e-17 <= c.depth_upper, "{truth:e}: {c:?}");
     }
+}
+
+/// A segment through a disc a thousand million times its size, and a capsule through a cube's corner: cores of which the distance cannot
+/// tell whether they are a hair apart were told as touching shapes, and are deep.
+#[test]
+fn thin_cores_that_are_deep_do_not_merely_touch() {
+    let (disc, needle) = (Cylinder::new(0.0, 800.0).unwrap(), Capsule::new(7e-7, 1e-12).unwrap());
+    let shift = DVec3::new(5.971920797150828e-12, 4.4407429005608977e-11, 2.5103881645942507e-11);
+    let turn = DQuat::from_xyzw(-0.05669111068631973, -0.6217613658996758, 0.6314151869169203, -0.45990776);
+    let pose = Pose::new(shift, turn.normalize()).unwrap();
+    for (deep, yes) in [
+        (deep(&needle, &disc, pose), intersects(&needle, &disc, pose, &mut Cache::new())),
+        (deep(&disc, &needle, pose.inverse()), intersects(&disc, &needle, pose.inverse(), &mut Cache::new())),
+    ] {
+        assert!(deep.depth_lower > 1.5e-7, "{deep:?}");
+        assert_eq!(yes.status, Overlap::Overlapping, "{deep:?}");
+    }
+}
+
+/// Steps that run out on a difference that is round: the points told were not in the direction of the normal, along which the radii are
+/// added to them.
+#[test]
+fn contact_points_lie_along_the_normal_when_steps_run_out() {
+    let (disc, long) = (Cylinder::new(1e-9, 0.0008).unwrap(), Capsule::new(700.0, 0.001).unwrap());
+    let turn =
+        DQuat::from_xyzw(-2.821668210076401e-1, 3.716787100216282e-2, -7.059676274211393e-1, 6.485446349488803e-1);
+    let c = deep(&disc, &long, Pose::new(DVec3::ZERO, turn).unwrap());
+    assert!(c.hit && c.depth_lower >= 0.001 && c.depth_upper > c.depth_lower, "{c:?}");
+    let along = (c.point_a - c.point_b).dot(c.normal);
+    assert!(along >= 0.999 * c.depth_lower && along <= c.depth_upper + 1e-12, "{along:e}: {c:?}");
 }

@@ -239,12 +239,12 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     found.point_b -= out * shares[1];
     (found.lower, found.upper) = (lower.max(0.0), upper.max(0.0));
     found.distance = (gap.distance - radius).max(0.0);
-    if upper < 0.0 {
-        (found.status, found.distance) = (Status::Overlapping, 0.0);
-    } else if lower <= 0.0 && upper <= hair {
+    if upper < 0.0 || gap.status == Status::Overlapping {
+        (found.status, found.distance, found.upper) = (Status::Overlapping, 0.0, 0.0);
+    } else if lower <= 0.0 && upper <= hair && (gap.lower > 0.0 || gap.status == Status::Touching) {
         (found.status, found.distance) = (Status::Touching, 0.0);
     } else {
-        // With a lower end of 0, neither certainly apart nor only touching.
+        // With a lower end of 0, neither certainly apart nor only touching: cores that are not proved to be apart may be deep.
         found.status = status_of(gap.status, [found.lower, upper], settings.relative_gap(), hair);
     }
     found
@@ -265,12 +265,37 @@ pub fn intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     if !(a.rounding_radius() + b.rounding_radius() > 0.0) {
         return solver::intersects(a, b, b_in_a, cache);
     }
-    let found = distance(a, b, b_in_a, &Settings::default(), cache);
-    let status = match found.status {
+    let Distance { status, lower, iterations, support_calls, .. } = distance(a, b, b_in_a, &Settings::default(), cache);
+    let status = match status {
         Status::Overlapping => Overlap::Overlapping,
         Status::Touching => Overlap::Touching,
-        _ if found.lower > 0.0 => Overlap::Separated,
+        _ if lower > 0.0 => Overlap::Separated,
+        _ => {
+            let mut found = intersects_by_depth(a, b, b_in_a, cache);
+            found.iterations += iterations;
+            found.support_calls += support_calls;
+            return found;
+        }
+    };
+    Intersection { status, iterations, support_calls }
+}
+
+/// The same from the depth, for cores so thin that no distance tells whether they are a hair apart or deep.
+#[cold]
+#[inline(never)]
+fn intersects_by_depth<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    a: &A,
+    b: &B,
+    b_in_a: Pose,
+    cache: &mut Cache,
+) -> Intersection {
+    let Contact { hit, status, depth_lower, iterations, support_calls, .. } =
+        contact(a, b, b_in_a, &Settings::default(), cache);
+    let status = match status {
+        _ if !hit => Overlap::Separated,
+        _ if depth_lower > 0.0 => Overlap::Overlapping,
+        Status::Touching => Overlap::Touching,
         _ => Overlap::Undecided,
     };
-    Intersection { status, iterations: found.iterations, support_calls: found.support_calls }
+    Intersection { status, iterations, support_calls }
 }

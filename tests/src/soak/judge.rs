@@ -416,14 +416,11 @@ impl<'s, 'p> Scene<'s, 'p> {
         let (depth, axis) = signed_depth(&a, &b, -4.0 * self.slack);
         let deep = &answers.deep;
         let hair = self.hair;
-        let fits = if deep.hit {
-            // The upper end has a certificate. Facets' normals are not all there are where a polygon is flat but for rounding.
-            deep.depth_lower <= depth.max(0.0) + self.slack
+        // The upper end, and a miss, have a certificate: facets' normals are not all there are where a polygon is flat but for rounding.
+        let fits = !deep.hit
+            || deep.depth_lower <= depth.max(0.0) + self.slack
                 && (depth >= -hair - FALSE_TOUCH * self.reach
-                    || matches!(deep.status, Status::IterationLimit | Status::Stalled))
-        } else {
-            depth <= self.slack
-        };
+                    || matches!(deep.status, Status::IterationLimit | Status::Stalled));
         if !fits {
             let more = format!("depth by facets {depth:e} along {axis}");
             self.wrong(pair, "the depth is not that of the facets", "cold", answers, more, tally);

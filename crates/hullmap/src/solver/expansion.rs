@@ -181,12 +181,13 @@ fn settle<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     mut expansion: Expansion,
 ) -> Expansion {
     let Bound { upper, normal, point_a, point_b } = expansion.bound;
-    let apart_sq = point_a.distance_squared(point_b);
+    let between = point_a - point_b;
     let (beside, shallow) = (BESIDE_ROUNDINGS * m.rounding(), (1.0 - FOOT_OFF) * upper - m.rounding());
-    if expansion.end == End::Touching && apart_sq > beside * beside {
+    if expansion.end == End::Touching && between.length_squared() > beside * beside {
         return settle_beside(m, expansion);
     }
-    if shallow > 0.0 && upper < f64::INFINITY && apart_sq < shallow * shallow {
+    // Along the normal, not as long: radii are added to them along it.
+    if shallow > 0.0 && upper < f64::INFINITY && between.dot(normal) < shallow {
         let point = m.point(normal);
         (expansion.bound.point_a, expansion.bound.point_b) = (point.a, point.b());
     }
