@@ -26,6 +26,7 @@ pub mod fit;
 pub mod machine;
 pub mod matrix;
 pub mod measure;
+pub mod opening;
 pub mod output;
 pub mod query;
 pub mod regret;

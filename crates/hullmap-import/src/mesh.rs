@@ -147,9 +147,9 @@ impl Mesh {
         });
     }
 
-    /// Whether anything references vertices at all.
+    /// Whether anything references vertices at all; faces without corners do not.
     pub fn has_elements(&self) -> bool {
-        self.faces.len() > 0 || !self.loose.is_empty()
+        !self.faces.corners.is_empty() || !self.loose.is_empty()
     }
 }
 

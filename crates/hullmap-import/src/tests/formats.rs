@@ -405,6 +405,13 @@ fn ply_of_every_make() {
     assert_eq!(imported.point_sets[0].source_vertices, [1, 3]);
     let cloud = header(&format!("{vertices}end_header\n{points}"));
     assert_eq!(import_bytes("a.ply", cloud.as_bytes(), WHOLE).unwrap().point_count(), 4);
+    // Faces without corners reference nothing, so that the file is a cloud too.
+    let empty_faces = "element face 2\nproperty list uchar int vertex_index\n";
+    let hollow = header(&format!("{vertices}{empty_faces}end_header\n{points}0\n0\n"));
+    for split in [Split::None, Split::Object, Split::Auto] {
+        let imported = import_bytes("a.ply", hollow.as_bytes(), ImportOptions { split, ..WHOLE }).unwrap();
+        assert_eq!((imported.point_sets.len(), imported.point_count()), (1, 4));
+    }
     // Doubles are rounded once, after they were moved.
     let recentred = ImportOptions { recentre: true, ..WHOLE };
     let imported = import_bytes("a.ply", cloud.as_bytes(), recentred).unwrap();
