@@ -16,7 +16,7 @@ use glam::{DVec3, Vec3};
 use hullmap::Hull;
 use hullmap_bake::IndexKind;
 use hullmap_tests::{directions, game_hulls, packs::pack, regret::Truth};
-use shapes::families::Family;
+use shapes::{families::Family, rng::SplitMix64};
 
 /// Regret up to which a support query counts as exact.
 const EXACT: f64 = 2e-7;
@@ -47,7 +47,9 @@ fn all_directions(hull: &Hull) -> Vec<Vec3> {
         let normal = spokes.sum::<DVec3>().normalize_or_zero().as_vec3();
         dirs.extend([normal, -normal].into_iter().filter(|dir| *dir != Vec3::ZERO));
     }
-    assert!(dirs.len() >= DIRECTIONS);
+    // Without faces there are no normals to add.
+    let least = if hull.rank() < 2 { DIRECTIONS / 2 } else { DIRECTIONS };
+    assert!(dirs.len() >= least, "{} directions, {} vertices", dirs.len(), vertices.len());
     dirs
 }
 
@@ -121,6 +123,86 @@ fn every_cloud_of_game_data_bakes_and_answers_exactly() {
     }
     assert_eq!(seen.values().map(|sum| sum.clouds).sum::<usize>(), clouds.len());
     assert!(clouds.len() >= 3_000 && seen.contains_key(&3), "the file is not the one that this test is for");
+}
+
+/// Rings around the z axis, from radius and height, as anyone writes them: sines as they come. sin(π) is not 0, so that the ring at a pole
+/// is many points, 1e-16 apart.
+fn rings(profile: &[[f64; 2]], segments: usize) -> Vec<DVec3> {
+    let angle = |i: usize| std::f64::consts::TAU * i as f64 / segments as f64;
+    let ring = |[radius, z]: [f64; 2]| {
+        (0..segments).map(move |i| DVec3::new(radius * libm::cos(angle(i)), radius * libm::sin(angle(i)), z))
+    };
+    profile.iter().copied().flat_map(ring).collect()
+}
+
+/// Spheres, capsules, cylinders, cones and rings, plain, scaled, moved, and turned by matrices with such sines in them.
+#[test]
+fn shapes_of_raw_sines_bake() {
+    use std::f64::consts::PI;
+    let arc = |steps: usize, radius: f64, z: f64| -> Vec<[f64; 2]> {
+        let angle = |i: usize| PI * i as f64 / steps as f64;
+        (0..=steps).map(|i| [radius * libm::sin(angle(i)), z + radius * libm::cos(angle(i))]).collect()
+    };
+    let turn = |angle: f64| {
+        let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+        move |p: DVec3| DVec3::new(p.x, cos * p.y - sin * p.z, sin * p.y + cos * p.z)
+    };
+    let mut clouds = Vec::new();
+    for n in [3, 4, 5, 8, 12, 16, 24, 31] {
+        let (steps, half) = (n / 2 + 1, n / 4 + 1);
+        let capsule: Vec<[f64; 2]> = arc(2 * half, 1.0, 0.0)
+            .into_iter()
+            .enumerate()
+            .map(|(i, [r, z])| [r, if i <= half { z + 1.0 } else { z - 1.0 }])
+            .collect();
+        let round = (0..n).map(|i| 2.0 * PI * i as f64 / n as f64);
+        let torus: Vec<[f64; 2]> = round.map(|a| [2.0 + libm::cos(a), libm::sin(a)]).collect();
+        for (name, profile) in [
+            ("sphere", arc(steps, 1.0, 0.0)),
+            ("capsule", capsule),
+            ("cylinder", vec![[1e-16, 1.0], [1.0, 1.0], [1.0, -1.0], [1e-16, -1.0]]),
+            ("cone", vec![[libm::sin(PI), 1.0], [1.0, 0.0], [libm::sin(2.0 * PI), 0.0]]),
+            ("torus", torus),
+        ] {
+            let points = rings(&profile, n);
+            let moves: [(&str, &dyn Fn(DVec3) -> DVec3); 6] = [
+                ("plain", &|p| p),
+                ("turned by 90°", &turn(PI / 2.0)),
+                ("turned by 180°", &turn(PI)),
+                ("turned twice", &|p| turn(PI / 2.0)(DVec3::new(turn(PI)(p).z, p.x, p.y))),
+                ("small", &|p| p * 1e-3),
+                ("moved", &|p| p + DVec3::new(0.0, 1e-3, 1.0)),
+            ];
+            for (how, place) in moves {
+                let cloud: Vec<[f32; 3]> = points.iter().map(|p| place(*p).as_vec3().to_array()).collect();
+                clouds.push((format!("{name} of {n}, {how}"), cloud));
+            }
+        }
+    }
+    let seen = Mutex::new(BTreeMap::new());
+    clouds.iter().for_each(|(name, cloud)| check(name, cloud, &seen));
+    let near_zero = |cloud: &[[f32; 3]]| cloud.iter().flatten().any(|c| *c != 0.0 && c.abs() < 1e-15);
+    let count = clouds.iter().filter(|(_, cloud)| near_zero(cloud)).count();
+    println!("{} clouds, {count} with numbers below 1e-15: {:?}", clouds.len(), seen.into_inner().unwrap());
+    assert!(count > 150, "{count} of {}", clouds.len());
+}
+
+/// Coordinates of every size at once, from the greatest down to `least`: features in features in features.
+#[test]
+fn coordinates_of_all_sizes_bake() {
+    let mut rng = SplitMix64::new(SEED);
+    let seen = Mutex::new(BTreeMap::new());
+    for number in 0..1_500 {
+        let (octaves, count) = ([20, 44, 60, 100, 140][number % 5], 4 + rng.below(40));
+        let mut coordinate = || match rng.below(4) {
+            0 => 0.0,
+            1 => rng.between(-1.0, 1.0) as f32,
+            _ => (rng.between(-1.0, 1.0) * 2_f64.powi(-(rng.below(octaves) as i32))) as f32,
+        };
+        let cloud: Vec<[f32; 3]> = (0..count).map(|_| std::array::from_fn(|_| coordinate())).collect();
+        check(&format!("cloud {number}, {octaves} octaves"), &cloud, &seen);
+    }
+    println!("seed {SEED:#x}: {:?}", seen.into_inner().unwrap());
 }
 
 /// How long each takes is printed, not asserted: tests run unoptimised, and on any machine.

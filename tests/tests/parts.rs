@@ -4,7 +4,10 @@ use std::fs;
 
 use glam::{DVec3, Vec3};
 use hullmap::{Cache, Compound, CompoundCache, Pack, Pose, Settings, compound};
-use hullmap_tests::command::{Run, bake_in};
+use hullmap_tests::{
+    command::{Run, bake_in},
+    packs::reseal,
+};
 use shapes::{families::Family, rng::SplitMix64};
 use tempfile::TempDir;
 
@@ -141,6 +144,30 @@ fn a_simplified_hull_holds_its_source_and_says_by_how_much_it_leaves_it() {
     }
     println!("{counts:?} vertices");
     assert!(counts[0] <= 48 && counts[1] < counts[2] && counts[1] > 48, "{counts:?}");
+}
+
+/// The promise is measured again by verify, not believed: one that is too small fails, with what was found.
+#[test]
+fn a_simplified_hull_that_promises_too_much_fails_verify() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("rock.obj"), points(&Family::Rock.points(3_000, 5))).unwrap();
+    bake(&folder, "build rock.obj --out few --max-vertices 48 --verify").expect(0);
+    let path = folder.path().join("few/rock.hullmap");
+    let promise = Pack::open(&path).unwrap().hull(0).unwrap().outer_error();
+    for (share, exit) in [(1.01, 0), (0.99, 1), (0.5, 1)] {
+        let mut file = fs::read(&path).unwrap();
+        let places: Vec<usize> =
+            file.windows(8).enumerate().filter(|(_, w)| **w == promise.to_le_bytes()).map(|(at, _)| at).collect();
+        let [at] = places[..] else { panic!("{promise:e} at {places:?}") };
+        file[at..at + 8].copy_from_slice(&(promise * share).to_le_bytes());
+        reseal(&mut file);
+        fs::create_dir_all(folder.path().join("false")).unwrap();
+        fs::write(folder.path().join("false/rock.hullmap"), file).unwrap();
+        let ran = bake(&folder, "verify false --source rock.obj --json").expect(exit);
+        let row = &ran.json()[0];
+        assert_eq!(row["pass"], exit == 0, "{share}: {row}");
+        println!("{share}: {row}");
+    }
 }
 
 /// With a whole pack on one side or both, `bake query` answers for the pair of hulls that decides, and names it.

@@ -12,7 +12,12 @@
 
 use glam::DVec3;
 
-use crate::hull::{Hull, certify::accurate_cross, edges};
+use crate::hull::{
+    Hull,
+    area::{accurate_cross, area_vector},
+    edges,
+    polygon::side_normal,
+};
 
 /// The normal cones of a hull of rank 2 or 3, as convex polygons on the sphere of less than half of it.
 pub struct GaussMap {
@@ -72,7 +77,7 @@ impl GaussMap {
         for corner in around {
             let up = normals[corner.face as usize];
             let at = self.positions[corner.at as usize];
-            let outward = |edge: DVec3| accurate_cross(edge, up).normalize();
+            let outward = |edge: DVec3| side_normal(edge, up);
             let before = outward(at - self.positions[corner.before as usize]);
             let after = outward(self.positions[corner.after as usize] - at);
             // The turn from one edge to the next may be almost half a circle.
@@ -130,10 +135,7 @@ impl GaussMap {
 /// The facets of a solid are exactly planar, so any three would do but for rounding; a polygon of rank 2 may be as far
 /// off its plane as [`crate::hull::rank::FLAT`], and all its corners are averaged.
 fn facet_normal(face: &[u32], positions: &[DVec3]) -> DVec3 {
-    let origin = positions[face[0] as usize];
-    let sum: DVec3 =
-        edges(face).map(|(a, b)| accurate_cross(positions[a as usize] - origin, positions[b as usize] - origin)).sum();
-    sum.normalize()
+    area_vector(face, positions).normalize()
 }
 
 #[cfg(test)]

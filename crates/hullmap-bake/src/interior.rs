@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::{
-    hull::{Hull, certify::accurate_cross, edges},
+    hull::{Hull, area::area_vector},
     mass::Mass,
 };
 
@@ -40,10 +40,7 @@ pub fn interior(hull: &Hull, mass: &Mass) -> Interior {
 
 /// Distance from the origin to a face's plane, positive inside.
 fn distance_to_plane(face: &[u32], vertices: &[DVec3]) -> f64 {
-    let at = |v: u32| vertices[v as usize];
-    let root = at(face[0]);
-    let normal: DVec3 = edges(face).map(|(a, b)| accurate_cross(at(a) - root, at(b) - root)).sum();
-    normal.normalize().dot(root)
+    area_vector(face, vertices).normalize().dot(vertices[face[0] as usize])
 }
 
 #[cfg(test)]

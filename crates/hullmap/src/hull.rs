@@ -268,7 +268,11 @@ impl<'a> Hull<'a> {
         let third = (corners.len() / 3).max(1);
         let mut after = |skipped| corners.nth(skipped).and_then(|v| self.vertex(v)).map(Vec3::as_dvec3);
         let (first, second, third) = (after(0)?, after(third - 1)?, after(third - 1)?);
-        unit((second - first).cross(third - first))
+        // From the two shorter sides: two long ones of a needle would have lost what is between their ends.
+        let sides = [second - first, third - second, first - third];
+        let [a, b, c] = sides.map(DVec3::length_squared);
+        let longest = if c >= a && c >= b { 2 } else { usize::from(b > a) };
+        unit(sides[(longest + 1) % 3].cross(sides[(longest + 2) % 3]))
     }
 
     /// The face that faces `dir` (local frame, any length): of the faces at the support vertex the one whose normal is nearest

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use hullmap::Pack;
-use hullmap_bake::{BakeError, IndexKind, LeafBlocks, SourceRecord};
+use hullmap_bake::{IndexKind, LeafBlocks, SourceRecord};
 
 use super::bytes::Bytes;
 use crate::{
@@ -19,10 +19,6 @@ const MOST_POINTS: usize = 96;
 const OWN_DIRECTIONS: usize = 64;
 const READ_DIRECTIONS: usize = 16;
 
-/// Spread of coordinates beyond which a hull may be refused as uncertified, and then is not written: certification is in f64, and
-/// a mesh whose size is 10¹² times that of its least detail has lost it to f32 long before.
-const WIDE: f64 = 1e12;
-
 /// What counts as exact.
 const EXACT: f64 = 2e-7;
 
@@ -38,7 +34,6 @@ pub fn build_open_verify(data: &[u8]) {
         .collect();
     let file = match packs::bytes(&sets, index, &SourceRecord::default()) {
         Ok(file) => file,
-        Err(BakeError::Uncertified { .. }) if sets.iter().any(|set| spread(&set.positions) > WIDE) => return,
         Err(error) => panic!("{error}: {index:?} {sets:?}"),
     };
     let again = packs::bytes(&sets, index, &SourceRecord::default());
@@ -65,13 +60,6 @@ pub fn build_open_verify(data: &[u8]) {
         let mut points = set.positions.iter().map(|p| Vec3::from_array(*p));
         assert!(hull.vertices().all(|v| points.any(|p| p == v)), "vertices are source points, in their order: {set:?}");
     }
-}
-
-/// The greatest magnitude of a coordinate over the least that is not 0.
-fn spread(points: &[[f32; 3]]) -> f64 {
-    let sizes = points.iter().flatten().map(|c| f64::from(c.abs())).filter(|size| *size > 0.0);
-    let (least, most) = sizes.fold((f64::INFINITY, 0.0_f64), |(least, most), size| (least.min(size), most.max(size)));
-    most / least
 }
 
 fn index(bytes: &mut Bytes) -> IndexKind {

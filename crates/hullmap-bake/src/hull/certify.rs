@@ -9,7 +9,7 @@
 
 use glam::DVec3;
 
-use super::{Hull, edges};
+use super::{Hull, area::area_vector, edges, polygon::side_normal};
 use crate::BakeError;
 
 /// Greatest distance of a source point from the hull, over the hull's diameter.
@@ -71,31 +71,17 @@ fn euler(hull: &Hull) -> Result<(), BakeError> {
     }
 }
 
-/// The plane of each face, by Newell's sum: exact up to rounding, as the faces are.
+/// The plane of each face: exact up to rounding, as the faces are.
 fn face_planes(hull: &Hull, vertices: &[DVec3]) -> Vec<HalfSpace> {
     hull.faces
         .iter()
         .map(|face| {
-            let origin = vertices[face[0] as usize];
-            let normal: DVec3 = edges(face)
-                .map(|(a, b)| accurate_cross(vertices[a as usize] - origin, vertices[b as usize] - origin))
-                .sum();
-            let normal = normal.normalize_or_zero();
+            let normal = area_vector(face, vertices).normalize_or_zero();
             // The farthest corner, so that rounding of the normal never shows as a corner outside its own face.
             let offset = face.iter().map(|v| normal.dot(vertices[*v as usize])).fold(f64::NEG_INFINITY, f64::max);
             HalfSpace { normal, offset }
         })
         .collect()
-}
-
-/// Cross product whose components are right to two units in the last place, even where the products cancel.
-pub(crate) fn accurate_cross(a: DVec3, b: DVec3) -> DVec3 {
-    // Kahan's difference of products.
-    let minor = |a: f64, b: f64, c: f64, d: f64| {
-        let bc = b * c;
-        a.mul_add(d, -bc) - b.mul_add(c, -bc)
-    };
-    DVec3::new(minor(a.y, a.z, b.y, b.z), minor(a.z, a.x, b.z, b.x), minor(a.x, a.y, b.x, b.y))
 }
 
 fn outward(hull: &Hull, vertices: &[DVec3], planes: &[HalfSpace]) -> Result<(), BakeError> {
@@ -110,12 +96,12 @@ fn outward(hull: &Hull, vertices: &[DVec3], planes: &[HalfSpace]) -> Result<(), 
     Ok(())
 }
 
-/// Planes through the edges of a polygon, at right angles to it.
+/// Planes through the edges of a polygon, all but at right angles to it.
 fn side_planes(hull: &Hull, vertices: &[DVec3], normal: DVec3) -> Vec<HalfSpace> {
     edges(&hull.faces[0])
         .map(|(a, b)| {
             let (a, b) = (vertices[a as usize], vertices[b as usize]);
-            let out = (b - a).cross(normal).normalize_or_zero();
+            let out = side_normal(b - a, normal);
             HalfSpace { normal: out, offset: out.dot(a).max(out.dot(b)) }
         })
         .collect()

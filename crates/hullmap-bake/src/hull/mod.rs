@@ -4,6 +4,7 @@
 //! 2. [`solid`], [`polygon`], or the two ends, or the one point: the extreme points and the faces between them.
 //! 3. [`certify`] measures, independently of step 2, how far any source point lies outside.
 
+pub mod area;
 pub mod certify;
 pub mod polygon;
 pub mod rank;

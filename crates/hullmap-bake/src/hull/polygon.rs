@@ -5,6 +5,8 @@
 
 use glam::{DVec2, DVec3};
 
+use super::area::accurate_cross;
+
 /// Extreme points of `points` (by number), counter-clockwise seen against `normal`, from the least on.
 ///
 /// # Complexity
@@ -42,6 +44,23 @@ pub fn hull(points: &[DVec3], normal: DVec3) -> Vec<u32> {
     let least = outline.iter().enumerate().min_by_key(|(_, v)| **v).map_or(0, |(at, _)| at);
     outline.rotate_left(least);
     outline
+}
+
+/// Unit vector in the polygon's plane, of unit `normal`, out of a side that runs along `edge`.
+///
+/// Points may be off the plane by more than they are from each other in it. So the edge is laid into the plane along the axis that
+/// [`hull`] dropped: then the sides turn as exactly as the hull was decided.
+pub fn side_normal(edge: DVec3, normal: DVec3) -> DVec3 {
+    let size = normal.abs();
+    let mut along = edge;
+    if size.x >= size.y && size.x >= size.z {
+        along.x = -(normal.y * edge.y + normal.z * edge.z) / normal.x;
+    } else if size.y >= size.z {
+        along.y = -(normal.z * edge.z + normal.x * edge.x) / normal.y;
+    } else {
+        along.z = -(normal.x * edge.x + normal.y * edge.y) / normal.z;
+    }
+    accurate_cross(along, normal).normalize_or_zero()
 }
 
 /// Points of which each turns strictly left.

@@ -11,7 +11,7 @@ use std::{cmp::Reverse, collections::BinaryHeap};
 use glam::DVec3;
 
 use super::{Limit, MAX_TRIES, PUSH, ROUNDING, Simplified, of_points};
-use crate::hull::{Hull, certify::accurate_cross, edges};
+use crate::hull::{Hull, area::area_vector};
 
 /// Fewest corners of a polygon.
 const FEWEST: usize = 3;
@@ -24,10 +24,7 @@ pub fn simplify(hull: &Hull, limit: Limit) -> Option<Simplified> {
     let positions = hull.positions();
     let ring: Vec<DVec3> = hull.faces[0].iter().map(|v| positions[*v as usize]).collect();
     let scale = positions.iter().fold(0.0, |scale: f64, p| scale.max(p.abs().max_element()));
-    let normal = edges(&hull.faces[0])
-        .map(|(a, b)| accurate_cross(positions[a as usize] - ring[0], positions[b as usize] - ring[0]))
-        .sum::<DVec3>()
-        .normalize();
+    let normal = area_vector(&hull.faces[0], &positions).normalize();
     (0..MAX_TRIES).find_map(|tried| {
         let push = PUSH * scale * 2_f64.powi(tried);
         let (most, reach) = match limit {

@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use crate::hull::{Hull, certify::accurate_cross};
+use crate::hull::{Hull, area::triangle_area_vector};
 
 const NONE: u32 = u32::MAX;
 
@@ -142,8 +142,7 @@ impl Surface {
 
     /// Unit outward normal of the triangle of three vertices; zero where it has none.
     pub fn normal(&self, [a, b, c]: [u32; 3]) -> DVec3 {
-        let [a, b, c] = [a, b, c].map(|v| self.point(v));
-        accurate_cross(b - a, c - a).normalize_or_zero()
+        triangle_area_vector([a, b, c].map(|v| self.point(v))).normalize_or_zero()
     }
 
     /// Whether `p` is strictly outside of all triangles at `vertex`: exact.
