@@ -41,9 +41,14 @@ pub fn read(bytes: &[u8], wants_double: bool) -> Result<Mesh, LineFault> {
         return Err(Fault::format("the file is empty; expected a PLY file: export it again").of_file());
     }
     let header = header::read(bytes)?;
-    let Some(vertex) = header.elements.iter().find(|element| element.name == "vertex") else {
+    let mut vertex_elements = header.elements.iter().filter(|element| element.name == "vertex");
+    let Some(vertex) = vertex_elements.next() else {
         return Err(Fault::format("the header has no `element vertex`; a hull needs points").of_file());
     };
+    if vertex_elements.next().is_some() {
+        // Of which would a face's numbers be?
+        return Err(Fault::format("the header has `element vertex` twice; export the file again").of_file());
+    }
     if vertex.count == 0 {
         return Err(Fault::format("the file has no vertices; a hull needs at least one point: did the export finish?")
             .of_file());
