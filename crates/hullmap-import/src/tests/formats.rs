@@ -456,7 +456,6 @@ fn ply_of_every_make() {
     }
 }
 
-/// Whatever is done to a file, it is read or refused in words: nothing panics, nothing that is not finite comes out.
 /// The numbers of a face were compared with the first list's length, and looked up in the last one.
 #[test]
 fn two_lists_of_vertices_are_refused() {
@@ -470,6 +469,7 @@ fn two_lists_of_vertices_are_refused() {
     }
 }
 
+/// Whatever is done to a file, it is read or refused in words: nothing panics, nothing that is not finite comes out.
 #[test]
 fn damaged_files_are_refused_or_read() {
     const SEED: u64 = 23;
