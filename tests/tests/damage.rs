@@ -102,8 +102,7 @@ fn several_drawn_changes_under_a_right_checksum_are_refused_or_harmless() {
     try_all(Series::Drawn, |_| (0..SHARE / 2).collect()).assert_representative();
 }
 
-/// Opened without the checks that would refuse them, damaged files answer wrongly, but every query ends. What panics is what says
-/// so: the comparison of what a file holds twice.
+/// Opened without the checks that would refuse them, damaged files answer wrongly, but every query ends, and none panics.
 #[test]
 fn damage_that_is_not_looked_for_ends_queries_all_the_same() {
     let folder = tempfile::tempdir().unwrap();
@@ -124,9 +123,8 @@ fn damage_that_is_not_looked_for_ends_queries_all_the_same() {
     }
     let Findings { asked, panics } = findings.into_inner().unwrap();
     println!("unchecked: {sum}, {asked} inquiries, panics {panics:?}");
-    assert!(asked > sum.tried && !panics.is_empty(), "hardly any opened");
-    let others: Vec<_> = panics.keys().filter(|place| !place.contains("hullmap-format/src/repeats.rs")).collect();
-    assert!(others.is_empty(), "{others:?}");
+    assert!(asked > sum.tried, "hardly any opened");
+    assert!(panics.is_empty(), "{panics:?}");
 }
 
 #[test]

@@ -146,6 +146,35 @@ fn unsafe_code_is_in_two_files() {
     assert_eq!(allowing.collect::<Vec<_>>(), allowed);
 }
 
+/// Crates that read files unwrap nothing, and say at each place where they index why it holds.
+#[test]
+fn what_reads_files_answers_for_its_indexing() {
+    let deny = "#![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]";
+    let sources = sources();
+    let text = |path: &Path| fs::read_to_string(workspace().join(path)).unwrap();
+    for name in ["hullmap", "hullmap-format", "hullmap-import"] {
+        let folder = Path::new("crates").join(name).join("src");
+        let root = folder.join("lib.rs");
+        assert!(text(&root).lines().any(|line| line == deny), "{}: no {deny}", root.display());
+
+        // Two modules of the runtime compute on numbers; nothing else may be let off without a reason that is checked.
+        let code = text(&root);
+        let pairs = code.lines().zip(code.lines().skip(1));
+        let allowed: Vec<&str> = pairs.filter(|(line, _)| allows(line)).map(|(_, module)| module).collect();
+        let expected: &[&str] = if name == "hullmap" { &["pub mod manifold;", "pub mod solver;"] } else { &[] };
+        assert_eq!(allowed, expected, "{}", root.display());
+        let others = sources.iter().filter(|path| path.starts_with(&folder) && **path != root);
+        let others: Vec<_> = others.filter(|path| text(path).lines().any(allows)).collect();
+        assert!(others.is_empty(), "{others:?}: expect it with a reason");
+    }
+}
+
+/// Whether a line switches one of the three lints off.
+fn allows(line: &str) -> bool {
+    let lints = ["clippy::unwrap_used", "clippy::expect_used", "clippy::indexing_slicing", "clippy::restriction"];
+    line.contains("allow(") && lints.iter().any(|lint| line.contains(lint))
+}
+
 /// What libraries and machines compute differently in the last digits, as methods: the platform's own functions, and those of glam that use
 /// them. Roots, sums and products are exact everywhere; `mul_add` is too.
 const INEXACT: [&str; 31] = [

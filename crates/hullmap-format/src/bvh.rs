@@ -75,11 +75,9 @@ pub(crate) fn check(pack: &ArchivedPack) -> Result<(), &'static str> {
 
 /// Whether a node's box is the least around those of its children. False where a number is NaN.
 fn is_union(node: &ArchivedBvhNode, first: &ArchivedBvhNode, second: &ArchivedBvhNode) -> bool {
-    let same = |of: &f32_le, a: &f32_le, b: &f32_le, pick: fn(f32, f32) -> f32| {
-        of.to_native() == pick(a.to_native(), b.to_native())
+    let same = |of: &[f32_le; 3], a: &[f32_le; 3], b: &[f32_le; 3], pick: fn(f32, f32) -> f32| {
+        of.iter().zip(a.iter().zip(b)).all(|(of, (a, b))| of.to_native() == pick(a.to_native(), b.to_native()))
     };
-    (0..3).all(|i| {
-        same(&node.bounds_min[i], &first.bounds_min[i], &second.bounds_min[i], f32::min)
-            && same(&node.bounds_max[i], &first.bounds_max[i], &second.bounds_max[i], f32::max)
-    })
+    same(&node.bounds_min, &first.bounds_min, &second.bounds_min, f32::min)
+        && same(&node.bounds_max, &first.bounds_max, &second.bounds_max, f32::max)
 }

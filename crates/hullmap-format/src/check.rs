@@ -139,7 +139,7 @@ fn layout(pack: &ArchivedPack, payload: &[u8]) -> Result<(), CheckError> {
         if at != end.next_multiple_of(alignment) {
             return Err(CheckError::Layout { what: "the sections" });
         }
-        if payload[end - start..at - start].iter().any(|byte| *byte != 0) {
+        if payload.get(end - start..at - start).is_none_or(|gap| gap.iter().any(|byte| *byte != 0)) {
             return Err(CheckError::Layout { what: "the bytes between sections" });
         }
         end = at + len;
@@ -185,16 +185,19 @@ fn spans(pack: &ArchivedPack) -> Result<(), CheckError> {
     let mut last = [0; SECTIONS.len()];
     for (hull, span) in pack.spans.iter().enumerate() {
         let now = starts(span);
-        let broken = |section: &usize| now[*section] < last[*section] || (hull == 0 && now[*section] != 0);
-        if let Some(section) = (0..SECTIONS.len()).find(broken) {
-            return Err(CheckError::Spans { hull, section: SECTIONS[section] });
+        for (section, (now, last)) in SECTIONS.into_iter().zip(now.into_iter().zip(last)) {
+            if now < last || (hull == 0 && now != 0) {
+                return Err(CheckError::Spans { hull, section });
+            }
         }
         last = now;
     }
-    match (0..SECTIONS.len()).find(|&section| last[section] as usize != lengths[section]) {
-        Some(section) => Err(CheckError::Spans { hull: hull_count, section: SECTIONS[section] }),
-        None => Ok(()),
+    for (section, (last, length)) in SECTIONS.into_iter().zip(last.into_iter().zip(lengths)) {
+        if last as usize != length {
+            return Err(CheckError::Spans { hull: hull_count, section });
+        }
     }
+    Ok(())
 }
 
 /// Checks every number that a query could follow or return, in an archive that passed [`structure`].
@@ -250,7 +253,7 @@ impl HullCheck<'_> {
     }
 
     fn name(&self) -> Result<(), CheckError> {
-        let name = &self.pack.names[range(self.start.name.to_native(), self.end.name.to_native())];
+        let name = run(&self.pack.names, self.start.name, self.end.name);
         self.require(std::str::from_utf8(name).is_ok(), "its name is not UTF-8")
     }
 
@@ -274,7 +277,7 @@ impl HullCheck<'_> {
 
     /// Parts of an object are counted from 0 on, one after the other, in one frame.
     fn part(&self) -> Result<(), CheckError> {
-        let before = self.hull.checked_sub(1).map(|before| &self.pack.hulls[before]);
+        let before = self.hull.checked_sub(1).and_then(|before| self.pack.hulls.get(before));
         let part = self.record.part.to_native();
         let follows = part == 0 || before.is_some_and(|before| before.part.to_native().checked_add(1) == Some(part));
         self.require(follows, "the number of its part does not follow the one before")?;
@@ -283,7 +286,7 @@ impl HullCheck<'_> {
     }
 
     fn vertices(&self) -> Result<(), CheckError> {
-        let vertices = &self.pack.vertices[range(self.start.vertex.to_native(), self.end.vertex.to_native())];
+        let vertices = run(&self.pack.vertices, self.start.vertex, self.end.vertex);
         let (low, high) = (self.record.bounds_min, self.record.bounds_max);
         // Four vertices at a time; a NaN is in no bounds.
         let fours = vertices.as_chunks::<4>();
@@ -296,9 +299,10 @@ impl HullCheck<'_> {
                 inside &= (*low <= v.to_native()) & (v.to_native() <= *high);
             }
         }
-        inside &= fours.1.iter().all(|v| (0..3).all(|i| low[i] <= v[i] && v[i] <= high[i]));
+        let is_within = |v: &[f32_le; 3]| v.iter().zip(low.iter().zip(&high)).all(|(v, (l, h))| l <= v && v <= h);
+        inside &= fours.1.iter().all(is_within);
         self.require(inside, "a vertex lies outside the bounds or is not finite")?;
-        let numbers = &self.pack.source_vertices[range(self.start.vertex.to_native(), self.end.vertex.to_native())];
+        let numbers = run(&self.pack.source_vertices, self.start.vertex, self.end.vertex);
         let later = numbers.get(1..).unwrap_or_default();
         let ascend = numbers.iter().zip(later).fold(true, |ascend, (a, b)| {
             let (a, b) = (a.to_native(), b.to_native());
@@ -309,9 +313,8 @@ impl HullCheck<'_> {
 
     /// Every face has three vertices or more, every vertex number is in range, and V − E + F = 2.
     fn faces(&self) -> Result<(), CheckError> {
-        let starts = &self.pack.face_starts[range(self.start.face.to_native(), self.end.face.to_native())];
-        let loops =
-            &self.pack.face_vertices[range(self.start.face_vertex.to_native(), self.end.face_vertex.to_native())];
+        let starts = run(&self.pack.face_starts, self.start.face, self.end.face);
+        let loops = run(&self.pack.face_vertices, self.start.face_vertex, self.end.face_vertex);
         if self.record.rank < 2 {
             return self.require(starts.is_empty() && loops.is_empty(), "a segment or point has faces");
         }
@@ -325,14 +328,14 @@ impl HullCheck<'_> {
 
     /// Every vertex has a run of neighbours, in range.
     fn neighbours(&self) -> Result<(), CheckError> {
-        let starts = &self.pack.neighbour_starts[range(self.start.vertex.to_native(), self.end.vertex.to_native())];
-        let all = &self.pack.neighbours[range(self.start.neighbour.to_native(), self.end.neighbour.to_native())];
+        let starts = run(&self.pack.neighbour_starts, self.start.vertex, self.end.vertex);
+        let all = run(&self.pack.neighbours, self.start.neighbour, self.end.neighbour);
         let most = run_lengths(starts, all.len()).map(|(_, most)| most);
         let fits = most == Some(self.record.max_neighbours.to_native());
         self.require(fits, "its neighbours do not follow one another")?;
         let n = self.vertex_count();
         self.require(all_below(all, n), "a neighbour is a vertex that is not there")?;
-        let left = &self.pack.neighbour_faces[range(self.start.neighbour.to_native(), self.end.neighbour.to_native())];
+        let left = run(&self.pack.neighbour_faces, self.start.neighbour, self.end.neighbour);
         // Without faces the entries are 0.
         let faces = (self.end.face.to_native() - self.start.face.to_native()).max(1);
         self.require(all_below(left, faces), "the face beside an edge is one that is not there")
@@ -348,15 +351,16 @@ impl HullCheck<'_> {
 
     /// None, or enough for a solid, all finite.
     fn outer(&self) -> Result<(), CheckError> {
-        let outer = &self.pack.outer_vertices[range(self.start.outer.to_native(), self.end.outer.to_native())];
+        let outer = run(&self.pack.outer_vertices, self.start.outer, self.end.outer);
         let count = outer.is_empty() || (4..=MAX_OUTER_VERTICES).contains(&outer.len());
         self.require(count, "its outer hull has too few or too many vertices")?;
         let finite = outer.iter().flatten().all(|c| c.to_native().is_finite());
         self.require(finite, "a vertex of its outer hull is not finite")
     }
 
+    #[expect(clippy::indexing_slicing, reason = "`walk` reads words below the length that it is given")]
     fn index(&self) -> Result<(), CheckError> {
-        let slots = &self.pack.slots[range(self.start.slot.to_native(), self.end.slot.to_native())];
+        let slots = run(&self.pack.slots, self.start.slot, self.end.slot);
         let resolution = u64::from(self.record.resolution.to_native());
         let kind = self.record.index_kind.to_native();
         let (roots, branches) = match kind {
@@ -382,8 +386,9 @@ impl HullCheck<'_> {
     }
 
     /// Every lane of every block names a vertex that is there, and has its place inside the bounds.
+    #[expect(clippy::indexing_slicing, reason = "three axes, three coordinates; the loop is one for vectors")]
     fn blocks(&self) -> Result<(), CheckError> {
-        let blocks = &self.pack.blocks[range(self.start.block.to_native(), self.end.block.to_native())];
+        let blocks = run(&self.pack.blocks, self.start.block, self.end.block);
         let n = self.vertex_count();
         let (low, high) = (self.record.bounds_min, self.record.bounds_max);
         let mut named = true;
@@ -412,7 +417,8 @@ fn all_below(numbers: &[u32_le], limit: u32) -> bool {
 /// Shortest and longest of the runs that start at `starts` and follow one another up to `end`; nothing where they do not, or there
 /// are none.
 fn run_lengths(starts: &[u32_le], end: usize) -> Option<(u32, u32)> {
-    let (first, last, end) = (starts.first()?.to_native(), starts.last()?.to_native(), u32::try_from(end).ok()?);
+    let (first, later) = starts.split_first()?;
+    let (first, last, end) = (first.to_native(), starts.last()?.to_native(), u32::try_from(end).ok()?);
     let (mut least, mut most, mut farthest) = (u32::MAX, 0, 0);
     // Of numbers up to the end, one that comes before the other is more than the end behind it, modulo 2³².
     let mut take = |start: u32, end: u32| {
@@ -421,15 +427,17 @@ fn run_lengths(starts: &[u32_le], end: usize) -> Option<(u32, u32)> {
         most = most.max(length);
         farthest = farthest.max(start);
     };
-    for (start, end) in starts.iter().zip(&starts[1..]) {
+    for (start, end) in starts.iter().zip(later) {
         take(start.to_native(), end.to_native());
     }
     take(last, end);
     (first == 0 && farthest <= end && most <= end).then_some((least, most))
 }
 
-fn range(start: u32, end: u32) -> std::ops::Range<usize> {
-    start as usize..end as usize
+/// A hull's run of a section.
+#[expect(clippy::indexing_slicing, reason = "`spans` has found that runs ascend, and end where their sections end")]
+fn run<T>(section: &[T], start: u32_le, end: u32_le) -> &[T] {
+    &section[start.to_native() as usize..end.to_native() as usize]
 }
 
 /// Most vertices of an outer hull: all of them are looked at in a query.

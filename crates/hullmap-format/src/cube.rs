@@ -58,6 +58,7 @@ pub fn largest(dir: [f32; 3]) -> f32 {
 /// Cell of the finest grid that `dir` falls into; `dir` need not be of unit length, but [`largest`] of it should be
 /// [`IN_RANGE`]. For any other direction some cell comes back; every result is in range.
 #[inline]
+#[expect(clippy::indexing_slicing, reason = "`axis` is 0, 1 or 2: where z wins, y does not")]
 pub fn locate(dir: [f32; 3]) -> Cell {
     let [ax, ay, az] = dir.map(f32::abs);
     let size = largest(dir);
@@ -77,8 +78,9 @@ pub fn grid_to_uv(g: u32) -> f64 {
     (f64::from(g) - 0.5 - f64::from(CENTRE)) / f64::from(SCALE)
 }
 
-/// The direction through point (u, v) of `face`; its largest coordinate is ±1.
+/// The direction through point (u, v) of `face`, 0 to 5; its largest coordinate is ±1.
 #[inline]
+#[expect(clippy::indexing_slicing, reason = "the bakers' faces are below 6, so that `axis` is 0, 1 or 2")]
 pub fn direction(face: u32, u: f64, v: f64) -> [f64; 3] {
     let axis = (face / 2) as usize;
     let mut dir = [0.0; 3];

@@ -14,6 +14,7 @@ pub const DOUBT: f32 = 0.52;
 /// The edge from `v` to `w`, which differ.
 ///
 /// Every operation is rounded once by IEEE 754, so that the result is the same everywhere.
+#[expect(clippy::indexing_slicing, reason = "an array of three is made of two arrays of three")]
 pub fn quantise(v: [f32; 3], w: [f32; 3]) -> [i16; 3] {
     let edge: [f64; 3] = std::array::from_fn(|i| f64::from(w[i]) - f64::from(v[i]));
     let length = (edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2]).sqrt();

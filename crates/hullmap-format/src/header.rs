@@ -101,6 +101,7 @@ impl Header {
     }
 
     /// The 64 bytes as they stand in the file.
+    #[expect(clippy::indexing_slicing, reason = "the lengths of the fields, which are constants, come to 64")]
     pub fn to_bytes(&self) -> [u8; HEADER_LEN] {
         let mut bytes = [0; HEADER_LEN];
         let mut at = 0;
@@ -169,6 +170,10 @@ impl Header {
     }
 }
 
+#[expect(
+    clippy::indexing_slicing,
+    reason = "places and lengths are constants of `read`, and none ends behind the header"
+)]
 fn field<const N: usize>(bytes: &[u8; HEADER_LEN], at: usize) -> [u8; N] {
     let mut out = [0; N];
     out.copy_from_slice(&bytes[at..at + N]);

@@ -14,6 +14,7 @@
 //!
 //! `docs/FORMAT.md` describes the same byte by byte.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]
 
 pub mod archive;
 pub mod bvh;

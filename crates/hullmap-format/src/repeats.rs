@@ -4,18 +4,19 @@
 //! No query needs it: one that contradicts itself answers with numbers that are finite, in range, and wrong. That is what a file
 //! whose checksum is right, and whose maker was not, may do in many ways; `bake verify` finds out all of them, this one too.
 
-use rkyv::rend::f32_le;
+use rkyv::rend::{f32_le, i16_le, u32_le};
 
 use crate::{
-    archive::{ArchivedPack, ArchivedSpan, LANES},
+    archive::{ArchivedPack, ArchivedSpan},
     check::CheckError,
     edge,
 };
 
-/// Compares what an archive holds twice. It must have passed [`crate::check::contents`].
+/// Compares what an archive holds twice.
 ///
 /// # Errors
-/// The first hull that contradicts itself.
+/// The first hull that contradicts itself; in an archive that has not passed [`crate::check::contents`], also one whose runs or
+/// neighbours are not there.
 ///
 /// # Complexity
 /// O(archive), with a square root an edge and a read at random a lane.
@@ -32,34 +33,40 @@ pub fn repeats(pack: &ArchivedPack) -> Result<(), CheckError> {
     Ok(())
 }
 
+/// A hull's run of a section, if it is there.
+fn run<T>(section: &[T], start: u32_le, end: u32_le) -> Option<&[T]> {
+    section.get(start.to_native() as usize..end.to_native() as usize)
+}
+
 fn blocks_agree(pack: &ArchivedPack, start: &ArchivedSpan, end: &ArchivedSpan) -> bool {
-    let vertices = &pack.vertices[start.vertex.to_native() as usize..end.vertex.to_native() as usize];
-    let blocks = &pack.blocks[start.block.to_native() as usize..end.block.to_native() as usize];
+    let vertices = run(&pack.vertices, start.vertex, end.vertex);
+    let (Some(vertices), Some(blocks)) = (vertices, run(&pack.blocks, start.block, end.block)) else { return false };
     blocks.iter().all(|block| {
-        (0..LANES).all(|lane| {
-            vertices
-                .get(block.vertex[lane].to_native() as usize)
-                .is_some_and(|v| block.x[lane] == v[0] && block.y[lane] == v[1] && block.z[lane] == v[2])
-        })
+        let mut lanes = block.vertex.iter().zip(block.x.iter().zip(block.y.iter().zip(&block.z)));
+        lanes.all(|(vertex, (x, (y, z)))| vertices.get(vertex.to_native() as usize) == Some(&[*x, *y, *z]))
     })
 }
 
 fn edges_agree(pack: &ArchivedPack, start: &ArchivedSpan, end: &ArchivedSpan) -> bool {
-    let vertices = start.vertex.to_native() as usize..end.vertex.to_native() as usize;
-    let (starts, vertices) = (&pack.neighbour_starts[vertices.clone()], &pack.vertices[vertices]);
-    let neighbours = &pack.neighbours[start.neighbour.to_native() as usize..end.neighbour.to_native() as usize];
-    let edges = &pack.edges[start.edge.to_native() as usize..end.edge.to_native() as usize];
+    let starts = run(&pack.neighbour_starts, start.vertex, end.vertex);
+    let (Some(starts), Some(vertices)) = (starts, run(&pack.vertices, start.vertex, end.vertex)) else { return false };
+    let neighbours = run(&pack.neighbours, start.neighbour, end.neighbour);
+    let (Some(neighbours), Some(edges)) = (neighbours, run(&pack.edges, start.edge, end.edge)) else { return false };
     if edges.is_empty() {
         return true;
     }
     let ends = starts.iter().skip(1).map(|s| s.to_native() as usize).chain([neighbours.len()]);
     vertices.iter().zip(starts.iter().zip(ends)).all(|(v, (start, end))| {
         let start = start.to_native() as usize;
-        let (run, around) = (&edges[3 * start..3 * end], &neighbours[start..end]);
-        around.iter().enumerate().all(|(place, w)| {
-            let w = vertices[w.to_native() as usize];
+        let Some(around) = neighbours.get(start..end) else { return false };
+        let Some((x, yz)) = edges.get(3 * start..3 * end).and_then(|run| run.split_at_checked(around.len())) else {
+            return false;
+        };
+        let Some((y, z)) = yz.split_at_checked(around.len()) else { return false };
+        around.iter().zip(x.iter().zip(y.iter().zip(z))).all(|(w, (x, (y, z)))| {
+            let Some(w) = vertices.get(w.to_native() as usize) else { return false };
             let edge = edge::quantise(v.map(f32_le::to_native), w.map(f32_le::to_native));
-            (0..3).all(|axis| run[axis * around.len() + place] == edge[axis])
+            edge == [*x, *y, *z].map(i16_le::to_native)
         })
     })
 }

@@ -23,6 +23,7 @@ const LOOKS_A_CORNER: usize = 1024;
 /// # Complexity
 /// O(corners) for convex ones, else O(corners · obstacles), and never more than a constant for each corner but for
 /// the tree's O(obstacles · log obstacles).
+#[expect(clippy::indexing_slicing, reason = "places modulo the number of corners, of which there are as many points")]
 pub fn triangulate(corners: &[u32], points: &[[f32; 3]], out: &mut Vec<[u32; 3]>) {
     if let [a, b, c] = *corners {
         out.push([a, b, c]);
@@ -60,6 +61,11 @@ struct Outline<'a> {
     looks: usize,
 }
 
+#[expect(
+    clippy::indexing_slicing,
+    reason = "places are those of corners, and all lists but `obstacles` have one entry a corner; a part of the tree that is not \
+              empty has a middle; axes are 0 and 1"
+)]
 impl<'a> Outline<'a> {
     fn new(flat: &'a [[f64; 2]]) -> Self {
         let count = flat.len();
@@ -149,6 +155,7 @@ impl<'a> Outline<'a> {
 }
 
 /// Orders corners as a tree of two dimensions: the middle one halves the others along `axis`, and so on in each half.
+#[expect(clippy::indexing_slicing, reason = "`corners` are places in `flat`, and axes are 0 and 1")]
 fn halve(corners: &mut [usize], axis: usize, flat: &[[f64; 2]]) {
     if corners.len() > 1 {
         let middle = middle(&(0..corners.len()));
@@ -164,6 +171,7 @@ fn middle(part: &Range<usize>) -> usize {
 }
 
 /// The corners in the plane of two axes in which the polygon is largest, counter-clockwise.
+#[expect(clippy::indexing_slicing, reason = "places modulo the number of corners, which are points; axes modulo 3")]
 fn flattened(corners: &[u32], points: &[[f32; 3]]) -> Vec<[f64; 2]> {
     let at = |i: usize| points[corners[i % corners.len()] as usize].map(f64::from);
     // Newell's normal, from the first corner, so that one far from the origin loses no digits.

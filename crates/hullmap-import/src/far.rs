@@ -8,13 +8,13 @@ const FAR: f64 = 1000.0;
 pub fn far_away(name: &str, positions: &[[f32; 3]]) -> Option<String> {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for position in positions {
-        for axis in 0..3 {
-            low[axis] = low[axis].min(f64::from(position[axis]));
-            high[axis] = high[axis].max(f64::from(position[axis]));
+        for ((low, high), x) in low.iter_mut().zip(&mut high).zip(position.map(f64::from)) {
+            *low = low.min(x);
+            *high = high.max(x);
         }
     }
-    let size = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
-    let far = (0..3).map(|axis| low[axis].abs().max(high[axis].abs())).fold(0.0, f64::max);
+    let size = low.iter().zip(high).map(|(low, high)| high - low).fold(0.0, f64::max);
+    let far = low.iter().zip(high).map(|(low, high)| low.abs().max(high.abs())).fold(0.0, f64::max);
     // A single point has no size to lose digits of, but several that came out as one may have lost all.
     if size == 0.0 && positions.len() > 1 && far > 0.0 {
         return Some(format!(

@@ -14,6 +14,7 @@
 //! | PLY | elements `vertex` | the file |
 
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]
 
 mod conventions;
 mod coordinate;
@@ -95,6 +96,7 @@ impl Imported {
 ///
 /// # Complexity
 /// O(bytes).
+#[expect(clippy::indexing_slicing, reason = "every reader lets through only references to vertices that are there")]
 pub fn import(
     file: &str,
     stem: &str,
@@ -160,6 +162,7 @@ fn count(number: usize, one: &str, many: &str) -> String {
 
 /// Chosen vertices whose point an earlier chosen vertex has; the two zeros count as equal. A vertex of two sets counts
 /// once.
+#[expect(clippy::indexing_slicing, reason = "points are taken by the numbers of vertices, below `vertex_count`")]
 fn count_duplicates(vertex_count: usize, sets: &[PointSet]) -> usize {
     let mut is_counted = vec![false; vertex_count];
     let mut keys: Vec<[u32; 3]> = Vec::new();

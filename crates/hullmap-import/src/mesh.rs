@@ -21,6 +21,7 @@ impl Positions {
     }
 
     /// A vertex in f64.
+    #[expect(clippy::indexing_slicing, reason = "asked only of vertices that the mesh has")]
     pub fn get(&self, vertex: u32) -> [f64; 3] {
         match self {
             Self::Single(positions) => positions[vertex as usize].map(f64::from),
@@ -50,6 +51,7 @@ impl Polygons {
     }
 
     /// Where the corners of polygon `number` start; for the number of polygons, where the last one's end.
+    #[expect(clippy::indexing_slicing, reason = "asked only up to the number of polygons; objects begin within them")]
     pub fn start(&self, number: usize) -> usize {
         if number == 0 { 0 } else { self.ends[number - 1] as usize }
     }
@@ -70,6 +72,10 @@ impl Polygons {
     ///
     /// # Complexity
     /// O(corners) for convex polygons; for others see [`triangulate`].
+    #[expect(
+        clippy::indexing_slicing,
+        reason = "ends ascend, and none lies behind the last corner, as `end` pushes them"
+    )]
     pub fn triangles(&self, points: &[[f32; 3]]) -> Vec<[u32; 3]> {
         let mut triangles = Vec::with_capacity(self.corners.len().saturating_sub(2 * self.len()));
         for number in 0..self.len() {

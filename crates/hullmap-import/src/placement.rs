@@ -38,13 +38,15 @@ impl Placement {
             let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
             for vertex in vertices {
                 let point = placement.in_source(positions.get(vertex));
-                for axis in 0..3 {
-                    low[axis] = low[axis].min(point[axis]);
-                    high[axis] = high[axis].max(point[axis]);
+                for ((low, high), x) in low.iter_mut().zip(&mut high).zip(point) {
+                    *low = low.min(x);
+                    *high = high.max(x);
                 }
             }
-            // Halved first: the sum of two large numbers may overflow. Adding +0 makes the two zeros one.
-            placement.origin = [0, 1, 2].map(|axis| low[axis] / 2.0 + high[axis] / 2.0 + 0.0);
+            for (origin, (low, high)) in placement.origin.iter_mut().zip(low.into_iter().zip(high)) {
+                // Halved first: the sum of two large numbers may overflow. Adding +0 makes the two zeros one.
+                *origin = low / 2.0 + high / 2.0 + 0.0;
+            }
         }
         placement
     }
@@ -66,6 +68,7 @@ impl Placement {
     ///
     /// # Errors
     /// A coordinate that is too large for f32.
+    #[expect(clippy::indexing_slicing, reason = "asked only of vertices that the mesh has")]
     pub fn place(&self, positions: &Positions, vertex: u32) -> Result<[f32; 3], Fault> {
         if let (Positions::Single(singles), false) = (positions, self.is_recentred || self.scale != 1.0) {
             return Ok(self.turn(singles[vertex as usize]));
@@ -78,6 +81,10 @@ impl Placement {
     ///
     /// # Errors
     /// A coordinate that is too large for f32.
+    #[expect(
+        clippy::indexing_slicing,
+        reason = "`placed` is as long as `doubles` was at first, and `vertex` is below that"
+    )]
     pub fn place_all(&self, positions: &mut Positions) -> Result<Vec<[f32; 3]>, Fault> {
         let mut placed = vec![[0.0; 3]; positions.len()];
         match positions {
@@ -102,13 +109,14 @@ impl Placement {
 
     fn place_point(&self, point: [f64; 3], vertex: u32) -> Result<[f32; 3], Fault> {
         let point = self.in_source(point);
-        let moved = [0, 1, 2].map(|axis| point[axis] - self.origin[axis]);
+        let ([x, y, z], [a, b, c]) = (point, self.origin);
+        let moved = [x - a, y - b, z - c];
         let placed = moved.map(|x| x as f32);
-        match placed.iter().position(|x| !x.is_finite()) {
+        match moved.into_iter().zip(placed).find(|(_, placed)| !placed.is_finite()) {
             None => Ok(placed),
-            Some(axis) => Err(Fault::Unplaceable {
+            Some((coordinate, _)) => Err(Fault::Unplaceable {
                 vertex,
-                coordinate: moved[axis],
+                coordinate,
                 after: if self.scale == 1.0 { "once transformed" } else { "once scaled" },
                 remedy: "use a smaller --unit-scale, or mend the file's transforms",
             }),

@@ -39,6 +39,7 @@ pub struct Sets {
 ///
 /// # Errors
 /// Too many objects to cut at, or points that f32 cannot hold.
+#[expect(clippy::indexing_slicing, reason = "`referenced` has an entry for each vertex of the mesh")]
 pub fn point_sets(
     mesh: &mut Mesh,
     referenced: &[bool],
@@ -98,7 +99,7 @@ fn all_objects(mesh: &Mesh, referenced: &[bool], takes_all: bool, stem: &str, se
     }
     if !skipped.is_empty() {
         let more = if skipped.len() > NAMES_IN_NOTE { ", …" } else { "" };
-        let listed = skipped[..skipped.len().min(NAMES_IN_NOTE)].join(", ");
+        let listed = skipped.get(..NAMES_IN_NOTE).unwrap_or(&skipped).join(", ");
         sets.notes.push(format!("objects without elements, skipped: {} ({listed}{more})", skipped.len()));
     }
     if mesh.has_only_groups {
@@ -129,12 +130,16 @@ fn collision_parts(
     Some(objects.into_iter().zip(selection.is_part).filter(|(_, is_part)| *is_part).map(|(object, _)| object).collect())
 }
 
+#[expect(clippy::indexing_slicing, reason = "asked only of objects that the mesh has")]
 fn name_of<'a>(mesh: &'a Mesh, object: usize, stem: &'a str) -> &'a str {
     let name = &mesh.objects[object].name;
     if name.is_empty() { stem } else { name }
 }
 
 /// The vertices, faces and loose references that belong to an object, by their places in the mesh's lists.
+///
+/// Objects begin one after the other, within those lists: readers count what is there when one begins.
+#[expect(clippy::indexing_slicing, reason = "asked only of objects that the mesh has")]
 fn extent(mesh: &Mesh, object: usize) -> [Range<usize>; 3] {
     let start = &mesh.objects[object];
     let end = mesh.objects.get(object + 1);
@@ -146,12 +151,20 @@ fn extent(mesh: &Mesh, object: usize) -> [Range<usize>; 3] {
     ]
 }
 
+#[expect(
+    clippy::indexing_slicing,
+    reason = "`extent` is within the mesh, and `referenced` has an entry for each vertex"
+)]
 fn has_members(mesh: &Mesh, object: usize, referenced: &[bool], takes_all: bool) -> bool {
     let [vertices, faces, loose] = extent(mesh, object);
     !faces.is_empty() || !loose.is_empty() || takes_all && vertices.into_iter().any(|vertex| !referenced[vertex])
 }
 
 /// Numbers of an object's vertices, ascending.
+#[expect(
+    clippy::indexing_slicing,
+    reason = "`extent` is within the mesh, and `referenced` has an entry for each vertex"
+)]
 fn members(mesh: &Mesh, object: usize, referenced: &[bool], takes_all: bool) -> Vec<u32> {
     let [declared, faces, loose] = extent(mesh, object);
     let mut vertices = mesh.faces.corners[mesh.faces.start(faces.start)..mesh.faces.start(faces.end)].to_vec();
@@ -165,6 +178,7 @@ fn members(mesh: &Mesh, object: usize, referenced: &[bool], takes_all: bool) -> 
     vertices
 }
 
+#[expect(clippy::indexing_slicing, reason = "`extent` is within the mesh, and so are a polygon's corners")]
 fn faces_of(mesh: &Mesh, object: usize) -> Polygons {
     let [_, faces, _] = extent(mesh, object);
     let (start, end) = (mesh.faces.start(faces.start), mesh.faces.start(faces.end));
@@ -175,6 +189,7 @@ fn faces_of(mesh: &Mesh, object: usize) -> Polygons {
 }
 
 /// Places the points of named lists of vertices, and renumbers the faces over them.
+#[expect(clippy::indexing_slicing, reason = "`number` has an entry for each vertex when it is read")]
 fn build(
     sets: &mut Sets,
     positions: &mut Positions,

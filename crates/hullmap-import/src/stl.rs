@@ -40,8 +40,7 @@ pub fn read(bytes: &[u8], wants_double: bool, limits: &Limits) -> Result<Mesh, L
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(Fault::format("the file is empty; expected an STL file: export it again").of_file());
     }
-    let claimed =
-        bytes.get(HEADER - 4..HEADER).map(|count| u32::from_le_bytes([count[0], count[1], count[2], count[3]]));
+    let claimed = bytes.get(HEADER - 4..).and_then(<[u8]>::first_chunk).map(|count| u32::from_le_bytes(*count));
     let expected = claimed.map(|count| HEADER as u64 + u64::from(count) * TRIANGLE as u64);
     if expected != Some(bytes.len() as u64) && is_text(bytes) {
         return if wants_double { read_text::<f64>(bytes, limits) } else { read_text::<f32>(bytes, limits) };
@@ -53,14 +52,14 @@ pub fn read(bytes: &[u8], wants_double: bool, limits: &Limits) -> Result<Mesh, L
         ))
         .of_file());
     };
-    if (bytes.len() as u64) < expected {
+    let Some(triangles) = usize::try_from(expected).ok().and_then(|end| bytes.get(HEADER..end)) else {
         return Err(Fault::format(format!(
             "the header claims {count} triangles, {expected} bytes, but the file has {}: it was cut off, or is no STL file; export it again",
             bytes.len()
         ))
         .of_file());
-    }
-    let mut mesh = read_binary(&bytes[HEADER..expected as usize])?;
+    };
+    let mut mesh = read_binary(triangles)?;
     if bytes.len() as u64 > expected {
         mesh.warnings.push(format!(
             "{} bytes behind the {count} triangles that the header announces are not read: were triangles added?",
@@ -75,16 +74,18 @@ fn is_text(bytes: &[u8]) -> bool {
     let start = bytes.trim_ascii_start();
     let start = start.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(start);
     let has = |word: &[u8]| {
-        let probe = &start[..start.len().min(TEXT_PROBE)];
+        let probe = start.get(..TEXT_PROBE).unwrap_or(start);
         probe.windows(word.len()).any(|window| window.eq_ignore_ascii_case(word))
     };
-    start.len() >= 5 && start[..5].eq_ignore_ascii_case(b"solid") && (has(b"facet") || has(b"endsolid"))
+    let is_solid = start.first_chunk().is_some_and(|word: &[u8; 5]| word.eq_ignore_ascii_case(b"solid"));
+    is_solid && (has(b"facet") || has(b"endsolid"))
 }
 
 /// A coordinate that vertices can be told apart by.
 trait Coordinate: super::coordinate::Coordinate {
     /// Its bits.
     type Bits: Copy + Eq + Hash;
+    const ZERO: Self;
     fn bits(self) -> Self::Bits;
     /// The positions of all vertices.
     fn positions(all: Vec<[Self; 3]>) -> Positions;
@@ -92,6 +93,7 @@ trait Coordinate: super::coordinate::Coordinate {
 
 impl Coordinate for f32 {
     type Bits = u32;
+    const ZERO: f32 = 0.0;
     fn bits(self) -> u32 {
         // Adding +0 turns -0 into +0 and leaves every other number alone.
         (self + 0.0).to_bits()
@@ -103,6 +105,7 @@ impl Coordinate for f32 {
 
 impl Coordinate for f64 {
     type Bits = u64;
+    const ZERO: f64 = 0.0;
     fn bits(self) -> u64 {
         (self + 0.0).to_bits()
     }
@@ -132,10 +135,14 @@ impl<T: Coordinate> Welder<T> {
     }
 }
 
+#[expect(clippy::indexing_slicing, reason = "12 bytes of normal and three corners of 12 are within a triangle's 50")]
 fn read_binary(triangles: &[u8]) -> Result<Mesh, LineFault> {
     let mut welder = Welder::<f32>::new();
     let mut faces = Polygons::default();
     let count = triangles.len() / TRIANGLE;
+    if count > u32::MAX as usize / 3 {
+        return Err(Fault::TooManyReferences.of_file());
+    }
     faces.corners.reserve_exact(3 * count);
     faces.ends.reserve_exact(count);
     for (number, triangle) in triangles.chunks_exact(TRIANGLE).enumerate() {
@@ -174,8 +181,8 @@ fn read_text<T: Coordinate>(bytes: &[u8], limits: &Limits) -> Result<Mesh, LineF
     while let Some(word) = tokens.next() {
         if is(word, "solid") {
             let name = text(tokens.rest_of_line()).trim().to_owned();
-            if mesh.objects.len() == 1 && mesh.faces.len() == 0 {
-                mesh.objects[0].name = name;
+            if let ([only], true) = (mesh.objects.as_mut_slice(), mesh.faces.is_empty()) {
+                only.name = name;
             } else {
                 mesh.begin_object(name, limits.objects);
             }
@@ -192,7 +199,7 @@ fn read_text<T: Coordinate>(bytes: &[u8], limits: &Limits) -> Result<Mesh, LineF
     }
     // Vertices belong to the objects whose faces they are of, never to one by themselves.
     mesh.positions = T::positions(welder.positions);
-    for object in &mut mesh.objects[1..] {
+    for object in mesh.objects.iter_mut().skip(1) {
         object.first_vertex = mesh.positions.len() as u32;
     }
     Ok(mesh)
@@ -220,14 +227,13 @@ fn read_facet<T: Coordinate>(
             Some(word) if is(word, "endloop") => break,
             _ => return Err(unexpected(tokens, word, "`vertex` or `endloop`")),
         }
-        let mut coordinates = Vec::with_capacity(3);
-        for _ in 0..3 {
+        let mut position = [T::ZERO; 3];
+        for coordinate in &mut position {
             let Some(word) = tokens.next() else {
                 return Err(unexpected(tokens, None, "a coordinate"));
             };
-            coordinates.push(parse_coordinate::<T>(&text(word)).map_err(|fault| fault.at(tokens.line()))?);
+            *coordinate = parse_coordinate::<T>(&text(word)).map_err(|fault| fault.at(tokens.line()))?;
         }
-        let position = [coordinates[0], coordinates[1], coordinates[2]];
         faces.corners.push(welder.number(position).map_err(Fault::of_file)?);
     }
     if faces.corners.len() - start < 3 {

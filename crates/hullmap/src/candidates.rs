@@ -35,6 +35,7 @@ pub(crate) struct Candidate<'a> {
 impl Candidate<'_> {
     /// Its vertex number and position.
     #[inline(always)]
+    #[expect(clippy::indexing_slicing, reason = "`lane` is taken modulo the number of lanes")]
     pub(crate) fn read(self) -> (u32, [f32; 3]) {
         let Self { block, lane } = self;
         // Below LANES as it is: for the compiler.
@@ -73,6 +74,7 @@ pub(crate) fn best<S: Simd>(simd: S, blocks: &[ArchivedBlock], dir: impl Directi
 
 /// The best of up to four blocks.
 #[inline(always)]
+#[expect(clippy::indexing_slicing, reason = "`lane` is taken modulo the number of lanes of all blocks")]
 pub(crate) fn best_of_few<S: Simd, const N: usize>(
     simd: S,
     few: &[ArchivedBlock; N],
@@ -89,6 +91,7 @@ pub(crate) fn best_of_few<S: Simd, const N: usize>(
 /// The best of many blocks: the greatest f32 dot product of each of up to [`CHUNKS`] runs of them, then, in the runs that
 /// reach the greatest of all, each candidate within the margin in f64.
 #[inline(always)]
+#[expect(clippy::indexing_slicing, reason = "runs are as long as makes at most `CHUNKS` of them")]
 fn best_of_many<S: Simd>(simd: S, blocks: &[ArchivedBlock], dir: impl Direction, margin: f32) -> Candidate<'_> {
     let (narrow, exact) = (dir.narrow(), dir.exact());
     let run_len = blocks.len().div_ceil(CHUNKS).max(LEAST_CHUNK);

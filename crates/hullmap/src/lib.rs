@@ -34,6 +34,7 @@
 //! # }
 //! ```
 #![deny(unsafe_code)]
+#![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]
 
 pub mod batch;
 mod candidates;
@@ -43,6 +44,7 @@ mod hint;
 mod hull;
 pub mod levels;
 mod lookup;
+#[allow(clippy::indexing_slicing, reason = "it computes on numbers, in arrays of its own")]
 pub mod manifold;
 pub mod minkowski;
 mod pack;
@@ -51,6 +53,7 @@ mod rounding;
 pub mod shape;
 pub mod shapes;
 mod simd;
+#[allow(clippy::indexing_slicing, reason = "it computes on numbers, in arrays of its own")]
 pub mod solver;
 mod storage;
 pub mod support_map;

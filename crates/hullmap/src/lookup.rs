@@ -242,6 +242,10 @@ impl<'a> Index<'a> {
 
     /// The slot on the side of the plane at `at` on which `dir` lies.
     #[inline]
+    #[expect(
+        clippy::indexing_slicing,
+        reason = "three numbers of two words each, then two slots, are a node's 8 words"
+    )]
     fn beside_plane(&self, at: usize, dir: [f64; 3]) -> u32 {
         let Some(node) = self.words::<{ PLANE_WORDS as usize }>(at) else { return 0 };
         let n = |axis: usize| decode_f64(node[2 * axis].to_native(), node[2 * axis + 1].to_native());
@@ -251,6 +255,11 @@ impl<'a> Index<'a> {
 
     /// The slot of the part of the bundle at `at` in which `dir` lies.
     #[inline]
+    #[expect(
+        clippy::indexing_slicing,
+        reason = "three numbers a plane, of two words each, then eight slots, are a node's words; sides are 0 or 1, so that `front` \
+                  is read below 7 and slots below 8"
+    )]
     fn in_bundle(&self, at: usize, dir: [f64; 3]) -> u32 {
         let Some(node) = self.words::<{ BUNDLE_WORDS as usize }>(at) else { return 0 };
         let mut front = [0; BUNDLE_PLANES];
@@ -269,6 +278,7 @@ impl<'a> Index<'a> {
 
     /// The slot of the part of the fan at `at` in which `dir` lies.
     #[inline]
+    #[expect(clippy::indexing_slicing, reason = "`fan::slot` asks for the numbers of the head, of two words each")]
     fn in_fan(&self, at: usize, dir: [f64; 3]) -> u32 {
         const HEAD: usize = fan::HEAD_WORDS as usize;
         let Some(head) = self.words::<HEAD>(at) else { return 0 };

@@ -296,9 +296,6 @@ impl Pack {
     /// # Errors
     /// The first hull that contradicts itself.
     ///
-    /// # Panics
-    /// On a damaged pack that was opened without checking its contents.
-    ///
     /// # Complexity
     /// O(file), some ten times as long as opening it.
     pub fn check_repeats(&self) -> Result<(), InvalidPack> {

@@ -43,6 +43,7 @@ const SINES: [f64; 9] = [
 ];
 
 /// Cosine and sine of `step`/32 of a full turn.
+#[expect(clippy::indexing_slicing, reason = "`rest` is a remainder by 8, and there are nine sines")]
 pub(crate) fn turn(step: usize) -> (f64, f64) {
     let sine = |step: usize| {
         let (quarter, rest) = (step / 8 % 4, step % 8);
@@ -79,11 +80,13 @@ impl Feature {
     }
 
     /// The corners, in order.
+    #[expect(clippy::indexing_slicing, reason = "`push` counts only corners that it has found room for")]
     pub fn corners(&self) -> &[Corner] {
         &self.corners[..self.count]
     }
 
     /// The corners, to be moved.
+    #[expect(clippy::indexing_slicing, reason = "`push` counts only corners that it has found room for")]
     pub fn corners_mut(&mut self) -> &mut [Corner] {
         &mut self.corners[..self.count]
     }
@@ -153,6 +156,7 @@ pub(crate) fn coarse_ring<S: SupportMap + ?Sized>(shape: &S, dir: DVec3) -> [Sup
 }
 
 /// The feature that `coarse` directions are on, by all directions.
+#[expect(clippy::indexing_slicing, reason = "taken modulo the number of coarse directions")]
 pub(crate) fn refine<S: SupportMap + ?Sized>(shape: &S, dir: DVec3, coarse: [Support; COARSE], out: &mut Feature) {
     let around = Around::new(dir);
     out.clear();

@@ -73,3 +73,15 @@ fn place_of_panic(run: impl FnOnce()) -> Option<String> {
     IS_LISTENING.set(false);
     result.err().map(|_| HEARD.take().unwrap_or_default())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn panics_are_heard() {
+        assert_eq!(place_of_panic(|| ()), None);
+        let heard = place_of_panic(|| panic!("heard"));
+        assert!(heard.as_ref().is_some_and(|place| place.contains("unchecked.rs:")), "{heard:?}");
+    }
+}

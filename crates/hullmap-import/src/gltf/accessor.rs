@@ -22,7 +22,7 @@ pub struct Data<'a> {
 /// Replaced elements: their numbers, ascending, and their bytes one after the other.
 type Replaced<'a> = (Vec<u32>, &'a [u8]);
 
-/// An accessor that has been checked: every element it has is there.
+/// An accessor that has been checked: every element it has is there, and so is every replaced one.
 pub struct Elements<'a> {
     /// Its number, for messages.
     number: u32,
@@ -94,9 +94,10 @@ impl<'a> Data<'a> {
         let width = component_size(sparse.indices.component_type).ok_or("has sparse indices of an unknown type")?;
         let indices = strided(indices, sparse.indices.byte_offset, width, width, sparse.count).ok_or_else(short)?;
         let numbers: Vec<u32> = (0..sparse.count as usize)
-            .map(|at| whole(&indices[at * width..], sparse.indices.component_type).unwrap_or(u32::MAX))
+            .map(|at| whole(indices.get(at * width..)?, sparse.indices.component_type))
+            .map(|number| number.unwrap_or(u32::MAX))
             .collect();
-        let is_ascending = numbers.windows(2).all(|pair| pair[0] < pair[1]);
+        let is_ascending = numbers.is_sorted_by(|a, b| a < b);
         if !is_ascending || numbers.last().is_some_and(|&last| u64::from(last) >= accessor.count) {
             return Err("has sparse indices that are out of range or out of order".to_owned());
         }
@@ -135,9 +136,9 @@ fn strided(bytes: &[u8], offset: u64, stride: usize, size: usize, count: u64) ->
 
 fn whole(bytes: &[u8], component_type: u32) -> Option<u32> {
     Some(match component_type {
-        UNSIGNED_BYTE => u32::from(bytes[0]),
-        UNSIGNED_SHORT => u32::from(u16::from_le_bytes([bytes[0], bytes[1]])),
-        UNSIGNED_INT => u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]),
+        UNSIGNED_BYTE => u32::from(*bytes.first()?),
+        UNSIGNED_SHORT => u32::from(u16::from_le_bytes(*bytes.first_chunk()?)),
+        UNSIGNED_INT => u32::from_le_bytes(*bytes.first_chunk()?),
         _ => return None,
     })
 }
@@ -148,6 +149,10 @@ impl Elements<'_> {
         self.bytes.is_none()
     }
 
+    #[expect(
+        clippy::indexing_slicing,
+        reason = "asked of elements below `count`, which `strided` has found to be there"
+    )]
     fn element(&self, at: usize) -> Option<&[u8]> {
         if let Some((numbers, values)) = &self.replaced
             && let Ok(place) = numbers.binary_search(&(at as u32))
@@ -162,6 +167,10 @@ impl Elements<'_> {
     ///
     /// # Errors
     /// A component type that positions cannot have.
+    #[expect(
+        clippy::indexing_slicing,
+        reason = "asked of accessors of three components, which all their elements have"
+    )]
     pub fn position(&self, at: usize) -> Result<[f64; 3], Fault> {
         let Some(bytes) = self.element(at) else {
             return Ok([0.0; 3]);

@@ -77,20 +77,20 @@ pub fn remedy(extension: &str) -> &'static str {
 
 fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), LineFault> {
     let fault = |text: String| Err(Fault::format(text).of_file());
-    let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    let word = |at: usize| bytes.get(at..)?.first_chunk().map(|bytes| u32::from_le_bytes(*bytes));
     let (Some(version), Some(length)) = (word(4), word(8)) else {
         return fault("the GLB header is not whole: the file was cut off; export it again".to_owned());
     };
     if version != 2 {
         return fault(format!("GLB version {version}; expected 2: export it again with a newer exporter"));
     }
-    if length as usize > bytes.len() {
+    let Some(within) = bytes.get(..(length as usize).max(GLB_HEADER)) else {
         let have = bytes.len();
         return fault(format!(
             "the GLB header claims {length} bytes, the file has {have}: it was cut off; export it again"
         ));
-    }
-    let bytes = &bytes[..(length as usize).max(GLB_HEADER)];
+    };
+    let bytes = within;
     let (mut text, mut buffer) = (None, None);
     let mut at = GLB_HEADER;
     while let (Some(length), Some(kind)) = (word(at), word(at + 4)) {
@@ -164,17 +164,16 @@ fn unescape(uri: &str) -> Option<Cow<'_, str>> {
     }
     let mut bytes = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();
+    let digit = |byte: u8| char::from(byte).to_digit(16);
     while let [first, tail @ ..] = rest {
-        let digit = |at: usize| tail.get(at).and_then(|b| char::from(*b).to_digit(16));
-        match (first, digit(0), digit(1)) {
-            (b'%', Some(high), Some(low)) => {
-                bytes.push((16 * high + low) as u8);
-                rest = &tail[2..];
-            }
-            _ => {
-                bytes.push(*first);
-                rest = tail;
-            }
+        if let (b'%', [high, low, after @ ..]) = (first, tail)
+            && let (Some(high), Some(low)) = (digit(*high), digit(*low))
+        {
+            bytes.push((16 * high + low) as u8);
+            rest = after;
+        } else {
+            bytes.push(*first);
+            rest = tail;
         }
     }
     String::from_utf8(bytes).ok().map(Cow::Owned)

@@ -30,7 +30,7 @@ use std::collections::HashMap;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use glam::{DAffine3, DMat3, DQuat, DVec3};
+use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
 
 use super::fault::{Fault, LineFault, excerpt};
 use super::limits::Limits;
@@ -154,13 +154,13 @@ impl<'a> Scene<'a> {
             stack.push((root, DAffine3::IDENTITY));
         }
         while let Some((number, parent)) = stack.pop() {
-            let Some(node) = nodes.get(number as usize) else {
+            let (Some(node), Some(visited)) = (nodes.get(number as usize), visited.get_mut(number as usize)) else {
                 let count = nodes.len();
                 return Err(Fault::format(format!(
                     "node {number} does not exist: there are {count}; export the file again"
                 )));
             };
-            if std::mem::replace(&mut visited[number as usize], true) {
+            if std::mem::replace(visited, true) {
                 return Err(Fault::format(format!(
                     "node {number}{} has two parents, or is its own ancestor; expected a tree: export the file again",
                     quoted(node.name.as_deref())
@@ -183,13 +183,15 @@ impl<'a> Scene<'a> {
     /// Adds a mesh as an object.
     fn show(&mut self, name: &str, place: &str, number: u32, transform: DAffine3) -> Result<(), Fault> {
         let document = self.data.document;
-        let Some(record) = document.meshes.get(number as usize) else {
+        let place_in_list = number as usize;
+        let (Some(record), Some(shown)) = (document.meshes.get(place_in_list), self.shown.get_mut(place_in_list))
+        else {
             return Err(Fault::format(format!(
                 "{place} shows mesh {number}, which does not exist: there are {}; export the file again",
                 document.meshes.len()
             )));
         };
-        self.shown[number as usize] = true;
+        *shown = true;
         self.begin_object(name);
         // First vertex and number of vertices of each accessor that this node has read.
         let mut read: HashMap<u32, (u32, usize)> = HashMap::new();
@@ -224,7 +226,9 @@ impl<'a> Scene<'a> {
     fn begin_object(&mut self, name: &str) {
         self.object_count += 1;
         if self.object_count == 1 {
-            self.mesh.objects[0].name = name.to_owned();
+            if let Some(first) = self.mesh.objects.first_mut() {
+                first.name = name.to_owned();
+            }
             return;
         }
         // As the limit is for objects, and the first one has no line of its own.
@@ -384,7 +388,7 @@ fn roots(document: &Document) -> Result<Vec<u32>, Fault> {
                     *has = true;
                 }
             }
-            Ok((0..document.nodes.len() as u32).filter(|&node| !has_parent[node as usize]).collect())
+            Ok((0..).zip(has_parent).filter(|(_, has_parent)| !has_parent).map(|(node, _)| node).collect())
         }
     }
 }
@@ -393,13 +397,13 @@ fn roots(document: &Document) -> Result<Vec<u32>, Fault> {
 fn local(node: &Node) -> Result<DAffine3, String> {
     let transform = match &node.matrix {
         Some(matrix) => {
-            if [matrix[3], matrix[7], matrix[11], matrix[15]] != [0.0, 0.0, 0.0, 1.0] {
+            let matrix = DMat4::from_cols_array(matrix);
+            if matrix.row(3) != DVec4::W {
                 return Err(
                     "has a matrix whose last row is not 0 0 0 1; expected translation, rotation and scale".to_owned()
                 );
             }
-            let column = |number: usize| DVec3::from_slice(&matrix[4 * number..4 * number + 3]);
-            DAffine3::from_mat3_translation(DMat3::from_cols(column(0), column(1), column(2)), column(3))
+            DAffine3::from_mat4(matrix)
         }
         None => {
             let scale = DVec3::from_array(node.scale.unwrap_or([1.0; 3]));

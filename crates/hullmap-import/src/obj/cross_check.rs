@@ -65,6 +65,10 @@ pub fn cross_check(scan: &Scan, bytes: &[u8]) -> Result<(), Fault> {
 }
 
 /// Cuts the elements into shares; at most `reader_count` of them are of faces.
+#[expect(
+    clippy::indexing_slicing,
+    reason = "bounds ascend, none is above the number of faces, and faces end within the corners"
+)]
 fn shares(scan: &Scan, reader_count: usize) -> Vec<Share<'_>> {
     let faces = &scan.faces;
     let count = (faces.corners.len() / CORNERS_A_READER).clamp(1, reader_count);
@@ -97,6 +101,10 @@ fn check(scan: &Scan, bytes: &[u8], share: &Share) -> Result<(), Fault> {
 }
 
 /// tobj numbers the vertices of a model by their first appearance in an element; so does this, from the scan.
+#[expect(
+    clippy::indexing_slicing,
+    reason = "what is looked up is the scan's own reference, and all those are in range"
+)]
 fn compare(scan: &Scan, share: &Share, models: &[tobj::Model]) -> Result<(), Fault> {
     let count = scan.positions.len();
     let all = if share.has_positions { 0..count as u32 } else { 0..0 };
@@ -206,7 +214,7 @@ impl<'a> PlainText<'a> {
         }
         self.block.push(b'v');
         // A fourth number is a weight; the fourth of six is a colour.
-        for word in &numbers[..if found == 4 { 4 } else { 3 }] {
+        for word in numbers.iter().take(if found == 4 { 4 } else { 3 }) {
             self.block.push(b' ');
             self.block.extend_from_slice(word.as_bytes());
         }
@@ -258,7 +266,7 @@ impl BufRead for PlainText<'_> {
         if self.at == self.block.len() {
             self.make_block()?;
         }
-        Ok(&self.block[self.at..])
+        Ok(self.block.get(self.at..).unwrap_or_default())
     }
 
     fn consume(&mut self, count: usize) {

@@ -64,6 +64,10 @@ fn may_continue(line: &[u8]) -> bool {
 /// Cuts a text into parts of about `size` bytes, behind an LF that no line continues across.
 ///
 /// The parts' lines, one part after the other, are the text's.
+#[expect(
+    clippy::indexing_slicing,
+    reason = "`end` is `size`, which is less than is left, or behind an LF that was found"
+)]
 pub fn parts(bytes: &[u8], size: usize) -> Vec<&[u8]> {
     let mut parts = Vec::new();
     let mut rest = bytes;

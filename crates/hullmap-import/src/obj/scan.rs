@@ -201,7 +201,7 @@ impl Scan {
         }
         let (numbers, found) = first_words(words);
         let mut position = [0.0; 3];
-        for (coordinate, word) in position.iter_mut().zip(&numbers[..found.min(3)]) {
+        for (coordinate, word) in position.iter_mut().zip(numbers.iter().take(found)) {
             *coordinate = parse_coordinate::<f32>(word)?;
         }
         match found {

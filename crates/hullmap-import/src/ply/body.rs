@@ -20,6 +20,7 @@ pub enum Body<'a> {
 
 impl<'a> Body<'a> {
     /// The body behind a header.
+    #[expect(clippy::indexing_slicing, reason = "the header was read from these bytes, and ends within them")]
     pub fn new(header: &Header, bytes: &'a [u8]) -> Self {
         let rest = &bytes[header.body..];
         match header.encoding {
@@ -65,7 +66,7 @@ impl<'a> Body<'a> {
     pub fn skip(&mut self, element: &Element) -> Result<(), LineFault> {
         if let (Self::Binary { rest, .. }, Some(size)) = (&mut *self, element.fixed_size()) {
             // `check_room` has found that they are there.
-            *rest = &rest[(element.count as usize).saturating_mul(size).min(rest.len())..];
+            *rest = rest.get((element.count as usize).saturating_mul(size)..).unwrap_or_default();
             return Ok(());
         }
         if element.properties.is_empty() {
@@ -95,7 +96,8 @@ impl<'a> Body<'a> {
     ) -> Result<(), LineFault> {
         let count = self.length(length, scalar, element, number)?;
         match self {
-            Self::Binary { rest, .. } => *rest = &rest[count as usize * scalar.size()..],
+            // `length` has found that they are there.
+            Self::Binary { rest, .. } => *rest = rest.get(count as usize * scalar.size()..).unwrap_or_default(),
             Self::Text(_) => {
                 for _ in 0..count {
                     self.skip_number(scalar, element, number)?;
@@ -157,6 +159,7 @@ impl<'a> Body<'a> {
     ///
     /// # Errors
     /// It is none, or the file ends before. In a text, also what is not finite.
+    #[expect(clippy::indexing_slicing, reason = "a number has 8 bytes at most")]
     pub fn number(
         &mut self,
         scalar: Scalar,

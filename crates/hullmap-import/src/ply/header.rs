@@ -193,13 +193,14 @@ struct HeaderLines<'a> {
 
 impl<'a> HeaderLines<'a> {
     fn next(&mut self) -> Option<&'a [u8]> {
-        let rest = &self.bytes[self.at..];
+        let rest = self.bytes.get(self.at..)?;
         let end = rest.iter().position(|b| matches!(b, b'\n' | b'\r'))?;
+        let (line, tail) = rest.split_at(end);
         // A CR is followed by an LF or by the next line; a binary body that begins with the byte 10 behind a lone CR
         // would be read wrongly, but nobody has written such files for decades.
-        let skip = if rest[end..].starts_with(b"\r\n") { 2 } else { 1 };
+        let skip = if tail.starts_with(b"\r\n") { 2 } else { 1 };
         self.at += end + skip;
         self.number += 1;
-        Some(&rest[..end])
+        Some(line)
     }
 }

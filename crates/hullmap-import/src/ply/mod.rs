@@ -41,9 +41,14 @@ pub fn read(bytes: &[u8], wants_double: bool) -> Result<Mesh, LineFault> {
         return Err(Fault::format("the file is empty; expected a PLY file: export it again").of_file());
     }
     let header = header::read(bytes)?;
-    let Some(vertex) = header.elements.iter().find(|element| element.name == "vertex") else {
+    let mut vertex_elements = header.elements.iter().filter(|element| element.name == "vertex");
+    let Some(vertex) = vertex_elements.next() else {
         return Err(Fault::format("the header has no `element vertex`; a hull needs points").of_file());
     };
+    if vertex_elements.next().is_some() {
+        // Of which would a face's numbers be?
+        return Err(Fault::format("the header has `element vertex` twice; export the file again").of_file());
+    }
     if vertex.count == 0 {
         return Err(Fault::format("the file has no vertices; a hull needs at least one point: did the export finish?")
             .of_file());
@@ -75,6 +80,10 @@ pub fn read(bytes: &[u8], wants_double: bool) -> Result<Mesh, LineFault> {
     Ok(mesh)
 }
 
+#[expect(
+    clippy::indexing_slicing,
+    reason = "places that `find` has found, or that were counted; of axes there are three"
+)]
 fn read_vertices(
     body: &mut Body,
     header: &Header,
@@ -133,7 +142,7 @@ fn read_faces(
 ) -> Result<(), LineFault> {
     let Some(indices) = element
         .find(&["vertex_indices", "vertex_index"])
-        .filter(|&place| element.properties[place].length.is_some() && element.properties[place].scalar.is_whole())
+        .filter(|&place| element.properties.get(place).is_some_and(|p| p.length.is_some() && p.scalar.is_whole()))
     else {
         return body.skip(element);
     };
@@ -185,8 +194,7 @@ fn read_faces(
 
 /// Every other triangle of a strip is wound the other way.
 fn push_strip(faces: &mut Polygons, strip: &[u32]) {
-    for (number, corners) in strip.windows(3).enumerate() {
-        let [a, b, c] = [corners[0], corners[1], corners[2]];
+    for (number, &[a, b, c]) in strip.array_windows().enumerate() {
         faces.push(&if number % 2 == 0 { [a, b, c] } else { [b, a, c] });
     }
 }

@@ -41,6 +41,7 @@ impl CompoundCache {
     }
 
     /// The cache of a pair of hulls, by their numbers in A and in B, for queries of this pair alone: its own, or an empty one.
+    #[expect(clippy::indexing_slicing, reason = "taken modulo the number of slots, of which `new` makes one at least")]
     pub fn pair(&mut self, pair: [usize; 2]) -> &mut Cache {
         // Neighbouring pairs go to different places.
         let place = (pair[0].wrapping_mul(31).wrapping_add(pair[1])) % self.slots.len();

@@ -37,9 +37,9 @@ impl<'q, 'a> Descent<'q, 'a> {
 
     /// The next pair of hulls whose boxes are not farther from each other than `reach`.
     pub(super) fn next(&mut self, reach: f64) -> Option<[usize; 2]> {
-        while self.len > 0 {
-            self.len -= 1;
-            let (number_a, number_b, least) = self.stack[self.len];
+        while let Some(top) = self.len.checked_sub(1) {
+            let (number_a, number_b, least) = *self.stack.get(top)?;
+            self.len = top;
             // NaN, of which there is none, would be looked at.
             if least > reach {
                 continue;

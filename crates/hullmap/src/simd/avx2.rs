@@ -138,6 +138,7 @@ fn near_best<const N: usize>(blocks: &[ArchivedBlock; N], dir: [f32; 3], margin:
 /// All lanes, not only those that are near: so there is nothing to predict.
 #[inline]
 #[target_feature(enable = "avx2,fma")]
+#[expect(clippy::indexing_slicing, reason = "`half` is 0 or 1, of two halves")]
 fn exact_best<const N: usize>(blocks: &[ArchivedBlock; N], dir: [f64; 3]) -> usize {
     let dir = [_mm256_set1_pd(dir[0]), _mm256_set1_pd(dir[1]), _mm256_set1_pd(dir[2])];
     let mut all = [[_mm256_set1_pd(f64::NEG_INFINITY); 2]; N];

@@ -12,6 +12,7 @@ use crate::candidates::exact_dot;
 pub(crate) struct Portable;
 
 #[inline(always)]
+#[expect(clippy::indexing_slicing, reason = "four lanes from the first or from the fourth on, of eight")]
 fn four(from: &[f32_le; LANES], half: usize) -> Vec4 {
     Vec4::from_array([0, 1, 2, 3].map(|lane| from[4 * half + lane].to_native()))
 }
@@ -63,6 +64,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    #[expect(clippy::indexing_slicing, reason = "`lane` is taken modulo the number of lanes of all blocks")]
     fn exact_best<const N: usize>(self, blocks: &[ArchivedBlock; N], mut near: u32, dir: [f64; 3]) -> usize {
         let mut best = (f64::NEG_INFINITY, 0);
         while near != 0 {
@@ -83,6 +85,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    #[expect(clippy::indexing_slicing, reason = "four lanes from the first or from the fourth on, of eight")]
     fn edges_below(self, edges: [&[i16_le; LANES]; 3], dir: [f32; 3], least: f32) -> u32 {
         let dir = dir.map(Vec4::splat);
         let dots = [0, 1].map(|half| {
