@@ -17,7 +17,7 @@
 //! use hullmap::{Cache, Pack, Pose, Settings};
 //!
 //! let pack = Pack::open("baked/rock.hullmap")?;
-//! let rock = pack.hull(0)?;
+//! let rock = pack.hull(0)?; // or pack.hull_named("rock")
 //! let top = rock.support(Vec3::Z);
 //! println!("vertex {} lies farthest up, at {}", top.index, top.point);
 //!
@@ -30,6 +30,36 @@
 //! }
 //! # else { panic!("the example overlaps"); }
 //! # assert!(rock.vertices().all(|v| v.z <= top.point.z));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Whole packs, of the convex parts of concave meshes, are asked by [`compound`]:
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let folder = tempfile::tempdir()?;
+//! # std::env::set_current_dir(&folder)?;
+//! # std::fs::create_dir("baked")?;
+//! # for name in ["chair", "table"] {
+//! #     let positions = shapes::families::rock(50, 1);
+//! #     let source_vertices = (0..50).collect();
+//! #     let points = hullmap_bake::PointSet { name: name.into(), positions, source_vertices, ..Default::default() };
+//! #     let baked = hullmap_bake::bake_hull(&points, hullmap_bake::IndexKind::TREE)?;
+//! #     std::fs::write(format!("baked/{name}.hullmap"), hullmap_bake::write_pack(&[baked], &Default::default())?)?;
+//! # }
+//! use hullmap::glam::DVec3;
+//! use hullmap::{Compound, CompoundCache, Pack, Pose, Settings, compound};
+//!
+//! let (chair, table) = (Pack::open("baked/chair.hullmap")?, Pack::open("baked/table.hullmap")?);
+//! let (chair, table) = (Compound::new(&chair), Compound::new(&table));
+//! let b_in_a = Pose::from_translation(DVec3::new(0.5, 0.25, 0.0))?;
+//! let mut cache = CompoundCache::default();
+//! let gap = compound::distance(&chair, &table, b_in_a, &Settings::default(), &mut cache);
+//! println!("hulls {:?} are the nearest, {:.3} apart", gap.hulls, gap.answer.distance);
+//! if let Some(c) = compound::contact(&chair, &table, b_in_a, &Settings::default(), &mut cache) {
+//!     println!("hulls {:?} are the deepest, {:.3}", c.hulls, c.answer.depth);
+//! }
 //! # Ok(())
 //! # }
 //! ```

@@ -343,6 +343,14 @@ impl Pack {
         &self.storage.archive().nodes
     }
 
+    /// The hull of this name: that of the object, node or part it was baked from, as `bake inspect` shows it. `None` where there is none.
+    ///
+    /// # Complexity
+    /// O(number of hulls): keep the hull, or its number.
+    pub fn hull_named(&self, name: &str) -> Option<Hull<'_>> {
+        self.hulls().find(|hull| hull.name() == name)
+    }
+
     /// All hulls, in the file's order.
     pub fn hulls(&self) -> impl Iterator<Item = Hull<'_>> {
         (0..self.hull_count()).filter_map(|index| self.hull(index).ok())
