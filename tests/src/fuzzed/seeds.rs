@@ -41,6 +41,11 @@ pub fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
 const OBJ: &str = "o UCX_a_01\nv 0 0 0\nv 1 0 .5e1 1\nv +1. 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nf 1/1/1 2//1 3 \\\n 4\n\
                    o UCX_a_02\nv 0 0 1\nv 1 0 1\nf -1 -2 1\nl 1 5\np 6\ng convcol-col\ns off\nusemtl m\n# end";
 
+/// What PLY files have besides vertices and faces.
+const PLY: &str = "ply\r\nformat ascii 1.0\r\nobj_info none\r\nelement vertex 3\r\nproperty double x\r\nproperty double y\r\nproperty double z\r\n\
+                   element tristrips 1\r\nproperty list int int vertex_indices\r\nelement edge 1\r\nproperty int vertex1\r\nproperty int vertex2\r\n\
+                   element face 1\r\nproperty list uchar int vertex_index\r\nend_header\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n4 0 1 2 -1\r\n0 1\r\n3 0 1 2\r\n";
+
 /// Files of every format, with a byte that says which and one that says the options before each.
 fn source_files() -> Vec<(String, Vec<u8>)> {
     let (prism, cone) =
@@ -65,6 +70,7 @@ fn source_files() -> Vec<(String, Vec<u8>)> {
         ("stl", "two-solids", texts.into_bytes()),
         ("stl", "binary", stl::binary(&prism, "made by hullmap")),
         ("ply", "text", ply::file(&prism, ply::Encoding::Text)),
+        ("ply", "by-hand", PLY.as_bytes().to_vec()),
         ("ply", "little", ply::file(&cone, ply::Encoding::Little)),
         ("ply", "big", ply::file(&cone, ply::Encoding::Big)),
     ];
