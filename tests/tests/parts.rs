@@ -150,7 +150,7 @@ fn a_simplified_hull_holds_its_source_and_says_by_how_much_it_leaves_it() {
 #[test]
 fn a_simplified_hull_that_promises_too_much_fails_verify() {
     let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("rock.obj"), points(&Family::Rock.points(3_000, 5))).unwrap();
+    fs::write(folder.path().join("rock.obj"), points(&Family::Rock.points(400, 5))).unwrap();
     bake(&folder, "build rock.obj --out few --max-vertices 48 --verify").expect(0);
     let path = folder.path().join("few/rock.hullmap");
     let promise = Pack::open(&path).unwrap().hull(0).unwrap().outer_error();

@@ -74,11 +74,11 @@ fn volume(hull: &Hull) -> f64 {
     if hull.rank == 3 { mass::mass(hull).volume } else { 0.0 }
 }
 
-/// A merger of two parts by their numbers, and what it costs.
+/// A merger of two parts by their numbers, and what it costs. The outcome is made again when it is wanted: there may be half a million.
+#[derive(Clone, Copy)]
 struct Merger {
     cost: f64,
     pair: [usize; 2],
-    outcome: Part,
 }
 
 /// Which of `parts` are one part: lists of their numbers, ascending, by the first of each.
@@ -97,11 +97,8 @@ pub fn merge(parts: &[PointSet], until: Until) -> Result<Vec<Vec<usize>>, BakeEr
     let mut mergers = mergers_of(&alive, &all_pairs(alive.len()), margin)?;
     loop {
         // Of mergers that cost the same, the first: the order does not depend on threads.
-        let cheapest = (0..mergers.len()).min_by(|&a, &b| {
-            let key = |i: usize| (mergers[i].cost, mergers[i].pair);
-            key(a).0.total_cmp(&key(b).0).then(key(a).1.cmp(&key(b).1))
-        });
-        let Some(cheapest) = cheapest else {
+        let by_cost = |a: &&Merger, b: &&Merger| a.cost.total_cmp(&b.cost).then(a.pair.cmp(&b.pair));
+        let Some(&Merger { cost, pair: [kept, gone] }) = mergers.iter().min_by(by_cost) else {
             if count <= until.max_parts || margin == f64::INFINITY {
                 break;
             }
@@ -109,11 +106,13 @@ pub fn merge(parts: &[PointSet], until: Until) -> Result<Vec<Vec<usize>>, BakeEr
             mergers = mergers_of(&alive, &all_pairs(alive.len()), margin)?;
             continue;
         };
-        if count <= until.max_parts && !(mergers[cheapest].cost <= until.free) {
+        if count <= until.max_parts && !(cost <= until.free) {
             break;
         }
-        let Merger { pair: [kept, gone], outcome, .. } = mergers.swap_remove(cheapest);
-        alive[kept] = Some(outcome);
+        let [Some(a), Some(b)] = [&alive[kept], &alive[gone]] else {
+            unreachable!("mergers are of parts that are there")
+        };
+        alive[kept] = Some(a.with(b)?);
         alive[gone] = None;
         count -= 1;
         mergers.retain(|merger| !merger.pair.iter().any(|part| [kept, gone].contains(part)));
@@ -141,7 +140,7 @@ fn mergers_of(alive: &[Option<Part>], pairs: &[[usize; 2]], margin: f64) -> Resu
         let [Some(a), Some(b)] = pair.map(|part| alive[part].as_ref()) else { return None };
         a.touches(b, margin).then(|| {
             let outcome = a.with(b)?;
-            Ok(Merger { cost: volume(&outcome.hull) - outcome.own, pair, outcome })
+            Ok(Merger { cost: volume(&outcome.hull) - outcome.own, pair })
         })
     };
     pairs.par_iter().filter_map(merger).collect()
