@@ -115,11 +115,11 @@ fn build(
     let mut exit = results.iter().map(|(_, exit)| *exit).max().unwrap_or(Exit::Done);
     let mut rows: Vec<Row> = results.into_iter().map(|(row, _)| row).collect();
     if bakes_folders(args) {
-        for orphan in orphans::find(&args.out, &args.inputs, &outputs) {
+        for orphan in orphans::find(&args.out, &args.inputs, &outputs, project) {
             let row = orphan.row(&args.out, args.prune && !args.check);
             if row.error.is_some() {
                 exit = exit.max(Exit::Usage);
-            } else if args.check && args.prune {
+            } else if args.check && args.prune && !orphan.is_kept() {
                 exit = exit.max(Exit::Wanting);
             }
             rows.push(row);
@@ -143,11 +143,15 @@ fn tell(args: &BuildArgs, rows: &[Row]) {
     for row in rows {
         if !args.quiet {
             if row.status == Status::Orphaned {
+                let remedy = match row.notes.first() {
+                    Some(kept) => format!(", but {kept}"),
+                    None if args.prune => String::new(),
+                    None => " (--prune removes it)".to_owned(),
+                };
                 let reason = row.reason.as_deref().unwrap_or_default();
-                let remedy = if args.prune { "" } else { " (--prune removes it)" };
                 messages::note(format_args!("{}: {reason}{remedy}", row.output));
             }
-            for note in &row.notes {
+            for note in row.notes.iter().filter(|_| row.status != Status::Orphaned) {
                 messages::note(format_args!("{}: {note}", row.source));
             }
             for warning in &row.warnings {
