@@ -246,6 +246,42 @@ fn options_come_from_hullmap_toml_by_rule_and_flags_win() {
     assert_eq!(statuses(&run), expected);
 }
 
+/// Started below the file, it was as if there were none, and nobody said so.
+#[test]
+fn a_hullmap_toml_above_the_start_is_named() {
+    let folder = folder(&[("art/props/rock.obj", CUBE), ("art/hullmap.toml", "[defaults]\nindex = \"none\"\n")]);
+    let below = |line: &str| bake_in(&folder.path().join("art/props"), line.split_whitespace()).expect(0);
+    let run = below("build rock.obj --out ../../packs --json");
+    assert!(run.stderr.contains("warning: ../hullmap.toml lies above"), "{}", run.stderr);
+    assert!(run.json()[0]["options"].as_str().unwrap().ends_with("index tree 8"), "{}", run.stdout);
+    for more in ["--no-config", "--config ../hullmap.toml", "--quiet"] {
+        let run = below(&format!("build rock.obj --out ../../packs {more}"));
+        assert!(run.stderr.is_empty(), "{more}: {}", run.stderr);
+    }
+    let run = bake(&folder, "build art --out packs").expect(0);
+    assert!(run.stderr.is_empty(), "{}", run.stderr);
+}
+
+#[test]
+fn what_applies_to_nothing_is_told_and_no_error() {
+    let toml = "[defaults]\ndecompose = true\n[[rule]]\nfiles = \"propz/**\"\nindex = \"none\"\n";
+    let folder = folder(&[("in/a.obj", CUBE), ("in/hullmap.toml", toml)]);
+    let run = bake(&folder, "build in --out o --vhacd-max-parts 4 --json").expect(0);
+    let options = run.json()[0]["options"].to_string();
+    assert!(options.contains("decompose"), "the file asks for it: {options}");
+    assert!(run.stderr.contains("warning: in/hullmap.toml:4: no mesh matches `propz/**`\n"), "{}", run.stderr);
+    assert!(!run.stderr.contains("applies to nothing"), "{}", run.stderr);
+    let run = bake(&folder, "build in/a.obj --out o --no-config --vhacd-max-parts 4").expect(0);
+    assert!(run.stderr.contains("warning: --vhacd-max-parts applies to nothing"), "{}", run.stderr);
+    write(&folder, "in/hullmap.toml", "[defaults]\nvhacd_max_parts = 4\n");
+    let run = bake(&folder, "build in --out o").expect(0);
+    assert!(run.stderr.contains("warning: in/hullmap.toml: vhacd_max_parts applies to nothing"), "{}", run.stderr);
+    let run = bake(&folder, "build in --out o --decompose").expect(0);
+    assert!(!run.stderr.contains("applies to nothing"), "{}", run.stderr);
+    let run = bake(&folder, "build in --out in/a.obj").expect(2);
+    assert!(run.stderr.contains("in/a.obj: is a file"), "{}", run.stderr);
+}
+
 #[test]
 fn a_wrong_hullmap_toml_ends_before_any_work() {
     let folder = folder(&[("in/a.obj", CUBE), ("in/sub/b.obj", CUBE)]);

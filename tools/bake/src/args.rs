@@ -375,6 +375,7 @@ mod tests {
         let parts = DecomposeOptions { max_parts: 8, hull_approximation: false, ..DecomposeOptions::DEFAULT };
         let words = "--decompose --vhacd-max-parts 8 --vhacd-hull-approximation false";
         assert_eq!(build(words).unwrap().decompose, Some(parts));
+        assert_eq!(build("--vhacd-max-parts 8"), Ok(usual), "hullmap.toml may say that meshes are decomposed");
     }
 
     #[test]
@@ -391,7 +392,6 @@ mod tests {
             "--up-axis x",
             "--max-vertices 3",
             "--max-vertices 8 --max-error 1",
-            "--vhacd-max-parts 8",
             "--decompose=false --vhacd-max-parts 8",
             "--decompose --vhacd-resolution 0",
             "--split group",
