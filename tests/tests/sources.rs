@@ -76,7 +76,13 @@ fn a_mixed_folder_is_baked_verified_and_found_again() {
     assert_eq!(statuses().iter().filter(|status| *status == "baked").count(), 1);
     fs::remove_file(&buffer).unwrap();
     let missing = bake(folder.path(), "build meshes --out out").expect(1);
-    assert!(missing.stderr.contains("its buffer buffers/text.bin cannot be read"), "{}", missing.stderr);
+    let error =
+        missing.stderr.lines().find(|line| line.contains("its buffer buffers/text.bin cannot be read")).unwrap();
+    assert!(error.starts_with("error: meshes/deep/text.gltf: "), "{error}");
+    for line in ["verify out/deep", "verify out/deep --source meshes/deep", "verify out --source meshes"] {
+        let verified = bake(folder.path(), line).expect(1);
+        assert!(verified.stderr.lines().any(|said| said == error), "in the same words: {}", verified.stderr);
+    }
 }
 
 #[test]
