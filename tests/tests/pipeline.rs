@@ -258,7 +258,7 @@ fn a_hullmap_toml_above_the_start_is_named() {
         let run = below(&format!("build rock.obj --out ../../packs {more}"));
         assert!(run.stderr.is_empty(), "{more}: {}", run.stderr);
     }
-    let run = bake(&folder, "build art --out packs").expect(0);
+    let run = bake(&folder, "build art --out others").expect(0);
     assert!(run.stderr.is_empty(), "{}", run.stderr);
 }
 

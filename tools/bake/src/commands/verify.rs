@@ -471,7 +471,7 @@ mod tests {
             ..HullReport::default()
         };
         let outer = HullReport { outer_error: Some(0.12), ..exact.clone() };
-        assert_eq!(summary(&[exact.clone()]), "1 exact, 0 failed");
+        assert_eq!(summary(std::slice::from_ref(&exact)), "1 exact, 0 failed");
         assert!(
             summary(&[exact, outer.clone()]).starts_with("1 exact, 1 simplified, 0 failed; a simplified hull holds")
         );

@@ -26,8 +26,8 @@ const MOVED: &str = "no mesh of this build would lie there: the pack was copied 
                      remove it by hand if nobody needs it";
 
 /// The pack names no folder at all.
-const NAME_ALONE: &str = "the pack records its source's name but not its folder, so that it may be another build's; not pruned: \
-                          remove it by hand, or start bake in a folder that holds both meshes and packs";
+const NAME_ALONE: &str = "the folder of its source is not recorded, so that it may be another build's; not pruned: remove it \
+                          by hand, or start bake in a folder that holds both meshes and packs";
 
 /// The orphans in `out`, by name, of a build of `inputs` that makes `outputs`; `project` is the folder that `bake` was started in.
 ///
