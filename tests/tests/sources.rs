@@ -145,3 +145,11 @@ fn warnings_name_the_hull_and_the_remedy() {
     assert!(refused.stderr.contains("raise --max-input-bytes"), "{}", refused.stderr);
     bake(folder.path(), "build a.obj --out other --max-input-bytes none").expect(2);
 }
+
+#[test]
+fn a_glb_that_is_another_format_is_told_so() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.glb"), "solid a\nendsolid a\n").unwrap();
+    let run = bake(folder.path(), "build a.glb --out out").expect(1);
+    assert!(run.stderr.contains("starts neither with `glTF`"), "{}", run.stderr);
+}
