@@ -295,6 +295,7 @@ fn a_watch_bakes_what_changes_survives_errors_and_ends_on_ctrl_c() {
     assert!(more.is_err(), "{more:?}");
     signal(&child, "INT");
     assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(messages.recv_timeout(PATIENCE).as_deref(), Ok("stopped watching"), "nothing was interrupted");
 }
 
 /// What the process takes however little it bakes: code, threads, their stacks and the allocator's arenas.

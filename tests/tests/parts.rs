@@ -115,6 +115,8 @@ fn a_simplified_hull_holds_its_source_and_says_by_how_much_it_leaves_it() {
     bake(&folder, "build rock.obj --out few --max-vertices 48 --verify").expect(0);
     bake(&folder, "build rock.obj --out near --max-error 0.01 --verify").expect(0);
     bake(&folder, "build rock.obj --out all --max-vertices 3000").expect(0);
+    let table = bake(&folder, "verify few").expect(0).stdout;
+    assert!(table.contains("holds its source  ") && table.contains("\n0 exact, 1 simplified, 0 failed; "), "{table}");
     let mut rng = SplitMix64::new(9);
     let mut counts = Vec::new();
     for (folder_name, is_exact) in [("few", false), ("near", false), ("all", true)] {
@@ -196,6 +198,9 @@ fn whole_packs_are_asked_by_the_command() {
     assert_eq!((&answer["hit"], answer["depth"].as_f64().unwrap() > 0.1), (&true.into(), true), "{answer}");
     assert_eq!(ask(file, "contact", 4.0)["hit"], false);
     assert_eq!(ask(file, "intersect", 2.9)["hit"], true);
+    let table = bake(&folder, &format!("query {file} {file} --mode distance")).expect(0).stdout;
+    assert!(table.contains("hull of A") && table.lines().nth(1).unwrap().matches("u_part_").count() == 2, "{table}");
+    assert!(!bake(&folder, &format!("query {file}#0 {file}#1")).expect(0).stdout.contains("hull of A"));
     let one = ask("baked/u.hullmap#0", "distance", 30.0);
     assert!(one["distance"].as_f64().unwrap() > 20.0 && one["hull_b"].is_string(), "{one}");
 }

@@ -146,7 +146,7 @@ fn packs_without_a_source_are_named_and_removed_only_if_asked_for() {
         let run = bake(&folder, line).expect(0);
         let expected = ["o/a.hullmap: fresh", "o/deep/er/gone.hullmap: orphaned", "o/gone.hullmap: orphaned"];
         assert_eq!(statuses(&run), expected, "another build's packs are its own");
-        assert!(run.stderr.contains("o/gone.hullmap: its source ../in/gone.obj is gone (--prune removes it)"));
+        assert!(run.stderr.contains("o/gone.hullmap: its source in/gone.obj is gone (--prune removes it)"));
         assert_eq!(files(&folder.path().join("o")), whole);
     }
     bake(&folder, "build in --out o --check --prune").expect(1);
@@ -161,6 +161,35 @@ fn packs_without_a_source_are_named_and_removed_only_if_asked_for() {
     bake(&folder, "build in --out o --check --prune").expect(0);
 }
 
+/// A copy at another depth resolves its source elsewhere: it was removed although its source lives.
+#[test]
+fn a_pack_that_was_copied_or_moved_is_not_pruned() {
+    let folder = folder(&[("art/props/cube.obj", CUBE), ("art/props/gone.obj", CUBE), ("art/rock.obj", CUBE)]);
+    bake(&folder, "build art --out packs").expect(0);
+    let packs = folder.path().join("packs");
+    // Renamed and copied, each as far up or down as it may go, and one whose source is truly gone.
+    let copies = ["foreign", "cube", "deep/er/cube", "props/renamed"];
+    for copy in copies.map(|name| packs.join(format!("{name}.hullmap"))) {
+        fs::create_dir_all(copy.parent().unwrap()).unwrap();
+        fs::copy(packs.join("props/cube.hullmap"), copy).unwrap();
+    }
+    fs::copy(packs.join("props/gone.hullmap"), packs.join("props/other.hullmap")).unwrap();
+    fs::remove_file(folder.path().join("art/props/gone.obj")).unwrap();
+    let run = bake(&folder, "build art --out packs --prune --json").expect(0);
+    let row = |name: &str| run.json().into_iter().find(|row| row["output"] == format!("packs/{name}.hullmap"));
+    let gone = row("props/gone").unwrap();
+    assert_eq!((&gone["status"], &gone["source"]), (&"pruned".into(), &"art/props/gone.obj".into()), "{gone}");
+    for name in ["foreign", "cube", "deep/er/cube", "props/other"] {
+        let row = row(name).unwrap();
+        assert_eq!(row["status"], "orphaned", "{row}");
+        assert!(row["notes"][0].as_str().unwrap().contains("copied or moved"), "{row}");
+        assert!(run.stderr.contains(&format!("note: packs/{name}.hullmap: its source ")), "{}", run.stderr);
+    }
+    assert!(row("props/renamed").is_none(), "its source is where it says");
+    assert!(copies.iter().all(|name| packs.join(format!("{name}.hullmap")).exists()));
+    bake(&folder, "build art --out packs --check --prune").expect(0);
+}
+
 /// From outside, packs record no folder of their source: they may be another build's and are not removed.
 #[test]
 fn a_pack_that_may_be_another_builds_is_not_removed() {
@@ -169,7 +198,7 @@ fn a_pack_that_may_be_another_builds_is_not_removed() {
     outside("build ../in --out ../o").expect(0);
     fs::remove_file(folder.path().join("in/gone.obj")).unwrap();
     let run = outside("build ../in --out ../o --prune").expect(0);
-    assert!(run.stderr.contains("not removed"), "{}", run.stderr);
+    assert!(run.stderr.contains("not pruned"), "{}", run.stderr);
     assert!(folder.path().join("o/gone.hullmap").exists());
     // Beside their sources there is no doubt.
     outside("build ../in --out ../in").expect(0);
@@ -215,6 +244,42 @@ fn options_come_from_hullmap_toml_by_rule_and_flags_win() {
     let run = bake(&folder, "build in --out o --json").expect(0);
     let expected = ["o/a.hullmap: fresh", "o/props/b.hullmap: fresh", "o/props/c_all.hullmap: baked"];
     assert_eq!(statuses(&run), expected);
+}
+
+/// Started below the file, it was as if there were none, and nobody said so.
+#[test]
+fn a_hullmap_toml_above_the_start_is_named() {
+    let folder = folder(&[("art/props/rock.obj", CUBE), ("art/hullmap.toml", "[defaults]\nindex = \"none\"\n")]);
+    let below = |line: &str| bake_in(&folder.path().join("art/props"), line.split_whitespace()).expect(0);
+    let run = below("build rock.obj --out ../../packs --json");
+    assert!(run.stderr.contains("warning: ../hullmap.toml lies above"), "{}", run.stderr);
+    assert!(run.json()[0]["options"].as_str().unwrap().ends_with("index tree 8"), "{}", run.stdout);
+    for more in ["--no-config", "--config ../hullmap.toml", "--quiet"] {
+        let run = below(&format!("build rock.obj --out ../../packs {more}"));
+        assert!(run.stderr.is_empty(), "{more}: {}", run.stderr);
+    }
+    let run = bake(&folder, "build art --out others").expect(0);
+    assert!(run.stderr.is_empty(), "{}", run.stderr);
+}
+
+#[test]
+fn what_applies_to_nothing_is_told_and_no_error() {
+    let toml = "[defaults]\ndecompose = true\n[[rule]]\nfiles = \"propz/**\"\nindex = \"none\"\n";
+    let folder = folder(&[("in/a.obj", CUBE), ("in/hullmap.toml", toml)]);
+    let run = bake(&folder, "build in --out o --vhacd-max-parts 4 --json").expect(0);
+    let options = run.json()[0]["options"].to_string();
+    assert!(options.contains("decompose"), "the file asks for it: {options}");
+    assert!(run.stderr.contains("warning: in/hullmap.toml:4: no mesh matches `propz/**`\n"), "{}", run.stderr);
+    assert!(!run.stderr.contains("applies to nothing"), "{}", run.stderr);
+    let run = bake(&folder, "build in/a.obj --out o --no-config --vhacd-max-parts 4").expect(0);
+    assert!(run.stderr.contains("warning: --vhacd-max-parts applies to nothing"), "{}", run.stderr);
+    write(&folder, "in/hullmap.toml", "[defaults]\nvhacd_max_parts = 4\n");
+    let run = bake(&folder, "build in --out o").expect(0);
+    assert!(run.stderr.contains("warning: in/hullmap.toml: vhacd_max_parts applies to nothing"), "{}", run.stderr);
+    let run = bake(&folder, "build in --out o --decompose").expect(0);
+    assert!(!run.stderr.contains("applies to nothing"), "{}", run.stderr);
+    let run = bake(&folder, "build in --out in/a.obj").expect(2);
+    assert!(run.stderr.contains("in/a.obj: is a file"), "{}", run.stderr);
 }
 
 #[test]

@@ -76,7 +76,13 @@ fn a_mixed_folder_is_baked_verified_and_found_again() {
     assert_eq!(statuses().iter().filter(|status| *status == "baked").count(), 1);
     fs::remove_file(&buffer).unwrap();
     let missing = bake(folder.path(), "build meshes --out out").expect(1);
-    assert!(missing.stderr.contains("its buffer buffers/text.bin cannot be read"), "{}", missing.stderr);
+    let error =
+        missing.stderr.lines().find(|line| line.contains("its buffer buffers/text.bin cannot be read")).unwrap();
+    assert!(error.starts_with("error: meshes/deep/text.gltf: "), "{error}");
+    for line in ["verify out/deep", "verify out/deep --source meshes/deep", "verify out --source meshes"] {
+        let verified = bake(folder.path(), line).expect(1);
+        assert!(verified.stderr.lines().any(|said| said == error), "in the same words: {}", verified.stderr);
+    }
 }
 
 #[test]
@@ -138,4 +144,12 @@ fn warnings_name_the_hull_and_the_remedy() {
     let refused = bake(folder.path(), "build a.obj --out other --max-input-bytes 10").expect(1);
     assert!(refused.stderr.contains("raise --max-input-bytes"), "{}", refused.stderr);
     bake(folder.path(), "build a.obj --out other --max-input-bytes none").expect(2);
+}
+
+#[test]
+fn a_glb_that_is_another_format_is_told_so() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.glb"), "solid a\nendsolid a\n").unwrap();
+    let run = bake(folder.path(), "build a.glb --out out").expect(1);
+    assert!(run.stderr.contains("starts neither with `glTF`"), "{}", run.stderr);
 }

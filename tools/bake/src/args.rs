@@ -45,7 +45,7 @@ pub enum Command {
     /// Describe the hulls in packs
     #[command(after_help = "Example:\n  bake inspect baked/gear.hullmap --json")]
     Inspect(InspectArgs),
-    /// Intersection, distance or contact of two hulls
+    /// Intersection, distance or contact of two hulls or packs
     #[command(after_help = "Example:\n  bake query baked/rock.hullmap baked/cube.hullmap --pose \"0.5 0 0 0 0 0 1\"")]
     Query(QueryArgs),
     /// Show packs on a page for any browser: meshes, hulls, figures
@@ -183,10 +183,10 @@ pub struct InspectArgs {
 /// What `bake query` takes.
 #[derive(Debug, clap::Args)]
 pub struct QueryArgs {
-    /// First hull: FILE, FILE#name or FILE#number; results are in its frame
+    /// FILE, a whole pack as one body, or one hull of it: FILE#name or FILE#number; results are in its frame
     #[arg(value_name = "A")]
     pub a: String,
-    /// Second hull
+    /// The other pack or hull, in the same way
     #[arg(value_name = "B")]
     pub b: String,
     /// Pose of B in A's frame: translation and quaternion; may be repeated [default: the identity]
@@ -293,7 +293,13 @@ where
     T: Into<std::ffi::OsString> + Clone,
 {
     let words: Vec<std::ffi::OsString> = words.into_iter().map(Into::into).collect();
-    let cli = Cli::try_parse_from(&words).map_err(|error| with_usage(error, words.get(1)))?;
+    let cli = Cli::try_parse_from(&words).map_err(|error| match unquoted_pose(&words) {
+        Some(pose) if error.kind() == ErrorKind::UnknownArgument => {
+            let message = format!("--pose takes its seven numbers as one word; quote them: --pose \"{pose}\"");
+            wrong("query", ErrorKind::WrongNumberOfValues, message)
+        }
+        _ => with_usage(error, words.get(1)),
+    })?;
     match &cli.command {
         Command::Build(args) => {
             if let Some((key, why)) = args.options.clash() {
@@ -307,6 +313,14 @@ where
         _ => {}
     }
     Ok(cli)
+}
+
+/// The numbers after a `--pose`, where they are words of their own.
+fn unquoted_pose(words: &[std::ffi::OsString]) -> Option<String> {
+    let at = words.iter().position(|word| word == "--pose")?;
+    let texts = words.iter().skip(at + 1).map_while(|word| word.to_str());
+    let numbers: Vec<&str> = texts.take_while(|text| text.trim_end_matches(',').parse::<f64>().is_ok()).collect();
+    (numbers.len() > 1).then(|| numbers.join(" "))
 }
 
 /// The same error with the usage of the subcommand that was named: clap leaves it out where a value is wrong.
@@ -375,6 +389,7 @@ mod tests {
         let parts = DecomposeOptions { max_parts: 8, hull_approximation: false, ..DecomposeOptions::DEFAULT };
         let words = "--decompose --vhacd-max-parts 8 --vhacd-hull-approximation false";
         assert_eq!(build(words).unwrap().decompose, Some(parts));
+        assert_eq!(build("--vhacd-max-parts 8"), Ok(usual), "hullmap.toml may say that meshes are decomposed");
     }
 
     #[test]
@@ -391,7 +406,6 @@ mod tests {
             "--up-axis x",
             "--max-vertices 3",
             "--max-vertices 8 --max-error 1",
-            "--vhacd-max-parts 8",
             "--decompose=false --vhacd-max-parts 8",
             "--decompose --vhacd-resolution 0",
             "--split group",
@@ -429,6 +443,13 @@ mod tests {
         let cli = parse(["bake", "query", "a", "b", "--pose", "-1 0 0 0 0 0 1", "--pose", "1 0 0 0 0 0 1"]).unwrap();
         let Command::Query(args) = cli.command else { unreachable!() };
         assert_eq!(args.poses.len(), 2);
+        for words in ["a b --pose -3 0 0 0 -0.5 0 1", "--pose -3 0 0 0 -0.5 0 1 a b --json"] {
+            let message = parse(format!("bake query {words}").split_whitespace()).unwrap_err().to_string();
+            assert!(
+                message.contains("quote them: --pose \"-3 0 0 0 -0.5 0 1\"") && message.contains("Usage"),
+                "{message}"
+            );
+        }
     }
 
     #[test]

@@ -6,6 +6,7 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 
 use indicatif::MultiProgress;
@@ -20,6 +21,9 @@ static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 /// The progress bars on the screen.
 static SCREEN: Mutex<Option<MultiProgress>> = Mutex::new(None);
+
+/// Whether the process only waits for something to do.
+static IDLE: AtomicBool = AtomicBool::new(false);
 
 /// Nothing leaves these half changed, so a panic elsewhere does not matter.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -38,11 +42,23 @@ pub fn catch() {
             if let Some(bars) = lock(&SCREEN).as_ref() {
                 let _ = bars.clear();
             }
-            messages::say("interrupted: finished packs stand, nothing half done is left; run it again to go on");
+            messages::say(if IDLE.load(Ordering::Relaxed) {
+                "stopped watching"
+            } else {
+                "interrupted: finished packs stand, nothing half done is left; run it again to go on"
+            });
             // The list stays locked: no file can appear any more.
             std::process::exit(EXIT);
         });
     });
+}
+
+/// Waits for something to do: Ctrl-C meanwhile interrupts nothing, and says so.
+pub fn idle<T>(wait: impl FnOnce() -> T) -> T {
+    IDLE.store(true, Ordering::Relaxed);
+    let result = wait();
+    IDLE.store(false, Ordering::Relaxed);
+    result
 }
 
 /// Bars to take off the screen at the end.

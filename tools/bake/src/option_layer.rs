@@ -43,31 +43,30 @@ pub struct OptionLayer {
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true", hide_possible_values = true, help_heading = "Decomposition")]
     pub decompose: Option<bool>,
     /// Volume by which a part may differ from its hull, 0 to 1
-    #[arg(long, value_name = "F", value_parser = fraction, requires = "decompose", hide_short_help = true, help_heading = "Decomposition")]
+    #[arg(long, value_name = "F", value_parser = fraction, hide_short_help = true, help_heading = "Decomposition")]
     pub vhacd_concavity: Option<f32>,
     /// Voxels along the longest side, 1 to 512
-    #[arg(long, value_name = "N", value_parser = voxels, requires = "decompose", hide_short_help = true, help_heading = "Decomposition")]
+    #[arg(long, value_name = "N", value_parser = voxels, hide_short_help = true, help_heading = "Decomposition")]
     pub vhacd_resolution: Option<u32>,
     /// Most parts
-    #[arg(long, value_name = "N", value_parser = at_least_1, requires = "decompose", hide_short_help = true, help_heading = "Decomposition")]
+    #[arg(long, value_name = "N", value_parser = at_least_1, hide_short_help = true, help_heading = "Decomposition")]
     pub vhacd_max_parts: Option<u32>,
     /// Weight of balanced cuts, 0 to 1
-    #[arg(long, value_name = "F", value_parser = fraction, requires = "decompose", hide_short_help = true, help_heading = "Decomposition")]
+    #[arg(long, value_name = "F", value_parser = fraction, hide_short_help = true, help_heading = "Decomposition")]
     pub vhacd_alpha: Option<f32>,
     /// Weight of cuts through an axis of revolution, 0 to 1
-    #[arg(long, value_name = "F", value_parser = fraction, requires = "decompose", hide_short_help = true, help_heading = "Decomposition")]
+    #[arg(long, value_name = "F", value_parser = fraction, hide_short_help = true, help_heading = "Decomposition")]
     pub vhacd_beta: Option<f32>,
     /// Try every Nth cutting plane, 1 to 16
-    #[arg(long, value_name = "N", value_parser = downsampling, requires = "decompose", hide_short_help = true, help_heading = "Decomposition")]
+    #[arg(long, value_name = "N", value_parser = downsampling, hide_short_help = true, help_heading = "Decomposition")]
     pub vhacd_plane_downsampling: Option<u32>,
     /// Make trial hulls of every Nth voxel, 1 to 16
-    #[arg(long, value_name = "N", value_parser = downsampling, requires = "decompose", hide_short_help = true, help_heading = "Decomposition")]
+    #[arg(long, value_name = "N", value_parser = downsampling, hide_short_help = true, help_heading = "Decomposition")]
     pub vhacd_hull_downsampling: Option<u32>,
     /// Make trial hulls of voxels rather than of the mesh
     #[arg(
         long,
         value_name = "BOOL",
-        requires = "decompose",
         hide_short_help = true,
         help_heading = "Decomposition",
         hide_possible_values = true
@@ -78,7 +77,6 @@ pub struct OptionLayer {
         long,
         value_enum,
         value_name = "flood|cavities|surface",
-        requires = "decompose",
         hide_short_help = true,
         help_heading = "Decomposition",
         hide_possible_values = true
@@ -200,7 +198,7 @@ impl OptionLayer {
     }
 
     /// A parameter of the decomposition that is set.
-    fn first_of_decomposition(&self) -> Option<&'static str> {
+    pub fn first_of_decomposition(&self) -> Option<&'static str> {
         let set = [
             ("vhacd_concavity", self.vhacd_concavity.is_some()),
             ("vhacd_resolution", self.vhacd_resolution.is_some()),

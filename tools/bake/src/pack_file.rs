@@ -241,6 +241,26 @@ pub fn resolve_recorded(recorded: &str, pack_folder: &Path) -> Option<PathBuf> {
     Some(pack_folder.canonicalize().ok()?.join(path))
 }
 
+/// An absolute path without `.` and `..`, by its text alone.
+pub fn plain(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::ParentDir => drop(plain.pop()),
+            Component::CurDir => {}
+            part => plain.push(part),
+        }
+    }
+    plain
+}
+
+/// An absolute path as the user would name it from the folder `here`: relative where both share a folder, else as it is.
+pub fn shown_from(path: &Path, here: &Path) -> PathBuf {
+    let path = plain(path);
+    let way = here.canonicalize().ok().and_then(|here| relative(&path, &here));
+    way.map_or(path, PathBuf::from)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -253,6 +273,7 @@ mod tests {
         assert_eq!(way("/a/b/x.obj", "/a/c/d").as_deref(), Some("../../b/x.obj"));
         assert_eq!(way("/x.obj", "/").as_deref(), Some("x.obj"));
         assert_eq!(way("x.obj", "/a"), None);
+        assert_eq!(plain(Path::new("/a/./b/../../c/x.obj")), Path::new("/c/x.obj"));
     }
 
     #[test]

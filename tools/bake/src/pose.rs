@@ -1,4 +1,4 @@
-//! Poses as text: `tx ty tz qx qy qz qw`.
+//! Poses as text: `tx ty tz qx qy qz qw`, with spaces or commas between them.
 
 use std::path::Path;
 
@@ -14,7 +14,8 @@ use crate::outcome::Failure;
 pub fn parse_pose(text: &str) -> Result<Pose, String> {
     let mut numbers = [0.0; 7];
     let mut found = 0;
-    for word in text.split_whitespace() {
+    let is_between = |letter: char| letter.is_whitespace() || letter == ',';
+    for word in text.split(is_between).filter(|word| !word.is_empty()) {
         let number: f64 = word.parse().map_err(|_| format!("`{word}` is not a number"))?;
         if !number.is_finite() {
             return Err(format!("`{word}` is not finite"));
@@ -80,6 +81,7 @@ mod tests {
     fn a_pose_is_seven_numbers() {
         let pose = parse_pose(" 1 -2\t3e0 0 0 0 1 ").unwrap();
         assert_eq!(pose, Pose::new(DVec3::new(1.0, -2.0, 3.0), DQuat::IDENTITY).unwrap());
+        assert_eq!(parse_pose("1, -2,3e0\t0,0,0,1").unwrap(), pose);
         assert_eq!(parse_pose("0 0 0 0 0 0 1").unwrap(), Pose::IDENTITY);
     }
 

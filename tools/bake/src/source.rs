@@ -6,7 +6,7 @@ use hullmap_bake::PointSet;
 
 use crate::options::BuildOptions;
 use crate::outcome::Failure;
-use crate::pack_file::{folder_of, resolve_recorded};
+use crate::pack_file::{folder_of, resolve_recorded, shown_from};
 use crate::packs::PackPlace;
 use hullmap_import::{self as import, EXTENSIONS, Imported, Limits, Polygons, ReadError, SourceFile};
 
@@ -51,7 +51,7 @@ impl<'a> Recorded<'a> {
 ///
 /// # Errors
 /// `--source` names nothing, or no file of the right name (usage); the files that are there have other bytes than the
-/// pack was baked from, or do not import (wanting).
+/// pack was baked from, or do not import (wanting): the first one tells.
 pub fn find_source(place: &PackPlace, recorded: Recorded, asked: Option<&Path>) -> Result<Option<Source>, Failure> {
     let candidates = match asked {
         Some(asked) if asked.is_dir() => in_folder(place, recorded.path, asked),
@@ -62,19 +62,24 @@ pub fn find_source(place: &PackPlace, recorded: Recorded, asked: Option<&Path>) 
             paths
         }
     };
-    let mut stale = None;
+    // A recorded path leads over the pack's folder.
+    let shown = |path: &Path| {
+        let path =
+            if asked.is_none() && path.is_absolute() { shown_from(path, Path::new(".")) } else { path.to_owned() };
+        path.display().to_string()
+    };
+    let mut wanting = None;
     for path in candidates {
         // What was baked once was within the limits of that time, whatever they were.
-        let source = match import::read(&path.display().to_string(), &path, &NO_LIMITS) {
+        let source = match import::read(&shown(&path), &path, &NO_LIMITS) {
             Ok(source) => source,
             Err(ReadError::Io(error)) if asked == Some(&path) => {
                 return Err(Failure::usage(format!("{}: cannot read the source: {error}", path.display())));
             }
             Err(ReadError::Io(_)) => continue,
-            // A file that is there, but with a buffer gone or damaged, is not what the pack was baked from.
-            Err(ReadError::Import(error)) if asked == Some(&path) => return Err(Failure::wanting(error.to_string())),
-            Err(ReadError::Import(_)) => {
-                stale.get_or_insert(path);
+            // A file that is there, but with a buffer gone or damaged: in the words of `bake build`.
+            Err(ReadError::Import(error)) => {
+                wanting.get_or_insert(error.to_string());
                 continue;
             }
         };
@@ -82,14 +87,13 @@ pub fn find_source(place: &PackPlace, recorded: Recorded, asked: Option<&Path>) 
             let Imported { point_sets, faces, notes, warnings, .. } = import(&path, &source, recorded.options)?;
             return Ok(Some(Source { path, point_sets, faces, notes, warnings }));
         }
-        stale.get_or_insert(path);
+        wanting.get_or_insert_with(|| {
+            let (pack, path) = (place.path.display(), shown(&path));
+            format!("{pack}: stale: {path} is not the file it was baked from, or has changed since; bake it again")
+        });
     }
-    match (stale, asked) {
-        (Some(path), _) => Err(Failure::wanting(format!(
-            "{}: stale: {} is not the file it was baked from, or has changed since; bake it again",
-            place.path.display(),
-            path.display()
-        ))),
+    match (wanting, asked) {
+        (Some(message), _) => Err(Failure::wanting(message)),
         (None, Some(asked)) => Err(Failure::usage(format!(
             "{}: no source for it in {}; expected {}.{}",
             place.path.display(),

@@ -97,6 +97,18 @@ pub fn rounded(value: f64) -> String {
     }
 }
 
+/// A coordinate in the fewest digits that tell it from every other f32.
+pub fn shortest(x: f32) -> String {
+    let size = f64::from(x).abs();
+    if x == 0.0 {
+        "0".to_owned()
+    } else if (LEAST_PLAIN..1.0 / (LEAST_PLAIN * LEAST_PLAIN)).contains(&size) || !x.is_finite() {
+        x.to_string()
+    } else {
+        format!("{x:e}")
+    }
+}
+
 /// The number, or a dash where there is none.
 pub fn or_dash<T>(value: Option<T>, show: impl FnOnce(T) -> String) -> String {
     value.map_or_else(|| "-".to_owned(), show)
@@ -141,6 +153,19 @@ mod tests {
             assert!(back == value || (back - value).abs() <= 5e-7 * value.abs(), "{value:e}");
         }
         assert_eq!(rounded(f64::NAN), "NaN");
+    }
+
+    #[test]
+    fn neighbours_among_coordinates_differ() {
+        for (x, expected) in
+            [(-0.0, "0"), (0.1, "0.1"), (999_999.56, "999999.56"), (2e6, "2000000"), (1.5e20, "1.5e20")]
+        {
+            assert_eq!(shortest(x), expected);
+        }
+        for x in [1e6_f32, 2_000_000.0, 0.1, 1e-30, 3.4e38, -16_777_216.0, 5e-5] {
+            assert_ne!(shortest(x), shortest(x.next_up()));
+            assert_eq!(shortest(x).parse(), Ok(x));
+        }
     }
 
     #[test]

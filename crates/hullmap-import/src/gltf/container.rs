@@ -29,6 +29,13 @@ pub fn open(bytes: &[u8]) -> Result<Container<'_>, LineFault> {
         return fault("the file is empty; expected glTF: export it again".to_owned());
     }
     let text = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text);
+    if !text.trim_ascii_start().starts_with(b"{") {
+        return fault(
+            "no glTF document: it starts neither with `glTF`, as GLB does, nor with `{`; was it damaged, or is it another \
+             format? Export it again"
+                .to_owned(),
+        );
+    }
     let document: Document = match serde_json::from_slice(text) {
         Ok(document) => document,
         Err(error) if buffer.is_none() && error.line() > 1 => {

@@ -11,7 +11,7 @@ use crate::open::open_pack;
 use crate::options::{BuildOptions, IndexName, word};
 use crate::outcome::{Exit, Failure};
 use crate::packs::find_packs;
-use crate::table::{grouped, rounded};
+use crate::table::{grouped, rounded, shortest};
 
 /// What is said of a pack. The names are those of the JSON.
 #[derive(Debug, Serialize)]
@@ -154,7 +154,7 @@ fn write_text(report: &PackReport, out: &mut dyn Write) -> Result<(), Failure> {
     let options = BuildOptions::from_recorded(&report.options).map(|options| options.in_words());
     writeln!(out, "  options            {}", options.as_ref().unwrap_or(&report.options))?;
     for (place, hull) in report.hulls.iter().enumerate() {
-        let [low, high] = hull.bounds.map(|corner| corner.map(|x| rounded(x.into())).join(" "));
+        let [low, high] = hull.bounds.map(|corner| corner.map(shortest).join(" "));
         let index = &hull.index;
         writeln!(out, "\nhull #{place} {}", hull.name)?;
         writeln!(out, "  rank               {} ({})", hull.rank, rank_name(hull.rank))?;

@@ -80,8 +80,9 @@ pub fn run(args: &QueryArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
     let (a, b) = (choose(&select_a, &pack_a)?, choose(&select_b, &pack_b)?);
     let names =
         |pair: [usize; 2]| [a.hull(pair[0]), b.hull(pair[1])].map(|hull| hull.map(|hull| hull.name().to_owned()));
+    let names_hulls = a.hull_count() > 1 || b.hull_count() > 1;
     let mut solver = PairSolver::new(a, b);
-    let mut table = table(args.mode);
+    let mut table = table(args.mode, names_hulls);
     for (place, pose) in poses.into_iter().enumerate() {
         let answer = solver.query(pose, args.mode);
         let [hull_a, hull_b] = answer.hulls.map_or([None, None], names);
@@ -90,7 +91,7 @@ pub fn run(args: &QueryArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
             serde_json::to_writer(&mut *out, &report).map_err(std::io::Error::from)?;
             writeln!(out)?;
         } else {
-            table.push(row(&report, args.mode));
+            table.push(row(&report, args.mode, names_hulls));
         }
     }
     if !args.json {
@@ -125,8 +126,12 @@ fn choose<'a>(selection: &Selection, pack: &'a Pack) -> Result<Compound<'a>, Fai
     Ok(Compound::from(hulls[number]))
 }
 
-fn table(mode: Mode) -> Table {
+/// `names_hulls`: where packs of several hulls are asked, with the two that decide.
+fn table(mode: Mode, names_hulls: bool) -> Table {
     let mut columns = vec![("pose", Align::Right), ("hit", Align::Left), ("status", Align::Left)];
+    if names_hulls {
+        columns.extend(["hull of A", "hull of B"].map(|title| (title, Align::Left)));
+    }
     if mode == Mode::Contact {
         columns.push(("depth", Align::Right));
     }
@@ -138,9 +143,12 @@ fn table(mode: Mode) -> Table {
     Table::new(&columns)
 }
 
-fn row(report: &PoseReport, mode: Mode) -> Vec<String> {
+fn row(report: &PoseReport, mode: Mode, names_hulls: bool) -> Vec<String> {
     let hit = or_dash(report.hit, |hit| if hit { "yes" } else { "no" }.to_owned());
     let mut cells = vec![report.pose.to_string(), hit, report.status.to_owned()];
+    if names_hulls {
+        cells.extend([&report.hull_a, &report.hull_b].map(|name| or_dash(name.as_ref(), String::clone)));
+    }
     let length = |value: Option<f64>| or_dash(value, rounded);
     let triple = |value: Option<[f64; 3]>| or_dash(value, |value| value.map(rounded).join(" "));
     if mode == Mode::Contact {
@@ -206,18 +214,20 @@ mod tests {
     #[test]
     fn small_numbers_keep_their_digits() {
         let answer = PairAnswer { depth: Some([1.25e-7; 3]), normal: Some([0.0, 1.0, -3e-9]), ..PairAnswer::default() };
-        let cells = row(&PoseReport::new(0, answer), Mode::Contact);
+        let cells = row(&PoseReport::new(0, answer), Mode::Contact, false);
         assert!(cells.contains(&"1.25e-7".to_owned()) && cells.contains(&"0 1 -3e-9".to_owned()), "{cells:?}");
     }
 
     #[test]
     fn every_mode_fills_its_columns() {
         for mode in [Mode::Intersect, Mode::Distance, Mode::Contact] {
-            let mut table = table(mode);
-            table.push(row(&PoseReport::new(0, PairAnswer::default()), mode));
-            let mut out = Vec::new();
-            table.write(&mut out).unwrap();
-            assert_eq!(String::from_utf8(out).unwrap().lines().count(), 2);
+            for names_hulls in [false, true] {
+                let mut table = table(mode, names_hulls);
+                table.push(row(&PoseReport::new(0, PairAnswer::default()), mode, names_hulls));
+                let mut out = Vec::new();
+                table.write(&mut out).unwrap();
+                assert_eq!(String::from_utf8(out).unwrap().lines().count(), 2);
+            }
         }
     }
 }

@@ -69,6 +69,9 @@ pub struct HullReport {
     pub outer_error: Option<f64>,
     /// How far a vertex of the source object may lie outside of all of its parts, as they say.
     pub uncovered: Option<f64>,
+    /// Greatest distance between two of its vertices.
+    #[serde(skip)]
+    pub diameter: Option<f64>,
 }
 
 impl HullReport {
@@ -81,8 +84,27 @@ impl HullReport {
         {
             parts.push(format!("{wrong} of {tried} directions are wrong, max_regret {regret:.2e}"));
         }
-        let text = if parts.is_empty() { "exact".to_owned() } else { parts.join("; ") };
+        let text = if parts.is_empty() { self.result().to_owned() } else { parts.join("; ") };
         format!("hull {hull}: {text}")
+    }
+
+    /// Whether the hull is an outer one, of fewer vertices than its source's.
+    fn is_simplified(&self) -> bool {
+        self.outer_error.is_some_and(|error| error > 0.0)
+    }
+
+    fn is_of_source(&self) -> bool {
+        self.against == Some("source")
+    }
+
+    /// The outcome in a few words: what was shown, and no more.
+    fn result(&self) -> &'static str {
+        match (self.pass, self.is_simplified(), self.is_of_source()) {
+            (false, _, _) => "FAILED",
+            (true, true, true) => "holds its source",
+            (true, true, false) => "index exact",
+            (true, false, _) => "exact",
+        }
     }
 }
 
@@ -283,6 +305,7 @@ fn verify_hull(hull: &Hull, source: Option<&PointSet>, count: usize, seed: u64) 
         worst_direction: worst_direction.map(|dir| dir.to_array()),
         outer_error: Some(hull.outer_error()),
         uncovered: Some(hull.uncovered()),
+        diameter: Some(hull.diameter()),
     }
 }
 
@@ -314,7 +337,8 @@ fn count_strangers(
 }
 
 fn write_table(reports: &[HullReport], out: &mut dyn Write) -> Result<(), Failure> {
-    let mut table = Table::new(&[
+    let has_simplified = reports.iter().any(HullReport::is_simplified);
+    let mut columns = vec![
         ("file", Align::Left),
         ("hull", Align::Left),
         ("vertices", Align::Right),
@@ -327,11 +351,15 @@ fn write_table(reports: &[HullReport], out: &mut dyn Write) -> Result<(), Failur
         ("index B/vertex", Align::Right),
         ("against", Align::Left),
         ("result", Align::Left),
-    ]);
+    ];
+    if has_simplified {
+        columns.push(("outer error", Align::Left));
+    }
+    let mut table = Table::new(&columns);
     let number = |value: Option<usize>| value.map_or_else(|| "-".to_owned(), |value| grouped(value as u64));
     let word = |value: Option<u32>| number(value.map(|value| value as usize));
     for report in reports {
-        table.push(vec![
+        let mut cells = vec![
             report.file.clone(),
             report.hull.clone().unwrap_or_else(|| "-".to_owned()),
             number(report.vertices),
@@ -343,8 +371,12 @@ fn write_table(reports: &[HullReport], out: &mut dyn Write) -> Result<(), Failur
             word(report.max_dots),
             report.index_bytes_per_vertex.map_or_else(|| "-".to_owned(), |bytes| format!("{bytes:.1}")),
             report.against.unwrap_or("-").to_owned(),
-            if report.pass { "exact" } else { "FAILED" }.to_owned(),
-        ]);
+            report.result().to_owned(),
+        ];
+        if has_simplified {
+            cells.push(outer_error(report));
+        }
+        table.push(cells);
         if !report.pass {
             let message = if report.hull.is_some() {
                 format!("{}: {}", report.file, report.verdict())
@@ -355,15 +387,39 @@ fn write_table(reports: &[HullReport], out: &mut dyn Write) -> Result<(), Failur
         }
     }
     table.write(out)?;
-    let passed = reports.iter().filter(|report| report.pass).count();
-    let unsourced = reports.iter().filter(|report| report.pass && report.against != Some("source")).count();
-    let caveat = if unsourced == 0 {
-        String::new()
-    } else {
-        format!("; {unsourced} compared with the stored hull only, for want of the source (--source names it)")
-    };
-    writeln!(out, "\n{passed} exact, {} failed{caveat}", reports.len() - passed)?;
+    writeln!(out, "\n{}", summary(reports))?;
     Ok(())
+}
+
+/// What an outer hull promises, which was found to hold.
+fn outer_error(report: &HullReport) -> String {
+    match (report.outer_error, report.diameter) {
+        (Some(error), Some(diameter)) if error > 0.0 => {
+            format!("{error:.3e} ({:.1e} of the diameter)", error / diameter)
+        }
+        _ => "-".to_owned(),
+    }
+}
+
+/// `3 exact, 1 simplified, 0 failed`, and what simplified hulls and those without a source were found to be.
+fn summary(reports: &[HullReport]) -> String {
+    let passed: Vec<&HullReport> = reports.iter().filter(|report| report.pass).collect();
+    let simplified = passed.iter().filter(|report| report.is_simplified()).count();
+    let held = passed.iter().filter(|report| report.is_simplified() && report.is_of_source()).count();
+    let unsourced = passed.iter().filter(|report| !report.is_of_source()).count();
+    let mut text = format!("{} exact", passed.len() - simplified);
+    if simplified > 0 {
+        text += &format!(", {simplified} simplified");
+    }
+    text += &format!(", {} failed", reports.len() - passed.len());
+    if held > 0 {
+        text += "; a simplified hull holds its source and leaves it by its outer error at most";
+    }
+    if unsourced > 0 {
+        text +=
+            &format!("; {unsourced} compared with the stored hull only, for want of the source (--source names it)");
+    }
+    text
 }
 
 #[cfg(test)]
@@ -403,6 +459,29 @@ mod tests {
         ] {
             assert!(report.get(key).is_some(), "{key}");
         }
+    }
+
+    #[test]
+    fn a_simplified_hull_is_not_called_exact() {
+        let exact = HullReport {
+            pass: true,
+            against: Some("source"),
+            outer_error: Some(0.0),
+            diameter: Some(2.0),
+            ..HullReport::default()
+        };
+        let outer = HullReport { outer_error: Some(0.12), ..exact.clone() };
+        assert_eq!(summary(std::slice::from_ref(&exact)), "1 exact, 0 failed");
+        assert!(
+            summary(&[exact, outer.clone()]).starts_with("1 exact, 1 simplified, 0 failed; a simplified hull holds")
+        );
+        assert_eq!(
+            (outer.result(), outer_error(&outer)),
+            ("holds its source", "1.200e-1 (6.0e-2 of the diameter)".to_owned())
+        );
+        let unsourced = HullReport { against: Some("stored hull"), ..outer };
+        assert_eq!(unsourced.result(), "index exact");
+        assert!(!summary(&[unsourced]).contains("holds its source"));
     }
 
     #[test]

@@ -35,6 +35,8 @@ pub struct Config {
 /// Options for the meshes that match one of some globs.
 #[derive(Debug)]
 struct Rule {
+    /// Line of the globs in the file.
+    line: usize,
     files: Vec<Glob>,
     layer: OptionLayer,
 }
@@ -42,6 +44,8 @@ struct Rule {
 /// A glob, and what it is compared with.
 #[derive(Debug)]
 struct Glob {
+    /// As the file has it.
+    text: String,
     matcher: GlobMatcher,
     /// A pattern without `/` is compared with the file's name alone, as in `.gitignore`.
     is_of_name: bool,
@@ -61,13 +65,26 @@ impl Config {
     /// What the file says of the mesh at `place`, relative to the file's folder; `None` for a mesh outside of it, to which
     /// only the rules without `/` can apply.
     pub fn layer(&self, place: Option<&Path>, name: &Path) -> OptionLayer {
-        let matches = |glob: &Glob| match (glob.is_of_name, place) {
+        let rules = self.rules.iter().filter(|rule| rule.matches(place, name));
+        rules.fold(self.defaults.clone(), |lower, rule| rule.layer.clone().over(&lower))
+    }
+
+    /// A parameter of the decomposition in a file that asks for none.
+    fn idle_parameter(&self) -> Option<&'static str> {
+        let layers = || std::iter::once(&self.defaults).chain(self.rules.iter().map(|rule| &rule.layer));
+        let is_asked_for = layers().any(|layer| layer.decompose == Some(true));
+        layers().find_map(OptionLayer::first_of_decomposition).filter(|_| !is_asked_for)
+    }
+}
+
+impl Rule {
+    /// Whether it is for the mesh at `place`, as in [`Config::layer`].
+    fn matches(&self, place: Option<&Path>, name: &Path) -> bool {
+        self.files.iter().any(|glob| match (glob.is_of_name, place) {
             (true, _) => glob.matcher.is_match(name),
             (false, Some(place)) => glob.matcher.is_match(place),
             (false, None) => false,
-        };
-        let rules = self.rules.iter().filter(|rule| rule.files.iter().any(matches));
-        rules.fold(self.defaults.clone(), |lower, rule| rule.layer.clone().over(&lower))
+        })
     }
 }
 

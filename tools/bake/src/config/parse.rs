@@ -36,18 +36,18 @@ fn fault(span: Range<usize>, message: impl Into<String>) -> Fault {
 /// # Errors
 /// The first fault in the file, with file and line.
 pub fn parse(path: &Path, text: &str) -> Result<Config, Failure> {
+    let line_of = |at: usize| 1 + text.as_bytes()[..at.min(text.len())].iter().filter(|&&byte| byte == b'\n').count();
     let placed = |fault: Fault| {
-        let line =
-            1 + text.as_bytes()[..fault.span.start.min(text.len())].iter().filter(|&&byte| byte == b'\n').count();
+        let line = line_of(fault.span.start);
         Failure::usage(format!("{}:{line}: {}", path.display(), fault.message))
     };
     let root = DeTable::parse(text)
         .map_err(|error| placed(fault(error.span().unwrap_or(0..0), format!("no TOML: {}", error.message().trim()))))?;
-    let (defaults, rules) = read(root.get_ref()).map_err(placed)?;
+    let (defaults, rules) = read(root.get_ref(), &line_of).map_err(placed)?;
     Ok(Config { path: path.to_owned(), defaults, rules })
 }
 
-fn read(root: &DeTable) -> Result<(OptionLayer, Vec<Rule>), Fault> {
+fn read(root: &DeTable, line_of: &dyn Fn(usize) -> usize) -> Result<(OptionLayer, Vec<Rule>), Fault> {
     let mut defaults = OptionLayer::default();
     let mut rules = Vec::new();
     for (span, key, value) in in_order(root) {
@@ -58,7 +58,7 @@ fn read(root: &DeTable) -> Result<(OptionLayer, Vec<Rule>), Fault> {
                     let DeValue::Table(table) = entry.get_ref() else {
                         return Err(fault(entry.span(), "`rule` holds tables: write [[rule]] above each one"));
                     };
-                    rules.push(rule(entry.span(), table)?);
+                    rules.push(rule(entry.span(), table, line_of)?);
                 }
             }
             ("defaults", _) => return Err(fault(span, "`defaults` is a table: write [defaults]")),
@@ -75,7 +75,7 @@ fn read(root: &DeTable) -> Result<(OptionLayer, Vec<Rule>), Fault> {
     Ok((defaults, rules))
 }
 
-fn rule(span: Range<usize>, table: &DeTable) -> Result<Rule, Fault> {
+fn rule(span: Range<usize>, table: &DeTable, line_of: &dyn Fn(usize) -> usize) -> Result<Rule, Fault> {
     let Some(files) = table.get(FILES) else {
         return Err(fault(span, "this rule has no `files`: say which meshes it is for, as in files = \"props/**\""));
     };
@@ -97,8 +97,9 @@ fn rule(span: Range<usize>, table: &DeTable) -> Result<Rule, Fault> {
             "`files` is empty, so the rule is for no mesh: name a glob or remove the rule",
         ));
     }
+    let line = line_of(files.span().start);
     let files = patterns.into_iter().map(|(span, pattern)| glob(span, pattern)).collect::<Result<_, _>>()?;
-    Ok(Rule { files, layer: layer(table)? })
+    Ok(Rule { line, files, layer: layer(table)? })
 }
 
 fn glob(span: Range<usize>, pattern: &str) -> Result<Glob, Fault> {
@@ -107,7 +108,7 @@ fn glob(span: Range<usize>, pattern: &str) -> Result<Glob, Fault> {
     let below = pattern.strip_prefix("./").or_else(|| pattern.strip_prefix('/')).unwrap_or(pattern);
     let built = GlobBuilder::new(below).literal_separator(true).case_insensitive(true).build();
     let matcher = built.map_err(|error| fault(span, format!("glob `{pattern}`: {}", error.kind())))?.compile_matcher();
-    Ok(Glob { matcher, is_of_name })
+    Ok(Glob { text: pattern.to_owned(), matcher, is_of_name })
 }
 
 /// The options in a table; `files` is skipped.

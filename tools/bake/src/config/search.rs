@@ -1,6 +1,6 @@
 //! Which `hullmap.toml` counts for a mesh.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fs::FileType;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::{Config, FILE_NAME};
 use crate::option_layer::OptionLayer;
 use crate::outcome::Failure;
-use crate::pack_file::folder_of;
+use crate::pack_file::{folder_of, shown_from};
 
 /// What marks the root of a project, beside the folder that `bake` was started in.
 const ROOT_MARKS: [&str; 2] = [".git", ".hg"];
@@ -28,6 +28,10 @@ pub struct Configs {
     found: HashMap<PathBuf, Option<Arc<Config>>>,
     /// Each file that was read, by its folder.
     read: HashMap<PathBuf, Arc<Config>>,
+    /// The files that counted, by their canonical folders, each with the rules that matched a mesh.
+    met: BTreeMap<PathBuf, (Arc<Config>, BTreeSet<usize>)>,
+    /// Files above the folder that `bake` was started in that would have counted, had it been started there.
+    unread: BTreeSet<PathBuf>,
 }
 
 #[derive(Debug)]
@@ -54,7 +58,14 @@ impl Configs {
             }
             None => Choice::Nearest,
         };
-        Ok(Self { choice, project: canonical(project)?, found: HashMap::new(), read: HashMap::new() })
+        Ok(Self {
+            choice,
+            project: canonical(project)?,
+            found: HashMap::new(),
+            read: HashMap::new(),
+            met: BTreeMap::new(),
+            unread: BTreeSet::new(),
+        })
     }
 
     /// What the file that counts for `mesh` says of it, and that file.
@@ -79,9 +90,45 @@ impl Configs {
         };
         let layer = config.as_ref().map_or_else(OptionLayer::default, |config| {
             let place = folder.strip_prefix(&root).ok().map(|below| below.join(name));
+            let (_, met) = self.met.entry(root.clone()).or_insert_with(|| (config.clone(), BTreeSet::new()));
+            met.extend((0..config.rules.len()).filter(|&rule| config.rules[rule].matches(place.as_deref(), name)));
             config.layer(place.as_deref(), name)
         });
         Ok((layer, config))
+    }
+
+    /// What the user should look at once each mesh of `inputs` has had its layer, a sentence each: files that are not read,
+    /// rules for no mesh, parameters of a decomposition that nobody asks for. `is_cut` tells whether a file's meshes are cut
+    /// all the same.
+    pub fn warnings(&self, inputs: &[PathBuf], is_cut: impl Fn(&Path) -> bool) -> Vec<String> {
+        let mut warnings: Vec<String> = self.unread.iter().map(|path| self.unread_warning(path)).collect();
+        let folders: Vec<PathBuf> =
+            inputs.iter().filter(|input| input.is_dir()).filter_map(|input| input.canonicalize().ok()).collect();
+        for (root, (config, met)) in &self.met {
+            let file = config.path.display();
+            // Of a part of the folder, nothing is known of the meshes elsewhere.
+            let is_whole = folders.iter().any(|folder| root.starts_with(folder));
+            let idle = (0..).zip(&config.rules).filter(|(number, _)| is_whole && !met.contains(number));
+            for (_, rule) in idle {
+                let globs: Vec<String> = rule.files.iter().map(|glob| format!("`{}`", glob.text)).collect();
+                warnings.push(format!("{file}:{}: no mesh matches {}", rule.line, globs.join(" or ")));
+            }
+            if let Some(key) = config.idle_parameter().filter(|_| !is_cut(&config.path)) {
+                warnings.push(format!(
+                    "{file}: {key} applies to nothing: its meshes are not decomposed; add decompose = true, or leave it out"
+                ));
+            }
+        }
+        warnings
+    }
+
+    fn unread_warning(&self, path: &Path) -> String {
+        let file = shown_from(path, &self.project);
+        let file = file.display();
+        format!(
+            "{file} lies above the folder that bake was started in and is not read; start bake there, or pass --config {file} \
+             or --no-config"
+        )
     }
 
     /// The nearest file in or above a canonical folder, which the user knows as `shown`.
@@ -103,6 +150,10 @@ impl Configs {
                 break;
             }
             if self.is_root(above, folder)? {
+                if !is_marked(above)? {
+                    let mut files = above.ancestors().skip(1).map(|above| above.join(FILE_NAME));
+                    self.unread.extend(files.find(|file| file.is_file()));
+                }
                 break;
             }
         }
@@ -223,8 +274,23 @@ mod tests {
         let folder = folder(&[("hullmap.toml", "[defaults]\nunit_scale = 1\n"), ("a/b/x.obj", "")]);
         let mut inside = Configs::new(None, false, &folder.path().join("a")).unwrap();
         assert_eq!(scale(&mut inside, folder.path(), "a/b/x.obj"), None);
+        let warnings = inside.warnings(&[], |_| false);
+        assert!(warnings.len() == 1 && warnings[0].starts_with("../hullmap.toml lies above"), "{warnings:?}");
         let mut outside = Configs::new(None, false, folder.path()).unwrap();
         assert_eq!(scale(&mut outside, folder.path(), "a/b/x.obj"), Some(1.0));
+        assert!(outside.warnings(&[], |_| false).is_empty());
+    }
+
+    #[test]
+    fn rules_for_no_mesh_are_told_where_the_whole_folder_is_built() {
+        let text = "[defaults]\nvhacd_alpha = 0.5\n[[rule]]\nsplit = \"none\"\nfiles = [\"propz/**\", \"*.stl\"]\n\n[[rule]]\nfiles = \"b/*\"\n";
+        let folder = folder(&[("a/hullmap.toml", text), ("a/b/x.obj", "")]);
+        let mut configs = Configs::new(None, false, folder.path()).unwrap();
+        configs.layer(&folder.path().join("a/b/x.obj")).unwrap();
+        let warned = |input: &str| configs.warnings(&[folder.path().join(input)], |_| input == "a").join("|");
+        assert!(warned("a").ends_with("a/hullmap.toml:5: no mesh matches `propz/**` or `*.stl`"), "{}", warned("a"));
+        assert!(warned("a/b").contains("vhacd_alpha applies to nothing") && !warned("a/b").contains('|'));
+        assert!(warned(".").contains('|'));
     }
 
     #[test]

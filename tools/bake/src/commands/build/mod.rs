@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 
 use crate::args::{BuildArgs, DEFAULT_MEMORY};
 use crate::baker::bake_pack;
-use crate::config::Configs;
+use crate::config::{Configs, FILE_NAME};
 use crate::depfile::{self, Rule};
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, make_folder, put_in_place, sweep, sweep_below, write_beside};
@@ -48,14 +48,17 @@ pub fn run(args: &BuildArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
 
 /// Runs the command once, with any baker, in any folder.
 fn run_with(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut dyn Write) -> Result<Exit, Failure> {
-    let jobs = jobs(args, project)?;
+    let jobs = jobs(args, project, !args.quiet)?;
     build(args, project, baker, &jobs, |_| true, out)
 }
 
-/// The files to bake, each with its options. Nothing is written yet.
-fn jobs(args: &BuildArgs, project: &Path) -> Result<Vec<Job>, Failure> {
+/// The files to bake, each with its options; what applies to nothing is told if `tells`. Nothing is written yet.
+fn jobs(args: &BuildArgs, project: &Path, tells: bool) -> Result<Vec<Job>, Failure> {
+    if args.out.is_file() {
+        return Err(Failure::usage(format!("{}: is a file; --out names the folder for the packs", args.out.display())));
+    }
     let places = plan::plan(&args.inputs, &args.out)?;
-    if args.prune && !args.quiet && !bakes_folders(args) {
+    if args.prune && tells && !bakes_folders(args) {
         messages::note(
             "--prune applies to nothing: sources are gone from folders, and no input is one; name the folder",
         );
@@ -67,7 +70,19 @@ fn jobs(args: &BuildArgs, project: &Path) -> Result<Vec<Job>, Failure> {
         let config = config.map(|config| config.path.clone());
         Ok(Job { source: place.source, output: place.output, options, config })
     };
-    places.into_iter().map(job).collect()
+    let jobs: Vec<Job> = places.into_iter().map(job).collect::<Result<_, Failure>>()?;
+    if tells {
+        let is_cut = |job: &Job| job.options.decompose.is_some();
+        if let Some(key) = args.options.first_of_decomposition().filter(|_| !jobs.iter().any(is_cut)) {
+            messages::warning(format_args!(
+                "--{} applies to nothing: no mesh of this build is decomposed; add --decompose, or decompose = true to {FILE_NAME}",
+                key.replace('_', "-")
+            ));
+        }
+        let is_cut_by = |config: &Path| jobs.iter().any(|job| job.config.as_deref() == Some(config) && is_cut(job));
+        configs.warnings(&args.inputs, is_cut_by).iter().for_each(messages::warning);
+    }
+    Ok(jobs)
 }
 
 /// Bakes those of `jobs` that are `chosen`, and tells of them.
@@ -115,11 +130,11 @@ fn build(
     let mut exit = results.iter().map(|(_, exit)| *exit).max().unwrap_or(Exit::Done);
     let mut rows: Vec<Row> = results.into_iter().map(|(row, _)| row).collect();
     if bakes_folders(args) {
-        for orphan in orphans::find(&args.out, &args.inputs, &outputs) {
+        for orphan in orphans::find(&args.out, &args.inputs, &outputs, project) {
             let row = orphan.row(&args.out, args.prune && !args.check);
             if row.error.is_some() {
                 exit = exit.max(Exit::Usage);
-            } else if args.check && args.prune {
+            } else if args.check && args.prune && !orphan.is_kept() {
                 exit = exit.max(Exit::Wanting);
             }
             rows.push(row);
@@ -143,11 +158,15 @@ fn tell(args: &BuildArgs, rows: &[Row]) {
     for row in rows {
         if !args.quiet {
             if row.status == Status::Orphaned {
+                let remedy = match row.notes.first() {
+                    Some(kept) => format!(", but {kept}"),
+                    None if args.prune => String::new(),
+                    None => " (--prune removes it)".to_owned(),
+                };
                 let reason = row.reason.as_deref().unwrap_or_default();
-                let remedy = if args.prune { "" } else { " (--prune removes it)" };
                 messages::note(format_args!("{}: {reason}{remedy}", row.output));
             }
-            for note in &row.notes {
+            for note in row.notes.iter().filter(|_| row.status != Status::Orphaned) {
                 messages::note(format_args!("{}: {note}", row.source));
             }
             for warning in &row.warnings {

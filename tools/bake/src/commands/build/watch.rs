@@ -13,9 +13,9 @@ use super::job::{Baker, Job};
 use super::{build, jobs};
 use crate::args::BuildArgs;
 use crate::config::FILE_NAME;
-use crate::messages;
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::folder_of;
+use crate::{interrupt, messages};
 use hullmap_import::{is_buffer, is_source};
 
 /// A change counts once nothing more has changed for so long: editors save in several steps.
@@ -51,7 +51,7 @@ pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut dyn Write)
         }
         // Now that the folder is there it has a canonical path, as all paths of events have.
         let made = args.out.canonicalize().unwrap_or_else(|_| args.out.clone());
-        let paths = match wait(&events, &made) {
+        let paths = match interrupt::idle(|| wait(&events, &made)) {
             Some(paths) => paths,
             None => return Ok(Exit::Done),
         };
@@ -70,8 +70,8 @@ fn once(
     changed: Option<&BTreeSet<PathBuf>>,
     out: &mut dyn Write,
 ) -> Result<BTreeSet<PathBuf>, Failure> {
-    let jobs = jobs(args, project)?;
     let is_all = changed.is_none_or(|paths| paths.iter().any(|path| !is_source(path)));
+    let jobs = jobs(args, project, is_all && !args.quiet)?;
     let is_touched = |job: &Job| match changed {
         Some(paths) if !is_all => job.source.canonicalize().map_or(true, |path| paths.contains(&path)),
         _ => true,
