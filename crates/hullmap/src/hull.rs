@@ -269,10 +269,15 @@ impl<'a> Hull<'a> {
         let mut after = |skipped| corners.nth(skipped).and_then(|v| self.vertex(v)).map(Vec3::as_dvec3);
         let (first, second, third) = (after(0)?, after(third - 1)?, after(third - 1)?);
         // From the two shorter sides: two long ones of a needle would have lost what is between their ends.
-        let sides = [second - first, third - second, first - third];
-        let [a, b, c] = sides.map(DVec3::length_squared);
-        let longest = if c >= a && c >= b { 2 } else { usize::from(b > a) };
-        unit(sides[(longest + 1) % 3].cross(sides[(longest + 2) % 3]))
+        let (a, b, c) = (second - first, third - second, first - third);
+        let [a_sq, b_sq, c_sq] = [a, b, c].map(DVec3::length_squared);
+        unit(if c_sq >= a_sq && c_sq >= b_sq {
+            a.cross(b)
+        } else if a_sq >= b_sq {
+            b.cross(c)
+        } else {
+            c.cross(a)
+        })
     }
 
     /// The face that faces `dir` (local frame, any length): of the faces at the support vertex the one whose normal is nearest

@@ -82,7 +82,10 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
         hulls.push(BakedHull { part: part.number, ..hull });
     }
     let (mut notes, mut warnings) = (Vec::new(), Vec::new());
-    let covers = if options.decompose.is_some() { cover(point_sets, &parts, &mut hulls) } else { Vec::new() };
+    let covers = options.decompose.map_or(Vec::new(), |decompose| {
+        let is_one_asked_for = decompose.max_parts == 1;
+        cover(point_sets, &parts, &mut hulls, is_one_asked_for)
+    });
     let simplified = hulls.iter().filter_map(|baked| advice::simplified(&facts(baked)));
     covers.into_iter().chain(simplified).for_each(|remark| remark.tell(&mut notes, &mut warnings));
     if let IndexKind::Budget { bytes_per_vertex } = options.index {
@@ -96,7 +99,7 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
 }
 
 /// Measures what the parts of each set leave out, tells the hulls, and says it.
-fn cover(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull]) -> Vec<Remark> {
+fn cover(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], is_one_asked_for: bool) -> Vec<Remark> {
     let mut remarks = Vec::new();
     let mut start = 0;
     for (set, points) in point_sets.iter().enumerate() {
@@ -107,6 +110,8 @@ fn cover(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull]) -> Ve
         if count == 1 {
             let why = if points.triangles.is_empty() {
                 "it has no faces to cut by"
+            } else if is_one_asked_for {
+                "no more parts are asked for"
             } else {
                 "it is convex, or thin, as it is"
             };
