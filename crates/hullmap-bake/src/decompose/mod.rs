@@ -91,9 +91,9 @@ const SAME_AREA: f64 = 1e-4;
 /// and every noisy point would be a vertex.
 const GRID: f64 = 1.0 / 4_194_304.0;
 
-/// Volume that a part may gain by being merged with others, over that of the whole and the concavity: half of what a part may differ from
-/// its hull anyway.
-const FREE_MERGER: f64 = 0.5;
+/// Volume that a part may gain by being merged with others, over that of the whole and the concavity: a tenth of what a part may differ from
+/// its hull anyway. At half of it the bars of a horseshoe bulged by 2 % of its size.
+const FREE_MERGER: f64 = 0.1;
 
 /// The convex parts of a mesh, in an order that depends on it and on the parameters alone; `None` where it is one already, or has no
 /// triangles or no volume to cut.
@@ -320,7 +320,7 @@ mod tests {
     fn a_horseshoe_falls_into_parts_that_cover_it() {
         let mesh = horseshoe();
         let parts = decompose(&mesh, &Parameters::default()).unwrap().unwrap();
-        assert_eq!(parts.len(), 3);
+        assert_eq!(parts.len(), 4);
         let hulls: Vec<Hull> = parts.iter().map(|part| hull::build(part).unwrap()).collect();
         assert!(parts.iter().enumerate().all(|(number, part)| part.name == format!("u_part_{number:02}")));
         // The gap between its arms is free: the volume is that of the bars, not of their hull.
@@ -346,7 +346,7 @@ mod tests {
         for max_parts in 1..=4 {
             let parts = decompose(&mesh, &Parameters { max_parts, ..Parameters::default() }).unwrap();
             let count = parts.as_ref().map_or(1, Vec::len);
-            assert_eq!(count, max_parts.min(3) as usize, "at most {max_parts}");
+            assert_eq!(count, max_parts as usize, "at most {max_parts}");
         }
     }
 
