@@ -12,20 +12,9 @@ use super::area::accurate_cross;
 /// # Complexity
 /// O(n log n).
 pub fn hull(points: &[DVec3], normal: DVec3) -> Vec<u32> {
-    let size = normal.abs();
-    let flat = |p: DVec3| -> DVec2 {
-        if size.x >= size.y && size.x >= size.z {
-            DVec2::new(p.y, p.z)
-        } else if size.y >= size.z {
-            DVec2::new(p.z, p.x)
-        } else {
-            DVec2::new(p.x, p.y)
-        }
-    };
-    let dominant = [normal.x, normal.y, normal.z]
-        .into_iter()
-        .reduce(|a, b| if b.abs() > a.abs() { b } else { a })
-        .unwrap_or_default();
+    let axis = dropped_axis(normal);
+    let flat = |p: DVec3| DVec2::new(p[(axis + 1) % 3], p[(axis + 2) % 3]);
+    let dominant = normal[axis];
     let flat: Vec<DVec2> = points.iter().map(|p| flat(*p)).collect();
     let mut order: Vec<u32> = (0..points.len() as u32).collect();
     order.sort_unstable_by(|&a, &b| {
@@ -51,16 +40,20 @@ pub fn hull(points: &[DVec3], normal: DVec3) -> Vec<u32> {
 /// Points may be off the plane by more than they are from each other in it. So the edge is laid into the plane along the axis that
 /// [`hull`] dropped: then the sides turn as exactly as the hull was decided.
 pub fn side_normal(edge: DVec3, normal: DVec3) -> DVec3 {
-    let size = normal.abs();
+    let axis = dropped_axis(normal);
+    let [i, j] = [(axis + 1) % 3, (axis + 2) % 3];
     let mut along = edge;
-    if size.x >= size.y && size.x >= size.z {
-        along.x = -(normal.y * edge.y + normal.z * edge.z) / normal.x;
-    } else if size.y >= size.z {
-        along.y = -(normal.z * edge.z + normal.x * edge.x) / normal.y;
-    } else {
-        along.z = -(normal.x * edge.x + normal.y * edge.y) / normal.z;
-    }
+    along[axis] = -(normal[i] * edge[i] + normal[j] * edge[j]) / normal[axis];
     accurate_cross(along, normal).normalize_or_zero()
+}
+
+/// The first axis to which the normal is closest, but for rounding: of normals of one plane from other corners, the same.
+fn dropped_axis(normal: DVec3) -> usize {
+    /// Share of the greatest component from which on another is as great.
+    const AS_GREAT: f64 = 1.0 - 1e-9;
+    let size = normal.abs();
+    let greatest = size.max_element();
+    (0..3).find(|axis| size[*axis] >= AS_GREAT * greatest).unwrap_or(0)
 }
 
 /// Points of which each turns strictly left.
