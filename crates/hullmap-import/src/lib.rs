@@ -1,10 +1,10 @@
 //! A source file's bytes to the point sets that hulls are built of, with the number of each point's vertex in the file.
 //!
 //! 1. [`read()`] takes the file, and the buffers beside a glTF file, into memory.
-//! 2. [`obj`], [`gltf`], [`stl`] or [`ply`] makes a [`mesh`] of it: vertices, elements, objects. `limits` bounds them.
-//! 3. [`point_sets`] chooses the points, cuts them into objects (by `conventions`, with `--split auto`), and has
-//!    [`placement`] turn, scale and move them.
-//! 4. [`far`] warns of points that f32 cannot tell apart where they are.
+//! 2. `obj`, `gltf`, `stl` or `ply` makes a `mesh` of it: vertices, elements, objects. `limits` bounds them.
+//! 3. `point_sets` chooses the points, cuts them into objects (by `conventions`, with `--split auto`), and has
+//!    `placement` turn, scale and move them.
+//! 4. `far` warns of points that f32 cannot tell apart where they are.
 //!
 //! | format | vertices, as they are numbered | objects |
 //! |---|---|---|
