@@ -71,7 +71,7 @@ impl Polygons {
     /// file's.
     ///
     /// # Complexity
-    /// O(corners) for convex polygons; for others see [`triangulate`].
+    /// O(corners) for convex polygons; for others see `triangulate`.
     #[expect(
         clippy::indexing_slicing,
         reason = "ends ascend, and none lies behind the last corner, as `end` pushes them"
