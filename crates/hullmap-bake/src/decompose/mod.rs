@@ -5,7 +5,7 @@
 //! 2. V-HACD (parry3d, in f64) cuts the voxels of the mesh by planes until each part is nearly convex.
 //! 3. A part's points are those of the triangles in its voxels, clipped by them. Points that are the source's keep their numbers and
 //!    their places; the others are rounded to a fine grid.
-//! 4. Parts that are convex together are [`merge`]d, and as many as are more than asked for.
+//! 4. Parts that are convex together are merged (`merge`), and as many as are more than asked for.
 //! 5. What the parts leave out is measured, vertex by vertex ([`uncovered`]): V-HACD promises nothing.
 //!
 //! # Reference
