@@ -100,7 +100,7 @@ pub fn build(points: &PointSet) -> Result<Hull, BakeError> {
         Simplex::Segment(ends) => (1, segment_ends(&positions, ends), Vec::new()),
         Simplex::Triangle(corners) => {
             let [a, b, c] = corners.map(|i| positions[i]);
-            let front = polygon::hull(&positions, (b - a).cross(c - a));
+            let front = polygon::hull_along_own_axis(&positions, (b - a).cross(c - a));
             let back = front[..1].iter().chain(front[1..].iter().rev()).copied().collect();
             (2, front.clone(), vec![front, back])
         }

@@ -5,7 +5,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::area::accurate_cross;
+use super::area::{accurate_cross, area_vector};
 
 /// Extreme points of `points` (by number), counter-clockwise seen against `normal`, from the least on.
 ///
@@ -34,6 +34,25 @@ pub fn hull(points: &[DVec3], normal: DVec3) -> Vec<u32> {
     outline.rotate_left(least);
     outline
 }
+
+/// The same, decided along the axis that [`side_normal`] takes for the polygon's own normal: that of three of its points may be another,
+/// where a needle is as flat as its length allows and not as its width does.
+pub fn hull_along_own_axis(points: &[DVec3], normal: DVec3) -> Vec<u32> {
+    let mut normal = normal;
+    let mut found = hull(points, normal);
+    for _ in 0..MOST_AXES {
+        let own = area_vector(&found, points);
+        if dropped_axis(own) == dropped_axis(normal) {
+            break;
+        }
+        normal = own;
+        found = hull(points, normal);
+    }
+    found
+}
+
+/// Axes to which a polygon's normal may be closest.
+const MOST_AXES: usize = 3;
 
 /// Unit vector in the polygon's plane, of unit `normal`, out of a side that runs along `edge`.
 ///
