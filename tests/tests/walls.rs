@@ -82,6 +82,12 @@ fn the_baker_sees_neither_the_runtime_nor_the_command_line() {
     assert!(tree("hullmap-bake", "normal", &[]).contains("hullmap-format"));
 }
 
+#[test]
+fn import_sees_neither_the_runtime_nor_the_command() {
+    assert_unseen("hullmap-import", &["hullmap", "bake", "indicatif", "memmap2", "png", "notify", "shapes"]);
+    assert!(!tree("hullmap-import", "normal", &[]).contains("clap"), "only the feature speaks of flags");
+}
+
 /// What the tests above would say if there were no walls: the command sees both sides.
 #[test]
 fn the_command_sees_both_sides() {

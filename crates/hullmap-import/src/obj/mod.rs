@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "prints times: cargo test --release -p bake times_of_a_million -- --ignored --nocapture"]
+    #[ignore = "prints times: cargo test --release -p hullmap-import times_of_a_million -- --ignored --nocapture"]
     fn times_of_a_million_vertices() {
         let text = sphere();
         println!("{} bytes, {} threads", text.len(), rayon::current_num_threads());
