@@ -1,83 +1,258 @@
-//! The tree of bounding boxes over a pack's hulls: which hulls may meet a box, without a look at all of them.
+//! BVH: the tree of bounding boxes over a pack's hulls. It finds the hulls that may intersect a box
+//! without visiting all of them.
 //!
-//! A binary tree with one hull a leaf, in [`Pack::nodes`](crate::archive::Pack::nodes). A box is that of the hulls' vertices,
-//! exactly, in the frame that all hulls of a pack share. Nodes stand breadth first, the two children of a node side by side, in
-//! the order of their parents: so one pass tells whether it is a tree.
+//! It is a binary tree with one hull per leaf, in [`Pack::nodes`](crate::archive::Pack::nodes).
+//! Each box is the exact bounding box of the vertices of the hulls below it, in the frame that all
+//! hulls of a pack share. Nodes are stored breadth first. The two children of a node are adjacent,
+//! and pairs of children are in the order of their parents. So one pass checks the whole tree.
 //!
 //! # Reference
 //! Ericson, "Real-Time Collision Detection", 2005, chapter 6.
 
 use rkyv::rend::f32_le;
 
-use crate::archive::{ArchivedBvhNode, ArchivedPack};
+use crate::{archive::ArchivedBvhNode, sections::Sections};
 
-/// Most levels of nodes, the root's included: a reader's stack need not grow.
+/// Maximum number of levels, including the root's. So a reader's stack can have a fixed size.
 pub const MAX_LEVELS: u32 = 32;
 
-/// Number of nodes over `hull_count` hulls, of which there is at least one.
+/// Number of nodes over `hull_count` hulls, at least one.
 pub const fn node_count(hull_count: usize) -> usize {
     2 * hull_count - 1
+}
+
+/// Why nodes are not a bounding volume hierarchy.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BvhError {
+    /// The number of leaves differs from the number of hulls.
+    #[error("it has {found} nodes (expected {expected})")]
+    NodeCount {
+        /// Number of nodes.
+        found: usize,
+        /// Twice the number of hulls, less one.
+        expected: usize,
+    },
+    /// No earlier node has this node as a child.
+    #[error("node {node} is not a child of any node before it")]
+    NoParent {
+        /// The node.
+        node: usize,
+    },
+    /// A leaf refers to a hull that does not exist.
+    #[error("node {node}: hull index {found} is out of range (the pack has {hull_count} hulls)")]
+    Hull {
+        /// The leaf.
+        node: usize,
+        /// The index.
+        found: usize,
+        /// Number of hulls.
+        hull_count: usize,
+    },
+    /// A hull's record states another leaf.
+    #[error("node {node} is the leaf of hull {hull}, whose record states leaf {found}")]
+    Leaf {
+        /// The leaf.
+        node: usize,
+        /// Its hull.
+        hull: usize,
+        /// Leaf in the hull's record.
+        found: usize,
+    },
+    /// The box of a leaf is not that of its hull.
+    #[error("node {node}: its box is not the bounds of hull {hull}")]
+    LeafBox {
+        /// The leaf.
+        node: usize,
+        /// Its hull.
+        hull: usize,
+    },
+    /// The children of a node are not the next nodes without a parent.
+    #[error("node {node}: its first child is {found} (expected {expected})")]
+    ChildOrder {
+        /// The node.
+        node: usize,
+        /// Its first child.
+        found: usize,
+        /// The first node without a parent.
+        expected: usize,
+    },
+    /// A child does not exist.
+    #[error("node {node}: its children {first} and {} are out of range (the tree has {node_count} nodes)", first + 1)]
+    ChildRange {
+        /// The node.
+        node: usize,
+        /// Its first child.
+        first: usize,
+        /// Number of nodes.
+        node_count: usize,
+    },
+    /// A node states a number of hulls that differs from the number below it.
+    #[error("node {node} states {found} hulls (its children have {expected:?})")]
+    HullCount {
+        /// The node.
+        node: usize,
+        /// Number in the node.
+        found: u32,
+        /// Numbers in its children.
+        expected: [u32; 2],
+    },
+    /// The box of a node is not the smallest around those of its children.
+    #[error("node {node}: its box is not the union of the boxes of its children")]
+    Box {
+        /// The node.
+        node: usize,
+    },
+    /// The tree has too many levels.
+    #[error("it has {found} levels (at most {MAX_LEVELS} are allowed)")]
+    Levels {
+        /// Number of levels.
+        found: u32,
+    },
 }
 
 /// Checks the tree of a pack whose spans and hulls have been checked.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The first node that is wrong: see [`BvhError`].
 ///
 /// # Complexity
 /// O(number of hulls), no allocation.
-pub(crate) fn check(pack: &ArchivedPack) -> Result<(), &'static str> {
-    let (nodes, hulls) = (&pack.nodes, &pack.hulls);
-    if nodes.len() != node_count(hulls.len()) {
-        return Err("it has not one leaf a hull");
+pub(crate) fn check(pack: &Sections<'_>) -> Result<(), BvhError> {
+    let (nodes, hulls) = (pack.nodes, pack.hulls);
+    let expected = node_count(hulls.len());
+    if nodes.len() != expected {
+        return Err(BvhError::NodeCount { found: nodes.len(), expected });
     }
-    // First child of the next inner node; nodes of a level are followed by all of their children.
+    // `free` is the first child of the next inner node. The nodes of a level are followed by all
+    // of their children.
     let mut free = 1;
     let (mut level_end, mut levels) = (1, 1);
     for (number, node) in nodes.iter().enumerate() {
         if number >= free {
-            return Err("a node is nobody's child");
+            return Err(BvhError::NoParent { node: number });
         }
         if number == level_end {
             (level_end, levels) = (free, levels + 1);
         }
-        let target = node.target.to_native() as usize;
         if node.hull_count == 1 {
-            let hull = hulls.get(target).ok_or("a leaf names a hull that is not there")?;
-            if hull.leaf.to_native() as usize != number {
-                return Err("a leaf and its hull do not name each other");
-            }
-            if node.bounds_min != hull.bounds_min || node.bounds_max != hull.bounds_max {
-                return Err("a leaf's box is not that of its hull");
-            }
-            continue;
-        }
-        if target != free {
-            return Err("children do not stand in the order of their parents");
-        }
-        let [first, second] = [free, free + 1].map(|child| nodes.get(child));
-        let (Some(first), Some(second)) = (first, second) else { return Err("a child is not there") };
-        free += 2;
-        let below = first.hull_count.to_native().checked_add(second.hull_count.to_native());
-        if below != Some(node.hull_count.to_native()) {
-            return Err("a node counts other hulls than its children");
-        }
-        if !is_union(node, first, second) {
-            return Err("a box is not that of the boxes below");
+            check_leaf(pack, number, node)?;
+        } else {
+            check_inner(nodes, number, node, free)?;
+            free += 2;
         }
     }
-    // Each leaf is named by its hull alone, and there are as many leaves as hulls: each hull has one.
-    if free != nodes.len() {
-        return Err("a child is not there");
-    }
-    if levels > MAX_LEVELS { Err("it is too deep") } else { Ok(()) }
+    // Every node except the root is a child, and no child is out of range, so all nodes are in the
+    // tree. Each leaf is in the record of its hull, so no two leaves share a hull. There are as
+    // many leaves as hulls, so each hull has a leaf.
+    if levels > MAX_LEVELS { Err(BvhError::Levels { found: levels }) } else { Ok(()) }
 }
 
-/// Whether a node's box is the least around those of its children. False where a number is NaN.
+fn check_leaf(pack: &Sections<'_>, number: usize, node: &ArchivedBvhNode) -> Result<(), BvhError> {
+    let target = node.target.to_native() as usize;
+    let missing = BvhError::Hull { node: number, found: target, hull_count: pack.hulls.len() };
+    let hull = pack.hulls.get(target).ok_or(missing)?;
+    let found = hull.leaf.to_native() as usize;
+    if found != number {
+        return Err(BvhError::Leaf { node: number, hull: target, found });
+    }
+    // False if a coordinate is NaN.
+    let is_equal = node.bounds_min == hull.bounds_min && node.bounds_max == hull.bounds_max;
+    if is_equal { Ok(()) } else { Err(BvhError::LeafBox { node: number, hull: target }) }
+}
+
+/// Checks an inner node whose children must be `free` and the node after it.
+fn check_inner(nodes: &[ArchivedBvhNode], number: usize, node: &ArchivedBvhNode, free: usize) -> Result<(), BvhError> {
+    let target = node.target.to_native() as usize;
+    if target != free {
+        return Err(BvhError::ChildOrder { node: number, found: target, expected: free });
+    }
+    let [Some(first), Some(second)] = [free, free + 1].map(|child| nodes.get(child)) else {
+        return Err(BvhError::ChildRange { node: number, first: free, node_count: nodes.len() });
+    };
+    let (found, expected) = (node.hull_count.to_native(), [first, second].map(|child| child.hull_count.to_native()));
+    let [a, b] = expected;
+    if a.checked_add(b) != Some(found) {
+        return Err(BvhError::HullCount { node: number, found, expected });
+    }
+    if is_union(node, first, second) { Ok(()) } else { Err(BvhError::Box { node: number }) }
+}
+
+/// Whether a node's box is the union of its children's boxes. False if a coordinate is NaN.
 fn is_union(node: &ArchivedBvhNode, first: &ArchivedBvhNode, second: &ArchivedBvhNode) -> bool {
     let same = |of: &[f32_le; 3], a: &[f32_le; 3], b: &[f32_le; 3], pick: fn(f32, f32) -> f32| {
         of.iter().zip(a.iter().zip(b)).all(|(of, (a, b))| of.to_native() == pick(a.to_native(), b.to_native()))
     };
     same(&node.bounds_min, &first.bounds_min, &second.bounds_min, f32::min)
         && same(&node.bounds_max, &first.bounds_max, &second.bounds_max, f32::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use rkyv::util::AlignedVec;
+
+    use super::*;
+    use crate::archive::{BvhNode, HullRecord, Pack};
+
+    fn leaf(hull: u32) -> BvhNode {
+        BvhNode { target: hull, hull_count: 1, ..BvhNode::default() }
+    }
+
+    fn inner(first_child: u32, hull_count: u32) -> BvhNode {
+        BvhNode { target: first_child, hull_count, ..BvhNode::default() }
+    }
+
+    /// Checks a tree over hulls with these leaves.
+    fn checked(nodes: Vec<BvhNode>, leaves: &[u32]) -> Result<(), BvhError> {
+        let hulls = leaves.iter().map(|&leaf| HullRecord { leaf, ..HullRecord::default() }).collect();
+        let pack = Pack { nodes, hulls, ..Pack::default() };
+        let bytes = rkyv::api::high::to_bytes_in::<_, rkyv::rancor::Error>(&pack, AlignedVec::<64>::new()).unwrap();
+        check(&Sections::read(&bytes).unwrap())
+    }
+
+    #[test]
+    fn valid_trees_pass() {
+        assert_eq!(checked(vec![leaf(0)], &[0]), Ok(()));
+        assert_eq!(checked(vec![inner(1, 3), inner(3, 2), leaf(2), leaf(1), leaf(0)], &[4, 3, 2]), Ok(()));
+    }
+
+    #[test]
+    fn trees_with_too_few_or_stray_nodes_are_refused() {
+        assert_eq!(checked(vec![leaf(0)], &[0, 0]), Err(BvhError::NodeCount { found: 1, expected: 3 }));
+        assert_eq!(checked(vec![leaf(0), leaf(1), leaf(1)], &[0, 1]), Err(BvhError::NoParent { node: 1 }));
+        let childless = checked(vec![inner(1, 2), leaf(0), inner(3, 1 << 31)], &[1, 1]);
+        assert_eq!(childless, Err(BvhError::HullCount { node: 0, found: 2, expected: [1, 1 << 31] }));
+        let range = checked(vec![inner(1, 3), leaf(0), inner(3, 2)], &[1, 2]);
+        assert_eq!(range, Err(BvhError::ChildRange { node: 2, first: 3, node_count: 3 }));
+    }
+
+    #[test]
+    fn leaves_that_contradict_their_hulls_are_refused() {
+        assert_eq!(checked(vec![leaf(1)], &[0]), Err(BvhError::Hull { node: 0, found: 1, hull_count: 1 }));
+        assert_eq!(checked(vec![leaf(0)], &[7]), Err(BvhError::Leaf { node: 0, hull: 0, found: 7 }));
+        let far = BvhNode { bounds_max: [1.0; 3], ..leaf(0) };
+        assert_eq!(checked(vec![far], &[0]), Err(BvhError::LeafBox { node: 0, hull: 0 }));
+        let nan = BvhNode { bounds_min: [f32::NAN; 3], ..leaf(0) };
+        assert_eq!(checked(vec![nan], &[0]), Err(BvhError::LeafBox { node: 0, hull: 0 }));
+    }
+
+    /// Every inner node has one leaf and one inner node as children, except the last, which has
+    /// two leaves.
+    #[test]
+    fn trees_with_too_many_levels_are_refused() {
+        let chain = |levels: u32| {
+            let hull_count = levels;
+            let (mut nodes, mut leaves) = (vec![], vec![]);
+            for level in 0..levels - 1 {
+                nodes.push(inner(2 * level + 1, hull_count - level));
+                nodes.push(leaf(level));
+                leaves.push(2 * level + 1);
+            }
+            // Breadth first, the leaf comes first: root, leaf 0, inner, leaf 1, …
+            nodes.push(leaf(levels - 1));
+            leaves.push(2 * (levels - 1));
+            checked(nodes, &leaves)
+        };
+        assert_eq!(chain(MAX_LEVELS), Ok(()));
+        assert_eq!(chain(MAX_LEVELS + 1), Err(BvhError::Levels { found: MAX_LEVELS + 1 }));
+    }
 }

@@ -1,39 +1,44 @@
 //! Direction ↔ cell of the cube map (Kenwright 4.8).
 //!
-//! A direction pierces the cube [−1, 1]³ in one of six faces. Face `2·axis + s` is the one on which coordinate `axis` is
-//! the largest by magnitude, `s` being 1 where it is negative. On it the other two coordinates, in cyclic order and
-//! divided by the largest one's magnitude, are (u, v) ∈ [−1, 1]². Each is put on a grid of 2²³ cells by rounding
-//! `u · SCALE + 2²²`; the bits of the two grid numbers, from the top, are the path through a tree over the face.
+//! A direction pierces one of the six faces of the cube [−1, 1]³. On face `2·axis + s`, coordinate
+//! `axis` has the largest magnitude; `s` is 1 if it is negative. The other two coordinates, in
+//! cyclic order and divided by that magnitude, are (u, v), both in [−1, 1]. Rounding `u · SCALE +
+//! 2²²` gives the index of u in a grid of 2²³ cells; the same holds for v. The bits of the two grid
+//! indices, from the top, are the path through a tree over the face.
 //!
-//! The baker finds a cell's square by [`grid_to_uv`]; the runtime finds a direction's cell by [`locate`]. They agree up
-//! to [`CELL_SLACK`], by which the baker widens every square.
+//! The baker computes a cell's square with [`grid_to_uv`]; the runtime computes a direction's cell
+//! with [`locate`]. They agree up to [`CELL_SLACK`], by which the baker widens every square.
 //!
-//! Locating is done in f32, one division and no branch: a cell is then missed by at most 3e-7 in u or v, which
-//! [`CELL_SLACK`] covers. Directions of every f32 or f64 size are brought into f32's comfortable range first
-//! ([`IN_RANGE`]); that moves them by less than the slack as well.
+//! [`locate`] works in f32, with one division and no branch. Its error in u or v is at most 3e-7,
+//! which [`CELL_SLACK`] covers. A direction outside of [`IN_RANGE`] is scaled into that range
+//! first. This too moves it by less than the slack.
 
 use std::ops::RangeInclusive;
 
-/// Bits of a grid number.
+/// Bits of a grid index.
 pub const GRID_BITS: u32 = 23;
 
-/// Largest coordinate of a direction for which [`locate`] keeps its promise.
+/// Range of [`largest`] in which the result of [`locate`] is within [`CELL_SLACK`].
 pub const IN_RANGE: RangeInclusive<f32> = 1e-30..=1e30;
 
-/// Grid cells from the centre of a face to just inside its edge: `±SCALE` rounds into the grid without a clamp.
+/// Number of grid cells from the centre of a face to just inside its edge. So `±SCALE` rounds into
+/// the grid without a clamp.
 const SCALE: f32 = ((1 << (GRID_BITS - 1)) - 1) as f32;
 
 /// Centre of the grid.
 const CENTRE: u32 = 1 << (GRID_BITS - 1);
 
-/// Adding this to a number below 2²² rounds it to an integer in the low bits of the mantissa, 2²² above it.
+/// Adding this to a number of magnitude below 2²² rounds it to an integer. The low bits of the
+/// sum's mantissa hold that integer plus 2²².
 const ROUND_BY: f32 = (3_u32 << (GRID_BITS - 1)) as f32;
 
 const GRID_MASK: u32 = (1 << GRID_BITS) - 1;
 
-/// By how much, in units of u and v, a cell's square must be widened to hold every direction that [`locate`] puts in it.
+/// Margin, in units of u and v, by which a cell's square must be widened to contain every direction
+/// that [`locate`] assigns to it.
 ///
-/// Rounding both coordinates to f32, the quotient, the product and the sum misplace u by at most five times 2⁻²⁴, 3e-7.
+/// Five roundings affect u: those of both coordinates to f32, of the quotient, of the product and
+/// of the sum. Together they move it by at most five times 2⁻²⁴, 3e-7.
 pub const CELL_SLACK: f64 = 4e-7;
 
 /// Where a direction pierces the cube.
@@ -41,13 +46,13 @@ pub const CELL_SLACK: f64 = 4e-7;
 pub struct Cell {
     /// Face of the cube, 0 to 5.
     pub face: u32,
-    /// Grid number along u, below 2²³.
+    /// Grid index along u, below 2²³.
     pub u: u32,
-    /// Grid number along v, below 2²³.
+    /// Grid index along v, below 2²³.
     pub v: u32,
 }
 
-/// Greatest magnitude of a direction's coordinates; a NaN is passed over or returned.
+/// Maximum magnitude of a direction's coordinates. A NaN is ignored or returned.
 #[inline]
 pub fn largest(dir: [f32; 3]) -> f32 {
     let [x, y, z] = dir.map(f32::abs);
@@ -55,14 +60,16 @@ pub fn largest(dir: [f32; 3]) -> f32 {
     if z > xy { z } else { xy }
 }
 
-/// Cell of the finest grid that `dir` falls into; `dir` need not be of unit length, but [`largest`] of it should be
-/// [`IN_RANGE`]. For any other direction some cell comes back; every result is in range.
+/// Cell of the finest grid that contains `dir`.
+///
+/// `dir` need not be of unit length, but its [`largest`] coordinate should be [`IN_RANGE`]. For any
+/// other direction, some cell is returned. Every result is in range.
 #[inline]
 #[expect(clippy::indexing_slicing, reason = "`axis` is 0, 1 or 2: where z wins, y does not")]
 pub fn locate(dir: [f32; 3]) -> Cell {
     let [ax, ay, az] = dir.map(f32::abs);
     let size = largest(dir);
-    // Written without branches: directions are as good as random to a branch predictor.
+    // Without branches: a branch predictor cannot predict directions.
     let z_wins = (az > ax) & (az > ay);
     let y_wins = !z_wins & (ay > ax);
     let axis = usize::from(y_wins) | usize::from(z_wins) << 1;
@@ -90,9 +97,11 @@ pub fn direction(face: u32, u: f64, v: f64) -> [f64; 3] {
     dir
 }
 
-/// Cell of a uniform cube map with `resolution` cells along a face's edge, row by row, face by face.
+/// Cell of a uniform cube map with `resolution` cells along a face's edge, row by row, face by
+/// face.
 ///
-/// Resolutions near 2³², which a file that was not checked may state, have more cells than 64 bits count: some number comes back.
+/// An unchecked file may state a resolution near 2³². The number of cells then exceeds 64 bits, and
+/// the result wraps around.
 #[inline]
 pub fn uniform_cell(cell: Cell, resolution: u32) -> u64 {
     let column = uniform_step(cell.u, resolution);
@@ -106,7 +115,8 @@ fn uniform_step(g: u32, resolution: u32) -> u64 {
     (u64::from(g) * u64::from(resolution)) >> GRID_BITS
 }
 
-/// First grid number in step `step` of a uniform cube map: the least `g` with `g · resolution ≥ step · 2²³`.
+/// First grid index in step `step` of a uniform cube map: the smallest `g` for which
+/// `g · resolution ≥ step · 2²³`.
 pub fn uniform_step_start(step: u32, resolution: u32) -> u32 {
     (u64::from(step) << GRID_BITS).div_ceil(u64::from(resolution)) as u32
 }
@@ -122,7 +132,7 @@ mod tests {
 
     /// A pack opened without checks made it overflow, which panics where overflow is checked.
     #[test]
-    fn resolutions_that_overflow_have_some_cell() {
+    fn overflowing_resolutions_do_not_panic() {
         let last = Cell { face: 5, u: GRID_MASK, v: GRID_MASK };
         for resolution in [1 << 30, 1 << 31, u32::MAX - 1, u32::MAX] {
             uniform_cell(last, resolution);
@@ -173,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_are_no_directions_stay_in_range() {
+    fn invalid_directions_stay_in_range() {
         let bad = [0.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1.0, -0.0, f32::MAX, f32::MIN_POSITIVE * 1e-6];
         for x in bad {
             for y in bad {

@@ -1,24 +1,27 @@
-//! Directions of a hull's edges, rounded: what tells that a vertex is the support point without asking its neighbours.
+//! Quantised directions of a hull's edges: they certify that a vertex is the support vertex without
+//! reading its neighbours.
 //!
-//! Vertex v is the support point in direction d if (w − v)·d < 0 for all its neighbours w. The unit vector from v to w is
-//! stored as three i16, times [`SCALE`] and rounded. For a stored edge q, q·d is off by at most [`DOUBT`]·|d|₁; where it is
-//! below minus that for all edges, v is the support point for certain, whatever is rounded.
+//! Vertex v is the support point in direction d if (w − v)·d < 0 for all its neighbours w. The unit
+//! vector from v to w is stored as three i16, times [`SCALE`] and rounded. For a stored edge q, q·d
+//! differs from its exact value by at most [`DOUBT`]·|d|₁. If q·d is below −[`DOUBT`]·|d|₁ for all
+//! edges, v is certainly the support point, in spite of all rounding errors.
 
-/// What a coordinate of 1 is stored as.
+/// Stored value of the coordinate 1.
 pub const SCALE: f64 = 32767.0;
 
-/// By how much q·d, taken in f32, can be off, as a share of |d|₁: half a unit from rounding the edge, and 4 roundings by
-/// 2⁻²⁴ of at most 32,767 each (of the direction, a product and two sums), 0.008, with as much again to spare.
+/// Maximum error of q·d in f32, relative to |d|₁. Rounding the edge contributes half a unit. Four
+/// more roundings (of the direction, a product and two sums), by 2⁻²⁴ of at most 32,767 each,
+/// contribute 0.008. The rest is margin.
 pub const DOUBT: f32 = 0.52;
 
-/// The edge from `v` to `w`, which differ.
+/// The edge from `v` to `w`, which must differ.
 ///
 /// Every operation is rounded once by IEEE 754, so that the result is the same everywhere.
 #[expect(clippy::indexing_slicing, reason = "an array of three is made of two arrays of three")]
 pub fn quantise(v: [f32; 3], w: [f32; 3]) -> [i16; 3] {
     let edge: [f64; 3] = std::array::from_fn(|i| f64::from(w[i]) - f64::from(v[i]));
     let length = (edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2]).sqrt();
-    // Casts saturate, and make 0 of NaN.
+    // Casts saturate, and turn NaN into 0.
     edge.map(|c| (c / length * SCALE).round() as i16)
 }
 

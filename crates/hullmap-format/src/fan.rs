@@ -1,13 +1,15 @@
 //! Direction → slot of a fan.
 //!
-//! A fan divides the directions around an axis into equal steps of an angle. The angle is counted as a square's outline
-//! is: the square around the axis has sides of length 2, one a quarter turn, a full turn is 8. So it takes one division, and
-//! no trigonometry, whose last digits differ from machine to machine.
+//! A fan divides the directions around an axis into equal steps of an angle. The angle is measured
+//! along the outline of a square around the axis. Its sides have length 2, so a quarter turn is 2
+//! and a full turn is 8. Computing it takes one division and no trigonometric function, whose last
+//! digits would differ between machines.
 
 /// A full turn.
 pub const TURN: f64 = 8.0;
 
-/// The angle of a point with these coordinates: 0 along x, 2 along y, from −1 to 7. NaN at the origin.
+/// The angle of a point with these coordinates: 0 along x, 2 along y, from −1 to 7. NaN at the
+/// origin.
 ///
 /// # Complexity
 /// One division and no branch.
@@ -19,20 +21,23 @@ pub fn angle(x: f64, y: f64) -> f64 {
     rise / run + 2.0 * quarter
 }
 
-/// Words before a fan's slots: x and y of the frame, three f64 each, each low word first; the angle at which the first
-/// slot starts; slots in one unit of the angle; and how many bits tell the slots apart.
+/// Number of words before a fan's slots. They hold five values: the x axis and the y axis of the
+/// frame (three f64 each, low word first), the angle at which the first slot starts (f64), the
+/// number of slots per unit of the angle (f64), and the number of bits of a slot's index (one
+/// word).
 pub const HEAD_WORDS: u32 = 17;
 
-/// Most bits of a fan: it has 2ᵇ slots.
+/// Maximum number of bits of a fan, which has 2ᵇ slots.
 pub const MAX_BITS: u32 = 20;
 
-/// The slot of a fan in which `dir` lies, of 2ᵇ for b = `bits`; `number` reads the numbers of its head.
+/// Index of the slot that contains `dir`, in a fan of 2ᵇ slots with b = `bits`. `number` reads the
+/// f64 values before the slots, by index.
 ///
-/// Rounding misplaces a unit direction by a few 1e-16. Any direction gets some slot.
+/// Rounding errors shift a unit direction by a few 1e-16. For any input, the result is below 2ᵇ.
 #[inline]
 pub fn slot(number: impl Fn(usize) -> f64, bits: u32, dir: [f64; 3]) -> u32 {
     let dot = |from: usize| number(from) * dir[0] + number(from + 1) * dir[1] + number(from + 2) * dir[2];
-    // A cast saturates, and makes 0 of NaN.
+    // The cast saturates, and turns NaN into 0.
     let slot = ((angle(dot(0), dot(3)) - number(6)) * number(7)) as u32;
     slot.min((1 << (bits & 31)) - 1)
 }
@@ -42,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn angles_grow_all_the_way_around() {
+    fn angles_increase_over_a_full_turn() {
         let mut before = -1.0 - 1e-9;
         for step in 0..1000 {
             let turned = std::f64::consts::TAU * (f64::from(step) / 1000.0 - 0.125);

@@ -7,23 +7,23 @@
 //! | 12 | 4 | header length, 64 |
 //! | 16 | 8 | payload length: the file is exactly 64 bytes longer |
 //! | 24 | 16 | XXH3-128 of the source file's bytes, its low 64 bits first |
-//! | 40 | 8 | XXH3-64 of the options that shaped the bake, as the archive spells them out |
+//! | 40 | 8 | XXH3-64 of the options that shaped the bake, as recorded in the archive |
 //! | 48 | 8 | reserved, zero |
-//! | 56 | 8 | XXH3-64 of every other byte of the file |
+//! | 56 | 8 | XXH3-64 of the whole file except these 8 bytes |
 //!
-//! All numbers are little-endian, all hashes of seed 0. The newline in the magic shows a transfer that rewrote line
-//! ends.
+//! All numbers are little-endian. All hashes use seed 0. The newline in the magic reveals a
+//! transfer that rewrote line ends.
 
 use std::hash::Hasher;
 
 use twox_hash::{XxHash3_64, XxHash3_128};
 
-use crate::FORMAT_VERSION;
+use crate::{FORMAT_VERSION, check::MAX_PACK_LEN};
 
 /// First bytes of every pack.
 pub const MAGIC: [u8; 8] = *b"hullmap\n";
 
-/// Length of the header, in bytes. The archive follows at once, so that it starts on a cache line.
+/// Length of the header, in bytes: a whole cache line, so that the archive starts on the next one.
 pub const HEADER_LEN: usize = 64;
 
 const CHECKSUM_AT: usize = 56;
@@ -33,49 +33,70 @@ const CHECKSUM_AT: usize = 56;
 pub struct Header {
     /// Format version the file was written in.
     pub format_version: u32,
-    /// Bytes of archive behind the header.
+    /// Length of the archive after the header, in bytes.
     pub payload_len: u64,
     /// XXH3-128 of the source file's bytes.
     pub source_hash: u128,
     /// XXH3-64 of the options that shaped the bake.
     pub options_hash: u64,
-    /// XXH3-64 of every byte of the file but the checksum's own eight.
+    /// XXH3-64 of every byte of the file except the eight of this field.
     pub checksum: u64,
 }
 
-/// Why the first 64 bytes are not those of a pack that this version reads.
+/// Why the header is not that of a pack that this version reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum HeaderError {
-    /// Too short to hold a header.
-    #[error("{found} bytes is too short for a pack: the header alone takes {HEADER_LEN}; bake the source again")]
+    /// The file is shorter than a header.
+    #[error("the file is {found} bytes long, but the header of a pack takes {HEADER_LEN}; bake the source again")]
     TooShort {
-        /// Length of the file.
+        /// Length of the file, in bytes.
         found: usize,
     },
-    /// The magic is not there.
-    #[error("not a hullmap pack: it starts with other bytes; name a file that `bake build` wrote")]
+    /// The file is longer than the longest pack.
+    #[error("the file is {found} bytes long, but a pack takes at most {expected}; pass a file that `bake build` wrote")]
+    TooLong {
+        /// Length of the file, in bytes.
+        found: u64,
+        /// Length of the longest pack, in bytes.
+        expected: u64,
+    },
+    /// The first eight bytes are not [`MAGIC`].
+    #[error(
+        "not a hullmap pack: it starts with \"{}\" instead of \"{}\"; pass a file that `bake build` wrote",
+        found.escape_ascii(),
+        MAGIC.escape_ascii()
+    )]
     Magic {
         /// First eight bytes.
         found: [u8; 8],
     },
-    /// Written in another version of the format.
-    #[error("format version {found}, where this build reads {FORMAT_VERSION}: {}", version_remedy(*found))]
+    /// The file has another format version.
+    #[error("the file has format version {found}, but this build reads version {expected}; {}", version_remedy(*found))]
     Version {
-        /// Version the file states.
+        /// Version that the file states.
+        found: u32,
+        /// Version that this build reads.
+        expected: u32,
+    },
+    /// The stated length of the header is not [`HEADER_LEN`].
+    #[error("damaged header: it states a length of {found} bytes instead of {HEADER_LEN}; bake the source again")]
+    HeaderLength {
+        /// Length that the header states.
         found: u32,
     },
-    /// Header length or reserved bytes are not as this version writes them.
-    #[error("damaged header: {what}; bake the source again")]
-    Damaged {
-        /// Which field.
-        what: &'static str,
+    /// The reserved bytes are not zero.
+    #[error("damaged header: its reserved bytes are {found:?} instead of zeros; bake the source again")]
+    Reserved {
+        /// The reserved bytes.
+        found: [u8; 8],
     },
-    /// File length and stated length differ.
+    /// The length of the file differs from the stated length.
     #[error(
-        "{found} bytes follow the header where it states {expected}: the file was cut or something was added; bake the source again"
+        "{found} bytes follow the header, but it states {expected}: the file was truncated or extended; bake the source \
+         again"
     )]
     Length {
-        /// Payload length the header states.
+        /// Payload length that the header states.
         expected: u64,
         /// Bytes that follow the header.
         found: u64,
@@ -87,7 +108,7 @@ fn version_remedy(found: u32) -> &'static str {
 }
 
 impl Header {
-    /// A header for `payload`, its checksum computed.
+    /// A header for `payload`, with its checksum.
     pub fn for_payload(source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
         let mut header = Self {
             format_version: FORMAT_VERSION,
@@ -100,7 +121,7 @@ impl Header {
         header
     }
 
-    /// The 64 bytes as they stand in the file.
+    /// The 64 bytes of the header in the file.
     #[expect(clippy::indexing_slicing, reason = "the lengths of the fields, which are constants, come to 64")]
     pub fn to_bytes(&self) -> [u8; HEADER_LEN] {
         let mut bytes = [0; HEADER_LEN];
@@ -120,13 +141,14 @@ impl Header {
         bytes
     }
 
-    /// Reads the header at the start of `file`, which may hold more.
+    /// Reads the header at the start of `file`.
     ///
-    /// Only the header itself is judged: see [`check_length`](Self::check_length) and
-    /// [`matches_checksum`](Self::matches_checksum) for what follows it.
+    /// Only the header itself is checked. [`check_length`](Self::check_length) and
+    /// [`matches_checksum`](Self::matches_checksum) check the payload after it.
     ///
     /// # Errors
-    /// Too short, another magic, another version, or fields that this version never writes.
+    /// The file is too short, has another magic or another version, or a field has a value that
+    /// this version never writes.
     pub fn read(file: &[u8]) -> Result<Self, HeaderError> {
         let bytes: &[u8; HEADER_LEN] = file.first_chunk().ok_or(HeaderError::TooShort { found: file.len() })?;
         let magic: [u8; 8] = field(bytes, 0);
@@ -135,13 +157,15 @@ impl Header {
         }
         let format_version = u32::from_le_bytes(field(bytes, 8));
         if format_version != FORMAT_VERSION {
-            return Err(HeaderError::Version { found: format_version });
+            return Err(HeaderError::Version { found: format_version, expected: FORMAT_VERSION });
         }
-        if u32::from_le_bytes(field(bytes, 12)) != HEADER_LEN as u32 {
-            return Err(HeaderError::Damaged { what: "header length" });
+        let header_len = u32::from_le_bytes(field(bytes, 12));
+        if header_len != HEADER_LEN as u32 {
+            return Err(HeaderError::HeaderLength { found: header_len });
         }
-        if field::<8>(bytes, 48) != [0; 8] {
-            return Err(HeaderError::Damaged { what: "reserved bytes are not zero" });
+        let reserved = field(bytes, 48);
+        if reserved != [0; 8] {
+            return Err(HeaderError::Reserved { found: reserved });
         }
         Ok(Self {
             format_version,
@@ -152,21 +176,35 @@ impl Header {
         })
     }
 
-    /// Whether exactly the stated payload follows the header in a file of `file_len` bytes.
+    /// Checks that exactly the stated payload follows the header in a file of `file_len` bytes.
     ///
     /// # Errors
-    /// [`HeaderError::Length`] where bytes are missing or left over.
-    pub fn check_length(&self, file_len: usize) -> Result<(), HeaderError> {
-        let found = (file_len as u64).saturating_sub(HEADER_LEN as u64);
-        if found == self.payload_len { Ok(()) } else { Err(HeaderError::Length { expected: self.payload_len, found }) }
+    /// [`HeaderError::Length`] if bytes are missing or left over; [`HeaderError::TooLong`] if the
+    /// file is longer than any pack.
+    pub fn check_length(&self, file_len: u64) -> Result<(), HeaderError> {
+        let found = file_len.saturating_sub(HEADER_LEN as u64);
+        if found != self.payload_len {
+            return Err(HeaderError::Length { expected: self.payload_len, found });
+        }
+        let expected = MAX_PACK_LEN as u64;
+        if file_len <= expected { Ok(()) } else { Err(HeaderError::TooLong { found: file_len, expected }) }
     }
 
-    /// Whether `payload` and this header are the bytes that the checksum was made of.
+    /// Whether the checksum is that of this header and `payload`.
     ///
     /// # Complexity
     /// One pass over the payload.
     pub fn matches_checksum(&self, payload: &[u8]) -> bool {
-        self.checksum == checksum(&self.to_bytes(), payload)
+        self.checksum == self.checksum_of(payload)
+    }
+
+    /// Checksum of a file that consists of this header and `payload`. It does not depend on the
+    /// field [`checksum`](Self::checksum).
+    ///
+    /// # Complexity
+    /// One pass over the payload.
+    pub fn checksum_of(&self, payload: &[u8]) -> u64 {
+        checksum(&self.to_bytes(), payload)
     }
 }
 
@@ -209,13 +247,18 @@ mod tests {
         assert_eq!(Header::read(&bytes), Ok(header));
         assert!(header.matches_checksum(b"payload"));
         assert!(!header.matches_checksum(b"Payload"));
-        assert!(header.check_length(HEADER_LEN + 7).is_ok());
-        assert!(header.check_length(HEADER_LEN + 8).is_err());
+        assert!(header.check_length(HEADER_LEN as u64 + 7).is_ok());
+        assert!(header.check_length(HEADER_LEN as u64 + 8).is_err());
         assert!(header.check_length(3).is_err());
+        let longest = MAX_PACK_LEN as u64;
+        let of = |file_len: u64| Header { payload_len: file_len - HEADER_LEN as u64, ..header };
+        assert_eq!(of(longest).check_length(longest), Ok(()));
+        let too_long = HeaderError::TooLong { found: longest + 1, expected: longest };
+        assert_eq!(of(longest + 1).check_length(longest + 1), Err(too_long));
     }
 
     #[test]
-    fn every_flipped_header_bit_is_noticed() {
+    fn every_flipped_header_bit_is_detected() {
         let payload = b"some payload";
         let header = Header::for_payload(1, 2, payload);
         for bit in 0..HEADER_LEN * 8 {
@@ -223,7 +266,7 @@ mod tests {
             bytes[bit / 8] ^= 1 << (bit % 8);
             let noticed = match Header::read(&bytes) {
                 Err(_) => true,
-                Ok(h) => h.check_length(HEADER_LEN + payload.len()).is_err() || !h.matches_checksum(payload),
+                Ok(h) => h.check_length((HEADER_LEN + payload.len()) as u64).is_err() || !h.matches_checksum(payload),
             };
             assert!(noticed, "bit {bit}");
         }

@@ -1,36 +1,47 @@
-//! What is on disk in a `.hullmap` pack, and nothing else: the one place that both the baker (which writes) and the
-//! runtime (which reads) look at, so that neither sees the other.
+//! The file format of a `.hullmap` pack. The baker, which writes packs, and the runtime, which
+//! reads them, both depend on this crate. Neither depends on the other.
 //!
 //! | module | concept |
 //! |---|---|
-//! | [`header`] | the fixed 64 bytes in front: magic, version, length, hashes, checksum |
-//! | [`archive`] | the rkyv types behind it: plain vectors of plain numbers |
+//! | [`header`] | the first 64 bytes: magic, version, length, hashes, checksum |
+//! | [`archive`] | the rkyv types after the header: vectors of plain numbers |
 //! | [`cube`] | direction ↔ cell of the cube map |
+//! | [`index_kind`] | the kinds of direction index: names, codes, leaf sizes |
 //! | [`slot`] | the words of a direction index |
+//! | [`node`] | the nodes of a direction index: positions of their numbers and slots |
 //! | [`bvh`] | the tree of bounding boxes over a pack's hulls |
-//! | [`walk`] | one pass over an index: is it well formed, and what does a query cost at worst |
+//! | [`walk`] | one pass over an index: whether it is well formed, and the worst cost of a query |
+//! | [`sections`] | the archive as slices, each bounds-checked |
 //! | [`check`] | whether a file keeps the promises that the runtime relies on |
-//! | [`repeats`] | whether what a file holds twice agrees |
+//! | [`repeats`] | whether redundant values of a file agree |
 //!
-//! `docs/FORMAT.md` describes the same byte by byte.
+//! `docs/FORMAT.md` describes the format byte by byte.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]
 
 pub mod archive;
 pub mod bvh;
 pub mod check;
+mod check_error;
 pub mod cube;
 pub mod edge;
 pub mod fan;
 pub mod header;
+mod hull_check;
+pub mod index_kind;
+pub mod node;
 pub mod repeats;
+pub mod sections;
 pub mod slot;
 pub mod walk;
+
+pub use index_kind::IndexKind;
 
 /// File name extension of a pack, without the dot.
 pub const EXTENSION: &str = "hullmap";
 
 /// Version of the format that this crate writes and reads.
 ///
-/// Any change to the bytes, or to what they mean, raises it; `docs/FORMAT.md` keeps the history.
+/// Any change to the bytes or to their meaning increments it. `docs/FORMAT.md` lists the history.
 pub const FORMAT_VERSION: u32 = 3;

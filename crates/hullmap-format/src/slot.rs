@@ -1,35 +1,43 @@
 //! The words of a direction index.
 //!
-//! An index is one array of u32. A *slot* is a word that says what lies below it, by its top two bits:
+//! An index is one array of u32. A *slot* is a word that refers to a node or a leaf. Its top two
+//! bits are its tag:
 //!
-//! | tag | below it | the other 30 bits |
+//! | tag | what is below the slot | the other 30 bits |
 //! |---|---|---|
-//! | 0 | branch: the cell is divided evenly | tree: place · 16 + b, of 4ᵇ slots; binary tree: place, of 2 slots |
-//! | 1 | leaf of the usual number of blocks | the first block |
-//! | 2 | planes through the origin, or a fan of them | place · 4 + (0 for one plane, 1 for seven, 2 for a fan; 3 is none) |
-//! | 3 | leaf of any number of blocks | place, of 2 words: first block, number of blocks |
+//! | 0 | branch: even division | tree: position · 16 + b, of 4ᵇ slots; binary: position, of 2 |
+//! | 1 | plain leaf: fixed number of blocks | the first block |
+//! | 2 | planes or a fan | position · 4 + (0: one plane, 1: seven planes, 2: a fan; 3: unused) |
+//! | 3 | list leaf: any number of blocks | position, of 2 words: first block, number of blocks |
 //!
-//! A branch of a tree divides its cell into 2ᵇ × 2ᵇ squares, row by row (v), each row along u. One of a binary tree halves
-//! it, across u first, then v, in turn. Below planes and fans there are planes, fans and leaves, but no branches.
+//! A branch of a tree divides its cell into 2ᵇ × 2ᵇ squares, row by row (v), each row along u. A
+//! branch of a binary tree halves its cell, across u and v in turn, starting with u. Below planes
+//! and fans there are planes, fans and leaves, but no branches.
 //!
-//! One plane takes 8 words: the normal's three f64, each low word first, then the slots behind and in front of it. Seven
-//! planes take 50: the normals' first coordinates, second ones, third ones, then eight slots. The first plane parts
-//! the cell; the next two part what lies behind and in front of it; the last four the four parts; a direction's slot is
-//! the number of its part. A direction `d` is in front where n·d > 0. Unused planes are zero: all is behind them.
+//! All planes pass through the origin. One plane takes 8 words: the three f64 of its normal, each
+//! low word first, then the slots behind it and in front of it. Seven planes take 50 words: the
+//! first coordinates of their normals, the second ones, the third ones, then eight slots. The first
+//! plane divides the cell into two parts, the next two planes divide these into four, and the last
+//! four planes divide those into eight. The index of a direction's part is the index of its slot. A
+//! direction `d` is in front of a plane with normal n if n·d > 0. The normal of an unused plane is
+//! zero, so every direction is behind it.
 //!
 //! A fan takes 17 words and 2ᵇ slots: equal steps around an axis, see [`crate::fan`].
 //!
-//! Normals are f64 because the planes around a facet all pass through one direction, the normal of the facet whose corners they
-//! part: rounded to f32 they would miss it by 6e-8, and around it no plane would part anything.
+//! Normals are f64 for this reason: the planes around a facet separate its corners, and all of them
+//! pass through one direction, the facet's normal. Rounded to f32, they would miss it by 6e-8, and
+//! would separate nothing in its neighbourhood.
 //!
-//! A *place* is the number of a word in the hull's own run of words; blocks are numbered in the hull's own run too.
+//! A *position* is the index of a word in the hull's own run of words. Blocks are counted in the
+//! hull's own run too.
 //!
-//! A tree starts with the slots of the six faces; a cube map with those of all its cells, which are leaves; a hull without
-//! an index has no words. Nodes follow in the order in which the slots that name them first stand (breadth first), without
-//! gaps. Only slots of one node may name the same planes, fan or list, and no two the same branch. So a reader can check the
-//! whole in one pass, and no node lies below itself.
+//! A tree starts with the slots of the six faces. A cube map starts with the slots of all its
+//! cells, which are leaves. A hull without an index has no words. The nodes follow without gaps,
+//! breadth first: in the order of the first slots that refer to them. Several slots may refer to
+//! the same planes, fan or list only if they belong to one node. No two slots may refer to the same
+//! branch. So one pass checks the whole index, and no node is below itself.
 
-/// Words of a halving.
+/// Words of a branch of a binary tree.
 pub const HALVES_WORDS: u32 = 2;
 /// Words of one plane.
 pub const PLANE_WORDS: u32 = 8;
@@ -41,42 +49,42 @@ pub const BUNDLE_PARTS: usize = 8;
 pub const BUNDLE_WORDS: u32 = 50;
 /// Words of a list leaf.
 pub const LIST_WORDS: u32 = 2;
-/// Most bits that one branch of a tree consumes along each axis.
+/// Maximum number of bits that one branch of a tree consumes along each axis.
 pub const MAX_BRANCH_BITS: u32 = 12;
 
-/// Greatest block, or place of a list or halving, that a slot can name, plus one.
+/// Upper limit, exclusive, of a block, and of the position of a list or of a binary tree's branch.
 pub const PAYLOAD_LIMIT: u32 = 1 << 30;
-/// Greatest place of a tree's branch, plus one.
+/// Upper limit, exclusive, of the position of a tree's branch.
 pub const BRANCH_LIMIT: u32 = 1 << 26;
-/// Greatest place of planes, plus one.
+/// Upper limit, exclusive, of the position of planes.
 pub const PLANES_LIMIT: u32 = 1 << 28;
 
 const TAG_SHIFT: u32 = 30;
 const PAYLOAD_MASK: u32 = PAYLOAD_LIMIT - 1;
 
-/// What lies below a slot.
+/// What is below a slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slot {
-    /// A branch: see [`Branch`]; in a binary tree the place of its two slots.
+    /// A branch: see [`Branch`]. In a binary tree, the position of its two slots.
     Branch(u32),
-    /// A leaf of the usual number of blocks, from this one on.
+    /// A plain leaf, which starts at this block.
     Block(u32),
-    /// One plane, at this place.
+    /// One plane, at this position.
     Plane(u32),
-    /// Seven planes, at this place.
+    /// Seven planes, at this position.
     Bundle(u32),
-    /// A fan, at this place.
+    /// A fan, at this position.
     Fan(u32),
-    /// A leaf of any number of blocks, described at this place.
+    /// A list leaf: its first block and its number of blocks are at this position.
     List(u32),
 }
 
 /// A branch of a tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Branch {
-    /// Place of its first slot.
+    /// Position of its first slot.
     pub at: u32,
-    /// It has 2ᵇ × 2ᵇ slots.
+    /// The exponent b: it has 2ᵇ × 2ᵇ slots.
     pub bits: u32,
 }
 
@@ -87,7 +95,7 @@ impl Branch {
         Self { at: payload >> 4, bits: payload & 15 }
     }
 
-    /// The payload. The place is below [`BRANCH_LIMIT`], the bits at most [`MAX_BRANCH_BITS`].
+    /// The payload. `at` must be below [`BRANCH_LIMIT`], and `bits` at most [`MAX_BRANCH_BITS`].
     pub fn encode(self) -> u32 {
         debug_assert!(self.at < BRANCH_LIMIT && self.bits <= MAX_BRANCH_BITS);
         self.at << 4 | self.bits
@@ -95,7 +103,8 @@ impl Branch {
 }
 
 impl Slot {
-    /// Reads a word. Every word is read as some slot; one that is none is not what the slot is written as.
+    /// Reads a word. Every word decodes to some slot. If the word is not the encoding of any slot,
+    /// [`encode`](Self::encode) of the result differs from it.
     #[inline]
     pub fn decode(word: u32) -> Self {
         let payload = word & PAYLOAD_MASK;
@@ -117,13 +126,13 @@ impl Slot {
         (word >> TAG_SHIFT == 0).then_some(word)
     }
 
-    /// The first block, if the word is a leaf of the usual number of blocks.
+    /// The first block, if the word is a plain leaf.
     #[inline]
     pub fn block(word: u32) -> Option<u32> {
         (word >> TAG_SHIFT == 1).then_some(word & PAYLOAD_MASK)
     }
 
-    /// The word. Payloads are below their limits.
+    /// The word. Payloads must be below their limits.
     #[inline]
     pub fn encode(self) -> u32 {
         let (tag, payload) = match self {

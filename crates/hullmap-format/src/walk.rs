@@ -1,313 +1,378 @@
-//! One pass over a direction index: is it well formed, and what does a query cost at worst?
+//! One breadth-first pass over a direction index. It checks that the index is well formed, and
+//! finds the worst cost of a query.
 //!
-//! The nodes of an index stand breadth first, without gaps ([`crate::slot`]). So the pass needs no recursion: it reads
-//! the words from the front, and each slot that names a node must name the next free place, or the same planes, fan or
-//! list as an earlier slot of its own node. An index that passes has no cycle, no node below two others, no dead word, and every
-//! leaf's blocks in range.
+//! [`SlotWalk`] is an iterator over all slots of an index. It checks each slot before it returns
+//! it, so that its consumer can rely on the slot. [`walk`] runs the iterator to its end and returns
+//! the worst cost of a query.
+//!
+//! The nodes of an index are stored breadth first, without gaps ([`crate::slot`]). So the pass
+//! needs no recursion: it reads the words from the front. Each slot that refers to a node must
+//! refer to the next free word, or to the same planes, fan or list as an earlier slot of its own
+//! node. An index that passes has no cycle, no node below two others and no unused word, and the
+//! blocks of every leaf are in range.
 
-use std::collections::VecDeque;
+use std::{collections::VecDeque, ops::Range};
 
+pub use crate::node::Branches;
 use crate::{
     archive::LANES,
     cube::GRID_BITS,
     fan,
-    slot::{
-        BUNDLE_PARTS, BUNDLE_PLANES, BUNDLE_WORDS, Branch, HALVES_WORDS, LIST_WORDS, MAX_BRANCH_BITS, PLANE_WORDS,
-        Slot, decode_f64,
-    },
+    node::{Node, Words},
+    slot::{MAX_BRANCH_BITS, Slot},
 };
 
-/// Most nodes on a path: every bit of both grid numbers, then as many planes as halve all vertices, with room to spare.
+/// Maximum number of nodes on a path: one for each bit of both grid coordinates, then more planes
+/// than it takes to halve the set of all vertices down to one.
 pub const MAX_NODES: u32 = 2 * GRID_BITS + 64;
 
-/// What a support query costs at worst, over all directions.
+/// Worst cost of a support query over all directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cost {
-    /// Most nodes visited.
+    /// Maximum number of nodes visited.
     pub nodes: u32,
-    /// Most vertices multiplied with the direction.
+    /// Maximum number of dot products.
     pub dots: u32,
 }
 
-/// What an index is made of, beside its words.
+/// Facts about an index that are not in its words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shape {
-    /// Slots at the front.
+    /// Number of slots at the front.
     pub roots: usize,
-    /// What a branch is.
+    /// How a branch divides its cell.
     pub branches: Branches,
-    /// Blocks of a plain leaf.
+    /// Number of blocks of a plain leaf.
     pub leaf_blocks: u32,
-    /// Blocks there are.
+    /// Blocks of the hull.
     pub block_count: u32,
 }
 
 impl Shape {
-    /// What scanning all blocks costs.
+    /// Cost of scanning all blocks.
     pub fn scan_cost(&self) -> Cost {
         Cost { nodes: 0, dots: self.block_count.saturating_mul(LANES as u32) }
     }
 }
 
-/// What a branch of an index is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Branches {
-    /// There are none (cube map).
-    None,
-    /// Halves, across u and v in turn (binary tree).
-    Halves,
-    /// Squares (tree).
-    Squares,
-}
-
-/// Why an index is not one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+/// Why words are not a direction index.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum IndexError {
-    /// The array ends before the roots, or before a node.
+    /// The words end before the last root, or inside a node.
     #[error("the direction index ends at word {at}, inside a node")]
     Short {
-        /// Length of the array.
+        /// Number of words.
         at: usize,
     },
-    /// Words are left over that no slot names.
-    #[error("the direction index has words from {at} on that nothing refers to")]
+    /// Words are left over.
+    #[error("no slot of the direction index refers to word {at} or to any word after it")]
     Unused {
         /// First unused word.
         at: usize,
     },
-    /// A slot names another place than the next free one.
-    #[error("slot {slot} of the direction index refers to word {found}, where {expected} comes next")]
+    /// A slot refers to a word that is not the next free one.
+    #[error("slot {slot} of the direction index refers to word {found} (expected {expected}, the next free word)")]
     Order {
-        /// Place of the slot.
+        /// Word of the slot.
         slot: usize,
-        /// Place it names.
-        found: u32,
-        /// Next free place.
+        /// Word that it refers to.
+        found: usize,
+        /// Next free word.
         expected: usize,
     },
-    /// A leaf names a block that is not there, or no block.
-    #[error("slot {slot} of the direction index refers to {count} blocks from {first} on, of {block_count}")]
+    /// A leaf without blocks, or with blocks out of range.
+    #[error(
+        "slot {slot} of the direction index refers to {count} blocks from block {first} on (the hull has {block_count})"
+    )]
     Blocks {
-        /// Place of the slot.
+        /// Word of the slot.
         slot: usize,
-        /// First block it names.
+        /// First block that it refers to.
         first: u32,
-        /// Number of blocks it names.
+        /// Number of blocks that it refers to.
         count: u32,
-        /// Blocks there are.
+        /// Blocks of the hull.
         block_count: u32,
     },
     /// A path is longer than [`MAX_NODES`].
-    #[error("slot {slot} of the direction index lies deeper than {MAX_NODES} nodes")]
+    #[error("slot {slot} of the direction index is below more than {MAX_NODES} nodes")]
     Deep {
-        /// Place of the slot.
+        /// Word of the slot.
         slot: usize,
     },
-    /// The normal of a plane, or of one of a bundle, or a number of a fan is not finite.
-    #[error("the planes at word {at} of the direction index are not finite")]
-    Plane {
-        /// Place of the planes.
+    /// A coordinate of a plane's normal, or a number before a fan's slots, is not finite.
+    #[error("number {number} of the node at word {at} of the direction index is {found}, which is not finite")]
+    NotFinite {
+        /// First word of the node.
         at: usize,
+        /// Index of the number in the node.
+        number: usize,
+        /// The number.
+        found: f64,
     },
-    /// A word that no slot is written as.
-    #[error("slot {slot} of the direction index is of no known kind")]
+    /// A word is not the encoding of any slot.
+    #[error("slot {slot} of the direction index has an unknown tag (word {found:#010x})")]
     Unknown {
-        /// Place of the slot.
+        /// Word of the slot.
         slot: usize,
+        /// The word itself.
+        found: u32,
     },
-    /// A branch below planes or a fan, finer than the grid, or in a cube map; planes or a fan in a cube map.
-    #[error("slot {slot} of the direction index is a node where none can stand")]
+    /// A branch or a fan has too many slots, or a fan has only one.
+    #[error("slot {slot} of the direction index refers to a node of 2^{found} slots (expected 2^1 to 2^{max})")]
+    Bits {
+        /// Word of the slot.
+        slot: usize,
+        /// Bits of the node.
+        found: u32,
+        /// Maximum for a node of its kind.
+        max: u32,
+    },
+    /// A branch is below planes or a fan, is finer than the grid, or is in a cube map; or planes or
+    /// a fan are in a cube map.
+    #[error("slot {slot} of the direction index refers to a node of a kind that is not allowed there")]
     Misplaced {
-        /// Place of the slot.
+        /// Word of the slot.
         slot: usize,
     },
 }
 
-/// A node whose words come next in the array.
+/// A slot of an index that has passed all checks so far.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Visit {
+    /// Index of the slot's word.
+    pub at: usize,
+    /// Number of nodes on the path to it.
+    pub depth: u32,
+    /// What is below it.
+    pub below: Below,
+}
+
+/// What is below a slot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Below {
+    /// A leaf, plain or list: its blocks.
+    Leaf {
+        /// First block.
+        first: u32,
+        /// Number of blocks.
+        count: u32,
+    },
+    /// Any other node. Its own slots follow later.
+    Node(Node),
+}
+
+/// Iterator over all slots of an index, breadth first. If several slots share a node, each of them
+/// is visited, but the slots of the node only once.
+///
+/// The first error ends it.
+///
+/// ```
+/// use hullmap_format::{
+///     slot::Slot,
+///     walk::{Below, Branches, Shape, SlotWalk},
+/// };
+///
+/// // A cube map with one cell per face: six roots, all with the same leaf.
+/// let words = [Slot::Block(0).encode(); 6];
+/// let shape = Shape { roots: 6, branches: Branches::None, leaf_blocks: 1, block_count: 1 };
+/// for visit in SlotWalk::new(shape, &words[..]) {
+///     assert_eq!(visit?.below, Below::Leaf { first: 0, count: 1 });
+/// }
+/// # Ok::<(), hullmap_format::walk::IndexError>(())
+/// ```
+pub struct SlotWalk<'a, W: ?Sized> {
+    shape: Shape,
+    words: &'a W,
+    /// Slots of the current node that have not been read yet.
+    slots: Range<usize>,
+    /// Nodes on the path to these slots.
+    depth: u32,
+    /// Bits of both grid coordinates that branches below these slots may still consume.
+    bits_left: u32,
+    /// Nodes whose slots have not been read yet, in the order of their words.
+    pending: VecDeque<Pending>,
+    /// Number of entries of `pending` to which nodes before the current one refer.
+    older: usize,
+    /// Next word that no slot has referred to yet.
+    free: usize,
+    is_done: bool,
+}
+
+/// A node whose slots have not been read yet.
 #[derive(Clone, Copy)]
-struct Node {
-    slot: Slot,
-    place: u32,
+struct Pending {
+    node: Node,
     /// Nodes on the path, this one included.
     depth: u32,
-    /// Bits of both grid numbers that branches below it may still consume.
     bits_left: u32,
 }
 
-/// Checks an index of `len` words, read by `word`.
-///
-/// # Errors
-/// The first place at which the array is not an index.
-///
-/// # Complexity
-/// O(len) time; memory for the widest level.
-pub fn walk(shape: Shape, len: usize, word: impl Fn(usize) -> u32) -> Result<Cost, IndexError> {
-    if len < shape.roots {
-        return Err(IndexError::Short { at: len });
+impl<'a, W: Words + ?Sized> SlotWalk<'a, W> {
+    /// Starts at the first root.
+    pub fn new(shape: Shape, words: &'a W) -> Self {
+        let bits_left = if shape.branches == Branches::None { 0 } else { 2 * GRID_BITS };
+        let (slots, pending) = (0..shape.roots, VecDeque::new());
+        Self { shape, words, slots, depth: 0, bits_left, pending, older: 0, free: shape.roots, is_done: false }
     }
-    let bits_left = if shape.branches == Branches::None { 0 } else { 2 * GRID_BITS };
-    let mut walk =
-        Walk { shape, len, word, free: shape.roots, cost: Cost::default(), pending: VecDeque::new(), older: 0 };
-    walk.slots(0, shape.roots, 0, bits_left)?;
-    let mut at = shape.roots;
-    while let Some(Node { slot, depth, bits_left, .. }) = walk.pending.pop_front() {
-        match slot {
-            Slot::Branch(payload) => {
-                let count = walk.branch(payload).1 as usize;
-                walk.slots(at, count, depth, bits_left)?;
-            }
-            Slot::Plane(_) => {
-                walk.numbers(at, 3)?;
-                walk.slots(at + 6, 2, depth, 0)?;
-            }
-            Slot::Bundle(_) => {
-                walk.numbers(at, 3 * BUNDLE_PLANES)?;
-                walk.slots(at + 6 * BUNDLE_PLANES, BUNDLE_PARTS, depth, 0)?;
-            }
-            Slot::Fan(_) => {
-                walk.numbers(at, fan::HEAD_WORDS as usize / 2)?;
-                let head = fan::HEAD_WORDS as usize;
-                walk.slots(at + head, walk.words(slot) as usize - head, depth, 0)?;
-            }
-            // A list's words were read when its slot was.
-            Slot::List(_) | Slot::Block(_) => {}
+
+    /// The next slot; `None` after the last.
+    fn advance(&mut self) -> Result<Option<Visit>, IndexError> {
+        if self.free == self.shape.roots && self.words.word_count() < self.shape.roots {
+            return Err(IndexError::Short { at: self.words.word_count() });
         }
-        at += walk.words(slot) as usize;
+        while self.slots.is_empty() {
+            let Some(Pending { node, depth, bits_left }) = self.pending.pop_front() else {
+                let is_whole = self.free == self.words.word_count();
+                return if is_whole { Ok(None) } else { Err(IndexError::Unused { at: self.free }) };
+            };
+            self.check_numbers(node)?;
+            (self.slots, self.depth, self.bits_left, self.older) = (node.slots(), depth, bits_left, self.pending.len());
+        }
+        let at = self.slots.start;
+        self.slots.start += 1;
+        self.visit(at).map(Some)
     }
-    if walk.free == len { Ok(walk.cost) } else { Err(IndexError::Unused { at: walk.free }) }
-}
 
-struct Walk<F> {
-    shape: Shape,
-    len: usize,
-    word: F,
-    /// Next place that no slot has named yet.
-    free: usize,
-    cost: Cost,
-    pending: VecDeque<Node>,
-    /// How many of `pending` were there before the node being read.
-    older: usize,
-}
-
-impl<F: Fn(usize) -> u32> Walk<F> {
-    /// Place and number of slots of a branch. Bits past the limit make a node that cannot fit.
-    fn branch(&self, payload: u32) -> (u32, u32) {
-        match self.shape.branches {
-            Branches::Squares => {
-                let Branch { at, bits } = Branch::decode(payload);
-                (at, if bits > MAX_BRANCH_BITS { u32::MAX } else { 1 << (2 * bits) })
-            }
-            Branches::Halves | Branches::None => (payload, HALVES_WORDS),
+    fn check_numbers(&self, node: Node) -> Result<(), IndexError> {
+        let number = |i: usize| self.words.number(node.at() + 2 * i);
+        match (0..node.number_count()).find(|&i| !number(i).is_finite()) {
+            Some(i) => Err(IndexError::NotFinite { at: node.at(), number: i, found: number(i) }),
+            None => Ok(()),
         }
     }
 
-    /// Words that what lies below a slot takes; more than there can be where it is not one.
-    fn words(&self, slot: Slot) -> u32 {
-        match slot {
-            Slot::Branch(payload) => self.branch(payload).1,
-            Slot::Block(_) => 0,
-            Slot::Plane(_) => PLANE_WORDS,
-            Slot::Bundle(_) => BUNDLE_WORDS,
-            Slot::Fan(place) => {
-                let last = place as usize + fan::HEAD_WORDS as usize - 1;
-                let bits = if last < self.len { (self.word)(last) } else { u32::MAX };
-                if (1..=fan::MAX_BITS).contains(&bits) { fan::HEAD_WORDS + (1 << bits) } else { u32::MAX }
-            }
-            Slot::List(_) => LIST_WORDS,
-        }
-    }
-
-    fn numbers(&self, at: usize, count: usize) -> Result<(), IndexError> {
-        let finite = (0..count).all(|i| decode_f64((self.word)(at + 2 * i), (self.word)(at + 2 * i + 1)).is_finite());
-        if finite { Ok(()) } else { Err(IndexError::Plane { at }) }
-    }
-
-    /// Reads the `count` slots of one node, `depth` nodes below the root.
-    fn slots(&mut self, at: usize, count: usize, depth: u32, bits_left: u32) -> Result<(), IndexError> {
-        self.older = self.pending.len();
-        for at in at..at + count {
-            self.slot(at, depth, bits_left)?;
-        }
-        Ok(())
-    }
-
-    fn slot(&mut self, at: usize, depth: u32, bits_left: u32) -> Result<(), IndexError> {
-        let word = (self.word)(at);
+    fn visit(&mut self, at: usize) -> Result<Visit, IndexError> {
+        let word = self.words.word(at);
         let slot = Slot::decode(word);
         if slot.encode() != word {
-            return Err(IndexError::Unknown { slot: at });
+            return Err(IndexError::Unknown { slot: at, found: word });
         }
-        if depth > MAX_NODES {
+        if self.depth > MAX_NODES {
             return Err(IndexError::Deep { slot: at });
         }
-        let (place, bits) = match slot {
-            Slot::Block(first) => return self.leaf(at, depth, first, self.shape.leaf_blocks),
-            Slot::Branch(payload) => {
-                let (place, count) = self.branch(payload);
-                if count < 2 {
-                    // It would divide nothing.
-                    return Err(IndexError::Misplaced { slot: at });
-                }
-                (place, count.ilog2())
-            }
-            Slot::Plane(place) | Slot::Bundle(place) | Slot::Fan(place) | Slot::List(place) => (place, 0),
+        let node = match slot {
+            Slot::Block(first) => return self.leaf(at, first, self.shape.leaf_blocks),
+            _ => Node::below(slot, self.shape.branches, self.words),
         };
-        let planes = matches!(slot, Slot::Plane(_) | Slot::Bundle(_) | Slot::Fan(_));
-        if bits > bits_left || (planes && self.shape.branches == Branches::None) {
-            return Err(IndexError::Misplaced { slot: at });
+        // Only a plain leaf has no node.
+        let Some(node) = node else { return Err(IndexError::Unknown { slot: at, found: word }) };
+        let bits_left = self.check_place(at, node)?;
+        if !(node.at() < self.free && self.is_of_this_node(node)) {
+            self.claim(at, node)?;
+            self.pending.push_back(Pending { node, depth: self.depth + 1, bits_left });
         }
-        if (place as usize) < self.free && self.is_of_this_node(slot, place) {
-            return Ok(());
+        match node {
+            Node::List { at: list } => self.leaf(at, self.words.word(list), self.words.word(list + 1)),
+            _ => Ok(Visit { at, depth: self.depth, below: Below::Node(node) }),
         }
-        if place as usize != self.free {
-            return Err(IndexError::Order { slot: at, found: place, expected: self.free });
+    }
+
+    /// Checks that a node of this kind may be below the current node. Returns the bits of the grid
+    /// that are left below it.
+    fn check_place(&self, slot: usize, node: Node) -> Result<u32, IndexError> {
+        let is_allowed = self.shape.branches != Branches::None;
+        let (is_allowed, bits) = match node {
+            Node::List { .. } => (true, 0),
+            // Below planes and fans no branch is allowed, so no bits are left.
+            Node::Plane { .. } | Node::Bundle { .. } | Node::Fan { .. } => (is_allowed, self.bits_left),
+            Node::Halves { .. } => (is_allowed, 1),
+            Node::Squares { bits, .. } if bits > MAX_BRANCH_BITS => {
+                return Err(IndexError::Bits { slot, found: bits, max: MAX_BRANCH_BITS });
+            }
+            // A branch of one square divides nothing.
+            Node::Squares { bits, .. } => (is_allowed && bits > 0, 2 * bits),
+        };
+        let left = self.bits_left.checked_sub(bits).filter(|_| is_allowed);
+        left.ok_or(IndexError::Misplaced { slot })
+    }
+
+    /// Assigns the next free words to `node`. All of its words must exist.
+    fn claim(&mut self, slot: usize, node: Node) -> Result<(), IndexError> {
+        if node.at() != self.free {
+            return Err(IndexError::Order { slot, found: node.at(), expected: self.free });
         }
-        let end = self.free.saturating_add(self.words(slot) as usize);
-        if end > self.len {
-            return Err(IndexError::Short { at: self.len });
+        let len = self.words.word_count();
+        if let Node::Fan { at, bits } = node {
+            if at + fan::HEAD_WORDS as usize > len {
+                return Err(IndexError::Short { at: len });
+            }
+            if !(1..=fan::MAX_BITS).contains(&bits) {
+                return Err(IndexError::Bits { slot, found: bits, max: fan::MAX_BITS });
+            }
         }
-        self.free = end;
-        self.pending.push_back(Node { slot, place, depth: depth + 1, bits_left: bits_left - bits });
-        if let Slot::List(_) = slot {
-            let place = place as usize;
-            return self.leaf(at, depth, (self.word)(place), (self.word)(place + 1));
+        if node.end() > len {
+            return Err(IndexError::Short { at: len });
         }
+        self.free = node.end();
         Ok(())
     }
 
-    /// Whether another slot of the node being read has named the same planes, fan or list. Pending nodes ascend by place.
-    fn is_of_this_node(&self, slot: Slot, place: u32) -> bool {
-        let found = self.pending.partition_point(|node| node.place < place);
-        let is_same = self.pending.get(found).is_some_and(|node| node.slot == slot);
-        found >= self.older && is_same && !matches!(slot, Slot::Branch(_))
+    /// Whether an earlier slot of the current node refers to the same planes, fan or list. Pending
+    /// nodes are in ascending order of their words.
+    fn is_of_this_node(&self, node: Node) -> bool {
+        let found = self.pending.partition_point(|pending| pending.node.at() < node.at());
+        let is_same = self.pending.get(found).is_some_and(|pending| pending.node == node);
+        found >= self.older && is_same && !matches!(node, Node::Halves { .. } | Node::Squares { .. })
     }
 
-    fn leaf(&mut self, at: usize, depth: u32, first: u32, count: u32) -> Result<(), IndexError> {
+    fn leaf(&self, at: usize, first: u32, count: u32) -> Result<Visit, IndexError> {
         let block_count = self.shape.block_count;
         let in_range = count > 0 && first.checked_add(count).is_some_and(|end| end <= block_count);
         if !in_range {
             return Err(IndexError::Blocks { slot: at, first, count, block_count });
         }
-        self.cost.nodes = self.cost.nodes.max(depth);
-        self.cost.dots = self.cost.dots.max(count.saturating_mul(LANES as u32));
-        Ok(())
+        Ok(Visit { at, depth: self.depth, below: Below::Leaf { first, count } })
     }
+}
+
+impl<W: Words + ?Sized> Iterator for SlotWalk<'_, W> {
+    type Item = Result<Visit, IndexError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.is_done {
+            return None;
+        }
+        let next = self.advance();
+        self.is_done = !matches!(next, Ok(Some(_)));
+        next.transpose()
+    }
+}
+
+/// Checks an index and returns the worst cost of a query.
+///
+/// # Errors
+/// The first word that is not part of an index, and why.
+///
+/// # Complexity
+/// O(words) time; memory for the widest level.
+pub fn walk<W: Words + ?Sized>(shape: Shape, words: &W) -> Result<Cost, IndexError> {
+    let mut cost = Cost::default();
+    for visit in SlotWalk::new(shape, words) {
+        let Visit { depth, below, .. } = visit?;
+        if let Below::Leaf { count, .. } = below {
+            cost.nodes = cost.nodes.max(depth);
+            cost.dots = cost.dots.max(count.saturating_mul(LANES as u32));
+        }
+    }
+    Ok(cost)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::slot::{BRANCH_LIMIT, encode_f64};
+    use crate::slot::{BRANCH_LIMIT, Branch, encode_f64};
 
     fn check(words: &[u32], roots: usize, block_count: u32, branches: Branches) -> Result<Cost, IndexError> {
-        walk(Shape { roots, branches, leaf_blocks: 1, block_count }, words.len(), |i| words[i])
+        walk(Shape { roots, branches, leaf_blocks: 1, block_count }, words)
     }
 
     fn normal(n: [f64; 3]) -> Vec<u32> {
         n.into_iter().flat_map(encode_f64).collect()
     }
 
-    /// One root: a fan of four steps, of which the first two are one plane, the others a block and a fan of two blocks.
+    /// One root: a fan of four steps. The first two share one plane; the others are a block and a
+    /// fan of two blocks.
     fn fans() -> Vec<u32> {
         let head = |bits: u32| {
             let mut words = normal([1.0, 0.0, 0.0]);
@@ -327,7 +392,7 @@ mod tests {
     }
 
     #[test]
-    fn every_damage_of_a_fan_is_named() {
+    fn every_damage_to_a_fan_is_reported() {
         let check = |words: &[u32]| check(words, 1, 3, Branches::Squares);
         let with = |at: usize, word: u32| {
             let mut words = fans();
@@ -338,21 +403,24 @@ mod tests {
         assert_eq!(all.len(), 49);
         assert_eq!(check(&all), Ok(Cost { nodes: 2, dots: 8 }));
         for bits in [0, fan::MAX_BITS + 1, 31, 32, u32::MAX] {
-            assert!(matches!(with(17, bits), Err(IndexError::Short { at: 49 })), "{bits} bits");
+            assert_eq!(with(17, bits), Err(IndexError::Bits { slot: 0, found: bits, max: fan::MAX_BITS }));
         }
         assert!(matches!(with(17, 1), Err(IndexError::Order { slot: 18, .. })), "fewer steps");
         assert!(matches!(with(17, fan::MAX_BITS), Err(IndexError::Short { .. })), "more steps than there are");
         for number in 0..8 {
             for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-                assert!(matches!(with(2 + 2 * number, encode_f64(odd)[1]), Err(IndexError::Plane { at: 1 })), "{odd}");
+                assert!(
+                    matches!(with(2 + 2 * number, encode_f64(odd)[1]), Err(IndexError::NotFinite { at: 1, .. })),
+                    "{odd}"
+                );
             }
         }
         assert!(matches!(check(&all[..10]), Err(IndexError::Short { .. })), "head cut short");
         assert!(matches!(check(&all[..17]), Err(IndexError::Short { .. })), "head without its bits");
         assert!(matches!(check(&all[..20]), Err(IndexError::Short { .. })), "slots cut short");
         assert!(matches!(check(&all[..48]), Err(IndexError::Short { .. })), "slots of the inner fan cut short");
-        assert!(matches!(with(0, Slot::Fan(1).encode() | 3), Err(IndexError::Unknown { slot: 0 })));
-        assert!(matches!(with(20, Slot::Fan(22).encode() | 3), Err(IndexError::Unknown { slot: 20 })));
+        assert!(matches!(with(0, Slot::Fan(1).encode() | 3), Err(IndexError::Unknown { slot: 0, .. })));
+        assert!(matches!(with(20, Slot::Fan(22).encode() | 3), Err(IndexError::Unknown { slot: 20, .. })));
         let branch = Slot::Branch(Branch { at: 30, bits: 1 }.encode()).encode();
         assert!(matches!(with(21, branch), Err(IndexError::Misplaced { slot: 21 })), "a branch below a fan");
         assert!(matches!(with(21, Slot::Fan(1).encode()), Err(IndexError::Order { slot: 21, .. })), "its own parent");
@@ -362,7 +430,8 @@ mod tests {
         assert!(super::tests::check(&all, 1, 3, Branches::Halves).is_ok());
     }
 
-    /// One root: four squares, of which two share a plane node over a block and a list; the last are a bundle and a block.
+    /// One root: four squares. Two of them share a plane node over a block and a list; the other
+    /// two are a bundle and a block.
     fn sample() -> Vec<u32> {
         let mut words = vec![Slot::Branch(Branch { at: 1, bits: 1 }.encode()).encode()];
         words.extend([Slot::Plane(5), Slot::Plane(5), Slot::Bundle(13), Slot::Block(0)].map(Slot::encode));
@@ -377,7 +446,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sample_passes_and_is_priced() {
+    fn a_sample_passes_with_its_cost() {
         assert_eq!(check(&sample(), 1, 5, Branches::Squares), Ok(Cost { nodes: 2, dots: 24 }));
         let halves =
             [Slot::Branch(1), Slot::Block(0), Slot::Branch(3), Slot::Block(1), Slot::Block(0)].map(Slot::encode);
@@ -385,7 +454,7 @@ mod tests {
     }
 
     #[test]
-    fn every_damage_is_named() {
+    fn every_damage_is_reported() {
         let squares = |words: &[u32], block_count| check(words, 1, block_count, Branches::Squares);
         let with = |at: usize, word: u32| {
             let mut words = sample();
@@ -399,7 +468,7 @@ mod tests {
         assert!(matches!(with(4, own_root), Err(IndexError::Order { .. })), "cycle");
         assert!(matches!(with(11, Slot::Plane(5).encode()), Err(IndexError::Order { .. })), "own parent");
         assert!(matches!(with(2, Slot::Bundle(5).encode()), Err(IndexError::Order { .. })), "another kind");
-        assert!(matches!(with(6, u32::MAX), Err(IndexError::Plane { at: 5 })), "NaN");
+        assert!(matches!(with(6, u32::MAX), Err(IndexError::NotFinite { at: 5, .. })), "NaN");
         let misplaced = Slot::Branch(Branch { at: 63, bits: 1 }.encode()).encode();
         assert!(matches!(with(11, misplaced), Err(IndexError::Misplaced { slot: 11 })));
         assert!(matches!(check(&sample(), 1, 5, Branches::None), Err(IndexError::Misplaced { slot: 0 })));
@@ -409,7 +478,7 @@ mod tests {
         assert!(check(&planes, 1, 1, Branches::Squares).is_ok());
         assert!(matches!(check(&planes, 1, 1, Branches::None), Err(IndexError::Misplaced { slot: 0 })));
         let huge = Slot::Branch(Branch { at: 1, bits: 12 }.encode() | 15).encode();
-        assert!(squares(&[huge, 0, 0], 5).is_err());
+        assert_eq!(squares(&[huge, 0, 0], 5), Err(IndexError::Bits { slot: 0, found: 15, max: MAX_BRANCH_BITS }));
         let far = Slot::Branch(Branch { at: BRANCH_LIMIT - 1, bits: 1 }.encode()).encode();
         assert!(matches!(squares(&[far, 0, 0], 5), Err(IndexError::Order { .. })));
         assert!(matches!(squares(&sample()[..64], 5), Err(IndexError::Short { .. })));
@@ -427,7 +496,7 @@ mod tests {
             words.extend([Slot::Block(0).encode(), Slot::Plane(1 + 8 * (i + 1)).encode()]);
         }
         assert!(matches!(check(&words, 1, 1, Branches::Squares), Err(IndexError::Deep { .. })));
-        // Branches of one square, which divide nothing.
+        // A branch of one square divides nothing.
         let chain: Vec<u32> = (1..200).map(|at| Slot::Branch(Branch { at, bits: 0 }.encode()).encode()).collect();
         assert!(check(&chain, 1, 1, Branches::Squares).is_err());
     }

@@ -1,0 +1,417 @@
+//! Why a pack is refused: one variant for each requirement that a file may violate.
+//!
+//! A message states what is wrong, what was found and what was expected. Indices count from zero,
+//! and those of a hull's vertices, faces and blocks count from the hull's first.
+
+use crate::{
+    bvh::BvhError,
+    index_kind::RecordedKindError,
+    walk::{Cost, IndexError},
+};
+
+/// Why an archive is invalid.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CheckError {
+    /// The payload is shorter than the archive's root.
+    #[error("the archive is {found} bytes long, but its root alone takes {expected}; bake the source again")]
+    TooShort {
+        /// Length of the payload.
+        found: usize,
+        /// Length of the root.
+        expected: usize,
+    },
+    /// The payload starts at an address that is not a multiple of
+    /// [`PAYLOAD_ALIGNMENT`](crate::sections::PAYLOAD_ALIGNMENT).
+    #[error("the archive is not aligned to 64 bytes in memory; copy it to an aligned buffer")]
+    Misaligned,
+    /// A section does not start at the position to which this version writes it.
+    #[error("section {section} starts at byte {found} of the archive instead of {expected}; bake the source again")]
+    Section {
+        /// The section, or "root".
+        section: &'static str,
+        /// Position in the payload that the root states.
+        found: i64,
+        /// Position after the section before it.
+        expected: usize,
+    },
+    /// A section ends after the archive does.
+    #[error("section {section} has {count} elements, but only {available} bytes remain; bake the source again")]
+    SectionLength {
+        /// The section.
+        section: &'static str,
+        /// Number of elements that the root states.
+        count: usize,
+        /// Bytes between the section's start and the root.
+        available: usize,
+    },
+    /// The pack has no hulls.
+    #[error("the pack has no hulls; bake the source again")]
+    NoHulls,
+    /// A section that has one element per element of another section has more or fewer.
+    #[error("section {section} has {found} elements (expected {expected}); bake the source again")]
+    SectionCount {
+        /// The section.
+        section: &'static str,
+        /// Number of its elements.
+        found: usize,
+        /// Number of elements that the other sections require.
+        expected: usize,
+    },
+    /// A hull's run starts before the run of the hull before it.
+    #[error("hull {hull}: its {section} start at {found} (expected at least {least}); bake the source again")]
+    SpanOrder {
+        /// The hull; one past the last for the end of the last hull.
+        hull: usize,
+        /// The section.
+        section: &'static str,
+        /// Start of the run.
+        found: u32,
+        /// Start of the run before it.
+        least: u32,
+    },
+    /// The run of the first hull does not start at 0.
+    #[error("hull 0: its {section} start at {found} (expected 0); bake the source again")]
+    FirstSpan {
+        /// The section.
+        section: &'static str,
+        /// Start of the run.
+        found: u32,
+    },
+    /// The runs of a section do not end where the section ends.
+    #[error("the {section} of all hulls end at {found} (expected {expected}); bake the source again")]
+    SpanEnd {
+        /// The section.
+        section: &'static str,
+        /// End of the last run.
+        found: u32,
+        /// Length of the section.
+        expected: usize,
+    },
+    /// A byte between two sections is not zero.
+    #[error("byte {at} of the archive, before section {section}, is not zero; bake the source again")]
+    Gap {
+        /// The section after the gap, or "root".
+        section: &'static str,
+        /// Position in the payload.
+        at: usize,
+    },
+    /// A section of text is not UTF-8.
+    #[error("section {section} is not UTF-8 from byte {at} on; bake the source again")]
+    Text {
+        /// The section.
+        section: &'static str,
+        /// First byte that is not UTF-8.
+        at: usize,
+    },
+    /// A hull is invalid.
+    #[error("hull {hull}: {source}; bake the source again")]
+    Hull {
+        /// The hull.
+        hull: usize,
+        /// What is wrong.
+        source: HullError,
+    },
+    /// The BVH over the hulls is invalid.
+    #[error("bounding volume hierarchy: {0}; bake the source again")]
+    Bvh(#[from] BvhError),
+}
+
+/// Which requirement a hull violates.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum HullError {
+    /// The name is not UTF-8.
+    #[error("its name is not UTF-8 from byte {at} on")]
+    Name {
+        /// First byte that is not UTF-8.
+        at: usize,
+    },
+    /// A length, area, volume or error is negative or not finite.
+    #[error("its {field} is {found} (expected a finite number of at least 0)")]
+    Length {
+        /// Field of the record.
+        field: &'static str,
+        /// Its value.
+        found: f64,
+    },
+    /// A coordinate or a moment is not finite.
+    #[error("component {axis} of its {field} is {found} (expected a finite number)")]
+    NotFinite {
+        /// Field of the record.
+        field: &'static str,
+        /// Component, from 0.
+        axis: usize,
+        /// Its value.
+        found: f64,
+    },
+    /// The rank is not 0 to 3.
+    #[error("its rank is {found} (expected 0 to 3)")]
+    Rank {
+        /// Rank in the record.
+        found: u32,
+    },
+    /// A hull of this rank has more or fewer vertices.
+    #[error("it has {found} vertices (expected {} for rank {rank})", vertices_of_rank(*rank))]
+    VertexCount {
+        /// Rank in the record.
+        rank: u32,
+        /// Number of vertices.
+        found: u32,
+    },
+    /// The inner ball is larger than the outer one.
+    #[error("its inner radius {inner} is greater than its outer radius {outer}")]
+    Radii {
+        /// Inner radius.
+        inner: f64,
+        /// Outer radius.
+        outer: f64,
+    },
+    /// The index of its part is neither 0 nor the next one.
+    #[error("its part is {found} (expected 0{})", or_next(*before))]
+    Part {
+        /// Part in the record.
+        found: u32,
+        /// Part of the hull before.
+        before: Option<u32>,
+    },
+    /// Its frame is not that of the other hulls.
+    #[error("its origin is {found:?} (expected {expected:?}, the origin of the hull before it)")]
+    Origin {
+        /// Its origin.
+        found: [f64; 3],
+        /// Origin of the hull before.
+        expected: [f64; 3],
+    },
+    /// A vertex is outside of the bounds, or not finite.
+    #[error("vertex {vertex}: coordinate {axis} is {found} (the bounds are {low} to {high})")]
+    VertexBounds {
+        /// The vertex.
+        vertex: usize,
+        /// 0, 1 or 2.
+        axis: usize,
+        /// The coordinate.
+        found: f32,
+        /// Lower bound.
+        low: f32,
+        /// Upper bound.
+        high: f32,
+    },
+    /// Source vertices do not ascend.
+    #[error("vertex {vertex}: source vertex {found} does not follow source vertex {before} of the vertex before it")]
+    SourceVertexOrder {
+        /// The vertex.
+        vertex: usize,
+        /// Its source vertex.
+        found: u32,
+        /// Source vertex of the vertex before it.
+        before: u32,
+    },
+    /// A segment or a point has faces, or a polygon or a solid has no faces.
+    #[error("it has {faces} faces and {corners} face vertices (rank {rank} {})", faces_of_rank(*rank))]
+    FaceCount {
+        /// Rank in the record.
+        rank: u32,
+        /// Number of faces.
+        faces: usize,
+        /// Number of vertices of all faces.
+        corners: usize,
+    },
+    /// A face has fewer than three vertices, or its run is out of order or out of range.
+    #[error(
+        "face {face}: its vertices are entries {start}..{end} of {corners} (runs must be contiguous, of 3 entries or more)"
+    )]
+    FaceRun {
+        /// The face.
+        face: usize,
+        /// Start of its run.
+        start: u32,
+        /// Start of the next run.
+        end: u32,
+        /// Number of vertices of all faces.
+        corners: usize,
+    },
+    /// A face refers to a vertex that does not exist.
+    #[error("face {face}: vertex index {found} is out of range (the hull has {vertex_count} vertices)")]
+    FaceVertex {
+        /// The face.
+        face: usize,
+        /// The index.
+        found: u32,
+        /// Number of vertices.
+        vertex_count: u32,
+    },
+    /// The numbers of vertices, edges and faces violate Euler's formula for a polyhedron.
+    #[error(
+        "its {vertices} vertices, {faces} faces and {corners} face vertices (two per edge) are not those of a polyhedron"
+    )]
+    Euler {
+        /// Number of vertices.
+        vertices: u32,
+        /// Number of faces.
+        faces: usize,
+        /// Number of vertices of all faces: twice the number of edges.
+        corners: usize,
+    },
+    /// A run of neighbours is out of order or out of range.
+    #[error("vertex {vertex}: its neighbours are entries {start}..{end} of {count} (runs must be contiguous)")]
+    NeighbourRun {
+        /// The vertex.
+        vertex: usize,
+        /// Start of its run.
+        start: u32,
+        /// Start of the next run.
+        end: u32,
+        /// Number of neighbours of all vertices.
+        count: usize,
+    },
+    /// The maximum in the record is wrong.
+    #[error("its record states at most {found} neighbours of a vertex (expected {expected})")]
+    MaxNeighbours {
+        /// Maximum in the record.
+        found: u32,
+        /// Maximum of its runs.
+        expected: u32,
+    },
+    /// A neighbour is a vertex that does not exist.
+    #[error("neighbour {entry}: vertex index {found} is out of range (the hull has {vertex_count} vertices)")]
+    Neighbour {
+        /// Position in the hull's neighbours.
+        entry: usize,
+        /// The index.
+        found: u32,
+        /// Number of vertices.
+        vertex_count: u32,
+    },
+    /// The face to the left of an edge does not exist.
+    #[error("neighbour {entry}: face index {found} is out of range (the hull has {face_count} faces)")]
+    NeighbourFace {
+        /// Position in the hull's neighbours.
+        entry: usize,
+        /// The index.
+        found: u32,
+        /// Number of faces.
+        face_count: u32,
+    },
+    /// A solid does not have exactly three edge coordinates per neighbour, or another hull has
+    /// some.
+    #[error("it has {found} edge coordinates (expected {expected})")]
+    EdgeCount {
+        /// Number of coordinates.
+        found: usize,
+        /// Three per neighbour for a solid, otherwise 0.
+        expected: usize,
+    },
+    /// The outer hull has too few or too many vertices.
+    #[error("its outer hull has {found} vertices (expected 0, or 4 to {})", crate::check::MAX_OUTER_VERTICES)]
+    OuterVertexCount {
+        /// Number of vertices.
+        found: usize,
+    },
+    /// A coordinate of the outer hull is not finite.
+    #[error("vertex {vertex} of its outer hull: coordinate {axis} is {found} (expected a finite number)")]
+    OuterVertex {
+        /// The vertex.
+        vertex: usize,
+        /// 0, 1 or 2.
+        axis: usize,
+        /// The coordinate.
+        found: f32,
+    },
+    /// The record does not state an index kind.
+    #[error(transparent)]
+    IndexKind(#[from] RecordedKindError),
+    /// There are no candidates.
+    #[error("it has no blocks (expected at least 1)")]
+    NoBlocks,
+    /// The words are not a direction index.
+    #[error(transparent)]
+    Index(#[from] IndexError),
+    /// The worst cost of a query in the record is wrong.
+    #[error(
+        "its record states a worst case of {} nodes and {} dot products (expected {} and {})",
+        found.nodes, found.dots, expected.nodes, expected.dots
+    )]
+    WorstCost {
+        /// Cost in the record.
+        found: Cost,
+        /// Cost of its index.
+        expected: Cost,
+    },
+    /// A lane of a block refers to a vertex that does not exist.
+    #[error("block {block}, lane {lane}: vertex index {found} is out of range (the hull has {vertex_count} vertices)")]
+    BlockVertex {
+        /// The block.
+        block: usize,
+        /// 0 to 7.
+        lane: usize,
+        /// The index.
+        found: u32,
+        /// Number of vertices.
+        vertex_count: u32,
+    },
+    /// A lane of a block is outside of the bounds, or not finite.
+    #[error("block {block}, lane {lane}: coordinate {axis} is {found} (the bounds are {low} to {high})")]
+    BlockBounds {
+        /// The block.
+        block: usize,
+        /// 0 to 7.
+        lane: usize,
+        /// 0, 1 or 2.
+        axis: usize,
+        /// The coordinate.
+        found: f32,
+        /// Lower bound.
+        low: f32,
+        /// Upper bound.
+        high: f32,
+    },
+    /// The position in a lane differs from that of its vertex.
+    #[error("block {block}, lane {lane}: it has position {found:?} (expected {expected:?}, that of vertex {vertex})")]
+    BlockPosition {
+        /// The block.
+        block: usize,
+        /// 0 to 7.
+        lane: usize,
+        /// Vertex of the lane.
+        vertex: u32,
+        /// Position in the block.
+        found: [f32; 3],
+        /// Position of the vertex.
+        expected: [f32; 3],
+    },
+    /// An edge is not the direction between its vertices.
+    #[error("the edge from vertex {vertex} to vertex {neighbour} is {found:?} (expected {expected:?})")]
+    Edge {
+        /// Vertex at which the edge starts.
+        vertex: usize,
+        /// Vertex at which it ends.
+        neighbour: u32,
+        /// The edge in the file.
+        found: [i16; 3],
+        /// The edge between the two positions.
+        expected: [i16; 3],
+    },
+    /// A run or an index is out of range, in an archive that has not passed
+    /// [`contents`](crate::check::contents).
+    #[error("its {section} are out of range")]
+    OutOfRange {
+        /// The section.
+        section: &'static str,
+    },
+}
+
+fn vertices_of_rank(rank: u32) -> &'static str {
+    match rank {
+        0 => "1",
+        1 => "2",
+        2 => "at least 3",
+        _ => "at least 4",
+    }
+}
+
+fn faces_of_rank(rank: u32) -> &'static str {
+    if rank < 2 { "has no faces" } else { "has at least 2 faces" }
+}
+
+fn or_next(before: Option<u32>) -> String {
+    before.and_then(|before| before.checked_add(1)).map_or_else(String::new, |next| format!(" or {next}"))
+}

@@ -1,0 +1,198 @@
+//! Nodes of a direction index, decoded from its words.
+//!
+//! A [`Slot`] refers to a [`Node`]. The node knows the positions of its numbers and its slots;
+//! [`crate::slot`] describes their meaning. [`crate::walk`] visits and checks all nodes of an
+//! index. Only the runtime's descent decodes words itself, for speed.
+
+use std::ops::Range;
+
+use rkyv::rend::u32_le;
+
+use crate::{
+    fan,
+    slot::{BUNDLE_PARTS, BUNDLE_PLANES, Branch, HALVES_WORDS, LIST_WORDS, MAX_BRANCH_BITS, Slot, decode_f64},
+};
+
+/// The words of one hull's direction index.
+pub trait Words {
+    /// Number of words.
+    fn word_count(&self) -> usize;
+
+    /// The word at index `at`; 0 past the end. No node of a checked index reaches past the end.
+    fn word(&self, at: usize) -> u32;
+
+    /// The f64 in the two words at index `at`.
+    fn number(&self, at: usize) -> f64 {
+        decode_f64(self.word(at), self.word(at + 1))
+    }
+}
+
+impl Words for [u32] {
+    fn word_count(&self) -> usize {
+        self.len()
+    }
+
+    #[inline]
+    fn word(&self, at: usize) -> u32 {
+        self.get(at).copied().unwrap_or(0)
+    }
+}
+
+impl Words for [u32_le] {
+    fn word_count(&self) -> usize {
+        self.len()
+    }
+
+    #[inline]
+    fn word(&self, at: usize) -> u32 {
+        self.get(at).map_or(0, |word| word.to_native())
+    }
+}
+
+/// How a branch of an index divides its cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Branches {
+    /// The index has no branches (cube map, no index).
+    None,
+    /// Into two halves, across u and v in turn (binary tree).
+    Halves,
+    /// Into 2ᵇ × 2ᵇ squares (tree).
+    Squares,
+}
+
+/// A node of a direction index. `at` is the index of its first word in the hull's run.
+///
+/// ```
+/// use hullmap_format::{
+///     node::{Branches, Node, Words},
+///     slot::{Branch, Slot},
+/// };
+///
+/// // One root: a branch into four squares, all with the leaf that starts at block 0.
+/// let root = Slot::Branch(Branch { at: 1, bits: 1 }.encode());
+/// let leaf = Slot::Block(0).encode();
+/// let words = [root.encode(), leaf, leaf, leaf, leaf];
+/// let node = Node::below(root, Branches::Squares, &words[..]);
+/// assert_eq!(node, Some(Node::Squares { at: 1, bits: 1 }));
+/// let slots = node.into_iter().flat_map(Node::slots).map(|at| Slot::decode(words[..].word(at)));
+/// assert_eq!(slots.filter(|slot| *slot == Slot::Block(0)).count(), 4);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "`at` and `bits` are explained above")]
+pub enum Node {
+    /// Two halves of the cell.
+    Halves { at: usize },
+    /// 2ᵇ × 2ᵇ squares of the cell, row by row.
+    Squares { at: usize, bits: u32 },
+    /// The two sides of a plane through the origin.
+    Plane { at: usize },
+    /// The eight parts that seven planes divide the cell into.
+    Bundle { at: usize },
+    /// 2ᵇ equal steps of the angle around an axis.
+    Fan { at: usize, bits: u32 },
+    /// A leaf that states its first block and its number of blocks.
+    List { at: usize },
+}
+
+impl Node {
+    /// The node that `slot` refers to; `None` for a plain leaf, which has no words.
+    #[inline]
+    pub fn below<W: Words + ?Sized>(slot: Slot, branches: Branches, words: &W) -> Option<Self> {
+        Some(match slot {
+            Slot::Block(_) => return None,
+            Slot::Branch(payload) if branches == Branches::Squares => {
+                let Branch { at, bits } = Branch::decode(payload);
+                Self::Squares { at: at as usize, bits }
+            }
+            Slot::Branch(at) => Self::Halves { at: at as usize },
+            Slot::Plane(at) => Self::Plane { at: at as usize },
+            Slot::Bundle(at) => Self::Bundle { at: at as usize },
+            Slot::Fan(at) => Self::Fan { at: at as usize, bits: words.word(at as usize + FAN_BITS_AT) },
+            Slot::List(at) => Self::List { at: at as usize },
+        })
+    }
+
+    /// Index of its first word.
+    #[inline]
+    pub fn at(self) -> usize {
+        match self {
+            Self::Halves { at }
+            | Self::Squares { at, .. }
+            | Self::Plane { at }
+            | Self::Bundle { at }
+            | Self::Fan { at, .. }
+            | Self::List { at } => at,
+        }
+    }
+
+    /// How many f64 it starts with, two words each.
+    #[inline]
+    pub fn number_count(self) -> usize {
+        match self {
+            Self::Halves { .. } | Self::Squares { .. } | Self::List { .. } => 0,
+            Self::Plane { .. } => 3,
+            Self::Bundle { .. } => 3 * BUNDLE_PLANES,
+            Self::Fan { .. } => fan::HEAD_WORDS as usize / 2,
+        }
+    }
+
+    /// Indices of the words that are its slots; empty for a list, and where its bits are out of
+    /// range.
+    #[inline]
+    pub fn slots(self) -> Range<usize> {
+        let (first, count) = match self {
+            Self::Halves { at } => (at, HALVES_WORDS as usize),
+            Self::Squares { at, bits } => (at, if bits <= MAX_BRANCH_BITS { 1 << (2 * bits) } else { 0 }),
+            Self::Plane { at } => (at + 6, 2),
+            Self::Bundle { at } => (at + 6 * BUNDLE_PLANES, BUNDLE_PARTS),
+            Self::Fan { at, bits } => {
+                (at + fan::HEAD_WORDS as usize, if bits <= fan::MAX_BITS { 1 << bits } else { 0 })
+            }
+            Self::List { at } => (at + LIST_WORDS as usize, 0),
+        };
+        first..first + count
+    }
+
+    /// Index of the first word after it.
+    #[inline]
+    pub fn end(self) -> usize {
+        self.slots().end
+    }
+}
+
+/// Position of the word that states the bits of a fan.
+const FAN_BITS_AT: usize = fan::HEAD_WORDS as usize - 1;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::slot::{BUNDLE_WORDS, PLANE_WORDS};
+
+    #[test]
+    fn slots_are_the_last_words_of_a_node() {
+        let words: Vec<u32> = vec![3; 100];
+        let below = |slot| Node::below(slot, Branches::Squares, &words[..]).unwrap();
+        let branch = Slot::Branch(Branch { at: 9, bits: 2 }.encode());
+        assert_eq!(below(branch).slots(), 9..25);
+        assert_eq!(Node::below(Slot::Branch(9), Branches::Halves, &words[..]).unwrap().slots(), 9..11);
+        assert_eq!(below(Slot::Plane(9)).end() - 9, PLANE_WORDS as usize);
+        assert_eq!(below(Slot::Bundle(9)).end() - 9, BUNDLE_WORDS as usize);
+        assert_eq!(below(Slot::Fan(9)), Node::Fan { at: 9, bits: 3 });
+        assert_eq!(below(Slot::Fan(9)).slots(), 26..34);
+        assert_eq!(below(Slot::List(9)).end(), 11);
+        assert_eq!(Node::below(Slot::Block(9), Branches::Squares, &words[..]), None);
+    }
+
+    #[test]
+    fn words_past_the_end_are_zero() {
+        let words = [7_u32];
+        assert_eq!((words[..].word(0), words[..].word(1), words[..].number(5)), (7, 0, 0.0));
+        assert_eq!(Node::below(Slot::Fan(90), Branches::Squares, &words[..]), Some(Node::Fan { at: 90, bits: 0 }));
+    }
+
+    #[test]
+    fn bits_out_of_range_have_no_slots() {
+        assert!(Node::Squares { at: 5, bits: 13 }.slots().is_empty());
+        assert!(Node::Fan { at: 5, bits: u32::MAX }.slots().is_empty());
+    }
+}
