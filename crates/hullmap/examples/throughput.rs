@@ -1,16 +1,17 @@
-//! How many pairs a second: batches on one thread and on all of them, and what each level of detail is worth.
+//! Throughput of batches on one thread and on all threads, and the gain from each stage of the
+//! cascade.
 //!
 //!     cargo run --release --example throughput --package hullmap --features parallel
 //!
-//! Times are the least of many short runs, one setting after the other in turn, so that a busy machine disturbs all alike and
-//! some hardly.
+//! Each time is the minimum over many short runs. The variants run in turn, so that other load on
+//! the machine affects them equally.
 
 use std::time::{Duration, Instant};
 
 use glam::{DQuat, DVec3};
 use hullmap::batch::{self, Pair};
-use hullmap::levels::{self, Level, Levels, OuterHulls};
-use hullmap::{Cache, Hull, Manifold, ManifoldSettings, Pack, Pose, Settings, SupportMap, intersects};
+use hullmap::cascade::{self, OuterHulls, Stage, Stages};
+use hullmap::{Cache, Contact, Hull, Manifold, ManifoldSettings, Pack, Pose, Settings, SupportMap, intersects};
 use hullmap_bake::{IndexKind, PointSet, bake_hull, write_pack};
 use shapes::{families::Family, rng::SplitMix64};
 
@@ -26,7 +27,8 @@ fn pack(positions: &[[f32; 3]], index: IndexKind) -> Result<Pack, Box<dyn std::e
     Ok(Pack::from_bytes(&write_pack(&[baked], &Default::default())?)?)
 }
 
-/// `reach` is how far apart pairs are, in sums of their outer radii.
+/// Random pairs. `reach` is the maximum distance between interior points, relative to the sum of
+/// the outer radii.
 fn pairs<'s, 'p>(hulls: &'s [Hull<'p>], reach: f64) -> Result<Vec<Pair<'s, Hull<'p>, Hull<'p>>>, hullmap::PoseError> {
     let mut rng = SplitMix64::new(SEED);
     (0..PAIRS)
@@ -41,17 +43,17 @@ fn pairs<'s, 'p>(hulls: &'s [Hull<'p>], reach: f64) -> Result<Vec<Pair<'s, Hull<
         .collect()
 }
 
-/// The least time of each of `ways`, in turn.
-fn least<const N: usize>(mut ways: [Box<dyn FnMut() + '_>; N]) -> [Duration; N] {
-    let mut least = [Duration::MAX; N];
+/// Minimum time of each of `variants`, which run in turn.
+fn min_times<const N: usize>(mut variants: [Box<dyn FnMut() + '_>; N]) -> [Duration; N] {
+    let mut min = [Duration::MAX; N];
     for _ in 0..RUNS {
-        for (way, least) in ways.iter_mut().zip(&mut least) {
+        for (variant, min) in variants.iter_mut().zip(&mut min) {
             let start = Instant::now();
-            way();
-            *least = start.elapsed().min(*least);
+            variant();
+            *min = start.elapsed().min(*min);
         }
     }
-    least
+    min
 }
 
 fn threads(hulls: &[Hull], cores: usize) -> Result<(), Box<dyn std::error::Error>> {
@@ -61,9 +63,8 @@ fn threads(hulls: &[Hull], cores: usize) -> Result<(), Box<dyn std::error::Error
         rayon::ThreadPoolBuilder::new().num_threads(cores).build()?,
     );
     let settings = Settings::default();
-    let some = hullmap::contact(pairs[0].a, pairs[0].b, pairs[0].b_in_a, &settings, &mut Cache::new());
     let contact = |pool: &rayon::ThreadPool| {
-        let (mut caches, mut out) = (vec![Cache::new(); PAIRS], vec![some; PAIRS]);
+        let (mut caches, mut out) = (vec![Cache::new(); PAIRS], vec![Contact::default(); PAIRS]);
         pool.install(|| batch::contact(&pairs, &settings, &mut caches, &mut out)).expect("equal lengths");
     };
     let manifold = |pool: &rayon::ThreadPool| {
@@ -71,34 +72,34 @@ fn threads(hulls: &[Hull], cores: usize) -> Result<(), Box<dyn std::error::Error
         pool.install(|| batch::manifolds(&pairs, &ManifoldSettings::default(), &mut caches, &mut out))
             .expect("equal lengths");
     };
-    let times = least([
+    let times = min_times([
         Box::new(|| contact(&one)),
         Box::new(|| contact(&all)),
         Box::new(|| manifold(&one)),
         Box::new(|| manifold(&all)),
     ]);
     let [a, b, c, d] = times.map(|t| t.as_secs_f64() / PAIRS as f64 * 1e9);
-    println!("contact:  {a:6.0} ns a pair on 1 thread, {b:6.0} on {cores}: {:.2} times as many pairs", a / b);
-    println!("manifold: {c:6.0} ns a pair on 1 thread, {d:6.0} on {cores}: {:.2} times as many pairs", c / d);
+    println!("contact:  {a:6.0} ns per pair on 1 thread, {b:6.0} on {cores}: speedup {:.2}", a / b);
+    println!("manifold: {c:6.0} ns per pair on 1 thread, {d:6.0} on {cores}: speedup {:.2}", c / d);
     Ok(())
 }
 
-fn levels_of_detail(hulls: &[Hull]) -> Result<(), Box<dyn std::error::Error>> {
+fn cascade_stages(hulls: &[Hull]) -> Result<(), Box<dyn std::error::Error>> {
     for reach in [0.7, 1.2] {
         let pairs = pairs(hulls, reach)?;
-        let all = |levels: Levels| {
+        let all = |stages: Stages| {
             let mut decided = [0; 4];
             for p in &pairs {
-                decided[levels::intersects(p.a, p.b, p.b_in_a, levels, &mut Cache::new()).level as usize] += 1;
+                decided[cascade::intersects(p.a, p.b, p.b_in_a, stages, &mut Cache::new()).stage as usize] += 1;
             }
             decided
         };
         let (none, boxes, outer) = (
-            Levels { boxes: false, outer: OuterHulls::Never },
-            Levels { boxes: true, outer: OuterHulls::Never },
-            Levels { boxes: true, outer: OuterHulls::Always },
+            Stages { boxes: false, outer: OuterHulls::Never },
+            Stages { boxes: true, outer: OuterHulls::Never },
+            Stages { boxes: true, outer: OuterHulls::Always },
         );
-        let times = least([
+        let times = min_times([
             Box::new(|| {
                 pairs.iter().for_each(|p| {
                     std::hint::black_box(intersects(p.a, p.b, p.b_in_a, &mut Cache::new()));
@@ -111,14 +112,14 @@ fn levels_of_detail(hulls: &[Hull]) -> Result<(), Box<dyn std::error::Error>> {
         let [full, balls, boxed, outered] = times.map(|t| t.as_secs_f64() / PAIRS as f64 * 1e9);
         let decided = all(outer).map(|n| 100.0 * f64::from(n) / PAIRS as f64);
         println!(
-            "up to {reach} radii apart: balls {:.1} %, boxes {:.1} %, outer hulls {:.1} %, hulls {:.1} %",
-            decided[Level::Balls as usize],
-            decided[Level::Boxes as usize],
-            decided[Level::Outer as usize],
-            decided[Level::Full as usize]
+            "distance up to {reach} radii; decided by balls {:.1} %, boxes {:.1} %, outer hulls {:.1} %, hulls {:.1} %",
+            decided[Stage::Balls as usize],
+            decided[Stage::Boxes as usize],
+            decided[Stage::Outer as usize],
+            decided[Stage::Full as usize]
         );
         println!(
-            "  ns a pair: full {full:.0}; by balls {balls:.0}; and boxes {boxed:.0}; and outer hulls {outered:.0}"
+            "  ns per pair: hulls alone {full:.0}, with balls {balls:.0}, and boxes {boxed:.0}, and outer hulls {outered:.0}"
         );
     }
     Ok(())
@@ -127,9 +128,9 @@ fn levels_of_detail(hulls: &[Hull]) -> Result<(), Box<dyn std::error::Error>> {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let cores = std::thread::available_parallelism()?.get();
     for (count, n, index) in [
-        (8, 128, IndexKind::TREE),
-        (8, 2_048, IndexKind::TREE),
-        (400, 2_048, IndexKind::TREE),
+        (8, 128, IndexKind::Tree),
+        (8, 2_048, IndexKind::Tree),
+        (400, 2_048, IndexKind::Tree),
         (8, 2_048, IndexKind::None),
     ] {
         println!("{count} hulls of {n} points, {index:?}");
@@ -138,10 +139,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .map(|i| pack(&families[i % families.len()].points(n, i as u64), index))
             .collect::<Result<Vec<_>, _>>()?;
         let hulls = packs.iter().map(|pack| pack.hull(0)).collect::<Result<Vec<_>, _>>()?;
-        if count == 8 && index == IndexKind::TREE {
+        if count == 8 && index == IndexKind::Tree {
             threads(&hulls, cores)?;
         }
-        levels_of_detail(&hulls)?;
+        cascade_stages(&hulls)?;
     }
     Ok(())
 }

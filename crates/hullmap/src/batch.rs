@@ -1,29 +1,48 @@
-//! Many pairs at once: the same answers as one by one, in the pairs' order, on as many threads as there are.
+//! Batch queries: many pairs in one call, on all threads.
 //!
-//! With the feature `parallel` pairs are shared out by rayon, on the pool that the call is made in; without it they are
-//! solved one after the other on the calling thread. Each pair is a calculation of its own with a cache of its own, so the
-//! answers are the same to the bit whatever the number of threads. Answers go into a slice of the caller's: nothing is
-//! allocated for a pair.
+//! With the feature `parallel`, rayon distributes the pairs over the threads of the current pool.
+//! Without it, the calling thread solves them in order. Every pair has a cache of its own, so the
+//! answers are bit-identical to those of single queries, for any number of threads. They are
+//! written to a slice of the caller, in the order of the pairs, without allocation per pair.
 //!
 //! # Reference
-//! Kenwright, section 4.6 (threading) and 4.7 (the data are each pair's own).
+//! Kenwright, section 4.6 (threading) and 4.7 (data per pair).
 
 #![forbid(unsafe_code)]
 
-use crate::{Cache, Contact, Distance, Intersection, Manifold, ManifoldSettings, Pose, Settings, Shape};
+use crate::manifold::{Manifold, ManifoldSettings};
+use crate::pose::Pose;
+use crate::shapes::Shape;
+use crate::solver::{Cache, Contact, Distance, Intersection, Settings, queries};
 
-/// Fewest pairs that are worth another thread: some 20 µs of work, ten times what handing it over costs.
+/// Minimum number of pairs per task: about 20 µs of work, ten times the cost of handing a task to
+/// another thread.
 #[cfg(feature = "parallel")]
 const MIN_PAIRS: usize = 32;
 
-/// Two shapes and how they lie. Shapes of different kinds go into one batch as `&(dyn Shape + Sync)`.
+/// Two shapes and their relative pose. For a batch of shapes of several types, use `dyn Shape +
+/// Sync`.
+///
+/// # Examples
+/// ```
+/// use hullmap::batch::Pair;
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::{Cuboid, Sphere};
+/// use hullmap::{Pose, Shape, SupportMap};
+///
+/// let (ball, cube) = (Sphere::new(1.0)?, Cuboid::new(DVec3::ONE)?);
+/// type AnyPair<'s> = Pair<'s, dyn Shape + Sync, dyn Shape + Sync>;
+/// let pair: AnyPair = Pair { a: &ball, b: &cube, b_in_a: Pose::IDENTITY };
+/// assert_eq!(pair.b.inner_radius(), 1.0);
+/// # Ok::<(), hullmap::ShapeError>(())
+/// ```
 #[derive(Debug)]
 pub struct Pair<'s, A: ?Sized, B: ?Sized> {
     /// The first shape.
     pub a: &'s A,
     /// The second shape.
     pub b: &'s B,
-    /// The second's frame in the first's.
+    /// Pose of B in A's frame.
     pub b_in_a: Pose,
 }
 
@@ -35,43 +54,61 @@ impl<A: ?Sized, B: ?Sized> Clone for Pair<'_, A, B> {
 
 impl<A: ?Sized, B: ?Sized> Copy for Pair<'_, A, B> {}
 
-/// Slices of a batch that do not go together.
+/// The slices of a batch differ in length.
+///
+/// # Examples
+/// ```
+/// use hullmap::batch::{self, Pair};
+/// use hullmap::shapes::Sphere;
+/// use hullmap::{Pose, Settings};
+///
+/// let ball = Sphere::new(1.0)?;
+/// let pairs = [Pair { a: &ball, b: &ball, b_in_a: Pose::IDENTITY }];
+/// let error = batch::contact(&pairs, &Settings::default(), &mut [], &mut []).unwrap_err();
+/// assert_eq!((error.pairs, error.caches, error.answers), (1, 0, 0));
+/// assert!(error.to_string().ends_with("found 0 and 0: pass slices of equal length"));
+/// # Ok::<(), hullmap::ShapeError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{pairs} pairs need as many caches and places for answers, found {caches} and {answers}")]
+#[error(
+    "a batch of {pairs} pairs requires {pairs} caches and {pairs} answers, found {caches} and {answers}: \
+     pass slices of equal length"
+)]
 pub struct BatchError {
     /// Number of pairs.
     pub pairs: usize,
     /// Number of caches.
     pub caches: usize,
-    /// Number of places for answers.
+    /// Number of answers, or of manifolds.
     pub answers: usize,
 }
 
-/// Contacts of all pairs, by [`crate::contact`]: `out[i]` is that of `pairs[i]`, found with `caches[i]`.
+/// Writes the [`contact`](crate::contact()) of each `pairs[i]` to `out[i]`, using `caches[i]`.
 ///
 /// # Errors
-/// Slices of different lengths; nothing is written then.
+/// [`BatchError`] if the slices differ in length. Nothing is written in that case.
 ///
 /// # Complexity
-/// That of the single queries, over the number of threads. No allocation for a pair.
+/// The sum over the single queries, divided among the threads. No allocation per pair.
 ///
 /// # Examples
 /// ```
 /// use hullmap::batch::{self, Pair};
 /// use hullmap::glam::DVec3;
 /// use hullmap::shapes::{Cuboid, Sphere};
-/// use hullmap::{Cache, Pose, Settings, Shape, contact};
+/// use hullmap::{Cache, Contact, Pose, Settings, Shape};
 ///
 /// let (ball, cube) = (Sphere::new(1.0)?, Cuboid::new(DVec3::ONE)?);
 /// let shapes: [&(dyn Shape + Sync); 2] = [&ball, &cube];
 /// let pairs: Vec<Pair<dyn Shape + Sync, dyn Shape + Sync>> = (0..100)
 ///     .map(|i| {
-///         let b_in_a = Pose::from_translation(DVec3::new(0.04 * f64::from(i), 0.0, 0.0)).expect("finite");
+///         let x = 0.04 * f64::from(i);
+///         let b_in_a = Pose::from_translation(DVec3::new(x, 0.0, 0.0)).expect("finite");
 ///         Pair { a: shapes[i as usize % 2], b: &ball as &(dyn Shape + Sync), b_in_a }
 ///     })
 ///     .collect();
 /// let mut caches = vec![Cache::new(); pairs.len()];
-/// let mut contacts = vec![contact(&ball, &ball, Pose::IDENTITY, &Settings::default(), &mut Cache::new()); pairs.len()];
+/// let mut contacts = vec![Contact::default(); pairs.len()];
 /// batch::contact(&pairs, &Settings::default(), &mut caches, &mut contacts)?;
 /// assert!((contacts[20].depth - 1.2).abs() < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -87,17 +124,34 @@ where
     B: Shape + Sync + ?Sized,
 {
     each(pairs, caches, out, |pair, cache, out| {
-        *out = crate::contact(pair.a, pair.b, pair.b_in_a, settings, cache);
+        *out = queries::contact(pair.a, pair.b, pair.b_in_a, settings, cache);
     })
 }
 
-/// Distances of all pairs, by [`crate::distance`]: `out[i]` is that of `pairs[i]`, found with `caches[i]`.
+/// Writes the [`distance`](crate::distance()) of each `pairs[i]` to `out[i]`, using `caches[i]`.
 ///
 /// # Errors
-/// Slices of different lengths; nothing is written then.
+/// [`BatchError`] if the slices differ in length. Nothing is written in that case.
 ///
 /// # Complexity
-/// That of the single queries, over the number of threads. No allocation for a pair.
+/// The sum over the single queries, divided among the threads. No allocation per pair.
+///
+/// # Examples
+/// ```
+/// use hullmap::batch::{self, Pair};
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::Sphere;
+/// use hullmap::{Cache, Distance, Pose, Settings};
+///
+/// let ball = Sphere::new(1.0)?;
+/// let at = |x| Pose::from_translation(DVec3::new(x, 0.0, 0.0));
+/// let pairs = [at(1.5)?, at(3.0)?].map(|b_in_a| Pair { a: &ball, b: &ball, b_in_a });
+/// let mut caches = vec![Cache::new(); pairs.len()];
+/// let mut gaps = vec![Distance::default(); pairs.len()];
+/// batch::distance(&pairs, &Settings::default(), &mut caches, &mut gaps)?;
+/// assert!(gaps[0].distance == 0.0 && (gaps[1].distance - 1.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn distance<A, B>(
     pairs: &[Pair<'_, A, B>],
     settings: &Settings,
@@ -109,17 +163,35 @@ where
     B: Shape + Sync + ?Sized,
 {
     each(pairs, caches, out, |pair, cache, out| {
-        *out = crate::distance(pair.a, pair.b, pair.b_in_a, settings, cache);
+        *out = queries::distance(pair.a, pair.b, pair.b_in_a, settings, cache);
     })
 }
 
-/// Yes or no for all pairs, by [`crate::intersects`]: `out[i]` is that of `pairs[i]`, found with `caches[i]`.
+/// Writes whether the shapes of each `pairs[i]` [`intersect`](crate::intersects()) to `out[i]`,
+/// using `caches[i]`.
 ///
 /// # Errors
-/// Slices of different lengths; nothing is written then.
+/// [`BatchError`] if the slices differ in length. Nothing is written in that case.
 ///
 /// # Complexity
-/// That of the single queries, over the number of threads. No allocation for a pair.
+/// The sum over the single queries, divided among the threads. No allocation per pair.
+///
+/// # Examples
+/// ```
+/// use hullmap::batch::{self, Pair};
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::Sphere;
+/// use hullmap::{Cache, Intersection, Pose};
+///
+/// let ball = Sphere::new(1.0)?;
+/// let at = |x| Pose::from_translation(DVec3::new(x, 0.0, 0.0));
+/// let pairs = [at(1.5)?, at(3.0)?].map(|b_in_a| Pair { a: &ball, b: &ball, b_in_a });
+/// let mut caches = vec![Cache::new(); pairs.len()];
+/// let mut found = vec![Intersection::default(); pairs.len()];
+/// batch::intersects(&pairs, &mut caches, &mut found)?;
+/// assert!(found[0].is_hit() && !found[1].is_hit());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn intersects<A, B>(
     pairs: &[Pair<'_, A, B>],
     caches: &mut [Cache],
@@ -129,16 +201,34 @@ where
     A: Shape + Sync + ?Sized,
     B: Shape + Sync + ?Sized,
 {
-    each(pairs, caches, out, |pair, cache, out| *out = crate::intersects(pair.a, pair.b, pair.b_in_a, cache))
+    each(pairs, caches, out, |pair, cache, out| *out = queries::intersects(pair.a, pair.b, pair.b_in_a, cache))
 }
 
-/// Manifolds of all pairs, brought up to date by [`Manifold::update`]: `manifolds[i]` belongs to `pairs[i]`, as `caches[i]` does.
+/// Calls [`Manifold::update`] on each `manifolds[i]` for `pairs[i]`, using `caches[i]`.
 ///
 /// # Errors
-/// Slices of different lengths; nothing is written then.
+/// [`BatchError`] if the slices differ in length. Nothing is written in that case.
 ///
 /// # Complexity
-/// That of the single updates, over the number of threads. No allocation for a pair.
+/// The sum over the single updates, divided among the threads. No allocation per pair.
+///
+/// # Examples
+/// ```
+/// use hullmap::batch::{self, Pair};
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::Sphere;
+/// use hullmap::{Cache, Manifold, ManifoldSettings, Pose};
+///
+/// let ball = Sphere::new(1.0)?;
+/// let at = |x| Pose::from_translation(DVec3::new(x, 0.0, 0.0));
+/// let pairs = [at(1.5)?, at(3.0)?].map(|b_in_a| Pair { a: &ball, b: &ball, b_in_a });
+/// let mut caches = vec![Cache::new(); pairs.len()];
+/// let mut manifolds = vec![Manifold::new(); pairs.len()];
+/// batch::manifolds(&pairs, &ManifoldSettings::default(), &mut caches, &mut manifolds)?;
+/// assert_eq!(manifolds[0].points().len(), 1);
+/// assert!(manifolds[1].points().is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn manifolds<A, B>(
     pairs: &[Pair<'_, A, B>],
     settings: &ManifoldSettings,
@@ -154,7 +244,7 @@ where
     })
 }
 
-/// Solves each pair with its cache into its place.
+/// Calls `solve` with each pair, its cache and its answer.
 fn each<A, B, T, F>(pairs: &[Pair<'_, A, B>], caches: &mut [Cache], out: &mut [T], solve: F) -> Result<(), BatchError>
 where
     A: Sync + ?Sized,
@@ -168,9 +258,9 @@ where
     #[cfg(feature = "parallel")]
     {
         use rayon::prelude::*;
-        let places = caches.par_iter_mut().zip(out.par_iter_mut());
-        let shared = pairs.par_iter().zip(places).with_min_len(MIN_PAIRS);
-        shared.for_each(|(pair, (cache, out))| solve(pair, cache, out));
+        let slots = caches.par_iter_mut().zip(out.par_iter_mut());
+        let jobs = pairs.par_iter().zip(slots).with_min_len(MIN_PAIRS);
+        jobs.for_each(|(pair, (cache, out))| solve(pair, cache, out));
     }
     #[cfg(not(feature = "parallel"))]
     for (pair, (cache, out)) in pairs.iter().zip(caches.iter_mut().zip(out)) {

@@ -1,104 +1,236 @@
-//! Exact support queries and convex collision on detailed hulls, straight from a memory-mapped `.hullmap` file.
+//! Support mapping and convex collision (GJK, EPA, MPR) on hulls with many vertices, read from
+//! `.hullmap` packs.
 //!
-//! `bake` turns meshes into packs once, offline; this crate maps a pack and answers. It allocates nothing, takes no lock
-//! and does no I/O after a pack is open.
+//! The command `bake` turns meshes into packs offline. This crate opens packs and answers queries:
+//! support points, overlap, distance, contact and contact manifolds. Answers are certified
+//! intervals in double precision. After a pack is open, no query allocates, locks, or performs I/O.
+//!
+//! # Open a pack and query a support point
+//!
+//! A [`Pack`] holds one or more [`Hull`]s. Its direction index finds a [support
+//! vertex](Hull::support) at a cost that hardly grows with the number of vertices.
 //!
 //! ```
+//! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let folder = tempfile::tempdir()?;
 //! # std::env::set_current_dir(&folder)?;
-//! # let positions = shapes::families::rock(200, 1);
-//! # let source_vertices = (0..200).collect();
-//! # let points = hullmap_bake::PointSet { name: "rock".into(), positions, source_vertices, ..Default::default() };
-//! # let baked = hullmap_bake::bake_hull(&points, hullmap_bake::IndexKind::TREE)?;
 //! # std::fs::create_dir("baked")?;
-//! # std::fs::write("baked/rock.hullmap", hullmap_bake::write_pack(&[baked], &Default::default())?)?;
-//! use hullmap::glam::{DQuat, DVec3, Vec3};
-//! use hullmap::{Cache, Pack, Pose, Settings};
+//! # std::fs::write("baked/rock.hullmap", rock_and_cube())?;
+//! use hullmap::Pack;
+//! use hullmap::glam::Vec3;
 //!
 //! let pack = Pack::open("baked/rock.hullmap")?;
 //! let rock = pack.hull(0)?; // or pack.hull_named("rock")
 //! let top = rock.support(Vec3::Z);
-//! println!("vertex {} lies farthest up, at {}", top.index, top.point);
-//!
-//! let b_in_a = Pose::new(DVec3::new(1.0, 0.2, 0.0), DQuat::from_rotation_z(0.5))?;
-//! let mut cache = Cache::default();
-//! if hullmap::intersects(&rock, &rock, b_in_a, &mut cache).is_hit() {
-//!     let c = hullmap::contact(&rock, &rock, b_in_a, &Settings::default(), &mut cache);
-//!     println!("{:.3} deep along {:.3}, between {} and {}", c.depth, c.normal, c.depth_lower, c.depth_upper);
-//! #   assert!(c.hit && c.depth > 0.0);
-//! }
-//! # else { panic!("the example overlaps"); }
-//! # assert!(rock.vertices().all(|v| v.z <= top.point.z));
+//! assert!(rock.vertices().all(|vertex| vertex.z <= top.point.z));
+//! assert_eq!(rock.vertex(top.index), Some(top.point));
 //! # Ok(())
 //! # }
 //! ```
 //!
-//! Whole packs, of the convex parts of concave meshes, are asked by [`compound`]:
+//! [`SharedHull`] is a hull without a lifetime, for components and threads.
+//!
+//! # Overlap, distance and contact
+//!
+//! [`intersects`], [`distance`] and [`contact`] take two shapes and a [`Pose`] `b_in_a`, which maps
+//! B's frame into A's. A hull is a shape, so are the primitives in [`shapes`], and so is every type
+//! that implements [`SupportMap`]. All results are in A's frame. The [`Cache`] of a pair makes the
+//! next query cheaper.
 //!
 //! ```
+//! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! # let folder = tempfile::tempdir()?;
-//! # std::env::set_current_dir(&folder)?;
-//! # std::fs::create_dir("baked")?;
-//! # for name in ["chair", "table"] {
-//! #     let positions = shapes::families::rock(50, 1);
-//! #     let source_vertices = (0..50).collect();
-//! #     let points = hullmap_bake::PointSet { name: name.into(), positions, source_vertices, ..Default::default() };
-//! #     let baked = hullmap_bake::bake_hull(&points, hullmap_bake::IndexKind::TREE)?;
-//! #     std::fs::write(format!("baked/{name}.hullmap"), hullmap_bake::write_pack(&[baked], &Default::default())?)?;
-//! # }
-//! use hullmap::glam::DVec3;
-//! use hullmap::{Compound, CompoundCache, Pack, Pose, Settings, compound};
+//! # let pack = pack();
+//! use hullmap::glam::{DQuat, DVec3};
+//! use hullmap::shapes::Sphere;
+//! use hullmap::{Cache, Pose, Settings};
 //!
-//! let (chair, table) = (Pack::open("baked/chair.hullmap")?, Pack::open("baked/table.hullmap")?);
-//! let (chair, table) = (Compound::new(&chair), Compound::new(&table));
-//! let b_in_a = Pose::from_translation(DVec3::new(0.5, 0.25, 0.0))?;
-//! let mut cache = CompoundCache::default();
-//! let gap = compound::distance(&chair, &table, b_in_a, &Settings::default(), &mut cache);
-//! println!("hulls {:?} are the nearest, {:.3} apart", gap.hulls, gap.answer.distance);
-//! if let Some(c) = compound::contact(&chair, &table, b_in_a, &Settings::default(), &mut cache) {
-//!     println!("hulls {:?} are the deepest, {:.3}", c.hulls, c.answer.depth);
-//! }
+//! let (cube, ball) = (pack.hull_named("cube").ok_or("no cube")?, Sphere::new(0.5)?);
+//! let settings = Settings::default();
+//! let mut cache = Cache::new();
+//!
+//! // The cube extends by 1 from its centre.
+//! let b_in_a = Pose::new(DVec3::new(1.25, 0.2, 0.0), DQuat::from_rotation_z(0.5))?;
+//! assert!(hullmap::intersects(&cube, &ball, b_in_a, &mut cache).is_hit());
+//! let contact = hullmap::contact(&cube, &ball, b_in_a, &settings, &mut cache);
+//! assert!((contact.depth - 0.25).abs() < 1e-9);
+//! assert!(contact.depth_lower <= contact.depth && contact.depth <= contact.depth_upper);
+//! assert!(contact.normal.distance(DVec3::X) < 1e-9); // from A to B
+//!
+//! let b_in_a = Pose::from_translation(DVec3::new(3.0, 0.0, 0.0))?;
+//! let gap = hullmap::distance(&cube, &ball, b_in_a, &settings, &mut cache);
+//! assert!((gap.distance - 1.5).abs() < 1e-9);
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! Numerical trouble is never silent: each answer has a [`Status`] or an [`Overlap`].
+//!
+//! # A falling body that comes to rest
+//!
+//! A [`Manifold`] keeps up to four contact points of a pair from step to step, with the impulses
+//! that the caller stores in them. [`Hull::mass_properties`] returns the mass and the inertia
+//! tensor. This is a small physics step: semi-implicit Euler with sequential impulses, without
+//! friction.
+//!
+//! ```
+//! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let pack = pack();
+//! use hullmap::glam::{DMat3, DQuat, DVec3};
+//! use hullmap::shapes::Cuboid;
+//! use hullmap::{Cache, Manifold, ManifoldSettings, Pose};
+//!
+//! let floor = Cuboid::new(DVec3::new(20.0, 20.0, 1.0))?; // its top is at z = 1
+//! let cube = pack.hull_named("cube").ok_or("no cube")?; // its centre of mass is the origin
+//! let body = cube.mass_properties(1.0);
+//!
+//! // The frame of the floor is that of the world. The cube starts tilted, above the floor.
+//! let (mut position, mut rotation) = (DVec3::new(0.0, 0.0, 4.0), DQuat::from_rotation_x(0.4));
+//! let (mut velocity, mut spin) = (DVec3::ZERO, DVec3::ZERO);
+//! let (mut manifold, mut cache) = (Manifold::new(), Cache::new());
+//! let (step, slop) = (1.0 / 60.0, 0.005);
+//!
+//! for _ in 0..600 {
+//!     velocity.z -= 9.81 * step;
+//!     let cube_in_floor = Pose::new(position, rotation)?;
+//!     let settings = ManifoldSettings::default();
+//!     manifold.update(&floor, &cube, cube_in_floor, &settings, &mut cache);
+//!
+//!     let turn = DMat3::from_quat(rotation);
+//!     let inverse_inertia = turn * body.inertia.inverse() * turn.transpose();
+//!     let normal = manifold.normal();
+//!     let mut push = |arm: DVec3, impulse: f64| {
+//!         velocity += normal * impulse / body.mass;
+//!         spin += inverse_inertia * arm.cross(normal) * impulse;
+//!         (velocity, spin)
+//!     };
+//!     // Warm start with the impulses of the previous step, then iterate.
+//!     for point in manifold.points() {
+//!         push(point.point_b - position, point.impulse[0]);
+//!     }
+//!     for _ in 0..20 {
+//!         for point in manifold.points_mut() {
+//!             let arm = point.point_b - position;
+//!             let lever = arm.cross(normal);
+//!             let effective_mass = 1.0 / (1.0 / body.mass + lever.dot(inverse_inertia * lever));
+//!             // Close a gap within one step, but push overlapping surfaces apart slowly.
+//!             let excess = 0.2 * (point.depth - slop).max(0.0);
+//!             let depth = if point.depth < 0.0 { point.depth } else { excess };
+//!             let (velocity, spin) = push(arm, 0.0);
+//!             let speed = (velocity + spin.cross(arm)).dot(normal);
+//!             let total = (point.impulse[0] + effective_mass * (depth / step - speed)).max(0.0);
+//!             push(arm, total - point.impulse[0]);
+//!             point.impulse[0] = total;
+//!         }
+//!     }
+//!     position += velocity * step;
+//!     rotation = (DQuat::from_scaled_axis(spin * step) * rotation).normalize();
+//! }
+//!
+//! // It lies on a face: four points carry its weight, and nothing moves.
+//! assert_eq!(manifold.points().len(), 4);
+//! assert!(velocity.length() < 1e-3 && spin.length() < 1e-3);
+//! assert!((position.z - 2.0).abs() < 2.0 * slop);
+//! let weight: f64 = manifold.points().iter().map(|point| point.impulse[0] / step).sum();
+//! assert!((weight - body.mass * 9.81).abs() < 1e-3 * weight);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Many pairs at once
+//!
+//! [`batch`] solves a slice of pairs, with the feature `parallel` on all threads. The answers are
+//! bit-identical to those of single queries.
+//!
+//! ```
+//! use hullmap::batch::{self, Pair};
+//! use hullmap::glam::DVec3;
+//! use hullmap::shapes::{Cuboid, Sphere};
+//! use hullmap::{Cache, Contact, Pose, Settings};
+//!
+//! let (floor, ball) = (Cuboid::new(DVec3::new(50.0, 50.0, 1.0))?, Sphere::new(0.5)?);
+//! let mut pairs = Vec::new();
+//! for i in 0..100 {
+//!     let b_in_a = Pose::from_translation(DVec3::new(0.4 * f64::from(i), 0.0, 1.25))?;
+//!     pairs.push(Pair { a: &floor, b: &ball, b_in_a });
+//! }
+//! let mut caches = vec![Cache::new(); pairs.len()];
+//! let mut contacts = vec![Contact::default(); pairs.len()];
+//! batch::contact(&pairs, &Settings::default(), &mut caches, &mut contacts)?;
+//! assert!(contacts.iter().all(|contact| (contact.depth - 0.25).abs() < 1e-9));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Concave meshes: compounds
+//!
+//! `bake build --decompose` bakes a concave mesh as several convex parts. A [`Compound`] is their
+//! union, and the functions in [`compound`] query two compounds, or a compound and a hull.
+//!
+//! ```
+//! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let pack = two_cubes();
+//! use hullmap::glam::DVec3;
+//! use hullmap::{Compound, CompoundCache, Pose, Settings, compound};
+//!
+//! // Two unit cubes, at x from 0 to 1 and from 3 to 4, with room for a third one between them.
+//! let cubes = Compound::new(&pack);
+//! let cube = Compound::from(pack.hull(0)?);
+//! let mut cache = CompoundCache::default();
+//! let between = Pose::from_translation(DVec3::new(1.25, 0.0, 0.0))?;
+//! let gap = compound::distance(&cubes, &cube, between, &Settings::default(), &mut cache);
+//! assert!((gap.answer.distance - 0.25).abs() < 1e-9);
+//! assert_eq!(gap.hulls, [0, 0]);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Features of the crate
+//!
+//! - `mmap` (default): `Pack::map`, which maps a file instead of copying it, by memmap2.
+//! - `parallel`: batches on all threads, by rayon. Without it, they run on the calling thread.
+//!
+//! # Where to find more
+//!
+//! - [`Pack`]: the constructors, and when to map a file instead of copying it
+//! - [`Hull`]: vertices, faces, neighbours and everything else that a pack records about a hull
+//! - [`shapes`]: primitives, scaled and rounded shapes; [`SupportMap`]: a shape of your own
+//! - [`cascade`]: overlap tests in stages, for broad sweeps over many hulls
+//! - [`Settings`]: tolerance and iteration limit; [`Instructions`]: SIMD selection
+//! - [`solver`]: how queries work
+//!
+//! The algorithms follow B. Kenwright, "Generic Convex Collision Detection using Support Mapping",
+//! and complete it.
 #![deny(unsafe_code)]
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]
 
 pub mod batch;
-mod candidates;
+pub mod cascade;
 pub mod compound;
-mod direction;
-mod hint;
 mod hull;
-pub mod levels;
-mod lookup;
-#[allow(clippy::indexing_slicing, reason = "it computes on numbers, in arrays of its own")]
+#[allow(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
 pub mod manifold;
-pub mod minkowski;
 mod pack;
 pub mod pose;
-mod rounding;
-pub mod shape;
 pub mod shapes;
-mod simd;
-#[allow(clippy::indexing_slicing, reason = "it computes on numbers, in arrays of its own")]
+#[allow(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
 pub mod solver;
-mod storage;
-pub mod support_map;
+mod support;
+mod vector;
 
 pub use compound::{Compound, CompoundCache};
 pub use glam;
-pub use hull::{Hull, IndexKind, SupportPoint};
-pub use hullmap_format::{header::Header, walk::Cost};
-pub use manifold::{Manifold, ManifoldSettings};
-pub use minkowski::{Minkowski, Vertex};
+pub use hull::{Hull, MassProperties, SharedHull, SupportVertex};
+pub use hullmap_format::{IndexKind, header::Header, walk::Cost};
+pub use manifold::{Manifold, ManifoldSettings, Prediction};
 pub use pack::{InvalidPack, NoSuchHull, OpenError, Pack};
 pub use pose::{Pose, PoseError};
-pub use rounding::{contact, distance, intersects};
-pub use shape::{Corner, Feature, Shape};
-pub use shapes::ShapeError;
-pub use simd::Instructions;
-pub use solver::{Cache, Contact, Distance, Intersection, Overlap, Settings, Status, contact_in_steps};
-pub use support_map::{Support, SupportMap};
+pub use shapes::{Corner, Feature, Shape, ShapeError};
+pub use solver::queries::{contact, distance, intersects};
+pub use solver::{
+    Cache, Contact, Distance, Intersection, Minkowski, Overlap, Settings, Status, Vertex, contact_lockstep,
+};
+pub use support::{Instructions, SupportMap, SupportPoint};

@@ -1,4 +1,4 @@
-//! Queries between whole packs against their slow twin: all pairs of hulls, each on its own.
+//! Queries between whole packs, compared with their slow twin: a query of each pair of hulls.
 
 use glam::{DQuat, DVec3};
 use hullmap::{Cache, Compound, CompoundCache, Contact, Overlap, Pack, Pose, Settings, Status, compound};
@@ -7,7 +7,8 @@ use shapes::{families::Family, rng::SplitMix64};
 
 const SEED: u64 = 0xc0_11de;
 
-/// A pack of `count` rocks and boxes in a ball of radius `radius`: a concave shape with holes.
+/// A pack of `count` rocks, boxes, lenses and cones in a ball of radius `radius`: a concave shape
+/// with holes.
 fn pack(count: usize, radius: f64, seed: u64) -> Pack {
     let mut rng = SplitMix64::new(seed);
     let hulls: Vec<_> = (0..count)
@@ -20,7 +21,7 @@ fn pack(count: usize, radius: f64, seed: u64) -> Pack {
                 points.iter().map(|p| std::array::from_fn(|i| (f64::from(p[i]) * size + place[i]) as f32)).collect();
             let source_vertices = (0..positions.len() as u32).collect();
             let set = PointSet { name: number.to_string(), positions, source_vertices, ..PointSet::default() };
-            bake_hull(&set, IndexKind::TREE).unwrap()
+            bake_hull(&set, IndexKind::Tree).unwrap()
         })
         .collect();
     Pack::from_bytes(&write_pack(&hulls, &SourceRecord::default()).unwrap()).unwrap()
@@ -37,7 +38,7 @@ fn poses(count: usize, reach: f64, seed: u64) -> Vec<Pose> {
         .collect()
 }
 
-/// Packs and single hulls, few parts and many.
+/// Pairs of packs with few and with many parts, one of them with a single hull.
 fn pairings() -> Vec<(&'static str, Pack, Pack)> {
     vec![
         ("three and five", pack(3, 1.0, 1), pack(5, 1.0, 2)),
@@ -51,8 +52,8 @@ fn pairs<'a>(a: &'a Pack, b: &'a Pack) -> impl Iterator<Item = ([usize; 2], hull
 }
 
 #[test]
-fn yes_or_no_is_that_of_all_pairs() {
-    let (mut hits, mut tried, mut asked, mut all) = (0, 0, 0, 0);
+fn intersection_agrees_with_all_pairs() {
+    let (mut hits, mut tried, mut queried, mut all) = (0, 0, 0, 0);
     for (name, a, b) in pairings() {
         let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
         let mut cache = CompoundCache::new(8);
@@ -70,19 +71,19 @@ fn yes_or_no_is_that_of_all_pairs() {
             }
             hits += usize::from(slow);
             tried += 1;
-            asked += fresh.pairs as usize;
+            queried += fresh.pairs as usize;
             all += a.hull_count() * b.hull_count();
         }
     }
-    println!("{hits} of {tried} overlap; {asked} pairs of {all} asked");
+    println!("{hits} of {tried} overlap; {queried} of {all} pairs queried");
     assert!((tried * 3 / 10..=tried * 7 / 10).contains(&hits), "{hits} of {tried} overlap");
-    assert!(asked * 10 < all, "{asked} of {all}");
+    assert!(queried * 10 < all, "{queried} of {all}");
 }
 
 #[test]
-fn distance_is_the_least_of_all_pairs() {
+fn distance_is_the_minimum_over_all_pairs() {
     let settings = Settings::default();
-    let (mut apart, mut tried, mut asked, mut all) = (0, 0, 0, 0);
+    let (mut separated, mut tried, mut queried, mut all) = (0, 0, 0, 0);
     for (name, a, b) in pairings() {
         let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
         let mut cache = CompoundCache::default();
@@ -92,27 +93,27 @@ fn distance_is_the_least_of_all_pairs() {
             each.for_each(|found| (lower, upper) = (lower.min(found.lower), upper.min(found.upper)));
             let fast = compound::distance(&whole_a, &whole_b, pose, &settings, &mut cache);
             let found = fast.answer;
-            // Both intervals hold the truth.
+            // Both intervals contain the distance.
             assert!(found.lower <= upper && lower <= found.upper, "{name}: pose {number}, seed {SEED:#x}: {found:?}");
             assert!(found.upper - found.lower <= 2e-5 * found.upper + 1e-12, "{name}: pose {number}: {found:?}");
             assert_eq!(found.status == Status::Overlapping, upper == 0.0, "{name}: pose {number}");
             if upper > 0.0 {
                 let between = found.point_b - found.point_a;
                 assert!((between.length() - found.distance).abs() <= 1e-12 * (1.0 + found.distance));
-                apart += 1;
-                asked += fast.pairs as usize;
+                separated += 1;
+                queried += fast.pairs as usize;
                 all += a.hull_count() * b.hull_count();
             }
             tried += 1;
         }
     }
-    println!("{apart} of {tried} apart; {asked} pairs of {all} asked");
-    assert!((tried * 3 / 10..=tried * 8 / 10).contains(&apart), "{apart} of {tried} apart");
-    assert!(asked * 10 < all, "{asked} of {all}");
+    println!("{separated} of {tried} separated; {queried} of {all} pairs queried");
+    assert!((tried * 3 / 10..=tried * 8 / 10).contains(&separated), "{separated} of {tried} separated");
+    assert!(queried * 10 < all, "{queried} of {all}");
 }
 
 #[test]
-fn contacts_are_those_of_all_pairs_and_the_deepest_is_the_deepest() {
+fn contacts_agree_with_all_pairs_and_contact_is_the_deepest() {
     let settings = Settings::default();
     let (mut touching, mut tried, mut met) = (0, 0, 0);
     for (name, a, b) in pairings() {
@@ -155,7 +156,7 @@ fn contacts_are_those_of_all_pairs_and_the_deepest_is_the_deepest() {
     assert!((tried * 3 / 10..=tried * 7 / 10).contains(&touching), "{touching} of {tried}");
 }
 
-/// One hull of a pack against another whole pack is the same as a pack of that hull.
+/// A single hull as a compound gives the same answers as the hull itself.
 #[test]
 fn a_hull_is_a_compound_of_one() {
     let (a, b) = (pack(4, 1.0, 1), pack(9, 1.0, 7));
@@ -175,9 +176,9 @@ fn a_hull_is_a_compound_of_one() {
     assert!((250..2_000).contains(&hits), "{hits}");
 }
 
-/// A cache of other compounds, with more hulls, leads to no hull that is not there.
+/// The cache of other compounds with more hulls never leads to a hull that does not exist.
 #[test]
-fn a_stale_cache_costs_nothing_but_time() {
+fn a_stale_cache_never_changes_an_answer() {
     let (large, small) = (pack(12, 1.0, 1), pack(2, 0.7, 2));
     let mut cache = CompoundCache::new(4);
     for pose in poses(200, 2.0, SEED + 4) {

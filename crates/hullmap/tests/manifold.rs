@@ -1,24 +1,17 @@
-//! Contact manifolds: which points they have, how much they span, and what of them lasts from frame to frame.
+//! Contact manifolds: their points, the area that these span, and what persists from frame to
+//! frame.
 
 use glam::{DQuat, DVec2, DVec3};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
-use hullmap::{Cache, Feature, Manifold, ManifoldSettings, Pack, Pose, Shape, SupportMap};
-use hullmap_bake::{IndexKind, PointSet, bake_hull, write_pack};
+use hullmap::{Cache, Feature, Manifold, ManifoldSettings, Pack, Pose, Prediction, Shape, SupportMap};
+use hullmap_testkit::packs::tree_pack;
 use shapes::{families::Family, rng::SplitMix64, solids};
 
 const SEED: u64 = 0x005e_ed06;
 
-fn pack(positions: &[[f32; 3]]) -> Pack {
-    let source_vertices = (0..positions.len() as u32).collect();
-    let points =
-        PointSet { name: "hull".into(), positions: positions.to_vec(), source_vertices, ..PointSet::default() };
-    let baked = bake_hull(&points, IndexKind::TREE).unwrap();
-    Pack::from_bytes(&write_pack(&[baked], &Default::default()).unwrap()).unwrap()
-}
-
-/// A prism about z with caps at −1 and 1.
+/// A prism around z with caps at −1 and 1.
 fn prism(n: usize, radius: f64) -> Pack {
-    pack(&solids::extrusion(&solids::regular_polygon(n, radius), -1.0, 1.0).vertices)
+    tree_pack(&solids::extrusion(&solids::regular_polygon(n, radius), -1.0, 1.0).vertices)
 }
 
 fn at(x: f64, y: f64, z: f64, rotation: DQuat) -> Pose {
@@ -31,7 +24,8 @@ fn manifold(a: &dyn Shape, b: &dyn Shape, pose: Pose) -> Manifold {
     manifold
 }
 
-/// `polygon` clipped by the half-planes to the left of the sides of `by`; both counter-clockwise. The obvious way.
+/// `polygon` clipped by the half-planes to the left of the sides of `by`, in the obvious way. Both
+/// are counter-clockwise.
 fn clipped(polygon: &[DVec2], by: &[DVec2]) -> Vec<DVec2> {
     let mut polygon = polygon.to_vec();
     for (i, start) in by.iter().enumerate() {
@@ -53,18 +47,18 @@ fn clipped(polygon: &[DVec2], by: &[DVec2]) -> Vec<DVec2> {
     polygon
 }
 
-/// The most area that four corners of a convex polygon span, by all diagonals.
-fn most_of_four(polygon: &[DVec2]) -> f64 {
-    let mut most: f64 = 0.0;
+/// Maximum area that four corners of a convex polygon span, from all diagonals.
+fn max_area_of_four(polygon: &[DVec2]) -> f64 {
+    let mut max_area: f64 = 0.0;
     for p in polygon {
         for q in polygon {
             let height = |r: &DVec2| (*q - *p).perp_dot(*r - *p);
             let left = polygon.iter().map(height).fold(0.0, f64::max);
             let right = polygon.iter().map(height).fold(0.0, f64::min);
-            most = most.max(0.5 * (left - right));
+            max_area = max_area.max(0.5 * (left - right));
         }
     }
-    most
+    max_area
 }
 
 fn area_of(points: &[DVec2]) -> f64 {
@@ -74,12 +68,13 @@ fn area_of(points: &[DVec2]) -> f64 {
     0.5 * sorted.iter().zip(sorted.iter().cycle().skip(1)).map(|(p, q)| p.perp_dot(*q)).sum::<f64>()
 }
 
-/// n-gons on m-gons, moved and turned: the points are where the faces overlap, and span nearly all that four points can.
+/// n-gons on m-gons, moved and rotated: the points are where the faces overlap, and span nearly the
+/// maximum area of four points.
 #[test]
-fn faces_on_faces_span_what_four_points_can() {
+fn face_contacts_span_nearly_the_maximum_area() {
     println!("seed {SEED:#x}");
     let mut rng = SplitMix64::new(SEED);
-    let mut least = [f64::INFINITY; 2];
+    let mut min_fraction = [f64::INFINITY; 2];
     for (n, m) in [(3, 3), (4, 4), (3, 7), (4, 16), (32, 4), (64, 4), (4, 1000), (100, 100), (2000, 3), (3000, 1500)] {
         let (below, above) = (prism(n, 1.0), prism(m, 0.7));
         let (below, above) = (below.hull(0).unwrap(), above.hull(0).unwrap());
@@ -93,12 +88,12 @@ fn faces_on_faces_span_what_four_points_can() {
                 outline(m, 0.7).iter().map(|p| pose.transform_point(p.extend(0.0)).truncate()).collect();
             let ground = outline(n, 1.0);
             let region = clipped(&placed, &ground);
-            // Slivers, and faces of thousands of corners one time in ten, would only take time.
+            // Skip slivers, and nine in ten of the faces with thousands of corners, to save time.
             if region.len() < 3 || area_of(&region) < 0.05 || (region.len() > 200 && i % 10 != 0) {
                 continue;
             }
             let every = region.len().div_ceil(150);
-            let most = most_of_four(&region.iter().copied().step_by(every).collect::<Vec<_>>());
+            let max_area = max_area_of_four(&region.iter().copied().step_by(every).collect::<Vec<_>>());
             for swapped in [false, true] {
                 let found =
                     if swapped { manifold(&above, &below, pose.inverse()) } else { manifold(&below, &above, pose) };
@@ -109,7 +104,7 @@ fn faces_on_faces_span_what_four_points_can() {
                 for (p, flat) in found.points().iter().zip(&flat) {
                     assert!((p.depth - 0.01).abs() < 1e-6, "{label}");
                     assert!(((p.point_a - p.point_b) - found.normal() * p.depth).length() < 1e-6, "{label}");
-                    // A hundred thousandth beside the region at most.
+                    // At max_area 1e-5 outside the region.
                     let beside = |outline: &[DVec2]| {
                         let next = outline.iter().cycle().skip(1);
                         let side = |(p, q): (&DVec2, &DVec2)| (*q - *p).normalize().perp_dot(*flat - *p);
@@ -117,19 +112,22 @@ fn faces_on_faces_span_what_four_points_can() {
                     };
                     assert!(beside(&ground).min(beside(&placed)) > -1e-5, "{label}");
                 }
-                let share = area_of(&flat) / most;
+                let fraction = area_of(&flat) / max_area;
                 let class = usize::from(n.max(m) > 32);
-                least[class] = least[class].min(share);
-                assert!(share > 0.7, "{share} of {most}, {label}");
+                min_fraction[class] = min_fraction[class].min(fraction);
+                assert!(fraction > 0.7, "{fraction} of {max_area}, {label}");
             }
         }
     }
-    println!("least share of the most area: {:.3} with small faces, {:.3} with large ones", least[0], least[1]);
-    assert!(least[0] < 1.01 && least[1] < 1.01, "the truth is not the truth: {least:?}");
+    println!(
+        "minimum fraction of the maximum area: {:.3} for small faces, {:.3} for large ones",
+        min_fraction[0], min_fraction[1]
+    );
+    assert!(min_fraction[0] < 1.01 && min_fraction[1] < 1.01, "the maximum area is wrong: {min_fraction:?}");
 }
 
 #[test]
-fn features_have_as_many_points_as_they_meet_in() {
+fn each_pair_of_features_has_the_expected_number_of_points() {
     let quarter = std::f64::consts::FRAC_PI_2;
     let floor = Cuboid::new(DVec3::new(5.0, 5.0, 1.0)).unwrap();
     let cube = Cuboid::new(DVec3::ONE).unwrap();
@@ -142,7 +140,7 @@ fn features_have_as_many_points_as_they_meet_in() {
     let cylinder = Cylinder::new(1.0, 0.5).unwrap();
     let cone = Cone::new(1.0, 0.5).unwrap();
     let lie = DQuat::from_rotation_x(quarter);
-    // The cone's side down: its tip lower than the axis leans.
+    // The cone lies on its side: rotated by a quarter turn plus its half angle.
     let slant = DQuat::from_rotation_x(-(quarter + 0.25_f64.atan()));
     let high = 1.0 / 17_f64.sqrt();
     let (root, third) = (2_f64.sqrt(), 3_f64.sqrt());
@@ -182,8 +180,8 @@ fn features_have_as_many_points_as_they_meet_in() {
             assert!((deepest - 0.01).abs() < 1e-4, "{name}: {found:?}");
         }
     }
-    // Edges that cross meet in one point. Those that are parallel, of capsules, along their common length; of solids they
-    // never are what is nearest, since a side is.
+    // Crossed edges meet in one point. Parallel capsules meet along their common length. Parallel
+    // edges of solids are never the closest features, since a face is.
     let crossed = edge.inverse() * DQuat::from_rotation_z(quarter) * edge;
     let crossed = Pose::new(edge.inverse() * (DVec3::Z * (2.0 * root - 0.01)), crossed).unwrap();
     assert_eq!(manifold(&cube, &cube, crossed).points().len(), 1);
@@ -192,19 +190,19 @@ fn features_have_as_many_points_as_they_meet_in() {
     assert!((found.points()[0].point_a.distance(found.points()[1].point_a) - 1.5).abs() < 1e-3, "{found:?}");
 }
 
-/// A cap that f32 has broken into slivers is one face; so are a scaled and a rounded one.
+/// A cap that f32 rounding broke into slivers counts as one face, also if it is scaled or rounded.
 #[test]
-fn caps_that_are_not_quite_flat_are_one_face() {
+fn nearly_flat_caps_are_one_face() {
     let turn = DQuat::from_xyzw(0.3, -0.5, 0.2, 0.7).normalize();
     let floor = Cuboid::new(DVec3::new(5.0, 5.0, 1.0)).unwrap();
     for n in [5, 24, 500] {
         let upright = solids::extrusion(&solids::regular_polygon(n, 1.0), -1.0, 1.0).vertices;
         let turned: Vec<[f32; 3]> =
             upright.iter().map(|p| (turn * DVec3::from_array(p.map(f64::from))).as_vec3().to_array()).collect();
-        let pack = pack(&turned);
+        let pack = tree_pack(&turned);
         let hull = pack.hull(0).unwrap();
         let cap = hull.face_towards(turn * DVec3::NEG_Z).unwrap();
-        // Else there is nothing to test.
+        // Otherwise the cap is exactly flat, and the test is vacuous.
         assert!(hull.face(cap).len() < n, "{n}: the cap is one face of {} corners", hull.face(cap).len());
         let rounded = Rounded::new(hull, 0.25).unwrap();
         let scaled = Scaled::new(hull, DVec3::splat(0.5)).unwrap();
@@ -214,14 +212,14 @@ fn caps_that_are_not_quite_flat_are_one_face() {
             let found = manifold(&floor, shape, at(0.3, 0.2, 0.99 + height, turn.inverse()));
             let flat: Vec<DVec2> = found.points().iter().map(|p| p.point_b.truncate()).collect();
             let outline: Vec<DVec2> = solids::regular_polygon(n, radius).into_iter().map(DVec2::from_array).collect();
-            let most = most_of_four(&outline.iter().copied().step_by(n.div_ceil(100)).collect::<Vec<_>>());
-            assert!(area_of(&flat) > 0.95 * most, "{name} of {n}: {found:?}");
+            let max_area = max_area_of_four(&outline.iter().copied().step_by(n.div_ceil(100)).collect::<Vec<_>>());
+            assert!(area_of(&flat) > 0.95 * max_area, "{name} of {n}: {found:?}");
         }
     }
 }
 
 #[test]
-fn points_last_and_keep_what_is_stored_in_them() {
+fn points_persist_with_their_impulses() {
     println!("seed {SEED:#x}");
     let mut rng = SplitMix64::new(SEED + 2);
     let floor = Cuboid::new(DVec3::new(5.0, 5.0, 1.0)).unwrap();
@@ -231,7 +229,7 @@ fn points_last_and_keep_what_is_stored_in_them() {
         let (mut manifold, mut cache) = (Manifold::new(), Cache::new());
         let (mut lasting, mut same, mut total) = (0, 0, 0);
         for frame in 0..200 {
-            // It slides, turns a little and rocks by a few thousandths of a degree.
+            // The prism slides, turns slowly, and rocks by a few thousandths of a degree.
             let t = f64::from(frame) / 60.0;
             let mut slight = || rng.between(-1e-4, 1e-4);
             let rock = DQuat::from_scaled_axis(DVec3::new(slight(), slight(), 0.1 * t));
@@ -256,34 +254,75 @@ fn points_last_and_keep_what_is_stored_in_them() {
             assert!((deepest - contact.depth).abs() < 3e-4, "{deepest} {contact:?}");
             manifold.points_mut().iter_mut().for_each(|p| p.impulse[0] += 1.0);
         }
-        println!("prism of {n}: {lasting} of {total} points were there before, {same} of the same parts");
+        println!("prism of {n}: {lasting} of {total} points persist, {same} with the same features");
         assert!(lasting as f64 > 0.95 * f64::from(total as u32), "{n}: {lasting} of {total}");
-        // Of the many corners of a large face now one, now its neighbour is the outermost.
+        // On a large face with many corners, the outermost corner may alternate between neighbours.
         assert!(n > 32 || same == total, "{n}: {same} of {total}");
     }
 }
 
-/// Far apart there are no points; apart by less than the margin they are there, with negative depths, and stay.
+/// Points appear as soon as the shapes are separated by less than the prediction, with negative
+/// depths, and stay.
 #[test]
-fn gaps_within_the_margin_keep_the_points() {
+fn gaps_within_the_prediction_keep_the_points() {
     let (floor, cube) = (Cuboid::new(DVec3::new(5.0, 5.0, 1.0)).unwrap(), Cuboid::new(DVec3::ONE).unwrap());
     let mut manifold = Manifold::new();
     let mut cache = Cache::new();
     let settings = ManifoldSettings::default();
-    let margin = settings.margin * cube.outer_radius();
+    let prediction = settings.prediction.length(cube.outer_radius());
     let mut ages = Vec::new();
-    for gap in [-0.01, 0.5 * margin, -0.01, 0.99 * margin, 1.01 * margin, 10.0, -0.01] {
+    for gap in [-0.01, 0.5 * prediction, -0.01, 0.99 * prediction, 1.01 * prediction, 10.0, -0.01] {
         let c = manifold.update(&floor, &cube, at(0.2, 0.1, 2.0 + gap, DQuat::IDENTITY), &settings, &mut cache);
         assert_eq!(c.hit, gap < 0.0);
-        assert_eq!(manifold.points().len(), if gap <= margin { 4 } else { 0 }, "{gap}: {manifold:?}");
+        assert_eq!(manifold.points().len(), if gap <= prediction { 4 } else { 0 }, "{gap}: {manifold:?}");
         assert!(manifold.points().iter().all(|p| (p.depth + gap).abs() < 1e-9), "{gap}: {manifold:?}");
         ages.push(manifold.points().first().map(|p| p.age));
     }
     assert_eq!(ages, [Some(0), Some(1), Some(2), Some(3), None, None, Some(0)]);
-    for margin in [f64::NAN, -1.0, 0.0] {
-        let none = ManifoldSettings { margin, ..settings };
+    let nothing = [f64::NAN, -1.0, 0.0].into_iter().flat_map(|p| [Prediction::Relative(p), Prediction::Length(p)]);
+    for prediction in nothing {
+        let none = ManifoldSettings { prediction, ..settings };
         manifold.update(&floor, &cube, at(0.0, 0.0, 2.0 + 1e-3, DQuat::IDENTITY), &none, &mut cache);
         assert!(manifold.points().is_empty());
+    }
+}
+
+/// A prediction in units holds for bodies of any size.
+#[test]
+fn a_prediction_is_a_length() {
+    let floor = Cuboid::new(DVec3::new(5.0, 5.0, 1.0)).unwrap();
+    let settings = ManifoldSettings { prediction: Prediction::Length(0.02), ..ManifoldSettings::default() };
+    for half in [0.05, 1.0, 4.0] {
+        let cube = Cuboid::new(DVec3::splat(half)).unwrap();
+        for (gap, count) in [(0.019, 4), (0.021, 0)] {
+            let mut manifold = Manifold::new();
+            let pose = at(0.0, 0.0, 1.0 + half + gap, DQuat::IDENTITY);
+            manifold.update(&floor, &cube, pose, &settings, &mut Cache::new());
+            assert_eq!(manifold.points().len(), count, "half edge {half}, gap {gap}");
+        }
+    }
+}
+
+/// The caller's data stays with its point, whatever slot the point moves to, and a new point has
+/// none.
+#[test]
+fn user_data_stays_with_its_point() {
+    let (floor, cube) = (Cuboid::new(DVec3::new(5.0, 5.0, 1.0)).unwrap(), Cuboid::new(DVec3::ONE).unwrap());
+    let (mut manifold, mut cache) = (Manifold::new(), Cache::new());
+    let settings = ManifoldSettings::default();
+    manifold.update(&floor, &cube, at(0.0, 0.0, 1.99, DQuat::IDENTITY), &settings, &mut cache);
+    for (i, p) in manifold.points_mut().iter_mut().enumerate() {
+        assert_eq!(p.user_data, 0);
+        p.user_data = 10 + i as u64;
+    }
+    let before: Vec<_> = manifold.points().iter().map(|p| (p.id, p.user_data)).collect();
+    for step in 1..20 {
+        let turn = DQuat::from_rotation_z(0.002 * f64::from(step));
+        manifold.update(&floor, &cube, at(0.01 * f64::from(step), 0.0, 1.99, turn), &settings, &mut cache);
+        assert_eq!(manifold.points().len(), 4);
+        for p in manifold.points() {
+            assert!(before.contains(&(p.id, p.user_data)), "{} has {}", p.id, p.user_data);
+        }
     }
 }
 
@@ -291,7 +330,7 @@ fn gaps_within_the_margin_keep_the_points() {
 fn nothing_changes_with_the_scale() {
     let points = Family::Rock.points(300, 1);
     let scales = [2_f32.powi(-20), 1.0, 2_f32.powi(20)];
-    let packs = scales.map(|s| pack(&points.iter().map(|p| p.map(|c| c * s)).collect::<Vec<_>>()));
+    let packs = scales.map(|s| tree_pack(&points.iter().map(|p| p.map(|c| c * s)).collect::<Vec<_>>()));
     let mut rng = SplitMix64::new(SEED + 3);
     for _ in 0..100 {
         let dir = DVec3::from_array(rng.direction());
@@ -309,7 +348,7 @@ fn nothing_changes_with_the_scale() {
     }
 }
 
-/// The face found through the index is the one a scan of all faces at the support points finds.
+/// The face found through the index agrees with a scan of all faces at the support point.
 #[test]
 fn faces_are_found_without_a_scan() {
     println!("seed {SEED:#x}");
@@ -317,17 +356,17 @@ fn faces_are_found_without_a_scan() {
     for family in
         [Family::Rock, Family::Prism, Family::Cone, Family::Sphere, Family::Lens, Family::CubeGrid, Family::FlatSheet]
     {
-        let pack = pack(&family.points(400, 1));
+        let pack = tree_pack(&family.points(400, 1));
         let hull = pack.hull(0).unwrap();
         let normals: Vec<DVec3> = (0..hull.face_count() as u32).map(|f| hull.face_normal(f).unwrap()).collect();
         for (number, normal) in normals.iter().enumerate() {
-            // A face's own normal finds it, or one that is as good.
+            // The normal of a face finds that face or one with nearly the same normal.
             let found = hull.face_towards(*normal).unwrap();
             assert!(normals[found as usize].dot(*normal) > 1.0 - 1e-9, "{family:?}, face {number}");
             let corners: Vec<u32> = hull.face(number as u32).collect();
             let height = |v: u32| hull.vertex(v).unwrap().as_dvec3().dot(*normal);
-            let top = SupportMap::support(&hull, *normal).point.dot(*normal);
-            assert!(corners.iter().all(|v| top - height(*v) < 1e-6), "{family:?}: the normal is that of the face");
+            let top = SupportMap::support_point(&hull, *normal).point.dot(*normal);
+            assert!(corners.iter().all(|v| top - height(*v) < 1e-6), "{family:?}: the normal belongs to the face");
         }
         for _ in 0..500 {
             let dir = DVec3::from_array(rng.direction());
@@ -345,7 +384,7 @@ fn faces_are_found_without_a_scan() {
     }
 }
 
-/// Features of small hulls are baked faces with all their corners.
+/// The feature of a small hull is the baked face with all its corners.
 #[test]
 fn a_small_face_has_all_its_corners() {
     for n in [3, 4, 7, 20, 32, 33, 1000] {
@@ -357,19 +396,19 @@ fn a_small_face_has_all_its_corners() {
             assert_eq!(feature.corners().len(), n.min(32), "{n}");
             assert!(feature.corners().iter().all(|c| c.point.z == 1.0));
         }
-        // On a rim of a thousand vertices the direction is within the tilt of several.
+        // On a rim of a thousand vertices several are within the tilt tolerance of the direction.
         hull.feature(DVec3::new(1.0, 0.0, 1.0), &mut feature);
         assert!(n > 100 || feature.corners().len() <= 2, "{n}: {:?}", feature.corners());
     }
 }
 
-/// A support mapping that knows nothing of features: an ellipsoid's bowl cut off flat, as a point cloud.
+/// A support mapping without features: half an ellipsoid with a flat cut, as a point cloud.
 struct Cloud(Vec<DVec3>);
 
 impl SupportMap for Cloud {
-    fn support(&self, dir: DVec3) -> hullmap::Support {
+    fn support_point(&self, dir: DVec3) -> hullmap::SupportPoint {
         let best = (0..self.0.len()).max_by(|a, b| self.0[*a].dot(dir).total_cmp(&self.0[*b].dot(dir))).unwrap();
-        hullmap::Support { point: self.0[best], feature: best as u32 }
+        hullmap::SupportPoint { point: self.0[best], feature: best as u32 }
     }
     fn interior_point(&self) -> DVec3 {
         self.0.iter().sum::<DVec3>() / self.0.len() as f64
@@ -384,13 +423,13 @@ impl SupportMap for Cloud {
 
 impl Shape for Cloud {}
 
-/// Shapes that are no solids, and such as tell no features of their own, rest all the same.
+/// Shapes without volume and shapes without features rest stably too.
 #[test]
-fn flat_thin_and_unknown_shapes_have_manifolds() {
+fn flat_thin_and_featureless_shapes_have_manifolds() {
     let floor = Cuboid::new(DVec3::new(5.0, 5.0, 1.0)).unwrap();
-    let sheet = pack(&[[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 1.5, 0.0]]);
-    let stick = pack(&[[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]);
-    let dot = pack(&[[0.0, 0.0, 0.0]]);
+    let sheet = tree_pack(&[[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 1.5, 0.0]]);
+    let stick = tree_pack(&[[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]);
+    let dot = tree_pack(&[[0.0, 0.0, 0.0]]);
     let [sheet, stick, dot] = [&sheet, &stick, &dot].map(|pack| pack.hull(0).unwrap());
     assert_eq!([sheet.rank(), stick.rank(), dot.rank()], [2, 1, 0]);
     let cloud = Cloud(
@@ -416,7 +455,7 @@ fn flat_thin_and_unknown_shapes_have_manifolds() {
             assert!((deepest - 0.01).abs() < 1e-6, "{name}: {found:?}");
         }
     }
-    // Hanging over the floor's edge, a part of the sheet is held.
+    // The sheet hangs over the edge of the floor, which supports only a part of it.
     let found = manifold(&floor, &sheet, at(5.5, 0.0, 0.99, DQuat::IDENTITY));
     assert!(found.points().iter().all(|p| p.point_a.x <= 5.0 + 1e-5) && found.points().len() == 4, "{found:?}");
     let reach = found.points().iter().map(|p| p.point_a.x).fold(f64::NEG_INFINITY, f64::max);

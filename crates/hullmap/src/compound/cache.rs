@@ -1,12 +1,25 @@
-//! What two compounds remember from one query to the next.
+//! Temporal coherence of two compounds: solver caches of their recent pairs of hulls.
 
 use super::Compound;
-use crate::Cache;
+use crate::solver::Cache;
 
-/// Caller-owned memory of one ordered pair of compounds, to be passed to every query of that pair: a [`Cache`] for each of the pairs of
-/// hulls that were asked lately, as many as it was made for, and the pair that decided last.
+/// Caller-owned memory of one ordered pair of compounds.
 ///
-/// It changes what a query costs, never its answer beyond rounding. Memory is taken once, when it is made: some 1.4 KB a pair.
+/// Pass it to every query of that pair. It holds a [`Cache`] for each of the most recent pairs of
+/// hulls, and the pair that decided the last query. It makes queries cheaper. It changes answers by
+/// no more than rounding error. Its memory, about 1.4 KB per pair of hulls, is allocated once, by
+/// [`new`](Self::new).
+///
+/// # Examples
+/// ```
+/// use hullmap::{Cache, CompoundCache};
+///
+/// let mut cache = CompoundCache::new(16);
+/// // The solver cache for hull 0 of A and hull 3 of B, empty at first.
+/// let pair: &mut Cache = cache.pair([0, 3]);
+/// assert_eq!(*pair, Cache::new());
+/// cache.clear();
+/// ```
 #[derive(Clone, Debug)]
 pub struct CompoundCache {
     slots: Box<[Slot]>,
@@ -19,7 +32,8 @@ struct Slot {
     cache: Cache,
 }
 
-/// Pairs of hulls that are remembered by default: two parts in contact with a dozen others, twice over. 90 KB.
+/// Default number of pairs of hulls: twice what two parts need that are each in contact with a
+/// dozen others. 90 KB.
 const DEFAULT_PAIRS: usize = 64;
 
 impl Default for CompoundCache {
@@ -29,23 +43,25 @@ impl Default for CompoundCache {
 }
 
 impl CompoundCache {
-    /// Room for `pairs` pairs of hulls, and for one at least. Pairs share places by their numbers: when two meet, the later one stays.
+    /// An empty cache with `pairs` slots, at least one. A pair of hulls is assigned to a slot by
+    /// its indices; if two pairs share a slot, the later one replaces the earlier one.
     pub fn new(pairs: usize) -> Self {
         Self { slots: vec![Slot::default(); pairs.max(1)].into_boxed_slice(), first: None }
     }
 
-    /// Forgets everything.
+    /// Clears all slots.
     pub fn clear(&mut self) {
         self.first = None;
         self.slots.iter_mut().for_each(|slot| *slot = Slot::default());
     }
 
-    /// The cache of a pair of hulls, by their numbers in A and in B, for queries of this pair alone: its own, or an empty one.
-    #[expect(clippy::indexing_slicing, reason = "taken modulo the number of slots, of which `new` makes one at least")]
+    /// Solver cache of one pair of hulls, by their indices in A and in B. It is empty if the pair
+    /// was not cached. Use it for queries of this pair only.
+    #[expect(clippy::indexing_slicing, reason = "taken modulo the number of slots, which is at least one")]
     pub fn pair(&mut self, pair: [usize; 2]) -> &mut Cache {
-        // Neighbouring pairs go to different places.
-        let place = (pair[0].wrapping_mul(31).wrapping_add(pair[1])) % self.slots.len();
-        let slot = &mut self.slots[place];
+        // The factor sends neighbouring pairs to different slots.
+        let index = (pair[0].wrapping_mul(31).wrapping_add(pair[1])) % self.slots.len();
+        let slot = &mut self.slots[index];
         if slot.pair != Some(pair) {
             slot.pair = Some(pair);
             slot.cache.clear();
@@ -53,7 +69,7 @@ impl CompoundCache {
         &mut slot.cache
     }
 
-    /// The pair that decided last, if these compounds have it.
+    /// The pair that decided the last query, if these compounds contain it.
     pub(super) fn first(&self, a: &Compound, b: &Compound) -> Option<[usize; 2]> {
         self.first.filter(|pair| pair[0] < a.hull_count() && pair[1] < b.hull_count())
     }

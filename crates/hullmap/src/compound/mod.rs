@@ -1,64 +1,81 @@
-//! Queries between whole packs: the union of a pack's hulls against the union of another's, or against one hull.
+//! Compound shapes: queries between the unions of the hulls of two packs, by dual-tree traversal of
+//! their BVHs.
 //!
-//! A concave mesh is baked as convex parts; together they are a compound shape. Which pairs of hulls are looked at is found by the
-//! trees of boxes that packs hold; the answers are those of all pairs.
+//! A concave mesh is baked as convex parts, and the pack of its parts is a compound shape. The BVHs
+//! in the packs find the pairs of hulls to query. The answers equal those of querying every pair.
 //!
+//! # Examples
+//! A pack of two unit cubes, 3 apart, against a copy of itself:
 //! ```
+//! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! # let part = |name: &str, x: f32| hullmap_bake::PointSet {
-//! #     name: name.into(),
-//! #     positions: (0..8).map(|i| [x + (i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect(),
-//! #     source_vertices: (0..8).collect(),
-//! #     ..Default::default()
-//! # };
-//! # let bake = |set| hullmap_bake::bake_hull(&set, hullmap_bake::IndexKind::TREE);
-//! # let hulls = [bake(part("left", 0.0))?, bake(part("right", 3.0))?];
-//! # let pack = hullmap::Pack::from_bytes(&hullmap_bake::write_pack(&hulls, &Default::default())?)?;
+//! # let pack = two_cubes();
 //! use hullmap::glam::DVec3;
 //! use hullmap::{Compound, CompoundCache, Pose, Settings, compound};
 //!
-//! let table = Compound::new(&pack);
+//! let cubes = Compound::new(&pack);
 //! let b_in_a = Pose::from_translation(DVec3::new(3.25, 0.125, 0.0))?;
 //! let mut cache = CompoundCache::default();
-//! let deepest = compound::contact(&table, &table, b_in_a, &Settings::default(), &mut cache).ok_or("apart")?;
-//! println!("hulls {:?} are {:.3} deep in each other", deepest.hulls, deepest.answer.depth);
-//! # assert_eq!(deepest.hulls, [1, 0]);
-//! # assert!((deepest.answer.depth - 0.75).abs() < 1e-9);
+//! let deepest = compound::contact(&cubes, &cubes, b_in_a, &Settings::default(), &mut cache)
+//!     .ok_or("no contact")?;
+//! assert_eq!(deepest.hulls, [1, 0]);
+//! assert!((deepest.answer.depth - 0.75).abs() < 1e-9);
 //! # Ok(())
 //! # }
 //! ```
 //!
 //! # Reference
-//! Ericson, "Real-Time Collision Detection", 2005, chapter 6.3 (two trees descended together); Gottschalk, Lin, Manocha, "OBBTree",
-//! 1996. Distance by branch and bound: Larsen et al., "Fast distance queries with rectangular swept sphere volumes", 2000.
+//! Dual-tree traversal: Ericson, "Real-Time Collision Detection", 2005, section 6.3; Gottschalk,
+//! Lin, Manocha, "OBBTree", 1996. Distance by branch and bound: Larsen et al., "Fast distance
+//! queries with rectangular swept sphere volumes", 2000.
 
 #![forbid(unsafe_code)]
 
-mod boxes;
+mod bvh;
 mod cache;
-mod descent;
+mod traversal;
 
-use crate::levels::{self, Levels};
-use crate::{Contact, Distance, Hull, Intersection, Overlap, Pack, Pose, Settings, Status};
-use boxes::Placement;
+use crate::cascade::{self, Stages};
+use crate::hull::Hull;
+use crate::pack::Pack;
+use crate::pose::Pose;
+use crate::solver::{Contact, Distance, Intersection, Overlap, Settings, Status, queries};
+use bvh::Placement;
 pub use cache::CompoundCache;
-use descent::Descent;
+use traversal::Traversal;
 
-/// Hulls as one shape: their union. Copying it copies a reference, or a hull.
+/// The union of the hulls of a pack, or a single hull. A cheap copy: it borrows the pack.
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = two_cubes();
+/// use hullmap::Compound;
+///
+/// let both = Compound::new(&pack);
+/// assert_eq!(both.hull_count(), 2);
+/// let right = both.hull(1).ok_or("no such hull")?;
+/// assert_eq!(right.bounds()[0].x, 3.0);
+/// assert_eq!(Compound::from(right).hull_count(), 1);
+/// assert!(both.hull(2).is_none());
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Compound<'a> {
     members: Members<'a>,
 }
 
 #[derive(Clone, Copy, Debug)]
-#[expect(clippy::large_enum_variant, reason = "a hull is some slices; behind a pointer it would need an owner")]
+#[expect(clippy::large_enum_variant, reason = "a hull consists of slices; a pointer to it would require an owner")]
 enum Members<'a> {
     Pack(&'a Pack),
     One(Hull<'a>),
 }
 
 impl<'a> Compound<'a> {
-    /// All hulls of `pack`. They share its frame.
+    /// The union of all hulls of `pack`, in the frame of the pack.
     pub fn new(pack: &'a Pack) -> Self {
         Self { members: Members::Pack(pack) }
     }
@@ -71,7 +88,7 @@ impl<'a> Compound<'a> {
         }
     }
 
-    /// Number of boxes in its tree.
+    /// Number of nodes in the BVH.
     fn node_count(&self) -> usize {
         match self.members {
             Members::Pack(pack) => pack.nodes().len(),
@@ -79,7 +96,7 @@ impl<'a> Compound<'a> {
         }
     }
 
-    /// Hull number `index`, counted from 0; `None` past the last one.
+    /// The hull with this index; `None` if the index is not below [`hull_count`](Self::hull_count).
     pub fn hull(&self, index: usize) -> Option<Hull<'a>> {
         match self.members {
             Members::Pack(pack) => pack.hull(index).ok(),
@@ -89,19 +106,20 @@ impl<'a> Compound<'a> {
 }
 
 impl<'a> From<Hull<'a>> for Compound<'a> {
-    /// One hull, as a compound of nothing else.
+    /// A compound of one hull.
     fn from(hull: Hull<'a>) -> Self {
         Self { members: Members::One(hull) }
     }
 }
 
 impl<'a> From<&'a Pack> for Compound<'a> {
+    /// As [`Compound::new`].
     fn from(pack: &'a Pack) -> Self {
         Self::new(pack)
     }
 }
 
-/// Distance of packs that were opened unchecked, and turn out to have no hulls.
+/// Distance for a pack without hulls, which only an unchecked pack can be: nothing is known.
 const NOTHING_KNOWN: Distance = Distance {
     status: Status::Stalled,
     distance: 0.0,
@@ -114,35 +132,56 @@ const NOTHING_KNOWN: Distance = Distance {
     support_calls: 0,
 };
 
-/// Answer of a query between compounds.
+/// Answer of a query between compounds. The [module's example](self) reads one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Compounded<T> {
-    /// That of the pair of hulls that decides. Iterations and support calls are those of all pairs.
+pub struct CompoundAnswer<T> {
+    /// Answer for the pair of hulls that decided the query. Its iterations and support calls are
+    /// the sums over all pairs.
     pub answer: T,
-    /// Number of that hull in A, and in B.
+    /// Indices of these hulls in A and in B.
     pub hulls: [usize; 2],
-    /// Pairs of hulls that were asked.
+    /// Number of pairs of hulls queried.
     pub pairs: u32,
-    /// Pairs of boxes that were compared.
+    /// Number of pairs of boxes compared.
     pub boxes: u32,
 }
 
-/// Whether any hull of `a` and any of `b`, placed at `b_in_a`, share a point.
+/// Tests whether `a` and `b`, placed at `b_in_a`, share a point.
 ///
-/// The status is the strongest of all pairs': overlapping before touching before undecided before separated. The pair is one
-/// that has it; of compounds apart, the pair asked last, or the first hulls where none was.
+/// The status is the strongest over all pairs of hulls: overlapping, then touching, then undecided,
+/// then separated. `hulls` is a pair with that status. If all are separated, it is the last pair
+/// queried, or the first two hulls if no pair was queried.
 ///
-/// `cache` belongs to this ordered pair of compounds; it is read and brought up to date.
+/// `cache` belongs to this ordered pair of compounds; the query reads and updates it.
 ///
 /// # Complexity
-/// Ends at the first pair that overlaps, and begins with the one of last time. Apart: pairs of boxes that overlap, and the pairs of
-/// hulls in them. No allocation.
-pub fn intersects(a: &Compound, b: &Compound, b_in_a: Pose, cache: &mut CompoundCache) -> Compounded<Intersection> {
+/// Starts with the pair that decided the last query, and ends at the first pair that overlaps.
+/// Separated compounds cost all pairs of overlapping boxes, and the pairs of hulls in overlapping
+/// leaves. No allocation.
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = two_cubes();
+/// use hullmap::glam::DVec3;
+/// use hullmap::{Compound, CompoundCache, Overlap, Pose, compound};
+///
+/// let cubes = Compound::new(&pack);
+/// let mut cache = CompoundCache::default();
+/// // B's left cube fits into the gap between A's cubes.
+/// let between = Pose::from_translation(DVec3::new(1.5, 0.0, 0.0))?;
+/// let found = compound::intersects(&cubes, &cubes, between, &mut cache);
+/// assert_eq!(found.answer.status, Overlap::Separated);
+/// # Ok(())
+/// # }
+/// ```
+pub fn intersects(a: &Compound, b: &Compound, b_in_a: Pose, cache: &mut CompoundCache) -> CompoundAnswer<Intersection> {
     let answer = Intersection { status: Overlap::Separated, iterations: 0, support_calls: 0 };
-    let mut best = Compounded { answer, hulls: [0, 0], pairs: 0, boxes: 0 };
-    let ask = |best: &mut Compounded<Intersection>, pair: [usize; 2], cache: &mut CompoundCache| {
+    let mut best = CompoundAnswer { answer, hulls: [0, 0], pairs: 0, boxes: 0 };
+    let query = |best: &mut CompoundAnswer<Intersection>, pair: [usize; 2], cache: &mut CompoundCache| {
         let [Some(hull_a), Some(hull_b)] = [a.hull(pair[0]), b.hull(pair[1])] else { return };
-        let found = levels::intersects(&hull_a, &hull_b, b_in_a, Levels::default(), cache.pair(pair)).intersection;
+        let found = cascade::intersects(&hull_a, &hull_b, b_in_a, Stages::default(), cache.pair(pair)).intersection;
         best.pairs += 1;
         best.answer.iterations += found.iterations;
         best.answer.support_calls += found.support_calls;
@@ -152,29 +191,29 @@ pub fn intersects(a: &Compound, b: &Compound, b_in_a: Pose, cache: &mut Compound
     };
     let first = cache.first(a, b);
     if let Some(pair) = first {
-        ask(&mut best, pair, cache);
+        query(&mut best, pair, cache);
         if best.answer.status == Overlap::Overlapping {
             return best;
         }
     }
-    let mut descent = Descent::new(Placement::new(a, b, b_in_a));
-    while let Some(pair) = descent.next(0.0) {
+    let mut traversal = Traversal::new(Placement::new(a, b, b_in_a));
+    while let Some(pair) = traversal.next(0.0) {
         if Some(pair) == first {
             continue;
         }
-        ask(&mut best, pair, cache);
+        query(&mut best, pair, cache);
         if best.answer.status == Overlap::Overlapping {
             break;
         }
     }
-    best.boxes = descent.boxes();
+    best.boxes = traversal.boxes();
     if best.answer.is_hit() {
         cache.set_first(best.hulls);
     }
     best
 }
 
-/// Order of what pairs say of the whole.
+/// Rank of the status of a pair. The highest rank is the status of the compounds.
 fn strength(status: Overlap) -> u8 {
     match status {
         Overlap::Separated => 0,
@@ -184,66 +223,88 @@ fn strength(status: Overlap) -> u8 {
     }
 }
 
-/// Distance of the unions; 0 when any pair of hulls overlaps.
+/// Distance between two compounds; 0 if any pair of hulls overlaps.
 ///
-/// Points, normal and distance are those of the nearest pair. The interval holds the distance of the unions: no pair is nearer than
-/// `lower`, and some pair is as near as `upper`. The status is that pair's, unless another pair's interval reaches lower than the
-/// settings allow: then it is that one's.
+/// Points, normal and distance are those of the nearest pair. The interval contains the distance of
+/// the compounds: no pair is nearer than `lower`, and the distance of some pair is at most `upper`.
+/// The status is that of the nearest pair, unless another pair's interval makes the whole wider
+/// than the settings allow. Then it is the status of that other pair.
 ///
-/// `cache` belongs to this ordered pair of compounds; it is read and brought up to date.
+/// `cache` belongs to this ordered pair of compounds; the query reads and updates it.
 ///
 /// # Complexity
-/// Branch and bound: boxes nearer than the nearest pair so far, nearest first, from the nearest pair of last time on. No allocation.
+/// Branch and bound. Starts with the nearest pair of the last query, and visits only boxes nearer
+/// than the nearest pair so far, nearest first. No allocation.
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = two_cubes();
+/// use hullmap::glam::DVec3;
+/// use hullmap::{Compound, CompoundCache, Pose, Settings, compound};
+///
+/// let cubes = Compound::new(&pack);
+/// let mut cache = CompoundCache::default();
+/// let b_in_a = Pose::from_translation(DVec3::new(6.0, 0.0, 0.0))?;
+/// let gap = compound::distance(&cubes, &cubes, b_in_a, &Settings::default(), &mut cache);
+/// // A's right cube and B's left cube.
+/// assert_eq!(gap.hulls, [1, 0]);
+/// assert!((gap.answer.distance - 2.0).abs() < 1e-12);
+/// # Ok(())
+/// # }
+/// ```
 pub fn distance(
     a: &Compound,
     b: &Compound,
     b_in_a: Pose,
     settings: &Settings,
     cache: &mut CompoundCache,
-) -> Compounded<Distance> {
+) -> CompoundAnswer<Distance> {
     let mut search =
         Nearest { a, b, b_in_a, settings, best: None, lower: (f64::INFINITY, Status::Exact), upper: f64::INFINITY };
     let (mut pairs, mut iterations, mut support_calls) = (0, 0, 0);
-    let mut ask = |search: &mut Nearest, pair: [usize; 2], cache: &mut CompoundCache| {
-        if let Some(found) = search.ask(pair, cache) {
+    let mut query = |search: &mut Nearest, pair: [usize; 2], cache: &mut CompoundCache| {
+        if let Some(found) = search.query(pair, cache) {
             pairs += 1;
             iterations += found.iterations;
             support_calls += found.support_calls;
         }
     };
     let first = cache.first(a, b).unwrap_or([0, 0]);
-    ask(&mut search, first, cache);
-    let mut descent = Descent::new(Placement::new(a, b, b_in_a));
+    query(&mut search, first, cache);
+    let mut traversal = Traversal::new(Placement::new(a, b, b_in_a));
     while search.upper > 0.0
-        && let Some(pair) = descent.next(search.upper)
+        && let Some(pair) = traversal.next(search.upper)
     {
         if pair != first {
-            ask(&mut search, pair, cache);
+            query(&mut search, pair, cache);
         }
     }
     let (mut answer, hulls) = search.answer();
     (answer.iterations, answer.support_calls) = (iterations, support_calls);
     cache.set_first(hulls);
-    Compounded { answer, hulls, pairs, boxes: descent.boxes() }
+    CompoundAnswer { answer, hulls, pairs, boxes: traversal.boxes() }
 }
 
-/// The nearest pair so far.
+/// Branch-and-bound search for the nearest pair.
 struct Nearest<'q, 'a> {
     a: &'q Compound<'a>,
     b: &'q Compound<'a>,
     b_in_a: Pose,
     settings: &'q Settings,
     best: Option<(Distance, [usize; 2])>,
-    /// The least lower end, and its pair's status.
+    /// Minimum lower bound over all pairs, and the status of that pair.
     lower: (f64, Status),
+    /// Minimum upper bound over all pairs.
     upper: f64,
 }
 
 impl Nearest<'_, '_> {
-    fn ask(&mut self, pair: [usize; 2], cache: &mut CompoundCache) -> Option<Distance> {
+    fn query(&mut self, pair: [usize; 2], cache: &mut CompoundCache) -> Option<Distance> {
         let (hull_a, hull_b) = (self.a.hull(pair[0])?, self.b.hull(pair[1])?);
-        let found = crate::distance(&hull_a, &hull_b, self.b_in_a, self.settings, cache.pair(pair));
-        // Overlapping goes before touching, though both are 0 long.
+        let found = queries::distance(&hull_a, &hull_b, self.b_in_a, self.settings, cache.pair(pair));
+        // Overlapping ranks before touching, although both distances are 0.
         let rank = |found: &Distance| (found.distance, found.status != Status::Overlapping);
         if self.best.is_none_or(|(best, _)| rank(&found) < rank(&best)) {
             self.best = Some((found, pair));
@@ -256,13 +317,13 @@ impl Nearest<'_, '_> {
     }
 
     fn answer(self) -> (Distance, [usize; 2]) {
-        // Checked packs have a first hull, which is asked.
+        // The first pair of hulls is always queried, and exists in checked packs.
         let (mut answer, hulls) = self.best.unwrap_or((NOTHING_KNOWN, [0, 0]));
         answer.upper = self.upper;
         if self.lower.0 < answer.lower {
             answer.lower = self.lower.0;
-            // NaN takes the branch that says so.
-            if !(answer.upper - answer.lower <= self.settings.relative_gap() * answer.distance) {
+            // NaN takes the failing branch.
+            if !(answer.upper - answer.lower <= self.settings.relative_tolerance() * answer.distance) {
                 answer.status = self.lower.1;
             }
         }
@@ -270,16 +331,37 @@ impl Nearest<'_, '_> {
     }
 }
 
-/// Contact of every pair of hulls that are not proved apart, handed to `visit` with the hulls' numbers in A and in B; how many there
-/// were, and what they cost.
+/// Calls `visit` with the contact of every pair of hulls that is not proved separated.
 ///
-/// Each contact is that of [`contact`](crate::contact()) between the two hulls. The order is that of the descent through the trees:
-/// the same for the same input.
+/// `visit` receives the indices of the hulls in A and in B, and their
+/// [`contact`](crate::contact()). The order is that of the traversal, and is the same for the same
+/// input. Returns the number of contacts and the cost.
 ///
-/// `cache` belongs to this ordered pair of compounds; it is read and brought up to date.
+/// `cache` belongs to this ordered pair of compounds; the query reads and updates it.
 ///
 /// # Complexity
-/// Pairs of boxes that overlap, and one contact for each pair of hulls in them. No allocation.
+/// All pairs of overlapping boxes, and one contact query for each pair of hulls in overlapping
+/// leaves. No allocation.
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = two_cubes();
+/// use hullmap::glam::DVec3;
+/// use hullmap::{Compound, CompoundCache, Pose, Settings, compound};
+///
+/// let cubes = Compound::new(&pack);
+/// let mut cache = CompoundCache::default();
+/// let above = Pose::from_translation(DVec3::new(0.0, 0.0, 0.875))?;
+/// let mut depths = Vec::new();
+/// let visit = |_: [usize; 2], contact: &hullmap::Contact| depths.push(contact.depth);
+/// let counts = compound::contacts(&cubes, &cubes, above, &Settings::default(), &mut cache, visit);
+/// assert_eq!(counts.hits, 2);
+/// assert!(depths.iter().all(|depth| (depth - 0.125).abs() < 1e-12));
+/// # Ok(())
+/// # }
+/// ```
 pub fn contacts(
     a: &Compound,
     b: &Compound,
@@ -287,12 +369,12 @@ pub fn contacts(
     settings: &Settings,
     cache: &mut CompoundCache,
     mut visit: impl FnMut([usize; 2], &Contact),
-) -> Contacts {
-    let mut descent = Descent::new(Placement::new(a, b, b_in_a));
-    let mut sum = Contacts::default();
-    while let Some(pair) = descent.next(0.0) {
+) -> ContactCounts {
+    let mut traversal = Traversal::new(Placement::new(a, b, b_in_a));
+    let mut sum = ContactCounts::default();
+    while let Some(pair) = traversal.next(0.0) {
         let [Some(hull_a), Some(hull_b)] = [a.hull(pair[0]), b.hull(pair[1])] else { continue };
-        let found = crate::contact(&hull_a, &hull_b, b_in_a, settings, cache.pair(pair));
+        let found = queries::contact(&hull_a, &hull_b, b_in_a, settings, cache.pair(pair));
         sum.pairs += 1;
         sum.iterations += found.iterations;
         sum.support_calls += found.support_calls;
@@ -301,47 +383,72 @@ pub fn contacts(
             visit(pair, &found);
         }
     }
-    sum.boxes = descent.boxes();
+    sum.boxes = traversal.boxes();
     sum
 }
 
-/// What [`contacts`] counted.
+/// Number of contacts that [`contacts`] visited, and the cost. The example there reads one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Contacts {
-    /// Pairs that are not apart.
+pub struct ContactCounts {
+    /// Number of pairs of hulls not proved separated: the calls of `visit`.
     pub hits: u32,
-    /// Pairs of hulls that were asked.
+    /// Number of pairs of hulls queried.
     pub pairs: u32,
-    /// Pairs of boxes that were compared.
+    /// Number of pairs of boxes compared.
     pub boxes: u32,
-    /// Steps of all pairs.
+    /// Solver iterations, summed over all pairs of hulls.
     pub iterations: u32,
-    /// Pairs of support queries of all pairs.
+    /// Pairs of support queries, summed over all pairs of hulls.
     pub support_calls: u32,
 }
 
-/// Contact of the pair of hulls that are deepest in each other; `None` where all pairs are proved apart.
+/// Contact of the pair of hulls with the maximum penetration depth; `None` if all pairs are proved
+/// separated.
 ///
-/// The interval holds the greatest depth of any pair: `depth_lower` is the greatest lower end of all pairs, `depth_upper` the greatest
-/// upper one. Moving B by less than `depth_lower`, whichever way, leaves the compounds overlapping. Moving it by `depth_upper` along
-/// `normal` parts this pair; other pairs may then still overlap, or come to overlap.
+/// The interval contains the maximum depth of any pair: `depth_lower` is the maximum lower bound
+/// over all pairs, `depth_upper` the maximum upper bound. Moving B by less than `depth_lower` in
+/// any direction leaves the compounds overlapping. Moving it by `depth_upper` along `normal`
+/// separates this pair; other pairs may still overlap then, or begin to.
 ///
-/// `cache` belongs to this ordered pair of compounds; it is read and brought up to date.
+/// `cache` belongs to this ordered pair of compounds; the query reads and updates it.
 ///
 /// # Complexity
 /// As [`contacts`].
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = two_cubes();
+/// use hullmap::glam::DVec3;
+/// use hullmap::{Compound, CompoundCache, Pose, Settings, compound};
+///
+/// let cubes = Compound::new(&pack);
+/// let mut cache = CompoundCache::default();
+/// let above = Pose::from_translation(DVec3::new(0.0, 0.0, 0.75))?;
+/// let deepest = compound::contact(&cubes, &cubes, above, &Settings::default(), &mut cache)
+///     .ok_or("no contact")?;
+/// assert!((deepest.answer.depth - 0.25).abs() < 1e-12);
+/// assert_eq!(deepest.answer.normal, DVec3::Z);
+///
+/// let far = Pose::from_translation(DVec3::new(0.0, 0.0, 9.0))?;
+/// assert!(compound::contact(&cubes, &cubes, far, &Settings::default(), &mut cache).is_none());
+/// # Ok(())
+/// # }
+/// ```
 pub fn contact(
     a: &Compound,
     b: &Compound,
     b_in_a: Pose,
     settings: &Settings,
     cache: &mut CompoundCache,
-) -> Option<Compounded<Contact>> {
+) -> Option<CompoundAnswer<Contact>> {
     let mut deepest: Option<(Contact, [usize; 2])> = None;
     let (mut lower, mut upper) = (0.0_f64, 0.0_f64);
     let sum = contacts(a, b, b_in_a, settings, cache, |pair, found| {
         (lower, upper) = (lower.max(found.depth_lower), upper.max(found.depth_upper));
-        // Of equals the first by number, whatever the trees look like.
+        // Ties go to the lowest indices, so that the answer does not depend on the shape of the
+        // BVHs.
         let is_deeper =
             deepest.is_none_or(|(best, hulls)| found.depth > best.depth || found.depth == best.depth && pair < hulls);
         if is_deeper {
@@ -351,5 +458,5 @@ pub fn contact(
     let (answer, hulls) = deepest?;
     let (iterations, support_calls) = (sum.iterations, sum.support_calls);
     let answer = Contact { depth_lower: lower, depth_upper: upper, iterations, support_calls, ..answer };
-    Some(Compounded { answer, hulls, pairs: sum.pairs, boxes: sum.boxes })
+    Some(CompoundAnswer { answer, hulls, pairs: sum.pairs, boxes: sum.boxes })
 }

@@ -1,55 +1,60 @@
-//! Where two features meet: the points of a contact patch, from an edge and a face or from two faces.
+//! Clipping of two facing features: the points of the contact patch of an edge and a face, or of
+//! two faces.
 //!
-//! Both features are seen along the contact normal. One of them, the *reference*, gives the side planes and the height
-//! that depths are measured from; the other, the *incident* one, is clipped against the side planes.
+//! Both features are projected along the contact normal. The *reference* feature gives the side
+//! planes and the height from which depths are measured. The *incident* feature is clipped against
+//! the side planes.
 //!
 //! # Reference
-//! Sutherland, Hodgman, "Reentrant polygon clipping", 1974. Features and their numbers: Gregorius, "Robust contact
+//! Sutherland, Hodgman, "Reentrant polygon clipping", 1974. Feature ids: Gregorius, "Robust contact
 //! creation for physics simulations", GDC 2015.
 //!
 //! # Steps
-//! 1. project both features to the plane across the normal;
-//! 2. reference: the polygon with the larger area; two edges meet along their common length if they are parallel, and else
-//!    at the contact point alone;
-//! 3. clip the incident feature by each of the reference's sides; every corner remembers which corners or sides of both it is made of;
-//! 4. depth of each corner: how far A's surface lies above B's there, along the normal.
+//! 1. Project both features onto the plane perpendicular to the normal.
+//! 2. Take the polygon with the larger area as the reference. Two parallel edges meet along their
+//!    common length; two other edges meet only at the contact point.
+//! 3. Clip the incident feature by each side of the reference. Every corner records the corners or
+//!    sides of both features that it lies on.
+//! 4. The depth of a corner is the height of A's surface above B's there, along the normal.
 //!
 //! # Deviations
-//! - Corners on a side, within [`SIDE_SLACK`], are kept, so that features that coincide do not flicker.
+//! - Corners within [`SIDE_SLACK`] outside of a side are kept, so that coincident features do not
+//!   flicker.
 
 #![forbid(unsafe_code)]
 
-use crate::shape::MAX_CORNERS;
-use crate::{Corner, Feature};
+use crate::shapes::{Corner, Feature, MAX_CORNERS};
 use glam::{DVec2, DVec3};
 
-/// Most points of a patch: each side adds at most one corner.
+/// Maximum number of points of a patch: each side adds at most one corner.
 pub(super) const MAX_POINTS: usize = 2 * MAX_CORNERS;
 
-/// How far outside a side a corner counts as on it, relative to the reference's extent: above the
-/// rounding of f32 (6e-8), below what anybody sees.
+/// Distance outside a side up to which a corner counts as on it, relative to the reference's
+/// extent. Above the rounding error of f32 (6e-8) and invisibly small.
 const SIDE_SLACK: f64 = 1e-6;
 
-/// Area below this share of the square of the extent is none: the feature is an edge.
+/// A feature whose area is at most this multiple of its squared extent is an edge.
 const FLAT_AREA: f64 = 1e-6;
 
-/// Sine of the angle within which edges meet along a length and not in a point: that within which faces count as one.
-const PARALLEL: f64 = crate::shape::TILT;
+/// Sine of the angle within which two edges count as parallel: the tilt within which faces count as
+/// one.
+const PARALLEL: f64 = crate::shapes::feature::TILT;
 
-/// What a point of a patch is made of, on one of the shapes: a vertex twice, the ends of an edge, or [`FACE`] for inside a face.
+/// The feature of one shape that a point lies on: a vertex twice, the two ends of an edge, or
+/// [`FACE`].
 pub(super) type Part = [u32; 2];
 
-/// Inside a face.
+/// The interior of a face.
 pub(super) const FACE: Part = [u32::MAX; 2];
 
 /// One point of a patch.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PatchPoint {
-    /// Across the normal.
+    /// Position in the plane perpendicular to the normal.
     pub(super) at: DVec2,
-    /// Heights of the two surfaces along the normal: A's, B's.
+    /// Heights of A's and of B's surface along the normal.
     pub(super) heights: [f64; 2],
-    /// What it is made of on A and on B.
+    /// The features of A and of B that it lies on.
     pub(super) parts: [Part; 2],
 }
 
@@ -75,7 +80,7 @@ impl Patch {
         &self.points[..self.count]
     }
 
-    /// Adds a point, unless there is no room or one of the same parts.
+    /// Adds a point unless the patch is full or has a point on the same features.
     pub(super) fn push(&mut self, point: PatchPoint) {
         let known = self.points().iter().any(|p| p.parts == point.parts);
         if let Some(free) = self.points.get_mut(self.count).filter(|_| !known) {
@@ -96,7 +101,7 @@ impl Patch {
     }
 }
 
-/// A corner seen along the normal.
+/// A corner, projected along the normal.
 #[derive(Clone, Copy, Debug, Default)]
 struct Flat {
     at: DVec2,
@@ -104,12 +109,12 @@ struct Flat {
     vertex: u32,
 }
 
-/// A feature seen along the normal.
+/// A feature, projected along the normal.
 #[derive(Clone, Copy)]
 struct Outline {
     corners: [Flat; MAX_CORNERS],
     count: usize,
-    /// Counter-clockwise positive; 0 for an edge or a vertex.
+    /// Positive if counter-clockwise; 0 for an edge or a vertex.
     area: f64,
     extent: f64,
 }
@@ -153,7 +158,8 @@ impl Outline {
         &self.corners[..self.count]
     }
 
-    /// Height of the feature's plane as origin and slope. By Newell's method: the best plane if it is not quite flat.
+    /// The feature's plane as an origin and a slope. Newell's method averages over corners that are
+    /// not quite coplanar.
     fn plane(&self) -> (Flat, DVec2) {
         let n = self.count as f64;
         let corners = self.corners();
@@ -183,19 +189,19 @@ impl Frame {
         Flat { at: DVec2::new(p.dot(self.x), p.dot(self.y)), height: p.dot(self.normal), vertex: corner.vertex }
     }
 
-    /// The point at a place and a height.
+    /// The point at a position in the plane and a height.
     pub(super) fn point(&self, at: DVec2, height: f64) -> DVec3 {
         self.origin + self.x * at.x + self.y * at.y + self.normal * height
     }
 }
 
-/// What an edge of the polygon being clipped came from.
+/// Origin of an edge of the polygon being clipped.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Side {
-    /// The incident feature's edge between two vertices.
+    /// An edge of the incident feature.
     #[default]
     Incident,
-    /// The reference's side with this number.
+    /// A side of the reference, by index.
     Reference(usize),
 }
 
@@ -204,14 +210,15 @@ enum Side {
 struct Clipped {
     at: DVec2,
     height: f64,
-    /// On the incident shape, on the reference shape.
+    /// The features of the incident and of the reference shape that it lies on.
     parts: [Part; 2],
-    /// The edge to the next corner, and its ends if it is the incident feature's.
+    /// The edge to the next corner, and its ends if it belongs to the incident feature.
     side: Side,
     edge: Part,
 }
 
-/// Adds to `out` the points where the features `a` and `b` (in one frame) meet; none where only the contact point does.
+/// Adds the points where features `a` and `b` (in one frame) meet to `out`. Adds nothing if only
+/// the contact point is common.
 pub(super) fn meet(a: &Feature, b: &Feature, frame: &Frame, out: &mut Patch) {
     if a.corners().len() < 2 || b.corners().len() < 2 {
         return;
@@ -226,7 +233,7 @@ pub(super) fn meet(a: &Feature, b: &Feature, frame: &Frame, out: &mut Patch) {
     }
 }
 
-/// The common length of two edges that are parallel.
+/// Adds the ends of the common length of two parallel edges.
 fn edges(a: &Outline, b: &Outline, out: &mut Patch) {
     let ([a0, a1], [b0, b1]) = (a.corners(), b.corners()) else { return };
     let (along, other) = (a1.at - a0.at, b1.at - b0.at);
@@ -251,7 +258,7 @@ fn edges(a: &Outline, b: &Outline, out: &mut Patch) {
     }
 }
 
-/// Clips `incident` by the sides of `reference`.
+/// Clips `incident` by the sides of `reference` (Sutherland-Hodgman).
 fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut Patch) {
     let mut from = [Clipped::default(); MAX_POINTS];
     let mut to = from;
@@ -285,14 +292,14 @@ fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut
                 let t = (dp / (dp - dq)).clamp(0.0, 1.0);
                 let parts = match p.side {
                     Side::Incident => [p.edge, side_part],
-                    // Two sides of the reference meet in its corner.
+                    // Two sides of the reference meet at one of its corners.
                     Side::Reference(other) => {
                         let corner = if (number + 1) % reference.count == other { end.vertex } else { start.vertex };
                         [FACE, pair(corner, corner)]
                     }
                 };
                 let (at, height) = (p.at.lerp(q.at, t), p.height + (q.height - p.height) * t);
-                // Leaving, the way goes on along the side; coming in, along the edge cut.
+                // A leaving edge continues along the side, an entering edge along itself.
                 let (side, edge) = if keep { (Side::Reference(number), FACE) } else { (p.side, p.edge) };
                 kept += push(&mut to, kept, Clipped { at, height, parts, side, edge });
             }
@@ -309,7 +316,8 @@ fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut
     }
 }
 
-/// Writes a corner; 1 if there was room for it, which rounding alone can take.
+/// Writes a corner and returns 1, or 0 if there is no room. Only rounding errors can produce that
+/// many corners.
 fn push(to: &mut [Clipped; MAX_POINTS], count: usize, corner: Clipped) -> usize {
     to.get_mut(count).map_or(0, |free| {
         *free = corner;
@@ -317,7 +325,7 @@ fn push(to: &mut [Clipped; MAX_POINTS], count: usize, corner: Clipped) -> usize 
     })
 }
 
-/// Two vertex numbers in ascending order.
+/// Two vertices in ascending order.
 fn pair(a: u32, b: u32) -> Part {
     [a.min(b), a.max(b)]
 }

@@ -1,107 +1,220 @@
-//! Contact manifold: up to four points that hold a body in place, kept from one frame to the next.
+//! Contact manifold: up to four points that support a body, kept from one frame to the next.
 //!
-//! One contact point is enough to separate two bodies and too little to rest on. A manifold has the points where the two
-//! features that face each other meet: four corners of a face on a face, two ends of an edge on a face, one vertex.
+//! One contact point separates two bodies but cannot support one at rest. A manifold has the points
+//! where the two facing features meet: four corners of a face on a face, two ends of an edge on a
+//! face, or one vertex.
 //!
 //! # Reference
-//! Kenwright, section 3 ("contact manifold generation (i.e., caching)"). Clipping of features: Gregorius, "Robust contact
-//! creation for physics simulations", GDC 2015.
+//! Kenwright, section 3 ("contact manifold generation (i.e., caching)"). Clipping of features:
+//! Gregorius, "Robust contact creation for physics simulations", GDC 2015.
 //!
 //! # Steps
-//! 1. contact of the shapes; if they are apart by less than the margin, their nearest points;
-//! 2. the feature of each that faces the other along the normal ([`Shape::feature`]; of a hull a baked face, by `hull_face`);
-//! 3. `clip`: where the features meet; points apart by more than the margin are left out;
-//! 4. the contact point itself is added where it is deeper than all of them (curved surfaces, edges that cross);
-//! 5. `select`: the four that span the most area, the deepest among them; or the last frame's four while they span nearly as
-//!    much, one of them given up if the deepest is another;
-//! 6. each point is matched with one of the last frame, by what it is made of, else by where it is, and takes over what
-//!    the caller stored there.
+//! 1. Compute the contact of the shapes; if they are separated by less than the prediction, their
+//!    closest points.
+//! 2. Find the feature of each shape that faces the other along the normal ([`Shape::feature`]; a
+//!    hull returns a baked face).
+//! 3. Clip the features against each other (`clip`). Drop points separated by more than the
+//!    prediction.
+//! 4. Add the contact point itself where it is deeper than all clipped points, as on curved
+//!    surfaces and crossing edges.
+//! 5. Select four points (`select`): those that span the largest area, always with the deepest.
+//!    Last frame's four stay while they span nearly as much; if the deepest point is a new one, it
+//!    replaces one of them.
+//! 6. Match each point with one of the last frame, by feature or else by position. A matched point
+//!    keeps what the caller stored in it.
 //!
 //! # Deviations
-//! - The paper gathers points over several frames. Here all points are found at once, so that a body is held from the
-//!   first frame on, and what is kept between frames are the impulses.
+//! - The paper collects points over several frames. Here all points are found at once, so a body is
+//!   supported from the first frame on. Only the caller's data is kept between frames.
 //!
 //! # What did not work
-//! - The first four corners of a face: a prism of eight sides tips over.
+//! - Taking the first four corners of a face: a prism of eight sides tips over.
 
 #![forbid(unsafe_code)]
 
 mod clip;
-mod hull_face;
 mod select;
 
-use crate::minkowski::{Minkowski, perpendicular};
-use crate::{Cache, Contact, Feature, Pose, Settings, Shape, Status};
+use crate::pose::Pose;
+use crate::shapes::{Feature, Shape};
+use crate::solver::{Cache, Contact, Distance, Minkowski, Settings, Status, queries};
+use crate::vector::perpendicular;
 use clip::{FACE, Frame, Part, Patch, PatchPoint, meet};
 use glam::DVec3;
 use select::{Choice, area, choose};
+use std::fmt;
 
-/// Most points of a manifold.
+/// Maximum number of points of a manifold.
 pub const MAX_POINTS: usize = 4;
 
-/// By how much of the smaller shape's outer radius the contact point must be deeper than all others to be a point of its own:
-/// above the solver's tolerance on any depth that is less than the radius.
+/// The contact point becomes a point of its own if it is deeper than all others by more than this,
+/// relative to the smaller shape's outer radius. Larger than the solver's tolerance on any depth
+/// below that radius.
 const WITNESS_ADVANTAGE: f64 = 2e-5;
 
-/// Last frame's four stay while they span this share of what the best four would.
+/// Last frame's four points stay while their area is at least this fraction of the best four
+/// points' area.
 const KEPT_AREA: f64 = 0.9;
 
-/// Depths that differ by less than this share of the smaller shape's outer radius are the same.
+/// Depths that differ by less than this count as equal, relative to the smaller shape's outer
+/// radius.
 const SAME_DEPTH: f64 = 1e-4;
 
-/// A point made of other parts than before is the same if it has moved on one of the shapes by less than this share of the
-/// smaller shape's outer radius.
+/// A point on other features than before counts as the same point if it has moved by less than this
+/// on one of the shapes, relative to the smaller shape's outer radius.
 const SAME_PLACE: f64 = 0.02;
 
-/// What a caller asks of a manifold.
+/// How far two surfaces may be separated and still have manifold points, of negative depth, so that
+/// a rocking body keeps them.
+///
+/// NaN and negative values count as 0.
+///
+/// # Examples
+/// ```
+/// use hullmap::ManifoldSettings;
+/// use hullmap::manifold::Prediction;
+///
+/// // A centimetre, in a scene whose unit is the metre.
+/// let settings = ManifoldSettings { prediction: Prediction::Length(0.01), ..Default::default() };
+/// assert_eq!(settings.prediction.length(0.5), 0.01);
+/// assert_eq!(Prediction::default().length(0.5), 0.01);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ManifoldSettings {
-    /// Of the contact itself.
-    pub contact: Settings,
-    /// Points apart by up to this are told too, as points of negative depth, so that a body that rocks keeps them: a
-    /// share of the outer radius of the smaller shape. NaN and negative values count as 0.
-    pub margin: f64,
+pub enum Prediction {
+    /// A length, in the shapes' units.
+    Length(f64),
+    /// A fraction of the outer radius of the smaller shape.
+    Relative(f64),
 }
 
-impl ManifoldSettings {
-    /// 2 % of the smaller shape.
-    pub const DEFAULT_MARGIN: f64 = 0.02;
-}
-
-impl Default for ManifoldSettings {
-    fn default() -> Self {
-        Self { contact: Settings::default(), margin: Self::DEFAULT_MARGIN }
+impl Prediction {
+    /// The prediction as a length, for a smaller shape of this outer radius.
+    pub fn length(self, smaller_outer_radius: f64) -> f64 {
+        match self {
+            Self::Length(length) => length.max(0.0),
+            Self::Relative(fraction) => fraction.max(0.0) * smaller_outer_radius,
+        }
     }
 }
 
-/// What a point is made of: a vertex, an edge or the inside of a face, on each of both shapes. Equal from frame to frame
-/// while the same features meet.
+impl Default for Prediction {
+    /// 2 % of the smaller shape's outer radius.
+    fn default() -> Self {
+        Self::Relative(0.02)
+    }
+}
+
+/// Settings of [`Manifold::update`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ManifoldSettings {
+    /// Settings of the contact or distance query inside.
+    pub contact: Settings,
+    /// How far two surfaces may be separated and still have points.
+    pub prediction: Prediction,
+}
+
+/// The feature of one shape that a manifold point lies on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum FeatureId {
+    /// A vertex: its [`Corner::vertex`](crate::Corner::vertex), which for a hull is the vertex
+    /// index.
+    Vertex(u32),
+    /// An edge, by its two vertices in ascending order.
+    Edge(u32, u32),
+    /// The interior of a face.
+    Face,
+}
+
+impl FeatureId {
+    fn of(part: Part) -> Self {
+        match part {
+            FACE => Self::Face,
+            [a, b] if a == b => Self::Vertex(a),
+            [a, b] => Self::Edge(a, b),
+        }
+    }
+}
+
+impl fmt::Display for FeatureId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Vertex(vertex) => write!(f, "vertex {vertex}"),
+            Self::Edge(start, end) => write!(f, "edge {start}-{end}"),
+            Self::Face => f.write_str("face"),
+        }
+    }
+}
+
+/// The pair of features that a manifold point lies on. Equal from frame to frame while the same
+/// features meet.
+///
+/// # Examples
+/// ```
+/// use hullmap::glam::DVec3;
+/// use hullmap::manifold::FeatureId;
+/// use hullmap::shapes::Cuboid;
+/// use hullmap::{Cache, Manifold, ManifoldSettings, Pose};
+///
+/// let (floor, cube) = (Cuboid::new(DVec3::new(5.0, 5.0, 1.0))?, Cuboid::new(DVec3::ONE)?);
+/// let (mut manifold, mut cache) = (Manifold::new(), Cache::new());
+/// let b_in_a = Pose::from_translation(DVec3::new(0.0, 0.0, 1.99))?;
+/// manifold.update(&floor, &cube, b_in_a, &ManifoldSettings::default(), &mut cache);
+/// let id = manifold.points()[0].id;
+/// assert_eq!(id.on_a(), FeatureId::Face);
+/// assert!(matches!(id.on_b(), FeatureId::Vertex(_)));
+/// assert!(id.to_string().starts_with("face to vertex"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct PointId {
     parts: [Part; 2],
 }
 
+impl PointId {
+    /// The feature of A.
+    pub fn on_a(self) -> FeatureId {
+        FeatureId::of(self.parts[0])
+    }
+
+    /// The feature of B.
+    pub fn on_b(self) -> FeatureId {
+        FeatureId::of(self.parts[1])
+    }
+}
+
+impl fmt::Display for PointId {
+    /// For instance `face to vertex 3`: A's feature, then B's.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} to {}", self.on_a(), self.on_b())
+    }
+}
+
 /// A point of a [`Manifold`]. Lengths are in the shapes' units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManifoldPoint {
-    /// What it is made of.
+    /// The features it lies on.
     pub id: PointId,
-    /// On A's surface, in A's frame.
+    /// The point on A's surface, in A's frame.
     pub point_a: DVec3,
-    /// On B's surface, in A's frame.
+    /// The point on B's surface, in A's frame.
     pub point_b: DVec3,
-    /// On B's surface, in B's frame.
+    /// The point on B's surface, in B's frame.
     pub local_b: DVec3,
-    /// How deep B is in A here, along the manifold's normal; negative where they are apart.
+    /// Penetration depth at this point along the manifold's normal; negative if the surfaces are
+    /// separated there.
     pub depth: f64,
-    /// The caller's own, to start the next frame from: 0 for a new point, and untouched while a point is kept. Say the
-    /// impulse along the normal and along two tangents.
+    /// Owned by the caller: 0 in a new point and unchanged while the point is kept. Made for the
+    /// accumulated impulse along the normal and two tangents, with which the next frame's solver
+    /// starts.
     pub impulse: [f64; 3],
-    /// In how many updates before this one the point was there.
+    /// Owned by the caller: 0 in a new point and unchanged while the point is kept. For a material,
+    /// an event id or an index.
+    pub user_data: u64,
+    /// Number of earlier updates in which the point was present.
     pub age: u32,
 }
 
-/// The points where two shapes meet: caller-owned memory of one ordered pair (A, B).
+/// The contact manifold of two shapes: caller-owned memory of one ordered pair (A, B).
 ///
 /// # Examples
 /// ```
@@ -114,11 +227,17 @@ pub struct ManifoldPoint {
 /// let settings = ManifoldSettings::default();
 /// manifold.update(&floor, &crate_, Pose::from_translation(DVec3::new(0.0, 0.0, 1.49))?, &settings, &mut cache);
 /// assert_eq!(manifold.points().len(), 4);
+/// assert_eq!(manifold.normal(), DVec3::Z);
 /// assert!(manifold.points().iter().all(|p| (p.depth - 0.01).abs() < 1e-12 && p.age == 0));
 ///
 /// manifold.points_mut()[0].impulse[0] = 3.0;
+/// manifold.points_mut()[0].user_data = 7;
 /// manifold.update(&floor, &crate_, Pose::from_translation(DVec3::new(0.1, 0.0, 1.495))?, &settings, &mut cache);
-/// assert!(manifold.points()[0].age == 1 && manifold.points()[0].impulse[0] == 3.0);
+/// let kept = manifold.points()[0];
+/// assert!(kept.age == 1 && kept.impulse[0] == 3.0 && kept.user_data == 7);
+///
+/// manifold.clear();
+/// assert!(manifold.points().is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -129,7 +248,7 @@ pub struct Manifold {
 }
 
 impl ManifoldPoint {
-    /// Nothing: what places hold before they are filled.
+    /// Fills unused slots.
     const EMPTY: Self = Self {
         id: PointId { parts: [FACE; 2] },
         point_a: DVec3::ZERO,
@@ -137,6 +256,7 @@ impl ManifoldPoint {
         local_b: DVec3::ZERO,
         depth: 0.0,
         impulse: [0.0; 3],
+        user_data: 0,
         age: 0,
     };
 }
@@ -148,40 +268,42 @@ impl Default for Manifold {
 }
 
 impl Manifold {
-    /// A manifold of no points.
+    /// A manifold without points.
     pub const fn new() -> Self {
         Self { points: [ManifoldPoint::EMPTY; MAX_POINTS], count: 0, normal: DVec3::X }
     }
 
-    /// The points: none where the shapes are apart by more than the margin.
+    /// The points; empty if the shapes are separated by more than the prediction.
     pub fn points(&self) -> &[ManifoldPoint] {
         &self.points[..self.count]
     }
 
-    /// The points, to store impulses in.
+    /// The points, for storing impulses and user data.
     pub fn points_mut(&mut self) -> &mut [ManifoldPoint] {
         &mut self.points[..self.count]
     }
 
-    /// Unit normal in A's frame, from A to B, of the last update that found points.
+    /// Unit normal from A to B, in A's frame, of the last update that found points.
     pub fn normal(&self) -> DVec3 {
         self.normal
     }
 
-    /// Forgets all points.
+    /// Removes all points.
     pub fn clear(&mut self) {
         self.count = 0;
     }
 
-    /// Brings the points up to date for `a` and for `b` placed at `b_in_a`, and returns their contact; where the shapes are
-    /// apart by less than the margin, its normal and points are those of [`distance`](crate::distance()).
+    /// Updates the points for `a` and for `b` placed at `b_in_a`, and returns the contact of the
+    /// two.
     ///
-    /// A point that was there before keeps its place's impulse and grows older. Manifold and `cache` belong to this ordered
-    /// pair.
+    /// If the shapes are separated by less than the prediction, the contact's normal and points are
+    /// those of [`distance`](crate::distance()). A point that was there before keeps its impulse
+    /// and user data, and its age grows. The manifold and `cache` belong to this ordered pair.
     ///
     /// # Complexity
-    /// That of [`contact`](crate::contact()) (and of the distance, if apart by less than the margin), and of the two features: of
-    /// hulls 8 to 33 support queries each, whatever their vertex count. No allocation.
+    /// That of [`contact`](crate::contact()), of [`distance`](crate::distance()) if the shapes are
+    /// separated by less than the prediction, and of two features: for a hull 8 to 33 support
+    /// queries each, independent of its vertex count. No allocation.
     pub fn update<A: Shape + ?Sized, B: Shape + ?Sized>(
         &mut self,
         a: &A,
@@ -191,11 +313,11 @@ impl Manifold {
         cache: &mut Cache,
     ) -> Contact {
         let reach = a.outer_radius().min(b.outer_radius());
-        let margin = settings.margin.max(0.0) * reach;
-        let mut contact = crate::contact(a, b, b_in_a, &settings.contact, cache);
+        let prediction = settings.prediction.length(reach);
+        let mut contact = queries::contact(a, b, b_in_a, &settings.contact, cache);
         let mut depth = contact.depth;
         if !contact.hit {
-            let Some(gap) = near((a, b, b_in_a), contact.normal, margin, &settings.contact, cache) else {
+            let Some(gap) = near((a, b, b_in_a), contact.normal, prediction, &settings.contact, cache) else {
                 self.clear();
                 return contact;
             };
@@ -217,7 +339,7 @@ impl Manifold {
         }
         let mut patch = Patch::new();
         meet(on_a, on_b, &frame, &mut patch);
-        patch.retain(|p| p.depth() >= -margin);
+        patch.retain(|p| p.depth() >= -prediction);
         let deep = patch.points().iter().map(PatchPoint::depth).fold(f64::NEG_INFINITY, f64::max);
         if depth > deep + WITNESS_ADVANTAGE * reach {
             let heights = [depth * 0.5, -depth * 0.5];
@@ -229,14 +351,15 @@ impl Manifold {
         contact
     }
 
-    /// Last frame's four points in `patch`, or three of them and the deepest, while they are nearly as good as the best four.
+    /// Last frame's four points in `patch`, or three of them and the deepest, if they span nearly
+    /// as much area as the best four.
     fn keep(&self, patch: &Patch, frame: &Frame, b_in_a: Pose, reach: f64) -> Option<Choice> {
         let points = patch.points();
         if self.count < MAX_POINTS || points.len() < MAX_POINTS {
             return None;
         }
         let a_in_b = b_in_a.inverse();
-        // How far a point is from where an old one was: on A or on B, whichever has moved less under it.
+        // Distance between a point and an old one: on A or on B, whichever is smaller.
         let apart = |p: &PatchPoint, old: &ManifoldPoint| {
             let on_a = frame.point(p.at, p.heights[0]).distance(old.point_a);
             on_a.min(a_in_b.transform_point(frame.point(p.at, p.heights[1])).distance(old.local_b))
@@ -252,8 +375,8 @@ impl Manifold {
         }
         let slight = SAME_DEPTH * reach;
         let best = choose(points, slight);
-        let (&[a, b, c, d], &[e, f, g, h]) = (kept.numbers(), best.numbers()) else { return None };
-        let spanned = |numbers: [usize; 4]| area(numbers.map(|i| points[i].at));
+        let (&[a, b, c, d], &[e, f, g, h]) = (kept.indices(), best.indices()) else { return None };
+        let spanned = |indices: [usize; 4]| area(indices.map(|i| points[i].at));
         let mut old = [a, b, c, d];
         let deep = (0..points.len()).fold(0, |best, i| if points[i].depth() > points[best].depth() { i } else { best });
         if old.iter().all(|i| points[*i].depth() < points[deep].depth() - slight) {
@@ -266,21 +389,22 @@ impl Manifold {
         (spanned(old) >= KEPT_AREA * spanned([e, f, g, h])).then_some(kept)
     }
 
-    /// Takes over the chosen points, and from the old ones what the caller stored.
+    /// Replaces the points by the chosen ones; matched points keep what the caller stored.
     fn replace(&mut self, patch: &Patch, choice: Choice, frame: &Frame, b_in_a: Pose, most: f64, reach: f64) {
         let old = self.clone();
         let a_in_b = b_in_a.inverse();
         self.count = 0;
         self.normal = frame.normal;
-        for &number in choice.numbers() {
-            let p = &patch.points()[number];
+        for &index in choice.indices() {
+            let p = &patch.points()[index];
             let point_b = frame.point(p.at, p.heights[1]);
             self.points[self.count] = ManifoldPoint {
                 id: PointId { parts: p.parts },
                 point_a: frame.point(p.at, p.heights[0]),
                 point_b,
                 local_b: a_in_b.transform_point(point_b),
-                // Features that are not quite flat bulge over their planes; no point is deeper than the contact.
+                // Features that are not quite flat rise above their planes. No point is deeper than
+                // the contact.
                 depth: p.depth().min(most),
                 ..ManifoldPoint::EMPTY
             };
@@ -300,7 +424,9 @@ impl Manifold {
                     .filter(|i| !taken[*i] && same(&old.points[*i]))
                     .min_by(|i, j| apart(&old.points[*i]).total_cmp(&apart(&old.points[*j])));
                 if let Some(found) = found {
-                    (new.impulse, new.age) = (old.points[found].impulse, old.points[found].age.saturating_add(1));
+                    let kept = &old.points[found];
+                    (new.impulse, new.user_data) = (kept.impulse, kept.user_data);
+                    new.age = kept.age.saturating_add(1);
                     (taken[found], *matched) = (true, true);
                 }
             }
@@ -308,22 +434,22 @@ impl Manifold {
     }
 }
 
-/// The distance of shapes known to be apart along `axis`; `None` if it is above `margin`.
+/// The distance of shapes that `axis` separates; `None` if it is above `prediction`.
 fn near<A: Shape + ?Sized, B: Shape + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
     axis: DVec3,
-    margin: f64,
+    prediction: f64,
     settings: &Settings,
     cache: &mut Cache,
-) -> Option<crate::Distance> {
-    if -Minkowski::new(a, b, b_in_a).support(axis).w.dot(axis) > margin {
+) -> Option<Distance> {
+    if -Minkowski::new(a, b, b_in_a).support(axis).w.dot(axis) > prediction {
         return None;
     }
-    let gap = crate::distance(a, b, b_in_a, settings, cache);
-    (gap.lower <= margin && gap.status != Status::Overlapping).then_some(gap)
+    let gap = queries::distance(a, b, b_in_a, settings, cache);
+    (gap.lower <= prediction && gap.status != Status::Overlapping).then_some(gap)
 }
 
-/// What the contact point is made of on a shape whose feature is this.
+/// The part of a shape with this feature that the contact point lies on.
 fn part(feature: &Feature) -> Part {
     match feature.corners() {
         [vertex] => [vertex.vertex; 2],

@@ -1,11 +1,13 @@
-//! Of all points of a contact patch the four that span the most area, the deepest among them.
+//! Reduction of a contact patch to four points: the deepest one and three that span the largest
+//! area with it.
 //!
 //! # Steps
-//! 1. the deepest point stays; of several the outermost;
-//! 2. for each other point, taken as the corner across: the farthest point on either side of the diagonal. The pair of triangles with
-//!    the greatest area wins.
+//! 1. Keep the deepest point; of several equally deep points, the outermost.
+//! 2. Take each other point as the opposite corner of the diagonal, with the farthest point on
+//!    either side. Keep the pair of triangles with the largest area.
 //!
-//! For the corners of a convex polygon that is the largest quadrilateral that has the deepest point as a corner, exactly.
+//! For the corners of a convex polygon the result is exactly the largest quadrilateral with the
+//! deepest point as a corner.
 //!
 //! # Complexity
 //! O(n²) for n points, at most 65.
@@ -15,28 +17,28 @@
 use super::clip::PatchPoint;
 use glam::DVec2;
 
-/// Numbers of up to four points, and how many.
+/// Indices of up to four points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Choice {
-    numbers: [usize; 4],
+    indices: [usize; 4],
     count: usize,
 }
 
 impl Choice {
-    pub(super) fn numbers(&self) -> &[usize] {
-        &self.numbers[..self.count]
+    pub(super) fn indices(&self) -> &[usize] {
+        &self.indices[..self.count]
     }
 
-    pub(super) fn push(&mut self, number: usize) {
-        if self.count < 4 && !self.numbers().contains(&number) {
-            self.numbers[self.count] = number;
+    pub(super) fn push(&mut self, index: usize) {
+        if self.count < 4 && !self.indices().contains(&index) {
+            self.indices[self.count] = index;
             self.count += 1;
         }
     }
 }
 
-/// The deepest of `points`; of those as deep within `slight`, a length, the farthest from their middle: a corner that large
-/// quadrilaterals have.
+/// Index of the deepest of `points`. Of those within `slight` of the deepest (a length), the one
+/// farthest from their centre, since large quadrilaterals have it as a corner.
 pub(super) fn deepest(points: &[PatchPoint], slight: f64) -> usize {
     let depth = points.iter().map(PatchPoint::depth).fold(f64::NEG_INFINITY, f64::max) - slight;
     let deep = || points.iter().enumerate().filter(move |(_, p)| p.depth() >= depth);
@@ -45,8 +47,8 @@ pub(super) fn deepest(points: &[PatchPoint], slight: f64) -> usize {
     deep().fold(0, |best, (i, p)| if points[best].depth() < depth || far(p) > far(&points[best]) { i } else { best })
 }
 
-/// The four of `points` that span the most area, or all if there are no more. Depths that differ by no more than `slight` are
-/// the same.
+/// The four of `points` that span the largest area, or all of them if there are at most four.
+/// Depths that differ by at most `slight` count as equal.
 pub(super) fn choose(points: &[PatchPoint], slight: f64) -> Choice {
     let mut choice = Choice::default();
     if points.len() <= 4 {
@@ -67,7 +69,8 @@ pub(super) fn choose(points: &[PatchPoint], slight: f64) -> Choice {
     choice
 }
 
-/// Twice the area of the largest triangle on one side of a diagonal, and its third corner; 0 where nothing is there.
+/// Twice the area of the largest triangle on one side of a diagonal, and its third corner; 0 if no
+/// point is on that side.
 fn farthest(points: &[PatchPoint], from: usize, to: usize, side: f64) -> (f64, usize) {
     let (origin, along) = (points[from].at, points[to].at - points[from].at);
     let mut best = (0.0, from);
@@ -80,7 +83,7 @@ fn farthest(points: &[PatchPoint], from: usize, to: usize, side: f64) -> (f64, u
     best
 }
 
-/// Area of the quadrilateral of four points, whatever their order: the largest of the three orders around it.
+/// Area of the quadrilateral of four points in any order: the largest of the three possible orders.
 pub(super) fn area([a, b, c, d]: [DVec2; 4]) -> f64 {
     let order = |p: DVec2, q: DVec2, r: DVec2, s: DVec2| 0.5 * (r - p).perp_dot(s - q).abs();
     order(a, b, c, d).max(order(a, c, b, d)).max(order(a, b, d, c))
@@ -99,9 +102,9 @@ mod tests {
         corners.iter().enumerate().map(point).collect()
     }
 
-    /// Against all quadruples with the deepest among them.
+    /// Compared with every quadruple that has the deepest point.
     #[test]
-    fn no_four_span_more() {
+    fn no_other_four_points_span_a_larger_area() {
         let mut seed = 1_u64;
         let mut random = || {
             seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -116,8 +119,8 @@ mod tests {
             let deep = (random() * n as f64) as usize % n;
             let points = points(&corners, deep);
             let chosen = choose(&points, 0.0);
-            assert!(chosen.numbers().len() >= 3 && chosen.numbers()[0] == deep);
-            let spanned = match *chosen.numbers() {
+            assert!(chosen.indices().len() >= 3 && chosen.indices()[0] == deep);
+            let spanned = match *chosen.indices() {
                 [a, b, c, d] => area([a, b, c, d].map(|i| corners[i])),
                 [a, b, c] => area([a, b, c, c].map(|i| corners[i])),
                 _ => 0.0,

@@ -1,26 +1,42 @@
-//! A cone along z, its tip up.
+//! Cone along z, with its apex up.
 
+use super::error::ShapeError;
+use super::feature::{Corner, Feature, TILT};
+use super::shape::Shape;
 use super::{RIM, direction, error::length, length_of, push_rim, radial};
-use crate::shape::TILT;
-use crate::{Corner, Feature, Shape, ShapeError, Support, SupportMap};
+use crate::support::{SupportMap, SupportPoint};
 use glam::DVec3;
 
-/// A cone about z: the base at −`half_height`, the tip at `half_height`.
+/// A cone about z: the base at −`half_height`, the apex at `half_height`.
+///
+/// # Examples
+/// ```
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::Cone;
+/// use hullmap::{ShapeError, SupportMap};
+///
+/// let cone = Cone::new(1.0, 0.5)?;
+/// assert_eq!((cone.half_height(), cone.radius()), (1.0, 0.5));
+/// assert_eq!(cone.support_point(DVec3::Z).point, DVec3::Z);
+/// assert_eq!(cone.support_point(DVec3::X).point, DVec3::new(0.5, 0.0, -1.0));
+/// # Ok::<(), ShapeError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
     half_height: f64,
     radius: f64,
 }
 
-/// Feature numbers of tip and rim.
-const TIP: u32 = 0;
+/// Vertex ids of the apex and of the point on the rim.
+const APEX: u32 = 0;
 const RIM_POINT: u32 = 1;
 
 impl Cone {
-    /// The cone with its tip at `half_height` on z and its base, of this radius, at −`half_height`. Either length may be 0.
+    /// The cone with its apex at `half_height` on the z axis and its base, of radius `radius`, at
+    /// −`half_height`. Either length may be 0.
     ///
     /// # Errors
-    /// A length that is NaN, negative or above the greatest f32.
+    /// [`ShapeError::Length`] if a length is NaN, negative or above [`f32::MAX`].
     pub fn new(half_height: f64, radius: f64) -> Result<Self, ShapeError> {
         Ok(Self { half_height: length("half height", half_height)?, radius: length("radius", radius)? })
     }
@@ -30,12 +46,12 @@ impl Cone {
         self.half_height
     }
 
-    /// The base's radius.
+    /// Radius of the base.
     pub fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// Length of the line from the tip to the rim.
+    /// Length of the straight line from the apex to the rim.
     fn slant(&self) -> f64 {
         length_of(2.0 * self.half_height, self.radius)
     }
@@ -46,13 +62,14 @@ impl Cone {
 }
 
 impl SupportMap for Cone {
-    fn support(&self, dir: DVec3) -> Support {
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
         let dir = direction(dir);
-        // Tip or rim: which is farther, by twice the half height or by the radius.
+        // Compares the dot products of the apex and of the rim point, both relative to the centre
+        // of the base.
         if 2.0 * self.half_height * dir.z >= self.radius * length_of(dir.x, dir.y) {
-            Support { point: DVec3::Z * self.half_height, feature: TIP }
+            SupportPoint { point: DVec3::Z * self.half_height, feature: APEX }
         } else {
-            Support { point: self.rim_point(dir), feature: RIM_POINT }
+            SupportPoint { point: self.rim_point(dir), feature: RIM_POINT }
         }
     }
     /// The centre of the inscribed ball.
@@ -60,7 +77,8 @@ impl SupportMap for Cone {
         DVec3::Z * (self.inner_radius() - self.half_height)
     }
     fn inner_radius(&self) -> f64 {
-        // Radius of the circle inscribed in the triangle of tip and diameter: twice the area over the perimeter.
+        // Radius of the circle inscribed in the cross-section, a triangle: twice its area over its
+        // perimeter.
         let perimeter = self.slant() + self.radius;
         if perimeter > 0.0 { 2.0 * self.half_height * self.radius / perimeter } else { 0.0 }
     }
@@ -71,21 +89,22 @@ impl SupportMap for Cone {
 }
 
 impl Shape for Cone {
-    /// The base as [`MAX_CORNERS`](crate::shape::MAX_CORNERS) points of its rim, the line from the tip down the side, the tip, or a
-    /// point of the rim.
+    /// The base as [`MAX_CORNERS`](crate::shapes::MAX_CORNERS) points of its rim, a line on the
+    /// side from the apex to the rim, the apex, or a point of the rim.
     fn feature(&self, dir: DVec3, out: &mut Feature) {
         out.clear();
         let n = direction(dir);
         let across = length_of(n.x, n.y);
-        // The side's normal leans up by radius over twice the half height; the sine of the angle to it.
+        // Sine of the angle between `n` and the normal of the side: that normal rises by the radius
+        // over the height.
         let off_side = (2.0 * self.half_height * n.z - self.radius * across) / self.slant();
         if across <= TILT && n.z < 0.0 && self.radius > 0.0 {
             push_rim(out, -self.half_height, self.radius, RIM);
         } else if off_side.abs() <= TILT && n.z >= -TILT {
-            out.push(Corner { point: DVec3::Z * self.half_height, vertex: TIP });
+            out.push(Corner { point: DVec3::Z * self.half_height, vertex: APEX });
             out.push(Corner { point: self.rim_point(n), vertex: RIM_POINT });
         } else {
-            let Support { point, feature } = self.support(n);
+            let SupportPoint { point, feature } = self.support_point(n);
             out.push(Corner { point, vertex: feature });
         }
     }

@@ -1,29 +1,45 @@
-//! A box about the origin, its edges along the axes.
+//! Box (cuboid) about the origin, with its edges along the axes.
 
+use super::error::ShapeError;
+use super::feature::{Corner, Feature, TILT};
+use super::shape::Shape;
 use super::{direction, error::length};
-use crate::shape::TILT;
-use crate::{Corner, Feature, Shape, ShapeError, Support, SupportMap};
+use crate::support::{SupportMap, SupportPoint};
 use glam::DVec3;
 
-/// A box about the origin of its frame, its edges along the axes.
+/// A box about the origin of its frame, with its edges along the axes.
 ///
-/// A corner's number has bit 0, 1, 2 set where its x, y, z is negative.
+/// Bits 0, 1 and 2 of a corner's vertex id are set where its x, y and z are negative.
+///
+/// # Examples
+/// ```
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::Cuboid;
+/// use hullmap::{ShapeError, SupportMap};
+///
+/// let brick = Cuboid::new(DVec3::new(2.0, 1.0, 0.5))?;
+/// assert_eq!(brick.half_edges(), DVec3::new(2.0, 1.0, 0.5));
+/// let corner = brick.support_point(DVec3::new(1.0, -1.0, 1.0));
+/// assert_eq!((corner.point, corner.feature), (DVec3::new(2.0, -1.0, 0.5), 0b010));
+/// # Ok::<(), ShapeError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     half: DVec3,
 }
 
 impl Cuboid {
-    /// The box with these half edges; flat along each axis where that is 0.
+    /// The box that extends by `half_edges` from the origin along x, y and z, both ways. It is flat
+    /// along an axis if the half edge is 0.
     ///
     /// # Errors
-    /// A half edge that is NaN, negative or above the greatest f32.
+    /// [`ShapeError::Length`] if a half edge is NaN, negative or above [`f32::MAX`].
     pub fn new(half_edges: DVec3) -> Result<Self, ShapeError> {
         let half = |c| length("half edge", c);
         Ok(Self { half: DVec3::new(half(half_edges.x)?, half(half_edges.y)?, half(half_edges.z)?) })
     }
 
-    /// The half edges.
+    /// Half the length of the edges along x, y and z.
     pub fn half_edges(&self) -> DVec3 {
         self.half
     }
@@ -35,15 +51,15 @@ impl Cuboid {
     }
 }
 
-/// Bits of the axes along which `dir` is negative.
+/// Bit mask of the axes along which `dir` is negative.
 fn negative(dir: DVec3) -> u32 {
     u32::from(dir.x < 0.0) | u32::from(dir.y < 0.0) << 1 | u32::from(dir.z < 0.0) << 2
 }
 
 impl SupportMap for Cuboid {
-    fn support(&self, dir: DVec3) -> Support {
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
         let Corner { point, vertex } = self.corner(negative(dir));
-        Support { point, feature: vertex }
+        SupportPoint { point, feature: vertex }
     }
     fn interior_point(&self) -> DVec3 {
         DVec3::ZERO
@@ -61,7 +77,8 @@ impl Shape for Cuboid {
         out.clear();
         let dir = direction(dir);
         let sign = negative(dir);
-        // Across these axes the direction is too slight to prefer an end.
+        // Axes that are perpendicular to `dir` within `TILT`: the feature extends over both of
+        // their ends.
         let mut free = dir.to_array().into_iter().enumerate().filter(|(_, d)| d.abs() <= TILT).map(|(i, _)| 1 << i);
         match (free.next(), free.next()) {
             (Some(u), Some(v)) => {

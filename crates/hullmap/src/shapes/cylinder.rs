@@ -1,11 +1,25 @@
-//! A cylinder along z.
+//! Cylinder along z.
 
+use super::error::ShapeError;
+use super::feature::{Corner, Feature, MAX_CORNERS, TILT};
+use super::shape::Shape;
 use super::{RIM, direction, error::length, length_of, push_rim, radial};
-use crate::shape::{MAX_CORNERS, TILT};
-use crate::{Corner, Feature, Shape, ShapeError, Support, SupportMap};
+use crate::support::{SupportMap, SupportPoint};
 use glam::DVec3;
 
 /// A cylinder about the origin of its frame, along z.
+///
+/// # Examples
+/// ```
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::Cylinder;
+/// use hullmap::{ShapeError, SupportMap};
+///
+/// let drum = Cylinder::new(0.5, 1.0)?;
+/// assert_eq!((drum.half_height(), drum.radius()), (0.5, 1.0));
+/// assert_eq!(drum.support_point(DVec3::new(3.0, 0.0, -1.0)).point, DVec3::new(1.0, 0.0, -0.5));
+/// # Ok::<(), ShapeError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
     half_height: f64,
@@ -13,10 +27,11 @@ pub struct Cylinder {
 }
 
 impl Cylinder {
-    /// The cylinder from −`half_height` to `half_height` on z. Either length may be 0: a disc or a segment.
+    /// The cylinder of radius `radius` from −`half_height` to `half_height` on the z axis. Either
+    /// length may be 0, which makes a disc or a segment.
     ///
     /// # Errors
-    /// A length that is NaN, negative or above the greatest f32.
+    /// [`ShapeError::Length`] if a length is NaN, negative or above [`f32::MAX`].
     pub fn new(half_height: f64, radius: f64) -> Result<Self, ShapeError> {
         Ok(Self { half_height: length("half height", half_height)?, radius: length("radius", radius)? })
     }
@@ -26,17 +41,17 @@ impl Cylinder {
         self.half_height
     }
 
-    /// The radius.
+    /// Radius of the caps.
     pub fn radius(&self) -> f64 {
         self.radius
     }
 }
 
 impl SupportMap for Cylinder {
-    fn support(&self, dir: DVec3) -> Support {
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
         let lower = dir.z < 0.0;
         let z = if lower { -self.half_height } else { self.half_height };
-        Support { point: radial(dir) * self.radius + DVec3::Z * z, feature: u32::from(lower) }
+        SupportPoint { point: radial(dir) * self.radius + DVec3::Z * z, feature: u32::from(lower) }
     }
     fn interior_point(&self) -> DVec3 {
         DVec3::ZERO
@@ -50,7 +65,7 @@ impl SupportMap for Cylinder {
 }
 
 impl Shape for Cylinder {
-    /// A cap as [`MAX_CORNERS`] points of its rim, the line along the side, or a point of the rim.
+    /// A cap as [`MAX_CORNERS`] points of its rim, a line along the side, or a point of a rim.
     fn feature(&self, dir: DVec3, out: &mut Feature) {
         out.clear();
         let n = direction(dir);
@@ -64,7 +79,7 @@ impl Shape for Cylinder {
             out.push(Corner { point: side + DVec3::Z * self.half_height, vertex: 0 });
             out.push(Corner { point: side - DVec3::Z * self.half_height, vertex: 1 });
         } else {
-            let Support { point, feature } = self.support(n);
+            let SupportPoint { point, feature } = self.support_point(n);
             out.push(Corner { point, vertex: feature });
         }
     }

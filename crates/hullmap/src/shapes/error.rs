@@ -1,31 +1,44 @@
-//! Why numbers do not make a shape.
+//! Errors of the constructors of shapes.
 
-/// Lengths are at most this: the greatest f32, as that is what hulls hold. Squares of sums of such lengths are finite in f64.
+/// Maximum length: that of the coordinates of hulls, which are f32. The square of a sum of such
+/// lengths is finite in f64.
 pub(super) const MAX_LENGTH: f64 = f32::MAX as f64;
 
-/// Why numbers do not make a shape.
+/// A length or a scale is invalid, so that there is no such shape.
+///
+/// # Examples
+/// ```
+/// use hullmap::shapes::Sphere;
+///
+/// let error = Sphere::new(-1.0).unwrap_err();
+/// assert_eq!(
+///     error.to_string(),
+///     "radius must be from 0 to 3.4e38, found -1: check where the value comes from"
+/// );
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ShapeError {
-    /// A length is NaN, negative or too large.
-    #[error("{what} must be from 0 to 3.4e38, found {found}: check the scene's source")]
+    /// A length is NaN, negative or above [`f32::MAX`].
+    #[error("{what} must be from 0 to 3.4e38, found {found}: check where the value comes from")]
     Length {
-        /// Which length.
+        /// Name of the length, for example "radius".
         what: &'static str,
-        /// The number given.
+        /// The value found.
         found: f64,
     },
-    /// A scale is NaN, zero or out of range.
+    /// A scale is NaN, or its magnitude is below 1e-38 or above [`f32::MAX`].
     #[error(
-        "scale must be from 1e-38 to 3.4e38 along each axis, or the same below 0, found {found}: check the scene's source"
+        "scale must have a magnitude from 1e-38 to 3.4e38 along each axis, found {found}: to flatten a shape use \
+         a small scale, otherwise check where the value comes from"
     )]
     Scale {
-        /// The number given.
+        /// The value found.
         found: f64,
     },
 }
 
-/// `found` if it is a length.
+/// Returns `found` if it is a valid length.
 pub(super) fn length(what: &'static str, found: f64) -> Result<f64, ShapeError> {
-    // NaN takes the failing branch. Zero loses its sign.
+    // NaN takes the failing branch. `abs` turns −0 into 0.
     if (0.0..=MAX_LENGTH).contains(&found) { Ok(found.abs()) } else { Err(ShapeError::Length { what, found }) }
 }

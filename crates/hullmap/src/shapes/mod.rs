@@ -1,24 +1,45 @@
-//! Shapes in closed form, and shapes made of others: all of them mix with hulls and with each other in every query.
+//! Primitive shapes (sphere, box, capsule, cylinder, cone) and modifiers of shapes (scaled,
+//! rounded).
 //!
-//! | shape | placed in its frame | core and radius |
-//! |---|---|---|
-//! | [`Sphere`] | about the origin | point, its radius |
-//! | [`Cuboid`] | about the origin, edges along the axes | |
-//! | [`Capsule`] | about the origin, along z | segment, its radius |
-//! | [`Cylinder`] | about the origin, along z | |
-//! | [`Cone`] | along z, tip up, the origin halfway up | |
-//! | [`Scaled`] | another shape, scaled along the axes, perhaps mirrored | |
-//! | [`Rounded`] | another shape and a ball, summed | the other shape's, its radius and the other's |
+//! All of them mix with hulls and with each other in every query.
 //!
-//! The queries solve those with a core by their cores, in few steps and exactly (`rounding`); other curved
-//! shapes like any support mapping, in more steps.
+//! | shape | position in its frame | core | convex radius |
+//! |---|---|---|---|
+//! | [`Sphere`] | about the origin | point | radius |
+//! | [`Cuboid`] | about the origin, edges along the axes | itself | 0 |
+//! | [`Capsule`] | about the origin, along z | segment | radius |
+//! | [`Cylinder`] | about the origin, along z | itself | 0 |
+//! | [`Cone`] | along z, apex up, the origin halfway up | itself | 0 |
+//! | [`Scaled`] | inner shape, scaled or mirrored | scaled[^uniform] | scaled[^uniform] |
+//! | [`Rounded`] | Minkowski sum of an inner shape and a ball | inner core | sum of both |
+//!
+//! Queries solve the core and then add the convex radius, which is exact and takes few steps. Other
+//! curved surfaces, such as the side of a cylinder, take more steps.
+//!
+//! [^uniform]: If the scales are equal in magnitude. Otherwise the shape is its own core, with
+//! radius 0.
+//!
+//! # Examples
+//! ```
+//! use hullmap::glam::DVec3;
+//! use hullmap::shapes::{Capsule, Cuboid, Rounded};
+//! use hullmap::{Cache, Pose, Settings};
+//!
+//! let player = Capsule::new(0.6, 0.3)?;
+//! let stone = Rounded::new(Cuboid::new(DVec3::new(0.5, 0.4, 0.2))?, 0.1)?;
+//! let b_in_a = Pose::from_translation(DVec3::new(1.0, 0.0, 0.0))?;
+//! let gap = hullmap::distance(&player, &stone, b_in_a, &Settings::default(), &mut Cache::new());
+//! assert!((gap.distance - 0.1).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
 //! # Reference
-//! Support mappings in closed form: Snethen, "XenoCollide", Game Programming Gems 7; van den Bergen, "Collision Detection
-//! in Interactive 3D Environments", 4.3.
+//! Support mappings in closed form: Snethen, "XenoCollide", Game Programming Gems 7; van den
+//! Bergen, "Collision Detection in Interactive 3D Environments", 4.3.
 //!
 //! # Deviations
-//! - The directions given need not be of unit length, nor finite: a point of the shape comes back for all.
+//! - Directions need not be of unit length, nor finite: every direction returns a point of the
+//!   shape.
 
 #![forbid(unsafe_code)]
 
@@ -26,9 +47,11 @@ mod capsule;
 mod cone;
 mod cuboid;
 mod cylinder;
-mod error;
+pub(crate) mod error;
+pub(crate) mod feature;
 mod rounded;
 mod scaled;
+mod shape;
 mod sphere;
 
 pub use capsule::Capsule;
@@ -36,33 +59,36 @@ pub use cone::Cone;
 pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;
 pub use error::ShapeError;
+pub use feature::{Corner, Feature, MAX_CORNERS, TILT, ring};
 pub use rounded::Rounded;
 pub use scaled::Scaled;
+pub use shape::Shape;
 pub use sphere::Sphere;
 
-use crate::minkowski::unit;
-use crate::shape::{Corner, Feature, MAX_CORNERS, turn};
+use crate::vector::unit;
+use feature::turn;
 use glam::DVec3;
 
-/// `dir` at unit length, whatever its own; x where it has none or is not finite.
+/// `dir` normalised, even if its square overflows or underflows; x if it is zero or not finite.
 fn direction(dir: DVec3) -> DVec3 {
     unit(dir).or_else(|| unit(dir / dir.abs().max_element())).unwrap_or(DVec3::X)
 }
 
-/// The part of `dir` across z, at unit length; x where there is none.
+/// Component of `dir` perpendicular to z, normalised; x if it is zero or not finite.
 fn radial(dir: DVec3) -> DVec3 {
     direction(DVec3::new(dir.x, dir.y, 0.0))
 }
 
-/// Length of (x, y). Not `hypot`, which is the platform's own and differs in its last digits; lengths here are far from overflow.
+/// Length of (x, y). `hypot` is avoided because its last digits depend on the platform; lengths
+/// here are far from overflow.
 fn length_of(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// Feature numbers of points of the rim of a disc are this and the place on the rim.
+/// Vertex id of the first point on the rim of a disc; the others follow in order.
 const RIM: u32 = 8;
 
-/// The rim of a disc across z, as [`MAX_CORNERS`] points.
+/// Adds the rim of a disc perpendicular to z, as [`MAX_CORNERS`] points.
 fn push_rim(out: &mut Feature, z: f64, radius: f64, first: u32) {
     for step in 0..MAX_CORNERS {
         let (x, y) = turn(step);
@@ -75,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn any_direction_has_unit_length() {
+    fn every_direction_is_normalised() {
         for dir in [DVec3::splat(1e-320), DVec3::splat(1e300), DVec3::ZERO, DVec3::splat(f64::NAN), DVec3::INFINITY] {
             assert!((direction(dir).length() - 1.0).abs() < 1e-12, "{dir}");
             assert!((radial(dir).length() - 1.0).abs() < 1e-12, "{dir}");

@@ -1,10 +1,26 @@
-//! Another shape and a ball, summed: every point within a radius of it.
+//! Rounded shape: the Minkowski sum of a shape and a ball.
 
+use super::error::ShapeError;
+use super::feature::Feature;
+use super::shape::Shape;
 use super::{direction, error::length};
-use crate::{Feature, Shape, ShapeError, Support, SupportMap};
+use crate::support::{SupportMap, SupportPoint};
 use glam::DVec3;
 
 /// All points within a radius of another shape: its Minkowski sum with a ball.
+///
+/// # Examples
+/// ```
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::{Cuboid, Rounded};
+/// use hullmap::{ShapeError, SupportMap};
+///
+/// let soap = Rounded::new(Cuboid::new(DVec3::ONE)?, 0.25)?;
+/// assert_eq!((soap.shape().half_edges(), soap.radius()), (DVec3::ONE, 0.25));
+/// assert_eq!(soap.convex_radius(), 0.25);
+/// assert_eq!(soap.support_point(DVec3::Z).point.z, 1.25);
+/// # Ok::<(), ShapeError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rounded<S> {
     shape: S,
@@ -15,26 +31,26 @@ impl<S> Rounded<S> {
     /// All points within `radius` of `shape`.
     ///
     /// # Errors
-    /// A radius that is NaN, negative or above the greatest f32.
+    /// [`ShapeError::Length`] if `radius` is NaN, negative or above [`f32::MAX`].
     pub fn new(shape: S, radius: f64) -> Result<Self, ShapeError> {
         Ok(Self { shape, radius: length("radius", radius)? })
     }
 
-    /// The shape without its rounding.
+    /// The inner shape.
     pub fn shape(&self) -> &S {
         &self.shape
     }
 
-    /// The radius.
+    /// Radius of the ball. The convex radius also includes that of the inner shape.
     pub fn radius(&self) -> f64 {
         self.radius
     }
 }
 
 impl<S: SupportMap> SupportMap for Rounded<S> {
-    fn support(&self, dir: DVec3) -> Support {
-        let Support { point, feature } = self.shape.support(dir);
-        Support { point: point + direction(dir) * self.radius, feature }
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
+        let SupportPoint { point, feature } = self.shape.support_point(dir);
+        SupportPoint { point: point + direction(dir) * self.radius, feature }
     }
     fn interior_point(&self) -> DVec3 {
         self.shape.interior_point()
@@ -45,11 +61,11 @@ impl<S: SupportMap> SupportMap for Rounded<S> {
     fn outer_radius(&self) -> f64 {
         self.shape.outer_radius() + self.radius
     }
-    fn rounding_radius(&self) -> f64 {
-        self.shape.rounding_radius() + self.radius
+    fn convex_radius(&self) -> f64 {
+        self.shape.convex_radius() + self.radius
     }
-    fn core_support(&self, dir: DVec3) -> Support {
-        self.shape.core_support(dir)
+    fn core_support_point(&self, dir: DVec3) -> SupportPoint {
+        self.shape.core_support_point(dir)
     }
     fn core_radii(&self) -> [f64; 2] {
         self.shape.core_radii()
@@ -63,12 +79,12 @@ impl<S: SupportMap> SupportMap for Rounded<S> {
 }
 
 impl<S: Shape> Shape for Rounded<S> {
-    /// The inner shape's feature, moved out along `dir`.
+    /// The inner shape's feature, moved outward along `dir` by the radius.
     fn feature(&self, dir: DVec3, out: &mut Feature) {
         self.shape.feature(dir, out);
-        let out_by = direction(dir) * self.radius;
+        let offset = direction(dir) * self.radius;
         for corner in out.corners_mut() {
-            corner.point += out_by;
+            corner.point += offset;
         }
     }
 }

@@ -1,28 +1,46 @@
-//! Another shape scaled along the axes of its frame, perhaps mirrored.
+//! Scaled shape: another shape scaled along the axes of its frame, or mirrored.
 //!
-//! The support point of a scaled shape in direction d is that of the shape in direction S d, scaled: d · S p = S d · p.
-//! So a scaled hull is answered from the same pack.
+//! The support point of the scaled shape in direction d is S p, where p is the support point of the
+//! inner shape in direction S d, because d · S p = S d · p. A scaled hull therefore uses the index
+//! of the original.
 
 use super::error::MAX_LENGTH;
-use crate::shape::ring;
-use crate::{Feature, Shape, ShapeError, Support, SupportMap};
+use super::error::ShapeError;
+use super::feature::{Feature, ring};
+use super::shape::Shape;
+use crate::support::{SupportMap, SupportPoint};
 use glam::DVec3;
 
 /// Another shape, scaled along the axes of its frame.
+///
+/// # Examples
+/// ```
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::{Scaled, Sphere};
+/// use hullmap::{ShapeError, SupportMap};
+///
+/// let ellipsoid = Scaled::new(Sphere::new(1.0)?, DVec3::new(1.0, 2.0, 3.0))?;
+/// assert_eq!((ellipsoid.shape().radius(), ellipsoid.scale().z), (1.0, 3.0));
+/// assert_eq!(ellipsoid.support_point(DVec3::Z).point, DVec3::new(0.0, 0.0, 3.0));
+/// assert!(Scaled::new(Sphere::new(1.0)?, DVec3::ZERO).is_err());
+/// # Ok::<(), ShapeError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scaled<S> {
     shape: S,
     scale: DVec3,
 }
 
-/// Least scale: below it points of f32 size have no room.
+/// Minimum magnitude of a scale: about the smallest normal f32.
 const MIN_SCALE: f64 = 1e-38;
 
 impl<S> Scaled<S> {
-    /// `shape` scaled by `scale` along x, y and z, about the origin of its frame; mirrored along axes where that is negative.
+    /// `shape` scaled by `scale` along x, y and z about the origin of its frame. A negative scale
+    /// mirrors the shape along that axis.
     ///
     /// # Errors
-    /// A scale that is NaN, zero, or by magnitude below 1e-38 or above the greatest f32.
+    /// [`ShapeError::Scale`] if a scale is NaN, or its magnitude is below 1e-38 or above
+    /// [`f32::MAX`].
     pub fn new(shape: S, scale: DVec3) -> Result<Self, ShapeError> {
         // NaN takes the failing branch.
         match scale.to_array().into_iter().find(|s| !(MIN_SCALE..=MAX_LENGTH).contains(&s.abs())) {
@@ -31,7 +49,7 @@ impl<S> Scaled<S> {
         }
     }
 
-    /// The shape as it was.
+    /// The inner shape.
     pub fn shape(&self) -> &S {
         &self.shape
     }
@@ -41,14 +59,14 @@ impl<S> Scaled<S> {
         self.scale
     }
 
-    /// The one scale, where all three are the same but for their signs: a core is then round after scaling too.
+    /// Magnitude of the scales if it is the same for all axes: only then is a scaled ball a ball.
     fn uniform(&self) -> Option<f64> {
         let size = self.scale.abs();
         (size.x == size.y && size.y == size.z).then_some(size.x)
     }
 
-    fn scaled(&self, support: Support) -> Support {
-        Support { point: support.point * self.scale, ..support }
+    fn scaled(&self, support: SupportPoint) -> SupportPoint {
+        SupportPoint { point: support.point * self.scale, ..support }
     }
 
     fn scaled_radii(&self, [inner, outer]: [f64; 2]) -> [f64; 2] {
@@ -58,8 +76,8 @@ impl<S> Scaled<S> {
 }
 
 impl<S: SupportMap> SupportMap for Scaled<S> {
-    fn support(&self, dir: DVec3) -> Support {
-        self.scaled(self.shape.support(dir * self.scale))
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
+        self.scaled(self.shape.support_point(dir * self.scale))
     }
     fn interior_point(&self) -> DVec3 {
         self.shape.interior_point() * self.scale
@@ -70,13 +88,13 @@ impl<S: SupportMap> SupportMap for Scaled<S> {
     fn outer_radius(&self) -> f64 {
         self.scaled_radii([0.0, self.shape.outer_radius()])[1]
     }
-    fn rounding_radius(&self) -> f64 {
-        self.uniform().map_or(0.0, |scale| self.shape.rounding_radius() * scale)
+    fn convex_radius(&self) -> f64 {
+        self.uniform().map_or(0.0, |scale| self.shape.convex_radius() * scale)
     }
-    fn core_support(&self, dir: DVec3) -> Support {
+    fn core_support_point(&self, dir: DVec3) -> SupportPoint {
         match self.uniform() {
-            Some(_) => self.scaled(self.shape.core_support(dir * self.scale)),
-            None => self.support(dir),
+            Some(_) => self.scaled(self.shape.core_support_point(dir * self.scale)),
+            None => self.support_point(dir),
         }
     }
     fn core_radii(&self) -> [f64; 2] {
@@ -98,8 +116,8 @@ impl<S: SupportMap> SupportMap for Scaled<S> {
 }
 
 impl<S: Shape> Shape for Scaled<S> {
-    /// Where all scales are the same, the inner shape's feature. Else angles are not kept, and the shape's edges and faces within
-    /// [`TILT`](crate::shape::TILT) of `dir` are found by asking around it.
+    /// The inner shape's feature if the scale is uniform. Otherwise scaling changes angles, and
+    /// [`ring`] finds the edges and faces within [`TILT`](crate::shapes::TILT) of `dir`.
     fn feature(&self, dir: DVec3, out: &mut Feature) {
         if self.uniform().is_none() {
             return ring(self, dir, out);

@@ -1,20 +1,35 @@
-//! A sphere about the origin: a point and a radius.
+//! Sphere: a point at the origin and a radius.
 
+use super::error::ShapeError;
+use super::feature::{Corner, Feature};
+use super::shape::Shape;
 use super::{direction, error::length};
-use crate::{Corner, Feature, Shape, ShapeError, Support, SupportMap};
+use crate::support::{SupportMap, SupportPoint};
 use glam::DVec3;
 
 /// A sphere about the origin of its frame.
+///
+/// # Examples
+/// ```
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::Sphere;
+/// use hullmap::{ShapeError, SupportMap};
+///
+/// let ball = Sphere::new(2.0)?;
+/// assert_eq!(ball.radius(), 2.0);
+/// assert_eq!(ball.support_point(DVec3::new(0.0, -7.0, 0.0)).point, DVec3::new(0.0, -2.0, 0.0));
+/// # Ok::<(), ShapeError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     radius: f64,
 }
 
 impl Sphere {
-    /// The sphere of this radius; a point if that is 0.
+    /// The sphere of radius `radius`, or a point if it is 0.
     ///
     /// # Errors
-    /// A radius that is NaN, negative or above the greatest f32.
+    /// [`ShapeError::Length`] if `radius` is NaN, negative or above [`f32::MAX`].
     pub fn new(radius: f64) -> Result<Self, ShapeError> {
         Ok(Self { radius: length("radius", radius)? })
     }
@@ -26,8 +41,8 @@ impl Sphere {
 }
 
 impl SupportMap for Sphere {
-    fn support(&self, dir: DVec3) -> Support {
-        Support { point: direction(dir) * self.radius, feature: 0 }
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
+        SupportPoint { point: direction(dir) * self.radius, feature: 0 }
     }
     fn interior_point(&self) -> DVec3 {
         DVec3::ZERO
@@ -38,11 +53,11 @@ impl SupportMap for Sphere {
     fn outer_radius(&self) -> f64 {
         self.radius
     }
-    fn rounding_radius(&self) -> f64 {
+    fn convex_radius(&self) -> f64 {
         self.radius
     }
-    fn core_support(&self, _: DVec3) -> Support {
-        Support { point: DVec3::ZERO, feature: 0 }
+    fn core_support_point(&self, _: DVec3) -> SupportPoint {
+        SupportPoint { point: DVec3::ZERO, feature: 0 }
     }
     fn core_radii(&self) -> [f64; 2] {
         [0.0, 0.0]
@@ -55,6 +70,6 @@ impl SupportMap for Sphere {
 impl Shape for Sphere {
     fn feature(&self, dir: DVec3, out: &mut Feature) {
         out.clear();
-        out.push(Corner { point: self.support(dir).point, vertex: 0 });
+        out.push(Corner { point: self.support_point(dir).point, vertex: 0 });
     }
 }

@@ -1,42 +1,46 @@
-//! Barycentric coordinates of the point of a segment, triangle or tetrahedron that is nearest to the origin.
+//! Closest point of a segment, triangle or tetrahedron to the origin, in barycentric coordinates.
 //!
-//! They map a point of the Minkowski difference back to the shapes: the same weights applied to the points of A and
-//! of B give the contact points.
+//! Barycentric coordinates (weights) map a point of the Minkowski difference back to the shapes:
+//! the same weights applied to the points of A and of B give the witness points.
 //!
 //! # Reference
 //! Kenwright, Algorithm 1 line 10 and `MapPointOrigin` of Listing 2.
 //!
 //! # Steps, for a triangle
-//! 1. project the origin on the triangle's plane; if it falls inside, the areas of the three parts are the weights;
-//! 2. otherwise, or if the triangle has no area, take the nearest of the three edges.
+//! 1. Project the origin onto the plane of the triangle. If the projection is inside, the areas of
+//!    the three parts are the weights.
+//! 2. Otherwise, or if the triangle has no area, take the closest of the three edges.
 //!
 //! # Deviations
-//! - Weights are clamped: never negative, sum 1. The paper's go wrong when the origin projects outside the
-//!   portal (libccd#71) and divide by zero when the portal has no area.
-//! - Edges are compared by the distances they give, not by Voronoi region: no chain of sign tests that rounding can
-//!   make contradict itself.
+//! - Weights are clamped: they are never negative, and their sum is 1. The paper's weights are
+//!   wrong if the origin projects outside the portal (libccd#71), and it divides by zero if the
+//!   portal has no area.
+//! - Edges are compared by their distances and not by Voronoi regions. So there is no chain of sign
+//!   tests that rounding error could make contradictory.
 
 use glam::DVec3;
 
-/// Below this sine of the angle between two edges a triangle counts as a segment. Coordinates are good to about 1e-15 of the
-/// query's size, so a normal across such a sliver would have five good digits or fewer.
-const THIN: f64 = 1e-10;
+/// Minimum sine of the angle between two edges of a triangle. Thinner triangles count as segments.
+///
+/// Coordinates are accurate to about 1e-15 of the size of the query, so the normal of a thinner
+/// sliver would have at most five correct digits.
+const MIN_SINE: f64 = 1e-10;
 
-/// The point of a segment, triangle or tetrahedron nearest to the origin.
+/// The point of a segment, triangle or tetrahedron closest to the origin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearest<const N: usize> {
-    /// One weight for each vertex; none negative, sum 1.
+    /// Weights of the vertices: not negative, with sum 1.
     pub(crate) weights: [f64; N],
-    /// The nearest point.
+    /// The closest point.
     pub(crate) point: DVec3,
 }
 
-/// The nearest point on the segment from `p` to `q`.
+/// The closest point on the segment from `p` to `q`.
 pub(crate) fn on_segment(p: DVec3, q: DVec3) -> Nearest<2> {
     let edge = q - p;
     let along = -p.dot(edge);
     let length_sq = edge.length_squared();
-    // NaN and a segment without length take the branch of `p`.
+    // NaN, and a segment without length, takes the branch of `p`.
     if !(along > 0.0 && length_sq > 0.0) {
         return Nearest { weights: [1.0, 0.0], point: p };
     }
@@ -47,7 +51,8 @@ pub(crate) fn on_segment(p: DVec3, q: DVec3) -> Nearest<2> {
     Nearest { weights: [1.0 - t, t], point: p + edge * t }
 }
 
-/// The nearest point on the triangle `p`, `q`, `r`, if it is inside and the triangle has an area.
+/// The closest point on the triangle `p`, `q`, `r`, if it is in the interior and the triangle has
+/// an area.
 #[inline]
 fn inside_triangle(p: DVec3, q: DVec3, r: DVec3) -> Option<Nearest<3>> {
     let (pq, pr) = (q - p, r - p);
@@ -57,19 +62,22 @@ fn inside_triangle(p: DVec3, q: DVec3, r: DVec3) -> Option<Nearest<3>> {
     let at_r = n.dot(p.cross(pq));
     let at_p = n_sq - at_q - at_r;
     // NaN takes the failing branch.
-    let inside =
-        at_p >= 0.0 && at_q >= 0.0 && at_r >= 0.0 && n_sq > THIN * THIN * pq.length_squared() * pr.length_squared();
+    let inside = at_p >= 0.0
+        && at_q >= 0.0
+        && at_r >= 0.0
+        && n_sq > MIN_SINE * MIN_SINE * pq.length_squared() * pr.length_squared();
     inside.then(|| {
-        let share = 1.0 / (at_p + at_q + at_r);
+        let scale = 1.0 / (at_p + at_q + at_r);
         Nearest {
-            weights: [at_p * share, at_q * share, at_r * share],
-            // From the plane, not from the weights: as a direction this keeps more digits.
+            weights: [at_p * scale, at_q * scale, at_r * scale],
+            // The plane gives more accurate digits for a direction than the weights do.
             point: n * (n.dot(p) / n_sq),
         }
     })
 }
 
-/// The nearest point on the triangle `p`, `q`, `r`; a triangle without area is taken as its three edges.
+/// The closest point on the triangle `p`, `q`, `r`. A triangle without area counts as its three
+/// edges.
 pub(crate) fn on_triangle(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
     if let Some(inside) = inside_triangle(p, q, r) {
         return inside;
@@ -82,7 +90,7 @@ pub(crate) fn on_triangle(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
     best
 }
 
-/// The nearest point on the edges of a triangle that meet in `r`.
+/// The closest point on the two edges of a triangle that meet in `r`.
 #[inline]
 fn on_two_edges(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
     let (on_qr, on_rp) = (on_segment(q, r), on_segment(r, p));
@@ -93,8 +101,12 @@ fn on_two_edges(p: DVec3, q: DVec3, r: DVec3) -> Nearest<3> {
     }
 }
 
-/// The nearest point of the simplex of the first `count` of `v`, and, if the origin is inside, its distance from each face times the sine
-/// of an angle of that face, the least of the four; 0 otherwise. More than rounding, it is inside for certain. Weights beyond the count are zero.
+/// The closest point of the simplex of the first `count` points of `v`, and the clearance of the
+/// origin.
+///
+/// The clearance is 0 unless the origin is inside a tetrahedron. Then it is the minimum over the
+/// faces of the origin's distance from the face times the sine of an angle of the face. If it
+/// exceeds the rounding error, the origin is certainly inside. Weights beyond `count` are 0.
 pub(crate) fn on_simplex(v: [DVec3; 4], count: usize) -> (Nearest<4>, f64) {
     let [p, q, r, _] = v;
     match count {
@@ -105,105 +117,116 @@ pub(crate) fn on_simplex(v: [DVec3; 4], count: usize) -> (Nearest<4>, f64) {
     }
 }
 
+/// The same point with four weights.
 fn padded<const N: usize>(nearest: Nearest<N>) -> Nearest<4> {
     let mut weights = [0.0; 4];
     weights[..N].copy_from_slice(&nearest.weights);
     Nearest { weights, point: nearest.point }
 }
 
-/// A point nearest to the origin, and which vertices it is made of: one bit each, in the order of the arguments.
+/// A closest point, and the vertices that span it.
 ///
-/// The weights themselves are asked for once, in the end, of [`on_simplex`].
+/// The weights are computed once, at the end of a search, by [`on_simplex`].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Made {
+pub(crate) struct SubSimplex {
     pub(crate) point: DVec3,
-    pub(crate) of: u8,
+    /// One bit for each vertex, in the order of the arguments.
+    pub(crate) mask: u8,
 }
 
-/// The nearest point on the segment from `p` to the newest vertex `s`, if it needs `s`: true of a support point that was added
-/// because it is nearer than the rest of the simplex. So in the functions below, which do half the work of [`on_simplex`].
+/// The closest point on the segment from `p` to the newest vertex `s`, provided that it needs `s`.
+///
+/// It does if `s` is a support point that was added because it is closer than the rest of the
+/// simplex. The `…_to` functions rely on that and do half the work of [`on_simplex`].
 #[inline(always)]
-pub(crate) fn on_segment_to(p: DVec3, s: DVec3) -> Made {
+pub(crate) fn on_segment_to(p: DVec3, s: DVec3) -> SubSimplex {
     let (point, t) = along(s, p - s);
-    Made { point, of: u8::from(t > 0.0) | u8::from(t < 1.0) << 1 }
+    SubSimplex { point, mask: u8::from(t > 0.0) | u8::from(t < 1.0) << 1 }
 }
 
-/// The same on the triangle `p`, `q`, `s`.
+/// The closest point on the triangle `p`, `q`, `s`, provided that it needs `s`.
 #[inline(always)]
-pub(crate) fn on_triangle_to(p: DVec3, q: DVec3, s: DVec3) -> Made {
+pub(crate) fn on_triangle_to(p: DVec3, q: DVec3, s: DVec3) -> SubSimplex {
     let (sp, sq) = (p - s, q - s);
     on_triangle_at(s, sp, sq, sp.cross(sq))
 }
 
-/// The same on the tetrahedron `p`, `q`, `r`, `s`; nothing when the origin is inside, or may be.
+/// The closest point on the tetrahedron `p`, `q`, `r`, `s`, provided that it needs `s`. `None` if
+/// the origin is inside, or may be.
 #[inline(always)]
-pub(crate) fn on_tetrahedron_to(p: DVec3, q: DVec3, r: DVec3, s: DVec3) -> Option<Made> {
+pub(crate) fn on_tetrahedron_to(p: DVec3, q: DVec3, r: DVec3, s: DVec3) -> Option<SubSimplex> {
     let (sp, sq, sr) = (p - s, q - s, r - s);
-    // Normals of the faces that meet in s, all outwards or all inwards, and the side of the origin.
+    // Normals of the faces that meet in s, either all outward or all inward; the sign of the volume
+    // tells which.
     let (across_r, across_p, across_q) = (sp.cross(sq), sq.cross(sr), sr.cross(sp));
     let volume = across_r.dot(sr);
-    let mut best = None::<Made>;
+    let mut best = None::<SubSimplex>;
     let mut best_sq = f64::INFINITY;
-    let mut take = |found: Made, of: u8| {
+    let mut take = |found: SubSimplex, mask: u8| {
         let found_sq = found.point.length_squared();
         if found_sq < best_sq {
-            (best, best_sq) = (Some(Made { of, ..found }), found_sq);
+            (best, best_sq) = (Some(SubSimplex { mask, ..found }), found_sq);
         }
     };
     // NaN and a tetrahedron without volume are outside.
     let is_inside = |n: DVec3| n.dot(s) * volume < 0.0;
     if !is_inside(across_r) {
         let found = on_triangle_at(s, sp, sq, across_r);
-        take(found, found.of & 3 | (found.of & 4) << 1);
+        take(found, found.mask & 3 | (found.mask & 4) << 1);
     }
     if !is_inside(across_q) {
         let found = on_triangle_at(s, sr, sp, across_q);
-        take(found, (found.of & 1) << 2 | (found.of & 2) >> 1 | (found.of & 4) << 1);
+        take(found, (found.mask & 1) << 2 | (found.mask & 2) >> 1 | (found.mask & 4) << 1);
     }
     if !is_inside(across_p) {
         let found = on_triangle_at(s, sq, sr, across_p);
-        take(found, found.of << 1);
+        take(found, found.mask << 1);
     }
     best
 }
 
-/// The point nearest to the origin on the segment from `s` along `edge`, and how far along.
+/// The closest point on the segment from `s` to `s + edge`, and its parameter from 0 to 1.
 #[inline(always)]
 fn along(s: DVec3, edge: DVec3) -> (DVec3, f64) {
     let t = -s.dot(edge) / edge.length_squared();
-    // NaN, of a segment without length, takes the branch of `s`.
+    // NaN, from a segment without length, takes the branch of `s`.
     let t = if t > 0.0 { t } else { 0.0 };
     let t = if t < 1.0 { t } else { 1.0 };
     (s + edge * t, t)
 }
 
-/// The nearest point on the triangle of `s`, `s + e` and `s + f`, whose normal is `n` = e × f; made of, in the order of bits,
-/// `s + e`, `s + f`, `s`.
+/// The closest point on the triangle of `s`, `s + e` and `s + f` with the normal `n` = e × f,
+/// provided that it needs `s`. The bits of the mask stand for `s + e`, `s + f` and `s`, in this
+/// order.
 #[inline(always)]
-fn on_triangle_at(s: DVec3, e: DVec3, f: DVec3, n: DVec3) -> Made {
+fn on_triangle_at(s: DVec3, e: DVec3, f: DVec3, n: DVec3) -> SubSimplex {
     let n_sq = n.length_squared();
     let (at_e, at_f) = (n.dot(f.cross(s)), n.dot(s.cross(e)));
     let at_s = n_sq - at_e - at_f;
-    // One branch, not four. NaN takes the failing one.
-    let inside =
-        (at_e >= 0.0) & (at_f >= 0.0) & (at_s >= 0.0) & (n_sq > THIN * THIN * e.length_squared() * f.length_squared());
+    // One branch instead of four. NaN takes the failing branch.
+    let inside = (at_e >= 0.0)
+        & (at_f >= 0.0)
+        & (at_s >= 0.0)
+        & (n_sq > MIN_SINE * MIN_SINE * e.length_squared() * f.length_squared());
     if inside {
-        let of = u8::from(at_e > 0.0) | u8::from(at_f > 0.0) << 1 | u8::from(at_s > 0.0) << 2;
-        // From the plane, not from weights: as a direction this keeps more digits.
-        return Made { point: n * (n.dot(s) / n_sq), of };
+        let mask = u8::from(at_e > 0.0) | u8::from(at_f > 0.0) << 1 | u8::from(at_s > 0.0) << 2;
+        // The plane gives more accurate digits for a direction than weights do.
+        return SubSimplex { point: n * (n.dot(s) / n_sq), mask };
     }
     let ((on_e, at_e), (on_f, at_f)) = (along(s, e), along(s, f));
     if on_e.length_squared() < on_f.length_squared() {
-        Made { point: on_e, of: u8::from(at_e > 0.0) | u8::from(at_e < 1.0) << 2 }
+        SubSimplex { point: on_e, mask: u8::from(at_e > 0.0) | u8::from(at_e < 1.0) << 2 }
     } else {
-        Made { point: on_f, of: u8::from(at_f > 0.0) << 1 | u8::from(at_f < 1.0) << 2 }
+        SubSimplex { point: on_f, mask: u8::from(at_f > 0.0) << 1 | u8::from(at_f < 1.0) << 2 }
     }
 }
 
-/// The nearest point on the solid tetrahedron `v`, and how far inside of it the origin lies (the point is then the origin), as
-/// [`on_simplex`] measures it. A flat tetrahedron is taken as its four faces.
+/// The closest point on the solid tetrahedron `v`, and the clearance of the origin (see
+/// [`on_simplex`]).
+///
+/// If the origin is inside, it is the closest point. A flat tetrahedron counts as its four faces.
 pub(crate) fn on_tetrahedron(v: [DVec3; 4]) -> (Nearest<4>, f64) {
-    /// Three corners of a face and the one across.
+    /// The three corners of a face, and the corner across from it.
     const FACES: [[usize; 4]; 4] = [[0, 1, 2, 3], [0, 1, 3, 2], [0, 2, 3, 1], [1, 2, 3, 0]];
     let mut clearance = f64::INFINITY;
     let mut weights = [0.0; 4];
@@ -212,10 +235,12 @@ pub(crate) fn on_tetrahedron(v: [DVec3; 4]) -> (Nearest<4>, f64) {
         let n = (v[j] - v[i]).cross(v[k] - v[i]);
         let height_of_corner = n.dot(v[across] - v[i]);
         let height_of_origin = -n.dot(v[i]);
-        // Strictly on the corner's side of this face; a flat tetrahedron and NaN are outside.
+        // Strictly on the corner's side of this face. A flat tetrahedron and NaN take the failing
+        // branch.
         if height_of_corner * height_of_origin > 0.0 {
             weights[across] = height_of_origin / height_of_corner;
-            // A sliver's normal is noise by as much as its sine is small: the height is worth less by that.
+            // The error of a sliver's normal grows as the sine shrinks, so the height counts times
+            // the sine.
             let spread = ((v[j] - v[i]).length_squared() * (v[k] - v[i]).length_squared()).sqrt();
             clearance = clearance.min(height_of_origin.abs() / spread);
             continue;
@@ -236,9 +261,12 @@ pub(crate) fn on_tetrahedron(v: [DVec3; 4]) -> (Nearest<4>, f64) {
     }
 }
 
-/// The weights of the first `count` of `points`, corrected once for the part of their blend within the simplex, which is to be none: what
-/// is left is as small as the first error squared. Slivers need it, where weights lose the digits that the sliver is thin by.
-pub(crate) fn corrected(weights: &[f64; 4], points: [DVec3; 4], count: usize) -> [f64; 4] {
+/// One step of correction for the weights of the first `count` of `points`.
+///
+/// The blend of the points should be perpendicular to the simplex. The step moves the weights by
+/// the component within the simplex, so the remaining error is about the square of the first.
+/// Slivers need it: the thinner the sliver, the more digits its weights lose.
+pub(crate) fn corrected_weights(weights: &[f64; 4], points: [DVec3; 4], count: usize) -> [f64; 4] {
     let off = -blend(weights, points);
     let [e, f, g] = [1, 2, 3].map(|i| points[i] - points[0]);
     let by = match count {
@@ -255,7 +283,7 @@ pub(crate) fn corrected(weights: &[f64; 4], points: [DVec3; 4], count: usize) ->
         _ => [0.0; 3],
     };
     let [p, q, r, s] = *weights;
-    // NaN, of a simplex without a volume, becomes 0: the caller sees that it is no better.
+    // NaN, from a simplex without volume, becomes 0. The caller sees that the result is no better.
     let moved = [p - (by[0] + by[1] + by[2]), q + by[0], r + by[1], s + by[2]].map(|weight| weight.max(0.0));
     let sum: f64 = moved.iter().sum();
     moved.map(|weight| weight / sum)
@@ -263,7 +291,7 @@ pub(crate) fn corrected(weights: &[f64; 4], points: [DVec3; 4], count: usize) ->
 
 /// The point with barycentric coordinates `weights` among `points`.
 pub(crate) fn blend<const N: usize>(weights: &[f64; N], points: [DVec3; N]) -> DVec3 {
-    // Relative to the first point: shapes far from the origin keep their digits.
+    // Relative to the first point, so that shapes far from the origin keep their digits.
     let first = points[0];
     let mut offset = DVec3::ZERO;
     for (weight, point) in weights.iter().zip(points) {
@@ -303,9 +331,9 @@ mod tests {
         assert_weights(&on_triangle(corner[0], corner[1], corner[2]), corner, DVec3::new(3.0, 3.0, 2.0));
     }
 
-    /// The quick path against the slow one, where the last vertex is one that a closest-point search would add.
+    /// Compares the fast path with the slow one, for vertices that GJK would add.
     #[test]
-    fn what_needs_the_last_vertex_is_found_without_the_rest() {
+    fn fast_path_with_the_newest_vertex_agrees_with_the_full_simplex() {
         let mut rng = ::shapes::rng::SplitMix64::new(8);
         let mut counts = [0; 5];
         for _ in 0..4000 {
@@ -314,28 +342,28 @@ mod tests {
             };
             let mut v = [DVec3::ZERO; 4].map(|_| at(&mut rng));
             for count in 1..4 {
-                // Only what the nearest point is made of stays, as in the search.
+                // As in the search, only the vertices that span the closest point stay.
                 let (nearest, _) = on_simplex(v, count);
                 if nearest.weights[..count].contains(&0.0) {
                     break;
                 }
-                // A support point: farther towards the origin than what there is.
+                // A support point: farther towards the origin than the simplex.
                 let y = nearest.point;
                 while v[count].dot(y) >= y.length_squared() * 0.999 {
                     v[count] = at(&mut rng) * 1.5 - y * 0.1;
                 }
                 let (slow, within) = on_simplex(v, count + 1);
                 let [p, q, r, s] = v;
-                let quick = match count {
+                let fast = match count {
                     1 => Some(on_segment_to(p, q)),
                     2 => Some(on_triangle_to(p, q, r)),
                     _ => on_tetrahedron_to(p, q, r, s),
                 };
-                assert_eq!(quick.is_none(), within > 0.0);
-                if let Some(quick) = quick {
-                    assert!((slow.point - quick.point).length() < 1e-12, "{v:?} {slow:?} {quick:?}");
-                    let of = slow.weights.iter().enumerate().fold(0, |of, (i, w)| of | u8::from(*w > 0.0) << i);
-                    assert_eq!(of, quick.of, "{v:?} {slow:?} {quick:?}");
+                assert_eq!(fast.is_none(), within > 0.0);
+                if let Some(fast) = fast {
+                    assert!((slow.point - fast.point).length() < 1e-12, "{v:?} {slow:?} {fast:?}");
+                    let mask = slow.weights.iter().enumerate().fold(0, |mask, (i, w)| mask | u8::from(*w > 0.0) << i);
+                    assert_eq!(mask, fast.mask, "{v:?} {slow:?} {fast:?}");
                 }
                 counts[count + 1] += 1;
             }
@@ -344,7 +372,7 @@ mod tests {
     }
 
     #[test]
-    fn weights_of_slivers_are_corrected() {
+    fn correction_repairs_the_weights_of_slivers() {
         let mut rng = ::shapes::rng::SplitMix64::new(5);
         let (mut worst, mut worst_corrected) = (0.0_f64, 0.0_f64);
         for round in 0..3000 {
@@ -353,17 +381,17 @@ mod tests {
             let (x, y) = (dir(&mut rng), dir(&mut rng));
             let around =
                 [x * -1.1 + y * thin * 0.3, x * 0.9 + y * thin * 0.2, x * 0.3 - y * thin * rng.between(0.2, 0.9)];
-            // The origin is beside the triangle, within its sides.
+            // The origin projects into the triangle, at a small height.
             let off = x.cross(y).normalize_or_zero() * 1e-9;
             let [p, q, r] = around.map(|v| v + off);
             let nearest = on_triangle(p, q, r);
             let points = [p, q, r, p];
             let [a, b, c] = nearest.weights;
             let before = blend(&[a, b, c, 0.0], points).length();
-            let after = blend(&corrected(&[a, b, c, 0.0], points, 3), points).length();
+            let after = blend(&corrected_weights(&[a, b, c, 0.0], points, 3), points).length();
             (worst, worst_corrected) = (worst.max(before), worst_corrected.max(after));
         }
-        assert!(worst > 1e-8, "the sample has no trouble: {worst:e}");
+        assert!(worst > 1e-8, "not representative: no weights needed correction, {worst:e}");
         assert!(worst_corrected < 1.1e-9, "{worst:e} {worst_corrected:e}");
     }
 
@@ -385,7 +413,7 @@ mod tests {
         let moved = v.map(|p| p + DVec3::ONE);
         let (nearest, clearance) = on_tetrahedron(moved);
         assert_eq!(clearance, 0.0);
-        assert!(nearest.point.length() < 1e-12, "the corner that lies on the origin");
+        assert!(nearest.point.length() < 1e-12, "one corner lies on the origin");
         let flat = [
             DVec3::new(0.0, 0.0, 1.0),
             DVec3::new(1.0, 0.0, 1.0),

@@ -1,48 +1,67 @@
-//! What a pair remembers from one query to the next.
+//! Warm-start cache: what a pair keeps from one query to the next.
 //!
-//! - The last separating axis: a miss is mostly proved again by one support call.
-//! - The last portal: a hit is mostly proved again by none.
-//! - The last simplex near the origin: the closest-point search goes on from it.
-//! - The last polytope: the expansion goes on from it.
+//! - The last separating axis. One support call usually proves a miss again.
+//! - The last portal. It usually proves a hit again without any support call.
+//! - The last simplex near the origin. GJK continues from it.
+//! - The last polytope. EPA continues from it.
 //!
 //! # Reference
-//! Kenwright, section 4.1 (the face that failed is tested first in the next frame), section 4.6 (the search for the
-//! closest features goes on after a miss, for the next frame) and section 4.7 (the previous solution is fed forward as the starting point).
+//! Kenwright, section 4.1 (the next frame first tests the face that failed), section 4.6 (after a
+//! miss the search for the closest features continues in the next frame) and section 4.7 (the last
+//! solution is the next starting point).
 //!
 //! # Deviations
-//! - Features are kept, not points: under a new pose the points that they make are points of the new CSO, whereas old
-//!   points are not. So a stale cache costs steps and can never cost truth, not even one of another pair. Shapes whose features are not
-//!   points ([`SupportMap::point`](crate::SupportMap::point)) are remembered by the axis alone.
-//! - The surface of the kept polytope need not be convex under the new pose. Whether it still winds around the origin
-//!   is what counts, and is tested.
+//! - The cache holds features, not points. Under a new pose a feature is a point of the new
+//!   Minkowski difference; an old point is not. So a stale cache, or the cache of another pair,
+//!   costs steps but cannot make an answer wrong. For shapes whose features are not points
+//!   ([`SupportMap::point`](crate::SupportMap::point)) only the axis is kept.
+//! - Under the new pose the surface of the cached polytope need not be convex. The solver tests
+//!   what matters: whether it still winds around the origin.
 
-use crate::minkowski::Point;
+use super::minkowski::Point;
 use glam::DVec3;
 
-/// Most vertices of a polytope that is kept.
-pub(super) const MOST_POINTS: usize = 56;
+/// Maximum number of vertices of a cached polytope.
+pub(super) const MAX_POINTS: usize = 56;
 
-/// Slots for its faces.
-const MOST_FACES: usize = 2 * MOST_POINTS;
+/// Number of face slots of a cached polytope.
+const MAX_FACES: usize = 2 * MAX_POINTS;
 
-/// Caller-owned memory of one ordered pair (A, B), to be passed to every query of that pair. 1.3 KB, without pointers.
+/// Caller-owned memory of one ordered pair (A, B), passed to every query of that pair.
 ///
-/// It changes what a query costs, never its answer beyond rounding; a fresh one is always right, and so is one that belongs to
-/// another pair. All directions are in A's frame.
+/// It takes 1.3 KB and holds no pointers. It changes the cost of a query and, beyond rounding
+/// error, never its answer. An empty cache is always valid, and so is the cache of another pair.
+/// All directions are in A's frame.
+///
+/// ```
+/// use hullmap::glam::DVec3;
+/// use hullmap::{Cache, Pose, intersects, shapes::Cuboid};
+///
+/// let cube = Cuboid::new(DVec3::ONE)?;
+/// let mut cache = Cache::new();
+/// for frame in 0..10 {
+///     let b_in_a = Pose::from_translation(DVec3::new(1.9, 0.1 * f64::from(frame), 0.3))?;
+///     let answer = intersects(&cube, &cube, b_in_a, &mut cache);
+///     assert!(answer.is_hit());
+/// }
+/// // The next pair starts from an empty cache; keeping this one would only cost steps.
+/// cache.clear();
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cache {
-    /// The last separating axis, from A to B; tested before anything else.
+    /// The last separating axis, from A to B.
     axis: Option<DVec3>,
     portal: Option<[[u32; 2]; 3]>,
-    /// As many as `simplex_count`.
+    /// The first `simplex_count` entries are in use.
     simplex: [[u32; 2]; 3],
     simplex_count: u8,
-    /// 0 when there is none.
+    /// 0 if no polytope is cached.
     point_count: u8,
     face_count: u8,
-    points: [[u32; 2]; MOST_POINTS],
-    corners: [[u8; 3]; MOST_FACES],
-    neighbours: [[u8; 3]; MOST_FACES],
+    points: [[u32; 2]; MAX_POINTS],
+    corners: [[u8; 3]; MAX_FACES],
+    neighbours: [[u8; 3]; MAX_FACES],
 }
 
 impl Default for Cache {
@@ -54,28 +73,28 @@ impl Default for Cache {
             simplex_count: 0,
             point_count: 0,
             face_count: 0,
-            points: [[0; 2]; MOST_POINTS],
-            corners: [[0; 3]; MOST_FACES],
-            neighbours: [[0; 3]; MOST_FACES],
+            points: [[0; 2]; MAX_POINTS],
+            corners: [[0; 3]; MAX_FACES],
+            neighbours: [[0; 3]; MAX_FACES],
         }
     }
 }
 
-/// The polytope in a [`Cache`].
+/// View of the polytope in a [`Cache`].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Kept<'c> {
+pub(super) struct CachedPolytope<'c> {
     points: &'c [[u32; 2]],
     corners: &'c [[u8; 3]],
     neighbours: &'c [[u8; 3]],
 }
 
-impl Kept<'_> {
-    /// The features that make the vertices.
+impl CachedPolytope<'_> {
+    /// The features of the vertices.
     pub(super) fn points(&self) -> impl ExactSizeIterator<Item = [u32; 2]> {
         self.points.iter().copied()
     }
 
-    /// Corners and neighbours.
+    /// Corners and neighbours of each face.
     pub(super) fn faces(&self) -> impl ExactSizeIterator<Item = ([u16; 3], [u16; 3])> {
         self.corners.iter().zip(self.neighbours).map(|(c, n)| (c.map(u16::from), n.map(u16::from)))
     }
@@ -87,7 +106,7 @@ impl Cache {
         Self::default()
     }
 
-    /// Forgets everything.
+    /// Empties the cache.
     pub fn clear(&mut self) {
         self.forget_axis();
         self.portal = None;
@@ -119,7 +138,7 @@ impl Cache {
         &self.simplex[..usize::from(self.simplex_count)]
     }
 
-    /// Keeps at most three vertices, leaving out the centre, which is known anyway.
+    /// Stores up to three vertices. The centre is left out, since every query knows it.
     #[inline]
     pub(crate) fn set_simplex(&mut self, vertices: impl IntoIterator<Item = [u32; 2]>) {
         self.simplex_count = 0;
@@ -129,9 +148,9 @@ impl Cache {
         }
     }
 
-    pub(super) fn polytope(&self) -> Option<Kept<'_>> {
+    pub(super) fn polytope(&self) -> Option<CachedPolytope<'_>> {
         let (points, faces) = (usize::from(self.point_count), usize::from(self.face_count));
-        (points > 0).then(|| Kept {
+        (points > 0).then(|| CachedPolytope {
             points: &self.points[..points],
             corners: &self.corners[..faces],
             neighbours: &self.neighbours[..faces],
@@ -142,10 +161,13 @@ impl Cache {
         self.point_count = 0;
     }
 
-    /// Keeps a polytope: vertices, then corners and neighbours of its faces. One that is too big is not kept.
+    /// Stores a polytope: the features of its vertices, then the corners and neighbours of its
+    /// faces.
+    ///
+    /// A polytope that is too large empties the slot instead.
     pub(super) fn keep_polytope(&mut self, points: &[[u32; 2]], (corners, neighbours): (&[[u16; 3]], &[[u16; 3]])) {
         self.point_count = 0;
-        if points.len() > MOST_POINTS || corners.len() > MOST_FACES {
+        if points.len() > MAX_POINTS || corners.len() > MAX_FACES {
             return;
         }
         self.points[..points.len()].copy_from_slice(points);
@@ -164,7 +186,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_centre_is_not_kept_in_a_simplex() {
+    fn a_cached_simplex_omits_the_centre() {
         let mut cache = Cache::new();
         cache.set_simplex([[3, 4], Point::CENTER]);
         assert_eq!(cache.simplex(), &[[3, 4]]);
@@ -173,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn a_polytope_comes_back_as_it_was() {
+    fn a_cached_polytope_is_restored_unchanged() {
         let mut cache = Cache::new();
         assert!(cache.polytope().is_none());
         let points = [1, 2, 3, 4].map(|i| [i, 10 + i]);
@@ -182,12 +204,12 @@ mod tests {
         let kept = cache.polytope().unwrap();
         assert!(kept.points().eq(points));
         assert!(kept.faces().eq(corners.into_iter().zip(neighbours)));
-        cache.keep_polytope(&[[0; 2]; MOST_POINTS + 1], (&corners, &neighbours));
+        cache.keep_polytope(&[[0; 2]; MAX_POINTS + 1], (&corners, &neighbours));
         assert!(cache.polytope().is_none());
     }
 
     #[test]
-    fn it_is_as_small_as_the_documentation_says() {
+    fn size_matches_the_documentation() {
         assert!(size_of::<Cache>() <= 1331, "{}", size_of::<Cache>());
     }
 }

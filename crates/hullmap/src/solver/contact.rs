@@ -1,97 +1,96 @@
-//! Contact of two shapes: penetration depth as an interval, normal and contact points.
+//! Contact of two shapes: penetration depth as an interval, normal and witness points.
+//!
+//! It combines MPR (portal discovery and refinement) and EPA (the expanding polytope).
 //!
 //! # Reference
 //! Kenwright, Algorithm 1 and Listing 2.
 //!
 //! # Steps
-//! 1. balls around the shapes, and the axis that separated them last time: apart;
-//! 2. the polytope of last time under the new pose, if it still winds around the origin: go on with step 4 from it;
-//!    otherwise phase one: find a portal (Algorithm 1 lines 1 to 5);
-//! 3. phase two: refine it to the surface (lines 6 to 9);
-//! 4. expansion from the centre and the portal, until the depth is the least one;
-//! 5. contact points from barycentric coordinates (line 10).
+//! 1. Balls around the shapes and the last separating axis: the pair may be separated at once.
+//! 2. The last polytope under the new pose: if it still winds around the origin, continue with step
+//!    5.
+//! 3. Portal discovery (Algorithm 1, lines 1 to 5).
+//! 4. Portal refinement towards the surface (lines 6 to 9).
+//! 5. EPA from the centre and the portal to the minimum depth.
+//! 6. Witness points from barycentric coordinates (line 10).
 //!
 //! # Deviations
-//! - Step 4. The paper's depth is along the normal of the portal that the centre ray meets: too large by up to 3.8 times. It is
-//!   what comes out when no expansions are allowed (`max_iterations` 0), as an upper bound.
-//! - Otherwise phase two stops at the first portal with the origin behind it. A portal refined to the surface is a poor
-//!   start for the expansion: it took 3 to 20 support calls more, at 8 to 8,192 points.
-//! - A depth of zero has a normal and a status of its own.
+//! - Step 5. The paper takes the depth along the normal of the portal that the centre ray pierces,
+//!   which is up to 3.8 times too large. With `max_iterations` 0 it is returned as an upper bound.
+//! - Otherwise portal refinement stops at the first portal with the origin behind it. A portal
+//!   refined to the surface is a poor start for EPA: it took 3 to 20 more support calls (8 to 8,192
+//!   points).
+//! - A depth of zero has a normal, and a status of its own.
 
-use super::discovery::{Discovery, Portal, discover};
-use super::expansion::{self, Bound, Expansion, Goal, expand, expand_again};
-use super::intersection::{keep_miss, separated_early, tetrahedron};
-use super::refinement::{Side, Until, refine};
-use crate::minkowski::{Minkowski, unit};
-use crate::{Cache, Pose, Settings, Status, SupportMap};
+use super::bound::Bound;
+use super::cache::Cache;
+use super::epa::{self, Expansion, Goal, expand, expand_again};
+use super::intersection::{portal_tetrahedron, separated_early, store_separation};
+use super::minkowski::Minkowski;
+use super::mpr::{Discovery, Portal, discover_portal};
+use super::mpr::{Side, Until, refine_portal};
+use super::settings::Settings;
+use super::status::Status;
+use crate::pose::Pose;
+use crate::support::SupportMap;
+use crate::vector::unit;
 use glam::DVec3;
 
-/// Answer of [`contact`](contact()). Lengths are in the shapes' units, points and directions in A's frame.
+/// Answer of [`contact`](crate::contact()): penetration depth, normal and witness points of a pair.
+///
+/// Lengths are in the shapes' unit, points and directions in A's frame. If rounding error or a
+/// limit stopped the search, `status` says so; the interval from `depth_lower` to `depth_upper`
+/// always contains the depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// False only when a separating plane proves the shapes apart.
+    /// False only if a separating plane proves the shapes separated.
     pub hit: bool,
-    /// How the interval came to be.
+    /// How the query ended, and thus how narrow the interval is.
     pub status: Status,
-    /// Moving B by this much along `normal` separates the shapes (they then touch). 0 when apart or touching.
+    /// Penetration depth: moving B by this length along `normal` makes the shapes touch. 0 if they
+    /// are separated or touch.
     pub depth: f64,
-    /// The least such motion in any direction is no less than this, rounding included.
+    /// Lower bound of the penetration depth, at least 0, with allowance for rounding error.
     pub depth_lower: f64,
-    /// The least such motion in any direction is no more than this, rounding included.
+    /// Upper bound of the penetration depth, with allowance for rounding error.
     pub depth_upper: f64,
-    /// Of unit length, from A to B. When the shapes are apart, a separating axis.
+    /// Unit vector from A to B. A separating axis if the shapes are separated.
     pub normal: DVec3,
-    /// The point of A deepest in B. When the shapes are apart, some point of A: ask [`distance`](crate::distance) for the nearest.
+    /// Witness point: the point of A that is deepest in B. If the shapes are separated, some point
+    /// of A; [`distance`](crate::distance()) computes the closest one.
     pub point_a: DVec3,
-    /// The point of B deepest in A. When the shapes are apart, some point of B.
+    /// Witness point: the point of B that is deepest in A. If the shapes are separated, some point
+    /// of B.
     pub point_b: DVec3,
-    /// Steps of all phases together.
+    /// Number of steps of all phases together.
     pub iterations: u32,
-    /// Pairs of support queries made.
+    /// Number of support calls. One call queries both shapes once.
     pub support_calls: u32,
 }
 
-/// Contact of `a` and of `b` placed at `b_in_a`: the shortest way to push B out of A.
+impl Default for Contact {
+    /// A contact that claims nothing: the interval [0, ∞) contains every depth. It initialises the
+    /// slices of a batch.
+    fn default() -> Self {
+        Self {
+            hit: true,
+            status: Status::IterationLimit,
+            depth: 0.0,
+            depth_lower: 0.0,
+            depth_upper: f64::INFINITY,
+            normal: DVec3::X,
+            point_a: DVec3::ZERO,
+            point_b: DVec3::ZERO,
+            iterations: 0,
+            support_calls: 0,
+        }
+    }
+}
+
+/// Contact of `a` and `b` without regard to convex radii.
 ///
-/// `cache` belongs to this ordered pair; it is read and brought up to date.
-///
-/// # Complexity
-/// 1 to 4 support calls for most pairs apart, 10 to 40 for most that overlap; capped by `settings`. No allocation.
-///
-/// # Examples
-/// ```
-/// use glam::DVec3;
-/// use hullmap::{Cache, Pose, Settings, Support, SupportMap, contact};
-///
-/// /// A box about the origin of its frame, by its half edges.
-/// struct Crate(DVec3);
-///
-/// impl SupportMap for Crate {
-///     fn support(&self, dir: DVec3) -> Support {
-///         Support { point: self.0.copysign(dir), feature: 0 }
-///     }
-///     fn interior_point(&self) -> DVec3 {
-///         DVec3::ZERO
-///     }
-///     fn inner_radius(&self) -> f64 {
-///         self.0.min_element()
-///     }
-///     fn outer_radius(&self) -> f64 {
-///         self.0.length()
-///     }
-/// }
-///
-/// let (a, b) = (Crate(DVec3::ONE), Crate(DVec3::splat(0.5)));
-/// let b_in_a = Pose::from_translation(DVec3::new(0.2, 1.25, 0.1))?;
-/// let c = contact(&a, &b, b_in_a, &Settings::default(), &mut Cache::new());
-/// assert!(c.hit && (c.depth - 0.25).abs() < 1e-12);
-/// assert!(c.normal.distance(DVec3::Y) < 1e-12);
-/// # Ok::<(), hullmap::PoseError>(())
-/// ```
-///
-/// # Reference
-/// Kenwright, Algorithm 1 and Listing 2.
-pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+/// See [`contact`](crate::contact()) for frames, units and cost.
+pub(super) fn core_contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &A,
     b: &B,
     b_in_a: Pose,
@@ -99,19 +98,19 @@ pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     cache: &mut Cache,
 ) -> Contact {
     let mut m = Minkowski::new(a, b, b_in_a);
-    let mut out = search(&mut m, settings, cache);
+    let mut out = solve(&mut m, settings, cache);
     out.support_calls = m.support_calls();
     out
 }
 
-fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+fn solve<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     settings: &Settings,
     cache: &mut Cache,
 ) -> Contact {
-    let tolerance = settings.relative_gap();
+    let tolerance = settings.relative_tolerance();
     if let Some(axis) = separated_early(m, cache) {
-        return apart(m, cache, axis, 0);
+        return separated_contact(m, cache, axis, 0);
     }
     if let Some(found) = contact_of_balls(m, tolerance) {
         cache.forget_axis();
@@ -120,36 +119,36 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     if settings.max_iterations > 0
         && let Some(expanded) = expand_again(m, Goal::Depth { tolerance }, settings.max_iterations, cache)
     {
-        return contact_of(m, cache, &expanded, tolerance, expanded.iterations);
+        return contact_from_expansion(m, cache, &expanded, tolerance, expanded.iterations);
     }
-    let mut portal = Portal::NONE;
-    let (found, mut iterations) = discover(m, &mut portal);
+    let mut portal = Portal::EMPTY;
+    let (found, mut iterations) = discover_portal(m, &mut portal);
     let mut bound = Bound::none();
     let mut start = None;
     match found {
         Discovery::Separated { axis } => {
-            keep_miss(cache, axis, &portal.vertices);
-            return apart(m, cache, axis, iterations);
+            store_separation(cache, axis, &portal.vertices);
+            return separated_contact(m, cache, axis, iterations);
         }
         Discovery::Portal => {
             let until = if settings.max_iterations == 0 { Until::Surface { tolerance } } else { Until::Decided };
-            let refined = refine(m, &mut portal, until, &mut bound);
+            let refined = refine_portal(m, &mut portal, until, &mut bound);
             iterations += refined.iterations;
             if refined.side == Side::Separated {
-                keep_miss(cache, refined.axis, &portal.vertices);
-                return apart(m, cache, refined.axis, iterations);
+                store_separation(cache, refined.axis, &portal.vertices);
+                return separated_contact(m, cache, refined.axis, iterations);
             }
-            start = Some(tetrahedron(m, &portal));
+            start = Some(portal_tetrahedron(m, &portal));
         }
         Discovery::Flat | Discovery::Limit => {}
     }
     let expanded = expand(m, start, Goal::Depth { tolerance }, bound, settings.max_iterations, Some(cache));
     iterations += expanded.iterations;
-    contact_of(m, cache, &expanded, tolerance, iterations)
+    contact_from_expansion(m, cache, &expanded, tolerance, iterations)
 }
 
-/// What the expansion says.
-fn contact_of<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+/// The contact that follows from the outcome of EPA.
+fn contact_from_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,
     cache: &mut Cache,
     expanded: &Expansion,
@@ -157,29 +156,30 @@ fn contact_of<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     iterations: u32,
 ) -> Contact {
     let Bound { upper, normal, point_a, point_b } = expanded.bound;
-    if expanded.end == expansion::End::Separated {
-        return apart(m, cache, normal, iterations);
+    if expanded.end == epa::End::Separated {
+        return separated_contact(m, cache, normal, iterations);
     }
     cache.forget_axis();
-    let rounding = m.rounding();
+    let rounding = m.rounding_error();
     let depth_lower = (expanded.lower - m.noise()).max(0.0);
-    // A face may be proved nearest before anybody looks whether it is at zero.
+    // The expansion may prove a face to be the nearest before it tests whether its offset is zero.
     let touching = match expanded.end {
-        expansion::End::Touching => upper <= expansion::FLAT_ROUNDINGS * rounding,
-        // A flat difference's own plane may hold the origin beside it.
-        expansion::End::Stalled => false,
-        _ => upper <= expansion::TOUCHING_ROUNDINGS * rounding,
+        epa::End::Touching => upper <= epa::FLAT_ROUNDINGS * rounding,
+        // The origin may lie in the plane of a flat difference, but outside the difference.
+        epa::End::Stalled => false,
+        _ => upper <= epa::TOUCHING_ROUNDINGS * rounding,
     };
     let status = match expanded.end {
-        // What is certainly deep, by however little, does not only touch.
+        // A pair with a positive lower bound penetrates, however little.
         _ if touching && depth_lower == 0.0 => Status::Touching,
         _ if touching => Status::Exact,
-        expansion::End::Limit => Status::IterationLimit,
-        expansion::End::Stalled | expansion::End::Separated => Status::Stalled,
+        epa::End::Limit => Status::IterationLimit,
+        epa::End::Stalled | epa::End::Separated => Status::Stalled,
         _ if upper - expanded.lower <= rounding => Status::Exact,
         _ if upper - expanded.lower <= tolerance * upper + 2.0 * rounding => Status::Within,
-        // A face that is on the surface, of a polytope that is too thin to be certain to enclose the origin.
-        expansion::End::Converged | expansion::End::Inside | expansion::End::Touching => Status::Stalled,
+        // The face is on the surface, but the polytope is too thin to enclose the origin for
+        // certain.
+        epa::End::Converged | epa::End::Inside | epa::End::Touching => Status::Stalled,
     };
     Contact {
         hit: true,
@@ -195,8 +195,8 @@ fn contact_of<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
 }
 
-/// No contact: `axis` separates.
-pub(super) fn apart<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+/// No contact: `axis` separates the shapes. Stores the axis in the cache.
+pub(super) fn separated_contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,
     cache: &mut Cache,
     axis: DVec3,
@@ -219,12 +219,13 @@ pub(super) fn apart<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
 }
 
-/// Contact of shapes that are balls, within the tolerance: the centres' line says it all, in one support call.
+/// Contact of shapes that are balls within the tolerance. The line of centres gives it, with one
+/// support call.
 fn contact_of_balls<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     tolerance: f64,
 ) -> Option<Contact> {
-    let rounding = m.rounding();
+    let rounding = m.rounding_error();
     let lower = m.inner_radius() - m.center_point().w.length();
     // NaN takes the failing branch.
     if !(lower > rounding && m.outer_radius() - m.inner_radius() <= tolerance * lower + rounding) {
@@ -253,13 +254,13 @@ mod tests {
     use crate::shapes::Cuboid;
 
     #[test]
-    fn certainly_deep_by_a_hair_is_not_touching() {
+    fn positive_lower_bound_is_not_touching() {
         let (a, b) = (Cuboid::new(DVec3::ONE).unwrap(), Cuboid::new(DVec3::ONE).unwrap());
         let m = Minkowski::new(&a, &b, Pose::from_translation(DVec3::X).unwrap());
         let found = |lower, upper| {
             let bound = Bound { upper, normal: DVec3::X, ..Bound::none() };
-            let expanded = Expansion { end: expansion::End::Touching, lower, bound, iterations: 1 };
-            contact_of(&m, &mut Cache::new(), &expanded, 0.0, 1)
+            let expanded = Expansion { end: epa::End::Touching, lower, bound, iterations: 1 };
+            contact_from_expansion(&m, &mut Cache::new(), &expanded, 0.0, 1)
         };
         let deep = found(1.25 * m.noise(), 1.5 * m.noise());
         assert_eq!(deep.status, Status::Exact);

@@ -1,52 +1,80 @@
-//! Distance of two shapes, with the points where they are nearest.
+//! Distance of two shapes with their witness points. GJK finds it; EPA settles a distance of zero.
 //!
 //! # Reference
-//! Kenwright, section 3 ("closest points between pairs of convex polytopes") and section 4.6 (the search for the closest
-//! features serves the next frame).
+//! Kenwright, section 3 ("closest points between pairs of convex polytopes") and section 4.6 (the
+//! search for the closest features serves the next frame).
 //!
 //! # Steps
-//! 1. balls inside the shapes overlap: distance 0, no support call;
-//! 2. start from the last nearest simplex under the new pose, from what a yes/no query saw before it missed, or from the
-//!    centre;
-//! 3. closest-point search; a nearest point at the origin is settled by the expansion.
+//! 1. If the balls inside the shapes overlap, the distance is 0. No support call.
+//! 2. Start from the last simplex under the new pose, from the points of an intersection test that
+//!    missed, or from the centre.
+//! 3. Search the point closest to the origin (GJK).
+//! 4. If it is the origin within rounding error, decide by EPA whether the shapes overlap or touch.
 
-use super::closest::{self, Simplex, closest};
+use super::cache::Cache;
+use super::gjk::{self, Closest, Simplex, closest};
 use super::intersection::decide_by_expansion;
-use crate::minkowski::{Minkowski, unit};
-use crate::{Cache, Overlap, Pose, Settings, Status, SupportMap};
+use super::minkowski::Minkowski;
+use super::settings::Settings;
+use super::status::{Overlap, Status};
+use crate::pose::Pose;
+use crate::support::SupportMap;
+use crate::vector::unit;
 use glam::DVec3;
 
-/// Answer of [`distance`](distance()). Lengths are in the shapes' units, points and directions in A's frame.
+/// Answer of [`distance`](crate::distance()): the distance of a pair and the witness points that
+/// realise it.
+///
+/// Lengths are in the shapes' unit, points and directions in A's frame. The interval from `lower`
+/// to `upper` always contains the distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
-    /// How the interval came to be.
+    /// How the query ended, and thus how narrow the interval is.
     pub status: Status,
-    /// Length of the segment from `point_a` to `point_b`; 0 when the shapes overlap or touch.
+    /// Length of the segment from `point_a` to `point_b`; 0 if the shapes overlap or touch.
     pub distance: f64,
-    /// The distance is no less than this, rounding included.
+    /// Lower bound of the distance, at least 0, with allowance for rounding error.
     pub lower: f64,
-    /// The distance is no more than this, rounding included.
+    /// Upper bound of the distance, with allowance for rounding error.
     pub upper: f64,
-    /// Of unit length, from A to B along the shortest segment: of the planes, square to it, that prove `lower`. When they touch, of a
-    /// plane between them. When the shapes overlap, any unit vector.
+    /// Unit vector from A to B: the normal of the planes that prove `lower`. It is the direction of
+    /// the shortest segment within the tolerance.
+    ///
+    /// If the shapes touch, it is the normal of a plane between them. If they overlap, it is any
+    /// unit vector.
     pub normal: DVec3,
-    /// The point of A nearest to B; when they overlap, a point of both.
+    /// Witness point: the point of A closest to B. If the shapes overlap, a common point.
     pub point_a: DVec3,
-    /// The point of B nearest to A; when they overlap, a point of both.
+    /// Witness point: the point of B closest to A. If the shapes overlap, a common point.
     pub point_b: DVec3,
-    /// Steps of the search.
+    /// Number of steps of the search.
     pub iterations: u32,
-    /// Pairs of support queries made.
+    /// Number of support calls. One call queries both shapes once.
     pub support_calls: u32,
 }
 
-/// Distance of `a` and of `b` placed at `b_in_a`; 0 when they overlap ([`contact`](crate::contact) tells how deep).
+impl Default for Distance {
+    /// A distance that claims nothing: the interval [0, ∞) contains every distance. It initialises
+    /// the slices of a batch.
+    fn default() -> Self {
+        Self {
+            status: Status::IterationLimit,
+            distance: 0.0,
+            lower: 0.0,
+            upper: f64::INFINITY,
+            normal: DVec3::X,
+            point_a: DVec3::ZERO,
+            point_b: DVec3::ZERO,
+            iterations: 0,
+            support_calls: 0,
+        }
+    }
+}
+
+/// Distance of `a` and `b` without regard to convex radii.
 ///
-/// `cache` belongs to this ordered pair; it is read and brought up to date.
-///
-/// # Complexity
-/// 4 to 10 support calls for most pairs; capped by `settings`. No allocation.
-pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+/// See [`distance`](crate::distance()) for frames, units and cost.
+pub(super) fn core_distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &A,
     b: &B,
     b_in_a: Pose,
@@ -54,7 +82,7 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     cache: &mut Cache,
 ) -> Distance {
     let mut m = Minkowski::new(a, b, b_in_a);
-    let rounding = m.rounding();
+    let rounding = m.rounding_error();
     let center = m.center_point();
     let mut out = Distance {
         status: Status::Overlapping,
@@ -73,15 +101,8 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         return out;
     }
     let mut simplex = Simplex::empty();
-    for vertex in cache.simplex().iter().filter_map(|features| m.recall(*features)) {
-        if !simplex.contains(vertex.w) {
-            simplex.push(vertex);
-        }
-    }
-    if simplex.is_empty() {
-        simplex.push(center);
-    }
-    let found = closest(&mut m, &mut simplex, settings.relative_gap(), settings.max_iterations);
+    restore_simplex(&m, cache, &mut simplex);
+    let found = closest(&mut m, &mut simplex, settings.relative_tolerance(), settings.max_iterations);
     cache.set_simplex(simplex.features());
     let (point_a, point_b, between) = simplex.witnesses(found.upper, m.noise());
     (out.point_a, out.point_b) = (point_a, point_b);
@@ -89,54 +110,90 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     if found.normal != DVec3::ZERO {
         out.normal = found.normal;
     }
-    let apart = found.lower > rounding;
-    if apart {
+    let separated = found.lower > rounding;
+    if separated {
         cache.set_axis(out.normal);
     } else {
         cache.forget_axis();
     }
-    if found.end == closest::End::Inside && !apart {
+    if found.end == gjk::End::Inside && !separated {
         out.support_calls = m.support_calls();
         return out;
     }
-    // The distance of two points that are there, whatever rounding did to the plane that the search went by.
+    // The distance of the returned witness points, not of the search's last plane: rounding error
+    // in the search cannot make it wrong.
     out.distance = between.length();
+    set_interval(&m, settings.relative_tolerance(), &found, &mut out);
+    if found.upper <= 2.0 * rounding && !separated {
+        settle_at_origin(&mut m, &mut out);
+    }
+    out.support_calls = m.support_calls();
+    out
+}
+
+/// Warm start: fills `simplex` with the last frame's cached vertices under the new pose, or with
+/// the centre if there are none.
+#[inline(always)]
+fn restore_simplex<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    cache: &Cache,
+    simplex: &mut Simplex,
+) {
+    for vertex in cache.simplex().iter().filter_map(|features| m.recall(*features)) {
+        if !simplex.contains(vertex.w) {
+            simplex.push(vertex);
+        }
+    }
+    if simplex.is_empty() {
+        simplex.push(m.center_point());
+    }
+}
+
+/// Sets interval and status of `out.distance`, from the bounds of the search and of the outer
+/// balls.
+#[inline(always)]
+fn set_interval<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    tolerance: f64,
+    found: &Closest,
+    out: &mut Distance,
+) {
+    let (rounding, center) = (m.rounding_error(), m.center_point());
     let by_balls = center.w.length() - m.outer_radius();
     let lower = found.lower.max(by_balls);
     if by_balls > found.lower {
-        // The planes that prove it are square to the centres' line.
+        // The planes that prove it are perpendicular to the line of centres.
         out.normal = unit(-center.w).unwrap_or(out.normal);
     }
     out.lower = (lower - rounding).max(0.0);
     out.upper = out.distance + m.noise();
     out.status = match found.end {
-        closest::End::Converged if out.distance - lower <= rounding => Status::Exact,
-        closest::End::Converged if out.distance - lower <= settings.relative_gap() * out.distance + 2.0 * rounding => {
-            Status::Within
-        }
-        closest::End::Limit => Status::IterationLimit,
+        gjk::End::Converged if out.distance - lower <= rounding => Status::Exact,
+        gjk::End::Converged if out.distance - lower <= tolerance * out.distance + 2.0 * rounding => Status::Within,
+        gjk::End::Limit => Status::IterationLimit,
         _ => Status::Stalled,
     };
-    if found.upper <= 2.0 * rounding && !apart {
-        // The origin is on the simplex, but is it on the surface?
-        let (overlap, bound, steps) = decide_by_expansion(&mut m, None);
-        out.iterations += steps;
-        // Points that are all but the same point nowhere; the face that the origin is on does.
-        if overlap != Overlap::Overlapping && bound.normal != DVec3::ZERO {
-            out.normal = bound.normal;
-            let apart = bound.point_a.distance(bound.point_b);
-            if apart < out.distance {
-                (out.point_a, out.point_b, out.upper) = (bound.point_a, bound.point_b, apart + m.noise());
-            }
-        }
-        out.lower = 0.0;
-        match overlap {
-            Overlap::Overlapping => (out.status, out.distance, out.upper) = (Status::Overlapping, 0.0, 0.0),
-            Overlap::Touching | Overlap::Separated => (out.status, out.distance) = (Status::Touching, 0.0),
-            // It may be deep.
-            Overlap::Undecided => (out.status, out.distance) = (Status::Stalled, out.point_a.distance(out.point_b)),
+}
+
+/// The origin is on the simplex, within rounding error. Decides by EPA whether it is inside the
+/// Minkowski difference or on its surface.
+#[inline(always)]
+fn settle_at_origin<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &mut Minkowski<'_, A, B>, out: &mut Distance) {
+    let (overlap, bound, steps) = decide_by_expansion(m, None);
+    out.iterations += steps;
+    // Witness points that nearly coincide give no direction. The face that the origin is on does.
+    if overlap != Overlap::Overlapping && bound.normal != DVec3::ZERO {
+        out.normal = bound.normal;
+        let length = bound.point_a.distance(bound.point_b);
+        if length < out.distance {
+            (out.point_a, out.point_b, out.upper) = (bound.point_a, bound.point_b, length + m.noise());
         }
     }
-    out.support_calls = m.support_calls();
-    out
+    out.lower = 0.0;
+    match overlap {
+        Overlap::Overlapping => (out.status, out.distance, out.upper) = (Status::Overlapping, 0.0, 0.0),
+        Overlap::Touching | Overlap::Separated => (out.status, out.distance) = (Status::Touching, 0.0),
+        // The shapes may penetrate.
+        Overlap::Undecided => (out.status, out.distance) = (Status::Stalled, out.point_a.distance(out.point_b)),
+    }
 }

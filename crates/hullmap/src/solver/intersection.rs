@@ -1,59 +1,77 @@
-//! Yes or no: do two shapes share a point?
+//! Intersection test: do two shapes share a point? MPR decides, EPA settles what MPR leaves open.
 //!
 //! # Reference
 //! Kenwright, Algorithm 1 lines 1 to 9; section 4.1 for the order of the tests.
 //!
 //! # Steps
-//! 1. balls around and inside the shapes: no support call;
-//! 2. the axis that separated them last time: one; the portal that the origin was behind: none;
-//! 3. phase one, then phase two until the answer is known;
-//! 4. what these leave open (flat shapes, touching, caps) is settled by the expansion, which needs no portal.
+//! 1. Balls around and inside the shapes: no support call.
+//! 2. The last separating axis: one support call. The last portal with the origin behind it: none.
+//! 3. Portal discovery, then portal refinement until the answer is known.
+//! 4. EPA, which needs no portal, settles the rest: flat shapes, touching shapes, reached limits.
 //!
 //! # Deviations
-//! - The answer has four values; "touching" and "undecided" are not hidden in yes or no.
+//! - The answer has four values. "Touching" and "undecided" are not hidden in a yes or a no.
 
-use super::discovery::{Discovery, Portal, discover, is_beyond};
-use super::expansion::{self, Bound, Expansion, Goal, expand};
-use super::refinement::{Side, Until, refine};
-use crate::minkowski::{Minkowski, Point, unit};
-use crate::{Cache, Overlap, Pose, SupportMap};
+use super::bound::Bound;
+use super::cache::Cache;
+use super::epa::{self, Expansion, Goal, expand};
+use super::minkowski::{Minkowski, Point};
+use super::mpr::{Discovery, Portal, discover_portal, is_clearly_negative};
+use super::mpr::{Side, Until, refine_portal};
+use super::status::Overlap;
+use crate::pose::Pose;
+use crate::support::SupportMap;
+use crate::vector::unit;
 use glam::DVec3;
 
-/// Most expansions for a yes or no. Only touching pairs come here, and a dozen is usual.
-const MAX_DECIDING: u32 = 250;
+/// Maximum number of EPA steps for a decision. Only touching pairs need EPA, usually about a dozen
+/// steps.
+const MAX_DECISION_STEPS: u32 = 250;
 
-/// Answer of [`intersects`].
+/// Answer of [`intersects`](crate::intersects()).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intersection {
     /// Whether the shapes share a point.
     pub status: Overlap,
-    /// Steps of all phases together.
+    /// Number of steps of all phases together.
     pub iterations: u32,
-    /// Pairs of support queries made.
+    /// Number of support calls. One call queries both shapes once.
     pub support_calls: u32,
 }
 
+impl Default for Intersection {
+    /// An undecided answer, which claims nothing. It initialises the slices of a batch.
+    fn default() -> Self {
+        Self { status: Overlap::Undecided, iterations: 0, support_calls: 0 }
+    }
+}
+
 impl Intersection {
-    /// True unless the shapes are proved apart: touching and undecided pairs count as hits, so that numerical trouble never
-    /// reads as "no collision".
+    /// True unless the shapes are certainly separated.
+    ///
+    /// Touching and undecided pairs count as hits, so that numerical trouble never reads as "no
+    /// collision".
+    ///
+    /// ```
+    /// use hullmap::{Cache, Overlap, Pose, glam::DVec3, intersects, shapes::Cuboid};
+    ///
+    /// let cube = Cuboid::new(DVec3::ONE)?;
+    /// let touching = Pose::from_translation(DVec3::X * 2.0)?;
+    /// let answer = intersects(&cube, &cube, touching, &mut Cache::new());
+    /// assert!(answer.status == Overlap::Touching && answer.is_hit());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn is_hit(&self) -> bool {
         self.status != Overlap::Separated
     }
 }
 
-/// Whether `a` and `b`, placed at `b_in_a`, share a point.
+/// Whether `a` and `b` share a point, without regard to convex radii.
 ///
-/// `cache` belongs to this ordered pair; it is read and brought up to date. After a miss it holds the axis, which the next
-/// miss is mostly proved by, and the points seen: [`distance`](crate::distance) with the same cache goes on from them, in
-/// this frame or the next, and is cheaper by what was found out here (Kenwright, section 4.6).
-///
-/// # Complexity
-/// No support call when balls decide, 1 to 4 for most pairs apart, 3 to 7 for most that overlap; with the last query's
-/// cache mostly one for pairs apart and none for those that overlap. Capped. No allocation.
-///
-/// # Reference
-/// Kenwright, Algorithm 1.
-pub fn intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+/// See [`intersects`](crate::intersects()) for frames and cost. After a miss the cache holds the
+/// separating axis and the points seen, from which [`distance`](crate::distance()) continues
+/// (Kenwright, section 4.6).
+pub(super) fn core_intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &A,
     b: &B,
     b_in_a: Pose,
@@ -64,16 +82,17 @@ pub fn intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     Intersection { status, iterations, support_calls: m.support_calls() }
 }
 
-/// The tests that come before any search: an axis, of unit length from A to B, known to separate.
+/// The tests before any search. Returns a separating axis, of unit length from A to B, if one is
+/// known.
 #[inline]
 pub(super) fn separated_early<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     cache: &Cache,
 ) -> Option<DVec3> {
-    if m.outer_balls_apart() {
+    if m.outer_balls_separated() {
         return unit(-m.center_point().w);
     }
-    cache.axis().filter(|axis| m.point(*axis).w.dot(*axis) < -m.rounding())
+    cache.axis().filter(|axis| m.point(*axis).w.dot(*axis) < -m.rounding_error())
 }
 
 fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
@@ -88,32 +107,32 @@ fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         cache.set_axis(axis);
         return (Overlap::Separated, 0);
     }
-    if cache.portal().is_some_and(|features| is_behind(m, features)) {
+    if cache.portal().is_some_and(|features| cached_portal_encloses(m, features)) {
         cache.forget_axis();
         return (Overlap::Overlapping, 0);
     }
-    let mut portal = Portal::NONE;
-    let (found, mut iterations) = discover(m, &mut portal);
+    let mut portal = Portal::EMPTY;
+    let (found, mut iterations) = discover_portal(m, &mut portal);
     let mut start = None;
     match found {
         Discovery::Separated { axis } => {
-            keep_miss(cache, axis, &portal.vertices);
+            store_separation(cache, axis, &portal.vertices);
             return (Overlap::Separated, iterations);
         }
         Discovery::Portal => {
-            let refined = refine(m, &mut portal, Until::Decided, &mut Bound::none());
+            let refined = refine_portal(m, &mut portal, Until::Decided, &mut Bound::none());
             iterations += refined.iterations;
             match refined.side {
                 Side::Separated => {
-                    keep_miss(cache, refined.axis, &portal.vertices);
+                    store_separation(cache, refined.axis, &portal.vertices);
                     return (Overlap::Separated, iterations);
                 }
-                Side::Overlapping if is_proved(m, &portal) => {
+                Side::Overlapping if is_certainly_inside(m, &portal) => {
                     cache.forget_axis();
                     cache.set_portal(&portal.vertices);
                     return (Overlap::Overlapping, iterations);
                 }
-                Side::Touching | Side::Undecided | Side::Overlapping => start = Some(tetrahedron(m, &portal)),
+                Side::Touching | Side::Undecided | Side::Overlapping => start = Some(portal_tetrahedron(m, &portal)),
             }
         }
         Discovery::Flat | Discovery::Limit => {}
@@ -126,30 +145,38 @@ fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     (status, iterations + steps)
 }
 
-/// What a miss leaves for the next query: the axis, for another miss, and the points seen, for the search for the nearest points.
-pub(super) fn keep_miss(cache: &mut Cache, axis: DVec3, seen: &[Point; 3]) {
+/// Stores what a miss found: the axis, for the next miss, and the points seen, for a distance
+/// query.
+pub(super) fn store_separation(cache: &mut Cache, axis: DVec3, seen: &[Point; 3]) {
     if let Some(axis) = unit(axis) {
         cache.set_axis(axis);
     }
     cache.set_simplex(seen.iter().map(|v| v.features));
 }
 
-/// Whether the origin is in the tetrahedron of the centre and of the portal that these features make. No support call.
-fn is_behind<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &Minkowski<'_, A, B>, features: [[u32; 2]; 3]) -> bool {
+/// Whether the origin is certainly in the tetrahedron of the centre and of the portal of these
+/// features. No support call.
+fn cached_portal_encloses<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    features: [[u32; 2]; 3],
+) -> bool {
     let [Some(v1), Some(v2), Some(v3)] = features.map(|features| m.recall(features)) else { return false };
     let portal = Portal { vertices: [v1, v2, v3] };
-    portal.normal().is_some_and(|n| is_beyond(-n.dot(v1.w), n, m.rounding()))
+    portal.normal().is_some_and(|n| is_clearly_negative(-n.dot(v1.w), n, m.rounding_error()))
         && portal.is_pierced(m.center_point().w)
-        && is_proved(m, &portal)
+        && is_certainly_inside(m, &portal)
 }
 
-/// Whether the origin, seen behind the portal, is truly inside and not on the surface.
-fn is_proved<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &Minkowski<'_, A, B>, portal: &Portal) -> bool {
-    portal.holds_origin(m.center_point().w, m.inner_radius(), m.rounding())
+/// Whether the origin, which is behind the portal, is certainly inside and not on the surface.
+fn is_certainly_inside<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    portal: &Portal,
+) -> bool {
+    portal.holds_origin(m.center_point().w, m.inner_radius(), m.rounding_error())
 }
 
-/// The centre and the portal.
-pub(super) fn tetrahedron<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+/// The tetrahedron of the centre and the portal.
+pub(super) fn portal_tetrahedron<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,
     portal: &Portal,
 ) -> [Point; 4] {
@@ -157,19 +184,22 @@ pub(super) fn tetrahedron<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     [m.center_point(), v1, v2, v3]
 }
 
-/// The last word on whether the origin is inside, with an axis that separates if it is not, and the points where they touch if they do.
+/// Decides by EPA whether the origin is inside.
+///
+/// The bound holds a separating axis if the origin is outside, and the witness points if the shapes
+/// touch. The last value is the number of steps.
 pub(super) fn decide_by_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     start: Option<[Point; 4]>,
 ) -> (Overlap, Bound, u32) {
-    let Expansion { end, bound, iterations, .. } = expand(m, start, Goal::Decide, Bound::none(), MAX_DECIDING, None);
+    let Expansion { end, bound, iterations, .. } =
+        expand(m, start, Goal::Decide, Bound::none(), MAX_DECISION_STEPS, None);
     let status = match end {
-        expansion::End::Separated => Overlap::Separated,
-        expansion::End::Inside => Overlap::Overlapping,
-        // A face on the surface may be well away from the origin, of a polytope too thin to be certain to hold it.
-        expansion::End::Touching | expansion::End::Converged
-            if bound.upper <= expansion::FLAT_ROUNDINGS * m.rounding() =>
-        {
+        epa::End::Separated => Overlap::Separated,
+        epa::End::Inside => Overlap::Overlapping,
+        // The face may be far from the origin and still on the surface of a polytope that is too
+        // thin to enclose the origin for certain.
+        epa::End::Touching | epa::End::Converged if bound.upper <= epa::FLAT_ROUNDINGS * m.rounding_error() => {
             Overlap::Touching
         }
         _ => Overlap::Undecided,

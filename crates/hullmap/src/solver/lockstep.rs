@@ -1,70 +1,99 @@
-//! Contact in a fixed number of steps: the same work for every pair.
+//! Lockstep contact: MPR in a fixed number of steps, the same work for every pair.
 //!
-//! For machines that run many pairs in lockstep (SIMD lanes, GPU threads) the slowest pair sets the pace, so a pair that is
-//! done early gains nothing. Here no pair is: each takes exactly as many support calls as were asked for, in constant memory, and
-//! each step chooses between values, not between ways. More steps narrow the interval; any number gives a true one.
+//! On machines that run many pairs in lockstep (SIMD lanes, GPU threads) the slowest pair sets the
+//! pace, so a pair that ends early saves nothing. Here no pair ends early. Each takes exactly the
+//! requested number of support calls, in constant memory, and each step selects values instead of
+//! branching. More steps narrow the interval; it contains the depth after any number of steps.
 //!
 //! # Reference
 //! Kenwright, section 4.7.
 //!
 //! # Steps
-//! 1. v0 = the centre; a start for the portal: three support calls, or the last query's features under the new pose;
-//! 2. a step: if the ray from v0 through the origin passes beside the portal, look for a vertex on that side (phase one);
-//!    else look along the portal's normal, and replace a vertex by what is found (phase two);
-//! 3. each direction looked along gives an upper bound of the depth, or separates; each tetrahedron of v0 and portal that
-//!    holds the origin gives a lower bound;
-//! 4. after half the steps, and after three quarters, the ray is turned to the best normal so far.
+//! 1. v0 is the centre. The first portal comes from three support calls, or from the cached
+//!    features under the new pose.
+//! 2. In each step, if the ray from v0 through the origin misses the portal on one side, replace
+//!    the vertex across that side by a support point (portal discovery). Otherwise query along the
+//!    portal's normal and replace the vertex across the ray (portal refinement).
+//! 3. Each direction gives an upper bound of the depth, or separates the shapes. Each tetrahedron
+//!    of v0 and portal that contains the origin gives a lower bound.
+//! 4. After half of the steps, and after three quarters, redirect the ray to the best normal so
+//!    far.
 //!
 //! # Deviations
-//! - Step 4. The paper's ray stays, and with it a depth that is too large by up to 3.8 times. Turned, the ray goes to a local
-//!   minimum of the depth, mostly the global one.
-//! - The lower bound is that of a tetrahedron, and rough: what closes the interval is the expansion of
-//!   [`contact`](crate::contact), which is as long as it is.
+//! - Step 4. The ray of the paper stays the same, which makes the depth up to 3.8 times too large.
+//!   The redirected ray leads to a local minimum of the depth, and usually to the global one.
+//! - The lower bound is that of a tetrahedron, and coarse. Only the expansion of
+//!   [`contact`](crate::contact()) closes the interval, and its length varies from pair to pair.
 
-use super::contact::apart;
-use super::discovery::{FLAT, is_beyond};
-use super::expansion::{Bound, TOUCHING_ROUNDINGS};
-use super::intersection::keep_miss;
-use super::polytope::Polytope;
-use crate::minkowski::{Minkowski, Point, perpendicular, unit};
-use crate::{Cache, Contact, Pose, Status, SupportMap};
+use super::bound::Bound;
+use super::cache::Cache;
+use super::contact::Contact;
+use super::contact::separated_contact;
+use super::epa::Polytope;
+use super::epa::TOUCHING_ROUNDINGS;
+use super::intersection::store_separation;
+use super::minkowski::{Minkowski, Point};
+use super::mpr::{FLATNESS, is_clearly_negative};
+use super::status::Status;
+use crate::pose::Pose;
+use crate::support::SupportMap;
+use crate::vector::{perpendicular, unit};
 use glam::DVec3;
 
-/// Fewest steps: a portal, and its normal.
-const LEAST_STEPS: u32 = 4;
+/// Minimum number of steps: three for a portal, and one along its normal.
+const MIN_STEPS: u32 = 4;
 
-/// Where the turned ray starts, over the radius of the ball around the origin that is known to be inside.
-const BEHIND: f64 = 0.5;
+/// Start of the redirected ray, relative to the radius of a ball around the origin that is
+/// certainly inside.
+const RAY_START: f64 = 0.5;
 
-/// What a lane holds.
+/// The state of one lane, that is, of one pair.
 #[derive(Clone, Debug)]
 struct Lane {
-    /// A point inside the difference, from which the ray goes through the origin.
+    /// A point inside the Minkowski difference. The ray runs from it through the origin.
     v0: DVec3,
     /// Counter-clockwise as seen from outside.
     portal: [Point; 3],
-    /// Least support value so far, along which unit normal, and the portal then.
+    /// Minimum support value so far.
     upper: f64,
+    /// The unit normal of that support value.
     normal: DVec3,
+    /// The portal at that time.
     face: [Point; 3],
-    /// A direction with a support value below zero, and what was seen there.
+    /// A separating axis, and the points seen last.
     separating: Option<(DVec3, [Point; 3])>,
-    /// Radius of a ball about the origin inside the difference.
+    /// Radius of a ball around the origin inside the Minkowski difference; negative if none is
+    /// known.
     lower: f64,
 }
 
-/// Contact of `a` and of `b` placed at `b_in_a`, in exactly `steps` support calls, or four if fewer are asked for.
+/// Contact of `a` and `b`, with `b` at `b_in_a`, in exactly `steps` support calls (at least four).
 ///
-/// The interval is true and, after few steps, wide; it is told as [`Status::IterationLimit`] unless rounding
-/// is all that is left of it. `hit` is false only when a separating plane was found. `cache` belongs to this ordered pair: the last
-/// portal is where the search starts, so that an interval gets narrower from frame to frame.
+/// Lengths are in the shapes' unit, points and directions in A's frame. After few steps the
+/// interval of the depth is wide, and the status is [`Status::IterationLimit`] unless only rounding
+/// error is left. [`Contact::hit`] is false only if a separating plane was found. `cache` belongs
+/// to this ordered pair. The search starts from its last portal, so the interval narrows from frame
+/// to frame.
 ///
 /// # Complexity
-/// `steps` support calls, always. No allocation, and no memory that grows with `steps`.
+/// `steps` support calls, always. No allocation; the memory does not depend on `steps`.
 ///
 /// # Reference
 /// Kenwright, section 4.7.
-pub fn contact_in_steps<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+///
+/// # Examples
+/// ```
+/// use hullmap::glam::DVec3;
+/// use hullmap::{Cache, Pose, contact_lockstep, shapes::Cuboid};
+///
+/// let cube = Cuboid::new(DVec3::ONE)?;
+/// let b_in_a = Pose::from_translation(DVec3::new(0.3, 1.75, 0.2))?;
+/// let c = contact_lockstep(&cube, &cube, b_in_a, 12, &mut Cache::new());
+/// assert!(c.hit && c.support_calls == 12);
+/// assert!(c.depth_lower <= 0.25 && 0.25 <= c.depth_upper);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn contact_lockstep<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &A,
     b: &B,
     b_in_a: Pose,
@@ -72,12 +101,12 @@ pub fn contact_in_steps<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     cache: &mut Cache,
 ) -> Contact {
     let mut m = Minkowski::new(a, b, b_in_a);
-    let steps = steps.max(LEAST_STEPS);
+    let steps = steps.max(MIN_STEPS);
     let mut lane = Lane::start(&mut m, cache);
     while m.support_calls() < steps {
-        let left = steps - m.support_calls();
-        if left == steps / 2 || left == steps / 4 {
-            lane.turn();
+        let remaining = steps - m.support_calls();
+        if remaining == steps / 2 || remaining == steps / 4 {
+            lane.redirect_ray();
         }
         lane.step(&mut m);
     }
@@ -88,6 +117,7 @@ pub fn contact_in_steps<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 }
 
 impl Lane {
+    /// Finds the first portal, from the cache or by three support calls.
     fn start<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &mut Minkowski<'_, A, B>, cache: &Cache) -> Self {
         let v0 = m.center_point().w;
         let mut lane = Self {
@@ -104,22 +134,27 @@ impl Lane {
         {
             lane.portal = [v1, v2, v3];
         } else {
-            let towards = if v0.length() > m.rounding() { -v0 } else { DVec3::X };
-            let v1 = lane.look(m, towards);
+            let towards = if v0.length() > m.rounding_error() { -v0 } else { DVec3::X };
+            let v1 = lane.query(m, towards);
             let line = unit(v1.w - v0).unwrap_or(DVec3::X);
             let beside = unit(v1.w.cross(v0)).unwrap_or_else(|| perpendicular(line));
-            let v2 = lane.look(m, beside);
+            let v2 = lane.query(m, beside);
             let n = (v1.w - v0).cross(v2.w - v0);
-            let v3 = lane.look(m, if n.dot(v0) > 0.0 { -n } else { n });
+            let v3 = lane.query(m, if n.dot(v0) > 0.0 { -n } else { n });
             lane.portal = [v1, v2, v3];
         }
-        lane.face_outwards();
+        lane.orient_outwards();
         lane.face = lane.portal;
         lane
     }
 
-    /// Support along `n`, with what it says of the depth. A zero direction looks along the ray instead.
-    fn look<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(&mut self, m: &mut Minkowski<'_, A, B>, n: DVec3) -> Point {
+    /// Support point along `n`, or along the ray if `n` is zero. Updates the bound and the
+    /// separating axis.
+    fn query<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        &mut self,
+        m: &mut Minkowski<'_, A, B>,
+        n: DVec3,
+    ) -> Point {
         let n = unit(n).or_else(|| unit(-self.v0)).unwrap_or(DVec3::X);
         let point = m.point(n);
         let value = point.w.dot(n);
@@ -127,26 +162,28 @@ impl Lane {
         if value < self.upper {
             (self.upper, self.normal, self.face) = (value, n, self.portal);
         }
-        if is_beyond(value, n, m.rounding()) {
+        if is_clearly_negative(value, n, m.rounding_error()) {
             let [v1, v2, _] = self.portal;
             self.separating = Some((n, [point, v1, v2]));
         }
         point
     }
 
-    /// Exchanges two vertices if the portal is clockwise as seen from the ray's end.
-    fn face_outwards(&mut self) {
+    /// Swaps two vertices if the portal is clockwise as seen from outside.
+    fn orient_outwards(&mut self) {
         let [v1, v2, v3] = self.portal.map(|v| v.w);
         if (v2 - v1).cross(v3 - v1).dot(v1 - self.v0) < 0.0 {
             self.portal.swap(0, 1);
         }
     }
 
+    /// One support call.
     fn step<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(&mut self, m: &mut Minkowski<'_, A, B>) {
         let v0 = self.v0;
         let [v1, v2, v3] = self.portal.map(|v| v.w);
-        // Listing 2, phase 1: the side that the ray passes, if any, and the vertex across it.
-        let passed = if v1.cross(v3).dot(v0) < 0.0 {
+        // Portal discovery (Listing 2, phase 1): the vertex across the side where the ray misses
+        // the portal.
+        let missed = if v1.cross(v3).dot(v0) < 0.0 {
             Some(1)
         } else if v3.cross(v2).dot(v0) < 0.0 {
             Some(0)
@@ -155,20 +192,20 @@ impl Lane {
         } else {
             None
         };
-        if let Some(across) = passed {
+        if let Some(across) = missed {
             let (from, to) = (self.portal[(across + 1) % 3], self.portal[(across + 2) % 3]);
-            // Away from the vertex across: the ray is there.
-            self.portal[across] = self.look(m, -(from.w - v0).cross(to.w - v0));
-            self.face_outwards();
+            // Away from the vertex that is replaced: the ray is on that side.
+            self.portal[across] = self.query(m, -(from.w - v0).cross(to.w - v0));
+            self.orient_outwards();
         } else {
-            // Phase 2.
+            // Portal refinement (Listing 2, phase 2).
             let (e2, e3) = (v2 - v1, v3 - v1);
             let n = e2.cross(e3);
-            let thin = !(n.length_squared() > FLAT * FLAT * e2.length_squared() * e3.length_squared());
-            let v4 = self.look(m, if thin { -v0 } else { n });
-            if is_beyond((v1 - v4.w).dot(n), n, m.rounding()) {
-                let beside = v4.w.cross(v0);
-                let across = match (v1.dot(beside) >= 0.0, v2.dot(beside) >= 0.0, v3.dot(beside) >= 0.0) {
+            let thin = !(n.length_squared() > FLATNESS * FLATNESS * e2.length_squared() * e3.length_squared());
+            let v4 = self.query(m, if thin { -v0 } else { n });
+            if is_clearly_negative((v1 - v4.w).dot(n), n, m.rounding_error()) {
+                let ray_normal = v4.w.cross(v0);
+                let across = match (v1.dot(ray_normal) >= 0.0, v2.dot(ray_normal) >= 0.0, v3.dot(ray_normal) >= 0.0) {
                     (true, true, _) | (false, _, false) => 0,
                     (true, false, _) => 2,
                     (false, _, true) => 1,
@@ -176,40 +213,46 @@ impl Lane {
                 self.portal[across] = v4;
             }
         }
-        // What the tetrahedron of v0 and portal says of the depth.
+        self.raise_lower_bound(m.noise());
+    }
+
+    /// Raises the lower bound by the tetrahedron of v0 and the portal, if it contains the origin.
+    #[inline(always)]
+    fn raise_lower_bound(&mut self, noise: f64) {
         let [v1, v2, v3] = self.portal;
-        let mut tetrahedron = Polytope::<4, 8>::empty(m.noise());
-        let solid = tetrahedron.start([Point { w: v0, ..Point::EMPTY }, v1, v2, v3], 0.0);
+        let mut tetrahedron = Polytope::<4, 8>::empty(noise);
+        let solid = tetrahedron.start([Point { w: self.v0, ..Point::EMPTY }, v1, v2, v3], 0.0);
         let (_, _, offset) = tetrahedron.plane(tetrahedron.nearest_face());
         if solid && tetrahedron.encloses() && offset > self.lower {
             self.lower = offset;
         }
     }
 
-    /// Turns the ray to the best normal so far, if the origin is known to be inside.
-    fn turn(&mut self) {
+    /// Redirects the ray to the best normal so far, if the origin is certainly inside.
+    fn redirect_ray(&mut self) {
         if self.lower > 0.0 {
-            self.v0 = -self.normal * (self.lower * BEHIND);
+            self.v0 = -self.normal * (self.lower * RAY_START);
             self.portal = self.face;
-            self.face_outwards();
+            self.orient_outwards();
         }
     }
 
+    /// The answer. Stores the portal, or the separating axis, in the cache.
     fn finish<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         self,
         m: &Minkowski<'_, A, B>,
         cache: &mut Cache,
     ) -> Contact {
         if let Some((axis, seen)) = self.separating {
-            keep_miss(cache, axis, &seen);
-            return apart(m, cache, axis, 0);
+            store_separation(cache, axis, &seen);
+            return separated_contact(m, cache, axis, 0);
         }
-        if m.outer_balls_apart() {
-            return apart(m, cache, -m.center_point().w, 0);
+        if m.outer_balls_separated() {
+            return separated_contact(m, cache, -m.center_point().w, 0);
         }
         cache.forget_axis();
         cache.set_portal(&self.face);
-        let (noise, rounding) = (m.noise(), m.rounding());
+        let (noise, rounding) = (m.noise(), m.rounding_error());
         let status = if self.upper <= TOUCHING_ROUNDINGS * rounding {
             Status::Touching
         } else if self.upper - self.lower <= rounding {

@@ -1,49 +1,67 @@
-//! The solver: intersection, distance and contact of two convex shapes, from their support mappings alone.
+//! Convex collision solver: intersection, distance and contact of two shapes by their support
+//! mappings.
 //!
-//! One file a phase. `discovery` and `refinement` are the two phases of Kenwright's Algorithm 1 (portal refinement), and
-//! `barycentric` its last line; `closest` (distance) and `expansion` (least depth) go on where the paper stops, on the same Minkowski
-//! difference. `intersection`, `distance` and `contact` put them together, once each.
+//! Each algorithm has a file or a folder of its own:
 //!
-//! `lockstep` is the paper's algorithm in a fixed number of steps, for lanes.
+//! | where | what |
+//! |---|---|
+//! | `minkowski` | the Minkowski difference (CSO) that all algorithms search |
+//! | `mpr` | MPR: portal discovery and portal refinement, the two phases of Kenwright's Algorithm 1 |
+//! | `gjk` | GJK: the closest point of the difference to the origin, and thus the distance |
+//! | `epa` | EPA, the expanding polytope: the penetration depth |
+//! | `barycentric` | closest points of simplices, and the weights that give witness points |
+//! | `intersection`, `distance`, `contact` | the queries, composed of these algorithms |
+//! | `queries` | the public functions; they solve rounded shapes by their cores |
+//! | `cache` | what one pair keeps from query to query (warm start) |
+//! | `lockstep` | contact in a fixed number of steps, for SIMD lanes and GPU threads |
 //!
-//! All arithmetic is in double precision, without allocation, angles or random numbers: the same input gives the same
-//! bits. Lengths are compared only with lengths of the query, so nothing changes with the scene's scale.
+//! All arithmetic is in f64. There is no allocation, no angle and no random number, so the same
+//! input always gives the same bits. Lengths are compared only with other lengths of the query, so
+//! nothing changes with the scale of the scene.
 //!
-//! # What did not work
-//! - Refining the portal to the surface before expanding: 3 to 20 support calls more (8 to 8,192 points).
-//! - Keeping directions in the cache: each costs a support call to become a point again, and saves 5 to 12 % of all. Features
-//!   cost none.
-//! - Testing the last axis by way of the last features (`SupportMap::support_from`): 5 to 20 % slower than asking anew.
-//! - Keeping every vertex of the last polytope: beyond about 60, on hulls of 500 vertices and more, small faces about the nearest one
-//!   turn into dents, and twice as many calls as from nothing are needed to fill them.
-//! - Compiling whole queries for AVX2, as the index's lookups are: within noise at 8 and 128 points. What counts is that directions
-//!   and points stay in registers, or are read back in the pieces that they were written in: a quarter of the time.
-//! - The horizon from one bit a face and every edge of the faces seen, with next to no branches, in place of the walk: 11 to 18 % slower
-//!   contacts of deep pairs. The walk looks at five faces.
-//! - Starting the closest-point search from the first support point in place of the centre: 4 % slower at 8 points, 6 % faster at 2,048.
-//! - A lookup for trees alone, without the other kinds of index: no difference. Those for one to four blocks are worth 8 to 18 %.
+//! # Tried and rejected
+//! - *Refine the portal to the surface before the expansion.* It takes 3 to 20 more support calls
+//!   (hulls of 8 to 8,192 points).
+//! - *Keep directions in the cache.* Each costs a support call to become a point again, and
+//!   together they save 5 to 12 % of the calls. Features cost no call.
+//! - *Test the last axis from the last features* (`SupportMap::support_point_from`). It is 5 to 20
+//!   % slower than a new support query.
+//! - *Keep every vertex of the last polytope.* From about 60 vertices on, for hulls of 500 vertices
+//!   and more, small faces around the nearest one turn into dents. Filling them takes twice as many
+//!   calls as an empty cache.
+//! - *Compile whole queries for AVX2*, as the index look-ups are. The difference is within the
+//!   noise at 8 and 128 points. What counts is that directions and points stay in registers, or are
+//!   read back in the pieces in which they were written: that is worth a quarter of the time.
+//! - *Find the horizon from one bit per face and all edges of the visible faces*, almost without
+//!   branches, instead of by a walk. Contacts of penetrating pairs are 11 to 18 % slower. The walk
+//!   visits about five faces.
+//! - *Start GJK from the first support point* instead of the centre. It is 4 % slower at 8 points
+//!   and 6 % faster at 2,048.
+//! - *A look-up for trees alone*, without the other index kinds. No difference. The special cases
+//!   for one to four blocks are worth 8 to 18 %.
 
 #![forbid(unsafe_code)]
 
 mod barycentric;
+mod bound;
 mod cache;
-mod closest;
 mod contact;
-mod discovery;
 mod distance;
-mod expansion;
+mod epa;
+mod gjk;
 mod intersection;
 mod lockstep;
-mod polytope;
-mod refinement;
-mod seed;
+pub(crate) mod minkowski;
+mod mpr;
+pub(crate) mod queries;
 mod settings;
 mod status;
 
 pub use cache::Cache;
-pub use contact::{Contact, contact};
-pub use distance::{Distance, distance};
-pub use intersection::{Intersection, intersects};
-pub use lockstep::contact_in_steps;
+pub use contact::Contact;
+pub use distance::Distance;
+pub use intersection::Intersection;
+pub use lockstep::contact_lockstep;
+pub use minkowski::{Minkowski, Vertex};
 pub use settings::Settings;
 pub use status::{Overlap, Status};

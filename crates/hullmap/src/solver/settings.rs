@@ -1,29 +1,41 @@
-//! How exact an answer is asked for, and how long to try.
+//! Settings of distance and contact queries: tolerance and iteration limit.
 
-/// What a caller asks of [`distance`](crate::distance) and [`contact`](crate::contact).
+/// Accuracy and effort of [`distance`](crate::distance) and [`contact`](crate::contact).
+///
+/// ```
+/// use hullmap::Settings;
+///
+/// let exact = Settings { tolerance: 0.0, ..Settings::default() };
+/// assert_eq!(exact.max_iterations, Settings::DEFAULT_MAX_ITERATIONS);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Width of the interval that is good enough, relative to its upper end. Dimensionless; NaN and negative
-    /// values count as 0, which asks for all that rounding allows.
-    pub tolerance: f64,
-    /// Most steps of the last phase (closest point, or expansion). Reaching it is
-    /// [`Status::IterationLimit`](crate::Status::IterationLimit); the interval still holds. The solver's own caps
-    /// are upper limits to it.
+    /// Maximum width of the interval, relative to its upper bound. Dimensionless.
     ///
-    /// With 0, [`contact`](crate::contact) is the paper's own algorithm: the depth along the normal of the portal that
-    /// the centres' line meets, which is a true upper bound and no more.
+    /// NaN and negative values count as 0: the interval becomes as narrow as rounding error allows.
+    pub tolerance: f64,
+    /// Maximum number of steps of the last phase: GJK for a distance, EPA for a contact.
+    ///
+    /// A query that reaches it returns [`Status::IterationLimit`](crate::Status::IterationLimit),
+    /// and its interval still contains the true value. Larger values than the solver's own limits
+    /// have no effect.
+    ///
+    /// With 0, [`contact`](crate::contact) is the paper's algorithm: the depth along the normal of
+    /// the portal that the centre ray pierces. That is a true upper bound, and may be far above the
+    /// depth.
     pub max_iterations: u32,
 }
 
 impl Settings {
-    /// 1e-5 of a distance or depth: below what a physics step can see, above what single-precision coordinates round.
+    /// 1e-5, relative: below what a physics step can resolve, above the rounding error of f32
+    /// coordinates.
     pub const DEFAULT_TOLERANCE: f64 = 1e-5;
 
-    /// As many steps as the expansion has room for.
+    /// About as many steps as the largest polytope has room for.
     pub const DEFAULT_MAX_ITERATIONS: u32 = 1000;
 
-    /// The tolerance, made safe: NaN and negative numbers are 0.
-    pub(crate) fn relative_gap(&self) -> f64 {
+    /// The tolerance, with 0 for NaN and for negative values.
+    pub(crate) fn relative_tolerance(&self) -> f64 {
         self.tolerance.max(0.0)
     }
 }
@@ -39,9 +51,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn senseless_tolerances_ask_for_everything() {
+    fn invalid_tolerances_count_as_zero() {
         for tolerance in [f64::NAN, -1.0, 0.0] {
-            assert_eq!(Settings { tolerance, ..Settings::default() }.relative_gap(), 0.0);
+            assert_eq!(Settings { tolerance, ..Settings::default() }.relative_tolerance(), 0.0);
         }
     }
 }

@@ -1,30 +1,36 @@
-//! How an answer came to be: no numerical trouble is silent.
+//! Status of an answer: numerical trouble is always visible to the caller.
 
 use std::fmt;
 
-/// How far an interval (of a distance or a depth) can be trusted to be as narrow as was asked.
+/// How a distance or contact query ended, and thus how narrow its interval is.
 ///
-/// The interval itself holds the truth under every status.
+/// The interval contains the true value whatever the status is.
+///
+/// ```
+/// use hullmap::Status;
+///
+/// assert_eq!(Status::IterationLimit.to_string(), "iteration_limit");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
-    /// The interval is as narrow as rounding allows.
+    /// The interval is as narrow as rounding error allows.
     Exact,
-    /// The interval is as narrow as [`Settings::tolerance`](crate::Settings::tolerance) asks.
+    /// The interval is within [`Settings::tolerance`](crate::Settings::tolerance).
     Within,
-    /// The shapes touch: whether they are a hair apart or a hair deep is below rounding.
+    /// The shapes touch: any gap or penetration is below rounding error.
     Touching,
-    /// The shapes overlap. Only from [`distance`](crate::distance), which then is 0.
+    /// The shapes overlap. Only [`distance`](crate::distance) returns it, with a distance of 0.
     Overlapping,
-    /// The shapes are apart, proved by a separating plane. Only from [`contact`](crate::contact).
+    /// A separating plane proves the shapes separated. Only [`contact`](crate::contact) returns it.
     Separated,
-    /// A cap on steps was reached first; the interval is wider than asked.
+    /// The iteration limit was reached; the interval is wider than the tolerance.
     IterationLimit,
-    /// Rounding stopped all progress first; the interval is wider than asked.
+    /// Rounding error stopped all progress; the interval is wider than the tolerance.
     Stalled,
 }
 
 impl Status {
-    /// The status as one lower-case word, for JSON and tables. Other programs may rely on it.
+    /// The status in snake case, for JSON and tables. The names are stable.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Exact => "exact",
@@ -45,20 +51,26 @@ impl fmt::Display for Status {
 }
 
 /// Whether two shapes share a point.
+///
+/// ```
+/// use hullmap::Overlap;
+///
+/// assert_eq!(Overlap::Separated.as_str(), "separated");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Overlap {
-    /// No: a plane lies between them.
+    /// They share no point: a separating plane proves it.
     Separated,
-    /// They share inner points.
+    /// Their interiors share points.
     Overlapping,
-    /// They touch, within rounding; a hair apart and a hair deep cannot be told from each other.
+    /// They touch: any gap or penetration is below rounding error.
     Touching,
-    /// A cap on steps was reached, or rounding stopped all progress: not settled.
+    /// Not known: an iteration limit was reached, or rounding error stopped all progress.
     Undecided,
 }
 
 impl Overlap {
-    /// The answer as one lower-case word, for JSON and tables. Other programs may rely on it.
+    /// The answer as one lower-case word, for JSON and tables. The names are stable.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Separated => "separated",

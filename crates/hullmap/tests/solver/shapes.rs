@@ -1,9 +1,11 @@
-//! Shapes for tests: a point cloud by linear scan, closed forms, and a seeded random number generator.
+//! Shapes for tests: a point cloud by linear scan, and closed forms.
 
-use glam::{DQuat, DVec3};
-use hullmap::{Pose, Support, SupportMap};
+use ::shapes::rng::SplitMix64;
+use glam::DVec3;
+use hullmap::{Pose, SupportMap, SupportPoint};
+use hullmap_testkit::random::RandomPoses;
 
-/// The convex hull of some points, by linear scan: the slow, obvious support mapping.
+/// The convex hull of a few points with the slow, obvious support mapping: a linear scan.
 #[derive(Clone, Debug)]
 pub struct PointCloud {
     pub points: Vec<DVec3>,
@@ -13,19 +15,19 @@ pub struct PointCloud {
 }
 
 impl PointCloud {
-    /// The centroid of the points as interior point, and no inner ball.
+    /// A point cloud with the centroid as its interior point, and without an inner ball.
     pub fn new(points: Vec<DVec3>) -> Self {
         let interior = points.iter().sum::<DVec3>() / points.len() as f64;
         Self::around(points, interior)
     }
 
-    /// With an interior point of one's own choice.
+    /// A point cloud with the given interior point.
     pub fn around(points: Vec<DVec3>, interior: DVec3) -> Self {
         let outer_radius = points.iter().map(|p| p.distance(interior)).fold(0.0, f64::max);
         Self { points, interior, inner_radius: 0.0, outer_radius }
     }
 
-    /// The box with half edges `h`, as eight points.
+    /// A box with half edges `h`, as eight points.
     pub fn cuboid(h: DVec3) -> Self {
         let corners = (0..8).map(|i| {
             let sign = |bit: i32| if i & bit == 0 { -1.0 } else { 1.0 };
@@ -53,18 +55,18 @@ impl PointCloud {
     }
 
     /// `count` random points in, or on, an ellipsoid.
-    pub fn random(rng: &mut Rng, count: usize, on_surface: bool) -> Self {
-        let axes = DVec3::new(rng.range(0.3, 1.0), rng.range(0.3, 1.0), rng.range(0.3, 1.0));
+    pub fn random(rng: &mut SplitMix64, count: usize, on_surface: bool) -> Self {
+        let axes = DVec3::new(rng.between(0.3, 1.0), rng.between(0.3, 1.0), rng.between(0.3, 1.0));
         let points = (0..count)
             .map(|_| {
-                let r = if on_surface { 1.0 } else { rng.range(0.2, 1.0) };
-                rng.direction() * axes * r
+                let r = if on_surface { 1.0 } else { rng.between(0.2, 1.0) };
+                rng.unit_vector() * axes * r
             })
             .collect();
         Self::new(points)
     }
 
-    /// Scaled about the frame's origin.
+    /// The points scaled from the origin of the frame.
     pub fn scaled(&self, scale: f64) -> Self {
         Self {
             points: self.points.iter().map(|p| *p * scale).collect(),
@@ -74,7 +76,7 @@ impl PointCloud {
         }
     }
 
-    /// Moved within its own frame.
+    /// The points moved within their own frame.
     pub fn moved(&self, by: DVec3) -> Self {
         Self { points: self.points.iter().map(|p| *p + by).collect(), interior: self.interior + by, ..self.clone() }
     }
@@ -86,14 +88,14 @@ impl PointCloud {
 }
 
 impl SupportMap for PointCloud {
-    fn support(&self, dir: DVec3) -> Support {
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
         let mut best = 0;
         for (i, p) in self.points.iter().enumerate() {
             if p.dot(dir) > self.points[best].dot(dir) {
                 best = i;
             }
         }
-        Support { point: self.points[best], feature: best as u32 }
+        SupportPoint { point: self.points[best], feature: best as u32 }
     }
     fn interior_point(&self) -> DVec3 {
         self.interior
@@ -114,37 +116,37 @@ impl SupportMap for PointCloud {
 pub struct Ball {
     pub center: DVec3,
     pub radius: f64,
-    /// Whether it admits that it is a ball.
-    pub frank: bool,
+    /// Whether `inner_radius` is the radius; 0 otherwise.
+    pub has_inner_ball: bool,
 }
 
 impl SupportMap for Ball {
-    fn support(&self, dir: DVec3) -> Support {
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
         let n = dir.try_normalize().unwrap_or(DVec3::X);
-        Support { point: self.center + n * self.radius, feature: 0 }
+        SupportPoint { point: self.center + n * self.radius, feature: 0 }
     }
     fn interior_point(&self) -> DVec3 {
         self.center
     }
     fn inner_radius(&self) -> f64 {
-        if self.frank { self.radius } else { 0.0 }
+        if self.has_inner_ball { self.radius } else { 0.0 }
     }
     fn outer_radius(&self) -> f64 {
         self.radius
     }
 }
 
-/// A box about its frame's origin, in closed form.
+/// A box around the origin of its frame, in closed form.
 #[derive(Clone, Copy, Debug)]
 pub struct Cuboid(pub DVec3);
 
 impl SupportMap for Cuboid {
-    fn support(&self, dir: DVec3) -> Support {
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
         let side = |d: f64, h: f64| if d < 0.0 { -h } else { h };
         let h = self.0;
         let point = DVec3::new(side(dir.x, h.x), side(dir.y, h.y), side(dir.z, h.z));
         let feature = u32::from(dir.x < 0.0) | u32::from(dir.y < 0.0) << 1 | u32::from(dir.z < 0.0) << 2;
-        Support { point, feature }
+        SupportPoint { point, feature }
     }
     fn interior_point(&self) -> DVec3 {
         DVec3::ZERO
@@ -154,47 +156,5 @@ impl SupportMap for Cuboid {
     }
     fn outer_radius(&self) -> f64 {
         self.0.length()
-    }
-}
-
-/// splitmix64.
-#[derive(Clone, Debug)]
-pub struct Rng(pub u64);
-
-impl Rng {
-    pub fn next_u64(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    pub fn range(&mut self, from: f64, to: f64) -> f64 {
-        from + (to - from) * (self.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    pub fn below(&mut self, n: usize) -> usize {
-        (self.next_u64() % n as u64) as usize
-    }
-
-    /// A unit vector, uniform on the sphere.
-    pub fn direction(&mut self) -> DVec3 {
-        loop {
-            let v = DVec3::new(self.range(-1.0, 1.0), self.range(-1.0, 1.0), self.range(-1.0, 1.0));
-            if v.length_squared() <= 1.0 && v.length_squared() > 1e-3 {
-                return v.normalize();
-            }
-        }
-    }
-
-    pub fn rotation(&mut self) -> DQuat {
-        let (axis, angle) = (self.direction(), self.range(0.0, std::f64::consts::TAU));
-        DQuat::from_axis_angle(axis, angle)
-    }
-
-    pub fn pose(&mut self, reach: f64) -> Pose {
-        let (direction, far) = (self.direction(), self.range(0.0, reach));
-        Pose::new(direction * far, self.rotation()).unwrap()
     }
 }

@@ -1,0 +1,105 @@
+//! BVH nodes of two compounds, and lower bounds on the distance between the hulls below them.
+
+use glam::{DMat3, DVec3};
+use hullmap_format::archive::ArchivedBvhNode;
+
+use super::{Compound, Members};
+use crate::pose::Pose;
+
+/// Rounding error of a distance between boxes, relative to the largest length, in units of
+/// [`f64::EPSILON`]. Two products with a matrix and sums of six terms have an error of about 20
+/// units.
+const ROUNDING_UNITS: f64 = 64.0;
+
+/// A BVH node: its box, in the frame of its compound, and its child.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node {
+    center: DVec3,
+    half: DVec3,
+    pub(super) child: Child,
+}
+
+/// What a node contains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Child {
+    /// A leaf: the hull with this index.
+    Hull(usize),
+    /// An inner node: the nodes at this index and the next.
+    Nodes(u32),
+}
+
+impl Node {
+    fn new(low: DVec3, high: DVec3, child: Child) -> Self {
+        // Exact in f64 up to rounding in the last digit.
+        Self { center: (low + high) * 0.5, half: (high - low) * 0.5, child }
+    }
+
+    /// Node `index` of a compound; `None` if the index is out of range.
+    pub(super) fn of(compound: &Compound, index: u32) -> Option<Self> {
+        match compound.members {
+            Members::Pack(pack) => pack.nodes().get(index as usize).map(Self::archived),
+            Members::One(hull) => {
+                let [low, high] = hull.bounds().map(|corner| corner.as_dvec3());
+                (index == 0).then(|| Self::new(low, high, Child::Hull(0)))
+            }
+        }
+    }
+
+    fn archived(node: &ArchivedBvhNode) -> Self {
+        let [low, high] =
+            [&node.bounds_min, &node.bounds_max].map(|c| DVec3::from_array(c.map(|c| c.to_native().into())));
+        let target = node.target.to_native();
+        let child = if node.hull_count == 1 { Child::Hull(target as usize) } else { Child::Nodes(target) };
+        Self::new(low, high, child)
+    }
+
+    /// Square of half the diagonal of the box.
+    pub(super) fn size_sq(&self) -> f64 {
+        self.half.length_squared()
+    }
+}
+
+/// Two compounds and their relative pose.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placement<'q, 'a> {
+    pub(super) a: &'q Compound<'a>,
+    pub(super) b: &'q Compound<'a>,
+    b_in_a: Pose,
+    rotation: DMat3,
+    /// Absolute values of the entries of `rotation`.
+    abs_rotation: DMat3,
+    /// Bound on the rounding error of a distance between boxes.
+    rounding_error: f64,
+}
+
+impl<'q, 'a> Placement<'q, 'a> {
+    pub(super) fn new(a: &'q Compound<'a>, b: &'q Compound<'a>, b_in_a: Pose) -> Self {
+        let rotation = b_in_a.rotation_matrix();
+        let abs_rotation = DMat3::from_cols(rotation.x_axis.abs(), rotation.y_axis.abs(), rotation.z_axis.abs());
+        let reach = |compound| Node::of(compound, 0).map_or(0.0, |root| root.center.length() + root.half.length());
+        let largest = reach(a) + reach(b) + b_in_a.translation().length();
+        // The center and the half diagonal of a descendant together are at most twice those of the
+        // root.
+        let rounding_error = 2.0 * ROUNDING_UNITS * f64::EPSILON * largest;
+        Self { a, b, b_in_a, rotation, abs_rotation, rounding_error }
+    }
+
+    /// Lower bound on the distance between two boxes, reduced by the rounding error; 0 if they may
+    /// overlap.
+    ///
+    /// Computes the distance from A's box to the bounding box of B's along A's axes, and the same
+    /// with A and B exchanged, and returns the larger one.
+    pub(super) fn distance_lower_bound(&self, a: &Node, b: &Node) -> f64 {
+        let between = self.b_in_a.transform_point(b.center) - a.center;
+        let in_a = between.abs() - a.half - self.abs_rotation * b.half;
+        let in_b = (self.rotation.transpose() * between).abs() - b.half - self.abs_rotation.transpose() * a.half;
+        let length = |gap: DVec3| gap.max(DVec3::ZERO).length();
+        (length(in_a).max(length(in_b)) - self.rounding_error).max(0.0)
+    }
+
+    /// Squared distance between the centers of two boxes, which orders pairs with equal lower
+    /// bounds.
+    pub(super) fn center_distance_sq(&self, a: &Node, b: &Node) -> f64 {
+        (self.b_in_a.transform_point(b.center)).distance_squared(a.center)
+    }
+}

@@ -1,0 +1,208 @@
+//! Mass properties of a hull: mass, centre of mass and inertia tensor of the solid at uniform
+//! density.
+
+use glam::{DMat3, DVec3};
+
+use super::Hull;
+
+/// Mass properties of a solid of uniform density, in the hull's local frame.
+///
+/// Units follow from those of the hull's lengths and of the density. A hull in metres and a density
+/// in kilograms per cubic metre give kilograms, metres, and kilograms times square metres.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MassProperties {
+    /// Mass: density times volume.
+    pub mass: f64,
+    /// Centre of mass.
+    pub center_of_mass: DVec3,
+    /// Inertia tensor about the centre of mass, along the axes of the local frame. Symmetric. Its
+    /// diagonal holds the moments of inertia about the axes; the other entries are the products of
+    /// inertia with a minus sign, so that `inertia * angular_velocity` is the angular momentum.
+    pub inertia: DMat3,
+}
+
+impl MassProperties {
+    /// Inertia tensor about `point` (local frame) instead of the centre of mass, by the parallel
+    /// axis theorem.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// use hullmap::glam::DVec3;
+    ///
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// let properties = cube.mass_properties(1.0);
+    /// // About an edge along z: mass times square distance more than about the centre.
+    /// let about_edge = properties.inertia_about(DVec3::new(1.0, 1.0, 0.0));
+    /// assert!((about_edge.z_axis.z - properties.inertia.z_axis.z - 8.0 * 2.0).abs() < 1e-12);
+    /// # }
+    /// ```
+    pub fn inertia_about(&self, point: DVec3) -> DMat3 {
+        let r = self.center_of_mass - point;
+        let outer = DMat3::from_cols(r * r.x, r * r.y, r * r.z);
+        self.inertia + (DMat3::from_diagonal(DVec3::splat(r.length_squared())) - outer) * self.mass
+    }
+}
+
+impl Hull<'_> {
+    /// Mass, centre of mass and inertia tensor of the solid hull at a uniform `density`: mass per
+    /// volume.
+    ///
+    /// The values are those that the bake recorded, in the hull's local frame. A hull of rank below
+    /// 3 has no volume: its mass and inertia are 0, and its centre of mass is that of the polygon,
+    /// segment or point.
+    ///
+    /// # Complexity
+    /// O(1).
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// use hullmap::glam::{DMat3, DVec3};
+    ///
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// let properties = cube.mass_properties(1000.0);
+    /// // Edge length 2: volume 8, and m · (2² + 2²) / 12 about each axis.
+    /// assert!((properties.mass - 8000.0).abs() < 1e-9);
+    /// assert!(properties.center_of_mass.length() < 1e-12);
+    /// let expected = DMat3::from_diagonal(DVec3::splat(8000.0 * 8.0 / 12.0));
+    /// assert!(properties.inertia.abs_diff_eq(expected, 1e-9));
+    /// # }
+    /// ```
+    pub fn mass_properties(&self, density: f64) -> MassProperties {
+        let mass = density * self.volume();
+        let [xx, yy, zz, yz, zx, xy] = self.second_moments();
+        let inertia = DMat3::from_cols(
+            DVec3::new(yy + zz, -xy, -zx),
+            DVec3::new(-xy, zz + xx, -yz),
+            DVec3::new(-zx, -yz, xx + yy),
+        ) * mass;
+        MassProperties { mass, center_of_mass: self.centroid(), inertia }
+    }
+
+    /// Inertia tensor about the centre of mass at density 1, along the axes of the hull's local
+    /// frame.
+    ///
+    /// The unit is that of a length to the fifth power. For another density, multiply by it; see
+    /// [`mass_properties`](Self::mass_properties).
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert!((cube.inertia_tensor().x_axis.x - 8.0 * 8.0 / 12.0).abs() < 1e-12);
+    /// # }
+    /// ```
+    pub fn inertia_tensor(&self) -> DMat3 {
+        self.mass_properties(1.0).inertia
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use shapes::families;
+
+    use super::*;
+    use crate::pack::Pack;
+
+    fn pack(positions: Vec<[f32; 3]>) -> Pack {
+        Pack::from_bytes(&hullmap_testkit::packs::tree_bytes(&positions)).unwrap()
+    }
+
+    fn cuboid(half: [f32; 3], center: [f32; 3]) -> Pack {
+        let corner = |i: usize| std::array::from_fn(|k| center[k] + if i >> k & 1 == 0 { -half[k] } else { half[k] });
+        pack((0..8).map(corner).collect())
+    }
+
+    fn assert_near(found: DMat3, expected: DMat3, relative: f64) {
+        let scale = expected.to_cols_array().into_iter().fold(0.0, |scale: f64, c| scale.max(c.abs()));
+        let error = (found - expected).to_cols_array().into_iter().fold(0.0, |error: f64, c| error.max(c.abs()));
+        // NaN fails.
+        assert!(error <= relative * scale, "{found} instead of {expected}: off by {error:e}");
+    }
+
+    #[test]
+    fn a_box_has_the_textbook_tensor() {
+        let (half, center) = ([1.0_f32, 2.0, 0.5], [10.0_f32, -4.0, 3.0]);
+        let pack = cuboid(half, center);
+        let properties = pack.hull(0).unwrap().mass_properties(7.5);
+        let [x, y, z] = half.map(|h| f64::from(2.0 * h).powi(2));
+        let mass = 7.5 * 8.0;
+        assert!((properties.mass - mass).abs() < 1e-12 * mass);
+        assert!(properties.center_of_mass.abs_diff_eq(DVec3::from_array(center.map(f64::from)), 1e-12));
+        let expected = DMat3::from_diagonal(DVec3::new(y + z, z + x, x + y) * (mass / 12.0));
+        assert_near(properties.inertia, expected, 1e-12);
+        assert_near(pack.hull(0).unwrap().inertia_tensor() * 7.5, expected, 1e-12);
+    }
+
+    /// The tensor of a turned box is R I Rᵀ; it has products of inertia, whose signs this shows.
+    #[test]
+    fn a_turned_box_has_the_turned_tensor() {
+        let turn = DMat3::from_quat(glam::DQuat::from_array([0.3, -0.2, 0.5, 0.7]).normalize());
+        let half = DVec3::new(1.0, 3.0, 0.25);
+        let corner = |i: usize| DVec3::from_array(std::array::from_fn(|k| if i >> k & 1 == 0 { -1.0 } else { 1.0 }));
+        let pack = pack((0..8).map(|i| (turn * (corner(i) * half)).as_vec3().to_array()).collect());
+        let [x, y, z] = (half * 2.0).to_array().map(|edge| edge * edge);
+        let own = DMat3::from_diagonal(DVec3::new(y + z, z + x, x + y) * (6.0 / 12.0));
+        let expected = turn * own * turn.transpose();
+        assert!(expected.x_axis.y.abs() > 0.1 && expected.y_axis.z.abs() > 0.1);
+        // The corners were rounded to f32.
+        assert_near(pack.hull(0).unwrap().inertia_tensor(), expected, 1e-6);
+    }
+
+    /// 2/5 m r² for a ball; a hull of points on the sphere approaches it from below.
+    #[test]
+    fn a_sphere_of_many_points_is_nearly_a_ball() {
+        let pack = pack(families::sphere(8000, 1));
+        let hull = pack.hull(0).unwrap();
+        let radius = f64::from(hull.vertex(0).unwrap().length());
+        let properties = hull.mass_properties(2.0);
+        let mass = 2.0 * 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
+        assert!((0.995..1.0).contains(&(properties.mass / mass)), "{}", properties.mass / mass);
+        assert_near(properties.inertia, DMat3::from_diagonal(DVec3::splat(0.4 * mass * radius * radius)), 0.01);
+    }
+
+    /// The slow twin: tetrahedra from the origin over the faces' triangles, each integrated
+    /// exactly.
+    #[test]
+    fn rocks_agree_with_a_sum_over_tetrahedra() {
+        for seed in 0..5 {
+            let moved = families::rock(60, seed).into_iter().map(|[x, y, z]| [x + 2.0, 3.0 * y - 1.0, z]).collect();
+            let pack = pack(moved);
+            let hull = pack.hull(0).unwrap();
+            let vertex = |index: u32| hull.vertex(index).unwrap().as_dvec3();
+            let (mut volume, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
+            for face in hull.faces() {
+                let face: Vec<u32> = face.collect();
+                for pair in face[1..].windows(2) {
+                    let [a, b, c] = [face[0], pair[0], pair[1]].map(vertex);
+                    let v = a.cross(b).dot(c) / 6.0;
+                    volume += v;
+                    first += (a + b + c) * (v / 4.0);
+                    let outer = |p: DVec3| DMat3::from_cols(p * p.x, p * p.y, p * p.z);
+                    second += (outer(a + b + c) + outer(a) + outer(b) + outer(c)) * (v / 20.0);
+                }
+            }
+            let about_origin =
+                DMat3::from_diagonal(DVec3::splat(second.x_axis.x + second.y_axis.y + second.z_axis.z)) - second;
+            let properties = hull.mass_properties(1.0);
+            assert!((properties.mass - volume).abs() < 1e-12 * volume, "seed {seed}");
+            assert!(properties.center_of_mass.abs_diff_eq(first / volume, 1e-12), "seed {seed}");
+            assert_near(properties.inertia_about(DVec3::ZERO), about_origin, 1e-11);
+        }
+    }
+
+    #[test]
+    fn a_flat_hull_has_no_mass() {
+        let pack = pack(vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]]);
+        let properties = pack.hull(0).unwrap().mass_properties(3.0);
+        assert_eq!((properties.mass, properties.inertia), (0.0, DMat3::ZERO));
+        assert!(properties.center_of_mass.abs_diff_eq(DVec3::new(1.0, 1.0, 0.0), 1e-12));
+    }
+}

@@ -1,0 +1,174 @@
+//! A hull that keeps its pack alive.
+
+use std::{fmt, sync::Arc};
+
+use glam::DVec3;
+
+use super::Hull;
+use crate::{
+    pack::{NoSuchHull, Pack},
+    shapes::{Feature, Shape},
+    support::{SupportMap, SupportPoint},
+};
+
+self_cell::self_cell!(
+    struct Cell {
+        owner: Arc<Pack>,
+        #[covariant]
+        dependent: Hull,
+    }
+);
+
+/// A convex hull together with a reference-counted handle to its [`Pack`]. It has no lifetime, so
+/// it can be stored in a component, sent to a thread, or returned.
+///
+/// [`Pack::shared_hull`] makes one. It is a shape like [`Hull`], with the same answers at the same
+/// cost. For everything else, [`hull`](Self::hull) borrows the hull. A clone shares the pack and
+/// allocates nothing. The pack is freed with its last owner.
+///
+/// A whole pack needs no such type: store an `Arc<Pack>`, and create a
+/// [`Compound`](crate::Compound) from it for each query, which copies one reference.
+///
+/// # Examples
+/// A type without a lifetime, queried on another thread:
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// use std::{sync::Arc, thread};
+/// use hullmap::{Cache, Pack, Pose, Settings, SharedHull, glam::DVec3};
+///
+/// struct Collider {
+///     shape: SharedHull,
+///     world: Pose,
+/// }
+///
+/// let pack: Arc<Pack> = Arc::new(pack());
+/// let collider = Collider {
+///     shape: pack.shared_hull_named("cube").ok_or("no cube")?,
+///     world: Pose::from_translation(DVec3::new(5.0, 0.0, 0.0))?,
+/// };
+/// let probe = collider.shape.clone();
+/// drop(pack);
+/// let gap = thread::spawn(move || {
+///     let settings = Settings::default();
+///     hullmap::distance(&probe, &collider.shape, collider.world, &settings, &mut Cache::default())
+/// });
+/// // Two cubes of edge length 2, five units from centre to centre.
+/// assert!((gap.join().expect("no panic").distance - 3.0).abs() < 1e-9);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone)]
+pub struct SharedHull {
+    cell: Arc<Cell>,
+    index: usize,
+}
+
+impl SharedHull {
+    pub(crate) fn new(pack: Arc<Pack>, index: usize) -> Result<Self, NoSuchHull> {
+        let cell = Cell::try_new(pack, |pack| pack.hull(index))?;
+        Ok(Self { cell: Arc::new(cell), index })
+    }
+
+    /// The hull.
+    ///
+    /// # Complexity
+    /// O(1): two pointer dereferences.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() -> Result<(), hullmap::NoSuchHull> {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = std::sync::Arc::new(pack).shared_hull(1)?;
+    /// assert_eq!(cube.hull().vertex_count(), 8);
+    /// # Ok(())
+    /// # }
+    /// ```
+    #[inline(always)]
+    pub fn hull(&self) -> &Hull<'_> {
+        self.cell.borrow_dependent()
+    }
+
+    /// The pack that the hull is from.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() -> Result<(), hullmap::NoSuchHull> {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = std::sync::Arc::new(pack).shared_hull(1)?;
+    /// let rock = cube.pack().shared_hull(0)?;
+    /// assert_eq!(rock.hull().name(), "rock");
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn pack(&self) -> &Arc<Pack> {
+        self.cell.borrow_owner()
+    }
+
+    /// Index of the hull in its pack.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() -> Result<(), hullmap::NoSuchHull> {
+    /// # let pack: hullmap::Pack = pack();
+    /// assert_eq!(std::sync::Arc::new(pack).shared_hull(1)?.index(), 1);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn index(&self) -> usize {
+        self.index
+    }
+}
+
+impl fmt::Debug for SharedHull {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = self.hull().name();
+        f.debug_struct("SharedHull").field("index", &self.index).field("name", &name).finish_non_exhaustive()
+    }
+}
+
+impl SupportMap for SharedHull {
+    #[inline(always)]
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
+        SupportMap::support_point(self.hull(), dir)
+    }
+
+    #[inline]
+    fn interior_point(&self) -> DVec3 {
+        self.hull().interior_point()
+    }
+
+    #[inline]
+    fn inner_radius(&self) -> f64 {
+        self.hull().inner_radius()
+    }
+
+    #[inline]
+    fn outer_radius(&self) -> f64 {
+        self.hull().outer_radius()
+    }
+
+    #[inline]
+    fn support_error(&self) -> f64 {
+        self.hull().support_error()
+    }
+
+    #[inline]
+    fn point(&self, feature: u32) -> Option<DVec3> {
+        self.hull().point(feature)
+    }
+
+    #[inline]
+    fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
+        SupportMap::support_point_from(self.hull(), dir, hint)
+    }
+}
+
+impl Shape for SharedHull {
+    fn feature(&self, dir: DVec3, out: &mut Feature) {
+        self.hull().feature(dir, out);
+    }
+}

@@ -1,0 +1,69 @@
+//! Errors: a pack cannot be opened, or a hull is not in it.
+
+use std::{io, path::PathBuf};
+
+use hullmap_format::{check::CheckError, header::HeaderError};
+
+/// Why a pack could not be opened.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// The file could not be read.
+    #[error("{path}: cannot read the file: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's error.
+        source: io::Error,
+    },
+    /// The file is not a pack that this version reads.
+    #[error("{path}: {source}")]
+    Invalid {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: InvalidPack,
+    },
+}
+
+/// What is wrong with the bytes of a pack.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum InvalidPack {
+    /// The header, or the file's length.
+    #[error(transparent)]
+    Header(#[from] HeaderError),
+    /// A byte has changed since the bake.
+    #[error(
+        "the file is damaged: the checksum of its bytes is {found:016x}, but its header states {expected:016x}; bake the \
+         source again"
+    )]
+    Checksum {
+        /// Checksum in the header.
+        expected: u64,
+        /// Checksum of the bytes.
+        found: u64,
+    },
+    /// The recorded options are not those whose hash is in the header.
+    #[error(
+        "the file is damaged: the hash of its options is {found:016x}, but its header states {expected:016x}; bake the \
+         source again"
+    )]
+    Options {
+        /// Hash in the header.
+        expected: u64,
+        /// Hash of the recorded options.
+        found: u64,
+    },
+    /// The archive after the header.
+    #[error(transparent)]
+    Content(#[from] CheckError),
+}
+
+/// A pack has no hull of this index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("hull index {index} is out of range: the pack has {hull_count} hulls, counted from 0")]
+pub struct NoSuchHull {
+    /// Requested index.
+    pub index: usize,
+    /// Number of hulls in the pack.
+    pub hull_count: usize,
+}

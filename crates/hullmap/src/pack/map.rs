@@ -1,0 +1,144 @@
+//! Memory maps of pack files: constructors that are `unsafe`, because nothing stops another process
+//! from writing to a mapped file.
+//!
+//! Rust lets the compiler assume that the bytes of a `&[u8]` do not change while it is borrowed. A
+//! shared map of a file cannot promise that, so the promise is the caller's. `memmap2` and `fst`
+//! draw the same line.
+//!
+//! One of the two modules of the crate with unsafe code; the other is `support/simd/avx2.rs`.
+#![allow(unsafe_code)]
+
+use std::{fs::File, path::Path};
+
+use hullmap_format::header::{Header, HeaderError};
+
+use super::{Checks, OpenError, Pack, storage::Bytes};
+
+impl Pack {
+    /// Maps the file and checks all of it.
+    ///
+    /// Processes that map the same file share its pages, and pages that no query reads can leave
+    /// memory. Opening takes as long as [`Pack::open`], except for the copy: the checksum reads
+    /// every byte in both cases.
+    ///
+    /// # Safety
+    /// While the pack exists, no process may write to the file or truncate it. Replacing the file
+    /// by renaming another one over it is allowed: the map keeps the old file. `bake` replaces
+    /// packs in this way.
+    ///
+    /// If a process writes to the file in spite of this, the behaviour is undefined by the rules of
+    /// Rust. In practice, queries return wrong answers, possibly NaN, or panic. If the file is
+    /// truncated, reading past its new end raises SIGBUS on Unix. No query reads outside of the
+    /// map: the positions of all sections were copied from the file and checked when it was opened.
+    ///
+    /// # Errors
+    /// As [`Pack::open`].
+    ///
+    /// # Complexity
+    /// One pass over the file. Memory as for [`Pack::open`], without the copy; the pack's texts
+    /// (names, options, source path) are copied.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let folder = tempfile::tempdir()?;
+    /// # let path = folder.path().join("rock.hullmap");
+    /// # std::fs::write(&path, rock_and_cube())?;
+    /// use hullmap::Pack;
+    ///
+    /// // SAFETY: only `bake` writes to this folder, and it replaces packs by renaming.
+    /// let pack = unsafe { Pack::map(&path)? };
+    /// assert_eq!(pack.hull(0)?.name(), "rock");
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub unsafe fn map(path: impl AsRef<Path>) -> Result<Self, OpenError> {
+        // SAFETY: the caller keeps the contract of this function, which is that of `map_file`.
+        unsafe { map_file(path.as_ref(), Checks::All) }
+    }
+
+    /// Maps the file and checks its structure, as [`Pack::open_skipping_contents`] does with a
+    /// copy.
+    ///
+    /// # Safety
+    /// As [`Pack::map`].
+    ///
+    /// # Errors
+    /// As [`Pack::open_skipping_contents`].
+    ///
+    /// # Complexity
+    /// O(number of hulls). No allocation that grows with the file, except for the copies of the
+    /// texts.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let folder = tempfile::tempdir()?;
+    /// # let path = folder.path().join("rock.hullmap");
+    /// # std::fs::write(&path, rock_and_cube())?;
+    /// use hullmap::Pack;
+    ///
+    /// // SAFETY: the file was installed with the program and is never written to again.
+    /// let pack = unsafe { Pack::map_skipping_contents(&path)? };
+    /// assert_eq!(pack.hull_count(), 2);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub unsafe fn map_skipping_contents(path: impl AsRef<Path>) -> Result<Self, OpenError> {
+        // SAFETY: the caller keeps the contract of this function, which is that of `map_file`.
+        unsafe { map_file(path.as_ref(), Checks::Structure) }
+    }
+
+    /// Maps the file and checks its header, its length, and the positions of its sections only, as
+    /// [`Pack::open_skipping_checks`] does with a copy.
+    ///
+    /// # Safety
+    /// As [`Pack::map`].
+    ///
+    /// # Errors
+    /// As [`Pack::open_skipping_checks`].
+    ///
+    /// # Complexity
+    /// O(length of the texts), which are copied.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let folder = tempfile::tempdir()?;
+    /// # let path = folder.path().join("rock.hullmap");
+    /// # std::fs::write(&path, rock_and_cube())?;
+    /// use hullmap::Pack;
+    ///
+    /// // SAFETY: the file was installed with the program and is never written to again.
+    /// let pack = unsafe { Pack::map_skipping_checks(&path)? };
+    /// assert_eq!(pack.hull_count(), 2);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub unsafe fn map_skipping_checks(path: impl AsRef<Path>) -> Result<Self, OpenError> {
+        // SAFETY: the caller keeps the contract of this function, which is that of `map_file`.
+        unsafe { map_file(path.as_ref(), Checks::Sections) }
+    }
+}
+
+/// Maps a file and checks it.
+///
+/// # Safety
+/// As [`Pack::map`].
+unsafe fn map_file(path: &Path, checks: Checks) -> Result<Pack, OpenError> {
+    let io_error = |source| OpenError::Io { path: path.to_owned(), source };
+    let invalid = |source| OpenError::Invalid { path: path.to_owned(), source };
+    let file = File::open(path).map_err(io_error)?;
+    if file.metadata().map_err(io_error)?.len() == 0 {
+        // An empty file cannot be mapped.
+        return Err(invalid(HeaderError::TooShort { found: 0 }.into()));
+    }
+    // SAFETY: the caller promises that no process writes to the file or truncates it while the pack
+    // exists. The map is owned by the pack and is dropped with it.
+    let map = unsafe { memmap2::Mmap::map(&file) }.map_err(io_error)?;
+    let header = Header::read(&map).map_err(|error| invalid(error.into()))?;
+    Pack::from_storage_bytes(header, Bytes::File(map), checks).map_err(invalid)
+}

@@ -1,0 +1,516 @@
+//! A `.hullmap` file, opened.
+//!
+//! 1. Copy the file, or map it.
+//! 2. Header: magic, version, length.
+//! 3. Sections: cut the archive into slices ([`hullmap_format::sections`]). Later accesses use the
+//!    slices; no offset in the file is followed again.
+//! 4. Checksum.
+//! 5. Structure, then every number that a query follows or returns ([`hullmap_format::check`]).
+//!
+//! After that, no query on the pack can panic, loop or read out of bounds. Functions whose names
+//! end in `_skipping_contents` and `_skipping_checks` leave out steps.
+//!
+//! | constructor | memory | the file is written to or truncated | the file is replaced by renaming |
+//! |---|---|---|---|
+//! | [`Pack::open`] | a copy on read-only pages | no effect | no effect |
+//! | [`Pack::from_bytes`] | a copy | no file | no file |
+//! | [`Pack::map`], `unsafe` | the file's pages, shared by all processes | forbidden: wrong answers, SIGBUS | no effect |
+//!
+//! # Why mapping is `unsafe`
+//! Rust lets the compiler assume that the bytes of a `&[u8]` do not change while it is borrowed.
+//! Any process may write to a mapped file, so only the caller can promise that none does. `memmap2`
+//! and `fst` make mapping `unsafe` for the same reason. The price of safety is a copy: opening a
+//! large pack with [`Pack::open`] takes two to three times as long as with [`Pack::map`]
+//! (docs/RELIABILITY.md has figures). Map a pack if that time matters, if processes should share
+//! its pages, or if there is not enough memory for a copy.
+//!
+//! If the promise is broken, the damage is bounded in practice: positions and lengths of all
+//! sections were copied and checked in step 3, and all numbers that are still in the file are
+//! values, or indices that are looked up with bounds checks. Queries then return wrong answers or
+//! panic, or the process gets SIGBUS where a truncated file no longer has pages. They do not read
+//! outside of the map. `tests/tests/packs/live_mapping.rs` rewrites a mapped file under running
+//! queries to check it.
+//!
+//! No signal handler is installed: the program decides what happens on a fault.
+//!
+//! A sealed `memfd` instead of read-only pages would let the copy be handed to other processes.
+//! Those can map the file instead, and `memfd` needs a dependency or foreign calls.
+
+mod error;
+#[cfg(feature = "mmap")]
+mod map;
+mod storage;
+
+use std::{fs::File, io::Read, path::Path, sync::Arc};
+
+use hullmap_format::{
+    archive::ArchivedBvhNode,
+    check::{self, MAX_PACK_LEN},
+    header::{HEADER_LEN, Header, options_hash},
+    repeats,
+    sections::Sections,
+};
+use rkyv::util::AlignedVec;
+
+use crate::hull::{Hull, SharedHull};
+pub use error::{InvalidPack, NoSuchHull, OpenError};
+use storage::{Bytes, Storage};
+
+/// An opened pack.
+///
+/// A [`Hull`] borrows from its pack. A [`SharedHull`] keeps its pack alive. Threads share a pack by
+/// reference or in an [`Arc`].
+///
+/// # Examples
+/// Reloading while other threads query the pack. A reader holds the lock only to clone the [`Arc`].
+/// The old pack is freed when its last reader drops it:
+/// ```
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let folder = tempfile::tempdir()?;
+/// # let path = folder.path().join("rock.hullmap");
+/// # let write = |scale: f32| -> Result<(), Box<dyn std::error::Error>> {
+/// #     let positions = shapes::families::rock(40, 1).into_iter().map(|p| p.map(|c| c * scale)).collect();
+/// #     let points = hullmap_bake::PointSet { name: "rock".into(), positions, source_vertices: (0..40).collect(), ..Default::default() };
+/// #     let baked = hullmap_bake::bake_hull(&points, hullmap_bake::IndexKind::Tree)?;
+/// #     let fresh = path.with_extension("fresh");
+/// #     std::fs::write(&fresh, hullmap_bake::write_pack(&[baked], &Default::default())?)?;
+/// #     Ok(std::fs::rename(&fresh, &path)?)
+/// # };
+/// # write(1.0)?;
+/// use std::sync::{Arc, RwLock};
+/// use hullmap::{Pack, glam::Vec3};
+///
+/// let current = RwLock::new(Arc::new(Pack::open(&path)?));
+/// let reader = || current.read().expect("no writer panics").clone();
+///
+/// let pack = reader();
+/// let before = pack.hull(0)?.support(Vec3::X).point.x;
+/// # write(2.0)?;
+/// // `bake` has replaced the file.
+/// let fresh = Arc::new(Pack::open(&path)?);
+/// *current.write().expect("no writer panics") = fresh;
+/// // The old pack still answers; new readers get the new one.
+/// assert_eq!(pack.hull(0)?.support(Vec3::X).point.x, before);
+/// assert_eq!(reader().hull(0)?.support(Vec3::X).point.x, 2.0 * before);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct Pack {
+    storage: Storage,
+    header: Header,
+}
+
+/// Payloads of at least this many bytes are checked by two threads. Smaller ones take at most about
+/// two milliseconds.
+#[cfg(feature = "parallel")]
+const LARGE: usize = 8 << 20;
+
+/// How much of a file is checked when it is opened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Checks {
+    /// The positions of the sections. Memory safety requires no more.
+    Sections,
+    /// Also the runs of each hull.
+    Structure,
+    /// Also the checksum and all numbers.
+    All,
+}
+
+/// Compares the checksum in the header with that of the payload.
+fn check_checksum(header: &Header, payload: &[u8]) -> Result<(), InvalidPack> {
+    let (expected, found) = (header.checksum, header.checksum_of(payload));
+    if found == expected { Ok(()) } else { Err(InvalidPack::Checksum { expected, found }) }
+}
+
+fn check_contents(header: &Header, storage: &Storage) -> Result<(), InvalidPack> {
+    let sections = storage.sections();
+    check::structure(sections, storage.payload())?;
+    check::contents(sections)?;
+    let (expected, found) = (header.options_hash, options_hash(sections.options_text()));
+    if found == expected { Ok(()) } else { Err(InvalidPack::Options { expected, found }) }
+}
+
+/// Checks the checksum and the contents. If both fail, the checksum is reported.
+fn check_all(header: &Header, storage: &Storage) -> Result<(), InvalidPack> {
+    // Both read the whole file, at the speed of one core's memory accesses.
+    #[cfg(feature = "parallel")]
+    if storage.payload().len() >= LARGE {
+        let checksum = || check_checksum(header, storage.payload());
+        let (intact, sound) = rayon::join(checksum, || check_contents(header, storage));
+        return intact.and(sound);
+    }
+    check_checksum(header, storage.payload())?;
+    check_contents(header, storage)
+}
+
+impl Pack {
+    /// Reads the file into memory of this process and checks all of it.
+    ///
+    /// With the feature `mmap`, the memory is made read-only: a stray write of this process faults
+    /// instead of changing answers.
+    ///
+    /// # Errors
+    /// [`OpenError`] names the file, what is wrong with it, and what to do.
+    ///
+    /// # Complexity
+    /// One read and one pass over the file. Besides the copy, memory for the widest level of a
+    /// hull's direction index, a few times that level's words.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let folder = tempfile::tempdir()?;
+    /// # let path = folder.path().join("rock.hullmap");
+    /// # std::fs::write(&path, rock_and_cube())?;
+    /// use hullmap::Pack;
+    ///
+    /// let pack = Pack::open(&path)?;
+    /// assert_eq!(pack.hull(0)?.name(), "rock");
+    ///
+    /// std::fs::write(&path, "v 0 0 0")?;
+    /// let error = Pack::open(&path).unwrap_err();
+    /// assert!(error.to_string().contains("rock.hullmap: the file is 7 bytes long"));
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, OpenError> {
+        Self::copy(path.as_ref(), Checks::All)
+    }
+
+    /// Reads the file into memory of this process and checks its structure: header, length, and
+    /// where each hull's data are. **Skips the contents**: the checksum, and all numbers that
+    /// queries follow or return.
+    ///
+    /// Use it for a file that has passed [`Pack::open`] since it was written, for instance when it
+    /// was installed. If the file is damaged, queries may return wrong answers or panic. They never
+    /// read out of bounds.
+    ///
+    /// # Errors
+    /// As [`Pack::open`], for what is checked.
+    ///
+    /// # Complexity
+    /// One read of the file, then O(number of hulls).
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let folder = tempfile::tempdir()?;
+    /// # let path = folder.path().join("rock.hullmap");
+    /// # std::fs::write(&path, rock_and_cube())?;
+    /// let pack = hullmap::Pack::open_skipping_contents(&path)?;
+    /// assert_eq!(pack.hull_count(), 2);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn open_skipping_contents(path: impl AsRef<Path>) -> Result<Self, OpenError> {
+        Self::copy(path.as_ref(), Checks::Structure)
+    }
+
+    /// Reads the file into memory of this process and checks its header, its length, and the
+    /// positions of its sections. **Skips all other checks**.
+    ///
+    /// Use it for files that are trusted as much as the program itself. If the file is damaged,
+    /// hulls may be missing, and queries may return wrong answers or panic. They never read out of
+    /// bounds: positions of sections are checked, and every index is looked up with a bounds check.
+    /// So this function is safe.
+    ///
+    /// # Errors
+    /// As [`Pack::open`], for what is checked.
+    ///
+    /// # Complexity
+    /// One read of the file.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let folder = tempfile::tempdir()?;
+    /// # let path = folder.path().join("rock.hullmap");
+    /// # std::fs::write(&path, rock_and_cube())?;
+    /// let pack = hullmap::Pack::open_skipping_checks(&path)?;
+    /// assert_eq!(pack.hull_count(), 2);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn open_skipping_checks(path: impl AsRef<Path>) -> Result<Self, OpenError> {
+        Self::copy(path.as_ref(), Checks::Sections)
+    }
+
+    /// Reads a file into memory of this process and checks it.
+    fn copy(path: &Path, checks: Checks) -> Result<Self, OpenError> {
+        let io_error = |source| OpenError::Io { path: path.to_owned(), source };
+        let invalid = |source: InvalidPack| OpenError::Invalid { path: path.to_owned(), source };
+        let mut file = File::open(path).map_err(io_error)?;
+        let mut head = Vec::with_capacity(HEADER_LEN);
+        (&mut file).take(HEADER_LEN as u64).read_to_end(&mut head).map_err(io_error)?;
+        let header = Header::read(&head).map_err(|error| invalid(error.into()))?;
+        let metadata = file.metadata().map_err(io_error)?;
+        let bytes = if metadata.is_file() {
+            // Checked before memory is allocated, in case the length is wrong.
+            header.check_length(metadata.len()).map_err(|error| invalid(error.into()))?;
+            storage::copy(&mut file, &head, metadata.len()).map_err(io_error)?
+        } else {
+            // A pipe has no length. Reading one byte more than the longest pack detects an excess.
+            let mut buffer = AlignedVec::new();
+            buffer.extend_from_slice(&head);
+            buffer.extend_from_reader(&mut file.take(MAX_PACK_LEN as u64)).map_err(io_error)?;
+            Bytes::Owned(buffer)
+        };
+        Self::from_storage_bytes(header, bytes, checks).map_err(invalid)
+    }
+
+    /// Copies the bytes of a whole file and checks all of them.
+    ///
+    /// # Errors
+    /// What is wrong with the bytes.
+    ///
+    /// # Complexity
+    /// One copy and one pass.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// use hullmap::{InvalidPack, Pack};
+    ///
+    /// let mut file: Vec<u8> = rock_and_cube();
+    /// assert_eq!(Pack::from_bytes(&file)?.hull_count(), 2);
+    ///
+    /// file[1000] ^= 1;
+    /// let error = Pack::from_bytes(&file).unwrap_err();
+    /// assert!(matches!(error, InvalidPack::Checksum { .. }));
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, InvalidPack> {
+        let header = Header::read(bytes)?;
+        let mut buffer = AlignedVec::with_capacity(bytes.len());
+        buffer.extend_from_slice(bytes);
+        Self::from_storage_bytes(header, Bytes::Owned(buffer), Checks::All)
+    }
+
+    fn from_storage_bytes(header: Header, bytes: Bytes, checks: Checks) -> Result<Self, InvalidPack> {
+        crate::support::simd::read_variable();
+        header.check_length(bytes.as_slice().len() as u64)?;
+        if checks == Checks::All && Sections::read(bytes.payload()).is_err() {
+            // A damaged file is reported as damaged even if the damage is in the root.
+            check_checksum(&header, bytes.payload())?;
+        }
+        let storage = Storage::new(bytes)?;
+        match checks {
+            Checks::Sections => {}
+            Checks::Structure => check::structure(storage.sections(), storage.payload())?,
+            Checks::All => check_all(&header, &storage)?,
+        }
+        Ok(Self { storage, header })
+    }
+
+    /// Compares the data that the file holds twice: index blocks repeat vertices, and edges are the
+    /// directions between vertices.
+    ///
+    /// No query requires the two to agree in order to be safe, so [`Pack::open`] does not compare
+    /// them. `bake verify` does.
+    ///
+    /// # Errors
+    /// The first hull that contradicts itself.
+    ///
+    /// # Complexity
+    /// O(file), about ten times as long as opening it.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// let pack: hullmap::Pack = pack();
+    /// assert_eq!(pack.check_repeats(), Ok(()));
+    /// # }
+    /// ```
+    pub fn check_repeats(&self) -> Result<(), InvalidPack> {
+        Ok(repeats::repeats(self.storage.sections())?)
+    }
+
+    /// Header of the file, as it was when the pack was opened.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// let pack: hullmap::Pack = pack();
+    /// assert_eq!(pack.header().payload_len as usize, pack.byte_len() - 64);
+    /// # }
+    /// ```
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// Length of the file in bytes.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() -> Result<(), hullmap::InvalidPack> {
+    /// let file: Vec<u8> = rock_and_cube();
+    /// assert_eq!(hullmap::Pack::from_bytes(&file)?.byte_len(), file.len());
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn byte_len(&self) -> usize {
+        self.storage.file().len()
+    }
+
+    /// Path of the source relative to the pack's folder, with `/` between folders. Empty if none
+    /// was recorded.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// let pack: hullmap::Pack = pack();
+    /// // This pack was not baked from a file.
+    /// assert_eq!(pack.source_path(), "");
+    /// # }
+    /// ```
+    pub fn source_path(&self) -> &str {
+        std::str::from_utf8(self.storage.sections().source_path).unwrap_or_default()
+    }
+
+    /// The options that shaped the bake, in the form in which `bake` records them.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// let pack: hullmap::Pack = pack();
+    /// // This pack was not baked by the command.
+    /// assert_eq!(pack.options(), "");
+    /// # }
+    /// ```
+    pub fn options(&self) -> &str {
+        self.storage.sections().options_text()
+    }
+
+    /// Number of hulls. At least 1 in a pack whose structure was checked.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// let pack: hullmap::Pack = pack();
+    /// assert_eq!(pack.hull_count(), 2);
+    /// # }
+    /// ```
+    pub fn hull_count(&self) -> usize {
+        self.storage.sections().hulls.len()
+    }
+
+    /// The hull of index `index`, counted from 0.
+    ///
+    /// # Errors
+    /// [`NoSuchHull`] if `index` is not below [`hull_count`](Self::hull_count).
+    ///
+    /// # Complexity
+    /// O(1), no allocation.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() -> Result<(), hullmap::NoSuchHull> {
+    /// let pack: hullmap::Pack = pack();
+    /// assert_eq!(pack.hull(1)?.name(), "cube");
+    /// assert!(pack.hull(2).is_err());
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn hull(&self, index: usize) -> Result<Hull<'_>, NoSuchHull> {
+        Hull::new(self.storage.sections(), index).ok_or(NoSuchHull { index, hull_count: self.hull_count() })
+    }
+
+    /// Nodes of the BVH over the hulls.
+    pub(crate) fn nodes(&self) -> &[ArchivedBvhNode] {
+        self.storage.sections().nodes
+    }
+
+    /// The first hull named `name`, or `None`. A hull has the name of the object, node or part that
+    /// it was baked from; `bake inspect` lists the names.
+    ///
+    /// # Complexity
+    /// O(number of hulls). Keep the hull or its index.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert_eq!(cube.vertex_count(), 8);
+    /// assert!(pack.hull_named("sphere").is_none());
+    /// # }
+    /// ```
+    pub fn hull_named(&self, name: &str) -> Option<Hull<'_>> {
+        self.hulls().find(|hull| hull.name() == name)
+    }
+
+    /// All hulls, in the order of the file.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// let pack: hullmap::Pack = pack();
+    /// let names: Vec<&str> = pack.hulls().map(|hull| hull.name()).collect();
+    /// assert_eq!(names, ["rock", "cube"]);
+    /// # }
+    /// ```
+    pub fn hulls(&self) -> impl Iterator<Item = Hull<'_>> {
+        (0..self.hull_count()).filter_map(|index| self.hull(index).ok())
+    }
+
+    /// The hull of index `index`, counted from 0, as a value that keeps the pack alive.
+    ///
+    /// # Errors
+    /// [`NoSuchHull`] if `index` is not below [`hull_count`](Self::hull_count).
+    ///
+    /// # Complexity
+    /// O(1), one allocation. Clones of the result allocate nothing.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() -> Result<(), hullmap::NoSuchHull> {
+    /// use std::sync::Arc;
+    ///
+    /// let pack: Arc<hullmap::Pack> = Arc::new(pack());
+    /// let cube = pack.shared_hull(1)?;
+    /// drop(pack);
+    /// assert_eq!(cube.hull().name(), "cube");
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn shared_hull(self: &Arc<Self>, index: usize) -> Result<SharedHull, NoSuchHull> {
+        SharedHull::new(Arc::clone(self), index)
+    }
+
+    /// The first hull named `name`, as a value that keeps the pack alive, or `None`.
+    ///
+    /// # Complexity
+    /// O(number of hulls).
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// use std::sync::Arc;
+    ///
+    /// let pack: Arc<hullmap::Pack> = Arc::new(pack());
+    /// let rock = pack.shared_hull_named("rock").expect("the pack has a rock");
+    /// assert_eq!(rock.index(), 0);
+    /// # }
+    /// ```
+    pub fn shared_hull_named(self: &Arc<Self>, name: &str) -> Option<SharedHull> {
+        let index = self.hulls().position(|hull| hull.name() == name)?;
+        self.shared_hull(index).ok()
+    }
+}

@@ -1,0 +1,104 @@
+//! EPA without volume: flat differences, and an origin beside a face instead of on it. GJK decides
+//! both.
+
+use glam::DVec3;
+
+use super::search::{End, Expansion};
+use super::{FOOT_OFF, TOUCHING_ROUNDINGS};
+use crate::solver::bound::Bound;
+use crate::solver::gjk::{self, Simplex, closest};
+use crate::solver::minkowski::{Minkowski, Point};
+use crate::support::SupportMap;
+use crate::vector::unit;
+
+/// Maximum number of steps of the closest-point search.
+const MAX_FLAT: u32 = 100;
+
+/// Witness points of a touching face that are more than this many rounding errors from each other
+/// show that the origin is beside the face.
+const BESIDE_ROUNDINGS: f64 = 4.0;
+
+/// Corrects the witness points of the bound.
+///
+/// If the origin is in the plane of a face but beside the face, the face proves nothing: two flat
+/// shapes may be separated within their common plane. GJK decides. And if no face near the surface
+/// contained the origin's foot, as on a cylinder around a ball until the steps run out, a support
+/// point replaces points that are less deep than the bound.
+#[inline]
+pub(super) fn settle<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    mut expansion: Expansion,
+) -> Expansion {
+    let Bound { upper, normal, point_a, point_b } = expansion.bound;
+    let between = point_a - point_b;
+    let (beside, shallow) = (BESIDE_ROUNDINGS * m.rounding_error(), (1.0 - FOOT_OFF) * upper - m.rounding_error());
+    if expansion.end == End::Touching && between.length_squared() > beside * beside {
+        return settle_beside(m, expansion);
+    }
+    // The difference along the normal counts, not the distance: convex radii are added along the
+    // normal.
+    if shallow > 0.0 && upper < f64::INFINITY && between.dot(normal) < shallow {
+        let point = m.point(normal);
+        (expansion.bound.point_a, expansion.bound.point_b) = (point.a, point.b());
+    }
+    expansion
+}
+
+/// The case of an origin in the plane of a face and beside the face.
+#[cold]
+#[inline(never)]
+fn settle_beside<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    mut expansion: Expansion,
+) -> Expansion {
+    let mut simplex = Simplex::new(m.center_point());
+    let near = closest(m, &mut simplex, 0.0, MAX_FLAT);
+    let (point_a, point_b, between) = simplex.witnesses(near.upper, m.noise());
+    expansion.iterations += near.iterations;
+    let bound = &mut expansion.bound;
+    if near.lower > m.rounding_error() {
+        expansion.end = End::Separated;
+        *bound = Bound { upper: -near.lower, normal: near.normal, point_a, point_b };
+    } else if between.length_squared() < bound.point_a.distance_squared(bound.point_b) {
+        (bound.point_a, bound.point_b) = (point_a, point_b);
+    }
+    expansion
+}
+
+/// The normal of the largest face of a flat tetrahedron.
+pub(super) fn widest_normal(tetrahedron: [Point; 4]) -> DVec3 {
+    let [p, q, r, s] = tetrahedron.map(|v| v.w);
+    let normals = [(q - p).cross(r - p), (q - p).cross(s - p), (r - p).cross(s - p), (r - q).cross(s - q)];
+    let wider = |widest: DVec3, n: DVec3| if n.length_squared() > widest.length_squared() { n } else { widest };
+    unit(normals.into_iter().fold(DVec3::ZERO, wider)).unwrap_or(DVec3::X)
+}
+
+/// Solves a difference that is flat along `normal`: its depth is zero if it contains the origin.
+#[inline(never)]
+pub(super) fn expand_flat<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    normal: DVec3,
+    mut state: Expansion,
+) -> Expansion {
+    let mut simplex = Simplex::new(m.center_point());
+    let near = closest(m, &mut simplex, 0.0, MAX_FLAT);
+    state.iterations += near.iterations;
+    state.lower = 0.0;
+    let (point_a, point_b, _) = simplex.witnesses(near.upper, m.noise());
+    if near.lower > m.rounding_error() {
+        state.end = End::Separated;
+        state.bound = Bound { upper: -near.lower, normal: near.normal, point_a, point_b };
+        return state;
+    }
+    let value = m.point(normal).w.dot(normal);
+    state.bound = Bound { upper: value.max(0.0), normal, point_a, point_b };
+    state.end = if near.end == gjk::End::AtOrigin
+        || near.end == gjk::End::Inside
+        || near.upper <= TOUCHING_ROUNDINGS * m.rounding_error()
+    {
+        End::Touching
+    } else {
+        End::Stalled
+    };
+    state
+}

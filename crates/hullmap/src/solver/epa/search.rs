@@ -1,0 +1,324 @@
+//! The EPA loop: bound the depth from below by the nearest face, from above by a support plane, and
+//! insert the support point.
+
+use glam::DVec3;
+
+use super::polytope::{COPLANAR_NOISES, Polytope};
+use super::{FOOT_OFF, KEEP, TOUCHING_ROUNDINGS};
+use crate::solver::barycentric::on_triangle;
+use crate::solver::bound::Bound;
+use crate::solver::cache::Cache;
+use crate::solver::minkowski::{Minkowski, Point};
+use crate::support::SupportMap;
+
+/// What the search computes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::solver) enum Goal {
+    /// Only whether the origin is inside.
+    Decide,
+    /// The depth, until upper − lower ≤ tolerance · upper + rounding error.
+    Depth { tolerance: f64 },
+}
+
+/// Why the search ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::solver) enum End {
+    /// The origin is outside; the normal separates.
+    Separated,
+    /// The origin is on the surface, within rounding errors.
+    Touching,
+    /// The origin is inside; the bounds are not narrowed further.
+    Inside,
+    /// The bounds are close enough.
+    Converged,
+    /// A cap was reached.
+    Limit,
+    /// Rounding errors stopped all progress.
+    Stalled,
+}
+
+/// The result of the search.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::solver) struct Expansion {
+    pub(in crate::solver) end: End,
+    /// Lower bound of the depth, up to rounding errors; negative if nothing is known.
+    pub(in crate::solver) lower: f64,
+    pub(in crate::solver) bound: Bound,
+    pub(in crate::solver) iterations: u32,
+}
+
+/// The constants of one search.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Terms {
+    goal: Goal,
+    tolerance: f64,
+    /// Lower bound of the depth from the balls inside the shapes.
+    ball: f64,
+    /// If the smallest offset is below this, inserting a vertex may move the surface past the
+    /// origin.
+    safe: f64,
+    max_expansions: u32,
+    /// [`Minkowski::noise`].
+    noise: f64,
+    /// [`Minkowski::rounding_error`].
+    rounding: f64,
+}
+
+impl Terms {
+    pub(super) fn new<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        m: &Minkowski<'_, A, B>,
+        goal: Goal,
+        max_expansions: u32,
+    ) -> Self {
+        let tolerance = match goal {
+            Goal::Decide => 0.0,
+            Goal::Depth { tolerance } => tolerance,
+        };
+        let ball = m.inner_radius() - m.center_point().w.length();
+        let safe = (COPLANAR_NOISES + 1.0) * m.noise();
+        Self { goal, tolerance, ball, safe, max_expansions, noise: m.noise(), rounding: m.rounding_error() }
+    }
+
+    /// Whether an upper bound is as near to a lower one as the goal requires.
+    #[inline(always)]
+    fn are_close(&self, upper: f64, lower: f64) -> bool {
+        upper - lower <= self.tolerance * upper + self.rounding
+    }
+}
+
+/// The state of one search, which survives the move to a larger polytope.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct State {
+    pub(super) out: Expansion,
+    /// The corners of the bound's face, whose witness points are computed at the end. `None` if the
+    /// bound came from outside or has its points already.
+    pub(super) corners: Option<[u16; 3]>,
+    /// The surface certainly winds around the origin.
+    pub(super) encloses: bool,
+}
+
+/// The face nearest to the origin and its plane.
+#[derive(Clone, Copy)]
+struct Nearest {
+    face: usize,
+    /// Normal of the plane, of any length.
+    direction: DVec3,
+    /// Its length.
+    length: f64,
+    /// Signed distance of the plane from the origin.
+    offset: f64,
+}
+
+/// The support point along a nearest face's normal.
+struct Probe {
+    point: Point,
+    /// Support value along the unit normal.
+    value: f64,
+    /// The support plane is as near to the face as the goal requires.
+    tight: bool,
+    /// The support plane separates.
+    separated: bool,
+    /// The support plane passes through the origin, within rounding errors.
+    touching: bool,
+}
+
+/// Expands the polytope. Returns true when the search has ended, and false when the polytope is
+/// full; then `state` is as before the last step, and the search can continue in a larger polytope.
+pub(super) fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: usize>(
+    m: &mut Minkowski<'_, A, B>,
+    polytope: &mut Polytope<V, F>,
+    state: &mut State,
+    terms: &Terms,
+    mut cache: Option<&mut Cache>,
+) -> bool {
+    loop {
+        // 2. The nearest face bounds the depth from below.
+        let nearest = Nearest::of(polytope);
+        state.bound_from_below(polytope, &nearest, terms);
+        // No bound yet is infinite, and infinity is within a tolerance of infinity.
+        let upper = state.out.bound.upper;
+        let close = upper < f64::INFINITY && terms.are_close(upper, state.out.lower);
+        if let Some(end) = state.end_before_query(polytope, close, terms) {
+            state.out.end = end;
+            return true;
+        }
+        if polytope.is_full() {
+            state.out.end = End::Limit;
+            return false;
+        }
+        if polytope.point_count() == KEEP
+            && state.encloses
+            && let Some(cache) = &mut cache
+        {
+            cache.keep_polytope(polytope.features(), polytope.faces());
+        }
+        state.out.iterations += 1;
+        // 3. The support plane bounds it from above.
+        let probe = Probe::new(m.point(nearest.direction), &nearest, terms);
+        state.bound_from_above(polytope, &nearest, &probe, terms);
+        // 4. Stop if the bounds are close, else insert the support point.
+        if state.is_done(polytope, &nearest, &probe, close, terms) {
+            state.out.end = probe.end();
+            return true;
+        }
+        state.encloses &= nearest.offset > terms.safe;
+        // NaN counts as no progress.
+        let above = probe.value > nearest.offset;
+        if !above || polytope.insert_vertex(probe.point, nearest.face).is_err() {
+            state.out.end = End::Stalled;
+            // The surface is torn.
+            state.encloses = false;
+            return true;
+        }
+    }
+}
+
+impl Nearest {
+    #[inline(always)]
+    fn of<const V: usize, const F: usize>(polytope: &Polytope<V, F>) -> Self {
+        let face = polytope.nearest_face();
+        let (direction, length, offset) = polytope.plane(face);
+        Self { face, direction, length, offset }
+    }
+}
+
+impl Probe {
+    #[inline(always)]
+    fn new(point: Point, nearest: &Nearest, terms: &Terms) -> Self {
+        let value = point.w.dot(nearest.direction) / nearest.length;
+        Self {
+            point,
+            value,
+            tight: terms.are_close(value, nearest.offset),
+            separated: value < -terms.rounding,
+            touching: value <= TOUCHING_ROUNDINGS * terms.rounding,
+        }
+    }
+
+    /// How a search ends that this support plane finishes.
+    fn end(&self) -> End {
+        if self.separated {
+            End::Separated
+        } else if self.touching {
+            End::Touching
+        } else {
+            End::Converged
+        }
+    }
+}
+
+impl State {
+    /// The state before the first step, with an upper bound known from elsewhere.
+    pub(super) fn new(bound: Bound) -> Self {
+        let out = Expansion { end: End::Limit, lower: f64::NEG_INFINITY, bound, iterations: 0 };
+        Self { out, corners: None, encloses: false }
+    }
+
+    /// Step 2: the lower bound, which holds only if the surface winds around the origin.
+    #[inline(always)]
+    fn bound_from_below<const V: usize, const F: usize>(
+        &mut self,
+        polytope: &mut Polytope<V, F>,
+        nearest: &Nearest,
+        terms: &Terms,
+    ) {
+        if nearest.offset > terms.safe && !self.encloses {
+            self.encloses = polytope.check_encloses();
+        }
+        self.out.lower = if self.encloses { nearest.offset.max(terms.ball) } else { terms.ball };
+    }
+
+    /// How the search ends without a further support query, if it does. `close` states whether the
+    /// bounds are close.
+    #[inline(always)]
+    fn end_before_query<const V: usize, const F: usize>(
+        &self,
+        polytope: &Polytope<V, F>,
+        close: bool,
+        terms: &Terms,
+    ) -> Option<End> {
+        if terms.goal == Goal::Decide && self.out.lower > terms.rounding {
+            return Some(End::Inside);
+        }
+        let Bound { upper, normal, .. } = self.out.bound;
+        if close {
+            // If the bound's face is on the surface of the difference, points on it are as deep as
+            // the bound.
+            let is_good = |corners: [u16; 3]| {
+                let face = corners.map(|i| polytope.point(i).w);
+                let is_tight = terms.are_close(upper, normal.dot(face[0]));
+                is_tight && has_foot(face, normal, terms.rounding)
+            };
+            if self.corners.is_none_or(is_good) {
+                return Some(End::Converged);
+            }
+        }
+        // The first step is always taken: without it there may be no upper bound at all.
+        (self.out.iterations >= terms.max_expansions && upper < f64::INFINITY).then_some(End::Limit)
+    }
+
+    /// Step 3: the upper bound, with the face that it belongs to.
+    #[inline(always)]
+    fn bound_from_above<const V: usize, const F: usize>(
+        &mut self,
+        polytope: &Polytope<V, F>,
+        nearest: &Nearest,
+        probe: &Probe,
+        terms: &Terms,
+    ) {
+        if probe.value < self.out.bound.upper || probe.tight || probe.touching {
+            // Of the faces in this plane, take the one that contains the origin's foot.
+            let face = if probe.tight { polytope.face_of_foot(nearest.face, terms.noise) } else { nearest.face };
+            (self.out.bound.upper, self.out.bound.normal) = (probe.value, nearest.direction / nearest.length);
+            self.corners = Some(polytope.corners(face));
+        }
+    }
+
+    /// Step 4: whether the search is done. May replace the bound by another that is as good and has
+    /// better witness points. `close` states whether the bounds were close before this step.
+    #[inline(always)]
+    fn is_done<const V: usize, const F: usize>(
+        &mut self,
+        polytope: &Polytope<V, F>,
+        nearest: &Nearest,
+        probe: &Probe,
+        close: bool,
+        terms: &Terms,
+    ) -> bool {
+        let has_points = |corners: [u16; 3], upper: f64, normal: DVec3| {
+            let face = corners.map(|i| polytope.point(i).w);
+            upper - normal.dot(face[0]) <= FOOT_OFF * upper + terms.rounding && has_foot(face, normal, terms.rounding)
+        };
+        let Bound { upper, normal, .. } = self.out.bound;
+        let done = probe.separated
+            || probe.touching
+            || probe.tight
+            || (close && self.corners.is_none_or(|corners| has_points(corners, upper, normal)));
+        if done || !close || !terms.are_close(probe.value, self.out.lower) {
+            return done;
+        }
+        // This support plane is as good a bound. Its points may be those of the face, or, as on a
+        // ball, the support point that the normal points to.
+        let (value, normal, corners) =
+            (probe.value, nearest.direction / nearest.length, polytope.corners(nearest.face));
+        if probe.point.w.distance(normal * value) <= FOOT_OFF * value + terms.rounding {
+            self.out.bound = Bound { upper: value, normal, point_a: probe.point.a, point_b: probe.point.b() };
+            self.corners = None;
+            return true;
+        }
+        if has_points(corners, value, normal) {
+            (self.out.bound.upper, self.out.bound.normal) = (value, normal);
+            self.corners = Some(corners);
+            return true;
+        }
+        false
+    }
+}
+
+/// Whether the origin's foot on the plane of a face with this unit normal lies in the face. It does
+/// for the polytope's nearest face. A face without the foot gives no witness points, however good
+/// its normal.
+fn has_foot([p, q, r]: [DVec3; 3], normal: DVec3, rounding: f64) -> bool {
+    let foot = normal * normal.dot(p);
+    foot.distance(on_triangle(p, q, r).point) <= FOOT_OFF * foot.length() + rounding
+}

@@ -1,0 +1,328 @@
+//! GJK: the point of the Minkowski difference closest to the origin, and thus the distance.
+//!
+//! # Reference
+//! Gilbert, Johnson, Keerthi 1988, cited by Kenwright as [5]. The interval is their error bound.
+//!
+//! # Steps
+//! 1. Find the point y of the simplex closest to the origin. Drop the vertices that y does not
+//!    need.
+//! 2. Query the support point w along −y. The plane through w bounds the distance from below by
+//!    w · y / |y|, and |y| bounds it from above.
+//! 3. Stop if the bounds are close enough. Otherwise add w to the simplex and continue with step 1.
+//!
+//! # Deviations
+//! - The lower bound is the running maximum and the upper bound the running minimum. So both hold
+//!   at any time, whatever rounding error does to a single step.
+//! - Step 1 first considers only the faces of the simplex with the newest vertex. If they come no
+//!   closer, it considers the whole simplex.
+//! - Repeated vertices and steps that come no closer end the search with a status.
+//! - The normal in the answer belongs to the plane of the best lower bound and not to the last
+//!   step, since that plane is the proof.
+//! - The weights of a sliver reproduce the closest point badly. They are corrected if that shows.
+
+use super::barycentric::{
+    SubSimplex, blend, corrected_weights, on_segment, on_segment_to, on_simplex, on_tetrahedron_to, on_triangle,
+    on_triangle_to,
+};
+use super::minkowski::{Minkowski, Point};
+use crate::support::SupportMap;
+use glam::DVec3;
+
+/// Maximum number of steps, whatever the settings are. Polytopes need 5 to 30, smooth shapes at
+/// zero tolerance about 200.
+const MAX_STEPS: u32 = 1000;
+
+/// Maximum number of corrections of the weights. Each one squares their relative error, which is
+/// about 1e-5 in the thinnest sliver that still counts as a triangle.
+const MAX_CORRECTIONS: usize = 3;
+
+/// A simplex of up to four vertices, in fixed slots.
+///
+/// Vertices never move between slots: reading back in other pieces what was just written would
+/// stall the processor.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Simplex {
+    /// Coordinates of the points of the Minkowski difference: all x, all y, all z.
+    w: [[f64; SLOTS]; 3],
+    /// The points of A, in A's frame.
+    a: [DVec3; SLOTS],
+    /// The features of A and B.
+    features: [[u32; 2]; SLOTS],
+    /// The slots in use, one bit each.
+    used: u8,
+    /// Weights of the vertices in the closest point, if the search computed them. It usually does
+    /// not need them.
+    weights: Option<[f64; SLOTS]>,
+}
+
+const SLOTS: usize = 4;
+
+impl Simplex {
+    /// A simplex without vertices.
+    #[inline(always)]
+    pub(super) fn empty() -> Self {
+        Self { w: [[0.0; SLOTS]; 3], a: [DVec3::ZERO; SLOTS], features: [[0; 2]; SLOTS], used: 0, weights: None }
+    }
+
+    /// A simplex of one vertex.
+    pub(super) fn new(vertex: Point) -> Self {
+        let mut simplex = Self::empty();
+        simplex.push(vertex);
+        simplex
+    }
+
+    /// Adds a vertex and returns its slot. There must be a free slot.
+    #[inline(always)]
+    pub(super) fn push(&mut self, vertex: Point) -> usize {
+        let slot = self.used.trailing_ones() as usize % SLOTS;
+        let Point { w, a, features } = vertex;
+        (self.w[0][slot], self.w[1][slot], self.w[2][slot]) = (w.x, w.y, w.z);
+        self.a[slot] = a;
+        self.features[slot] = features;
+        self.used |= 1 << slot;
+        slot
+    }
+
+    /// The slots in use.
+    fn slots(&self) -> impl Iterator<Item = usize> {
+        let used = self.used;
+        (0..SLOTS).filter(move |slot| used >> slot & 1 == 1)
+    }
+
+    /// The features of the vertices.
+    pub(super) fn features(&self) -> impl Iterator<Item = [u32; 2]> {
+        self.slots().map(|slot| self.features[slot])
+    }
+
+    /// The vertex in a slot.
+    #[inline(always)]
+    fn corner(&self, slot: usize) -> DVec3 {
+        let slot = slot % SLOTS;
+        DVec3::new(self.w[0][slot], self.w[1][slot], self.w[2][slot])
+    }
+
+    /// The slot of the only vertex; `None` if there are more.
+    fn only_slot(&self) -> Option<usize> {
+        self.used.is_power_of_two().then_some(self.used.trailing_zeros() as usize)
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.used == 0
+    }
+
+    /// Whether a vertex of the simplex equals `w`.
+    pub(super) fn contains(&self, w: DVec3) -> bool {
+        self.slots().any(|slot| self.corner(slot) == w)
+    }
+
+    /// The slots in use and their number. If there are fewer than four, the first one is repeated.
+    #[inline]
+    fn packed(&self) -> ([usize; SLOTS], usize) {
+        let first = self.used.trailing_zeros() as usize % SLOTS;
+        let (mut at, mut count) = ([first; SLOTS], 0);
+        for slot in self.slots() {
+            at[count] = slot;
+            count += 1;
+        }
+        (at, count)
+    }
+
+    /// Witness points of A and B for the point closest to the origin, and their difference.
+    ///
+    /// `length` is the length of the closest point at the end of the search. The difference should
+    /// be at most `noise` longer; if it is not, the weights are corrected.
+    pub(super) fn witnesses(&self, length: f64, noise: f64) -> (DVec3, DVec3, DVec3) {
+        let ([i, j, k, l], count) = self.packed();
+        let w = [self.corner(i), self.corner(j), self.corner(k), self.corner(l)];
+        let mut weights = self.packed_weights([i, j, k, l], w, count);
+        let mut between = blend(&weights, w);
+        for _ in 0..MAX_CORRECTIONS {
+            if between.length() <= length + noise {
+                break;
+            }
+            let better = corrected_weights(&weights, w, count);
+            let nearer = blend(&better, w);
+            // NaN counts as no progress.
+            if !(nearer.length() < between.length()) {
+                break;
+            }
+            (weights, between) = (better, nearer);
+        }
+        if !(between.length() <= length + noise) {
+            // One edge of a sliver is about as close as the sliver itself, and its weights are
+            // exact.
+            for (p, q) in (1..count).flat_map(|q| (0..q).map(move |p| (p, q))) {
+                let on_edge = on_segment(w[p], w[q]);
+                if on_edge.point.length() < between.length() {
+                    weights = [0.0; SLOTS];
+                    (weights[p], weights[q]) = (on_edge.weights[0], on_edge.weights[1]);
+                    between = blend(&weights, w);
+                }
+            }
+        }
+        let point_a = blend(&weights, [self.a[i], self.a[j], self.a[k], self.a[l]]);
+        (point_a, point_a - between, between)
+    }
+
+    /// Weights of the vertices in the closest point, in the order of [`packed`](Self::packed).
+    #[inline(always)]
+    fn packed_weights(&self, [i, j, k, l]: [usize; SLOTS], w: [DVec3; SLOTS], count: usize) -> [f64; SLOTS] {
+        match self.weights {
+            Some(weights) => {
+                // Slots beyond the count repeat the first one, which must count once.
+                let weight = |at: usize, slot: usize| if at < count { weights[slot] } else { 0.0 };
+                [weight(0, i), weight(1, j), weight(2, k), weight(3, l)]
+            }
+            None => match count {
+                2 => {
+                    let [p, q] = on_segment(w[0], w[1]).weights;
+                    [p, q, 0.0, 0.0]
+                }
+                3 => {
+                    let [p, q, r] = on_triangle(w[0], w[1], w[2]).weights;
+                    [p, q, r, 0.0]
+                }
+                _ => on_simplex(w, count).0.weights,
+            },
+        }
+    }
+
+    /// The closest point of the whole simplex, the slots of the vertices that span it, and the
+    /// clearance of the origin if it is inside (see [`on_simplex`]). Stores the weights.
+    #[inline(never)]
+    fn closest_point(&mut self) -> (DVec3, u8, f64) {
+        let ([i, j, k, l], count) = self.packed();
+        let w = [self.corner(i), self.corner(j), self.corner(k), self.corner(l)];
+        let (nearest, clearance) = on_simplex(w, count);
+        let (mut kept, mut weights) = (0, [0.0; SLOTS]);
+        for (slot, weight) in [i, j, k, l].into_iter().zip(nearest.weights).take(count) {
+            kept |= u8::from(weight > 0.0) << slot;
+            weights[slot] = weight;
+        }
+        // NaN weights keep no vertex. Then the first one stays.
+        if kept == 0 {
+            (kept, weights[i]) = (1 << i, 1.0);
+        }
+        self.weights = Some(weights);
+        (nearest.point, kept, clearance)
+    }
+
+    /// The closest point, provided that it needs the vertex `s` in slot `newest`, and the slots of
+    /// the vertices that span it. `None` if the origin is inside.
+    #[inline(always)]
+    fn closest_point_with(&self, newest: usize, s: DVec3) -> Option<(DVec3, u8)> {
+        let others = self.used & !(1 << newest);
+        if others == 0 {
+            return Some((s, self.used));
+        }
+        let i = others.trailing_zeros() as usize;
+        let others = others & (others - 1);
+        if others == 0 {
+            let SubSimplex { point, mask } = on_segment_to(self.corner(i), s);
+            return Some((point, (mask & 1) << i | (mask >> 1) << newest));
+        }
+        let j = others.trailing_zeros() as usize;
+        let others = others & (others - 1);
+        if others == 0 {
+            let SubSimplex { point, mask } = on_triangle_to(self.corner(i), self.corner(j), s);
+            return Some((point, (mask & 1) << i | (mask >> 1 & 1) << j | (mask >> 2) << newest));
+        }
+        let k = others.trailing_zeros() as usize;
+        let SubSimplex { point, mask } = on_tetrahedron_to(self.corner(i), self.corner(j), self.corner(k), s)?;
+        Some((point, (mask & 1) << i | (mask >> 1 & 1) << j | (mask >> 2 & 1) << k | (mask >> 3) << newest))
+    }
+}
+
+/// Why the search ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum End {
+    /// The interval is within the tolerance.
+    Converged,
+    /// The origin is inside the simplex, and farther from its faces than rounding error.
+    Inside,
+    /// The closest point is the origin within rounding error: on the simplex, or barely inside.
+    AtOrigin,
+    /// The iteration limit was reached.
+    Limit,
+    /// Rounding error stopped all progress.
+    Stalled,
+}
+
+/// Bounds of the distance at the end of the search. The simplex itself is an in-out parameter.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Closest {
+    pub(super) end: End,
+    /// Lower bound of the distance, without allowance for rounding error. It may be negative.
+    pub(super) lower: f64,
+    /// Length of the closest point found, without allowance for rounding error.
+    pub(super) upper: f64,
+    /// Unit normal, from A to B, of the planes that gave the lower bound; zero if there were none.
+    pub(super) normal: DVec3,
+    pub(super) iterations: u32,
+}
+
+/// GJK: searches from `simplex`, in place, until upper − lower ≤ `tolerance` · upper + rounding
+/// error.
+pub(super) fn closest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    simplex: &mut Simplex,
+    tolerance: f64,
+    max_iterations: u32,
+) -> Closest {
+    let rounding = m.rounding_error();
+    let mut lower = f64::NEG_INFINITY;
+    let mut upper = f64::INFINITY;
+    let mut normal = DVec3::ZERO;
+    // The vertex added last. A single vertex counts as such.
+    let mut newest = simplex.only_slot().map(|slot| (slot, simplex.corner(slot)));
+    // At least one step, since there is no bound without one.
+    let limit = max_iterations.clamp(1, MAX_STEPS);
+    for iterations in 1..=limit {
+        let fast = newest.and_then(|(slot, w)| simplex.closest_point_with(slot, w));
+        let (mut y, mut kept) = fast.unwrap_or_default();
+        let mut length = y.length();
+        simplex.weights = None;
+        // NaN counts as no progress, here and below.
+        if fast.is_none() || !(length < upper) {
+            let clearance;
+            (y, kept, clearance) = simplex.closest_point();
+            length = y.length();
+            if clearance > 0.0 {
+                simplex.used = kept;
+                // A clearance within rounding error does not prove that the origin is inside.
+                let end = if clearance > rounding { End::Inside } else { End::AtOrigin };
+                return Closest { end, lower, upper: 0.0, normal, iterations };
+            }
+            let nearer = length < upper;
+            if !nearer {
+                // Without the newest vertex the simplex is as it was before this step.
+                if let Some((slot, _)) = newest {
+                    simplex.used &= !(1 << slot);
+                    simplex.weights = None;
+                }
+                return Closest { end: End::Stalled, lower, upper, normal, iterations };
+            }
+        }
+        simplex.used = kept;
+        upper = length;
+        if length <= rounding {
+            return Closest { end: End::AtOrigin, lower, upper, normal, iterations };
+        }
+        let vertex = m.point(-y);
+        let scale = 1.0 / length;
+        let height = vertex.w.dot(y) * scale;
+        // NaN is no bound. Any normal is better than no normal.
+        if height > lower || normal == DVec3::ZERO {
+            normal = y * -scale;
+        }
+        lower = lower.max(height);
+        if upper - lower <= tolerance * upper + rounding {
+            return Closest { end: End::Converged, lower, upper, normal, iterations };
+        }
+        // A vertex that the simplex has already comes no closer, which ends the next step.
+        if iterations < limit {
+            newest = Some((simplex.push(vertex), vertex.w));
+        }
+    }
+    Closest { end: End::Limit, lower, upper, normal, iterations: limit }
+}

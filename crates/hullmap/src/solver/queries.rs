@@ -1,0 +1,384 @@
+//! Public queries: contact, distance and intersection of any two shapes. Rounded shapes are solved
+//! by their cores.
+//!
+//! A sphere is a rounded point, a capsule a rounded segment, and a
+//! [`Rounded`](crate::shapes::Rounded) hull a hull with a convex radius. On the curved surface
+//! itself EPA would cut off one facet per step. On the cores the search ends after as many steps as
+//! the cores have facets nearby. Shapes without a convex radius go straight to `core_contact`,
+//! `core_distance` and `core_intersects`.
+//!
+//! # Reference
+//! van den Bergen, "Collision Detection in Interactive 3D Environments", 4.3.3 and 4.5. Let C be
+//! the Minkowski difference of the cores and r the sum of the convex radii. The Minkowski
+//! difference of the shapes is C plus a ball of radius r. If the origin is at distance d from C,
+//! the shapes are separated by d − r, or penetrate by r − d. If the origin is at depth t in C, the
+//! shapes penetrate by t + r.
+//!
+//! # Steps
+//! 1. Compute the distance of the cores within the tolerance. If its difference to r is not known
+//!    within the tolerance then, search once or twice more.
+//! 2. If the cores overlap, compute their contact.
+//!
+//! # Deviations
+//! - The depth follows from the distance for all pairs whose cores are separated, not only for
+//!   shallow contacts. So the normal is that of the closest points and not of a nearest facet. That
+//!   is exact for shapes that touch at one point.
+
+#![forbid(unsafe_code)]
+
+use super::cache::Cache;
+use super::contact::{Contact, core_contact};
+use super::distance::{Distance, core_distance};
+use super::intersection::{Intersection, core_intersects};
+use super::settings::Settings;
+use super::status::{Overlap, Status};
+use crate::pose::Pose;
+use crate::support::{SupportMap, SupportPoint};
+use crate::vector::unit;
+use glam::DVec3;
+
+/// Rounding error of the sum of the radii and of its difference to a distance, in units of
+/// `f64::EPSILON` times the sum of both.
+const ROUNDING_UNITS: f64 = 8.0;
+
+/// An interval up to this many rounding errors wide may be reported as touching. The intervals of
+/// the cores are about 16 of them wide.
+const TOUCHING_ROUNDINGS: f64 = 64.0;
+
+/// The same for the support errors of the shapes: they widen an interval at both ends, twice each.
+const TOUCHING_SHORTFALLS: f64 = 8.0;
+
+/// The core of a shape as a shape of its own.
+struct Core<'s, S: ?Sized>(&'s S);
+
+impl<S: SupportMap + ?Sized> SupportMap for Core<'_, S> {
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
+        self.0.core_support_point(dir)
+    }
+    fn interior_point(&self) -> DVec3 {
+        self.0.interior_point()
+    }
+    fn inner_radius(&self) -> f64 {
+        self.0.core_radii()[0]
+    }
+    fn outer_radius(&self) -> f64 {
+        self.0.core_radii()[1]
+    }
+    fn support_error(&self) -> f64 {
+        self.0.support_error()
+    }
+    fn point(&self, feature: u32) -> Option<DVec3> {
+        self.0.core_point(feature)
+    }
+}
+
+/// State of the two cores.
+enum CorePair {
+    /// Certainly separated, by `gap.distance`.
+    Separated(Distance),
+    /// They share a point, or no separation is proved.
+    Overlapping(Distance),
+}
+
+/// Maximum number of searches for the distance of the cores.
+///
+/// Each search knows the difference to the radii better than the one before, and so the tolerance
+/// that the next one needs.
+const MAX_SEARCHES: usize = 3;
+
+/// Distance of the cores, accurate enough that its difference to `radius` is within the tolerance.
+fn solve_cores<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    (a, b, b_in_a): (&A, &B, Pose),
+    radius: f64,
+    settings: &Settings,
+    cache: &mut Cache,
+) -> CorePair {
+    let (a, b) = (Core(a), Core(b));
+    let mut gap = core_distance(&a, &b, b_in_a, settings, cache);
+    if matches!(gap.status, Status::Overlapping | Status::Touching) {
+        return CorePair::Overlapping(gap);
+    }
+    for _ in 1..MAX_SEARCHES {
+        let remaining = (gap.distance - radius).abs();
+        // NaN takes the branch that searches again.
+        if gap.upper - gap.lower <= settings.relative_tolerance() * remaining {
+            break;
+        }
+        let settings =
+            Settings { tolerance: settings.relative_tolerance() * (remaining / gap.distance).min(1.0), ..*settings };
+        let (iterations, support_calls) = (gap.iterations, gap.support_calls);
+        gap = core_distance(&a, &b, b_in_a, &settings, cache);
+        gap.iterations += iterations;
+        gap.support_calls += support_calls;
+    }
+    if gap.lower > 0.0 { CorePair::Separated(gap) } else { CorePair::Overlapping(gap) }
+}
+
+/// Rounding error of the sum `radius` of the radii and of its difference to `distance`: a length.
+fn rounding(radius: f64, distance: f64) -> f64 {
+    ROUNDING_UNITS * f64::EPSILON * (radius + distance)
+}
+
+/// Length up to which an interval or a penetration counts as touching.
+///
+/// It is proportional to the reach of the shapes, since the rounding error of the cores' intervals
+/// is.
+fn touching_length<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(a: &A, b: &B, b_in_a: Pose) -> f64 {
+    let [center_a, center_b] = [a.interior_point(), b.interior_point()].map(|p| p.length());
+    let reach = a.outer_radius() + b.outer_radius() + center_a + center_b + b_in_a.translation().length();
+    TOUCHING_ROUNDINGS * rounding(reach, 0.0) + TOUCHING_SHORTFALLS * (a.support_error() + b.support_error())
+}
+
+/// Unit direction from the witness point of core A to that of core B.
+///
+/// Witness points moved along it have exactly the reported distance. `gap.normal`, which proves the
+/// lower bound, may differ slightly from it; it serves where the witness points are too close for a
+/// direction.
+fn outward(gap: &Distance, touching_length: f64) -> DVec3 {
+    unit(gap.point_b - gap.point_a)
+        .filter(|_| gap.point_a.distance(gap.point_b) > touching_length)
+        .unwrap_or(gap.normal)
+}
+
+/// Status of the interval `[lower, upper]`, given the status of the cores.
+fn interval_status(status: Status, [lower, upper]: [f64; 2], tolerance: f64, touching_length: f64) -> Status {
+    let width = upper - lower;
+    // NaN takes the last branch.
+    match status {
+        _ if width <= touching_length => Status::Exact,
+        _ if width <= tolerance * upper + touching_length => Status::Within,
+        Status::IterationLimit => Status::IterationLimit,
+        _ => Status::Stalled,
+    }
+}
+
+/// Contact of `a` and `b`, with `b` at `b_in_a`: penetration depth, normal and witness points.
+///
+/// Lengths are in the shapes' unit, points and directions in A's frame. The normal points from A to
+/// B: moving B by `depth` along it separates the shapes, and no shorter motion does. `cache`
+/// belongs to this ordered pair; the query reads and updates it.
+///
+/// Numerical trouble never reads as "no contact": [`Contact::hit`] is false only if a separating
+/// plane was found, and [`Contact::status`] reports how the interval of the depth ended.
+///
+/// # Complexity
+/// 1 to 4 support calls for most separated pairs, 10 to 40 for most that overlap; bounded by
+/// `settings`. Rounded shapes cost up to three distance queries of their cores, and a contact query
+/// if the cores overlap. No allocation.
+///
+/// # Reference
+/// Kenwright, Algorithm 1 and Listing 2; van den Bergen 2001 for the depth. docs/intervals.md
+/// proves the interval.
+///
+/// # Examples
+/// ```
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::{Capsule, Sphere};
+/// use hullmap::{Cache, Pose, Settings, contact};
+///
+/// let (capsule, ball) = (Capsule::new(1.0, 0.5)?, Sphere::new(0.25)?);
+/// let b_in_a = Pose::from_translation(DVec3::new(0.6, 0.0, 0.3))?;
+/// let c = contact(&capsule, &ball, b_in_a, &Settings::default(), &mut Cache::new());
+/// assert!(c.hit && (c.depth - 0.15).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    a: &A,
+    b: &B,
+    b_in_a: Pose,
+    settings: &Settings,
+    cache: &mut Cache,
+) -> Contact {
+    let radii = [a.convex_radius(), b.convex_radius()];
+    let radius = radii[0] + radii[1];
+    if !(radius > 0.0) {
+        return core_contact(a, b, b_in_a, settings, cache);
+    }
+    let tolerance = settings.relative_tolerance();
+    match solve_cores((a, b, b_in_a), radius, settings, cache) {
+        CorePair::Separated(gap) => {
+            let (rounding, touching_length) = (rounding(radius, gap.upper), touching_length(a, b, b_in_a));
+            let (lower, upper) = (radius - gap.upper - rounding, radius - gap.lower + rounding);
+            let out = outward(&gap, touching_length);
+            let mut found = Contact {
+                hit: true,
+                status: Status::Touching,
+                depth: 0.0,
+                depth_lower: 0.0,
+                depth_upper: upper,
+                normal: gap.normal,
+                point_a: gap.point_a + out * radii[0],
+                point_b: gap.point_b - out * radii[1],
+                iterations: gap.iterations,
+                support_calls: gap.support_calls,
+            };
+            if upper < 0.0 {
+                (found.hit, found.status, found.depth_upper) = (false, Status::Separated, 0.0);
+            } else if lower > 0.0 {
+                (found.depth, found.depth_lower) = (radius - gap.distance, lower);
+                found.status = interval_status(gap.status, [lower, upper], tolerance, touching_length);
+            } else if upper > touching_length {
+                // Neither certainly penetrating nor certainly touching.
+                found.depth = (radius - gap.distance).max(0.0);
+                found.status = interval_status(gap.status, [0.0, upper], tolerance, touching_length);
+            }
+            found
+        }
+        CorePair::Overlapping(gap) => {
+            let core = core_contact(&Core(a), &Core(b), b_in_a, settings, cache);
+            let rounding = rounding(radius, core.depth_upper);
+            // Cores that do not certainly penetrate may be separated, by at most the distance of
+            // their witness points.
+            let separation = if core.depth_lower > 0.0 { 0.0 } else { gap.upper };
+            let lower = radius + core.depth_lower - rounding - separation;
+            let upper = radius + core.depth_upper + rounding;
+            Contact {
+                hit: true,
+                status: interval_status(core.status, [lower, upper], tolerance, touching_length(a, b, b_in_a)),
+                depth: radius + core.depth,
+                depth_lower: lower.max(0.0),
+                depth_upper: upper,
+                normal: core.normal,
+                point_a: core.point_a + core.normal * radii[0],
+                point_b: core.point_b - core.normal * radii[1],
+                iterations: gap.iterations + core.iterations,
+                support_calls: gap.support_calls + core.support_calls,
+            }
+        }
+    }
+}
+
+/// Distance of `a` and `b`, with `b` at `b_in_a`, and the witness points that realise it.
+///
+/// Lengths are in the shapes' unit, points and directions in A's frame. The distance is 0 if the
+/// shapes overlap or touch; [`contact`] then computes the depth. `cache` belongs to this ordered
+/// pair; the query reads and updates it.
+///
+/// # Complexity
+/// 4 to 10 support calls for most pairs; bounded by `settings`. Rounded shapes cost up to three
+/// distance queries of their cores. No allocation.
+///
+/// # Reference
+/// Gilbert, Johnson, Keerthi 1988 (GJK); Kenwright, section 4.6. docs/intervals.md proves the
+/// interval.
+///
+/// # Examples
+/// ```
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::{Cuboid, Sphere};
+/// use hullmap::{Cache, Pose, Settings, distance};
+///
+/// let (cube, ball) = (Cuboid::new(DVec3::ONE)?, Sphere::new(0.5)?);
+/// let b_in_a = Pose::from_translation(DVec3::new(4.0, 0.0, 0.0))?;
+/// let d = distance(&cube, &ball, b_in_a, &Settings::default(), &mut Cache::new());
+/// assert!((d.distance - 2.5).abs() < 1e-12 && d.lower <= 2.5 && 2.5 <= d.upper);
+/// assert!(d.point_a.distance(DVec3::X) < 1e-6 && d.point_b.distance(DVec3::X * 3.5) < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    a: &A,
+    b: &B,
+    b_in_a: Pose,
+    settings: &Settings,
+    cache: &mut Cache,
+) -> Distance {
+    let radii = [a.convex_radius(), b.convex_radius()];
+    let radius = radii[0] + radii[1];
+    if !(radius > 0.0) {
+        return core_distance(a, b, b_in_a, settings, cache);
+    }
+    let (CorePair::Separated(gap) | CorePair::Overlapping(gap)) =
+        &mut solve_cores((a, b, b_in_a), radius, settings, cache);
+    let mut found = *gap;
+    let (rounding, touching_length) = (rounding(radius, gap.upper), touching_length(a, b, b_in_a));
+    let (lower, upper) = (gap.lower - radius - rounding, gap.upper - radius + rounding);
+    // The witness points move outward by the radii. If the shapes overlap, they move by less and
+    // meet in a common point.
+    let overlap = (radius - gap.point_a.distance(gap.point_b)).clamp(0.0, radius);
+    let (offsets, out) = (radii.map(|r| r - overlap * (r / radius)), outward(gap, 0.0));
+    found.point_a += out * offsets[0];
+    found.point_b -= out * offsets[1];
+    (found.lower, found.upper) = (lower.max(0.0), upper.max(0.0));
+    found.distance = (gap.distance - radius).max(0.0);
+    if upper < 0.0 || gap.status == Status::Overlapping {
+        (found.status, found.distance, found.upper) = (Status::Overlapping, 0.0, 0.0);
+    } else if lower <= 0.0 && upper <= touching_length && (gap.lower > 0.0 || gap.status == Status::Touching) {
+        (found.status, found.distance) = (Status::Touching, 0.0);
+    } else {
+        // A lower bound of 0 is neither certainly separated nor certainly touching: cores that are
+        // not certainly separated may penetrate.
+        found.status =
+            interval_status(gap.status, [found.lower, upper], settings.relative_tolerance(), touching_length);
+    }
+    found
+}
+
+/// Whether `a` and `b`, with `b` at `b_in_a`, share a point.
+///
+/// `cache` belongs to this ordered pair; the query reads and updates it. After a miss it holds the
+/// separating axis and the points seen, so that [`distance`] with the same cache needs fewer steps.
+///
+/// # Complexity
+/// No support call if the inner or outer balls decide, 1 to 4 for most separated pairs, 3 to 7 for
+/// most that overlap. With the cache of the last query usually one for separated pairs, and none
+/// for those that overlap. Bounded. Rounded shapes cost a [`distance`] query. No allocation.
+///
+/// # Reference
+/// Kenwright, Algorithm 1.
+///
+/// # Examples
+/// ```
+/// use hullmap::glam::{DQuat, DVec3};
+/// use hullmap::{Cache, Overlap, Pose, intersects, shapes::Cuboid};
+///
+/// let cube = Cuboid::new(DVec3::ONE)?;
+/// let mut cache = Cache::new();
+/// let near = Pose::new(DVec3::new(1.8, 0.0, 0.0), DQuat::from_rotation_z(0.5))?;
+/// assert_eq!(intersects(&cube, &cube, near, &mut cache).status, Overlap::Overlapping);
+/// let far = Pose::from_translation(DVec3::new(2.5, 0.0, 0.0))?;
+/// assert!(!intersects(&cube, &cube, far, &mut cache).is_hit());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    a: &A,
+    b: &B,
+    b_in_a: Pose,
+    cache: &mut Cache,
+) -> Intersection {
+    if !(a.convex_radius() + b.convex_radius() > 0.0) {
+        return core_intersects(a, b, b_in_a, cache);
+    }
+    let Distance { status, lower, iterations, support_calls, .. } = distance(a, b, b_in_a, &Settings::default(), cache);
+    let status = match status {
+        Status::Overlapping => Overlap::Overlapping,
+        Status::Touching => Overlap::Touching,
+        _ if lower > 0.0 => Overlap::Separated,
+        _ => {
+            let mut found = intersects_by_depth(a, b, b_in_a, cache);
+            found.iterations += iterations;
+            found.support_calls += support_calls;
+            return found;
+        }
+    };
+    Intersection { status, iterations, support_calls }
+}
+
+/// The same from the depth, for cores so thin that the distance cannot decide.
+#[cold]
+#[inline(never)]
+fn intersects_by_depth<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    a: &A,
+    b: &B,
+    b_in_a: Pose,
+    cache: &mut Cache,
+) -> Intersection {
+    let Contact { hit, status, depth_lower, iterations, support_calls, .. } =
+        contact(a, b, b_in_a, &Settings::default(), cache);
+    let status = match status {
+        _ if !hit => Overlap::Separated,
+        _ if depth_lower > 0.0 => Overlap::Overlapping,
+        Status::Touching => Overlap::Touching,
+        _ => Overlap::Undecided,
+    };
+    Intersection { status, iterations, support_calls }
+}

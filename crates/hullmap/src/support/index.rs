@@ -1,0 +1,310 @@
+//! Direction index look-up (cube map or quadtree over the Gauss map): direction → leaf → support
+//! vertex.
+//!
+//! 1. [`cube::locate`] finds the cell of the finest cube-map grid that contains the direction.
+//! 2. A tree is descended from the root of the cell's cube face: a branch reads the next bits of u
+//!    and v, a plane the sign of n·d, a fan an angle. A uniform cube map is a single read. Without
+//!    an index, all blocks form one leaf.
+//! 3. The support vertex is the leaf's candidate with the maximum dot product (`best_candidate`).
+//!
+//! Every index from the file is followed with a bounds check and under a step cap, although
+//! `hullmap_format::check` has already proved that they cannot fail in an opened pack. The checks
+//! cost nothing measurable, and keep this file free of unsafe code and of endless loops for packs
+//! that were opened unchecked.
+
+use std::marker::PhantomData;
+
+use hullmap_format::{
+    IndexKind,
+    archive::{ArchivedBlock, LANES},
+    cube::{self, Cell, GRID_BITS},
+    fan,
+    slot::{BUNDLE_PLANES, BUNDLE_WORDS, Branch, PLANE_WORDS, Slot, decode_f64},
+    walk::{Cost, MAX_NODES},
+};
+use rkyv::rend::u32_le;
+
+use super::best_candidate::{self, best, best_of_blocks};
+use super::candidate::Candidate;
+use super::direction::Direction;
+use super::simd::{Dispatch, Kernel, Portable, Simd};
+
+/// A hull's direction index, read in place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Index<'a> {
+    pub(crate) kind: IndexKind,
+    /// Number of blocks in a leaf of the usual size ([`Slot::Block`]).
+    pub(crate) leaf_blocks: u32,
+    pub(crate) slots: &'a [u32_le],
+    pub(crate) blocks: &'a [ArchivedBlock],
+    /// Largest coordinate magnitude of the hull's vertices.
+    pub(crate) reach: f32,
+    pub(crate) dispatch: Dispatch,
+}
+
+/// Candidates for a direction, and the number of nodes visited to find them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leaf<'a> {
+    blocks: &'a [ArchivedBlock],
+    nodes: u32,
+}
+
+impl Leaf<'_> {
+    pub(crate) fn cost(&self) -> Cost {
+        Cost { nodes: self.nodes, dots: (self.blocks.len() * LANES) as u32 }
+    }
+}
+
+/// Kernel of a support query that goes through the index.
+struct Lookup<'i, 'a, T>(&'i Index<'a>, PhantomData<T>);
+
+impl<T> Clone for Lookup<'_, '_, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for Lookup<'_, '_, T> {}
+
+impl<'a, T> Kernel for Lookup<'_, 'a, T>
+where
+    [T; 3]: Direction,
+{
+    type Scalar = T;
+    type Output = Candidate<'a>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S, dir: [T; 3]) -> Candidate<'a> {
+        let index = self.0;
+        let size = cube::largest(dir.narrow());
+        // NaN takes the failing branch.
+        if !cube::IN_RANGE.contains(&size) {
+            return index.support_out_of_range(dir.exact());
+        }
+        best(simd, index.leaf(dir).blocks, dir, index.reach)
+    }
+}
+
+/// Kernel of a support query that scans all `N` blocks of a small hull. It needs no index, no range
+/// check other than the margin's, and few registers.
+#[derive(Clone, Copy)]
+struct Scan<'i, 'a, T, const N: usize>(&'a [ArchivedBlock; N], &'i Index<'a>, PhantomData<T>);
+
+impl<'a, T, const N: usize> Kernel for Scan<'_, 'a, T, N>
+where
+    T: Copy,
+    [T; 3]: Direction,
+{
+    type Scalar = T;
+    type Output = Candidate<'a>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S, dir: [T; 3]) -> Candidate<'a> {
+        match best_candidate::margin(dir.narrow(), self.1.reach) {
+            Some(margin) => best_of_blocks(simd, self.0, dir, margin),
+            None => self.1.support_out_of_range(dir.exact()),
+        }
+    }
+}
+
+impl<'a> Index<'a> {
+    /// Index and position of the support vertex in direction `dir`.
+    #[inline(always)]
+    pub(crate) fn support<T>(&self, dir: [T; 3]) -> (u32, [f32; 3])
+    where
+        T: Copy,
+        [T; 3]: Direction,
+    {
+        let [x, y, z] = dir;
+        // Only hulls of one block are inlined here. Inlining more makes them slower.
+        let found = match (self.kind, self.blocks.as_array::<1>()) {
+            (IndexKind::None, Some(few)) => self.dispatch.run(Scan(few, self, PhantomData), [x, y, z]),
+            _ => self.support_out_of_line(x, y, z),
+        };
+        found.read()
+    }
+
+    #[inline(never)]
+    fn support_out_of_line<T>(&self, x: T, y: T, z: T) -> Candidate<'a>
+    where
+        T: Copy,
+        [T; 3]: Direction,
+    {
+        let dir = [x, y, z];
+        if matches!(self.kind, IndexKind::None) {
+            if let Some(few) = self.blocks.as_array::<2>() {
+                return self.dispatch.run(Scan(few, self, PhantomData), dir);
+            }
+            if let Some(few) = self.blocks.as_array::<3>() {
+                return self.dispatch.run(Scan(few, self, PhantomData), dir);
+            }
+            if let Some(few) = self.blocks.as_array::<4>() {
+                return self.dispatch.run(Scan(few, self, PhantomData), dir);
+            }
+        }
+        self.dispatch.run(Lookup(self, PhantomData), dir)
+    }
+
+    /// Support query for directions that would overflow or underflow in f32, and for zero and
+    /// non-finite ones.
+    #[cold]
+    #[inline(never)]
+    fn support_out_of_range(&self, dir: [f64; 3]) -> Candidate<'a> {
+        let dir = crate::support::direction::normalise_range(dir);
+        best(Portable, self.leaf(dir).blocks, dir, self.reach)
+    }
+
+    /// Cost of the support query in direction `dir`.
+    pub(crate) fn cost(&self, dir: [f32; 3]) -> Cost {
+        if cube::IN_RANGE.contains(&cube::largest(dir)) {
+            self.leaf(dir).cost()
+        } else {
+            self.leaf(crate::support::direction::normalise_range(dir.map(f64::from))).cost()
+        }
+    }
+
+    /// The leaf that lists every vertex that can be the support vertex in direction `dir`.
+    #[inline(always)]
+    pub(crate) fn leaf(&self, dir: impl Direction) -> Leaf<'a> {
+        let cell = || cube::locate(dir.narrow());
+        match self.kind {
+            IndexKind::Tree | IndexKind::Medium | IndexKind::Compact => self.descend_quadtree(cell(), dir),
+            IndexKind::None => Leaf { blocks: self.blocks, nodes: 0 },
+            IndexKind::CubeMap { resolution } => {
+                let cell = cube::uniform_cell(cell(), resolution);
+                let slot = usize::try_from(cell).map_or(0, |cell| self.word(cell));
+                self.leaf_at(Slot::decode(slot), 0)
+            }
+            IndexKind::Binary => self.descend_binary(cell(), dir),
+        }
+    }
+
+    #[inline(always)]
+    fn descend_quadtree(&self, cell: Cell, dir: impl Direction) -> Leaf<'a> {
+        // The next bits to branch on are the top ones.
+        let (mut u, mut v) = (cell.u << (32 - GRID_BITS), cell.v << (32 - GRID_BITS));
+        let mut slot = self.word(cell.face as usize);
+        for nodes in 0..MAX_NODES {
+            // Tested without decoding the other kinds of slot, since nearly all queries end here.
+            let Some(payload) = Slot::branch(slot) else { return self.past_branches(slot, nodes, dir) };
+            let Branch { at, bits } = Branch::decode(payload);
+            let top = |path: u32| (u64::from(path) << bits >> 32) as u32;
+            slot = self.word((at + (top(v) << bits | top(u))) as usize);
+            (u, v) = (u << bits, v << bits);
+        }
+        self.leaf_at(Slot::decode(slot), MAX_NODES)
+    }
+
+    /// The paper's binary search: one bit per step, from u and v alternately.
+    #[inline(never)]
+    fn descend_binary(&self, cell: Cell, dir: impl Direction) -> Leaf<'a> {
+        let (mut path, mut other) = (cell.u << (32 - GRID_BITS), cell.v << (32 - GRID_BITS));
+        let mut slot = self.word(cell.face as usize);
+        for nodes in 0..MAX_NODES {
+            let Some(at) = Slot::branch(slot) else { return self.past_branches(slot, nodes, dir) };
+            slot = self.word((at + (path >> 31)) as usize);
+            (path, other) = (other, path << 1);
+        }
+        self.leaf_at(Slot::decode(slot), MAX_NODES)
+    }
+
+    /// Follows plane nodes, if any, to the leaf below `slot`.
+    #[inline(always)]
+    fn past_branches(&self, slot: u32, nodes: u32, dir: impl Direction) -> Leaf<'a> {
+        if let Some(first) = Slot::block(slot) {
+            return Leaf { blocks: self.run(first, self.leaf_blocks), nodes };
+        }
+        let [x, y, z] = dir.exact();
+        self.past_planes(slot, nodes, x, y, z)
+    }
+
+    /// Takes the direction as three scalars so that it stays in registers. As an array, it would be
+    /// stored in parts and read back as a vector at once; that store-forwarding stall costs as much
+    /// as the rest.
+    #[inline(never)]
+    fn past_planes(&self, slot: u32, mut nodes: u32, x: f64, y: f64, z: f64) -> Leaf<'a> {
+        let mut slot = Slot::decode(slot);
+        let dir = [x, y, z];
+        while nodes < MAX_NODES {
+            slot = Slot::decode(match slot {
+                Slot::Plane(at) => self.plane_child(at as usize, dir),
+                Slot::Bundle(at) => self.bundle_child(at as usize, dir),
+                Slot::Fan(at) => self.fan_child(at as usize, dir),
+                Slot::Block(_) | Slot::List(_) | Slot::Branch(_) => break,
+            });
+            nodes += 1;
+        }
+        self.leaf_at(slot, nodes)
+    }
+
+    /// The slot for the side of the plane node at `at` on which `dir` lies.
+    #[inline]
+    #[expect(
+        clippy::indexing_slicing,
+        reason = "a node has 8 words: three components of two words each, then two slots"
+    )]
+    fn plane_child(&self, at: usize, dir: [f64; 3]) -> u32 {
+        let Some(node) = self.words::<{ PLANE_WORDS as usize }>(at) else { return 0 };
+        let n = |axis: usize| decode_f64(node[2 * axis].to_native(), node[2 * axis + 1].to_native());
+        let height = n(0) * dir[0] + n(1) * dir[1] + n(2) * dir[2];
+        node[6 + usize::from(height > 0.0)].to_native()
+    }
+
+    /// The slot for the region of the plane bundle at `at` in which `dir` lies.
+    #[inline]
+    #[expect(
+        clippy::indexing_slicing,
+        reason = "a node has three components of two words for each of 7 planes, then 8 slots; sides are 0 or 1, so that \
+                  `front` is read below 7 and the slots below 8"
+    )]
+    fn bundle_child(&self, at: usize, dir: [f64; 3]) -> u32 {
+        let Some(node) = self.words::<{ BUNDLE_WORDS as usize }>(at) else { return 0 };
+        let mut front = [0; BUNDLE_PLANES];
+        for (plane, front) in front.iter_mut().enumerate() {
+            let n = |axis: usize| {
+                let word = 2 * (axis * BUNDLE_PLANES + plane);
+                decode_f64(node[word].to_native(), node[word + 1].to_native())
+            };
+            *front = usize::from(n(0) * dir[0] + n(1) * dir[1] + n(2) * dir[2] > 0.0);
+        }
+        let first = front[0];
+        let second = front[1 + first];
+        let third = front[3 + 2 * first + second];
+        node[6 * BUNDLE_PLANES + 4 * first + 2 * second + third].to_native()
+    }
+
+    /// The slot for the sector of the fan at `at` in which `dir` lies.
+    #[inline]
+    #[expect(clippy::indexing_slicing, reason = "`fan::slot` reads only components of the head, of two words each")]
+    fn fan_child(&self, at: usize, dir: [f64; 3]) -> u32 {
+        const HEAD: usize = fan::HEAD_WORDS as usize;
+        let Some(head) = self.words::<HEAD>(at) else { return 0 };
+        let component = |i: usize| decode_f64(head[2 * i].to_native(), head[2 * i + 1].to_native());
+        self.word(at + HEAD + fan::slot(component, head[HEAD - 1].to_native(), dir) as usize)
+    }
+
+    fn leaf_at(&self, slot: Slot, nodes: u32) -> Leaf<'a> {
+        let blocks = match slot {
+            Slot::Block(first) => self.run(first, self.leaf_blocks),
+            Slot::List(at) => self.run(self.word(at as usize), self.word(at as usize + 1)),
+            // Unreachable in a checked pack. All blocks are a valid leaf.
+            Slot::Branch(_) | Slot::Plane(_) | Slot::Bundle(_) | Slot::Fan(_) => self.blocks,
+        };
+        Leaf { blocks, nodes }
+    }
+
+    #[inline]
+    fn run(&self, first: u32, count: u32) -> &'a [ArchivedBlock] {
+        self.blocks.get(first as usize..first as usize + count as usize).unwrap_or(self.blocks)
+    }
+
+    #[inline]
+    fn word(&self, at: usize) -> u32 {
+        self.slots.get(at).map_or(0, |word| word.to_native())
+    }
+
+    #[inline]
+    fn words<const N: usize>(&self, at: usize) -> Option<&'a [u32_le; N]> {
+        self.slots.get(at..)?.first_chunk()
+    }
+}

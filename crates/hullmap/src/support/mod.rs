@@ -1,0 +1,17 @@
+//! Support mappings: the trait that shapes implement, and the look-up that implements it for a
+//! baked hull.
+//!
+//! A support query on a hull goes through `index` (direction → cell → leaf) and `best_candidate`
+//! (leaf → support vertex), with the instruction set that `simd` selected. `hint` tests whether the
+//! support vertex of the previous query is still the answer.
+
+pub(crate) mod best_candidate;
+pub(crate) mod candidate;
+pub(crate) mod direction;
+pub(crate) mod hint;
+pub(crate) mod index;
+pub(crate) mod simd;
+mod support_map;
+
+pub use simd::Instructions;
+pub use support_map::{SupportMap, SupportPoint};

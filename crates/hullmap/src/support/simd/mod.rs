@@ -1,0 +1,208 @@
+//! SIMD: dot products of eight candidates at once, dispatched at run time to the processor's
+//! instruction set.
+//!
+//! One build contains every code path. A hull selects its path when it is taken from its pack; a
+//! caller can override the choice for a hull ([`Instructions`]), a user for the whole process
+//! ([`VARIABLE`]). All paths return the same answers: SIMD only filters candidates, with a margin
+//! that exceeds the rounding error of every path (`best_candidate`).
+//!
+//! To add an instruction set, implement [`Simd`] for a type that only run-time detection can
+//! construct (as `avx2` does), and add it to [`Instructions`] and [`Dispatch`]. On AArch64
+//! `portable` is NEON already, through glam's `Vec4`.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+mod portable;
+
+use std::sync::{
+    Once,
+    atomic::{AtomicBool, Ordering},
+};
+
+use hullmap_format::archive::{ArchivedBlock, LANES};
+use rkyv::rend::i16_le;
+
+pub(crate) use portable::Portable;
+
+/// Environment variable that selects the instruction set of a process: `portable` or `avx2`.
+const VARIABLE: &str = "HULLMAP_INSTRUCTIONS";
+
+/// Whether the variable selects [`Instructions::Portable`].
+static PORTABLE: AtomicBool = AtomicBool::new(false);
+
+/// Reads the variable once per process. Called when a pack is opened, so that no query reads the
+/// environment.
+#[expect(clippy::disallowed_methods, reason = "the variable selects an instruction set, which never changes an answer")]
+pub(crate) fn read_variable() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let portable = std::env::var_os(VARIABLE).is_some_and(|value| value == "portable");
+        PORTABLE.store(portable, Ordering::Relaxed);
+    });
+}
+
+/// Instruction set of support queries (SIMD).
+///
+/// Every hull uses the best instruction set of the processor. Two things override this:
+/// [`Hull::with_instructions`](crate::Hull::with_instructions) for one hull, and the environment
+/// variable `HULLMAP_INSTRUCTIONS` (`portable` or `avx2`) for the whole process. The variable is
+/// read once, when the first pack is opened. Unknown values and instruction sets that the processor
+/// lacks are ignored, because an environment variable must not keep an application from starting.
+/// [`Hull::instructions`](crate::Hull::instructions) returns the choice. It never changes an
+/// answer.
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = pack();
+/// use hullmap::Instructions;
+/// use hullmap::glam::Vec3;
+///
+/// let rock = pack.hull(0)?;
+/// let portable = rock.with_instructions(Instructions::Portable).ok_or("always available")?;
+/// assert_eq!(portable.instructions(), Instructions::Portable);
+/// assert_eq!(portable.support(Vec3::Z), rock.support(Vec3::Z));
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Instructions {
+    /// Available on every processor of the target: SSE2 on x86-64, NEON on AArch64, scalar code
+    /// elsewhere.
+    Portable,
+    /// AVX2 with fused multiply-add, on x86-64.
+    Avx2,
+}
+
+/// Operations on blocks of eight candidates. Every implementation is an instruction set.
+pub(crate) trait Simd: Copy {
+    /// Mask of the candidates whose dot product is within `margin` of the maximum over all `N`
+    /// blocks: one bit per lane, with the first block in the lowest bits. NaN counts as within. `N`
+    /// is at most 4.
+    fn near_best<const N: usize>(self, blocks: &[ArchivedBlock; N], dir: [f32; 3], margin: f32) -> u32;
+
+    /// Lane with the maximum dot product in f64 among those in the mask `near`; the lowest lane
+    /// among equals, and any lane if all are NaN. Each product and each sum is rounded once, in the
+    /// order x, y, z.
+    fn exact_best<const N: usize>(self, blocks: &[ArchivedBlock; N], near: u32, dir: [f64; 3]) -> usize;
+
+    /// Mask of the lanes whose dot product is not less than `threshold`, one bit per lane. NaN is
+    /// not less.
+    fn not_less(self, block: &ArchivedBlock, dir: [f32; 3], threshold: f32) -> u32;
+
+    /// Mask of the edges whose dot product is less than `threshold`, one bit per edge. NaN is not
+    /// less.
+    fn edges_below(self, edges: [&[i16_le; LANES]; 3], dir: [f32; 3], threshold: f32) -> u32;
+
+    /// Maximum dot product over all lanes of all blocks. NaN may be ignored. There is at least one
+    /// block.
+    fn max_dot(self, blocks: &[ArchivedBlock], dir: [f32; 3]) -> f32;
+}
+
+/// A SIMD kernel: code that is compiled once per instruction set and runs for one direction.
+pub(crate) trait Kernel: Copy {
+    type Scalar;
+    type Output;
+    /// Must be `#[inline(always)]`, and so must everything that it calls in an inner loop: only
+    /// then is it compiled with the instruction set of its caller.
+    fn run<S: Simd>(self, simd: S, dir: [Self::Scalar; 3]) -> Self::Output;
+}
+
+/// The instruction set that a hull uses, with proof that the processor has it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Dispatch {
+    Portable,
+    #[cfg(target_arch = "x86_64")]
+    Avx2(avx2::Avx2),
+}
+
+impl Dispatch {
+    /// The best instruction set of this processor, unless the environment variable overrides it.
+    pub(crate) fn best() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if !PORTABLE.load(Ordering::Relaxed)
+            && let Some(avx2) = avx2::Avx2::detect()
+        {
+            return Self::Avx2(avx2);
+        }
+        Self::Portable
+    }
+
+    /// The requested instruction set; `None` if this processor lacks it.
+    pub(crate) fn of(instructions: Instructions) -> Option<Self> {
+        match instructions {
+            Instructions::Portable => Some(Self::Portable),
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx2 => avx2::Avx2::detect().map(Self::Avx2),
+            #[cfg(not(target_arch = "x86_64"))]
+            Instructions::Avx2 => None,
+        }
+    }
+
+    /// Index of the minimum of `values`, counted over the chunks as one slice; the lowest index
+    /// among equals. 0 if there are no values, or only NaN.
+    #[inline(always)]
+    pub(crate) fn argmin(self, values: &[[f64; LANES]]) -> usize {
+        match self {
+            Self::Portable => portable::argmin(values),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(avx2) => avx2.argmin(values),
+        }
+    }
+
+    pub(crate) fn instructions(self) -> Instructions {
+        match self {
+            Self::Portable => Instructions::Portable,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(_) => Instructions::Avx2,
+        }
+    }
+
+    /// Runs `kernel`, compiled for this instruction set.
+    #[inline(always)]
+    pub(crate) fn run<K: Kernel>(self, kernel: K, dir: [K::Scalar; 3]) -> K::Output {
+        let [x, y, z] = dir;
+        match self {
+            Self::Portable => portable(kernel, x, y, z),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(avx2) => avx2.run(kernel, [x, y, z]),
+        }
+    }
+}
+
+/// A function of its own, so that only the other path is inlined into the caller.
+#[inline(never)]
+fn portable<K: Kernel>(kernel: K, x: K::Scalar, y: K::Scalar, z: K::Scalar) -> K::Output {
+    kernel.run(Portable, [x, y, z])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shapes::rng::SplitMix64;
+
+    #[test]
+    fn argmin_returns_the_first_minimum() {
+        let mut rng = SplitMix64::new(3);
+        for chunks in [1, 2, 7, 8, 9, 40] {
+            for round in 0..200 {
+                let mut values = vec![[f64::INFINITY; LANES]; chunks];
+                for value in values.as_flattened_mut() {
+                    // Few distinct values, so that there are ties, and infinity, which marks empty
+                    // slots.
+                    *value = (rng.between(0.0, 20.0) as i32 - 4 + round % 3).into();
+                    *value = if *value > 10.0 { f64::INFINITY } else { *value };
+                }
+                let flat = values.as_flattened();
+                let expected = (0..flat.len()).fold(0, |best, at| if flat[at] < flat[best] { at } else { best });
+                for dispatch in [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Dispatch::of) {
+                    assert_eq!(dispatch.argmin(&values), expected, "{:?} {values:?}", dispatch.instructions());
+                }
+            }
+        }
+        assert_eq!(Dispatch::best().argmin(&[]), 0);
+        assert_eq!(Dispatch::best().argmin(&[[f64::NAN; LANES]]), 0);
+    }
+}
