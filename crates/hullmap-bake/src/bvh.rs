@@ -1,15 +1,16 @@
-//! Bounds of hulls → the flat tree of boxes over them.
+//! BVH: builds the bounding volume hierarchy over a pack's hulls with the surface area heuristic.
 //!
 //! # Steps
-//! 1. Split the hulls, from all of them on: of the splits by the middles of their boxes along each axis the one with the least
-//!    expected cost, area times number of hulls on either side (the surface area heuristic, all places tried).
-//! 2. Lay the nodes out breadth first, children side by side.
+//! 1. Split the hulls recursively, starting with all of them. Along each axis, sort the hulls by
+//!    the centres of their boxes, and consider every split. Take the split with the minimum
+//!    expected cost: the sum over both sides of area times number of hulls.
+//! 2. Lay the nodes out breadth first, with siblings next to each other.
 //!
 //! # Reference
 //! MacDonald, Booth, "Heuristics for ray tracing using space subdivision", 1990.
 //!
 //! # Deviations
-//! - A split that could make the tree too deep is by number instead.
+//! - Hulls are split at the median if any other split could make the tree too deep.
 
 use std::collections::VecDeque;
 
@@ -19,7 +20,10 @@ use hullmap_format::{
     bvh::MAX_LEVELS,
 };
 
-/// The tree over `hulls` by their bounds, one leaf each; tells every hull its leaf. A function of the bounds and their order.
+/// Builds the tree over the bounds of `hulls`, with one hull per leaf, and sets the `leaf` of each
+/// hull.
+///
+/// The result is a pure function of the bounds and their order.
 ///
 /// # Complexity
 /// O(n log² n) on typical packs.
@@ -47,7 +51,7 @@ pub fn build(hulls: &mut [HullRecord]) -> Vec<BvhNode> {
     nodes
 }
 
-/// Least and greatest coordinates.
+/// An axis-aligned bounding box.
 #[derive(Clone, Copy)]
 struct Bounds {
     low: [f32; 3],
@@ -70,14 +74,17 @@ impl Bounds {
         below[1..].iter().fold(Self::of(&hulls[below[0]]), |all, hull| all.with(Self::of(&hulls[*hull])))
     }
 
-    /// Half of its surface.
+    /// Half of the surface area.
     fn area(self) -> f64 {
         let size = DVec3::from_array(self.high.map(f64::from)) - DVec3::from_array(self.low.map(f64::from));
         size.x * size.y + size.y * size.z + size.z * size.x
     }
 }
 
-/// Leaves one half in `below`, which has two hulls or more, and returns the other. `levels` more are allowed.
+/// Splits `below`, which must hold at least two hulls: keeps one side in `below` and returns the
+/// other.
+///
+/// `levels` is the number of levels still available below this node.
 fn split(hulls: &[HullRecord], below: &mut Vec<usize>, levels: u32) -> Vec<usize> {
     let mut best = (f64::INFINITY, 0, below.len() / 2);
     let is_deep = below.len().next_power_of_two().ilog2() >= levels;
@@ -106,7 +113,7 @@ fn split(hulls: &[HullRecord], below: &mut Vec<usize>, levels: u32) -> Vec<usize
     below.split_off(best.2)
 }
 
-/// Sorts by the middles of the boxes along an axis, then by number.
+/// Sorts by the centres of the boxes along an axis, then by index.
 fn sort(hulls: &[HullRecord], below: &mut [usize], axis: usize) {
     let twice_middle = |hull: usize| f64::from(hulls[hull].bounds_min[axis]) + f64::from(hulls[hull].bounds_max[axis]);
     below.sort_unstable_by(|a, b| twice_middle(*a).total_cmp(&twice_middle(*b)).then(a.cmp(b)));
@@ -135,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn every_hull_has_its_leaf_within_all_boxes_above() {
+    fn every_leaf_is_inside_the_boxes_above_it() {
         let mut rng = SplitMix64::new(3);
         for count in [1, 2, 3, 7, 64, 500] {
             let mut hulls = boxes(count, |_| rng.direction().map(|c| c as f32));
@@ -161,7 +168,8 @@ mod tests {
         }
     }
 
-    /// Boxes that double in size and distance are cut off one by one where nothing stops it.
+    /// Boxes that double in size and distance would be split off one by one without the depth
+    /// limit.
     #[test]
     fn no_tree_is_too_deep() {
         let mut hulls = boxes(120, |i| [2_f32.powi(i as i32), 0.0, 0.0]);

@@ -1,14 +1,16 @@
-//! Greatest distance between two points, exactly.
+//! Diameter of a point set: the maximum distance between two of its points, by dual-tree search.
 //!
-//! Two groups of points can hold a farther pair only if the far corners of their boxes lie farther apart. Groups are
-//! halved, the pair of groups with the most promise first left and right, until the boxes rule the rest out.
+//! Two groups of points can contain a farther pair only if the far corners of their bounding boxes
+//! are farther from each other. Groups are halved recursively, and the more promising pair of
+//! groups is searched first, until the boxes rule out all other pairs.
 
 use glam::DVec3;
 
-/// Points of a group below which all pairs are tried.
+/// Maximum number of points in a group that is not halved further.
 const GROUP: usize = 16;
 
-/// Greatest distance between two of `points`; 0 for fewer than two.
+/// Maximum distance between two of `points`; 0 for fewer than two. It equals the maximum over all
+/// pairs, computed in f64.
 ///
 /// # Complexity
 /// O(n log n) on typical hulls; quadratic at worst.
@@ -52,7 +54,7 @@ impl<'a> Group<'a> {
         Self { low, high, points: &[], halves }
     }
 
-    /// Square of the greatest distance that two points in the boxes can have.
+    /// Square of the maximum distance between a point of one box and a point of the other.
     fn reach_sq(&self, other: &Self) -> f64 {
         (self.high - other.low).max(other.high - self.low).length_squared()
     }

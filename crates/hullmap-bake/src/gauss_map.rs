@@ -1,14 +1,16 @@
-//! Gauss map of a hull: for each vertex its normal cone, the directions in which that vertex is the support point.
+//! Gauss map of a hull: the normal cone of each vertex, that is the set of directions in which it
+//! is the support vertex.
 //!
-//! The cones tile the sphere. A cone's corners are the normals of the facets that meet at the vertex, its sides the arcs
-//! between them; the arc between two facets' normals is at right angles to their common edge. Two cones that share an arc
-//! share its ends to the bit, so that no direction falls between them.
+//! The cones tile the sphere. The corners of a cone are the normals of the faces that meet at the
+//! vertex. Its sides are the arcs between these normals. The arc between the normals of two faces
+//! is at right angles to their common edge. Two cones that share an arc have bitwise equal ends
+//! there, so that no direction falls between them.
 //!
-//! An arc of more than a right angle gets a corner in between: interpolating along it would lose digits, all of them on
-//! a hull as thin as [`crate::hull::rank::FLAT`] allows.
+//! An arc longer than a right angle gets an additional corner. Interpolation along it would lose
+//! digits, and would lose all of them on a hull as thin as [`crate::hull::rank::FLAT`] allows.
 //!
-//! The cone at a corner of a polygon (rank 2) holds a whole line, the polygon's normal and its opposite, and is no polygon
-//! on the sphere. It is kept as two pieces, one a side.
+//! The cone at a corner of a polygon (rank 2) contains a whole line: the polygon's normal and its
+//! opposite. It is not a polygon on the sphere, and is stored as two pieces, one per side.
 
 use glam::DVec3;
 
@@ -19,9 +21,10 @@ use crate::hull::{
     polygon::side_normal,
 };
 
-/// The normal cones of a hull of rank 2 or 3, as convex polygons on the sphere of less than half of it.
+/// The normal cones of a hull of rank 2 or 3, as convex spherical polygons smaller than a
+/// hemisphere.
 pub struct GaussMap {
-    /// Vertex of each piece of a cone, ascending, and where its corners end.
+    /// For each piece of a cone, its vertex (ascending) and the end of its corners.
     pieces: Vec<(u32, usize)>,
     corners: Vec<DVec3>,
     neighbour_starts: Vec<usize>,
@@ -29,7 +32,7 @@ pub struct GaussMap {
     positions: Vec<DVec3>,
 }
 
-/// A facet's corner: at vertex `at`, between the vertices before and after it.
+/// A corner of a face: vertex `at`, with the vertices before and after it.
 struct Corner {
     at: u32,
     after: u32,
@@ -38,7 +41,7 @@ struct Corner {
 }
 
 impl GaussMap {
-    /// Computes the cones of `hull`, whose rank is 2 or 3.
+    /// Computes the normal cones of `hull`, whose rank must be 2 or 3.
     ///
     /// # Complexity
     /// O(n log n).
@@ -72,7 +75,8 @@ impl GaussMap {
         map
     }
 
-    /// Adds the two pieces of the cone at a polygon's corner: from each side's normal out to both edges' normals.
+    /// Adds the two pieces of the cone at a polygon's corner. Each piece spans one side's normal
+    /// and the outward normals of both edges.
     fn push_lune(&mut self, around: &[Corner], normals: &[DVec3]) {
         for corner in around {
             let up = normals[corner.face as usize];
@@ -80,7 +84,7 @@ impl GaussMap {
             let outward = |edge: DVec3| side_normal(edge, up);
             let before = outward(at - self.positions[corner.before as usize]);
             let after = outward(self.positions[corner.after as usize] - at);
-            // The turn from one edge to the next may be almost half a circle.
+            // The outward normal may turn by almost half a circle from one edge to the next.
             let between = up.cross(before);
             let middle = (before.dot(after) < 0.0).then_some(between);
             self.corners.extend([up, before].into_iter().chain(middle).chain([after]));
@@ -88,17 +92,18 @@ impl GaussMap {
         }
     }
 
-    /// Adds the cone of the vertex that `around`, sorted by the vertex after it, are the corners at.
+    /// Adds the cone of a vertex. `around` lists the face corners at it, sorted by the vertex after
+    /// each.
     fn push_cone(&mut self, around: &[Corner], normals: &[DVec3]) {
         let mut corner = &around[0];
         for _ in 0..around.len() {
-            // Counter-clockwise, the next facet lies across the edge to the vertex before this one.
+            // Counter-clockwise, the next face lies across the edge to the vertex before this one.
             let across = corner.before;
             let next = around.binary_search_by_key(&across, |c| c.after).map_or(corner, |i| &around[i]);
             let (from, to) = (normals[corner.face as usize], normals[next.face as usize]);
             self.corners.push(from);
             if from.dot(to) < 0.0 {
-                // Out of the facet across the edge that it walks from `across` to this vertex.
+                // Points out of the face, across its edge from `across` to this vertex.
                 let edge = self.positions[corner.at as usize] - self.positions[across as usize];
                 self.corners.push(accurate_cross(edge, from).normalize());
             }
@@ -107,13 +112,13 @@ impl GaussMap {
         self.pieces.push((around[0].at, self.corners.len()));
     }
 
-    /// Vertices, each with a cone.
+    /// Number of vertices. Each has a cone.
     pub fn vertex_count(&self) -> usize {
         self.positions.len()
     }
 
-    /// The pieces of the cones, in ascending order of their vertices: the vertex, and the corners in order around the
-    /// piece, of unit length.
+    /// The pieces of the cones in ascending order of their vertices: the vertex, and the piece's
+    /// corners in order, as unit vectors.
     pub fn pieces(&self) -> impl Iterator<Item = (u32, &[DVec3])> {
         let starts = std::iter::once(0).chain(self.pieces.iter().map(|p| p.1));
         self.pieces.iter().zip(starts).map(|(&(vertex, end), start)| (vertex, &self.corners[start..end]))
@@ -124,16 +129,17 @@ impl GaussMap {
         &self.neighbours[self.neighbour_starts[vertex as usize]..self.neighbour_starts[vertex as usize + 1]]
     }
 
-    /// Normal of the plane between the cones of two vertices that share an edge: `vertex`'s cone lies in front.
+    /// Normal of the plane between the cones of two vertices that share an edge. The cone of
+    /// `vertex` lies in front.
     pub fn plane_between(&self, vertex: u32, neighbour: u32) -> DVec3 {
         (self.positions[vertex as usize] - self.positions[neighbour as usize]).normalize()
     }
 }
 
-/// Unit outward normal of a facet, from the three corners that span it best.
+/// Unit outward normal of a face, from all its corners.
 ///
-/// The facets of a solid are exactly planar, so any three would do but for rounding; a polygon of rank 2 may be as far
-/// off its plane as [`crate::hull::rank::FLAT`], and all its corners are averaged.
+/// The faces of a solid are exactly planar. A polygon of rank 2 may deviate from its plane by as
+/// much as [`crate::hull::rank::FLAT`], so all corners contribute.
 fn facet_normal(face: &[u32], positions: &[DVec3]) -> DVec3 {
     area_vector(face, positions).normalize()
 }
@@ -151,7 +157,8 @@ mod tests {
         (hull, map)
     }
 
-    /// The truth: every corner of a cone sees its vertex as a support point.
+    /// Checks that the vertex of a cone is a support vertex in the direction of each of the cone's
+    /// corners.
     fn check(hull: &Hull, map: &GaussMap) {
         let positions = hull.positions();
         assert_eq!(map.vertex_count(), positions.len());
@@ -178,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn a_polygon_has_two_pieces_a_corner() {
+    fn a_polygon_has_two_pieces_per_corner() {
         let (hull, map) = map(vec![[0., 0., 1.], [1., 0., 1.], [0., 1., 1.], [1., 1., 1.], [0.5, 1.25, 1.]]);
         assert_eq!(hull.rank, 2);
         check(&hull, &map);

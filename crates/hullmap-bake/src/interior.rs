@@ -1,4 +1,5 @@
-//! A point inside a hull, and the balls around it that lie in the hull and that hold it.
+//! Interior of a hull: its centroid, a ball around it inside the hull, and a ball around it that
+//! contains the hull.
 
 use glam::DVec3;
 
@@ -7,17 +8,19 @@ use crate::{
     mass::Mass,
 };
 
-/// By how much of the outer radius the balls are drawn in and let out: rounding of the distances is a thousandth of it.
+/// Safety margin of both radii, relative to the outer radius. The rounding error of the distances
+/// is a thousandth of it.
 const SAFETY: f64 = 1e-12;
 
-/// Where a collision query starts, and its cheapest bounds.
+/// Starting point of a collision query, and its cheapest bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interior {
     /// The centroid.
     pub point: DVec3,
-    /// Radius of a ball around it that lies in the hull; 0 below rank 3, and where rounding leaves no room for one.
+    /// Radius of a ball around the centroid that lies inside the hull; 0 below rank 3, or if the
+    /// safety margin leaves no room.
     pub inner_radius: f64,
-    /// Radius of a ball around it that holds the hull.
+    /// Radius of a ball around the centroid that contains the hull.
     pub outer_radius: f64,
 }
 

@@ -1,20 +1,22 @@
-//! Points → convex hull → direction index → the bytes of a `.hullmap` pack.
+//! hullmap baker: builds the convex hulls of point sets, indexes them, and writes them as the bytes
+//! of a `.hullmap` pack.
 //!
 //! | module | from | to |
 //! |---|---|---|
 //! | [`decompose`] | concave mesh | points of its convex parts |
 //! | [`hull`] | source points | certified convex hull of rank 3, 2, 1 or 0 |
-//! | [`mass`], [`interior`], [`diameter`] | hull | the facts the pack records |
-//! | [`outer`] | hull | a coarse polytope around it |
-//! | [`simplify`] | hull | one of fewer vertices that holds it |
+//! | [`mass`], [`interior`], [`diameter`] | hull | properties stored in the pack |
+//! | [`outer`] | hull | outer hull: a coarse polytope that contains the hull |
+//! | [`simplify`] | hull | simplified hull: fewer vertices, contains the hull |
 //! | [`gauss_map`] | hull | normal cones |
-//! | [`index`] | normal cones | cube map or tree: words and blocks |
-//! | [`bvh`] | bounds of the hulls | the tree of boxes over them |
+//! | [`index`] | normal cones | direction index: cube map or tree, as words and blocks |
+//! | [`bvh`] | bounds of the hulls | bounding volume hierarchy over the hulls |
 //! | [`pack`] | baked hulls | bytes |
 //!
-//! The baker knows no files and no command line: points in, bytes out. Its output is a pure function of its input,
-//! whatever the number of threads.
+//! The crate reads no files and has no command line: it turns points into bytes. Its output is a
+//! pure function of its input, for any number of threads.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod bvh;
 pub mod decompose;
@@ -28,148 +30,95 @@ pub mod outer;
 pub mod pack;
 pub mod simplify;
 
-pub use hullmap_format::archive::NO_SOURCE_VERTEX;
+pub use hullmap_format::{IndexKind, archive::NO_SOURCE_VERTEX};
+pub use index::IndexChoice;
 pub use pack::write_pack;
 
-/// Most points of one hull: point numbers are kept in 32 bits, with room for marks.
+/// Maximum number of points of one hull. Point indices have 32 bits, and the upper values are
+/// reserved.
 pub const MAX_POINTS: usize = 1 << 30;
 
-/// One named set of source points, of which one hull is built.
+/// A named set of source points, from which one hull is built.
 #[derive(Clone, Debug, Default)]
 pub struct PointSet {
-    /// Name of the hull: the OBJ object's, or the file's stem.
+    /// Name of the hull: the name of the OBJ object, or the stem of the file name.
     pub name: String,
     /// Positions in source units.
     pub positions: Vec<[f32; 3]>,
-    /// For each position the zero-based number of the vertex in the source file (the `v` lines of an OBJ);
-    /// [`NO_SOURCE_VERTEX`] for a point that is none of the source's.
+    /// For each position, the zero-based index of its vertex in the source file (the `v` lines of
+    /// an OBJ); [`NO_SOURCE_VERTEX`] for a point that is not a source vertex.
     pub source_vertices: Vec<u32>,
-    /// Origin of the positions' frame in the source's frame: what was taken from the source's coordinates.
+    /// Origin of the positions' frame in the source's frame. It has been subtracted from the
+    /// source's coordinates.
     pub origin: [f64; 3],
-    /// The mesh over the positions, by their numbers; none in a point cloud. [`decompose`] alone looks at it.
+    /// Triangles of the mesh, as indices of positions; empty for a point cloud. Only [`decompose`]
+    /// reads them.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Which direction index a bake builds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum IndexKind {
-    /// The level-compressed tree over the six cube faces: the fastest.
-    Tree {
-        /// Size of its leaves.
-        leaf_blocks: LeafBlocks,
-    },
-    /// The fastest of the trees that take at most this many bytes a vertex, words and blocks together; a scan where
-    /// none does.
-    Budget {
-        /// Bytes a vertex.
-        bytes_per_vertex: u32,
-    },
-    /// The paper's binary tree over the six cube faces.
-    Binary,
-    /// A uniform cube map.
-    CubeMap {
-        /// Cells along one edge of a cube face, at least 1.
-        resolution: u32,
-    },
-    /// No index: every query scans all vertices.
-    None,
-}
-
-impl IndexKind {
-    /// The tree that most hulls want.
-    pub const TREE: Self = Self::Tree { leaf_blocks: LeafBlocks::One };
-    /// The tree that takes the fewest bytes.
-    pub const COMPACT: Self = Self::Tree { leaf_blocks: LeafBlocks::Four };
-}
-
-/// How many blocks of eight candidates a leaf of a tree has: fewer are faster, more take fewer bytes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LeafBlocks {
-    /// 8 candidates.
-    One,
-    /// 16 candidates.
-    Two,
-    /// 32 candidates.
-    Four,
-}
-
-impl LeafBlocks {
-    /// Candidates of a leaf.
-    pub fn lanes(self) -> usize {
-        let blocks = match self {
-            Self::One => 1,
-            Self::Two => 2,
-            Self::Four => 4,
-        };
-        blocks * hullmap_format::archive::LANES
-    }
-}
-
-/// What the source file was, as the pack records it.
+/// Source file and options, as stored in the pack.
 #[derive(Clone, Debug, Default)]
 pub struct SourceRecord {
     /// Path of the source relative to the pack's folder, with `/` separators.
     pub path: String,
     /// XXH3-128 of the source's bytes.
     pub hash: u128,
-    /// The options that shape the bake, spelt out; the header holds their hash.
+    /// The options that affect the bake, as text. The header holds their hash.
     pub options: String,
 }
 
 /// Why a hull could not be baked.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BakeError {
-    /// No points at all.
+    /// There are no points.
     #[error("there are no points to build a hull of")]
     Empty,
-    /// More points than point numbers reach.
-    #[error("{found} points, where at most {MAX_POINTS} can go into one hull: split the mesh")]
+    /// There are more points than point indices can address.
+    #[error("a hull can be built from at most {MAX_POINTS} points (found {found}): split the mesh")]
     TooManyPoints {
-        /// How many there are.
+        /// Number of points.
         found: usize,
     },
     /// A coordinate is NaN or infinite.
     #[error("source vertex {source_vertex} is not finite")]
     NotFinite {
-        /// Zero-based number in the source file.
+        /// Zero-based index in the source file.
         source_vertex: u32,
     },
-    /// The hull does not keep its promises, and is not written.
-    #[error("the hull could not be certified: {what}; please report this mesh")]
-    Uncertified {
-        /// The broken promise.
-        what: String,
-    },
-    /// The index would need longer words.
-    #[error("the direction index has more words than its slots can name: use --index none, or simplify the mesh")]
+    /// The hull fails its certificate.
+    #[error("the hull could not be certified: {0}; please report this mesh")]
+    Uncertified(#[from] hull::certify::CertificateError),
+    /// The index has more words or blocks than slots can address.
+    #[error("the direction index is larger than its slots can address: use --index none, or simplify the mesh")]
     IndexTooLarge,
-    /// No solid has so few vertices.
-    #[error("a hull cannot have {asked} vertices at most: ask for {} or more", simplify::FEWEST)]
+    /// The requested maximum is below the vertices of a tetrahedron.
+    #[error("a simplified hull requires at least {} vertices (the requested maximum is {requested})", simplify::FEWEST)]
     TooFewVertices {
-        /// How many were asked for.
-        asked: usize,
+        /// Requested maximum number of vertices.
+        requested: usize,
     },
-    /// A distance that is none.
-    #[error("{asked} is no distance that a simplified hull may keep: ask for 0 or more")]
-    NoDistance {
-        /// What was asked for.
-        asked: f64,
+    /// The requested distance is negative or NaN.
+    #[error("the maximum error of a simplified hull must be at least 0 (requested {requested})")]
+    InvalidDistance {
+        /// Requested maximum distance.
+        requested: f64,
     },
-    /// Rounding to f32 defeats every hull of so few vertices: a flat one far from the origin.
+    /// Rounding to f32 defeats every hull with this few vertices, for instance if the hull is flat
+    /// and far from the origin.
     #[error(
-        "no hull of {asked} vertices or fewer that holds it was found: allow more, or bake it closer to the origin"
+        "found no hull of at most {requested} vertices that contains this one: allow more vertices, or move the mesh closer to the origin"
     )]
     NotSimplified {
-        /// How many were asked for.
-        asked: usize,
+        /// Requested maximum number of vertices.
+        requested: usize,
     },
-    /// The hulls are not in one frame.
+    /// The hulls have different origins.
     #[error("the hulls of a pack have different origins: build them in one frame")]
     Origins,
-    /// The pack would need longer offsets.
+    /// The pack would be larger than 32-bit offsets can address.
     #[error("the pack would be larger than 2 GiB: split the source into several files")]
     PackTooLarge,
-    /// The index just built is not one.
+    /// The direction index is malformed. This is a bug.
     #[error("the direction index could not be certified: {0}; please report this mesh")]
     Index(#[from] hullmap_format::walk::IndexError),
 }
@@ -179,23 +128,27 @@ pub enum BakeError {
 pub struct BakedHull {
     /// Name of the hull.
     pub name: String,
-    /// Source points the hull was built of.
+    /// Number of source points from which the hull was built.
     pub point_count: usize,
-    /// Origin of the hull's frame in the source's.
+    /// Origin of the hull's frame in the source's frame.
     pub origin: [f64; 3],
-    /// How far the hull reaches beyond the convex hull of its source points at most; 0 for an exact one.
+    /// Maximum distance by which the hull exceeds the convex hull of its source points; 0 for an
+    /// exact hull.
     pub outer_error: f64,
-    /// How far a vertex of the source object lies outside all of its parts at most; 0 for a hull that is no part.
+    /// Maximum distance of a vertex of the source object from the nearest of its parts; 0 for a
+    /// hull that is not a part.
     pub uncovered: f64,
-    /// Number among the convex parts of its source object; 0 for the first, and for a hull that is no part.
+    /// Index among the convex parts of its source object; 0 for the first part, and for a hull that
+    /// is not a part.
     pub part: u32,
     /// The hull.
     pub hull: hull::Hull,
     /// Its mass properties.
     pub mass: mass::Mass,
-    /// Its inner and outer ball.
+    /// Its centroid, inner ball and outer ball.
     pub interior: interior::Interior,
-    /// Vertices of a coarse polytope that holds it; none if it is coarse itself.
+    /// Vertices of the outer hull, a coarse polytope that contains it; empty if the hull itself is
+    /// coarse.
     pub outer: Vec<[f32; 3]>,
     /// Its direction index.
     pub index: index::Index,
@@ -203,40 +156,58 @@ pub struct BakedHull {
 
 /// Builds, certifies and indexes the hull of `points`.
 ///
+/// ```
+/// use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
+///
+/// let corners = |i: usize| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32];
+/// let cube = PointSet {
+///     name: "cube".into(),
+///     positions: (0..8).map(corners).collect(),
+///     source_vertices: (0..8).collect(),
+///     ..PointSet::default()
+/// };
+/// let baked = bake_hull(&cube, IndexKind::Tree)?;
+/// assert_eq!((baked.hull.rank, baked.hull.vertices.len()), (3, 8));
+/// assert!((baked.mass.volume - 1.0).abs() < 1e-12);
+/// let bytes = write_pack(&[baked], &SourceRecord::default())?;
+/// assert!(bytes.starts_with(b"hullmap"));
+/// # Ok::<(), hullmap_bake::BakeError>(())
+/// ```
+///
 /// # Errors
 /// See [`BakeError`].
 ///
 /// # Complexity
 /// O(n log n) on all families tried.
-pub fn bake_hull(points: &PointSet, index: IndexKind) -> Result<BakedHull, BakeError> {
-    bake(points, hull::build(points)?, 0.0, index)
+pub fn bake_hull(points: &PointSet, index: impl Into<IndexChoice>) -> Result<BakedHull, BakeError> {
+    bake(points, hull::build(points)?, 0.0, index.into())
 }
 
-/// The same, of a simplified hull: with no more vertices, or no farther out, than `limit` says. A hull that is within the limit stays as
-/// it is.
+/// Builds, simplifies within `limit`, certifies and indexes the hull of `points`. A hull that
+/// already satisfies the limit is not simplified.
 ///
 /// # Errors
 /// See [`BakeError`].
 ///
 /// # Complexity
-/// That of [`bake_hull`], and of [`simplify`](simplify::simplify).
+/// That of [`bake_hull`] plus that of [`simplify`](simplify::simplify).
 pub fn bake_simplified_hull(
     points: &PointSet,
     limit: simplify::Limit,
-    index: IndexKind,
+    index: impl Into<IndexChoice>,
 ) -> Result<BakedHull, BakeError> {
     let exact = hull::build(points)?;
     match simplify::simplify(&exact, limit)? {
         Some(simplify::Simplified { mut hull, outer_error }) => {
-            // Of the source's points, not of the exact hull's vertices alone.
+            // Measure all source points, not only the vertices of the exact hull.
             hull.containment_error = hull::containment_error(&hull, points)?;
-            bake(points, hull, outer_error, index)
+            bake(points, hull, outer_error, index.into())
         }
-        None => bake(points, exact, 0.0, index),
+        None => bake(points, exact, 0.0, index.into()),
     }
 }
 
-fn bake(points: &PointSet, hull: hull::Hull, outer_error: f64, index: IndexKind) -> Result<BakedHull, BakeError> {
+fn bake(points: &PointSet, hull: hull::Hull, outer_error: f64, index: IndexChoice) -> Result<BakedHull, BakeError> {
     let mass = mass::mass(&hull);
     let interior = interior::interior(&hull, &mass);
     let outer = outer::outer(&hull);

@@ -1,24 +1,27 @@
-//! Measure, centroid and second moments of a hull at uniform density, each of its own dimension.
+//! Mass properties: measure, centroid and second moments of a hull of any rank at uniform density.
 //!
-//! A solid is summed over tetrahedra from one vertex to the fan triangles of each face, a polygon over fan triangles:
-//! all of the same sign, so that nothing cancels. Reference: Mirtich, "Fast and accurate computation of polyhedral mass
-//! properties", 1996, by the closed form for simplices (∫ xᵢxⱼ over a simplex of measure m with corners p₀…p_k is
-//! m / ((k+1)(k+2)) · (Σ p Σ p + Σ p p)).
+//! A solid is the sum of the tetrahedra between one vertex and the triangle fan of each face. A
+//! polygon is the sum of its triangle fan. All terms have the same sign, so nothing cancels.
+//!
+//! # Reference
+//! Mirtich, "Fast and accurate computation of polyhedral mass properties", 1996, with the closed
+//! form for simplices: ∫ xᵢxⱼ over a simplex of measure m with corners p₀…p_k is m / ((k+1)(k+2)) ·
+//! (Σ p Σ p + Σ p p).
 
 use glam::{DMat3, DVec3};
 
 use crate::hull::{Hull, edges};
 
-/// Mass properties at density one. Lengths in source units.
+/// Mass properties at density 1, with lengths in source units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mass {
     /// Volume; 0 below rank 3.
     pub volume: f64,
-    /// Surface area; both sides of a polygon; 0 below rank 2.
+    /// Surface area, which includes both sides of a polygon; 0 below rank 2.
     pub surface_area: f64,
     /// Centroid of the solid, polygon, segment or point.
     pub centroid: [f64; 3],
-    /// Second moments about the centroid over the measure: xx, yy, zz, yz, zx, xy.
+    /// Second moments about the centroid, divided by the measure: xx, yy, zz, yz, zx, xy.
     pub second_moments: [f64; 6],
 }
 
@@ -80,7 +83,8 @@ impl Simplices {
         self.second += squares * (measure / (k * (k + 1.0)));
     }
 
-    /// Centroid and second moments over the measure. Where the measure is lost to underflow, the mean vertex.
+    /// Centroid and second moments, divided by the measure. If the measure underflows, the mean of
+    /// the vertices and zero.
     fn about_centroid(&self, vertices: &[DVec3]) -> (DVec3, DMat3) {
         let centroid = self.first / self.measure;
         let moments = self.second * (1.0 / self.measure) - outer(centroid);

@@ -1,18 +1,23 @@
-//! A coarse polytope that holds a hull: what a yes/no query looks at before the hull itself.
+//! Outer hull (14-DOP): a coarse polytope that contains a hull, for yes/no queries to test first.
 //!
-//! It is the intersection of fourteen half-spaces (a 14-DOP): the six of the bounding box, and eight that cut the box's
-//! corners off where the hull leaves room, so at most 24 vertices. Only its vertices are kept.
+//! It is the intersection of fourteen half-spaces: the six of the bounding box, and eight that cut
+//! off the box's corners where the hull leaves room. It has at most 24 vertices, and only these are
+//! stored.
 //!
 //! # Reference
-//! Klosowski et al., "Efficient Collision Detection Using Bounding Volume Hierarchies of k-DOPs", 1998. Kenwright, section
-//! 5 ("a cube-cube, then a low-poly and finally the higher poly-mesh").
+//! Klosowski et al., "Efficient Collision Detection Using Bounding Volume Hierarchies of k-DOPs",
+//! 1998. Kenwright, section 5 ("a cube-cube, then a low-poly and finally the higher poly-mesh").
 //!
 //! # Steps
-//! 1. take coordinates in which the bounding box is the cube [-1, 1]³, so that long hulls are cut as well as round ones;
-//! 2. heights of the fourteen planes, pushed outward by more than rounding to f32 can take away;
-//! 3. every three planes meet in a point: those behind all planes are the vertices. A point that rounding alone keeps
-//!    behind a plane is taken too: more points only make the polytope larger;
-//! 4. certify: the hull of the rounded vertices holds every vertex of the hull, by exact predicates. If not, push further.
+//! 1. Use coordinates in which the bounding box is the cube [-1, 1]³, so that the planes cut long
+//!    hulls as well as round ones.
+//! 2. Compute the supporting planes in the fourteen directions, and push them outward by more than
+//!    rounding to f32 can move a vertex inward.
+//! 3. Intersect every three planes. The points behind all planes are the vertices. A point in front
+//!    of a plane by no more than rounding error is included, since more points only enlarge the
+//!    polytope.
+//! 4. Certify with exact predicates that the hull of the rounded vertices contains every vertex of
+//!    the hull. If it does not, push the planes further.
 
 use std::collections::BTreeSet;
 
@@ -23,26 +28,29 @@ use crate::{
     hull::{self, Hull},
 };
 
-/// Hulls of up to this many vertices have no outer hull: it would be no simpler.
+/// Hulls with at most this many vertices have no outer hull, because it would be no simpler.
 const COARSE_ENOUGH: usize = 32;
 
-/// Most vertices: those of the reader's limit.
+/// Maximum number of vertices, which is the reader's limit.
 const MOST: usize = hullmap_format::check::MAX_OUTER_VERTICES;
 
-/// By how much of the greatest coordinate the planes are pushed outward at first. Rounding to f32 moves a coordinate by up
-/// to 6e-8 of itself.
+/// Initial distance by which the planes are pushed outward, relative to the largest coordinate.
+/// Rounding to f32 moves a coordinate by up to 6e-8 of itself.
 const MARGIN: f64 = 4e-7;
 
-/// How often the margin is quadrupled before the hull goes without an outer one.
+/// Number of margins tried, each four times the previous one, before the hull gets no outer hull.
 const MAX_TRIES: u32 = 8;
 
-/// How far in front of a plane, in the box's half edges, a point may be and count as behind it.
+/// Maximum distance in front of a plane at which a point counts as behind it, in scaled
+/// coordinates.
 const BEHIND: f64 = 1e-9;
 
-/// Least determinant of three planes that meet in a point: those of this family have 1 or more, or 0.
+/// Minimum determinant of three planes that meet in a point. For these planes, it is either 0 or at
+/// least 1.
 const MEET: f64 = 0.5;
 
-/// The axes whose both ends are the planes' normals, in coordinates in which the box is a cube.
+/// Axes of the planes' normals, in coordinates in which the box is a cube. Each axis gives two
+/// opposite normals.
 const AXES: [DVec3; 7] = [
     DVec3::X,
     DVec3::Y,
@@ -53,10 +61,12 @@ const AXES: [DVec3; 7] = [
     DVec3::new(-1.0, 1.0, 1.0),
 ];
 
-/// The vertices of a coarse polytope that holds `hull`, in ascending order; none where the hull is coarse itself.
+/// The vertices of a coarse polytope that contains `hull`, in a fixed order.
+///
+/// Empty if the hull itself is coarse, or if no such polytope can be certified.
 ///
 /// # Complexity
-/// O(n): fourteen dot products and some thirty exact predicates a vertex.
+/// O(n): fourteen dot products and about thirty exact predicates per vertex.
 pub fn outer(hull: &Hull) -> Vec<[f32; 3]> {
     if hull.vertices.len() <= COARSE_ENOUGH {
         return Vec::new();
@@ -67,7 +77,8 @@ pub fn outer(hull: &Hull) -> Vec<[f32; 3]> {
     polytopes.into_iter().find(|outer| outer.len() <= MOST && holds(outer, &positions)).unwrap_or_default()
 }
 
-/// The vertices of the polytope whose planes are pushed outward by `margin` times the greatest coordinate.
+/// The vertices of the polytope whose planes are pushed outward by `margin` times the largest
+/// coordinate.
 fn polytope(positions: &[DVec3], margin: f64) -> Vec<[f32; 3]> {
     let low = positions.iter().copied().reduce(DVec3::min).unwrap_or_default();
     let high = positions.iter().copied().reduce(DVec3::max).unwrap_or_default();
@@ -93,7 +104,7 @@ fn polytope(positions: &[DVec3], margin: f64) -> Vec<[f32; 3]> {
                 }
                 let p = m.inverse() * DVec3::new(a.1, b.1, c.1);
                 if planes.iter().all(|(n, height)| n.dot(p) <= height + BEHIND) {
-                    // Ordered by their bits: any order will do that is always the same.
+                    // Sorted by their bits: any fixed order will do.
                     vertices.insert((center + p * half).to_array().map(|c| (c as f32 + 0.0).to_bits()));
                 }
             }
@@ -102,7 +113,7 @@ fn polytope(positions: &[DVec3], margin: f64) -> Vec<[f32; 3]> {
     vertices.into_iter().map(|bits| bits.map(f32::from_bits)).collect()
 }
 
-/// Whether the hull of `outer` is a solid that holds every one of `positions`: exact.
+/// Whether the hull of `outer` is a solid that contains all `positions`. Exact.
 pub(crate) fn holds(outer: &[[f32; 3]], positions: &[DVec3]) -> bool {
     let points = PointSet {
         name: String::new(),
@@ -130,9 +141,10 @@ mod tests {
         hull::build(&PointSet { name: String::new(), positions, source_vertices, ..PointSet::default() }).unwrap()
     }
 
-    /// Containment is certified in `outer`; here by other means, and the polytope is close.
+    /// `outer` certifies containment itself. Support values check it independently here, and also
+    /// that the polytope is tight.
     #[test]
-    fn holds_the_hull_and_is_no_larger_than_its_box() {
+    fn contains_the_hull_and_fits_its_box() {
         let mut rng = shapes::rng::SplitMix64::new(5);
         for family in Family::ALL {
             for far in [0.0_f32, 1000.0] {
@@ -161,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_has_fewer_corners_than_its_hull_and_more_than_a_box() {
+    fn a_ball_has_an_outer_hull_of_24_vertices() {
         let outer = outer(&build(Family::Sphere.points(2_000, 1)));
         assert_eq!(outer.len(), 24);
     }

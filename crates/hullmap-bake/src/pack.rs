@@ -1,4 +1,4 @@
-//! Baked hulls → the bytes of a pack.
+//! Pack writer: turns baked hulls into the bytes of a pack.
 
 use hullmap_format::{
     archive::{HullRecord, Pack, Span},
@@ -10,10 +10,12 @@ use rkyv::{rancor, util::AlignedVec};
 
 use crate::{BakeError, BakedHull, SourceRecord, bvh};
 
-/// The bytes of a pack that holds `hulls`: a function of the arguments alone.
+/// The bytes of a pack that contains `hulls`: a pure function of the arguments.
 ///
 /// # Errors
-/// No hulls, hulls of different frames, or more than 32-bit offsets reach (2 GiB).
+/// - [`BakeError::Empty`] if there are no hulls.
+/// - [`BakeError::Origins`] if the hulls have different origins.
+/// - [`BakeError::PackTooLarge`] if the pack exceeds 2 GiB.
 pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     if hulls.is_empty() {
         return Err(BakeError::Empty);
@@ -70,7 +72,7 @@ pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>,
     Ok([&header.to_bytes()[..], &payload].concat())
 }
 
-/// Where every section ends so far.
+/// Current end of every section.
 fn end_of(pack: &Pack) -> Result<Span, BakeError> {
     let at = |len: usize| u32::try_from(len).map_err(|_| BakeError::PackTooLarge);
     Ok(Span {
@@ -107,14 +109,14 @@ fn record(baked: &BakedHull, max_neighbours: u32) -> HullRecord {
         bounds_min: component(f32::min),
         bounds_max: component(f32::max),
         rank: hull.rank,
-        index_kind: index.kind,
-        resolution: index.resolution,
-        leaf_blocks: index.leaf_blocks,
+        index_kind: index.kind.code(),
+        resolution: index.kind.resolution(),
+        leaf_blocks: index.kind.leaf_blocks(),
         max_neighbours,
         max_nodes: index.cost.nodes,
         max_dots: index.cost.dots,
         source_points: baked.point_count as u32,
-        // The tree tells.
+        // Set by `bvh::build`.
         leaf: 0,
         part: baked.part,
     }

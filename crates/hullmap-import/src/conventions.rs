@@ -1,105 +1,111 @@
-//! Names by which artists mark collision parts, for `--split auto`.
+//! Naming conventions for collision parts, used by `--split auto`.
 //!
-//! | from | name | taken as |
+//! | tool | name | treated as |
 //! |---|---|---|
-//! | Unreal | `UCX_<mesh>`, `UBX_`, `USP_`, `UCP_`, each perhaps with `_<nn>` | a part; a box, sphere or capsule is taken by its vertices |
-//! | Godot | `<name>-convcolonly`, `<name>-convcol` | a part; the second is drawn too |
-//! | Godot | `<name>-colonly`, `<name>-col` | a part, with a warning: Godot takes its triangles, not its hull |
-//! | CoACD, V-HACD | every object is called `convex_<n>` | a part each |
+//! | Unreal | `UCX_<mesh>`, `UCX_<mesh>_<nn>` | a part |
+//! | Unreal | the same with `UBX_`, `USP_`, `UCP_` | a part: the hull of a box, sphere or capsule |
+//! | Godot | `<name>-convcolonly`, `<name>-convcol` | a part; the second is also rendered |
+//! | Godot | `<name>-colonly`, `<name>-col` | a part, with a warning: Godot uses the triangles |
+//! | CoACD, V-HACD | `convex_<n>` for every object | a part each |
 //!
-//! What is no part is a render mesh, and left out. A file without any of these names is not cut.
+//! Other objects are render meshes and are left out. A file without any of these names is not
+//! split.
 //!
-//! Godot takes `-`, `_` or `$` before its suffixes, in capitals or not, and ignores digits, blanks, `_` and `.` behind
-//! them, since modellers number copies. Unreal's prefixes are in capitals.
+//! Godot accepts `-`, `_` or `$` before its suffixes and ignores their case. It ignores digits,
+//! blanks, `_` and `.` behind them, since modelling tools number copies. Unreal's prefixes are
+//! upper case.
 //!
 //! # Reference
-//! Unreal Engine, "FBX Static Mesh Pipeline"; Godot Engine, "Node type customization using name suffixes"; CoACD's
-//! `SaveOBJ`.
+//! Unreal Engine, "FBX Static Mesh Pipeline"; Godot Engine, "Node type customization using name
+//! suffixes"; CoACD's `SaveOBJ`.
 
-/// Which convention makes a name that of a collision part.
+use crate::fault::excerpt;
+
+/// Convention that a collision part's name follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Part {
+enum PartName {
     /// Unreal's `UCX_`: convex.
     UnrealConvex,
-    /// Unreal's `UBX_`, `USP_`, `UCP_`: a shape that Unreal makes again from its bounds.
+    /// Unreal's `UBX_`, `USP_`, `UCP_`: a shape that Unreal rebuilds from its bounds.
     UnrealShape,
     /// Godot's `-convcol` and `-convcolonly`.
     GodotConvex,
-    /// Godot's `-col` and `-colonly`: triangles.
+    /// Godot's `-col` and `-colonly`: triangle meshes.
     GodotTriangles,
 }
 
-/// Which objects of a file are collision parts.
+/// Collision parts among the objects of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Selection {
-    /// For each name whether it is a part's.
+    /// For each name whether it is the name of a part.
     pub is_part: Vec<bool>,
-    /// What was recognised.
+    /// Conventions that were recognised, a sentence each.
     pub notes: Vec<String>,
-    /// What may not be what the artist meant.
+    /// Warnings about names with another meaning elsewhere, a sentence each.
     pub warnings: Vec<String>,
 }
 
-/// Recognises the collision parts among objects with these names; `None` where there are none.
+/// Selects the collision parts among objects with these names. Returns `None` if there are none.
 pub fn select(names: &[&str]) -> Option<Selection> {
-    if !names.is_empty() && names.iter().all(|name| is_of_decomposition(name)) {
+    if !names.is_empty() && names.iter().all(|name| is_convex_n(name)) {
         let notes = vec![format!("parts of a convex decomposition (convex_<n>), one hull each: {}", names.len())];
         return Some(Selection { is_part: vec![true; names.len()], notes, warnings: Vec::new() });
     }
-    let parts: Vec<Option<Part>> = names.iter().map(|name| part(name)).collect();
-    let count = |kinds: &[Part]| parts.iter().flatten().filter(|part| kinds.contains(part)).count();
+    let parts: Vec<Option<PartName>> = names.iter().map(|name| part(name)).collect();
+    let count = |kinds: &[PartName]| parts.iter().flatten().filter(|part| kinds.contains(part)).count();
     let mut notes = Vec::new();
-    let unreal = count(&[Part::UnrealConvex, Part::UnrealShape]);
-    let godot = count(&[Part::GodotConvex, Part::GodotTriangles]);
+    let unreal = count(&[PartName::UnrealConvex, PartName::UnrealShape]);
+    let godot = count(&[PartName::GodotConvex, PartName::GodotTriangles]);
     if unreal + godot == 0 {
         return None;
     }
     if unreal > 0 {
-        notes.push(format!("collision parts by Unreal's names (UCX_, UBX_, USP_, UCP_), one hull each: {unreal}"));
+        notes.push(format!("collision parts named as in Unreal (UCX_, UBX_, USP_, UCP_), one hull each: {unreal}"));
     }
     if godot > 0 {
-        notes.push(format!("collision parts by Godot's names (-convcol, -convcolonly, …), one hull each: {godot}"));
+        notes.push(format!("collision parts named as in Godot (-convcol, -convcolonly, …), one hull each: {godot}"));
     }
     if names.len() > unreal + godot {
-        notes.push(format!("objects that are no collision parts, left out: {}", names.len() - unreal - godot));
+        notes.push(format!("objects that are not collision parts, left out: {}", names.len() - unreal - godot));
     }
     let mut warnings = Vec::new();
-    let first = |kind: Part| names.iter().zip(&parts).find(|(_, part)| **part == Some(kind)).map(|(name, _)| *name);
-    if let Some(name) = first(Part::GodotTriangles) {
+    let first = |kind: PartName| names.iter().zip(&parts).find(|(_, part)| **part == Some(kind)).map(|(name, _)| *name);
+    if let Some(name) = first(PartName::GodotTriangles) {
         warnings.push(format!(
-            "object {name}: Godot collides with the triangles of -col and -colonly; here it gets its convex hull: name it -convcolonly where that is meant, or use --decompose"
+            "object {}: Godot collides with the triangles of -col and -colonly, but this pack has its convex hull; rename it to -convcolonly, or use --decompose",
+            excerpt(name)
         ));
     }
     if let Some(name) =
-        names.iter().zip(&parts).find(|(name, part)| **part == Some(Part::UnrealShape) && !name.starts_with("UBX_"))
+        names.iter().zip(&parts).find(|(name, part)| **part == Some(PartName::UnrealShape) && !name.starts_with("UBX_"))
     {
         let name = name.0;
-        notes.push(format!("object {name}: a sphere or capsule, taken as the hull of its vertices"));
+        notes.push(format!("object {}: a sphere or capsule, treated as the hull of its vertices", excerpt(name)));
     }
     Some(Selection { is_part: parts.iter().map(Option::is_some).collect(), notes, warnings })
 }
 
-/// `convex_<n>`, the only names that CoACD and V-HACD's examples give.
-fn is_of_decomposition(name: &str) -> bool {
+/// Whether a name has the form `convex_<n>`, as CoACD and the examples of V-HACD write it.
+fn is_convex_n(name: &str) -> bool {
     name.strip_prefix("convex_").is_some_and(|rest| !rest.is_empty() && rest.bytes().all(|b| b.is_ascii_digit()))
 }
 
-fn part(name: &str) -> Option<Part> {
+fn part(name: &str) -> Option<PartName> {
     if name.len() > "UCX_".len() {
         if name.starts_with("UCX_") {
-            return Some(Part::UnrealConvex);
+            return Some(PartName::UnrealConvex);
         }
         if ["UBX_", "USP_", "UCP_"].iter().any(|prefix| name.starts_with(prefix)) {
-            return Some(Part::UnrealShape);
+            return Some(PartName::UnrealShape);
         }
     }
     let bare = name.trim_end_matches(|c: char| c.is_ascii_digit() || c.is_whitespace() || c == '_' || c == '.');
     let bare = bare.to_lowercase();
     let ends_with = |suffix: &str| bare.strip_suffix(suffix).is_some_and(|rest| rest.ends_with(['-', '_', '$']));
     if ends_with("convcolonly") || ends_with("convcol") {
-        return Some(Part::GodotConvex);
+        return Some(PartName::GodotConvex);
     }
-    (ends_with("colonly") || ends_with("col")).then_some(Part::GodotTriangles)
+    (ends_with("colonly") || ends_with("col")).then_some(PartName::GodotTriangles)
 }
 
 #[cfg(test)]
@@ -107,9 +113,8 @@ mod tests {
     use super::*;
 
     fn parts(names: &[&str]) -> Option<Vec<usize>> {
-        let selection = select(names)?;
-        let numbered = selection.is_part.iter().enumerate();
-        Some(numbered.filter(|(_, is)| **is).map(|(number, _)| number).collect())
+        let is_part = select(names)?.is_part;
+        Some((0..is_part.len()).filter(|&index| is_part[index]).collect())
     }
 
     #[test]

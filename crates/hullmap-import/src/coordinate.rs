@@ -1,16 +1,23 @@
-//! Coordinates in text, or why they are none.
+//! Coordinates in text formats (OBJ, STL, PLY), parsed and checked.
+
+use std::fmt::Display;
+use std::ops::Div;
+use std::str::FromStr;
 
 use crate::fault::{Fault, excerpt};
 
-/// A floating-point type that coordinates are read as.
-pub trait Coordinate: std::str::FromStr + Copy {
-    /// Whether it is neither infinite nor NaN.
+/// A floating-point type of coordinates.
+pub trait Coordinate: FromStr + Copy + Display + PartialEq + Div<Output = Self> + Send {
+    /// Positive zero.
+    const ZERO: Self;
+    /// Whether the value is neither infinite nor NaN.
     fn is_finite(self) -> bool;
-    /// Whether it is NaN.
+    /// Whether the value is NaN.
     fn is_nan(self) -> bool;
 }
 
 impl Coordinate for f32 {
+    const ZERO: f32 = 0.0;
     fn is_finite(self) -> bool {
         self.is_finite()
     }
@@ -20,6 +27,7 @@ impl Coordinate for f32 {
 }
 
 impl Coordinate for f64 {
+    const ZERO: f64 = 0.0;
     fn is_finite(self) -> bool {
         self.is_finite()
     }
@@ -28,7 +36,10 @@ impl Coordinate for f64 {
     }
 }
 
-/// A coordinate, rounded to the nearest, or why it is none.
+/// Parses a coordinate and rounds it to the nearest `T`.
+///
+/// # Errors
+/// The word is not a number, is NaN or infinite, or is too large for `T`.
 pub fn parse_coordinate<T: Coordinate>(word: &str) -> Result<T, Fault> {
     let text = || excerpt(word);
     match word.parse::<T>() {

@@ -1,29 +1,36 @@
-//! Polygons cut into triangles, concave ones by ears (Meisters, "Polygons have ears", 1975).
+//! Ear clipping: triangulation of polygons, convex or not.
 //!
-//! 1. A polygon is seen along the axis along which its projection is largest; so no coordinate changes.
-//! 2. A convex one becomes a fan from its first corner.
-//! 3. Of any other, a corner is cut off whose triangle holds none of the corners at which the outline turns right or goes on
-//!    straight, and the search goes on two corners further. Those obstacles stand in a tree that is halved along one axis, then
-//!    the other.
-//! 4. Where no corner can be cut, as where an outline crosses itself, what is left becomes a fan: the signed area is right, the
-//!    triangles overlap.
+//! 1. Project the polygon along the axis that gives the largest projection. This changes no
+//!    coordinate.
+//! 2. A convex polygon becomes a fan from its first corner.
+//! 3. Otherwise clip an ear: a corner whose triangle contains no reflex or straight corner.
+//!    Continue two corners further. The reflex and straight corners (the obstacles) are stored in a
+//!    k-d tree.
+//! 4. If no ear exists, for instance because the outline crosses itself, the rest becomes a fan.
+//!    Its signed area is correct, but its triangles overlap.
 //!
-//! Turns are exact, so that a polygon far from the origin, or thin, is cut like any other.
+//! Orientation tests are exact, so distant and thin polygons need no special care.
+//!
+//! # Reference
+//! G. H. Meisters, "Polygons have ears" (1975); J. R. Shewchuk, "Adaptive precision floating-point
+//! arithmetic and fast robust geometric predicates" (1997), for the orientation test.
 
 use std::ops::Range;
 
 use robust::{Coord, orient2d};
 
-/// Looks at obstacles, for each corner, until a polygon becomes a fan: so a polygon of any size takes a few microseconds a corner
-/// at most. Only tangles come near it.
-const LOOKS_A_CORNER: usize = 1024;
+/// Maximum number of obstacle tests, as a multiple of the number of corners. Then the rest of the
+/// polygon becomes a fan. This bounds the time to some microseconds a corner. Only
+/// self-intersecting polygons come near the limit.
+const TESTS_A_CORNER: usize = 1024;
 
-/// Adds the triangles of a polygon: two fewer than it has corners, with its winding. Fewer than three corners have none.
+/// Appends the triangles of a polygon to `out`: two fewer than its corners, with its winding. A
+/// polygon of fewer than three corners has no triangles.
 ///
 /// # Complexity
-/// O(corners) for convex ones, else O(corners · obstacles), and never more than a constant for each corner but for
-/// the tree's O(obstacles · log obstacles).
-#[expect(clippy::indexing_slicing, reason = "places modulo the number of corners, of which there are as many points")]
+/// O(corners) for convex polygons. Otherwise O(obstacles · log obstacles) for the tree, and at most
+/// [`TESTS_A_CORNER`] tests a corner.
+#[expect(clippy::indexing_slicing, reason = "indices modulo the number of corners, and `flat` is as long as `corners`")]
 pub fn triangulate(corners: &[u32], points: &[[f32; 3]], out: &mut Vec<[u32; 3]>) {
     if let [a, b, c] = *corners {
         out.push([a, b, c]);
@@ -34,7 +41,7 @@ pub fn triangulate(corners: &[u32], points: &[[f32; 3]], out: &mut Vec<[u32; 3]>
     if (0..count).all(|i| turn(flat[(i + count - 1) % count], flat[i], flat[(i + 1) % count]) >= 0.0) {
         fan(corners.iter().copied(), out);
     } else {
-        Outline::new(&flat).cut(corners, out);
+        Outline::new(&flat).clip(corners, out);
     }
 }
 
@@ -47,24 +54,24 @@ fn fan(mut corners: impl Iterator<Item = u32>, out: &mut Vec<[u32; 3]>) {
     }
 }
 
-/// What is left of an outline, counter-clockwise.
+/// The part of an outline that is not clipped yet, counter-clockwise.
 struct Outline<'a> {
     flat: &'a [[f64; 2]],
     next: Vec<usize>,
     previous: Vec<usize>,
-    /// Corners that may lie in the way: they turn right or go on straight.
+    /// For each corner whether it is an obstacle: reflex or straight, and not clipped.
     is_obstacle: Vec<bool>,
-    /// The corners that were obstacles at first, as [`halve`] orders them. None becomes one later: each cut makes two corners
-    /// sharper.
+    /// Corners that were obstacles initially, as a k-d tree, see [`build_tree`]. No corner becomes
+    /// an obstacle later, since clipping an ear only reduces the angles of its neighbours.
     obstacles: Vec<usize>,
-    /// Looks at obstacles that are left.
-    looks: usize,
+    /// Number of obstacle tests left.
+    tests_left: usize,
 }
 
 #[expect(
     clippy::indexing_slicing,
-    reason = "places are those of corners, and all lists but `obstacles` have one entry a corner; a part of the tree that is not \
-              empty has a middle; axes are 0 and 1"
+    reason = "indices are those of corners, and all lists but `obstacles` have one entry a corner; a subtree that is \
+              not empty has a middle; axes are 0 and 1"
 )]
 impl<'a> Outline<'a> {
     fn new(flat: &'a [[f64; 2]]) -> Self {
@@ -75,11 +82,11 @@ impl<'a> Outline<'a> {
             previous: (0..count).map(|i| (i + count - 1) % count).collect(),
             is_obstacle: Vec::new(),
             obstacles: Vec::new(),
-            looks: LOOKS_A_CORNER * count,
+            tests_left: TESTS_A_CORNER * count,
         };
         outline.is_obstacle = (0..count).map(|corner| !outline.turns_left(corner)).collect();
         outline.obstacles = (0..count).filter(|corner| outline.is_obstacle[*corner]).collect();
-        halve(&mut outline.obstacles, 0, flat);
+        build_tree(&mut outline.obstacles, 0, flat);
         outline
     }
 
@@ -91,78 +98,87 @@ impl<'a> Outline<'a> {
         self.turn_at(corner) > 0.0
     }
 
-    fn cut(mut self, corners: &[u32], out: &mut Vec<[u32; 3]>) {
+    fn clip(mut self, corners: &[u32], out: &mut Vec<[u32; 3]>) {
         let (mut at, mut left) = (0, corners.len());
-        // Corners that were seen since the last cut; a corner that goes on straight is cut where no other can be, for its triangle
-        // has no area.
-        let (mut seen, mut takes_straight) = (0, false);
-        while left > 3 && self.looks > 0 {
-            let is_ear = if takes_straight { self.turn_at(at) == 0.0 } else { self.is_ear(at) };
+        // Number of corners visited since the last ear. If there is no ear, a straight corner is
+        // clipped: its triangle has no area.
+        let (mut visited, mut clips_straight) = (0, false);
+        while left > 3 && self.tests_left > 0 {
+            let is_ear = if clips_straight { self.turn_at(at) == 0.0 } else { self.is_ear(at) };
             if is_ear {
                 let [a, c] = [self.previous[at], self.next[at]];
-                out.push([a, at, c].map(|place| corners[place]));
+                out.push([a, at, c].map(|corner| corners[corner]));
                 (self.next[a], self.previous[c]) = (c, a);
                 for corner in [a, c] {
                     self.is_obstacle[corner] &= !self.turns_left(corner);
                 }
                 self.is_obstacle[at] = false;
-                (at, left, seen, takes_straight) = (self.next[c], left - 1, 0, false);
+                (at, left, visited, clips_straight) = (self.next[c], left - 1, 0, false);
                 continue;
             }
-            (at, seen) = (self.next[at], seen + 1);
-            if seen == left {
-                if takes_straight {
+            (at, visited) = (self.next[at], visited + 1);
+            if visited == left {
+                if clips_straight {
                     break;
                 }
-                (seen, takes_straight) = (0, true);
+                (visited, clips_straight) = (0, true);
             }
         }
         let rest = std::iter::successors(Some(at), |corner| Some(self.next[*corner])).take(left);
-        fan(rest.map(|place| corners[place]), out);
+        fan(rest.map(|corner| corners[corner]), out);
     }
 
-    /// Whether the triangle at a corner is inside, and nothing of the outline in it.
+    /// Whether a corner is an ear: its triangle lies inside the outline and contains no obstacle.
     fn is_ear(&mut self, corner: usize) -> bool {
-        self.looks = self.looks.saturating_sub(1);
+        self.tests_left = self.tests_left.saturating_sub(1);
         if self.is_obstacle[corner] || !self.turns_left(corner) {
             return false;
         }
-        let triangle = [self.previous[corner], corner, self.next[corner]].map(|place| self.flat[place]);
+        let triangle = [self.previous[corner], corner, self.next[corner]].map(|corner| self.flat[corner]);
         let bounds =
             [f64::min, f64::max].map(|pick| [0, 1].map(|axis| triangle.map(|p| p[axis]).into_iter().reduce(pick)));
         let [Some(low), Some(high)] = bounds.map(|[x, y]| x.zip(y).map(|(x, y)| [x, y])) else { return false };
-        !self.is_held(0..self.obstacles.len(), 0, &triangle, [low, high])
+        !self.has_obstacle(0..self.obstacles.len(), 0, &triangle, [low, high])
     }
 
-    /// Whether a triangle with these bounds holds any obstacle of a part of the tree, which is halved along `axis`.
-    fn is_held(&mut self, part: Range<usize>, axis: usize, triangle: &[[f64; 2]; 3], bounds: [[f64; 2]; 2]) -> bool {
+    /// Whether a triangle with these bounds contains an obstacle of a subtree, whose root splits
+    /// along `axis`.
+    fn has_obstacle(
+        &mut self,
+        part: Range<usize>,
+        axis: usize,
+        triangle: &[[f64; 2]; 3],
+        bounds: [[f64; 2]; 2],
+    ) -> bool {
         if part.is_empty() {
             return false;
         }
-        self.looks = self.looks.saturating_sub(1);
+        self.tests_left = self.tests_left.saturating_sub(1);
         let middle = middle(&part);
-        let place = self.obstacles[middle];
-        let (p, [low, high]) = (self.flat[place], bounds);
+        let obstacle = self.obstacles[middle];
+        let (p, [low, high]) = (self.flat[obstacle], bounds);
         let [a, b, c] = *triangle;
-        // A corner in the same place, where an outline touches itself, is no obstacle.
-        let holds =
+        // A corner at the position of a triangle corner, where an outline touches itself, is not an
+        // obstacle.
+        let contains =
             || turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0 && p != a && p != b && p != c;
         let is_near = (0..2).all(|axis| low[axis] <= p[axis] && p[axis] <= high[axis]);
-        is_near && self.is_obstacle[place] && holds()
-            || low[axis] <= p[axis] && self.is_held(part.start..middle, 1 - axis, triangle, bounds)
-            || high[axis] >= p[axis] && self.is_held(middle + 1..part.end, 1 - axis, triangle, bounds)
+        is_near && self.is_obstacle[obstacle] && contains()
+            || low[axis] <= p[axis] && self.has_obstacle(part.start..middle, 1 - axis, triangle, bounds)
+            || high[axis] >= p[axis] && self.has_obstacle(middle + 1..part.end, 1 - axis, triangle, bounds)
     }
 }
 
-/// Orders corners as a tree of two dimensions: the middle one halves the others along `axis`, and so on in each half.
-#[expect(clippy::indexing_slicing, reason = "`corners` are places in `flat`, and axes are 0 and 1")]
-fn halve(corners: &mut [usize], axis: usize, flat: &[[f64; 2]]) {
+/// Orders corners as a k-d tree: the middle one splits the others along `axis`, and each half
+/// alternates the axis.
+#[expect(clippy::indexing_slicing, reason = "`corners` are indices into `flat`, and axes are 0 and 1")]
+fn build_tree(corners: &mut [usize], axis: usize, flat: &[[f64; 2]]) {
     if corners.len() > 1 {
         let middle = middle(&(0..corners.len()));
         let by_axis = |a: &usize, b: &usize| flat[*a][axis].total_cmp(&flat[*b][axis]).then(a.cmp(b));
         let (below, _, above) = corners.select_nth_unstable_by(middle, by_axis);
-        halve(below, 1 - axis, flat);
-        halve(above, 1 - axis, flat);
+        build_tree(below, 1 - axis, flat);
+        build_tree(above, 1 - axis, flat);
     }
 }
 
@@ -170,11 +186,12 @@ fn middle(part: &Range<usize>) -> usize {
     part.start + part.len() / 2
 }
 
-/// The corners in the plane of two axes in which the polygon is largest, counter-clockwise.
-#[expect(clippy::indexing_slicing, reason = "places modulo the number of corners, which are points; axes modulo 3")]
+/// The corners projected along an axis such that the polygon has its largest area,
+/// counter-clockwise.
+#[expect(clippy::indexing_slicing, reason = "indices modulo the number of corners, which index points; axes modulo 3")]
 fn flattened(corners: &[u32], points: &[[f32; 3]]) -> Vec<[f64; 2]> {
     let at = |i: usize| points[corners[i % corners.len()] as usize].map(f64::from);
-    // Newell's normal, from the first corner, so that one far from the origin loses no digits.
+    // Newell's normal, relative to the first corner, so that a distant polygon loses no precision.
     let mut normal = [0.0; 3];
     for i in 0..corners.len() {
         let [a, b] = [at(i), at(i + 1)].map(|p| [0, 1, 2].map(|axis| p[axis] - at(0)[axis]));
@@ -189,7 +206,7 @@ fn flattened(corners: &[u32], points: &[[f32; 3]]) -> Vec<[f64; 2]> {
     (0..corners.len()).map(at).map(|p| [p[u] * sign, p[v]]).collect()
 }
 
-/// Positive where a path turns left, 0 where it goes on straight or back: the sign is exact.
+/// Positive if the path a, b, c turns left, negative if right, 0 if straight. The sign is exact.
 fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     let [a, b, c] = [a, b, c].map(|[x, y]| Coord { x, y });
     orient2d(a, b, c)
@@ -205,13 +222,13 @@ mod tests {
         triangles
     }
 
-    /// Sum of the triangles' areas, whatever their winding, in f64.
+    /// Sum of the areas of triangles, regardless of winding.
     fn area(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> f64 {
         let at = |corner: u32| glam::Vec3::from_array(points[corner as usize]).as_dvec3();
         triangles.iter().map(|&[a, b, c]| (at(b) - at(a)).cross(at(c) - at(a)).length() / 2.0).sum()
     }
 
-    /// The area of a simple polygon in a plane, from its outline alone.
+    /// Area of a simple planar polygon, computed from its outline.
     fn true_area(points: &[[f32; 3]]) -> f64 {
         let at = |i: usize| {
             glam::Vec3::from_array(points[i % points.len()]).as_dvec3() - glam::Vec3::from_array(points[0]).as_dvec3()
@@ -219,7 +236,8 @@ mod tests {
         (0..points.len()).map(|i| at(i).cross(at(i + 1))).sum::<glam::DVec3>().length() / 2.0
     }
 
-    /// Asserts that the triangles lie side by side: as many as must be, with the outline's area.
+    /// Asserts that the triangles cover the polygon without overlap: their count and total area are
+    /// right.
     #[track_caller]
     fn assert_covers(outline: &[[f32; 3]], what: &str) {
         let triangles = cut(outline);
@@ -238,7 +256,7 @@ mod tests {
         (0..2 * points).map(corner).collect()
     }
 
-    /// A fan from its first corner would cover more than the area.
+    /// A fan from the first corner would cover more than the area.
     #[test]
     fn concave_polygons_keep_their_area() {
         for (points, mirror) in [(5, 1.0), (5, -1.0), (40, 1.0), (2_000, 1.0)] {
@@ -246,9 +264,9 @@ mod tests {
         }
     }
 
-    /// Far away, coordinates are coarse and corners fall together; differences of them are exact all the same.
+    /// At a distance coordinates are coarse and corners coincide, but their differences are exact.
     #[test]
-    fn far_from_the_origin_nothing_is_lost() {
+    fn distant_polygons_are_covered() {
         for middle in [1e3, -1e5, 1e6] {
             assert_covers(&star(7, 1.0, middle), &format!("{middle}"));
         }
@@ -259,9 +277,9 @@ mod tests {
         }
     }
 
-    /// Combs, spirals, steps, and a square with a hole that a doubled edge leads to.
+    /// Combs, spirals, steps, and a square with a hole connected by a bridge edge.
     #[test]
-    fn outlines_of_all_kinds_are_covered() {
+    fn combs_spirals_steps_and_holes_are_covered() {
         let comb = |teeth: usize| {
             let mut outline = vec![[teeth as f32, 0.0, 0.0], [teeth as f32, 5.0, 0.0]];
             outline.extend((0..2 * teeth).rev().map(|i| [i as f32 / 2.0, if i % 2 == 0 { 5.0 } else { 1.0 }, 0.0]));
@@ -288,7 +306,7 @@ mod tests {
         assert_covers(&straight.map(|(x, y)| [x as f32, y as f32, 2.0]), "straight corners");
     }
 
-    /// Random outlines around a middle that sees all of them.
+    /// Random star-shaped outlines.
     #[test]
     fn random_outlines_are_covered() {
         let seed = 5;
@@ -307,10 +325,10 @@ mod tests {
             let fan: Vec<[u32; 3]> = (2..count as u32).map(|i| [0, i - 1, i]).collect();
             concave += usize::from(area(&outline, &fan) > 1.001 * true_area(&outline));
         }
-        assert!(concave > 200, "{concave} that a fan would not cover");
+        assert!(concave > 200, "only {concave} outlines are concave");
     }
 
-    /// A star, and a line that crosses itself everywhere: as many triangles as ever, soon.
+    /// A large star, and a polygon that crosses itself everywhere.
     #[test]
     fn huge_polygons_take_bounded_time() {
         let start = std::time::Instant::now();
@@ -326,7 +344,7 @@ mod tests {
     }
 
     #[test]
-    fn odd_polygons_do_not_trip_it() {
+    fn degenerate_polygons_have_the_right_number_of_triangles() {
         let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.5, 0.0, 0.0], [1.0, 1.0, 0.0]];
         for corners in [&[0, 0, 0, 0][..], &[0, 1, 2, 1], &[0, 1], &[3], &[], &[0, 3, 1, 2, 2, 0, 3]] {
             let mut triangles = Vec::new();

@@ -1,10 +1,27 @@
-//! Points so far from the origin that f32 costs them digits: a ratio, so that nothing changes where a mesh is scaled.
+//! Warning about points so far from the origin that `f32` costs them precision.
+//!
+//! The test compares a ratio of lengths, so that it does not depend on the scale of the mesh.
 
-/// Distance from the origin, in sizes of the set, beyond which precision is lost: f32 then steps by more than 6e-5 of
-/// the size, four digits.
+use crate::fault::excerpt;
+
+/// Largest coordinate, relative to the extent of the set, above which the warning is given: the
+/// spacing of `f32` is then more than 6e-5 of the extent, which leaves about four digits.
 const FAR: f64 = 1000.0;
 
-/// Warns of points whose distance from the origin costs them digits.
+/// Warning about a point set whose distance from the origin costs it precision, or `None`.
+///
+/// `name` is the name of the object, for the message. Positions are in the frame of the hull.
+///
+/// ```
+/// use hullmap_import::far_away;
+///
+/// let at = |x: f32| [[x, 0.0, 0.0], [x + 1.0, 1.0, 0.0]];
+/// assert_eq!(far_away("crate", &at(10.0)), None);
+/// assert!(far_away("crate", &at(1e6)).unwrap().contains("--recentre"));
+/// ```
+///
+/// # Complexity
+/// O(points).
 pub fn far_away(name: &str, positions: &[[f32; 3]]) -> Option<String> {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for position in positions {
@@ -15,16 +32,18 @@ pub fn far_away(name: &str, positions: &[[f32; 3]]) -> Option<String> {
     }
     let size = low.iter().zip(high).map(|(low, high)| high - low).fold(0.0, f64::max);
     let far = low.iter().zip(high).map(|(low, high)| low.abs().max(high.abs())).fold(0.0, f64::max);
-    // A single point has no size to lose digits of, but several that came out as one may have lost all.
+    // One point has no extent to lose precision of. Several that coincide may have lost all of it.
     if size == 0.0 && positions.len() > 1 && far > 0.0 {
         return Some(format!(
-            "object {name}: its {} points have the same 32-bit coordinates, {far:.3e} from the origin; if they differ in the file, --recentre keeps them apart",
+            "object {}: all {} points have the same 32-bit coordinates, {far:.3e} from the origin; if they differ in the file, use --recentre",
+            excerpt(name),
             positions.len()
         ));
     }
     (size > 0.0 && far > FAR * size).then(|| {
         format!(
-            "object {name}: {far:.3e} from the origin, with a size of {size:.3e}, so that 32-bit coordinates step by {:.1e} of the size; --recentre keeps the file's digits",
+            "object {}: {far:.3e} from the origin with an extent of {size:.3e}, so 32-bit coordinates have a spacing of {:.1e} of the extent; --recentre keeps the precision of the file",
+            excerpt(name),
             far * f64::from(f32::EPSILON) / size
         )
     })
@@ -35,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn far_is_far_at_any_scale() {
+    fn the_warning_does_not_depend_on_scale() {
         for scale in [1e-20, 1e-3, 1.0, 1e3, 1e20] {
             let at = |x: f32| [[x * scale, 0.0, 0.0], [(x + 1.0) * scale, scale, 0.0]];
             assert_eq!(far_away("a", &at(-500.0)), None, "{scale}");

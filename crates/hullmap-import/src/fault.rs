@@ -1,13 +1,16 @@
-//! What can be wrong with a source file, said so that its author can mend it.
+//! Import errors: what is wrong with a source file, where, and what to do about it.
 
 use std::fmt;
 
-/// Why a source file was not imported: where and what.
+/// Error of an import: where the file is faulty, and how.
+///
+/// Displayed as `file:line: fault`, or `file: fault` where the fault has no line.
 #[derive(Debug)]
 pub struct ImportError {
-    /// The file as the user named it.
+    /// Name of the file, as the caller gave it.
     pub file: String,
-    /// One-based line; of a continued line the first. `None` where the whole file is meant.
+    /// One-based line number; the first line of a continued one. `None` if the fault is of the
+    /// whole file.
     pub line: Option<usize>,
     /// What was found, what was expected, and the remedy.
     pub fault: Fault,
@@ -24,7 +27,7 @@ impl fmt::Display for ImportError {
 
 impl std::error::Error for ImportError {}
 
-/// A [`Fault`] and the one-based line it was found at.
+/// A [`Fault`] and the line at which it was found.
 #[derive(Debug)]
 pub struct LineFault {
     /// See [`ImportError::line`].
@@ -36,24 +39,26 @@ pub struct LineFault {
 /// What is wrong with a source file.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum Fault {
-    /// What the other formats can have wrong with them, in full.
+    /// A fault without a variant of its own: the whole message.
     #[error("{0}")]
     Format(String),
-    /// A coordinate that leaves f32 when it is scaled or moved.
-    #[error("vertex {vertex} is at {coordinate:e} {after}, too large for 32-bit floats (limit 3.4e38); {remedy}")]
+    /// A coordinate that exceeds the range of `f32` after scaling or transforming.
+    #[error(
+        "vertex {vertex} has the coordinate {coordinate:e} {after}, too large for 32-bit floats (limit 3.4e38); {remedy}"
+    )]
     Unplaceable {
-        /// Zero-based number.
+        /// Zero-based index.
         vertex: u32,
         /// The coordinate.
         coordinate: f64,
-        /// What was done to it.
+        /// Step after which it has that value.
         after: &'static str,
-        /// What to do.
+        /// Suggested remedy.
         remedy: &'static str,
     },
-    /// More objects than the limit, in a file that is to be cut at them.
+    /// More objects than the limit, in a file to be split by object.
     #[error(
-        "more than {limit} objects, each of which would become a hull; use --split none, split the file, or raise --max-objects"
+        "the file has more than {limit} objects, and each would become a hull; use --split none, split the file, or raise --max-objects"
     )]
     TooManyObjects {
         /// The limit.
@@ -65,112 +70,109 @@ pub enum Fault {
     /// A UTF-16 byte order mark.
     #[error("the file is UTF-16 text; OBJ is ASCII or UTF-8: save it again as UTF-8")]
     Utf16,
-    /// Not one `v` line.
+    /// No `v` line.
     #[error(
-        "no `v x y z` line found; a hull needs at least one point: is this an OBJ file, and did the export finish?"
+        "no `v x y z` line found, but a hull requires at least one point: check that this is an OBJ file and that the export finished"
     )]
     NoVertices,
-    /// More `v` lines than vertex numbers.
-    #[error("more than {} vertices; split the file", u32::MAX - 1)]
+    /// More vertices than `u32` can index.
+    #[error("the file has more than {} vertices; split it", u32::MAX - 1)]
     TooManyVertices,
-    /// More references than their places can be numbered.
-    #[error("more than {} corners; split the file", u32::MAX)]
+    /// More references than `u32` can index.
+    #[error("the file has more than {} face corners; split it", u32::MAX)]
     TooManyReferences,
     /// Fewer than three numbers after `v`.
     #[error(
-        "`v` has {found} of its 3 coordinates; expected `v x y z`: complete the line, or export the file again if it was cut off"
+        "`v` has {found} of 3 coordinates; expected `v x y z`: complete the line, or export the file again if it was cut off"
     )]
     TooFewCoordinates {
-        /// Numbers found.
+        /// Count found.
         found: usize,
     },
-    /// A number of numbers after `v` that has no meaning.
-    #[error("`v` has {found} numbers; expected 3 (x y z), 4 (x y z w) or 6 (x y z r g b): remove the others")]
+    /// Five numbers after `v`, or more than six.
+    #[error("`v` has {found} numbers; expected 3 (x y z), 4 (x y z w) or 6 (x y z r g b): correct the line")]
     CoordinateCount {
-        /// Numbers found.
+        /// Count found.
         found: usize,
     },
-    /// A coordinate that is no number.
-    #[error("coordinate `{text}` is not a number; expected one such as -1.5 or 2e-3{}", comma_hint(.text))]
+    /// A coordinate that cannot be parsed.
+    #[error("coordinate `{text}` is not a number; expected a form such as -1.5 or 2e-3{}", comma_hint(.text))]
     BadNumber {
         /// The word found.
         text: String,
     },
-    /// A coordinate that says NaN.
-    #[error(
-        "coordinate `{text}` is not a number (NaN); mend the mesh where it was made: degenerate geometry or a division by zero"
-    )]
+    /// A coordinate of NaN.
+    #[error("coordinate `{text}` is not a number (NaN); repair the mesh in its editor: look for degenerate geometry")]
     NotANumber {
         /// The word found.
         text: String,
     },
-    /// A coordinate that says infinity.
-    #[error("coordinate `{text}` is infinite; a hull needs finite points: mend or remove this vertex")]
+    /// A coordinate of infinity.
+    #[error("coordinate `{text}` is infinite, but a hull requires finite points: correct or remove this vertex")]
     Infinite {
         /// The word found.
         text: String,
     },
-    /// A coordinate that is finite in the text and too large for an `f32`.
+    /// A coordinate that is finite in the text, but too large for the floating-point type.
     #[error("coordinate `{text}` is too large for 32-bit floats (limit 3.4e38); scale the mesh down")]
     Overflow {
-        /// The word found, or the quotient of two.
+        /// The word found, or the quotient that overflows.
         text: String,
     },
     /// A fourth coordinate of zero, which puts the point at infinity.
-    #[error("the weight w of `v x y z w` is 0, which puts the point at infinity; use 1 or leave it out")]
+    #[error("the weight w of `v x y z w` is 0, which puts the point at infinity; use 1 or omit it")]
     ZeroWeight,
-    /// An `f`, `l` or `p` without anything behind it.
-    #[error("`{keyword}` names no vertices; complete or remove the line")]
+    /// An `f`, `l` or `p` line without references.
+    #[error("`{keyword}` references no vertices; complete or remove the line")]
     NoReferences {
         /// The element's keyword.
         keyword: String,
     },
-    /// A vertex reference that cannot be read.
-    #[error("`{text}` is not a vertex reference; expected forms such as 7, 7/1, 7//3, 7/1/3 or -1")]
+    /// A vertex reference that cannot be parsed.
+    #[error("`{text}` is not a vertex reference; expected a form such as 7, 7/1, 7//3, 7/1/3 or -1")]
     BadReference {
         /// The word found.
         text: String,
     },
-    /// Vertex number 0.
+    /// Vertex index 0.
     #[error(
-        "vertex number 0 in `{text}`; OBJ counts from 1, or from -1 backwards: was the file written with numbers from 0?"
+        "vertex index 0 in `{text}` is invalid: OBJ indices start at 1, or at -1 counting backwards; check whether the exporter wrote indices from 0"
     )]
     ZeroIndex {
         /// The word found.
         text: String,
     },
-    /// A positive vertex number above the number of `v` lines in the file.
+    /// A positive vertex index above the number of `v` lines in the file.
     #[error(
-        "vertex number {number} is out of range: the file has {count} vertices; was the file cut off or put together from parts?"
+        "vertex index {text} is out of range (the file has {}); check whether the file was cut off or joined from parts",
+        vertices(*.count)
     )]
     IndexTooLarge {
-        /// The number found.
-        number: u64,
-        /// Vertices in the whole file.
+        /// The index found.
+        text: String,
+        /// Number of vertices in the whole file.
         count: usize,
     },
-    /// A negative vertex number that reaches back before the first `v` line.
+    /// A negative vertex index that reaches back before the first `v` line.
     #[error(
-        "vertex number {text} is out of range: {declared} vertices stand above this line, so -{declared} is the lowest"
+        "vertex index {text} is out of range ({} above this line); a negative index counts back from its line",
+        vertices(*.declared)
     )]
     IndexBeforeFirst {
         /// The word found.
         text: String,
-        /// Vertices above the line.
+        /// Number of vertices above the line.
         declared: usize,
     },
-    /// tobj, the second reader, does not accept what the first one accepted.
-    #[error("the second reader (tobj) refuses the file: {0}; please report it with the file")]
+    /// tobj rejects coordinates in which the scan finds no fault.
+    #[error("the OBJ reader (tobj) rejects the vertices: {0}; this is a defect of hullmap: report it with the file")]
     Refused(tobj::LoadError),
-    /// The two readers came to different points.
-    #[error("two readers disagree: {0}; the points cannot be trusted: please report it with the file")]
-    Disagreement(String),
 }
 
-/// Longest excerpt of a faulty word in a message, in characters.
+/// Maximum length of a quoted word in a message, in characters.
 const EXCERPT_CHARS: usize = 40;
 
-/// The start of a faulty word, without control characters.
+/// Start of a word or name, short enough for a message and without control characters.
 pub fn excerpt(word: &str) -> String {
     let mut text: String =
         word.chars().take(4 * EXCERPT_CHARS).filter(|c| !c.is_control()).take(EXCERPT_CHARS).collect();
@@ -181,23 +183,29 @@ pub fn excerpt(word: &str) -> String {
 }
 
 impl Fault {
-    /// A fault of a format without variants of its own: what was found, what was expected, and the remedy.
+    /// A fault without a variant of its own. The text names what was found, what was expected, and
+    /// the remedy.
     pub fn format(text: impl Into<String>) -> Self {
         Self::Format(text.into())
     }
 
-    /// The fault at a one-based line.
+    /// This fault, found at a one-based line.
     pub fn at(self, line: usize) -> LineFault {
         LineFault { line: Some(line), fault: self }
     }
 
-    /// The fault of the whole file.
+    /// This fault, found in the file as a whole.
     pub fn of_file(self) -> LineFault {
         LineFault { line: None, fault: self }
     }
 }
 
-/// Decimal commas are the one malformed number with a remedy of its own.
+/// `1 vertex`, `2 vertices`.
+pub fn vertices(count: usize) -> String {
+    format!("{count} {}", if count == 1 { "vertex" } else { "vertices" })
+}
+
+/// Remedy for a malformed number. Decimal commas are the one case with a remedy of its own.
 fn comma_hint(text: &str) -> &'static str {
     if text.contains(',') { ": use a point, not a comma" } else { ": correct the line" }
 }

@@ -1,4 +1,4 @@
-//! Which format a file is in.
+//! Source formats, and how a file's format is recognised.
 
 use std::path::Path;
 
@@ -7,23 +7,23 @@ use std::path::Path;
 pub enum Format {
     /// Wavefront OBJ.
     Obj,
-    /// glTF, as text or GLB.
+    /// glTF 2.0, text or GLB.
     Gltf,
-    /// STL, as text or binary.
+    /// STL, text or binary.
     Stl,
-    /// PLY, as text or binary.
+    /// PLY, text or binary.
     Ply,
 }
 
-/// Extensions of source files, in lower case.
+/// File name extensions of source files, in lower case.
 pub const EXTENSIONS: [&str; 5] = ["obj", "gltf", "glb", "stl", "ply"];
 
 /// Names of the formats, for messages.
 pub const NAMES: &str = "OBJ, glTF, GLB, STL or PLY";
 
 impl Format {
-    /// The format that a file's extension says, in capitals or not; where it says none, that of its first bytes: `glTF`,
-    /// `ply`, else OBJ, which begins as it likes.
+    /// Format of a file, by its extension in any case. If the extension is unknown, the first bytes
+    /// decide: `glTF`, `ply`, or else OBJ, which has no signature.
     pub fn of(path: &Path, bytes: &[u8]) -> Self {
         Self::of_extension(path).unwrap_or(match bytes {
             [b'g', b'l', b'T', b'F', ..] => Self::Gltf,
@@ -44,12 +44,25 @@ impl Format {
     }
 }
 
-/// Whether a search of a folder takes this file: whether its extension is one of [`EXTENSIONS`], in capitals or not.
+/// Whether the extension of a file is one of [`EXTENSIONS`], in any case.
+///
+/// ```
+/// use std::path::Path;
+///
+/// assert!(hullmap_import::is_source(Path::new("meshes/crate.OBJ")));
+/// assert!(!hullmap_import::is_source(Path::new("meshes/crate.mtl")));
+/// ```
 pub fn is_source(path: &Path) -> bool {
     Format::of_extension(path).is_some()
 }
 
-/// Whether the extension is the one that glTF files give to the buffers beside them.
+/// Whether a file has the extension of glTF buffers, `.bin`, in any case.
+///
+/// ```
+/// use std::path::Path;
+///
+/// assert!(hullmap_import::is_buffer(Path::new("meshes/crate.bin")));
+/// ```
 pub fn is_buffer(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("bin"))
 }
@@ -59,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn extensions_first_then_bytes() {
+    fn the_extension_takes_precedence_over_the_bytes() {
         for (name, bytes, format) in [
             ("a.obj", &b"glTF"[..], Format::Obj),
             ("a.v2.GLB", b"", Format::Gltf),

@@ -1,19 +1,37 @@
-//! A source file's bytes to the point sets that hulls are built of, with the number of each point's vertex in the file.
+//! Import of OBJ, glTF, GLB, STL and PLY files: from the bytes of a file to the point sets of
+//! hulls.
 //!
-//! 1. [`read()`] takes the file, and the buffers beside a glTF file, into memory.
-//! 2. `obj`, `gltf`, `stl` or `ply` makes a `mesh` of it: vertices, elements, objects. `limits` bounds them.
-//! 3. `point_sets` chooses the points, cuts them into objects (by `conventions`, with `--split auto`), and has
-//!    `placement` turn, scale and move them.
-//! 4. `far` warns of points that f32 cannot tell apart where they are.
+//! Each point keeps the index of its vertex in the file, so that every hull vertex can be traced to
+//! its source.
 //!
-//! | format | vertices, as they are numbered | objects |
+//! 1. [`read()`] loads the file, and the buffers beside a glTF file.
+//! 2. `obj`, `gltf`, `stl` or `ply` parses it into a source `mesh` of vertices, elements and
+//!    objects, within `limits`.
+//! 3. `point_sets` selects the points and splits them by object (with `--split auto` by
+//!    `conventions`). `placement` rotates, scales and recentres them.
+//! 4. `far` warns about points too far from the origin for the precision of `f32`.
+//!
+//! | format | vertices, in index order | objects |
 //! |---|---|---|
-//! | OBJ | `v` lines | what `o` lines open |
-//! | glTF, GLB | instances of positions, node after node | nodes that show a mesh |
+//! | OBJ | `v` lines | `o` lines |
+//! | glTF, GLB | positions of each instance, node by node | nodes with a mesh |
 //! | STL | distinct positions, by first appearance | `solid`s |
-//! | PLY | elements `vertex` | the file |
+//! | PLY | instances of the element `vertex` | the file |
+//!
+//! ```
+//! use std::path::Path;
+//! use hullmap_import::{ImportOptions, Limits, SourceFile, import};
+//!
+//! let source = SourceFile::alone(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 9 9 9\nf 1 2 3\n".to_vec());
+//! let options = ImportOptions::DEFAULT;
+//! let imported = import("a.obj", "a", Path::new("a.obj"), &source, &options, &Limits::DEFAULT)?;
+//! assert_eq!(imported.point_sets[0].source_vertices, [0, 1, 2]);
+//! assert_eq!(imported.unreferenced_count, 1);
+//! # Ok::<(), hullmap_import::ImportError>(())
+//! ```
 
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]
 
 mod conventions;
@@ -52,33 +70,54 @@ pub use read::{ReadError, SourceFile, buffers_of, read};
 use fault::LineFault;
 use format::Format;
 
-/// What came out of a source file.
+/// Result of an import.
 #[derive(Debug)]
 pub struct Imported {
-    /// One set for each hull, in file order, none of them empty, all with different names. Their origin is that of the
-    /// points' frame in the source's frame, turned and scaled as the points are; 0 unless recentred.
+    /// One set for each hull, in file order. No set is empty, and all names differ. The origin of a
+    /// set is that of its frame in the rotated and scaled source frame; it is 0 unless the points
+    /// are recentred.
     pub point_sets: Vec<PointSet>,
-    /// For each set the faces over it, by the numbers of its own points; none in a point cloud.
+    /// Faces of each set, as indices into its points. Empty for a point cloud.
     pub faces: Vec<Polygons>,
     /// Number of vertices in the file.
     pub vertex_count: usize,
     /// Number of vertices that no element references.
     pub unreferenced_count: usize,
-    /// Number of chosen points that an earlier one already equals. They are kept: hulls are of all points.
+    /// Number of selected points that equal an earlier one. The point sets keep them.
     pub duplicate_count: usize,
-    /// What a user may want to know, a sentence each.
+    /// Information for the user, a sentence each.
     pub notes: Vec<String>,
-    /// What a user should look at, a sentence each, with the remedy.
+    /// Warnings for the user, a sentence each, with the remedy.
     pub warnings: Vec<String>,
 }
 
 impl Imported {
-    /// Points over all sets; a vertex that two objects reference counts twice.
+    /// Number of points in all sets. A vertex of two objects counts twice.
+    ///
+    /// ```
+    /// # use hullmap_import::{ImportOptions, Limits, SourceFile, Split, import};
+    /// let source = SourceFile::alone(b"v 0 0 0\nv 1 0 0\no a\nl 1 2\no b\nl 2 1\n".to_vec());
+    /// let options = ImportOptions { split: Split::Object, ..ImportOptions::DEFAULT };
+    /// let imported = import("a.obj", "a", "a.obj".as_ref(), &source, &options, &Limits::DEFAULT)?;
+    /// assert_eq!((imported.vertex_count, imported.point_count()), (2, 4));
+    /// # Ok::<(), hullmap_import::ImportError>(())
+    /// ```
     pub fn point_count(&self) -> usize {
         self.point_sets.iter().map(|set| set.positions.len()).sum()
     }
 
-    /// Gives each point set the triangles of its faces, for a decomposition.
+    /// Triangulates the faces of each point set and stores the triangles in it. A convex
+    /// decomposition requires them.
+    ///
+    /// ```
+    /// # use hullmap_import::{ImportOptions, Limits, SourceFile, import};
+    /// let source = SourceFile::alone(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n".to_vec());
+    /// let (options, limits) = (ImportOptions::DEFAULT, Limits::DEFAULT);
+    /// let mut imported = import("a.obj", "a", "a.obj".as_ref(), &source, &options, &limits)?;
+    /// imported.give_triangles();
+    /// assert_eq!(imported.point_sets[0].triangles, [[0, 1, 2], [0, 2, 3]]);
+    /// # Ok::<(), hullmap_import::ImportError>(())
+    /// ```
     pub fn give_triangles(&mut self) {
         for (set, faces) in self.point_sets.iter_mut().zip(&self.faces) {
             set.triangles = faces.triangles(&set.positions);
@@ -88,15 +127,27 @@ impl Imported {
 
 /// Imports a source file.
 ///
-/// `file` is the name to use in messages; `stem` names the hull of what belongs to no named object; `path` says the
-/// format, by its extension. Material files are neither needed nor read.
+/// `file` is the name of the file in messages. `stem` is the name of objects without one, and of
+/// the hull of a whole file. The extension of `path` selects the format. Material files are not
+/// read.
+///
+/// ```
+/// use std::path::Path;
+/// use hullmap_import::{ImportOptions, Limits, SourceFile, import};
+///
+/// let source = SourceFile::alone(b"v 0 0 0\nf 9\n".to_vec());
+/// let options = ImportOptions::DEFAULT;
+/// let error = import("a.obj", "a", Path::new("a.obj"), &source, &options, &Limits::DEFAULT);
+/// let message = error.unwrap_err().to_string();
+/// assert!(message.starts_with("a.obj:2: vertex index 9 is out of range (the file has 1 vertex)"));
+/// ```
 ///
 /// # Errors
-/// The first fault in the file, with file, line or object, what was found and what to do about it.
+/// The first fault in the file, with its line or object, and the remedy.
 ///
 /// # Complexity
-/// O(bytes).
-#[expect(clippy::indexing_slicing, reason = "every reader lets through only references to vertices that are there")]
+/// O(bytes) for a file that does not repeat vertices, plus a sort of the points.
+#[expect(clippy::indexing_slicing, reason = "readers reject references out of range")]
 pub fn import(
     file: &str,
     stem: &str,
@@ -106,12 +157,12 @@ pub fn import(
     limits: &Limits,
 ) -> Result<Imported, ImportError> {
     let name = |LineFault { line, fault }| ImportError { file: file.to_owned(), line, fault };
-    let wants_double = placement::wants_double(options);
+    let is_double = placement::requires_double(options);
     let mut mesh = match Format::of(path, &source.bytes) {
-        Format::Obj => obj::read(&source.bytes, wants_double, limits),
+        Format::Obj => obj::read(&source.bytes, is_double, limits),
         Format::Gltf => gltf::read(&source.bytes, &source.beside, limits),
-        Format::Stl => stl::read(&source.bytes, wants_double, limits),
-        Format::Ply => ply::read(&source.bytes, wants_double),
+        Format::Stl => stl::read(&source.bytes, is_double, limits),
+        Format::Ply => ply::read(&source.bytes, is_double),
     }
     .map_err(name)?;
 
@@ -129,11 +180,11 @@ pub fn import(
 
     let mut notes = sets.notes;
     if !has_elements {
-        notes.push("no elements, so every vertex counts (a point cloud)".to_owned());
+        notes.push("the file has no elements, so all vertices are used (a point cloud)".to_owned());
     } else if unreferenced_count > 0 {
         let fate = match options.vertices {
-            Vertices::Referenced => "left out (--vertices all takes them)",
-            Vertices::All => "taken too",
+            Vertices::Referenced => "left out (--vertices all includes them)",
+            Vertices::All => "included",
         };
         notes.push(format!("{} that no element references, {fate}", count(unreferenced_count, "vertex", "vertices")));
     }
@@ -156,13 +207,13 @@ pub fn import(
 }
 
 /// `1 vertex`, `2 vertices`.
-fn count(number: usize, one: &str, many: &str) -> String {
-    format!("{number} {}", if number == 1 { one } else { many })
+fn count(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
 }
 
-/// Chosen vertices whose point an earlier chosen vertex has; the two zeros count as equal. A vertex of two sets counts
-/// once.
-#[expect(clippy::indexing_slicing, reason = "points are taken by the numbers of vertices, below `vertex_count`")]
+/// Number of selected vertices at the position of an earlier one, where -0 equals +0. A vertex of
+/// two sets counts once.
+#[expect(clippy::indexing_slicing, reason = "source vertices are indices below `vertex_count`")]
 fn count_duplicates(vertex_count: usize, sets: &[PointSet]) -> usize {
     let mut is_counted = vec![false; vertex_count];
     let mut keys: Vec<[u32; 3]> = Vec::new();
@@ -170,7 +221,7 @@ fn count_duplicates(vertex_count: usize, sets: &[PointSet]) -> usize {
     for set in sets {
         for (position, &vertex) in set.positions.iter().zip(&set.source_vertices) {
             if !std::mem::replace(&mut is_counted[vertex as usize], true) {
-                // Adding +0 turns -0 into +0 and leaves every other number alone.
+                // Adding +0 turns -0 into +0 and changes no other number.
                 keys.push(position.map(|x| (x + 0.0).to_bits()));
             }
         }

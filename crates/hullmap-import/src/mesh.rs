@@ -1,13 +1,14 @@
-//! What every reader makes of a file: vertices, elements over them, and where objects begin.
+//! Source mesh: the result of every reader, with vertices, elements and objects.
 
 use crate::ears::triangulate;
 
-/// Vertices in file order, with the digits that the file has or that the options need.
+/// Vertex positions in file order, in the precision of the file or of the options.
 #[derive(Debug)]
 pub enum Positions {
-    /// As f32.
+    /// `f32`.
     Single(Vec<[f32; 3]>),
-    /// As f64: where the file says so, or where they are scaled, moved or transformed before they are rounded once.
+    /// `f64`: for a file in that precision, or for positions that are transformed before they are
+    /// rounded once.
     Double(Vec<[f64; 3]>),
 }
 
@@ -20,8 +21,8 @@ impl Positions {
         }
     }
 
-    /// A vertex in f64.
-    #[expect(clippy::indexing_slicing, reason = "asked only of vertices that the mesh has")]
+    /// Position of a vertex.
+    #[expect(clippy::indexing_slicing, reason = "callers pass vertices of the mesh")]
     pub fn get(&self, vertex: u32) -> [f64; 3] {
         match self {
             Self::Single(positions) => positions[vertex as usize].map(f64::from),
@@ -30,12 +31,22 @@ impl Positions {
     }
 }
 
-/// Polygons as one list of corners, and the places where each ends.
+/// Polygons, as one list of corners and the end of each polygon in it.
+///
+/// ```
+/// use hullmap_import::Polygons;
+///
+/// let mut faces = Polygons::default();
+/// faces.push(&[0, 1, 2, 3]);
+/// faces.push(&[3, 2, 4]);
+/// assert_eq!(faces.len(), 2);
+/// assert_eq!(faces.corners[faces.start(1)..faces.start(2)], [3, 2, 4]);
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Polygons {
-    /// Vertex numbers of all corners, one polygon after the other.
+    /// Vertex indices of all corners, polygon by polygon.
     pub corners: Vec<u32>,
-    /// Where the corners of each polygon end; they start where the previous polygon's end.
+    /// End of each polygon in `corners`. A polygon starts at the end of the previous one.
     pub ends: Vec<u32>,
 }
 
@@ -45,92 +56,110 @@ impl Polygons {
         self.ends.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no polygons.
     pub fn is_empty(&self) -> bool {
         self.ends.is_empty()
     }
 
-    /// Where the corners of polygon `number` start; for the number of polygons, where the last one's end.
-    #[expect(clippy::indexing_slicing, reason = "asked only up to the number of polygons; objects begin within them")]
-    pub fn start(&self, number: usize) -> usize {
-        if number == 0 { 0 } else { self.ends[number - 1] as usize }
+    /// Start of polygon `index` in `corners`. For `index` equal to [`Polygons::len`], the end of
+    /// the last polygon.
+    ///
+    /// # Panics
+    /// If `index` is greater than [`Polygons::len`].
+    #[expect(clippy::indexing_slicing, reason = "a documented panic; objects start within the list")]
+    pub fn start(&self, index: usize) -> usize {
+        if index == 0 { 0 } else { self.ends[index - 1] as usize }
     }
 
-    /// Adds a polygon.
+    /// Appends a polygon with these vertex indices.
     pub fn push(&mut self, corners: &[u32]) {
         self.corners.extend_from_slice(corners);
         self.end();
     }
 
-    /// Ends a polygon at the last corner that was pushed.
-    pub fn end(&mut self) {
+    /// Ends a polygon at the last entry of `corners`.
+    pub(crate) fn end(&mut self) {
         self.ends.push(self.corners.len() as u32);
     }
 
-    /// The polygons over `points` as triangles, two fewer than each has corners, whether it is convex or not. The winding is the
-    /// file's.
+    /// Triangulates the polygons over `points`. A polygon of n corners gives n - 2 triangles,
+    /// convex or not, with the winding of the polygon.
+    ///
+    /// ```
+    /// use hullmap_import::Polygons;
+    ///
+    /// let mut faces = Polygons::default();
+    /// faces.push(&[0, 1, 2, 3]);
+    /// let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    /// assert_eq!(faces.triangles(&square), [[0, 1, 2], [0, 2, 3]]);
+    /// ```
+    ///
+    /// # Panics
+    /// If a corner is not an index into `points`.
     ///
     /// # Complexity
-    /// O(corners) for convex polygons; for others see `triangulate`.
+    /// O(corners) for convex polygons, O(corners · log corners) with a bounded number of tests a
+    /// corner for others.
     #[expect(
         clippy::indexing_slicing,
-        reason = "ends ascend, and none lies behind the last corner, as `end` pushes them"
+        reason = "ends ascend and none exceeds the number of corners, since `end` pushes them"
     )]
     pub fn triangles(&self, points: &[[f32; 3]]) -> Vec<[u32; 3]> {
         let mut triangles = Vec::with_capacity(self.corners.len().saturating_sub(2 * self.len()));
-        for number in 0..self.len() {
-            let corners = &self.corners[self.start(number)..self.ends[number] as usize];
+        for index in 0..self.len() {
+            let corners = &self.corners[self.start(index)..self.ends[index] as usize];
             triangulate(corners, points, &mut triangles);
         }
         triangles
     }
 }
 
-/// Where an object begins; it ends where the next one begins.
+/// Start of an object. It ends where the next one starts.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Object {
-    /// Its name in the file; empty where it has none.
+pub struct SourceObject {
+    /// Its name in the file, or an empty string.
     pub name: String,
-    /// First vertex that was declared in it.
+    /// Index of the first vertex declared in it.
     pub first_vertex: u32,
-    /// First polygon in it.
+    /// Index of its first polygon.
     pub first_face: u32,
-    /// First of its loose references.
+    /// Index of its first loose reference.
     pub first_loose: u32,
 }
 
-/// Everything in a file that can shape a hull.
+/// Everything in a source file that affects a hull.
 #[derive(Debug)]
-pub struct Mesh {
-    /// All vertices, finite, in file order.
+pub struct SourceMesh {
+    /// Positions of all vertices, finite, in file order.
     pub positions: Positions,
-    /// Faces of two-dimensional elements. All corners are in range.
+    /// Faces. All corners are in range.
     pub faces: Polygons,
-    /// Vertices that lines, strips of lines and points reference, in range.
+    /// Vertices that lines and points reference, in range.
     pub loose: Vec<u32>,
-    /// Objects in file order; at least one, and the first begins at 0.
-    pub objects: Vec<Object>,
-    /// Whether objects beyond the limit were joined to the last one: the file cannot be cut at objects.
+    /// Objects in file order. There is at least one, and the first starts at 0.
+    pub objects: Vec<SourceObject>,
+    /// Whether objects beyond the limit were joined to the last one. The file cannot be split by
+    /// object then.
     pub has_too_many_objects: bool,
-    /// Whether vertices that equal an earlier one say something about the mesh: in a file without vertex numbers, each
-    /// corner of a triangle is spelled out, and says nothing.
+    /// Whether duplicate vertices are worth a note. In some formats they are the rule: each
+    /// triangle spells out its corners.
     pub may_share_vertices: bool,
-    /// Whether the file is parted in ways other than objects, which a cut at objects ignores.
+    /// Whether the file has groups but no objects. A split by object ignores groups.
     pub has_only_groups: bool,
-    /// What a user may want to know, a sentence each.
+    /// Information for the user, a sentence each.
     pub notes: Vec<String>,
-    /// What a user should look at, a sentence each, with the remedy.
+    /// Warnings for the user, a sentence each, with the remedy.
     pub warnings: Vec<String>,
 }
 
-impl Mesh {
-    /// A mesh of one nameless object.
-    pub fn of(positions: Positions, faces: Polygons) -> Self {
+impl SourceMesh {
+    /// A mesh of one object without a name.
+    pub fn new(positions: Positions, faces: Polygons) -> Self {
         Self {
             positions,
             faces,
             loose: Vec::new(),
-            objects: vec![Object { name: String::new(), first_vertex: 0, first_face: 0, first_loose: 0 }],
+            objects: vec![SourceObject { name: String::new(), first_vertex: 0, first_face: 0, first_loose: 0 }],
             has_too_many_objects: false,
             may_share_vertices: true,
             has_only_groups: false,
@@ -139,13 +168,13 @@ impl Mesh {
         }
     }
 
-    /// Begins an object with what is pushed next, unless there are `limit` already.
+    /// Starts an object, unless `limit` is reached. What is added next belongs to it.
     pub fn begin_object(&mut self, name: String, limit: usize) {
         if self.objects.len() > limit {
             self.has_too_many_objects = true;
             return;
         }
-        self.objects.push(Object {
+        self.objects.push(SourceObject {
             name,
             first_vertex: self.positions.len() as u32,
             first_face: self.faces.len() as u32,
@@ -153,7 +182,7 @@ impl Mesh {
         });
     }
 
-    /// Whether anything references vertices at all; faces without corners do not.
+    /// Whether any element references a vertex. Faces without corners do not.
     pub fn has_elements(&self) -> bool {
         !self.faces.corners.is_empty() || !self.loose.is_empty()
     }

@@ -1,58 +1,68 @@
-//! What an import needs to know.
+//! Options of an import.
 
-/// Which points of a source file a hull is of.
+/// Source points that a hull is built from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Vertices {
-    /// Those that any face, line or point element references; all of them when nothing does.
+    /// Points that a face, line or point element references. All points if there are no elements.
     Referenced,
-    /// Every `v` line.
+    /// All points of the file.
     All,
 }
 
-/// Into how many hulls a source file is cut.
+/// How a source file is split into hulls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Split {
-    /// One hull of the whole file.
+    /// One hull for the whole file.
     None,
     /// One hull for each object.
     Object,
-    /// One hull for each collision part by the names that artists give them; as `None` where a file has no such names.
+    /// One hull for each object with the name of a collision part. Same as `None` if there are no
+    /// such names.
     Auto,
 }
 
-/// An exact rotation of the source by 90° about its x axis.
+/// Exact rotation of the source by 90° about its x axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum UpAxis {
     /// No rotation.
     Keep,
-    /// What points along y in the source points along z: (x, y, z) becomes (x, −z, y).
+    /// The y axis of the source becomes the z axis: (x, y, z) becomes (x, −z, y).
     #[cfg_attr(feature = "clap", value(name = "y-to-z"))]
     YToZ,
-    /// What points along z in the source points along y: (x, y, z) becomes (x, z, −y).
+    /// The z axis of the source becomes the y axis: (x, y, z) becomes (x, z, −y).
     #[cfg_attr(feature = "clap", value(name = "z-to-y"))]
     ZToY,
 }
 
-/// What an import needs to know.
+/// Options of an import.
+///
+/// ```
+/// use hullmap_import::{ImportOptions, Split};
+///
+/// let default = ImportOptions::DEFAULT;
+/// let options = ImportOptions { split: Split::Object, unit_scale: 0.01, ..default };
+/// assert!(!options.recentre);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImportOptions {
-    /// How the file is cut.
+    /// How the file is split into hulls.
     pub split: Split,
-    /// Which points count.
+    /// Source points of the hulls.
     pub vertices: Vertices,
-    /// What each coordinate is multiplied with, in f64, then rounded once to f32; finite and above 0.
+    /// Factor of every coordinate, finite and positive. The product is computed in `f64` and
+    /// rounded to `f32` once.
     pub unit_scale: f64,
-    /// How the source is turned.
+    /// Rotation of the source.
     pub up_axis: UpAxis,
-    /// Whether points are taken relative to the middle of the file's bounds, which the hull then records as its origin.
+    /// Whether the centre of the file's bounds becomes the origin. Each hull records it.
     pub recentre: bool,
 }
 
 impl ImportOptions {
-    /// What is used where nothing is asked for.
+    /// The default options.
     pub const DEFAULT: Self = Self {
         split: Split::None,
         vertices: Vertices::Referenced,

@@ -1,29 +1,32 @@
-//! From a file's coordinates to a hull's: turned, scaled, moved to the middle, and rounded to f32 once.
+//! Placement: source coordinates rotated, scaled, recentred, and rounded to `f32` once.
 
 use crate::fault::Fault;
 use crate::mesh::Positions;
 use crate::options::{ImportOptions, UpAxis};
 
-/// Vertices that are placed before their memory is given back: 6 MB.
-const PLACED_AT_A_TIME: usize = 1 << 18;
+/// A list of positions is shortened when this fraction of it is no longer in use: 1 / 8. Each
+/// shortening may copy the list, so that the copies of a whole import amount to at most eight times
+/// the list.
+const FREED_FRACTION: usize = 8;
 
-/// How the vertices of one file are placed.
+/// Transform from the frame of a source file to the frame of its hulls.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement {
     up_axis: UpAxis,
     scale: f64,
-    /// Origin of the hulls' frame in the source's frame, turned and scaled.
+    /// Origin of the hulls' frame in the source frame, after rotation and scale.
     pub origin: [f64; 3],
     is_recentred: bool,
 }
 
-/// Whether these options compute with more digits than f32 has.
-pub fn wants_double(options: &ImportOptions) -> bool {
+/// Whether these options require source positions in `f64`.
+pub fn requires_double(options: &ImportOptions) -> bool {
     options.recentre || options.unit_scale != 1.0
 }
 
 impl Placement {
-    /// The placement that `options` ask for. The origin is the middle of the bounds of `vertices`, or 0.
+    /// The placement for `options`. With `recentre`, the origin is the centre of the bounds of
+    /// `vertices`; otherwise 0.
     ///
     /// # Complexity
     /// O(vertices).
@@ -44,19 +47,19 @@ impl Placement {
                 }
             }
             for (origin, (low, high)) in placement.origin.iter_mut().zip(low.into_iter().zip(high)) {
-                // Halved first: the sum of two large numbers may overflow. Adding +0 makes the two zeros one.
+                // Halved before the addition, which could overflow. Adding +0 turns -0 into +0.
                 *origin = low / 2.0 + high / 2.0 + 0.0;
             }
         }
         placement
     }
 
-    /// Turned and scaled, in f64.
+    /// Rotates and scales a point.
     fn in_source(&self, point: [f64; 3]) -> [f64; 3] {
-        self.turn(point).map(|x| x * self.scale)
+        self.rotate(point).map(|x| x * self.scale)
     }
 
-    fn turn<T: Copy + std::ops::Neg<Output = T>>(&self, [x, y, z]: [T; 3]) -> [T; 3] {
+    fn rotate<T: Copy + std::ops::Neg<Output = T>>(&self, [x, y, z]: [T; 3]) -> [T; 3] {
         match self.up_axis {
             UpAxis::Keep => [x, y, z],
             UpAxis::YToZ => [x, -z, y],
@@ -64,23 +67,26 @@ impl Placement {
         }
     }
 
-    /// A vertex in the hulls' frame.
+    /// Position of a vertex in the hulls' frame.
     ///
     /// # Errors
-    /// A coordinate that is too large for f32.
-    #[expect(clippy::indexing_slicing, reason = "asked only of vertices that the mesh has")]
+    /// A coordinate is too large for `f32`.
+    #[expect(clippy::indexing_slicing, reason = "callers pass vertices of the mesh")]
     pub fn place(&self, positions: &Positions, vertex: u32) -> Result<[f32; 3], Fault> {
         if let (Positions::Single(singles), false) = (positions, self.is_recentred || self.scale != 1.0) {
-            return Ok(self.turn(singles[vertex as usize]));
+            return Ok(self.rotate(singles[vertex as usize]));
         }
         self.place_point(positions.get(vertex), vertex)
     }
 
-    /// All vertices in the hulls' frame. Those in f64 are given back to the system as they are placed: both lists as a
-    /// whole would be the most that an import ever holds.
+    /// Positions of all vertices in the hulls' frame. Frees the memory of `f64` positions on the
+    /// way, since both whole lists together would be the peak of an import.
     ///
     /// # Errors
-    /// A coordinate that is too large for f32.
+    /// A coordinate is too large for `f32`.
+    ///
+    /// # Complexity
+    /// O(vertices).
     #[expect(
         clippy::indexing_slicing,
         reason = "`placed` is as long as `doubles` was at first, and `vertex` is below that"
@@ -89,11 +95,11 @@ impl Placement {
         let mut placed = vec![[0.0; 3]; positions.len()];
         match positions {
             Positions::Double(doubles) => {
-                // From the end, where a list can be shortened.
+                // In reverse order, since a list can only be shortened at its end.
                 while let Some(point) = doubles.pop() {
                     let vertex = doubles.len();
                     placed[vertex] = self.place_point(point, vertex as u32)?;
-                    if vertex % PLACED_AT_A_TIME == 0 {
+                    if doubles.capacity() - vertex > doubles.capacity() / FREED_FRACTION {
                         doubles.shrink_to_fit();
                     }
                 }
@@ -117,8 +123,8 @@ impl Placement {
             Some((coordinate, _)) => Err(Fault::Unplaceable {
                 vertex,
                 coordinate,
-                after: if self.scale == 1.0 { "once transformed" } else { "once scaled" },
-                remedy: "use a smaller --unit-scale, or mend the file's transforms",
+                after: if self.scale == 1.0 { "after its transform" } else { "after scaling" },
+                remedy: "use a smaller --unit-scale, or correct the transforms in the file",
             }),
         }
     }
@@ -143,21 +149,21 @@ mod tests {
     }
 
     #[test]
-    fn turns_are_exact_and_undo_each_other() {
+    fn rotations_are_exact_and_inverse() {
         let point = [1.1_f32, 2.7, -3.3];
         for positions in [Positions::Single(vec![point]), Positions::Double(vec![point.map(f64::from)])] {
-            let turned = |up_axis| placed(&positions, ImportOptions { up_axis, ..PLAIN }).0[0];
-            assert_eq!(turned(UpAxis::Keep), point);
-            assert_eq!(turned(UpAxis::YToZ), [1.1, 3.3, 2.7]);
-            assert_eq!(turned(UpAxis::ZToY), [1.1, -3.3, -2.7]);
-            let back = Positions::Single(vec![turned(UpAxis::YToZ)]);
+            let rotated = |up_axis| placed(&positions, ImportOptions { up_axis, ..PLAIN }).0[0];
+            assert_eq!(rotated(UpAxis::Keep), point);
+            assert_eq!(rotated(UpAxis::YToZ), [1.1, 3.3, 2.7]);
+            assert_eq!(rotated(UpAxis::ZToY), [1.1, -3.3, -2.7]);
+            let back = Positions::Single(vec![rotated(UpAxis::YToZ)]);
             assert_eq!(placed(&back, ImportOptions { up_axis: UpAxis::ZToY, ..PLAIN }).0[0], point);
         }
     }
 
     #[test]
-    fn scaled_once_and_rounded_once() {
-        // 16777217 has a digit more than f32 keeps: rounded before it is scaled, the result would be another.
+    fn positions_are_scaled_before_they_are_rounded() {
+        // f32 cannot hold 16777217. Rounding before scaling would give another result.
         let exact = 16_777_217.0_f64;
         let options = ImportOptions { unit_scale: 0.1, ..PLAIN };
         let got = placed(&Positions::Double(vec![[exact; 3]]), options).0[0][0];
@@ -166,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn recentring_keeps_the_digits_of_what_is_far_away() {
+    fn recentring_keeps_the_precision_of_distant_points() {
         let far = |x: f64| [1e6 + x, -2e6 - x, 3e9 + 2.0 * x];
         let points = [0.0, 0.001, 0.002, 0.5, 1.0].map(far);
         let options = ImportOptions { recentre: true, ..PLAIN };
@@ -174,7 +180,7 @@ mod tests {
         assert_eq!(origin, [1e6 + 0.5, -2e6 - 0.5, 3e9 + 1.0]);
         for (got, point) in got.iter().zip(points) {
             for axis in 0..3 {
-                // What is left is the rounding of 3e9 in f64, 5e-7; f32 alone would step by 256.
+                // The rounding error of 3e9 in f64 is 5e-7. In f32 it would be 128.
                 assert!((f64::from(got[axis]) + origin[axis] - point[axis]).abs() < 1e-6);
             }
         }
@@ -182,11 +188,11 @@ mod tests {
     }
 
     #[test]
-    fn what_f32_cannot_hold_is_named() {
+    fn coordinates_beyond_f32_are_reported() {
         let positions = Positions::Double(vec![[0.0; 3], [0.0, 1e30, 0.0]]);
         let options = ImportOptions { unit_scale: 1e10, ..PLAIN };
         let placement = Placement::new(&positions, 0..2, &options);
         let error = placement.place(&positions, 1).unwrap_err().to_string();
-        assert!(error.contains("vertex 1 is at 1e40 once scaled"), "{error}");
+        assert!(error.contains("vertex 1 has the coordinate 1e40 after scaling"), "{error}");
     }
 }

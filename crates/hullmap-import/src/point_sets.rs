@@ -1,47 +1,48 @@
-//! Which points each hull is of.
+//! Point sets: the source points of each hull.
 //!
-//! A vertex belongs to every object with an element that references it; a vertex that nothing references, where
-//! those count, to the object it was declared in. Objects are what `o` lines open, nodes with a mesh, or solids: groups
-//! (`g`) cut an object into parts for materials or selection, which are no bodies of their own, so hulls ignore them.
-//! An `o` line always opens a new object, even with a name that was there before.
+//! A vertex belongs to every object with an element that references it. With `--vertices all`, an
+//! unreferenced vertex belongs to the object that declares it. Objects are `o` lines, nodes with a
+//! mesh, or solids. Groups (`g`) are not: they divide an object for materials or selection, not
+//! into bodies. Every `o` line starts a new object, even if its name is not new.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use hullmap_bake::PointSet;
 
 use crate::conventions;
-use crate::fault::Fault;
+use crate::fault::{Fault, excerpt};
 use crate::limits::Limits;
-use crate::mesh::{Mesh, Polygons, Positions};
+use crate::mesh::{Polygons, Positions, SourceMesh};
 use crate::options::{ImportOptions, Split, Vertices};
 use crate::placement::Placement;
 
-/// Most names that a note lists.
+/// Maximum number of names in a note.
 const NAMES_IN_NOTE: usize = 5;
 
-/// The sets of a file, and what came up on the way.
+/// Point sets of a file, with notes and warnings.
 #[derive(Debug, Default)]
 pub struct Sets {
-    /// One set for each hull, in file order, none of them empty.
+    /// One set for each hull, in file order. No set is empty.
     pub point_sets: Vec<PointSet>,
-    /// The faces over each set, by the numbers of its own points.
+    /// Faces of each set, as indices into its points.
     pub faces: Vec<Polygons>,
-    /// What the user may want to know.
+    /// Information for the user.
     pub notes: Vec<String>,
-    /// What the user should look at.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 
-/// The point sets of a file.
+/// Point sets of a file.
 ///
-/// `referenced` says for each vertex whether any element references it; `stem` names what has no name.
+/// `referenced` holds for each vertex whether any element references it. `stem` is the name of
+/// objects without one.
 ///
 /// # Errors
-/// Too many objects to cut at, or points that f32 cannot hold.
+/// The file has too many objects for a split, or points that `f32` cannot hold.
 #[expect(clippy::indexing_slicing, reason = "`referenced` has an entry for each vertex of the mesh")]
 pub fn point_sets(
-    mesh: &mut Mesh,
+    mesh: &mut SourceMesh,
     referenced: &[bool],
     stem: &str,
     options: &ImportOptions,
@@ -60,7 +61,7 @@ pub fn point_sets(
     let Some(objects) = chosen else {
         let is_chosen = |vertex: &u32| takes_all || referenced[*vertex as usize];
         let all = 0..mesh.positions.len() as u32;
-        // Counted first: a list that grows by doubling may end at twice its size.
+        // Counted first, since a list that grows by doubling can end at twice its size.
         let mut vertices = Vec::with_capacity(all.clone().filter(is_chosen).count());
         vertices.extend(all.filter(is_chosen));
         let faces = std::mem::take(&mut mesh.faces);
@@ -80,37 +81,38 @@ pub fn point_sets(
         part.0 = name;
     }
     if renamed > 0 {
-        sets.notes.push(format!("objects renamed since an earlier one has the name: {renamed}"));
+        sets.notes.push(format!("objects renamed because an earlier one has the same name: {renamed}"));
     }
     build(&mut sets, &mut mesh.positions, options, parts)?;
     Ok(sets)
 }
 
-/// Every object that has points.
-fn all_objects(mesh: &Mesh, referenced: &[bool], takes_all: bool, stem: &str, sets: &mut Sets) -> Vec<usize> {
+/// Indices of all objects with points.
+fn all_objects(mesh: &SourceMesh, referenced: &[bool], takes_all: bool, stem: &str, sets: &mut Sets) -> Vec<usize> {
     let (mut chosen, mut skipped) = (Vec::new(), Vec::new());
     for object in 0..mesh.objects.len() {
         if has_members(mesh, object, referenced, takes_all) {
             chosen.push(object);
         } else if object > 0 {
-            // What stands before the first `o` line is no object that anyone would miss.
+            // The first object is only what precedes the first `o` line, and needs no note.
             skipped.push(name_of(mesh, object, stem));
         }
     }
     if !skipped.is_empty() {
         let more = if skipped.len() > NAMES_IN_NOTE { ", …" } else { "" };
-        let listed = skipped.get(..NAMES_IN_NOTE).unwrap_or(&skipped).join(", ");
+        let listed: Vec<String> = skipped.iter().take(NAMES_IN_NOTE).map(|name| excerpt(name)).collect();
+        let listed = listed.join(", ");
         sets.notes.push(format!("objects without elements, skipped: {} ({listed}{more})", skipped.len()));
     }
     if mesh.has_only_groups {
-        sets.notes.push("the file has groups (g) but no objects (o), and is cut at objects only".to_owned());
+        sets.notes.push("the file has groups (g) but no objects (o); only objects become separate hulls".to_owned());
     }
     chosen
 }
 
-/// The objects that artists marked as collision parts; `None` where nothing is marked.
+/// Indices of the objects whose names mark them as collision parts, or `None` if there are none.
 fn collision_parts(
-    mesh: &Mesh,
+    mesh: &SourceMesh,
     referenced: &[bool],
     takes_all: bool,
     stem: &str,
@@ -121,7 +123,8 @@ fn collision_parts(
     let names: Vec<&str> = objects.iter().map(|&object| name_of(mesh, object, stem)).collect();
     let Some(selection) = conventions::select(&names) else {
         sets.notes.push(
-            "no names of collision parts (UCX_…, …-convcolonly, convex_<n>): one hull of the whole file".to_owned(),
+            "no object has the name of a collision part (UCX_…, …-convcolonly, convex_<n>): one hull of the whole file"
+                .to_owned(),
         );
         return None;
     };
@@ -130,17 +133,18 @@ fn collision_parts(
     Some(objects.into_iter().zip(selection.is_part).filter(|(_, is_part)| *is_part).map(|(object, _)| object).collect())
 }
 
-#[expect(clippy::indexing_slicing, reason = "asked only of objects that the mesh has")]
-fn name_of<'a>(mesh: &'a Mesh, object: usize, stem: &'a str) -> &'a str {
+#[expect(clippy::indexing_slicing, reason = "callers pass objects of the mesh")]
+fn name_of<'a>(mesh: &'a SourceMesh, object: usize, stem: &'a str) -> &'a str {
     let name = &mesh.objects[object].name;
     if name.is_empty() { stem } else { name }
 }
 
-/// The vertices, faces and loose references that belong to an object, by their places in the mesh's lists.
+/// Ranges of an object's vertices, faces and loose references in the lists of the mesh.
 ///
-/// Objects begin one after the other, within those lists: readers count what is there when one begins.
-#[expect(clippy::indexing_slicing, reason = "asked only of objects that the mesh has")]
-fn extent(mesh: &Mesh, object: usize) -> [Range<usize>; 3] {
+/// Objects start in ascending order and within those lists, since readers record the lengths at
+/// that time.
+#[expect(clippy::indexing_slicing, reason = "callers pass objects of the mesh")]
+fn extent(mesh: &SourceMesh, object: usize) -> [Range<usize>; 3] {
     let start = &mesh.objects[object];
     let end = mesh.objects.get(object + 1);
     let range = |start: u32, end: Option<u32>, len: usize| start as usize..end.map_or(len, |end| end as usize);
@@ -155,17 +159,17 @@ fn extent(mesh: &Mesh, object: usize) -> [Range<usize>; 3] {
     clippy::indexing_slicing,
     reason = "`extent` is within the mesh, and `referenced` has an entry for each vertex"
 )]
-fn has_members(mesh: &Mesh, object: usize, referenced: &[bool], takes_all: bool) -> bool {
+fn has_members(mesh: &SourceMesh, object: usize, referenced: &[bool], takes_all: bool) -> bool {
     let [vertices, faces, loose] = extent(mesh, object);
     !faces.is_empty() || !loose.is_empty() || takes_all && vertices.into_iter().any(|vertex| !referenced[vertex])
 }
 
-/// Numbers of an object's vertices, ascending.
+/// Indices of an object's vertices, ascending and without repetition.
 #[expect(
     clippy::indexing_slicing,
     reason = "`extent` is within the mesh, and `referenced` has an entry for each vertex"
 )]
-fn members(mesh: &Mesh, object: usize, referenced: &[bool], takes_all: bool) -> Vec<u32> {
+fn members(mesh: &SourceMesh, object: usize, referenced: &[bool], takes_all: bool) -> Vec<u32> {
     let [declared, faces, loose] = extent(mesh, object);
     let mut vertices = mesh.faces.corners[mesh.faces.start(faces.start)..mesh.faces.start(faces.end)].to_vec();
     vertices.extend_from_slice(&mesh.loose[loose]);
@@ -179,7 +183,7 @@ fn members(mesh: &Mesh, object: usize, referenced: &[bool], takes_all: bool) -> 
 }
 
 #[expect(clippy::indexing_slicing, reason = "`extent` is within the mesh, and so are a polygon's corners")]
-fn faces_of(mesh: &Mesh, object: usize) -> Polygons {
+fn faces_of(mesh: &SourceMesh, object: usize) -> Polygons {
     let [_, faces, _] = extent(mesh, object);
     let (start, end) = (mesh.faces.start(faces.start), mesh.faces.start(faces.end));
     Polygons {
@@ -188,8 +192,8 @@ fn faces_of(mesh: &Mesh, object: usize) -> Polygons {
     }
 }
 
-/// Places the points of named lists of vertices, and renumbers the faces over them.
-#[expect(clippy::indexing_slicing, reason = "`number` has an entry for each vertex when it is read")]
+/// Builds point sets from named lists of vertices, with faces that index the points of their set.
+#[expect(clippy::indexing_slicing, reason = "`own_index` has an entry for each vertex when it is read")]
 fn build(
     sets: &mut Sets,
     positions: &mut Positions,
@@ -199,17 +203,18 @@ fn build(
     let chosen = parts.iter().flat_map(|(_, vertices, _)| vertices.iter().copied());
     let placement = Placement::new(positions, chosen, options);
     let is_only = parts.len() == 1;
-    // Number of each vertex in the set at hand; those of other sets are never read.
-    let mut number: Vec<u32> = Vec::new();
+    // Index of each vertex in the current set. Entries of earlier sets are stale and never read.
+    let mut own_index: Vec<u32> = Vec::new();
     for (name, vertices, mut faces) in parts {
-        // Ascending and each once: as many as there are is all of them, and they keep their numbers.
+        // The list has no repetition. If it is as long as the mesh, it holds all vertices, and
+        // indices stay the same.
         if vertices.len() < positions.len() && !faces.corners.is_empty() {
-            number.resize(positions.len(), 0);
+            own_index.resize(positions.len(), 0);
             for (own, &vertex) in vertices.iter().enumerate() {
-                number[vertex as usize] = own as u32;
+                own_index[vertex as usize] = own as u32;
             }
             for corner in &mut faces.corners {
-                *corner = number[*corner as usize];
+                *corner = own_index[*corner as usize];
             }
         }
         let points = if is_only && vertices.len() == positions.len() {
@@ -233,12 +238,12 @@ fn build(
     Ok(())
 }
 
-/// The names, each later repetition with the lowest suffix `_2`, `_3`, … that gives a name not in the list.
+/// The names, where each repetition gets the lowest suffix `_2`, `_3`, … that gives a new name.
 fn unique_names(names: &[String]) -> Vec<String> {
     let mut taken: HashSet<String> = names.iter().cloned().collect();
     let mut seen = HashSet::new();
-    // Where the search for a free suffix of a name goes on: equal names would else try all suffixes again.
-    let mut next = std::collections::HashMap::new();
+    // Next suffix to try for each name. Without this, n equal names would try O(n²) suffixes.
+    let mut next = HashMap::new();
     let mut unique = Vec::with_capacity(names.len());
     for name in names {
         if seen.insert(name.as_str()) {
@@ -263,13 +268,13 @@ mod tests {
     use super::unique_names;
 
     #[test]
-    fn names_become_unique_without_stealing() {
+    fn suffixes_never_repeat_an_existing_name() {
         let names = ["a", "a", "a_2", "a", "b", "a_2"].map(str::to_owned);
         assert_eq!(unique_names(&names), ["a", "a_3", "a_2", "a_4", "b", "a_2_2"]);
     }
 
     #[test]
-    fn equal_names_in_great_number_take_no_time() {
+    fn a_hundred_thousand_equal_names_become_unique() {
         let names = vec![String::from("part"); 100_000];
         let unique = unique_names(&names);
         assert_eq!(unique[99_999], "part_100000");

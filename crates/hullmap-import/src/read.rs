@@ -1,4 +1,4 @@
-//! A source file in memory, with the files it draws on, and the hash of all that was read.
+//! Source files in memory, with the buffers beside them and a hash of all bytes.
 
 use std::fs::File;
 use std::io::{ErrorKind, Read as _};
@@ -11,39 +11,68 @@ use crate::format::Format;
 use crate::gltf;
 use crate::limits::Limits;
 
-/// All bytes that a pack is baked from.
+/// All bytes of a source: a file, and the buffers beside a glTF file.
 #[derive(Clone, Debug, Default)]
 pub struct SourceFile {
-    /// The file's own.
+    /// Bytes of the file.
     pub bytes: Vec<u8>,
-    /// Buffers beside a glTF file, by their paths relative to it, in the document's order.
+    /// Buffers beside a glTF file, with their paths relative to it, in the document's order.
     pub beside: Vec<(String, Vec<u8>)>,
-    /// XXH3-128 of the file's bytes. Where there are buffers beside it, that of a list of hashes, of 16 bytes each, the
-    /// lowest first: the file's, then each buffer's. (The file itself names the buffers.)
+    /// XXH3-128 of the file's bytes. If there are buffers beside it, XXH3-128 of a list of hashes,
+    /// each as 16 bytes in little-endian order: that of the file, then those of the buffers. The
+    /// names of the buffers are in the file.
     pub hash: u128,
 }
 
 impl SourceFile {
-    /// A file that draws on no other.
+    /// A file without buffers beside it.
+    ///
+    /// ```
+    /// use hullmap_import::SourceFile;
+    ///
+    /// let source = SourceFile::alone(b"v 0 0 0".to_vec());
+    /// assert!(source.beside.is_empty());
+    /// assert_ne!(source.hash, SourceFile::alone(b"v 0 0 1".to_vec()).hash);
+    /// ```
     pub fn alone(bytes: Vec<u8>) -> Self {
         let hash = source_hash(&bytes);
         Self { bytes, beside: Vec::new(), hash }
     }
 }
 
-/// Why a source file could not be read.
+/// Error of [`read`].
 #[derive(Debug)]
 pub enum ReadError {
-    /// It, or a file that it draws on and that is there, cannot be opened or read.
+    /// The file, or a buffer that exists, cannot be opened or read.
     Io(std::io::Error),
-    /// It is too large, or a file that it draws on is missing or damaged.
+    /// The file is too large or damaged, or a buffer is missing.
     Import(ImportError),
 }
 
-/// Reads a file and the buffers beside it. `file` is its name in messages.
+/// Reads a file and the buffers beside it.
+///
+/// `file` is the name of the file in messages.
+///
+/// ```
+/// # let folder = std::env::temp_dir().join(format!("hullmap-import-read-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder)?;
+/// # let path = folder.join("point.obj");
+/// # std::fs::write(&path, "v 1 2 3")?;
+/// use hullmap_import::{Limits, ReadError, read};
+///
+/// let source = read("point.obj", &path, &Limits::DEFAULT).expect("the file exists");
+/// assert_eq!(source.bytes, b"v 1 2 3");
+/// let missing = read("none.obj", &folder.join("none.obj"), &Limits::DEFAULT);
+/// assert!(matches!(missing, Err(ReadError::Io(_))));
+/// # std::fs::remove_dir_all(&folder)?;
+/// # Ok::<(), std::io::Error>(())
+/// ```
 ///
 /// # Errors
-/// The file cannot be read, is too large, or names buffers that cannot be.
+/// The file or a buffer cannot be read, or they are larger than the limit.
+///
+/// # Complexity
+/// O(bytes).
 pub fn read(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, ReadError> {
     let fault = |LineFault { line, fault }| ReadError::Import(ImportError { file: file.to_owned(), line, fault });
     let mut left = limits.input_bytes;
@@ -57,10 +86,10 @@ pub fn read(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, Read
         let folder = path.parent().unwrap_or(Path::new(""));
         let buffer = read_bounded(&folder.join(&name), &mut left).map_err(|error| match error.kind() {
             ErrorKind::NotFound => {
-                let text = format!("its buffer {name} cannot be read: {error}; put it back beside the file");
+                let text = format!("buffer {name} cannot be read: {error}; restore it beside the file");
                 fault(Fault::format(text).of_file())
             }
-            kind => ReadError::Io(std::io::Error::new(kind, format!("its buffer {name}: {error}"))),
+            kind => ReadError::Io(std::io::Error::new(kind, format!("buffer {name}: {error}"))),
         })?;
         beside.push((name, buffer.ok_or_else(|| fault(too_large(limits)))?));
     }
@@ -72,10 +101,21 @@ pub fn read(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, Read
     Ok(SourceFile { bytes, beside, hash: source_hash(&hashes) })
 }
 
-/// Paths of the buffers that a glTF file names beside it, for those who watch files; none where it is faulty or not there.
+/// Paths of the buffers beside a glTF file, for instance to watch them for changes.
+///
+/// The list is empty for other formats, and for a file that is faulty or missing.
+///
+/// ```
+/// let buffers = hullmap_import::buffers_of("meshes/crate.obj".as_ref())?;
+/// assert!(buffers.is_empty());
+/// # Ok::<(), std::io::Error>(())
+/// ```
 ///
 /// # Errors
-/// It is there and cannot be read.
+/// The file exists but cannot be read.
+///
+/// # Complexity
+/// O(bytes).
 pub fn buffers_of(path: &Path) -> std::io::Result<Vec<PathBuf>> {
     if Format::of(path, &[]) != Format::Gltf {
         return Ok(Vec::new());
@@ -91,16 +131,16 @@ pub fn buffers_of(path: &Path) -> std::io::Result<Vec<PathBuf>> {
 
 fn too_large(limits: &Limits) -> LineFault {
     Fault::format(format!(
-        "more than {} bytes, and importing may take eight times as much memory; split the file, or raise --max-input-bytes",
+        "the file has more than {} bytes, and an import can take eight times as much memory; split it, or raise --max-input-bytes",
         limits.input_bytes
     ))
     .of_file()
 }
 
-/// The bytes of a file, unless there are more than are `left`, from which they are taken.
+/// Bytes of a file, or `None` if there are more than `left`. Subtracts them from `left`.
 fn read_bounded(path: &Path, left: &mut u64) -> std::io::Result<Option<Vec<u8>>> {
     let file = File::open(path)?;
-    // The length is a hint: pipes and the like have none, and a file may grow.
+    // The length is only a hint: pipes have none, and a file may grow.
     let length = file.metadata()?.len();
     if length > *left {
         return Ok(None);

@@ -1,6 +1,6 @@
-//! The words of a text, with the lines they are on.
+//! Words of a text file, with their line numbers.
 
-/// Cuts a text at blanks and line ends. Bytes need not be UTF-8.
+/// Splits a text at white space. The bytes need not be UTF-8.
 #[derive(Clone, Debug)]
 pub struct Tokens<'a> {
     rest: &'a [u8],
@@ -8,17 +8,17 @@ pub struct Tokens<'a> {
 }
 
 impl<'a> Tokens<'a> {
-    /// The words of `text`, which starts on line `line` of its file.
+    /// Words of `text`, which starts at line `line` of its file.
     pub fn new(text: &'a [u8], line: usize) -> Self {
         Self { rest: text, line }
     }
 
-    /// One-based line of the last word; behind the last one, of the end.
+    /// One-based line number of the word returned last, or of the end of the text.
     pub fn line(&self) -> usize {
         self.line
     }
 
-    /// What is not read yet.
+    /// Bytes not read yet.
     pub fn rest(&self) -> &'a [u8] {
         self.rest
     }
@@ -27,7 +27,7 @@ impl<'a> Tokens<'a> {
     pub fn next(&mut self) -> Option<&'a [u8]> {
         while let [first, tail @ ..] = self.rest {
             match first {
-                // A CR before an LF does not count; one alone ends a line.
+                // CRLF is one line ending, and so is a lone CR.
                 b'\n' => self.line += 1,
                 b'\r' if tail.first() != Some(&b'\n') => self.line += 1,
                 b'\r' | b' ' | b'\t' | 0x0B | 0x0C => {}
@@ -43,7 +43,7 @@ impl<'a> Tokens<'a> {
         None
     }
 
-    /// What is left of the line, without the blanks around it.
+    /// Rest of the line, without surrounding white space.
     pub fn rest_of_line(&mut self) -> &'a [u8] {
         let end = self.rest.iter().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(self.rest.len());
         let (line, tail) = self.rest.split_at(end);
@@ -52,7 +52,7 @@ impl<'a> Tokens<'a> {
     }
 }
 
-/// The text of a word; replacement characters stand for what is not UTF-8.
+/// Text of a word. Replacement characters stand for bytes that are not UTF-8.
 pub fn text(word: &[u8]) -> std::borrow::Cow<'_, str> {
     String::from_utf8_lossy(word)
 }

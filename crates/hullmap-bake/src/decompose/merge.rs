@@ -1,14 +1,18 @@
-//! Convex parts that are better one part: V-HACD cuts by halves, and its number of parts is what it aims at, not what it keeps to.
+//! Merging of convex parts after V-HACD, which cuts by halves and may exceed the requested number
+//! of parts.
 //!
 //! # Steps
-//! 1. The cost of a merger is the volume that the hull of two parts has beyond the parts that V-HACD made of it.
-//! 2. The cheapest merger is made, and what it costs to merge its outcome is computed; again, as long as a merger costs next to nothing,
-//!    or there are too many parts.
+//! 1. Compute the cost of each merger: the volume of the merged hull minus the volume of the V-HACD
+//!    parts in it.
+//! 2. Make the cheapest merger, and compute the costs of merging its result with the other parts.
+//! 3. Repeat while a merger costs next to nothing, or while there are too many parts.
 //!
-//! Parts whose boxes are apart are merged only where no others are left and there are too many.
+//! Parts with separated boxes are merged only if there are too many parts and no others are left to
+//! merge.
 //!
 //! # Reference
-//! Mamou's V-HACD 2 merges likewise, down to its number of parts; parry3d's does not.
+//! V-HACD 2 by Mamou also merges parts down to the requested number. The version in parry3d does
+//! not.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -19,27 +23,28 @@ use crate::{
     mass,
 };
 
-/// Boxes that are nearer to each other than this share of the whole touch: the grid that clipped points stand on is finer.
+/// Maximum gap between boxes that counts as touching, relative to the whole mesh. The grid of the
+/// clipped points is finer.
 const TOUCHING: f64 = 1e-5;
 
 /// When to merge.
 #[derive(Clone, Copy, Debug)]
 pub struct Until {
-    /// Volume that a part may gain by mergers that nothing else asks for.
+    /// Volume that a part may gain by a merger when there are not too many parts.
     pub free: f64,
-    /// Most parts that may be left, at least 1.
+    /// Maximum number of parts, at least 1.
     pub max_parts: usize,
-    /// Size of the whole.
+    /// Size of the whole mesh.
     pub size: f64,
 }
 
-/// A part, by its extreme points.
+/// A part, as the hull of its points.
 struct Part {
     hull: Hull,
     bounds: [DVec3; 2],
-    /// Volume of what V-HACD made of it.
+    /// Total volume of the V-HACD parts in it.
     own: f64,
-    /// Numbers of the parts it was.
+    /// Indices of the V-HACD parts in it.
     members: Vec<usize>,
 }
 
@@ -55,7 +60,7 @@ impl Part {
         Ok(Self { hull, bounds, own, members })
     }
 
-    /// Both as one.
+    /// The merged part.
     fn with(&self, other: &Self) -> Result<Self, BakeError> {
         let positions: Vec<[f32; 3]> = self.hull.vertices.iter().chain(&other.hull.vertices).copied().collect();
         let source_vertices = (0..positions.len() as u32).collect();
@@ -74,20 +79,23 @@ fn volume(hull: &Hull) -> f64 {
     if hull.rank == 3 { mass::mass(hull).volume } else { 0.0 }
 }
 
-/// A merger of two parts by their numbers, and what it costs. The outcome is made again when it is wanted: there may be half a million.
+/// A merger of two parts, by their indices, and its cost. The merged hull is not stored but
+/// computed again when needed, because there may be half a million mergers.
 #[derive(Clone, Copy)]
 struct Merger {
     cost: f64,
     pair: [usize; 2],
 }
 
-/// Which of `parts` are one part: lists of their numbers, ascending, by the first of each.
+/// Groups the parts to be merged. Each group is an ascending list of part indices, and the groups
+/// are ordered by their first index.
 ///
 /// # Errors
-/// Points that no hull can be made of.
+/// The errors of [`hull::build`].
 ///
 /// # Complexity
-/// A hull for each two parts that touch, and for each two that a merger makes touch; all pairs where more than `max_parts` are apart.
+/// One hull per pair of touching parts, including merged parts. If no touching parts are left and
+/// there are still more than `max_parts`, one hull per pair.
 pub fn merge(parts: &[PointSet], until: Until) -> Result<Vec<Vec<usize>>, BakeError> {
     let first: Result<Vec<Part>, BakeError> =
         parts.par_iter().enumerate().map(|(number, points)| Part::new(points, None, vec![number])).collect();
@@ -96,7 +104,7 @@ pub fn merge(parts: &[PointSet], until: Until) -> Result<Vec<Vec<usize>>, BakeEr
     let mut margin = TOUCHING * until.size;
     let mut mergers = mergers_of(&alive, &all_pairs(alive.len()), margin)?;
     loop {
-        // Of mergers that cost the same, the first: the order does not depend on threads.
+        // Of mergers with equal cost, take the first, so that the order does not depend on threads.
         let by_cost = |a: &&Merger, b: &&Merger| a.cost.total_cmp(&b.cost).then(a.pair.cmp(&b.pair));
         let Some(&Merger { cost, pair: [kept, gone] }) = mergers.iter().min_by(by_cost) else {
             if count <= until.max_parts || margin == f64::INFINITY {
@@ -134,7 +142,7 @@ fn all_pairs(count: usize) -> Vec<[usize; 2]> {
     (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b])).collect()
 }
 
-/// The mergers of those of `pairs` whose parts are there and touch.
+/// The mergers of those `pairs` whose parts still exist and touch.
 fn mergers_of(alive: &[Option<Part>], pairs: &[[usize; 2]], margin: f64) -> Result<Vec<Merger>, BakeError> {
     let merger = |&pair: &[usize; 2]| {
         let [Some(a), Some(b)] = pair.map(|part| alive[part].as_ref()) else { return None };
@@ -150,7 +158,7 @@ fn mergers_of(alive: &[Option<Part>], pairs: &[[usize; 2]], margin: f64) -> Resu
 mod tests {
     use super::*;
 
-    /// A box of points by its corners.
+    /// The corners of a box.
     fn block(low: [f32; 3], high: [f32; 3]) -> PointSet {
         let corner = |i: usize| std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] });
         PointSet { positions: (0..8).map(corner).collect(), source_vertices: (0..8).collect(), ..PointSet::default() }
@@ -172,15 +180,16 @@ mod tests {
     }
 
     #[test]
-    fn what_is_convex_together_is_one_part() {
+    fn parts_with_a_convex_union_are_merged() {
         assert_eq!(merged(1e-9, 100), [vec![0, 2, 3], vec![1], vec![4]]);
-        // Negative: nothing is free.
+        // A negative limit allows no merger.
         assert_eq!(merged(-1.0, 100).len(), 5);
     }
 
-    /// The block across costs 2 with the row (an L's hull has 7 where it has 5); the one far away costs more with anything.
+    /// Merging the block across with the row costs 2 (the hull of the L has volume 7, its parts 5).
+    /// Merging the distant block costs more.
     #[test]
-    fn the_number_of_parts_is_kept_to() {
+    fn max_parts_is_not_exceeded() {
         assert_eq!(merged(0.0, 2), [vec![0, 2, 3, 4], vec![1]]);
         assert_eq!(merged(0.0, 1), [vec![0, 1, 2, 3, 4]]);
         assert_eq!(merged(2.5, 100), [vec![0, 2, 3, 4], vec![1]]);

@@ -1,18 +1,23 @@
-//! A concave mesh → convex parts, by V-HACD.
+//! V-HACD: approximate convex decomposition of a concave mesh into convex parts.
 //!
 //! # Steps
-//! 1. A mesh that is convex already stays one hull: all triangles lie on its hull's surface, and have as much area.
-//! 2. V-HACD (parry3d, in f64) cuts the voxels of the mesh by planes until each part is nearly convex.
-//! 3. A part's points are those of the triangles in its voxels, clipped by them. Points that are the source's keep their numbers and
-//!    their places; the others are rounded to a fine grid.
-//! 4. Parts that are convex together are merged (`merge`), and as many as are more than asked for.
-//! 5. What the parts leave out is measured, vertex by vertex ([`uncovered`]): V-HACD promises nothing.
+//! 1. Keep a mesh that is already convex as one hull. A mesh is convex if all its triangles lie on
+//!    its hull's surface and have the same total area.
+//! 2. Cut the voxels of the mesh by planes with V-HACD (parry3d, in f64) until each part is nearly
+//!    convex.
+//! 3. Clip the mesh's triangles to the voxels of each part. Source points keep their indices and
+//!    positions; other points are rounded to a fine grid.
+//! 4. Merge parts whose union is convex, and further parts until at most the requested number is
+//!    left (`merge`).
+//! 5. [`uncovered`] measures, vertex by vertex, what the parts leave out. V-HACD itself gives no
+//!    guarantee.
 //!
 //! # Reference
-//! Mamou, Ghorbel, "A simple and efficient approach for 3D mesh approximate convex decomposition", 2009.
+//! Mamou, Ghorbel, "A simple and efficient approach for 3D mesh approximate convex decomposition",
+//! 2009.
 //!
 //! # Deviations
-//! - Parts are hulls of the mesh's own triangles, not of voxels: voxels are as coarse as their grid.
+//! - Parts are hulls of the mesh's own triangles, not of voxels, which are as coarse as their grid.
 
 mod merge;
 
@@ -28,42 +33,42 @@ use crate::{
     simplify::nearest::Nearest,
 };
 
-/// How a mesh is cut; the meaning of each is V-HACD's.
+/// Parameters of V-HACD.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
-    /// Volume by which a part may differ from its hull, relative to the whole, 0 to 1.
+    /// Volume by which a part may differ from its hull, relative to the whole mesh, from 0 to 1.
     pub concavity: f64,
-    /// Voxels along the mesh's longest side, at least 1.
+    /// Number of voxels along the mesh's longest side, at least 1.
     pub resolution: u32,
-    /// Most parts, at least 1.
+    /// Maximum number of parts, at least 1.
     pub max_parts: u32,
-    /// Weight of cuts into halves of equal volume.
+    /// Weight of the bias towards cuts into halves of equal volume.
     pub alpha: f64,
-    /// Weight of cuts through an axis of revolution.
+    /// Weight of the bias towards cuts through an axis of revolution.
     pub beta: f64,
-    /// Every how many-th cutting plane is tried, at least 1.
+    /// Try one in this many cutting planes, at least 1.
     pub plane_downsampling: u32,
-    /// Every how many-th voxel a trial hull is of, at least 1.
+    /// Build trial hulls from one in this many voxels, at least 1.
     pub hull_downsampling: u32,
-    /// Whether trial hulls are of voxels rather than of the mesh.
+    /// Whether trial hulls are built from voxels instead of from the mesh.
     pub hull_approximation: bool,
-    /// What is inside.
+    /// What counts as inside.
     pub fill: Fill,
 }
 
-/// How the inside of a voxelised mesh is counted.
+/// How the inside of a voxelised mesh is determined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fill {
-    /// What the outside cannot reach is inside.
+    /// Everything that a flood fill from outside does not reach.
     Flood,
-    /// The same, but closed cavities count as outside.
+    /// The same, without closed cavities.
     Cavities,
-    /// The surface's voxels alone.
+    /// Only the voxels of the surface.
     Surface,
 }
 
 impl Default for Parameters {
-    /// parry3d's.
+    /// The defaults of parry3d.
     fn default() -> Self {
         let VHACDParameters { concavity, alpha, beta, resolution, plane_downsampling, .. } = VHACDParameters::default();
         Self {
@@ -80,41 +85,44 @@ impl Default for Parameters {
     }
 }
 
-/// How far a triangle of a convex mesh may lie behind the hull's surface, over the diameter: rounding to f32, of a point far from the
-/// origin.
+/// Maximum distance of a convex mesh's triangle behind its hull's surface, relative to the
+/// diameter. It covers rounding to f32 far from the origin.
 const ON_SURFACE: f64 = 1e-6;
 
-/// By how much the areas of a convex mesh and of its hull may differ, relative to the hull's.
+/// Maximum difference between the areas of a convex mesh and its hull, relative to the hull's area.
 const SAME_AREA: f64 = 1e-4;
 
-/// Points that a part gets by clipping stand on a grid of this share of the mesh's size, a power of two: their last digits are noise,
-/// and every noisy point would be a vertex.
+/// Spacing of the grid to which clipped points are rounded, relative to the mesh's size and before
+/// it is rounded up to a power of two. The last digits of these points are noise, and every noisy
+/// point would become a vertex.
 const GRID: f64 = 1.0 / 4_194_304.0;
 
-/// Volume that a part may gain by being merged with others, over that of the whole and the concavity: a tenth of what a part may differ from
-/// its hull anyway. At half of it the bars of a horseshoe bulged by 2 % of its size.
+/// Volume that a part may gain by a merger, relative to the volume of the mesh's hull times the
+/// concavity. It is a tenth of the volume by which a part may differ from its hull. At 0.5, the
+/// bars of a horseshoe bulged by 2 % of its size.
 const FREE_MERGER: f64 = 0.1;
 
-/// The convex parts of a mesh, in an order that depends on it and on the parameters alone; `None` where it is one already, or has no
-/// triangles or no volume to cut.
+/// The convex parts of a mesh; `None` if the mesh is convex, or has no triangles or no volume.
 ///
-/// The parts are named as the mesh with `_part_00` and so on behind it.
+/// The order of the parts depends only on the mesh and the parameters. Each part is named after the
+/// mesh, with the suffix `_part_00`, `_part_01` and so on.
 ///
 /// # Errors
-/// A point that is not finite, or none at all.
+/// The errors of [`hull::build`].
 ///
 /// # Complexity
-/// O(resolution³) for the voxels; with the defaults a second or so.
+/// O(resolution³) for the voxels. With the defaults, a mesh takes about a second.
 pub fn decompose(mesh: &PointSet, parameters: &Parameters) -> Result<Option<Vec<PointSet>>, BakeError> {
     let hull = hull::build(mesh)?;
     if hull.rank < 3 || mesh.triangles.is_empty() || is_convex(mesh, &hull) {
         return Ok(None);
     }
-    // Around the middle of the bounds, so that voxels are cut with all digits.
+    // Centre the mesh on its bounding box, so that V-HACD cuts with full precision.
     let positions: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
     let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
     let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-    // A coordinate of f32 numbers' sum, and their differences, are exact in f64 in all but absurd ranges.
+    // The middle is rounded to f32 numbers, so that subtracting it and adding it back are exact in
+    // f64 except in extreme ranges.
     let middle = ((low + high) * 0.5).as_vec3().as_dvec3();
     let points: Vec<_> = positions.iter().map(|p| to_parry(*p - middle)).collect();
     let found = VHACD::decompose(&to_vhacd(parameters), &points, &mesh.triangles, true);
@@ -152,7 +160,7 @@ pub fn decompose(mesh: &PointSet, parameters: &Parameters) -> Result<Option<Vec<
     Ok((parts.len() > 1).then_some(parts))
 }
 
-/// Sorts points by their numbers, then by position, each once.
+/// Sorts points by source index, then by position, and removes duplicates.
 fn in_order(part: &mut Vec<([f32; 3], u32)>) {
     part.sort_unstable_by_key(|(p, number)| (*number, p.map(f32::to_bits)));
     part.dedup();
@@ -168,10 +176,13 @@ fn point_set(part: &[([f32; 3], u32)], mesh: &PointSet, name: String) -> PointSe
     }
 }
 
-/// How far the vertex of the mesh that lies farthest outside of all parts lies from the nearest; 0 where all are in some part.
+/// Maximum distance of a mesh vertex from the nearest part; 0 if every vertex is in a part.
+///
+/// The unit is that of the positions.
 ///
 /// # Complexity
-/// One nearest-point search for each vertex and each part that it may be in, or near.
+/// One nearest-point search for each vertex and each part whose box contains the vertex or is close
+/// to it.
 pub fn uncovered(mesh: &PointSet, parts: &[&Hull]) -> f64 {
     let parts: Vec<(Nearest, [DVec3; 2])> = parts.iter().map(|hull| (Nearest::new(hull), bounds(hull))).collect();
     let mut worst = 0.0_f64;
@@ -180,7 +191,8 @@ pub fn uncovered(mesh: &PointSet, parts: &[&Hull]) -> f64 {
         let mut least = f64::INFINITY;
         for (nearest, [low, high]) in &parts {
             let outside_box = (*low - p).max(p - *high).max(DVec3::ZERO).length();
-            // NaN, of which there is none, would be looked at. A point that is no nearer than the worst does not count.
+            // Written so that NaN would not skip a part, although no position is NaN. A vertex that
+            // is no farther than the worst so far cannot change the result.
             if !(outside_box >= least) && least > worst {
                 least = least.min(nearest.certain(p).point.distance(p));
             }
@@ -207,7 +219,7 @@ fn is_convex(mesh: &PointSet, hull: &Hull) -> bool {
         let normal = (b - a).cross(c - a);
         area += 0.5 * normal.length();
         let normal = normal.normalize_or_zero();
-        // Whichever way round it is written.
+        // Triangles of either orientation are accepted.
         let is_on_surface = [normal, -normal].into_iter().any(|normal| {
             start = nearest.climb(normal, start);
             normal.dot(nearest.vertex(start) - a) <= ON_SURFACE * hull.diameter
@@ -220,7 +232,7 @@ fn is_convex(mesh: &PointSet, hull: &Hull) -> bool {
     (area - whole).abs() <= SAME_AREA * whole
 }
 
-/// Numbers of the mesh's points, by position, then by number.
+/// Indices of the mesh's points, sorted by position, then by source index.
 fn by_position(mesh: &PointSet) -> Vec<u32> {
     let mut order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     order.sort_unstable_by_key(|i| (key(mesh.positions[*i as usize]), mesh.source_vertices[*i as usize]));
@@ -231,7 +243,7 @@ fn key(p: [f32; 3]) -> [u32; 3] {
     p.map(|c| (c + 0.0).to_bits())
 }
 
-/// The source vertex at a position; [`NO_SOURCE_VERTEX`] where there is none.
+/// The source vertex at a position; [`NO_SOURCE_VERTEX`] if there is none.
 fn number_of(mesh: &PointSet, order: &[u32], p: [f32; 3]) -> u32 {
     let at = order.partition_point(|i| key(mesh.positions[*i as usize]) < key(p));
     let found = order.get(at).filter(|i| key(mesh.positions[**i as usize]) == key(p));
@@ -261,7 +273,7 @@ fn to_vhacd(parameters: &Parameters) -> VHACDParameters {
     }
 }
 
-/// The least power of two that is not below `x`, which is positive and normal: by its bits, exactly.
+/// The smallest power of two that is at least `x`, which must be positive and normal. Exact.
 fn power_of_two_from(x: f64) -> f64 {
     const MANTISSA_BITS: u32 = f64::MANTISSA_DIGITS - 1;
     let exponent = x.to_bits() >> MANTISSA_BITS;
@@ -274,7 +286,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn powers_of_two_are_the_next_ones() {
+    fn power_of_two_from_rounds_up() {
         for (x, power) in [
             (1.0, 1.0),
             (1.0 + f64::EPSILON, 2.0),
@@ -287,7 +299,7 @@ mod tests {
         }
     }
 
-    /// Boxes that touch, as one mesh: each by its low and high corner.
+    /// Touching boxes as one mesh, each given by its minimum and maximum corner.
     fn boxes(name: &str, boxes: &[[[f32; 3]; 2]]) -> PointSet {
         let mut set = PointSet { name: name.to_owned(), ..PointSet::default() };
         for [low, high] in boxes {
@@ -304,7 +316,7 @@ mod tests {
         set
     }
 
-    /// A U of three bars.
+    /// A U made of three bars.
     fn horseshoe() -> PointSet {
         boxes(
             "u",
@@ -317,19 +329,19 @@ mod tests {
     }
 
     #[test]
-    fn a_horseshoe_falls_into_parts_that_cover_it() {
+    fn a_horseshoe_is_cut_into_parts_that_cover_it() {
         let mesh = horseshoe();
         let parts = decompose(&mesh, &Parameters::default()).unwrap().unwrap();
         assert_eq!(parts.len(), 4);
         let hulls: Vec<Hull> = parts.iter().map(|part| hull::build(part).unwrap()).collect();
         assert!(parts.iter().enumerate().all(|(number, part)| part.name == format!("u_part_{number:02}")));
-        // The gap between its arms is free: the volume is that of the bars, not of their hull.
+        // The gap between the arms stays empty: the volume is that of the bars, not of their hull.
         let volume: f64 = hulls.iter().map(|hull| crate::mass::mass(hull).volume).sum();
         println!("{} parts of volume {volume}, where the bars have 7 and their hull 9", parts.len());
         assert!((6.0..8.0).contains(&volume), "{volume}");
         let lost = uncovered(&mesh, &hulls.iter().collect::<Vec<_>>());
         assert!(lost <= 1e-6, "{lost}");
-        // Corners that are the source's keep their numbers.
+        // Corners that are source vertices keep their indices.
         let known = parts.iter().flat_map(|part| part.source_vertices.iter().zip(&part.positions));
         let mut count = 0;
         for (number, p) in known.filter(|(number, _)| **number != NO_SOURCE_VERTEX) {
@@ -339,9 +351,9 @@ mod tests {
         assert!(count >= 16, "{count}");
     }
 
-    /// V-HACD's own number is what it aims at: 4 parts where 1 is asked for.
+    /// V-HACD only aims at its number of parts: it makes 4 where at most 1 is requested.
     #[test]
-    fn no_more_parts_are_made_than_are_asked_for() {
+    fn max_parts_is_not_exceeded() {
         let mesh = horseshoe();
         for max_parts in 1..=4 {
             let parts = decompose(&mesh, &Parameters { max_parts, ..Parameters::default() }).unwrap();
@@ -351,7 +363,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_convex_stays_whole_and_what_is_half_open_does_not() {
+    fn convex_meshes_stay_whole_and_open_boxes_do_not() {
         let cube = boxes("cube", &[[[0.0; 3], [1.0; 3]]]);
         assert!(decompose(&cube, &Parameters::default()).unwrap().is_none());
         let cloud = PointSet { triangles: Vec::new(), ..horseshoe() };
@@ -361,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_lost_part_leaves_out_is_found() {
+    fn vertices_of_a_missing_part_are_uncovered() {
         let mesh = horseshoe();
         let parts = decompose(&mesh, &Parameters::default()).unwrap().unwrap();
         let hulls: Vec<Hull> = parts.iter().map(|part| hull::build(part).unwrap()).collect();

@@ -1,29 +1,31 @@
-//! Area vectors of triangles and polygons: along the normal, twice the area long, right to a few units in the last place whatever the
-//! shape.
+//! Area vectors of triangles and polygons: vectors along the normal, of twice the area in length.
+//! They are accurate to a few units in the last place for any shape.
 //!
-//! 1. Of a triangle, the two shorter sides: each is right to a unit in the last place of its own length, where two long sides of a needle
-//!    would have lost what is between their ends.
-//! 2. Their cross product in f64, its components as differences of products that are rounded once.
-//! 3. If that is so short that rounding shows, of a triangle whose corners are all but on a line: exactly, by expansions.
+//! 1. Take the two shorter sides of a triangle. Each is accurate to a unit in the last place of its
+//!    own length. Two long sides of a needle would lose the difference between their ends.
+//! 2. Compute their cross product in f64. Each component is a difference of products with a single
+//!    rounding (Kahan).
+//! 3. If the cross product is so short that rounding error matters, the corners are nearly
+//!    collinear. Compute it exactly, with expansions.
 //!
 //! # Reference
-//! Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997: expansions; Kahan's difference of
-//! products.
+//! Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates",
+//! 1997: expansions; Kahan's difference of products.
 
 use glam::DVec3;
 
-/// Sine of the angle between two sides below which their cross product is computed exactly: above it, rounding turns a normal by less
-/// than 1e-9.
+/// Sine of the angle between two sides below which their cross product is computed exactly. Above
+/// it, rounding error turns a normal by less than 1e-9.
 const SHARP: f64 = 1e-6;
 
-/// Vector of twice the area of a polygon, out of the side that sees its corners counter-clockwise.
+/// Area vector of a polygon. It points to the side from which the corners appear counter-clockwise.
 pub fn area_vector(face: &[u32], positions: &[DVec3]) -> DVec3 {
     let at = |v: u32| positions[v as usize];
     let root = at(face[0]);
     face[1..].windows(2).map(|side| triangle_area_vector([root, at(side[0]), at(side[1])])).sum()
 }
 
-/// The same of a triangle.
+/// Area vector of a triangle.
 pub fn triangle_area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
     let (ab, bc, ca) = (b - a, c - b, a - c);
     let [ab_sq, bc_sq, ca_sq] = [ab, bc, ca].map(DVec3::length_squared);
@@ -34,11 +36,12 @@ pub fn triangle_area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
     } else {
         (accurate_cross(ca, ab), ca_sq * ab_sq)
     };
-    // NaN, and squares that underflow, take the exact way.
+    // NaN, and squares that underflow, take the exact path.
     if product.length_squared() > SHARP * SHARP * sides_sq { product } else { exact_area_vector([a, b, c]) }
 }
 
-/// Cross product whose components are right to two units in the last place, even where the products cancel.
+/// Cross product whose components are accurate to two units in the last place, even if the products
+/// cancel.
 pub fn accurate_cross(a: DVec3, b: DVec3) -> DVec3 {
     // Kahan's difference of products.
     let minor = |a: f64, b: f64, c: f64, d: f64| {
@@ -48,7 +51,8 @@ pub fn accurate_cross(a: DVec3, b: DVec3) -> DVec3 {
     DVec3::new(minor(a.y, a.z, b.y, b.z), minor(a.z, a.x, b.z, b.x), minor(a.x, a.y, b.x, b.y))
 }
 
-/// [`triangle_area_vector`] with exact components, each rounded once. For positions that are f32 numbers nothing underflows.
+/// [`triangle_area_vector`] with exact components, each rounded once. Nothing underflows if the
+/// positions are f32 numbers.
 fn exact_area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
     let minor = |i: usize, j: usize| {
         let ([p, q], [r, s]) = ([(b[i], a[i]), (c[j], a[j])], [(b[j], a[j]), (c[i], a[i])]);
@@ -60,30 +64,29 @@ fn exact_area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
     DVec3::new(minor(1, 2), minor(2, 0), minor(0, 1))
 }
 
-/// `a` + `b` as a rounded sum and what the rounding left out.
+/// `a` + `b` as the rounded sum and its rounding error.
 fn two_sum(a: f64, b: f64) -> [f64; 2] {
     let sum = a + b;
     let b_in_sum = sum - a;
     [sum, (a - (sum - b_in_sum)) + (b - b_in_sum)]
 }
 
-/// The same of `a` − `b`.
+/// `a` − `b` as the rounded difference and its rounding error.
 fn two_difference(a: f64, b: f64) -> [f64; 2] {
     two_sum(a, -b)
 }
 
-/// A sum of at most [`TERMS`] numbers that do not overlap, from the least to the greatest: exact.
+/// An exact sum of at most [`TERMS`] non-overlapping numbers in ascending order of magnitude.
 #[derive(Default)]
 struct Expansion {
     terms: [f64; TERMS],
     count: usize,
 }
 
-/// Two products of two numbers of two terms each are sixteen terms.
+/// Two products of two sums of two terms each: sixteen terms.
 const TERMS: usize = 16;
 
 impl Expansion {
-    /// Adds `number`.
     fn add(&mut self, number: f64) {
         let mut carry = number;
         for term in &mut self.terms[..self.count] {
@@ -104,7 +107,7 @@ impl Expansion {
         }
     }
 
-    /// The sum, rounded.
+    /// The sum, rounded to f64.
     fn value(&self) -> f64 {
         self.terms[..self.count].iter().sum()
     }
@@ -115,14 +118,14 @@ mod tests {
     use super::*;
     use shapes::rng::SplitMix64;
 
-    /// Triangles of small whole numbers times powers of two, whose area vectors are whole numbers: known exactly by i128.
+    /// Triangles of small integers times powers of two, whose area vectors i128 computes exactly.
     #[test]
-    fn area_vectors_are_those_of_whole_numbers() {
+    fn area_vectors_agree_with_integer_arithmetic() {
         const SEED: u64 = 4;
         let mut rng = SplitMix64::new(SEED);
         let (mut sharp, mut worst) = (0, 0.0_f64);
         for _ in 0..20_000 {
-            // Up to 2^40 apart in size, so that sides and products need more than 53 bits.
+            // The sizes differ by up to 2^40, so that sides and products need more than 53 bits.
             let mut whole = || (rng.between(-9.0, 9.0) as i128) << [0, 0, 20, 40][rng.below(4)];
             let [a, b, c]: [[i128; 3]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| whole()));
             let minor = |i: usize, j: usize| (b[i] - a[i]) * (c[j] - a[j]) - (b[j] - a[j]) * (c[i] - a[i]);

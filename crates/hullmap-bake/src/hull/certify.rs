@@ -1,32 +1,59 @@
-//! Certificate of a hull: computed from its vertices, faces and the source points alone, by other means than it was built.
+//! Certificate of a hull, computed only from its vertices, its faces and the source points,
+//! independently of its construction.
 //!
-//! 1. Euler: V − E + F = 2, every edge is walked once in each direction.
-//! 2. Every face looks outward: the vertices' centroid lies behind it.
-//! 3. No source point lies farther than [`CONTAINMENT`] in front of any face, or off the polygon, segment or point.
+//! 1. Euler: V − E + F = 2, and every edge occurs once in each direction.
+//! 2. Every face faces outward: the centroid of the vertices lies behind it.
+//! 3. No source point lies farther than [`CONTAINMENT`] in front of any face, or from the polygon,
+//!    segment or point.
 //!
-//! Step 3 would cost points × faces. A box around a group of points lies behind most faces as a whole: the points are
-//! halved again and again, and each half keeps only the faces that its box is not behind.
+//! Testing every point against every face in step 3 would be too slow. The bounding box of a group
+//! of points lies entirely behind most faces. The points are therefore halved recursively, and each
+//! half keeps only the faces that its box is not behind.
 
 use glam::DVec3;
 
 use super::{Hull, area::area_vector, edges, polygon::side_normal};
-use crate::BakeError;
 
-/// Greatest distance of a source point from the hull, over the hull's diameter.
+/// Why a hull fails its certificate.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CertificateError {
+    /// A source point is too far outside the hull.
+    #[error("a source point is {error:e} of the diameter outside of the hull (at most {CONTAINMENT:e} is allowed)")]
+    Containment {
+        /// Distance relative to the diameter; NaN if unknown.
+        error: f64,
+    },
+    /// The faces do not form a closed, consistently oriented surface.
+    #[error(
+        "its faces are not a closed surface (V - E + F is {euler}; every edge must be in two faces, once in each direction)"
+    )]
+    Surface {
+        /// V − E + F; 2 for a polyhedron.
+        euler: i64,
+    },
+    /// A face is degenerate or faces inward.
+    #[error("face {face} does not look outward")]
+    Inward {
+        /// Index of the face.
+        face: usize,
+    },
+}
+
+/// Maximum distance of a source point from the hull, relative to the hull's diameter.
 pub const CONTAINMENT: f64 = 1e-7;
 
-/// A half-space that the hull lies in: n·x ≤ offset, n of unit length.
+/// A half-space that contains the hull: n·x ≤ offset. The normal n has unit length.
 #[derive(Clone, Copy)]
 struct HalfSpace {
     normal: DVec3,
     offset: f64,
 }
 
-/// Checks `hull` against `points` and returns its containment error, over its diameter.
+/// Checks `hull` against `points` and returns its containment error, relative to its diameter.
 ///
 /// # Errors
-/// [`BakeError::Uncertified`], saying which of the three promises does not hold.
-pub fn certify(hull: &Hull, points: &[DVec3]) -> Result<f64, BakeError> {
+/// The first check that fails.
+pub fn certify(hull: &Hull, points: &[DVec3]) -> Result<f64, CertificateError> {
     let vertices = hull.positions();
     let worst = match hull.rank {
         0 => points.iter().map(|p| p.distance(vertices[0])).fold(0.0, f64::max),
@@ -43,13 +70,7 @@ pub fn certify(hull: &Hull, points: &[DVec3]) -> Result<f64, BakeError> {
     };
     let error = if worst == 0.0 { 0.0 } else { worst / hull.diameter };
     // Written so that NaN fails.
-    if error <= CONTAINMENT {
-        Ok(error)
-    } else {
-        Err(BakeError::Uncertified {
-            what: format!("a source point lies {error:e} of the diameter outside, where {CONTAINMENT:e} is allowed"),
-        })
-    }
+    if error <= CONTAINMENT { Ok(error) } else { Err(CertificateError::Containment { error }) }
 }
 
 fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
@@ -58,45 +79,42 @@ fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
     p.distance(a + along * t)
 }
 
-fn euler(hull: &Hull) -> Result<(), BakeError> {
+fn euler(hull: &Hull) -> Result<(), CertificateError> {
     let mut directed: Vec<(u32, u32)> = hull.faces.iter().flat_map(|face| edges(face)).collect();
     directed.sort_unstable();
     let once = directed.windows(2).all(|w| w[0] != w[1]);
     let paired = directed.iter().all(|&(a, b)| directed.binary_search(&(b, a)).is_ok());
     let euler = hull.vertices.len() as i64 - directed.len() as i64 / 2 + hull.faces.len() as i64;
-    if once && paired && euler == 2 {
-        Ok(())
-    } else {
-        Err(BakeError::Uncertified { what: format!("its faces are not a closed surface (Euler number {euler})") })
-    }
+    if once && paired && euler == 2 { Ok(()) } else { Err(CertificateError::Surface { euler }) }
 }
 
-/// The plane of each face: exact up to rounding, as the faces are.
+/// The supporting plane of each face, accurate to rounding error.
 fn face_planes(hull: &Hull, vertices: &[DVec3]) -> Vec<HalfSpace> {
     hull.faces
         .iter()
         .map(|face| {
             let normal = area_vector(face, vertices).normalize_or_zero();
-            // The farthest corner, so that rounding of the normal never shows as a corner outside its own face.
+            // Take the farthest corner, so that rounding error in the normal never puts a corner
+            // outside its own face.
             let offset = face.iter().map(|v| normal.dot(vertices[*v as usize])).fold(f64::NEG_INFINITY, f64::max);
             HalfSpace { normal, offset }
         })
         .collect()
 }
 
-fn outward(hull: &Hull, vertices: &[DVec3], planes: &[HalfSpace]) -> Result<(), BakeError> {
+fn outward(hull: &Hull, vertices: &[DVec3], planes: &[HalfSpace]) -> Result<(), CertificateError> {
     let centroid = vertices.iter().sum::<DVec3>() / vertices.len() as f64;
     for (face, plane) in planes.iter().enumerate() {
         let behind = plane.offset - plane.normal.dot(centroid);
         let slack = CONTAINMENT * hull.diameter;
         if !(plane.normal.is_finite() && plane.normal != DVec3::ZERO && behind >= -slack) {
-            return Err(BakeError::Uncertified { what: format!("face {face} does not look outward") });
+            return Err(CertificateError::Inward { face });
         }
     }
     Ok(())
 }
 
-/// Planes through the edges of a polygon, all but at right angles to it.
+/// Planes through the edges of a polygon, at right angles to it except for rounding error.
 fn side_planes(hull: &Hull, vertices: &[DVec3], normal: DVec3) -> Vec<HalfSpace> {
     edges(&hull.faces[0])
         .map(|(a, b)| {
@@ -107,10 +125,11 @@ fn side_planes(hull: &Hull, vertices: &[DVec3], normal: DVec3) -> Vec<HalfSpace>
         .collect()
 }
 
-/// Points of a group at which each is tested against each of the group's half-spaces.
+/// Maximum number of points in a group that is not halved further. Each of its points is tested
+/// against each of its half-spaces.
 const GROUP: usize = 32;
 
-/// How far the worst point lies outside any half-space; 0 where none does.
+/// Maximum distance of a point outside any half-space; 0 if no point is outside.
 fn worst_outside(points: &[DVec3], half_spaces: &[HalfSpace]) -> f64 {
     let mut points = points.to_vec();
     let mut worst = 0.0;
@@ -122,7 +141,7 @@ fn descend(points: &mut [DVec3], half_spaces: &[HalfSpace], worst: &mut f64) {
     let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
     let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
     let (centre, half) = ((low + high) * 0.5, (high - low) * 0.5);
-    // `!(… <= …)`: a half-space whose distance is NaN stays.
+    // Written so that a half-space whose distance is NaN is kept.
     let near: Vec<HalfSpace> = half_spaces
         .iter()
         .filter(|h| !(h.normal.dot(centre) + h.normal.abs().dot(half) - h.offset <= *worst))
@@ -181,27 +200,27 @@ mod tests {
     }
 
     #[test]
-    fn a_lost_point_is_found() {
+    fn a_point_outside_the_hull_is_found() {
         let (hull, mut points) = cube();
         points.push(DVec3::new(0.5, 0.5, 1.0 + 1e-6));
-        let error = certify(&hull, &points).unwrap_err().to_string();
-        assert!(error.contains("outside"), "{error}");
+        let error = certify(&hull, &points).unwrap_err();
+        assert!(matches!(error, CertificateError::Containment { error } if error > 5e-7), "{error}");
     }
 
     #[test]
-    fn a_turned_or_missing_face_is_found() {
+    fn a_reversed_or_missing_face_is_found() {
         let (mut hull, points) = cube();
         hull.faces[2].reverse();
-        assert!(certify(&hull, &points).is_err());
+        assert!(matches!(certify(&hull, &points), Err(CertificateError::Surface { .. })));
         let (mut hull, points) = cube();
         hull.faces.pop();
-        assert!(certify(&hull, &points).is_err());
+        assert!(matches!(certify(&hull, &points), Err(CertificateError::Surface { euler: 3 })));
         let (mut hull, points) = cube();
         hull.faces.iter_mut().for_each(|f| f.reverse());
-        assert!(certify(&hull, &points).unwrap_err().to_string().contains("outward"));
+        assert_eq!(certify(&hull, &points), Err(CertificateError::Inward { face: 0 }));
     }
 
-    /// The slow, obvious twin of the descent.
+    /// The slow, obvious twin of `descend`.
     #[test]
     fn grouping_changes_nothing() {
         let points: Vec<DVec3> =

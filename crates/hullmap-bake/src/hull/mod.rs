@@ -1,8 +1,9 @@
-//! Source points → convex hull of rank 3, 2, 1 or 0, certified.
+//! Builds and certifies the convex hull, of rank 3, 2, 1 or 0, of a set of source points.
 //!
-//! 1. Points that are the same become one; [`rank`] finds the dimension they span.
-//! 2. [`solid`], [`polygon`], or the two ends, or the one point: the extreme points and the faces between them.
-//! 3. [`certify`] measures, independently of step 2, how far any source point lies outside.
+//! 1. Merge points with equal positions, and find the dimension they span ([`rank`]).
+//! 2. Find the extreme points and the faces between them: [`solid`] for rank 3, [`polygon`] for
+//!    rank 2, the two ends for rank 1, the single point for rank 0.
+//! 3. Measure how far any source point lies outside, independently of step 2 ([`certify`]).
 
 pub mod area;
 pub mod certify;
@@ -20,15 +21,18 @@ use rank::Simplex;
 pub struct Hull {
     /// Dimension: 3 solid, 2 polygon, 1 segment, 0 point.
     pub rank: u32,
-    /// Positions of the vertices, in the source's order, those that are not the source's last. Signed zeros are made one.
+    /// Positions of the vertices in source order, followed by those that are not source vertices.
+    /// Negative zeros are replaced by positive ones.
     pub vertices: Vec<[f32; 3]>,
-    /// For each vertex the first source vertex with that position; [`NO_SOURCE_VERTEX`](crate::NO_SOURCE_VERTEX) where there is none.
+    /// For each vertex, the first source vertex with that position;
+    /// [`NO_SOURCE_VERTEX`](crate::NO_SOURCE_VERTEX) if there is none.
     pub source_vertices: Vec<u32>,
-    /// Faces as polygons of vertex numbers, counter-clockwise from outside: facets of a solid, both sides of a polygon.
+    /// Faces as polygons of vertex indices, counter-clockwise seen from outside. A solid has its
+    /// facets; a polygon has both of its sides.
     pub faces: Vec<Vec<u32>>,
-    /// Greatest distance between two vertices.
+    /// Maximum distance between two vertices.
     pub diameter: f64,
-    /// How far the worst source point lies outside, divided by the diameter.
+    /// Maximum distance of a source point outside the hull, relative to the diameter.
     pub containment_error: f64,
 }
 
@@ -40,10 +44,10 @@ impl Hull {
 }
 
 impl Hull {
-    /// For each vertex the vertices it shares an edge with, ascending.
+    /// For each vertex, the vertices that share an edge with it, ascending.
     ///
     /// # Complexity
-    /// O(number of face corners), and sorting.
+    /// O(number of face corners), plus sorting.
     pub fn neighbours(&self) -> Vec<Vec<u32>> {
         let mut neighbours = vec![Vec::new(); self.vertices.len()];
         for (a, b) in self.faces.iter().flat_map(|face| edges(face)) {
@@ -54,7 +58,7 @@ impl Hull {
         }
         for list in &mut neighbours {
             list.sort_unstable();
-            // Both sides of a polygon have the same edges.
+            // Both sides of a polygon have the same edges, so each neighbour occurs twice.
             list.dedup();
         }
         neighbours
@@ -62,10 +66,11 @@ impl Hull {
 }
 
 impl Hull {
-    /// For each entry w of `neighbours`, of vertex v, the face in which w follows v; 0 where there are no faces.
+    /// For each entry w in the list of vertex v in `neighbours`, the index of the face in which w
+    /// follows v; 0 if there are no faces.
     ///
     /// # Complexity
-    /// O(number of face corners), and a search for each in its vertex's neighbours.
+    /// O(number of face corners), with a binary search in the vertex's neighbours for each.
     pub fn neighbour_faces(&self, neighbours: &[Vec<u32>]) -> Vec<u32> {
         let mut left: Vec<Vec<u32>> = neighbours.iter().map(|list| vec![0; list.len()]).collect();
         for (number, face) in self.faces.iter().enumerate() {
@@ -87,7 +92,8 @@ pub(crate) fn edges(face: &[u32]) -> impl Iterator<Item = (u32, u32)> + '_ {
 /// Builds and certifies the hull of `points`.
 ///
 /// # Errors
-/// No points, more than 2³⁰, a position that is not finite, or a hull that fails certification.
+/// No points, more than [`MAX_POINTS`](crate::MAX_POINTS) points, a position that is not finite, or
+/// a hull that fails certification.
 ///
 /// # Complexity
 /// O(n log n) on all families tried.
@@ -110,7 +116,7 @@ pub fn build(points: &PointSet) -> Result<Hull, BakeError> {
         }
     };
     let mut chosen = chosen;
-    // Those that are no source vertices have the same number: by position.
+    // Points that are not source vertices share one index; order them by position.
     chosen.sort_unstable_by_key(|&p| (distinct[p as usize].1, p));
     chosen.dedup();
     let mut number = vec![u32::MAX; distinct.len()];
@@ -133,16 +139,16 @@ pub fn build(points: &PointSet) -> Result<Hull, BakeError> {
     Ok(hull)
 }
 
-/// How far the worst of `points` lies outside of `hull`, over its diameter.
+/// Maximum distance of a point of `points` outside `hull`, relative to its diameter.
 ///
 /// # Errors
-/// Farther than [`certify::CONTAINMENT`].
+/// The distance exceeds [`certify::CONTAINMENT`], or `points` is not valid input for [`build`].
 pub fn containment_error(hull: &Hull, points: &PointSet) -> Result<f64, BakeError> {
     let positions: Vec<DVec3> = distinct(points)?.iter().map(|(p, _)| DVec3::from_array(p.map(f64::from))).collect();
-    certify::certify(hull, &positions)
+    Ok(certify::certify(hull, &positions)?)
 }
 
-/// The two points farthest apart along the line of `ends`.
+/// The two points that are farthest in either direction along the line of `ends`.
 fn segment_ends(positions: &[DVec3], ends: [usize; 2]) -> Vec<u32> {
     let along = positions[ends[1]] - positions[ends[0]];
     let by_reach = |a: &u32, b: &u32| positions[*a as usize].dot(along).total_cmp(&positions[*b as usize].dot(along));
@@ -150,14 +156,15 @@ fn segment_ends(positions: &[DVec3], ends: [usize; 2]) -> Vec<u32> {
     all.clone().min_by(by_reach).into_iter().chain(all.max_by(by_reach)).collect()
 }
 
-/// The same polygon, written from its least vertex on.
+/// The same polygon, starting at its smallest vertex index.
 fn from_least(mut face: Vec<u32>) -> Vec<u32> {
     let least = face.iter().enumerate().min_by_key(|(_, v)| **v).map_or(0, |(at, _)| at);
     face.rotate_left(least);
     face
 }
 
-/// Distinct positions with the least source vertex of each, in order of position. Negative zeros become positive.
+/// Distinct positions in ascending order, each with its smallest source vertex index. Negative
+/// zeros become positive.
 fn distinct(points: &PointSet) -> Result<Vec<([f32; 3], u32)>, BakeError> {
     if points.positions.is_empty() {
         return Err(BakeError::Empty);

@@ -1,13 +1,15 @@
-//! Convex hull of points in a plane, by Andrew's monotone chain with exact predicates.
+//! Convex hull of points in a plane: Andrew's monotone chain with exact predicates.
 //!
-//! The points are looked at along the axis to which the plane's normal is closest: dropping a coordinate is an affine map
-//! of the plane, which keeps hulls, and needs no rounding.
+//! The points are projected along the coordinate axis closest to the plane's normal. Dropping a
+//! coordinate is an affine map of the plane, which preserves convex hulls, and it has no rounding
+//! error.
 
 use glam::{DVec2, DVec3};
 
 use super::area::{accurate_cross, area_vector};
 
-/// Extreme points of `points` (by number), counter-clockwise seen against `normal`, from the least on.
+/// Indices of the extreme points, counter-clockwise seen against `normal`, starting at the smallest
+/// index.
 ///
 /// # Complexity
 /// O(n log n).
@@ -35,8 +37,10 @@ pub fn hull(points: &[DVec3], normal: DVec3) -> Vec<u32> {
     outline
 }
 
-/// The same, decided along the axis that [`side_normal`] takes for the polygon's own normal: that of three of its points may be another,
-/// where a needle is as flat as its length allows and not as its width does.
+/// The same, projected along the axis that [`side_normal`] uses for the polygon's own normal.
+///
+/// The normal of three of its points may have a different closest axis if the polygon is a needle,
+/// which may be flat relative to its length but not relative to its width.
 pub fn hull_along_own_axis(points: &[DVec3], normal: DVec3) -> Vec<u32> {
     let mut normal = normal;
     let mut found = hull(points, normal);
@@ -51,13 +55,15 @@ pub fn hull_along_own_axis(points: &[DVec3], normal: DVec3) -> Vec<u32> {
     found
 }
 
-/// Axes to which a polygon's normal may be closest.
+/// Maximum number of projections tried: the axes to which a polygon's normal may be closest.
 const MOST_AXES: usize = 3;
 
-/// Unit vector in the polygon's plane, of unit `normal`, out of a side that runs along `edge`.
+/// Unit vector in the plane of the polygon with unit `normal`, pointing out of the side along
+/// `edge`.
 ///
-/// Points may be off the plane by more than they are from each other in it. So the edge is laid into the plane along the axis that
-/// [`hull`] dropped: then the sides turn as exactly as the hull was decided.
+/// Points may be farther from the plane than from each other. The edge is therefore projected into
+/// the plane along the axis that [`hull`] dropped, so that the turns between sides are as exact as
+/// the predicates that chose the hull.
 pub fn side_normal(edge: DVec3, normal: DVec3) -> DVec3 {
     let axis = dropped_axis(normal);
     let [i, j] = [(axis + 1) % 3, (axis + 2) % 3];
@@ -66,16 +72,17 @@ pub fn side_normal(edge: DVec3, normal: DVec3) -> DVec3 {
     accurate_cross(along, normal).normalize_or_zero()
 }
 
-/// The first axis to which the normal is closest, but for rounding: of normals of one plane from other corners, the same.
+/// The first axis to which the normal is closest, to within rounding error. It is the same for
+/// normals of one plane computed from different corners.
 fn dropped_axis(normal: DVec3) -> usize {
-    /// Share of the greatest component from which on another is as great.
+    /// Components of at least this fraction of the largest count as equally large.
     const AS_GREAT: f64 = 1.0 - 1e-9;
     let size = normal.abs();
     let greatest = size.max_element();
     (0..3).find(|axis| size[*axis] >= AS_GREAT * greatest).unwrap_or(0)
 }
 
-/// Points of which each turns strictly left.
+/// The chain through the points in this order that turns strictly left at every point.
 fn chain(flat: &[DVec2], order: impl Iterator<Item = u32>) -> Vec<u32> {
     let coord = |i: u32| robust::Coord { x: flat[i as usize].x, y: flat[i as usize].y };
     let mut chain: Vec<u32> = Vec::new();
@@ -86,7 +93,7 @@ fn chain(flat: &[DVec2], order: impl Iterator<Item = u32>) -> Vec<u32> {
             }
             chain.pop();
         }
-        // Points that differ only in the dropped coordinate are one point here.
+        // Points that differ only in the dropped coordinate coincide here.
         if chain.last().is_none_or(|&last| flat[last as usize] != flat[p as usize]) {
             chain.push(p);
         }

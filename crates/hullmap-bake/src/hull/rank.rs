@@ -1,33 +1,36 @@
-//! Dimension of a point set, and a simplex that spans it.
+//! Rank (dimension) of a point set, and a simplex that spans it.
 //!
-//! 1. Two points far apart: the ends of the widest of three sweeps.
-//! 2. The point farthest from their line; 3. the point farthest from the plane of those three.
+//! 1. Find two points far from each other: the ends of the last of three farthest-point sweeps.
+//! 2. Find the point farthest from their line.
+//! 3. Find the point farthest from the plane of these three.
 //!
-//! A set is of lower rank where the farthest point lies within [`FLAT`] of the line or plane. Then the others lie
-//! there too, and leaving them out costs a support query no more than that.
+//! A set has a lower rank if the farthest point lies within [`FLAT`] of the line or plane. All
+//! other points lie within that distance too, so leaving them out changes a support value by no
+//! more than that.
 
 use glam::DVec3;
 
-/// Distance from a line or plane, over the span of the set, up to which a set counts as lying in it.
+/// Maximum distance from a line or plane, relative to the span of the set, for the set to count as
+/// lying in it.
 ///
-/// Half a unit in the last place of f32 coordinates near 1: what rotating a flat sheet leaves as noise. It is half of the
-/// containment error that [`super::certify`] allows.
+/// It is half a unit in the last place of f32 coordinates near 1, which is the noise that rotating
+/// a flat sheet leaves. It is also half of the containment error that [`super::certify`] allows.
 pub const FLAT: f64 = 5e-8;
 
-/// Points (by number) that span the set: as many as its rank, plus one.
+/// Indices of points that span the set: one more than its rank.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Simplex {
-    /// All points are the same.
+    /// All points coincide.
     Point(usize),
-    /// All lie on the line through these.
+    /// All points lie on the line through these.
     Segment([usize; 2]),
-    /// All lie in the plane of these.
+    /// All points lie in the plane of these.
     Triangle([usize; 3]),
-    /// They span space.
+    /// The points span space.
     Tetrahedron([usize; 4]),
 }
 
-/// Finds a simplex that spans `points`, which are not empty.
+/// Finds a simplex that spans `points`, which must not be empty.
 pub fn spanning_simplex(points: &[DVec3]) -> Simplex {
     let start = farthest(points, |p| -p.x);
     let mut a = start;
@@ -55,7 +58,7 @@ pub fn spanning_simplex(points: &[DVec3]) -> Simplex {
     Simplex::Tetrahedron([a, b, c, d])
 }
 
-/// The first point at which `measure` is greatest.
+/// Index of the first point that maximises `measure`.
 fn farthest(points: &[DVec3], measure: impl Fn(DVec3) -> f64) -> usize {
     let mut best = (0, f64::NEG_INFINITY);
     for (i, p) in points.iter().enumerate() {
@@ -72,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_rank_is_told() {
+    fn every_rank_is_recognised() {
         let p = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
         assert!(matches!(spanning_simplex(&[p(1., 2., 3.), p(1., 2., 3.)]), Simplex::Point(_)));
         assert!(matches!(spanning_simplex(&[p(0., 0., 0.), p(1., 1., 1.), p(2., 2., 2.)]), Simplex::Segment(_)));

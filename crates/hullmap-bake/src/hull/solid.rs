@@ -1,32 +1,38 @@
-//! Convex hull of points that span space, by quickhull with exact predicates.
+//! Quickhull: convex hull of points that span space, with exact predicates.
 //!
-//! 1. Start with a tetrahedron. Give each other point to one face it lies strictly above.
-//! 2. Take a face that has points; its farthest point becomes a vertex. The faces it lies strictly above are a disc;
-//!    replace them by a fan from the disc's rim to the new vertex; give the disc's points to the fan's faces.
-//! 3. When no face has points, faces that are exactly coplanar are one facet. A vertex at which fewer than three facets
-//!    meet is no vertex of the hull: leave such points out and build again from the rest.
+//! 1. Start with a tetrahedron. Assign every other point to one face that it lies strictly above.
+//! 2. Take a face that has points, and make its farthest point a vertex. The faces that this point
+//!    lies strictly above form a disc, bounded by the horizon (`rim`). Replace them by a fan from
+//!    the horizon to the new vertex, and assign the disc's points to the fan's faces.
+//! 3. When no face has points, merge exactly coplanar faces into facets. A vertex at which fewer
+//!    than three facets meet is not a vertex of the hull. Remove such points, and build again from
+//!    the rest.
 //!
-//! Reference: Barber, Dobkin, Huhdanpaa, "The Quickhull algorithm for convex hulls", 1996; predicates: Shewchuk,
-//! "Adaptive precision floating-point arithmetic", 1997, by the `robust` crate.
+//! # Reference
+//! Barber, Dobkin, Huhdanpaa, "The Quickhull algorithm for convex hulls", 1996. Predicates:
+//! Shewchuk, "Adaptive precision floating-point arithmetic", 1997, by the `robust` crate.
 //!
-//! Deviations: Barber keeps facets wide enough to cover rounding; here "above" is decided exactly, so that the disc of
-//! step 2 is always a disc, no face is ever degenerate, and no point is lost, however flat or thin the set.
+//! # Deviations
+//! Barber makes facets thick enough to cover rounding error. Here, exact predicates decide which
+//! points are above a face. The faces removed in step 2 therefore always form a disc, no face is
+//! degenerate, and no point is lost, however flat or thin the set is.
 
 use glam::DVec3;
 
-/// Greatest relative error of the filter's determinant against the sum of its terms' magnitudes: three differences, two
-/// products and four sums of f64 round at most ten times.
+/// Maximum error of the filter's determinant, relative to the sum of its terms' magnitudes. Three
+/// differences, two products and four sums of f64 round at most ten times.
 const FILTER: f64 = 10.0 * f64::EPSILON / 2.0;
 
 const NONE: u32 = u32::MAX;
 
-/// A facet of the hull: its vertices (point numbers) counter-clockwise from outside, from the least on.
+/// A facet of the hull: the indices of its vertices, counter-clockwise seen from outside, starting
+/// at the smallest.
 pub type Facet = Vec<u32>;
 
-/// The hull's facets, each vertex of which is an extreme point, in ascending order.
+/// The hull's facets, in ascending order. Every vertex of a facet is an extreme point.
 ///
-/// `points` must be distinct, and `simplex` must name four of them that span space. The result depends on nothing but
-/// the points and their order.
+/// `points` must be distinct, and `simplex` must hold the indices of four points that span space.
+/// The result depends only on the points and their order.
 ///
 /// # Complexity
 /// O(n log n) on all families tried; quadratic at worst.
@@ -53,7 +59,7 @@ fn extreme_vertices(facets: &[Facet]) -> Vec<u32> {
     all.chunk_by(|a, b| a == b).filter(|run| run.len() >= 3).map(|run| run[0]).collect()
 }
 
-/// Four of `chosen` that span space.
+/// Indices of four of the `chosen` points that span space.
 fn spanning(points: &[DVec3], chosen: &[u32]) -> [u32; 4] {
     let positions: Vec<DVec3> = chosen.iter().map(|i| points[*i as usize]).collect();
     match super::rank::spanning_simplex(&positions) {
@@ -68,9 +74,9 @@ struct Face {
     /// Face across the edge from vertex `i` to vertex `i + 1`.
     across: [u32; 3],
     normal: DVec3,
-    /// Magnitudes that went into each component of the normal, for the filter.
+    /// Sum of the magnitudes of the terms in each component of the normal, for the filter.
     magnitude: DVec3,
-    /// First of the points that this face answers for, and the farthest one with its distance.
+    /// First of the points assigned to this face, and the farthest of them with its distance.
     points: u32,
     farthest: (u32, f64),
     alive: bool,
@@ -79,9 +85,9 @@ struct Face {
 struct Builder<'a> {
     points: &'a [DVec3],
     faces: Vec<Face>,
-    /// Next point of the same face, by point.
+    /// For each point, the next point of the same face.
     next_point: Vec<u32>,
-    /// New face that starts at a rim vertex, by point: scratch of one insertion.
+    /// For each rim vertex, the new face that starts there. Scratch space of one insertion.
     fan_at: Vec<u32>,
 }
 
@@ -98,7 +104,7 @@ impl<'a> Builder<'a> {
     fn build(&mut self, chosen: &[u32], [a, b, c, d]: [u32; 4]) {
         let below = exact_above(self.point(a), self.point(b), self.point(c), self.point(d)) < 0.0;
         let [a, b, c, d] = if below { [a, b, c, d] } else { [a, c, b, d] };
-        // Each face's neighbours across its edges in turn.
+        // Vertices of each face, and its neighbours across the edges in the same order.
         for (vertices, across) in
             [([a, b, c], [3, 1, 2]), ([c, b, d], [0, 3, 2]), ([a, c, d], [0, 1, 3]), ([b, a, d], [0, 2, 1])]
         {
@@ -129,7 +135,7 @@ impl<'a> Builder<'a> {
         (self.faces.len() - 1) as u32
     }
 
-    /// Whether point `p` lies strictly above the face, and about how far.
+    /// Whether point `p` lies strictly above the face, and its approximate height.
     fn above(&self, face: u32, p: u32) -> (bool, f64) {
         let face = &self.faces[face as usize];
         let p = self.point(p);
@@ -145,7 +151,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Gives `p` to the first of `faces` that it lies above; a point above none is inside.
+    /// Assigns `p` to the first of `faces` that it lies above. A point above no face is inside.
     fn give(&mut self, p: u32, faces: std::ops::Range<u32>) {
         for face in faces {
             let (above, height) = self.above(face, p);
@@ -163,7 +169,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Makes the farthest point of `face` a vertex.
+    /// Makes the farthest point of `face` a vertex of the hull.
     fn insert(&mut self, face: u32) {
         let apex = self.faces[face as usize].farthest.0;
         let (disc, rim) = self.visible(face, apex);
@@ -193,7 +199,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Faces that `apex` lies strictly above, now dead, and the rim around them: edges (from, to, face outside).
+    /// Deletes the faces that `apex` lies strictly above. Returns them, and the horizon around them
+    /// as edges (from, to, face outside).
     fn visible(&mut self, face: u32, apex: u32) -> (Vec<u32>, Vec<(u32, u32, u32)>) {
         let mut disc = vec![face];
         let mut rim = Vec::new();
@@ -218,7 +225,8 @@ impl<'a> Builder<'a> {
         (disc, rim)
     }
 
-    /// Groups of exactly coplanar faces as polygons, and the number of vertices at which fewer than three meet.
+    /// Merges exactly coplanar faces into facets. Also returns the number of vertices at which
+    /// fewer than three facets meet.
     fn facets(&self) -> (Vec<Facet>, usize) {
         let mut group = vec![NONE; self.faces.len()];
         let mut facets = Vec::new();
@@ -261,7 +269,8 @@ impl<'a> Builder<'a> {
         other.vertices.iter().all(|v| face.vertices.contains(v) || exact_above(a, b, c, self.point(*v)) == 0.0)
     }
 
-    /// The polygon around a group of coplanar faces: edges whose other side is not of the group, end to end.
+    /// The polygon around a group of coplanar faces: the edges whose other side is outside the
+    /// group, joined end to end.
     fn outline(&self, members: &[u32], group: &[u32], name: u32) -> Facet {
         let mut edges: Vec<(u32, u32)> = Vec::new();
         for member in members {
@@ -284,7 +293,8 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Positive where `p` lies above the plane of a, b, c (counter-clockwise seen from above), zero in it: exact in sign.
+/// Positive if `p` lies above the plane of a, b, c (counter-clockwise seen from above), zero if it
+/// lies in the plane. The sign is exact.
 fn exact_above(a: DVec3, b: DVec3, c: DVec3, p: DVec3) -> f64 {
     let coord = |v: DVec3| robust::Coord3D { x: v.x, y: v.y, z: v.z };
     -robust::orient3d(coord(a), coord(b), coord(c), coord(p))
@@ -296,7 +306,8 @@ mod tests {
 
     use super::*;
 
-    /// parry3d in f64 as a second opinion, on families whose points are extreme by more than its tolerances, or inside.
+    /// parry3d in f64 serves as an independent check, on families whose points are either inside or
+    /// extreme by more than its tolerances.
     #[test]
     fn parry_finds_the_same_vertices() {
         for family in [Family::Sphere, Family::Ball, Family::Rock, Family::Prism, Family::Cone, Family::Lens] {

@@ -1,25 +1,28 @@
-//! Normal cones cut to a cell of the cube map: polygons in the (u, v) plane of one face, each with its vertex's number.
+//! Normal cones clipped to a cell of the cube map: polygons in the (u, v) plane of one face, each
+//! with its vertex's index. A leaf's candidates are the vertices whose polygons meet its cell.
 
 use glam::DVec3;
 use hullmap_format::cube::{self, CELL_SLACK};
 
 use crate::gauss_map::GaussMap;
 
-/// How far, in units of u and v, a polygon must reach beyond a plane to be listed there.
+/// How far a polygon must reach beyond a plane, in units of u and v, to be listed there.
 ///
-/// Cones that only touch a plane are listed on their own side alone. Else a fan, whose cones all meet in one point, would
-/// be on both sides of every cut through it. A direction so close to the cut that rounding puts it on the wrong side finds
-/// a vertex whose cone is as close: the regret is at most about this times the diameter.
+/// A cone that only touches a plane is listed on its own side only. Otherwise, a fan, whose cones
+/// all meet at one point, would be on both sides of every cut through that point. Rounding error
+/// can put a direction this close to the cut on the wrong side. The cone of the vertex found there
+/// is just as close, so the regret is at most about `TOUCH` times the diameter.
 pub const TOUCH: f64 = 4e-15;
 
-/// Polygons of these sizes are listed wherever they reach at all.
+/// Range of sizes in which a polygon is listed wherever it reaches at all.
 ///
-/// Between two planes, near the line in which they meet, all is within [`TOUCH`] of both: what lies there would be listed
-/// on neither side. Large polygons reach out of there and are found where they do. Small ones do not: what is listed instead
-/// is as wrong as they are large. Still smaller ones can be wrong by no more than [`TOUCH`].
+/// Near the line where two planes meet, everything between them is within [`TOUCH`] of both, and
+/// would be listed on neither side. A large polygon reaches out of that region and is listed
+/// outside it. A small one does not, and the error of the vertex listed in its place is as large as
+/// the polygon. Below this range, the error is of the order of [`TOUCH`].
 const SMALL: std::ops::Range<f64> = 8.0 * TOUCH..1e-6;
 
-/// How far a polygon of this size must reach beyond a plane to be listed there.
+/// Distance that a polygon of this size must reach beyond a plane to be listed there.
 pub fn touch_of(size: f64) -> f64 {
     if SMALL.contains(&size) { 0.0 } else { TOUCH }
 }
@@ -27,28 +30,29 @@ pub fn touch_of(size: f64) -> f64 {
 /// Polygons of the cones that meet a cell, in ascending order of their vertices.
 #[derive(Clone, Debug, Default)]
 pub struct Cones {
-    /// Numbers of the vertices.
+    /// Vertex index of each polygon.
     pub vertices: Vec<u32>,
     ends: Vec<u32>,
     corners: Vec<[f64; 2]>,
 }
 
-/// A line a·u + b·v + c = 0 in a face's plane, at which cells are cut.
+/// A line a·u + b·v + c = 0 in the plane of a cube face. Cells are cut along such lines.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
     terms: [f64; 3],
-    /// How far each side reaches over the line; negative: how far a polygon must reach over it to be listed there.
+    /// How far each side extends across the line. If negative, how far a polygon must reach across
+    /// the line to be listed there.
     overlap: f64,
 }
 
 impl Line {
     /// The line u = `at` (`axis` 0) or v = `at` (`axis` 1); its front is the upper side.
     pub fn axis(axis: usize, at: f64) -> Self {
-        // A direction so close to the line may be located on either side of it.
+        // A direction this close to the line may be located on either side of it.
         Self { terms: if axis == 0 { [1.0, 0.0, -at] } else { [0.0, 1.0, -at] }, overlap: CELL_SLACK }
     }
 
-    /// Where the plane through the origin with this `normal` cuts the plane of `face`.
+    /// The line in which the plane through the origin with this `normal` cuts the plane of `face`.
     pub fn plane(face: u32, normal: DVec3) -> Self {
         let normal = normal.to_array();
         let axis = (face / 2) as usize;
@@ -62,7 +66,7 @@ impl Line {
 }
 
 impl Cones {
-    /// All cones of `map`, cut to `face` of the cube.
+    /// All cones of `map`, clipped to `face` of the cube.
     pub fn on_face(map: &GaussMap, face: u32) -> Self {
         let mut cones = Self::default();
         let (mut polygon, mut scratch) = (Vec::new(), Vec::new());
@@ -94,23 +98,24 @@ impl Cones {
         self.vertices.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no polygons.
     pub fn is_empty(&self) -> bool {
         self.vertices.is_empty()
     }
 
-    /// Number of vertices: fewer than polygons where both pieces of a polygon's cone are here.
+    /// Number of vertices. It is less than the number of polygons if both pieces of a cone are
+    /// present.
     pub fn vertex_count(&self) -> usize {
         self.vertices.chunk_by(|a, b| a == b).count()
     }
 
-    /// The vertices, each once, ascending.
+    /// The distinct vertices, ascending.
     pub fn into_vertices(mut self) -> Vec<u32> {
         self.vertices.dedup();
         self.vertices
     }
 
-    /// The polygons with their vertices' numbers.
+    /// The polygons, each with the index of its vertex.
     pub fn iter(&self) -> impl Iterator<Item = (u32, &[[f64; 2]])> {
         let starts = std::iter::once(0).chain(self.ends.iter().copied());
         self.vertices
@@ -119,7 +124,7 @@ impl Cones {
             .map(|(v, (start, end))| (*v, &self.corners[start as usize..*end as usize]))
     }
 
-    /// The polygons with these numbers, ascending.
+    /// The polygons with these indices, which must be ascending.
     pub fn select(&self, numbers: impl Iterator<Item = usize>) -> Self {
         let mut chosen = Self::default();
         for number in numbers {
@@ -129,13 +134,14 @@ impl Cones {
         chosen
     }
 
-    /// Closes the polygon of `vertex`, whose corners were pushed last.
+    /// Closes the polygon of `vertex`. Its corners are the ones pushed last.
     fn end(&mut self, vertex: u32) {
         self.vertices.push(vertex);
         self.ends.push(self.corners.len() as u32);
     }
 
-    /// How many cones would lie behind `line` and in front of it; those across it count twice.
+    /// Number of cones behind `line` and in front of it. A cone that crosses the line counts on
+    /// both sides.
     pub fn count(&self, line: Line) -> [usize; 2] {
         let mut counts = [0; 2];
         for (_, polygon) in self.iter() {
@@ -146,7 +152,8 @@ impl Cones {
         counts
     }
 
-    /// The cones behind `line` and those in front of it, those across it cut in two.
+    /// The cones behind `line` and those in front of it. A cone that crosses the line is cut in
+    /// two.
     pub fn split(&self, line: Line) -> [Self; 2] {
         let [mut behind, mut front] = [Self::default(), Self::default()];
         for (vertex, polygon) in self.iter() {
@@ -162,7 +169,8 @@ impl Cones {
         [behind, front]
     }
 
-    /// Adds the part of a polygon on one side of a line; all of it where rounding leaves no part.
+    /// Adds the part of a polygon on one side of a line, or the whole polygon if rounding error
+    /// leaves no part.
     fn push_part(&mut self, vertex: u32, polygon: &[[f64; 2]], line: Line, sign: f64) {
         let start = self.corners.len();
         cut(polygon, line, sign, &mut self.corners);
@@ -178,7 +186,8 @@ impl Cones {
     }
 }
 
-/// Whether a polygon reaches behind a line, and in front of it. One so small that it does neither counts for both.
+/// Whether a polygon reaches behind a line, and in front of it. A polygon too small to reach either
+/// side counts for both.
 fn reach(polygon: &[[f64; 2]], line: Line) -> [bool; 2] {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for p in polygon {
@@ -194,7 +203,7 @@ fn reach(polygon: &[[f64; 2]], line: Line) -> [bool; 2] {
     if behind || front { [behind, front] } else { [true, true] }
 }
 
-/// The longer side of a polygon's bounds.
+/// The longer side of a polygon's bounding rectangle.
 fn size(polygon: &[[f64; 2]]) -> f64 {
     let along = |axis: usize| {
         let of = |start: f64, choose: fn(f64, f64) -> f64| polygon.iter().map(|p| p[axis]).fold(start, choose);
@@ -203,7 +212,8 @@ fn size(polygon: &[[f64; 2]]) -> f64 {
     along(0).max(along(1))
 }
 
-/// Appends the part of a convex polygon on one side of a line (`sign` 1: in front; −1: behind), the overlap included.
+/// Appends the part of a convex polygon on one side of a line (`sign` 1: in front, −1: behind),
+/// including the overlap.
 pub fn cut(polygon: &[[f64; 2]], line: Line, sign: f64, out: &mut Vec<[f64; 2]>) {
     let Some(last) = polygon.last() else { return };
     let overlap = line.overlap.max(0.0);
@@ -222,7 +232,7 @@ pub fn cut(polygon: &[[f64; 2]], line: Line, sign: f64, out: &mut Vec<[f64; 2]>)
     }
 }
 
-/// The part of a cone, given by its corner rays in order, where plane·d ≥ 0.
+/// Clips a cone to plane·d ≥ 0. The cone is given by its corner rays in order.
 fn clip_rays(polygon: &[DVec3], plane: DVec3, out: &mut Vec<DVec3>) {
     out.clear();
     let Some(&last) = polygon.last() else { return };

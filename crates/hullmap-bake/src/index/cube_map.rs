@@ -1,7 +1,7 @@
 //! Uniform cube map of support candidates (Kenwright 4.8), with exact cells.
 //!
-//! Deviation from the paper: a cell does not hold the support vertex of its centre, which is wrong for a good part of the
-//! directions in it, but every vertex whose normal cone meets it.
+//! Deviation from the paper: a cell lists every vertex whose normal cone meets it. The paper's cell
+//! holds only the support vertex of its centre, which is wrong for many directions in the cell.
 
 use hullmap_format::cube::{CELL_SLACK, grid_to_uv, uniform_step_start};
 use rayon::prelude::*;
@@ -9,10 +9,11 @@ use rayon::prelude::*;
 use super::cones::{Cones, Line, cut};
 use crate::gauss_map::GaussMap;
 
-/// Candidates of each cell, ascending: face by face, row by row, `resolution`² cells a face.
+/// Candidates of each cell, ascending. Cells are ordered by face, then by row, with `resolution`²
+/// cells per face.
 ///
 /// # Complexity
-/// O(n + cells), times the cells that a cone meets on average.
+/// O(n + cells), multiplied by the average number of cells that a cone meets.
 pub fn cells(map: &GaussMap, resolution: u32) -> Vec<Vec<u32>> {
     let faces: Vec<Vec<Vec<u32>>> = (0..6).into_par_iter().map(|face| face_cells(map, face, resolution)).collect();
     faces.into_iter().flatten().collect()
@@ -38,7 +39,7 @@ fn face_cells(map: &GaussMap, face: u32, resolution: u32) -> Vec<Vec<u32>> {
     cells
 }
 
-/// Steps of the map that a polygon may meet along an axis.
+/// Range of steps that a polygon may meet along an axis.
 fn steps(edges: &[f64], polygon: &[[f64; 2]], axis: usize) -> std::ops::Range<usize> {
     let low = polygon.iter().map(|p| p[axis]).fold(f64::INFINITY, f64::min) - CELL_SLACK;
     let high = polygon.iter().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max) + CELL_SLACK;
@@ -47,8 +48,9 @@ fn steps(edges: &[f64], polygon: &[[f64; 2]], axis: usize) -> std::ops::Range<us
     first..end
 }
 
-/// The part of a polygon between the first two of `edges` along an axis, and a little beyond: rounding then puts no
-/// direction into a cell that does not list its vertex.
+/// The part of a polygon between the first two of `edges` along an axis, extended by the overlap.
+/// The overlap ensures that rounding error cannot put a direction into a cell that does not list
+/// its vertex.
 fn band(polygon: &[[f64; 2]], axis: usize, edges: &[f64], out: &mut Vec<[f64; 2]>) {
     let mut upper = Vec::with_capacity(polygon.len() + 1);
     cut(polygon, Line::axis(axis, edges[0]), 1.0, &mut upper);

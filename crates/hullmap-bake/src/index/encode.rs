@@ -1,7 +1,7 @@
 //! Subdivided cells → the words and blocks of an index, as [`hullmap_format::slot`] lays them out.
 //!
-//! Leaves that list the same vertices share their blocks. Halvings become branches of as many levels as are worth it, planes
-//! bundles of three levels, the steps of a fan one row of slots.
+//! Leaves that list the same vertices share their blocks. Halvings become branches of one or more
+//! levels, planes become bundles of three levels, and the steps of a fan become one row of slots.
 
 use std::collections::{HashMap, VecDeque};
 
@@ -18,19 +18,21 @@ use hullmap_format::{
 use super::{fan::Frame, subdivide::Tree};
 use crate::BakeError;
 
-/// A branch is given as many bits as leave this share of its slots different.
+/// Minimum fraction of a branch's slots that must be distinct. A branch gets the maximum number of
+/// bits that satisfies it.
 ///
-/// Fewer bits mean more hops and fewer bytes: at 0.3 nearly every direction is one hop from its leaf, and the slots
-/// take about a tenth of what the blocks take.
+/// Fewer bits mean more hops and fewer bytes. At 0.3, nearly every direction is one hop from its
+/// leaf, and the slots take about a tenth of the space of the blocks.
 const DIFFERENT_SLOTS: f64 = 0.4;
 
-/// Three levels of planes are written as one bundle if it divides the cell into this many parts at least.
+/// Three levels of planes are written as one bundle if they divide the cell into at least this many
+/// parts.
 const BUNDLE_FROM: usize = 5;
 
-/// What stands below which slots, and for wedges the frame of their fan.
+/// Trees still to be encoded: the slots that refer to each, and for wedges the frame of their fan.
 type Queue<'a> = VecDeque<(Vec<usize>, &'a Tree, Option<Frame>)>;
 
-/// An index, ready to be written.
+/// An encoded index.
 #[derive(Clone, Debug, Default)]
 pub struct Encoded {
     /// Roots, then nodes, breadth first.
@@ -46,10 +48,10 @@ pub fn scan(vertices: &[[f32; 3]]) -> Encoded {
     encoder.out
 }
 
-/// Encodes trees, one for each root, with `leaf_blocks` blocks a plain leaf.
+/// Encodes trees, one per root, with `leaf_blocks` blocks per plain leaf.
 ///
 /// # Errors
-/// An index of more words or blocks than slots can name.
+/// [`BakeError::IndexTooLarge`] if slots cannot address all words or blocks.
 pub fn trees(
     vertices: &[[f32; 3]],
     roots: &[Tree],
@@ -58,7 +60,8 @@ pub fn trees(
 ) -> Result<Encoded, BakeError> {
     let mut encoder = Encoder::new(vertices, leaf_blocks);
     encoder.out.slots = vec![0; roots.len()];
-    // What stands below each slot; equal neighbours below one node are written once.
+    // The slots that refer to each tree. Neighbouring slots of one node that hold the same tree
+    // share one entry.
     let mut queue: Queue = roots.iter().enumerate().map(|(at, tree)| (vec![at], tree, None)).collect();
     while let Some((places, tree, frame)) = queue.pop_front() {
         let free = encoder.out.slots.len();
@@ -123,7 +126,8 @@ fn checked(at: usize, limit: u32) -> Result<u32, BakeError> {
     u32::try_from(at).ok().filter(|at| *at < limit).ok_or(BakeError::IndexTooLarge)
 }
 
-/// Queues what stands in a node's slots from `first` on; a tree that fills several of them is queued once.
+/// Queues the trees of a node's slots, the first of which is `first`. A tree that fills several
+/// slots is queued once.
 fn enqueue<'a>(queue: &mut Queue<'a>, first: usize, slots: &[&'a Tree], frame: impl Fn(usize) -> Option<Frame>) {
     let start = queue.len();
     let mut known: HashMap<*const Tree, usize> = HashMap::new();
@@ -137,19 +141,19 @@ fn enqueue<'a>(queue: &mut Queue<'a>, first: usize, slots: &[&'a Tree], frame: i
     }
 }
 
-/// Bits of a branch over `tree`: the most that leave enough of its slots different.
+/// Bits of a branch over `tree`: the maximum that leaves enough of its slots distinct.
 fn branch_bits(tree: &Tree) -> u32 {
     let enough = |bits: &u32| cell_count(tree, 2 * bits) as f64 >= DIFFERENT_SLOTS * f64::from(1 << (2 * bits));
     (1..=MAX_BRANCH_BITS).rev().find(enough).unwrap_or(1)
 }
 
-/// Bits of a fan over `wedges`: the most that leave enough of its slots different.
+/// Bits of a fan over `wedges`: the maximum that leaves enough of its slots distinct.
 fn fan_bits(wedges: &Tree) -> u32 {
     let enough = |bits: &u32| wedge_count(wedges, *bits) as f64 >= DIFFERENT_SLOTS * f64::from(1 << bits);
     (0..=fan::MAX_BITS).rev().find(enough).unwrap_or(0)
 }
 
-/// Parts that `levels` halvings of a fan divide it into.
+/// Number of parts into which `levels` halvings divide a fan.
 fn wedge_count(tree: &Tree, levels: u32) -> usize {
     match tree {
         Tree::Wedges(halves) if levels > 0 => halves.iter().map(|half| wedge_count(half, levels - 1)).sum(),
@@ -157,7 +161,7 @@ fn wedge_count(tree: &Tree, levels: u32) -> usize {
     }
 }
 
-/// The trees in 2ᵇ equal parts of a fan; a tree that covers several parts is in each.
+/// The trees in 2ᵇ equal parts of a fan. A tree that covers several parts is repeated.
 fn parts(tree: &Tree, bits: u32) -> Vec<&Tree> {
     match tree {
         Tree::Wedges(halves) if bits > 0 => halves.iter().flat_map(|half| parts(half, bits - 1)).collect(),
@@ -165,7 +169,7 @@ fn parts(tree: &Tree, bits: u32) -> Vec<&Tree> {
     }
 }
 
-/// Cells that `levels` halvings of a tree divide it into.
+/// Number of cells into which `levels` halvings divide a tree.
 fn cell_count(tree: &Tree, levels: u32) -> usize {
     match tree {
         Tree::Axis(halves) if levels > 0 => halves.iter().map(|half| cell_count(half, levels - 1)).sum(),
@@ -173,14 +177,15 @@ fn cell_count(tree: &Tree, levels: u32) -> usize {
     }
 }
 
-/// The trees in 2ᵇ × 2ᵇ squares of a cell, row by row; a tree that covers several squares is in each.
+/// The trees in 2ᵇ × 2ᵇ squares of a cell, row by row. A tree that covers several squares is
+/// repeated.
 fn squares(tree: &Tree, bits: u32) -> Vec<&Tree> {
     let mut out = vec![tree; 1 << (2 * bits)];
     fill(tree, [0, 0], [1 << bits; 2], 0, 1 << bits, &mut out);
     out
 }
 
-/// Fills the squares from `at` on, `size` of them along u and v, `axis` being the next one halved.
+/// Fills `size` squares along u and v, starting at `at`. `axis` is the next axis to be halved.
 fn fill<'a>(tree: &'a Tree, at: [usize; 2], size: [usize; 2], axis: usize, row: usize, out: &mut [&'a Tree]) {
     match tree {
         Tree::Axis(halves) if size[axis] > 1 => {
@@ -199,7 +204,7 @@ fn fill<'a>(tree: &'a Tree, at: [usize; 2], size: [usize; 2], axis: usize, row: 
     }
 }
 
-/// Parts that `levels` planes on every path divide a tree into.
+/// Number of parts into which the top `levels` levels of planes divide a tree.
 fn part_count(tree: &Tree, levels: u32) -> usize {
     match tree {
         Tree::Plane(_, halves) if levels > 0 => halves.iter().map(|half| part_count(half, levels - 1)).sum(),
@@ -207,7 +212,8 @@ fn part_count(tree: &Tree, levels: u32) -> usize {
     }
 }
 
-/// Three levels of planes, and what stands in each of the eight parts. A plane that is not there is zero: all is behind.
+/// The normals of three levels of planes, and the trees in their eight parts. A missing plane has a
+/// zero normal, so that every direction lies behind it.
 fn bundle(tree: &Tree) -> ([[f64; 3]; BUNDLE_PLANES], [&Tree; BUNDLE_PARTS]) {
     let mut normals = [[0.0; 3]; BUNDLE_PLANES];
     let mut level = vec![tree];
@@ -220,7 +226,8 @@ fn bundle(tree: &Tree) -> ([[f64; 3]; BUNDLE_PLANES], [&Tree; BUNDLE_PARTS]) {
                     normals[first + place] = *normal;
                     below.extend([&halves[0], &halves[1]]);
                 }
-                // Nothing comes in front of a plane that is not there; the slot there repeats the one behind.
+                // No direction lies in front of a missing plane. The slot there repeats the one
+                // behind.
                 _ => below.extend([cell, cell]),
             }
         }
@@ -234,9 +241,9 @@ struct Encoder<'a> {
     vertices: &'a [[f32; 3]],
     leaf_blocks: usize,
     out: Encoded,
-    /// First block of each list already written. Never iterated: its order is not fixed.
+    /// First block of each list already written. Never iterated, because its order is not fixed.
     known: HashMap<Vec<u32>, u32>,
-    /// Vertices at the ends of the axes: what fills unused lanes.
+    /// Vertices with an extreme coordinate. They fill unused lanes.
     ends: Vec<u32>,
 }
 
@@ -245,10 +252,10 @@ impl<'a> Encoder<'a> {
         Self { vertices, leaf_blocks, out: Encoded::default(), known: HashMap::new(), ends: ends(vertices) }
     }
 
-    /// A slot for the leaf that lists these vertices; a list leaf's two words are appended.
+    /// The slot of a leaf that lists these vertices. The two words of a list leaf are appended.
     fn leaf(&mut self, list: &[u32]) -> Slot {
-        // The cones cover every cell. Empty are steps of a fan that lie outside its cell, where no direction leads: any
-        // vertex will do.
+        // The cones cover every cell. Only the steps of a fan that lie outside its cell are empty.
+        // No direction leads there, so any vertex will do.
         let list = if list.is_empty() { &[0][..] } else { list };
         let first = match self.known.get(list) {
             Some(&first) => first,
@@ -266,7 +273,8 @@ impl<'a> Encoder<'a> {
         Slot::List(at)
     }
 
-    /// Appends blocks of these vertices, at least `least` of them, and returns the first one's number.
+    /// Appends blocks of these vertices, at least `least` blocks, and returns the index of the
+    /// first.
     fn push_blocks(&mut self, list: &[u32], least: usize) -> u32 {
         let first = self.out.blocks.len() as u32;
         let lanes = LANES * list.len().div_ceil(LANES).max(least);
@@ -279,7 +287,9 @@ impl<'a> Encoder<'a> {
     }
 }
 
-/// A list filled up to `lanes` with vertices from the far side of the hull, which tie with none of the list.
+/// A list padded to `lanes` entries with an extreme vertex from the far side of the hull, which
+/// does not tie with any vertex of the list. If the list holds all extreme vertices, its last
+/// vertex is repeated.
 fn padded(list: &[u32], lanes: usize, ends: &[u32], vertices: &[[f32; 3]]) -> Vec<u32> {
     let distance_sq = |a: u32, b: u32| -> f64 {
         let (a, b) = (vertices[a as usize], vertices[b as usize]);
@@ -293,7 +303,7 @@ fn padded(list: &[u32], lanes: usize, ends: &[u32], vertices: &[[f32; 3]]) -> Ve
     out
 }
 
-/// The vertices with the least and greatest coordinates.
+/// The vertices with the minimum or maximum coordinate along each axis.
 fn ends(vertices: &[[f32; 3]]) -> Vec<u32> {
     let mut ends = Vec::new();
     for axis in 0..3 {

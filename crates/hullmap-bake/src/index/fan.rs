@@ -1,35 +1,40 @@
-//! Fans: cones that lie side by side around a common axis, like the pages of an open book.
+//! Fans: normal cones that lie side by side around a common axis, like the pages of an open book.
 //!
-//! The cones around a facet of many corners, along a prism's side or along the rim of a lens are long and thin. Their
-//! sides lie in planes through one line. Seen along it they are intervals of an angle: a row of equal steps parts them all
-//! at once, where squares would need to be as small as a cone is thin, and planes are a logarithm deep.
+//! The cones around a face with many corners, along a prism's side or along the rim of a lens are
+//! long and thin. Their sides lie in planes through one line. Seen along that line, each cone is an
+//! interval of angles, and a row of equal steps separates all of them at once. Squares would have
+//! to be as small as a cone is thin, and a tree of planes would be logarithmically deep.
 //!
-//! 1. [`axis`]: of the lines in which planes between neighbouring cones meet, the one that most such planes hold.
-//! 2. [`Fan::new`]: the interval of angles ([`fan::angle`]) that each cone covers, as places from 0 to 1.
-//! 3. It is a fan if few intervals lie over one another.
+//! 1. [`axis`] intersects planes between neighbouring cones, and takes the line that the most of
+//!    these planes contain.
+//! 2. [`Fan::new`] computes the interval of angles ([`fan::angle`]) that each cone covers, as
+//!    positions from 0 to 1.
+//! 3. The cones are a fan if few of the intervals overlap.
 
 use glam::DVec3;
 use hullmap_format::{cube, fan};
 
 use super::cones::{Cones, TOUCH, touch_of};
 
-/// How far a plane may miss the axis, as the sine of the angle between them.
+/// Maximum sine of the angle between the axis and a plane that counts as containing it.
 ///
-/// Single-precision corners tilt the plane between two of them by 6e-8 of the size over their distance: by this for a
-/// facet of 10,000 corners.
+/// Rounding to f32 tilts the plane between two vertices by 6e-8 times the hull's size over their
+/// distance. That is about this tolerance for a face with 10,000 corners.
 const NEAR_AXIS: f64 = 1e-3;
 
-/// Planes must meet at this angle at least (its sine) to say where the axis is.
+/// Minimum sine of the angle between two planes that determine the axis.
 const LEAST_ANGLE: f64 = 1e-4;
 
-/// Planes that must hold the axis.
+/// Minimum number of planes that contain the axis.
 const HOLDING: usize = 6;
 
-/// Most intervals, on average, that may lie over one another: a fan on either side of a prism's equator, and a few
-/// more. More layers than that are left to squares or planes, which cut across them.
+/// Maximum average number of overlapping intervals. It allows one fan on either side of a prism's
+/// equator, and a little more. A cell with more layers is left to squares or planes, which cut
+/// across the layers.
 const LAYERS: f64 = 2.7;
 
-/// Cones of a cell that are looked at first, and by how much too many layers they may promise.
+/// Number of cones sampled before a fan is built, and the factor by which the layers that they
+/// predict may exceed [`LAYERS`].
 const SAMPLES: usize = 32;
 const LIKELY: f64 = 3.0;
 
@@ -37,30 +42,31 @@ const LIKELY: f64 = 3.0;
 const TURN: f64 = fan::TURN;
 const HALF_TURN: f64 = 0.5 * TURN;
 
-/// Edges of a polygon that span half a turn but for this go through the axis.
+/// An edge of a polygon goes through the axis if it spans half a turn, to within this tolerance.
 const THROUGH_AXIS: f64 = 1e-6;
 
-/// Where the places of a fan are: which angles lie at 0 to 1.
+/// Maps the angles that a fan covers to positions from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    /// Where angles count from, at right angles to the axis, of unit length.
+    /// Direction of angle 0: a unit vector at right angles to the axis.
     pub x: DVec3,
-    /// A quarter turn further.
+    /// The direction a quarter turn further.
     pub y: DVec3,
-    /// The least angle.
+    /// Minimum angle.
     pub start: f64,
-    /// The angles it spans.
+    /// Range of angles.
     pub span: f64,
 }
 
 impl Frame {
-    /// Part `part` of 2^`bits` equal ones.
+    /// Part `part` of 2^`bits` equal parts.
     pub fn part(self, part: usize, bits: u32) -> Self {
         let span = self.span / f64::from(1 << bits);
         Self { start: self.start + span * part as f64, span, ..self }
     }
 
-    /// Normal of the plane through the axis at `place`; greater places lie in front, up to half a turn.
+    /// Normal of the plane through the axis at `place`. Greater positions lie in front of it, up to
+    /// half a turn.
     pub fn plane(self, place: f64) -> DVec3 {
         let angle = self.start + self.span * place;
         let quarter = ((angle + 1.0) / 2.0).floor();
@@ -75,41 +81,45 @@ impl Frame {
     }
 }
 
-/// What one polygon covers: places from `low` to `high`.
+/// The interval of positions that one polygon covers, from `low` to `high`.
 #[derive(Clone, Copy, Debug)]
 pub struct Interval {
-    /// Number of the polygon.
+    /// Index of the polygon.
     pub polygon: u32,
-    /// Its vertex.
+    /// Vertex of the polygon.
     pub vertex: u32,
     low: f64,
     high: f64,
 }
 
 impl Interval {
-    /// Whether it reaches into the places from `start` to `end`.
+    /// Whether the interval reaches into the range from `start` to `end`.
     pub fn meets(&self, start: f64, end: f64) -> bool {
         if self.low < self.high {
             self.low < end && self.high > start
         } else {
-            // Too small to reach over any bound: it belongs where it is.
+            // Too small to reach across a boundary: it belongs to the range that contains it.
             (start..end).contains(&self.low)
         }
     }
 }
 
-/// The cones of a cell, side by side.
+/// A cell's cones, arranged side by side around an axis.
 pub struct Fan {
-    /// Which angles the places are.
+    /// Maps angles to positions.
     pub frame: Frame,
-    /// The intervals, in the order of the polygons; two for one across the end of the turn.
+    /// The intervals, in the order of the polygons. A polygon across the end of the turn has two.
     pub intervals: Vec<Interval>,
-    /// How many intervals lie over the middle of one, itself included, on average.
+    /// Average number of intervals that cover the middle of an interval, including the interval
+    /// itself.
     pub layers: f64,
 }
 
-/// The line that most of the planes with these normals hold, if several do: its direction, of unit length. Of those that as
-/// many hold, the one in which two planes meet at the greatest angle, as that is the least wrong.
+/// Unit direction of the line that the most planes with these normals contain; `None` if too few
+/// planes share a line.
+///
+/// Of lines that lie in equally many planes, the one where two planes meet at the greatest angle is
+/// the most accurate, and is returned.
 pub fn axis(normals: &[DVec3]) -> Option<DVec3> {
     let mut best = (HOLDING - 1, 1.0, None);
     for stride in [normals.len() / 2, normals.len() / 3, normals.len() / 5 + 1] {
@@ -130,12 +140,13 @@ pub fn axis(normals: &[DVec3]) -> Option<DVec3> {
 }
 
 impl Fan {
-    /// The cones of a cell on `face` as a fan around `axis`; none if they are none.
+    /// The cones of a cell on `face` as a fan around `axis`; `None` if they do not form a fan.
     pub fn new(face: u32, cones: &Cones, axis: DVec3) -> Option<Self> {
         let middle = cones.iter().flat_map(|(_, polygon)| polygon).map(|&p| direction(face, p)).sum::<DVec3>();
-        // The end of the turn is to lie where the cell is not, if it does not lie all around the axis.
+        // Place the end of the turn outside the cell, unless the cell surrounds the axis.
         let x = -(middle - axis * middle.dot(axis)).try_normalize()?;
-        // Where the middle lies on the axis, what rounding has left may lie along it as well.
+        // If the middle lies on the axis, the remaining rounding error may have a component along
+        // the axis.
         let x = (x - axis * x.dot(axis)).try_normalize()?;
         let y = axis.cross(x);
         if !Self::is_likely(face, cones, x, y) {
@@ -165,8 +176,8 @@ impl Fan {
 }
 
 impl Fan {
-    /// Whether some of the cones are narrow enough for all of them to lie side by side: a cheap question that cells of
-    /// compact cones fail.
+    /// Whether a sample of the cones is narrow enough for all cones to lie side by side. This
+    /// cheap test rejects cells of compact cones.
     fn is_likely(face: u32, cones: &Cones, x: DVec3, y: DVec3) -> bool {
         let step = cones.len().div_ceil(SAMPLES);
         let (mut count, mut total) = (0, 0.0);
@@ -182,8 +193,11 @@ impl Fan {
     }
 }
 
-/// The least and greatest angle over which a polygon reaches by more than [`TOUCH`] (a small one at all: [`touch_of`]), the
-/// least one from −1 on; none if an edge goes through the axis. A polygon around the axis reaches over all.
+/// Minimum and maximum angle over which a polygon reaches by more than [`TOUCH`] (or at all, for a
+/// small polygon: [`touch_of`]).
+///
+/// The minimum is at least −1. A polygon around the axis covers the full turn. Returns `None` if an
+/// edge goes through the axis.
 fn angles(face: u32, polygon: &[[f64; 2]], x: DVec3, y: DVec3) -> Option<[f64; 2]> {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     // Angles along the outline, without a jump at the end of the turn.
@@ -196,7 +210,8 @@ fn angles(face: u32, polygon: &[[f64; 2]], x: DVec3, y: DVec3) -> Option<[f64; 2
     let touch = touch_of(polygon.iter().map(|corner| beside(corner).2).fold(0.0, f64::max));
     for corner in polygon {
         let (x, y, distance) = beside(corner);
-        // A corner on the axis, or so near that it reaches over no plane through it.
+        // Skip a corner on the axis, or so close to it that it reaches across no plane through the
+        // axis.
         if distance <= TOUCH {
             continue;
         }
@@ -211,7 +226,7 @@ fn angles(face: u32, polygon: &[[f64; 2]], x: DVec3, y: DVec3) -> Option<[f64; 2
         return Some([-1.0, TURN - 1.0]);
     }
     if low > high {
-        // It reaches over nothing: a point.
+        // The polygon reaches across no plane: use a point.
         low = 0.5 * (low + high);
         high = low;
     }
@@ -219,13 +234,13 @@ fn angles(face: u32, polygon: &[[f64; 2]], x: DVec3, y: DVec3) -> Option<[f64; 2
     Some([low - turns, high - turns])
 }
 
-/// The shorter way from one angle to another; none where both are as long.
+/// The shorter way from one angle to another; `None` if both ways are equally long.
 fn turn(from: f64, to: f64) -> Option<f64> {
     let way = (to - from) - TURN * ((to - from) / TURN).round();
     (way.abs() < HALF_TURN - THROUGH_AXIS).then_some(way)
 }
 
-/// How many intervals lie over the middle of one, itself included, on average.
+/// Average number of intervals that cover the middle of an interval, including the interval itself.
 fn layers(intervals: &[Interval]) -> f64 {
     let sorted = |of: fn(&Interval) -> f64| {
         let mut all: Vec<f64> = intervals.iter().map(of).collect();
@@ -256,7 +271,7 @@ mod tests {
         index::subdivide::{Cuts, Tree, subdivide},
     };
 
-    /// The angles of a polygon in the face z = 1 around the axis z, of which the face's centre is a point.
+    /// Angles of a polygon in the face z = 1 around the z axis, which meets the face at its centre.
     fn around_z(polygon: &[[f64; 2]]) -> Option<[f64; 2]> {
         angles(4, polygon, DVec3::X, DVec3::Y)
     }
@@ -272,9 +287,9 @@ mod tests {
         // A corner on the axis adds nothing.
         assert_near(around_z(&[[0.0, 0.0], [0.5, 0.0], [0.25, 0.25]]), [0.0, 1.0]);
         assert_near(around_z(&[[-0.5, 0.5], [-0.5, -0.5], [-0.25, -0.5]]), [3.0, 5.5]);
-        // Across the end of the turn, at -45 degrees: on from there, without a jump.
+        // Across the end of the turn, at -45 degrees: the angles continue without a jump.
         assert_near(around_z(&[[0.25, -0.5], [0.5, -0.25], [0.6, 0.0]]), [6.5, 8.0]);
-        // Whatever corner comes first, and either way round.
+        // The result depends neither on the first corner nor on the orientation.
         let mut polygon = vec![[0.25, -0.5], [0.5, -0.25], [0.6, 0.1], [0.2, 0.0]];
         let expected = around_z(&polygon).unwrap();
         for _ in 0..4 {
@@ -287,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn a_polygon_around_the_axis_covers_all() {
+    fn a_polygon_around_the_axis_covers_the_full_turn() {
         let polygon = [[0.5, 0.1], [-0.3, 0.4], [-0.2, -0.6]];
         assert_eq!(around_z(&polygon), Some([-1.0, TURN - 1.0]));
         let reversed = [polygon[2], polygon[1], polygon[0]];
@@ -295,19 +310,19 @@ mod tests {
     }
 
     #[test]
-    fn an_edge_through_the_axis_is_no_interval() {
+    fn an_edge_through_the_axis_has_no_interval() {
         assert_eq!(around_z(&[[0.5, 0.0], [0.0, 0.5], [-0.5, 0.0]]), None);
         assert!(around_z(&[[0.5, 0.0], [0.0, 0.5], [-0.5, 1e-3]]).is_some());
     }
 
     #[test]
-    fn tiny_polygons_have_a_place() {
+    fn tiny_polygons_have_an_interval() {
         let tiny = 0.1 * TOUCH;
         assert_eq!(around_z(&[[tiny, 0.0], [0.0, tiny], [-tiny, -tiny]]), Some([0.0; 2]), "on the axis");
-        // Thinner than what counts, away from it.
+        // Thinner than the tolerance, away from the axis.
         let [low, high] = around_z(&[[0.5, 0.25], [0.5, 0.25 + tiny], [0.5 + tiny, 0.25]]).unwrap();
         assert!(low == high && (low - 0.5).abs() < 1e-12, "{low} {high}");
-        // Small, near the axis: all that it reaches over counts.
+        // Small and near the axis: everything that it reaches across counts.
         let [low, high] = around_z(&[[1e-10, 0.0], [1e-10, 1e-10], [2e-10, 1e-10]]).unwrap();
         assert_eq!([low, high], [0.0, 1.0]);
     }
@@ -322,11 +337,11 @@ mod tests {
             let (place, distance) = (rng.unit(), rng.unit());
             let normal = frame.plane(place);
             assert!((normal.length() - 1.0).abs() < 1e-15 && normal.dot(x.cross(y)).abs() < 1e-15);
-            // On the plane, on the side of the place.
+            // A point on the plane, at the requested position.
             let on = x.cross(y) * rng.between(-1.0, 1.0) + normal.cross(x.cross(y)) * distance;
             let angle = fan::angle(on.dot(x), on.dot(y));
             assert!((angle - frame.start - frame.span * place).abs() < 1e-12 / distance, "{frame:?} {place}");
-            // Greater places lie in front.
+            // Greater positions lie in front.
             let beyond = on + normal * 0.1 * distance;
             assert!(fan::angle(beyond.dot(x), beyond.dot(y)) > angle || angle > 6.0);
             let part = frame.part(3, 2);
@@ -335,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_list_what_reaches_into_them() {
+    fn steps_list_the_intervals_that_meet_them() {
         let interval = |low, high| Interval { polygon: 0, vertex: 0, low, high };
         let i = interval(0.25, 0.5);
         assert!(i.meets(0.0, 0.3) && i.meets(0.3, 0.4) && i.meets(0.45, 1.0));
@@ -370,7 +385,7 @@ mod tests {
             assert_eq!(count(tree, &|tree| matches!(tree, Tree::Plane(..) | Tree::Axis(_))), 0, "face {face}");
             let Tree::Fan(frame, _) = tree else { continue };
             assert!(frame.x.cross(frame.y).z.abs() > 1.0 - 1e-12, "around z");
-            // All around on the caps, a quarter turn on the sides.
+            // A full turn on the caps, a quarter turn on the sides.
             let expected = if face >= 4 { TURN } else { 2.0 };
             assert!((frame.span - expected).abs() < 1e-2, "face {face}: {}", frame.span);
         }

@@ -1,9 +1,10 @@
-//! Hull → direction index.
+//! Builds the direction index of a hull.
 //!
-//! 1. [`crate::gauss_map`] gives each vertex its normal cone; [`cones`] cuts the cones to the faces of a cube.
-//! 2. [`subdivide`] (a tree, with [`fan`]s in it) or [`cube_map`] (a uniform grid) lists for each cell every vertex whose cone
-//!    meets it.
-//! 3. [`packing`] lets leaves of a tree share blocks, neighbours first.
+//! 1. [`crate::gauss_map`] computes the normal cone of each vertex. [`cones`] clips the cones to
+//!    the faces of a cube.
+//! 2. [`subdivide`] (a tree that may contain [`fan`]s) or [`cube_map`] (a uniform grid) lists for
+//!    each cell every vertex whose cone meets it.
+//! 3. [`packing`] lets leaves of a tree share blocks, neighbouring leaves first.
 //! 4. [`encode`] writes the lists as blocks and the cells as words.
 
 pub mod cones;
@@ -14,56 +15,95 @@ pub mod packing;
 pub mod subdivide;
 
 use hullmap_format::{
-    archive::{LANES, index_kind},
+    IndexKind,
+    archive::LANES,
     walk::{self, Branches, Shape},
 };
 use rayon::prelude::*;
 
-use crate::{BakeError, IndexKind, LeafBlocks, gauss_map::GaussMap, hull::Hull};
+use crate::{BakeError, gauss_map::GaussMap, hull::Hull};
 use encode::Encoded;
 use subdivide::{Cuts, Tree};
 
-/// Hulls of up to this many vertices are scanned whatever tree is asked for: four blocks cost no more than a descent.
+/// Hulls of at most this many vertices are scanned if a `tree`, `medium` or `compact` index is
+/// requested. Four blocks cost no more than a descent.
 pub const SCAN_UP_TO: usize = 32;
 
-/// A hull's index with what it costs to ask it.
+/// How the direction index of a hull is chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IndexChoice {
+    /// An index of the given kind.
+    Kind(IndexKind),
+    /// The fastest tree whose words and blocks fit within a budget; no index if no tree fits.
+    Budget {
+        /// Budget in bytes per vertex.
+        bytes_per_vertex: u32,
+    },
+}
+
+impl Default for IndexChoice {
+    fn default() -> Self {
+        Self::Kind(IndexKind::default())
+    }
+}
+
+impl From<IndexKind> for IndexChoice {
+    fn from(kind: IndexKind) -> Self {
+        Self::Kind(kind)
+    }
+}
+
+/// A hull's direction index and the worst-case cost of a query.
 #[derive(Clone, Debug)]
 pub struct Index {
-    /// One of [`index_kind`].
-    pub kind: u32,
-    /// Cells along the edge of a face of a cube map; 0 for the other kinds.
-    pub resolution: u32,
-    /// Blocks of a plain leaf.
-    pub leaf_blocks: u32,
-    /// Worst case over all directions.
+    /// Kind of the index; [`IndexKind::None`] for a hull that is small enough to be scanned.
+    pub kind: IndexKind,
+    /// Maximum over all directions.
     pub cost: walk::Cost,
     /// Words and blocks.
     pub encoded: Encoded,
 }
 
 impl Index {
-    /// Bytes of words and blocks.
+    /// Size of the words and blocks in bytes.
     pub fn byte_len(&self) -> usize {
         size_of_val(self.encoded.slots.as_slice()) + size_of_val(self.encoded.blocks.as_slice())
     }
 
-    /// The index in a few words, with its price.
+    /// A short description of the index, with its size in bytes per vertex.
     pub fn describe(&self, vertex_count: usize) -> String {
         let kind = match self.kind {
-            index_kind::TREE => format!("tree with leaves of {}", LANES as u32 * self.leaf_blocks),
-            index_kind::BINARY => "binary tree".to_owned(),
-            index_kind::CUBE_MAP => format!("cube map of {0} x {0} cells a face", self.resolution),
-            _ => "linear scan".to_owned(),
+            IndexKind::Tree | IndexKind::Medium | IndexKind::Compact => {
+                format!("tree with leaves of {}", self.kind.leaf_size())
+            }
+            IndexKind::Binary => "binary tree".to_owned(),
+            IndexKind::CubeMap { resolution } => format!("cube map of {resolution} x {resolution} cells a face"),
+            IndexKind::None => "linear scan".to_owned(),
         };
         format!("{kind}, {:.1} bytes a vertex", self.byte_len() as f64 / vertex_count as f64)
     }
 }
 
-/// Builds the index of `hull`.
+/// Builds the direction index of `hull`.
 ///
 /// # Errors
-/// An index too large for the places that slots can name.
-pub fn build(hull: &Hull, kind: IndexKind) -> Result<Index, BakeError> {
+/// [`BakeError::IndexTooLarge`] if slots cannot address all words or blocks.
+pub fn build(hull: &Hull, choice: impl Into<IndexChoice>) -> Result<Index, BakeError> {
+    match choice.into() {
+        IndexChoice::Kind(kind) => build_kind(hull, kind),
+        IndexChoice::Budget { bytes_per_vertex } => {
+            for kind in [IndexKind::Tree, IndexKind::Medium, IndexKind::Compact] {
+                let index = build_kind(hull, kind)?;
+                if index.byte_len() <= bytes_per_vertex as usize * hull.vertices.len() {
+                    return Ok(index);
+                }
+            }
+            Ok(scan(&hull.vertices))
+        }
+    }
+}
+
+fn build_kind(hull: &Hull, kind: IndexKind) -> Result<Index, BakeError> {
     let vertices = &hull.vertices;
     let tree = |leaf: usize, cuts: Cuts| -> Vec<Tree> {
         if vertices.len() <= leaf {
@@ -73,23 +113,14 @@ pub fn build(hull: &Hull, kind: IndexKind) -> Result<Index, BakeError> {
         (0..6).into_par_iter().map(|face| subdivide::subdivide(&map, face, leaf, cuts)).collect()
     };
     match kind {
-        IndexKind::Tree { .. } if vertices.len() <= SCAN_UP_TO => Ok(scan(vertices)),
-        IndexKind::Tree { leaf_blocks } => {
-            let leaf = leaf_blocks.lanes();
+        IndexKind::Tree | IndexKind::Medium | IndexKind::Compact if vertices.len() <= SCAN_UP_TO => Ok(scan(vertices)),
+        IndexKind::Tree | IndexKind::Medium | IndexKind::Compact => {
+            let leaf = kind.leaf_size() as usize;
             let mut roots = tree(fine_leaf(leaf), Cuts::FansAndPlanes);
             packing::share(&mut roots, leaf);
-            finish(hull, index_kind::TREE, 0, leaf / LANES, &roots)
+            finish(hull, kind, &roots)
         }
-        IndexKind::Budget { bytes_per_vertex } => {
-            for leaf_blocks in [LeafBlocks::One, LeafBlocks::Two, LeafBlocks::Four] {
-                let index = build(hull, IndexKind::Tree { leaf_blocks })?;
-                if index.byte_len() <= bytes_per_vertex as usize * vertices.len() {
-                    return Ok(index);
-                }
-            }
-            Ok(scan(vertices))
-        }
-        IndexKind::Binary => finish(hull, index_kind::BINARY, 0, 1, &tree(LANES, Cuts::Planes)),
+        IndexKind::Binary => finish(hull, kind, &tree(LANES, Cuts::Planes)),
         IndexKind::CubeMap { resolution } => {
             let cells = if vertices.len() <= LANES {
                 vec![(0..vertices.len() as u32).collect(); 6 * (resolution as usize).pow(2)]
@@ -97,16 +128,18 @@ pub fn build(hull: &Hull, kind: IndexKind) -> Result<Index, BakeError> {
                 cube_map::cells(&GaussMap::new(hull), resolution)
             };
             let roots: Vec<Tree> = cells.into_iter().map(Tree::Leaf).collect();
-            finish(hull, index_kind::CUBE_MAP, resolution, 1, &roots)
+            finish(hull, kind, &roots)
         }
         IndexKind::None => Ok(scan(vertices)),
     }
 }
 
-/// Vertices of a leaf that is subdivided no further, where its blocks hold `capacity`.
+/// Maximum number of vertices of a leaf that is not subdivided further. The leaf's blocks hold
+/// `capacity` vertices.
 ///
-/// Fewer than fit: neighbouring leaves then fill up each other's blocks. Subdividing down to 6 instead of 8 takes 5 %
-/// off an index, down to 20 instead of 32 takes 10 %; any further, the slots outweigh the blocks.
+/// It is less than `capacity`, so that neighbouring leaves can share blocks. Subdividing down to 6
+/// instead of 8 makes an index 5 % smaller. Subdividing down to 20 instead of 32 makes it 10 %
+/// smaller. Below that, the slots cost more than the blocks save.
 fn fine_leaf(capacity: usize) -> usize {
     if capacity == LANES { capacity * 3 / 4 } else { capacity * 5 / 8 }
 }
@@ -114,22 +147,16 @@ fn fine_leaf(capacity: usize) -> usize {
 fn scan(vertices: &[[f32; 3]]) -> Index {
     let encoded = encode::scan(vertices);
     let shape = Shape { roots: 0, branches: Branches::None, leaf_blocks: 1, block_count: encoded.blocks.len() as u32 };
-    Index { kind: index_kind::SCAN, resolution: 0, leaf_blocks: 1, cost: shape.scan_cost(), encoded }
+    Index { kind: IndexKind::None, cost: shape.scan_cost(), encoded }
 }
 
-/// Encodes and prices the trees below the roots.
-fn finish(hull: &Hull, kind: u32, resolution: u32, leaf_blocks: usize, roots: &[Tree]) -> Result<Index, BakeError> {
-    let branches = match kind {
-        index_kind::TREE => Branches::Squares,
-        index_kind::BINARY => Branches::Halves,
-        _ => Branches::None,
-    };
-    let encoded = encode::trees(&hull.vertices, roots, branches, leaf_blocks)?;
-    let leaf_blocks = leaf_blocks as u32;
+/// Encodes the trees below the roots and computes the worst-case cost of a query.
+fn finish(hull: &Hull, kind: IndexKind, roots: &[Tree]) -> Result<Index, BakeError> {
+    let (branches, leaf_blocks) = (kind.branches(), kind.leaf_blocks());
+    let encoded = encode::trees(&hull.vertices, roots, branches, leaf_blocks as usize)?;
     let shape = Shape { roots: roots.len(), branches, leaf_blocks, block_count: encoded.blocks.len() as u32 };
-    let slots = &encoded.slots;
-    let cost = walk::walk(shape, slots.len(), |i| slots[i])?;
-    Ok(Index { kind, resolution, leaf_blocks, cost, encoded })
+    let cost = walk::walk(shape, &encoded.slots[..])?;
+    Ok(Index { kind, cost, encoded })
 }
 
 #[cfg(test)]
@@ -137,15 +164,16 @@ mod tests {
     use super::*;
     use crate::{PointSet, hull};
 
-    /// The paper's tree is what others are compared with: halves, planes where they stall, and no fans.
+    /// The binary tree of the paper is the baseline: halves, and planes where halving stalls, but
+    /// no fans.
     #[test]
     fn the_binary_tree_has_no_fans() {
         let positions = shapes::families::prism(2_000, 0);
         let set =
             PointSet { name: String::new(), source_vertices: (0..2_000).collect(), positions, ..PointSet::default() };
         let hull = hull::build(&set).unwrap();
-        let nodes = |kind| build(&hull, kind).unwrap().cost.nodes;
-        let [fans, halves] = [IndexKind::TREE, IndexKind::Binary].map(nodes);
+        let nodes = |kind: IndexKind| build(&hull, kind).unwrap().cost.nodes;
+        let [fans, halves] = [IndexKind::Tree, IndexKind::Binary].map(nodes);
         println!("nodes: {fans} with fans, {halves} without");
         assert!(fans == 1 && halves > 2, "{fans} with fans, {halves} without");
     }
@@ -156,13 +184,13 @@ mod tests {
         let set =
             PointSet { name: String::new(), source_vertices: (0..600).collect(), positions, ..PointSet::default() };
         let hull = hull::build(&set).unwrap();
-        let budget = |bytes_per_vertex| build(&hull, IndexKind::Budget { bytes_per_vertex }).unwrap();
-        for (bytes, leaf_blocks) in [(100, 1), (50, 2), (40, 4)] {
+        let budget = |bytes_per_vertex| build(&hull, IndexChoice::Budget { bytes_per_vertex }).unwrap();
+        for (bytes, kind) in [(100, IndexKind::Tree), (50, IndexKind::Medium), (40, IndexKind::Compact)] {
             let index = budget(bytes);
-            assert_eq!((index.kind, index.leaf_blocks), (index_kind::TREE, leaf_blocks), "{bytes}");
+            assert_eq!(index.kind, kind, "{bytes}");
             assert!(index.byte_len() <= bytes as usize * 600, "{}", index.describe(600));
         }
-        assert_eq!(budget(20).kind, index_kind::SCAN);
+        assert_eq!(budget(20).kind, IndexKind::None);
         assert_eq!(budget(20).describe(600), "linear scan, 16.0 bytes a vertex");
     }
 }

@@ -1,24 +1,29 @@
-//! Leaves that list nearly the same vertices share their blocks.
+//! Block packing: leaves that list nearly the same vertices share their blocks.
 //!
-//! Neighbouring cells list overlapping sets: most leaves are not full, and what a leaf lists beyond its own cell's needs
-//! costs nothing but a lane that would be idle. Leaves are taken in the order of the tree, neighbours after one another;
-//! each joins the recent group that shares a vertex with it, grows the least by it and still fits, or starts a new one. In a
-//! second pass the groups join in the same way, whether they share a vertex or not.
+//! The lists of neighbouring cells overlap, and most leaves are not full. An extra vertex in a leaf
+//! costs nothing if it takes a lane that would be idle.
+//!
+//! 1. Leaves are processed in tree order, so that neighbours follow one another. Each leaf joins
+//!    the recent group that shares the most vertices with it and has room for the rest. If there is
+//!    no such group, the leaf starts a new one.
+//! 2. A second pass joins the groups in the same way, whether or not they share a vertex.
 
 use std::collections::VecDeque;
 
 use super::subdivide::Tree;
 
-/// Groups, of those that list one vertex, or of those that share nothing, that are looked at: the most recent ones.
+/// Maximum number of recent groups that are considered: per vertex in the first pass, in total in
+/// the second.
 const WINDOW: usize = 64;
 
-/// Groups with less than this part of their room left are not joined with others that they share nothing with.
+/// In the second pass, a group is closed if at most 1/`NEARLY_FULL` of its capacity is left.
 const NEARLY_FULL: usize = 8;
 
-/// Replaces every leaf's list of at most `capacity` vertices by that of its group; longer lists stay as they are.
+/// Replaces each leaf's list of at most `capacity` vertices by the list of its group. Longer lists
+/// are kept.
 ///
 /// # Complexity
-/// O(leaves) where a vertex is in a few groups, O(leaves · window) where one is in all.
+/// O(leaves) if each vertex is in few groups, O(leaves · window) if a vertex is in all of them.
 pub fn share(trees: &mut [Tree], capacity: usize) {
     let mut lists = Vec::new();
     for tree in trees.iter() {
@@ -36,13 +41,15 @@ pub fn share(trees: &mut [Tree], capacity: usize) {
     }
 }
 
-/// Lists that have been joined: the group of each list, and the groups.
+/// Result of joining lists: the group of each list, and the groups.
 type Joined = (Vec<usize>, Vec<Vec<u32>>);
 
-/// Joins lists that share a vertex into groups of at most `capacity` vertices; a longer list stays alone.
+/// Joins lists that share a vertex into groups of at most `capacity` vertices. A longer list stays
+/// alone.
 fn join_overlapping(lists: Vec<Vec<u32>>, capacity: usize) -> Joined {
     let mut groups: Vec<Vec<u32>> = Vec::new();
-    // Of each group, how many vertices it shares with the list in hand, and when it was joined last.
+    // For each group: the number of vertices it shares with the current list, and the time of its
+    // last change.
     let (mut shared, mut joined_at) = (Vec::<usize>::new(), Vec::<usize>::new());
     let vertex_count = lists.iter().flatten().max().map_or(0, |most| *most as usize + 1);
     let mut groups_of: Vec<Vec<usize>> = vec![Vec::new(); vertex_count];
@@ -79,11 +86,11 @@ fn join_overlapping(lists: Vec<Vec<u32>>, capacity: usize) -> Joined {
     (joined, groups)
 }
 
-/// Joins groups with room left, whether they share a vertex or not.
+/// Joins groups that have room left, whether or not they share a vertex.
 fn join_any(lists: Vec<Vec<u32>>, capacity: usize) -> Joined {
     let closed = capacity - capacity / NEARLY_FULL;
     let mut groups: Vec<Vec<u32>> = Vec::new();
-    // The groups that may grow, most recent first.
+    // Groups that may still grow, most recent first.
     let mut open: VecDeque<usize> = VecDeque::new();
     let mut joined = Vec::with_capacity(lists.len());
     for list in lists {
@@ -105,7 +112,7 @@ fn join_any(lists: Vec<Vec<u32>>, capacity: usize) -> Joined {
     (joined, groups)
 }
 
-/// How many of `list` are not in `group`. Both ascend.
+/// Number of entries of `list` that are not in `group`. Both must be ascending.
 fn missing(group: &[u32], list: &[u32]) -> usize {
     let mut group = group.iter().peekable();
     list.iter()
@@ -147,7 +154,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn leaves_keep_what_they_listed() {
+    fn leaves_keep_their_vertices() {
         let lists: Vec<Vec<u32>> = (0..200_u32).map(|i| (i / 3..i / 3 + 2 + i % 5).collect()).collect();
         let mut tree = lists.iter().cloned().map(Tree::Leaf).reduce(|a, b| Tree::Axis(Box::new([a, b]))).unwrap();
         share(std::slice::from_mut(&mut tree), 8);
@@ -163,16 +170,17 @@ mod tests {
         assert!(shared.len() < 30, "{} groups of 68 vertices", shared.len());
     }
 
-    /// Lists that share nothing are joined where both fit; what is nearly full is left alone.
+    /// Lists that share no vertex are joined if they fit together. A nearly full list is left
+    /// alone.
     #[test]
-    fn the_second_pass_joins_what_shares_nothing() {
+    fn the_second_pass_joins_disjoint_lists() {
         let lists = vec![vec![0, 1, 2], vec![10, 11, 12], vec![20, 21], (30..37).collect(), vec![40], vec![50, 51, 52]];
         let (of_list, groups) = join_overlapping(lists.clone(), 8);
         assert_eq!((of_list, groups.len()), ((0..6).collect(), 6), "the first pass finds nothing in common");
         let (of_list, groups) = join_any(lists.clone(), 8);
         assert_eq!(of_list, [0, 0, 0, 1, 2, 2]);
         assert_eq!(groups, [vec![0, 1, 2, 10, 11, 12, 20, 21], (30..37).collect(), vec![40, 50, 51, 52]]);
-        // The same in both passes, over a tree.
+        // The same result after both passes over a tree.
         let mut tree = lists.iter().cloned().map(Tree::Leaf).reduce(|a, b| Tree::Axis(Box::new([a, b]))).unwrap();
         share(std::slice::from_mut(&mut tree), 8);
         let mut at = 0;
@@ -184,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn lists_longer_than_a_leaf_stay_as_they_are() {
+    fn lists_longer_than_a_leaf_are_kept() {
         let lists = vec![(0..9).collect::<Vec<u32>>(), vec![0, 1], (0..9).collect(), vec![1, 2]];
         for join in [join_overlapping, join_any] {
             let (of_list, groups) = join(lists.clone(), 8);

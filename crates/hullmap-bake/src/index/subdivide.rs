@@ -1,16 +1,22 @@
-//! Adaptive binary subdivision of the cube's faces (Kenwright 4.9), with exact leaves.
+//! Adaptive binary subdivision of the cube's faces (Kenwright 4.9), with exact leaves: chooses the
+//! candidates of each leaf.
 //!
-//! 1. A cell that few enough normal cones meet is a leaf, and lists them all.
-//! 2. A cell with room for a fan is one if its cones lie side by side around an axis ([`super::fan`]). Its steps are halved
-//!    until each is a leaf; where that parts nothing, planes go on.
-//! 3. Any other cell is halved: across u, across v, and so on in turn.
-//! 4. Where halving hardly parts the cones, the cell is a fan, however small, or else is cut by a plane between two of them,
-//!    and so is all below it.
+//! 1. A cell that meets few enough normal cones is a leaf, which lists all of them.
+//! 2. A large cell becomes a fan if its cones lie side by side around an axis ([`super::fan`]). The
+//!    steps of the fan are halved until each is a leaf. Where halving no longer separates cones,
+//!    planes continue.
+//! 3. Any other cell is halved, alternately across u and across v.
+//! 4. Where halving hardly separates the cones, the cell becomes a fan even if it is small. If its
+//!    cones do not form a fan, a plane between two of them cuts the cell, and planes cut everything
+//!    below it.
 //!
-//! Deviations from the paper: it stops where a cell's corners share their support vertex, or at a depth limit, where it
-//! then answers wrongly; here the leaf lists every vertex that can be the answer, and a cell whose corners agree is
-//! just a leaf of one. Steps 2 and 4 are new (the paper's own tree does without fans: [`Cuts`]): the cones around a facet of many corners, or along a prism's side, are long
-//! and thin, and squares small enough to part them are too many, n² of them instead of n.
+//! Deviations from the paper:
+//! - The paper stops where a cell's corners share their support vertex, or at a depth limit, and
+//!   may then return a wrong vertex. Here, a leaf lists every vertex that can be the answer. A cell
+//!   whose corners share their support vertex is simply a leaf of one.
+//! - Steps 2 and 4 are new; [`Cuts`] turns fans off, as in the paper's tree. The cones around a
+//!   face with many corners, or along a prism's side, are long and thin. Separating n of them takes
+//!   n² squares.
 
 use glam::DVec3;
 use hullmap_format::cube::{GRID_BITS, grid_to_uv};
@@ -21,39 +27,43 @@ use super::{
 };
 use crate::gauss_map::GaussMap;
 
-/// Halvings along each axis after which only planes are left: cells are then 20 times as wide as their overlap.
+/// Maximum number of halvings along each axis; below that, only planes cut. At this depth, cells
+/// are 20 times as wide as their overlap.
 const MAX_HALVINGS: u32 = 18;
 
-/// Halving a square cell that compact cones tile lists about 1.2·√k of its k cones twice; it parts them badly where it
-/// lists more than this many times √k twice, and one more.
+/// Halving a square cell tiled by k compact cones lists about 1.2·√k of them twice. Halving
+/// separates cones badly if it lists more than this constant times √k, plus one, twice.
 const GOOD_HALVING: f64 = 2.0;
 
-/// A plane is worth leaving the grid for if it lists at most this share of what halving lists twice.
+/// Maximum number of cones that a plane may list twice, relative to halving, for the plane to be
+/// preferred to the grid.
 const GOOD_PLANE: f64 = 0.5;
 
-/// Halvings on one path that may list nearly all cones twice before the cell is left as it is, with a long list.
+/// Maximum number of futile halvings on one path. After that, only planes cut.
 const FUTILE_LIMIT: u32 = 12;
 
-/// A halving is futile where it lists this share of the cones twice.
+/// A halving is futile if it lists more than this fraction of the cones twice.
 const FUTILE: f64 = 0.9;
 
-/// Vertices from which planes are tried, and planes from each.
+/// Number of vertices from which planes are tried, and number of planes tried per vertex.
 const PLANE_SAMPLES: usize = 8;
 const PLANES_OF_VERTEX: usize = 3;
 
-/// A plane must leave this share of the cones, and at least one, out of its fuller side.
+/// Minimum fraction of the cones, and at least one cone, that a plane must keep out of its fuller
+/// side.
 const PROGRESS: f64 = 0.1;
 
-/// Cells of this many leaves of cones may be fans.
+/// Minimum number of cones of a fan, in multiples of the leaf size.
 const FAN_FROM: usize = 3;
 
-/// Cells of this many leaves of cones are looked at as fans before they are halved, smaller ones only where halving fails.
+/// Minimum number of cones, in multiples of the leaf size, for a fan to be tried before halving. A
+/// smaller cell is tried only where halving fails.
 const FAN_FIRST: usize = 16;
 
-/// Halvings of a fan, one after another, that part nothing before its places are left as they are.
+/// Maximum number of consecutive halvings of a fan that separate nothing. After that, planes cut.
 const FUTILE_WEDGES: u32 = 5;
 
-/// Cells of more cones are subdivided in parallel.
+/// Cells with more cones than this are subdivided in parallel.
 const PARALLEL_FROM: usize = 512;
 
 /// A subdivided cell.
@@ -61,29 +71,33 @@ const PARALLEL_FROM: usize = 512;
 pub enum Tree {
     /// Every vertex whose cone meets the cell, ascending.
     Leaf(Vec<u32>),
-    /// Lower and upper half.
+    /// Lower and upper half along u or v.
     Axis(Box<[Tree; 2]>),
-    /// Behind and in front of a plane through the origin.
+    /// The parts behind and in front of a plane through the origin.
     Plane([f64; 3], Box<[Tree; 2]>),
-    /// Side by side around an axis: the places from 0 to 1 of this frame.
+    /// A fan: cones side by side around an axis, at positions 0 to 1 of this frame.
     Fan(Frame, Box<Tree>),
-    /// Lower and upper half of a fan's places, or of half of them.
+    /// Lower and upper half of a range of positions in a fan.
     Wedges(Box<[Tree; 2]>),
 }
 
-/// What may part the cones of a cell, beside halving.
+/// What may cut a cell in addition to halving.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cuts {
-    /// Planes, where halving stalls: as near to the paper as an exact tree of reasonable size gets.
+    /// Planes, where halving stalls. This is as close to the paper as an exact tree of reasonable
+    /// size can be.
     Planes,
-    /// Fans, and planes where there is no fan.
+    /// Fans, and planes where the cones do not form a fan.
     FansAndPlanes,
 }
 
-/// Subdivides one face of the cube, down to leaves of at most `leaf` vertices.
+/// Subdivides one face of the cube.
+///
+/// A cell that meets the cones of at most `leaf` vertices is not subdivided further. The result
+/// does not depend on the number of threads.
 ///
 /// # Complexity
-/// O(n log n) for n vertices on all families tried; the result does not depend on the number of threads.
+/// O(n log n) for n vertices on all families tried.
 pub fn subdivide(map: &GaussMap, face: u32, leaf: usize, cuts: Cuts) -> Tree {
     Subdivision { map, face, leaf, cuts }.cell(Cones::on_face(map, face), [0, 0], 0, 0)
 }
@@ -99,12 +113,14 @@ struct Subdivision<'a> {
 struct Wedges<'a> {
     cones: &'a Cones,
     frame: Frame,
-    /// Vertices of a leaf that is not halved: fewer than fit, as neighbouring leaves fill up each other's blocks.
+    /// Maximum number of vertices of a leaf that is not halved. It is less than a leaf's capacity,
+    /// so that neighbouring leaves can share blocks.
     full: usize,
 }
 
 impl Subdivision<'_> {
-    /// Subdivides the cell at grid place `at`, halved `depth` times, `futile` times in vain.
+    /// Subdivides the cell at grid position `at`, after `depth` halvings, `futile` of which were
+    /// futile.
     fn cell(&self, cones: Cones, at: [u32; 2], depth: u32, futile: u32) -> Tree {
         if cones.vertex_count() <= self.leaf {
             return Tree::Leaf(cones.into_vertices());
@@ -139,7 +155,7 @@ impl Subdivision<'_> {
         Tree::Axis(Box::new(halves.into()))
     }
 
-    /// Cuts a cell by planes alone.
+    /// Subdivides a cell by planes, or as a fan.
     fn planes(&self, cones: Cones) -> Tree {
         if cones.vertex_count() <= self.leaf {
             return Tree::Leaf(cones.into_vertices());
@@ -158,7 +174,7 @@ impl Subdivision<'_> {
         Tree::Plane(normal.to_array(), Box::new(halves.into()))
     }
 
-    /// A cell whose cones lie side by side.
+    /// The cell as a fan, if its cones lie side by side.
     fn fan(&self, cones: &Cones) -> Option<Tree> {
         if self.cuts == Cuts::Planes || cones.len() < FAN_FROM * self.leaf {
             return None;
@@ -170,7 +186,8 @@ impl Subdivision<'_> {
         Some(if matches!(root, Tree::Wedges(_)) { Tree::Fan(fan.frame, Box::new(root)) } else { root })
     }
 
-    /// Halves the places of a fan until few enough cones are left: `intervals` are those within `places`.
+    /// Halves a range of a fan's positions until few enough cones are left. `intervals` are those
+    /// that meet `places`.
     fn wedges(&self, fan: &Wedges, intervals: &[Interval], places: [f64; 2], futile: u32) -> Tree {
         let mut list: Vec<u32> = intervals.iter().map(|i| i.vertex).collect();
         list.dedup();
@@ -199,7 +216,7 @@ impl Subdivision<'_> {
         Tree::Wedges(Box::new([half(0), half(1)]))
     }
 
-    /// Normals of some planes between neighbouring cones of this cell.
+    /// Normals of a sample of the planes between neighbouring cones of this cell.
     fn samples<'b>(&'b self, cones: &'b Cones) -> impl Iterator<Item = DVec3> + 'b {
         sample(&cones.vertices, PLANE_SAMPLES).flat_map(move |vertex| {
             let neighbours = self.map.neighbours(vertex).iter().copied();
@@ -209,7 +226,8 @@ impl Subdivision<'_> {
         })
     }
 
-    /// Of some planes between cones of this cell, the one whose fuller side has the fewest, and how many it lists twice.
+    /// Of a sample of planes between cones of this cell, the one whose fuller side has the fewest
+    /// cones, and the number of cones that it lists twice.
     fn best_plane(&self, cones: &Cones) -> Option<(DVec3, usize)> {
         let least = ((PROGRESS * cones.len() as f64) as usize).max(1);
         let mut fullest = cones.len() - least + 1;
@@ -225,7 +243,7 @@ impl Subdivision<'_> {
     }
 }
 
-/// Up to `most` of `all`, evenly spread.
+/// At most `most` entries of `all`, evenly spaced.
 fn sample(all: &[u32], most: usize) -> impl Iterator<Item = u32> + '_ {
     let count = all.len().min(most);
     (0..count).map(move |i| all[(2 * i + 1) * all.len() / (2 * count)])

@@ -1,20 +1,26 @@
-//! Fewer vertices around a convex hull, one edge at a time, without ever cutting into it.
+//! Edge collapse (progressive hulls): removes vertices of a convex surface around a hull, one edge
+//! at a time, without cutting into the hull.
 //!
 //! # Steps
-//! 1. An edge is replaced by the point outside of all triangles at both of its ends that is nearest to the hull: with it the
-//!    convex hull of the rest holds all that it held before. It is found by turns: the nearest point outside of the triangles to
-//!    a point of the hull, the nearest point of the hull to that, and so on.
-//! 2. All around is moved nearer to the hull, as far as that allows: it has to hold the hull alone, no longer the surface of before.
-//! 3. The edge whose point lies nearest to the hull goes first. Around it edges change; they are looked at again when their turn
-//!    comes.
+//! 1. Take the edge that can be replaced by the point nearest to the hull. That point lies outside
+//!    all triangles at both ends of the edge, so that the convex hull of the other vertices and the
+//!    point contains everything the surface contained. Alternating projections find it: the nearest
+//!    point outside the triangles to a point of the hull, then the nearest point of the hull to
+//!    that, and so on.
+//! 2. Replace the edge.
+//! 3. Move the new vertex and its neighbours as near to the hull as possible. They must keep the
+//!    hull inside, but no longer the previous surface.
+//! 4. The edges around them have changed. Their distances are updated when they reach the front of
+//!    the queue.
 //!
 //! # Reference
 //! Sander et al., "Silhouette clipping", 2000 (progressive hulls).
 //!
 //! # Deviations
-//! - Sander takes the point that adds the least volume, by linear programming; here it is the distance to the *original* hull that
-//!   is promised, so that is what the order is by.
-//! - The surface stays convex, by exact predicates: what a new point sees beyond the two ends goes, too.
+//! - Sander takes the point that adds the minimum volume, by linear programming. Here, edges are
+//!   ordered by distance from the *original* hull, because that distance is what is guaranteed.
+//! - Exact predicates keep the surface convex. Everything that a new point sees beyond the two ends
+//!   is removed as well.
 
 use std::{cmp::Reverse, collections::BinaryHeap};
 
@@ -27,35 +33,39 @@ use super::{
     wrap::Wrapped,
 };
 
-/// Turns between the triangles' outside and the hull: distances change by less than a tenth after three.
+/// Maximum number of alternating projections. After three, distances change by less than a tenth.
 const TURNS: usize = 3;
 
-/// By how much less a turn's distance must be for another turn.
+/// The projections continue only if the distance falls below this fraction of the best so far.
 const WORTH_A_TURN: f64 = 0.98;
 
-/// Sweeps over all vertices: the third brings less than a hundredth.
+/// Maximum number of sweeps over all vertices. The third improves distances by less than a
+/// hundredth.
 const SWEEPS: usize = 4;
 
-/// By how much less a move must make a distance.
+/// A vertex moves only if its distance falls below this fraction.
 const WORTH_MOVING: f64 = 0.999;
 
-/// Distance from the hull, over its diameter, below which vertices stay: less than rounding to f32 will cost.
+/// A vertex moves only if its distance from the hull, relative to the diameter, exceeds this. Below
+/// it, rounding to f32 costs more than the move gains.
 const WORTH_A_MOVE: f64 = 1e-8;
 
-/// Turns of a plane about an edge until it touches the hull; five are common.
+/// Maximum number of times a plane turns about an edge until it touches the hull. Five are common.
 const MAX_TURNS_OF_A_PLANE: usize = 100;
 
-/// By how much of the greatest coordinate a new point lies outside of the triangles it replaces, at first: some hundred units of
-/// rounding, so that exact predicates see it there.
+/// Initial margin by which a new point lies outside the triangles it replaces, relative to the
+/// largest coordinate. It is several hundred units of rounding error, so that exact predicates see
+/// the point outside.
 const OUTSIDE: f64 = 1e-13;
 
-/// How often that is made a hundred times as much before an edge is left.
+/// Number of margins tried, each 100 times the previous one, before an edge is skipped.
 const MAX_TRIES: u32 = 3;
 
-/// Triangles at an edge of which a first look takes some only: what it finds is too near, never too far.
+/// Maximum number of triangles in the first estimate of an edge's distance. A sample of the
+/// triangles can only underestimate the distance.
 const FIRST_LOOK: usize = 64;
 
-/// A surface around a hull, on its way to fewer vertices.
+/// A convex surface around a hull, in the process of losing vertices.
 pub struct Collapse<'a> {
     nearest: &'a Nearest,
     surface: Surface,
@@ -64,11 +74,12 @@ pub struct Collapse<'a> {
     queue: BinaryHeap<Reverse<Entry>>,
     scale: f64,
     diameter: f64,
-    /// A point strictly inside of the hull.
+    /// A point strictly inside the hull.
     inside: DVec3,
 }
 
-/// An edge in the queue: distance, by its bits, which order as numbers from 0 on do.
+/// An edge in the queue. The distance is stored as its bits, which have the same order for values
+/// from 0.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Entry {
     distance: u64,
@@ -78,7 +89,7 @@ struct Entry {
 }
 
 impl<'a> Collapse<'a> {
-    /// Starts with a surface around the hull.
+    /// Starts with a convex surface around the hull.
     pub fn new(nearest: &'a Nearest, Wrapped { surface, feet }: Wrapped, diameter: f64) -> Self {
         let scale = surface.vertices().fold(0.0, |scale: f64, (_, p)| scale.max(p.abs().max_element()));
         let mut this =
@@ -91,18 +102,20 @@ impl<'a> Collapse<'a> {
         this
     }
 
-    /// The surface as it is now.
+    /// The current surface.
     pub fn surface(&self) -> &Surface {
         &self.surface
     }
 
-    /// The surface.
+    /// Returns the surface.
     pub fn into_surface(self) -> Surface {
         self.surface
     }
 
-    /// Replaces the edge that costs least, and moves what is around it nearer to the hull. False, and nothing changes, where none
-    /// can be replaced by a point within `reach` of the hull.
+    /// Replaces the edge that costs the least, and moves the vertices around it nearer to the hull.
+    ///
+    /// Returns false, without changes, if no edge can be replaced by a point within `reach` of the
+    /// hull.
     pub fn step(&mut self, reach: f64) -> bool {
         let new = self.replace_nearest(reach);
         new.into_iter().for_each(|new| self.settle_around(new));
@@ -138,7 +151,7 @@ impl<'a> Collapse<'a> {
         self.surface.changes(a).wrapping_add(self.surface.changes(b))
     }
 
-    /// Queues an edge by every `stride`-th of its triangles.
+    /// Queues an edge with the distance that every `stride`-th triangle at its ends gives.
     fn queue_edge(&mut self, ends: [u32; 2], stride: usize) {
         if let Some(place) = self.place(ends, stride, OUTSIDE * self.scale) {
             let (distance, changes) = (place.distance.to_bits(), self.changes(ends));
@@ -151,15 +164,15 @@ impl<'a> Collapse<'a> {
         self.queue_edge(ends, triangles.div_ceil(FIRST_LOOK));
     }
 
-    /// The point outside of every `stride`-th triangle at the ends, by `margin`, that is nearest to the hull; `None` where there is
-    /// none within a diameter.
+    /// The point nearest to the hull that lies outside every `stride`-th triangle at the ends, by
+    /// `margin`; `None` if there is no such point within one diameter.
     fn place(&self, ends: [u32; 2], stride: usize, margin: f64) -> Option<Place> {
         let corners = ends.map(|end| self.surface.point(end));
         let around = ends.into_iter().flat_map(|end| self.surface.around(end).map(move |[b, c]| [end, b, c]));
         let planes: Vec<(DVec3, DVec3)> = around
             .step_by(stride)
             .map(|triangle| (self.surface.normal(triangle), self.surface.point(triangle[0])))
-            // A sliver without one is next to others that have one.
+            // Skip a sliver without a normal. Its neighbours have normals.
             .filter(|(normal, _)| *normal != DVec3::ZERO)
             .collect();
         let mut foot = self.nearest.from((corners[0] + corners[1]) * 0.5, self.feet[ends[0] as usize]);
@@ -185,7 +198,7 @@ impl<'a> Collapse<'a> {
         best
     }
 
-    /// The same of all triangles, seen by exact predicates to be outside.
+    /// The same for all triangles. Exact predicates confirm that the point is outside.
     fn place_outside(&self, ends: [u32; 2]) -> Option<Place> {
         (0..MAX_TRIES).find_map(|tried| {
             let place = self.place(ends, 1, OUTSIDE * self.scale * 100_f64.powi(tried as i32))?;
@@ -193,7 +206,7 @@ impl<'a> Collapse<'a> {
         })
     }
 
-    /// Puts `place` for the edge of `end`; returns the number of the new vertex.
+    /// Replaces the edge at `end` by `place`, and returns the index of the new vertex.
     fn replace(&mut self, end: u32, place: Place) -> Option<u32> {
         let new = self.surface.insert(place.point, self.surface.triangle_at(end))?;
         self.feet.push(place.foot);
@@ -202,7 +215,7 @@ impl<'a> Collapse<'a> {
         Some(new)
     }
 
-    /// Moves the vertices at the edges of `vertex`, and it itself, as near to the hull as they may be.
+    /// Moves `vertex` and its neighbours as near to the hull as possible.
     fn settle_around(&mut self, vertex: u32) {
         let mut moved = vec![vertex];
         moved.extend(self.surface.around(vertex).map(|[b, _]| b));
@@ -214,7 +227,7 @@ impl<'a> Collapse<'a> {
         edges.into_iter().for_each(|edge| self.first_look(edge));
     }
 
-    /// Moves all vertices as near to the hull as they may be, the farthest first.
+    /// Moves all vertices as near to the hull as possible, the farthest first.
     pub fn settle_all(&mut self) {
         for _ in 0..SWEEPS {
             let distance = |(v, p): (u32, DVec3)| (self.nearest.from(p, self.feet[v as usize]).point.distance(p), v);
@@ -226,10 +239,11 @@ impl<'a> Collapse<'a> {
         }
     }
 
-    /// Moves a vertex as near to the hull as the hull itself lets it, if the surface stays convex. False where it stays.
+    /// Moves a vertex as near to the hull as possible if the surface stays convex. Returns whether
+    /// it moved.
     ///
-    /// The planes through the edges around it that touch the hull are what it must stay outside of: then the hull is behind the
-    /// planes of all triangles at it.
+    /// The vertex must stay outside the planes that touch the hull and contain an edge opposite the
+    /// vertex. The hull then lies behind the planes of all triangles at the vertex.
     fn settle(&mut self, vertex: u32) -> bool {
         let margin = OUTSIDE * self.scale;
         let at = self.surface.point(vertex);
@@ -255,7 +269,8 @@ impl<'a> Collapse<'a> {
             }
             best = Place { point, foot: foot.vertex, distance };
         }
-        // Where the whole way would bend the surface inward, a part of it may not: all places on it hold the hull.
+        // If the full move would make the surface concave, try parts of it. The surface contains
+        // the hull at every point on the way.
         let shares = [1.0, 0.5, 0.25, 0.125];
         for to in shares.map(|share| at.lerp(best.point, share)) {
             let foot = self.nearest.from(to, best.foot);
@@ -267,8 +282,9 @@ impl<'a> Collapse<'a> {
         false
     }
 
-    /// The plane through b and c that touches the hull where the vertex is that b and c are around: its normal, away from the hull,
-    /// and a point on it.
+    /// The plane through `b` and `c` that touches the hull, with the search starting at hull vertex
+    /// `start`. Returns the plane's normal, which points away from the hull, and a point on the
+    /// plane.
     fn touching(&self, b: DVec3, c: DVec3, start: u32) -> (DVec3, DVec3) {
         let (mut normal, mut through, mut foot) = (DVec3::ZERO, self.inside, start);
         for _ in 0..MAX_TURNS_OF_A_PLANE {
@@ -283,12 +299,12 @@ impl<'a> Collapse<'a> {
     }
 }
 
-/// Where an edge may go.
+/// A point that may replace an edge.
 #[derive(Clone, Copy)]
 struct Place {
     point: DVec3,
-    /// A vertex of the hull near it.
+    /// A vertex of the hull near the point.
     foot: u32,
-    /// From the hull.
+    /// Distance of the point from the hull.
     distance: f64,
 }

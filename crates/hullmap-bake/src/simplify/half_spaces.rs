@@ -1,45 +1,52 @@
-//! The point of an intersection of half-spaces that is nearest to a given point.
+//! Quadratic program (dual active set): the point nearest to the origin in an intersection of
+//! half-spaces.
 //!
 //! # Steps
-//! Start at the point itself, with no plane held. Take the plane that is violated most; of it and the planes held, at most three of
-//! which fix a point, find those that the nearest point in all of their half-spaces lies on. Hold these. The distance grows with
-//! every step, so no set of planes comes twice.
+//! 1. Start at the origin, with an empty set of active planes.
+//! 2. Take the plane that is violated most. From it and the active planes, choose the at most three
+//!    planes that determine the nearest point of all their half-spaces. They become the active set.
+//! 3. Repeat until no plane is violated. The distance grows with every step, so no active set
+//!    occurs twice.
 //!
 //! # Reference
-//! Sharir, Welzl, "A combinatorial bound for linear programming and related problems", 1992 (the nearest point is a problem of its
-//! type, of dimension 3); Goldfarb, Idnani, "A numerically stable dual method for solving strictly convex quadratic programs", 1983.
+//! Sharir, Welzl, "A combinatorial bound for linear programming and related problems", 1992 (the
+//! nearest point is a problem of its type, of dimension 3); Goldfarb, Idnani, "A numerically stable
+//! dual method for solving strictly convex quadratic programs", 1983.
 
 use glam::{DMat3, DVec3};
 
-/// All x with `normal` · x ≥ `offset`; the normal is of unit length.
+/// All x with `normal` · x ≥ `offset`. The normal has unit length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfSpace {
-    /// Points into it.
+    /// Unit normal, which points into the half-space.
     pub normal: DVec3,
-    /// Height of its plane.
+    /// Signed distance of its plane from the origin, along the normal.
     pub offset: f64,
 }
 
-/// Steps after which there is no answer; five to ten are common.
+/// Maximum number of steps. Five to ten are common.
 const MAX_STEPS: usize = 100;
 
-/// How far outside of a half-space a point may lie and count as inside, over the distance that it was moved and the plane's offset.
+/// Distance outside a half-space up to which a point counts as inside, relative to the sum of the
+/// point's distance from the origin and the plane's offset.
 const SLACK: f64 = 1e-13;
 
-/// The same of a point that was computed from planes at flat angles.
+/// The same, for a point computed from planes at small angles.
 const AMPLIFIED: f64 = 1e-11;
 
-/// The same where nearly parallel planes stop the search: what they leave open is a thousandth of what rounding to f32 will cost.
+/// The same, if nearly parallel planes stop the search. The remaining violation is a thousandth of
+/// the error of rounding to f32.
 const LIMIT: f64 = 1e-10;
 
-/// Square of the sine below which planes are taken for parallel: their common line or point would be noise.
+/// Square of the sine below which planes count as parallel. Their common line or point would be
+/// noise.
 const PARALLEL: f64 = 1e-20;
 
-/// The point of all `half_spaces` that is nearest to the origin; `None` where they have no point in common, or none nearer than
-/// `reach`.
+/// The point nearest to the origin in all `half_spaces`; `None` if they have no common point within
+/// `reach`, or if the search does not converge.
 ///
 /// # Complexity
-/// O(number of half-spaces) a step.
+/// O(number of half-spaces) per step.
 pub fn nearest_to_origin(half_spaces: &[HalfSpace], reach: f64) -> Option<DVec3> {
     let mut held: [HalfSpace; 3] = [HalfSpace { normal: DVec3::X, offset: 0.0 }; 3];
     let mut count = 0;
@@ -56,10 +63,11 @@ pub fn nearest_to_origin(half_spaces: &[HalfSpace], reach: f64) -> Option<DVec3>
         let step = with(&held[..count], violated);
         let progress = step.filter(|(nearest, ..)| nearest.length_squared() > x.length_squared());
         let Some((nearest, kept, kept_count)) = progress else {
-            // The limit of rounding, or planes without a common point.
+            // Accept a violation at the limit of rounding error. Otherwise, the planes have no
+            // common point.
             return (worst.0 <= LIMIT * (violated.offset.abs() + x.length())).then_some(x);
         };
-        // NaN, too.
+        // Written so that NaN fails.
         if !(nearest.length() < reach) {
             return None;
         }
@@ -68,10 +76,11 @@ pub fn nearest_to_origin(half_spaces: &[HalfSpace], reach: f64) -> Option<DVec3>
     None
 }
 
-/// The nearest point in the half-spaces of `held` and `new`, and the planes that it lies on, `new` among them.
+/// The nearest point in the half-spaces of `held` and `new`, and the planes it lies on, including
+/// `new`.
 fn with(held: &[HalfSpace], new: HalfSpace) -> Option<(DVec3, [HalfSpace; 3], usize)> {
     let mut best: Option<(DVec3, [HalfSpace; 3], usize)> = None;
-    // Every choice of at most two of those held.
+    // Every choice of at most two active planes.
     for choice in 0..1_u32 << held.len() {
         if choice.count_ones() > 2 {
             continue;
@@ -85,12 +94,13 @@ fn with(held: &[HalfSpace], new: HalfSpace) -> Option<(DVec3, [HalfSpace; 3], us
             }
         }
         let Some(x) = on_planes(&planes[..count]) else { continue };
-        // Those that it lies on, it lies on but for rounding, which flat angles between them make larger.
+        // The chosen planes hold except for rounding error. The others are tested with a tolerance,
+        // because small angles between planes amplify the error.
         let is_inside = |(number, h): (usize, &HalfSpace)| {
             choice >> number & 1 == 1 || h.normal.dot(x) >= h.offset - AMPLIFIED * (x.length() + h.offset.abs())
         };
         let inside = held.iter().enumerate().all(is_inside);
-        // Of several that rounding leaves the nearest.
+        // If rounding error leaves several candidates, take the nearest.
         if inside && best.is_none_or(|(other, ..)| x.length_squared() < other.length_squared()) {
             best = Some((x, planes, count));
         }
@@ -98,8 +108,9 @@ fn with(held: &[HalfSpace], new: HalfSpace) -> Option<(DVec3, [HalfSpace; 3], us
     best
 }
 
-/// The point on all `planes`, one to three, that is nearest to the origin; `None` where it lies nearer in their half-spaces or
-/// the planes are parallel.
+/// The point nearest to the origin on all `planes`, of which there are one to three.
+///
+/// Returns `None` if their half-spaces contain a nearer point, or if the planes are parallel.
 fn on_planes(planes: &[HalfSpace]) -> Option<DVec3> {
     match planes {
         [a] => (a.offset >= 0.0).then(|| a.normal * a.offset),
@@ -117,7 +128,7 @@ fn on_planes(planes: &[HalfSpace]) -> Option<DVec3> {
             }
             let [bc, ca, ab] = [b.normal.cross(c.normal), c.normal.cross(a.normal), a.normal.cross(b.normal)];
             let x = (bc * a.offset + ca * b.offset + ab * c.offset) / determinant;
-            // Its weights of the normals: none may pull.
+            // The point's weights of the normals. No weight may be negative.
             let weights = DVec3::new(bc.dot(x), ca.dot(x), ab.dot(x)) / determinant;
             (weights.min_element() >= 0.0).then_some(x)
         }
@@ -131,7 +142,7 @@ mod tests {
 
     use super::*;
 
-    /// All sets of up to three planes.
+    /// The slow twin: all sets of up to three planes.
     fn slow(half_spaces: &[HalfSpace]) -> Option<DVec3> {
         let mut best: Option<DVec3> = None;
         let all = half_spaces.len();

@@ -1,21 +1,24 @@
-//! A convex hull → one of fewer vertices that holds it and leaves it by no more than a stated distance.
+//! Simplified hulls: a convex hull with fewer vertices that contains a given hull and exceeds it by
+//! at most a given distance.
 //!
 //! | file | concept |
 //! |---|---|
-//! | [`wrap`](mod@wrap) | few vertices at one distance from the hull |
-//! | [`collapse`] | fewer vertices, edge by edge |
-//! | [`surface`] | the triangles that both work on |
+//! | [`wrap`](mod@wrap) | polytope of few vertices, all at one distance from the hull |
+//! | [`collapse`] | edge collapse |
+//! | [`surface`] | the triangulated surface that both modify |
 //! | [`nearest`], [`half_spaces`] | nearest points of a hull, of half-spaces |
-//! | [`polygon`] | the same of flat hulls |
+//! | [`polygon`] | simplified flat hulls |
 //!
 //! # Steps
-//! 1. Wraps of many distances: the nearest one of at most so many vertices, or that of the allowed distance.
-//! 2. A wrap of eight times as many vertices (or the hull itself), collapsed. The better of the two is kept, with the coarse
-//!    polytope of [`outer`](mod@crate::outer) as a third. On round shapes wraps are nearer, on those with facets collapses mostly.
-//! 3. Each vertex is pushed outward by more than its rounding to f32 takes away; exact predicates say whether all of the hull is
-//!    inside.
-//! 4. The distance is measured anew, at the vertices as they are written, by a look at all vertices of the hull. Distance to a
-//!    convex set is a convex function: it is greatest at a vertex.
+//! 1. Wrap the hull at many distances. Take the nearest wrap within the vertex limit, or the wrap
+//!    at the allowed distance.
+//! 2. Collapse a wrap with eight times as many vertices, or the hull itself. Keep the better of the
+//!    two results. With 24 or more vertices, the polytope of [`outer`](mod@crate::outer) is a third
+//!    candidate. Wraps are nearer on round shapes, collapses mostly on shapes with large faces.
+//! 3. Push each vertex outward by more than rounding to f32 can move it back. Exact predicates
+//!    certify that the result contains the whole hull.
+//! 4. Measure the distance of the rounded vertices, with a search over all vertices of the hull.
+//!    The distance from a convex set is a convex function, so its maximum is at a vertex.
 
 use glam::DVec3;
 
@@ -37,66 +40,77 @@ use nearest::Nearest;
 use surface::Surface;
 use wrap::{Wrapped, wrap};
 
-/// How far a hull is to be simplified.
+/// How far to simplify a hull.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limit {
-    /// At most so many vertices, 4 or more, as near to the hull as is found.
+    /// Maximum number of vertices, at least [`FEWEST`]. The result is as near to the hull as the
+    /// search finds.
     Vertices(usize),
-    /// As few vertices as are found, none farther from the hull than this, in the points' units.
+    /// Maximum distance from the hull, in the points' units. The result has as few vertices as the
+    /// search finds.
     Distance(f64),
 }
 
 /// A simplified hull.
 #[derive(Clone, Debug)]
 pub struct Simplified {
-    /// The hull. No vertex of it is a source vertex. Its containment error is 0 unless it is flat.
+    /// The hull. None of its vertices is a source vertex. Its containment error is 0 unless it is
+    /// flat.
     pub hull: Hull,
-    /// How far it reaches beyond the hull that it was made of at most, in the points' units.
+    /// Maximum distance by which it exceeds the original hull, in the points' units.
     pub outer_error: f64,
 }
 
-/// Fewest vertices that may be asked for: those of a tetrahedron.
+/// Minimum number of vertices that may be requested: those of a tetrahedron.
 pub const FEWEST: usize = 4;
 
-/// How many times as many vertices a collapse starts with as it shall end with. Sixteen times brought no more.
+/// Number of vertices at which a collapse starts, relative to the number at which it ends. A ratio
+/// of sixteen gave no better results.
 const FINER: usize = 8;
 
-/// Greatest distance of a wrap that is tried, in diameters: at this one four vertices do.
+/// Maximum distance of a wrap, in diameters. At this distance, four vertices suffice.
 const FARTHEST: f64 = 128.0;
 
-/// Halvings of the range of distances: to a thousandth of the distance found.
+/// Maximum number of bisections of the range of distances.
 const HALVINGS: usize = 28;
 
-/// Distances below the one found that are tried besides, each a hundredth less: how many vertices a wrap takes does not fall evenly.
+/// Number of smaller distances tried after the bisection, in steps of 1 %. The vertex count of a
+/// wrap is not monotonic in its distance.
 const NEARER: usize = 24;
 
-/// By how much of the greatest coordinate vertices are pushed outward before they are rounded to f32: rounding moves each coordinate by
-/// up to 6e-8 of it, and a point by up to 1.04e-7.
+/// Distance by which vertices are pushed outward before they are rounded to f32, relative to the
+/// largest coordinate. Rounding moves each coordinate by up to 6e-8 of it, and a point by up to
+/// 1.04e-7.
 const PUSH: f64 = 1.1e-7;
 
-/// How often that is doubled before the hull is left as it is.
+/// Number of margins tried, each twice the previous one, before the hull is left as it is.
 const MAX_TRIES: i32 = 8;
 
-/// By how much a distance may be off: rounding, over the diameter.
+/// Bound on the rounding error of a measured distance, relative to the diameter.
 const ROUNDING: f64 = 1e-14;
 
-/// A hull of fewer vertices that holds `hull`, within the limit; `None` where `hull` is within it already, and where nothing of fewer
-/// vertices is found (with a limit on the distance).
+/// A hull with fewer vertices that contains `hull`, within the limit.
 ///
-/// A point or a segment is left as it is. The result depends on nothing but the arguments.
+/// Returns `None` if `hull` already satisfies the limit, or if no hull with fewer vertices is found
+/// within a distance limit. Points and segments are never simplified. The result depends only on
+/// the arguments.
 ///
 /// # Errors
-/// A limit of fewer than [`FEWEST`] vertices, a distance that is negative or not a number, or a hull of so few vertices that rounding
-/// to f32 defeats all that is tried.
+/// - [`BakeError::TooFewVertices`] if the limit is below [`FEWEST`] vertices.
+/// - [`BakeError::InvalidDistance`] if the distance is negative or NaN.
+/// - [`BakeError::NotSimplified`] if no hull is found within a vertex limit, because rounding to
+///   f32 defeats all candidates.
 ///
 /// # Complexity
-/// Some hundred nearest-point searches for each vertex of the result; one look at all vertices for each step of its last
-/// measurement.
+/// About a hundred nearest-point searches per vertex of the result. Each step of the final
+/// measurement searches all vertices of the hull.
 pub fn simplify(hull: &Hull, limit: Limit) -> Result<Option<Simplified>, BakeError> {
     match limit {
-        Limit::Vertices(most) if most < FEWEST => return Err(BakeError::TooFewVertices { asked: most }),
-        // NaN, too.
-        Limit::Distance(distance) if !(distance >= 0.0) => return Err(BakeError::NoDistance { asked: distance }),
+        Limit::Vertices(most) if most < FEWEST => return Err(BakeError::TooFewVertices { requested: most }),
+        // Written so that NaN fails.
+        Limit::Distance(distance) if !(distance >= 0.0) => {
+            return Err(BakeError::InvalidDistance { requested: distance });
+        }
         Limit::Vertices(most) if hull.vertices.len() <= most => return Ok(None),
         _ => {}
     }
@@ -106,7 +120,7 @@ pub fn simplify(hull: &Hull, limit: Limit) -> Result<Option<Simplified>, BakeErr
         _ => return Ok(None),
     };
     match (found, limit) {
-        (None, Limit::Vertices(most)) => Err(BakeError::NotSimplified { asked: most }),
+        (None, Limit::Vertices(most)) => Err(BakeError::NotSimplified { requested: most }),
         (found, _) => Ok(found),
     }
 }
@@ -120,11 +134,11 @@ fn solid(hull: &Hull, limit: Limit) -> Option<Simplified> {
             let coarse = (most >= 24).then(|| crate::outer::outer(hull)).filter(|outer| !outer.is_empty());
             let coarse = coarse.and_then(|outer| measured(outer, hull, &nearest));
             let fits = |found: &Simplified| found.hull.vertices.len() <= most;
-            // The first of the nearest.
+            // The nearest hull; of equally near ones, the first.
             written.chain(coarse).filter(fits).reduce(|a, b| if b.outer_error < a.outer_error { b } else { a })
         }
         Limit::Distance(distance) => {
-            // Room for the push.
+            // Room for the outward push.
             let scale = hull.positions().iter().fold(0.0, |scale: f64, p| scale.max(p.abs().max_element()));
             let mut room = 2.0 * PUSH * scale;
             for _ in 0..MAX_TRIES {
@@ -150,7 +164,7 @@ fn solid(hull: &Hull, limit: Limit) -> Option<Simplified> {
     }
 }
 
-/// The wrap of at most `most` vertices that is nearest, of those tried.
+/// The nearest wrap found with at most `most` vertices.
 fn fewest_by_wrap(nearest: &Nearest, hull: &Hull, most: usize) -> Option<Surface> {
     let try_at = |distance: f64| wrap(nearest, hull.diameter, distance, most).map(|wrapped| wrapped.surface);
     let (mut low, mut high) = (0.0, FARTHEST * hull.diameter);
@@ -169,7 +183,8 @@ fn fewest_by_wrap(nearest: &Nearest, hull: &Hull, most: usize) -> Option<Surface
     nearer.find_map(try_at).or(best)
 }
 
-/// A wrap of some more vertices, or the hull, collapsed to at most `most` vertices, or as far as `reach` allows.
+/// A larger wrap, or the hull itself, collapsed to at most `most` vertices, or as far as `reach`
+/// allows.
 fn collapsed(nearest: &Nearest, hull: &Hull, most: usize, reach: f64) -> Option<Surface> {
     let start = if hull.vertices.len() <= FINER * most {
         Wrapped { surface: Surface::new(hull), feet: (0..hull.vertices.len() as u32).collect() }
@@ -195,7 +210,7 @@ fn collapsed(nearest: &Nearest, hull: &Hull, most: usize, reach: f64) -> Option<
     Some(collapse.into_surface())
 }
 
-/// The surface's vertices rounded to f32, as a hull that holds `hull`.
+/// The surface's vertices, pushed outward and rounded to f32, as a hull that contains `hull`.
 fn write(surface: &Surface, hull: &Hull, nearest: &Nearest) -> Option<Simplified> {
     let scale = surface.vertices().fold(0.0, |scale: f64, (_, p)| scale.max(p.abs().max_element()));
     let positions = hull.positions();
@@ -209,15 +224,12 @@ fn write(surface: &Surface, hull: &Hull, nearest: &Nearest) -> Option<Simplified
             Some((p + step * push).to_array().map(|c| c as f32 + 0.0))
         };
         let rounded: Vec<[f32; 3]> = surface.vertices().map(pushed).collect::<Option<_>>()?;
-        if std::env::var("DBG").is_ok() {
-            eprintln!("push {push} holds {}", crate::outer::holds(&rounded, &positions));
-        }
         let finite = rounded.iter().flatten().all(|c| c.is_finite());
         (finite && crate::outer::holds(&rounded, &positions)).then(|| measured(rounded, hull, nearest)).flatten()
     })
 }
 
-/// The hull of `points`, which holds `hull`, with both errors.
+/// The hull of `points`, which contains `hull`, with both errors measured.
 fn measured(points: Vec<[f32; 3]>, hull: &Hull, nearest: &Nearest) -> Option<Simplified> {
     let mut outer = of_points(points)?;
     outer.containment_error = hull::certify::certify(&outer, &hull.positions()).ok()?;
@@ -226,7 +238,7 @@ fn measured(points: Vec<[f32; 3]>, hull: &Hull, nearest: &Nearest) -> Option<Sim
     Some(Simplified { outer_error: farthest + ROUNDING * hull.diameter, hull: outer })
 }
 
-/// The hull of points that are none of the source's.
+/// The hull of points that are not source vertices.
 fn of_points(positions: Vec<[f32; 3]>) -> Option<Hull> {
     let source_vertices = vec![NO_SOURCE_VERTEX; positions.len()];
     hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).ok()

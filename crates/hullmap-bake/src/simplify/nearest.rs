@@ -1,68 +1,77 @@
-//! The point of a convex hull that is nearest to a point outside.
+//! GJK: the point of a convex hull nearest to a given point.
 //!
 //! # Steps
-//! Take the vertex farthest towards the point; then, again and again, the nearest point in the simplex of the vertices held, and
-//! with them the vertex farthest from there towards the point. The distance falls with every step.
+//! 1. Start with any vertex of the hull.
+//! 2. Add the support vertex in the direction from the current point to the given point.
+//! 3. Take the nearest point in the simplex of the current vertices, and keep only the vertices of
+//!    the smallest face that contains it.
+//! 4. Repeat. The distance falls with every step.
 //!
 //! # Reference
-//! Gilbert, Johnson, Keerthi, "A fast procedure for computing the distance between complex objects in three-dimensional space", 1988.
+//! Gilbert, Johnson, Keerthi, "A fast procedure for computing the distance between complex objects
+//! in three-dimensional space", 1988.
 //!
 //! # Deviations
-//! - The vertex farthest in a direction is found by climbing from neighbour to neighbour, from where the last one was. Climbing may
-//!   stop at a plateau that rounding makes; the answer is then a point of the hull still, but for the last digits the nearest.
-//!   [`Nearest::certain`] looks at all vertices instead.
+//! - Support vertices are found by hill climbing over the edges, starting at the previous support
+//!   vertex. Climbing may stop at a plateau caused by rounding error. The answer is then still a
+//!   point of the hull, and is nearest except in the last digits. [`Nearest::certain`] searches all
+//!   vertices instead.
 
 use glam::DVec3;
 
 use crate::hull::Hull;
 
-/// Steps after which the best point so far is the answer; three to eight are common.
+/// Maximum number of steps, after which the best point so far is returned. Three to eight are
+/// common.
 const MAX_STEPS: usize = 60;
 
-/// By how little of the greatest coordinate a further vertex may bring the plane nearer and end the search.
+/// The search ends when the next support vertex lies farther in the search direction by less than
+/// this, relative to the largest coordinate.
 const PROGRESS: f64 = 1e-14;
 
-/// Steps of a climb after which a sample of vertices is looked at; ten are common.
+/// Number of climbing steps after which a sample of the vertices is searched. Ten are common.
 const LONG_WAY: usize = 24;
 
-/// A hull that nearest points are asked of.
+/// A hull prepared for nearest-point searches.
 pub struct Nearest {
     points: Vec<DVec3>,
     neighbours: Vec<Vec<u32>>,
     scale: f64,
 }
 
-/// A point of the hull, and a vertex near it.
+/// A point of the hull, and a hull vertex near it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Foot {
-    /// The point, which is in the hull but for rounding.
+    /// The point, inside the hull except for rounding error.
     pub point: DVec3,
-    /// Where a search for a point nearby does well to start.
+    /// A good start for a search near this point.
     pub vertex: u32,
 }
 
 impl Nearest {
-    /// Of `hull`, a solid.
+    /// Prepares `hull`, which must be solid.
     pub fn new(hull: &Hull) -> Self {
         let points = hull.positions();
         let scale = points.iter().fold(0.0, |scale: f64, p| scale.max(p.abs().max_element()));
         Self { points, neighbours: hull.neighbours(), scale }
     }
 
-    /// The nearest point to `target`, searched from `start` on.
+    /// The nearest point to `target`. The search starts at vertex `start`.
     pub fn from(&self, target: DVec3, start: u32) -> Foot {
         self.search(target, start, |direction, from| self.climb(direction, from))
     }
 
-    /// The nearest point to `target`, by a look at all vertices.
+    /// The nearest point to `target`, searching all vertices.
     pub fn certain(&self, target: DVec3) -> Foot {
         self.search(target, 0, |direction, _| self.farthest(direction))
     }
 
-    /// A vertex farthest in `direction`, found by climbing from `from`.
+    /// A support vertex in `direction`, found by climbing from vertex `from`.
     ///
-    /// A way that gets long goes on from the best of a sample of vertices: around a face of ten thousand corners it would be as long
-    /// as the face. So does one that ends, once: among vertices that are next to each other rounding may hide the way up.
+    /// A long climb continues from the best of a sample of the vertices, because climbing around a
+    /// face with ten thousand corners would otherwise take as many steps. A climb that ends is also
+    /// continued once from the sample, because rounding error can hide the ascent among vertices
+    /// that are close together.
     pub fn climb(&self, direction: DVec3, from: u32) -> u32 {
         let mut best = (self.points[from as usize].dot(direction), from);
         let mut is_sampled = false;
@@ -106,7 +115,7 @@ impl Nearest {
         best.1 as u32
     }
 
-    /// The mean of the vertices: inside.
+    /// The mean of the vertices, which lies inside the hull.
     pub fn middle(&self) -> DVec3 {
         self.points.iter().sum::<DVec3>() / self.points.len() as f64
     }
@@ -116,7 +125,7 @@ impl Nearest {
         &self.points
     }
 
-    /// A vertex's position.
+    /// Position of a vertex.
     pub fn vertex(&self, number: u32) -> DVec3 {
         self.points[number as usize]
     }
@@ -129,7 +138,7 @@ impl Nearest {
             let towards = target - point;
             let next = farthest(towards, simplex[count - 1]);
             let gained = towards.dot(self.vertex(next) - point);
-            // NaN ends it.
+            // Written so that NaN ends the search.
             if !(gained > PROGRESS * self.scale * towards.length()) || simplex[..count].contains(&next) {
                 break;
             }
@@ -148,11 +157,12 @@ impl Nearest {
         Foot { point, vertex: simplex[count - 1] }
     }
 
-    /// The nearest point to `target` in the simplex of `corners`, and the corners of the least face that holds it, the last
-    /// one last.
+    /// The nearest point to `target` in the simplex of `corners`, and the corners of the smallest
+    /// face that contains it, with the newest corner last.
     fn in_simplex(&self, target: DVec3, corners: &[u32]) -> (DVec3, [u32; 4], usize) {
         let mut best = (f64::INFINITY, DVec3::ZERO, [0; 4], 0);
-        // The last corner is farther than all others: it is always of the face.
+        // The newest corner is farther in the search direction than all others, so the face always
+        // contains it.
         let (new, others) = corners.split_last().expect("a simplex has a corner");
         for choice in 0..1_u32 << others.len() {
             let mut chosen = [0; 4];
@@ -175,7 +185,7 @@ impl Nearest {
     }
 }
 
-/// The point nearest to the origin in the plane (line) of the corners, if it lies between them.
+/// The point nearest to the origin in the plane or line of the corners, if it lies between them.
 fn inside_face(corners: &[DVec3]) -> Option<DVec3> {
     match *corners {
         [a] => Some(a),
@@ -207,7 +217,8 @@ mod tests {
     use super::*;
     use crate::{PointSet, hull};
 
-    /// By the faces: the nearest point in any facet's triangles, which a fan over its corners is enough for.
+    /// The slow twin: the nearest point on all faces. Any triangulation will do, so each face is
+    /// cut into a triangle fan.
     fn slow(hull: &Hull, target: DVec3) -> f64 {
         let points = hull.positions();
         let mut best = f64::INFINITY;
@@ -231,7 +242,7 @@ mod tests {
         })
     }
 
-    /// A vertex of the hull.
+    /// A vertex of the hull in a random direction.
     fn on_surface(nearest: &Nearest, rng: &mut SplitMix64) -> DVec3 {
         nearest.vertex(nearest.farthest(DVec3::from_array(rng.direction())))
     }
@@ -257,7 +268,8 @@ mod tests {
                 let target = on
                     + (on - nearest.middle()) * (far - 1.0)
                     + DVec3::from_array(rng.direction()) * (far - 1.0) * 0.02 * hull.diameter;
-                // Thin hulls have some inside; their distance is 0, and not that of the faces.
+                // A thin hull may contain some of the points. Their distance is 0, not the distance
+                // from the faces.
                 if is_inside(&hull, target) {
                     continue;
                 }

@@ -1,10 +1,14 @@
-//! Fewer vertices for a flat hull: edges are left out, and their neighbours prolonged until they meet.
+//! Simplified flat hulls: removes edges of a convex polygon, and extends their neighbours until
+//! they meet.
 //!
 //! # Steps
-//! 1. An edge goes by putting one vertex for its two: where the lines of the edges beside it meet. The polygon holds what it held.
-//! 2. The edge whose vertex would lie nearest to the hull goes first.
-//! 3. Vertices are pushed outward in the plane by more than rounding to f32 takes away, and rounded. That moves them out of the
-//!    plane, too: what is inside is inside but for the containment error, as with every flat hull.
+//! 1. Replace an edge by the intersection of the lines of its two neighbours. The new polygon
+//!    contains the old one. The edge whose new vertex lies nearest to the hull goes first.
+//! 2. Push the vertices outward in the plane by more than rounding to f32 can move them back, and
+//!    round them.
+//!
+//! Rounding also moves vertices out of the plane. The result therefore contains the hull except for
+//! its containment error, as for every flat hull.
 
 use std::{cmp::Reverse, collections::BinaryHeap};
 
@@ -13,13 +17,13 @@ use glam::DVec3;
 use super::{Limit, MAX_TRIES, PUSH, ROUNDING, Simplified, of_points};
 use crate::hull::{Hull, area::area_vector};
 
-/// Fewest corners of a polygon.
+/// Minimum number of corners of a polygon.
 const FEWEST: usize = 3;
 
-/// A flat hull of fewer vertices, within the limit; `None` where none is found.
+/// A flat hull with fewer vertices, within the limit; `None` if none is found.
 ///
 /// # Complexity
-/// O(n log n), and each new vertex with the hull's edges that it stands for.
+/// O(n log n) on typical polygons, plus O(n) for each vertex of the result.
 pub fn simplify(hull: &Hull, limit: Limit) -> Option<Simplified> {
     let positions = hull.positions();
     let ring: Vec<DVec3> = hull.faces[0].iter().map(|v| positions[*v as usize]).collect();
@@ -39,7 +43,7 @@ pub fn simplify(hull: &Hull, limit: Limit) -> Option<Simplified> {
             let at = |step: usize| outline[(i + step) % outline.len()];
             let (before, here, after) = (at(outline.len() - 1), at(0), at(1));
             let out = [here - before, after - here].map(|side| side.cross(normal).normalize());
-            // On both sides' lines, pushed by as much.
+            // The intersection of both adjacent lines, pushed outward by the same distance.
             let step = (out[0] + out[1]) / (1.0 + out[0].dot(out[1]));
             (here + step * push).to_array().map(|c| c as f32 + 0.0)
         });
@@ -56,23 +60,24 @@ pub fn simplify(hull: &Hull, limit: Limit) -> Option<Simplified> {
     })
 }
 
-/// Corners of the polygon that is left when edges went as long as there were more than `most` and the next vertex would not be farther than
-/// `reach` from the hull.
+/// Corners of the polygon that remains after edges are removed, while it has more than `most`
+/// corners and the next vertex lies within `reach` of the hull.
 fn outline(ring: &[DVec3], normal: DVec3, most: usize, reach: f64) -> Vec<DVec3> {
     let count = ring.len();
-    // The lines that are left, in a ring: line i runs from corner i of the hull to the next.
+    // The remaining lines, as a ring. Line i runs from corner i of the hull to the next corner.
     let mut next: Vec<usize> = (0..count).map(|i| (i + 1) % count).collect();
     let mut last: Vec<usize> = (0..count).map(|i| (i + count - 1) % count).collect();
     let mut is_left = vec![true; count];
     let mut changes = vec![0_u32; count];
     let along = |line: usize| ring[(line + 1) % count] - ring[line];
-    // Where two lines meet, if they do in front of the first.
+    // The intersection of two lines, if it lies in front of the first.
     let meet = |a: usize, b: usize| {
         let turn = along(a).cross(along(b)).dot(normal);
         let t = (ring[b] - ring[a]).cross(along(b)).dot(normal) / turn;
         (turn > 0.0 && t.is_finite()).then(|| ring[a] + along(a) * t)
     };
-    // How far from the hull the corner is that stands for all between two lines: the hull's nearest edges are those between.
+    // Distance from the hull of the corner that replaces all edges between two lines. The nearest
+    // edge of the hull is one of these.
     let distance = |a: usize, b: usize| {
         let corner = meet(a, b)?;
         let mut least = f64::INFINITY;
@@ -118,7 +123,7 @@ fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
     p.distance(a + along * t)
 }
 
-/// From a point near the polygon's plane.
+/// Distance of a point near the polygon's plane from the polygon.
 fn distance_to_polygon(p: DVec3, ring: &[DVec3], normal: DVec3) -> f64 {
     let sides = || ring.iter().zip(ring.iter().cycle().skip(1));
     let is_inside = sides().all(|(a, b)| (*b - *a).cross(p - *a).dot(normal) >= 0.0);

@@ -1,7 +1,8 @@
-//! The surface of a convex polytope as triangles, which grows by points outside.
+//! Triangulated surface of a convex polytope, to which points outside can be added (incremental
+//! hull).
 //!
-//! Who is outside is decided by exact predicates, as in [`hull::solid`](crate::hull::solid): the surface stays that of a convex
-//! polytope, whatever the points.
+//! Exact predicates decide which points are outside, as in [`hull::solid`](crate::hull::solid). The
+//! surface therefore stays the surface of a convex polytope for any points.
 
 use glam::DVec3;
 
@@ -9,16 +10,16 @@ use crate::hull::{Hull, area::triangle_area_vector};
 
 const NONE: u32 = u32::MAX;
 
-/// Triangles around a convex polytope.
+/// Triangulated surface of a convex polytope.
 pub struct Surface {
     points: Vec<DVec3>,
     triangles: Vec<Triangle>,
-    /// Places of triangles that are gone.
+    /// Slots of deleted triangles.
     free: Vec<u32>,
-    /// A triangle at each vertex; `NONE` for one that is gone.
+    /// One triangle at each vertex; `NONE` for a deleted vertex.
     at: Vec<u32>,
     live: usize,
-    /// Changes at each vertex so far.
+    /// Number of changes at each vertex.
     changes: Vec<u32>,
 }
 
@@ -31,7 +32,8 @@ struct Triangle {
 }
 
 impl Surface {
-    /// That of `hull`, a solid, its facets cut to triangles in zigzag, so that no vertex gets many edges by it.
+    /// The surface of `hull`, which must be solid. Faces are triangulated in a zigzag, so that no
+    /// vertex gains many edges.
     pub fn new(hull: &Hull) -> Self {
         let points = hull.positions();
         let mut corners: Vec<[u32; 3]> = Vec::new();
@@ -62,7 +64,8 @@ impl Surface {
         Self { points, triangles, free: Vec::new(), at, live, changes }
     }
 
-    /// That of a tetrahedron, whose corners, not in one plane, get other numbers where that turns it the right way round.
+    /// The surface of a tetrahedron with these corners, which must not be coplanar. Two corners are
+    /// swapped if that is required to orient the surface outward.
     pub fn tetrahedron(points: [DVec3; 4]) -> Self {
         let [a, b, c, d] = points;
         let points = if above([a, b, c], d) < 0.0 { vec![a, b, c, d] } else { vec![a, c, b, d] };
@@ -77,7 +80,7 @@ impl Surface {
         self.live
     }
 
-    /// Positions of all vertices, with their numbers.
+    /// Indices and positions of all vertices.
     pub fn vertices(&self) -> impl Iterator<Item = (u32, DVec3)> + '_ {
         let is_there = |(number, _): &(usize, &DVec3)| self.at[*number] != NONE;
         self.points.iter().enumerate().filter(is_there).map(|(number, p)| (number as u32, *p))
@@ -88,17 +91,17 @@ impl Surface {
         self.points[vertex as usize]
     }
 
-    /// Whether the vertex is still one.
+    /// Whether the vertex still exists.
     pub fn is_there(&self, vertex: u32) -> bool {
         self.at[vertex as usize] != NONE
     }
 
-    /// How often the triangles at a vertex have changed.
+    /// Number of times that the triangles at a vertex have changed.
     pub fn changes(&self, vertex: u32) -> u32 {
         self.changes[vertex as usize]
     }
 
-    /// The triangles at a vertex, clockwise, each from the vertex on: with it the corners that follow.
+    /// The triangles at a vertex, clockwise, each given by its other two corners in order.
     pub fn around(&self, vertex: u32) -> impl Iterator<Item = [u32; 2]> + '_ {
         let first = self.at[vertex as usize];
         let mut next = first;
@@ -116,12 +119,12 @@ impl Surface {
         })
     }
 
-    /// A triangle at a vertex that is there.
+    /// A triangle at an existing vertex.
     pub fn triangle_at(&self, vertex: u32) -> u32 {
         self.at[vertex as usize]
     }
 
-    /// The triangles at a vertex, by number.
+    /// Indices of the triangles at a vertex.
     pub fn triangles_at(&self, vertex: u32) -> Vec<u32> {
         let first = self.at[vertex as usize];
         let mut all = vec![first];
@@ -135,17 +138,18 @@ impl Surface {
         }
     }
 
-    /// Corners of a triangle, counter-clockwise seen from outside. The places of triangles that are gone are taken by others.
+    /// Corners of a triangle, counter-clockwise seen from outside. Slots of deleted triangles are
+    /// reused.
     pub fn corners(&self, triangle: u32) -> [u32; 3] {
         self.triangles[triangle as usize].corners
     }
 
-    /// Unit outward normal of the triangle of three vertices; zero where it has none.
+    /// Unit outward normal of the triangle of three vertices; zero if the triangle is degenerate.
     pub fn normal(&self, [a, b, c]: [u32; 3]) -> DVec3 {
         triangle_area_vector([a, b, c].map(|v| self.point(v))).normalize_or_zero()
     }
 
-    /// Whether `p` is strictly outside of all triangles at `vertex`: exact.
+    /// Whether `p` lies strictly outside all triangles at `vertex`. Exact.
     pub fn sees_all_around(&self, p: DVec3, vertex: u32) -> bool {
         self.around(vertex).all(|[b, c]| self.is_above(p, [vertex, b, c]))
     }
@@ -154,7 +158,8 @@ impl Surface {
         above(corners.map(|v| self.point(v)), p) > 0.0
     }
 
-    /// Moves a vertex where the surface stays convex: false, and nothing changes, where it would not. Exact.
+    /// Moves a vertex if the surface stays convex. Otherwise, returns false and changes nothing.
+    /// Exact.
     pub fn try_move(&mut self, vertex: u32, to: DVec3) -> bool {
         let before = std::mem::replace(&mut self.points[vertex as usize], to);
         let first = self.at[vertex as usize];
@@ -162,7 +167,7 @@ impl Surface {
         let convex = loop {
             let triangle = self.triangles[next as usize];
             let i = triangle.corners.iter().position(|c| *c == vertex).expect("a triangle at a vertex has it");
-            // Across the spoke, and across the rim.
+            // Test the edge from the vertex, and the edge opposite it.
             let is_bent = |side: usize| {
                 let other = self.triangles[triangle.across[side] as usize];
                 let [from, to] = [triangle.corners[side], triangle.corners[(side + 1) % 3]];
@@ -186,13 +191,17 @@ impl Surface {
         true
     }
 
-    /// Adds a point that is outside of a triangle, which thereby is gone with all others that it sees: the surface is
-    /// that of the convex hull with it. Returns its number; `None`, and nothing changes, where it is not outside. Exact.
+    /// Adds a point, and removes the triangles that it sees: the surface becomes that of the convex
+    /// hull with the point. Exact.
+    ///
+    /// Returns the new vertex's index. Returns `None`, without changes, if the point is not outside
+    /// triangle `start`, or if the triangles that it sees have no simple boundary.
     pub fn insert(&mut self, p: DVec3, start: u32) -> Option<u32> {
         if !self.is_above(p, self.triangles[start as usize].corners) {
             return None;
         }
-        // The triangles seen, and the rim around them: edges with the triangle outside.
+        // The triangles that the point sees, and the horizon: the edges around them, each with the
+        // triangle outside.
         let mut seen = vec![start];
         let mut corners_seen: Vec<u32> = Vec::new();
         let mut rim: Vec<(u32, u32, u32)> = Vec::new();
@@ -215,7 +224,8 @@ impl Surface {
             }
         }
         rim.sort_unstable();
-        // What is seen of a convex surface is a disc; this is what the fan below needs of it.
+        // The visible part of a convex surface is a disc. The fan below requires its boundary to be
+        // a single loop.
         let is_loop = rim.windows(2).all(|pair| pair[0].0 != pair[1].0)
             && rim.iter().all(|edge| rim.binary_search_by_key(&edge.1, |other| other.0).is_ok());
         if !is_loop {
@@ -266,7 +276,8 @@ impl Surface {
     }
 }
 
-/// Positive where `p` lies above the plane of the corners (counter-clockwise seen from above), zero in it: exact in sign.
+/// Positive if `p` lies above the plane of the corners (counter-clockwise seen from above), zero if
+/// it lies in the plane. The sign is exact.
 fn above([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
     let coord = |v: DVec3| robust::Coord3D { x: v.x, y: v.y, z: v.z };
     -robust::orient3d(coord(a), coord(b), coord(c), coord(p))

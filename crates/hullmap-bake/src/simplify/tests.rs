@@ -1,4 +1,5 @@
-//! Simplified hulls by means of their own: dot products for what is inside, nearest points of facets for what is outside.
+//! Tests simplified hulls by independent means: support values for containment, and nearest points
+//! for the distance.
 
 use shapes::{families::Family, rng::SplitMix64};
 
@@ -13,7 +14,8 @@ fn reach(hull: &Hull, direction: DVec3) -> f64 {
     hull.positions().iter().map(|p| p.dot(direction)).fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Inside by support values, and outside by no more than is said.
+/// Checks with support values that the simplified hull contains `hull`, and exceeds it by no more
+/// than the reported error.
 fn assert_promise(name: &str, hull: &Hull, simplified: &Simplified, seed: u64) {
     let mut rng = SplitMix64::new(seed);
     let rounding = 1e-13 * hull.diameter + 1e-15 * hull.positions().iter().fold(0.0, |s: f64, p| s.max(p.length()));
@@ -23,7 +25,7 @@ fn assert_promise(name: &str, hull: &Hull, simplified: &Simplified, seed: u64) {
     let middle = hull.positions().iter().sum::<DVec3>() / hull.vertices.len() as f64;
     for round in 0..2_000 {
         let random = DVec3::from_array(rng.direction());
-        // Towards the vertices it is farthest outside.
+        // Every second direction points from the hull to a vertex of the simplified hull.
         let vertices = simplified.hull.positions();
         let direction = if round % 2 == 0 {
             random
@@ -41,7 +43,7 @@ fn assert_promise(name: &str, hull: &Hull, simplified: &Simplified, seed: u64) {
 }
 
 #[test]
-fn holds_the_hull_and_keeps_the_distance() {
+fn contains_the_hull_within_the_reported_error() {
     for family in Family::ALL {
         for far in [0.0_f32, 50.0] {
             let positions: Vec<[f32; 3]> = family.points(400, 1).iter().map(|p| [p[0] + far, p[1], p[2]]).collect();
@@ -64,7 +66,7 @@ fn holds_the_hull_and_keeps_the_distance() {
 }
 
 #[test]
-fn a_distance_is_kept_with_few_vertices() {
+fn distance_limits_are_kept_with_few_vertices() {
     for family in Family::ALL {
         let hull = build(family.points(600, 2));
         let mut before = hull.vertices.len();
@@ -84,16 +86,17 @@ fn a_distance_is_kept_with_few_vertices() {
 }
 
 #[test]
-fn limits_that_are_none_are_refused_and_those_kept_change_nothing() {
+fn invalid_limits_are_rejected_and_satisfied_limits_change_nothing() {
     let hull = build(Family::Rock.points(300, 1));
-    assert!(matches!(simplify(&hull, Limit::Vertices(3)), Err(BakeError::TooFewVertices { asked: 3 })));
+    assert!(matches!(simplify(&hull, Limit::Vertices(3)), Err(BakeError::TooFewVertices { requested: 3 })));
     assert!(simplify(&hull, Limit::Distance(-1.0)).is_err() && simplify(&hull, Limit::Distance(f64::NAN)).is_err());
     assert!(simplify(&hull, Limit::Distance(0.0)).unwrap().is_none());
     assert!(simplify(&hull, Limit::Vertices(hull.vertices.len())).unwrap().is_none());
     assert!(simplify(&build(vec![[0.0; 3], [1.0, 2.0, 3.0]]), Limit::Vertices(4)).unwrap().is_none());
 }
 
-/// A sphere tells how good it is: the best known polytopes of n vertices around a ball leave it by about 2.42 / n of its radius.
+/// A sphere has a known optimum: the best known polytopes with n vertices around a ball exceed it
+/// by about 2.42 / n of its radius.
 #[test]
 fn a_ball_is_left_by_less_than_twice_the_best_known() {
     let hull = build(Family::Sphere.points(5_000, 1));
@@ -105,35 +108,30 @@ fn a_ball_is_left_by_less_than_twice_the_best_known() {
     }
 }
 
-/// For people: `cargo test -p hullmap-bake simplify::tests::table -- --ignored --nocapture`, with MESHES naming a folder of OBJ files.
+/// Prints the table of `docs/decisions/0006-simplified-hulls.md`. If `HULLMAP_MESHES` names a
+/// folder, its OBJ files are added.
 #[test]
 #[ignore = "prints a table"]
+#[expect(clippy::disallowed_methods, reason = "a measurement by hand; no library code reads the environment")]
 fn table() {
-    let mut sets: Vec<(String, Vec<[f32; 3]>)> = Family::ALL
-        .iter()
-        .map(|family| {
-            (
-                family.name().to_owned(),
-                family.points(std::env::var("POINTS").ok().and_then(|n| n.parse().ok()).unwrap_or(20_000), 1),
-            )
-        })
-        .collect();
-    let folder = std::env::var("MESHES").ok().and_then(|folder| std::fs::read_dir(folder).ok());
+    let mut sets: Vec<(String, Vec<[f32; 3]>)> =
+        Family::ALL.iter().map(|family| (family.name().to_owned(), family.points(5_000, 1))).collect();
+    let folder = std::env::var_os("HULLMAP_MESHES").and_then(|folder| std::fs::read_dir(folder).ok());
     let mut paths: Vec<_> = folder.into_iter().flatten().flatten().map(|entry| entry.path()).collect();
     paths.sort();
     for path in paths.iter().filter(|path| path.extension().is_some_and(|extension| extension == "obj")) {
         let text = std::fs::read_to_string(path).unwrap();
-        let number = |line: &str| line.split_whitespace().take(3).map(|c| c.parse().unwrap()).collect::<Vec<f32>>();
+        let point = |line: &str| line.split_whitespace().take(3).map(|c| c.parse().unwrap()).collect::<Vec<f32>>();
         let points =
-            text.lines().filter_map(|line| line.strip_prefix("v ")).map(|line| number(line)[..3].try_into().unwrap());
+            text.lines().filter_map(|line| line.strip_prefix("v ")).map(|line| point(line)[..3].try_into().unwrap());
         sets.push((path.file_stem().unwrap().to_string_lossy().into_owned(), points.collect()));
     }
     for (name, points) in sets {
         let hull = build(points);
         let mut line = format!("| {name} | {} |", hull.vertices.len());
         let start = std::time::Instant::now();
-        for most in [16, 32, 64, 128, 256] {
-            let found = simplify(&hull, Limit::Vertices(most)).unwrap();
+        for max_vertices in [16, 32, 64, 128, 256] {
+            let found = simplify(&hull, Limit::Vertices(max_vertices)).unwrap();
             line += &found.map_or(" exact |".into(), |found| format!(" {:.2e} |", found.outer_error / hull.diameter));
         }
         println!("{line} {:.2} s", start.elapsed().as_secs_f64());

@@ -1,16 +1,18 @@
-//! A polytope of few vertices around a hull, all of them at one distance from it.
+//! Wrap: a polytope of few vertices around a hull, with all vertices at one distance from the hull.
 //!
 //! # Steps
-//! 1. Start with a tetrahedron of four far points of the hull, pushed outward by the distance.
-//! 2. Of all triangles take the one that the hull stands out of most, and add the hull's farthest point there, pushed outward
-//!    along the triangle's normal. Go on until the hull stands out of none.
+//! 1. Start with a tetrahedron of four hull vertices far from each other, pushed outward by the
+//!    distance.
+//! 2. Take the triangle beyond which the hull protrudes most. Add the hull's farthest vertex there,
+//!    pushed outward along the triangle's normal. Repeat until the hull protrudes nowhere.
 //!
 //! # Reference
-//! Kamenev, "A class of adaptive algorithms for approximating convex bodies by polyhedra", 1992 (estimate refinement), of the body
-//! that is all points within the distance.
+//! Kamenev, "A class of adaptive algorithms for approximating convex bodies by polyhedra", 1992
+//! (estimate refinement), applied to the body of all points within the distance.
 //!
 //! # Deviations
-//! - It ends when the *hull* is inside, not when the larger body nearly is: what lies between the two is what vertices are saved by.
+//! - The algorithm ends when the *hull* is inside, not when the larger body is nearly inside. The
+//!   gap between the two bodies is what saves vertices.
 
 use std::collections::BinaryHeap;
 
@@ -19,20 +21,20 @@ use glam::DVec3;
 use super::{nearest::Nearest, surface::Surface};
 use crate::hull::rank::{Simplex, spanning_simplex};
 
-/// By how much of the diameter a hull may stand out of a triangle and count as behind it: rounding, which the last step's margin
-/// covers.
+/// Maximum protrusion of the hull beyond a triangle, relative to the diameter, that counts as
+/// rounding error. The margin of the last step of simplification covers it.
 const BEHIND: f64 = 1e-13;
 
-/// A surface, and for each of its vertices one of the hull near it.
+/// A surface, and a hull vertex near each of its vertices.
 pub struct Wrapped {
     /// The surface.
     pub surface: Surface,
-    /// Vertices of the hull, by the number of the surface's vertex.
+    /// Hull vertices, by the index of the surface's vertex.
     pub feet: Vec<u32>,
 }
 
-/// A polytope of at most `most` vertices that holds the hull and whose vertices are `distance` away from it; `None` where this way of
-/// finding one does not.
+/// A polytope of at most `most` vertices that contains the hull and whose vertices lie at most
+/// `distance` from it; `None` if the algorithm does not find one.
 pub fn wrap(nearest: &Nearest, diameter: f64, distance: f64, most: usize) -> Option<Wrapped> {
     let Simplex::Tetrahedron(simplex) = spanning_simplex(nearest.points()) else { return None };
     let corners = simplex.map(|i| nearest.points()[i]);
@@ -44,17 +46,17 @@ pub fn wrap(nearest: &Nearest, diameter: f64, distance: f64, most: usize) -> Opt
     let look = |wrapped: &Wrapped, triangle: u32, queue: &mut BinaryHeap<(u64, u32, [u32; 3])>| {
         let (height, _, _) = wrapped.stands_out(nearest, triangle);
         if height > BEHIND * diameter {
-            // Heights above 0 order as their bits do.
+            // Positive heights have the same order as their bits.
             queue.push((height.to_bits(), triangle, wrapped.surface.corners(triangle)));
         }
     };
     (0..4).for_each(|triangle| look(&wrapped, triangle, &mut queue));
     while let Some((_, triangle, corners)) = queue.pop() {
         if wrapped.surface.corners(triangle) != corners {
-            // Gone, and another in its place.
+            // The triangle was deleted, and its slot reused.
             continue;
         }
-        // What comes may take others out, but hardly more than it adds.
+        // A new vertex may remove others, but rarely more than it adds.
         if wrapped.feet.len() >= 2 * most {
             return None;
         }
@@ -67,7 +69,8 @@ pub fn wrap(nearest: &Nearest, diameter: f64, distance: f64, most: usize) -> Opt
 }
 
 impl Wrapped {
-    /// How far the hull stands out of a triangle, the vertex that does, and the triangle's normal.
+    /// The protrusion of the hull beyond a triangle, the hull vertex that protrudes most, and the
+    /// triangle's normal.
     fn stands_out(&self, nearest: &Nearest, triangle: u32) -> (f64, u32, DVec3) {
         let corners = self.surface.corners(triangle);
         let normal = self.surface.normal(corners);

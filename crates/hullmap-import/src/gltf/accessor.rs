@@ -1,9 +1,10 @@
-//! Numbers of a glTF file: an accessor's elements, from a buffer, from zeros, and from sparse replacements.
+//! glTF 2.0: elements of an accessor, taken from a buffer view, from zeros, and from sparse
+//! replacements.
 
 use super::document::{Accessor, Document, Kind};
 use crate::fault::Fault;
 
-/// Component types, by their numbers in OpenGL.
+/// Component types, as OpenGL numbers them.
 const BYTE: u32 = 5120;
 const UNSIGNED_BYTE: u32 = 5121;
 const SHORT: u32 = 5122;
@@ -11,22 +12,22 @@ const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
 const FLOAT: u32 = 5126;
 
-/// A document with all bytes of its buffers.
+/// A document and the bytes of its buffers.
 pub struct Data<'a> {
     /// The document.
     pub document: &'a Document<'a>,
-    /// Each buffer's bytes.
+    /// Bytes of each buffer.
     pub buffers: Vec<&'a [u8]>,
 }
 
-/// Replaced elements: their numbers, ascending, and their bytes one after the other.
+/// Sparse replacements: indices of the elements, ascending, and their values as bytes.
 type Replaced<'a> = (Vec<u32>, &'a [u8]);
 
-/// An accessor that has been checked: every element it has is there, and so is every replaced one.
-pub struct Elements<'a> {
-    /// Its number, for messages.
-    number: u32,
-    /// Bytes from the first element on; `None` for zeros.
+/// A checked accessor: all of its elements and replacements lie within their buffers.
+pub struct AccessorReader<'a> {
+    /// Index of the accessor, for messages.
+    accessor: u32,
+    /// Bytes from the first element on. `None` stands for zeros.
     bytes: Option<&'a [u8]>,
     stride: usize,
     component_type: u32,
@@ -34,7 +35,7 @@ pub struct Elements<'a> {
     /// Number of elements.
     pub count: usize,
     replaced: Option<Replaced<'a>>,
-    /// Components of an element.
+    /// Number of components of an element.
     width: usize,
 }
 
@@ -48,14 +49,14 @@ fn component_size(component_type: u32) -> Option<usize> {
 }
 
 impl<'a> Data<'a> {
-    /// Accessor `number`, whose elements must be of this kind.
+    /// Accessor `index`, whose elements must be of this kind.
     ///
     /// # Errors
     /// It does not exist, is of another kind, or reaches beyond its buffer.
-    pub fn elements(&self, number: u32, kind: Kind) -> Result<Elements<'a>, Fault> {
-        let fault = |text: String| Fault::format(format!("accessor {number} {text}; export the file again"));
-        let Some(accessor) = self.document.accessors.get(number as usize) else {
-            return Err(fault(format!("does not exist: there are {}", self.document.accessors.len())));
+    pub fn accessor(&self, index: u32, kind: Kind) -> Result<AccessorReader<'a>, Fault> {
+        let fault = |text: String| Fault::format(format!("accessor {index} {text}; export the file again"));
+        let Some(accessor) = self.document.accessors.get(index as usize) else {
+            return Err(fault(format!("does not exist (the file has {})", self.document.accessors.len())));
         };
         if accessor.kind != kind {
             return Err(fault(format!("is not of type {kind:?}")));
@@ -65,7 +66,7 @@ impl<'a> Data<'a> {
         };
         let width = if kind == Kind::Vec3 { 3 } else { 1 };
         if accessor.count > u64::from(u32::MAX - 1) {
-            return Err(fault(format!("has {} elements, more than can be numbered", accessor.count)));
+            return Err(fault(format!("has {} elements, more than 32-bit indices can address", accessor.count)));
         }
         let count = accessor.count as usize;
         let (bytes, stride) = match accessor.buffer_view {
@@ -74,67 +75,67 @@ impl<'a> Data<'a> {
                 let (bytes, stride) = self.view(view).map_err(fault)?;
                 let stride = stride.unwrap_or(size * width);
                 let bytes = strided(bytes, accessor.byte_offset, stride, size * width, accessor.count)
-                    .ok_or_else(|| fault(format!("has {count} elements, which its buffer view has not")))?;
+                    .ok_or_else(|| fault(format!("has {count} elements, more than its buffer view holds")))?;
                 (Some(bytes), stride)
             }
         };
         let replaced = self.replaced(accessor, size * width).map_err(fault)?;
         let (component_type, is_normalized) = (accessor.component_type, accessor.normalized);
-        Ok(Elements { number, bytes, stride, component_type, is_normalized, count, replaced, width })
+        Ok(AccessorReader { accessor: index, bytes, stride, component_type, is_normalized, count, replaced, width })
     }
 
     fn replaced(&self, accessor: &Accessor, size: usize) -> Result<Option<Replaced<'a>>, String> {
         let Some(sparse) = &accessor.sparse else {
             return Ok(None);
         };
-        let short = || format!("replaces {} elements, which its buffer view has not", sparse.count);
+        let short = || format!("replaces {} elements, more than its buffer view holds", sparse.count);
         let (values, _) = self.view(sparse.values.buffer_view)?;
         let values = strided(values, sparse.values.byte_offset, size, size, sparse.count).ok_or_else(short)?;
         let (indices, _) = self.view(sparse.indices.buffer_view)?;
         let width = component_size(sparse.indices.component_type).ok_or("has sparse indices of an unknown type")?;
         let indices = strided(indices, sparse.indices.byte_offset, width, width, sparse.count).ok_or_else(short)?;
-        let numbers: Vec<u32> = (0..sparse.count as usize)
-            .map(|at| whole(indices.get(at * width..)?, sparse.indices.component_type))
-            .map(|number| number.unwrap_or(u32::MAX))
+        let elements: Vec<u32> = (0..sparse.count as usize)
+            .map(|at| unsigned(indices.get(at * width..)?, sparse.indices.component_type))
+            .map(|element| element.unwrap_or(u32::MAX))
             .collect();
-        let is_ascending = numbers.is_sorted_by(|a, b| a < b);
-        if !is_ascending || numbers.last().is_some_and(|&last| u64::from(last) >= accessor.count) {
+        let is_ascending = elements.is_sorted_by(|a, b| a < b);
+        if !is_ascending || elements.last().is_some_and(|&last| u64::from(last) >= accessor.count) {
             return Err("has sparse indices that are out of range or out of order".to_owned());
         }
-        Ok(Some((numbers, values)))
+        Ok(Some((elements, values)))
     }
 
     /// Bytes and stride of a buffer view.
-    fn view(&self, number: u32) -> Result<(&'a [u8], Option<usize>), String> {
-        let view = self.document.buffer_views.get(number as usize);
-        let view = view.ok_or_else(|| format!("names buffer view {number}, which does not exist"))?;
+    fn view(&self, index: u32) -> Result<(&'a [u8], Option<usize>), String> {
+        let view = self.document.buffer_views.get(index as usize);
+        let view = view.ok_or_else(|| format!("references buffer view {index}, which does not exist"))?;
         if view.extensions.meshopt.is_some() {
-            return Err(format!("names buffer view {number}, which is compressed by EXT_meshopt_compression"));
+            return Err(format!("references buffer view {index}, which is compressed by EXT_meshopt_compression"));
         }
         let buffer = self.buffers.get(view.buffer as usize);
-        let buffer = buffer.ok_or_else(|| format!("names buffer {}, which does not exist", view.buffer))?;
+        let buffer = buffer.ok_or_else(|| format!("references buffer {}, which does not exist", view.buffer))?;
         let bytes = usize::try_from(view.byte_offset).ok().and_then(|start| buffer.get(start..));
         let bytes = bytes.and_then(|rest| rest.get(..usize::try_from(view.byte_length).ok()?));
         let bytes = bytes.ok_or_else(|| {
             let (start, length, have) = (view.byte_offset, view.byte_length, buffer.len());
-            format!("names buffer view {number}: {length} bytes from {start} on, where its buffer has {have}")
+            format!("references buffer view {index}: {length} bytes at offset {start}, but its buffer has {have} bytes")
         })?;
         Ok((bytes, view.byte_stride.map(|stride| usize::try_from(stride).unwrap_or(usize::MAX))))
     }
 }
 
-/// The bytes from `offset` on, if `count` elements of `size` bytes each lie `stride` apart in them.
+/// Bytes from `offset` on, if they hold `count` elements of `size` bytes at intervals of `stride`.
 fn strided(bytes: &[u8], offset: u64, stride: usize, size: usize, count: u64) -> Option<&[u8]> {
     let rest = bytes.get(usize::try_from(offset).ok()?..)?;
     if count == 0 {
         return Some(rest);
     }
-    // Elements that overlap would repeat bytes at will.
+    // Overlapping elements would repeat bytes without limit.
     let need = (count - 1).checked_mul(stride as u64)?.checked_add(size as u64)?;
     (stride >= size && need <= rest.len() as u64).then_some(rest)
 }
 
-fn whole(bytes: &[u8], component_type: u32) -> Option<u32> {
+fn unsigned(bytes: &[u8], component_type: u32) -> Option<u32> {
     Some(match component_type {
         UNSIGNED_BYTE => u32::from(*bytes.first()?),
         UNSIGNED_SHORT => u32::from(u16::from_le_bytes(*bytes.first_chunk()?)),
@@ -143,33 +144,31 @@ fn whole(bytes: &[u8], component_type: u32) -> Option<u32> {
     })
 }
 
-impl Elements<'_> {
-    /// Whether all elements are zeros, but for those replaced.
+impl AccessorReader<'_> {
+    /// Whether all elements are zeros, except sparse replacements.
     pub fn has_no_bytes(&self) -> bool {
         self.bytes.is_none()
     }
 
-    #[expect(
-        clippy::indexing_slicing,
-        reason = "asked of elements below `count`, which `strided` has found to be there"
-    )]
+    #[expect(clippy::indexing_slicing, reason = "callers pass elements below `count`, and `strided` has checked those")]
     fn element(&self, at: usize) -> Option<&[u8]> {
-        if let Some((numbers, values)) = &self.replaced
-            && let Ok(place) = numbers.binary_search(&(at as u32))
+        if let Some((elements, values)) = &self.replaced
+            && let Ok(slot) = elements.binary_search(&(at as u32))
         {
             let size = self.width * component_size(self.component_type)?;
-            return Some(&values[place * size..]);
+            return Some(&values[slot * size..]);
         }
         self.bytes.map(|bytes| &bytes[at * self.stride..])
     }
 
-    /// A position, exactly as it is written: `KHR_mesh_quantization` allows whole numbers, perhaps normalized.
+    /// Position of element `at`, exactly as stored. `KHR_mesh_quantization` allows integers,
+    /// normalized or not.
     ///
     /// # Errors
-    /// A component type that positions cannot have.
+    /// The component type is not one of positions.
     #[expect(
         clippy::indexing_slicing,
-        reason = "asked of accessors of three components, which all their elements have"
+        reason = "callers pass accessors of three components, which all their elements have"
     )]
     pub fn position(&self, at: usize) -> Result<[f64; 3], Fault> {
         let Some(bytes) = self.element(at) else {
@@ -177,7 +176,8 @@ impl Elements<'_> {
         };
         let mut position = [0.0; 3];
         for (axis, value) in position.iter_mut().enumerate() {
-            let normalized = |value: f64, most: f64| if self.is_normalized { (value / most).max(-1.0) } else { value };
+            let normalized =
+                |value: f64, maximum: f64| if self.is_normalized { (value / maximum).max(-1.0) } else { value };
             *value = match self.component_type {
                 BYTE => normalized(f64::from(bytes[axis] as i8), 127.0),
                 UNSIGNED_BYTE => normalized(f64::from(bytes[axis]), 255.0),
@@ -191,8 +191,8 @@ impl Elements<'_> {
                 }
                 other => {
                     return Err(Fault::format(format!(
-                        "accessor {} has positions of the component type {other}; expected floats, or bytes or shorts: export the file again",
-                        self.number
+                        "accessor {} has positions of component type {other}; expected floats, bytes or shorts: export the file again",
+                        self.accessor
                     )));
                 }
             };
@@ -200,18 +200,18 @@ impl Elements<'_> {
         Ok(position)
     }
 
-    /// A vertex number.
+    /// Vertex index in element `at`.
     ///
     /// # Errors
-    /// A component type that numbers cannot have.
+    /// The component type is not one of indices.
     pub fn index(&self, at: usize) -> Result<u32, Fault> {
         let Some(bytes) = self.element(at) else {
             return Ok(0);
         };
-        whole(bytes, self.component_type).ok_or_else(|| {
+        unsigned(bytes, self.component_type).ok_or_else(|| {
             Fault::format(format!(
-                "accessor {} has vertex numbers of the component type {}; expected unsigned bytes, shorts or ints: export the file again",
-                self.number, self.component_type
+                "accessor {} has vertex indices of component type {}; expected unsigned bytes, shorts or ints: export the file again",
+                self.accessor, self.component_type
             ))
         })
     }

@@ -1,15 +1,16 @@
-//! The outermost layer of glTF: a text, or a GLB file of a text and a buffer; and where buffers lie.
+//! glTF 2.0: the container, either JSON text or a GLB file of JSON and a buffer, and the locations
+//! of buffers.
 
 use std::borrow::Cow;
 
 use super::document::Document;
 use crate::fault::{Fault, LineFault, excerpt};
 
-/// Bytes of a GLB file's header, and of a chunk's.
+/// Bytes of the header of a GLB file, and of a chunk.
 const GLB_HEADER: usize = 12;
 const CHUNK_HEADER: usize = 8;
 
-/// A document, and the buffer that a GLB file carries.
+/// A document, and the buffer in a GLB file.
 #[derive(Debug)]
 pub struct Container<'a> {
     /// The text, parsed.
@@ -18,10 +19,14 @@ pub struct Container<'a> {
     pub buffer: Option<&'a [u8]>,
 }
 
-/// Opens a glTF text or a GLB file, told apart by their first bytes.
+/// Opens glTF text or a GLB file. The first bytes distinguish them.
 ///
 /// # Errors
-/// A damaged container, a text that is no glTF 2.0, or an extension without which the geometry cannot be read.
+/// The container is damaged, the text is not glTF 2.0, or the file requires an extension that is
+/// not supported.
+///
+/// # Complexity
+/// O(bytes).
 pub fn open(bytes: &[u8]) -> Result<Container<'_>, LineFault> {
     let fault = |text: String| Err(Fault::format(text).of_file());
     let (text, buffer) = if bytes.starts_with(b"glTF") { chunks(bytes)? } else { (bytes, None) };
@@ -31,17 +36,17 @@ pub fn open(bytes: &[u8]) -> Result<Container<'_>, LineFault> {
     let text = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text);
     if !text.trim_ascii_start().starts_with(b"{") {
         return fault(
-            "no glTF document: it starts neither with `glTF`, as GLB does, nor with `{`; was it damaged, or is it another \
-             format? Export it again"
+            "not a glTF document: expected `{`, or `glTF` as in GLB, at the start; the file is damaged or in another \
+             format: export it again"
                 .to_owned(),
         );
     }
     let document: Document = match serde_json::from_slice(text) {
         Ok(document) => document,
         Err(error) if buffer.is_none() && error.line() > 1 => {
-            return Err(Fault::format(format!("no glTF document: {error}; export it again")).at(error.line()));
+            return Err(Fault::format(format!("not a glTF document: {error}; export it again")).at(error.line()));
         }
-        Err(error) => return fault(format!("no glTF document: {error}; export it again")),
+        Err(error) => return fault(format!("not a glTF document: {error}; export it again")),
     };
     if !document.asset.version.starts_with("2.") {
         let version = excerpt(&document.asset.version);
@@ -49,7 +54,7 @@ pub fn open(bytes: &[u8]) -> Result<Container<'_>, LineFault> {
     }
     if let Some(extension) = document.extensions_required.iter().find(|name| !leaves_geometry_alone(name)) {
         return fault(format!(
-            "the file requires the extension {}, which is not read here; {}",
+            "the file requires the extension {}, which is not supported; {}",
             excerpt(extension),
             remedy(extension)
         ));
@@ -57,7 +62,7 @@ pub fn open(bytes: &[u8]) -> Result<Container<'_>, LineFault> {
     Ok(Container { document, buffer })
 }
 
-/// Whether geometry reads the same without this extension, or it is one that is read.
+/// Whether the extension has no effect on geometry, or is supported.
 fn leaves_geometry_alone(extension: &str) -> bool {
     ["KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_lights_", "EXT_lights_", "KHR_xmp"]
         .iter()
@@ -71,14 +76,14 @@ fn leaves_geometry_alone(extension: &str) -> bool {
         .contains(&extension)
 }
 
-/// What to do about an extension that is not read.
+/// Suggested remedy for an unsupported extension.
 pub fn remedy(extension: &str) -> &'static str {
     match extension {
         "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
-            "export it without mesh compression"
+            "export the file without mesh compression"
         }
         "EXT_mesh_gpu_instancing" => "export the instances as nodes",
-        _ => "export it without",
+        _ => "export the file without it",
     }
 }
 
@@ -86,7 +91,7 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), LineFault> {
     let fault = |text: String| Err(Fault::format(text).of_file());
     let word = |at: usize| bytes.get(at..)?.first_chunk().map(|bytes| u32::from_le_bytes(*bytes));
     let (Some(version), Some(length)) = (word(4), word(8)) else {
-        return fault("the GLB header is not whole: the file was cut off; export it again".to_owned());
+        return fault("the GLB header is incomplete: the file was cut off; export it again".to_owned());
     };
     if version != 2 {
         return fault(format!("GLB version {version}; expected 2: export it again with a newer exporter"));
@@ -94,7 +99,7 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), LineFault> {
     let Some(within) = bytes.get(..(length as usize).max(GLB_HEADER)) else {
         let have = bytes.len();
         return fault(format!(
-            "the GLB header claims {length} bytes, the file has {have}: it was cut off; export it again"
+            "the GLB header claims {length} bytes, but the file has {have}: it was cut off; export it again"
         ));
     };
     let bytes = within;
@@ -104,14 +109,14 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), LineFault> {
         let start = at + CHUNK_HEADER;
         let Some(chunk) = bytes.get(start..).and_then(|rest| rest.get(..length as usize)) else {
             return fault(format!(
-                "a GLB chunk claims {length} bytes, where {} are left: the file was cut off; export it again",
+                "a GLB chunk claims {length} bytes, but {} are left: the file was cut off; export it again",
                 bytes.len().saturating_sub(start)
             ));
         };
         match &kind.to_le_bytes() {
             b"JSON" => text = text.or(Some(chunk)),
             b"BIN\0" => buffer = buffer.or(Some(chunk)),
-            // Others are extensions, to be passed over.
+            // The specification requires other chunks to be ignored.
             _ => {}
         }
         at = start + chunk.len();
@@ -122,32 +127,32 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), LineFault> {
     }
 }
 
-/// Where a buffer's bytes are.
+/// Location of a buffer's bytes.
 #[derive(Debug, PartialEq)]
-pub enum Place<'a> {
-    /// In the GLB file itself.
+pub enum BufferLocation<'a> {
+    /// In the BIN chunk of the GLB file.
     Chunk,
-    /// In the text, in base64.
+    /// In the text, as base64.
     Data(&'a str),
-    /// In a file beside this one, by its path relative to it.
+    /// In a file beside this one, with its path relative to this one.
     Beside(Cow<'a, str>),
 }
 
-impl Place<'_> {
-    /// Where the buffer with this URI is.
+impl BufferLocation<'_> {
+    /// Location of the buffer with this URI.
     ///
     /// # Errors
-    /// A URI that is neither data nor a relative path that stays below the file's folder.
-    pub fn of(uri: Option<&str>) -> Result<Place<'_>, String> {
+    /// The URI is neither data nor a relative path that stays below the file's folder.
+    pub fn of(uri: Option<&str>) -> Result<BufferLocation<'_>, String> {
         let Some(uri) = uri else {
-            return Ok(Place::Chunk);
+            return Ok(BufferLocation::Chunk);
         };
         if let Some(data) = uri.strip_prefix("data:") {
             let (kind, data) = data.split_once(',').ok_or("a data URI without data")?;
             if !kind.ends_with(";base64") {
-                return Err(format!("a data URI of the kind `{}`, where base64 is expected", excerpt(kind)));
+                return Err(format!("a data URI of type `{}`; expected base64", excerpt(kind)));
             }
-            return Ok(Place::Data(data));
+            return Ok(BufferLocation::Data(data));
         }
         let path = unescape(uri).ok_or_else(|| format!("the URI `{}`, which is not UTF-8", excerpt(uri)))?;
         let is_below = !path.is_empty()
@@ -156,15 +161,15 @@ impl Place<'_> {
             && path.split(['/', '\\']).all(|step| step != "..");
         if !is_below {
             return Err(format!(
-                "the URI `{}`; expected a file beside this one, or below its folder: copy it there",
+                "the URI `{}`; expected a file in the same folder or below it: copy it there",
                 excerpt(uri)
             ));
         }
-        Ok(Place::Beside(path))
+        Ok(BufferLocation::Beside(path))
     }
 }
 
-/// Resolves `%20` and the like.
+/// Resolves percent-encoding such as `%20`.
 fn unescape(uri: &str) -> Option<Cow<'_, str>> {
     if !uri.contains('%') {
         return Some(Cow::Borrowed(uri));
@@ -191,15 +196,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn buffers_lie_in_the_file_or_below_its_folder() {
-        assert_eq!(Place::of(None), Ok(Place::Chunk));
-        assert_eq!(Place::of(Some("data:application/octet-stream;base64,AAAA")), Ok(Place::Data("AAAA")));
-        assert_eq!(Place::of(Some("a%20b/c.bin")), Ok(Place::Beside("a b/c.bin".into())));
-        assert_eq!(Place::of(Some("100%.bin")), Ok(Place::Beside("100%.bin".into())));
+    fn buffers_must_lie_in_the_file_or_below_its_folder() {
+        assert_eq!(BufferLocation::of(None), Ok(BufferLocation::Chunk));
+        assert_eq!(
+            BufferLocation::of(Some("data:application/octet-stream;base64,AAAA")),
+            Ok(BufferLocation::Data("AAAA"))
+        );
+        assert_eq!(BufferLocation::of(Some("a%20b/c.bin")), Ok(BufferLocation::Beside("a b/c.bin".into())));
+        assert_eq!(BufferLocation::of(Some("100%.bin")), Ok(BufferLocation::Beside("100%.bin".into())));
         for uri in
             ["", "/etc/x", "../x.bin", "a/../../x.bin", "%2e%2e/x", "https://host/x", "C:\\x", "data:text,a", "data:"]
         {
-            assert!(Place::of(Some(uri)).is_err(), "{uri}");
+            assert!(BufferLocation::of(Some(uri)).is_err(), "{uri}");
         }
     }
 }

@@ -1,6 +1,7 @@
-//! The parts of a glTF document that can shape a hull. Everything else is passed over, unread.
+//! glTF 2.0: the properties of a document that affect a hull. Everything else is skipped.
 //!
-//! Names and data URIs stay where they are in the text, and every list is bounded while it is read.
+//! Names and data URIs are borrowed from the text. The length of every list is limited while it is
+//! read.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -110,7 +111,7 @@ pub struct Accessor {
     pub sparse: Option<Box<Sparse>>,
 }
 
-/// How many numbers an element has.
+/// Type of an accessor's elements.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 pub enum Kind {
     #[serde(rename = "SCALAR")]

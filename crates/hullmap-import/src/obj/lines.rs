@@ -1,10 +1,17 @@
-//! The lines of an OBJ file, continuations joined, and the file in parts that can be read side by side.
+//! Wavefront OBJ: logical lines with their line numbers, and a text cut into parts for parallel
+//! reading.
 
 use std::borrow::Cow;
 
-use memchr::memchr2;
+use memchr::{memchr, memchr2};
+use rayon::prelude::*;
 
-/// The lines of a text with their one-based numbers: ended by LF, CRLF or a lone CR.
+use crate::fault::Fault;
+
+/// Length of the longest keyword whose line never continues.
+const LONGEST_NAME_KEYWORD: usize = "usemtl".len();
+
+/// Iterator over the lines of a text. A line ends with LF, CRLF or a lone CR.
 #[derive(Clone, Debug)]
 pub struct Lines<'a> {
     rest: &'a [u8],
@@ -12,7 +19,7 @@ pub struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    /// The lines of `bytes`, of which the first has the number `first`.
+    /// Lines of `bytes`. `first` is the one-based number of the first line.
     pub fn new(bytes: &'a [u8], first: usize) -> Self {
         Self { rest: bytes, number: first - 1 }
     }
@@ -22,7 +29,7 @@ impl<'a> Lines<'a> {
         self.number
     }
 
-    /// The next line without its end.
+    /// Next physical line, without its line ending.
     fn next_physical(&mut self) -> Option<&'a [u8]> {
         if self.rest.is_empty() {
             return None;
@@ -37,7 +44,8 @@ impl<'a> Lines<'a> {
         Some(line)
     }
 
-    /// The next line with those that continue it, and the number of its first.
+    /// Next logical line: a line joined with its continuations. The number is that of its first
+    /// line.
     pub fn next_logical(&mut self) -> Option<(usize, Cow<'a, [u8]>)> {
         let first = self.next_physical()?;
         let number = self.number;
@@ -55,49 +63,139 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Whether a `\` at the end of this line joins the next one to it.
+/// Whether a trailing `\` joins the next line to this one. Comments and lines that hold a name
+/// never continue.
+///
+/// Looks only at the start of the line: it is called once for each continuation, and the joined
+/// line keeps growing.
 fn may_continue(line: &[u8]) -> bool {
-    let keyword = line.split(u8::is_ascii_whitespace).next().unwrap_or_default();
+    let start = line.get(..=LONGEST_NAME_KEYWORD).unwrap_or(line);
+    let keyword = start.split(u8::is_ascii_whitespace).next().unwrap_or_default();
     !keyword.starts_with(b"#") && ![&b"o"[..], b"g", b"usemtl", b"mtllib"].contains(&keyword)
 }
 
-/// Cuts a text into parts of about `size` bytes, behind an LF that no line continues across.
-///
-/// The parts' lines, one part after the other, are the text's.
+/// Whether a logical line is a `v` line.
+pub fn is_vertex_line(line: &[u8]) -> bool {
+    // A line whose first part is only a continuation starts with a blank.
+    match line.trim_ascii_start() {
+        [b'v', b' ' | b'\t', ..] => true,
+        // White space that is not ASCII may precede or follow the keyword, and so may a vertical
+        // tab.
+        [b'v' | 0x0B | 0x80.., ..] if !is_irrelevant(line) => with_words!(line, words => words.next() == Some("v")),
+        _ => false,
+    }
+}
+
+/// Whether a line is one of the most frequent kinds without effect on a hull. Saves splitting it
+/// into words.
+pub fn is_irrelevant(line: &[u8]) -> bool {
+    matches!(line, [b'v', b't' | b'n' | b'p', b' ' | b'\t', ..] | [b'#', ..])
+}
+
+/// A text cut into parts that are read in parallel.
+#[derive(Debug)]
+pub struct Parts<'a> {
+    /// The whole text.
+    pub text: &'a [u8],
+    /// The parts, in file order. Joined they are the text, and so are their logical lines.
+    pub parts: Vec<Part<'a>>,
+}
+
+/// A part of a text, and where it stands in the whole.
+#[derive(Clone, Copy, Debug)]
+pub struct Part<'a> {
+    /// Its bytes.
+    pub text: &'a [u8],
+    /// One-based number of its first line.
+    pub first_line: usize,
+    /// Number of `v` lines before it.
+    pub first_vertex: usize,
+    /// Number of `v` lines in it.
+    pub vertex_count: usize,
+}
+
+impl<'a> Parts<'a> {
+    /// Cuts `text` into parts of about `part_bytes` and counts the lines of each.
+    ///
+    /// # Errors
+    /// More vertices than `u32` can index.
+    ///
+    /// # Complexity
+    /// O(bytes), in parallel.
+    pub fn new(text: &'a [u8], part_bytes: usize) -> Result<Self, Fault> {
+        let texts = cut(text, part_bytes);
+        let counts: Vec<(usize, usize)> = texts.par_iter().map(|text| count_vertices_and_lines(text)).collect();
+        let (mut first_vertex, mut first_line) = (0, 1);
+        let mut parts = Vec::with_capacity(texts.len());
+        for (text, (vertex_count, line_count)) in texts.into_iter().zip(counts) {
+            parts.push(Part { text, first_line, first_vertex, vertex_count });
+            first_vertex += vertex_count;
+            first_line += line_count;
+        }
+        if first_vertex > (u32::MAX - 1) as usize {
+            return Err(Fault::TooManyVertices);
+        }
+        Ok(Self { text, parts })
+    }
+
+    /// Number of `v` lines in the text.
+    pub fn vertex_count(&self) -> usize {
+        self.parts.iter().map(|part| part.vertex_count).sum()
+    }
+}
+
+fn count_vertices_and_lines(text: &[u8]) -> (usize, usize) {
+    let mut lines = Lines::new(text, 1);
+    let mut vertices = 0;
+    while let Some((_, line)) = lines.next_logical() {
+        vertices += usize::from(is_vertex_line(&line));
+    }
+    (vertices, lines.number())
+}
+
+/// Cuts a text into pieces of about `size` bytes. Each ends with an LF that no logical line spans.
 #[expect(
     clippy::indexing_slicing,
-    reason = "`end` is `size`, which is less than is left, or behind an LF that was found"
+    reason = "`end` is `size`, which is less than the rest, or lies behind an LF that was found"
 )]
-pub fn parts(bytes: &[u8], size: usize) -> Vec<&[u8]> {
-    let mut parts = Vec::new();
+fn cut(bytes: &[u8], size: usize) -> Vec<&[u8]> {
+    let mut pieces = Vec::new();
     let mut rest = bytes;
     while rest.len() > size {
         let mut end = size;
-        // A line that seems to continue is never cut, whether it may or not.
+        // The bytes of the current line: all of the piece at first, later only what follows the
+        // last LF.
+        let mut line = 0;
+        // Never cuts behind a line that ends in `\`, even where that `\` continues nothing.
         let cut = loop {
-            match memchr2(b'\n', b'\n', &rest[end..]) {
-                Some(at) if rest[..end + at].trim_ascii_end().last() == Some(&b'\\') => end += at + 1,
+            match memchr(b'\n', &rest[end..]) {
+                Some(at) if rest[line..end + at].trim_ascii_end().last() == Some(&b'\\') => {
+                    end += at + 1;
+                    line = end;
+                }
                 Some(at) => break end + at + 1,
                 None => break rest.len(),
             }
         };
-        let (part, tail) = rest.split_at(cut);
-        parts.push(part);
+        let (piece, tail) = rest.split_at(cut);
+        pieces.push(piece);
         rest = tail;
     }
-    if !rest.is_empty() || parts.is_empty() {
-        parts.push(rest);
+    if !rest.is_empty() || pieces.is_empty() {
+        pieces.push(rest);
     }
-    parts
+    pieces
 }
 
-/// Runs `$body` with the words of a logical line: as `char::is_whitespace` cuts them, sooner where all is ASCII. Bytes
-/// that are not UTF-8 become replacement characters.
+/// Runs `$body` with the words of a logical line, separated as `str::split_whitespace` does.
+///
+/// Lines of ASCII alone take a faster path. Replacement characters stand for bytes that are not
+/// UTF-8.
 macro_rules! with_words {
     ($line:expr, $words:ident => $body:expr) => {{
         match std::str::from_utf8($line) {
             Ok(text) if text.is_ascii() => {
-                // Exactly the white space below 128.
+                // All white space below 128.
                 let is_blank = |c: char| matches!(c, '\t'..='\r' | ' ');
                 let mut $words = text.split(is_blank).filter(|word| !word.is_empty());
                 $body
@@ -132,30 +230,44 @@ mod tests {
         let mut random = SplitMix64::new(SEED);
         let mut cut_count = 0;
         for round in 0..2000 {
-            let text: Vec<u8> = (0..random.below(60)).map(|_| b"\n\n\r\\\\ vfo#1"[random.below(11)]).collect();
-            let size = 1 + random.below(20);
-            let parts = parts(&text, size);
-            cut_count += parts.len() - 1;
-            assert_eq!(parts.concat(), text, "seed {SEED}, round {round}");
-            let (mut lines, mut number) = (Vec::new(), 1);
-            for part in parts {
-                let mut reader = Lines::new(part, number);
+            let text: Vec<u8> = (0..random.below(60)).map(|_| b"\n\n\r\\\\ vvfo#1"[random.below(12)]).collect();
+            let parts = Parts::new(&text, 1 + random.below(20)).unwrap();
+            cut_count += parts.parts.len() - 1;
+            let mut bytes = Vec::new();
+            let (mut lines, mut vertex_count) = (Vec::new(), 0);
+            for part in &parts.parts {
+                assert_eq!(part.first_vertex, vertex_count, "seed {SEED}, round {round}");
+                bytes.extend_from_slice(part.text);
+                let mut reader = Lines::new(part.text, part.first_line);
                 while let Some((number, line)) = reader.next_logical() {
+                    let text = String::from_utf8_lossy(&line);
+                    vertex_count += usize::from(text.split_whitespace().next() == Some("v"));
                     lines.push((number, line.into_owned()));
                 }
-                number = reader.number() + 1;
             }
+            assert_eq!(bytes, text, "seed {SEED}, round {round}");
+            assert_eq!(parts.vertex_count(), vertex_count, "seed {SEED}, round {round}");
             assert_eq!(lines, all(&text), "seed {SEED}, round {round}: {}", text.escape_ascii());
         }
-        assert!(cut_count > 1000, "{cut_count} cuts say little");
+        assert!(cut_count > 1000, "only {cut_count} cuts");
     }
 
     #[test]
-    fn words_are_those_of_split_whitespace() {
+    fn ascii_words_agree_with_split_whitespace() {
         for c in (0..0x300).filter_map(char::from_u32) {
             let text = format!("a{c}b 1");
             let count = with_words!(text.as_bytes(), words => words.by_ref().count());
             assert_eq!(count, text.split_whitespace().count(), "{c:?}");
+        }
+    }
+
+    #[test]
+    fn vertex_lines_are_recognised_by_their_keyword() {
+        for c in (0..0x3100).filter_map(char::from_u32).filter(|c| !matches!(c, '\n' | '\r')) {
+            for text in [format!("v{c}1 2 3"), format!("{c}v 1 2 3"), format!("{c} v")] {
+                let expected = text.split_whitespace().next() == Some("v");
+                assert_eq!(is_vertex_line(text.trim_ascii().as_bytes()), expected, "{text:?}");
+            }
         }
     }
 }

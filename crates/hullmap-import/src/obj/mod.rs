@@ -1,29 +1,92 @@
-//! Wavefront OBJ, the reference: read twice, by [`scan`] and by tobj.
+//! Wavefront OBJ: points and polygons of a text file.
 //!
-//! 1. [`scan`] reads every vertex and every reference, in parts side by side, and names the line of any fault.
-//! 2. [`cross_check`] has tobj read the same words; the two must agree on every position and reference.
+//! # Reference
+//! "Object Files (.obj)", Appendix B1 of the Wavefront Advanced Visualizer manual, version 3.0.
+//!
+//! 1. [`lines`] cuts the text into parts and counts their lines and vertices.
+//! 2. [`scan`] reads the elements and objects of each part and names the line of any fault.
+//! 3. [`positions`] has the crate `tobj` read the coordinates.
+//! 4. Only if step 2 or 3 failed, [`scan`] runs again and parses the coordinates too, to find the
+//!    first fault.
+//!
+//! # Division of work with tobj
+//! tobj reads the numbers: parsing, weights, colours. Each coordinate is read once. The scan keeps
+//! what tobj cannot give:
+//! - *References.* A hull records the `v` line of each vertex. tobj indexes the vertices of each
+//!   object by their first use and drops those indices that lead back to the file. It resolves
+//!   references when an object ends, so that references ahead fail. Hence the scan resolves
+//!   references, once, and compares each with the vertex count.
+//! - *Vertices without an element.* tobj does not report them. `--vertices all` and point clouds
+//!   require them.
+//! - *`p` elements*, which tobj ignores.
+//! - *Lines.* tobj's errors have no line number, and tobj accepts NaN and infinity.
+//! - *Continued lines, comments behind numbers, lone CRs, byte order marks*, which tobj does not
+//!   read.
+//!
+//! The tests compare the result with tobj's own reading of whole files, elements included.
 
-mod cross_check;
 mod lines;
+mod positions;
 mod reference;
 mod scan;
+#[cfg(test)]
+mod tests;
+mod vertex_line;
 
-use super::fault::LineFault;
+use super::fault::{Fault, LineFault};
 use super::limits::Limits;
-use super::mesh::{Mesh, Positions};
+use super::mesh::{Positions, SourceMesh};
+use lines::Parts;
+use scan::{Scan, VertexCheck};
 
-/// Reads an OBJ file. Vertices are the `v` lines, objects what `o` lines open; the first is what stands before them.
+/// Bytes of a part: some milliseconds of work.
+pub const PART_BYTES: usize = 4 << 20;
+
+/// Reads an OBJ file. Vertices are the `v` lines. Objects are the `o` lines; the first object is
+/// what precedes them.
 ///
-/// `wants_double`: whether to keep the digits of f64.
+/// `is_double` selects the precision of the positions: `f64` or `f32`.
 ///
 /// # Errors
-/// The first fault in the file, with its line; references that are too large come after all others.
+/// The first fault in the file, with its line. References beyond the last vertex are reported after
+/// all other faults.
 ///
 /// # Complexity
-/// O(bytes), shared by the threads of the pool.
-pub fn read(bytes: &[u8], wants_double: bool, limits: &Limits) -> Result<Mesh, LineFault> {
-    let scan = scan::scan(bytes, limits)?;
-    cross_check::cross_check(&scan, bytes).map_err(|fault| fault.of_file())?;
+/// O(bytes), in parallel.
+pub fn read(bytes: &[u8], is_double: bool, limits: &Limits) -> Result<SourceMesh, LineFault> {
+    let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+    if text.starts_with(b"\xFF\xFE") || text.starts_with(b"\xFE\xFF") {
+        return Err(Fault::Utf16.of_file());
+    }
+    if text.iter().all(u8::is_ascii_whitespace) {
+        return Err(Fault::Empty.of_file());
+    }
+    read_parts(&Parts::new(text, PART_BYTES).map_err(Fault::of_file)?, is_double, limits)
+}
+
+fn read_parts(parts: &Parts, is_double: bool, limits: &Limits) -> Result<SourceMesh, LineFault> {
+    let scanned = scan::scan(parts, limits, |_| Ok(())).and_then(|scan| {
+        let positions = if is_double {
+            positions::doubles(parts).map(Positions::Double)
+        } else {
+            positions::singles(parts).map(Positions::Single)
+        };
+        Ok((scan, positions.map_err(Fault::of_file)?))
+    });
+    match scanned {
+        Ok((scan, positions)) => Ok(source_mesh(scan, positions)),
+        Err(fault) => {
+            let check: VertexCheck = if is_double {
+                |vertex| vertex.point::<f64>().map(drop)
+            } else {
+                |vertex| vertex.point::<f32>().map(drop)
+            };
+            Err(scan::scan(parts, limits, check).err().unwrap_or(fault))
+        }
+    }
+}
+
+fn source_mesh(scan: Scan, positions: Positions) -> SourceMesh {
     let mut notes = Vec::new();
     if scan.short_face_count > 0 {
         let faces = super::count(scan.short_face_count, "face", "faces");
@@ -34,75 +97,12 @@ pub fn read(bytes: &[u8], wants_double: bool, limits: &Limits) -> Result<Mesh, L
             "line {line}: free-form curves and surfaces are not read; --vertices all takes their control points"
         ));
     }
-    let is_grouped = scan.objects.len() == 1 && scan.group_count > 0;
-    let positions = if wants_double {
-        // One after the other, for the sake of memory.
-        drop(scan.positions);
-        Positions::Double(scan::doubles(bytes)?)
-    } else {
-        Positions::Single(scan.positions)
-    };
-    Ok(Mesh {
+    SourceMesh {
         loose: scan.loose,
+        has_only_groups: scan.objects.len() == 1 && scan.group_count > 0,
         objects: scan.objects,
         has_too_many_objects: scan.has_too_many_objects,
         notes,
-        has_only_groups: is_grouped,
-        ..Mesh::of(positions, scan.faces)
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use std::time::Instant;
-
-    use super::*;
-
-    /// A sphere of a million vertices and two million triangles, each corner with a texture coordinate and a normal.
-    fn sphere() -> String {
-        const RINGS: usize = 1000;
-        let mut text = String::with_capacity(160 << 20);
-        for ring in 0..RINGS {
-            let (sin, cos) = libm::sincos(std::f64::consts::PI * (ring as f64 + 0.5) / RINGS as f64);
-            for step in 0..RINGS {
-                let (y, x) = libm::sincos(std::f64::consts::TAU * step as f64 / RINGS as f64);
-                text += &format!("v {:.6} {:.6} {cos:.6}\n", sin * x, sin * y);
-            }
-        }
-        for ring in 0..RINGS - 1 {
-            for step in 0..RINGS {
-                let [a, b] = [step, (step + 1) % RINGS].map(|step| ring * RINGS + step + 1);
-                let [c, d] = [a + RINGS, b + RINGS];
-                text += &format!("f {a}/{a}/{a} {c}/{c}/{c} {b}/{b}/{b}\nf {b}/{b}/{b} {c}/{c}/{c} {d}/{d}/{d}\n");
-            }
-        }
-        text
-    }
-
-    #[test]
-    #[ignore = "prints times: cargo test --release -p hullmap-import times_of_a_million -- --ignored --nocapture"]
-    fn times_of_a_million_vertices() {
-        let text = sphere();
-        println!("{} bytes, {} threads", text.len(), rayon::current_num_threads());
-        for _ in 0..3 {
-            let start = Instant::now();
-            let scan = scan::scan(text.as_bytes(), &Limits::DEFAULT).unwrap();
-            let scanned = start.elapsed();
-            cross_check::cross_check(&scan, text.as_bytes()).unwrap();
-            let checked = start.elapsed();
-            assert_eq!((scan.positions.len(), scan.faces.len()), (1_000_000, 1_998_000));
-            drop(scan);
-            let source = crate::SourceFile::alone(text.clone().into_bytes());
-            let options = crate::options::ImportOptions::DEFAULT;
-            let path = std::path::Path::new("a.obj");
-            let start = Instant::now();
-            crate::import("a.obj", "a", path, &source, &options, &Limits::DEFAULT).unwrap();
-            let whole = start.elapsed();
-            println!(
-                "scan {scanned:.2?}, tobj {:.2?}, the rest {:.2?}",
-                checked - scanned,
-                whole.saturating_sub(checked)
-            );
-        }
+        ..SourceMesh::new(positions, scan.faces)
     }
 }

@@ -1,13 +1,20 @@
-//! Vertex references of an OBJ file, or why they are none.
+//! Wavefront OBJ: vertex references, resolved to zero-based indices.
 
 use crate::fault::{Fault, excerpt};
 
-/// Zero-based vertex number of a reference such as `7`, `7/1`, `7//3`, `7/1/3` or `-1`, with `declared` vertices
-/// above it. The numbers of texture coordinates and normals must be numbers; their range does not matter to a hull.
+/// Zero-based vertex index of a reference such as `7`, `7/1`, `7//3`, `7/1/3` or `-1`.
+///
+/// `declared` is the number of `v` lines above the reference. The indices of texture coordinates
+/// and normals must be integers; their range has no effect on a hull and is not checked. An index
+/// that `u32` cannot hold is returned as `u32::MAX`, which no file has.
+///
+/// # Errors
+/// The word is not a reference, the index is 0, or a negative index reaches back before the first
+/// vertex.
 pub fn resolve_reference(word: &str, declared: usize) -> Result<u32, Fault> {
     let bad = || Fault::BadReference { text: excerpt(word) };
     let mut parts = word.split('/');
-    let number: i64 = parts.next().unwrap_or("").parse().map_err(|_| bad())?;
+    let index: i64 = parts.next().unwrap_or("").parse().map_err(|_| bad())?;
     let mut other_count = 0;
     for part in parts {
         other_count += 1;
@@ -15,11 +22,10 @@ pub fn resolve_reference(word: &str, declared: usize) -> Result<u32, Fault> {
             return Err(bad());
         }
     }
-    match number {
+    match index {
         0 => Err(Fault::ZeroIndex { text: excerpt(word) }),
-        // Beyond u32 it is out of range whatever follows: the scan says so at its end, with the vertex count.
-        1.. => Ok(u32::try_from(number - 1).unwrap_or(u32::MAX)),
-        _ => usize::try_from(number.unsigned_abs())
+        1.. => Ok(u32::try_from(index - 1).unwrap_or(u32::MAX)),
+        _ => usize::try_from(index.unsigned_abs())
             .ok()
             .and_then(|back| declared.checked_sub(back))
             .map(|index| index as u32)

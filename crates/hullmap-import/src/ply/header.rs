@@ -1,19 +1,19 @@
-//! The header of a PLY file: which elements it has, in which order, of which properties.
+//! PLY: the header, which lists the elements of the file and their properties.
 
 use crate::fault::{Fault, LineFault, excerpt};
 
-/// How the numbers behind the header are written.
+/// Encoding of the numbers in the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
-    /// As words.
+    /// ASCII words.
     Text,
-    /// As bytes, the lowest first.
+    /// Little-endian binary.
     Little,
-    /// As bytes, the highest first.
+    /// Big-endian binary.
     Big,
 }
 
-/// The type of a number.
+/// Type of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scalar {
     /// `char`, `int8`
@@ -49,7 +49,7 @@ impl Scalar {
         })
     }
 
-    /// Bytes of a number.
+    /// Size of a number in bytes.
     pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -59,37 +59,38 @@ impl Scalar {
         }
     }
 
-    /// Whether it is a whole number.
-    pub fn is_whole(self) -> bool {
+    /// Whether the type is an integer.
+    pub fn is_integer(self) -> bool {
         !matches!(self, Self::F32 | Self::F64)
     }
 }
 
-/// A property of an element.
+/// Property of an element.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Property {
     /// Its name.
     pub name: String,
-    /// Type of the number, or of the numbers of a list.
+    /// Type of the number, or of the numbers in a list.
     pub scalar: Scalar,
-    /// Type of a list's length, if it is one.
+    /// Type of the length, if the property is a list.
     pub length: Option<Scalar>,
 }
 
-/// A kind of element, and how many follow.
+/// An element declaration: a record type and its number of instances.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Element {
     /// Its name.
     pub name: String,
-    /// How many the header claims.
+    /// Number of instances that the header claims.
     pub count: u64,
-    /// Its properties in their order.
+    /// Its properties, in file order.
     pub properties: Vec<Property>,
 }
 
 impl Element {
-    /// Bytes of one such element at least: lists may be empty. In a text, each number takes one and a blank.
-    pub fn least_size(&self, encoding: Encoding) -> u64 {
+    /// Minimum size of an instance in bytes, where lists are empty. A number in text takes a digit
+    /// and a separator.
+    pub fn minimum_size(&self, encoding: Encoding) -> u64 {
         let size = |property: &Property| match encoding {
             Encoding::Text => 2,
             _ => property.length.unwrap_or(property.scalar).size() as u64,
@@ -97,38 +98,38 @@ impl Element {
         self.properties.iter().map(size).sum()
     }
 
-    /// Bytes of one such element, if all have the same.
+    /// Size of an instance in bytes, if all instances have the same.
     pub fn fixed_size(&self) -> Option<usize> {
         self.properties.iter().map(|p| p.length.is_none().then_some(p.scalar.size())).sum()
     }
 
-    /// Place of a property among the element's.
+    /// Index of the first property with one of these names.
     pub fn find(&self, names: &[&str]) -> Option<usize> {
         self.properties.iter().position(|property| names.contains(&property.name.as_str()))
     }
 }
 
-/// What a header says.
+/// Content of a header.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Header {
-    /// How numbers are written.
+    /// Encoding of the body.
     pub encoding: Encoding,
-    /// The elements in their order.
+    /// The elements, in file order.
     pub elements: Vec<Element>,
-    /// Where they start.
+    /// Offset of the body in the file.
     pub body: usize,
-    /// Line they start on.
+    /// One-based number of the line at which the body starts.
     pub line: usize,
 }
 
 /// Reads the header.
 ///
 /// # Errors
-/// The first line that is not understood.
+/// The first line that is not valid.
 pub fn read(bytes: &[u8]) -> Result<Header, LineFault> {
     let mut lines = HeaderLines { bytes, at: 0, number: 0 };
     if lines.next() != Some(b"ply") {
-        return Err(Fault::format("the first line is not `ply`; is this a PLY file?").at(1));
+        return Err(Fault::format("the first line is not `ply`; check that this is a PLY file").at(1));
     }
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
@@ -141,7 +142,7 @@ pub fn read(bytes: &[u8]) -> Result<Header, LineFault> {
         let number = lines.number;
         let text = String::from_utf8_lossy(line);
         let wrong = |expected: &str| {
-            Fault::format(format!("`{}`, where {expected} is expected: correct the line", excerpt(&text))).at(number)
+            Fault::format(format!("found `{}`; expected {expected}: correct the line", excerpt(&text))).at(number)
         };
         let words: Vec<&str> = text.split_ascii_whitespace().collect();
         match words.as_slice() {
@@ -165,7 +166,7 @@ pub fn read(bytes: &[u8]) -> Result<Header, LineFault> {
             ["property", kind @ .., name] => {
                 let types: Option<Vec<Scalar>> = kind.iter().filter(|w| **w != "list").map(|w| Scalar::of(w)).collect();
                 let (scalar, length) = match (kind.first(), types.as_deref()) {
-                    (Some(&"list"), Some(&[length, scalar])) if length.is_whole() => (scalar, Some(length)),
+                    (Some(&"list"), Some(&[length, scalar])) if length.is_integer() => (scalar, Some(length)),
                     (_, Some(&[scalar])) if kind.len() == 1 => (scalar, None),
                     _ => return Err(wrong("`property <type> <name>` or `property list <type> <type> <name>`")),
                 };
@@ -184,7 +185,7 @@ pub fn read(bytes: &[u8]) -> Result<Header, LineFault> {
     Ok(Header { encoding, elements, body: lines.at, line: lines.number + 1 })
 }
 
-/// Lines that end in LF or CRLF, or in CR alone where the first one does.
+/// Lines of a header. A line ends with LF, CRLF or a lone CR.
 struct HeaderLines<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -196,8 +197,9 @@ impl<'a> HeaderLines<'a> {
         let rest = self.bytes.get(self.at..)?;
         let end = rest.iter().position(|b| matches!(b, b'\n' | b'\r'))?;
         let (line, tail) = rest.split_at(end);
-        // A CR is followed by an LF or by the next line; a binary body that begins with the byte 10 behind a lone CR
-        // would be read wrongly, but nobody has written such files for decades.
+        // An LF behind a CR belongs to the same line ending. A binary body that starts with the
+        // byte 10 behind a lone CR would be misread, but no current exporter ends lines with a lone
+        // CR.
         let skip = if tail.starts_with(b"\r\n") { 2 } else { 1 };
         self.at += end + skip;
         self.number += 1;

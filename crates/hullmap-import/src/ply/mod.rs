@@ -1,78 +1,83 @@
-//! PLY, in text or binary of either byte order.
+//! PLY, text or binary of either byte order.
 //!
-//! Vertices are those of the element `vertex`, by `x`, `y`, `z`; faces are the lists `vertex_indices` (or
-//! `vertex_index`) of `face`, and the strips of `tristrips`; an `edge` references its `vertex1` and `vertex2`. A file is
-//! one object. Everything else is passed over.
+//! Vertices are the instances of the element `vertex`, with `x`, `y`, `z`. Faces are the lists
+//! `vertex_indices` (or `vertex_index`) of `face`, and the strips of `tristrips`. An `edge`
+//! references its `vertex1` and `vertex2`. A file is one object. Everything else is skipped.
 //!
 //! # Reference
-//! G. Turk, "The PLY Polygon File Format" (1994). The crate `ply-rs-bw` keeps a map of names for each element, some
-//! hundred bytes a vertex, and f32 only for `float` in texts; it is a second opinion in the tests.
+//! G. Turk, "The PLY Polygon File Format" (1994). The crate `ply-rs-bw` keeps a map of names for
+//! each instance, some hundred bytes a vertex, and reads `float` in text as `f32` only. The tests
+//! compare with it.
 
 mod body;
 mod header;
 
-use super::fault::{Fault, LineFault};
-use super::mesh::{Mesh, Polygons, Positions};
+use super::fault::{Fault, LineFault, vertices};
+use super::mesh::{Polygons, Positions, SourceMesh};
 use body::Body;
 use header::{Element, Encoding, Header, Scalar};
 
-/// Vertices that any file may have; beyond, each must have taken [`VERTEX_BYTES`].
+/// Number of vertices allowed in any file. Above it, each must take [`VERTEX_BYTES`] of the file.
 const FREE_VERTICES: u64 = 1 << 20;
 
-/// Bytes of a vertex: three shorts, or three digits with their blanks. It becomes 45 bytes in memory.
+/// Minimum bytes of a vertex: three shorts, or three digits with separators. A vertex takes 45
+/// bytes of memory.
 const VERTEX_BYTES: usize = 6;
 
-/// Corners of strips that any file may have; beyond, each must have taken [`STRIP_BYTES_A_CORNER`].
+/// Number of strip corners allowed in any file. Above it, each must take [`STRIP_BYTES_A_CORNER`]
+/// of the file.
 const FREE_STRIP_CORNERS: usize = 1 << 22;
 
-/// Bytes of a strip's corner. A corner becomes a triangle of 16 bytes, so that corners of one byte, of which 256 vertices
-/// are all that they can name, would take far more memory than the file.
+/// Minimum bytes of a strip corner. A corner becomes a triangle of 16 bytes, so corners of one byte
+/// would take far more memory than the file. Such corners can address only 256 vertices.
 const STRIP_BYTES_A_CORNER: usize = 4;
 
-/// Reads a PLY file; `wants_double` keeps the digits of f64 in a text.
+/// Reads a PLY file. `is_double` selects `f64` for the positions of a text file.
 ///
 /// # Errors
-/// The first fault: with its line in header and text, with the element in a binary body.
+/// The first fault, with its line in a header or text body, or with its element in a binary body.
 ///
 /// # Complexity
 /// O(bytes).
-pub fn read(bytes: &[u8], wants_double: bool) -> Result<Mesh, LineFault> {
+pub fn read(bytes: &[u8], is_double: bool) -> Result<SourceMesh, LineFault> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(Fault::format("the file is empty; expected a PLY file: export it again").of_file());
     }
     let header = header::read(bytes)?;
     let mut vertex_elements = header.elements.iter().filter(|element| element.name == "vertex");
     let Some(vertex) = vertex_elements.next() else {
-        return Err(Fault::format("the header has no `element vertex`; a hull needs points").of_file());
+        return Err(Fault::format("the header has no `element vertex`, but a hull requires points").of_file());
     };
     if vertex_elements.next().is_some() {
-        // Of which would a face's numbers be?
-        return Err(Fault::format("the header has `element vertex` twice; export the file again").of_file());
+        // The indices of a face would be ambiguous.
+        return Err(Fault::format("the header declares `element vertex` twice; export the file again").of_file());
     }
     if vertex.count == 0 {
-        return Err(Fault::format("the file has no vertices; a hull needs at least one point: did the export finish?")
-            .of_file());
+        return Err(Fault::format(
+            "the file has no vertices, but a hull requires at least one point: check that the export finished",
+        )
+        .of_file());
     }
     if vertex.count > u64::from(u32::MAX - 1) {
         return Err(Fault::TooManyVertices.of_file());
     }
     if vertex.count > FREE_VERTICES.max((bytes.len() / VERTEX_BYTES) as u64) {
         return Err(Fault::format(format!(
-            "{} vertices of less than {VERTEX_BYTES} bytes each, or the file was cut off: write coordinates as floats",
+            "the header claims {} vertices, and each takes less than {VERTEX_BYTES} bytes of the file: it was cut off, or has 8-bit coordinates; write them as floats",
             vertex.count
         ))
         .of_file());
     }
     let vertex_count = vertex.count as u32;
-    let most_strip_corners = (bytes.len() / STRIP_BYTES_A_CORNER).max(FREE_STRIP_CORNERS);
+    let strip_corner_limit = (bytes.len() / STRIP_BYTES_A_CORNER).max(FREE_STRIP_CORNERS);
     let mut body = Body::new(&header, bytes);
-    let mut mesh = Mesh::of(Positions::Single(Vec::new()), Polygons::default());
+    let mut mesh = SourceMesh::new(Positions::Single(Vec::new()), Polygons::default());
     for element in &header.elements {
         body.check_room(element)?;
         match element.name.as_str() {
-            "vertex" => mesh.positions = read_vertices(&mut body, &header, element, wants_double)?,
+            "vertex" => mesh.positions = read_vertices(&mut body, &header, element, is_double)?,
             "face" => read_faces(&mut body, element, vertex_count, &mut mesh.faces, None)?,
-            "tristrips" => read_faces(&mut body, element, vertex_count, &mut mesh.faces, Some(most_strip_corners))?,
+            "tristrips" => read_faces(&mut body, element, vertex_count, &mut mesh.faces, Some(strip_corner_limit))?,
             "edge" => read_edges(&mut body, element, vertex_count, &mut mesh.loose)?,
             _ => body.skip(element)?,
         }
@@ -80,26 +85,18 @@ pub fn read(bytes: &[u8], wants_double: bool) -> Result<Mesh, LineFault> {
     Ok(mesh)
 }
 
-#[expect(
-    clippy::indexing_slicing,
-    reason = "places that `find` has found, or that were counted; of axes there are three"
-)]
-fn read_vertices(
-    body: &mut Body,
-    header: &Header,
-    element: &Element,
-    wants_double: bool,
-) -> Result<Positions, LineFault> {
+#[expect(clippy::indexing_slicing, reason = "indices that `find` returned or `enumerate` counts, and three axes")]
+fn read_vertices(body: &mut Body, header: &Header, element: &Element, is_double: bool) -> Result<Positions, LineFault> {
     let mut axes = [0; 3];
     for (axis, name) in axes.iter_mut().zip(["x", "y", "z"]) {
-        *axis = element.find(&[name]).filter(|&place| element.properties[place].length.is_none()).ok_or_else(|| {
-            Fault::format(format!("`element vertex` has no number `{name}`; a hull needs x, y and z")).of_file()
+        *axis = element.find(&[name]).filter(|&slot| element.properties[slot].length.is_none()).ok_or_else(|| {
+            Fault::format(format!("`element vertex` has no number `{name}`, but a hull requires x, y and z")).of_file()
         })?;
     }
     let is_text = header.encoding == Encoding::Text;
     let is_double =
         axes.iter().any(|&axis| matches!(element.properties[axis].scalar, Scalar::F64 | Scalar::I32 | Scalar::U32))
-            || is_text && wants_double;
+            || is_text && is_double;
     let count = element.count as usize;
     let (mut singles, mut doubles) = (Vec::new(), Vec::new());
     if is_double {
@@ -109,8 +106,8 @@ fn read_vertices(
     }
     for vertex in 0..element.count {
         let mut position = [0.0; 3];
-        for (place, property) in element.properties.iter().enumerate() {
-            match (property.length, axes.iter().position(|&axis| axis == place)) {
+        for (slot, property) in element.properties.iter().enumerate() {
+            match (property.length, axes.iter().position(|&axis| axis == slot)) {
                 (Some(length), _) => body.skip_list(length, property.scalar, element, vertex)?,
                 (None, Some(axis)) => position[axis] = body.number(property.scalar, is_double, element, vertex)?,
                 (None, None) => body.skip_number(property.scalar, element, vertex)?,
@@ -118,65 +115,65 @@ fn read_vertices(
         }
         if let Some(wrong) = position.iter().find(|x| !x.is_finite()) {
             return Err(body.fault(format!(
-                "vertex {vertex} has the coordinate {wrong}; a hull needs finite points: mend the mesh where it was made"
+                "vertex {vertex} has the coordinate {wrong}, but a hull requires finite points: repair the mesh in its editor"
             )));
         }
         if is_double {
             doubles.push(position);
         } else {
-            // Exactly an f32, or a short whole number.
+            // The value is an f32 or a short integer, so this is exact.
             singles.push(position.map(|x| x as f32));
         }
     }
     Ok(if is_double { Positions::Double(doubles) } else { Positions::Single(singles) })
 }
 
-/// Reads lists of vertex numbers as polygons, or, with their most corners given, as strips of triangles in which -1
-/// begins a new strip.
+/// Reads lists of vertex indices: polygons, or with a limit on corners triangle strips, in which -1
+/// starts a new strip.
 fn read_faces(
     body: &mut Body,
     element: &Element,
     vertex_count: u32,
     faces: &mut Polygons,
-    most_strip_corners: Option<usize>,
+    strip_corner_limit: Option<usize>,
 ) -> Result<(), LineFault> {
     let Some(indices) = element
         .find(&["vertex_indices", "vertex_index"])
-        .filter(|&place| element.properties.get(place).is_some_and(|p| p.length.is_some() && p.scalar.is_whole()))
+        .filter(|&slot| element.properties.get(slot).is_some_and(|p| p.length.is_some() && p.scalar.is_integer()))
     else {
         return body.skip(element);
     };
-    let are_strips = most_strip_corners.is_some();
+    let are_strips = strip_corner_limit.is_some();
     let mut strip_corners = 0;
     let mut strip: Vec<u32> = Vec::new();
-    for number in 0..element.count {
-        for (place, property) in element.properties.iter().enumerate() {
+    for instance in 0..element.count {
+        for (slot, property) in element.properties.iter().enumerate() {
             let Some(length) = property.length else {
-                body.skip_number(property.scalar, element, number)?;
+                body.skip_number(property.scalar, element, instance)?;
                 continue;
             };
-            if place != indices {
-                body.skip_list(length, property.scalar, element, number)?;
+            if slot != indices {
+                body.skip_list(length, property.scalar, element, instance)?;
                 continue;
             }
-            let count = body.length(length, property.scalar, element, number)?;
+            let count = body.length(length, property.scalar, element, instance)?;
             strip_corners += count as usize;
-            if most_strip_corners.is_some_and(|most| strip_corners > most) {
+            if strip_corner_limit.is_some_and(|limit| strip_corners > limit) {
                 return Err(Fault::format(format!(
-                    "strips of {strip_corners} corners, where a file of this size can have {}: write triangles instead",
-                    most_strip_corners.unwrap_or_default()
+                    "the strips have {strip_corners} corners, but a file of this size may have {}: write triangles instead",
+                    strip_corner_limit.unwrap_or_default()
                 ))
                 .of_file());
             }
             strip.clear();
             for _ in 0..count {
-                let index = body.whole(property.scalar, element, number)?;
+                let index = body.integer(property.scalar, element, instance)?;
                 if are_strips && index == -1 {
                     push_strip(faces, &strip);
                     strip.clear();
                     continue;
                 }
-                let vertex = in_range(body, index, vertex_count, element, number)?;
+                let vertex = in_range(body, index, vertex_count, element, instance)?;
                 if are_strips { strip.push(vertex) } else { faces.corners.push(vertex) }
             }
             if are_strips {
@@ -192,10 +189,10 @@ fn read_faces(
     Ok(())
 }
 
-/// Every other triangle of a strip is wound the other way.
+/// Adds the triangles of a strip. Every second one has reversed winding.
 fn push_strip(faces: &mut Polygons, strip: &[u32]) {
-    for (number, &[a, b, c]) in strip.array_windows().enumerate() {
-        faces.push(&if number % 2 == 0 { [a, b, c] } else { [b, a, c] });
+    for (index, &[a, b, c]) in strip.array_windows().enumerate() {
+        faces.push(&if index % 2 == 0 { [a, b, c] } else { [b, a, c] });
     }
 }
 
@@ -203,27 +200,27 @@ fn read_edges(body: &mut Body, element: &Element, vertex_count: u32, loose: &mut
     if element.properties.is_empty() {
         return Ok(());
     }
-    for number in 0..element.count {
+    for instance in 0..element.count {
         for property in &element.properties {
             match (property.length, property.name.as_str()) {
-                (Some(length), _) => body.skip_list(length, property.scalar, element, number)?,
-                (None, "vertex1" | "vertex2") if property.scalar.is_whole() => {
-                    let index = body.whole(property.scalar, element, number)?;
-                    loose.push(in_range(body, index, vertex_count, element, number)?);
+                (Some(length), _) => body.skip_list(length, property.scalar, element, instance)?,
+                (None, "vertex1" | "vertex2") if property.scalar.is_integer() => {
+                    let index = body.integer(property.scalar, element, instance)?;
+                    loose.push(in_range(body, index, vertex_count, element, instance)?);
                 }
-                (None, _) => body.skip_number(property.scalar, element, number)?,
+                (None, _) => body.skip_number(property.scalar, element, instance)?,
             }
         }
     }
     Ok(())
 }
 
-fn in_range(body: &Body, index: i64, count: u32, element: &Element, number: u64) -> Result<u32, LineFault> {
+fn in_range(body: &Body, index: i64, count: u32, element: &Element, instance: u64) -> Result<u32, LineFault> {
     u32::try_from(index).ok().filter(|&vertex| vertex < count).ok_or_else(|| {
         body.fault(format!(
-            "{} {number} names vertex {index}, but vertices are numbered from 0 to {}: was the file cut off or put together from parts?",
+            "{} {instance} has the vertex index {index}, which is out of range (the file has {}): check whether the file was cut off or joined from parts",
             element.name,
-            count - 1
+            vertices(count as usize)
         ))
     })
 }

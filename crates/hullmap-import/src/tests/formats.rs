@@ -1,4 +1,5 @@
-//! glTF, STL and PLY: the same mesh in every format, other readers' opinion of it, and what is wrong with bad files.
+//! glTF, STL and PLY: one mesh in every format, comparison with other readers, and the errors of
+//! bad files.
 
 use shapes::mesh::Mesh;
 use shapes::{families::Family, gltf, ply, solids, stl};
@@ -10,7 +11,7 @@ use shapes::rng::SplitMix64;
 const WHOLE: ImportOptions = ImportOptions::DEFAULT;
 const OBJECTS: ImportOptions = ImportOptions { split: Split::Object, ..WHOLE };
 
-/// A prism with pentagons, moved so that no coordinate is round.
+/// A pentagonal prism, moved so that no coordinate is an integer.
 fn prism() -> Mesh {
     let mut mesh = solids::extrusion(&solids::regular_polygon(5, 1.0), -0.3, 0.7);
     mesh.vertices.iter_mut().for_each(|v| *v = [v[0] + 0.1, v[1] - 7.3, v[2] * 1.7]);
@@ -30,14 +31,15 @@ fn names(imported: &Imported) -> Vec<&str> {
     imported.point_sets.iter().map(|set| set.name.as_str()).collect()
 }
 
-/// Triangles by position, each from its least corner on, sorted: the same for all ways to number vertices.
+/// Triangles by position, each rotated to start at its lowest corner, sorted. Independent of vertex
+/// indices.
 fn triangles(imported: &Imported) -> Vec<[[u32; 3]; 3]> {
     let mut all = Vec::new();
     for (set, faces) in imported.point_sets.iter().zip(&imported.faces) {
         for corners in faces.triangles(&set.positions) {
             let at = corners.map(|corner| set.positions[corner as usize].map(|x| (x + 0.0).to_bits()));
-            let least = (0..3).min_by_key(|&corner| at[corner]).unwrap();
-            all.push([at[least], at[(least + 1) % 3], at[(least + 2) % 3]]);
+            let lowest = (0..3).min_by_key(|&corner| at[corner]).unwrap();
+            all.push([at[lowest], at[(lowest + 1) % 3], at[(lowest + 2) % 3]]);
         }
     }
     all.sort_unstable();
@@ -53,7 +55,7 @@ fn obj(mesh: &Mesh) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// The prism in every way that a file can hold it.
+/// Files of a mesh in every format and encoding.
 fn files(mesh: &Mesh) -> Vec<(&'static str, Vec<u8>)> {
     let parts = gltf::parts(&[("prism", mesh)], r#"{"mesh":0,"name":"node"}"#, "0");
     vec![
@@ -70,7 +72,7 @@ fn files(mesh: &Mesh) -> Vec<(&'static str, Vec<u8>)> {
 }
 
 #[test]
-fn every_format_holds_the_same_mesh() {
+fn every_format_gives_the_same_mesh() {
     let mesh = prism();
     let expected = triangles(&import_bytes("shape.obj", &obj(&mesh), WHOLE).unwrap());
     assert_eq!(expected.len(), 8 * 2);
@@ -88,9 +90,9 @@ fn every_format_holds_the_same_mesh() {
     }
 }
 
-/// Other people's readers of the same bytes.
+/// Compares with the crates gltf, stl_io and ply-rs-bw.
 #[test]
-fn other_readers_agree() {
+fn independent_readers_agree() {
     let mesh = prism();
     let points = |imported: &Imported| -> Vec<[f32; 3]> {
         let set = &imported.point_sets[0];
@@ -111,7 +113,7 @@ fn other_readers_agree() {
             let positions: Vec<[f32; 3]> = reader.read_positions().unwrap().collect();
             reader.read_indices().unwrap().into_u32().map(|index| positions[index as usize]).collect()
         } else if name == "text.stl" || name == "shape.STL" {
-            // It takes every file that begins with `solid ` for text.
+            // It treats every file that starts with `solid ` as text.
             let read = stl_io::read_stl(&mut std::io::Cursor::new(&bytes)).unwrap();
             let corners = read.faces.iter().flat_map(|face| face.vertices);
             corners.map(|corner| read.vertices[corner]).map(|v| [v[0], v[1], v[2]]).collect()
@@ -134,9 +136,9 @@ fn other_readers_agree() {
 }
 
 #[test]
-fn nodes_are_placed_in_f64_and_named() {
+fn nodes_are_transformed_in_f64_and_named() {
     let mesh = prism();
-    // A mirrored child of a turned parent; the same mesh twice; a node without a name; a nameless root.
+    // A mirrored child of a rotated parent, the same mesh twice, and two nodes without a name.
     let nodes = r#"{"children":[1,2],"rotation":[0,0,0.70710678,0.70710678],"translation":[10,0,0]},
         {"mesh":0,"name":"left","scale":[-2,1,1]},
         {"mesh":0,"matrix":[1,0,0,0, 0,0,1,0, 0,-1,0,0, 5,6,7,1]},
@@ -156,19 +158,23 @@ fn nodes_are_placed_in_f64_and_named() {
     };
     for (number, v) in mesh.vertices.iter().enumerate() {
         let [x, y, z] = v.map(f64::from);
-        // A quarter turn about z after the node's own transform, then ten along x.
+        // A quarter turn about z after the transform of the child, then a translation along x.
         near(imported.point_sets[0].positions[number], [-y + 10.0, -2.0 * x, z]);
         let [x, y, z] = [x + 5.0, -z + 6.0, y + 7.0];
         near(imported.point_sets[1].positions[number], [-y + 10.0, x, z]);
     }
-    // Whatever mirrors, faces wind outwards.
+    // Faces wind outwards even where a transform mirrors.
     for (set, faces) in imported.point_sets.iter().zip(&imported.faces) {
         let faces = faces.triangles(&set.positions).iter().map(|corners| corners.to_vec()).collect();
         let mesh = Mesh { vertices: set.positions.clone(), faces };
         assert!(mesh.signed_volume() > 0.5, "{}", set.name);
     }
-    assert!(imported.notes.iter().any(|note| note.contains("more than once")), "{:?}", imported.notes);
-    // The whole scene is one set.
+    assert!(
+        imported.notes.iter().any(|note| note.contains("repeated instances of a mesh, all included: 1")),
+        "{:?}",
+        imported.notes
+    );
+    // Without a split, the scene is one set.
     assert_eq!(import_bytes("a.glb", &bytes, WHOLE).unwrap().point_sets[0].positions.len(), 28);
 }
 
@@ -183,7 +189,7 @@ fn buffers_beside_the_file_are_read_and_hashed() {
         Err(ReadError::Import(error)) => assert!(error.to_string().contains(expected), "{error}"),
         other => panic!("{other:?}"),
     };
-    error("its buffer data/a b.bin cannot be read");
+    error("buffer data/a b.bin cannot be read");
     std::fs::create_dir(folder.path().join("data")).unwrap();
     let buffer = folder.path().join("data/a b.bin");
     std::fs::write(&buffer, &parts.buffer).unwrap();
@@ -192,7 +198,7 @@ fn buffers_beside_the_file_are_read_and_hashed() {
     let imported = import("a.gltf", "a", &path, &source, &WHOLE, &Limits::DEFAULT).unwrap();
     assert_eq!(imported.point_sets[0].positions, mesh.vertices);
 
-    // Every byte counts; so does a byte that is moved from one file to the other.
+    // Every byte of the buffer changes the hash.
     let mut changed = parts.buffer.clone();
     changed[3] ^= 1;
     std::fs::write(&buffer, &changed).unwrap();
@@ -209,7 +215,7 @@ fn buffers_beside_the_file_are_read_and_hashed() {
     assert!(error.to_string().contains("has 100: it was cut off"), "{error}");
 }
 
-/// A document of one mesh whose accessors and views are these, over a buffer.
+/// GLB file of one mesh with these accessors, views and buffer.
 fn custom(accessors: &str, views: &str, primitive: &str, extra: &str, buffer: &[u8]) -> Vec<u8> {
     let json = format!(
         r#"{{"asset":{{"version":"2.0"}},{extra}"nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{primitive}]}}],"accessors":[{accessors}],"bufferViews":[{views}],"buffers":[{{"byteLength":{}}}]}}"#,
@@ -219,7 +225,7 @@ fn custom(accessors: &str, views: &str, primitive: &str, extra: &str, buffer: &[
 }
 
 #[test]
-fn accessors_of_all_kinds() {
+fn interleaved_sparse_and_quantized_accessors() {
     let point = r#"{"attributes":{"POSITION":0},"mode":0}"#;
     let positions = |accessor: &str, views: &str, buffer: &[u8]| {
         let bytes = custom(accessor, views, point, "", buffer);
@@ -230,7 +236,7 @@ fn accessors_of_all_kinds() {
     let view = r#"{"buffer":0,"byteLength":32,"byteStride":16}"#;
     let accessor = r#"{"bufferView":0,"byteOffset":4,"componentType":5126,"type":"VEC3","count":2}"#;
     assert_eq!(positions(accessor, view, &floats).unwrap(), [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
-    // Zeros with one element replaced: no view of its own.
+    // A sparse accessor without a buffer view: zeros, and one replacement.
     let sparse = r#"{"componentType":5126,"type":"VEC3","count":3,"sparse":{"count":1,
         "indices":{"bufferView":0,"componentType":5123},"values":{"bufferView":1}}}"#;
     let mut buffer = vec![1, 0, 0, 0];
@@ -241,7 +247,7 @@ fn accessors_of_all_kinds() {
         let error = positions(&sparse.replace(from, to), &views.replace(from, to), &buffer).unwrap_err().to_string();
         assert!(error.contains("accessor 0"), "{error}");
     }
-    // Quantized: shorts, normalized and not.
+    // Quantized positions: shorts, normalized or not.
     let shorts: Vec<u8> = [32767_i16, -32768, 0, 0].iter().flat_map(|x| x.to_le_bytes()).collect();
     let short = r#"{"bufferView":0,"componentType":5122,"type":"VEC3","count":1}"#;
     let view = r#"{"buffer":0,"byteLength":8}"#;
@@ -256,7 +262,7 @@ fn accessors_of_all_kinds() {
 }
 
 #[test]
-fn primitives_of_all_modes() {
+fn primitives_of_every_mode() {
     let floats: Vec<u8> = (0..15).flat_map(|x| (x as f32 * x as f32).to_le_bytes()).collect();
     let accessor = r#"{"bufferView":0,"componentType":5126,"type":"VEC3","count":5}"#;
     let view = r#"{"buffer":0,"byteLength":60}"#;
@@ -280,7 +286,7 @@ fn primitives_of_all_modes() {
 }
 
 #[test]
-fn what_is_wrong_with_gltf_is_said() {
+fn gltf_errors_are_reported() {
     let mesh = prism();
     let good = gltf::parts(&[("prism", &mesh)], r#"{"mesh":0,"name":"crate"}"#, "0");
     let change = |from: &str, to: &str| {
@@ -297,11 +303,11 @@ fn what_is_wrong_with_gltf_is_said() {
     assert!(import_bytes("a.glb", &fine, WHOLE).is_ok());
     for (from, to, expected) in [
         ("\"2.0\"", "\"1.0\"", "glTF version 1.0; expected 2.0"),
-        ("\"scene\":0", "\"scene\":3", "scene 3 does not exist"),
-        ("\"nodes\":[0]", "\"nodes\":[7]", "node 7 does not exist"),
+        ("\"scene\":0", "\"scene\":3", "scene index 3 is out of range (the file has 1 scenes)"),
+        ("\"nodes\":[0]", "\"nodes\":[7]", "node index 7 is out of range"),
         ("\"nodes\":[0]", "\"nodes\":[0,0]", "node 0 (crate) has two parents"),
-        ("\"mesh\":0", "\"mesh\":0,\"children\":[0]", "node 0 (crate) has two parents, or is its own ancestor"),
-        ("\"mesh\":0", "\"mesh\":9", "node 0 (crate) shows mesh 9"),
+        ("\"mesh\":0", "\"mesh\":0,\"children\":[0]", "node 0 (crate) has two parents or is its own ancestor"),
+        ("\"mesh\":0", "\"mesh\":9", "node 0 (crate) has the mesh index 9, which is out of range"),
         ("\"mesh\":0", "\"scale\":[1e308,1e308,1e308],\"mesh\":0", "vertex"),
         ("\"mesh\":0", "\"scale\":[1e40,1,1],\"mesh\":0", "too large for 32-bit floats"),
         ("\"mesh\":0", "\"matrix\":[1,0,0,0.5,0,1,0,0,0,0,1,0,0,0,0,1],\"mesh\":0", "last row"),
@@ -309,20 +315,20 @@ fn what_is_wrong_with_gltf_is_said() {
         ("\"mesh\":0,", "", "the scene shows no vertices"),
         ("\"POSITION\":0", "\"POSITION\":1", "accessor 1 is not of type Vec3"),
         ("\"POSITION\":0", "\"POSITION\":8", "accessor 8 does not exist"),
-        ("\"POSITION\":0", "\"POSITION\":-8", "no glTF document"),
-        ("\"count\":10", "\"count\":11", "has 11 elements, which its buffer view has not"),
+        ("\"POSITION\":0", "\"POSITION\":-8", "not a glTF document"),
+        ("\"count\":10", "\"count\":11", "has 11 elements, more than its buffer view holds"),
         ("\"count\":10", "\"count\":9", "corner"),
-        ("\"componentType\":5125", "\"componentType\":5126", "vertex numbers of the component type 5126"),
+        ("\"componentType\":5125", "\"componentType\":5126", "vertex indices of component type 5126"),
         ("\"componentType\":5126", "\"componentType\":7", "unknown component type 7"),
         ("\"byteOffset\":0", "\"byteOffset\":18446744073709551615", "buffer view 0"),
         ("\"bufferView\":0", "\"bufferView\":5", "buffer view 5, which does not exist"),
         ("\"asset\"", "\"nothing\"", "missing field `asset`"),
-        ("{\"asset\"", "[{\"asset\"", "no glTF document"),
+        ("{\"asset\"", "[{\"asset\"", "not a glTF document"),
     ] {
         fails("a.glb", &change(from, to), expected);
     }
     let text = good.text("data:;base64,%%%").replace(",\"nodes\"", ",\n\"nodes\"");
-    fails("a.gltf", text.as_bytes(), "buffer 0 is no base64");
+    fails("a.gltf", text.as_bytes(), "buffer 0 has invalid base64");
     fails("a.gltf", good.text("../up.bin").as_bytes(), "buffer 0 has the URI `../up.bin`");
     fails("a.gltf", good.text("beside.bin").as_bytes(), "buffer 0 (beside.bin) is missing");
     let wrong = import_bytes("a.gltf", b"{\"asset\":{\"version\":\"2.0\"},\n\"scene\":x}", WHOLE).unwrap_err();
@@ -342,7 +348,7 @@ fn what_is_wrong_with_gltf_is_said() {
 }
 
 #[test]
-fn stl_of_every_make() {
+fn stl_variants_and_errors() {
     let mesh = prism();
     let text = stl::text(&[("one", &mesh), ("two words", &mesh), ("one", &mesh)]);
     let imported = import_bytes("a.stl", text.as_bytes(), OBJECTS).unwrap();
@@ -356,7 +362,7 @@ fn stl_of_every_make() {
     ] {
         assert_eq!(import_bytes("a.stl", text.trim_start().as_bytes(), OBJECTS).unwrap().point_count(), 30);
     }
-    // Digits of f64 in a text are kept where they are wanted.
+    // With --recentre, text coordinates are read as f64.
     let far = "solid x\nfacet normal 0 0 1 outer loop\nvertex 1000000.001 0 0 vertex 1000000.002 0 0\nvertex 1000000.003 1 0\nendloop endfacet endsolid";
     let recentred = ImportOptions { recentre: true, ..WHOLE };
     let imported = import_bytes("a.stl", far.as_bytes(), recentred).unwrap();
@@ -366,18 +372,21 @@ fn stl_of_every_make() {
     let binary = stl::binary(&mesh, "solid");
     for (bytes, expected) in [
         (&b"  "[..], "the file is empty"),
-        (b"mesh", "4 bytes are neither an STL text"),
-        (&binary[..200], "claims 16 triangles, 884 bytes, but the file has 200"),
-        (&stl::binary(&Mesh::default(), "x"), "no triangle found"),
+        (b"mesh", "4 bytes are neither STL text"),
+        (&binary[..200], "claims 16 triangles (884 bytes), but the file has 200"),
+        (&stl::binary(&Mesh::default(), "x"), "no triangles found"),
         (
             b"solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0\nendloop",
             "a.stl:6: coordinate `endloop`",
         ),
-        (b"solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nendloop", "a.stl:5: a facet has 1 of its 3 vertices"),
-        (b"solid x\nfacet normal 0 0 1\nouter lop", "a.stl:3: `lop`, where `loop` is expected"),
-        (b"solid x\nfacet normal 0 0", "the file ends where the normal's three numbers"),
-        (b"solid x\nfacets\nendsolid", "a.stl:2: `facets`, where `facet`"),
-        (b"solid x\nendsolid x", "no triangle found"),
+        (
+            b"solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nendloop",
+            "a.stl:5: a facet has 1 vertex; expected 3",
+        ),
+        (b"solid x\nfacet normal 0 0 1\nouter lop", "a.stl:3: found `lop`; expected `loop`"),
+        (b"solid x\nfacet normal 0 0", "the file ends; expected one of the three numbers of a normal"),
+        (b"solid x\nfacets\nendsolid", "a.stl:2: found `facets`; expected `facet`"),
+        (b"solid x\nendsolid x", "no triangles found"),
     ] {
         fails("a.stl", bytes, expected);
     }
@@ -385,11 +394,11 @@ fn stl_of_every_make() {
     nan[84 + 50 + 12 + 12..][..4].copy_from_slice(&f32::NAN.to_le_bytes());
     fails("a.stl", &nan, "corner 1 of triangle 1 has the coordinate NaN");
     let longer = [&binary[..], &[0; 7]].concat();
-    assert!(import_bytes("a.stl", &longer, WHOLE).unwrap().warnings[0].contains("7 bytes behind the 16 triangles"));
+    assert!(import_bytes("a.stl", &longer, WHOLE).unwrap().warnings[0].contains("7 bytes after the 16 triangles"));
 }
 
 #[test]
-fn ply_of_every_make() {
+fn ply_variants_and_errors() {
     let header = |body: &str| format!("ply\nformat ascii 1.0\n{body}");
     let vertices = "element vertex 4\nproperty double x\nproperty double y\nproperty double z\n";
     let points = "0 0 0\n1 0 0\n0 1 0\n0 0 1.00000001\n";
@@ -405,14 +414,14 @@ fn ply_of_every_make() {
     assert_eq!(imported.point_sets[0].source_vertices, [1, 3]);
     let cloud = header(&format!("{vertices}end_header\n{points}"));
     assert_eq!(import_bytes("a.ply", cloud.as_bytes(), WHOLE).unwrap().point_count(), 4);
-    // Faces without corners reference nothing, so that the file is a cloud too.
+    // Faces without corners reference nothing, so the file is a point cloud.
     let empty_faces = "element face 2\nproperty list uchar int vertex_index\n";
     let hollow = header(&format!("{vertices}{empty_faces}end_header\n{points}0\n0\n"));
     for split in [Split::None, Split::Object, Split::Auto] {
         let imported = import_bytes("a.ply", hollow.as_bytes(), ImportOptions { split, ..WHOLE }).unwrap();
         assert_eq!((imported.point_sets.len(), imported.point_count()), (1, 4));
     }
-    // Doubles are rounded once, after they were moved.
+    // Doubles are moved first, then rounded once.
     let recentred = ImportOptions { recentre: true, ..WHOLE };
     let imported = import_bytes("a.ply", cloud.as_bytes(), recentred).unwrap();
     assert_eq!(imported.point_sets[0].positions[3][2], (1.00000001_f64 - 1.00000001 / 2.0) as f32);
@@ -424,23 +433,26 @@ fn ply_of_every_make() {
         ("plywood\n".to_owned(), "a.ply:1: the first line is not `ply`"),
         (header("element vertex 1"), "no `end_header`"),
         ("ply\nend_header\n".to_owned(), "no `format` line"),
-        (header("format ascii 2.0\n"), "a.ply:3: `format ascii 2.0`, where version 1.0"),
-        (header("property int x\n"), "a.ply:3: `property int x`, where an `element`"),
+        (header("format ascii 2.0\n"), "a.ply:3: found `format ascii 2.0`; expected version 1.0"),
+        (header("property int x\n"), "a.ply:3: found `property int x`; expected an `element`"),
         (header("element vertex many\n"), "a.ply:3: "),
         (header("element vertex 1\nproperty real x\n"), "a.ply:4: "),
         (header("end_header\n"), "no `element vertex`"),
         (header("element vertex 0\nend_header\n"), "no vertices"),
         (header("element vertex 1\nproperty float x\nend_header\n1"), "no number `y`"),
-        (cloud.replace("vertex 4", "vertex 5"), "the file ends in vertex 4 of the 5"),
-        (cloud.replace("vertex 4", "vertex 1000000000"), "1000000000 vertices of less than 6 bytes each"),
+        (cloud.replace("vertex 4", "vertex 5"), "the file ends within vertex 4 of the 5"),
+        (
+            cloud.replace("vertex 4", "vertex 1000000000"),
+            "claims 1000000000 vertices, and each takes less than 6 bytes",
+        ),
         (cloud.replace("1 0 0", "1 x 0"), "a.ply:9: coordinate `x` is not a number"),
         (cloud.replace("1 0 0", "1 nan 0"), "a.ply:9: coordinate `nan`"),
         (
             header(&format!("{vertices}{faces}end_header\n{points}3 0 1 4\n")),
-            "face 0 names vertex 4, but vertices are numbered from 0 to 3",
+            "face 0 has the vertex index 4, which is out of range (the file has 4 vertices)",
         ),
-        (header(&format!("{vertices}{faces}end_header\n{points}3 0 1 -1\n")), "face 0 names vertex -1"),
-        (header(&format!("{vertices}{faces}end_header\n{points}9 0 1 2\n")), "face 0 has a list of 9 numbers"),
+        (header(&format!("{vertices}{faces}end_header\n{points}3 0 1 -1\n")), "face 0 has the vertex index -1"),
+        (header(&format!("{vertices}{faces}end_header\n{points}9 0 1 2\n")), "face 0 claims a list of 9 numbers"),
     ] {
         fails("a.ply", text.as_bytes(), expected);
     }
@@ -456,9 +468,9 @@ fn ply_of_every_make() {
     }
 }
 
-/// The numbers of a face were compared with the first list's length, and looked up in the last one.
+/// Face indices were compared with the length of the first list, but used with the last one.
 #[test]
-fn two_lists_of_vertices_are_refused() {
+fn two_vertex_elements_are_rejected() {
     let list = |count: usize| format!("element vertex {count}\nproperty float x\nproperty float y\nproperty float z\n");
     let faces = "element face 1\nproperty list uchar int vertex_index\n";
     for [first, second] in [[3, 1], [1, 3], [3, 0]] {
@@ -469,12 +481,12 @@ fn two_lists_of_vertices_are_refused() {
     }
 }
 
-/// Whatever is done to a file, it is read or refused in words: nothing panics, nothing that is not finite comes out.
+/// A damaged file imports with finite points, or fails with an error. Nothing panics.
 #[test]
-fn damaged_files_are_refused_or_read() {
+fn damaged_files_import_or_fail_with_an_error() {
     const SEED: u64 = 23;
     let mut random = SplitMix64::new(SEED);
-    let (mut read_count, mut refused_count) = (0, 0);
+    let (mut read_count, mut rejected_count) = (0, 0);
     let files = files(&prism());
     for round in 0..6000 {
         let (name, bytes) = &files[round % files.len()];
@@ -505,16 +517,16 @@ fn damaged_files_are_refused_or_read() {
                 }
             }
             Err(error) => {
-                refused_count += 1;
+                rejected_count += 1;
                 assert!(error.to_string().len() < 500, "seed {SEED}, round {round}: {error}");
             }
         }
     }
-    println!("{read_count} read, {refused_count} refused");
-    assert!(read_count > 500 && refused_count > 1000, "{read_count} read, {refused_count} refused: they say little");
+    println!("{read_count} read, {rejected_count} rejected");
+    assert!(read_count > 500 && rejected_count > 1000, "only {read_count} read and {rejected_count} rejected");
 }
 
-/// Convex meshes go through unchanged, in every format and by every name that artists give.
+/// Convex meshes keep their vertices in every format, and as collision parts.
 #[test]
 fn convex_meshes_keep_their_vertices() {
     let ball: Vec<[f32; 3]> = Family::Sphere.points(200, 3);
@@ -536,7 +548,7 @@ fn convex_meshes_keep_their_vertices() {
 }
 
 #[test]
-fn auto_takes_what_artists_mark() {
+fn auto_selects_collision_parts() {
     let auto = ImportOptions { split: Split::Auto, ..WHOLE };
     let mesh = prism();
     let nodes = r#"{"mesh":0,"name":"Crate"},{"mesh":0,"name":"Crate-convcolonly"},{"mesh":0,"name":"UCX_Crate_01"}"#;
@@ -557,8 +569,12 @@ fn auto_takes_what_artists_mark() {
     let imported = import_bytes("a.obj", coacd.as_bytes(), auto).unwrap();
     assert_eq!(names(&imported), ["convex_0", "convex_1", "convex_2"]);
     assert_eq!(imported.faces[2].triangles(&imported.point_sets[2].positions), [[0, 1, 2]]);
-    // Nothing marked: as `none`.
+    // Without such names, the same as --split none.
     let imported = import_bytes("a.obj", coacd.replace("convex_", "part_").as_bytes(), auto).unwrap();
     assert_eq!(names(&imported), ["shape"]);
-    assert!(imported.notes.iter().any(|note| note.contains("no names of collision parts")), "{:?}", imported.notes);
+    assert!(
+        imported.notes.iter().any(|note| note.contains("no object has the name of a collision part")),
+        "{:?}",
+        imported.notes
+    );
 }

@@ -1,0 +1,373 @@
+//! glTF 2.0: the nodes, meshes and primitives of a scene, read into a source mesh.
+
+use std::collections::HashMap;
+
+use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
+
+use super::accessor::{AccessorReader, Data};
+use super::container::remedy;
+use super::document::{Document, Kind, Node, Primitive};
+use crate::fault::{Fault, excerpt};
+use crate::limits::Limits;
+use crate::mesh::{Polygons, Positions, SourceMesh};
+
+/// Primitive modes, as OpenGL numbers them. Lower modes are points and lines.
+const TRIANGLES: u32 = 4;
+const TRIANGLE_STRIP: u32 = 5;
+const TRIANGLE_FAN: u32 = 6;
+
+/// Bytes of the file that a vertex, a corner, and a corner of a strip or fan should have taken: at
+/// least their size as shorts, and enough for the memory that they take.
+const VERTEX_BYTES: usize = 8;
+const CORNER_BYTES: usize = 2;
+const STRIP_CORNER_BYTES: usize = 4;
+
+/// Bytes of the file that a primitive should have taken: at least `{},`.
+const PRIMITIVE_BYTES: usize = 3;
+
+/// Reads a scene, node by node.
+pub struct SceneReader<'a> {
+    data: Data<'a>,
+    limits: &'a Limits,
+    positions: Vec<[f64; 3]>,
+    mesh: SourceMesh,
+    /// For each mesh whether a node references it.
+    is_shown: Vec<bool>,
+    /// Bytes of the file that no vertex, corner, primitive or name has claimed yet.
+    unclaimed_bytes: usize,
+    /// Number of vertices, corners, primitives and bytes of names beyond those that the file spells
+    /// out.
+    repeated_count: usize,
+    object_count: usize,
+    /// Number of nodes with a skin and primitives with morph targets.
+    deformed_count: usize,
+}
+
+impl<'a> SceneReader<'a> {
+    /// A reader of the document's default scene. `byte_count` is the size of the file with its
+    /// buffers.
+    pub fn new(data: Data<'a>, byte_count: usize, limits: &'a Limits) -> Self {
+        Self {
+            limits,
+            positions: Vec::new(),
+            mesh: SourceMesh::new(Positions::Double(Vec::new()), Polygons::default()),
+            is_shown: vec![false; data.document.meshes.len()],
+            unclaimed_bytes: byte_count,
+            repeated_count: 0,
+            object_count: 0,
+            deformed_count: 0,
+            data,
+        }
+    }
+
+    /// Reads the scene.
+    ///
+    /// # Errors
+    /// The first fault, with its node, mesh or accessor; or more repetition than the limit.
+    ///
+    /// # Complexity
+    /// O(bytes + repetition).
+    pub fn read(mut self) -> Result<SourceMesh, Fault> {
+        if self.data.document.nodes.is_empty() {
+            // A library of meshes without a scene.
+            for (index, mesh) in self.data.document.meshes.iter().enumerate() {
+                let name = mesh.name.as_deref().unwrap_or_default();
+                self.add_mesh(name, &format!("mesh {index}"), index as u32, DAffine3::IDENTITY)?;
+            }
+        } else {
+            self.add_nodes()?;
+        }
+        self.finish()
+    }
+
+    /// Visits the nodes depth first. Not recursive, since a chain of nodes can be as long as the
+    /// list.
+    fn add_nodes(&mut self) -> Result<(), Fault> {
+        let document = self.data.document;
+        let nodes = &document.nodes;
+        let mut is_visited = vec![false; nodes.len()];
+        let mut stack: Vec<(u32, DAffine3)> =
+            roots(document)?.into_iter().rev().map(|root| (root, DAffine3::IDENTITY)).collect();
+        while let Some((index, parent)) = stack.pop() {
+            let (Some(node), Some(is_visited)) = (nodes.get(index as usize), is_visited.get_mut(index as usize)) else {
+                let count = nodes.len();
+                return Err(Fault::format(format!(
+                    "node index {index} is out of range (the file has {count} nodes); export the file again"
+                )));
+            };
+            let label = || format!("node {index}{}", quoted(node.name.as_deref()));
+            if std::mem::replace(is_visited, true) {
+                return Err(Fault::format(format!(
+                    "{} has two parents or is its own ancestor; expected a tree: export the file again",
+                    label()
+                )));
+            }
+            let transform = parent * local(node).map_err(|text| Fault::format(format!("{} {text}", label())))?;
+            if let Some(mesh) = node.mesh {
+                let record = document.meshes.get(mesh as usize);
+                let name = node.name.as_deref().filter(|name| !name.is_empty());
+                let name = name.or(record.and_then(|record| record.name.as_deref())).unwrap_or_default();
+                self.deformed_count += usize::from(node.skin.is_some());
+                self.add_mesh(name, &label(), mesh, transform)?;
+            }
+            stack.extend(node.children.iter().rev().map(|&child| (child, transform)));
+        }
+        Ok(())
+    }
+
+    /// Adds a mesh as an object. `label` names its node in messages.
+    fn add_mesh(&mut self, name: &str, label: &str, mesh_index: u32, transform: DAffine3) -> Result<(), Fault> {
+        let document = self.data.document;
+        let slot = mesh_index as usize;
+        let (Some(record), Some(is_shown)) = (document.meshes.get(slot), self.is_shown.get_mut(slot)) else {
+            return Err(Fault::format(format!(
+                "{label} has the mesh index {mesh_index}, which is out of range (the file has {} meshes); export the file again",
+                document.meshes.len()
+            )));
+        };
+        *is_shown = true;
+        // Many nodes may take the one name of a long-named mesh, and visit its many primitives,
+        // however short they are.
+        self.claim(name.len(), 1)?;
+        self.claim(record.primitives.len(), PRIMITIVE_BYTES)?;
+        self.begin_object(name);
+        // First vertex and vertex count of each accessor that this node has read.
+        let mut known: HashMap<u32, (u32, usize)> = HashMap::new();
+        for primitive in record.primitives.iter() {
+            self.deformed_count += usize::from(primitive.targets.is_some());
+            // By the specification, a primitive without positions is not drawn.
+            let Some(accessor) = primitive.attributes.position else {
+                continue;
+            };
+            let within = |fault: Fault| match fault {
+                Fault::Format(text) => Fault::Format(format!("{label}, mesh {mesh_index}: {text}")),
+                other => other,
+            };
+            let vertices = match known.get(&accessor) {
+                Some(&vertices) => vertices,
+                None => self.add_vertices(primitive, accessor, transform).map_err(within)?,
+            };
+            known.insert(accessor, vertices);
+            self.add_elements(primitive, vertices, transform).map_err(within)?;
+        }
+        Ok(())
+    }
+
+    fn begin_object(&mut self, name: &str) {
+        self.object_count += 1;
+        if self.object_count == 1 {
+            if let Some(first) = self.mesh.objects.first_mut() {
+                first.name = name.to_owned();
+            }
+            return;
+        }
+        // The limit counts objects, and here the first one is an object like the others.
+        if self.mesh.objects.len() >= self.limits.objects {
+            self.mesh.has_too_many_objects = true;
+            return;
+        }
+        self.mesh.begin_object(name.to_owned(), self.limits.objects);
+        if let Some(object) = self.mesh.objects.last_mut() {
+            object.first_vertex = self.positions.len() as u32;
+        }
+    }
+
+    /// Accounts for `count` items, each of which should have taken `bytes_each` bytes of the file.
+    ///
+    /// Instances, accessors that share bytes, and accessors without bytes claim more than the file
+    /// has.
+    fn claim(&mut self, count: usize, bytes_each: usize) -> Result<(), Fault> {
+        let spelt_out = count.min(self.unclaimed_bytes / bytes_each);
+        self.unclaimed_bytes -= spelt_out * bytes_each;
+        self.repeated_count += count - spelt_out;
+        if self.repeated_count > self.limits.repeated_vertices {
+            return Err(Fault::format(format!(
+                "the file repeats more than {} vertices and corners, by instances or as zeros; bake the meshes separately, or raise --max-instanced",
+                self.limits.repeated_vertices
+            )));
+        }
+        Ok(())
+    }
+
+    /// Adds the vertices of an accessor, and returns the index of the first one and their count.
+    fn add_vertices(
+        &mut self,
+        primitive: &Primitive,
+        accessor: u32,
+        transform: DAffine3,
+    ) -> Result<(u32, usize), Fault> {
+        let elements = self.data.accessor(accessor, Kind::Vec3)?;
+        if primitive.extensions.draco.is_some() && elements.has_no_bytes() {
+            let name = "KHR_draco_mesh_compression";
+            return Err(Fault::format(format!("the mesh is compressed by {name}; {}", remedy(name))));
+        }
+        let first = self.positions.len();
+        if first + elements.count > (u32::MAX - 1) as usize {
+            return Err(Fault::TooManyVertices);
+        }
+        self.claim(elements.count, VERTEX_BYTES)?;
+        self.positions.reserve(elements.count);
+        for at in 0..elements.count {
+            let position = elements.position(at)?;
+            let placed = if transform == DAffine3::IDENTITY {
+                position
+            } else {
+                transform.transform_point3(DVec3::from_array(position)).to_array()
+            };
+            if !placed.iter().all(|x| x.is_finite()) {
+                return Err(Fault::format(format!(
+                    "vertex {at} is at {position:?}, and at {placed:?} in the scene, but a hull requires finite points: repair the mesh in its editor"
+                )));
+            }
+            self.positions.push(placed);
+        }
+        Ok((first as u32, elements.count))
+    }
+
+    fn add_elements(
+        &mut self,
+        primitive: &Primitive,
+        (first, vertex_count): (u32, usize),
+        transform: DAffine3,
+    ) -> Result<(), Fault> {
+        let indices = primitive.indices.map(|index| self.data.accessor(index, Kind::Scalar)).transpose()?;
+        let count = indices.as_ref().map_or(vertex_count, |indices| indices.count);
+        let mode = primitive.mode.unwrap_or(TRIANGLES);
+        self.claim(count, if mode > TRIANGLES { STRIP_CORNER_BYTES } else { CORNER_BYTES })?;
+        let corner = |at| corner(indices.as_ref(), at, first, vertex_count);
+        let is_mirrored = transform.matrix3.determinant() < 0.0;
+        let faces = &mut self.mesh.faces;
+        let mut triangle = |a: u32, b: u32, c: u32| faces.push(&if is_mirrored { [b, a, c] } else { [a, b, c] });
+        match mode {
+            TRIANGLES => {
+                for start in (0..count / 3).map(|index| 3 * index) {
+                    triangle(corner(start)?, corner(start + 1)?, corner(start + 2)?);
+                }
+            }
+            TRIANGLE_STRIP => {
+                for start in 0..count.saturating_sub(2) {
+                    let (a, b, c) = (corner(start)?, corner(start + 1)?, corner(start + 2)?);
+                    if start % 2 == 0 { triangle(a, b, c) } else { triangle(b, a, c) }
+                }
+            }
+            TRIANGLE_FAN => {
+                for start in 1..count.saturating_sub(1) {
+                    triangle(corner(0)?, corner(start)?, corner(start + 1)?);
+                }
+            }
+            0..TRIANGLES => {
+                for at in 0..count {
+                    self.mesh.loose.push(corner(at)?);
+                }
+            }
+            mode => {
+                return Err(Fault::format(format!("a primitive has the unknown mode {mode}; export the file again")));
+            }
+        }
+        if self.mesh.faces.corners.len() > u32::MAX as usize || self.mesh.loose.len() > u32::MAX as usize {
+            return Err(Fault::TooManyReferences);
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> Result<SourceMesh, Fault> {
+        let Self { data, positions, mut mesh, is_shown, object_count, deformed_count, .. } = self;
+        let document = data.document;
+        if positions.is_empty() {
+            let nodes = document.nodes.len();
+            let meshes = document.meshes.len();
+            return Err(Fault::format(format!(
+                "the scene shows no vertices ({nodes} nodes, {meshes} meshes), but a hull requires at least one point: check that the objects were visible on export"
+            )));
+        }
+        mesh.positions = Positions::Double(positions);
+        // Exporters write a vertex once for each normal or texture coordinate that it has.
+        mesh.may_share_vertices = false;
+        let unseen = is_shown.iter().filter(|&&is| !is).count();
+        if unseen > 0 {
+            mesh.notes.push(format!("meshes outside the scene, left out: {unseen}"));
+        }
+        let repeats = object_count - (is_shown.len() - unseen);
+        if repeats > 0 {
+            mesh.notes.push(format!("repeated instances of a mesh, all included: {repeats}"));
+        }
+        if deformed_count > 0 {
+            mesh.notes.push(format!("skins and morph targets, left at rest: {deformed_count}"));
+        }
+        if let Some(name) = document.extensions_used.iter().find(|name| *name == "EXT_mesh_gpu_instancing") {
+            mesh.warnings
+                .push(format!("{name} is not supported, so only one instance of the mesh is baked; {}", remedy(name)));
+        }
+        Ok(mesh)
+    }
+}
+
+/// Vertex index in the scene of corner `at` of a primitive.
+fn corner(indices: Option<&AccessorReader>, at: usize, first: u32, vertex_count: usize) -> Result<u32, Fault> {
+    let index = match indices {
+        Some(indices) => indices.index(at)?,
+        None => at as u32,
+    };
+    if index as usize >= vertex_count {
+        return Err(Fault::format(format!(
+            "corner {at} has the vertex index {index}, which is out of range (the primitive has {}); export the file again",
+            crate::fault::vertices(vertex_count)
+        )));
+    }
+    Ok(first + index)
+}
+
+/// Root nodes of the default scene.
+fn roots(document: &Document) -> Result<Vec<u32>, Fault> {
+    let index = document.scene.unwrap_or(0);
+    match document.scenes.get(index as usize) {
+        Some(scene) => Ok(scene.nodes.to_vec()),
+        None if document.scene.is_some() => {
+            let count = document.scenes.len();
+            Err(Fault::format(format!(
+                "scene index {index} is out of range (the file has {count} scenes); export the file again"
+            )))
+        }
+        None => {
+            let mut has_parent = vec![false; document.nodes.len()];
+            for &child in document.nodes.iter().flat_map(|node| node.children.iter()) {
+                if let Some(has) = has_parent.get_mut(child as usize) {
+                    *has = true;
+                }
+            }
+            Ok((0..).zip(has_parent).filter(|(_, has_parent)| !has_parent).map(|(node, _)| node).collect())
+        }
+    }
+}
+
+/// Transform of a node, from its own frame to its parent's.
+fn local(node: &Node) -> Result<DAffine3, String> {
+    let transform = match &node.matrix {
+        Some(matrix) => {
+            let matrix = DMat4::from_cols_array(matrix);
+            if matrix.row(3) != DVec4::W {
+                return Err(
+                    "has a matrix whose last row is not 0 0 0 1; expected translation, rotation and scale".to_owned()
+                );
+            }
+            DAffine3::from_mat4(matrix)
+        }
+        None => {
+            let scale = DVec3::from_array(node.scale.unwrap_or([1.0; 3]));
+            let translation = DVec3::from_array(node.translation.unwrap_or_default());
+            let rotation = match node.rotation {
+                None => DQuat::IDENTITY,
+                // Files give about seven digits. Without this, parts would shrink with their depth
+                // in the tree.
+                Some(rotation) => DQuat::from_array(rotation).normalize(),
+            };
+            DAffine3::from_scale_rotation_translation(scale, rotation, translation)
+        }
+    };
+    if transform.is_finite() { Ok(transform) } else { Err("has a transform that is not finite: correct it".to_owned()) }
+}
+
+/// A name in parentheses, for messages.
+fn quoted(name: Option<&str>) -> String {
+    name.map_or(String::new(), |name| format!(" ({})", excerpt(name)))
+}
