@@ -1,15 +1,14 @@
-//! The calls into the baking crate, all of them.
+//! All calls into the baking crate, `hullmap-bake`.
 
 use std::borrow::Cow;
 
-use hullmap_bake::decompose::{self, Fill, Parameters, decompose};
+use hullmap_bake::decompose::{self, Parameters, decompose};
 use hullmap_bake::hull::Hull;
-use hullmap_bake::simplify::Limit;
-use hullmap_bake::{BakedHull, IndexKind, PointSet, SourceRecord, bake_hull, bake_simplified_hull, write_pack};
+use hullmap_bake::{BakedHull, IndexChoice, PointSet, SourceRecord, bake_hull, bake_simplified_hull, write_pack};
 use rayon::prelude::*;
 
-use crate::advice::{self, HullFacts, Remark};
-use crate::options::{self, BuildOptions, DecomposeOptions, Simplify};
+use crate::advice::{self, HullMeasures, Remark};
+use crate::options::BuildOptions;
 
 /// A pack in memory.
 #[derive(Clone, Debug, Default)]
@@ -18,11 +17,11 @@ pub struct BakedPack {
     pub bytes: Vec<u8>,
     /// Rank of each hull.
     pub ranks: Vec<u32>,
-    /// Vertices over all hulls.
+    /// Number of vertices, over all hulls.
     pub vertex_count: usize,
-    /// What the user may want to know of the bake.
+    /// Findings of interest.
     pub notes: Vec<String>,
-    /// What the user should look at.
+    /// Findings to act on.
     pub warnings: Vec<String>,
 }
 
@@ -31,21 +30,23 @@ pub struct BakedPack {
 pub struct Part<'a> {
     /// The points.
     pub points: Cow<'a, PointSet>,
-    /// Number among the parts of its set, from 0; 0 for a whole set.
+    /// Index among the parts of its set; 0 for a whole set.
     pub number: u32,
-    /// The set, by its place in the source.
+    /// Index of the set in the source.
     pub set: usize,
 }
 
-/// The hulls that point sets become: themselves, or their parts. A function of the sets and the options, whatever the threads: so
-/// `bake verify` knows the truth about each part.
+/// The points of each hull that point sets become: the sets themselves, or their convex parts.
+///
+/// The result depends on the sets and the parameters only, so that `bake verify` can compute it
+/// again.
 ///
 /// # Errors
-/// The first set, in their order, that has no hull, by name.
-pub fn parts<'a>(point_sets: &'a [PointSet], parameters: Option<&DecomposeOptions>) -> Result<Vec<Part<'a>>, String> {
+/// A point set has no hull; the error names the first one.
+pub fn parts<'a>(point_sets: &'a [PointSet], parameters: Option<&Parameters>) -> Result<Vec<Part<'a>>, String> {
     let cut: Vec<_> = point_sets
         .par_iter()
-        .map(|points| parameters.map_or(Ok(None), |parameters| decompose(points, &vhacd(parameters))))
+        .map(|points| parameters.map_or(Ok(None), |parameters| decompose(points, parameters)))
         .collect();
     let mut parts = Vec::with_capacity(point_sets.len());
     for (set, (found, points)) in cut.into_iter().zip(point_sets).enumerate() {
@@ -60,20 +61,17 @@ pub fn parts<'a>(point_sets: &'a [PointSet], parameters: Option<&DecomposeOption
     Ok(parts)
 }
 
-/// Builds, certifies and indexes a hull of each point set, or of each of its parts, and puts them into one pack.
+/// Builds, certifies and indexes a hull of each point set, or of each of its parts, and writes them
+/// into one pack.
 ///
 /// # Errors
-/// The first hull, in their order, that could not be baked, by name.
+/// A hull could not be baked; the error names the first one.
 pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &SourceRecord) -> Result<BakedPack, String> {
-    let parts = parts(point_sets, options.decompose.as_ref())?;
-    let limit = match options.simplify {
-        Simplify::None => None,
-        Simplify::MaxVertices(most) => Some(Limit::Vertices(most as usize)),
-        Simplify::MaxError(distance) => Some(Limit::Distance(distance)),
-    };
-    let bake = |part: &Part| match limit {
-        None => bake_hull(&part.points, options.index),
-        Some(limit) => bake_simplified_hull(&part.points, limit, options.index),
+    let (decompose, index) = (options.decompose(), options.index());
+    let parts = parts(point_sets, decompose.as_ref())?;
+    let bake = |part: &Part| match options.simplify() {
+        None => bake_hull(&part.points, index),
+        Some(limit) => bake_simplified_hull(&part.points, limit, index),
     };
     let baked: Vec<_> = parts.par_iter().map(bake).collect();
     let mut hulls = Vec::with_capacity(baked.len());
@@ -82,13 +80,11 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
         hulls.push(BakedHull { part: part.number, ..hull });
     }
     let (mut notes, mut warnings) = (Vec::new(), Vec::new());
-    let covers = options.decompose.map_or(Vec::new(), |decompose| {
-        let is_one_asked_for = decompose.max_parts == 1;
-        cover(point_sets, &parts, &mut hulls, is_one_asked_for)
-    });
+    let covers =
+        decompose.map_or(Vec::new(), |decompose| cover(point_sets, &parts, &mut hulls, decompose.max_parts == 1));
     let simplified = hulls.iter().filter_map(|baked| advice::simplified(&facts(baked)));
-    covers.into_iter().chain(simplified).for_each(|remark| remark.tell(&mut notes, &mut warnings));
-    if let IndexKind::Budget { bytes_per_vertex } = options.index {
+    covers.into_iter().chain(simplified).for_each(|remark| remark.add_to(&mut notes, &mut warnings));
+    if let IndexChoice::Budget { bytes_per_vertex } = index {
         notes.extend(hulls.iter().map(|baked| budget_note(baked, bytes_per_vertex)));
     }
     let bytes = write_pack(&hulls, source).map_err(|error| error.to_string())?;
@@ -98,8 +94,8 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
     Ok(BakedPack { bytes, ranks, vertex_count, notes, warnings })
 }
 
-/// Measures what the parts of each set leave out, tells the hulls, and says it.
-fn cover(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], is_one_asked_for: bool) -> Vec<Remark> {
+/// Measures what the parts of each set leave uncovered, and records it in their hulls.
+fn cover(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], allows_one_part: bool) -> Vec<Remark> {
     let mut remarks = Vec::new();
     let mut start = 0;
     for (set, points) in point_sets.iter().enumerate() {
@@ -109,13 +105,13 @@ fn cover(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], is_on
         let name = &points.name;
         if count == 1 {
             let why = if points.triangles.is_empty() {
-                "it has no faces to cut by"
-            } else if is_one_asked_for {
-                "no more parts are asked for"
+                "it has no faces"
+            } else if allows_one_part {
+                "--vhacd-max-parts is 1"
             } else {
-                "it is convex, or thin, as it is"
+                "it is convex or thin"
             };
-            remarks.push(Remark::Note(format!("{name}: one hull: {why}")));
+            remarks.push(Remark::Note(format!("{name}: not decomposed, because {why}")));
             continue;
         }
         let whole: Vec<&Hull> = own.iter().map(|baked| &baked.hull).collect();
@@ -127,44 +123,26 @@ fn cover(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], is_on
     remarks
 }
 
-fn vhacd(options: &DecomposeOptions) -> Parameters {
-    Parameters {
-        concavity: options.concavity.into(),
-        resolution: options.resolution,
-        max_parts: options.max_parts,
-        alpha: options.alpha.into(),
-        beta: options.beta.into(),
-        plane_downsampling: options.plane_downsampling,
-        hull_downsampling: options.hull_downsampling,
-        hull_approximation: options.hull_approximation,
-        fill: match options.fill {
-            options::Fill::Flood => Fill::Flood,
-            options::Fill::Cavities => Fill::Cavities,
-            options::Fill::Surface => Fill::Surface,
-        },
-    }
-}
-
-/// What warnings are given by.
-fn facts(baked: &BakedHull) -> HullFacts<'_> {
+/// The measures that warnings depend on.
+fn facts(baked: &BakedHull) -> HullMeasures<'_> {
     let coordinates = baked.hull.vertices.iter().flatten();
-    HullFacts {
+    HullMeasures {
         name: &baked.name,
         rank: baked.hull.rank,
         point_count: baked.point_count,
         vertex_count: baked.hull.vertices.len(),
         diameter: baked.hull.diameter,
         inner_radius: baked.interior.inner_radius,
-        greatest_coordinate: coordinates.map(|x| f64::from(x.abs())).fold(0.0, f64::max),
+        max_coordinate: coordinates.map(|x| f64::from(x.abs())).fold(0.0, f64::max),
         outer_error: baked.outer_error,
     }
 }
 
-/// Which index a budget bought.
+/// Note on the index that a budget allowed.
 fn budget_note(baked: &BakedHull, bytes_per_vertex: u32) -> String {
     let vertex_count = baked.hull.vertices.len();
     let chosen = baked.index.describe(vertex_count);
     let is_kept = baked.index.byte_len() <= bytes_per_vertex as usize * vertex_count;
-    let verdict = if is_kept { "" } else { ": above the budget, but nothing is smaller" };
+    let verdict = if is_kept { "" } else { ", above the budget, but no index is smaller" };
     format!("hull {}: {chosen}{verdict}", baked.name)
 }

@@ -7,24 +7,24 @@ use std::path::{Path, PathBuf};
 /// A target and what it depends on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Rule {
-    /// The file that is out of date when another is newer.
+    /// The file that is out of date if a prerequisite is newer.
     pub target: PathBuf,
-    /// The others.
+    /// The files it depends on.
     pub prerequisites: Vec<PathBuf>,
 }
 
-/// The text of a dependency file. Each prerequisite also gets a rule without prerequisites, so that Make goes on when one
-/// has been removed.
+/// Text of a dependency file. Each prerequisite also gets a rule without prerequisites, so that
+/// Make continues after a prerequisite was removed.
 ///
 /// # Errors
-/// A path with a line break, which neither Ninja nor Make can read, or one that is not UTF-8.
+/// A path contains a line break, which neither Ninja nor Make can read, or is not UTF-8.
 pub fn text(rules: &[Rule]) -> io::Result<String> {
     let mut text = String::new();
     for rule in rules {
         text.push_str(&escaped(&rule.target)?);
         text.push(':');
         for path in &rule.prerequisites {
-            // A fresh line each: easy to read, and no line grows without bound.
+            // One line each, so that no line grows without bound.
             let _ = write!(text, " \\\n  {}", escaped(path)?);
         }
         text.push('\n');
@@ -38,16 +38,22 @@ pub fn text(rules: &[Rule]) -> io::Result<String> {
     Ok(text)
 }
 
-/// A path as both programs read it: `\ ` for a space (with the backslashes before it doubled), `\#`, `$$`; a `%` in a
-/// rule without a pattern is itself.
+/// A path as both programs read it: `\ ` for a space (with the backslashes before it doubled),
+/// `\#`, `$$`. A `%` needs no escape in a rule without a pattern.
 fn escaped(path: &Path) -> io::Result<String> {
     let invalid = |what: &str| io::Error::new(io::ErrorKind::InvalidInput, format!("{}: {what}", path.display()));
-    let path_text = path.to_str().ok_or_else(|| invalid("a path that is not UTF-8 cannot stand in a depfile"))?;
+    let path_text = path
+        .to_str()
+        .ok_or_else(|| invalid("this path is not UTF-8, so it cannot be written to a depfile; rename it"))?;
     let mut text = String::with_capacity(path_text.len() + 8);
     let mut backslashes = 0;
     for letter in path_text.chars() {
         match letter {
-            '\n' | '\r' => return Err(invalid("a path with a line break cannot stand in a depfile")),
+            '\n' | '\r' => {
+                return Err(invalid(
+                    "this path contains a line break, so it cannot be written to a depfile; rename it",
+                ));
+            }
             ' ' | '\t' => {
                 text.extend(std::iter::repeat_n('\\', backslashes + 1));
             }
@@ -79,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn letters_with_a_meaning_are_escaped() {
+    fn special_characters_are_escaped() {
         for (path, expected) in [
             ("a b", "a\\ b"),
             ("a\\ b", "a\\\\\\ b"),

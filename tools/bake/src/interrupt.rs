@@ -1,8 +1,9 @@
-//! Ctrl-C: what is half done goes, what is done stays, and the process exits with [`EXIT`].
+//! Ctrl-C: removes temporary files, keeps finished ones, and exits with [`EXIT`].
 //!
-//! Files that are being written are listed here while they exist. The list is locked while one is made, put in place or
-//! removed, and for good once the process ends; so at the end each is either in place or gone.
-//! After an end that nobody can catch, [`crate::pack_file::sweep`] removes what was left.
+//! Temporary files are listed here while they exist. The list is locked while one is created,
+//! renamed or removed, and stays locked while the process exits. So each file is then either in
+//! place or removed. After a kill that cannot be caught, [`crate::pack_file::sweep`] removes the
+//! leftovers.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -13,24 +14,24 @@ use indicatif::MultiProgress;
 
 use crate::messages;
 
-/// Exit code after Ctrl-C: 128 and the number of the signal, as shells have it.
+/// Exit code after Ctrl-C: 128 plus the signal number, as in shells.
 pub const EXIT: i32 = 130;
 
-/// Files of this process that are not in place yet.
+/// Temporary files of this process.
 static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 /// The progress bars on the screen.
 static SCREEN: Mutex<Option<MultiProgress>> = Mutex::new(None);
 
-/// Whether the process only waits for something to do.
+/// Whether the process is waiting for changes.
 static IDLE: AtomicBool = AtomicBool::new(false);
 
-/// Nothing leaves these half changed, so a panic elsewhere does not matter.
+/// Locks a mutex. No code leaves these values half changed, so a panic elsewhere does not matter.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Catches Ctrl-C from now on. Where the system does not let one, the usual end by the signal remains.
+/// Installs the handler for Ctrl-C. If the system refuses, the signal ends the process as usual.
 pub fn catch() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
@@ -45,15 +46,15 @@ pub fn catch() {
             messages::say(if IDLE.load(Ordering::Relaxed) {
                 "stopped watching"
             } else {
-                "interrupted: finished packs stand, nothing half done is left; run it again to go on"
+                "interrupted: finished packs are kept, unfinished ones were removed; run the command again to continue"
             });
-            // The list stays locked: no file can appear any more.
+            // The list stays locked, so that no new file can appear.
             std::process::exit(EXIT);
         });
     });
 }
 
-/// Waits for something to do: Ctrl-C meanwhile interrupts nothing, and says so.
+/// Waits for changes. Ctrl-C during `wait` interrupts no work, and the message states this.
 pub fn idle<T>(wait: impl FnOnce() -> T) -> T {
     IDLE.store(true, Ordering::Relaxed);
     let result = wait();
@@ -61,12 +62,12 @@ pub fn idle<T>(wait: impl FnOnce() -> T) -> T {
     result
 }
 
-/// Bars to take off the screen at the end.
+/// Sets the progress bars to clear at the end.
 pub fn show(bars: Option<MultiProgress>) {
     *lock(&SCREEN) = bars;
 }
 
-/// Makes a file and lists it, in one step.
+/// Creates a temporary file and lists it, in one step.
 ///
 /// # Errors
 /// Those of `make`.
@@ -77,7 +78,7 @@ pub fn make<T>(make: impl FnOnce() -> std::io::Result<T>, path: impl FnOnce(&T) 
     Ok(file)
 }
 
-/// Puts a listed file in place, or removes it, and takes it off the list, in one step.
+/// Renames or removes a listed file and takes it off the list, in one step.
 pub fn settle<T>(path: &Path, settle: impl FnOnce() -> T) -> T {
     let mut unfinished = lock(&UNFINISHED);
     let result = settle();

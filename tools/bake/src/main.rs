@@ -1,8 +1,18 @@
-//! The `bake` command: meshes to `.hullmap` packs, and questions about them.
+//! The `bake` command: bakes meshes into `.hullmap` packs, and verifies, inspects, queries and
+//! reports on packs.
 //!
-//! `args` says what may be asked, `commands` answers it. `config` reads `hullmap.toml`; `option_layer` and `options` hold what
-//! shapes a bake. `verification` measures how exact a pack is, `advice` says what a user should look at. The work itself is done by
-//! the crates `hullmap-import`, `hullmap-bake` (in `baker`) and `hullmap` (in `open` and `pair`).
+//! | module | concept |
+//! |---|---|
+//! | `args` | subcommands and flags |
+//! | `commands` | one module per subcommand |
+//! | `options` | the options that shape a pack, in one table with their defaults |
+//! | `config` | `hullmap.toml` |
+//! | `baker` | all calls into `hullmap-bake` |
+//! | `verification` | how exact a pack is |
+//! | `advice` | warnings about hulls |
+//! | `packs`, `selection` | packs and hulls named on the command line |
+//! | `source` | the way back from a pack to its source |
+//! | `pack_file`, `interrupt` | files that are complete or absent at every moment |
 
 #![forbid(unsafe_code)]
 
@@ -15,7 +25,6 @@ mod depfile;
 mod interrupt;
 mod messages;
 mod open;
-mod option_layer;
 mod options;
 mod outcome;
 mod pack_file;
@@ -41,7 +50,7 @@ fn main() -> ExitCode {
         Ok(exit) => exit.into(),
         Err(failure) => {
             if !failure.message.is_empty() {
-                // What was written before the failure stands before its message.
+                // Output written before the failure comes before its message.
                 let _ = out.flush();
                 messages::error(&failure);
             }

@@ -1,26 +1,26 @@
-//! What goes to standard error: messages for people, never data.
+//! Messages for people, on standard error. Data go to standard output.
 //!
-//! A closed standard error is no reason to end (`eprintln!` would panic): whoever closed it does not want to know.
+//! A closed standard error is ignored; `eprintln!` would panic.
 
 use std::fmt::Display;
 use std::io::{Write, stderr};
 
-/// Something went wrong, or was found wanting.
+/// Prints an error.
 pub fn error(message: impl Display) {
     say(format_args!("error: {message}"));
 }
 
-/// Something that the user may want to know.
+/// Prints a finding of interest.
 pub fn note(message: impl Display) {
     say(format_args!("note: {message}"));
 }
 
-/// Something that the user should look at.
+/// Prints a finding to act on.
 pub fn warning(message: impl Display) {
     say(format_args!("warning: {message}"));
 }
 
-/// A line as it is.
+/// Prints a line as it is.
 pub fn say(line: impl Display) {
     let _ = writeln!(stderr(), "{line}");
 }

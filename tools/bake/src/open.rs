@@ -1,4 +1,4 @@
-//! Opening packs, with errors that know the exit code.
+//! Opening packs, with the exit code for each error.
 
 use std::path::Path;
 
@@ -9,16 +9,17 @@ use crate::outcome::Failure;
 /// Maps and checks a pack.
 ///
 /// # Errors
-/// Usage for a file that cannot be read, wanting for one that is no valid pack. Both name it.
+/// [`Failure::usage`] if the file cannot be read, [`Failure::rejected`] if it is not a valid pack.
+/// Both name the file.
 pub fn open_pack(path: &Path) -> Result<Pack, Failure> {
     if path.is_dir() {
         return Err(Failure::usage(format!(
-            "{}: a folder, where one pack is expected; name a file in it",
+            "{}: is a folder, but one pack is expected; name a file in it",
             path.display()
         )));
     }
     Pack::open(path).map_err(|error| match &error {
         OpenError::Io { .. } => Failure::usage(format!("{error}; check the path")),
-        OpenError::Invalid { .. } => Failure::wanting(error.to_string()),
+        OpenError::Invalid { .. } => Failure::rejected(error.to_string()),
     })
 }

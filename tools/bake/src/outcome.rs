@@ -1,16 +1,16 @@
-//! How a command ends: exit codes and the error that ends one early.
+//! How a command ends: exit codes, and the error that ends it early.
 
 use std::fmt;
 use std::process::ExitCode;
 
-/// The exit codes. The greater one wins where several inputs end differently.
+/// The exit codes. If several inputs end differently, the highest code is returned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Exit {
-    /// Done, and nothing was found wrong.
+    /// Success.
     Done = 0,
-    /// An input was judged and found wanting.
-    Wanting = 1,
-    /// Wrong usage, or something could not be read or written.
+    /// An input was rejected.
+    Rejected = 1,
+    /// Wrong usage, or a file could not be read or written.
     Usage = 2,
 }
 
@@ -25,7 +25,8 @@ impl From<Exit> for ExitCode {
 pub struct Failure {
     /// The code to exit with.
     pub exit: Exit,
-    /// What happened, to which file, and what to do next; empty where nobody is left to read it.
+    /// What is wrong, with which file, and what to do; empty if the reader of standard output is
+    /// gone.
     pub message: String,
 }
 
@@ -35,9 +36,9 @@ impl Failure {
         Self { exit: Exit::Usage, message: message.into() }
     }
 
-    /// An input that was judged and found wanting.
-    pub fn wanting(message: impl Into<String>) -> Self {
-        Self { exit: Exit::Wanting, message: message.into() }
+    /// A rejected input.
+    pub fn rejected(message: impl Into<String>) -> Self {
+        Self { exit: Exit::Rejected, message: message.into() }
     }
 }
 
@@ -47,8 +48,8 @@ impl fmt::Display for Failure {
     }
 }
 
-/// Writing to standard output failed. A reader that has gone away (`bake … | head`) has all it wanted: that ends the
-/// command quietly and well.
+/// Writing to standard output failed. A closed pipe (`bake … | head`) ends the command silently and
+/// successfully.
 impl From<std::io::Error> for Failure {
     fn from(error: std::io::Error) -> Self {
         match error.kind() {
@@ -58,11 +59,11 @@ impl From<std::io::Error> for Failure {
     }
 }
 
-/// The result of a command that ends with `exit` once `written` tells that its answer is out. A reader that has gone away
-/// changes nothing about how the work itself ended.
+/// The result of a command that ends with `exit` after its output was `written`. A closed pipe does
+/// not change `exit`.
 ///
 /// # Errors
-/// The answer could not be written.
+/// The output could not be written.
 pub fn end(exit: Exit, written: Result<(), Failure>) -> Result<Exit, Failure> {
     match written {
         Err(failure) if !failure.message.is_empty() => Err(failure),

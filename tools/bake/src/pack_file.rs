@@ -1,7 +1,8 @@
-//! Writing a pack so that nobody ever sees half of one, and the way back from it to its source.
+//! Atomic writing of packs, and the recorded path from a pack to its source.
 //!
-//! A pack is written to a temporary file beside its place, synced, renamed, and its folder is synced. The temporary file is
-//! locked while its process lives: [`sweep`] removes those that a killed process left, and no others.
+//! A pack is written to a temporary file beside its target and synced; the file is renamed and its
+//! folder synced. The temporary file stays locked while its process lives, so that [`sweep`]
+//! removes only files of killed processes.
 
 use std::ffi::OsStr;
 use std::fs::{File, OpenOptions};
@@ -13,26 +14,26 @@ use walkdir::WalkDir;
 
 use crate::interrupt;
 
-/// How often a temporary file is made anew after a sweep took it in the moment before it was locked.
-const MOST_ATTEMPTS: usize = 100;
+/// Attempts to create a temporary file, as a sweep may remove it before it is locked.
+const MAX_ATTEMPTS: usize = 100;
 
-/// End of a temporary file's name; it starts with a point and the name of what it becomes. In between is [`PACK`], whatever it
-/// becomes, and six letters or digits.
+/// End of a temporary file's name. The name starts with a dot and the name of the target, followed
+/// by [`PACK`] and six letters or digits: `.rock.hullmapAbCdEf.tmp`.
 const SUFFIX: &str = ".tmp";
 
-/// What a pack's name ends in.
+/// Extension of packs, with its dot.
 const PACK: &str = ".hullmap";
 
-/// A whole file on the disk beside its place. Dropped, it vanishes.
+/// A complete temporary file beside its target. Dropping it removes the file.
 #[derive(Debug)]
 pub struct Unplaced {
-    /// `None` once it is in place.
+    /// `None` once it was renamed.
     file: Option<NamedTempFile>,
     path: PathBuf,
 }
 
 impl Unplaced {
-    /// Where it is.
+    /// Path of the temporary file.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -46,7 +47,8 @@ impl Drop for Unplaced {
     }
 }
 
-/// Writes `bytes` to a temporary file beside `target`, down to the disk. It vanishes unless [`put_in_place`] is called.
+/// Writes `bytes` to a temporary file beside `target` and syncs it. The file is removed unless
+/// [`put_in_place`] is called.
 ///
 /// # Errors
 /// The folder cannot be written to.
@@ -59,7 +61,7 @@ pub fn write_beside(target: &Path, bytes: &[u8]) -> io::Result<Unplaced> {
     Ok(unplaced)
 }
 
-/// A temporary file that no sweep takes.
+/// Creates a temporary file that no sweep removes.
 fn make_locked(target: &Path) -> io::Result<Unplaced> {
     let name = target.file_name().unwrap_or(OsStr::new("pack"));
     let mut prefix = OsStr::new(".").to_owned();
@@ -71,14 +73,15 @@ fn make_locked(target: &Path) -> io::Result<Unplaced> {
     builder.prefix(&prefix).suffix(SUFFIX);
     #[cfg(unix)]
     {
-        // Temporary files are private by default; a pack is a file like any other, and the umask decides.
+        // Temporary files are private by default; a pack is an ordinary file with the permissions
+        // of the umask.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    for _ in 0..MOST_ATTEMPTS {
+    for _ in 0..MAX_ATTEMPTS {
         let file = interrupt::make(|| builder.tempfile_in(folder_of(target)), NamedTempFile::path)?;
         let unplaced = Unplaced { path: file.path().to_owned(), file: Some(file) };
-        // A file system without locks has no sweep either: it cannot lock what it finds.
+        // On a file system without locks, a sweep cannot lock the file either, and leaves it alone.
         let is_locked = unplaced.file.as_ref().is_some_and(|file| lock(file.as_file()).is_ok());
         if !is_locked || unplaced.path.try_exists().unwrap_or(true) {
             return Ok(unplaced);
@@ -87,7 +90,7 @@ fn make_locked(target: &Path) -> io::Result<Unplaced> {
     Err(io::Error::other("another process keeps removing the temporary file"))
 }
 
-/// Waits for the lock; a signal meanwhile does not matter.
+/// Waits for the lock, also across signals.
 fn lock(file: &File) -> io::Result<()> {
     loop {
         match file.lock() {
@@ -97,11 +100,11 @@ fn lock(file: &File) -> io::Result<()> {
     }
 }
 
-/// Renames a temporary file to `target`, over what was there.
+/// Renames a temporary file to `target`, replacing any existing file.
 ///
 /// # Errors
-/// The rename failed, and the temporary file is gone and `target` is as it was; or it did not reach the disk, which the error
-/// says: then `target` is the new file.
+/// The rename failed: the temporary file is removed, and `target` is unchanged. Or the folder could
+/// not be synced, and the error states this: `target` is the new file.
 pub fn put_in_place(mut unplaced: Unplaced, target: &Path) -> io::Result<()> {
     if let Some(file) = unplaced.file.take() {
         interrupt::settle(&unplaced.path, || file.persist(target).map(drop)).map_err(|error| error.error)?;
@@ -109,10 +112,10 @@ pub fn put_in_place(mut unplaced: Unplaced, target: &Path) -> io::Result<()> {
     sync_in_place(target)
 }
 
-/// As [`put_in_place`], where nothing is there yet.
+/// Like [`put_in_place`], but never replaces a file.
 ///
 /// # Errors
-/// As there; and something is there already, which is left as it was.
+/// Those of [`put_in_place`], or `target` exists and is left unchanged.
 pub fn put_in_free_place(mut unplaced: Unplaced, target: &Path) -> io::Result<()> {
     if let Some(file) = unplaced.file.take() {
         interrupt::settle(&unplaced.path, || file.persist_noclobber(target).map(drop)).map_err(|error| error.error)?;
@@ -122,21 +125,21 @@ pub fn put_in_free_place(mut unplaced: Unplaced, target: &Path) -> io::Result<()
 
 fn sync_in_place(target: &Path) -> io::Result<()> {
     sync_folder(folder_of(target)).map_err(|error| {
-        io::Error::new(error.kind(), format!("it is in place, but a power cut might undo that: {error}"))
+        io::Error::new(error.kind(), format!("the file was written, but its folder could not be synced: {error}"))
     })
 }
 
-/// Makes a folder and those above it, down to the disk.
+/// Creates a folder and its parents, and syncs them.
 ///
 /// # Errors
-/// It is not there and cannot be made, or does not reach the disk.
+/// The folder cannot be created or synced.
 pub fn make_folder(folder: &Path) -> io::Result<()> {
     match std::fs::metadata(folder) {
         Ok(found) if found.is_dir() => return Ok(()),
         Err(error) if !matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {
             return Err(error);
         }
-        // Something else is in its place, which the attempt to make it tells best.
+        // A file may be in the way: creating the folder then fails with the best error.
         _ => {}
     }
     let is_missing = |folder: &&Path| *folder != Path::new("") && matches!(folder.try_exists(), Ok(false));
@@ -145,17 +148,18 @@ pub fn make_folder(folder: &Path) -> io::Result<()> {
     missing.into_iter().try_for_each(|made| sync_folder(folder_of(made)))
 }
 
-/// Brings a folder's entries down to the disk. Not every system has a way to: where there is none, that is no error.
+/// Syncs a folder's entries to disk. On systems that cannot, this does nothing.
 fn sync_folder(folder: &Path) -> io::Result<()> {
     use io::ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
     match File::open(folder).and_then(|folder| folder.sync_all()) {
-        // Windows opens no folders, some file systems sync none; and one may be written to that must not be read.
+        // Windows does not open folders, some file systems do not sync them, and some folders are
+        // write-only.
         Err(error) if matches!(error.kind(), InvalidInput | PermissionDenied | Unsupported) => Ok(()),
         result => result,
     }
 }
 
-/// Removes the temporary files that processes which live no more left in `folder`.
+/// Removes temporary files of killed processes in `folder`.
 pub fn sweep(folder: &Path) {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return;
@@ -165,12 +169,12 @@ pub fn sweep(folder: &Path) {
     }
 }
 
-/// [`sweep`] in `folder` and all folders below it. Links are not followed.
+/// Like [`sweep`], in `folder` and all folders below it. Links are not followed.
 pub fn sweep_below(folder: &Path) {
     WalkDir::new(folder).into_iter().flatten().for_each(|entry| sweep_file(entry.path()));
 }
 
-/// Removes a file if it is temporary and its process lives no more.
+/// Removes a temporary file if its process is dead.
 fn sweep_file(path: &Path) {
     if path.file_name().is_some_and(is_temporary)
         && let Ok(file) = OpenOptions::new().read(true).write(true).open(path)
@@ -180,7 +184,7 @@ fn sweep_file(path: &Path) {
     }
 }
 
-/// Whether a file of this name can only be one of ours: `.rock.hullmapAbCdEf.tmp`.
+/// Whether this is the name of a temporary file: `.rock.hullmapAbCdEf.tmp`.
 fn is_temporary(name: &OsStr) -> bool {
     let name = name.to_string_lossy();
     let middle = name.strip_prefix('.').and_then(|name| name.strip_suffix(SUFFIX));
@@ -188,7 +192,7 @@ fn is_temporary(name: &OsStr) -> bool {
     random.is_some_and(|random| random.len() == 6 && random.bytes().all(|byte| byte.is_ascii_alphanumeric()))
 }
 
-/// The folder a file is in.
+/// The folder that holds a file.
 pub fn folder_of(file: &Path) -> &Path {
     match file.parent() {
         Some(folder) if folder != Path::new("") => folder,
@@ -196,14 +200,15 @@ pub fn folder_of(file: &Path) -> &Path {
     }
 }
 
-/// The path that a pack in folder `pack_folder` records for `source`: relative to that folder, with `/`, where both lie
-/// in `project`, the folder that `bake` was started in; else the file's name alone.
+/// The path of `source` that a pack in `pack_folder` records: relative to that folder, with `/`, if
+/// both lie in `project`, the folder where `bake` was started; otherwise the bare file name.
 ///
-/// So what is recorded, and with it every byte of the pack, depends on how the project is laid out, and on nothing of
-/// the machine around it.
+/// So the bytes of the pack depend on the layout of the project, but not on the rest of the
+/// machine.
 ///
 /// # Errors
-/// Where one of the three lies cannot be found out: a name alone would be another record.
+/// The canonical path of one of the three cannot be determined. A bare file name would be a
+/// different record.
 pub fn recorded_path(source: &Path, pack_folder: &Path, project: &Path) -> io::Result<String> {
     let name = || source.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let (source, folder, project) = (source.canonicalize()?, pack_folder.canonicalize()?, project.canonicalize()?);
@@ -214,13 +219,13 @@ pub fn recorded_path(source: &Path, pack_folder: &Path, project: &Path) -> io::R
     }
 }
 
-/// The way from one absolute path to another, without asking the file system.
+/// The relative path from one absolute path to another, without access to the file system.
 fn relative(target: &Path, from: &Path) -> Option<String> {
     let target: Vec<Component> = target.components().collect();
     let from: Vec<Component> = from.components().collect();
     let shared = target.iter().zip(&from).take_while(|(a, b)| a == b).count();
     let is_step = |component: &Component| matches!(component, Component::Normal(_));
-    // Different drives share nothing.
+    // Paths on different drives have no common prefix.
     if shared == 0 || !target[shared..].iter().chain(&from[shared..]).all(is_step) {
         return None;
     }
@@ -231,17 +236,17 @@ fn relative(target: &Path, from: &Path) -> Option<String> {
     Some(steps.join("/"))
 }
 
-/// Where a recorded path leads from a pack's folder; `None` for one that is empty or not relative.
+/// Resolves a recorded path from a pack's folder; `None` if the path is empty or not relative.
 pub fn resolve_recorded(recorded: &str, pack_folder: &Path) -> Option<PathBuf> {
     let path = Path::new(recorded);
     if recorded.is_empty() || path.is_absolute() || path.has_root() {
         return None;
     }
-    // Canonical first: `..` from a linked folder would otherwise lead elsewhere.
+    // Canonical first, because `..` from a symbolic link leads elsewhere.
     Some(pack_folder.canonicalize().ok()?.join(path))
 }
 
-/// An absolute path without `.` and `..`, by its text alone.
+/// An absolute path without `.` and `..`, without access to the file system.
 pub fn plain(path: &Path) -> PathBuf {
     let mut plain = PathBuf::new();
     for part in path.components() {
@@ -254,7 +259,8 @@ pub fn plain(path: &Path) -> PathBuf {
     plain
 }
 
-/// An absolute path as the user would name it from the folder `here`: relative where both share a folder, else as it is.
+/// An absolute path as the user would name it from the folder `here`: relative if both share a
+/// folder, otherwise absolute.
 pub fn shown_from(path: &Path, here: &Path) -> PathBuf {
     let path = plain(path);
     let way = here.canonicalize().ok().and_then(|here| relative(&path, &here));
@@ -298,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn packs_are_replaced_whole_or_not_at_all() {
+    fn packs_are_replaced_atomically() {
         let folder = tempfile::tempdir().unwrap();
         let target = folder.path().join("x.hullmap");
         let names =
@@ -313,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sweep_takes_what_the_dead_left_and_nothing_else() {
+    fn sweep_removes_files_of_dead_processes_only() {
         let folder = tempfile::tempdir().unwrap();
         let living = write_beside(&folder.path().join("x.hullmap"), b"living").unwrap();
         let dead = living.path().file_name().unwrap().to_str().unwrap().replace("x.hullmap", "dead.hullmap");
@@ -330,9 +336,9 @@ mod tests {
         sweep(&folder.path().join("no such folder"));
     }
 
-    /// A sweep between making and locking takes the file; its maker makes another.
+    /// A sweep between creating and locking removes the file; the writer creates another.
     #[test]
-    fn writers_and_sweepers_do_not_disturb_each_other() {
+    fn concurrent_writers_and_sweepers_are_safe() {
         let folder = tempfile::tempdir().unwrap();
         let is_done = std::sync::atomic::AtomicBool::new(false);
         std::thread::scope(|scope| {

@@ -1,4 +1,4 @@
-//! The packs that the words of a command name.
+//! The packs that arguments name: files, and all packs in folders.
 
 use std::path::{Path, PathBuf};
 
@@ -6,19 +6,19 @@ use walkdir::WalkDir;
 
 use crate::outcome::Failure;
 
-/// A pack: where it is, and where it lies below the folder that was named.
+/// A pack, and its folder relative to the one that was searched.
 #[derive(Clone, Debug)]
 pub struct PackPlace {
     /// The pack.
     pub path: PathBuf,
-    /// Its folder below the one that was searched; empty for a pack that was named itself.
+    /// Its folder relative to the one that was searched; empty for a pack that was named directly.
     pub below: PathBuf,
 }
 
-/// The packs that the inputs name, in their order and by name within a folder.
+/// The packs that the inputs name, in the order of the inputs, sorted by name within each folder.
 ///
 /// # Errors
-/// An input that cannot be read, a folder without packs.
+/// An input cannot be read, or a folder holds no packs.
 pub fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
     let mut places = Vec::new();
     for input in inputs {
@@ -39,7 +39,10 @@ pub fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
             }
         }
         if places.len() == before {
-            return Err(Failure::usage(format!("{}: no .hullmap files in this folder", input.display())));
+            return Err(Failure::usage(format!(
+                "{}: no .hullmap files in this folder; name a folder of packs",
+                input.display()
+            )));
         }
     }
     Ok(places)
@@ -56,7 +59,7 @@ mod tests {
     use crate::outcome::Exit;
 
     #[test]
-    fn packs_are_found_with_their_place() {
+    fn packs_are_found_with_their_folder() {
         let folder = tempfile::tempdir().unwrap();
         let sub = folder.path().join("a/b");
         std::fs::create_dir_all(&sub).unwrap();

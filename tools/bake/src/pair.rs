@@ -1,32 +1,34 @@
-//! One pair of hulls, or of packs, in pose after pose: the solver's answers in the words of the command's JSON.
+//! Queries of one pair of hulls or packs in many poses: the solver's answers, with the names of the
+//! command's JSON.
 
 use glam::DVec3;
 use hullmap::{Compound, CompoundCache, Contact, Overlap, Pose, Settings, Status, compound};
 
 use crate::args::Mode;
 
-/// Answer of a query between two hulls; points and normal in A's frame. `None` where the mode does not compute it.
+/// Answer of a query. Points and normal are in A's frame; fields that the mode does not compute are
+/// `None`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PairAnswer {
-    /// Whether they overlap or touch; `None` where that was not decided.
+    /// Whether the two overlap or touch; `None` if undecided.
     pub hit: Option<bool>,
     /// How the solver ended, in one word.
     pub status: &'static str,
-    /// Depth and its bounds.
+    /// Penetration depth, with lower and upper bound.
     pub depth: Option<[f64; 3]>,
-    /// Distance and its bounds.
+    /// Distance, with lower and upper bound.
     pub distance: Option<[f64; 3]>,
-    /// Of unit length, from A to B.
+    /// Unit normal, from A to B.
     pub normal: Option<[f64; 3]>,
-    /// On A.
+    /// Witness point on A.
     pub point_a: Option<[f64; 3]>,
-    /// On B.
+    /// Witness point on B.
     pub point_b: Option<[f64; 3]>,
     /// Iterations of the solver.
     pub iterations: u32,
     /// Pairs of support queries, one on each of the two hulls.
     pub support_calls: u32,
-    /// Numbers of the hulls that it is the answer of, where there are several.
+    /// Indices of the hulls that decide the answer, if a pack has several.
     pub hulls: Option<[usize; 2]>,
 }
 
@@ -54,8 +56,8 @@ impl<'a> PairSolver<'a> {
         }
     }
 
-    /// The hulls of an answer, where there are several to tell apart.
-    fn told(&self, hulls: [usize; 2]) -> Option<[usize; 2]> {
+    /// The deciding hulls of an answer, if a pack has several.
+    fn named(&self, hulls: [usize; 2]) -> Option<[usize; 2]> {
         (self.a.hull_count() > 1 || self.b.hull_count() > 1).then_some(hulls)
     }
 
@@ -67,7 +69,7 @@ impl<'a> PairSolver<'a> {
             status: found.answer.status.as_str(),
             iterations: found.answer.iterations,
             support_calls: found.answer.support_calls,
-            hulls: self.told(found.hulls).filter(|_| is_hit),
+            hulls: self.named(found.hulls).filter(|_| is_hit),
             ..PairAnswer::default()
         }
     }
@@ -89,19 +91,19 @@ impl<'a> PairSolver<'a> {
             point_b: Some(found.point_b.to_array()),
             iterations: found.iterations,
             support_calls: found.support_calls,
-            hulls: self.told(whole.hulls),
+            hulls: self.named(whole.hulls),
             ..PairAnswer::default()
         }
     }
 
     fn contact(&mut self, b_in_a: Pose) -> PairAnswer {
-        if let ([Some(a), Some(b)], None) = ([self.a.hull(0), self.b.hull(0)], self.told([0, 0])) {
-            // One hull each: apart, there is an axis that says so.
+        if let ([Some(a), Some(b)], None) = ([self.a.hull(0), self.b.hull(0)], self.named([0, 0])) {
+            // One hull each: the solver returns a separating axis, which a compound does not.
             let found = hullmap::contact(&a, &b, b_in_a, &self.settings, self.cache.pair([0, 0]));
             return of_contact(&found, None);
         }
         match compound::contact(&self.a, &self.b, b_in_a, &self.settings, &mut self.cache) {
-            Some(whole) => of_contact(&whole.answer, self.told(whole.hulls)),
+            Some(whole) => of_contact(&whole.answer, self.named(whole.hulls)),
             None => PairAnswer {
                 hit: Some(false),
                 status: Status::Separated.as_str(),
@@ -113,7 +115,7 @@ impl<'a> PairSolver<'a> {
 }
 
 fn of_contact(found: &Contact, hulls: Option<[usize; 2]>) -> PairAnswer {
-    // Apart, the points are not the nearest ones: --mode distance tells those.
+    // For separated hulls the points are not the nearest ones; --mode distance computes those.
     let if_hit = |point: DVec3| found.hit.then_some(point.to_array());
     PairAnswer {
         hit: Some(found.hit),

@@ -7,10 +7,10 @@ use hullmap::Pose;
 
 use crate::outcome::Failure;
 
-/// Reads a pose. The quaternion may have any length but zero; it is normalised.
+/// Parses a pose. The quaternion may have any length except zero; it is normalised.
 ///
 /// # Errors
-/// What is wrong with the text, without saying where it stands.
+/// What is wrong with the text, without its file and line.
 pub fn parse_pose(text: &str) -> Result<Pose, String> {
     let mut numbers = [0.0; 7];
     let mut found = 0;
@@ -26,19 +26,20 @@ pub fn parse_pose(text: &str) -> Result<Pose, String> {
         found += 1;
     }
     if found != numbers.len() {
-        return Err(format!("{found} numbers; a pose has 7: tx ty tz qx qy qz qw"));
+        return Err(format!("{found} numbers, but a pose has 7: tx ty tz qx qy qz qw"));
     }
     let [tx, ty, tz, quaternion @ ..] = numbers;
-    // Scaled first, so that neither tiny nor huge quaternions are lost in their squares.
+    // Scaled first, so that the squares of tiny and huge quaternions neither underflow nor
+    // overflow.
     let greatest = quaternion.iter().fold(0.0_f64, |greatest, q| greatest.max(q.abs()));
     if greatest == 0.0 {
-        return Err("the quaternion qx qy qz qw is zero; no rotation is 0 0 0 1".to_owned());
+        return Err("the quaternion qx qy qz qw is zero; write 0 0 0 1 for no rotation".to_owned());
     }
     let rotation = DQuat::from_array(quaternion.map(|q| q / greatest));
     Pose::new(DVec3::new(tx, ty, tz), rotation).map_err(|error| error.to_string())
 }
 
-/// Reads poses, one a line. Blank lines and what follows a `#` are skipped.
+/// Parses poses, one per line. Blank lines and comments after `#` are skipped.
 ///
 /// # Errors
 /// `name:line: what is wrong`.
@@ -57,7 +58,7 @@ pub fn parse_pose_lines(name: &str, text: &str) -> Result<Vec<Pose>, Failure> {
 /// Reads a file of poses; `-` is standard input.
 ///
 /// # Errors
-/// The file cannot be read, holds no pose, or a line of it is wrong.
+/// The file cannot be read, holds no pose, or has an invalid line.
 pub fn read_poses(path: &Path) -> Result<Vec<Pose>, Failure> {
     let (name, text) = if path == Path::new("-") {
         ("standard input".to_owned(), std::io::read_to_string(std::io::stdin().lock()))
@@ -67,7 +68,7 @@ pub fn read_poses(path: &Path) -> Result<Vec<Pose>, Failure> {
     let text = text.map_err(|error| Failure::usage(format!("{name}: cannot read the poses: {error}")))?;
     let poses = parse_pose_lines(&name, text.trim_start_matches('\u{FEFF}'))?;
     if poses.is_empty() {
-        return Err(Failure::usage(format!("{name}: no poses; expected a line `tx ty tz qx qy qz qw` for each")));
+        return Err(Failure::usage(format!("{name}: no poses; expected one per line: tx ty tz qx qy qz qw")));
     }
     Ok(poses)
 }
@@ -112,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn pose_files_skip_remarks_and_name_lines() {
+    fn pose_files_skip_comments_and_name_lines() {
         let text = "# b in a\n\n0 0 0 0 0 0 1\r\n 1 0 0 0 0 0 1 # right\n";
         assert_eq!(parse_pose_lines("p.txt", text).unwrap().len(), 2);
         let failure = parse_pose_lines("p.txt", "0 0 0 0 0 0 1\n\n0 0 0\n").unwrap_err();

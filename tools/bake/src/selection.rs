@@ -1,25 +1,26 @@
-//! Hulls by name on the command line: `FILE`, `FILE#name` or `FILE#number`.
+//! Hulls named on the command line: `FILE`, `FILE#name` or `FILE#index`.
 
 use std::path::{Path, PathBuf};
 
 use crate::outcome::Failure;
 use crate::packs::is_pack;
 
-/// Most hull names that a message lists.
+/// Maximum number of hull names in a message.
 const NAMES_IN_MESSAGE: usize = 8;
 
-/// A pack, and which hull of it is meant.
+/// A pack, and the selected hull.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Selection {
     /// The pack.
     pub file: PathBuf,
-    /// Name or number of the hull; `None` where the pack's only hull is meant.
+    /// Name or index of the hull; `None` for the whole pack.
     pub hull: Option<String>,
 }
 
 impl Selection {
-    /// Takes `text` apart at a `#`: after the longest part that names a file; where none does, after the first one that is
-    /// called like a pack, else at the last `#`. So both files and hulls may have a `#` in their names.
+    /// Splits `text` at a `#`: after the longest prefix that names an existing file; otherwise
+    /// after the first prefix that ends in `.hullmap`; otherwise at the last `#`. So both files and
+    /// hulls may have a `#` in their names.
     pub fn parse(text: &str) -> Self {
         let whole = || Self { file: PathBuf::from(text), hull: None };
         if Path::new(text).is_file() {
@@ -34,10 +35,10 @@ impl Selection {
         }
     }
 
-    /// The number of the hull that is meant among those with `names`. A name goes before a number.
+    /// Index of the selected hull among `names`. A name takes precedence over an index.
     ///
     /// # Errors
-    /// No such hull, or none chosen of several.
+    /// There is no such hull, or no hull is selected and there are several.
     pub fn choose(&self, names: &[&str]) -> Result<usize, Failure> {
         let file = self.file.display();
         let listed = names[..names.len().min(NAMES_IN_MESSAGE)].join(", ");
@@ -48,13 +49,13 @@ impl Selection {
             }
             let count = names.len();
             return Err(Failure::usage(format!(
-                "{file}: holds {count} hulls; choose one as {file}#name or {file}#number: {listed}{more}"
+                "{file}: holds {count} hulls; select one as {file}#name or {file}#index: {listed}{more}"
             )));
         };
         let by_name = names.iter().position(|name| name == wanted);
-        let by_number = || wanted.parse().ok().filter(|&number: &usize| number < names.len());
-        by_name.or_else(by_number).ok_or_else(|| {
-            Failure::usage(format!("{file}: no hull `{wanted}`; it holds {listed}{more}, numbered from 0"))
+        let by_index = || wanted.parse().ok().filter(|&index: &usize| index < names.len());
+        by_name.or_else(by_index).ok_or_else(|| {
+            Failure::usage(format!("{file}: no hull `{wanted}`; the pack holds {listed}{more} (indices from 0)"))
         })
     }
 }
@@ -82,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hash_behind_a_pack_divides() {
+    fn a_hash_after_a_pack_name_splits() {
         let selection = Selection::parse("a#b/x.hullmap#left");
         assert_eq!(selection.file, Path::new("a#b/x.hullmap"));
         assert_eq!(selection.hull.as_deref(), Some("left"));
@@ -100,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn names_go_before_numbers() {
+    fn names_take_precedence_over_indices() {
         let choose = |text: &str, names: &[&str]| Selection::parse(text).choose(names).map_err(|f| f.message);
         assert_eq!(choose("x", &["only"]), Ok(0));
         assert_eq!(choose("x#b", &["a", "b"]), Ok(1));

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use hullmap_bake::PointSet;
 
+use crate::open::open_pack;
 use crate::options::BuildOptions;
 use crate::outcome::Failure;
 use crate::pack_file::{folder_of, resolve_recorded, shown_from};
@@ -17,27 +18,27 @@ pub struct Source {
     pub path: PathBuf,
     /// The point sets that the pack's hulls must be of, in the same order.
     pub point_sets: Vec<PointSet>,
-    /// For each set the faces over it, by the numbers of its own points.
+    /// The faces of each set, by indices of its own points.
     pub faces: Vec<Polygons>,
-    /// What the import notes, a sentence each.
+    /// Findings of interest from the import.
     pub notes: Vec<String>,
-    /// What the import warns of, a sentence each.
+    /// Findings to act on from the import.
     pub warnings: Vec<String>,
 }
 
-/// What a pack says of its source.
+/// What a pack records about its source.
 #[derive(Clone, Copy, Debug)]
 pub struct Recorded<'a> {
-    /// XXH3-128 of all bytes that it was baked from: see [`SourceFile::hash`].
+    /// XXH3-128 of all bytes it was baked from: see [`SourceFile::hash`].
     pub hash: u128,
-    /// Its path relative to the pack's folder, or its name; empty where none was recorded.
+    /// Its path relative to the pack's folder, or its name; empty if no source was recorded.
     pub path: &'a str,
-    /// The options that shaped the bake.
+    /// The build options.
     pub options: &'a str,
 }
 
 impl<'a> Recorded<'a> {
-    /// What `pack` says.
+    /// The record of `pack`.
     pub fn of(pack: &'a hullmap::Pack) -> Self {
         Self { hash: pack.header().source_hash, path: pack.source_path(), options: pack.options() }
     }
@@ -45,41 +46,45 @@ impl<'a> Recorded<'a> {
 
 /// Finds and imports the source of a pack.
 ///
-/// `asked` is what `--source` says: the file, or a folder that holds it, mirrored or flat. Without it, the files beside
-/// the pack with the pack's stem and the extension of a source are tried, then the recorded path. Of several files the
-/// first with the recorded hash counts. `None` if nothing was asked for and no file is there.
+/// `given` is the path that `--source` gives: the file, or a folder that holds it, mirrored or
+/// flat. Without it, the files beside the pack with the pack's stem and the extension of a mesh are
+/// tried, then the recorded path. The first file with the recorded hash is the source. `None` if
+/// `--source` is not given and no file is found.
 ///
 /// # Errors
-/// `--source` names nothing, or no file of the right name (usage); the files that are there have other bytes than the
-/// pack was baked from, or do not import (wanting): the first one tells.
-pub fn find_source(place: &PackPlace, recorded: Recorded, asked: Option<&Path>) -> Result<Option<Source>, Failure> {
-    let candidates = match asked {
-        Some(asked) if asked.is_dir() => in_folder(place, recorded.path, asked),
-        Some(asked) => vec![asked.to_owned()],
+/// Usage: `--source` leads to no file. Rejected: the files found differ from the one the pack was
+/// baked from, or cannot be imported; the error is about the first of them.
+pub fn find_source(place: &PackPlace, recorded: Recorded, given: Option<&Path>) -> Result<Option<Source>, Failure> {
+    let candidates = match given {
+        Some(given) if given.is_dir() => in_folder(place, recorded.path, given),
+        Some(given) => vec![given.to_owned()],
         None => {
             let mut paths = with_stem(folder_of(&place.path), &place.path);
             paths.extend(resolve_recorded(recorded.path, folder_of(&place.path)));
             paths
         }
     };
-    // A recorded path leads over the pack's folder.
+    // A recorded path is absolute here, because it starts from the pack's canonical folder.
     let shown = |path: &Path| {
         let path =
-            if asked.is_none() && path.is_absolute() { shown_from(path, Path::new(".")) } else { path.to_owned() };
+            if given.is_none() && path.is_absolute() { shown_from(path, Path::new(".")) } else { path.to_owned() };
         path.display().to_string()
     };
-    let mut wanting = None;
+    let mut rejected = None;
     for path in candidates {
-        // What was baked once was within the limits of that time, whatever they were.
+        // The file was baked once, so it was within the limits of that time.
         let source = match import::read(&shown(&path), &path, &NO_LIMITS) {
             Ok(source) => source,
-            Err(ReadError::Io(error)) if asked == Some(&path) => {
-                return Err(Failure::usage(format!("{}: cannot read the source: {error}", path.display())));
+            Err(ReadError::Io(error)) if given == Some(&path) => {
+                return Err(Failure::usage(format!(
+                    "{}: cannot read the source: {error}; check the path",
+                    path.display()
+                )));
             }
             Err(ReadError::Io(_)) => continue,
-            // A file that is there, but with a buffer gone or damaged: in the words of `bake build`.
+            // The file is there, but one of its buffers is missing or damaged.
             Err(ReadError::Import(error)) => {
-                wanting.get_or_insert(error.to_string());
+                rejected.get_or_insert(error.to_string());
                 continue;
             }
         };
@@ -87,17 +92,17 @@ pub fn find_source(place: &PackPlace, recorded: Recorded, asked: Option<&Path>) 
             let Imported { point_sets, faces, notes, warnings, .. } = import(&path, &source, recorded.options)?;
             return Ok(Some(Source { path, point_sets, faces, notes, warnings }));
         }
-        wanting.get_or_insert_with(|| {
+        rejected.get_or_insert_with(|| {
             let (pack, path) = (place.path.display(), shown(&path));
-            format!("{pack}: stale: {path} is not the file it was baked from, or has changed since; bake it again")
+            format!("{pack}: stale: {path} has changed since it was baked, or is another file; bake it again")
         });
     }
-    match (wanting, asked) {
-        (Some(message), _) => Err(Failure::wanting(message)),
-        (None, Some(asked)) => Err(Failure::usage(format!(
-            "{}: no source for it in {}; expected {}.{}",
+    match (rejected, given) {
+        (Some(message), _) => Err(Failure::rejected(message)),
+        (None, Some(given)) => Err(Failure::usage(format!(
+            "{}: no source found in {}; expected {}.{}",
             place.path.display(),
-            asked.display(),
+            given.display(),
             place.path.file_stem().unwrap_or_default().display(),
             EXTENSIONS.join("|")
         ))),
@@ -105,8 +110,37 @@ pub fn find_source(place: &PackPlace, recorded: Recorded, asked: Option<&Path>) 
     }
 }
 
-/// Where the source may lie in a folder: at the pack's place below it, or right in it; by the pack's stem or by the
-/// recorded name.
+/// The path that `--source` gives for each pack.
+///
+/// A folder counts for every pack. A single mesh counts for the packs whose own name or recorded
+/// source name it has; the other packs are left to the usual search.
+///
+/// # Errors
+/// `--source` names a mesh, there are several packs, and none of them has its name.
+pub fn given_sources<'a>(given: Option<&'a Path>, places: &[PackPlace]) -> Result<Vec<Option<&'a Path>>, Failure> {
+    let Some(mesh) = given.filter(|path| !path.is_dir() && places.len() > 1) else {
+        return Ok(vec![given; places.len()]);
+    };
+    let is_meant = |place: &PackPlace| {
+        // A pack that does not open is reported later.
+        let pack = open_pack(&place.path).ok();
+        let recorded = pack.as_ref().and_then(|pack| pack.source_path().rsplit('/').next());
+        place.path.file_stem() == mesh.file_stem()
+            || recorded.is_some_and(|name| mesh.file_name().is_some_and(|file| file == name))
+    };
+    let sources: Vec<Option<&Path>> = places.iter().map(|place| given.filter(|_| is_meant(place))).collect();
+    if sources.iter().all(Option::is_none) {
+        return Err(Failure::usage(format!(
+            "--source {}: none of the {} packs has this name; name the pack of this mesh, or a folder of meshes",
+            mesh.display(),
+            places.len()
+        )));
+    }
+    Ok(sources)
+}
+
+/// Where the source may lie in a folder: at the same relative path as the pack, or directly in the
+/// folder; with the pack's stem or with the recorded name.
 fn in_folder(place: &PackPlace, recorded: &str, folder: &Path) -> Vec<PathBuf> {
     let recorded_name = recorded.rsplit('/').next().filter(|name| !name.is_empty() && *name != "..");
     let mut paths = Vec::new();
@@ -117,7 +151,7 @@ fn in_folder(place: &PackPlace, recorded: &str, folder: &Path) -> Vec<PathBuf> {
     paths
 }
 
-/// The source files in `folder` with the stem of `pack`, whatever the case of their extension, sorted.
+/// The mesh files in `folder` with the stem of `pack`, sorted. The case of extensions is ignored.
 fn with_stem(folder: &Path, pack: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return Vec::new();
@@ -128,18 +162,20 @@ fn with_stem(folder: &Path, pack: &Path) -> Vec<PathBuf> {
     paths
 }
 
-/// Nothing is too large.
+/// No limits.
 const NO_LIMITS: Limits = Limits { input_bytes: u64::MAX, objects: usize::MAX, repeated_vertices: usize::MAX };
 
 fn import(path: &Path, source: &SourceFile, recorded: &str) -> Result<Imported, Failure> {
     let name = path.display().to_string();
     let options = BuildOptions::from_recorded(recorded).ok_or_else(|| {
-        Failure::wanting(format!("{name}: its pack was baked with options unknown to this version; bake it again"))
+        Failure::rejected(format!(
+            "{name}: its pack was baked with options that this version does not know; bake it again"
+        ))
     })?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let imported = import::import(&name, &stem, path, source, &options.import, &NO_LIMITS);
-    let mut imported = imported.map_err(|error| Failure::wanting(error.to_string()))?;
-    if options.decompose.is_some() {
+    let imported = import::import(&name, &stem, path, source, &options.import(), &NO_LIMITS);
+    let mut imported = imported.map_err(|error| Failure::rejected(error.to_string()))?;
+    if options.decompose().is_some() {
         imported.give_triangles();
     }
     Ok(imported)
@@ -158,7 +194,7 @@ mod tests {
         Recorded { hash: source_hash(CLOUD.as_bytes()), path, options }
     }
 
-    /// A folder with these files, and the place of a pack `out/sub/x.hullmap` in it.
+    /// A folder with these files, and the location of a pack `out/sub/x.hullmap` in it.
     fn folder(files: &[(&str, &str)]) -> (tempfile::TempDir, PackPlace) {
         let folder = tempfile::tempdir().unwrap();
         for (name, text) in files.iter().chain(&[("out/sub/x.hullmap", "")]) {
@@ -171,8 +207,8 @@ mod tests {
     }
 
     #[test]
-    fn sources_are_found_where_they_may_be() {
-        for (file, path, asked) in [
+    fn sources_are_found_in_every_supported_place() {
+        for (file, path, requested) in [
             ("out/sub/x.obj", "", None),
             ("out/sub/x.OBJ", "gone.obj", None),
             ("meshes/other.obj", "../../meshes/other.obj", None),
@@ -182,8 +218,8 @@ mod tests {
             ("meshes/y.obj", "../elsewhere/y.obj", Some("meshes")),
         ] {
             let (folder, place) = folder(&[(file, CLOUD)]);
-            let asked = asked.map(|asked| folder.path().join(asked));
-            let source = find_source(&place, recorded(path), asked.as_deref()).unwrap();
+            let requested = requested.map(|requested| folder.path().join(requested));
+            let source = find_source(&place, recorded(path), requested.as_deref()).unwrap();
             let source = source.unwrap_or_else(|| panic!("{file}"));
             assert_eq!(source.path.canonicalize().unwrap(), folder.path().join(file).canonicalize().unwrap());
             let names: Vec<_> = source.point_sets.iter().map(|set| set.name.as_str()).collect();
@@ -192,32 +228,32 @@ mod tests {
     }
 
     #[test]
-    fn a_matching_file_wins_over_a_namesake() {
+    fn the_file_with_the_recorded_hash_is_chosen() {
         let (folder, place) =
             folder(&[("m/x.obj", "v 0 0 0\n"), ("m/sub/x.obj", CLOUD), ("out/sub/x.obj", "v 0 0 0\n")]);
-        let asked = folder.path().join("m");
-        assert!(find_source(&place, recorded(""), Some(&asked)).unwrap().is_some());
+        let requested = folder.path().join("m");
+        assert!(find_source(&place, recorded(""), Some(&requested)).unwrap().is_some());
         assert!(find_source(&place, recorded("../../m/sub/x.obj"), None).unwrap().is_some());
     }
 
     #[test]
     fn changed_sources_are_stale() {
         let (folder, place) = folder(&[("out/sub/x.obj", "v 0 0 0\n")]);
-        let asked = folder.path().join("out/sub/x.obj");
-        for asked in [None, Some(asked.as_path())] {
-            let failure = find_source(&place, recorded(""), asked).unwrap_err();
-            assert_eq!(failure.exit, Exit::Wanting);
+        let requested = folder.path().join("out/sub/x.obj");
+        for requested in [None, Some(requested.as_path())] {
+            let failure = find_source(&place, recorded(""), requested).unwrap_err();
+            assert_eq!(failure.exit, Exit::Rejected);
             assert!(failure.message.contains("stale"), "{failure}");
         }
     }
 
     #[test]
-    fn no_source_is_an_error_only_if_one_was_asked_for() {
+    fn a_missing_source_is_an_error_only_if_it_was_named() {
         let (folder, place) = folder(&[("meshes/z.obj", CLOUD)]);
         assert!(find_source(&place, recorded("../gone.obj"), None).unwrap().is_none());
-        for asked in ["meshes", "nowhere"] {
-            let failure = find_source(&place, recorded(""), Some(&folder.path().join(asked))).unwrap_err();
-            assert_eq!(failure.exit, Exit::Usage, "{asked}");
+        for requested in ["meshes", "nowhere"] {
+            let failure = find_source(&place, recorded(""), Some(&folder.path().join(requested))).unwrap_err();
+            assert_eq!(failure.exit, Exit::Usage, "{requested}");
         }
     }
 }

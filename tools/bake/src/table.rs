@@ -1,8 +1,8 @@
-//! Columns of text for people.
+//! Tables and numbers as text for people.
 
 use std::io::{self, Write};
 
-/// On which side of its column a cell stands.
+/// Alignment of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
     /// Words.
@@ -55,7 +55,7 @@ impl Table {
     }
 }
 
-/// A number with a space between each three digits.
+/// A number with its digits in groups of three.
 pub fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::with_capacity(digits.len() * 4 / 3);
@@ -68,13 +68,14 @@ pub fn grouped(number: u64) -> String {
     text
 }
 
-/// Significant digits of a number for people: an f32, which all geometry comes from, has between 7 and 8.
+/// Significant digits: an f32, the type of all geometry, has between 7 and 8.
 const DIGITS: usize = 7;
 
-/// Below this and from its inverse's square on, a number is written with an exponent: `1e-5`, not `0.00001`.
+/// Numbers below this, and above the square of its inverse, are written with an exponent: `1e-5`,
+/// not `0.00001`.
 const LEAST_PLAIN: f64 = 1e-4;
 
-/// A number in at most [`DIGITS`] significant digits, without zeros at its end; whatever its size, none is lost.
+/// A number with at most [`DIGITS`] significant digits and no trailing zeros, for any magnitude.
 pub fn rounded(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -97,7 +98,7 @@ pub fn rounded(value: f64) -> String {
     }
 }
 
-/// A coordinate in the fewest digits that tell it from every other f32.
+/// A coordinate with the fewest digits that distinguish it from every other f32.
 pub fn shortest(x: f32) -> String {
     let size = f64::from(x).abs();
     if x == 0.0 {
@@ -109,7 +110,7 @@ pub fn shortest(x: f32) -> String {
     }
 }
 
-/// The number, or a dash where there is none.
+/// The value, or a dash for `None`.
 pub fn or_dash<T>(value: Option<T>, show: impl FnOnce(T) -> String) -> String {
     value.map_or_else(|| "-".to_owned(), show)
 }

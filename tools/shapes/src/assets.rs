@@ -1,6 +1,7 @@
-//! The files under `assets/`: what they should hold, whether they do, and writing them.
+//! Files under `assets/`: generation, comparison and writing.
 //!
-//! The folder belongs to the generator: its OBJ files and its `README.md` are those of [`generate`] and no others.
+//! The generator owns the folder: its OBJ files and its `README.md` are exactly those of
+//! [`generate`].
 
 use crate::models::{self, Model};
 use std::fmt::{self, Write as _};
@@ -11,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// Name of the file with the table of models.
 const README: &str = "README.md";
 
-/// A file as it should be.
+/// Name and bytes of a generated file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GeneratedFile {
     /// Name under `assets/`.
@@ -20,17 +21,17 @@ pub struct GeneratedFile {
     pub bytes: Vec<u8>,
 }
 
-/// How a file in a folder departs from what is generated.
+/// Difference between a file and the generated one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Difference {
-    /// It is not there.
+    /// The file does not exist.
     Missing,
-    /// Its bytes differ, for the first time in this line, counted from 1.
+    /// The bytes differ.
     Changed {
-        /// First line that differs.
+        /// One-based number of the first line that differs.
         line: usize,
     },
-    /// It is an OBJ file that is not generated.
+    /// The file is an OBJ file that is not generated.
     Unexpected,
 }
 
@@ -65,12 +66,12 @@ impl std::error::Error for AssetError {
     }
 }
 
-/// Attaches what was being done, and to which file.
+/// Adds the action and the path to an I/O error.
 fn failed<'a>(action: &'static str, path: &'a Path) -> impl FnOnce(io::Error) -> AssetError + 'a {
     move |source| AssetError { action, path: path.to_owned(), source }
 }
 
-/// Every file that belongs under `assets/`: the models, then the table of them.
+/// All files under `assets/`: the models, then the table of models.
 pub fn generate() -> Vec<GeneratedFile> {
     let models = models::all();
     let readme = GeneratedFile { name: README.to_owned(), bytes: readme(&models).into_bytes() };
@@ -81,10 +82,10 @@ pub fn generate() -> Vec<GeneratedFile> {
         .collect()
 }
 
-/// Names of the files in `dir` that are not as generated, with what is wrong with each.
+/// Names of the files in `dir` that differ from the generated ones, each with its difference.
 ///
 /// # Errors
-/// If the folder or a file in it cannot be read.
+/// The folder or a file in it cannot be read.
 pub fn compare(dir: &Path) -> Result<Vec<(String, Difference)>, AssetError> {
     let expected = generate();
     let mut differences = Vec::new();
@@ -110,18 +111,20 @@ pub fn compare(dir: &Path) -> Result<Vec<(String, Difference)>, AssetError> {
             strays.push((name, Difference::Unexpected));
         }
     }
-    // Folders list in any order.
+    // Folders are listed in no particular order.
     strays.sort_by(|a, b| a.0.cmp(&b.0));
     differences.extend(strays);
     Ok(differences)
 }
 
-/// Writes what is missing or different into `dir`, which is made if need be, and returns the names written.
+/// Writes the missing and different files to `dir`, and returns their names. Creates the folder if
+/// necessary.
 ///
-/// Each file is written beside its place and moved there whole. OBJ files that are not generated are left alone.
+/// Each file is written to a temporary file and renamed. OBJ files that are not generated stay as
+/// they are.
 ///
 /// # Errors
-/// If a folder or file cannot be read or written.
+/// A folder or file cannot be read or written.
 pub fn write(dir: &Path) -> Result<Vec<String>, AssetError> {
     fs::create_dir_all(dir).map_err(failed("make the folder", dir))?;
     let stale = compare(dir)?;
@@ -146,7 +149,7 @@ fn replace(path: &Path, bytes: &[u8]) -> Result<(), AssetError> {
     fs::rename(&beside, path).map_err(failed("move a file to", path))
 }
 
-/// Line, from 1, of the first byte at which two different texts part.
+/// One-based number of the line with the first byte that differs.
 fn first_different_line(a: &[u8], b: &[u8]) -> usize {
     let same = a.iter().zip(b).take_while(|(x, y)| x == y).count();
     1 + a[..same].iter().filter(|byte| **byte == b'\n').count()
@@ -157,22 +160,22 @@ fn readme(models: &[Model]) -> String {
     let mut text = String::from(
         "# Assets\n\
          \n\
-         Small OBJ files for tests, examples and first tries. The project makes them itself, from numbers alone: they\n\
-         carry the project's own licences, and their bytes are the same on every machine. Lengths have no unit, z is\n\
-         up, faces wind counter-clockwise seen from outside.\n\
+         Small OBJ files for tests, examples and first tries. The project generates them, so they have its licences, and\n\
+         their bytes are the same on every machine. Lengths have no unit, z is up, and faces wind counter-clockwise seen\n\
+         from outside.\n\
          \n\
-         To make them again, after a change in `tools/shapes`:\n\
+         To regenerate them after a change in `tools/shapes`:\n\
          \n    \
          cargo run -p shapes --bin make-assets -- assets\n\
          \n\
-         To see whether they are what would be made (`cargo test -p shapes` asks the same):\n\
+         To check that they are up to date (`cargo test -p shapes` does the same):\n\
          \n    \
          cargo run -p shapes --bin make-assets -- --check assets\n\
          \n\
-         Rank is that of all vertices together: 0 a point, 1 a line, 2 a plane, 3 a solid. Vertices are `v` lines,\n\
-         faces `f` lines.\n\
+         The rank is the affine rank of all vertices: 0 a point, 1 a line, 2 a plane, 3 a solid. Vertices are `v` lines,\n\
+         faces are `f` lines.\n\
          \n\
-         | File | Is | Exercises | Rank | Vertices | Faces | Parameters |\n\
+         | File | Model | Exercises | Rank | Vertices | Faces | Parameters |\n\
          |---|---|---|---:|---:|---:|---|\n",
     );
     for model in models {
@@ -197,7 +200,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn files_are_small_and_told_apart_by_name() {
+    fn files_are_small_and_have_distinct_names() {
         let files = generate();
         let mut names: Vec<_> = files.iter().map(|f| f.name.to_lowercase()).collect();
         names.sort();

@@ -1,23 +1,26 @@
 //! Point families: seeded clouds of exactly `n` points, each with a known geometric property.
 //!
-//! Every family is a function `fn(n, seed) -> Vec<[f32; 3]>`, and [`Family`] lists them by name. All of them promise:
+//! Every family is a function `fn(n, seed) -> Vec<[f32; 3]>`, and [`Family`] lists them by name.
+//! All of them guarantee:
 //!
-//! - `n` points, finite, pairwise distinct, without negative zero, for every `n` from [`MIN_POINTS`] up to at least
-//!   a hundred thousand;
+//! - `n` points, finite, pairwise distinct, without negative zero, for every `n` from
+//!   [`MIN_POINTS`] up to at least a hundred thousand;
 //! - the same bits for the same `n` and `seed` on every machine;
 //! - coordinates within [-1, 1].
 //!
-//! "All extreme" means that the points, before they are rounded to `f32`, are all vertices of their convex hull. Where
-//! points lie very close together, rounding (6e-8 at a distance of one) can push one of them into the hull.
+//! "All extreme" means that before rounding to `f32` all points are vertices of their convex hull.
+//! Where points are very close together, the rounding error (6e-8 at a distance of one) can move
+//! one of them inside.
 //!
-//! Families that leave nothing to chance take a seed all the same, so that all have one signature, and ignore it.
+//! Families without randomness ignore the seed. They take it so that all families have one
+//! signature.
 
 use crate::rng::SplitMix64;
 use crate::turn::cos_sin;
 use crate::vector::{self, Vec3, to_f32};
 use std::collections::HashSet;
 
-/// Fewest points that a family can be asked for: below eight, a prism or a grid is no longer one.
+/// Minimum number of points of a family. Fewer than eight do not form a prism or a grid.
 pub const MIN_POINTS: usize = 8;
 
 /// Semi-axes of [`clustered_ellipsoid`].
@@ -26,19 +29,19 @@ pub const ELLIPSOID_SEMI_AXES: [f64; 3] = [1.0, 0.6, 0.3];
 /// Half the thickness of [`lens`], whose rim has radius 1.
 pub const LENS_HALF_THICKNESS: f64 = 0.05;
 
-/// Radius of [`needle`] across, where its half-length is 1.
+/// Radius of [`needle`]. Its half-length is 1.
 pub const NEEDLE_RADIUS: f64 = 1e-3;
 
 /// Height of the plane that [`flat_sheet`] lies in.
 pub const FLAT_SHEET_Z: f32 = 0.25;
 
-/// Candidates tried for each point before a family is held to have no more distinct points to give.
+/// Maximum number of candidates for each point. After that, the family has no more distinct points.
 const MAX_TRIES_PER_POINT: usize = 64;
 
 /// The signature that all families share.
 pub type Generator = fn(usize, u64) -> Vec<[f32; 3]>;
 
-/// One of the point families, to iterate over or to look up by name.
+/// A point family. Families can be iterated over and looked up by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Family {
     /// [`sphere`]
@@ -84,7 +87,7 @@ impl Family {
         Family::Needle,
     ];
 
-    /// The family's name, which is that of its function.
+    /// Name of the family and of its function.
     pub const fn name(self) -> &'static str {
         match self {
             Family::Sphere => "sphere",
@@ -102,7 +105,7 @@ impl Family {
         }
     }
 
-    /// The family called `name`, if there is one.
+    /// The family with this name, if there is one.
     pub fn from_name(name: &str) -> Option<Family> {
         Family::ALL.into_iter().find(|family| family.name() == name)
     }
@@ -128,7 +131,7 @@ impl Family {
     /// Exactly `n` points of the family.
     ///
     /// # Panics
-    /// If `n` is below [`MIN_POINTS`], or above what the family can give in distinct `f32` points.
+    /// If `n` is below [`MIN_POINTS`], or above the number of distinct `f32` points of the family.
     pub fn points(self, n: usize, seed: u64) -> Vec<[f32; 3]> {
         self.generator()(n, seed)
     }
@@ -141,7 +144,7 @@ impl Family {
         }
     }
 
-    /// Whether all points are vertices of the hull, but for rounding to `f32`.
+    /// Whether all points are vertices of the hull, up to rounding to `f32`.
     pub const fn all_extreme(self) -> bool {
         !matches!(self, Family::Ball | Family::CubeGrid | Family::FlatSheet)
     }
@@ -161,9 +164,10 @@ pub fn sphere(n: usize, seed: u64) -> Vec<[f32; 3]> {
     distinct(n, || rng.direction())
 }
 
-/// Random points on an ellipsoid, crowded around eight random places; all extreme.
+/// Random points on an ellipsoid, clustered around eight random centres; all extreme.
 ///
-/// One point in eight is uniform, so that no side is bare. The semi-axes are [`ELLIPSOID_SEMI_AXES`].
+/// One point in eight is uniform, so that no side is empty. The semi-axes are
+/// [`ELLIPSOID_SEMI_AXES`].
 ///
 /// # Panics
 /// If `n` is below [`MIN_POINTS`].
@@ -177,7 +181,8 @@ pub fn clustered_ellipsoid(n: usize, seed: u64) -> Vec<[f32; 3]> {
         let on_sphere = if rng.below(8) == 0 {
             uniform
         } else {
-            // Linear reach: a cluster is denser in the middle, yet not so dense that rounding eats its points.
+            // Linear in the radius: a cluster is denser in the middle, but not so dense that
+            // rounded points coincide.
             let reach = CLUSTER_RADIUS * rng.unit();
             let centre = centres[rng.below(centres.len())];
             vector::normalized(vector::add(centre, vector::scale(uniform, reach)))
@@ -188,7 +193,8 @@ pub fn clustered_ellipsoid(n: usize, seed: u64) -> Vec<[f32; 3]> {
 
 /// A rounded, lopsided boulder with about two dozen knobs; all extreme.
 ///
-/// Points are where random outward normals touch a [`Boulder`], so they crowd on the knobs and thin out between them.
+/// Points are where random outward normals touch a [`Boulder`], so they crowd on the knobs and thin
+/// out between them.
 ///
 /// # Panics
 /// If `n` is below [`MIN_POINTS`].
@@ -209,9 +215,9 @@ pub fn prism(n: usize, _seed: u64) -> Vec<[f32; 3]> {
     distinct_from(n, prism_corners(n))
 }
 
-/// The points of [`prism`] at 0.7 of the size, turned by a fixed rotation about (3, 1, 2).
+/// The points of [`prism`] scaled by 0.7 and rotated about (3, 1, 2) by a fixed angle.
 ///
-/// Rounding to `f32` bends the caps: points that were coplanar are so only to about 6e-8. The seed is not used.
+/// Rounding to `f32` leaves the caps coplanar only to about 6e-8. The seed is not used.
 ///
 /// # Panics
 /// If `n` is below [`MIN_POINTS`].
@@ -222,7 +228,8 @@ pub fn rotated_prism(n: usize, _seed: u64) -> Vec<[f32; 3]> {
 
 /// A regular polygon of `n` − 1 corners at z = -1, of radius 1, and an apex at z = 1; all extreme.
 ///
-/// The base is exactly planar; the apex is the last point and has `n` − 1 neighbours. The seed is not used.
+/// The base is exactly planar; the apex is the last point and has `n` − 1 neighbours. The seed is
+/// not used.
 ///
 /// # Panics
 /// If `n` is below [`MIN_POINTS`].
@@ -253,14 +260,15 @@ pub fn lens(n: usize, seed: u64) -> Vec<[f32; 3]> {
 
 /// Latitude and longitude grid on the unit sphere, poles first and last; all extreme.
 ///
-/// Rings of equal latitude are exactly planar. The lowest ring takes what is left of `n` and may be sparser than the
-/// others. The seed is not used.
+/// Rings of equal latitude are exactly planar. The lowest ring has the remaining points, and may be
+/// sparser than the others. The seed is not used.
 ///
 /// # Panics
 /// If `n` is below [`MIN_POINTS`].
 pub fn uv_sphere(n: usize, _seed: u64) -> Vec<[f32; 3]> {
     let on_rings = n.saturating_sub(2);
-    // Rings span half a turn and segments a whole one: twice as many segments make the cells about square.
+    // Rings span half a turn and segments a whole one: twice as many segments make the cells about
+    // square.
     let segments = (2 * on_rings).isqrt().max(3);
     let rings = on_rings.div_ceil(segments);
     let rows = (0..rings).flat_map(|row| {
@@ -280,11 +288,12 @@ pub fn ball(n: usize, seed: u64) -> Vec<[f32; 3]> {
     distinct(n, || vector::scale(rng.direction(), libm::cbrt(rng.unit())))
 }
 
-/// The first `n` points of a cubic grid, x fastest; a handful extreme, the rest on faces, on edges or inside.
+/// The first `n` points of a cubic grid, x fastest; a handful extreme, the rest on faces, on edges
+/// or inside.
 ///
-/// The grid is the smallest that has `n` points. Its step is a power of two, so all coordinates are exact and every
-/// coplanar or collinear set is exactly so. Unless `n` is a cube, the topmost layers are incomplete. The seed is not
-/// used.
+/// The grid is the smallest that has `n` points. Its step is a power of two, so all coordinates are
+/// exact and every coplanar or collinear set is exactly so. Unless `n` is a cube, the topmost
+/// layers are incomplete. The seed is not used.
 ///
 /// # Panics
 /// If `n` is below [`MIN_POINTS`].
@@ -318,9 +327,10 @@ pub fn needle(n: usize, seed: u64) -> Vec<[f32; 3]> {
 
 /// A smooth, strictly convex boulder, given by its support function h.
 ///
-/// With random knobs v and the positive part x₊, h(d) = r |d| + (Σ (d·v)₊⁸)^⅛. Both terms are convex and scale with
-/// d, so h is the support function of a convex body: a ball of radius r, swept over a softened hull of the knobs and
-/// the origin. The ball makes it strictly convex: each outward normal touches it in one point, the gradient of h.
+/// With random knobs v and the positive part x₊, h(d) = r |d| + (Σ (d·v)₊⁸)^⅛. Both terms are
+/// convex and scale with d, so h is the support function of a convex body: a ball of radius r,
+/// swept over a softened hull of the knobs and the origin. The ball makes it strictly convex: each
+/// outward normal touches it in one point, the gradient of h.
 #[derive(Clone, Debug)]
 pub struct Boulder {
     knobs: [Vec3; Boulder::KNOB_COUNT],
@@ -390,7 +400,7 @@ fn stretched(p: Vec3, semi_axes: Vec3) -> Vec3 {
     [p[0] * semi_axes[0], p[1] * semi_axes[1], p[2] * semi_axes[2]]
 }
 
-/// `p` turned by one radian about (3, 1, 2), by Rodrigues' formula.
+/// `p` rotated by one radian about (3, 1, 2), by Rodrigues' formula.
 fn rotated_generic(p: Vec3) -> Vec3 {
     let axis = vector::normalized([3.0, 1.0, 2.0]);
     let (c, s) = (libm::cos(1.0), libm::sin(1.0));
@@ -407,8 +417,8 @@ fn distinct(n: usize, candidate: impl FnMut() -> Vec3) -> Vec<[f32; 3]> {
 
 /// The first `n` distinct points of `candidates`, rounded to `f32`.
 fn distinct_from(n: usize, candidates: impl Iterator<Item = Vec3>) -> Vec<[f32; 3]> {
-    assert!(n >= MIN_POINTS, "a family has at least {MIN_POINTS} points, not {n}");
-    // Only asked whether it holds a point, so its order cannot matter.
+    assert!(n >= MIN_POINTS, "a family has at least {MIN_POINTS} points, but {n} were requested");
+    // Used only for membership, so its order has no effect.
     let mut seen = HashSet::with_capacity(n);
     let mut points = Vec::with_capacity(n);
     for candidate in candidates {
@@ -420,7 +430,7 @@ fn distinct_from(n: usize, candidates: impl Iterator<Item = Vec3>) -> Vec<[f32; 
             }
         }
     }
-    panic!("the family has only {} distinct points in f32, fewer than the {n} asked for", points.len());
+    panic!("the family has only {} distinct points in f32, but {n} were requested", points.len());
 }
 
 #[cfg(test)]
@@ -524,7 +534,8 @@ mod tests {
 
     #[test]
     fn clusters_are_much_denser_than_the_rest() {
-        // Share of points with another nearer than a tenth of the mean spacing: clusters must raise it well.
+        // Share of points with another nearer than a tenth of the mean spacing: clusters must raise
+        // it well.
         let crowded = |points: &[[f32; 3]]| {
             let near = |p: [f32; 3], q: [f32; 3]| p != q && length(vector::sub(to_f64(p), to_f64(q))) < 0.01;
             let count = points.iter().filter(|p| points.iter().any(|q| near(**p, *q)));

@@ -1,11 +1,11 @@
-//! glTF 2.0: a document with one buffer, and the ways to put the two into files.
+//! glTF 2.0: a document with one buffer, as text, text with embedded data, or GLB.
 
 use crate::mesh::Mesh;
 
-/// A document, and the buffer that it describes.
+/// A document and its buffer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Parts {
-    /// The text, in which `BUFFER_URI` stands where a buffer beside the file would have its URI.
+    /// The text. It contains `BUFFER_URI` in place of the `uri` member of the buffer.
     pub json: String,
     /// The buffer.
     pub buffer: Vec<u8>,
@@ -14,9 +14,10 @@ pub struct Parts {
 /// Stands for `"uri": …` in a document.
 const BUFFER_URI: &str = "BUFFER_URI";
 
-/// A document of these meshes by name, each face as a fan, shown by `nodes`: entries of glTF's list of nodes, as text,
-/// of which `roots` are those of the scene. Mesh `i` has its positions in accessor `2 i`, its vertex numbers in
-/// `2 i + 1`.
+/// Document of named meshes, with faces triangulated as fans.
+///
+/// `nodes` is the text of glTF's list of nodes, and `roots` that of the scene's list of root nodes.
+/// Mesh `i` has its positions in accessor `2 i` and its vertex indices in `2 i + 1`.
 pub fn parts(meshes: &[(&str, &Mesh)], nodes: &str, roots: &str) -> Parts {
     let mut buffer = Vec::new();
     let (mut views, mut accessors, mut records) = (Vec::new(), Vec::new(), Vec::new());
@@ -65,7 +66,7 @@ impl Parts {
         self.json.replace(BUFFER_URI, &format!(r#""uri":"{uri}","#))
     }
 
-    /// The text, with its buffer in it.
+    /// The text, with its buffer as a data URI.
     pub fn text_with_data(&self) -> String {
         self.text(&format!("data:application/octet-stream;base64,{}", base64(&self.buffer)))
     }
@@ -76,7 +77,7 @@ impl Parts {
     }
 }
 
-/// A GLB file of a text and a buffer.
+/// GLB file of a text and a buffer.
 ///
 /// # Panics
 /// If it would have 2^32 bytes or more.

@@ -1,14 +1,16 @@
-//! Generated shapes: seeded point families for tests and benchmarks, and the OBJ files under `assets/`.
+//! Generated shapes: seeded point families for tests and benchmarks, and the OBJ files under
+//! `assets/`.
 //!
-//! Every number here is a pure function of its arguments, to the last bit and on every machine: randomness comes from
-//! [`rng::SplitMix64`], trigonometry from the `libm` crate (plain Rust, in `f64`), and nothing reads a clock, a path or
-//! the order of a hash map. Lengths have no unit, shapes have a radius of about one, z is up, and faces wind
-//! counter-clockwise seen from outside.
+//! All output is a pure function of the arguments, bit for bit on every machine. Randomness comes
+//! from [`rng::SplitMix64`], trigonometry from the `libm` crate (plain Rust, in `f64`). Nothing
+//! reads a clock, a path or the order of a hash map. Lengths have no unit, shapes have a radius of
+//! about one, z is up, and faces wind counter-clockwise seen from outside.
 //!
-//! - [`families`]: `fn(n, seed) -> Vec<[f32; 3]>`, and [`families::Family`] to iterate over them by name.
+//! - [`families`]: `fn(n, seed) -> Vec<[f32; 3]>`, and [`families::Family`] to iterate over them by
+//!   name.
 //! - [`mesh`] and [`solids`]: an indexed polygon mesh and the ways to build one.
-//! - [`obj`]: OBJ text, in the variety of dialects that real files come in.
-//! - [`gltf`], [`stl`], [`ply`]: the other formats that meshes come in.
+//! - [`obj`]: OBJ text, in the dialects of real files.
+//! - [`gltf`], [`stl`], [`ply`]: the other mesh formats.
 //! - [`models`] and [`assets`]: the committed models, and the files they become.
 //!
 //! ```
@@ -28,8 +30,10 @@ pub mod mesh;
 pub mod models;
 pub mod obj;
 pub mod ply;
-pub mod rng;
 pub mod solids;
 pub mod stl;
 mod turn;
 mod vector;
+
+/// The seeded generator that all shapes are drawn with.
+pub use hullmap_random as rng;

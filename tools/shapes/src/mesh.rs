@@ -13,29 +13,29 @@ pub struct Mesh {
     pub faces: Vec<Vec<u32>>,
 }
 
-/// Why a mesh is not a closed, consistently wound surface.
+/// Reason why a mesh is not a closed, consistently wound surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshDefect {
-    /// A face names a vertex that does not exist.
+    /// A face references a vertex that does not exist.
     IndexOutOfRange {
-        /// Zero-based face.
+        /// Zero-based index of the face.
         face: usize,
-        /// The index it names.
+        /// Vertex index out of range.
         index: u32,
     },
     /// A face has fewer than three corners.
     TooFewCorners {
-        /// Zero-based face.
+        /// Zero-based index of the face.
         face: usize,
     },
-    /// Two faces run along an edge in the same direction, or one does so twice.
+    /// Two faces traverse an edge in the same direction, or one does so twice.
     EdgeRepeated {
         /// First vertex of the directed edge.
         from: u32,
         /// Second vertex of the directed edge.
         to: u32,
     },
-    /// A face runs along an edge that no other face runs back along.
+    /// A face traverses an edge, and no face traverses it in the other direction.
     EdgeOpen {
         /// First vertex of the directed edge.
         from: u32,
@@ -48,7 +48,7 @@ impl fmt::Display for MeshDefect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::IndexOutOfRange { face, index } => {
-                write!(f, "face {face} names vertex {index}, which the mesh does not have")
+                write!(f, "face {face} has the vertex index {index}, which is out of range")
             }
             Self::TooFewCorners { face } => write!(f, "face {face} has fewer than three corners"),
             Self::EdgeRepeated { from, to } => {
@@ -82,11 +82,11 @@ impl Mesh {
 
     /// Volume enclosed, positive where faces wind counter-clockwise seen from outside.
     ///
-    /// Sums the tetrahedra from the origin to the fan of each face; that is exact (but for rounding) for a closed
-    /// mesh of planar faces, whether convex or not.
+    /// Sums the tetrahedra from the origin to the fan of each face. Up to rounding error this is
+    /// exact for a closed mesh of planar faces, convex or not.
     ///
     /// # Panics
-    /// If a face names a vertex that does not exist.
+    /// If a face references a vertex that does not exist.
     pub fn signed_volume(&self) -> f64 {
         let at = |index: u32| to_f64(self.vertices[index as usize]);
         let mut six_volumes = 0.0;
@@ -98,7 +98,7 @@ impl Mesh {
         six_volumes / 6.0
     }
 
-    /// Checks that every edge lies between exactly two faces, which wind the same way round.
+    /// Checks that every edge lies between exactly two faces with consistent winding.
     ///
     /// # Errors
     /// The first defect found.

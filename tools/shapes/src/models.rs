@@ -1,6 +1,6 @@
-//! The models that are committed under `assets/`: small OBJ files, each there to exercise something.
+//! Models under `assets/`: small OBJ files, each with a purpose.
 //!
-//! Each stands for a shape that convex hulls meet (round, flat-sided, thin, concave, of low rank) and for a dialect of
+//! Each represents a typical shape (round, flat-sided, thin, concave, of low rank) and a dialect of
 //! OBJ (n-gons, relative indices, normals, groups, line endings, elements other than faces).
 
 use crate::families::{self, Boulder, LENS_HALF_THICKNESS};
@@ -10,25 +10,25 @@ use crate::solids::{self, TorusKnot};
 use crate::turn::cos_sin;
 use crate::vector::{self, to_f32, to_f64};
 
-/// One committed OBJ file and what there is to say about it.
+/// A committed OBJ file and its description.
 #[derive(Clone, Debug)]
 pub struct Model {
     /// File name under `assets/`.
     pub file_name: &'static str,
-    /// What it is, in a few words.
+    /// Title of a few words.
     pub title: &'static str,
-    /// What it exercises, in the baker and in an OBJ reader.
+    /// Features of the baker and of an OBJ reader that it exercises.
     pub exercises: &'static str,
-    /// The numbers it was made from.
+    /// Parameters of the model.
     pub parameters: String,
-    /// Affine rank of all its vertices together: 0 point, 1 line, 2 plane, 3 solid.
+    /// Affine rank of its vertices: 0 point, 1 line, 2 plane, 3 solid.
     pub rank: u32,
-    /// The file's content.
+    /// Content of the file.
     pub document: Document,
 }
 
 impl Model {
-    /// A model of rank 3 with one object; the header says what it is.
+    /// A model of rank 3 with one object. The header is its title.
     fn new(
         file_name: &'static str,
         title: &'static str,
@@ -182,7 +182,8 @@ fn gear() -> Model {
     const TIP_RADIUS: f64 = 1.0;
     const ROOT_RADIUS: f64 = 0.8;
     const HALF_THICKNESS: f64 = 0.2;
-    // A tooth takes eight parts of the turn: one up, two across the tip, one down, four along the root.
+    // A tooth takes eight parts of the turn: one up, two across the tip, one down, four along the
+    // root.
     let at = |part: usize, radius: f64| {
         let (c, s) = cos_sin(part, 8 * TEETH);
         [radius * c, radius * s]

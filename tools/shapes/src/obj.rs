@@ -1,10 +1,11 @@
 //! Wavefront OBJ text.
 //!
-//! A [`Document`] is what a file says, statement by statement, so that the same few types can write the dialects that
-//! real files come in: absolute and relative indices, n-gons, lines and points, groups, materials, both line endings.
+//! A [`Document`] lists the statements of a file, so that a few types can write the dialects of
+//! real files: absolute and relative indices, n-gons, lines and points, groups, materials, both
+//! line endings.
 //!
-//! Numbers are written by Rust's `{}`: the shortest decimal that reads back as the same `f32`, without exponent, the
-//! same on every machine. Negative zero is written as zero.
+//! Numbers are written with Rust's `{}`: the shortest decimal that parses to the same `f32`,
+//! without an exponent, and the same on every machine. Negative zero is written as zero.
 //!
 //! # Reference
 //! "Object Files (.obj)", Appendix B1 of the Wavefront Advanced Visualizer manual, version 3.0.
@@ -12,7 +13,7 @@
 use crate::mesh::Mesh;
 use std::fmt::{self, Display, Write};
 
-/// How lines end.
+/// Line ending.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LineEnding {
     /// Line feed.
@@ -22,13 +23,13 @@ pub enum LineEnding {
     CrLf,
 }
 
-/// How an object's elements name their vertices.
+/// Form of the vertex references in an object.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Indexing {
-    /// From 1, counted from the start of the file.
+    /// Positive: 1 is the first vertex of the file.
     #[default]
     Absolute,
-    /// Negative, counted back from the latest vertex: -1 is the last one written.
+    /// Negative: -1 is the last vertex above the reference.
     Relative,
 }
 
@@ -68,12 +69,12 @@ pub enum Statement {
     Points(Vec<u32>),
 }
 
-/// Statements under one `o` line, or under none.
+/// Statements under an `o` line, or before the first one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Object {
-    /// Name on the `o` line; without one there is no such line.
+    /// Name on the `o` line. `None` omits the line.
     pub name: Option<String>,
-    /// How faces, lines and points name vertices.
+    /// Form of the references of faces, lines and points.
     pub indexing: Indexing,
     /// The lines, in order.
     pub statements: Vec<Statement>,
@@ -85,7 +86,7 @@ impl Object {
         Self { name: name.map(str::to_owned), ..Self::default() }
     }
 
-    /// An object that lists a mesh's vertices, then its faces.
+    /// An object of the vertices of a mesh, then its faces.
     pub fn from_mesh(name: Option<&str>, mesh: &Mesh) -> Self {
         let mut object = Self::new(name);
         object.push_vertices(&mesh.vertices);
@@ -109,7 +110,7 @@ impl Object {
         self.statements.extend(faces.iter().map(|face| Statement::Face(face.iter().map(corner).collect())));
     }
 
-    /// The object's vertices and faces, without the rest.
+    /// Vertices and faces of the object.
     pub fn mesh(&self) -> Mesh {
         let mut mesh = Mesh::default();
         for statement in &self.statements {
@@ -128,11 +129,11 @@ impl Object {
 pub struct Document {
     /// Comment lines at the top, without their `#`.
     pub header: Vec<String>,
-    /// File named on the `mtllib` line; without one there is no such line.
+    /// File name on the `mtllib` line. `None` omits the line.
     pub material_library: Option<String>,
     /// The objects, in order.
     pub objects: Vec<Object>,
-    /// How lines end.
+    /// Line ending.
     pub line_ending: LineEnding,
 }
 
@@ -154,7 +155,8 @@ impl Document {
     /// The file's text.
     ///
     /// # Panics
-    /// If a number is not finite, or an element names something that its object has not listed above it.
+    /// If a number is not finite, or an element references something that its object does not list
+    /// above it.
     pub fn to_text(&self) -> String {
         let mut writer = Writer {
             text: String::new(),
@@ -177,7 +179,7 @@ impl Document {
     }
 }
 
-/// How many of each kind of data line there have been.
+/// Number of data lines of each kind so far.
 #[derive(Clone, Copy, Default)]
 struct Counts {
     vertices: u32,

@@ -1,4 +1,5 @@
-//! Ways to build a closed mesh: from face normals, by extrusion, on a lathe, as a tube, by subdivision.
+//! Ways to build a closed mesh: from face normals, by extrusion, on a lathe, as a tube, by
+//! subdivision.
 //!
 //! Positions are worked out in `f64` and rounded to `f32` as they enter the mesh.
 
@@ -7,9 +8,11 @@ use crate::turn::cos_sin;
 use crate::vector::{Vec3, add, cross, dot, normalized, scale, sub};
 use std::collections::BTreeMap;
 
-/// How far below a face's plane a corner of it may lie, in multiples of the vertices' distance from the origin.
+/// How far below a face's plane a corner of it may lie, in multiples of the vertices' distance from
+/// the origin.
 ///
-/// Far above rounding in `f64` (1e-16), far below the gap to the next vertex of any regular solid (above 0.1).
+/// Far above rounding in `f64` (1e-16), far below the gap to the next vertex of any regular solid
+/// (above 0.1).
 const COPLANAR_RELATIVE: f64 = 1e-9;
 
 /// The convex polyhedron with these `vertices` and one face for each outward `normal`.
@@ -24,7 +27,8 @@ pub fn polyhedron(vertices: &[[f64; 3]], normals: &[[f64; 3]]) -> Mesh {
     mesh
 }
 
-/// The vertices farthest along the unit vector `normal`, counter-clockwise about it, lowest index first.
+/// The vertices farthest along the unit vector `normal`, counter-clockwise about it, lowest index
+/// first.
 fn face_along(vertices: &[Vec3], normal: Vec3) -> Vec<u32> {
     let far = vertices.iter().map(|&v| dot(v, normal)).fold(f64::NEG_INFINITY, f64::max);
     let slack = far.abs() * COPLANAR_RELATIVE;
@@ -38,7 +42,8 @@ fn face_along(vertices: &[Vec3], normal: Vec3) -> Vec<u32> {
         .map(|&i| {
             let from_centre = sub(vertices[i], centre);
             let angle_rad = libm::atan2(dot(from_centre, y_axis), dot(from_centre, x_axis));
-            // The first corner is at angle zero and must stay first, whatever the sign of its rounding.
+            // The first corner is at angle zero and must stay first, also if rounding makes the
+            // angle negative.
             if i == corners[0] {
                 (0.0, i)
             } else if angle_rad < 0.0 {
@@ -54,8 +59,8 @@ fn face_along(vertices: &[Vec3], normal: Vec3) -> Vec<u32> {
 
 /// The `outline`, a counter-clockwise polygon in x and y, raised from `z_bottom` to `z_top`.
 ///
-/// Vertices: the bottom outline, then the top one. Faces: bottom cap, top cap, then one quad a side. The caps are
-/// single polygons, concave where the outline is.
+/// Vertices: the bottom outline, then the top one. Faces: bottom cap, top cap, then one quad a
+/// side. The caps are single polygons, concave where the outline is.
 pub fn extrusion(outline: &[[f64; 2]], z_bottom: f64, z_top: f64) -> Mesh {
     let count = outline.len() as u32;
     let mut mesh = Mesh::default();
@@ -73,7 +78,7 @@ pub fn extrusion(outline: &[[f64; 2]], z_bottom: f64, z_top: f64) -> Mesh {
     mesh
 }
 
-/// The regular polygon of `corners` corners and this `radius`, from the x axis on.
+/// Regular polygon of this `radius`. The first of its `corners` is on the x axis.
 pub fn regular_polygon(corners: usize, radius: f64) -> Vec<[f64; 2]> {
     (0..corners)
         .map(|i| {
@@ -83,10 +88,12 @@ pub fn regular_polygon(corners: usize, radius: f64) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// The `profile`, turned about the z axis in `segments` steps and closed by a pole at each end.
+/// Solid of revolution: the `profile` rotated about the z axis in `segments` steps, with a pole at
+/// each end.
 ///
-/// The profile lists `[radius, z]`, upwards along the outside; its first and last radius must be zero and all others
-/// positive. Vertices: lower pole, rings upwards, upper pole. Faces: triangles at the poles, quads between.
+/// The profile lists `[radius, z]`, upwards along the outside; its first and last radius must be
+/// zero and all others positive. Vertices: lower pole, rings upwards, upper pole. Faces: triangles
+/// at the poles, quads between.
 ///
 /// # Panics
 /// If the profile has fewer than three points or does not start and end on the axis.
@@ -122,7 +129,8 @@ pub fn lathe(profile: &[[f64; 2]], segments: u32) -> Mesh {
     mesh
 }
 
-/// A regular polygon as the base, one n-gon, and `apex_z` above it the apex, the last vertex.
+/// Pyramid over a regular polygon, with the apex `apex_z` above it as the last vertex. The base is
+/// one n-gon.
 pub fn cone(base_corners: usize, radius: f64, base_z: f64, apex_z: f64) -> Mesh {
     let mut mesh = Mesh::default();
     for [x, y] in regular_polygon(base_corners, radius) {
@@ -157,8 +165,8 @@ pub struct TorusKnot {
 
 /// A closed tube along a curve that winds around a torus; all quads.
 ///
-/// The tube's frame is the curve's tangent and the torus's own normal, which are at right angles everywhere and return
-/// to where they began: the tube closes without a twist.
+/// The frame of the tube is the tangent of the curve and the normal of the torus. The two are
+/// perpendicular everywhere and periodic, so the tube closes without a twist.
 pub fn torus_knot(knot: TorusKnot) -> Mesh {
     let (p, q) = (knot.turns_about_axis, knot.turns_about_circle);
     let (sections, sides) = (knot.sections, knot.sides);
@@ -191,7 +199,7 @@ pub fn torus_knot(knot: TorusKnot) -> Mesh {
     mesh
 }
 
-/// Directions and triangles of an icosahedron whose triangles were each cut in four, `levels` times over.
+/// Directions and triangles of an icosahedron, each triangle divided into four, `levels` times.
 ///
 /// Directions are unit vectors; there are 10·4^`levels` + 2 of them.
 pub fn geodesic(levels: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {

@@ -2,8 +2,8 @@
 
 use crate::mesh::Mesh;
 
-/// A binary file: each face as a fan of triangles, with normals of zero. The 80 bytes before the count hold `header`,
-/// cut off or filled with blanks.
+/// A binary file: each face as a fan of triangles, with normals of zero. The 80 bytes before the
+/// count hold `header`, cut off or filled with blanks.
 ///
 /// # Panics
 /// If there are 2^32 triangles or more.

@@ -1,21 +1,22 @@
 //! Cosine and sine of an exact fraction of a full turn.
 //!
-//! 1. The fraction is cut down to half a quarter turn in integers, without error.
-//! 2. `libm` gives cosine and sine of what is left, an angle in [0, π/4].
-//! 3. Swaps and sign changes carry the pair back.
+//! 1. Reduce the fraction to at most an eighth of a turn, in integers and without error.
+//! 2. Compute cosine and sine of the remainder, an angle in [0, π/4], with `libm`.
+//! 3. Swap and negate the results to undo the reduction.
 //!
-//! So quarter turns are exact (no 1.2e-16 for sin π), and regular polygons are exactly symmetric.
+//! Quarter turns are therefore exact (sin π is 0, not 1.2e-16), and regular polygons are exactly
+//! symmetric.
 
 use core::f64::consts::FRAC_PI_2;
 
 /// `(cos, sin)` of `index / count` of a full turn, counter-clockwise.
 ///
-/// `index` may be any number; whole turns fall away.
+/// `index` may be any integer; whole turns have no effect.
 ///
 /// # Panics
 /// If `count` is zero.
 pub(crate) fn cos_sin(index: usize, count: usize) -> (f64, f64) {
-    assert!(count > 0, "a turn needs at least one part");
+    assert!(count > 0, "a turn has at least one part");
     let quarters = 4 * (index % count);
     let quarter = quarters / count;
     let rest = quarters % count;
@@ -33,7 +34,7 @@ pub(crate) fn cos_sin(index: usize, count: usize) -> (f64, f64) {
     }
 }
 
-/// `(cos, sin)` of `rest / count` of a quarter turn, where that is at most a half.
+/// `(cos, sin)` of `rest / count` of a quarter turn, which must be at most a half.
 fn within_eighth(rest: usize, count: usize) -> (f64, f64) {
     let angle_rad = FRAC_PI_2 * (rest as f64 / count as f64);
     (libm::cos(angle_rad), libm::sin(angle_rad))

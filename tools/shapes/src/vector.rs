@@ -1,4 +1,4 @@
-//! Three-vectors in `f64`: shapes are worked out in double precision and rounded to `f32` once, at the end.
+//! Three-vectors in `f64`. Shapes are computed in double precision and rounded to `f32` once.
 
 /// A point or direction in double precision.
 pub(crate) type Vec3 = [f64; 3];

@@ -1,4 +1,5 @@
-//! The committed files are those that the generator makes, and `make-assets` tells when they are not.
+//! The committed files are those that the generator makes, and `make-assets` tells when they are
+//! not.
 
 use shapes::assets::{self, Difference};
 use shapes::models;
@@ -106,9 +107,9 @@ fn check_exits_1_and_names_the_file() {
 fn wrong_usage_and_missing_folders_exit_2() {
     let missing = scratch("missing").join("nowhere");
     let cases = [
-        (make_assets(&[], None), "name a folder"),
-        (make_assets(&["--czech", "x"], None), "no option --czech"),
-        (make_assets(&["x", "y"], None), "what is y?"),
+        (make_assets(&[], None), "missing argument DIR"),
+        (make_assets(&["--czech", "x"], None), "unknown option --czech"),
+        (make_assets(&["x", "y"], None), "unexpected argument y"),
         (make_assets(&["--check"], Some(&missing)), "nowhere"),
     ];
     for (output, message) in cases {

@@ -1,4 +1,4 @@
-//! `bake completions`: scripts by which shells complete the command's words.
+//! `bake completions`: completion scripts for shells.
 
 use std::io::Write;
 
@@ -12,7 +12,7 @@ use crate::outcome::{Exit, Failure, end};
 /// # Errors
 /// The script cannot be written.
 pub fn run(args: &CompletionsArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
-    // Into memory first: the generator panics where it cannot write.
+    // Into memory first: the generator panics if it cannot write.
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "bake", &mut script);
     end(Exit::Done, out.write_all(&script).map_err(Into::into))

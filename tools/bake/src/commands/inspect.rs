@@ -1,4 +1,4 @@
-//! `bake inspect`: what packs hold.
+//! `bake inspect`: describes the hulls in packs.
 
 use std::io::Write;
 
@@ -8,28 +8,29 @@ use serde::Serialize;
 use crate::args::InspectArgs;
 use crate::messages;
 use crate::open::open_pack;
-use crate::options::{BuildOptions, IndexName, word};
+use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::packs::find_packs;
 use crate::table::{grouped, rounded, shortest};
 
-/// What is said of a pack. The names are those of the JSON.
+/// Description of a pack. Field names are those of the JSON.
 #[derive(Debug, Serialize)]
-struct PackReport {
+struct PackDescription {
     file: String,
     format_version: u32,
     bytes: u64,
     source: String,
-    /// The options that shaped the bake.
+    /// The recorded build options.
     options: String,
     /// XXH3-128 of the source, 32 hexadecimal digits.
     source_hash: String,
-    hulls: Vec<HullReport>,
+    hulls: Vec<HullDescription>,
 }
 
-/// What is said of a hull: lengths in source units, the containment error relative to the diameter.
+/// Description of a hull. Lengths are in source units; the containment error is relative to the
+/// diameter.
 #[derive(Debug, Serialize)]
-struct HullReport {
+struct HullDescription {
     name: String,
     rank: u32,
     vertices: usize,
@@ -45,15 +46,15 @@ struct HullReport {
     uncovered: f64,
     part: u32,
     origin: [f64; 3],
-    index: IndexReport,
+    index: IndexDescription,
 }
 
-/// What is said of a direction index.
+/// Description of a direction index.
 #[derive(Debug, Serialize)]
-struct IndexReport {
+struct IndexDescription {
     /// Its name on the command line.
     kind: String,
-    /// Cells along the edge of a cube face, of a cube map.
+    /// Cells along each edge of a cube face, for a cube map.
     resolution: Option<u32>,
     bytes: u64,
     max_nodes: u32,
@@ -63,7 +64,8 @@ struct IndexReport {
 /// Runs the command.
 ///
 /// # Errors
-/// An input that cannot be read, or a folder without packs. A pack that is none is told of beside the others.
+/// An input cannot be read, or a folder holds no packs. Invalid packs are reported, and the others
+/// described.
 pub fn run(args: &InspectArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     for (number, place) in find_packs(&args.inputs)?.iter().enumerate() {
@@ -88,9 +90,9 @@ pub fn run(args: &InspectArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
-fn report(file: String, pack: &Pack) -> PackReport {
+fn report(file: String, pack: &Pack) -> PackDescription {
     let header = pack.header();
-    PackReport {
+    PackDescription {
         file,
         format_version: header.format_version,
         bytes: pack.byte_len() as u64,
@@ -101,15 +103,10 @@ fn report(file: String, pack: &Pack) -> PackReport {
     }
 }
 
-fn describe(hull: &Hull) -> HullReport {
+fn describe(hull: &Hull) -> HullDescription {
     let worst = hull.worst_cost();
-    let (kind, resolution) = match hull.index_kind() {
-        IndexKind::Tree { leaf } => (IndexName::of_tree(leaf as usize), None),
-        IndexKind::Binary => (IndexName::Binary, None),
-        IndexKind::CubeMap { resolution } => (IndexName::Cubemap, Some(resolution)),
-        IndexKind::None => (IndexName::None, None),
-    };
-    HullReport {
+    let kind = hull.index_kind();
+    HullDescription {
         name: hull.name().to_owned(),
         rank: hull.rank(),
         vertices: hull.vertex_count(),
@@ -125,9 +122,9 @@ fn describe(hull: &Hull) -> HullReport {
         uncovered: hull.uncovered(),
         part: hull.part(),
         origin: hull.origin().to_array(),
-        index: IndexReport {
-            kind: word(&kind),
-            resolution,
+        index: IndexDescription {
+            kind: kind.as_str().to_owned(),
+            resolution: matches!(kind, IndexKind::CubeMap { .. }).then_some(kind.resolution()),
             bytes: hull.index_byte_len() as u64,
             max_nodes: worst.nodes,
             max_dots: worst.dots,
@@ -145,7 +142,7 @@ fn rank_name(rank: u32) -> &'static str {
     }
 }
 
-fn write_text(report: &PackReport, out: &mut dyn Write) -> Result<(), Failure> {
+fn write_text(report: &PackDescription, out: &mut dyn Write) -> Result<(), Failure> {
     let number = |value: usize| grouped(value as u64);
     writeln!(out, "{}", report.file)?;
     writeln!(out, "  format version     {}", report.format_version)?;
@@ -180,7 +177,7 @@ fn write_text(report: &PackReport, out: &mut dyn Write) -> Result<(), Failure> {
         }
         writeln!(
             out,
-            "  index              {}, {} bytes ({:.1} a vertex), at most {} nodes and {} dot products a query",
+            "  index              {}, {} bytes ({:.1} per vertex), at most {} nodes and {} dot products per query",
             index.kind,
             grouped(index.bytes),
             index.bytes as f64 / hull.vertices.max(1) as f64,
@@ -195,9 +192,10 @@ fn write_text(report: &PackReport, out: &mut dyn Write) -> Result<(), Failure> {
 mod tests {
     use super::*;
 
-    fn report() -> PackReport {
-        let index = IndexReport { kind: "tree".to_owned(), resolution: None, bytes: 480, max_nodes: 5, max_dots: 8 };
-        let hull = HullReport {
+    fn report() -> PackDescription {
+        let index =
+            IndexDescription { kind: "tree".to_owned(), resolution: None, bytes: 480, max_nodes: 5, max_dots: 8 };
+        let hull = HullDescription {
             name: "cube".to_owned(),
             rank: 3,
             vertices: 8,
@@ -215,7 +213,7 @@ mod tests {
             origin: [0.0; 3],
             index,
         };
-        PackReport {
+        PackDescription {
             file: "cube.hullmap".to_owned(),
             format_version: 1,
             bytes: 2000,
@@ -262,7 +260,7 @@ mod tests {
             text.contains("hull #0 cube\n")
                 && text.contains(" 3.464102\n")
                 && text.contains("3 (solid)")
-                && text.contains("60.0 a vertex"),
+                && text.contains("60.0 per vertex"),
             "{text}"
         );
     }

@@ -1,4 +1,4 @@
-//! The subcommands, one module each. Results go to the writer they are given, messages to standard error.
+//! The subcommands, one module each. Results go to the given writer, messages to standard error.
 
 pub mod build;
 pub mod completions;

@@ -1,4 +1,4 @@
-//! `bake query`: two hulls, or whole packs, in many poses.
+//! `bake query`: intersection, distance or contact of two hulls or packs, in many poses.
 
 use std::io::Write;
 
@@ -13,10 +13,11 @@ use crate::pose::{parse_pose, read_poses};
 use crate::selection::Selection;
 use crate::table::{Align, Table, or_dash, rounded};
 
-/// What is said of a pose; `None` where the mode does not compute it. The names are those of the JSON.
+/// Answer for one pose. Field names are those of the JSON; fields that the mode does not compute
+/// are `None`.
 #[derive(Debug, Serialize)]
-struct PoseReport {
-    /// Place of the pose among those asked for, from 0.
+struct PoseAnswer {
+    /// Index of the pose.
     pose: usize,
     hit: Option<bool>,
     status: &'static str,
@@ -31,13 +32,13 @@ struct PoseReport {
     point_b: Option<[f64; 3]>,
     iterations: u32,
     support_calls: u32,
-    /// Name of the hull of A that the answer is of, where a whole pack was asked.
+    /// Name of the deciding hull of A, if A or B has several.
     hull_a: Option<String>,
-    /// Name of the hull of B.
+    /// Name of the deciding hull of B, if A or B has several.
     hull_b: Option<String>,
 }
 
-impl PoseReport {
+impl PoseAnswer {
     fn new(pose: usize, answer: PairAnswer) -> Self {
         let PairAnswer { hit, status, depth, distance, normal, point_a, point_b, iterations, support_calls, .. } =
             answer;
@@ -72,7 +73,8 @@ fn bounded(values: Option<[f64; 3]>) -> [Option<f64>; 3] {
 /// Runs the command.
 ///
 /// # Errors
-/// A pose or selection that cannot be read, a pack that cannot be read or is none. All before the first answer.
+/// A pose or selection is invalid, or a pack cannot be read or is invalid. All are checked before
+/// the first answer.
 pub fn run(args: &QueryArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
     let poses = poses(args)?;
     let (select_a, select_b) = (Selection::parse(&args.a), Selection::parse(&args.b));
@@ -86,7 +88,7 @@ pub fn run(args: &QueryArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
     for (place, pose) in poses.into_iter().enumerate() {
         let answer = solver.query(pose, args.mode);
         let [hull_a, hull_b] = answer.hulls.map_or([None, None], names);
-        let report = PoseReport { hull_a, hull_b, ..PoseReport::new(place, answer) };
+        let report = PoseAnswer { hull_a, hull_b, ..PoseAnswer::new(place, answer) };
         if args.json {
             serde_json::to_writer(&mut *out, &report).map_err(std::io::Error::from)?;
             writeln!(out)?;
@@ -100,7 +102,7 @@ pub fn run(args: &QueryArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// The poses of `--pose` in their order, then those of `--poses`; the identity where there are neither.
+/// The poses of `--pose` in their order, then those of `--poses`; the identity if neither is given.
 fn poses(args: &QueryArgs) -> Result<Vec<Pose>, Failure> {
     let mut poses = Vec::new();
     for text in &args.poses {
@@ -115,18 +117,18 @@ fn poses(args: &QueryArgs) -> Result<Vec<Pose>, Failure> {
     Ok(poses)
 }
 
-/// The hull that is chosen, or the whole pack.
+/// The selected hull, or the whole pack.
 fn choose<'a>(selection: &Selection, pack: &'a Pack) -> Result<Compound<'a>, Failure> {
     let hulls: Vec<Hull> = pack.hulls().collect();
     if selection.hull.is_none() {
         return Ok(Compound::new(pack));
     }
     let names: Vec<&str> = hulls.iter().map(|hull| hull.name()).collect();
-    let number = selection.choose(&names)?;
-    Ok(Compound::from(hulls[number]))
+    let index = selection.choose(&names)?;
+    Ok(Compound::from(hulls[index]))
 }
 
-/// `names_hulls`: where packs of several hulls are asked, with the two that decide.
+/// An empty table. `names_hulls`: with columns for the two deciding hulls.
 fn table(mode: Mode, names_hulls: bool) -> Table {
     let mut columns = vec![("pose", Align::Right), ("hit", Align::Left), ("status", Align::Left)];
     if names_hulls {
@@ -143,7 +145,7 @@ fn table(mode: Mode, names_hulls: bool) -> Table {
     Table::new(&columns)
 }
 
-fn row(report: &PoseReport, mode: Mode, names_hulls: bool) -> Vec<String> {
+fn row(report: &PoseAnswer, mode: Mode, names_hulls: bool) -> Vec<String> {
     let hit = or_dash(report.hit, |hit| if hit { "yes" } else { "no" }.to_owned());
     let mut cells = vec![report.pose.to_string(), hit, report.status.to_owned()];
     if names_hulls {
@@ -190,7 +192,7 @@ mod tests {
     #[test]
     fn the_fields_others_rely_on() {
         let answer = PairAnswer { hit: Some(true), depth: Some([0.5, 0.4, 0.6]), ..PairAnswer::default() };
-        let report = serde_json::to_value(PoseReport::new(0, answer)).unwrap();
+        let report = serde_json::to_value(PoseAnswer::new(0, answer)).unwrap();
         for key in [
             "hit",
             "status",
@@ -214,7 +216,7 @@ mod tests {
     #[test]
     fn small_numbers_keep_their_digits() {
         let answer = PairAnswer { depth: Some([1.25e-7; 3]), normal: Some([0.0, 1.0, -3e-9]), ..PairAnswer::default() };
-        let cells = row(&PoseReport::new(0, answer), Mode::Contact, false);
+        let cells = row(&PoseAnswer::new(0, answer), Mode::Contact, false);
         assert!(cells.contains(&"1.25e-7".to_owned()) && cells.contains(&"0 1 -3e-9".to_owned()), "{cells:?}");
     }
 
@@ -223,7 +225,7 @@ mod tests {
         for mode in [Mode::Intersect, Mode::Distance, Mode::Contact] {
             for names_hulls in [false, true] {
                 let mut table = table(mode, names_hulls);
-                table.push(row(&PoseReport::new(0, PairAnswer::default()), mode, names_hulls));
+                table.push(row(&PoseAnswer::new(0, PairAnswer::default()), mode, names_hulls));
                 let mut out = Vec::new();
                 table.write(&mut out).unwrap();
                 assert_eq!(String::from_utf8(out).unwrap().lines().count(), 2);

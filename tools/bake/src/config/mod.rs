@@ -1,38 +1,36 @@
-//! `hullmap.toml`: the options of a project's meshes, kept beside them.
+//! `hullmap.toml`: build options for the meshes of a project, kept beside them.
 //!
-//! 1. [`search`] finds the file that counts for a mesh: the nearest one above it.
-//! 2. [`parse`] reads it; what it does not know is an error with line and the nearest right name.
-//! 3. [`Config::layer`] lays defaults and the rules that match a mesh upon each other.
+//! 1. [`search`] finds the file for a mesh: the nearest one above it.
+//! 2. [`parse`] reads it. Anything unknown is an error with line number and suggestion.
+//! 3. [`Config::layer`] lays the rules that match a mesh over the defaults.
 
 mod parse;
 mod search;
-mod template;
 
 use std::path::{Path, PathBuf};
 
 use globset::GlobMatcher;
 
-use crate::option_layer::OptionLayer;
+use crate::options::OptionLayer;
 use crate::outcome::Failure;
 
 pub use search::Configs;
-pub use template::TEMPLATE;
 
 /// Name of the file.
 pub const FILE_NAME: &str = "hullmap.toml";
 
-/// A `hullmap.toml`, read.
+/// A parsed `hullmap.toml`.
 #[derive(Debug)]
 pub struct Config {
-    /// The file, as it was named or found.
+    /// The file, as named or found.
     pub path: PathBuf,
-    /// What holds for every mesh.
+    /// Options for every mesh.
     defaults: OptionLayer,
-    /// In the file's order: later ones win.
+    /// In the file's order: later rules override earlier ones.
     rules: Vec<Rule>,
 }
 
-/// Options for the meshes that match one of some globs.
+/// Options for the meshes that match one of several globs.
 #[derive(Debug)]
 struct Rule {
     /// Line of the globs in the file.
@@ -41,48 +39,50 @@ struct Rule {
     layer: OptionLayer,
 }
 
-/// A glob, and what it is compared with.
 #[derive(Debug)]
 struct Glob {
-    /// As the file has it.
+    /// As written in the file.
     text: String,
     matcher: GlobMatcher,
-    /// A pattern without `/` is compared with the file's name alone, as in `.gitignore`.
-    is_of_name: bool,
+    /// A glob without `/` is matched against the file name alone, as in `.gitignore`.
+    matches_name: bool,
 }
 
 impl Config {
     /// Reads a file.
     ///
     /// # Errors
-    /// It cannot be read, is no TOML, or says what is not known; with file and line.
+    /// It cannot be read, is not valid TOML, or contains unknown keys or values; with file and
+    /// line.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let text = std::fs::read_to_string(path)
             .map_err(|error| Failure::usage(format!("{}: cannot read: {error}; check the path", path.display())))?;
         parse::parse(path, &text)
     }
 
-    /// What the file says of the mesh at `place`, relative to the file's folder; `None` for a mesh outside of it, to which
-    /// only the rules without `/` can apply.
-    pub fn layer(&self, place: Option<&Path>, name: &Path) -> OptionLayer {
-        let rules = self.rules.iter().filter(|rule| rule.matches(place, name));
-        rules.fold(self.defaults.clone(), |lower, rule| rule.layer.clone().over(&lower))
+    /// Options that the file gives for a mesh.
+    ///
+    /// `below` is the mesh's path relative to the file's folder; `None` for a mesh outside that
+    /// folder, to which only globs without `/` can apply. `name` is its file name.
+    pub fn layer(&self, below: Option<&Path>, name: &Path) -> OptionLayer {
+        let rules = self.rules.iter().filter(|rule| rule.matches(below, name));
+        rules.fold(self.defaults.clone(), |lower, rule| rule.layer.over(&lower))
     }
 
-    /// A parameter of the decomposition in a file that asks for none.
-    fn idle_parameter(&self) -> Option<&'static str> {
+    /// A parameter of the decomposition in a file that never switches decomposition on.
+    fn unused_decomposition_parameter(&self) -> Option<&'static str> {
         let layers = || std::iter::once(&self.defaults).chain(self.rules.iter().map(|rule| &rule.layer));
-        let is_asked_for = layers().any(|layer| layer.decompose == Some(true));
-        layers().find_map(OptionLayer::first_of_decomposition).filter(|_| !is_asked_for)
+        let decomposes = layers().any(|layer| layer.decompose() == Some(true));
+        layers().find_map(OptionLayer::first_decomposition_parameter).filter(|_| !decomposes)
     }
 }
 
 impl Rule {
-    /// Whether it is for the mesh at `place`, as in [`Config::layer`].
-    fn matches(&self, place: Option<&Path>, name: &Path) -> bool {
-        self.files.iter().any(|glob| match (glob.is_of_name, place) {
+    /// Whether the rule applies to a mesh; parameters as for [`Config::layer`].
+    fn matches(&self, below: Option<&Path>, name: &Path) -> bool {
+        self.files.iter().any(|glob| match (glob.matches_name, below) {
             (true, _) => glob.matcher.is_match(name),
-            (false, Some(place)) => glob.matcher.is_match(place),
+            (false, Some(below)) => glob.matcher.is_match(below),
             (false, None) => false,
         })
     }
@@ -93,7 +93,9 @@ mod tests {
     use hullmap_bake::IndexKind;
 
     use super::*;
-    use crate::options::{BuildOptions, Simplify};
+    use crate::options::defaults::OPTIONS;
+    use crate::options::{BuildOptions, template};
+    use hullmap_bake::simplify::Limit;
     use hullmap_import::Split;
 
     const TEXT: &str = r#"
@@ -119,63 +121,65 @@ resolution = 8
 
     fn options(config: &Config, place: &str) -> BuildOptions {
         let place = Path::new(place);
-        config.layer(Some(place), Path::new(place.file_name().unwrap())).options()
+        config.layer(Some(place), Path::new(place.file_name().unwrap())).resolve()
     }
 
     #[test]
     fn later_rules_win_over_earlier_ones_and_over_defaults() {
         let config = parse::parse(Path::new("hullmap.toml"), TEXT).unwrap();
         let plain = options(&config, "rock.obj");
-        assert_eq!((plain.index, plain.import.split), (IndexKind::COMPACT, Split::Object));
-        assert_eq!((plain.import.unit_scale, plain.simplify), (1.0, Simplify::None));
-        assert_eq!(options(&config, "props/deep/er/x.obj").import.unit_scale, 0.01);
-        assert_eq!(options(&config, "other/props/x.obj").import.unit_scale, 1.0, "globs start at the file's folder");
+        assert_eq!((plain.index(), plain.import().split), (IndexKind::Compact.into(), Split::Object));
+        assert_eq!((plain.import().unit_scale, plain.simplify()), (1.0, None));
+        assert_eq!(options(&config, "props/deep/er/x.obj").import().unit_scale, 0.01);
+        assert_eq!(options(&config, "other/props/x.obj").import().unit_scale, 1.0, "globs are relative to the file");
         let collider = options(&config, "a/b/x_col.obj");
-        assert_eq!((collider.import.split, collider.simplify), (Split::None, Simplify::MaxVertices(64)));
-        assert_eq!(options(&config, "a/b/X_COL.OBJ"), collider, "case does not count");
-        assert_eq!(options(&config, "props/big/x.glb").simplify, Simplify::MaxVertices(64));
-        assert_eq!(options(&config, "props/big/deep/x.glb").simplify, Simplify::None, "a star stays in its folder");
+        assert_eq!((collider.import().split, collider.simplify()), (Split::None, Some(Limit::Vertices(64))));
+        assert_eq!(options(&config, "a/b/X_COL.OBJ"), collider, "case is ignored");
+        assert_eq!(options(&config, "props/big/x.glb").simplify(), Some(Limit::Vertices(64)));
+        assert_eq!(options(&config, "props/big/deep/x.glb").simplify(), None, "a star stays within its folder");
         let exact = options(&config, "props/big/exact_col.obj");
-        assert_eq!((exact.simplify, exact.import.unit_scale), (Simplify::None, 0.01));
-        assert_eq!((exact.index, exact.import.split), (IndexKind::CubeMap { resolution: 8 }, Split::None));
+        assert_eq!((exact.simplify(), exact.import().unit_scale), (None, 0.01));
+        assert_eq!((exact.index(), exact.import().split), (IndexKind::CubeMap { resolution: 8 }.into(), Split::None));
     }
 
     #[test]
-    fn a_mesh_outside_the_folder_meets_rules_of_names_alone() {
+    fn only_globs_of_names_match_meshes_outside_the_folder() {
         let config = parse::parse(Path::new("hullmap.toml"), TEXT).unwrap();
-        let layer = |name: &str| config.layer(None, Path::new(name)).options();
-        assert_eq!(layer("x_col.obj").simplify, Simplify::MaxVertices(64));
-        assert_eq!(layer("exact_col.obj").simplify, Simplify::MaxVertices(64));
+        let layer = |name: &str| config.layer(None, Path::new(name)).resolve();
+        assert_eq!(layer("x_col.obj").simplify(), Some(Limit::Vertices(64)));
+        assert_eq!(layer("exact_col.obj").simplify(), Some(Limit::Vertices(64)));
     }
 
     #[test]
-    fn the_template_is_the_defaults_and_names_every_option() {
-        let config = parse::parse(Path::new("hullmap.toml"), TEMPLATE).unwrap();
+    fn the_template_lists_every_option_at_its_default() {
+        let template = template();
+        let config = parse::parse(Path::new("hullmap.toml"), &template).unwrap();
         assert_eq!(config.layer(Some(Path::new("x.obj")), Path::new("x.obj")), OptionLayer::default());
-        // With the marks taken off the lines that are options, it still reads, and says what holds anyway.
+        // With the options uncommented it still parses, and changes nothing.
         let is_option = |line: &&str| {
             let key = line.strip_prefix("# ").and_then(|rest| rest.split_once(" = ")).map_or("", |(key, _)| key);
-            crate::option_layer::KEYS.iter().any(|(known, _)| *known == key)
+            OPTIONS.iter().any(|option| option.key == key)
         };
         let bare = |line: &str| line.strip_prefix("# ").unwrap_or(line).to_owned();
-        let head = TEMPLATE.split("# [[rule]]").next().unwrap();
+        let head = template.split("# [[rule]]").next().unwrap();
         let lines: Vec<String> =
             head.lines().map(|line| if is_option(&line) { bare(line) } else { line.to_owned() }).collect();
-        for (key, _) in crate::option_layer::KEYS {
+        for option in &OPTIONS {
+            let key = option.key;
             assert!(lines.iter().any(|line| line.starts_with(&format!("{key} = "))), "{key}");
         }
-        // Those that exclude each other are tried one by one.
+        // One by one, because some exclude each other.
         for line in lines.iter().filter(|line| line.contains(" = ") && !line.starts_with('#')) {
             let text = match line.split(' ').next() {
                 Some("resolution") => format!("[defaults]\nindex = \"cubemap\"\n{line}"),
                 _ => format!("[defaults]\n{line}"),
             };
             let config = parse::parse(Path::new("hullmap.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
-            let options = config.layer(None, Path::new("x.obj")).options();
+            let options = config.layer(None, Path::new("x.obj")).resolve();
             let is_example = ["index_budget", "resolution"].iter().any(|key| line.starts_with(key));
-            assert!(is_example || options == BuildOptions::DEFAULT, "{line}");
+            assert!(is_example || options == BuildOptions::default(), "{line}");
         }
-        let example = &TEMPLATE[TEMPLATE.find("# [[rule]]").unwrap()..];
+        let example = &template[template.find("# [[rule]]").unwrap()..];
         let example: String = example.lines().map(|line| format!("{}\n", line.trim_start_matches("# "))).collect();
         let config = parse::parse(Path::new("hullmap.toml"), &example).unwrap();
         assert_eq!(config.rules.len(), 2);

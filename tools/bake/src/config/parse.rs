@@ -8,18 +8,20 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::{Config, Glob, Rule};
-use crate::option_layer::{KEYS, Kind, OptionLayer, ValueError};
+use crate::options::OptionLayer;
+use crate::options::defaults::{OPTIONS, position};
+use crate::options::value::Syntax;
 use crate::outcome::Failure;
 
 /// The tables of the file.
 const TABLES: [&str; 2] = ["defaults", "rule"];
 
-/// The key of a rule that is no option.
+/// The key of a rule that holds its globs; every other key is an option.
 const FILES: &str = "files";
 
-/// How alike two names must be, from 0 to 1, for one to be offered in the other's place: `vertces` and `vertices` are at
-/// 0.97, `skip` and `split` at 0.65, `colour` and `recentre` at 0.47.
-const ALIKE: f64 = 0.7;
+/// Similarity, from 0 to 1, above which a known name is suggested for an unknown one: `vertces` and
+/// `vertices` have 0.97, `skip` and `split` 0.65, `colour` and `recentre` 0.47.
+const MIN_SIMILARITY: f64 = 0.7;
 
 /// What is wrong, and where in the text.
 struct Fault {
@@ -31,19 +33,21 @@ fn fault(span: Range<usize>, message: impl Into<String>) -> Fault {
     Fault { span, message: message.into() }
 }
 
-/// Reads the text of the file at `path`.
+/// Parses the text of the file at `path`.
 ///
 /// # Errors
 /// The first fault in the file, with file and line.
 pub fn parse(path: &Path, text: &str) -> Result<Config, Failure> {
     let line_of = |at: usize| 1 + text.as_bytes()[..at.min(text.len())].iter().filter(|&&byte| byte == b'\n').count();
-    let placed = |fault: Fault| {
+    let with_line = |fault: Fault| {
         let line = line_of(fault.span.start);
         Failure::usage(format!("{}:{line}: {}", path.display(), fault.message))
     };
-    let root = DeTable::parse(text)
-        .map_err(|error| placed(fault(error.span().unwrap_or(0..0), format!("no TOML: {}", error.message().trim()))))?;
-    let (defaults, rules) = read(root.get_ref(), &line_of).map_err(placed)?;
+    let root = DeTable::parse(text).map_err(|error| {
+        let message = format!("invalid TOML: {}", error.message().trim());
+        with_line(fault(error.span().unwrap_or(0..0), message))
+    })?;
+    let (defaults, rules) = read(root.get_ref(), &line_of).map_err(with_line)?;
     Ok(Config { path: path.to_owned(), defaults, rules })
 }
 
@@ -56,17 +60,19 @@ fn read(root: &DeTable, line_of: &dyn Fn(usize) -> usize) -> Result<(OptionLayer
             ("rule", DeValue::Array(array)) => {
                 for entry in array.iter() {
                     let DeValue::Table(table) = entry.get_ref() else {
-                        return Err(fault(entry.span(), "`rule` holds tables: write [[rule]] above each one"));
+                        return Err(fault(entry.span(), "each `rule` must be a table: write [[rule]] above each rule"));
                     };
                     rules.push(rule(entry.span(), table, line_of)?);
                 }
             }
-            ("defaults", _) => return Err(fault(span, "`defaults` is a table: write [defaults]")),
-            ("rule", _) => return Err(fault(span, "`rule` is a list of tables: write [[rule]], in two brackets")),
-            (option, _) if KEYS.iter().any(|(known, _)| *known == option) => {
+            ("defaults", _) => return Err(fault(span, "`defaults` must be a table: write [defaults]")),
+            ("rule", _) => {
+                return Err(fault(span, "`rule` must be a list of tables: write [[rule]], in double brackets"));
+            }
+            (option, _) if position(option).is_some() => {
                 return Err(fault(
                     span,
-                    format!("`{option}` stands in no table: put it below [defaults] or a [[rule]]"),
+                    format!("`{option}` is outside any table: move it below [defaults] or a [[rule]]"),
                 ));
             }
             _ => return Err(fault(span, unknown("table", key, &TABLES))),
@@ -77,24 +83,24 @@ fn read(root: &DeTable, line_of: &dyn Fn(usize) -> usize) -> Result<(OptionLayer
 
 fn rule(span: Range<usize>, table: &DeTable, line_of: &dyn Fn(usize) -> usize) -> Result<Rule, Fault> {
     let Some(files) = table.get(FILES) else {
-        return Err(fault(span, "this rule has no `files`: say which meshes it is for, as in files = \"props/**\""));
+        return Err(fault(span, "this rule has no `files`: add the meshes it applies to, as in files = \"props/**\""));
     };
     let patterns: Vec<(Range<usize>, &str)> = match files.get_ref() {
         DeValue::String(pattern) => vec![(files.span(), pattern)],
         DeValue::Array(patterns) => {
             let text = |pattern: &Spanned<DeValue>| match pattern.get_ref() {
                 DeValue::String(_) => Ok(pattern.span()),
-                _ => Err(fault(pattern.span(), "`files` holds globs: expected a string")),
+                _ => Err(fault(pattern.span(), "`files` must hold globs: expected a string")),
             };
             let spans = patterns.iter().map(text).collect::<Result<Vec<_>, _>>()?;
             spans.into_iter().zip(patterns.iter().filter_map(|pattern| pattern.get_ref().as_str())).collect()
         }
-        _ => return Err(fault(files.span(), "`files` is a glob or a list of globs")),
+        _ => return Err(fault(files.span(), "`files` must be a glob or a list of globs")),
     };
     if patterns.is_empty() {
         return Err(fault(
             files.span(),
-            "`files` is empty, so the rule is for no mesh: name a glob or remove the rule",
+            "`files` is empty, so the rule applies to no mesh: add a glob or remove the rule",
         ));
     }
     let line = line_of(files.span().start);
@@ -103,12 +109,14 @@ fn rule(span: Range<usize>, table: &DeTable, line_of: &dyn Fn(usize) -> usize) -
 }
 
 fn glob(span: Range<usize>, pattern: &str) -> Result<Glob, Fault> {
-    let is_of_name = !pattern.contains('/');
-    // A leading `/` or `./` says what holds anyway: a glob with `/` starts at the file's folder.
+    let matches_name = !pattern.contains('/');
+    // A glob with `/` is relative to the file's folder anyway, so a leading `/` or `./` adds
+    // nothing.
     let below = pattern.strip_prefix("./").or_else(|| pattern.strip_prefix('/')).unwrap_or(pattern);
     let built = GlobBuilder::new(below).literal_separator(true).case_insensitive(true).build();
-    let matcher = built.map_err(|error| fault(span, format!("glob `{pattern}`: {}", error.kind())))?.compile_matcher();
-    Ok(Glob { text: pattern.to_owned(), matcher, is_of_name })
+    let matcher =
+        built.map_err(|error| fault(span, format!("invalid glob `{pattern}`: {}", error.kind())))?.compile_matcher();
+    Ok(Glob { text: pattern.to_owned(), matcher, matches_name })
 }
 
 /// The options in a table; `files` is skipped.
@@ -118,91 +126,93 @@ fn layer(table: &DeTable) -> Result<OptionLayer, Fault> {
         if key == FILES {
             continue;
         }
-        let Some(&(_, kind)) = KEYS.iter().find(|(known, _)| *known == key) else {
-            let mut known = KEYS.map(|(known, _)| known).to_vec();
-            known.push(FILES);
+        let Some(index) = position(key) else {
+            let known: Vec<&str> = OPTIONS.iter().map(|option| option.key).chain([FILES]).collect();
             return Err(fault(span, unknown("key", key, &known)));
         };
-        let text = text_of(value.get_ref(), kind).ok_or_else(|| {
+        let syntax = OPTIONS[index].syntax;
+        let text = text_of(value.get_ref(), syntax).ok_or_else(|| {
             let found = value.get_ref().type_str();
-            fault(value.span(), format!("{key}: expected {}, found {found}", expected(kind)))
+            fault(value.span(), format!("{key}: expected {}, found {found}", toml_type(syntax)))
         })?;
-        layer.set(key, &text).map_err(|error| {
-            let near = match &error {
-                ValueError::UnknownWord(words) => nearest(&text, words.iter().map(String::as_str)),
+        let parsed = syntax.parse(&text).map_err(|error| {
+            let suggestion = match syntax {
+                Syntax::Words(words) => most_similar(&text, words),
                 _ => None,
             };
-            let offer = near.map_or_else(String::new, |near| format!("; did you mean \"{near}\"?"));
-            fault(value.span(), format!("{key} = {}: {error}{offer}", shown(value.get_ref(), &text)))
+            let suggestion = suggestion.map_or_else(String::new, |word| format!("; did you mean \"{word}\"?"));
+            fault(value.span(), format!("{key} = {}: {error}{suggestion}", as_written(value.get_ref(), &text)))
         })?;
+        layer.set_at(index, Some(parsed));
     }
     match layer.clash() {
         None => Ok(layer),
-        Some((key, why)) => {
-            let spans = in_order(table).into_iter().filter(|entry| entry.1 == key);
-            Err(fault(spans.map(|entry| entry.0).next().unwrap_or(0..0), format!("{key} {why}")))
+        Some(clash) => {
+            let span = in_order(table).into_iter().find(|entry| entry.1 == clash.key).map_or(0..0, |entry| entry.0);
+            Err(fault(span, clash.message(str::to_owned)))
         }
     }
 }
 
-/// The entries as they stand in the file.
+/// The entries in the order of the file.
 fn in_order<'t>(table: &'t DeTable) -> Vec<(Range<usize>, &'t str, &'t Spanned<DeValue<'t>>)> {
     let mut entries: Vec<_> = table.iter().map(|(key, value)| (key.span(), key.get_ref().as_ref(), value)).collect();
     entries.sort_by_key(|(span, _, _)| span.start);
     entries
 }
 
-/// The value as [`OptionLayer::set`] reads it, if it is of the right kind.
-fn text_of(value: &DeValue, kind: Kind) -> Option<String> {
-    let takes_integer = matches!(kind, Kind::Integer | Kind::Number | Kind::IntegerOrNone | Kind::NumberOrNone);
+/// The value as text for [`Syntax::parse`], if its TOML type is right.
+fn text_of(value: &DeValue, syntax: Syntax) -> Option<String> {
+    let accepts_none = matches!(syntax, Syntax::CountOrNone { .. } | Syntax::PositiveOrNone);
+    let accepts_float = matches!(syntax, Syntax::Fraction | Syntax::Positive | Syntax::PositiveOrNone);
+    let accepts_integer = accepts_float || matches!(syntax, Syntax::Count { .. } | Syntax::CountOrNone { .. });
     match value {
-        DeValue::String(text) => match kind {
-            Kind::Word => Some(text.to_string()),
-            Kind::IntegerOrNone | Kind::NumberOrNone if text == "none" => Some(text.to_string()),
-            _ => None,
-        },
-        DeValue::Integer(number) if takes_integer => {
+        DeValue::String(text) if matches!(syntax, Syntax::Words(_)) => Some(text.to_string()),
+        DeValue::String(text) if accepts_none && text == "none" => Some(text.to_string()),
+        DeValue::Integer(number) if accepts_integer => {
             i64::from_str_radix(number.as_str(), number.radix()).ok().map(|number| number.to_string())
         }
-        DeValue::Float(number) if matches!(kind, Kind::Number | Kind::NumberOrNone) => Some(number.as_str().to_owned()),
-        DeValue::Boolean(switch) if kind == Kind::Switch => Some(switch.to_string()),
+        DeValue::Float(number) if accepts_float => Some(number.as_str().to_owned()),
+        DeValue::Boolean(is_on) if syntax == Syntax::Switch => Some(is_on.to_string()),
         _ => None,
     }
 }
 
-/// The value as the file writes it.
-fn shown(value: &DeValue, text: &str) -> String {
-    if value.is_str() { format!("\"{text}\"") } else { text.to_owned() }
-}
-
-fn expected(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Word => "a string",
-        Kind::Integer => "a whole number",
-        Kind::Number => "a number",
-        Kind::Switch => "true or false",
-        Kind::IntegerOrNone => "a whole number or \"none\"",
-        Kind::NumberOrNone => "a number or \"none\"",
+/// The TOML type of an option's values.
+fn toml_type(syntax: Syntax) -> &'static str {
+    match syntax {
+        Syntax::Words(_) => "a string",
+        Syntax::Switch => "true or false",
+        Syntax::Count { .. } => "a whole number",
+        Syntax::Fraction | Syntax::Positive => "a number",
+        Syntax::CountOrNone { .. } => "a whole number or \"none\"",
+        Syntax::PositiveOrNone => "a number or \"none\"",
     }
 }
 
+/// The value as the file writes it.
+fn as_written(value: &DeValue, text: &str) -> String {
+    if value.is_str() { format!("\"{text}\"") } else { text.to_owned() }
+}
+
 fn unknown(what: &str, name: &str, known: &[&str]) -> String {
-    // The command line has `-` where this file has `_`.
-    let offer = match nearest(&name.replace('-', "_"), known.iter().copied()) {
+    // Flags have `-` where this file has `_`.
+    let suggestion = match most_similar(&name.replace('-', "_"), known) {
         Some(near) => format!("did you mean `{near}`?"),
         None => format!("expected one of {}", known.join(", ")),
     };
-    format!("unknown {what} `{name}`; {offer}")
+    format!("unknown {what} `{name}`; {suggestion}")
 }
 
-/// The name most like this one, if any is alike at all; of equals the first.
-fn nearest<'k>(name: &str, known: impl Iterator<Item = &'k str>) -> Option<&'k str> {
+/// The known name most similar to `name`, if any is similar enough. Of equally similar names, the
+/// first.
+fn most_similar<'k>(name: &str, known: &[&'k str]) -> Option<&'k str> {
     let mut best = None;
-    let mut most = ALIKE;
+    let mut max = MIN_SIMILARITY;
     for other in known {
-        let alike = strsim::jaro_winkler(&name.to_lowercase(), other);
-        if alike > most {
-            (best, most) = (Some(other), alike);
+        let similarity = strsim::jaro_winkler(&name.to_lowercase(), other);
+        if similarity > max {
+            (best, max) = (Some(*other), similarity);
         }
     }
     best
@@ -211,13 +221,14 @@ fn nearest<'k>(name: &str, known: impl Iterator<Item = &'k str>) -> Option<&'k s
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::options::value::Value;
 
     fn error(text: &str) -> String {
         parse(Path::new("a/hullmap.toml"), text).unwrap_err().message
     }
 
     #[test]
-    fn faults_have_a_line_and_the_nearest_right_name() {
+    fn faults_have_a_line_and_a_suggestion() {
         for (text, expected) in [
             ("[defaults]\n\nvertces = \"all\"\n", ":3: unknown key `vertces`; did you mean `vertices`?"),
             ("[defaults]\nunit-scale = 1\n", ":2: unknown key `unit-scale`; did you mean `unit_scale`?"),
@@ -226,23 +237,23 @@ mod tests {
             ("[defaults]\nxyzzy = true\n", ":2: unknown key `xyzzy`; expected one of split, "),
             ("[default]\nsplit = \"none\"\n", ":1: unknown table `default`; did you mean `defaults`?"),
             ("[[rules]]\nfiles = \"x\"\n", ":1: unknown table `rules`; did you mean `rule`?"),
-            ("split = \"none\"\n", ":1: `split` stands in no table"),
-            ("[rule]\nfiles = \"x\"\n", ":1: `rule` is a list of tables: write [[rule]]"),
+            ("split = \"none\"\n", ":1: `split` is outside any table"),
+            ("[rule]\nfiles = \"x\"\n", ":1: `rule` must be a list of tables: write [[rule]]"),
             ("[[rule]]\nfiles = \"x\"\n\n[[rule]]\nsplit = \"none\"\n", ":4: this rule has no `files`"),
             ("[[rule]]\nfiles = []\n", ":2: `files` is empty"),
-            ("[[rule]]\nfiles = [\"x\",\n 5]\n", ":3: `files` holds globs"),
-            ("[[rule]]\nfiles = [\"x\",\n \"a[\"]\n", ":3: glob `a[`: unclosed character class"),
+            ("[[rule]]\nfiles = [\"x\",\n 5]\n", ":3: `files` must hold globs"),
+            ("[[rule]]\nfiles = [\"x\",\n \"a[\"]\n", ":3: invalid glob `a[`: unclosed character class"),
             ("[defaults]\nindex = \"compakt\"\n", ":2: index = \"compakt\": expected one of tree, medium, compact, "),
             ("[defaults]\nindex = \"compakt\"\n", "did you mean \"compact\"?"),
             ("[defaults]\nunit_scale = \"0.01\"\n", ":2: unit_scale: expected a number, found string"),
             ("[defaults]\nunit_scale = -1\n", ":2: unit_scale = -1: expected a finite number above 0"),
             ("[defaults]\nunit_scale = nan\n", ":2: unit_scale = nan: expected a finite number above 0"),
-            ("[defaults]\nresolution = 5\n", ":2: resolution belongs to index cubemap"),
-            ("[defaults]\nmax_error = 1\n\nmax_vertices = 5\n", ":2: max_error cannot be kept together"),
+            ("[defaults]\nresolution = 5\n", ":2: resolution requires index cubemap"),
+            ("[defaults]\nmax_error = 1\n\nmax_vertices = 5\n", ":2: max_error and max_vertices exclude each other"),
             ("[defaults]\nmax_vertices = 3.5\n", ":2: max_vertices: expected a whole number or \"none\", found float"),
-            ("[defaults]\nsplit = \"none\"\nsplit = \"none\"\n", ":3: no TOML: duplicate key"),
-            ("[defaults\n", ":1: no TOML: "),
-            // The first of several, as they stand in the file.
+            ("[defaults]\nsplit = \"none\"\nsplit = \"none\"\n", ":3: invalid TOML: duplicate key"),
+            ("[defaults\n", ":1: invalid TOML: "),
+            // The first of several, in the order of the file.
             ("[defaults]\nzz = 1\naa = 2\n", ":2: unknown key `zz`"),
         ] {
             let message = error(text);
@@ -251,18 +262,18 @@ mod tests {
     }
 
     #[test]
-    fn numbers_may_be_written_in_every_way_of_toml() {
+    fn numbers_may_have_every_notation_of_toml() {
         for (text, scale) in
             [("1", 1.0), ("0.5", 0.5), ("1e-2", 0.01), ("1_000", 1000.0), ("1_0.5", 10.5), ("0x10", 16.0)]
         {
             let text = format!("[defaults]\nunit_scale = {text}\n");
             let config = parse(Path::new("x"), &text).unwrap_or_else(|error| panic!("{error}"));
-            assert_eq!(config.defaults.unit_scale, Some(scale), "{text}");
+            assert_eq!(config.defaults.get("unit_scale"), Some(Value::Number(scale)), "{text}");
         }
     }
 
     #[test]
-    fn an_empty_file_says_nothing() {
+    fn an_empty_file_gives_no_options() {
         let config = parse(Path::new("x"), "# nothing\n").unwrap();
         assert_eq!((config.defaults, config.rules.len()), (OptionLayer::default(), 0));
     }

@@ -1,4 +1,4 @@
-//! Which `hullmap.toml` counts for a mesh.
+//! Which `hullmap.toml` applies to a mesh: the nearest one above it.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fs::FileType;
@@ -7,48 +7,50 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::{Config, FILE_NAME};
-use crate::option_layer::OptionLayer;
+use crate::options::OptionLayer;
 use crate::outcome::Failure;
 use crate::pack_file::{folder_of, shown_from};
 
-/// What marks the root of a project, beside the folder that `bake` was started in.
+/// Folders that mark the root of a project.
 const ROOT_MARKS: [&str; 2] = [".git", ".hg"];
 
 /// The `hullmap.toml` files of a build, each read once.
 ///
-/// The nearest one counts for a mesh: in the mesh's folder, or in the next folder above it that has one. The search ends with
-/// the folder that holds a version control's `.git` or `.hg`, else with the one that `bake` was started in, else at the file
-/// system's root. So which one counts depends on where the mesh lies, not on how it was named.
+/// The nearest file applies to a mesh: in the mesh's folder, or in the next folder above it that
+/// has one. The search ends at the folder that holds `.git` or `.hg`, otherwise at the folder where
+/// `bake` was started, otherwise at the root of the file system. So the choice depends on where the
+/// mesh lies, not on how it was named.
 #[derive(Debug)]
 pub struct Configs {
     choice: Choice,
-    /// The folder that `bake` was started in, canonical.
+    /// The folder where `bake` was started, canonical.
     project: PathBuf,
-    /// What was found for each canonical folder.
+    /// The file found for each canonical folder.
     found: HashMap<PathBuf, Option<Arc<Config>>>,
     /// Each file that was read, by its folder.
     read: HashMap<PathBuf, Arc<Config>>,
-    /// The files that counted, by their canonical folders, each with the rules that matched a mesh.
-    met: BTreeMap<PathBuf, (Arc<Config>, BTreeSet<usize>)>,
-    /// Files above the folder that `bake` was started in that would have counted, had it been started there.
+    /// The files in use, by their canonical folders, each with the indices of the rules that
+    /// matched a mesh.
+    used: BTreeMap<PathBuf, (Arc<Config>, BTreeSet<usize>)>,
+    /// Files above the starting folder, which would be used if `bake` had been started there.
     unread: BTreeSet<PathBuf>,
 }
 
 #[derive(Debug)]
 enum Choice {
-    /// None whatever.
+    /// No file.
     None,
-    /// This one for all, with its canonical folder.
+    /// This file for all meshes, with its canonical folder.
     One(Arc<Config>, PathBuf),
-    /// The nearest.
+    /// The nearest file for each mesh.
     Nearest,
 }
 
 impl Configs {
-    /// The files that count: none, the one named, or the nearest ones.
+    /// The files of a build: no file, the named one, or the nearest ones.
     ///
     /// # Errors
-    /// The one named cannot be read or is faulty.
+    /// The named file cannot be read or is invalid.
     pub fn new(named: Option<&Path>, none: bool, project: &Path) -> Result<Self, Failure> {
         let choice = match named {
             _ if none => Choice::None,
@@ -63,15 +65,15 @@ impl Configs {
             project: canonical(project)?,
             found: HashMap::new(),
             read: HashMap::new(),
-            met: BTreeMap::new(),
+            used: BTreeMap::new(),
             unread: BTreeSet::new(),
         })
     }
 
-    /// What the file that counts for `mesh` says of it, and that file.
+    /// The options for `mesh`, and the file they come from.
     ///
     /// # Errors
-    /// The file cannot be read or is faulty.
+    /// The file cannot be read or is invalid.
     pub fn layer(&mut self, mesh: &Path) -> Result<(OptionLayer, Option<Arc<Config>>), Failure> {
         if matches!(self.choice, Choice::None) {
             return Ok((OptionLayer::default(), None));
@@ -89,33 +91,35 @@ impl Configs {
             }
         };
         let layer = config.as_ref().map_or_else(OptionLayer::default, |config| {
-            let place = folder.strip_prefix(&root).ok().map(|below| below.join(name));
-            let (_, met) = self.met.entry(root.clone()).or_insert_with(|| (config.clone(), BTreeSet::new()));
-            met.extend((0..config.rules.len()).filter(|&rule| config.rules[rule].matches(place.as_deref(), name)));
-            config.layer(place.as_deref(), name)
+            let below = folder.strip_prefix(&root).ok().map(|below| below.join(name));
+            let (_, used) = self.used.entry(root.clone()).or_insert_with(|| (config.clone(), BTreeSet::new()));
+            used.extend((0..config.rules.len()).filter(|&rule| config.rules[rule].matches(below.as_deref(), name)));
+            config.layer(below.as_deref(), name)
         });
         Ok((layer, config))
     }
 
-    /// What the user should look at once each mesh of `inputs` has had its layer, a sentence each: files that are not read,
-    /// rules for no mesh, parameters of a decomposition that nobody asks for. `is_cut` tells whether a file's meshes are cut
-    /// all the same.
+    /// Warnings, once [`layer`](Self::layer) has been called for each mesh of `inputs`: files that
+    /// are not read, rules without meshes, and unused parameters of the decomposition.
+    ///
+    /// `is_cut` returns whether meshes of a file are decomposed for other reasons.
     pub fn warnings(&self, inputs: &[PathBuf], is_cut: impl Fn(&Path) -> bool) -> Vec<String> {
         let mut warnings: Vec<String> = self.unread.iter().map(|path| self.unread_warning(path)).collect();
         let folders: Vec<PathBuf> =
             inputs.iter().filter(|input| input.is_dir()).filter_map(|input| input.canonicalize().ok()).collect();
-        for (root, (config, met)) in &self.met {
+        for (root, (config, used)) in &self.used {
             let file = config.path.display();
-            // Of a part of the folder, nothing is known of the meshes elsewhere.
+            // A build of part of the folder does not see the other meshes.
             let is_whole = folders.iter().any(|folder| root.starts_with(folder));
-            let idle = (0..).zip(&config.rules).filter(|(number, _)| is_whole && !met.contains(number));
-            for (_, rule) in idle {
+            let unused = (0..).zip(&config.rules).filter(|(rule, _)| is_whole && !used.contains(rule));
+            for (_, rule) in unused {
                 let globs: Vec<String> = rule.files.iter().map(|glob| format!("`{}`", glob.text)).collect();
                 warnings.push(format!("{file}:{}: no mesh matches {}", rule.line, globs.join(" or ")));
             }
-            if let Some(key) = config.idle_parameter().filter(|_| !is_cut(&config.path)) {
+            if let Some(key) = config.unused_decomposition_parameter().filter(|_| !is_cut(&config.path)) {
                 warnings.push(format!(
-                    "{file}: {key} applies to nothing: its meshes are not decomposed; add decompose = true, or leave it out"
+                    "{file}: {key} has no effect, because no mesh that this file applies to is decomposed; \
+                     add decompose = true, or remove the option"
                 ));
             }
         }
@@ -126,8 +130,8 @@ impl Configs {
         let file = shown_from(path, &self.project);
         let file = file.display();
         format!(
-            "{file} lies above the folder that bake was started in and is not read; start bake there, or pass --config {file} \
-             or --no-config"
+            "{file} is not read, because it lies above the folder where bake was started; \
+             start bake there, or pass --config {file} or --no-config"
         )
     }
 
@@ -138,12 +142,12 @@ impl Configs {
         }
         let mut found = None;
         for (steps, above) in folder.ancestors().enumerate() {
-            let place = above.join(FILE_NAME);
-            if kind_of(&place)?.is_some_and(|kind| kind.is_file()) {
+            let file = above.join(FILE_NAME);
+            if file_type(&file)?.is_some_and(|kind| kind.is_file()) {
                 if let Some(config) = self.read.get(above) {
                     found = Some(config.clone());
                 } else {
-                    let config = Arc::new(Config::read(&shown_above(shown, steps, &place))?);
+                    let config = Arc::new(Config::read(&shown_above(shown, steps, &file))?);
                     self.read.insert(above.to_owned(), config.clone());
                     found = Some(config);
                 }
@@ -161,6 +165,7 @@ impl Configs {
         Ok(found)
     }
 
+    /// Whether the search from `folder` upwards ends at `above`.
     fn is_root(&self, above: &Path, folder: &Path) -> Result<bool, Failure> {
         if is_marked(above)? {
             return Ok(true);
@@ -177,19 +182,19 @@ impl Configs {
     }
 }
 
-/// Whether a folder is the root of a project for all to see.
+/// Whether a folder is marked as the root of a project.
 fn is_marked(folder: &Path) -> Result<bool, Failure> {
     for mark in ROOT_MARKS {
-        if kind_of(&folder.join(mark))?.is_some() {
+        if file_type(&folder.join(mark))?.is_some() {
             return Ok(true);
         }
     }
     Ok(false)
 }
 
-/// What there is at a path, if anything. What cannot be asked may be a file that counts: that is an error, lest meshes are baked
-/// with other options than theirs.
-fn kind_of(path: &Path) -> Result<Option<FileType>, Failure> {
+/// Type of the file at a path, if there is one. A path that cannot be read may be a `hullmap.toml`:
+/// that is an error, so that no mesh is baked with the wrong options.
+fn file_type(path: &Path) -> Result<Option<FileType>, Failure> {
     match std::fs::metadata(path) {
         Ok(metadata) => Ok(Some(metadata.file_type())),
         Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
@@ -198,10 +203,14 @@ fn kind_of(path: &Path) -> Result<Option<FileType>, Failure> {
 }
 
 fn cannot_search(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::usage(format!("{}: cannot search for {FILE_NAME}: {error}; --no-config goes without", path.display()))
+    Failure::usage(format!(
+        "{}: cannot search for {FILE_NAME}: {error}; check its permissions, or pass --no-config",
+        path.display()
+    ))
 }
 
-/// The file as the user would name it: from the folder that was named, while that has so many folders above it.
+/// The file as the user would name it: `steps` folders above the folder named `shown`, or its
+/// canonical path if that name has fewer components.
 fn shown_above(shown: &Path, steps: usize, canonical: &Path) -> PathBuf {
     let is_plain = !shown.components().any(|part| part == std::path::Component::ParentDir);
     let named = shown.ancestors().nth(steps).filter(|named| is_plain && *named != Path::new(""));
@@ -209,7 +218,7 @@ fn shown_above(shown: &Path, steps: usize, canonical: &Path) -> PathBuf {
     match named {
         Some(named) => {
             let file = named.join(FILE_NAME);
-            // `./hullmap.toml` reads as a file in this folder just as well without the dot.
+            // `./hullmap.toml` is shown without the dot.
             file.strip_prefix(".").map_or_else(|_| file.clone(), Path::to_owned)
         }
         None if here => PathBuf::from(FILE_NAME),
@@ -217,7 +226,8 @@ fn shown_above(shown: &Path, steps: usize, canonical: &Path) -> PathBuf {
     }
 }
 
-/// The folder's canonical path; as it is where it is not there, so that reading it fails with a message of its own.
+/// The folder's canonical path. A missing folder is returned unchanged: reading from it fails with
+/// a better message.
 fn canonical(folder: &Path) -> Result<PathBuf, Failure> {
     match folder.canonicalize() {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(folder.to_owned()),
@@ -228,6 +238,7 @@ fn canonical(folder: &Path) -> Result<PathBuf, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::options::value::Value;
 
     fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
@@ -239,9 +250,12 @@ mod tests {
         folder
     }
 
-    /// Unit scale that counts for a mesh, where each file sets its own.
+    /// Unit scale of a mesh, where each file sets its own.
     fn scale(configs: &mut Configs, root: &Path, mesh: &str) -> Option<f64> {
-        configs.layer(&root.join(mesh)).unwrap().0.unit_scale
+        match configs.layer(&root.join(mesh)).unwrap().0.get("unit_scale") {
+            Some(Value::Number(scale)) => Some(scale),
+            _ => None,
+        }
     }
 
     const FILES: [(&str, &str); 5] = [
@@ -253,7 +267,7 @@ mod tests {
     ];
 
     #[test]
-    fn the_nearest_file_up_to_the_root_counts() {
+    fn the_nearest_file_up_to_the_root_is_used() {
         let folder = folder(&FILES);
         let mut configs = Configs::new(None, false, folder.path()).unwrap();
         for (mesh, expected) in [
@@ -270,31 +284,31 @@ mod tests {
     }
 
     #[test]
-    fn without_version_control_the_folder_of_the_start_is_the_root() {
+    fn without_version_control_the_current_folder_is_the_root() {
         let folder = folder(&[("hullmap.toml", "[defaults]\nunit_scale = 1\n"), ("a/b/x.obj", "")]);
         let mut inside = Configs::new(None, false, &folder.path().join("a")).unwrap();
         assert_eq!(scale(&mut inside, folder.path(), "a/b/x.obj"), None);
         let warnings = inside.warnings(&[], |_| false);
-        assert!(warnings.len() == 1 && warnings[0].starts_with("../hullmap.toml lies above"), "{warnings:?}");
+        assert!(warnings.len() == 1 && warnings[0].starts_with("../hullmap.toml is not read"), "{warnings:?}");
         let mut outside = Configs::new(None, false, folder.path()).unwrap();
         assert_eq!(scale(&mut outside, folder.path(), "a/b/x.obj"), Some(1.0));
         assert!(outside.warnings(&[], |_| false).is_empty());
     }
 
     #[test]
-    fn rules_for_no_mesh_are_told_where_the_whole_folder_is_built() {
+    fn unused_rules_are_reported_if_the_whole_folder_is_built() {
         let text = "[defaults]\nvhacd_alpha = 0.5\n[[rule]]\nsplit = \"none\"\nfiles = [\"propz/**\", \"*.stl\"]\n\n[[rule]]\nfiles = \"b/*\"\n";
         let folder = folder(&[("a/hullmap.toml", text), ("a/b/x.obj", "")]);
         let mut configs = Configs::new(None, false, folder.path()).unwrap();
         configs.layer(&folder.path().join("a/b/x.obj")).unwrap();
         let warned = |input: &str| configs.warnings(&[folder.path().join(input)], |_| input == "a").join("|");
         assert!(warned("a").ends_with("a/hullmap.toml:5: no mesh matches `propz/**` or `*.stl`"), "{}", warned("a"));
-        assert!(warned("a/b").contains("vhacd_alpha applies to nothing") && !warned("a/b").contains('|'));
+        assert!(warned("a/b").contains("vhacd_alpha has no effect") && !warned("a/b").contains('|'));
         assert!(warned(".").contains('|'));
     }
 
     #[test]
-    fn a_named_file_counts_for_all_and_none_for_nothing() {
+    fn a_named_file_applies_to_all_meshes() {
         let folder = folder(&FILES);
         let named = folder.path().join("repo/assets/hullmap.toml");
         let mut configs = Configs::new(Some(&named), false, folder.path()).unwrap();

@@ -1,11 +1,12 @@
 //! Directions in which a hull is likely to be wrong.
 //!
-//! In turn, by the place in the list modulo 8:
+//! In turn, by the index in the list modulo 8:
 //! - 0, 1, 2: random on the sphere, with lengths from 2^-30 to 2^30;
-//! - 3, 4: face normals, exact to f32 and disturbed by 1, 0.1, … 1e-8: several vertices tie, or nearly;
-//! - 5: normals of edges, that is anywhere on the arc between the normals of their two faces, alike;
-//! - 6: axes, diagonals, and seams of the cube map (|x| = |y|), alike;
-//! - 7: borders of cube-map cells, up to 1024 a side, and one rounding beside them.
+//! - 3, 4: face normals, exact to f32 and perturbed by 1, 0.1, … 1e-8: several vertices tie, or
+//!   nearly;
+//! - 5: edge normals, anywhere on the arc between the normals of the two faces, perturbed likewise;
+//! - 6: axes, diagonals, and seams of the cube map (|x| = |y|), perturbed likewise;
+//! - 7: borders of cube-map cells, up to 1024 per side, and one ulp beside them.
 //!
 //! Deviation: hulls without faces (ranks 0 and 1) get random directions in place of 3, 4 and 5.
 
@@ -13,19 +14,21 @@ use glam::{DVec3, Vec3};
 
 use super::random::SplitMix;
 
-/// Disturbances, relative to the direction's length.
+/// Perturbations, relative to the direction's length.
 const DISTURBANCES: [f64; 10] = [0.0, 1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
 
-/// Lengths of random directions reach from 2 to the minus this to 2 to the plus this.
+/// Lengths of random directions range from 2^−30 to 2^30.
 const LENGTH_BITS: u64 = 30;
 
-/// Two unit normals whose sum has less than this length, squared, are opposite ones: the rim of a flat hull.
+/// Two unit normals are opposite if the squared length of their sum is below this: the rim of a
+/// flat hull.
 const OPPOSITE_NORMALS_SQ: f64 = 1e-20;
 
 /// Finest cube map whose cell borders are tried, as a power of two.
 const BORDER_BITS: u64 = 10;
 
-/// `count` directions for a hull with these vertices and faces (polygons of vertex numbers); all finite and non-zero.
+/// `count` directions for a hull with these vertices and faces (polygons of vertex indices); all
+/// finite and non-zero.
 pub fn directions(vertices: &[Vec3], faces: &[Vec<u32>], count: usize, seed: u64) -> Vec<Vec3> {
     let normals: Vec<DVec3> = faces.iter().map(|face| normal(vertices, face)).collect();
     let edges = edges(vertices, faces, &normals);
@@ -59,7 +62,7 @@ pub fn directions(vertices: &[Vec3], faces: &[Vec<u32>], count: usize, seed: u64
             }
         };
         let dir = dir.as_vec3();
-        // Opposite faces of a needle can cancel; the place is then tried again with other numbers.
+        // Opposite faces of a needle can cancel; a random direction takes their place.
         if dir.is_finite() && dir.length_squared() > f32::MIN_POSITIVE {
             list.push(dir);
         } else {
@@ -69,7 +72,7 @@ pub fn directions(vertices: &[Vec3], faces: &[Vec<u32>], count: usize, seed: u64
     list
 }
 
-/// Directions for which any vertex is a right answer: the point is that there is one.
+/// Zero, denormal, huge, infinite and NaN directions, for which any vertex is a valid answer.
 pub fn special_directions() -> Vec<Vec3> {
     let tiny = f32::from_bits(1);
     let values = [0.0, -0.0, 1.0, tiny, -tiny, 1e-38, f32::MAX, f32::MIN, f32::INFINITY, f32::NEG_INFINITY, f32::NAN];
@@ -82,12 +85,12 @@ pub fn special_directions() -> Vec<Vec3> {
     list
 }
 
-/// All of `len` things in turn if there is room for them in `share` picks, else random ones.
+/// Every index below `len` in turn if they fit into `share` picks, otherwise a random one.
 fn pick(random: &mut SplitMix, turn: usize, len: usize, share: usize) -> usize {
     if len <= share { turn % len } else { random.below(len) }
 }
 
-/// `dir`, of about unit length, moved by the disturbance whose turn it is.
+/// `dir`, of about unit length, moved by the perturbation whose turn it is.
 fn disturb(random: &mut SplitMix, dir: DVec3, turn: usize) -> DVec3 {
     dir + random.in_ball_f64() * DISTURBANCES[turn % DISTURBANCES.len()]
 }
@@ -100,9 +103,9 @@ fn normal(vertices: &[Vec3], face: &[u32]) -> DVec3 {
     sum.normalize_or_zero()
 }
 
-/// Arcs of directions in which both ends of an edge are extreme, none longer than a right angle: from the normal of one
-/// of its faces to the middle, and from there to the normal of the other. At the rim of a flat hull the middle lies in
-/// the plane.
+/// Arcs of directions in which both ends of an edge are extreme, none longer than a right angle:
+/// from the normal of one of its faces to the middle, and from there to the normal of the other. At
+/// the rim of a flat hull the middle lies in the plane.
 fn edges(vertices: &[Vec3], faces: &[Vec<u32>], normals: &[DVec3]) -> Vec<[DVec3; 2]> {
     let mut sides = Vec::new();
     for (number, face) in faces.iter().enumerate() {
@@ -144,7 +147,7 @@ fn seam(random: &mut SplitMix, turn: usize) -> DVec3 {
     turned(DVec3::new(first, second, third), random.below(3))
 }
 
-/// A point on a cell border of a cube map, or one rounding beside it.
+/// A point on a cell border of a cube map, or one ulp beside it.
 fn cell_border(random: &mut SplitMix) -> DVec3 {
     let cells = 1_u64 << random.below(BORDER_BITS as usize + 1);
     let line = |random: &mut SplitMix| 2.0 * random.below(cells as usize + 1) as f64 / cells as f64 - 1.0;
@@ -159,7 +162,7 @@ fn cell_border(random: &mut SplitMix) -> DVec3 {
     turned(DVec3::new(major, f64::from(across), along), random.below(3))
 }
 
-/// The components moved round by `by` places.
+/// The components rotated by `by` positions.
 fn turned(v: DVec3, by: usize) -> DVec3 {
     match by {
         0 => v,
@@ -172,7 +175,7 @@ fn turned(v: DVec3, by: usize) -> DVec3 {
 mod tests {
     use super::*;
 
-    /// The cube with corners at ±1; bit k of a vertex number is the sign of axis k.
+    /// The cube with corners at ±1; bit k of a vertex index is the sign of axis k.
     fn cube() -> (Vec<Vec3>, Vec<Vec<u32>>) {
         let sign = |bit: u32| if bit == 0 { -1.0 } else { 1.0 };
         let vertices = (0..8).map(|i| Vec3::new(sign(i & 1), sign(i & 2), sign(i & 4))).collect();
@@ -181,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn the_list_is_seeded_and_clean() {
+    fn the_list_is_seeded_and_finite() {
         let (vertices, faces) = cube();
         let list = directions(&vertices, &faces, 10_001, 7);
         assert_eq!(list.len(), 10_001);
@@ -246,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn special_directions_hold_the_dreaded_ones() {
+    fn special_directions_include_zero_denormal_huge_and_nan() {
         let list = special_directions();
         assert!(list.contains(&Vec3::ZERO) && list.contains(&Vec3::splat(f32::MAX)));
         assert!(list.iter().any(|dir| dir.is_nan()) && list.contains(&Vec3::splat(f32::from_bits(1))));

@@ -1,31 +1,34 @@
-//! Whether a hull's support queries are exact: measured against every source point.
+//! Verification: whether a hull's support queries are exact, measured against every source point.
 //!
-//! `regret(d) = (max over the source points of v·d − got·d) / (|d| · diameter)`, in f64 on the stored f32 numbers.
-//! A hull that lost a source point has a great regret in that point's directions; one with a point that is not the
-//! source's has a negative one. Both are mismatches.
+//! `regret(d) = (max over the source points of v·d − got·d) / (|d| · diameter)`, in f64 on the
+//! stored f32 numbers. A hull that lost a source point has a large regret in that point's
+//! directions; a hull with a point that is not in the source has a negative regret. Both are
+//! mismatches.
 
 pub mod directions;
 pub mod outside;
+pub mod pack;
 pub mod random;
 pub mod truth;
 
 use glam::Vec3;
 use rayon::prelude::*;
 
-use hullmap::{Cost, Hull, SupportPoint};
+use hullmap::{Cost, Hull, SupportVertex};
 use truth::{Points, dot};
 
-/// Greatest regret, relative to the diameter, that counts as exact: half a unit in the last place of an f32 is 6e-8
-/// of the coordinate, and the evaluation in f32 of a dot product adds about as much twice.
+/// Maximum regret, relative to the diameter, that counts as exact: half a unit in the last place of
+/// an f32 is 6e-8 of the coordinate, and the evaluation in f32 of a dot product adds about as much
+/// twice.
 pub const REGRET_LIMIT: f64 = 2e-7;
 
-/// What a verification asks of a hull.
+/// What verification requires of a hull.
 pub trait SupportQueries: Sync {
-    /// A vertex; `None` past the last one.
+    /// A vertex; `None` if the index is out of range.
     fn vertex(&self, index: u32) -> Option<Vec3>;
     /// The support point.
-    fn support(&self, dir: Vec3) -> SupportPoint;
-    /// What that query takes.
+    fn support(&self, dir: Vec3) -> SupportVertex;
+    /// Cost of that query.
     fn support_cost(&self, dir: Vec3) -> Cost;
 }
 
@@ -34,7 +37,7 @@ impl SupportQueries for Hull<'_> {
         Hull::vertex(self, index)
     }
 
-    fn support(&self, dir: Vec3) -> SupportPoint {
+    fn support(&self, dir: Vec3) -> SupportVertex {
         Hull::support(self, dir)
     }
 
@@ -43,22 +46,23 @@ impl SupportQueries for Hull<'_> {
     }
 }
 
-/// What came out of trying a hull in many directions.
+/// Result of testing a hull in many directions.
 #[derive(Clone, Debug)]
 pub struct Measurement {
-    /// Greatest absolute regret; infinite where an answer was no vertex at all.
+    /// Maximum absolute regret; infinite if an answer was not a vertex.
     pub max_regret: f64,
-    /// The direction of that regret.
+    /// Direction of the maximum regret.
     pub worst_direction: Option<Vec3>,
-    /// Directions with a regret beyond [`REGRET_LIMIT`], or with an answer that is no vertex.
+    /// Number of directions whose regret exceeds [`REGRET_LIMIT`] or whose answer is not a vertex.
     pub mismatches: usize,
-    /// Special directions whose answer is no vertex.
+    /// Number of special directions whose answer is not a vertex.
     pub invalid_answers: usize,
-    /// Greatest cost of any query tried.
+    /// Maximum cost of a query.
     pub cost: Cost,
 }
 
-/// Tries a hull in all `directions`, which are finite and not zero, and in the special ones.
+/// Tests a hull in all `directions`, which must be finite and non-zero, and in the special
+/// directions.
 ///
 /// # Complexity
 /// O(points · directions), on all threads of the pool.
@@ -94,12 +98,12 @@ pub fn measure(hull: &impl SupportQueries, truth: &Points, directions: &[Vec3]) 
 }
 
 /// Whether an answer is a vertex of the hull, bit by bit.
-fn is_vertex(hull: &impl SupportQueries, got: SupportPoint) -> bool {
+fn is_vertex(hull: &impl SupportQueries, got: SupportVertex) -> bool {
     let bits = |point: Vec3| point.to_array().map(f32::to_bits);
     hull.vertex(got.index).is_some_and(|vertex| bits(vertex) == bits(got.point))
 }
 
-/// Absolute regret; infinite where it is no number.
+/// Absolute regret; infinite if it is NaN.
 fn regret(greatest: f64, got: Vec3, dir: Vec3, diameter: f64) -> f64 {
     let dir = dir.to_array().map(f64::from);
     let loss = greatest - dot(got.to_array().map(f64::from), dir);
@@ -124,15 +128,15 @@ mod tests {
         bend: F,
     }
 
-    impl<F: Fn(Vec3, SupportPoint) -> SupportPoint + Sync> SupportQueries for Cloud<F> {
+    impl<F: Fn(Vec3, SupportVertex) -> SupportVertex + Sync> SupportQueries for Cloud<F> {
         fn vertex(&self, index: u32) -> Option<Vec3> {
             self.vertices.get(index as usize).copied()
         }
 
-        fn support(&self, dir: Vec3) -> SupportPoint {
+        fn support(&self, dir: Vec3) -> SupportVertex {
             let scores = self.vertices.iter().map(|v| v.as_dvec3().dot(dir.as_dvec3())).enumerate();
             let best = scores.fold((0, f64::NEG_INFINITY), |best, next| if next.1 > best.1 { next } else { best });
-            (self.bend)(dir, SupportPoint { point: self.vertices[best.0], index: best.0 as u32 })
+            (self.bend)(dir, SupportVertex { point: self.vertices[best.0], index: best.0 as u32 })
         }
 
         fn support_cost(&self, dir: Vec3) -> Cost {
@@ -140,7 +144,7 @@ mod tests {
         }
     }
 
-    fn honest(_: Vec3, point: SupportPoint) -> SupportPoint {
+    fn honest(_: Vec3, point: SupportVertex) -> SupportVertex {
         point
     }
 
@@ -186,11 +190,11 @@ mod tests {
     #[test]
     fn answers_that_are_no_vertex_fail() {
         let source = sphere(50);
-        let moved = |_: Vec3, got: SupportPoint| SupportPoint { point: got.point * 1.000_001, ..got };
+        let moved = |_: Vec3, got: SupportVertex| SupportVertex { point: got.point * 1.000_001, ..got };
         let result = try_out(&Cloud { vertices: source.clone(), bend: moved }, &source);
         assert_eq!((result.mismatches, result.max_regret), (4000, f64::INFINITY));
-        let nan_only = |dir: Vec3, got: SupportPoint| {
-            if dir.is_nan() { SupportPoint { index: 50, ..got } } else { got }
+        let nan_only = |dir: Vec3, got: SupportVertex| {
+            if dir.is_nan() { SupportVertex { index: 50, ..got } } else { got }
         };
         let result = try_out(&Cloud { vertices: source.clone(), bend: nan_only }, &source);
         assert_eq!(result.mismatches, 0);

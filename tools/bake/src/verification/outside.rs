@@ -1,4 +1,5 @@
-//! Hulls that are not exact: how far a simplified hull reaches beyond its source, and what convex parts leave out.
+//! Inexact hulls: how far a simplified hull extends beyond its source, and what convex parts leave
+//! uncovered.
 
 use glam::{DVec3, Vec3};
 use hullmap::{Cache, Hull, Pose, Settings, distance};
@@ -8,18 +9,20 @@ use rayon::prelude::*;
 use super::REGRET_LIMIT;
 use super::truth::{Points, dot};
 
-/// Where a hull's support lies beyond that of the source, over all directions tried; lengths.
+/// Difference between the supports of a hull and of its source, over all tested directions;
+/// lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outside {
-    /// The least: below 0 where the source stands out of the hull.
-    pub least: f64,
-    /// The greatest.
-    pub greatest: f64,
+    /// Minimum; negative if the source protrudes from the hull.
+    pub min: f64,
+    /// Maximum.
+    pub max: f64,
     /// The source's diameter.
     pub diameter: f64,
 }
 
-/// Support of the hull's vertices less that of the source's points, in all `directions`, which are finite and not zero.
+/// Support of the hull's vertices minus that of the source's points, in all `directions`, which
+/// must be finite and non-zero.
 ///
 /// # Complexity
 /// O((vertices + points) · directions), on all threads of the pool.
@@ -30,43 +33,47 @@ pub fn measure_outside(vertices: &[Vec3], source: &Points, directions: &[Vec3]) 
         let dir = dir.to_array().map(f64::from);
         (ours - theirs) / dot(dir, dir).sqrt()
     });
-    // NaN, of which there is none, would be the least and the greatest.
+    // NaN, which cannot occur, would become both minimum and maximum.
     let pick = |a: (f64, f64), b: (f64, f64)| (if b.0 >= a.0 { a.0 } else { b.0 }, if b.1 <= a.1 { a.1 } else { b.1 });
-    let (least, greatest) = gaps.map(|gap| (gap, gap)).reduce(|| (f64::INFINITY, f64::NEG_INFINITY), pick);
-    Outside { least, greatest, diameter: source.diameter() }
+    let (min, max) = gaps.map(|gap| (gap, gap)).reduce(|| (f64::INFINITY, f64::NEG_INFINITY), pick);
+    Outside { min, max, diameter: source.diameter() }
 }
 
 impl Outside {
-    /// What is wrong, if the hull says that it leaves the source by `said` at most.
-    pub fn problem(&self, said: f64) -> Option<String> {
+    /// Describes the error, if the hull extends farther beyond the source than `recorded`.
+    pub fn problem(&self, recorded: f64) -> Option<String> {
         let slack = REGRET_LIMIT * self.diameter;
         // NaN fails.
-        if !(self.least >= -slack) {
-            return Some(format!("the source stands out of it by {:.3e}: a point was lost", -self.least));
+        if !(self.min >= -slack) {
+            return Some(format!("the source protrudes from the hull by {:.3e}: a source point was lost", -self.min));
         }
-        if !(self.greatest <= said + slack) {
-            return Some(format!("it leaves the source by {:.3e}, where it says {said:.3e} at most", self.greatest));
+        if !(self.max <= recorded + slack) {
+            return Some(format!(
+                "the hull extends {:.3e} beyond its source, but records at most {recorded:.3e}",
+                self.max
+            ));
         }
         None
     }
 }
 
-/// How far the point that lies farthest outside of all hulls is from the nearest; 0 where all are inside some.
+/// Distance from the worst point to the nearest hull; 0 if every point is inside a hull.
 ///
-/// By the solver's own distance, as a point against each hull: other means than the baker's.
+/// It is computed by the runtime's solver, as the distance of a point and each hull, independently
+/// of the baker.
 pub fn uncovered(points: &PointSet, hulls: &[Hull]) -> f64 {
     let farthest = |p: &[f32; 3]| {
         let p = DVec3::from_array(p.map(f64::from));
         let Ok(pose) = Pose::from_translation(p) else { return f64::INFINITY };
-        let mut least = f64::INFINITY;
+        let mut nearest = f64::INFINITY;
         for hull in hulls {
             let [low, high] = hull.bounds().map(Vec3::as_dvec3);
-            if (low - p).max(p - high).max(DVec3::ZERO).length() < least {
+            if (low - p).max(p - high).max(DVec3::ZERO).length() < nearest {
                 let found = distance(hull, &Dot, pose, &Settings::default(), &mut Cache::new());
-                least = least.min(found.distance);
+                nearest = nearest.min(found.distance);
             }
         }
-        least
+        nearest
     };
     points.positions.par_iter().map(farthest).reduce(|| 0.0, f64::max)
 }
@@ -75,8 +82,8 @@ pub fn uncovered(points: &PointSet, hulls: &[Hull]) -> f64 {
 struct Dot;
 
 impl hullmap::SupportMap for Dot {
-    fn support(&self, _: DVec3) -> hullmap::Support {
-        hullmap::Support { point: DVec3::ZERO, feature: 0 }
+    fn support_point(&self, _: DVec3) -> hullmap::SupportPoint {
+        hullmap::SupportPoint { point: DVec3::ZERO, feature: 0 }
     }
     fn interior_point(&self) -> DVec3 {
         DVec3::ZERO
@@ -100,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hull_around_passes_and_a_lost_point_or_a_broken_promise_does_not() {
+    fn lost_points_and_too_small_errors_are_found() {
         let source = sphere(300);
         let points = Points::new(&source.iter().map(|v| v.to_array()).collect::<Vec<_>>());
         let directions = sphere(5_000);
@@ -109,9 +116,9 @@ mod tests {
             measure_outside(&vertices, &points, &directions)
         };
         assert_eq!(measured(1.05).problem(0.051), None);
-        assert!(measured(1.05).problem(0.04).unwrap().contains("leaves the source"));
-        assert!(measured(0.999).problem(0.1).unwrap().contains("a point was lost"));
-        let nan = Outside { least: f64::NAN, greatest: 0.0, diameter: 1.0 };
+        assert!(measured(1.05).problem(0.04).unwrap().contains("beyond its source"));
+        assert!(measured(0.999).problem(0.1).unwrap().contains("a source point was lost"));
+        let nan = Outside { min: f64::NAN, max: 0.0, diameter: 1.0 };
         assert!(nan.problem(1.0).is_some());
     }
 }

@@ -1,16 +1,18 @@
-//! The truth about support: the greatest dot product over every point, in f64.
+//! Reference support values: the maximum dot product over every point, in f64.
 //!
-//! Coordinates and directions are f32; their products are exact in f64, and each dot product carries two roundings of
-//! 1.1e-16. The result is exactly that of one dot product after the other (but for the sign of a zero);
-//! it only comes sooner:
+//! Coordinates and directions are f32; their products are exact in f64, and each dot product
+//! carries two roundings of 1.1e-16. The result equals that of a plain scan (except for the sign of
+//! a zero), but is computed faster:
 //!
-//! 1. Points that equal an earlier one are left out, and the rest is sorted along a Morton curve, in blocks.
-//! 2. For a direction, every block gets a bound: the dot product with that corner of its bounding box which lies
-//!    farthest. Products are exact and floating-point addition is monotone, so with the operations in the same order
-//!    no point of the block has a *computed* dot product above the computed bound. No margin is needed.
-//! 3. The block with the greatest bound is scanned, then every other whose bound is above the best so far.
+//! 1. Duplicate points are dropped, and the others sorted along a Morton curve, in blocks.
+//! 2. For a direction, every block gets a bound: the dot product with that corner of its bounding
+//!    box which lies farthest. Products are exact and floating-point addition is monotone, so with
+//!    the operations in the same order no point of the block has a *computed* dot product above the
+//!    computed bound. No margin is needed.
+//! 3. The block with the maximum bound is scanned, then every other whose bound is above the best
+//!    so far.
 //!
-//! Nothing here knows the hull: points inside it are skipped only by what the points themselves say.
+//! This module knows nothing about the hull, so that it cannot repeat the baker's mistakes.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -21,7 +23,7 @@ const BLOCK: usize = 32;
 /// Bits of the Morton curve for each axis.
 const MORTON_BITS: u32 = 10;
 
-/// Fewest directions that a thread takes at a time.
+/// Minimum number of directions in one task.
 const DIRECTIONS_A_TASK: usize = 64;
 
 /// Points as columns of f64, in blocks of neighbours.
@@ -29,14 +31,14 @@ const DIRECTIONS_A_TASK: usize = 64;
 pub struct Points {
     /// Coordinates by axis; whole blocks.
     columns: [Vec<f64>; 3],
-    /// Least coordinates of each block by axis.
+    /// Minimum coordinates of each block by axis.
     low: [Vec<f64>; 3],
-    /// Greatest coordinates of each block by axis.
+    /// Maximum coordinates of each block by axis.
     high: [Vec<f64>; 3],
 }
 
 impl Points {
-    /// The points, which must be finite and at least one.
+    /// Points, at least one, all finite.
     ///
     /// # Panics
     /// Without points.
@@ -60,7 +62,7 @@ impl Points {
         Self { columns, low, high }
     }
 
-    /// For each direction the greatest dot product with any point. Directions must be finite.
+    /// For each direction, the maximum dot product with any point. Directions must be finite.
     ///
     /// # Complexity
     /// O(points / 32 + points near the maximum) for each direction, on all threads of the pool.
@@ -90,14 +92,14 @@ impl Points {
     fn greatest_in_block(&self, block: usize, dir: [f64; 3]) -> f64 {
         let [x, y, z] = self.columns.each_ref().map(|column| &column[block * BLOCK..][..BLOCK]);
         let dots = x.iter().zip(y).zip(z).map(|((&x, &y), &z)| dot([x, y, z], dir));
-        // Not f64::max: its care for NaN, of which there is none here, costs time.
+        // Not f64::max, whose handling of NaN, which cannot occur here, costs time.
         dots.fold(f64::NEG_INFINITY, |best, next| if next > best { next } else { best })
     }
 
-    /// A distance between two of the points that is the greatest, or close to it, and never more.
+    /// Distance between two of the points that is the maximum or slightly less, never more.
     ///
-    /// From several extreme points it walks to the farthest point until that brings nothing. A regret relative to it
-    /// is thus never understated.
+    /// From several extreme points, it walks to the farthest point until the distance no longer
+    /// grows. A regret relative to it is never understated.
     pub fn diameter(&self) -> f64 {
         let mut greatest = 0.0_f64;
         for dir in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0], [1.0, -1.0, 0.5]] {
@@ -169,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn fast_truth_is_exactly_the_slow_one() {
+    fn fast_maximum_equals_plain_scan() {
         let mut random = SplitMix::new(1);
         for count in [1, 2, 3, 31, 32, 33, 63, 64, 65, 100, 1001, 5000] {
             let mut positions: Vec<[f32; 3]> = (0..count).map(|_| random.in_ball().to_array()).collect();

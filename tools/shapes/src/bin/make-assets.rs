@@ -1,4 +1,4 @@
-//! Writes the generated OBJ files, or checks that a folder holds them as they would be written.
+//! Writes the generated OBJ files, or checks that a folder holds exactly those.
 
 #![forbid(unsafe_code)]
 
@@ -8,12 +8,12 @@ use std::process::ExitCode;
 
 const USAGE: &str = "\
 Usage: make-assets DIR           write the generated files into DIR
-       make-assets --check DIR   name the files in DIR that differ from those
+       make-assets --check DIR   list the files in DIR that differ from the generated ones
        make-assets --help
 
-Exit status: 0 done; 1 --check found a difference; 2 wrong usage, or a file could not be read or written.";
+Exit status: 0 done; 1 --check found a difference; 2 usage error, or a file could not be read or written.";
 
-/// What the arguments ask for.
+/// Command given by the arguments.
 enum Command {
     Help,
     Write(PathBuf),
@@ -28,16 +28,16 @@ fn parse(args: impl Iterator<Item = std::ffi::OsString>) -> Result<Command, Stri
             Some("-h" | "--help") => return Ok(Command::Help),
             Some("--check") => check = true,
             Some(option) if option.starts_with('-') => {
-                return Err(format!("there is no option {option}"));
+                return Err(format!("unknown option {option}"));
             }
             _ if dir.is_some() => {
                 let extra = arg.to_string_lossy();
-                return Err(format!("one folder is enough; what is {extra}?"));
+                return Err(format!("unexpected argument {extra}; expected one folder"));
             }
             _ => dir = Some(arg.into()),
         }
     }
-    let dir = dir.ok_or("name a folder")?;
+    let dir = dir.ok_or("missing argument DIR")?;
     Ok(if check { Command::Check(dir) } else { Command::Write(dir) })
 }
 
@@ -59,7 +59,7 @@ fn main() -> ExitCode {
                 eprintln!("wrote {}", dir.join(name).display());
             }
             if written.is_empty() {
-                eprintln!("{}: already as generated", dir.display());
+                eprintln!("{}: up to date", dir.display());
             }
             ExitCode::SUCCESS
         }),
@@ -71,7 +71,7 @@ fn main() -> ExitCode {
                 return ExitCode::SUCCESS;
             }
             eprintln!(
-                "make-assets: {} of the files differ; run `make-assets {}` to write them anew, and delete those not generated",
+                "make-assets: {} files differ; run `make-assets {}` to regenerate them, and delete those that are not generated",
                 differences.len(),
                 dir.display()
             );

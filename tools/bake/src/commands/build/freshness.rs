@@ -1,9 +1,10 @@
-//! Whether a pack is what a bake would make: by its bytes, never by time stamps.
+//! Freshness: whether a pack is what a bake would write, judged by its bytes and never by time
+//! stamps.
 //!
-//! A pack is fresh if its header states this format version, the hash of the source's bytes and the hash of the options; if it
-//! records the path that the source has; and if it opens: every byte of it counts in the checksum that the header
-//! states, and every number in it is checked. So a damaged pack is never fresh. A stale header ends the question at
-//! 64 bytes; for a fresh one the check costs less than reading and hashing the source, which is needed anyway.
+//! A pack is fresh if its header holds this format version, the hash of the source's bytes and the
+//! hash of the options; if it records the source's path; and if it opens, which checks a checksum
+//! over every byte. So a damaged pack is never fresh. A stale header is detected after 64 bytes;
+//! checking a fresh pack costs less than hashing its source.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -15,25 +16,25 @@ use hullmap_format::header::{HEADER_LEN, Header, options_hash};
 use crate::open::open_pack;
 use crate::options::BuildOptions;
 
-/// What a pack must say of itself to be fresh.
+/// What a fresh pack must record.
 #[derive(Debug)]
 pub struct Expected<'a> {
     /// XXH3-128 of the source's bytes.
     pub source_hash: u128,
-    /// The options of the bake.
+    /// The build options.
     pub options: &'a BuildOptions,
-    /// The source's path as a pack in this folder records it.
+    /// The source's path, as recorded by a pack in this folder.
     pub recorded_path: &'a str,
 }
 
-/// What there is at the pack's place.
+/// The file at a pack's path.
 #[derive(Debug)]
 pub enum Found {
-    /// What a bake would make.
+    /// The pack that a bake would write.
     Fresh(Pack),
-    /// Something else, and why it is not what a bake would make.
+    /// Another file, and why it is stale.
     Stale(String),
-    /// Nothing.
+    /// No file.
     Missing,
 }
 
@@ -62,28 +63,28 @@ pub fn judge(path: &Path, expected: &Expected) -> Found {
             reasons.push("the source has changed".to_owned());
         }
         if options_changed {
-            let was = open_pack(path).map_or_else(|_| "others".to_owned(), |pack| shown(pack.options()));
-            reasons.push(format!("the options have changed: `{was}` became `{}`", shown(&text)));
+            let was = open_pack(path).map_or_else(|_| "unknown".to_owned(), |pack| shown(pack.options()));
+            reasons.push(format!("the options have changed from `{was}` to `{}`", shown(&text)));
         }
         return Found::Stale(reasons.join("; "));
     }
     match open_pack(path) {
         Err(failure) => {
-            // The message starts with the pack's path, which is told anyway.
+            // The message starts with the pack's path, which the row shows already.
             let path = format!("{}: ", path.display());
             Found::Stale(failure.message.strip_prefix(&path).unwrap_or(&failure.message).to_owned())
         }
-        // Another bake may have replaced it in between.
-        Ok(pack) if *pack.header() != header => Found::Stale("it was replaced while it was read".to_owned()),
+        // Another bake may have replaced it meanwhile.
+        Ok(pack) if *pack.header() != header => Found::Stale("the pack was replaced while it was read".to_owned()),
         Ok(pack) if pack.source_path() != expected.recorded_path => {
             let was = pack.source_path();
-            Found::Stale(format!("it records its source as `{was}`, which is now `{}`", expected.recorded_path))
+            Found::Stale(format!("the pack records its source as `{was}`, but it is `{}`", expected.recorded_path))
         }
         Ok(pack) => Found::Fresh(pack),
     }
 }
 
-/// A recorded text in today's words.
+/// Recorded options, with today's names.
 fn shown(recorded: &str) -> String {
     BuildOptions::from_recorded(recorded).map_or_else(|| recorded.to_owned(), |options| options.in_words())
 }

@@ -1,7 +1,7 @@
-//! One file of a build: read, import, bake, verify, put in place.
+//! One file of a build: read, import, bake, verify, rename.
 //!
-//! The source is read once: what is hashed is what is baked, so that a mesh that changes meanwhile makes a pack of its old
-//! bytes or of its new ones, which the next build finds stale in either case.
+//! The source is read once: the bytes that are hashed are the bytes that are baked. A mesh that
+//! changes meanwhile leads to a pack of its old bytes, which the next build finds stale.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -14,59 +14,59 @@ use super::freshness::{Expected, Found, judge};
 use super::rows::{Row, Status};
 use crate::args::DEFAULT_DIRECTIONS;
 use crate::baker::BakedPack;
-use crate::commands::verify::{self, Truth};
 use crate::open::open_pack;
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::{folder_of, make_folder, put_in_place, recorded_path, write_beside};
+use crate::verification::pack::{Reference, verify_hulls};
 use hullmap_import::{self as import, Imported, Limits, ReadError, SourceFile};
 
-/// One mesh, the pack it becomes, and how.
+/// One mesh, its pack, and the options.
 #[derive(Clone, Debug)]
 pub struct Job {
-    /// The mesh as it was named or found.
+    /// The mesh, as named or found.
     pub source: PathBuf,
     /// The pack.
     pub output: PathBuf,
     /// The options that shape the pack.
     pub options: BuildOptions,
-    /// The `hullmap.toml` that they come from, if any.
+    /// The `hullmap.toml` they come from, if any.
     pub config: Option<PathBuf>,
 }
 
-/// Bakes point sets into a pack; [`bake_pack`](crate::baker::bake_pack), but for tests.
+/// Bakes point sets into a pack: [`bake_pack`](crate::baker::bake_pack), except in tests.
 pub type Baker = dyn Fn(&[PointSet], &BuildOptions, &SourceRecord) -> Result<BakedPack, String> + Sync;
 
-/// What all files of a build share.
+/// Settings shared by all files of a build.
 pub struct Build<'a> {
-    /// What a source file may ask for.
+    /// Limits on source files.
     pub limits: Limits,
     /// Verify each pack.
     pub verify: bool,
-    /// Bake even what is fresh.
+    /// Bake fresh packs too.
     pub force: bool,
     /// Bake nothing.
     pub check: bool,
-    /// The folder that `bake` was started in: packs record paths inside it alone.
+    /// The folder where `bake` was started: packs record only paths inside it.
     pub project: &'a Path,
-    /// What bakes.
+    /// The baker.
     pub baker: &'a Baker,
 }
 
 impl Build<'_> {
-    /// Does one job. Whatever goes wrong, panics in the libraries below included, ends in the row's `error`; the exit code
-    /// tells whether the mesh was found wanting or something could not be read or written.
+    /// Does one job. Every failure, including a panic in a library, ends in the row's `error`; the
+    /// exit code distinguishes rejected meshes from files that could not be read or written.
     pub fn run(&self, job: &Job) -> (Row, Exit) {
         let start = Instant::now();
         let (source, output) = (job.source.display().to_string(), job.output.display().to_string());
         let mut row = Row::new(source, output, Status::Failed);
         row.options = Some(job.options.to_string());
-        // The row is only ever filled in further, so a panic leaves nothing half done in it.
+        // Fields of the row are only ever added, so a panic leaves it consistent.
         let result = catch_unwind(AssertUnwindSafe(|| self.bake(job, &mut row)));
         let exit = match result {
             Ok(Ok(status)) => {
                 row.status = status;
-                if matches!(status, Status::Stale | Status::Missing) { Exit::Wanting } else { Exit::Done }
+                if matches!(status, Status::Stale | Status::Missing) { Exit::Rejected } else { Exit::Done }
             }
             Ok(Err(failure)) => {
                 row.error = Some(failure.message);
@@ -76,8 +76,8 @@ impl Build<'_> {
                 let text = panic.downcast_ref::<&str>().copied();
                 let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
                 let text = text.unwrap_or("no message");
-                row.error = Some(format!("{}: internal error ({text}); please report it with the file", row.source));
-                Exit::Wanting
+                row.error = Some(format!("{}: internal error ({text}); please report it, with the file", row.source));
+                Exit::Rejected
             }
         };
         row.millis = (start.elapsed().as_secs_f64() * 1e4).round() / 10.0;
@@ -87,7 +87,7 @@ impl Build<'_> {
     fn bake(&self, job: &Job, row: &mut Row) -> Result<Status, Failure> {
         let source = import::read(&row.source, &job.source, &self.limits).map_err(|error| match error {
             ReadError::Io(error) => Failure::usage(format!("{}: cannot read: {error}; check the file", row.source)),
-            ReadError::Import(error) => Failure::wanting(error.to_string()),
+            ReadError::Import(error) => Failure::rejected(error.to_string()),
         })?;
         let hash = source.hash;
         let folder = folder_of(&job.output);
@@ -106,13 +106,13 @@ impl Build<'_> {
         drop(source);
         let output = row.output.clone();
         let cannot_write = |error| {
-            let remedy = "check that its folder can be written to and has room";
+            let remedy = "check the folder's permissions and free space";
             Failure::usage(format!("{output}: cannot write: {error}; {remedy}"))
         };
         make_folder(folder).map_err(cannot_write)?;
         let record = SourceRecord { path: self.recorded_path(job)?, hash, options: job.options.to_string() };
         let pack = (self.baker)(&imported.point_sets, &job.options, &record)
-            .map_err(|error| Failure::wanting(format!("{}: {error}", row.source)))?;
+            .map_err(|error| Failure::rejected(format!("{}: {error}", row.source)))?;
         let file = write_beside(&job.output, &pack.bytes).map_err(cannot_write)?;
         if self.verify {
             verify_pack(file.path(), &imported)?;
@@ -128,13 +128,13 @@ impl Build<'_> {
         Ok(Status::Baked)
     }
 
-    /// How the file ends without a bake, with the row filled in; `None` where it has to be baked, with the reason in the row.
+    /// Status of a file that needs no bake; `None` if it must be baked, with the reason in the row.
     fn judge(&self, job: &Job, source_hash: u128, row: &mut Row) -> Result<Option<Status>, Failure> {
         if self.force {
             row.reason = Some("--force".to_owned());
             return Ok(None);
         }
-        // A folder that is not there has no pack either.
+        // A missing folder has no pack either.
         let found = if folder_of(&job.output).try_exists().map_err(|error| cannot_place(job, &error))? {
             let recorded_path = self.recorded_path(job)?;
             let expected = Expected { source_hash, options: &job.options, recorded_path: &recorded_path };
@@ -154,16 +154,16 @@ impl Build<'_> {
         Ok(self.check.then_some(status))
     }
 
-    /// What the pack is to say of its source's place.
+    /// The source's path, as the pack records it.
     fn recorded_path(&self, job: &Job) -> Result<String, Failure> {
         recorded_path(&job.source, folder_of(&job.output), self.project).map_err(|error| cannot_place(job, &error))
     }
 
     fn import(&self, job: &Job, row: &mut Row, source: &SourceFile) -> Result<Imported, Failure> {
         let stem = job.source.file_stem().unwrap_or_default().to_string_lossy();
-        let mut imported = import::import(&row.source, &stem, &job.source, source, &job.options.import, &self.limits)
-            .map_err(|error| Failure::wanting(error.to_string()))?;
-        if job.options.decompose.is_some() {
+        let mut imported = import::import(&row.source, &stem, &job.source, source, &job.options.import(), &self.limits)
+            .map_err(|error| Failure::rejected(error.to_string()))?;
+        if job.options.decompose().is_some() {
             imported.give_triangles();
         }
         row.vertices_in = Some(imported.point_count());
@@ -178,7 +178,7 @@ impl Build<'_> {
 
 fn cannot_place(job: &Job, error: &std::io::Error) -> Failure {
     let (source, output) = (job.source.display(), job.output.display());
-    Failure::usage(format!("{source}: cannot find out where it lies from {output}: {error}; check both folders"))
+    Failure::usage(format!("{source}: cannot determine its path relative to {output}: {error}; check both folders"))
 }
 
 fn fill_from_pack(pack: &Pack, row: &mut Row) {
@@ -189,13 +189,13 @@ fn fill_from_pack(pack: &Pack, row: &mut Row) {
     row.bytes = Some(pack.byte_len() as u64);
 }
 
-/// Verifies as `bake verify` does with its defaults.
+/// Verifies a pack as `bake verify` does with default arguments.
 fn verify_pack(path: &Path, imported: &Imported) -> Result<(), Failure> {
     let pack = open_pack(path)?;
-    let reports = verify::verify_hulls(&pack, &Truth::Source(&imported.point_sets), DEFAULT_DIRECTIONS, 0)
-        .map_err(Failure::wanting)?;
-    match reports.into_iter().find(|report| !report.pass) {
-        Some(report) => Err(Failure::wanting(format!("verification failed: {}", report.verdict()))),
+    let results = verify_hulls(&pack, Reference::Source(&imported.point_sets), DEFAULT_DIRECTIONS, 0)
+        .map_err(Failure::rejected)?;
+    match results.into_iter().find(|result| !result.pass) {
+        Some(result) => Err(Failure::rejected(format!("verification failed: {}", result.verdict()))),
         None => Ok(()),
     }
 }

@@ -1,9 +1,10 @@
-//! `bake build`: meshes to packs, in parallel, each by itself.
+//! `bake build`: bakes meshes into packs, in parallel and independently.
 //!
-//! 1. [`plan`] finds the meshes and names their packs; [`Configs`] and the flags say how each is baked.
-//! 2. [`schedule`] begins the files, within a bound of memory; [`freshness`] tells which packs are what a bake would make;
-//!    [`job`] bakes the others.
-//! 3. [`orphans`] finds packs whose source is gone; [`rows`] tells of all files.
+//! 1. [`plan`] finds the meshes and names their packs; [`Configs`] and the flags determine the
+//!    options of each.
+//! 2. [`schedule`] starts the files within a memory limit; [`freshness`] finds packs that are up to
+//!    date; [`job`] bakes the others.
+//! 3. [`orphans`] finds packs whose source is gone; [`rows`] prints the results.
 
 mod freshness;
 mod job;
@@ -25,6 +26,7 @@ use crate::args::{BuildArgs, DEFAULT_MEMORY};
 use crate::baker::bake_pack;
 use crate::config::{Configs, FILE_NAME};
 use crate::depfile::{self, Rule};
+use crate::options::flag;
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, make_folder, put_in_place, sweep, sweep_below, write_beside};
 use crate::{interrupt, messages};
@@ -35,8 +37,8 @@ use rows::{Row, Status, write_json, write_table};
 /// Runs the command.
 ///
 /// # Errors
-/// An input or `hullmap.toml` that cannot be read, or two files that would become one pack: before any work. What goes wrong
-/// with one file is told in its row, and in the exit code.
+/// An input or `hullmap.toml` cannot be read, or two files would become one pack; found before any
+/// work. Failures of single files are reported in their rows and in the exit code.
 pub fn run(args: &BuildArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
     interrupt::catch();
     let project = Path::new(".");
@@ -52,31 +54,33 @@ fn run_with(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut dyn Write
     build(args, project, baker, &jobs, |_| true, out)
 }
 
-/// The files to bake, each with its options; what applies to nothing is told if `tells`. Nothing is written yet.
-fn jobs(args: &BuildArgs, project: &Path, tells: bool) -> Result<Vec<Job>, Failure> {
+/// The files to bake, each with its options. If `warns`, prints warnings about options without
+/// effect. Writes no file.
+fn jobs(args: &BuildArgs, project: &Path, warns: bool) -> Result<Vec<Job>, Failure> {
     if args.out.is_file() {
-        return Err(Failure::usage(format!("{}: is a file; --out names the folder for the packs", args.out.display())));
+        return Err(Failure::usage(format!(
+            "{}: is a file, but --out requires a folder; name a folder for the packs",
+            args.out.display()
+        )));
     }
     let places = plan::plan(&args.inputs, &args.out)?;
-    if args.prune && tells && !bakes_folders(args) {
-        messages::note(
-            "--prune applies to nothing: sources are gone from folders, and no input is one; name the folder",
-        );
+    if args.prune && warns && !bakes_folders(args) {
+        messages::note("--prune has no effect, because no input is a folder; name the folder of the meshes");
     }
     let mut configs = Configs::new(args.config.as_deref(), args.no_config, project)?;
     let job = |place: plan::Place| {
         let (layer, config) = configs.layer(&place.source)?;
-        let options = args.options.clone().over(&layer).options();
+        let options = args.options.over(&layer).resolve();
         let config = config.map(|config| config.path.clone());
         Ok(Job { source: place.source, output: place.output, options, config })
     };
     let jobs: Vec<Job> = places.into_iter().map(job).collect::<Result<_, Failure>>()?;
-    if tells {
-        let is_cut = |job: &Job| job.options.decompose.is_some();
-        if let Some(key) = args.options.first_of_decomposition().filter(|_| !jobs.iter().any(is_cut)) {
+    if warns {
+        let is_cut = |job: &Job| job.options.decompose().is_some();
+        if let Some(key) = args.options.first_decomposition_parameter().filter(|_| !jobs.iter().any(is_cut)) {
             messages::warning(format_args!(
-                "--{} applies to nothing: no mesh of this build is decomposed; add --decompose, or decompose = true to {FILE_NAME}",
-                key.replace('_', "-")
+                "--{} has no effect, because no mesh of this build is decomposed; add --decompose, or decompose = true to {FILE_NAME}",
+                flag(key)
             ));
         }
         let is_cut_by = |config: &Path| jobs.iter().any(|job| job.config.as_deref() == Some(config) && is_cut(job));
@@ -85,7 +89,7 @@ fn jobs(args: &BuildArgs, project: &Path, tells: bool) -> Result<Vec<Job>, Failu
     Ok(jobs)
 }
 
-/// Bakes those of `jobs` that are `chosen`, and tells of them.
+/// Bakes the `chosen` jobs and prints the results.
 fn build(
     args: &BuildArgs,
     project: &Path,
@@ -96,9 +100,11 @@ fn build(
 ) -> Result<Exit, Failure> {
     let outputs: HashSet<&Path> = jobs.iter().map(|job| job.output.as_path()).collect();
     if !args.check {
-        make_folder(&args.out)
-            .map_err(|error| Failure::usage(format!("{}: cannot make this folder: {error}", args.out.display())))?;
-        // Below the output too, as a killed bake may have had meshes that are gone now; but no walk for a single file.
+        make_folder(&args.out).map_err(|error| {
+            Failure::usage(format!("{}: cannot create this folder: {error}; check the path", args.out.display()))
+        })?;
+        // A killed bake may have had meshes that are gone now. A build of single files skips this
+        // walk.
         if bakes_folders(args) {
             sweep_below(&args.out);
         }
@@ -135,26 +141,26 @@ fn build(
             if row.error.is_some() {
                 exit = exit.max(Exit::Usage);
             } else if args.check && args.prune && !orphan.is_kept() {
-                exit = exit.max(Exit::Wanting);
+                exit = exit.max(Exit::Rejected);
             }
             rows.push(row);
         }
     }
-    // What was baked is told even where the depfile cannot be written.
+    // Results are printed even if the depfile cannot be written.
     let depfile =
         args.depfile.as_ref().map_or(Ok(()), |path| write_depfile(path, args.depfile_target.as_deref(), jobs));
-    tell(args, &rows);
+    print_messages(args, &rows);
     let exit = end(exit, write_rows(args, &rows, out))?;
     depfile.map(|()| exit)
 }
 
-/// Whether an input is a folder: then orphans are looked for.
+/// Whether an input is a folder: only then are orphans searched.
 fn bakes_folders(args: &BuildArgs) -> bool {
     args.inputs.iter().any(|input| input.is_dir())
 }
 
-/// Notes, warnings and errors, in the order of the files.
-fn tell(args: &BuildArgs, rows: &[Row]) {
+/// Prints notes, warnings and errors, in the order of the files.
+fn print_messages(args: &BuildArgs, rows: &[Row]) {
     for row in rows {
         if !args.quiet {
             if row.status == Status::Orphaned {
@@ -187,13 +193,16 @@ fn write_rows(args: &BuildArgs, rows: &[Row], out: &mut dyn Write) -> Result<(),
     }
 }
 
-/// Writes which pack depends on which mesh, which buffers beside it, and which `hullmap.toml`.
+/// Writes the dependencies of each pack: the mesh, its buffers, and its `hullmap.toml`.
 fn write_depfile(path: &Path, target: Option<&Path>, jobs: &[Job]) -> Result<(), Failure> {
     let mut rules = Vec::new();
     for job in jobs {
         let buffers = hullmap_import::buffers_of(&job.source).map_err(|error| {
             let source = job.source.display();
-            Failure::usage(format!("{}: not written: {source}: cannot read: {error}; check the file", path.display()))
+            Failure::usage(format!(
+                "{}: not written, because {source} cannot be read: {error}; check the mesh",
+                path.display()
+            ))
         })?;
         let own = [Some(job.source.clone()), job.config.clone()].into_iter().flatten();
         rules.push(Rule { target: job.output.clone(), prerequisites: own.chain(buffers).collect() });

@@ -1,4 +1,4 @@
-//! Packs in the output folder whose source is gone.
+//! Orphans: packs in the output folder whose source is gone.
 
 use std::collections::HashSet;
 use std::io::ErrorKind;
@@ -11,35 +11,37 @@ use crate::open::open_pack;
 use crate::pack_file::{folder_of, plain, resolve_recorded, shown_from};
 use crate::packs::is_pack;
 
-/// A pack that no mesh of the build becomes and whose recorded source is not there.
+/// A pack that this build does not write and whose recorded source does not exist.
 #[derive(Debug)]
 pub struct Orphan {
     pack: PathBuf,
-    /// Where its source was, as the user would name it.
+    /// Former path of its source, as the user would name it.
     source: String,
-    /// Why it is not certain that its source is gone, so that it is left alone; `None` where it may be removed.
+    /// Why it is kept although its source is not found; `None` if it may be removed.
     kept: Option<&'static str>,
 }
 
-/// The pack names a folder of its source, but not the one whose meshes become packs at its place.
-const MOVED: &str = "no mesh of this build would lie there: the pack was copied or moved, or is another build's; not pruned: \
-                     remove it by hand if nobody needs it";
+/// The recorded folder is not the one whose meshes become packs at this path.
+const MOVED: &str = "this build would not write its pack here: it was copied or moved, or belongs to another build; \
+                     it is kept; remove it by hand if it is not needed";
 
-/// The pack names no folder at all.
-const NAME_ALONE: &str = "the folder of its source is not recorded, so that it may be another build's; not pruned: remove it \
-                          by hand, or start bake in a folder that holds both meshes and packs";
+/// The pack records no folder.
+const NAME_ALONE: &str = "it does not record the folder of its source, so it may belong to another build; not pruned, \
+                          remove it by hand, or start bake in a folder that holds both meshes and packs";
 
-/// The orphans in `out`, by name, of a build of `inputs` that makes `outputs`; `project` is the folder that `bake` was started in.
+/// The orphans in `out`, sorted by name, of a build of `inputs` that writes `outputs`; `project` is
+/// the folder where `bake` was started.
 ///
-/// A pack is one if it opens, so that it was certainly written by a bake; if it records its source; if the build has no mesh
-/// for it; and if no file is at the recorded place, nor at the pack's own place below any input folder. Other builds may share
-/// the folder: their packs have their sources. Nothing else in the folder is ever looked at.
+/// A pack is an orphan if it opens, records its source, is not written by this build, and no file
+/// exists at the recorded path or at the pack's own relative path below any input folder. Packs of
+/// other builds that share the folder have their sources. Files other than packs are ignored.
 ///
-/// It may be removed if it lies where this build would put a pack of the recorded source. A pack that was copied, moved or
-/// renamed records a way that leads elsewhere from there, and its source may well live.
+/// An orphan may be removed if this build would write the pack of the recorded source to that very
+/// path. The recorded path of a pack that was copied, moved or renamed leads elsewhere, so its
+/// source may still exist.
 ///
 /// # Complexity
-/// One walk over `out`; packs that the build makes are not opened.
+/// One walk over `out`; packs that the build writes are not opened.
 pub fn find(out: &Path, inputs: &[PathBuf], outputs: &HashSet<&Path>, project: &Path) -> Vec<Orphan> {
     let entries = WalkDir::new(out).sort_by_file_name().into_iter().flatten();
     let packs = entries.filter(|entry| entry.file_type().is_file() && is_pack(entry.path()));
@@ -53,7 +55,7 @@ fn judge(pack: &Path, out: &Path, inputs: &[PathBuf], project: &Path) -> Option<
     let name = recorded_place.file_name()?;
     let below = pack.strip_prefix(out).ok()?.parent().unwrap_or(Path::new(""));
     let folders: Vec<PathBuf> = inputs.iter().filter(|input| !input.is_file()).map(|input| input.join(below)).collect();
-    // Where the system cannot say, it may be there.
+    // If the system reports another error, the file may exist.
     let may_be_there = |path: &Path| path.try_exists().unwrap_or(true);
     if may_be_there(&recorded_place) || folders.iter().any(|folder| may_be_there(&folder.join(name))) {
         return None;
@@ -70,14 +72,15 @@ fn judge(pack: &Path, out: &Path, inputs: &[PathBuf], project: &Path) -> Option<
     };
     let source = match folder {
         Some(folder) => folder.join(name),
-        // Where the pack lies says nothing of where its source was.
+        // The pack's own folder does not reveal its source's.
         None if !names_folder => PathBuf::from(&recorded),
         None => shown_from(&recorded_place, project),
     };
     Some(Orphan { pack: pack.to_owned(), source: source.display().to_string(), kept })
 }
 
-/// The canonical path of a folder that may be gone, with folders above it; `None` where that cannot be found out.
+/// The canonical path of a folder that, like its parents, may not exist; `None` if it cannot be
+/// determined.
 fn canonical_of_gone(folder: &Path) -> Option<PathBuf> {
     for above in folder.ancestors() {
         let place = if above == Path::new("") { Path::new(".") } else { above };
@@ -91,17 +94,16 @@ fn canonical_of_gone(folder: &Path) -> Option<PathBuf> {
 }
 
 impl Orphan {
-    /// Whether it stays, as it is not certain that its source is gone.
+    /// Whether it is kept, because its source may still exist.
     pub fn is_kept(&self) -> bool {
         self.kept.is_some()
     }
 
-    /// What is said of it; it is removed first if `prunes`, with the folders below `out` that are empty then.
-    ///
-    /// Whatever hinders that is the row's error.
+    /// Its row. If `prunes`, the pack is removed first, with folders below `out` that become empty;
+    /// a failure to do so is the row's error.
     pub fn row(&self, out: &Path, prunes: bool) -> Row {
         let mut row = Row::new(self.source.clone(), self.pack.display().to_string(), Status::Orphaned);
-        let word = if self.is_kept() { "not there" } else { "gone" };
+        let word = if self.is_kept() { "not found" } else { "gone" };
         row.reason = Some(format!("its source {} is {word}", self.source));
         row.notes.extend(self.kept.map(str::to_owned));
         if !prunes || self.is_kept() {
@@ -112,7 +114,7 @@ impl Orphan {
                 row.status = Status::Pruned;
                 remove_empty_folders(folder_of(&self.pack), out);
             }
-            // Another bake was faster.
+            // Another bake removed it first.
             Err(error) if error.kind() == ErrorKind::NotFound => row.status = Status::Pruned,
             Err(error) => row.error = Some(format!("{}: cannot remove: {error}", row.output)),
         }
@@ -120,10 +122,10 @@ impl Orphan {
     }
 }
 
-/// Removes `folder` and those above it, up to `out` itself, while they are empty.
+/// Removes `folder` and its parents below `out` as long as they are empty.
 fn remove_empty_folders(folder: &Path, out: &Path) {
     for folder in folder.ancestors().take_while(|folder| *folder != out && folder.starts_with(out)) {
-        // Fails where anything is in it.
+        // Fails if the folder is not empty.
         if std::fs::remove_dir(folder).is_err() {
             return;
         }

@@ -1,4 +1,4 @@
-//! Which files a build reads and which it writes.
+//! The plan of a build: which files it reads and which packs it writes.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -8,22 +8,24 @@ use walkdir::WalkDir;
 use crate::outcome::Failure;
 use hullmap_import::{NAMES, is_source};
 
-/// One mesh and the place of the pack it becomes.
+/// One mesh and the path of its pack.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// The mesh as it was named or found.
+    /// The mesh, as named or found.
     pub source: PathBuf,
     /// The pack.
     pub output: PathBuf,
 }
 
-/// The places, in the order of the inputs and by name within a folder.
+/// The meshes in the order of the inputs, sorted by name within each folder.
 ///
-/// A file becomes `out/<stem>.hullmap`; a folder's files keep their place below it. Links to folders are followed,
-/// but not in circles. A file that two inputs reach with the same output is baked once.
+/// A file becomes `out/<stem>.hullmap`; files in a folder keep their path relative to it. Links to
+/// folders are followed, except in cycles. A file that is reached twice with the same output is
+/// baked once.
 ///
 /// # Errors
-/// An input that is missing or cannot be read, a folder without meshes, two files that become one pack.
+/// An input is missing or cannot be read, a folder holds no meshes, or two files would become one
+/// pack.
 pub fn plan(inputs: &[PathBuf], out: &Path) -> Result<Vec<Place>, Failure> {
     let mut places = Vec::new();
     for input in inputs {
@@ -34,7 +36,10 @@ pub fn plan(inputs: &[PathBuf], out: &Path) -> Result<Vec<Place>, Failure> {
             let before = places.len();
             plan_folder(input, out, &mut places)?;
             if places.len() == before {
-                return Err(Failure::usage(format!("{}: no meshes ({NAMES}) in this folder", input.display())));
+                return Err(Failure::usage(format!(
+                    "{}: no meshes ({NAMES}) in this folder; name a folder of meshes",
+                    input.display()
+                )));
             }
         } else {
             places.push(Place { source: input.clone(), output: pack_path(out, input) });
@@ -48,7 +53,7 @@ fn plan_folder(folder: &Path, out: &Path, places: &mut Vec<Place>) -> Result<(),
         let entry = match entry {
             Ok(entry) => entry,
             Err(error) if error.loop_ancestor().is_some() => continue,
-            // A link that leads nowhere is no mesh, unless it is called one.
+            // A dangling link is ignored unless it has the name of a mesh.
             Err(error) if error.path().is_some_and(|path| path.is_symlink() && !is_source(path)) => {
                 continue;
             }
@@ -76,7 +81,7 @@ fn without_clashes(places: Vec<Place>) -> Result<Vec<Place>, Failure> {
             };
             if !is_same {
                 return Err(Failure::usage(format!(
-                    "{} and {} would both become {}; rename one or bake them apart",
+                    "{} and {} would both become {}; rename one, or bake them into separate folders",
                     other.display(),
                     place.source.display(),
                     place.output.display()
@@ -90,7 +95,7 @@ fn without_clashes(places: Vec<Place>) -> Result<Vec<Place>, Failure> {
     Ok(kept)
 }
 
-/// `folder/<stem>.hullmap`; the stem keeps its inner points.
+/// `folder/<stem>.hullmap`; the stem keeps its inner dots.
 fn pack_path(folder: &Path, source: &Path) -> PathBuf {
     let mut name = source.file_stem().unwrap_or_default().to_owned();
     name.push(".hullmap");
@@ -152,7 +157,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn links_in_circles_end() {
+    fn cyclic_links_are_ignored() {
         let meshes = folder(&["a/x.obj"]);
         std::os::unix::fs::symlink(meshes.path(), meshes.path().join("a/up")).unwrap();
         std::os::unix::fs::symlink(meshes.path().join("nothing"), meshes.path().join("a/dead")).unwrap();

@@ -1,4 +1,5 @@
-//! How far a build is: bars on a terminal, now and then a line elsewhere, nothing where quiet was asked for.
+//! Progress of a build: bars on a terminal, otherwise an occasional line, or nothing with
+//! `--quiet`.
 
 use std::collections::BTreeMap;
 use std::io::{IsTerminal, stderr};
@@ -12,22 +13,22 @@ use crate::interrupt;
 use crate::messages;
 use crate::table::grouped;
 
-/// Builds that end sooner show no bars: they would only flicker.
+/// Shorter builds show no bars, which would only flicker.
 const BARS_AFTER: Duration = Duration::from_millis(300);
 
-/// A file is shown by name once it has been in work for so long.
+/// Time after which a file in progress is shown by name.
 const NAME_AFTER: Duration = Duration::from_millis(300);
 
-/// Files shown by name at most: those that have been in work longest.
-const MOST_NAMES: usize = 6;
+/// Maximum number of files shown by name: those in progress longest.
+const MAX_NAMES: usize = 6;
 
-/// Time between two lines where there is no terminal: a log that somebody reads later wants few.
+/// Time between two lines without a terminal, so that logs stay short.
 const LINE_EVERY: Duration = Duration::from_secs(10);
 
-/// Work done before the time that is left is told, of the whole: before that, it would jump about.
-const TOLD_FROM: f64 = 0.02;
+/// Share of the work after which the remaining time is shown; earlier estimates would jump.
+const ESTIMATE_FROM: f64 = 0.02;
 
-/// The progress of one build. All of it may be called from any thread.
+/// Progress of one build. Methods may be called from any thread.
 #[derive(Debug)]
 pub struct Progress {
     start: Instant,
@@ -50,13 +51,13 @@ struct State {
     done_cost: u64,
     baked: usize,
     failed: usize,
-    /// Files in work by their place in the build: name and start.
+    /// Files in progress, by their index in the build: name and start.
     in_work: BTreeMap<usize, (String, Instant)>,
     last_line: Option<Instant>,
 }
 
 impl Progress {
-    /// Nothing done of `files` files that cost this much together.
+    /// Progress of a build of `files` files with this total cost.
     pub fn new(is_quiet: bool, files: usize, cost: u64) -> Self {
         let display = match (is_quiet, stderr().is_terminal()) {
             (true, _) => Display::None,
@@ -67,12 +68,12 @@ impl Progress {
         Self { start: Instant::now(), display, state: Mutex::new(state) }
     }
 
-    /// A file is in work from now on.
+    /// Marks a file as in progress.
     pub fn begin(&self, place: usize, name: String) {
         self.state().in_work.insert(place, (name, Instant::now()));
     }
 
-    /// A file is done.
+    /// Marks a file as done.
     pub fn end(&self, place: usize, cost: u64, status: Status) {
         let mut state = self.state();
         state.in_work.remove(&place);
@@ -85,7 +86,7 @@ impl Progress {
         }
     }
 
-    /// Shows how far it is, if it is time to.
+    /// Updates the display, if it is time to.
     pub fn tick(&self) {
         let now = Instant::now();
         match &self.display {
@@ -111,7 +112,7 @@ impl Progress {
         }
     }
 
-    /// Takes bars off the screen.
+    /// Clears the bars.
     pub fn finish(&self) {
         if let Display::Bars { screen, .. } = &self.display {
             let _ = screen.clear();
@@ -132,7 +133,7 @@ fn bars(cost: u64) -> Display {
         screen.add(bar.with_style(style(template)))
     };
     let overall = bar(Some(cost.max(1)), "{wide_bar} {msg}");
-    let names = (0..MOST_NAMES).map(|_| bar(None, "  {wide_msg}")).collect();
+    let names = (0..MAX_NAMES).map(|_| bar(None, "  {wide_msg}")).collect();
     interrupt::show(Some(screen.clone()));
     Display::Bars { screen, overall, names }
 }
@@ -152,27 +153,31 @@ impl State {
         text
     }
 
-    /// The summary, and what has been in work longest.
+    /// The summary, and the file in progress longest.
     fn line(&self, elapsed: Duration, now: Instant) -> String {
         let longest = self.longest(now, NAME_AFTER).into_iter().next();
-        format!("{}{}", self.summary(elapsed), longest.map_or_else(String::new, |name| format!("; in work: {name}")))
+        format!(
+            "{}{}",
+            self.summary(elapsed),
+            longest.map_or_else(String::new, |name| format!("; in progress: {name}"))
+        )
     }
 
-    /// Names and times of the files that have been in work for longest, and at least for `least`.
+    /// Names and times of the files in progress longest, if in progress for at least `least`.
     fn longest(&self, now: Instant, least: Duration) -> Vec<String> {
         let age = |start: Instant| now.saturating_duration_since(start);
         let mut files: Vec<&(String, Instant)> =
             self.in_work.values().filter(|(_, start)| age(*start) >= least).collect();
         files.sort_by_key(|(_, start)| *start);
-        files.truncate(MOST_NAMES);
+        files.truncate(MAX_NAMES);
         files.into_iter().map(|(name, start)| format!("{name} ({:.1} s)", age(*start).as_secs_f64())).collect()
     }
 }
 
-/// Time left if the rest goes as fast as what is done went; `None` while too little is done to tell.
+/// Remaining time, in proportion to the work done; `None` until enough is done.
 fn time_left(elapsed: Duration, done: u64, all: u64) -> Option<Duration> {
     let share = done as f64 / all.max(1) as f64;
-    (share >= TOLD_FROM && done < all).then(|| elapsed.mul_f64((1.0 - share) / share))
+    (share >= ESTIMATE_FROM && done < all).then(|| elapsed.mul_f64((1.0 - share) / share))
 }
 
 #[cfg(test)]
@@ -189,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_tells_counts_time_left_and_the_longest_file() {
+    fn a_line_has_counts_time_left_and_the_longest_file() {
         let start = Instant::now();
         let now = start + Duration::from_secs(60);
         let mut state = State { files: 12_000, cost: 400, done: 3000, done_cost: 100, ..State::default() };
@@ -199,7 +204,10 @@ mod tests {
         state.in_work.insert(4, ("big.obj".to_owned(), start + Duration::from_secs(48)));
         state.in_work.insert(9, ("mid.obj".to_owned(), start + Duration::from_secs(50)));
         let line = state.line(now - start, now);
-        assert_eq!(line, "3 000 of 12 000 files, 5 baked, 1 failed, about 3 minutes left; in work: big.obj (12.0 s)");
+        assert_eq!(
+            line,
+            "3 000 of 12 000 files, 5 baked, 1 failed, about 3 minutes left; in progress: big.obj (12.0 s)"
+        );
         assert_eq!(state.longest(now, NAME_AFTER).len(), 2);
     }
 }

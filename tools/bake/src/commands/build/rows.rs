@@ -1,4 +1,4 @@
-//! What is said of each file of a build, as JSON and as a table.
+//! Results of a build, one row per file, as JSON and as a table.
 
 use std::io::Write;
 
@@ -7,28 +7,28 @@ use serde::Serialize;
 use crate::outcome::Failure;
 use crate::table::{Align, Table, grouped, or_dash};
 
-/// How a file ended.
+/// Result of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
     /// It was baked.
     Baked,
-    /// The pack that was there is what a bake would make.
+    /// The existing pack is what a bake would write.
     Fresh,
-    /// It was not baked, or the pack did not pass.
+    /// It was not baked, or its pack failed verification.
     Failed,
-    /// `--check`: the pack that is there is not what a bake would make.
+    /// `--check`: the existing pack is not what a bake would write.
     Stale,
     /// `--check`: there is no pack.
     Missing,
     /// A pack whose source is gone.
     Orphaned,
-    /// A pack whose source was gone, and that was removed.
+    /// A pack whose source is gone, and that was removed.
     Pruned,
 }
 
 impl Status {
-    /// As the table has it: what needs somebody is in capitals.
+    /// Name in the table. Failures are in capitals.
     fn word(self) -> &'static str {
         match self {
             Self::Baked => "baked",
@@ -42,28 +42,28 @@ impl Status {
     }
 }
 
-/// What is said of a file; `None` where it did not get that far. The names are those of the JSON.
+/// Result of one file. Field names are those of the JSON; `None` if the file did not get that far.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// The mesh; of a pack without one, where it was.
+    /// The mesh; for an orphan, its former path.
     pub source: String,
     /// The pack.
     pub output: String,
-    /// How it ended.
+    /// The result.
     pub status: Status,
-    /// Why it was not fresh, or why the pack is an orphan.
+    /// Why the pack was not fresh, or is an orphan.
     pub reason: Option<String>,
     /// The options, as the pack records them.
     pub options: Option<String>,
-    /// Hulls in the pack.
+    /// Number of hulls in the pack.
     pub hulls: Option<usize>,
-    /// Source points over all hulls.
+    /// Number of source points, over all hulls.
     pub vertices_in: Option<usize>,
-    /// Vertices in the source.
+    /// Number of vertices in the source.
     pub vertices_source: Option<usize>,
-    /// Source vertices that no element references.
+    /// Number of vertices that no element references.
     pub vertices_unreferenced: Option<usize>,
-    /// Points that an earlier one equals.
+    /// Number of points that equal an earlier point.
     pub vertices_duplicate: Option<usize>,
     /// Hull vertices over all hulls.
     pub vertices_hull: Option<usize>,
@@ -71,19 +71,19 @@ pub struct Row {
     pub ranks: Option<Vec<u32>>,
     /// Size of the pack.
     pub bytes: Option<u64>,
-    /// Time from start to end in milliseconds. A thread that waits for others works on another file meanwhile, so the
-    /// times of many files add up to more than the whole took.
+    /// Time from start to end in milliseconds. A thread that waits for others works on another file
+    /// meanwhile, so the times of many files add up to more than the whole took.
     pub millis: f64,
-    /// What the user may want to know of the source.
+    /// Findings of interest.
     pub notes: Vec<String>,
-    /// What the user should look at, with the remedy.
+    /// Findings to act on, each with its remedy.
     pub warnings: Vec<String>,
     /// Why it failed.
     pub error: Option<String>,
 }
 
 impl Row {
-    /// A row of which nothing more is known.
+    /// A row with only these fields.
     pub fn new(source: String, output: String, status: Status) -> Self {
         Self {
             source,
@@ -119,7 +119,7 @@ pub fn write_json(rows: &[Row], out: &mut dyn Write) -> Result<(), Failure> {
     Ok(out.flush()?)
 }
 
-/// Writes the rows, without fresh ones unless those are asked for, then a line that counts them all.
+/// Writes the rows, fresh ones only if `lists_fresh`, then a summary of all.
 ///
 /// # Errors
 /// The writer's.
@@ -191,14 +191,15 @@ fn summary(rows: &[Row], is_check: bool) -> String {
     }
     let bytes: u64 = rows.iter().filter_map(|row| row.bytes).sum();
     let hulls: usize = rows.iter().filter_map(|row| row.hulls).sum();
-    format!("{}; {} hulls in {} bytes", counts.join(", "), grouped(hulls as u64), grouped(bytes))
+    let noun = if hulls == 1 { "hull" } else { "hulls" };
+    format!("{}; {} {noun} in {} bytes", counts.join(", "), grouped(hulls as u64), grouped(bytes))
 }
 
-/// The one rank of all hulls, or the lowest and the highest.
+/// The rank of all hulls, or the range of ranks.
 fn ranks(ranks: &[u32]) -> String {
     match (ranks.iter().min(), ranks.iter().max()) {
-        (Some(least), Some(greatest)) if least < greatest => format!("{least}-{greatest}"),
-        (Some(least), _) => least.to_string(),
+        (Some(min), Some(max)) if min < max => format!("{min}-{max}"),
+        (Some(min), _) => min.to_string(),
         _ => "-".to_owned(),
     }
 }
@@ -219,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn fresh_files_are_counted_and_listed_only_if_asked_for() {
+    fn fresh_files_are_counted_but_listed_only_with_verbose() {
         let text = table(false, false);
         assert_eq!(text.lines().count(), 1 + 3 + 2, "{text}");
         assert!(text.ends_with("\n\n1 baked, 2 fresh, 1 failed, 1 orphaned; 0 hulls in 0 bytes\n"), "{text}");

@@ -1,29 +1,30 @@
-//! Which file is begun when: on one pool of threads, within a bound of memory.
+//! Scheduler: starts the files of a build on one thread pool, within a memory limit.
 
 use std::collections::BTreeSet;
 use std::ops::Bound;
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
-/// How often the caller's `tick` runs while files are in work.
+/// Interval between calls of `tick`.
 const TICK: Duration = Duration::from_millis(100);
 
-/// Files begun and not ended, for each thread: one in work, one that waits, so that no thread ever does.
+/// Files in flight per thread: one in progress and one waiting, so that no thread is idle.
 const IN_FLIGHT_PER_THREAD: usize = 2;
 
-/// What is in flight, and what came of it.
+/// Files in flight, and results.
 struct State<R> {
     results: Vec<Option<R>>,
     in_flight: usize,
     in_flight_cost: u64,
 }
 
-/// Does `work(0)`, `work(1)`, … on the pool, and returns the results in this order. What is in flight at any time costs
-/// at most `budget` together; an item that costs more than that is in flight alone.
+/// Runs `work(0)`, `work(1)`, … on the pool and returns the results in this order. Items in flight
+/// cost at most `budget` in total; an item that costs more is in flight alone.
 ///
-/// Of what fits, the costliest is begun first, so that the end does not wait for one great file; of equals the first.
-/// The pool's threads are never blocked by the bound: an item that is begun can use all of them for itself, and while it waits
-/// for them, they take on what is in flight already. `tick` runs on the caller's thread ten times a second.
+/// Of the items that fit, the most expensive is started first, so that no large file is left to the
+/// end. Of equally expensive items, the first is started. The limit never blocks the pool's
+/// threads: an item in flight may use all of them, and while it waits, they work on other items in
+/// flight. `tick` runs on the caller's thread ten times a second.
 ///
 /// # Panics
 /// If `work` does.
@@ -36,9 +37,10 @@ pub fn run_bounded<R: Send>(
 ) -> Vec<R> {
     let state = State { results: costs.iter().map(|_| None).collect(), in_flight: 0, in_flight_cost: 0 };
     let (state, has_ended) = (Mutex::new(state), Condvar::new());
-    let most_in_flight = IN_FLIGHT_PER_THREAD * pool.current_num_threads();
+    let max_in_flight = IN_FLIGHT_PER_THREAD * pool.current_num_threads();
     let count = costs.len();
-    // Places are counted from the end, so that the greatest entry is the first of the costliest.
+    // Indices are counted from the end, so that the maximum entry is the first of the most
+    // expensive items.
     let mut waiting: BTreeSet<(u64, usize)> = costs.iter().enumerate().map(|(at, &cost)| (cost, count - at)).collect();
     pool.in_place_scope(|scope| {
         let mut now = state.lock().unwrap_or_else(PoisonError::into_inner);
@@ -46,7 +48,7 @@ pub fn run_bounded<R: Send>(
             let free = if now.in_flight == 0 { u64::MAX } else { budget.saturating_sub(now.in_flight_cost) };
             let fits = (Bound::Unbounded, Bound::Included((free, usize::MAX)));
             let next = waiting.range(fits).next_back().copied();
-            match next.filter(|_| now.in_flight < most_in_flight) {
+            match next.filter(|_| now.in_flight < max_in_flight) {
                 Some(entry) => {
                     waiting.remove(&entry);
                     let (cost, at) = (entry.0, count - entry.1);
@@ -106,15 +108,16 @@ mod tests {
     fn the_bound_holds_and_the_order_stays() {
         let costs = costs(200);
         for (threads, budget) in [(1, 100), (2, 100), (8, 100), (8, 60), (8, 1)] {
-            let (in_flight, most, alone) = (AtomicU64::new(0), AtomicU64::new(0), AtomicU64::new(0));
+            let (in_flight, peak, alone) = (AtomicU64::new(0), AtomicU64::new(0), AtomicU64::new(0));
             let work = |at: usize| {
                 let now = in_flight.fetch_add(costs[at], Ordering::SeqCst) + costs[at];
                 if costs[at] > budget {
                     alone.fetch_add(u64::from(now == costs[at]), Ordering::SeqCst);
                 } else {
-                    most.fetch_max(now, Ordering::SeqCst);
+                    peak.fetch_max(now, Ordering::SeqCst);
                 }
-                // Inner work on the same pool, and a wait in which a thread may take on another item.
+                // Inner work on the same pool, and a wait in which a thread may take on another
+                // item.
                 let sum: u64 = (0..2000_u64).into_par_iter().map(|number| number % 7).sum();
                 std::thread::sleep(Duration::from_micros(50));
                 in_flight.fetch_sub(costs[at], Ordering::SeqCst);
@@ -122,10 +125,10 @@ mod tests {
             };
             let results = run_bounded(&pool(threads), &costs, budget, work, || {});
             assert!(results.iter().enumerate().all(|(place, &(at, _))| place == at));
-            let most = most.load(Ordering::SeqCst);
+            let peak = peak.load(Ordering::SeqCst);
             let greater = costs.iter().filter(|&&cost| cost > budget).count() as u64;
-            assert!(most <= budget, "{threads} threads: {most} of {budget}");
-            assert!(threads == 1 || budget < 100 || most > budget / 2, "{threads} threads: only {most} of {budget}");
+            assert!(peak <= budget, "{threads} threads: {peak} of {budget}");
+            assert!(threads == 1 || budget < 100 || peak > budget / 2, "{threads} threads: only {peak} of {budget}");
             assert_eq!(alone.load(Ordering::SeqCst), greater, "an item above the budget is alone");
         }
     }

@@ -1,4 +1,4 @@
-//! Builds with a stand-in for the baker, which writes the source's name, hash and points as text.
+//! Builds with a fake baker that writes the source's name, hash and points as text.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ fn write_text(sets: &[PointSet], options: &BuildOptions, source: &SourceRecord) 
     if source.path.ends_with("refused.obj") {
         return Err("hull x: lost a point".to_owned());
     }
-    assert!(!source.path.ends_with("panics.obj"), "as asked");
+    assert!(!source.path.ends_with("panics.obj"), "on purpose");
     let names: Vec<&str> = sets.iter().map(|set| set.name.as_str()).collect();
     let text = format!("{} {:x} {options} {names:?}", source.path, source.hash);
     let vertex_count = sets.iter().map(|set| set.positions.len()).sum();
@@ -55,12 +55,12 @@ fn one_bad_file_does_not_stop_the_others() {
         ("sub/z.obj", TRIANGLE),
     ];
     let (result, text) = build(folder.path(), &files, &["--json"]);
-    assert_eq!(result.unwrap(), Exit::Wanting);
+    assert_eq!(result.unwrap(), Exit::Rejected);
     let rows = json_rows(&text);
     let statuses: Vec<_> = rows.iter().map(|row| row["status"].as_str().unwrap()).collect();
     assert_eq!(statuses, ["baked", "failed", "failed", "failed", "baked"]);
     assert!(rows[1]["error"].as_str().unwrap().contains("b.obj:2: coordinate `nan`"), "{}", rows[1]);
-    assert!(rows[2]["error"].as_str().unwrap().contains("internal error (as asked)"), "{}", rows[2]);
+    assert!(rows[2]["error"].as_str().unwrap().contains("internal error (on purpose)"), "{}", rows[2]);
     assert!(rows[3]["error"].as_str().unwrap().contains("refused.obj: hull x: lost a point"), "{}", rows[3]);
     assert!(rows[0]["error"].is_null());
     for key in ["source", "output", "status", "hulls", "vertices_in", "vertices_hull", "bytes", "millis", "error"] {
@@ -76,7 +76,7 @@ fn one_bad_file_does_not_stop_the_others() {
 }
 
 #[test]
-fn the_order_is_that_of_the_input_whatever_the_threads() {
+fn rows_have_the_order_of_the_inputs_for_any_thread_count() {
     let folder = tempfile::tempdir().unwrap();
     let names: Vec<String> = (0..40).map(|number| format!("{number:02}.obj")).collect();
     let files: Vec<(&str, &str)> = names.iter().map(|name| (name.as_str(), TRIANGLE)).collect();
@@ -94,7 +94,7 @@ fn the_table_ends_in_a_summary() {
     let folder = tempfile::tempdir().unwrap();
     let (_, text) = build(folder.path(), &[("a.obj", TRIANGLE), ("b.obj", "")], &[]);
     assert!(text.starts_with("source"), "{text}");
-    assert!(text.contains("FAILED") && text.contains("\n1 baked, 0 fresh, 1 failed; 1 hulls in "), "{text}");
+    assert!(text.contains("FAILED") && text.contains("\n1 baked, 0 fresh, 1 failed; 1 hull in "), "{text}");
 }
 
 #[test]
@@ -109,7 +109,7 @@ fn objects_split_and_paths_are_recorded() {
 }
 
 #[test]
-fn an_output_that_is_a_file_is_an_error() {
+fn an_output_path_that_is_a_file_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("out"), "").unwrap();
     let (result, text) = build(folder.path(), &[("a.obj", TRIANGLE)], &[]);

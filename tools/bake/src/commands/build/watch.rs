@@ -1,4 +1,4 @@
-//! `--watch`: bake, wait for a change, bake what it touched, until Ctrl-C.
+//! `--watch`: bakes, waits for changes, and bakes what they affect, until Ctrl-C.
 
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -18,26 +18,27 @@ use crate::pack_file::folder_of;
 use crate::{interrupt, messages};
 use hullmap_import::{is_buffer, is_source};
 
-/// A change counts once nothing more has changed for so long: editors save in several steps.
+/// A change is processed after this much quiet time, because editors save in several steps.
 const QUIET: Duration = Duration::from_millis(200);
 
-/// At the latest so long after the first change, in case something never stops.
-const AT_MOST: Duration = Duration::from_secs(5);
+/// Maximum delay after the first change, in case changes never stop.
+const MAX_DELAY: Duration = Duration::from_secs(5);
 
-/// Most changed files that are named.
-const MOST_NAMED: usize = 5;
+/// Maximum number of changed files in a message.
+const MAX_NAMED: usize = 5;
 
-/// Builds until the process is interrupted. Errors are told, and the next change is waited for.
+/// Builds until the process is interrupted. Errors are printed, and do not end the loop.
 ///
 /// # Errors
-/// The system cannot tell of changes, or the answer cannot be written.
+/// The system cannot watch files, or the output cannot be written.
 pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut dyn Write) -> Result<Exit, Failure> {
     let (sender, events) = channel();
-    // A receiver that is gone means the end of the process.
+    // The receiver is only gone at the end of the process.
     let watcher = notify::recommended_watcher(move |event| drop(sender.send(event)));
-    let cannot = |error: notify::Error| Failure::usage(format!("cannot watch for changes: {error}; leave --watch out"));
+    let cannot =
+        |error: notify::Error| Failure::usage(format!("cannot watch for changes: {error}; run without --watch"));
     let mut watcher = Watched { watcher: watcher.map_err(cannot)?, folders: BTreeSet::new() };
-    // Watched before the first build, so that nothing is missed in between.
+    // Before the first build, so that no change is missed.
     watcher.watch_all(args).map_err(cannot)?;
     let mut changed = None;
     loop {
@@ -47,22 +48,23 @@ pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut dyn Write)
             Err(failure) => messages::error(&failure),
         }
         if !args.quiet {
-            messages::say("watching for changes; Ctrl-C ends");
+            messages::say("watching for changes; press Ctrl-C to stop");
         }
-        // Now that the folder is there it has a canonical path, as all paths of events have.
+        // The folder exists now, so it has a canonical path, as the paths of events do.
         let made = args.out.canonicalize().unwrap_or_else(|_| args.out.clone());
         let paths = match interrupt::idle(|| wait(&events, &made)) {
             Some(paths) => paths,
             None => return Ok(Exit::Done),
         };
         if !args.quiet {
-            tell(&paths);
+            print_changes(&paths);
         }
         changed = Some(paths);
     }
 }
 
-/// One build: of everything, or of what the changed paths touch. Returns the `hullmap.toml` files that counted.
+/// One build, of everything or of what the changed paths affect. Returns the `hullmap.toml` files
+/// in use.
 fn once(
     args: &BuildArgs,
     project: &Path,
@@ -80,14 +82,14 @@ fn once(
     Ok(jobs.into_iter().filter_map(|job| job.config).collect())
 }
 
-/// What the system watches for us.
+/// Folders that the system watches.
 struct Watched {
     watcher: RecommendedWatcher,
     folders: BTreeSet<PathBuf>,
 }
 
 impl Watched {
-    /// The inputs, folders with all below them, and the file that `--config` names.
+    /// Watches the inputs, folders recursively, and the file that `--config` names.
     fn watch_all(&mut self, args: &BuildArgs) -> Result<(), notify::Error> {
         for input in &args.inputs {
             let path = input.canonicalize().unwrap_or_else(|_| input.clone());
@@ -109,31 +111,33 @@ impl Watched {
         }
     }
 
-    /// A file's folder rather than the file: editors replace files, and the watch would stay with the old one.
+    /// Watches a file's folder, because editors replace files and a watch would stay with the old
+    /// one.
     fn watch_folder_of(&mut self, file: &Path) {
         let folder = folder_of(file).to_owned();
         if self.folders.insert(folder.clone()) {
-            // A folder inside a watched input is watched twice: harmless. One that cannot be watched is not fatal either.
+            // Watching a folder twice is harmless, and one that cannot be watched is not fatal.
             let _ = self.watcher.watch(&folder, RecursiveMode::NonRecursive);
         }
     }
 }
 
-/// The paths that changed and may matter, once it is quiet; `None` when no more can come.
+/// The changed paths that may affect a build, once changes have stopped; `None` if no more events
+/// can come.
 ///
-/// Folders below `made`, where packs go, are our own.
+/// Folders below `made` hold packs and are ignored.
 fn wait(events: &Receiver<notify::Result<Event>>, made: &Path) -> Option<BTreeSet<PathBuf>> {
     let mut paths = BTreeSet::new();
     let mut first: Option<Instant> = None;
     loop {
         let event = match first {
             None => events.recv().map_err(|_| RecvTimeoutError::Disconnected),
-            Some(first) if first.elapsed() >= AT_MOST => return Some(paths),
+            Some(first) if first.elapsed() >= MAX_DELAY => return Some(paths),
             Some(_) => events.recv_timeout(QUIET),
         };
         match event {
             Ok(Ok(event)) => paths.extend(event.paths.iter().filter(|path| matters(event.kind, path, made)).cloned()),
-            // Events were lost: whatever it was, look at everything.
+            // Events were lost: build everything.
             Ok(Err(error)) => paths.extend(error.paths.into_iter().chain([PathBuf::from(FILE_NAME)])),
             Err(RecvTimeoutError::Timeout) => return Some(paths),
             Err(RecvTimeoutError::Disconnected) => return None,
@@ -144,8 +148,11 @@ fn wait(events: &Receiver<notify::Result<Event>>, made: &Path) -> Option<BTreeSe
     }
 }
 
-/// Whether an event can change what a build makes: a mesh, a `hullmap.toml`, or a folder that came or went with meshes in it.
-/// Reading is no change, and packs and temporary files are not meshes, so a build does not set off the next one.
+/// Whether an event can affect a build: it changes a mesh, a `hullmap.toml`, or a folder that may
+/// hold meshes.
+///
+/// Reads are ignored, as are packs and temporary files, so that a build does not trigger the next
+/// one.
 fn matters(kind: EventKind, path: &Path, made: &Path) -> bool {
     let is_change = match kind {
         EventKind::Access(kind) => kind == AccessKind::Close(AccessMode::Write),
@@ -153,7 +160,7 @@ fn matters(kind: EventKind, path: &Path, made: &Path) -> bool {
         _ => true,
     };
     let is_config = path.file_name().is_some_and(|name| name == FILE_NAME);
-    // What is gone cannot be asked what it was; a name without extension may well have been a folder.
+    // A removed name without extension may have been a folder.
     let may_be_folder = match kind {
         EventKind::Create(_) | EventKind::Modify(ModifyKind::Name(_)) => path.is_dir() || path.extension().is_none(),
         EventKind::Remove(_) => path.extension().is_none(),
@@ -162,8 +169,8 @@ fn matters(kind: EventKind, path: &Path, made: &Path) -> bool {
     is_change && (is_source(path) || is_buffer(path) || is_config || may_be_folder && !path.starts_with(made))
 }
 
-fn tell(paths: &BTreeSet<PathBuf>) {
-    let names: Vec<String> = paths.iter().take(MOST_NAMED).map(|path| shown(path)).collect();
+fn print_changes(paths: &BTreeSet<PathBuf>) {
+    let names: Vec<String> = paths.iter().take(MAX_NAMED).map(|path| shown(path)).collect();
     let more = match paths.len() - names.len() {
         0 => String::new(),
         more => format!(" and {more} more"),
@@ -171,7 +178,7 @@ fn tell(paths: &BTreeSet<PathBuf>) {
     messages::say(format_args!("changed: {}{more}", names.join(", ")));
 }
 
-/// From the current folder, where it lies in it.
+/// The path relative to the current folder, if it lies inside.
 fn shown(path: &Path) -> String {
     let here = std::env::current_dir().and_then(|here| here.canonicalize());
     let below = here.ok().and_then(|here| path.strip_prefix(here).ok().map(Path::to_owned));
@@ -185,7 +192,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn changes_of_meshes_and_options_matter_and_our_own_work_does_not() {
+    fn changes_of_meshes_and_options_matter_and_own_output_does_not() {
         let data = EventKind::Modify(ModifyKind::Data(DataChange::Any));
         let (made, gone) = (EventKind::Create(CreateKind::Any), EventKind::Remove(RemoveKind::Any));
         let written = EventKind::Access(AccessKind::Close(AccessMode::Write));
@@ -211,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn several_steps_are_one_change() {
+    fn saves_in_several_steps_are_one_change() {
         let (sender, events) = channel();
         let event =
             |path: &str| Ok(Event::new(EventKind::Modify(ModifyKind::Data(DataChange::Any))).add_path(path.into()));

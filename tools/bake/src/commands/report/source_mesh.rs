@@ -1,32 +1,35 @@
-//! The faces of a source mesh, to look at.
+//! The faces of a source mesh as triangles and edges for the report to draw.
 
-use super::shape::Shape;
-use crate::source::Source;
 use hullmap_import::Polygons;
+use hullmap_report::DisplayMesh;
 
-/// The source of each hull: its faces where the file has any, else its points.
+use crate::source::Source;
+
+/// The mesh of each point set of the source: its faces if the file has any, otherwise its points
+/// alone.
 ///
 /// # Complexity
-/// O(corners), but for concave polygons.
-pub fn source_shapes(source: &Source) -> Vec<Shape> {
+/// O(corners), except for concave polygons.
+pub fn source_meshes(source: &Source) -> Vec<DisplayMesh> {
     let pairs = source.point_sets.iter().zip(&source.faces);
-    pairs.map(|(set, faces)| shape(&set.positions, faces)).collect()
+    pairs.map(|(set, faces)| display_mesh(&set.positions, faces)).collect()
 }
 
-fn shape(points: &[[f32; 3]], faces: &Polygons) -> Shape {
-    let mut shape = Shape { points: points.to_vec(), triangles: faces.triangles(points), ..Shape::default() };
-    for number in 0..faces.len() {
-        let corners = &faces.corners[faces.start(number)..faces.start(number + 1)];
+fn display_mesh(points: &[[f32; 3]], faces: &Polygons) -> DisplayMesh {
+    let triangles = faces.triangles(points);
+    let mut mesh = DisplayMesh { points: points.to_vec(), triangles, ..DisplayMesh::default() };
+    for face in 0..faces.len() {
+        let corners = &faces.corners[faces.start(face)..faces.start(face + 1)];
         for (i, &from) in corners.iter().enumerate() {
             let to = corners[(i + 1) % corners.len()];
             if from != to {
-                shape.edges.push([from.min(to), from.max(to)]);
+                mesh.edges.push([from.min(to), from.max(to)]);
             }
         }
     }
-    shape.edges.sort_unstable();
-    shape.edges.dedup();
-    shape
+    mesh.edges.sort_unstable();
+    mesh.edges.dedup();
+    mesh
 }
 
 #[cfg(test)]
@@ -39,9 +42,9 @@ mod tests {
         let mut faces = Polygons::default();
         faces.push(&[0, 1, 2, 3]);
         faces.push(&[2, 1, 4]);
-        let shape = shape(&points, &faces);
-        assert_eq!(shape.triangles, [[0, 1, 2], [0, 2, 3], [2, 1, 4]]);
-        assert_eq!(shape.edges, [[0, 1], [0, 3], [1, 2], [1, 4], [2, 3], [2, 4]]);
-        assert!(super::shape(&points, &Polygons::default()).triangles.is_empty());
+        let mesh = display_mesh(&points, &faces);
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [2, 1, 4]]);
+        assert_eq!(mesh.edges, [[0, 1], [0, 3], [1, 2], [1, 4], [2, 3], [2, 4]]);
+        assert!(display_mesh(&points, &Polygons::default()).triangles.is_empty());
     }
 }

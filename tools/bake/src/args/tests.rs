@@ -1,0 +1,179 @@
+//! Command lines: those that are accepted, those that are rejected, and the help.
+
+use hullmap_bake::simplify::Limit;
+use hullmap_bake::{IndexChoice, IndexKind};
+use hullmap_import::{ImportOptions, Split, UpAxis, Vertices};
+
+use super::*;
+use crate::options::BuildOptions;
+
+fn build(words: &str) -> Result<BuildOptions, i32> {
+    let line = format!("bake build in.obj --out out {words}");
+    match parse(line.split_whitespace()) {
+        Ok(Cli { command: Command::Build(args) }) => Ok(args.options.resolve()),
+        Ok(_) => unreachable!(),
+        Err(error) => Err(error.exit_code()),
+    }
+}
+
+fn error(line: &str) -> String {
+    parse(line.split_whitespace()).unwrap_err().to_string()
+}
+
+#[test]
+fn the_definition_is_sound() {
+    Cli::command().debug_assert();
+}
+
+#[test]
+fn flags_set_build_options() {
+    let usual = BuildOptions::default();
+    assert_eq!(build(""), Ok(usual.clone()));
+    for kind in IndexKind::NAMED {
+        assert_eq!(build(&format!("--index {}", kind.as_str())).unwrap().index(), kind.into());
+    }
+    assert_eq!(build("--index-budget 40").unwrap().index(), IndexChoice::Budget { bytes_per_vertex: 40 });
+    let cubemap = build("--index cubemap --resolution 1024").unwrap();
+    assert_eq!(cubemap.index(), IndexKind::CubeMap { resolution: 1024 }.into());
+    let import = ImportOptions { split: Split::Object, vertices: Vertices::All, ..ImportOptions::DEFAULT };
+    assert_eq!(build("--split object --vertices all").unwrap().import(), import);
+    let import = ImportOptions { unit_scale: 0.01, up_axis: UpAxis::YToZ, recentre: true, ..ImportOptions::DEFAULT };
+    assert_eq!(build("--unit-scale 0.01 --up-axis y-to-z --recentre").unwrap().import(), import);
+    assert!(!build("--recentre=false").unwrap().import().recentre);
+    assert_eq!(build("--max-vertices 64").unwrap().simplify(), Some(Limit::Vertices(64)));
+    assert_eq!(build("--max-error 1e-3").unwrap().simplify(), Some(Limit::Distance(1e-3)));
+    let words = "--decompose --vhacd-max-parts 8 --vhacd-hull-approximation false";
+    let parts = build(words).unwrap().decompose().unwrap();
+    assert_eq!((parts.max_parts, parts.hull_approximation), (8, false));
+    assert_eq!(build("--vhacd-max-parts 8"), Ok(usual), "hullmap.toml may switch decomposition on");
+}
+
+#[test]
+fn wrong_arguments_exit_with_2() {
+    for words in [
+        "--index cubemap --resolution 0",
+        "--index cubemap --resolution 1025",
+        "--resolution 64",
+        "--index-budget 0",
+        "--index-budget 40 --index tree",
+        "--index octree",
+        "--unit-scale 0",
+        "--unit-scale nan",
+        "--up-axis x",
+        "--max-vertices 3",
+        "--max-vertices 8 --max-error 1",
+        "--decompose=false --vhacd-max-parts 8",
+        "--decompose --vhacd-resolution 0",
+        "--split group",
+        "--vertices some",
+        "--jobs 0",
+        "--memory 0",
+        "--check --force",
+        "--check --verify",
+        "--check --depfile x",
+        "--quiet --verbose",
+        "--config x --no-config",
+        "--depfile-target x",
+        "--jobs many",
+        "--unknown",
+    ] {
+        assert_eq!(build(words), Err(2), "{words}");
+    }
+    for line in [
+        "bake",
+        "bake build",
+        "bake build a.obj",
+        "bake report x",
+        "bake verify",
+        "bake query a",
+        "bake verify x --directions 0",
+        "bake query a b --mode overlap",
+    ] {
+        assert_eq!(parse(line.split_whitespace()).unwrap_err().exit_code(), 2, "{line}");
+    }
+    assert_eq!(parse(["bake", "--help"]).unwrap_err().exit_code(), 0);
+}
+
+#[test]
+fn poses_may_start_with_a_minus() {
+    let cli = parse(["bake", "query", "a", "b", "--pose", "-1 0 0 0 0 0 1", "--pose", "1 0 0 0 0 0 1"]).unwrap();
+    let Command::Query(args) = cli.command else { unreachable!() };
+    assert_eq!(args.poses.len(), 2);
+    for words in ["a b --pose -3 0 0 0 -0.5 0 1", "--pose -3 0 0 0 -0.5 0 1 a b --json"] {
+        let message = error(&format!("bake query {words}"));
+        assert!(message.contains("in quotes: --pose \"-3 0 0 0 -0.5 0 1\"") && message.contains("Usage"), "{message}");
+    }
+}
+
+#[test]
+fn clashes_name_both_flags() {
+    let message = error("bake build a --out b --max-error 1 --max-vertices 9");
+    assert!(message.contains("--max-error and --max-vertices exclude each other"), "{message}");
+}
+
+#[test]
+fn wrong_values_list_the_accepted_ones() {
+    let message = error("bake build a --out b --split group");
+    assert!(message.contains("none, object, auto"), "{message}");
+}
+
+#[test]
+fn every_subcommand_has_an_example_that_parses() {
+    for subcommand in Cli::command().get_subcommands() {
+        let help = subcommand.clone().render_help().to_string();
+        let examples = help.split_once("Example").map_or("", |(_, examples)| examples);
+        let lines: Vec<&str> = examples.lines().filter_map(|line| line.trim_start().strip_prefix("bake ")).collect();
+        assert!(!lines.is_empty(), "{}", subcommand.get_name());
+        for line in lines {
+            let line = line.split(['(', '>']).next().unwrap();
+            let (words, quoted) = line.split_once('"').map_or((line, None), |(words, pose)| (words, Some(pose)));
+            let quoted = quoted.map(|pose| pose.trim_end().trim_end_matches('"'));
+            let words = ["bake"].into_iter().chain(words.split_whitespace()).chain(quoted);
+            parse(words).unwrap_or_else(|error| panic!("{line}: {error}"));
+        }
+    }
+}
+
+#[test]
+fn help_fits_a_screen() {
+    let help = Cli::command().render_help().to_string();
+    assert!(help.lines().count() <= 24, "{help}");
+    assert!(help.lines().all(|line| line.chars().count() <= 80), "{help}");
+    // Two screens for the longest; rarely used options are in `--help` only.
+    let build = Cli::command().find_subcommand_mut("build").unwrap().render_help().to_string();
+    assert!(build.lines().count() <= 56, "{build}");
+    let short = Cli::command().get_subcommands().map(|c| c.clone().render_help().to_string()).collect::<String>();
+    let long: Vec<&str> = short.lines().filter(|line| line.chars().count() > 120).collect();
+    assert!(long.is_empty(), "{long:#?}");
+}
+
+#[test]
+fn wrong_arguments_show_the_usage_of_their_subcommand() {
+    for (line, usage) in [
+        ("bake build in --out o --resolution 5", "Usage: bake build"),
+        ("bake build in --out o --memory many", "Usage: bake build"),
+        ("bake build in --out o --index octree", "Usage: bake build"),
+        ("bake query a b --mode overlap", "Usage: bake query"),
+        ("bake build in", "Usage: bake build"),
+        ("bake build in --out o --max-error 1 --max-vertices 9", "Usage: bake build"),
+        ("bake verify x --directions 0", "Usage: bake verify"),
+        ("bake inspect", "Usage: bake inspect"),
+        ("bake query a", "Usage: bake query"),
+        ("bake completions", "Usage: bake completions"),
+    ] {
+        let message = error(line);
+        assert!(message.contains(usage), "{line}: {message}");
+    }
+}
+
+#[test]
+fn sizes() {
+    for (text, bytes) in
+        [("4096", 4096), ("1K", 1024), ("500M", 500 << 20), ("8g", 8 << 30), ("2GiB", 2 << 30), ("1mb", 1 << 20)]
+    {
+        assert_eq!(size(text), Ok(bytes), "{text}");
+    }
+    for text in ["", "0", "M", "-1", "1.5G", "5X", "99999999T"] {
+        assert!(size(text).is_err(), "{text}");
+    }
+}

@@ -1,0 +1,92 @@
+//! Gathers what the report shows about a pack: its source, its verification, and remarks.
+
+use std::path::Path;
+use std::time::Instant;
+
+use hullmap::Pack;
+use hullmap_report::input::{self as report, Verification, VerifiedHull};
+use hullmap_report::{Analysis, Input, analyse};
+
+use super::remarks::remarks;
+use super::source_mesh::source_meshes;
+use crate::args::ReportArgs;
+use crate::open::open_pack;
+use crate::outcome::{Exit, Failure};
+use crate::packs::PackPlace;
+use crate::source::{Recorded, Source, find_source};
+use crate::verification::pack::{HullVerification, Reference, verify_hulls};
+
+/// Opens, verifies and analyses a pack; `given` is the path that `--source` gives for it.
+///
+/// # Errors
+/// The pack cannot be read or is invalid, or `--source` leads to no file. Faults of a pack that
+/// opens are part of the analysis.
+pub fn analyse_pack(place: &PackPlace, given: Option<&Path>, args: &ReportArgs) -> Result<Analysis, Failure> {
+    let start = Instant::now();
+    let pack = open_pack(&place.path)?;
+    let open_time = start.elapsed();
+    let mut faults = Vec::new();
+    let source = match find_source(place, Recorded::of(&pack), given) {
+        Err(failure) if failure.exit == Exit::Rejected => {
+            faults.push(failure.message);
+            None
+        }
+        found => found?,
+    };
+    let mut remarks = remarks(&pack, source.as_ref());
+    if source.is_none() {
+        let state = if faults.is_empty() { "was not found" } else { "cannot be used" };
+        let warning = format!(
+            "the source {state}, so the hull is shown alone and was compared with itself only; \
+             name the source with --source"
+        );
+        remarks.warnings.insert(0, warning);
+    }
+    let verification = verify(&pack, source.as_ref(), args, &mut faults);
+    remarks.faults = faults;
+    let source = source.map(|source| report::Source {
+        name: source_name(&source, &pack),
+        point_count: source.point_sets.iter().map(|set| set.positions.len()).sum(),
+        meshes: source_meshes(&source),
+    });
+    let input = Input { path: &place.path, pack: &pack, open_time, source, verification, remarks, up: args.up };
+    analyse(input).map_err(|error| Failure::usage(error.to_string()))
+}
+
+/// The source's name on the page. An absolute path would name folders of this machine, so the
+/// recorded path is shown instead.
+fn source_name(source: &Source, pack: &Pack) -> String {
+    if source.path.is_absolute() && !pack.source_path().is_empty() {
+        return pack.source_path().to_owned();
+    }
+    source.path.display().to_string()
+}
+
+/// Verifies the pack as `bake verify` does. Failures are added to `faults`.
+fn verify(pack: &Pack, source: Option<&Source>, args: &ReportArgs, faults: &mut Vec<String>) -> Verification {
+    let start = Instant::now();
+    let reference = source.map_or(Reference::StoredHull, |source| Reference::Source(&source.point_sets));
+    let results = verify_hulls(pack, reference, args.directions, args.seed).unwrap_or_else(|error| {
+        faults.push(error);
+        Vec::new()
+    });
+    faults.extend(results.iter().filter(|result| !result.pass).map(HullVerification::verdict));
+    Verification {
+        is_against_source: source.is_some(),
+        directions: args.directions,
+        hulls: results.into_iter().map(verified_hull).collect(),
+        time: start.elapsed(),
+    }
+}
+
+fn verified_hull(result: HullVerification) -> VerifiedHull {
+    VerifiedHull {
+        is_simplified: result.is_simplified(),
+        name: result.hull.unwrap_or_default(),
+        passed: result.pass,
+        max_regret: result.max_regret.unwrap_or(f64::NAN),
+        mismatches: result.mismatches.unwrap_or_default(),
+        max_nodes: result.max_nodes.unwrap_or_default(),
+        max_dots: result.max_dots.unwrap_or_default(),
+    }
+}

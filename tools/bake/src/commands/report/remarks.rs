@@ -1,0 +1,97 @@
+//! Notes and warnings about a pack: those of its import and bake, computed again from the pack and
+//! its source.
+
+use hullmap::{Hull, Pack, SupportMap};
+use hullmap_report::input::Remarks;
+
+use crate::advice::{self, HullMeasures};
+use crate::source::Source;
+
+/// Remarks of the import, and about the pack's parts and hulls.
+///
+/// Without a source, the hulls themselves are checked for coordinates far from the origin.
+pub fn remarks(pack: &Pack, source: Option<&Source>) -> Remarks {
+    let mut remarks = Remarks::default();
+    if let Some(source) = source {
+        remarks.notes.clone_from(&source.notes);
+        remarks.warnings.clone_from(&source.warnings);
+    }
+    let hulls: Vec<Hull> = pack.hulls().collect();
+    // The parts of one object follow one another; the first has part number 0.
+    for parts in hulls.chunk_by(|_, next| next.part() > 0) {
+        about_object(parts, source.is_some(), &mut remarks);
+    }
+    hulls.iter().for_each(|hull| about_hull(hull, &mut remarks));
+    remarks
+}
+
+fn about_object(parts: &[Hull], has_source: bool, remarks: &mut Remarks) {
+    let Some(first) = parts.first() else { return };
+    let is_cut = parts.len() > 1;
+    let name =
+        if is_cut { first.name().rsplit_once("_part_").map_or(first.name(), |(name, _)| name) } else { first.name() };
+    if is_cut {
+        let size = parts.iter().map(Hull::diameter).fold(0.0, f64::max);
+        let remark = advice::parts(name, parts.len(), first.uncovered(), size);
+        remark.add_to(&mut remarks.notes, &mut remarks.warnings);
+    }
+    if !has_source {
+        let vertices: Vec<[f32; 3]> = parts.iter().flat_map(Hull::vertices).map(|v| v.to_array()).collect();
+        remarks.warnings.extend(hullmap_import::far_away(name, &vertices));
+    }
+}
+
+fn about_hull(hull: &Hull, remarks: &mut Remarks) {
+    let max_coordinate = hull.bounds().iter().map(|corner| corner.abs().max_element()).fold(0.0, f32::max);
+    let measures = HullMeasures {
+        name: hull.name(),
+        rank: hull.rank(),
+        point_count: hull.source_point_count() as usize,
+        vertex_count: hull.vertex_count(),
+        diameter: hull.diameter(),
+        inner_radius: hull.inner_radius(),
+        max_coordinate: max_coordinate.into(),
+        outer_error: hull.outer_error(),
+    };
+    remarks.warnings.extend(advice::of_hull(&measures));
+    if let Some(remark) = advice::simplified(&measures) {
+        remark.add_to(&mut remarks.notes, &mut remarks.warnings);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
+
+    use super::*;
+    use crate::verification::random::SplitMix;
+
+    fn warnings(positions: Vec<[f32; 3]>) -> String {
+        let source_vertices = (0..positions.len() as u32).collect();
+        let set = PointSet { name: "cloud".to_owned(), positions, source_vertices, ..PointSet::default() };
+        let bytes = write_pack(&[bake_hull(&set, IndexKind::Tree).unwrap()], &SourceRecord::default()).unwrap();
+        let found = remarks(&Pack::from_bytes(&bytes).unwrap(), None);
+        assert!(found.notes.is_empty());
+        found.warnings.join("|")
+    }
+
+    #[test]
+    fn each_oddity_gets_its_own_warning() {
+        let mut random = SplitMix::new(9);
+        let cloud: Vec<[f32; 3]> = (0..200).map(|_| random.in_ball().to_array()).collect();
+        let moved = |by: f32, flat: f32| cloud.iter().map(|&[x, y, z]| [x + by, y, z * flat]).collect::<Vec<_>>();
+        for (positions, expected) in [
+            (cloud.clone(), ""),
+            (moved(0.0, 1e-5), "hull cloud is thin:"),
+            (moved(0.0, 0.0), "hull cloud is flat:"),
+            (vec![[0.0; 3], [1.0; 3], [2.0; 3]], "hull cloud is a segment:"),
+            (vec![[0.0; 3], [0.0; 3]], "hull cloud is a point:"),
+            (vec![[0.0; 3]], ""),
+            (moved(1e5, 1.0), "object cloud: 1.000e5 from the origin"),
+        ] {
+            let found = warnings(positions);
+            assert!(found.starts_with(expected) && !found.contains('|'), "{expected} {found}");
+            assert_eq!(found.is_empty(), expected.is_empty(), "{found}");
+        }
+    }
+}

@@ -1,0 +1,321 @@
+//! The table of all options that shape a bake: key, accepted values, default, help.
+//!
+//! Flags and their help, the keys of `hullmap.toml`, its template, and the record in a pack all
+//! come from this table. Every option in it changes the bytes of packs; flags that do not
+//! (`--jobs`, `--verify`, …) are in `args.rs`.
+
+use super::value::Syntax::{self, Count, CountOrNone, Fraction, Positive, PositiveOrNone, Switch, Words};
+
+/// One option.
+#[derive(Debug)]
+pub struct BuildOption {
+    /// Key in `hullmap.toml` and in records. The flag has `-` for `_`.
+    pub key: &'static str,
+    /// Values it accepts.
+    pub syntax: Syntax,
+    /// Its value if no source gives one.
+    pub default: Default,
+    /// Name of the value in the help.
+    pub value_name: &'static str,
+    /// What it does, in one line.
+    pub help: &'static str,
+    /// Section of the help and of the template.
+    pub section: Section,
+    /// Whether `-h` leaves it out; `--help` lists every option.
+    pub is_advanced: bool,
+    /// The options that a higher layer replaces together with it.
+    pub group: Group,
+    /// Another option and the value of it with which this one applies.
+    pub applies_with: Option<(&'static str, &'static str)>,
+    /// How a pack records it.
+    pub record: Record,
+}
+
+/// Value of an option that no source gives.
+#[derive(Clone, Copy, Debug)]
+pub enum Default {
+    /// This value, written as in `hullmap.toml` without quotes.
+    Value(&'static str),
+    /// No value; the template shows this example.
+    Unset {
+        /// A plausible value.
+        example: &'static str,
+    },
+}
+
+/// Section of the help.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Section {
+    /// How the source is read.
+    Import,
+    /// The direction index.
+    Index,
+    /// Convex decomposition.
+    Decomposition,
+    /// Simplified hulls.
+    Simplification,
+}
+
+/// Options that one layer replaces together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    /// The option alone.
+    Single,
+    /// The choice of an index.
+    Index,
+    /// The limit of a simplification.
+    Limit,
+}
+
+/// How a pack records an option.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Record {
+    /// Always.
+    Always,
+    /// Only if it differs from its default: options that are newer than the first packs.
+    IfChanged,
+    /// As part of the value of `index`.
+    WithIndex,
+}
+
+impl Section {
+    /// Heading in the help.
+    pub fn heading(self) -> &'static str {
+        match self {
+            Self::Import => "Import",
+            Self::Index => "Index",
+            Self::Decomposition => "Decomposition",
+            Self::Simplification => "Simplification",
+        }
+    }
+}
+
+/// Maximum resolution of a cube map.
+const MAX_RESOLUTION: u32 = 1024;
+
+/// Maximum voxels along a mesh's longest side: cubed, 134 million voxels.
+const MAX_VOXELS: u32 = 512;
+
+/// Maximum downsampling of planes and hulls, as in V-HACD.
+const MAX_DOWNSAMPLING: u32 = 16;
+
+/// Minimum vertices of a solid.
+const MIN_VERTICES: u32 = 4;
+
+/// Every option, in the order of a pack's record. **This order and the defaults never change**:
+/// records would change, and with them the hashes by which packs are found fresh.
+pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
+    BuildOption {
+        key: "split",
+        syntax: Words(&["none", "object", "auto"]),
+        default: Default::Value("none"),
+        value_name: "none|object|auto",
+        help: "One hull per file, per object, or per named collision part (UCX_…)",
+        section: Section::Import,
+        record: Record::Always,
+        ..OPTION
+    },
+    BuildOption {
+        key: "vertices",
+        syntax: Words(&["referenced", "all"]),
+        default: Default::Value("referenced"),
+        value_name: "referenced|all",
+        help: "Use the vertices that elements reference, or all vertices",
+        section: Section::Import,
+        record: Record::Always,
+        ..OPTION
+    },
+    BuildOption {
+        key: "index",
+        syntax: Words(&["tree", "medium", "compact", "binary", "cubemap", "none"]),
+        default: Default::Value("tree"),
+        value_name: "KIND",
+        help: "Direction index: tree, medium, compact, binary, cubemap or none",
+        section: Section::Index,
+        group: Group::Index,
+        record: Record::Always,
+        ..OPTION
+    },
+    BuildOption {
+        key: "index_budget",
+        syntax: Count { min: 1, max: u32::MAX },
+        default: Default::Unset { example: "100" },
+        value_name: "BYTES",
+        help: "Choose the fastest tree within BYTES per hull vertex, instead of a named index",
+        section: Section::Index,
+        is_advanced: true,
+        group: Group::Index,
+        record: Record::WithIndex,
+        ..OPTION
+    },
+    BuildOption {
+        key: "resolution",
+        syntax: Count { min: 1, max: MAX_RESOLUTION },
+        default: Default::Value("64"),
+        value_name: "N",
+        help: "Cells along each edge of a cube face, 1 to 1024; only with index cubemap",
+        section: Section::Index,
+        is_advanced: true,
+        group: Group::Index,
+        applies_with: Some(("index", "cubemap")),
+        record: Record::WithIndex,
+    },
+    BuildOption {
+        key: "unit_scale",
+        syntax: Positive,
+        default: Default::Value("1"),
+        value_name: "F",
+        help: "Multiply coordinates by F; 0.01 converts centimetres to metres",
+        section: Section::Import,
+        ..OPTION
+    },
+    BuildOption {
+        key: "up_axis",
+        syntax: Words(&["keep", "y-to-z", "z-to-y"]),
+        default: Default::Value("keep"),
+        value_name: "keep|y-to-z|z-to-y",
+        help: "Rotate about x: y-to-z turns a y-up mesh into a z-up mesh",
+        section: Section::Import,
+        ..OPTION
+    },
+    BuildOption {
+        key: "recentre",
+        syntax: Switch,
+        default: Default::Value("false"),
+        value_name: "BOOL",
+        help: "Move the origin to the centre of the bounds, for meshes far from the origin",
+        section: Section::Import,
+        ..OPTION
+    },
+    BuildOption {
+        key: "decompose",
+        syntax: Switch,
+        default: Default::Value("false"),
+        value_name: "BOOL",
+        help: "Decompose concave meshes into convex parts (V-HACD)",
+        section: Section::Decomposition,
+        ..OPTION
+    },
+    BuildOption {
+        key: "vhacd_concavity",
+        syntax: Fraction,
+        default: Default::Value("0.01"),
+        value_name: "F",
+        help: "Maximum volume between a part and its hull, relative to the mesh's hull, 0 to 1",
+        ..VHACD_OPTION
+    },
+    BuildOption {
+        key: "vhacd_resolution",
+        syntax: Count { min: 1, max: MAX_VOXELS },
+        default: Default::Value("64"),
+        value_name: "N",
+        help: "Voxels along the mesh's longest side, 1 to 512",
+        ..VHACD_OPTION
+    },
+    BuildOption {
+        key: "vhacd_max_parts",
+        syntax: Count { min: 1, max: u32::MAX },
+        default: Default::Value("1024"),
+        value_name: "N",
+        help: "Maximum number of parts",
+        ..VHACD_OPTION
+    },
+    BuildOption {
+        key: "vhacd_alpha",
+        syntax: Fraction,
+        default: Default::Value("0.05"),
+        value_name: "F",
+        help: "Weight of balanced cuts, 0 to 1",
+        ..VHACD_OPTION
+    },
+    BuildOption {
+        key: "vhacd_beta",
+        syntax: Fraction,
+        default: Default::Value("0.05"),
+        value_name: "F",
+        help: "Weight of cuts through an axis of revolution, 0 to 1",
+        ..VHACD_OPTION
+    },
+    BuildOption {
+        key: "vhacd_plane_downsampling",
+        syntax: Count { min: 1, max: MAX_DOWNSAMPLING },
+        default: Default::Value("4"),
+        value_name: "N",
+        help: "Try every Nth cutting plane, 1 to 16",
+        ..VHACD_OPTION
+    },
+    BuildOption {
+        key: "vhacd_hull_downsampling",
+        syntax: Count { min: 1, max: MAX_DOWNSAMPLING },
+        default: Default::Value("4"),
+        value_name: "N",
+        help: "Build trial hulls from every Nth voxel, 1 to 16",
+        ..VHACD_OPTION
+    },
+    BuildOption {
+        key: "vhacd_hull_approximation",
+        syntax: Switch,
+        default: Default::Value("true"),
+        value_name: "BOOL",
+        help: "Build trial hulls from voxels instead of the mesh",
+        ..VHACD_OPTION
+    },
+    BuildOption {
+        key: "vhacd_fill",
+        syntax: Words(&["flood", "cavities", "surface"]),
+        default: Default::Value("flood"),
+        value_name: "flood|cavities|surface",
+        help: "Solid voxels: all that are enclosed, all but closed cavities, or the surface only",
+        ..VHACD_OPTION
+    },
+    BuildOption {
+        key: "max_vertices",
+        syntax: CountOrNone { min: MIN_VERTICES },
+        default: Default::Value("none"),
+        value_name: "N",
+        help: "Simplify each hull to a larger one with at most N vertices, 4 or more; none: exact",
+        section: Section::Simplification,
+        group: Group::Limit,
+        ..OPTION
+    },
+    BuildOption {
+        key: "max_error",
+        syntax: PositiveOrNone,
+        default: Default::Value("none"),
+        value_name: "E",
+        help: "Simplify each hull to a larger one that extends at most E units beyond it; none: exact",
+        section: Section::Simplification,
+        group: Group::Limit,
+        ..OPTION
+    },
+];
+
+/// Number of options.
+pub const OPTION_COUNT: usize = 20;
+
+/// Values that most options share.
+const OPTION: BuildOption = BuildOption {
+    key: "",
+    syntax: Switch,
+    default: Default::Value("false"),
+    value_name: "",
+    help: "",
+    section: Section::Import,
+    is_advanced: false,
+    group: Group::Single,
+    applies_with: None,
+    record: Record::IfChanged,
+};
+
+/// What the parameters of V-HACD share. Their defaults are those of parry3d 0.31.
+const VHACD_OPTION: BuildOption = BuildOption {
+    section: Section::Decomposition,
+    is_advanced: true,
+    applies_with: Some(("decompose", "true")),
+    ..OPTION
+};
+
+/// Position of an option in the table.
+pub fn position(key: &str) -> Option<usize> {
+    OPTIONS.iter().position(|option| option.key == key)
+}

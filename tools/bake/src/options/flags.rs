@@ -1,0 +1,82 @@
+//! The options as flags of `bake build`, made from the table.
+
+use std::sync::LazyLock;
+
+use clap::builder::{PossibleValuesParser, TypedValueParser, ValueParser};
+use clap::{Arg, ArgMatches, Command};
+
+use super::OptionLayer;
+use super::defaults::{BuildOption, Default, OPTIONS};
+use super::value::{Syntax, Value};
+
+/// Name of an option's flag, without the dashes in front.
+pub fn flag(key: &str) -> String {
+    key.replace('_', "-")
+}
+
+/// Names of the flags, in the order of the table. clap takes names that live as long as the
+/// program.
+static FLAGS: LazyLock<Vec<&'static str>> =
+    LazyLock::new(|| OPTIONS.iter().map(|option| &*flag(option.key).leak()).collect());
+
+impl clap::Args for OptionLayer {
+    fn augment_args(command: Command) -> Command {
+        command.args(OPTIONS.iter().zip(FLAGS.iter()).map(|(option, flag)| arg(option, flag)))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl clap::FromArgMatches for OptionLayer {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let mut layer = Self::default();
+        layer.update_from_arg_matches(matches)?;
+        Ok(layer)
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        for (index, option) in OPTIONS.iter().enumerate() {
+            self.set_at(index, matches.get_one::<Value>(option.key).copied());
+        }
+        Ok(())
+    }
+}
+
+fn arg(option: &BuildOption, flag: &'static str) -> Arg {
+    // Off and unlimited go without saying.
+    let help = match option.default {
+        Default::Value(value) if value != "false" && option.syntax.parse(value) != Ok(Value::None) => {
+            format!("{} [default: {value}]", option.help)
+        }
+        _ => option.help.to_owned(),
+    };
+    let arg = Arg::new(option.key)
+        .long(flag)
+        .help(help)
+        .help_heading(option.section.heading())
+        .value_name(option.value_name)
+        .value_parser(value_parser(option.syntax))
+        .hide_possible_values(true)
+        .hide_short_help(option.is_advanced);
+    match (option.syntax, option.default) {
+        // `--recentre` alone switches it on. What is on by default can only be switched off, with a
+        // value.
+        (Syntax::Switch, Default::Value("false")) => {
+            arg.num_args(0..=1).require_equals(true).default_missing_value("true")
+        }
+        _ => arg,
+    }
+}
+
+/// Words are possible values of clap, which shells complete; everything else is read by the
+/// option's syntax.
+fn value_parser(syntax: Syntax) -> ValueParser {
+    let words = match syntax {
+        Syntax::Words(words) => words,
+        Syntax::Switch => &["true", "false"],
+        _ => return ValueParser::new(move |text: &str| syntax.parse(text)),
+    };
+    ValueParser::new(PossibleValuesParser::new(words).try_map(move |text| syntax.parse(&text)))
+}

@@ -1,0 +1,262 @@
+//! Options as given by one source: the command line, the defaults or a rule of `hullmap.toml`, or a
+//! pack's record.
+
+use super::BuildOptions;
+use super::defaults::{Default as DefaultValue, Group, OPTION_COUNT, OPTIONS, position};
+use super::value::Value;
+
+/// The options that one source gives, in the order of the table; `None` for options it does not
+/// mention.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct OptionLayer {
+    values: [Option<Value>; OPTION_COUNT],
+}
+
+/// Two options of one layer that contradict each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Clash {
+    /// The option to report.
+    pub key: &'static str,
+    other: &'static str,
+    kind: ClashKind,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum ClashKind {
+    /// `key` requires `other` to be `cubemap`.
+    RequiresCubemap,
+    /// Only one of the two may be given.
+    Exclusive,
+    /// `other` is false, so that `key` has no effect.
+    SwitchedOff,
+}
+
+impl Clash {
+    /// What is wrong and what to do; `name` turns a key into the name by which the user knows the
+    /// option.
+    pub fn message(&self, name: impl Fn(&str) -> String) -> String {
+        let (key, other) = (name(self.key), name(self.other));
+        match self.kind {
+            ClashKind::RequiresCubemap => {
+                format!(
+                    "{key} requires {other} cubemap beside it (the same command line, [defaults] or rule); add it, or remove {key}"
+                )
+            }
+            ClashKind::Exclusive => format!("{key} and {other} exclude each other; remove one of them"),
+            ClashKind::SwitchedOff => format!("{key} has no effect because {other} is false; remove one of them"),
+        }
+    }
+}
+
+impl OptionLayer {
+    /// Value of an option; `None` if the layer does not give it.
+    pub fn get(&self, key: &str) -> Option<Value> {
+        self.values[position(key)?]
+    }
+
+    /// Value of the option at `index` in the table.
+    pub fn at(&self, index: usize) -> Option<Value> {
+        self.values[index]
+    }
+
+    /// Sets the value of the option at `index` in the table.
+    pub fn set_at(&mut self, index: usize, value: Option<Value>) {
+        self.values[index] = value;
+    }
+
+    /// Sets an option to the value that `text` states.
+    ///
+    /// # Errors
+    /// No option has this key, or it does not accept the value.
+    pub fn set(&mut self, key: &str, text: &str) -> Result<(), String> {
+        let index = position(key).ok_or_else(|| format!("unknown option {key}"))?;
+        self.values[index] = Some(OPTIONS[index].syntax.parse(text)?);
+        Ok(())
+    }
+
+    /// Whether meshes are decomposed; `None` if the layer does not say.
+    pub fn decompose(&self) -> Option<bool> {
+        match self.get("decompose") {
+            Some(Value::Switch(is_on)) => Some(is_on),
+            _ => None,
+        }
+    }
+
+    /// The first parameter of the decomposition that the layer gives.
+    pub fn first_decomposition_parameter(&self) -> Option<&'static str> {
+        let is_parameter = |index: &usize| OPTIONS[*index].applies_with == Some(("decompose", "true"));
+        (0..OPTION_COUNT).filter(is_parameter).find(|&index| self.values[index].is_some()).map(|i| OPTIONS[i].key)
+    }
+
+    /// Two options of this layer that contradict each other. Options of different layers never do:
+    /// the upper layer wins.
+    pub fn clash(&self) -> Option<Clash> {
+        let is_set = |key| self.get(key).is_some();
+        let clash = |key, other, kind| Some(Clash { key, other, kind });
+        if is_set("resolution") && self.get("index") != Some(Value::Word("cubemap")) {
+            clash("resolution", "index", ClashKind::RequiresCubemap)
+        } else if is_set("index_budget") && is_set("index") {
+            clash("index_budget", "index", ClashKind::Exclusive)
+        } else if is_set("max_vertices") && is_set("max_error") {
+            clash("max_error", "max_vertices", ClashKind::Exclusive)
+        } else if self.decompose() == Some(false) {
+            let parameter = self.first_decomposition_parameter()?;
+            clash(parameter, "decompose", ClashKind::SwitchedOff)
+        } else {
+            None
+        }
+    }
+
+    /// This layer laid over `lower`. Options of one [`Group`] are replaced together: an index with
+    /// its resolution or budget, and the two limits of a simplification.
+    #[must_use]
+    pub fn over(&self, lower: &Self) -> Self {
+        let mut result = self.clone();
+        for (index, option) in OPTIONS.iter().enumerate() {
+            let is_replaced = option.group != Group::Single && self.gives_any_of(option.group);
+            if !is_replaced {
+                result.values[index] = self.values[index].or(lower.values[index]);
+            }
+        }
+        result
+    }
+
+    fn gives_any_of(&self, group: Group) -> bool {
+        OPTIONS.iter().zip(&self.values).any(|(option, value)| option.group == group && value.is_some())
+    }
+
+    /// The options, with their defaults for those that this layer does not give or that do not
+    /// apply.
+    pub fn resolve(&self) -> BuildOptions {
+        let mut resolved = self.clone();
+        for (value, option) in resolved.values.iter_mut().zip(&OPTIONS) {
+            let applies = option
+                .applies_with
+                .is_none_or(|(key, expected)| self.get(key).is_some_and(|value| value.to_string() == expected));
+            if value.is_none() || !applies {
+                *value = match option.default {
+                    DefaultValue::Value(text) => {
+                        Some(option.syntax.parse(text).expect("a default is an accepted value"))
+                    }
+                    DefaultValue::Unset { .. } => None,
+                };
+            }
+        }
+        BuildOptions(resolved)
+    }
+}
+
+#[cfg(test)]
+pub mod tests {
+    use hullmap_bake::simplify::Limit;
+    use hullmap_bake::{IndexChoice, IndexKind};
+
+    use super::*;
+
+    /// For each option a value that is not its default.
+    pub const VALUES: [(&str, &str); OPTION_COUNT] = [
+        ("split", "auto"),
+        ("vertices", "all"),
+        ("index", "compact"),
+        ("index_budget", "40"),
+        ("resolution", "5"),
+        ("unit_scale", "0.01"),
+        ("up_axis", "y-to-z"),
+        ("recentre", "true"),
+        ("decompose", "true"),
+        ("vhacd_concavity", "0.5"),
+        ("vhacd_resolution", "32"),
+        ("vhacd_max_parts", "8"),
+        ("vhacd_alpha", "0.25"),
+        ("vhacd_beta", "0.25"),
+        ("vhacd_plane_downsampling", "2"),
+        ("vhacd_hull_downsampling", "2"),
+        ("vhacd_hull_approximation", "false"),
+        ("vhacd_fill", "surface"),
+        ("max_vertices", "64"),
+        ("max_error", "0.5"),
+    ];
+
+    /// A layer with these values.
+    pub fn layer(pairs: &[(&str, &str)]) -> OptionLayer {
+        let mut layer = OptionLayer::default();
+        for (key, value) in pairs {
+            layer.set(key, value).unwrap_or_else(|error| panic!("{key} {value}: {error}"));
+        }
+        layer
+    }
+
+    #[test]
+    fn every_option_can_be_set_and_shows_through_an_empty_layer() {
+        assert_eq!(OPTIONS.each_ref().map(|option| option.key), VALUES.map(|(key, _)| key));
+        for pair in VALUES {
+            let one = layer(&[pair]);
+            assert_ne!(one, OptionLayer::default(), "{pair:?}");
+            assert_eq!(OptionLayer::default().over(&one), one, "{pair:?}");
+            assert_eq!(one.over(&OptionLayer::default()), one, "{pair:?}");
+        }
+    }
+
+    #[test]
+    fn groups_are_replaced_together() {
+        let cubemap = layer(&[("index", "cubemap"), ("resolution", "5")]);
+        assert_eq!(cubemap.resolve().index(), IndexKind::CubeMap { resolution: 5 }.into());
+        assert_eq!(layer(&[("index", "tree")]).over(&cubemap).resolve().index(), IndexKind::Tree.into());
+        let budget = layer(&[("index_budget", "9")]).over(&cubemap);
+        assert_eq!(budget.resolve().index(), IndexChoice::Budget { bytes_per_vertex: 9 });
+        let cubemap = layer(&[("index", "cubemap")]).over(&budget);
+        let resolution = IndexKind::DEFAULT_RESOLUTION;
+        assert_eq!(cubemap.resolve().index(), IndexKind::CubeMap { resolution }.into());
+        let few = layer(&[("max_vertices", "8")]);
+        let near = layer(&[("max_error", "0.5")]).over(&few);
+        assert_eq!(near.resolve().simplify(), Some(Limit::Distance(0.5)));
+        for limit in ["max_vertices", "max_error"] {
+            assert_eq!(layer(&[(limit, "none")]).over(&near).resolve().simplify(), None);
+        }
+        let parts = layer(&[("vhacd_resolution", "32")]);
+        assert_eq!(parts.resolve().decompose(), None, "parameters alone do not decompose");
+        let parts = layer(&[("decompose", "true")]).over(&parts).resolve().decompose().unwrap();
+        assert_eq!(parts.resolution, 32);
+    }
+
+    #[test]
+    fn rejected_values_name_the_accepted_ones() {
+        let error = |key: &str, value: &str| OptionLayer::default().set(key, value).unwrap_err();
+        assert_eq!(error("split", "group"), "expected one of none, object, auto");
+        assert_eq!(error("up_axis", "Y-to-Z"), "expected one of keep, y-to-z, z-to-y");
+        for (key, values) in [
+            ("unit_scale", ["0", "-1", "nan", "inf", "x", "1e-400"].as_slice()),
+            ("recentre", &["yes", "1"]),
+            ("resolution", &["0", "1025", "1.5"]),
+            ("index_budget", &["0", "-1"]),
+            ("max_vertices", &["3", "many", "-8"]),
+            ("max_error", &["0", "-1", "nan", "inf"]),
+            ("vhacd_concavity", &["1.1", "-0.1", "nan"]),
+            ("vhacd_resolution", &["0", "513"]),
+            ("vhacd_max_parts", &["0"]),
+            ("vhacd_plane_downsampling", &["0", "17"]),
+        ] {
+            for value in values {
+                assert!(error(key, value).starts_with("expected "), "{key} {value}");
+            }
+        }
+        assert_eq!(error("units", "1"), "unknown option units");
+    }
+
+    #[test]
+    fn clashes_are_within_a_layer() {
+        let clash = |pairs: &[(&str, &str)]| layer(pairs).clash().map(|clash| clash.key);
+        assert_eq!(clash(&[("resolution", "5")]), Some("resolution"));
+        assert_eq!(clash(&[("index", "tree"), ("index_budget", "5")]), Some("index_budget"));
+        assert_eq!(clash(&[("max_error", "5"), ("max_vertices", "5")]), Some("max_error"));
+        assert_eq!(clash(&[("index", "cubemap"), ("resolution", "5")]), None);
+        for (key, value) in VALUES.into_iter().filter(|(key, _)| key.starts_with("vhacd_")) {
+            assert_eq!(clash(&[("decompose", "false"), (key, value)]), Some(key));
+            assert_eq!(clash(&[("decompose", "true"), (key, value)]), None);
+            // Another layer may decompose.
+            assert_eq!(clash(&[(key, value)]), None);
+        }
+        let message = layer(&[("max_error", "5"), ("max_vertices", "5")]).clash().unwrap().message(str::to_owned);
+        assert_eq!(message, "max_error and max_vertices exclude each other; remove one of them");
+    }
+}

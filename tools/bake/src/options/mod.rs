@@ -1,0 +1,206 @@
+//! The options that shape a bake: everything, other than the source's bytes, that a pack's bytes
+//! depend on.
+//!
+//! | module | concept |
+//! |---|---|
+//! | [`defaults`] | **the table of all options**: key, accepted values, default, help |
+//! | [`value`] | the values that options take, and how they are written |
+//! | [`layer`] | options given by one source: command line, `hullmap.toml`, or record |
+//! | [`flags`] | a layer as flags of `bake build` |
+//! | [`mod@template`] | the `hullmap.toml` that `bake init` writes |
+//! | [`record`] | the text by which a pack remembers its options |
+//!
+//! Layers are laid over each other, then [`OptionLayer::resolve`] fills in the defaults. To add an
+//! option, add a row to the table and read it in one of the methods of [`BuildOptions`].
+
+pub mod defaults;
+mod flags;
+pub mod layer;
+mod record;
+mod template;
+pub mod value;
+
+use clap::ValueEnum;
+use hullmap_bake::decompose::{Fill, Parameters};
+use hullmap_bake::simplify::Limit;
+use hullmap_bake::{IndexChoice, IndexKind};
+use hullmap_import::ImportOptions;
+
+pub use flags::flag;
+pub use layer::OptionLayer;
+pub use template::template;
+use value::Value;
+
+/// Resolved options: those without a value have their defaults, and those that do not apply are
+/// reset to them.
+///
+/// # Panics
+/// The methods panic if the table of [`defaults`] gives an option another kind of value than they
+/// expect: a fault of the program, which the tests of this module would show.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BuildOptions(OptionLayer);
+
+impl Default for BuildOptions {
+    fn default() -> Self {
+        OptionLayer::default().resolve()
+    }
+}
+
+impl BuildOptions {
+    /// How the source is read.
+    pub fn import(&self) -> ImportOptions {
+        ImportOptions {
+            split: self.choice("split"),
+            vertices: self.choice("vertices"),
+            unit_scale: self.number("unit_scale"),
+            up_axis: self.choice("up_axis"),
+            recentre: self.switch("recentre"),
+        }
+    }
+
+    /// Which direction index is built.
+    pub fn index(&self) -> IndexChoice {
+        match self.0.get("index_budget") {
+            Some(Value::Count(bytes_per_vertex)) => IndexChoice::Budget { bytes_per_vertex },
+            _ => {
+                let kind: IndexKind = self.word("index").parse().expect("the table lists the names of index kinds");
+                IndexChoice::Kind(kind.with_resolution(self.count("resolution")))
+            }
+        }
+    }
+
+    /// How meshes are decomposed into convex parts; `None` if they are not.
+    pub fn decompose(&self) -> Option<Parameters> {
+        self.switch("decompose").then(|| Parameters {
+            concavity: self.fraction("vhacd_concavity"),
+            resolution: self.count("vhacd_resolution"),
+            max_parts: self.count("vhacd_max_parts"),
+            alpha: self.fraction("vhacd_alpha"),
+            beta: self.fraction("vhacd_beta"),
+            plane_downsampling: self.count("vhacd_plane_downsampling"),
+            hull_downsampling: self.count("vhacd_hull_downsampling"),
+            hull_approximation: self.switch("vhacd_hull_approximation"),
+            fill: match self.word("vhacd_fill") {
+                "cavities" => Fill::Cavities,
+                "surface" => Fill::Surface,
+                _ => Fill::Flood,
+            },
+        })
+    }
+
+    /// How far hulls are simplified; `None` if they are not.
+    pub fn simplify(&self) -> Option<Limit> {
+        match (self.0.get("max_vertices"), self.0.get("max_error")) {
+            (Some(Value::Count(count)), _) => Some(Limit::Vertices(count as usize)),
+            (_, Some(Value::Number(error))) => Some(Limit::Distance(error)),
+            _ => None,
+        }
+    }
+
+    fn choice<T: ValueEnum>(&self, key: &str) -> T {
+        T::from_str(self.word(key), false).expect("the table lists the names of the type's values")
+    }
+
+    fn word(&self, key: &str) -> &'static str {
+        match self.0.get(key) {
+            Some(Value::Word(word)) => word,
+            other => unexpected(key, other),
+        }
+    }
+
+    fn switch(&self, key: &str) -> bool {
+        match self.0.get(key) {
+            Some(Value::Switch(is_on)) => is_on,
+            other => unexpected(key, other),
+        }
+    }
+
+    fn count(&self, key: &str) -> u32 {
+        match self.0.get(key) {
+            Some(Value::Count(count)) => count,
+            other => unexpected(key, other),
+        }
+    }
+
+    fn fraction(&self, key: &str) -> f64 {
+        match self.0.get(key) {
+            Some(Value::Fraction(fraction)) => fraction.into(),
+            other => unexpected(key, other),
+        }
+    }
+
+    fn number(&self, key: &str) -> f64 {
+        match self.0.get(key) {
+            Some(Value::Number(number)) => number,
+            other => unexpected(key, other),
+        }
+    }
+}
+
+fn unexpected(key: &str, value: Option<Value>) -> ! {
+    panic!("option {key} has an unexpected kind of value: {value:?}")
+}
+
+#[cfg(test)]
+pub mod tests {
+    use hullmap_import::{Split, UpAxis, Vertices};
+
+    use super::*;
+
+    /// Options with these values, the others at their defaults.
+    pub fn options(pairs: &[(&str, &str)]) -> BuildOptions {
+        layer::tests::layer(pairs).resolve()
+    }
+
+    #[test]
+    fn defaults_are_those_of_the_libraries() {
+        let usual = BuildOptions::default();
+        assert_eq!(usual.import(), ImportOptions::DEFAULT);
+        assert_eq!(usual.index(), IndexChoice::default());
+        assert_eq!((usual.decompose(), usual.simplify()), (None, None));
+        let parts = options(&[("decompose", "true")]).decompose().unwrap();
+        let library = Parameters::default();
+        // Fractions are f32 in records.
+        let rounded = |x: f64| f64::from(x as f32);
+        let expected = Parameters {
+            concavity: rounded(library.concavity),
+            alpha: rounded(library.alpha),
+            beta: rounded(library.beta),
+            ..library
+        };
+        assert_eq!(parts, expected);
+    }
+
+    #[test]
+    fn every_option_reaches_the_libraries() {
+        let import = |key, value| options(&[(key, value)]).import();
+        let usual = ImportOptions::DEFAULT;
+        assert_eq!(import("split", "auto"), ImportOptions { split: Split::Auto, ..usual });
+        assert_eq!(import("split", "object"), ImportOptions { split: Split::Object, ..usual });
+        assert_eq!(import("vertices", "all"), ImportOptions { vertices: Vertices::All, ..usual });
+        assert_eq!(import("unit_scale", "0.01"), ImportOptions { unit_scale: 0.01, ..usual });
+        assert_eq!(import("up_axis", "y-to-z"), ImportOptions { up_axis: UpAxis::YToZ, ..usual });
+        assert_eq!(import("up_axis", "z-to-y"), ImportOptions { up_axis: UpAxis::ZToY, ..usual });
+        assert_eq!(import("recentre", "true"), ImportOptions { recentre: true, ..usual });
+        for kind in IndexKind::NAMED {
+            assert_eq!(options(&[("index", kind.as_str())]).index(), kind.into());
+        }
+        let cubemap = options(&[("index", "cubemap"), ("resolution", "5")]);
+        assert_eq!(cubemap.index(), IndexKind::CubeMap { resolution: 5 }.into());
+        assert_eq!(options(&[("index_budget", "40")]).index(), IndexChoice::Budget { bytes_per_vertex: 40 });
+        assert_eq!(options(&[("max_vertices", "64")]).simplify(), Some(Limit::Vertices(64)));
+        assert_eq!(options(&[("max_error", "1e-3")]).simplify(), Some(Limit::Distance(1e-3)));
+        let usual = options(&[("decompose", "true")]).decompose().unwrap();
+        let parts = |key, value| options(&[("decompose", "true"), (key, value)]).decompose().unwrap();
+        assert_eq!(parts("vhacd_concavity", "0.5"), Parameters { concavity: 0.5, ..usual });
+        assert_eq!(parts("vhacd_resolution", "32"), Parameters { resolution: 32, ..usual });
+        assert_eq!(parts("vhacd_max_parts", "8"), Parameters { max_parts: 8, ..usual });
+        assert_eq!(parts("vhacd_alpha", "0.25"), Parameters { alpha: 0.25, ..usual });
+        assert_eq!(parts("vhacd_beta", "0.25"), Parameters { beta: 0.25, ..usual });
+        assert_eq!(parts("vhacd_plane_downsampling", "2"), Parameters { plane_downsampling: 2, ..usual });
+        assert_eq!(parts("vhacd_hull_downsampling", "2"), Parameters { hull_downsampling: 2, ..usual });
+        assert_eq!(parts("vhacd_hull_approximation", "false"), Parameters { hull_approximation: false, ..usual });
+        assert_eq!(parts("vhacd_fill", "cavities"), Parameters { fill: Fill::Cavities, ..usual });
+        assert_eq!(parts("vhacd_fill", "surface"), Parameters { fill: Fill::Surface, ..usual });
+    }
+}

@@ -1,0 +1,215 @@
+//! The text by which a pack remembers its options: `split none, vertices referenced, index tree 8,
+//! unit_scale 0.01`.
+//!
+//! Equal options have equal texts in every version of the tool: a pack is fresh only if its header
+//! holds the hash of this text. Options that are newer than the first packs are recorded only if
+//! they differ from their defaults.
+
+use std::fmt;
+
+use hullmap_bake::{IndexChoice, IndexKind};
+
+use super::defaults::{Default, OPTIONS, Record};
+use super::{BuildOptions, OptionLayer};
+
+impl fmt::Display for BuildOptions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut separator = "";
+        for (index, option) in OPTIONS.iter().enumerate() {
+            let text = match (option.record, self.0.at(index), option.default) {
+                (Record::WithIndex, ..) | (_, None, _) => continue,
+                (Record::Always, Some(_), _) if option.key == "index" => recorded_index(self.index()),
+                (Record::Always, Some(value), _) => value.to_string(),
+                (Record::IfChanged, Some(value), Default::Value(default))
+                    if option.syntax.parse(default) == Ok(value) =>
+                {
+                    continue;
+                }
+                (Record::IfChanged, Some(value), _) => value.to_string(),
+            };
+            write!(f, "{separator}{} {text}", option.key)?;
+            separator = ", ";
+        }
+        Ok(())
+    }
+}
+
+/// The three trees are recorded by their leaf size.
+fn recorded_index(index: IndexChoice) -> String {
+    match index {
+        IndexChoice::Kind(kind) if kind.is_tree() => format!("tree {}", kind.leaf_size()),
+        IndexChoice::Kind(kind) => kind.to_string(),
+        IndexChoice::Budget { bytes_per_vertex } => format!("budget {bytes_per_vertex}"),
+    }
+}
+
+impl BuildOptions {
+    /// The options for people: as recorded, but with the index by its name on the command line.
+    pub fn in_words(&self) -> String {
+        let text = self.to_string();
+        match self.index() {
+            IndexChoice::Kind(kind) if kind.is_tree() => {
+                text.replacen(&format!("index tree {}", kind.leaf_size()), &format!("index {kind}"), 1)
+            }
+            _ => text,
+        }
+    }
+
+    /// The options that a text records: the inverse of [`Display`](fmt::Display).
+    ///
+    /// `None` if a version of the tool with other options baked the pack.
+    pub fn from_recorded(text: &str) -> Option<Self> {
+        let mut layer = OptionLayer::default();
+        for part in text.split(", ") {
+            let (key, value) = part.split_once(' ')?;
+            if key == "index" { set_index(&mut layer, value)? } else { layer.set(key, value).ok()? }
+        }
+        // The first packs had these two already.
+        let is_whole = layer.get("split").is_some() && layer.get("vertices").is_some();
+        let has_index = layer.get("index").is_some() || layer.get("index_budget").is_some();
+        (is_whole && has_index).then(|| layer.resolve())
+    }
+}
+
+/// Sets the options of a recorded index. A tree without its leaf size, as in the first packs, is
+/// the default tree.
+fn set_index(layer: &mut OptionLayer, text: &str) -> Option<()> {
+    if let Some(bytes_per_vertex) = text.strip_prefix("budget ") {
+        return layer.set("index_budget", bytes_per_vertex).ok();
+    }
+    if let Some(leaf_size) = text.strip_prefix("tree ") {
+        let leaf_size: u32 = leaf_size.parse().ok()?;
+        let tree = IndexKind::NAMED.into_iter().find(|kind| kind.is_tree() && kind.leaf_size() == leaf_size)?;
+        return layer.set("index", tree.as_str()).ok();
+    }
+    // A record always states the resolution of a cube map.
+    let kind: IndexKind = text.parse().ok().filter(|kind: &IndexKind| kind.to_string() == text)?;
+    if kind.resolution() > 0 {
+        layer.set("resolution", &kind.resolution().to_string()).ok()?;
+    }
+    layer.set("index", kind.as_str()).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::options;
+    use super::*;
+
+    /// The texts of options that differ from the defaults in one thing each, and some in several.
+    ///
+    /// Packs are fresh by these texts: a change here makes every pack in the world stale.
+    const RECORDS: [(&[(&str, &str)], &str); 35] = [
+        (&[], "split none, vertices referenced, index tree 8"),
+        (&[("split", "object")], "split object, vertices referenced, index tree 8"),
+        (&[("split", "auto")], "split auto, vertices referenced, index tree 8"),
+        (&[("vertices", "all")], "split none, vertices all, index tree 8"),
+        (&[("index", "medium")], "split none, vertices referenced, index tree 16"),
+        (&[("index", "compact")], "split none, vertices referenced, index tree 32"),
+        (&[("index_budget", "40")], "split none, vertices referenced, index budget 40"),
+        (&[("index", "binary")], "split none, vertices referenced, index binary"),
+        (&[("index", "none")], "split none, vertices referenced, index none"),
+        (&[("index", "cubemap")], "split none, vertices referenced, index cubemap 64"),
+        (&[("index", "cubemap"), ("resolution", "7")], "split none, vertices referenced, index cubemap 7"),
+        (&[("unit_scale", "0.0254")], "split none, vertices referenced, index tree 8, unit_scale 0.0254"),
+        (&[("unit_scale", "1.0")], "split none, vertices referenced, index tree 8"),
+        (
+            &[("unit_scale", "1e-30")],
+            "split none, vertices referenced, index tree 8, unit_scale 0.000000000000000000000000000001",
+        ),
+        (&[("up_axis", "y-to-z")], "split none, vertices referenced, index tree 8, up_axis y-to-z"),
+        (&[("up_axis", "z-to-y")], "split none, vertices referenced, index tree 8, up_axis z-to-y"),
+        (&[("recentre", "true")], "split none, vertices referenced, index tree 8, recentre true"),
+        (&[("decompose", "true")], "split none, vertices referenced, index tree 8, decompose true"),
+        (&[("decompose", "false")], "split none, vertices referenced, index tree 8"),
+        (&[("vhacd_max_parts", "7")], "split none, vertices referenced, index tree 8"),
+        (
+            &[("decompose", "true"), ("vhacd_concavity", "0.1")],
+            "split none, vertices referenced, index tree 8, decompose true, vhacd_concavity 0.1",
+        ),
+        (
+            &[("decompose", "true"), ("vhacd_resolution", "128")],
+            "split none, vertices referenced, index tree 8, decompose true, vhacd_resolution 128",
+        ),
+        (
+            &[("decompose", "true"), ("vhacd_max_parts", "7")],
+            "split none, vertices referenced, index tree 8, decompose true, vhacd_max_parts 7",
+        ),
+        (
+            &[("decompose", "true"), ("vhacd_alpha", "0.1")],
+            "split none, vertices referenced, index tree 8, decompose true, vhacd_alpha 0.1",
+        ),
+        (
+            &[("decompose", "true"), ("vhacd_beta", "-0")],
+            "split none, vertices referenced, index tree 8, decompose true, vhacd_beta 0",
+        ),
+        (
+            &[("decompose", "true"), ("vhacd_plane_downsampling", "1")],
+            "split none, vertices referenced, index tree 8, decompose true, vhacd_plane_downsampling 1",
+        ),
+        (
+            &[("decompose", "true"), ("vhacd_hull_downsampling", "16")],
+            "split none, vertices referenced, index tree 8, decompose true, vhacd_hull_downsampling 16",
+        ),
+        (
+            &[("decompose", "true"), ("vhacd_hull_approximation", "false")],
+            "split none, vertices referenced, index tree 8, decompose true, vhacd_hull_approximation false",
+        ),
+        (
+            &[("decompose", "true"), ("vhacd_fill", "cavities")],
+            "split none, vertices referenced, index tree 8, decompose true, vhacd_fill cavities",
+        ),
+        (
+            &[("decompose", "true"), ("vhacd_fill", "surface")],
+            "split none, vertices referenced, index tree 8, decompose true, vhacd_fill surface",
+        ),
+        (&[("max_vertices", "64")], "split none, vertices referenced, index tree 8, max_vertices 64"),
+        (&[("max_vertices", "none")], "split none, vertices referenced, index tree 8"),
+        (&[("max_error", "1e-3")], "split none, vertices referenced, index tree 8, max_error 0.001"),
+        (
+            &[("max_error", "0.5"), ("decompose", "true"), ("vhacd_max_parts", "2")],
+            "split none, vertices referenced, index tree 8, decompose true, vhacd_max_parts 2, max_error 0.5",
+        ),
+        (
+            &[("up_axis", "y-to-z"), ("recentre", "true"), ("unit_scale", "2"), ("index", "none"), ("split", "auto")],
+            "split auto, vertices referenced, index none, unit_scale 2, up_axis y-to-z, recentre true",
+        ),
+    ];
+
+    #[test]
+    fn records_never_change() {
+        for (pairs, text) in RECORDS {
+            assert_eq!(options(pairs).to_string(), text, "{pairs:?}");
+        }
+    }
+
+    #[test]
+    fn records_round_trip() {
+        for (pairs, text) in RECORDS {
+            let options = options(pairs);
+            assert_eq!(BuildOptions::from_recorded(text), Some(options.clone()), "{text}");
+            let words = options.in_words();
+            assert_eq!(BuildOptions::from_recorded(&words), Some(options), "{words}");
+            assert!(!words.contains("tree "), "{words}");
+        }
+        for text in [
+            "",
+            "split convex, vertices all, index tree 8",
+            "split none, index tree 8",
+            "split none, vertices all",
+            "split none, vertices all, index tree 12",
+            "split none, vertices all, index cubemap",
+            "split none, vertices all, index tree 8, mirror x",
+            "split none, vertices all, index tree 8, unit_scale 0",
+            "split none, vertices all, index tree 8, unit_scale nan",
+            "split none, vertices all, index tree 8, recentre",
+        ] {
+            assert_eq!(BuildOptions::from_recorded(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn the_first_packs_recorded_the_tree_without_leaf_size() {
+        let text = "split none, vertices referenced, index tree";
+        assert_eq!(BuildOptions::from_recorded(text), Some(BuildOptions::default()));
+    }
+}

@@ -1,0 +1,49 @@
+//! The `hullmap.toml` that `bake init` writes: every option at its default, commented out. Made
+//! from the table.
+
+use std::fmt::Write;
+
+use super::defaults::{BuildOption, Default, OPTIONS, Section};
+use super::value::Syntax;
+
+const HEAD: &str = "\
+# Options of `bake build` for the meshes in this folder and below.
+#
+# Command-line flags override this file, rules override [defaults], and later rules override earlier ones.
+# A mesh is baked again when its own options change, not whenever this file changes.
+# If several folders above a mesh have such a file, only the nearest one is used.
+
+[defaults]
+";
+
+const RULES: &str = r#"
+# Rules override the defaults for some meshes. A glob with `/` is relative to this folder (`*` stays within one folder,
+# `**` does not); a glob without `/` is matched against the file name. Case is ignored.
+#
+# [[rule]]
+# files = "props/**"
+# index = "compact"
+#
+# [[rule]]
+# files = ["*_collision.obj", "vehicles/*.obj"]
+# split = "object"
+"#;
+
+/// Text of the file.
+pub fn template() -> String {
+    let mut text = HEAD.to_owned();
+    for section in [Section::Import, Section::Index, Section::Decomposition, Section::Simplification] {
+        let _ = writeln!(text, "\n# {}", section.heading());
+        for option in OPTIONS.iter().filter(|option| option.section == section) {
+            let _ = writeln!(text, "# {}.\n# {} = {}", option.help, option.key, toml_value(option));
+        }
+    }
+    text + RULES
+}
+
+/// Default or example of an option, as TOML.
+fn toml_value(option: &BuildOption) -> String {
+    let (Default::Value(value) | Default::Unset { example: value }) = option.default;
+    let is_string = matches!(option.syntax, Syntax::Words(_)) || value == "none";
+    if is_string { format!("\"{value}\"") } else { value.to_owned() }
+}

@@ -1,0 +1,104 @@
+//! Values of options: which are accepted, and how they are written in flags, in `hullmap.toml` and
+//! in records.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// Values that an option accepts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Syntax {
+    /// One of these words.
+    Words(&'static [&'static str]),
+    /// `true` or `false`.
+    Switch,
+    /// A whole number in this range.
+    Count {
+        /// Minimum.
+        min: u32,
+        /// Maximum.
+        max: u32,
+    },
+    /// A number from 0 to 1.
+    Fraction,
+    /// A finite number above 0.
+    Positive,
+    /// A whole number of at least `min`, or `none`.
+    CountOrNone {
+        /// Minimum.
+        min: u32,
+    },
+    /// A finite number above 0, or `none`.
+    PositiveOrNone,
+}
+
+/// Value of an option.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    /// One of an option's words.
+    Word(&'static str),
+    /// `true` or `false`.
+    Switch(bool),
+    /// A whole number.
+    Count(u32),
+    /// A number from 0 to 1.
+    Fraction(f32),
+    /// A finite number.
+    Number(f64),
+    /// `none`: no limit, even if a lower layer sets one.
+    None,
+}
+
+/// The shortest text that reads back as the same value.
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Word(word) => f.write_str(word),
+            Self::Switch(is_on) => is_on.fmt(f),
+            Self::Count(count) => count.fmt(f),
+            Self::Fraction(fraction) => fraction.fmt(f),
+            Self::Number(number) => number.fmt(f),
+            Self::None => f.write_str("none"),
+        }
+    }
+}
+
+impl Syntax {
+    /// Reads a value.
+    ///
+    /// # Errors
+    /// `text` is not an accepted value. The error states what was expected.
+    pub fn parse(self, text: &str) -> Result<Value, String> {
+        let value = match self {
+            Self::CountOrNone { .. } | Self::PositiveOrNone if text == "none" => Some(Value::None),
+            Self::Words(words) => words.iter().find(|word| **word == text).map(|word| Value::Word(word)),
+            Self::Switch => text.parse().ok().map(Value::Switch),
+            Self::Count { min, max } => number(text, |count| (min..=max).contains(count)).map(Value::Count),
+            Self::CountOrNone { min } => number(text, |&count| count >= min).map(Value::Count),
+            // Adding +0 turns −0 into +0: equal options have equal records.
+            Self::Fraction => number(text, |x| (0.0..=1.0).contains(x)).map(|x: f32| Value::Fraction(x + 0.0)),
+            Self::Positive | Self::PositiveOrNone => {
+                number(text, |&x: &f64| x > 0.0 && x.is_finite()).map(Value::Number)
+            }
+        };
+        value.ok_or_else(|| format!("expected {}", self.accepted()))
+    }
+
+    /// The accepted values, in words.
+    fn accepted(self) -> String {
+        match self {
+            Self::Words(words) => format!("one of {}", words.join(", ")),
+            Self::Switch => "true or false".to_owned(),
+            Self::Count { min, max: u32::MAX } => format!("a whole number of at least {min}"),
+            Self::Count { min, max } => format!("a whole number from {min} to {max}"),
+            Self::Fraction => "a number from 0 to 1".to_owned(),
+            Self::Positive => "a finite number above 0".to_owned(),
+            Self::CountOrNone { min } => format!("a whole number of at least {min}, or none"),
+            Self::PositiveOrNone => "a finite number above 0, or none".to_owned(),
+        }
+    }
+}
+
+/// The number in `text`, if it is accepted. NaN must not be.
+fn number<T: FromStr>(text: &str, is_accepted: impl Fn(&T) -> bool) -> Option<T> {
+    text.parse().ok().filter(is_accepted)
+}

@@ -1,0 +1,327 @@
+//! Verification of a pack: each hull against its source, or against its own stored vertices.
+//!
+//! 1. The source's point sets are cut into convex parts again, with the options that the pack
+//!    records.
+//! 2. An exact hull is measured against the points of its part; a simplified hull must contain them
+//!    and stay within its recorded outer error.
+//! 3. The parts of one object together must cover its vertices up to the recorded `uncovered`
+//!    length.
+
+use std::collections::HashSet;
+
+use glam::Vec3;
+use hullmap::{Cost, Hull, Pack};
+use hullmap_bake::{NO_SOURCE_VERTEX, PointSet};
+use serde::Serialize;
+
+use super::directions::directions;
+use super::outside::{measure_outside, uncovered};
+use super::truth::Points;
+use super::{Measurement, REGRET_LIMIT, measure};
+use crate::baker::parts;
+use crate::options::BuildOptions;
+
+/// What the hulls of a pack are compared with.
+#[derive(Clone, Copy, Debug)]
+pub enum Reference<'a> {
+    /// The source's points.
+    Source(&'a [PointSet]),
+    /// The hull's own stored vertices. This shows that the index is exact, not that the hull
+    /// matches its source.
+    StoredHull,
+}
+
+/// Result of verifying one hull. Field names are those of the JSON; `None` if the pack or its
+/// source cannot be used.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct HullVerification {
+    /// The pack.
+    pub file: String,
+    /// Name of the hull.
+    pub hull: Option<String>,
+    /// Number of vertices.
+    pub vertices: Option<usize>,
+    /// 3 solid, 2 polygon, 1 segment, 0 point.
+    pub rank: Option<u32>,
+    /// Number of directions tested.
+    pub directions: Option<usize>,
+    /// Maximum regret. Infinity, which JSON lacks, is written as null.
+    pub max_regret: Option<f64>,
+    /// Number of directions whose regret exceeds [`REGRET_LIMIT`].
+    pub mismatches: Option<usize>,
+    /// Stored worst case: nodes read by one query.
+    pub max_nodes: Option<u32>,
+    /// Stored worst case: dot products of one query.
+    pub max_dots: Option<u32>,
+    /// Size of the index, in bytes per vertex.
+    pub index_bytes_per_vertex: Option<f64>,
+    /// Whether the hull passed.
+    pub pass: bool,
+    /// `source` or `stored hull`: what it was compared with.
+    pub against: Option<&'static str>,
+    /// The source file, if found.
+    pub source: Option<String>,
+    /// Problems other than mismatches.
+    pub problems: Vec<String>,
+    /// Direction of the maximum regret.
+    pub worst_direction: Option<[f32; 3]>,
+    /// Recorded bound on how far the hull extends beyond its source; 0 for an exact hull.
+    pub outer_error: Option<f64>,
+    /// Recorded bound on how far a vertex of the source object lies outside all of its parts.
+    pub uncovered: Option<f64>,
+    /// Maximum distance between two vertices.
+    #[serde(skip)]
+    pub diameter: Option<f64>,
+}
+
+impl HullVerification {
+    /// The result as one sentence: all problems, or the result in a few words.
+    pub fn verdict(&self) -> String {
+        let hull = self.hull.as_deref().unwrap_or("-");
+        let mut parts = self.problems.clone();
+        if let (Some(wrong), Some(tried), Some(regret)) = (self.mismatches, self.directions, self.max_regret)
+            && wrong > 0
+        {
+            parts.push(format!("wrong support point in {wrong} of {tried} directions, max_regret {regret:.2e}"));
+        }
+        let text = if parts.is_empty() { self.result().to_owned() } else { parts.join("; ") };
+        format!("hull {hull}: {text}")
+    }
+
+    /// Whether this is a simplified hull.
+    pub fn is_simplified(&self) -> bool {
+        self.outer_error.is_some_and(|error| error > 0.0)
+    }
+
+    /// Whether the hull was compared with its source.
+    pub fn is_against_source(&self) -> bool {
+        self.against == Some("source")
+    }
+
+    /// The result in a few words. It claims no more than was shown.
+    pub fn result(&self) -> &'static str {
+        match (self.pass, self.is_simplified(), self.is_against_source()) {
+            (false, _, _) => "FAILED",
+            (true, true, true) => "contains its source",
+            (true, true, false) => "index exact",
+            (true, false, _) => "exact",
+        }
+    }
+}
+
+/// Verifies every hull of a pack in `count` directions. The file names in the results are left
+/// empty.
+///
+/// # Errors
+/// The source has a different number of hulls than the pack, or redundant data in the pack
+/// disagree.
+///
+/// # Complexity
+/// O(points · directions) for each hull; with decomposed meshes, the time to cut them again.
+pub fn verify_hulls(
+    pack: &Pack,
+    reference: Reference,
+    count: usize,
+    seed: u64,
+) -> Result<Vec<HullVerification>, String> {
+    pack.check_repeats().map_err(|error| error.to_string())?;
+    let Reference::Source(sets) = reference else {
+        return Ok(pack.hulls().map(|hull| verify_hull(&hull, None, count, seed)).collect());
+    };
+    let decompose = BuildOptions::from_recorded(pack.options()).and_then(|options| options.decompose());
+    let parts = parts(sets, decompose.as_ref())?;
+    if parts.len() != pack.hull_count() {
+        let (found, expected) = (pack.hull_count(), parts.len());
+        return Err(format!("the pack has {found} hulls, but its source has {expected}; bake it again"));
+    }
+    let hulls = pack.hulls().zip(&parts);
+    let mut results: Vec<HullVerification> =
+        hulls.map(|(hull, part)| verify_hull(&hull, Some(&part.points), count, seed)).collect();
+    for (set, points) in sets.iter().enumerate() {
+        let of_set: Vec<usize> = (0..parts.len()).filter(|&index| parts[index].set == set).collect();
+        verify_cover(pack, &of_set, points, &mut results);
+    }
+    Ok(results)
+}
+
+/// Checks that the parts of one point set cover its points up to the recorded `uncovered` length.
+fn verify_cover(pack: &Pack, hull_indices: &[usize], points: &PointSet, results: &mut [HullVerification]) {
+    let hulls: Vec<Hull> = hull_indices.iter().filter_map(|&index| pack.hull(index).ok()).collect();
+    let recorded = hulls.iter().map(Hull::uncovered).fold(0.0, f64::max);
+    let found = if hulls.len() > 1 { uncovered(points, &hulls) } else { 0.0 };
+    let size = hulls.iter().map(Hull::diameter).fold(0.0, f64::max);
+    for (part, &index) in hull_indices.iter().enumerate() {
+        let result = &mut results[index];
+        if hulls[part].part() as usize != part {
+            let recorded = hulls[part].part();
+            result.problems.push(format!("recorded as part {recorded} of {}, but it is part {part}", points.name));
+        }
+        // NaN fails.
+        if !(found <= recorded + REGRET_LIMIT * size) {
+            result.problems.push(format!(
+                "a vertex of {} lies {found:.3e} outside all parts, but the pack records at most {recorded:.3e}",
+                points.name
+            ));
+        }
+        result.pass = result.pass && result.problems.is_empty();
+    }
+}
+
+fn verify_hull(hull: &Hull, source: Option<&PointSet>, count: usize, seed: u64) -> HullVerification {
+    let vertices: Vec<Vec3> = hull.vertices().collect();
+    let faces: Vec<Vec<u32>> = hull.faces().map(Iterator::collect).collect();
+    let directions = directions(&vertices, &faces, count, seed);
+    let mut problems = source.map_or_else(Vec::new, |set| identity_problems(hull, &vertices, set));
+    let source_points = source.map(|set| Points::new(&set.positions));
+    let points = match source_points {
+        Some(points) if hull.outer_error() == 0.0 => points,
+        other => {
+            if let Some(points) = other {
+                let found = measure_outside(&vertices, &points, &directions);
+                problems.extend(found.problem(hull.outer_error()));
+            }
+            // A simplified hull has other vertices than its source: its index is exact for the
+            // stored hull.
+            Points::new(&vertices.iter().map(|vertex| vertex.to_array()).collect::<Vec<_>>())
+        }
+    };
+    let measured = measure(hull, &points, &directions);
+    problems.extend(query_problems(&measured, hull.worst_cost()));
+    let Measurement { max_regret, worst_direction, mismatches, .. } = measured;
+    let worst = hull.worst_cost();
+    HullVerification {
+        file: String::new(),
+        hull: Some(hull.name().to_owned()),
+        vertices: Some(vertices.len()),
+        rank: Some(hull.rank()),
+        directions: Some(count),
+        max_regret: Some(max_regret),
+        mismatches: Some(mismatches),
+        max_nodes: Some(worst.nodes),
+        max_dots: Some(worst.dots),
+        index_bytes_per_vertex: Some(hull.index_byte_len() as f64 / vertices.len() as f64),
+        pass: mismatches == 0 && problems.is_empty(),
+        against: Some(if source.is_some() { "source" } else { "stored hull" }),
+        source: None,
+        problems,
+        worst_direction: worst_direction.map(|dir| dir.to_array()),
+        outer_error: Some(hull.outer_error()),
+        uncovered: Some(hull.uncovered()),
+        diameter: Some(hull.diameter()),
+    }
+}
+
+/// Differences in name, origin and vertices between a hull and the point set it was baked from.
+fn identity_problems(hull: &Hull, vertices: &[Vec3], set: &PointSet) -> Vec<String> {
+    let mut problems = Vec::new();
+    if set.name != hull.name() {
+        problems.push(format!("the source names this hull {}", set.name));
+    }
+    if set.origin != hull.origin().to_array() {
+        problems.push(format!("its origin is {}, but the source's is {:?}", hull.origin(), set.origin));
+    }
+    let recorded = (0..vertices.len() as u32).map(|index| hull.source_vertex(index));
+    let count = count_mismatched_vertices(vertices, recorded, set, hull.outer_error() > 0.0);
+    if count > 0 {
+        problems.push(format!("{count} vertices differ from their recorded source vertices"));
+    }
+    problems
+}
+
+/// Invalid answers, and costs above the recorded worst case.
+fn query_problems(measured: &Measurement, worst: Cost) -> Vec<String> {
+    let mut problems = Vec::new();
+    let (count, cost) = (measured.invalid_answers, measured.cost);
+    if count > 0 {
+        problems.push(format!("the support point is not a vertex of the hull in {count} special directions"));
+    }
+    if cost.nodes > worst.nodes || cost.dots > worst.dots {
+        problems.push(format!(
+            "a query read {} nodes and took {} dot products, above the recorded worst case of {} and {}",
+            cost.nodes, cost.dots, worst.nodes, worst.dots
+        ));
+    }
+    problems
+}
+
+/// Number of hull vertices that differ from their recorded source vertices, bit by bit. −0 equals
+/// +0.
+///
+/// A vertex without a source vertex must be one of the part's other points. The vertices of a
+/// simplified hull have no source vertices.
+fn count_mismatched_vertices(
+    vertices: &[Vec3],
+    recorded: impl Iterator<Item = Option<u32>>,
+    set: &PointSet,
+    is_simplified: bool,
+) -> usize {
+    let bits = |position: [f32; 3]| position.map(|x| (x + 0.0).to_bits());
+    // Points with a source vertex come first, in ascending order.
+    let known = set.source_vertices.partition_point(|&vertex| vertex != NO_SOURCE_VERTEX);
+    let others: HashSet<[u32; 3]> = set.positions[known..].iter().map(|position| bits(*position)).collect();
+    let matches = |(vertex, source_vertex): &(&Vec3, Option<u32>)| {
+        let vertex = bits(vertex.to_array());
+        match source_vertex {
+            _ if is_simplified => source_vertex.is_none(),
+            None => others.contains(&vertex),
+            Some(source_vertex) => {
+                let found = set.source_vertices[..known].binary_search(source_vertex);
+                found.is_ok_and(|index| bits(set.positions[index]) == vertex)
+            }
+        }
+    };
+    vertices.iter().zip(recorded).filter(|pair| !matches(pair)).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mismatched_vertices_are_counted() {
+        let set = PointSet {
+            name: String::new(),
+            positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]],
+            source_vertices: vec![3, 7, 9],
+            ..PointSet::default()
+        };
+        let vertices = [Vec3::new(2.0, -0.0, 0.0), Vec3::new(1.0, 0.0, 0.0)];
+        let count =
+            |recorded: [u32; 2]| count_mismatched_vertices(&vertices, recorded.into_iter().map(Some), &set, false);
+        assert_eq!(count([9, 7]), 0);
+        assert_eq!(count([7, 9]), 2);
+        assert_eq!(count([9, 8]), 1);
+    }
+
+    #[test]
+    fn json_has_the_documented_fields() {
+        let result = serde_json::to_value(HullVerification::default()).unwrap();
+        for key in [
+            "file",
+            "hull",
+            "vertices",
+            "rank",
+            "directions",
+            "max_regret",
+            "mismatches",
+            "max_nodes",
+            "max_dots",
+            "index_bytes_per_vertex",
+            "pass",
+        ] {
+            assert!(result.get(key).is_some(), "{key}");
+        }
+    }
+
+    #[test]
+    fn verdict_names_the_problem() {
+        let result = HullVerification {
+            hull: Some("rock".to_owned()),
+            directions: Some(100),
+            mismatches: Some(3),
+            max_regret: Some(1e-3),
+            ..HullVerification::default()
+        };
+        assert_eq!(result.verdict(), "hull rock: wrong support point in 3 of 100 directions, max_regret 1.00e-3");
+    }
+}

@@ -1,0 +1,271 @@
+//! Everything a page shows about one pack, before any of it is HTML.
+
+use std::time::Duration;
+
+use hullmap::{Hull, Pack};
+use serde::Serialize;
+
+use crate::census::{Census, Pace, census, direction_count, even_directions, pace};
+use crate::cost_warnings::cost_warning;
+use crate::display_mesh::{DisplayMesh, EncodedMesh, triangle_cap};
+use crate::gauss_map::{FACES, Face, GaussMap, gauss_map, resolution};
+use crate::html;
+use crate::index_reader::{Contents, ReadError};
+use crate::input::{Input, Remarks, Up, Verification};
+use crate::picture::picture;
+use crate::sizes::Section;
+
+/// Maximum number of hulls with a row and pictures. Failed hulls beyond it are still listed under
+/// verification.
+pub const MAX_HULLS: usize = 1_000;
+
+/// Bytes of pictures and maps on a page. Later hulls only have their rows.
+const PICTURE_BUDGET: usize = 8_000_000;
+
+/// Triangles in the still picture: more than it has pixels to show.
+const STILL_TRIANGLES: usize = 60_000;
+
+/// One pack.
+#[derive(Debug)]
+pub struct Analysis {
+    /// The pack's path, as given or found.
+    pub file: String,
+    /// Size of the file in bytes.
+    pub bytes: usize,
+    /// Version of the file format.
+    pub format_version: u32,
+    /// The recorded build options.
+    pub options: String,
+    /// The recorded path of the source.
+    pub recorded_source: String,
+    /// Name of the source, if it was found.
+    pub source: Option<String>,
+    /// Number of source points, over all hulls.
+    pub source_points: usize,
+    /// The hulls in the file's order; at most `MAX_HULLS`.
+    pub hulls: Vec<HullRow>,
+    /// Number of hulls in the pack.
+    pub hull_count: usize,
+    /// Number of vertices, over all hulls.
+    pub vertex_count: usize,
+    /// Verification results of every hull.
+    pub verification: Verification,
+    /// Faults, warnings and notes.
+    pub remarks: Remarks,
+    /// Bytes by section.
+    pub sections: Vec<Section>,
+    /// What the page draws.
+    pub drawn: Drawn,
+    /// A still picture, as a `data:` URL.
+    pub picture: String,
+    /// Timings.
+    pub times: Times,
+}
+
+/// One row in the page's table of hulls.
+#[derive(Debug)]
+pub struct HullRow {
+    /// Name.
+    pub name: String,
+    /// 3 solid, 2 polygon, 1 segment, 0 point.
+    pub rank: u32,
+    /// Number of source points the hull was built from.
+    pub points: u32,
+    /// Number of vertices.
+    pub vertices: usize,
+    /// Number of faces.
+    pub faces: usize,
+    /// Volume.
+    pub volume: f64,
+    /// Surface area.
+    pub surface_area: f64,
+    /// Maximum distance between two vertices.
+    pub diameter: f64,
+    /// How far the worst source point lies outside, relative to the diameter.
+    pub containment_error: f64,
+    /// Bound on how far the hull extends beyond its source, a length; 0 for an exact hull.
+    pub outer_error: f64,
+    /// Bound on how far a vertex of the object lies outside all of its parts, a length.
+    pub uncovered: f64,
+    /// Index kind, in words.
+    pub index: String,
+    /// Size of the index in bytes.
+    pub index_bytes: usize,
+    /// Maximum nodes read by a query.
+    pub max_nodes: u32,
+    /// Maximum dot products of a query.
+    pub max_dots: u32,
+    /// Cost of queries over the sphere.
+    pub census: Census,
+}
+
+/// Timings. Nothing else in a report differs from run to run.
+#[derive(Debug)]
+pub struct Times {
+    /// Opening the pack, all checks included.
+    pub open: Duration,
+    /// Verification of all hulls.
+    pub verification: Duration,
+    /// Queries and scans of each hull that has a row.
+    pub paces: Vec<Pace>,
+}
+
+/// The data of a page's pictures.
+#[derive(Debug, Serialize)]
+pub struct Drawn {
+    /// Layout of the cube's faces in the cross.
+    pub faces: [Face; 6],
+    /// Axis that points up at first.
+    pub up: Up,
+    /// Number of hulls in the pack.
+    pub hull_count: usize,
+    /// The hulls that have rows.
+    pub hulls: Vec<DrawnHull>,
+    /// The source's meshes, unless there is one for each hull: of objects that were cut into parts.
+    pub meshes: Vec<EncodedMesh>,
+}
+
+/// The data of one hull's pictures.
+#[derive(Debug, Serialize)]
+pub struct DrawnHull {
+    /// Its index in the pack.
+    pub number: usize,
+    /// Its name, without invisible or direction-changing characters.
+    pub name: String,
+    rank: u32,
+    points: u32,
+    vertices: usize,
+    faces: usize,
+    /// Index kind.
+    index: String,
+    /// The source mesh, if it was found and there is room.
+    pub source: Option<EncodedMesh>,
+    /// The hull, if there is room.
+    pub hull: Option<EncodedMesh>,
+    /// The Gauss map, if there is room.
+    pub gauss: Option<GaussMap>,
+    census: Census,
+}
+
+impl Analysis {
+    /// Whether every hull equals the hull of its source points: none was simplified.
+    pub fn is_exact(&self) -> bool {
+        self.verification.hulls.iter().all(|hull| !hull.is_simplified)
+    }
+
+    /// Number of hulls that have a row but are not drawn.
+    pub fn undrawn(&self) -> usize {
+        self.drawn.hulls.iter().filter(|hull| hull.hull.is_none()).count()
+    }
+}
+
+/// Counts what queries of a pack cost and draws it.
+///
+/// # Errors
+/// The pack's file cannot be read, or has changed since the pack was opened.
+pub fn analyse(input: Input) -> Result<Analysis, ReadError> {
+    let Input { path, pack, open_time, source, verification, mut remarks, up } = input;
+    let contents = Contents::read(path, pack)?;
+    let hull_count = pack.hull_count();
+    let shown_count = hull_count.min(MAX_HULLS);
+    let directions = even_directions(direction_count(shown_count));
+    let mut hulls = Vec::new();
+    let mut paces = Vec::new();
+    for (hull, index) in pack.hulls().zip(&contents.indices).take(shown_count) {
+        let census = census(index, &directions);
+        remarks.warnings.extend(cost_warning(&hull, &census));
+        paces.push(pace(&hull, &directions, shown_count));
+        hulls.push(hull_row(&hull, census));
+    }
+    let drawn = draw(pack, &contents, source.as_ref().map(|source| source.meshes.as_slice()), &hulls, up);
+    let (source, source_points, meshes) = match source {
+        Some(source) => (Some(source.name), source.point_count, source.meshes),
+        None => (None, 0, Vec::new()),
+    };
+    Ok(Analysis {
+        file: path.display().to_string(),
+        bytes: pack.byte_len(),
+        format_version: pack.header().format_version,
+        options: pack.options().to_owned(),
+        recorded_source: pack.source_path().to_owned(),
+        source,
+        source_points,
+        hull_count,
+        vertex_count: pack.hulls().map(|hull| hull.vertex_count()).sum(),
+        times: Times { open: open_time, verification: verification.time, paces },
+        verification,
+        remarks,
+        sections: contents.sections,
+        picture: still(pack, &meshes, up),
+        hulls,
+        drawn,
+    })
+}
+
+fn hull_row(hull: &Hull, census: Census) -> HullRow {
+    let worst = hull.worst_cost();
+    HullRow {
+        name: hull.name().to_owned(),
+        rank: hull.rank(),
+        points: hull.source_point_count(),
+        vertices: hull.vertex_count(),
+        faces: hull.face_count(),
+        volume: hull.volume(),
+        surface_area: hull.surface_area(),
+        diameter: hull.diameter(),
+        containment_error: hull.containment_error(),
+        outer_error: hull.outer_error(),
+        uncovered: hull.uncovered(),
+        index: match hull.index_kind() {
+            kind if kind.is_tree() => format!("{kind}, leaves of {}", kind.leaf_size()),
+            kind => kind.to_string(),
+        },
+        index_bytes: hull.index_byte_len(),
+        max_nodes: worst.nodes,
+        max_dots: worst.dots,
+        census,
+    }
+}
+
+/// Draws hulls in their order until the page is full.
+fn draw(pack: &Pack, contents: &Contents, meshes: Option<&[DisplayMesh]>, rows: &[HullRow], up: Up) -> Drawn {
+    let (cap, resolution) = (triangle_cap(rows.len()), resolution(rows.len()));
+    let paired = meshes.filter(|meshes| meshes.len() == pack.hull_count());
+    let unpaired = meshes.filter(|_| paired.is_none()).unwrap_or_default();
+    let unpaired_cap = triangle_cap(unpaired.len());
+    let unpaired = unpaired.iter().take(MAX_HULLS).map(|mesh| mesh.with_at_most(unpaired_cap).encoded(mesh));
+    let meshes: Vec<EncodedMesh> = unpaired.collect();
+    let mut room = PICTURE_BUDGET.saturating_sub(html::json(&meshes).len());
+    let mut drawn = Vec::new();
+    for (number, (hull, row)) in pack.hulls().zip(rows).enumerate() {
+        let mut next = DrawnHull {
+            number,
+            name: html::plain(&row.name),
+            rank: row.rank,
+            points: row.points,
+            vertices: row.vertices,
+            faces: row.faces,
+            index: row.index.clone(),
+            source: None,
+            hull: None,
+            gauss: None,
+            census: row.census.clone(),
+        };
+        if room > 0 {
+            let encoded = |mesh: &DisplayMesh| mesh.with_at_most(cap).encoded(mesh);
+            next.source = paired.and_then(|meshes| meshes.get(number)).map(encoded);
+            next.hull = Some(encoded(&DisplayMesh::of_hull(&hull)));
+            next.gauss = contents.indices.get(number).map(|index| gauss_map(&hull, index, resolution));
+            room = room.saturating_sub(html::json(&next).len());
+        }
+        drawn.push(next);
+    }
+    Drawn { faces: FACES, up, hull_count: pack.hull_count(), hulls: drawn, meshes }
+}
+
+/// The still picture: hulls around the meshes, or the hulls alone if there is no source.
+fn still(pack: &Pack, meshes: &[DisplayMesh], up: Up) -> String {
+    let cap = STILL_TRIANGLES.div_ceil(pack.hull_count());
+    let hulls: Vec<DisplayMesh> = pack.hulls().map(|hull| DisplayMesh::of_hull(&hull).with_at_most(cap)).collect();
+    picture(&hulls, meshes, up)
+}

@@ -1,0 +1,203 @@
+//! Triangles and edges to draw, of a hull or of its source mesh, thinned out if there are many.
+
+use std::collections::HashMap;
+
+use hullmap::Hull;
+use serde::Serialize;
+
+use crate::encode::{fraction, words};
+
+/// Maximum triangles that a page draws of one mesh. Corner indices have 16 bits, and a mesh has
+/// half as many corners.
+pub const MAX_TRIANGLES: usize = 60_000;
+
+/// Triangles that every hull may have, however many hulls there are.
+const MIN_TRIANGLES: usize = 400;
+
+/// Maximum corners of a mesh on a page: their indices have 16 bits.
+const MAX_CORNERS: usize = 1 << 16;
+
+/// Finest grid on which corners are merged, in cells along the longest side.
+const FINEST_GRID: u32 = 2048;
+
+/// Points, triangles and edges, in source units.
+#[derive(Clone, Debug, Default)]
+pub struct DisplayMesh {
+    /// Corners.
+    pub points: Vec<[f32; 3]>,
+    /// Their indices in the whole mesh if some are left out; otherwise empty.
+    pub numbers: Vec<u32>,
+    /// Corner indices, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Ends of the edges to draw: edges of faces, not of the triangles that faces are cut into.
+    pub edges: Vec<[u32; 2]>,
+}
+
+/// A mesh as the page reads it.
+#[derive(Debug, Serialize)]
+pub struct EncodedMesh {
+    /// Minimum coordinates.
+    pub low: [f32; 3],
+    /// Extent along each axis.
+    pub size: [f32; 3],
+    /// Corners: three 16-bit fractions of the extent each.
+    pub points: String,
+    /// Their indices in the whole mesh if some are left out; otherwise empty.
+    pub numbers: Vec<u32>,
+    /// Triangles: three 16-bit corner indices each.
+    pub triangles: String,
+    /// Edges: two 16-bit corner indices each.
+    pub edges: String,
+    /// Number of triangles on the page.
+    pub shown: usize,
+    /// Number of triangles in the whole mesh.
+    pub whole: usize,
+    /// Number of corners in the whole mesh.
+    pub corners: usize,
+}
+
+/// Maximum triangles of each hull on a page with `hull_count` hulls.
+pub fn triangle_cap(hull_count: usize) -> usize {
+    (MAX_TRIANGLES / hull_count.max(1)).max(MIN_TRIANGLES)
+}
+
+impl DisplayMesh {
+    /// A hull, its faces cut into triangles.
+    pub fn of_hull(hull: &Hull) -> Self {
+        let mut mesh = Self { points: hull.vertices().map(|v| v.to_array()).collect(), ..Self::default() };
+        for face in hull.faces() {
+            let corners: Vec<u32> = face.collect();
+            mesh.triangles.extend(corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]));
+        }
+        for vertex in 0..mesh.points.len() as u32 {
+            mesh.edges.extend(hull.neighbours(vertex).filter(|&to| to > vertex).map(|to| [vertex, to]));
+        }
+        mesh
+    }
+
+    /// Minimum and maximum coordinates.
+    pub fn bounds(&self) -> [[f32; 3]; 2] {
+        let fold = |start: f32, choose: fn(f32, f32) -> f32| {
+            [0, 1, 2].map(|axis| self.points.iter().map(|p| p[axis]).fold(start, choose))
+        };
+        [fold(f32::INFINITY, f32::min), fold(f32::NEG_INFINITY, f32::max)]
+    }
+
+    /// The mesh with at most `cap` triangles, and no more corners than a page can index.
+    ///
+    /// Corners in the same cell of a grid are merged into the first of them, on the finest grid
+    /// that meets the cap. Triangles that degenerate to an edge or a point are dropped.
+    pub fn with_at_most(&self, cap: usize) -> Self {
+        let fits = |mesh: &Self| mesh.triangles.len() <= cap && mesh.points.len() <= MAX_CORNERS;
+        if fits(self) {
+            return self.clone();
+        }
+        let (mut coarse, mut fine) = (1, FINEST_GRID);
+        let mut best = self.merged(1);
+        while coarse < fine {
+            let middle = (coarse + fine).div_ceil(2);
+            let tried = self.merged(middle);
+            if fits(&tried) {
+                (coarse, best) = (middle, tried);
+            } else {
+                fine = middle - 1;
+            }
+        }
+        best
+    }
+
+    /// The mesh with the corners in each grid cell merged.
+    fn merged(&self, cells: u32) -> Self {
+        let [low, high] = self.bounds();
+        let longest = (0..3).map(|axis| f64::from(high[axis]) - f64::from(low[axis])).fold(0.0, f64::max);
+        let cell = |p: [f32; 3]| {
+            [0, 1, 2].map(|axis| ((f64::from(p[axis]) - f64::from(low[axis])) / longest * f64::from(cells)) as u32)
+        };
+        let mut first = HashMap::new();
+        let (mut points, mut numbers) = (Vec::new(), Vec::new());
+        let mut merged = Vec::with_capacity(self.points.len());
+        for (number, &point) in self.points.iter().enumerate() {
+            merged.push(*first.entry(cell(point)).or_insert_with(|| {
+                points.push(point);
+                numbers.push(number as u32);
+                points.len() as u32 - 1
+            }));
+        }
+        let mut triangles: Vec<[u32; 3]> =
+            self.triangles.iter().map(|t| t.map(|corner| merged[corner as usize])).collect();
+        triangles.retain(|[a, b, c]| a != b && b != c && c != a);
+        let mut edges: Vec<[u32; 2]> = self.edges.iter().map(|e| e.map(|corner| merged[corner as usize])).collect();
+        edges.retain(|[a, b]| a != b);
+        edges.iter_mut().for_each(|edge| edge.sort_unstable());
+        edges.sort_unstable();
+        edges.dedup();
+        Self { points, numbers, triangles, edges }
+    }
+
+    /// The mesh as a page reads it; `whole` is the mesh before it was thinned out.
+    pub fn encoded(&self, whole: &Self) -> EncodedMesh {
+        let [low, high] = self.bounds();
+        let size = [0, 1, 2].map(|axis| high[axis] - low[axis]);
+        let scaled = |p: &[f32; 3]| [0, 1, 2].map(|i| fraction(f64::from(p[i]), f64::from(low[i]), f64::from(size[i])));
+        EncodedMesh {
+            low,
+            size,
+            points: words(self.points.iter().flat_map(scaled)),
+            numbers: self.numbers.clone(),
+            triangles: words(self.triangles.as_flattened().iter().map(|&corner| corner as u16)),
+            edges: words(self.edges.as_flattened().iter().map(|&corner| corner as u16)),
+            shown: self.triangles.len(),
+            whole: whole.triangles.len(),
+            corners: whole.points.len(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use hullmap_bake::IndexKind;
+
+    use super::*;
+    use crate::test_packs::{baked, cloud};
+
+    #[test]
+    fn hulls_are_closed() {
+        let (pack, _) = baked(cloud(200), IndexKind::None);
+        let mesh = DisplayMesh::of_hull(&pack.hull(0).unwrap());
+        // Euler: triangles are twice the vertices less four.
+        assert_eq!(mesh.triangles.len(), 2 * mesh.points.len() - 4);
+        assert!(mesh.edges.len() <= 3 * mesh.points.len() - 6);
+    }
+
+    #[test]
+    fn thinned_meshes_stay_within_bounds() {
+        let (pack, _) = baked(cloud(4000), IndexKind::None);
+        let mesh = DisplayMesh::of_hull(&pack.hull(0).unwrap());
+        assert_eq!(mesh.with_at_most(10_000).triangles, mesh.triangles);
+        let [low, high] = mesh.bounds();
+        for cap in [3000, 400, 20] {
+            let small = mesh.with_at_most(cap);
+            assert!(
+                small.triangles.len() <= cap && small.triangles.len() > cap / 4,
+                "{cap}: {}",
+                small.triangles.len()
+            );
+            let corner = |corner: &u32| (*corner as usize) < small.points.len();
+            assert!(small.triangles.as_flattened().iter().all(corner));
+            assert!(small.edges.as_flattened().iter().all(corner));
+            let [small_low, small_high] = small.bounds();
+            for axis in 0..3 {
+                assert!(small_low[axis] >= low[axis] && small_high[axis] <= high[axis]);
+            }
+        }
+    }
+
+    #[test]
+    fn single_points_and_large_clouds_fit() {
+        let point = DisplayMesh { points: vec![[1.0, 2.0, 3.0]], ..DisplayMesh::default() };
+        assert_eq!(point.encoded(&point).points, words([0, 0, 0]));
+        let many = DisplayMesh { points: cloud(140_000), ..DisplayMesh::default() };
+        let fewer = many.with_at_most(100).points.len();
+        assert!(fewer <= MAX_CORNERS && fewer > MAX_CORNERS / 8, "{fewer}");
+    }
+}

@@ -1,0 +1,63 @@
+//! Arrays of numbers as text in a page: little-endian bytes in base64.
+
+use base64::{Engine, engine::general_purpose::STANDARD};
+
+/// Bytes as base64.
+pub fn base64(bytes: &[u8]) -> String {
+    STANDARD.encode(bytes)
+}
+
+/// 16-bit numbers as base64.
+pub fn words(numbers: impl IntoIterator<Item = u16>) -> String {
+    base64(&numbers.into_iter().flat_map(u16::to_le_bytes).collect::<Vec<_>>())
+}
+
+/// Run-length encoding: pairs of a count and the difference from the previous value, as
+/// variable-length bytes.
+///
+/// Each number takes seven bits per byte, the lowest first; the top bit is set in all but its last
+/// byte. Differences are zigzag-encoded: d ≥ 0 as 2d, d < 0 as −2d − 1.
+pub fn runs(numbers: &[u32]) -> String {
+    let mut bytes = Vec::new();
+    let mut before = 0_i64;
+    for run in numbers.chunk_by(|a, b| a == b) {
+        let change = i64::from(run[0]) - before;
+        before = i64::from(run[0]);
+        push(&mut bytes, run.len() as u64);
+        push(&mut bytes, ((change << 1) ^ (change >> 63)) as u64);
+    }
+    base64(&bytes)
+}
+
+fn push(bytes: &mut Vec<u8>, mut number: u64) {
+    while number >= 128 {
+        bytes.push(number as u8 | 128);
+        number >>= 7;
+    }
+    bytes.push(number as u8);
+}
+
+/// A coordinate between `low` and `low + size` as a 16-bit fraction. NaN becomes 0.
+pub fn fraction(x: f64, low: f64, size: f64) -> u16 {
+    ((x - low) / size * f64::from(u16::MAX)).round() as u16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_are_short() {
+        // One run: 5 times +3; then once −203 (2·203 − 1 = 405 = 0b11·128 + 21).
+        assert_eq!(runs(&[3; 5]), base64(&[5, 6]));
+        assert_eq!(runs(&[203, 0]), base64(&[1, 0x96, 3, 1, 0x95, 3]));
+        assert_eq!(runs(&[]), "");
+    }
+
+    #[test]
+    fn fractions_stay_in_range() {
+        assert_eq!([0.0, 0.5, 1.0, -1.0, 2.0].map(|x| fraction(x, 0.0, 1.0)), [0, 32768, 65535, 0, 65535]);
+        assert_eq!(fraction(1.0, 1.0, 0.0), 0);
+        assert_eq!(words([1, 0xff00]), base64(&[1, 0, 0, 0xff]));
+    }
+}

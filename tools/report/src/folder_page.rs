@@ -1,0 +1,141 @@
+//! The page of a folder: a card with a picture for each pack.
+
+use std::fmt::Write;
+
+use crate::Analysis;
+use crate::html::{count, escape, fill, link};
+use crate::pack_page::{FAULTS, STYLE, verdict};
+
+const PAGE: &str = include_str!("page/folder.html");
+const SCRIPT: &str = include_str!("page/folder.js");
+
+/// One pack on a folder's page.
+#[derive(Debug)]
+pub struct Card {
+    /// The pack's path below the folder, without extension.
+    name: String,
+    /// Verdict, as HTML.
+    verdict: String,
+    /// Whether the pack was rejected.
+    is_faulty: bool,
+    /// Whether no hull is simplified.
+    is_exact: bool,
+    /// Faults, then warnings.
+    remarks: Vec<String>,
+    /// What the pack holds; `None` if it does not open.
+    content: Option<Content>,
+}
+
+/// What a card shows about a pack that opens.
+#[derive(Debug)]
+struct Content {
+    /// Path of its page, relative to the folder's.
+    page: String,
+    /// Its picture, as a `data:` URL.
+    picture: String,
+    /// Number of hulls.
+    hulls: usize,
+    /// Number of vertices, over all hulls.
+    vertices: usize,
+    /// Size of the pack in bytes.
+    bytes: usize,
+}
+
+impl Card {
+    /// The card of a pack that opens; `page` is the path of its own page, relative to the folder's.
+    pub fn new(name: String, pack: &Analysis, page: String) -> Self {
+        Self {
+            name,
+            verdict: verdict(pack),
+            is_faulty: !pack.remarks.faults.is_empty(),
+            is_exact: pack.is_exact(),
+            remarks: pack.remarks.faults.iter().chain(&pack.remarks.warnings).cloned().collect(),
+            content: Some(Content {
+                page,
+                picture: pack.picture.clone(),
+                hulls: pack.hull_count,
+                vertices: pack.vertex_count,
+                bytes: pack.bytes,
+            }),
+        }
+    }
+
+    /// The card of a pack that does not open, with the reason.
+    pub fn unopened(name: String, reason: String) -> Self {
+        let verdict = "<span class=\"chip bad\">not opened</span>".to_owned();
+        Self { name, verdict, is_faulty: true, is_exact: false, remarks: vec![reason], content: None }
+    }
+}
+
+/// The page of a folder.
+pub fn folder_page(folder: &str, cards: &[Card]) -> String {
+    let failed = cards.iter().filter(|card| card.is_faulty).count();
+    let sum = |pick: fn(&Content) -> usize| {
+        count(cards.iter().filter_map(|card| card.content.as_ref()).map(pick).sum::<usize>() as u64)
+    };
+    let packs = |number: usize| format!("{} {}", count(number as u64), if number == 1 { "pack" } else { "packs" });
+    let subtitle = format!(
+        "{} · {} hulls · {} vertices · {} bytes",
+        packs(cards.len()),
+        sum(|content| content.hulls),
+        sum(|content| content.vertices),
+        sum(|content| content.bytes)
+    );
+    let verdict = if failed == 0 {
+        let word = if cards.iter().all(|card| card.is_exact) { "all exact" } else { "all verified" };
+        format!("<span class=\"chip good\">{word}</span>")
+    } else {
+        format!("<span class=\"chip bad\">{} failed</span>", packs(failed))
+    };
+    let cards: String = cards.iter().map(item).collect();
+    let script = [FAULTS, SCRIPT].concat();
+    let footer = "Made by <code>bake report</code>. Each pack has its own page, in the folder beside this file.";
+    fill(
+        PAGE,
+        &[
+            ("title", &escape(folder)),
+            ("style", STYLE),
+            ("verdict", &verdict),
+            ("subtitle", &subtitle),
+            ("cards", &cards),
+            ("script", &script),
+            ("footer", footer),
+        ],
+    )
+}
+
+/// A card as a list item.
+fn item(card: &Card) -> String {
+    let name = escape(&card.name);
+    let is_odd = card.is_faulty || !card.remarks.is_empty();
+    let mut out = format!("<li data-name=\"{name}\" data-odd=\"{is_odd}\">\n");
+    match &card.content {
+        Some(content) => {
+            let page = escape(&link(&content.page));
+            let hulls = if content.hulls == 1 { "hull" } else { "hulls" };
+            let _ = write!(
+                out,
+                "<a class=\"picture\" href=\"{page}\" tabindex=\"-1\" aria-hidden=\"true\"><img src=\"{}\" width=\"160\" height=\"120\" alt=\"\"></a>\n\
+                 <div class=\"text\"><h2><a href=\"{page}\">{name}</a></h2>{}\n<p>{} {hulls} · {} vertices · {} bytes</p>\n",
+                content.picture,
+                card.verdict,
+                count(content.hulls as u64),
+                count(content.vertices as u64),
+                count(content.bytes as u64)
+            );
+        }
+        None => {
+            let _ = write!(
+                out,
+                "<div class=\"picture soft\">no picture</div>\n<div class=\"text\"><h2>{name}</h2>{}\n",
+                card.verdict
+            );
+        }
+    }
+    if let Some(first) = card.remarks.first() {
+        let more = card.remarks.len() - 1;
+        let more = if more > 0 { format!(" (and {} more)", count(more as u64)) } else { String::new() };
+        let _ = writeln!(out, "<p>{}{more}</p>", escape(first));
+    }
+    out + "</div>\n</li>\n"
+}

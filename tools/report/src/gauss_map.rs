@@ -1,0 +1,236 @@
+//! The Gauss map of a hull on an unfolded cube map: for each direction, its support vertex and its
+//! leaf of the index.
+//!
+//! Every pixel is one query to the runtime, in the direction of its centre. The faces are rotated
+//! so that neighbours in the cross join: the middle row is +x, +y, −x, −y around z, with +z above
+//! +y and −z below.
+
+use std::collections::HashMap;
+
+use glam::Vec3;
+use hullmap::Hull;
+use hullmap_format::cube;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::cells::{Cells, cells};
+use crate::encode::{fraction, runs, words};
+use crate::index_reader::{IndexReader, Leaf};
+
+/// Maximum pixels along a face's edge: a fifth of a degree each, and as many as a screen shows.
+const MAX_RESOLUTION: u32 = 256;
+
+/// Minimum pixels along a face's edge: cells of a few degrees remain visible.
+const MIN_RESOLUTION: u32 = 32;
+
+/// Pixels of all hulls of a page together: one hull at the maximum resolution.
+const PIXEL_BUDGET: u32 = 6 * MAX_RESOLUTION * MAX_RESOLUTION;
+
+/// Maximum candidates that a page lists for a leaf.
+const LISTED_CANDIDATES: usize = 32;
+
+/// Layout of a cube face in the cross.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Face {
+    /// Its name: the direction of its centre.
+    pub name: &'static str,
+    /// Column, 0 to 3, and row, 0 to 2, of the cross.
+    pub place: [u32; 2],
+    /// Direction of its centre.
+    pub middle: [i32; 3],
+    /// Direction to its right.
+    pub right: [i32; 3],
+    /// Direction upwards.
+    pub up: [i32; 3],
+}
+
+/// The faces, in the order of their indices.
+pub const FACES: [Face; 6] = [
+    Face { name: "+x", place: [0, 1], middle: [1, 0, 0], right: [0, 1, 0], up: [0, 0, 1] },
+    Face { name: "−x", place: [2, 1], middle: [-1, 0, 0], right: [0, -1, 0], up: [0, 0, 1] },
+    Face { name: "+y", place: [1, 1], middle: [0, 1, 0], right: [-1, 0, 0], up: [0, 0, 1] },
+    Face { name: "−y", place: [3, 1], middle: [0, -1, 0], right: [1, 0, 0], up: [0, 0, 1] },
+    Face { name: "+z", place: [1, 0], middle: [0, 0, 1], right: [-1, 0, 0], up: [0, -1, 0] },
+    Face { name: "−z", place: [1, 2], middle: [0, 0, -1], right: [-1, 0, 0], up: [0, 1, 0] },
+];
+
+impl Face {
+    /// The direction through the point (x, y) ∈ [−1, 1]² of the face, x to the right, y upwards.
+    pub fn direction(&self, x: f64, y: f64) -> [f64; 3] {
+        [0, 1, 2].map(|i| f64::from(self.middle[i]) + x * f64::from(self.right[i]) + y * f64::from(self.up[i]))
+    }
+
+    /// The point of the face through which a direction passes whose largest coordinate is ±1.
+    fn point(&self, dir: [f64; 3]) -> [f64; 2] {
+        [self.right, self.up].map(|axis| (0..3).map(|i| f64::from(axis[i]) * dir[i]).sum())
+    }
+}
+
+/// The Gauss map as the page reads it.
+#[derive(Debug, Serialize)]
+pub struct GaussMap {
+    /// Pixels along a face's edge.
+    pub resolution: u32,
+    /// Support vertices, face by face, row by row from the top: see [`runs`].
+    pub vertices: String,
+    /// Index of each pixel's entry in `table`, encoded likewise.
+    pub leaves: String,
+    /// The leaves that pixels show, in the order of their first pixel.
+    pub table: Vec<LeafEntry>,
+    /// Borders of the index's cells: four 16-bit fractions per line, x and y of both ends, from
+    /// left and bottom.
+    pub lines: String,
+    /// Index of each face's first line, and the total number of lines.
+    pub line_starts: Vec<usize>,
+    /// Depth of each line: see [`runs`].
+    pub line_depths: String,
+    /// Whether the lines of deeper cells were dropped.
+    pub lines_are_cut: bool,
+}
+
+/// One leaf of an index.
+#[derive(Clone, Debug, Serialize)]
+pub struct LeafEntry {
+    /// Its first block.
+    pub block: u32,
+    /// Number of nodes above it.
+    pub nodes: u32,
+    /// Number of lanes: dot products of a query.
+    pub dots: u32,
+    /// Number of candidates.
+    pub candidates: usize,
+    /// The first candidates.
+    pub listed: Vec<u32>,
+}
+
+/// Pixels along a face's edge on a page with `hull_count` hulls.
+pub fn resolution(hull_count: usize) -> u32 {
+    let pixels = PIXEL_BUDGET / 6 / u32::try_from(hull_count.max(1)).unwrap_or(u32::MAX);
+    pixels.isqrt().clamp(MIN_RESOLUTION, MAX_RESOLUTION)
+}
+
+/// Queries `hull` in the directions of all pixels.
+///
+/// # Complexity
+/// 6 · resolution² queries, on all threads of the pool.
+pub fn gauss_map(hull: &Hull, index: &IndexReader, resolution: u32) -> GaussMap {
+    let pixels = FACES
+        .iter()
+        .flat_map(|face| (0..resolution).flat_map(move |row| (0..resolution).map(move |column| (face, column, row))));
+    let pixels: Vec<_> = pixels.collect();
+    let middle = |i: u32| (f64::from(i) + 0.5) / f64::from(resolution) * 2.0 - 1.0;
+    let answers: Vec<(u32, Leaf)> = pixels
+        .par_iter()
+        .map(|&(face, column, row)| {
+            let dir = face.direction(middle(column), -middle(row)).map(|c| c as f32);
+            (hull.support(Vec3::from_array(dir)).index, index.leaf(dir))
+        })
+        .collect();
+    let mut known: HashMap<Leaf, u32> = HashMap::new();
+    let mut table = Vec::new();
+    let mut leaves = Vec::with_capacity(answers.len());
+    for &(_, leaf) in &answers {
+        leaves.push(*known.entry(leaf).or_insert_with(|| {
+            let mut listed = index.candidates(leaf);
+            let candidates = listed.len();
+            listed.truncate(LISTED_CANDIDATES);
+            table.push(LeafEntry { block: leaf.first, nodes: leaf.nodes, dots: leaf.dots(), candidates, listed });
+            table.len() as u32 - 1
+        }));
+    }
+    let vertices: Vec<u32> = answers.iter().map(|&(vertex, _)| vertex).collect();
+    let (lines, line_starts, line_depths, lines_are_cut) = lines(cells(index));
+    GaussMap {
+        resolution,
+        vertices: runs(&vertices),
+        leaves: runs(&leaves),
+        table,
+        lines,
+        line_starts,
+        line_depths,
+        lines_are_cut,
+    }
+}
+
+/// Lines as the page reads them, sorted by face and depth.
+fn lines(Cells { mut lines, is_cut }: Cells) -> (String, Vec<usize>, String, bool) {
+    lines.sort_by_key(|line| (line.face, line.depth));
+    let starts = (0..=6).map(|face| lines.partition_point(|line| line.face < face)).collect();
+    let ends = lines.iter().flat_map(|line| {
+        let point = |[u, v]: [f64; 2]| FACES[line.face as usize].point(cube::direction(line.face, u, v));
+        line.ends.map(point).into_iter().flatten().map(|x| fraction(x, -1.0, 2.0))
+    });
+    let depths: Vec<u32> = lines.iter().map(|line| line.depth).collect();
+    (words(ends), starts, runs(&depths), is_cut)
+}
+
+#[cfg(test)]
+mod tests {
+    use hullmap_bake::IndexKind;
+
+    use super::*;
+    use crate::test_packs::{baked, cloud};
+
+    #[test]
+    fn faces_are_numbered_as_in_the_index() {
+        for (number, face) in FACES.iter().enumerate() {
+            for (x, y) in [(0.0, 0.0), (0.5, -0.25), (-0.75, 0.5)] {
+                let dir = face.direction(x, y);
+                assert_eq!(cube::locate(dir.map(|c| c as f32)).face, number as u32, "{}", face.name);
+                assert_eq!(face.point(dir), [x, y]);
+            }
+            // Right, up and outward are a right-handed frame: nothing is mirrored, seen from
+            // outside.
+            let [right, up, out] = [face.right, face.up, face.middle].map(|v| glam::DVec3::from(v.map(f64::from)));
+            assert_eq!(right.cross(up), out, "{}", face.name);
+        }
+    }
+
+    /// Faces that lie side by side in the cross share the directions along the edge between them.
+    #[test]
+    fn the_cross_has_no_seams_inside() {
+        let mut joints = 0;
+        for a in &FACES {
+            for b in &FACES {
+                let [right, down] = [0, 1].map(|i| b.place[i] as i32 - a.place[i] as i32);
+                let along = [-0.5, 0.0, 0.75];
+                if (right, down) == (1, 0) {
+                    joints += 1;
+                    assert!(
+                        along.iter().all(|&y| a.direction(1.0, y) == b.direction(-1.0, y)),
+                        "{} {}",
+                        a.name,
+                        b.name
+                    );
+                }
+                if (right, down) == (0, 1) {
+                    joints += 1;
+                    assert!(
+                        along.iter().all(|&x| a.direction(x, -1.0) == b.direction(x, 1.0)),
+                        "{} {}",
+                        a.name,
+                        b.name
+                    );
+                }
+            }
+        }
+        assert_eq!(joints, 5);
+    }
+
+    #[test]
+    fn resolutions_keep_to_the_budget() {
+        assert_eq!(resolution(1), MAX_RESOLUTION);
+        assert_eq!(resolution(4), MAX_RESOLUTION / 2);
+        assert_eq!(resolution(1_000_000), MIN_RESOLUTION);
+        assert_eq!(resolution(0), MAX_RESOLUTION);
+    }
+
+    #[test]
+    fn every_pixel_has_a_leaf_that_lists_its_vertex() {
+        let (pack, contents) = baked(cloud(100), IndexKind::Tree);
+        let map = gauss_map(&pack.hull(0).unwrap(), &contents.indices[0], 24);
+        assert_eq!(map.line_starts.len(), 7);
+        assert!(map.table.len() > 10 && map.table.iter().all(|leaf| leaf.candidates <= leaf.dots as usize));
+        assert!(!map.lines_are_cut);
+    }
+}

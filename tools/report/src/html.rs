@@ -1,0 +1,127 @@
+//! HTML: escaping, templates, numbers as text.
+
+use serde::Serialize;
+
+/// Text escaped for elements and quoted attributes.
+pub fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in plain(text).chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// Text without invisible characters: control characters, which HTML forbids, become their
+/// pictures, and characters that change the text direction, which could disguise a name, become
+/// U+FFFD.
+pub fn plain(text: &str) -> String {
+    let shown = |c: char| match c {
+        // U+2400 and on picture the characters below a space.
+        '\0'..'\u{20}' => char::from_u32(0x2400 + u32::from(c)).unwrap_or(' '),
+        '\u{7f}'..='\u{9f}' => '\u{2421}',
+        '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => '\u{fffd}',
+        c => c,
+    };
+    text.chars().map(shown).collect()
+}
+
+/// A value as JSON for a `script` element: `<` is escaped so that no tag can begin.
+pub fn json(value: &impl Serialize) -> String {
+    // In JSON, `<` occurs only in strings.
+    serde_json::to_string(value).expect("plain data with text keys").replace('<', "\\u003c")
+}
+
+/// A path as a link, percent-encoded, with `/` between folders.
+pub fn link(path: &str) -> String {
+    let mut out = String::new();
+    for byte in path.bytes() {
+        match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' | b'~' | b'/' => out.push(char::from(byte)),
+            _ => out.push_str(&format!("%{byte:02X}")),
+        }
+    }
+    out
+}
+
+/// Replaces each `{{name}}` in a template by its value. Values are not expanded again.
+///
+/// # Panics
+/// If the template has a name without a value: a fault of the program.
+pub fn fill(template: &str, values: &[(&str, &str)]) -> String {
+    let mut out = String::with_capacity(template.len() + values.iter().map(|(_, value)| value.len()).sum::<usize>());
+    let mut rest = template;
+    while let Some((before, after)) = rest.split_once("{{") {
+        let (name, after) = after.split_once("}}").expect("a placeholder ends");
+        let value = values.iter().find(|(known, _)| *known == name).unwrap_or_else(|| panic!("no value for {name}"));
+        out.push_str(before);
+        out.push_str(value.1);
+        rest = after;
+    }
+    out.push_str(rest);
+    out
+}
+
+/// A number with at most four significant digits.
+pub fn short(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let magnitude = value.abs().log10().floor();
+    if !(-4.0..7.0).contains(&magnitude) {
+        return format!("{value:.2e}").replace('-', "−");
+    }
+    let decimals = (3.0 - magnitude).max(0.0) as usize;
+    let text = format!("{value:.decimals$}");
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    let (sign, text) = text.strip_prefix('-').map_or(("", text), |rest| ("−", rest));
+    let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
+    let dot = if fraction.is_empty() { "" } else { "." };
+    format!("{sign}{}{dot}{fraction}", count(whole.parse().unwrap_or(0)))
+}
+
+/// A whole number with its digits in groups of three, separated by narrow spaces that do not break
+/// at a line's end.
+pub fn count(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::with_capacity(2 * digits.len());
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push('\u{202f}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_cannot_leave_its_element() {
+        assert_eq!(escape("<b a=\"x\" c='y'>&amp;"), "&lt;b a=&quot;x&quot; c=&#39;y&#39;&gt;&amp;amp;");
+        assert_eq!(escape("zero\0 tab\t del\u{7f} \u{202e}gpj"), "zero␀ tab␉ del␡ \u{fffd}gpj");
+        assert_eq!(escape("Ünï ☃ 石"), "Ünï ☃ 石");
+        assert_eq!(json(&"</script><!--"), "\"\\u003c/script>\\u003c!--\"");
+        assert_eq!(link("a b/ü#1?.html"), "a%20b/%C3%BC%231%3F.html");
+    }
+
+    #[test]
+    fn values_are_not_expanded() {
+        assert_eq!(fill("<{{a}}|{{b}}>", &[("a", "{{b}}"), ("b", "1")]), "<{{b}}|1>");
+    }
+
+    #[test]
+    fn numbers_for_people() {
+        let shown = [0.0, 1.0, 1234567.0, 0.123456, -2.5, 1e-7, 1e9, 99.999].map(short);
+        assert_eq!(shown, ["0", "1", "1\u{202f}234\u{202f}567", "0.1235", "−2.5", "1.00e−7", "1.00e9", "100"]);
+        assert_eq!([f64::NAN, f64::INFINITY].map(short), ["NaN", "inf"]);
+    }
+}

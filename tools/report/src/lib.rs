@@ -1,0 +1,47 @@
+//! HTML report of a pack: one page that any browser opens, without a network.
+//!
+//! The caller opens the pack, finds its source, verifies it and collects remarks; all of that comes
+//! in as an [`Input`].
+//!
+//! 1. [`analyse`] counts what queries cost and gathers what the page draws.
+//! 2. [`pack_page`] makes one page of the analysis; [`folder_page`] lists many packs, one [`Card`]
+//!    each.
+//!
+//! | module | concept |
+//! |---|---|
+//! | [`input`] | what the caller knows about a pack |
+//! | `analysis` | everything a page shows, before any of it is HTML |
+//! | `index_reader` | a direction index, and the leaf of a direction |
+//! | `cells` | the cells of an index, as lines on the cube |
+//! | `gauss_map` | support vertices and leaves over the unfolded cube |
+//! | `census` | cost of queries over the sphere |
+//! | `display_mesh` | triangles and edges to draw |
+//! | `picture` | a still picture of them |
+//! | `sizes`, `cost_warnings` | bytes by section; hulls whose queries are slow |
+//! | `html`, `encode` | text and numbers in a page |
+
+#![forbid(unsafe_code)]
+
+mod analysis;
+mod cells;
+mod census;
+mod cost_warnings;
+mod display_mesh;
+mod encode;
+mod folder_page;
+mod gauss_map;
+mod html;
+mod index_reader;
+pub mod input;
+mod pack_page;
+mod picture;
+mod sizes;
+#[cfg(test)]
+mod test_packs;
+
+pub use analysis::{Analysis, analyse};
+pub use display_mesh::DisplayMesh;
+pub use folder_page::{Card, folder_page};
+pub use index_reader::ReadError;
+pub use input::Input;
+pub use pack_page::pack_page;

@@ -1,0 +1,370 @@
+//! The page of one pack.
+
+use std::fmt::Write;
+use std::time::Duration;
+
+use crate::analysis::{Analysis, HullRow, MAX_HULLS};
+use crate::census::{Pace, mean};
+use crate::display_mesh::EncodedMesh;
+use crate::html::{count, escape, fill, json, link, short};
+use crate::input::VerifiedHull;
+
+const PAGE: &str = include_str!("page/pack.html");
+/// Style of all pages.
+pub const STYLE: &str = include_str!("page/style.css");
+/// Script of all pages, which counts errors.
+pub const FAULTS: &str = include_str!("page/faults.js");
+const SCRIPTS: [&str; 6] = [
+    FAULTS,
+    include_str!("page/arrays.js"),
+    include_str!("page/view3d.js"),
+    include_str!("page/gauss.js"),
+    include_str!("page/charts.js"),
+    include_str!("page/pack.js"),
+];
+
+/// The page of a pack. `index` is the link from it to the page of its folder.
+///
+/// Apart from the part between `<!-- times -->` and `<!-- /times -->`, it depends only on pack,
+/// source and arguments.
+pub fn pack_page(pack: &Analysis, index: Option<&str>) -> String {
+    let crumb = index.map_or_else(String::new, |index| {
+        format!("<p class=\"crumb\"><a href=\"{}\">← all packs</a></p>\n", escape(&link(index)))
+    });
+    let title = escape(&pack.file);
+    let source = match &pack.source {
+        Some(source) => format!("source {}", escape(source)),
+        None if pack.recorded_source.is_empty() => "no source found".to_owned(),
+        None => format!("source {} not found", escape(&pack.recorded_source)),
+    };
+    let subtitle = format!("{source} · options: {} · format {}", escape(&pack.options), pack.format_version);
+    let alt = if pack.source.is_some() { "The source mesh inside its hull" } else { "The hull" };
+    fill(
+        PAGE,
+        &[
+            ("title", &title),
+            ("style", STYLE),
+            ("crumb", &crumb),
+            ("verdict", &verdict(pack)),
+            ("subtitle", &subtitle),
+            ("warnings", &warnings(pack)),
+            ("facts", &facts(pack)),
+            ("picture", &pack.picture),
+            ("picture_alt", alt),
+            ("source_note", &source_note(pack)),
+            ("hulls", &hulls(pack)),
+            ("verification", &verification(pack)),
+            ("sizes", &sizes(pack)),
+            ("limits", &limits(pack)),
+            ("data", &json(&pack.drawn)),
+            ("script", &SCRIPTS.concat()),
+            ("times", &times(pack)),
+            ("footer", "Made by <code>bake report</code>. Lengths are in the source's units."),
+        ],
+    )
+}
+
+/// The verdict as a coloured chip.
+pub fn verdict(pack: &Analysis) -> String {
+    let (class, word) = if !pack.remarks.faults.is_empty() {
+        ("bad", "failed")
+    } else if pack.source.is_none() {
+        ("odd", "exact for the stored hull")
+    } else if pack.is_exact() {
+        ("good", "exact")
+    } else {
+        ("good", "contains its source")
+    };
+    format!("<span class=\"chip {class}\">{word}</span>")
+}
+
+fn warnings(pack: &Analysis) -> String {
+    if pack.remarks.faults.is_empty() && pack.remarks.warnings.is_empty() && pack.remarks.notes.is_empty() {
+        return String::new();
+    }
+    let mut out = "<section aria-labelledby=\"warnings-title\">\n<h2 id=\"warnings-title\">Warnings and notes</h2>\n<ul class=\"warnings\">\n".to_owned();
+    for (class, word, list) in [
+        ("bad", "Fault", &pack.remarks.faults),
+        ("odd", "Warning", &pack.remarks.warnings),
+        ("plain", "Note", &pack.remarks.notes),
+    ] {
+        for text in list.iter().take(MAX_WARNINGS) {
+            let _ = writeln!(out, "<li class=\"{class}\"><strong>{word}:</strong> {}</li>", escape(text));
+        }
+        if list.len() > MAX_WARNINGS {
+            let more = count((list.len() - MAX_WARNINGS) as u64);
+            let _ = writeln!(out, "<li class=\"{class}\">and {more} more like these</li>");
+        }
+    }
+    out + "</ul>\n</section>\n"
+}
+
+/// Maximum faults, warnings, and notes on a page, each.
+const MAX_WARNINGS: usize = 40;
+
+fn facts(pack: &Analysis) -> String {
+    let total = |pick: fn(&HullRow) -> usize| pack.hulls.iter().map(pick).sum::<usize>();
+    let share = |bytes: usize| format!("{:.1}", bytes as f64 / pack.vertex_count.max(1) as f64);
+    let mut rows = vec![
+        ("Hulls", count(pack.hull_count as u64)),
+        ("Hull vertices", count(pack.vertex_count as u64)),
+        ("File", format!("{} bytes", count(pack.bytes as u64))),
+        ("Bytes per vertex", share(pack.bytes)),
+    ];
+    if pack.source.is_some() {
+        rows.insert(1, ("Source points", count(pack.source_points as u64)));
+    }
+    if pack.hulls.len() == pack.hull_count {
+        rows.push(("Index, bytes per vertex", share(total(|hull| hull.index_bytes))));
+    }
+    let average = |pick: fn(&HullRow) -> f64| pack.hulls.iter().map(pick).sum::<f64>() / pack.hulls.len().max(1) as f64;
+    let worst = |pick: fn(&HullRow) -> u32| pack.hulls.iter().map(pick).max().unwrap_or(0);
+    let nodes = (average(|hull| mean(&hull.census.nodes)), worst(|hull| hull.max_nodes));
+    let dots = (average(|hull| hull.census.mean_dots), worst(|hull| hull.max_dots));
+    rows.push(("Nodes per query", format!("{}, at most {}", short(nodes.0), nodes.1)));
+    rows.push(("Dot products per query", format!("{}, at most {}", short(dots.0), count(dots.1.into()))));
+    let regrets = pack.verification.hulls.iter().map(|hull| hull.max_regret);
+    if let Some(worst) = regrets.reduce(f64::max) {
+        rows.push(("Maximum regret", short(worst)));
+    }
+    rows.iter().map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n")).collect()
+}
+
+fn source_note(pack: &Analysis) -> String {
+    match (&pack.source, pack.remarks.faults.is_empty()) {
+        (Some(_), _) => "Left: the source mesh. Right: its hull, from the same side.".to_owned(),
+        (None, true) => "The source mesh was not found; the hull is shown alone.".to_owned(),
+        (None, false) => "The source mesh cannot be used; the hull is shown alone.".to_owned(),
+    }
+}
+
+/// A table. Each head states whether its column holds words; cells are HTML.
+fn table(caption: &str, heads: &[(&str, bool)], rows: impl Iterator<Item = Vec<String>>, foot: &[String]) -> String {
+    // The caption is outside the scrolling element, so that it wraps if the table is wider than the
+    // screen.
+    let mut out = format!(
+        "<p class=\"soft\">{caption}</p>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\"><table aria-label=\"{caption}\">\n<thead><tr>"
+    );
+    let class = |is_word: bool| if is_word { " class=\"word\"" } else { "" };
+    for (head, is_word) in heads {
+        let _ = write!(out, "<th scope=\"col\"{}>{head}</th>", class(*is_word));
+    }
+    out.push_str("</tr></thead>\n<tbody>\n");
+    let line = |out: &mut String, cells: &[String]| {
+        out.push_str("<tr>");
+        for (cell, (head, is_word)) in cells.iter().zip(heads) {
+            let class = if *head == "hull" { " class=\"word name\"" } else { class(*is_word) };
+            let _ = write!(out, "<td{class}>{cell}</td>");
+        }
+        out.push_str("</tr>\n");
+    };
+    for row in rows {
+        line(&mut out, &row);
+    }
+    out.push_str("</tbody>\n");
+    if !foot.is_empty() {
+        out.push_str("<tfoot>");
+        line(&mut out, foot);
+        out.push_str("</tfoot>");
+    }
+    out + "</table></div>\n"
+}
+
+fn rank_name(rank: u32) -> &'static str {
+    match rank {
+        0 => "point",
+        1 => "segment",
+        2 => "polygon",
+        _ => "solid",
+    }
+}
+
+fn hulls(pack: &Analysis) -> String {
+    let heads = [
+        ("hull", true),
+        ("rank", true),
+        ("points", false),
+        ("vertices", false),
+        ("faces", false),
+        ("diameter", false),
+        ("area", false),
+        ("volume", false),
+        ("error", false),
+        ("outer error", false),
+        ("uncovered", false),
+        ("index", true),
+        ("bytes", false),
+        ("per vertex", false),
+        ("nodes", false),
+        ("candidates", false),
+    ];
+    let rows = pack.hulls.iter().map(|hull| {
+        vec![
+            escape(&hull.name),
+            rank_name(hull.rank).to_owned(),
+            count(hull.points.into()),
+            count(hull.vertices as u64),
+            count(hull.faces as u64),
+            short(hull.diameter),
+            short(hull.surface_area),
+            short(hull.volume),
+            short(hull.containment_error),
+            short(hull.outer_error),
+            short(hull.uncovered),
+            escape(&hull.index),
+            count(hull.index_bytes as u64),
+            format!("{:.1}", hull.index_bytes as f64 / hull.vertices.max(1) as f64),
+            format!("{:.2}", mean(&hull.census.nodes)),
+            format!("{:.2}", mean(&hull.census.candidates)),
+        ]
+    });
+    table(
+        "The hulls of the pack. Error: how far a source point lies outside, relative to the diameter. Outer error: bound on \
+         how far a simplified hull extends beyond its source, a length. Uncovered: bound on how far a vertex of the mesh lies \
+         outside all of its parts, a length. Nodes and candidates are means over all directions.",
+        &heads,
+        rows,
+        &[],
+    )
+}
+
+fn verification(pack: &Analysis) -> String {
+    let verification = &pack.verification;
+    if verification.hulls.is_empty() {
+        return "<p class=\"bad\">Not verified: the pack could not be compared with its source.</p>\n".to_owned();
+    }
+    let reference =
+        if verification.is_against_source { "every point of the source" } else { "the stored hull's own vertices" };
+    let simplified = if pack.is_exact() || pack.source.is_none() {
+        ""
+    } else {
+        " Each simplified hull contains every point of its source and extends beyond it by at most its outer error; \
+         its queries are compared with its own vertices."
+    };
+    let caption = format!(
+        "Support queries of the runtime compared with {reference}, by brute force in f64, in {} directions per hull. \
+         Regret is how far an answer falls short, relative to the diameter; exact means at most 2e−7.{simplified}",
+        count(verification.directions as u64),
+    );
+    let heads = [
+        ("hull", true),
+        ("max regret", false),
+        ("mismatches", false),
+        ("worst nodes", false),
+        ("worst dots", false),
+        ("result", true),
+    ];
+    // Failed hulls are always listed.
+    let is_listed = |(index, hull): &(usize, &VerifiedHull)| *index < MAX_HULLS || !hull.passed;
+    let rows = verification.hulls.iter().enumerate().filter(is_listed).map(|(_, hull)| {
+        let (class, word) = match (hull.passed, hull.is_simplified) {
+            (false, _) => ("bad", "failed"),
+            (true, false) => ("good", "exact"),
+            (true, true) if verification.is_against_source => ("good", "contains its source"),
+            (true, true) => ("odd", "simplified"),
+        };
+        vec![
+            escape(&hull.name),
+            short(hull.max_regret),
+            count(hull.mismatches as u64),
+            count(hull.max_nodes.into()),
+            count(hull.max_dots.into()),
+            format!("<span class=\"chip {class}\">{word}</span>"),
+        ]
+    });
+    table(&caption, &heads, rows, &[])
+}
+
+fn sizes(pack: &Analysis) -> String {
+    let heads = [
+        ("section", true),
+        ("holds", true),
+        ("elements", false),
+        ("bytes", false),
+        ("per vertex", false),
+        ("share", false),
+        ("", true),
+    ];
+    let per_vertex = |bytes: usize| format!("{:.1}", bytes as f64 / pack.vertex_count.max(1) as f64);
+    let percent = |bytes: usize| 100.0 * bytes as f64 / pack.bytes.max(1) as f64;
+    let rows = pack.sections.iter().filter(|section| section.bytes > 0).map(|section| {
+        let share = percent(section.bytes);
+        vec![
+            format!("<code>{}</code>", section.name),
+            escape(section.purpose),
+            count(section.count as u64),
+            count(section.bytes as u64),
+            per_vertex(section.bytes),
+            format!("{share:.1} %"),
+            format!("<span class=\"share\" aria-hidden=\"true\"><i style=\"width:{share:.1}%\"></i></span>"),
+        ]
+    });
+    let foot =
+        ["whole file", "", "", &count(pack.bytes as u64), &per_vertex(pack.bytes), "100 %", ""].map(str::to_owned);
+    table("Bytes of the file by section, in the order of the file", &heads, rows, &foot)
+}
+
+fn limits(pack: &Analysis) -> String {
+    let mut list = Vec::new();
+    let listed = pack.hulls.len();
+    if listed < pack.hull_count {
+        list.push(format!(
+            "Only the first {1} of {0} hulls are listed.",
+            count(pack.hull_count as u64),
+            count(listed as u64)
+        ));
+    }
+    if pack.undrawn() > 0 {
+        list.push(format!(
+            "{} hulls are listed but not drawn, to limit the size of the page.",
+            count(pack.undrawn() as u64)
+        ));
+    }
+    let thinned = |shape: &EncodedMesh| shape.shown < shape.whole;
+    let drawn = || {
+        let of_hulls = pack.drawn.hulls.iter().flat_map(|hull| [&hull.source, &hull.hull]).flatten();
+        of_hulls.chain(&pack.drawn.meshes)
+    };
+    if drawn().any(thinned) {
+        let sum = |pick: fn(&EncodedMesh) -> usize| count(drawn().map(pick).sum::<usize>() as u64);
+        list.push(format!(
+            "Only {1} of {0} triangles are drawn: corners close together are merged. All numbers refer to the complete meshes.",
+            sum(|shape| shape.whole),
+            sum(|shape| shape.shown)
+        ));
+    }
+    if list.is_empty() {
+        return String::new();
+    }
+    let items: String = list.iter().map(|item| format!("<p>{}</p>\n", escape(item))).collect();
+    format!(
+        "<section aria-labelledby=\"limits-title\">\n<h2 id=\"limits-title\">What is left out</h2>\n{items}</section>\n"
+    )
+}
+
+fn times(pack: &Analysis) -> String {
+    let times = &pack.times;
+    let nanos = |pick: fn(&Pace) -> Duration| {
+        let sum: f64 = times.paces.iter().map(|pace| pick(pace).as_secs_f64() * 1e9).sum();
+        sum / times.paces.len().max(1) as f64
+    };
+    let (query, scan) = (nanos(|pace| pace.query), nanos(|pace| pace.scan));
+    let millis = |time: Duration| format!("{} ms", short(time.as_secs_f64() * 1e3));
+    let rows = [
+        ("Support query with the index, directions shuffled", format!("{} ns", short(query))),
+        ("Support query by a scan of all vertices", format!("{} ns", short(scan))),
+        ("Scan time relative to the index", short(scan / query)),
+        ("Opening and checking the pack", millis(times.open)),
+        ("Verifying all hulls", millis(times.verification)),
+    ];
+    let rows = rows.into_iter().map(|(what, value)| vec![what.to_owned(), value]);
+    let build = if cfg!(debug_assertions) {
+        " This build of <code>bake</code> is not optimised, so the times mean little."
+    } else {
+        ""
+    };
+    format!(
+        "<!-- times -->\n<section aria-labelledby=\"times-title\" id=\"times\">\n<h2 id=\"times-title\">Times</h2>\n<p>Measured while this page was written, on the machine that wrote it. Times differ from run to run and from machine to machine; the ratio, and the counts of nodes and dot products above, are more reliable.{build}</p>\n{}</section>\n<!-- /times -->",
+        table("Means over the hulls, on one thread", &[("measurement", true), ("time", false)], rows, &[])
+    )
+}

@@ -1,0 +1,235 @@
+// The page of one pack: the selected hull, and everything that depends on it.
+{
+  const data = JSON.parse(document.getElementById("data").textContent);
+  const root = document.documentElement;
+  const get = (id) => document.getElementById(id);
+  const ALL = "all";
+  const hulls = data.hulls.map((hull) => ({
+    ...hull,
+    hull: hull.hull && meshOf(hull.hull),
+    source: hull.source && meshOf(hull.source),
+  }));
+  const isMany = data.hulls.length > 1;
+  // If a mesh was cut into parts, the whole mesh is shown beside each part.
+  const whole = data.meshes.map(meshOf);
+  const hasSource = whole.length > 0 || hulls.some((hull) => hull.source);
+  const meshesOf = (list) => (whole.length ? whole : list.map((hull) => hull.source).filter(Boolean));
+  const camera = new Camera();
+  let chosen = isMany ? ALL : 0;
+  let marked = null;
+
+  // Controls.
+  get("up").value = data.up;
+  const choice = get("hull-choice");
+  if (isMany) {
+    choice.append(new Option(`all ${grouped(data.hull_count)} hulls`, ALL));
+    hulls.forEach((hull, number) => choice.append(new Option(`#${number} ${hull.name}`, number)));
+  }
+  get("hull-choice-row").hidden = !isMany;
+  get("source-figure").hidden = !hasSource;
+  get("pair").classList.toggle("alone", !hasSource);
+  for (const label of document.querySelectorAll(".with-source")) label.hidden = !hasSource;
+
+  // Pictures in 3D.
+  const views = { source: hasSource ? openView(get("source")) : null, hull: openView(get("hull")) };
+  const has3d = Boolean(views.hull && (views.source || !hasSource));
+  root.classList.toggle("no-webgl", !has3d);
+  root.dataset.webgl = has3d;
+
+  const current = () => (chosen === ALL ? hulls.filter((hull) => hull.hull) : [hulls[chosen]].filter((hull) => hull.hull));
+
+  function frame(list) {
+    const shapes = [...list.map((hull) => hull.hull), ...meshesOf(list)];
+    const low = [0, 1, 2].map((axis) => Math.min(...shapes.map((shape) => shape.low[axis])));
+    const high = [0, 1, 2].map((axis) => Math.max(...shapes.map((shape) => shape.low[axis] + shape.size[axis])));
+    const centre = low.map((c, axis) => (c + high[axis]) / 2);
+    let reach = 0;
+    for (const { points } of shapes) {
+      for (let i = 0; i < points.length; i += 3) {
+        reach = Math.max(reach, Math.hypot(points[i] - centre[0], points[i + 1] - centre[1], points[i + 2] - centre[2]));
+      }
+    }
+    return { centre, radius: reach };
+  }
+
+  function draw3d() {
+    if (!has3d) return;
+    const list = current();
+    if (!list.length) return;
+    camera.up = get("up").value;
+    const look = Object.fromEntries(["hull", "mesh", "edge", "mesh-edge", "mark"].map((name) => [name, cssColour(`--${name}`)]));
+    const isOn = (id) => get(id).checked;
+    views.hull.begin();
+    for (const hull of list) {
+      const shape = hull.hull;
+      const colour = chosen === ALL ? hullColourOf(hull.number) : look.hull;
+      if (shape.triangles.length) views.hull.triangles(shape, camera, colour);
+      // Dense edges are drawn paler.
+      const opacity = Math.min(0.9, Math.max(0.12, Math.sqrt(900 / (shape.edges.length + 1))));
+      if (isOn("show-edges") || !shape.triangles.length) views.hull.edges(shape, camera, { colour: look.edge, opacity });
+      if (isOn("show-vertices") || hull.rank === 0) views.hull.dots(shape, camera, { size: hull.rank ? 5 : 12 });
+    }
+    if (marked && chosen !== ALL) {
+      const hull = list[0];
+      const vertex = hull.hull.vertex(marked.vertex);
+      const tip = camera.centre.map((c, axis) => c + marked.dir[axis] * camera.radius * 1.25);
+      if (vertex) views.hull.mark(camera, camera.centre, tip, vertex, look.mark);
+    }
+    if (!views.source) return;
+    views.source.begin();
+    for (const source of meshesOf(list)) {
+      if (source.triangles.length) views.source.triangles(source, camera, look.mesh);
+      else views.source.dots(source, camera, { colour: look["mesh-edge"], size: source.points.length > 30 ? 3.5 : 10 });
+      const opacity = Math.min(0.8, Math.max(0.15, Math.sqrt(1500 / (source.edges.length + 1))));
+      if (isOn("show-mesh-edges")) views.source.edges(source, camera, { colour: look["mesh-edge"], opacity });
+    }
+    for (const { hull } of list) {
+      const opacity = Math.min(0.55, Math.max(0.06, Math.sqrt(250 / (hull.edges.length + 1))));
+      if (isOn("show-around")) views.source.edges(hull, camera, { colour: look.edge, opacity, forward: 0 });
+    }
+  }
+
+  let waits = false;
+  function redraw() {
+    if (waits) return;
+    waits = true;
+    requestAnimationFrame(() => {
+      waits = false;
+      draw3d();
+    });
+  }
+
+  // Gauss map.
+  const gauss = new GaussView(get("gauss"), data.faces, (found) => {
+    marked = found;
+    tell(found);
+    redraw();
+  });
+  const mapped = () => (chosen === ALL ? hulls[0] : hulls[chosen]);
+
+  function tell(found) {
+    const readout = get("readout");
+    if (!found) {
+      readout.textContent = "Point at a direction to see its vertex, leaf and candidates.";
+      return;
+    }
+    const { dir, vertex, leaf } = found;
+    const hull = mapped();
+    const position = hull.hull && hull.hull.vertex(vertex);
+    const numbers = (list) => list.map(short).join(", ");
+    const more = leaf.candidates > leaf.listed.length ? ", …" : "";
+    const way = hull.index === "none" ? "no index: all vertices" : `leaf at block ${grouped(leaf.block)}`;
+    const parts = [
+      `direction (${numbers(dir.map((c) => Math.round(c * 1e4) / 1e4))})`,
+      `vertex ${grouped(vertex)}${position ? ` at (${position.map((c) => fixed(c, hull.hull.digits)).join(", ")})` : ""}`,
+      `${way}, depth ${leaf.nodes} ${leaf.nodes === 1 ? "node" : "nodes"}`,
+      `${grouped(leaf.candidates)} ${leaf.candidates === 1 ? "candidate" : "candidates"} in ${grouped(leaf.dots)} lanes: ${leaf.listed.join(", ")}${more}`,
+    ];
+    readout.textContent = parts.join(" · ");
+  }
+
+  function fixed(number, digits) {
+    return String(Number(number.toFixed(digits))).replace("-", "−").replace(/^−0$/, "0");
+  }
+
+  function legend() {
+    const place = get("legend");
+    place.textContent = "";
+    if (gauss.colourBy === "vertex" || !gauss.map) return;
+    const { low, high } = gauss.scale();
+    const bar = element("i");
+    bar.style.background = `linear-gradient(to right, ${[0, 0.25, 0.5, 0.75, 1].map((share) => `rgb(${scaleColour(share)})`)})`;
+    place.append(grouped(low), bar, grouped(high));
+  }
+
+  // Captions and charts of the selected hull.
+  function captions() {
+    const list = current();
+    const sum = (pick) => list.reduce((total, hull) => total + pick(hull), 0);
+    const what = chosen === ALL ? `all ${grouped(list.length)} hulls shown` : hulls[chosen].name;
+    const part = (shown, whole) => (shown < whole ? ` (${grouped(shown)} of ${grouped(whole)} drawn)` : "");
+    if (hasSource) {
+      const count = (pick) => meshesOf(list).reduce((total, mesh) => total + pick(mesh), 0);
+      const [shown, all] = [count((mesh) => mesh.shown), count((mesh) => mesh.whole)];
+      const points = count((mesh) => mesh.corners);
+      get("source-caption").textContent = all
+        ? `Source mesh: ${grouped(points)} points, ${grouped(all)} triangles${part(shown, all)}`
+        : `Source: ${grouped(points)} points without faces`;
+    }
+    const shown = sum((hull) => hull.hull.shown), whole = sum((hull) => hull.hull.whole);
+    get("hull-caption").textContent = list.length
+      ? `Hull: ${what}, ${grouped(sum((hull) => hull.vertices))} vertices, ${grouped(sum((hull) => hull.faces))} faces${shown < whole ? `, as triangles${part(shown, whole)}` : ""}`
+      : "This hull is not drawn, to limit the size of the page.";
+    const hull = mapped();
+    const map = hull.gauss;
+    const resolution = map ? `Hull ${hull.name}. One runtime query for each of 6 × ${map.resolution} × ${map.resolution} pixels` : "";
+    const lines = !map || hull.index === "none" ? "; without an index there are no cells" : map.lines_are_cut ? "; only the coarser cells of the index are drawn" : "; the borders of all cells of the index are drawn exactly";
+    get("gauss-caption").textContent = map ? `${resolution}${lines}.` : "";
+    get("cost-note").textContent = `Hull ${hull.name}, over ${grouped(hull.census.directions)} evenly spread directions. These numbers depend only on the file, not on the machine.`;
+    get("charts").replaceChildren(
+      chart("Candidates per query", "candidates", hull.census.candidates),
+      chart("Depth: nodes per query", "nodes", hull.census.nodes),
+    );
+  }
+
+  function check() {
+    for (const [id, view] of Object.entries(views)) if (view) get(id).dataset.drawn = view.share().toFixed(4);
+    if (gauss.map) {
+      const { drawn, colours } = gauss.share();
+      get("gauss").dataset.drawn = drawn.toFixed(4);
+      get("gauss").dataset.colours = colours;
+    }
+    root.dataset.hull = chosen;
+  }
+
+  function choose(value) {
+    chosen = value === ALL ? ALL : Number(value);
+    marked = null;
+    for (const view of Object.values(views)) if (view) view.forget();
+    camera.reset();
+    if (current().length) camera.look(frame(current()));
+    gauss.show(mapped().gauss);
+    captions();
+    legend();
+    tell(null);
+    draw3d();
+    gauss.draw();
+    check();
+  }
+
+  choice.addEventListener("change", () => choose(choice.value));
+  for (const id of ["show-edges", "show-vertices", "show-mesh-edges", "show-around", "up"]) get(id).addEventListener("change", redraw);
+  get("reset").addEventListener("click", () => {
+    camera.reset();
+    redraw();
+  });
+  get("colour-by").addEventListener("change", (event) => {
+    gauss.colourBy = event.target.value;
+    if (gauss.map) gauss.paint();
+    legend();
+    gauss.draw();
+  });
+  get("show-cells").addEventListener("change", (event) => {
+    gauss.showsCells = event.target.checked;
+    gauss.draw();
+  });
+  get("gauss-in").addEventListener("click", () => gauss.grow(1.6));
+  get("gauss-out").addEventListener("click", () => gauss.grow(1 / 1.6));
+  get("gauss-reset").addEventListener("click", () => {
+    gauss.reset();
+    gauss.grow(1);
+  });
+  if (has3d) {
+    for (const view of Object.values(views)) if (view) steer(view.canvas, camera, redraw);
+  }
+  const again = () => {
+    draw3d();
+    gauss.draw();
+  };
+  new ResizeObserver(again).observe(get("gauss"));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);
+  addEventListener("beforeprint", again);
+
+  choose(isMany ? ALL : 0);
+  root.dataset.ready = "true";
+}

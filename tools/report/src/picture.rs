@@ -1,0 +1,241 @@
+//! A small still picture of a mesh inside its hull, rendered in software, for the folder's page and
+//! for browsers without WebGL.
+//!
+//! Triangles are rasterised with a depth buffer, in an orthographic view from a corner, into a PNG
+//! with a palette of a few shades of two colours on a transparent background. It is rendered at
+//! twice its display size, which smooths its edges.
+
+use crate::DisplayMesh;
+use crate::encode::base64;
+use crate::input::Up;
+
+/// Size in pixels; twice the display size.
+pub const SIZE: [usize; 2] = [320, 240];
+
+/// Shades of each colour.
+const SHADES: usize = 24;
+
+/// Margin on each side, relative to width or height.
+const MARGIN: f64 = 0.06;
+
+/// Axes of the view: right, up and towards the viewer, rotated by −35° about z and tilted 25° down.
+/// Constants, because the last digits of sines differ between machines.
+const VIEW: [[f64; 3]; 3] = [
+    [0.819_152_044_289, -0.573_576_436_351, 0.0],
+    [0.242_403_876_506, 0.346_188_613_059, 0.906_307_787_037],
+    [-0.519_836_790_726, -0.742_403_876_506, 0.422_618_261_741],
+];
+
+/// Direction to the light, in the axes of the view.
+const LIGHT: [f64; 3] = [-0.36, 0.6, 0.71];
+
+/// The darkest and lightest shade of hulls, then of meshes.
+const COLOURS: [[[u8; 3]; 2]; 2] = [[[60, 96, 150], [150, 190, 240]], [[92, 74, 52], [244, 212, 164]]];
+
+/// Radius of a dot, in pixels.
+const DOT: f64 = 1.5;
+
+/// Opacity of hulls, of 255.
+const HULL_ALPHA: u8 = 150;
+
+/// The picture as a `data:` URL: the hulls behind, the meshes in front.
+pub fn picture(hulls: &[DisplayMesh], meshes: &[DisplayMesh], up: Up) -> String {
+    let seen = |point: [f32; 3]| seen(point, up);
+    let all = || hulls.iter().chain(meshes);
+    let mut low = [f64::INFINITY; 2];
+    let mut high = [f64::NEG_INFINITY; 2];
+    for point in all().flat_map(|shape| &shape.points) {
+        let [x, y, _] = seen(*point);
+        for (axis, c) in [x, y].into_iter().enumerate() {
+            (low[axis], high[axis]) = (low[axis].min(c), high[axis].max(c));
+        }
+    }
+    let room = SIZE.map(|pixels| pixels as f64 * (1.0 - 2.0 * MARGIN));
+    let scale = [0, 1].map(|axis| room[axis] / (high[axis] - low[axis])).into_iter().fold(f64::INFINITY, f64::min);
+    // A point has no size: any scale will do.
+    let scale = if scale.is_finite() { scale } else { 1.0 };
+    let place = |point: [f32; 3]| {
+        let [x, y, z] = seen(point);
+        let middle = [0, 1].map(|axis| (low[axis] + high[axis]) / 2.0);
+        let [width, height] = SIZE.map(|pixels| pixels as f64 / 2.0);
+        [width + (x - middle[0]) * scale, height - (y - middle[1]) * scale, z * scale]
+    };
+
+    let mut pixels = vec![0_u8; SIZE[0] * SIZE[1]];
+    for (layer, shapes) in [hulls, meshes].into_iter().enumerate() {
+        let mut depths = vec![f64::NEG_INFINITY; pixels.len()];
+        for shape in shapes {
+            for triangle in &shape.triangles {
+                let corners = triangle.map(|corner| place(shape.points[corner as usize]));
+                fill(&mut pixels, &mut depths, corners, layer);
+            }
+            // A mesh without triangles is drawn as dots, its edges as rows of dots.
+            if shape.triangles.is_empty() {
+                let is_alone = shape.points.len() == 1;
+                for &[from, to] in &shape.edges {
+                    let [from, to] = [from, to].map(|corner| place(shape.points[corner as usize]));
+                    for step in 0..=SIZE[0] {
+                        let along = step as f64 / SIZE[0] as f64;
+                        dot(&mut pixels, [0, 1].map(|i| from[i] + (to[i] - from[i]) * along), DOT, layer);
+                    }
+                }
+                let radius = if is_alone { 8.0 } else { DOT };
+                shape
+                    .points
+                    .iter()
+                    .for_each(|&point| dot(&mut pixels, [place(point)[0], place(point)[1]], radius, layer));
+            }
+        }
+    }
+    format!("data:image/png;base64,{}", base64(&png(&pixels)))
+}
+
+/// A point in the axes of the view.
+fn seen([x, y, z]: [f32; 3], up: Up) -> [f64; 3] {
+    let point = if up == Up::Z { [x, y, z] } else { [x, -z, y] };
+    VIEW.map(|axis| (0..3).map(|i| axis[i] * f64::from(point[i])).sum())
+}
+
+fn colour(layer: usize, shade: f64) -> u8 {
+    (1 + layer * SHADES) as u8 + (shade.clamp(0.0, 1.0) * (SHADES - 1) as f64).round() as u8
+}
+
+fn fill(pixels: &mut [u8], depths: &mut [f64], [a, b, c]: [[f64; 3]; 3], layer: usize) {
+    let cross = |p: [f64; 3], q: [f64; 3], x: f64, y: f64| (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]);
+    let area = cross(a, b, c[0], c[1]);
+    let [u, v] = [b, c].map(|p| [p[0] - a[0], a[1] - p[1], p[2] - a[2]]);
+    let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    let length = normal.iter().map(|c| c * c).sum::<f64>().sqrt();
+    // NaN takes the failing branch.
+    if !(area != 0.0 && length > 0.0) {
+        return;
+    }
+    // Meshes may be wound either way: the visible side is lit.
+    let lit = (0..3).map(|i| normal[i] * LIGHT[i]).sum::<f64>() / length * normal[2].signum();
+    let colour = colour(layer, 0.25 + 0.75 * lit);
+    let range = |axis: usize| {
+        let of = [a, b, c].map(|corner| corner[axis]);
+        let low = of.into_iter().fold(f64::INFINITY, f64::min).floor();
+        let high = of.into_iter().fold(f64::NEG_INFINITY, f64::max).ceil();
+        // Casts saturate at zero.
+        low as usize..=(high as usize).min(SIZE[axis] - 1)
+    };
+    for row in range(1) {
+        for column in range(0) {
+            let (x, y) = (column as f64 + 0.5, row as f64 + 0.5);
+            let weights = [cross(b, c, x, y) / area, cross(c, a, x, y) / area, cross(a, b, x, y) / area];
+            if weights.iter().all(|&weight| weight >= 0.0) {
+                let depth = weights[0] * a[2] + weights[1] * b[2] + weights[2] * c[2];
+                let at = row * SIZE[0] + column;
+                if depth > depths[at] {
+                    (depths[at], pixels[at]) = (depth, colour);
+                }
+            }
+        }
+    }
+}
+
+fn dot(pixels: &mut [u8], [x, y]: [f64; 2], radius: f64, layer: usize) {
+    let reach = radius.ceil() as i32;
+    for (dx, dy) in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (f64::from(dx), f64::from(dy)))) {
+        let (column, row) = ((x + dx) as usize, (y + dy) as usize);
+        if dx * dx + dy * dy <= radius * radius && column < SIZE[0] && row < SIZE[1] {
+            pixels[row * SIZE[0] + column] = colour(layer, 0.7);
+        }
+    }
+}
+
+/// The pixels as a PNG file. Palette: 0 is transparent, then the hulls' shades, then the meshes'.
+fn png(pixels: &[u8]) -> Vec<u8> {
+    let (mut palette, mut alpha) = (vec![0; 3], vec![0]);
+    for (layer, [dark, light]) in COLOURS.into_iter().enumerate() {
+        for shade in 0..SHADES {
+            let blend = |i: usize| {
+                let (dark, light) = (usize::from(dark[i]), usize::from(light[i]));
+                ((dark * (SHADES - 1 - shade) + light * shade) / (SHADES - 1)) as u8
+            };
+            palette.extend([0, 1, 2].map(blend));
+            alpha.push(if layer == 0 { HULL_ALPHA } else { u8::MAX });
+        }
+    }
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, SIZE[0] as u32, SIZE[1] as u32);
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_palette(palette);
+    encoder.set_trns(alpha);
+    // Neighbouring pixels have unrelated palette indices, so filters do not help.
+    encoder.set_filter(png::Filter::NoFilter);
+    encoder.set_compression(png::Compression::High);
+    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(pixels));
+    written.expect("writing to memory succeeds, and there is a byte a pixel");
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tetrahedron() -> DisplayMesh {
+        let points = vec![[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+        DisplayMesh { points, triangles: vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]], ..DisplayMesh::default() }
+    }
+
+    fn pixels(picture: &str) -> Vec<u8> {
+        use base64::{Engine, engine::general_purpose::STANDARD};
+        let bytes = STANDARD.decode(picture.strip_prefix("data:image/png;base64,").unwrap()).unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        let mut pixels = vec![0; SIZE[0] * SIZE[1]];
+        reader.next_frame(&mut pixels).unwrap();
+        pixels
+    }
+
+    #[test]
+    fn pictures_show_hull_and_mesh() {
+        let mut small = tetrahedron();
+        small.points.iter_mut().flatten().for_each(|c| *c *= 0.5);
+        let drawn = pixels(&picture(&[tetrahedron()], &[small], Up::Z));
+        let share = |from: usize, to: usize| {
+            drawn.iter().filter(|&&pixel| (from..to).contains(&usize::from(pixel))).count() as f64 / drawn.len() as f64
+        };
+        let (nothing, hull, mesh) = (share(0, 1), share(1, 1 + SHADES), share(1 + SHADES, 1 + 2 * SHADES));
+        assert!(nothing > 0.3 && hull > 0.1 && mesh > 0.03, "{nothing} {hull} {mesh}");
+        // The size of the whole does not matter.
+        let mut large = tetrahedron();
+        large.points.iter_mut().flatten().for_each(|c| *c *= 1024.0);
+        assert_eq!(picture(&[large], &[], Up::Z), picture(&[tetrahedron()], &[], Up::Z));
+    }
+
+    #[test]
+    fn either_axis_points_up() {
+        let mut lying = tetrahedron();
+        lying.points.iter_mut().for_each(|point| point[2] *= 3.0);
+        let mut turned = lying.clone();
+        turned.points.iter_mut().for_each(|point| *point = [point[0], point[2], -point[1]]);
+        assert_eq!(picture(&[lying.clone()], &[], Up::Z), picture(&[turned], &[], Up::Y));
+        assert_ne!(picture(&[lying.clone()], &[], Up::Z), picture(&[lying], &[], Up::Y));
+    }
+
+    #[test]
+    fn points_and_segments_are_drawn() {
+        let point = DisplayMesh { points: vec![[1.0, 2.0, 3.0]], ..DisplayMesh::default() };
+        let edges = vec![[0, 1]];
+        let segment = DisplayMesh { points: vec![[0.0; 3], [1.0, 0.0, 0.0]], edges, ..DisplayMesh::default() };
+        let empty = DisplayMesh::default();
+        for (shape, least) in [(point, 5), (segment, 200), (empty, 0)] {
+            let drawn = pixels(&picture(&[shape], &[], Up::Z)).iter().filter(|&&pixel| pixel > 0).count();
+            assert!(drawn >= least && drawn < 4_000, "{drawn}");
+        }
+    }
+
+    #[test]
+    fn the_view_is_a_rotation() {
+        for (i, a) in VIEW.iter().enumerate() {
+            for (j, b) in VIEW.iter().enumerate() {
+                let dot: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+                assert!((dot - f64::from(u8::from(i == j))).abs() < 1e-8);
+            }
+        }
+        assert!(glam::DVec3::from(VIEW[0]).cross(VIEW[1].into()).dot(VIEW[2].into()) > 0.999);
+    }
+}
