@@ -1,8 +1,8 @@
 //! The `bake` command, run as its users run it.
 //!
-//! Cargo gives a test the binaries of its own package only. So the command is built here, once a test binary, by the
-//! cargo that runs the tests, in the same profile and the same target folder: when it is up to date, that takes a
-//! moment.
+//! Cargo gives a test only the binaries of its own package. So each test binary builds the command
+//! once, with the cargo that runs the tests, in the same profile and target folder. If it is up to
+//! date, that takes a moment.
 
 use std::{
     ffi::{OsStr, OsString},
@@ -15,7 +15,7 @@ use serde_json::Value;
 
 use crate::outside::workspace;
 
-/// What came out of a run.
+/// The result of a run.
 #[derive(Debug)]
 pub struct Run {
     /// Exit code.
@@ -27,10 +27,10 @@ pub struct Run {
 }
 
 impl Run {
-    /// The same run, if it ended with `code`.
+    /// Asserts the exit code and returns the run.
     ///
     /// # Panics
-    /// If it ended otherwise, with all that it printed.
+    /// If the exit code differs; the message has all output.
     #[track_caller]
     pub fn expect(self, code: i32) -> Self {
         assert_eq!(self.code, code, "exit code\nstdout: {}\nstderr: {}", self.stdout, self.stderr);
@@ -40,7 +40,7 @@ impl Run {
     /// Standard output as one JSON value a line.
     ///
     /// # Panics
-    /// If a line is anything else.
+    /// If a line is not JSON.
     #[track_caller]
     pub fn json(&self) -> Vec<Value> {
         let read = |line| serde_json::from_str(line).unwrap_or_else(|error| panic!("{error}: {line}"));
@@ -48,15 +48,15 @@ impl Run {
     }
 }
 
-/// Runs `bake` with these words, in the workspace's folder.
+/// Runs `bake` with these arguments, in the workspace's folder.
 ///
 /// # Panics
-/// If it cannot be built or started, is killed, or prints what is not UTF-8.
+/// If it cannot be built or started, is killed, or prints invalid UTF-8.
 pub fn bake<S: AsRef<OsStr>>(words: impl IntoIterator<Item = S>) -> Run {
     bake_in(&workspace(), words)
 }
 
-/// Runs `bake` with these words in `folder`.
+/// Runs `bake` with these arguments in `folder`.
 ///
 /// # Panics
 /// As [`bake`].
@@ -66,10 +66,10 @@ pub fn bake_in<S: AsRef<OsStr>>(folder: &Path, words: impl IntoIterator<Item = S
     Run { code: run.status.code().expect("bake is not killed"), stdout: text(run.stdout), stderr: text(run.stderr) }
 }
 
-/// Runs cargo with these words in the workspace's folder.
+/// Runs cargo with these arguments in the workspace's folder.
 ///
 /// # Panics
-/// If it fails, with what it printed.
+/// If it fails; the message has its errors.
 pub fn cargo<S: AsRef<OsStr>>(words: impl IntoIterator<Item = S>) -> Output {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from(env!("CARGO")));
     let output = Command::new(cargo).args(words).current_dir(workspace()).output().expect("cargo starts");
@@ -77,7 +77,8 @@ pub fn cargo<S: AsRef<OsStr>>(words: impl IntoIterator<Item = S>) -> Output {
     output
 }
 
-/// `bake` with these words in `folder`, not started yet: for what must be interrupted, watched or piped.
+/// `bake` with these arguments in `folder`, not started yet, so that a test can interrupt, watch or
+/// pipe it.
 ///
 /// # Panics
 /// If it cannot be built.
@@ -91,7 +92,8 @@ pub fn command<S: AsRef<OsStr>>(folder: &Path, words: impl IntoIterator<Item = S
 pub fn binary() -> &'static Path {
     static BINARY: OnceLock<PathBuf> = OnceLock::new();
     BINARY.get_or_init(|| {
-        // A test is <target>/<profile>/deps/<name>, a command of this package <target>/<profile>/<name>.
+        // A test is <target>/<profile>/deps/<name>, a command of this package
+        // <target>/<profile>/<name>.
         let test = std::env::current_exe().expect("a test knows where it is");
         let above = test.ancestors().skip(1).find(|folder| folder.file_name() != Some(OsStr::new("deps")));
         let folder = above.expect("tests lie in a profile's folder");

@@ -4,8 +4,8 @@ use glam::{DVec3, Vec3};
 use hullmap::Hull;
 use shapes::rng::SplitMix64;
 
-/// At least `count` valid directions for `hull`: random ones; face normals, exact and disturbed; edge normals; axes,
-/// diagonals and seams of the cube map; very long and very short ones.
+/// At least `count` valid directions for `hull`: random ones; face normals, exact and disturbed;
+/// edge normals; axes, diagonals and seams of the cube map; very long and very short ones.
 pub fn all(hull: &Hull, count: usize, seed: u64) -> Vec<Vec3> {
     let mut rng = SplitMix64::new(seed);
     let mut dirs: Vec<Vec3> = (0..count / 2).map(|_| narrow(DVec3::from_array(rng.direction()))).collect();
@@ -50,7 +50,7 @@ pub fn all(hull: &Hull, count: usize, seed: u64) -> Vec<Vec3> {
     dirs
 }
 
-/// Directions that are none: zero, NaN, infinite. Any vertex may answer them.
+/// Invalid directions: zero, NaN, infinite. Any vertex is an allowed answer.
 pub fn invalid() -> Vec<Vec3> {
     let odd = [0.0, -0.0, 1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
     let mut dirs = Vec::new();

@@ -1,13 +1,14 @@
 //! Clouds of game data: the file that the variable `HULLMAP_HULLS` names.
 //!
-//! Little-endian: a u32 count and as many times three f32, repeated to the end.
+//! Little-endian: a u32 count and that many points of three f32, repeated to the end of the file.
 
 use crate::outside;
 
 /// The variable that names the file.
 pub const VARIABLE: &str = "HULLMAP_HULLS";
 
-/// The clouds of the file; `None`, after a line that says which test was skipped, where the variable is not set.
+/// The clouds of the file. If the variable is not set, prints which test is skipped and returns
+/// `None`.
 ///
 /// # Panics
 /// If the file cannot be read, or ends inside a cloud.

@@ -1,5 +1,17 @@
-//! What the tests of the whole workspace share: the command, packs made in process, directions to try, and truths that
-//! come from somewhere else.
+//! Libraries of the tests of the whole workspace. Truths and packs that other packages' tests need
+//! too are in `hullmap-testkit`.
+//!
+//! | module | contents | program |
+//! |---|---|---|
+//! | [`hostile`] | damaged and hostile packs | `hostile-packs` |
+//! | [`faults`] | bakes with faults at system calls, kills, power cuts (Linux) | `bake-faults` |
+//! | [`soak`] | solver answers judged by certificates | `solver-soak` |
+//! | [`truth`] | solver intervals compared with truths | `solver-truth` |
+//! | [`fuzzed`] | the fuzz targets, their corpora and first inputs | `fuzz-corpus`, and the targets in `fuzz/` |
+//! | [`command`] | the `bake` command, built and run | |
+//! | [`outside`], [`game_hulls`] | inputs outside the repository | |
+//! | [`directions`], [`regret`] | directions in which a support query can fail, and by how much | |
+//! | [`parry`], [`wavefront`] | second opinions: parry3d in f64, a plain OBJ reader | |
 
 pub mod command;
 pub mod directions;
@@ -9,7 +21,6 @@ pub mod fuzzed;
 pub mod game_hulls;
 pub mod hostile;
 pub mod outside;
-pub mod packs;
 pub mod parry;
 pub mod regret;
 pub mod soak;

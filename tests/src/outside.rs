@@ -2,18 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
-/// The path that `variable` holds; without it `None`, after a line that says which test was skipped.
+/// The path in the environment variable `variable`. If it is not set, prints which test is skipped
+/// and returns `None`.
 ///
 /// # Panics
-/// If the variable names nothing that is there: a test that was asked for must not be skipped.
+/// If the path does not exist: a requested test must not be skipped.
 pub fn path(variable: &str, test: &str) -> Option<PathBuf> {
     let Some(path) = std::env::var_os(variable).filter(|value| !value.is_empty()) else {
         println!("skipped: {test}: {variable} is not set");
         return None;
     };
-    // Cargo runs a test in its package's folder; the variable is meant from the workspace's.
+    // Cargo runs a test in its package's folder; the path is relative to the workspace.
     let path = workspace().join(path);
-    assert!(path.exists(), "{variable} names {}, which is not there", path.display());
+    assert!(path.exists(), "{variable} names {}, which does not exist", path.display());
     Some(path)
 }
 

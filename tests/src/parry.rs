@@ -11,7 +11,7 @@ use parry3d_f64::{
 /// A baked solid as parry's convex polyhedron.
 ///
 /// # Panics
-/// Where parry refuses the mesh.
+/// If parry refuses the mesh.
 pub fn polyhedron(hull: &Hull) -> ConvexPolyhedron {
     let points: Vec<_> = hull.vertices().map(|v| v.as_dvec3()).collect();
     let mut triangles = Vec::new();
@@ -22,18 +22,18 @@ pub fn polyhedron(hull: &Hull) -> ConvexPolyhedron {
     ConvexPolyhedron::from_convex_mesh(points, &triangles).expect("parry takes a certified convex mesh")
 }
 
-/// What parry says of a pair.
+/// parry's answers about a pair.
 #[derive(Clone, Copy, Debug)]
 pub struct Opinion {
     /// `intersection_test`.
     pub intersects: bool,
-    /// Distance, or minus the depth, by `contact`; `None` if parry gives none.
+    /// Distance, or minus the depth, by `contact`; `None` if parry finds no contact.
     pub signed_distance: Option<f64>,
     /// `distance`; 0 where they overlap.
     pub distance: f64,
 }
 
-/// Asks parry about `a` and `b` placed at `b_in_a`.
+/// parry's answers about `a`, and `b` at the pose `b_in_a`.
 ///
 /// # Panics
 /// Never for convex polyhedra: parry supports the pair.
@@ -46,7 +46,7 @@ pub fn opinion(a: &ConvexPolyhedron, b: &ConvexPolyhedron, b_in_a: Pose) -> Opin
     }
 }
 
-/// Whether parry says that they overlap.
+/// Whether they overlap according to parry.
 ///
 /// # Panics
 /// Never for convex polyhedra: parry supports the pair.

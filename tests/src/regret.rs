@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-/// The source points, and the greatest distance between two of them.
+/// The source points, and their diameter: the maximum distance between two of them.
 pub struct Truth {
     points: Vec<DVec3>,
     diameter: f64,
@@ -12,8 +12,9 @@ impl Truth {
     /// Takes the source points.
     pub fn new(points: &[[f32; 3]]) -> Self {
         let points: Vec<DVec3> = points.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
-        // Distances from one end of the longest diagonal of the points' own extremes are within √3 of the diameter and
-        // never above it, so that a regret measured with them is never too small.
+        // Distances from one end of the longest diagonal of the points' own extremes are within √3
+        // of the diameter and never above it, so that a regret measured with them is never too
+        // small.
         let far = |from: DVec3| {
             points.iter().copied().max_by(|p, q| p.distance(from).total_cmp(&q.distance(from))).unwrap_or(from)
         };
@@ -22,7 +23,8 @@ impl Truth {
         Self { points, diameter }
     }
 
-    /// (greatest dot product − that of `got`) / (|dir| · diameter); 0 where all points are the same.
+    /// (maximum dot product − that of `got`) / (|dir| · diameter); 0 where all points are the
+    /// same.
     pub fn regret(&self, dir: Vec3, got: Vec3) -> f64 {
         let (dir, got) = (dir.as_dvec3(), got.as_dvec3());
         let best = self.points.iter().map(|p| p.dot(dir)).fold(f64::NEG_INFINITY, f64::max);

@@ -1,15 +1,15 @@
-//! A plain reader of OBJ files: positions as the decimal text has them, in f64, where the command rounds them to f32.
-//!
-//! It knows `v` lines and the elements that name them, and no errors: it is a second opinion on files that are sound.
+//! A plain reader of valid OBJ files, as a second opinion: `v` lines and the elements that
+//! reference them. Positions are read in f64, where the command rounds them to f32.
 
 use std::collections::BTreeSet;
 
 use glam::DVec3;
 
-/// The points of an OBJ file that elements reference (all of them where nothing does, or if `all`), in order.
+/// The points of an OBJ file that elements reference, in order; all points if `all`, or if there is
+/// no element.
 ///
 /// # Panics
-/// On a file that is not sound.
+/// If the file is invalid.
 pub fn points(text: &str, all: bool) -> Vec<DVec3> {
     let mut vertices = Vec::new();
     let mut referenced = BTreeSet::new();

@@ -2,10 +2,10 @@
 
 use glam::{DQuat, DVec3};
 use hullmap::batch::{self, Pair};
-use hullmap::levels::{self, Levels};
+use hullmap::cascade::{self, Stages};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
 use hullmap::{
-    Cache, Hull, Manifold, ManifoldSettings, Pack, Pose, Settings, Shape, contact, contact_in_steps, distance,
+    Cache, Hull, Manifold, ManifoldSettings, Pack, Pose, Settings, Shape, contact, contact_lockstep, distance,
     intersects,
 };
 use shapes::rng::SplitMix64;
@@ -14,9 +14,9 @@ use crate::bits::Bits;
 
 /// Kinds of answers, as the golden file names them.
 pub const KINDS: [&str; 8] =
-    ["support", "support_from", "intersects", "contact", "distance", "levels", "manifold", "batch"];
+    ["support", "support_from", "intersects", "contact", "distance", "cascade", "manifold", "batch"];
 
-/// Answers of each kind that one chunk gives.
+/// Number of answers of each kind in one chunk.
 pub const PER_CHUNK: usize = 200;
 
 /// Chunks of the large set: 102,400 answers and as many warm ones of pairs.
@@ -24,13 +24,13 @@ pub const CHUNKS: u64 = 64;
 
 const SEED: u64 = 0x901d;
 
-/// One hash for each kind, of the answers of chunk `number`, `per_kind` of each.
+/// One hash for each kind: that of `per_kind` answers of chunk `number`.
 pub fn chunk(packs: &[Pack], number: u64, per_kind: usize) -> [u64; KINDS.len()] {
     let mut rng = SplitMix64::new(SEED ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let hulls: Vec<Hull<'_>> = packs.iter().flat_map(Pack::hulls).collect();
     let shapes = shapes(&hulls);
     let mut bits: [Bits; KINDS.len()] = Default::default();
-    let [support, support_from, yes, deep, near, leveled, held, batched] = &mut bits;
+    let [support, support_from, yes, deep, near, cascade_bits, held, batched] = &mut bits;
     for _ in 0..per_kind {
         let hull = &hulls[rng.below(hulls.len())];
         let dir = DVec3::from_array(rng.direction()).as_vec3();
@@ -53,14 +53,15 @@ pub fn chunk(packs: &[Pack], number: u64, per_kind: usize) -> [u64; KINDS.len()]
             if place % 2 == 0 {
                 yes.intersection(&intersects(a, b, b_in_a, &mut caches[0]));
                 deep.contact(&contact(a, b, b_in_a, &settings, &mut caches[1]));
-                deep.contact(&contact_in_steps(a, b, b_in_a, 12, &mut Cache::new()));
+                deep.contact(&contact_lockstep(a, b, b_in_a, 12, &mut Cache::new()));
                 near.distance(&distance(a, b, b_in_a, &settings, &mut caches[2]));
             } else {
                 yes.intersection(&intersects(any_a, any_b, b_in_a, &mut caches[0]));
                 deep.contact(&contact(any_a, any_b, b_in_a, &settings, &mut caches[1]));
                 near.distance(&distance(any_a, any_b, b_in_a, &settings, &mut caches[2]));
             }
-            leveled.intersection(&levels::intersects(a, b, b_in_a, Levels::default(), &mut caches[3]).intersection);
+            cascade_bits
+                .intersection(&cascade::intersects(a, b, b_in_a, Stages::default(), &mut caches[3]).intersection);
         }
         let mut manifold = Manifold::new();
         for b_in_a in [b_in_a, moved] {
@@ -107,7 +108,8 @@ fn shapes<'h>(hulls: &[Hull<'h>]) -> Vec<Box<dyn Shape + Sync + 'h>> {
     all
 }
 
-/// Apart, touching, deep; some with axes that stay parallel. Without a sine: see the package.
+/// Separated, touching and penetrating poses; in some, axes remain parallel. Computed without a
+/// sine: see the documentation of the package.
 fn pose(rng: &mut SplitMix64) -> Pose {
     let rotation = match rng.below(4) {
         0 => DQuat::IDENTITY,

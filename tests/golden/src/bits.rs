@@ -1,11 +1,12 @@
 //! A hash of numbers by their bits.
 
 use glam::DVec3;
-use hullmap::{Contact, Distance, Intersection, Manifold, SupportPoint};
+use hullmap::{Contact, Distance, Intersection, Manifold, SupportVertex};
 use std::hash::Hasher;
 use twox_hash::XxHash3_64;
 
-/// XXH3-64 of little-endian numbers. Zero has one sign here: which of the two comes out of a sum is no answer.
+/// XXH3-64 of little-endian numbers. Zero has one sign here: which of the two comes out of a sum is
+/// no answer.
 pub struct Bits(XxHash3_64);
 
 impl Default for Bits {
@@ -30,7 +31,7 @@ impl Bits {
         self.0.write(&hash.to_le_bytes());
     }
 
-    /// Adds a number, which is none of NaN.
+    /// Adds a number other than NaN.
     ///
     /// # Panics
     /// If it is NaN: no answer is.
@@ -45,7 +46,7 @@ impl Bits {
     }
 
     /// Adds a support point.
-    pub fn support(&mut self, s: SupportPoint) {
+    pub fn support(&mut self, s: SupportVertex) {
         self.count(s.index);
         self.vector(s.point.as_dvec3());
     }

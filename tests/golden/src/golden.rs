@@ -1,4 +1,4 @@
-//! The golden file: one line a hash, `name hash`, after one that names the format version.
+//! The golden file: a line with the format version, then one line `name hash` per hash.
 
 use std::{collections::BTreeMap, fmt::Write};
 
@@ -15,24 +15,24 @@ const SMALL: usize = 3;
 
 const VERSION: &str = "format-version";
 
-/// What the file holds, or what was computed.
+/// Contents of the golden file, or computed hashes to compare with it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Golden {
-    /// Version of the format that the packs are of.
+    /// Format version of the packs.
     pub format_version: u32,
     /// Hashes by name.
     pub hashes: BTreeMap<String, u64>,
 }
 
 impl Golden {
-    /// Bakes and asks the small set.
+    /// Bakes and queries the small set.
     pub fn small() -> Self {
         let files = packs::files(Set::Small);
         let chunk = answers::chunk(&packs::opened(&files), 0, SMALL);
         Self::of("small", packs::hashes(&files), answers::joined(&[chunk]))
     }
 
-    /// Bakes and asks the large set, on rayon's pool.
+    /// Bakes and queries the large set on rayon's pool.
     pub fn large() -> Self {
         let files = packs::files(Set::Large);
         let opened = packs::opened(&files);
@@ -46,16 +46,16 @@ impl Golden {
         Self { format_version: FORMAT_VERSION, hashes }
     }
 
-    /// Both sets' hashes.
+    /// The hashes of both sets.
     pub fn join(mut self, other: Self) -> Self {
         self.hashes.extend(other.hashes);
         self
     }
 
-    /// What a text of the golden file says.
+    /// Parses the text of the golden file.
     ///
     /// # Errors
-    /// The first line that is none.
+    /// The first invalid line.
     pub fn read(text: &str) -> Result<Self, String> {
         let (mut format_version, mut hashes) = (0, BTreeMap::new());
         for line in text.lines().filter(|line| !line.starts_with('#') && !line.is_empty()) {
@@ -81,22 +81,22 @@ impl Golden {
         text
     }
 
-    /// What of `found` is not as told here, a line each: a hash that is another, or is not told. Packs of the same version must never
-    /// be other bytes.
+    /// Describes each hash of `found` that differs from the one here, or is missing here, in one
+    /// line. The bytes of packs must never change within a format version.
     pub fn differences(&self, found: &Self) -> Vec<String> {
         let mut lines = Vec::new();
         for (name, hash) in &found.hashes {
-            let told = self.hashes.get(name);
-            if told == Some(hash) {
+            let golden = self.hashes.get(name);
+            if golden == Some(hash) {
                 continue;
             }
             let is_pack = name.contains(" pack ");
-            let told = told.map_or("nothing".to_owned(), |told| format!("{told:016x}"));
+            let golden = golden.map_or("nothing".to_owned(), |golden| format!("{golden:016x}"));
             let remedy = match (is_pack, self.format_version == found.format_version) {
                 (true, true) => "the same version's bytes changed: raise FORMAT_VERSION and tell docs/FORMAT.md why",
                 _ => "if it was meant, renew the file",
             };
-            lines.push(format!("{name}: found {hash:016x}, golden {told}; {remedy}"));
+            lines.push(format!("{name}: found {hash:016x}, golden {golden}; {remedy}"));
         }
         lines
     }

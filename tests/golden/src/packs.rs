@@ -13,24 +13,24 @@ type Recipe = (&'static str, Family, usize, IndexKind);
 
 /// What runs in a second: ranks, indices, fans.
 const LARGE: [Recipe; 12] = [
-    ("rock-tree", Family::Rock, 2_000, IndexKind::TREE),
-    ("rock-compact", Family::Rock, 2_000, IndexKind::COMPACT),
+    ("rock-tree", Family::Rock, 2_000, IndexKind::Tree),
+    ("rock-compact", Family::Rock, 2_000, IndexKind::Compact),
     ("rock-binary", Family::Rock, 500, IndexKind::Binary),
     ("rock-cubemap", Family::Rock, 500, IndexKind::CubeMap { resolution: 16 }),
     ("rock-none", Family::Rock, 500, IndexKind::None),
-    ("prism-tree", Family::RotatedPrism, 1_000, IndexKind::TREE),
-    ("cone-tree", Family::Cone, 300, IndexKind::TREE),
-    ("lens-tree", Family::Lens, 800, IndexKind::TREE),
-    ("grid-tree", Family::CubeGrid, 27, IndexKind::TREE),
-    ("needle-tree", Family::Needle, 60, IndexKind::TREE),
-    ("sheet-tree", Family::FlatSheet, 40, IndexKind::TREE),
-    ("sphere-tree", Family::Sphere, 700, IndexKind::TREE),
+    ("prism-tree", Family::RotatedPrism, 1_000, IndexKind::Tree),
+    ("cone-tree", Family::Cone, 300, IndexKind::Tree),
+    ("lens-tree", Family::Lens, 800, IndexKind::Tree),
+    ("grid-tree", Family::CubeGrid, 27, IndexKind::Tree),
+    ("needle-tree", Family::Needle, 60, IndexKind::Tree),
+    ("sheet-tree", Family::FlatSheet, 40, IndexKind::Tree),
+    ("sphere-tree", Family::Sphere, 700, IndexKind::Tree),
 ];
 
 /// What an interpreter can bake: a scanned hull, one with a tree, a polygon.
 const SMALL: [Recipe; 3] = [
-    ("small-prism", Family::Prism, 10, IndexKind::TREE),
-    ("small-rock", Family::Rock, 40, IndexKind::TREE),
+    ("small-prism", Family::Prism, 10, IndexKind::Tree),
+    ("small-rock", Family::Rock, 40, IndexKind::Tree),
     ("small-sheet", Family::FlatSheet, 12, IndexKind::CubeMap { resolution: 2 }),
 ];
 

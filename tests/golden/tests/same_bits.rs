@@ -1,15 +1,16 @@
-//! Packs and answers are the bits of the golden file: in this build, on 1, 2 and 16 threads, with every set of vector instructions; the
-//! small set also under Miri, for other processors (`.ci/bits`).
+//! Packs and answers have the bits that the golden file records: in this build, on 1, 2 and 16
+//! threads, with every set of vector instructions. The small set is also checked under Miri, for
+//! other processors (`.ci/bits`).
 
 use hullmap_golden::golden::Golden;
 
-fn told() -> Golden {
+fn golden() -> Golden {
     Golden::read(include_str!("../golden.txt")).unwrap()
 }
 
 #[track_caller]
-fn assert_same(told: &Golden, found: &Golden) {
-    let differences = told.differences(found);
+fn assert_same(golden: &Golden, found: &Golden) {
+    let differences = golden.differences(found);
     assert!(differences.is_empty(), "{}", differences.join("\n"));
 }
 
@@ -17,7 +18,7 @@ fn assert_same(told: &Golden, found: &Golden) {
 fn the_small_set_is_the_same_bits() {
     let found = Golden::small();
     assert!(found.hashes.len() >= 11);
-    assert_same(&told(), &found);
+    assert_same(&golden(), &found);
 }
 
 #[test]
@@ -25,11 +26,11 @@ fn the_small_set_is_the_same_bits() {
 fn the_large_set_is_the_same_bits_on_any_number_of_threads() {
     for threads in [1, 2, 16] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        assert_same(&told(), &pool.install(Golden::large));
+        assert_same(&golden(), &pool.install(Golden::large));
     }
 }
 
-/// A process each, as the variable is read once.
+/// Each run is a process of its own, because the variable is read only once.
 #[test]
 #[cfg(not(miri))]
 fn every_set_of_instructions_gives_the_same_bits() {
@@ -43,7 +44,7 @@ fn every_set_of_instructions_gives_the_same_bits() {
     }
 }
 
-/// Else the test above would be about nothing.
+/// Otherwise the test above would be vacuous.
 #[test]
 #[cfg(not(miri))]
 fn the_variable_chooses_the_instructions() {
@@ -76,21 +77,21 @@ fn the_variable_chooses_the_instructions() {
 }
 
 #[test]
-fn changed_bytes_of_the_same_version_are_told() {
-    let told = told();
-    let mut found = told.clone();
+fn changed_bytes_of_the_same_version_are_reported() {
+    let golden = golden();
+    let mut found = golden.clone();
     for (name, hash) in &mut found.hashes {
         *hash ^= u64::from(name == "small pack small-rock") | u64::from(name == "small answers contact");
     }
-    let lines = told.differences(&found);
+    let lines = golden.differences(&found);
     assert_eq!(lines.len(), 2);
     assert!(lines[0].contains("renew the file") && lines[1].contains("raise FORMAT_VERSION"), "{lines:?}");
     found.format_version += 1;
-    assert!(told.differences(&found).iter().all(|line| line.contains("renew the file")));
+    assert!(golden.differences(&found).iter().all(|line| line.contains("renew the file")));
 }
 
 #[test]
 fn the_file_is_read_as_written() {
-    assert_eq!(Golden::read(&told().text()), Ok(told()));
+    assert_eq!(Golden::read(&golden().text()), Ok(golden()));
     assert!(Golden::read("a line of words").is_err());
 }

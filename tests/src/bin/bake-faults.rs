@@ -1,38 +1,41 @@
-//! Bakes that meet a fault, as many as one likes.
+//! Bakes with injected faults, in any number.
 
 use std::{path::PathBuf, process::ExitCode, time::Instant};
 
 use clap::Parser;
 use hullmap_tests::command::binary;
 
-/// Tries every fault at every system call of a bake, kills bakes at random moments, and cuts the power after each operation.
+/// Injects every fault at every system call of a bake, kills bakes at random moments, and cuts the
+/// power after each operation.
 ///
-/// Counts and what is wrong go to standard output. Exits with 1 if anything is wrong. Linux; temporary folders take a few MB.
+/// Counts and failures go to standard output. Exits with 1 if a check fails. Linux only; temporary
+/// folders take a few MB.
 #[derive(Parser)]
 #[command(after_help = "Example:\n  cargo run --release -p hullmap-tests --bin bake-faults -- --kills 10000")]
 struct Arguments {
-    /// How many bakes to kill
+    /// Number of bakes to kill
     #[arg(long, default_value_t = 1000)]
     kills: usize,
-    /// Seed of the moments
+    /// Seed of the random moments
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// The command to try [default: built here]
+    /// The command to test [default: built here]
     #[arg(long)]
     bake: Option<PathBuf>,
-    /// Tries these alone: kill, torn, short, errno=4, errno=5, errno=13, full=28, full=30, power, kills
+    /// Faults to try [default: all]: kill, torn, short, errno=4, errno=5, errno=13, full=28,
+    /// full=30, power, kills
     #[arg(long, value_name = "WORD", value_delimiter = ',')]
     only: Vec<String>,
-    /// Threads; all processors by default
+    /// Number of threads [default: all processors]
     #[arg(long)]
     threads: Option<usize>,
-    /// How much of what is wrong to tell
+    /// Maximum number of failures to print
     #[arg(long, default_value_t = 20)]
-    told: usize,
+    report: usize,
 }
 
 fn main() -> ExitCode {
-    let Arguments { kills, seed, bake, only, threads, told } = Arguments::parse();
+    let Arguments { kills, seed, bake, only, threads, report } = Arguments::parse();
     let threads = threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let bake = bake.unwrap_or_else(|| binary().to_owned());
     let bake = bake.canonicalize().unwrap_or(bake);
@@ -70,6 +73,6 @@ fn main() -> ExitCode {
             wrong.extend(tally.wrong);
         }
     }
-    wrong.iter().take(told).for_each(|wrong| println!("\n{wrong}"));
+    wrong.iter().take(report).for_each(|wrong| println!("\n{wrong}"));
     if wrong.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) }
 }

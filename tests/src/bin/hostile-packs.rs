@@ -1,4 +1,4 @@
-//! Packs made to do harm, as many as one likes.
+//! Hostile packs, in any number.
 
 use std::{
     path::Path,
@@ -20,33 +20,34 @@ use hullmap_tests::hostile::{
     unchecked::{self, Findings},
 };
 
-/// Changes packs in many ways, and asks 1000 supports and 20 contacts of each that opens.
+/// Changes packs in many ways, and runs 1000 support queries and 20 contacts on each that opens.
 ///
-/// Counts go to standard output, progress to standard error. A panic or a hang ends it, and names the change.
+/// Counts go to standard output, progress to standard error. A panic or a hang ends the run and
+/// names the change.
 #[derive(Parser)]
 #[command(
     after_help = "Example:\n  cargo run --release -p hullmap-tests --bin hostile-packs -- --flips 10000000 --seed 1 --threads 2"
 )]
 struct Arguments {
-    /// How many bits to flip: all of the small packs, then all of packs that are drawn
+    /// Number of bits to flip: all bits of the small packs, then all bits of random packs
     #[arg(long, default_value_t = 10_000_000)]
     flips: usize,
-    /// Seed of the drawn packs, and of drawn changes
+    /// Seed of the random packs and changes
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Threads
+    /// Number of threads
     #[arg(long, default_value_t = 2)]
     threads: usize,
-    /// Start with this pack: those before it are counted as flipped already
+    /// Index of the first pack; earlier packs count as done
     #[arg(long, default_value_t = 0)]
     first: u64,
-    /// Changes drawn for each small pack
+    /// Number of random changes for each small pack
     #[arg(long, default_value_t = 4_000)]
     drawn: usize,
-    /// Which changes; all by default
+    /// Series of changes to try [default: all]
     #[arg(long, value_delimiter = ',')]
     only: Vec<Kind>,
-    /// Try one change in so many of each series
+    /// Try one change in N of each series
     #[arg(long, default_value_t = 1)]
     every: usize,
 }
@@ -61,7 +62,7 @@ enum Kind {
     Drawn,
     /// Flipped bits in files that are opened without checks
     Unchecked,
-    /// Flipped bits, as they are and with a right checksum
+    /// Flipped bits, with the old and with a correct checksum
     Flips,
 }
 
@@ -134,8 +135,8 @@ fn flips(small: &[Sample], arguments: &Arguments) {
         sealed += try_series(&subject, Series::SealedBits, count, arguments);
         eprintln!("{:6.0} s  pack {packs}, {}: {sealed}", start.elapsed().as_secs_f64(), sample.name);
     }
-    println!("flipped bits of {} packs, as they are: {plain}", packs - arguments.first.min(packs));
-    println!("flipped bits under a right checksum: {sealed}");
+    println!("flipped bits of {} packs, old checksum: {plain}", packs - arguments.first.min(packs));
+    println!("flipped bits correct checksum: {sealed}");
 }
 
 fn unchecked(small: &[Sample], arguments: &Arguments) {
@@ -159,7 +160,7 @@ fn unchecked(small: &[Sample], arguments: &Arguments) {
         eprintln!("unchecked, {}: {sum}", sample.name);
     }
     let Findings { asked, panics } = findings.into_inner().expect("no panic while it is held");
-    println!("opened without checks: {sum}; {asked} inquiries");
+    println!("opened without checks: {sum}; {asked} sets of queries");
     println!("panics of unchecked packs: {}", panics.values().sum::<usize>());
     panics.iter().for_each(|(place, count)| println!("  {count:8} {place}"));
 }

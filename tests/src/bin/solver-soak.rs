@@ -1,4 +1,4 @@
-//! The solver on as many pairs as one likes, each answer judged by a certificate.
+//! The solver on any number of pairs, each answer judged by a certificate.
 
 use std::{path::PathBuf, process::ExitCode, time::Instant};
 
@@ -12,40 +12,41 @@ use hullmap_tests::{
     },
 };
 
-/// Asks intersects, contact and distance about pairs of hulls and shapes, most about touching, and tests each answer by brute force.
+/// Queries intersects, contact and distance for pairs of hulls and shapes, most of them nearly
+/// touching, and checks each answer by brute force.
 ///
-/// Pairs are numbered and the same on any number of threads. Counts and wrong answers go to standard output, progress to standard
-/// error. Exits with 1 if an answer is wrong.
+/// Pairs are numbered and do not depend on the number of threads. Counts and wrong answers go to
+/// standard output, progress to standard error. Exits with 1 if an answer is wrong.
 #[derive(Parser)]
 #[command(
     after_help = "Example:\n  HULLMAP_HULLS=game_hulls.bin cargo run --release -p hullmap-tests --bin solver-soak -- --pairs 100000000"
 )]
 struct Arguments {
-    /// How many pairs
+    /// Number of pairs
     #[arg(long, default_value_t = 1_000_000)]
     pairs: u64,
-    /// Number of the first pair: to go on after a run that was cut short, or with --pairs 1 that pair alone
+    /// Index of the first pair: continues an interrupted run; with --pairs 1, that pair alone
     #[arg(long, default_value_t = 0)]
     first: u64,
     /// Seed of all pairs
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Threads; all processors by default
+    /// Number of threads [default: all processors]
     #[arg(long)]
     threads: Option<usize>,
-    /// Takes every so manieth of the game hulls
+    /// Use one game hull in N
     #[arg(long, default_value_t = 1)]
     stride: usize,
-    /// How many wrong answers to tell in full
+    /// Maximum number of wrong answers to print in full
     #[arg(long, default_value_t = 10)]
-    told: usize,
+    report: usize,
 }
 
 /// Pairs between two lines of progress.
 const BLOCK: u64 = 1_000_000;
 
 fn main() -> ExitCode {
-    let Arguments { pairs, first, seed, threads, stride, told } = Arguments::parse();
+    let Arguments { pairs, first, seed, threads, stride, report } = Arguments::parse();
     let threads = threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let file = std::env::var_os(game_hulls::VARIABLE).filter(|value| !value.is_empty()).map(PathBuf::from);
     let clouds = match file.as_ref().map(std::fs::read) {
@@ -55,7 +56,7 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
         None => {
-            eprintln!("{} is not set: generated shapes alone", game_hulls::VARIABLE);
+            eprintln!("{} is not set: only generated shapes are used", game_hulls::VARIABLE);
             Vec::new()
         }
     };
@@ -65,11 +66,11 @@ fn main() -> ExitCode {
     eprintln!("bodies: {:?}", cast.counts);
     let (start, end) = (Instant::now(), first.saturating_add(pairs));
     let mut tally = Tally::default();
-    let (mut next, mut left) = (first, told);
+    let (mut next, mut left) = (first, report);
     while next < end {
         let until = end.min(next + BLOCK);
         let block = soak(&cast, seed, next..until, threads);
-        // At once: a long run may be cut short.
+        // Print immediately: a long run may be interrupted.
         for wrong in block.wrongs().take(left) {
             println!("{wrong}\n");
             left -= 1;
@@ -77,7 +78,7 @@ fn main() -> ExitCode {
         tally.add(block);
         next = until;
         let (seconds, wrong) = (start.elapsed().as_secs_f64(), tally.wrong.values().sum::<u64>());
-        eprintln!("{seconds:7.1} s  {} pairs, {wrong} wrong; go on with --first {next}", tally.pairs);
+        eprintln!("{seconds:7.1} s  {} pairs, {wrong} wrong; continue with --first {next}", tally.pairs);
     }
     println!("seed {seed}, pairs {first} to {next}, bodies {:?}\n{tally}", cast.counts);
     if tally.wrong.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) }

@@ -1,4 +1,4 @@
-//! The solver's intervals against truth, on as many pairs as one likes.
+//! The solver's intervals against truth, on any number of pairs.
 
 use std::{process::ExitCode, time::Instant};
 
@@ -10,16 +10,17 @@ use hullmap_tests::truth::{
 
 /// Compares contact, distance and intersects with truth in f64, on hulls of many kinds.
 ///
-/// Counts and misses go to standard output, progress to standard error. Exits with 1 if an answer is wrong.
+/// Counts and misses go to standard output, progress to standard error. Exits with 1 if an answer
+/// is wrong.
 #[derive(Parser)]
 #[command(
     after_help = "Example:\n  cargo run --release -p hullmap-tests --bin solver-truth -- --pairs 100000 --seed 1"
 )]
 struct Arguments {
-    /// How many pairs
+    /// Number of pairs
     #[arg(long, default_value_t = 10_000)]
     pairs: u64,
-    /// Number of the first pair: with --pairs 1, that pair alone
+    /// Index of the first pair; with --pairs 1, that pair alone
     #[arg(long, default_value_t = 0)]
     first: u64,
     /// Seed of all pairs
@@ -28,16 +29,16 @@ struct Arguments {
     /// Hulls of 512 to 2000 vertices instead of 4 to 400: a pair takes a hundred times as long
     #[arg(long)]
     detailed: bool,
-    /// How many misses to tell in full
+    /// Maximum number of misses to print in full
     #[arg(long, default_value_t = 20)]
-    told: usize,
+    report: usize,
 }
 
-/// Lines of progress.
+/// Number of progress lines.
 const LINES: u64 = 10;
 
 fn main() -> ExitCode {
-    let Arguments { pairs, first, seed, detailed, told } = Arguments::parse();
+    let Arguments { pairs, first, seed, detailed, report } = Arguments::parse();
     let (mut scene, mut tally, start) =
         (Scene::new(seed, if detailed { Detail::Many } else { Detail::Few }), Tally::default(), Instant::now());
     for number in first..first.saturating_add(pairs) {
@@ -49,6 +50,6 @@ fn main() -> ExitCode {
         }
     }
     println!("seed {seed}\n{tally}");
-    tally.misses.iter().take(told).for_each(|miss| println!("\n{miss}"));
+    tally.misses.iter().take(report).for_each(|miss| println!("\n{miss}"));
     if tally.misses.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) }
 }

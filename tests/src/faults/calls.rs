@@ -12,7 +12,8 @@ use super::{
     project::{End, Project, WORDS},
 };
 
-/// The bake, on one thread: so the Nth call is the same in every run. Packs are verified, for the calls which that takes.
+/// The bake, on one thread: so the Nth call is the same in every run. Packs are verified, for the
+/// calls which that takes.
 fn words() -> Vec<&'static str> {
     WORDS.into_iter().chain(["--verify", "--jobs", "1"]).collect()
 }
@@ -34,7 +35,7 @@ pub struct Tally {
     pub mixed: usize,
     /// Bakes that left temporary files, all of which the next one removed.
     pub with_temporary: usize,
-    /// Faults by the call's name: told, absorbed.
+    /// Faults by the name of the call: reported, absorbed.
     pub by_call: BTreeMap<String, [usize; 2]>,
     /// What went wrong.
     pub wrong: Vec<String>,
@@ -62,17 +63,17 @@ impl fmt::Display for Tally {
         let Self { calls, bakes, killed, told, absorbed, mixed, with_temporary, .. } = self;
         writeln!(
             f,
-            "{bakes} bakes of {calls} calls met a fault: {killed} killed, {told} told it with exit code 2, {absorbed} did all the \
+            "{bakes} bakes of {calls} calls met a fault: {killed} killed, {told} reported it with exit code 2, {absorbed} did all the \
              same; {mixed} left old and new packs, {with_temporary} temporary files that the next removed"
         )?;
         let names =
-            self.by_call.iter().map(|(name, [told, absorbed])| format!("{name} {told} told, {absorbed} absorbed"));
+            self.by_call.iter().map(|(name, [told, absorbed])| format!("{name} {told} reported, {absorbed} absorbed"));
         writeln!(f, "failed calls: {}", names.collect::<Vec<_>>().join("; "))?;
         write!(f, "{} wrong", self.wrong.len())
     }
 }
 
-/// Bakes with `fault(n)` at the `n`th call, for every `n`, on so many threads.
+/// Bakes with `fault(n)` at the `n`th call, for every `n`, on `threads` threads.
 ///
 /// # Panics
 /// The undisturbed bake fails.
@@ -101,7 +102,7 @@ pub fn at_every_call(
         };
         let handles: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(work)).collect();
         for handle in handles {
-            let part = handle.join().expect("what is wrong is told, not thrown");
+            let part = handle.join().expect("a failure is recorded, not thrown");
             tally.calls = part.calls;
             tally.add(part);
         }
@@ -127,9 +128,9 @@ fn one(project: &Project, injector: &Injector, number: usize, fault: Fault) -> T
             }
             if let (Some(errno), Some(call)) = (fault.errno(), at) {
                 tally.by_call.entry(call.name.clone()).or_default()[usize::from(end == End::Done)] += 1;
-                let said = String::from_utf8_lossy(&run.stderr);
-                if end == End::Told && !said.contains(&format!("(os error {})", errno.number())) {
-                    tally.wrong.push(format!("{}: the message does not say what failed: {said}", place()));
+                let stderr = String::from_utf8_lossy(&run.stderr);
+                if end == End::Told && !stderr.contains(&format!("(os error {})", errno.number())) {
+                    tally.wrong.push(format!("{}: the message does not say what failed: {stderr}", place()));
                 }
             } else if end == End::Told {
                 tally.wrong.push(format!("{}: nothing failed, but: {}", place(), String::from_utf8_lossy(&run.stderr)));

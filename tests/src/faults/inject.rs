@@ -10,10 +10,10 @@ use tempfile::TempDir;
 
 const SOURCE: &str = include_str!("inject.c");
 
-/// Exit code of the tracer where the system does not let it trace.
+/// Exit code of the tracer if the system does not allow tracing.
 const UNTRACEABLE: i32 = 125;
 
-/// What happens at the chosen call.
+/// Fault at the chosen call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// Nothing: the calls are listed.
@@ -26,14 +26,14 @@ pub enum Fault {
     Short,
     /// The call fails.
     Error(Errno),
-    /// The call fails, and so do all later ones that need room.
+    /// The call fails, and so do all later ones that need disk space.
     Full(Errno),
 }
 
 /// An error of the system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Errno {
-    /// A signal came in between.
+    /// A signal interrupted the call.
     Interrupted,
     /// The disk is broken.
     Io,
@@ -102,7 +102,7 @@ pub struct Call {
     pub path: String,
     /// Where a rename leads; else empty.
     pub second: String,
-    /// Bytes asked for; for `open`, not 0 if it may make the file.
+    /// Bytes requested; for `open`, nonzero if it may create the file.
     pub bytes: u64,
     /// What it returned: below 0, the error.
     pub result: i64,
@@ -118,7 +118,7 @@ impl Injector {
     /// Builds the tracer.
     ///
     /// # Errors
-    /// Why there is none here: another system, no C compiler, or no permission to trace.
+    /// The reason why it is unavailable: another system, no C compiler, or no permission to trace.
     pub fn build() -> Result<Self, String> {
         let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
         let source = folder.path().join("inject.c");
@@ -140,7 +140,8 @@ impl Injector {
         }
     }
 
-    /// Runs a command in `folder` with a fault at the `number`th call that touches it. Tells the calls too.
+    /// Runs a command in `folder` with a fault at the `number`th call that accesses it. Also
+    /// returns the calls.
     ///
     /// # Panics
     /// The command cannot be traced.

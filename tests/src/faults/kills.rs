@@ -12,16 +12,16 @@ use shapes::rng::SplitMix64;
 
 use super::project::{End, Project, WORDS};
 
-/// Meshes beside those that are always there, so that most of the time is spent with packs.
+/// Number of additional meshes, so that most of the time is spent on packs.
 const MESHES: usize = 12;
 
-/// Most kills before the next bake may end.
+/// Maximum number of kills in a row before a bake may finish.
 const MOST_IN_A_ROW: u64 = 3;
 
-/// One kill of so many happens beside another bake into the same folder, which goes on.
+/// One kill in this many happens beside another bake into the same folder, which continues.
 const BESIDE_EVERY: u64 = 4;
 
-/// What came of the kills.
+/// Results of the kills.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     /// Bakes that were killed.
@@ -34,11 +34,11 @@ pub struct Tally {
     pub with_temporary: usize,
     /// Temporary files that were left, over all kills.
     pub temporary: usize,
-    /// Kills beside another bake, which did all the same.
+    /// Kills beside another bake, which completed.
     pub beside: usize,
-    /// Bakes that went through after a kill, and made everything new.
+    /// Bakes that completed after a kill and made everything new.
     pub healed: usize,
-    /// What went wrong.
+    /// Errors.
     pub wrong: Vec<String>,
 }
 
@@ -57,7 +57,7 @@ impl fmt::Display for Tally {
     }
 }
 
-/// Kills `count` bakes, on so many threads.
+/// Kills `count` bakes, on `threads` threads.
 ///
 /// # Panics
 /// A bake does not start.
@@ -69,7 +69,7 @@ pub fn kill(binary: &Path, count: usize, seed: u64, threads: usize) -> Tally {
         let work = |thread: u64| move || work(binary, killed, count, seed.wrapping_mul(1000) + thread);
         let handles: Vec<_> = (0..threads.max(1) as u64).map(|thread| scope.spawn(work(thread))).collect();
         for handle in handles {
-            let part = handle.join().expect("what is wrong is told, not thrown");
+            let part = handle.join().expect("a failure is recorded, not thrown");
             tally.killed += part.killed;
             tally.ended_before += part.ended_before;
             (0..3).for_each(|i| tally.none_some_all[i] += part.none_some_all[i]);
@@ -102,11 +102,11 @@ fn work(binary: &Path, killed: &AtomicUsize, count: usize, seed: u64) -> Tally {
             let run = victim.wait_with_output().expect("it was started");
             let beside = beside.map(|other| other.wait_with_output().expect("it was started"));
             let fail = |error| format!("seed {seed}, killed after {wait:?}: {error}");
-            // What another bake finished in the meantime says nothing of this one.
+            // The results of the other bake do not count for this one.
             if let Some(other) = &beside {
                 match project.judge(other, &[]) {
                     Ok((End::Done, _)) => tally.beside += 1,
-                    // The files that the killed one has left are no fault of the other.
+                    // The files that the killed bake left are not an error of the other.
                     Err(error) if error.starts_with("temporary files are left") => tally.beside += 1,
                     Ok(_) => tally.wrong.push(fail(format!("the other bake failed: {other:?}"))),
                     Err(error) => tally.wrong.push(fail(error)),

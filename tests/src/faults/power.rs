@@ -1,11 +1,13 @@
-//! A disk whose power is cut: what may be on it afterwards.
+//! Possible contents of a disk after a power cut.
 //!
 //! 1. A bake is traced, and its calls become [`Op`]s on a simulated disk.
-//! 2. The disk is cut after each of them. What was synced stands. Of the rest the disk keeps what it likes: each entry of a folder
-//!    by itself, whatever the order they were made in, and of each file nothing, half, all, or its length with zeros in it.
-//! 3. Each disk that can come of it holds old and new packs alone; and a bake on a real disk like it makes all packs new.
+//! 2. The power is cut after each operation. Synced data is kept. Any part of the rest may be kept:
+//!    any subset of a folder's entries, in any order, and of each file nothing, half, all, or its
+//!    length with zeros in it.
+//! 3. Each possible disk contains only old and new packs, and a bake on a real disk with the same
+//!    contents makes all packs new.
 //!
-//! That is what POSIX leaves open, and more than today's file systems do: they keep entries in their order.
+//! POSIX allows all of this. Current file systems do less harm: they keep the order of entries.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -17,27 +19,28 @@ use super::{
     project::{Files, Project, WORDS},
 };
 
-/// Entries that were not synced, of which every subset is tried; of more, those made first, each alone, and all but each.
+/// Entries that were not synced, of which every subset is tried; of more, those made first, each
+/// alone, and all but each.
 const MOST_IN_ALL_SUBSETS: usize = 6;
 
-/// What a bake does to the disk.
+/// An operation of a bake on the disk.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Op {
     /// A folder is made.
     Folder(String),
     /// An empty file is made.
     Create(String),
-    /// So many bytes are appended.
+    /// This number of bytes is appended.
     Write(String, usize),
     /// A file's bytes, or a folder's entries, are synced.
     Sync(String),
-    /// A file gets another place, over what is there.
+    /// A file is renamed, and replaces the file at its new path.
     Rename(String, String),
     /// A file is removed.
     Remove(String),
 }
 
-/// What came of the cuts.
+/// Results of the cuts.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     /// Operations of the bake.
@@ -63,7 +66,7 @@ impl fmt::Display for Tally {
     }
 }
 
-/// What an undisturbed bake of the project does to the disk, on one thread.
+/// Operations of an undisturbed bake of the project on the disk, on one thread.
 ///
 /// # Panics
 /// The bake fails.
@@ -103,8 +106,8 @@ fn ops(calls: &[Call], project: &Project) -> Vec<Op> {
     ops
 }
 
-/// Cuts the power after each operation of `ops`, of which the last is the end of a bake that claimed success; bakes on
-/// every `stride`th of the disks that differ.
+/// Cuts the power after each operation of `ops`, of which the last is the end of a bake that
+/// claimed success; bakes on every `stride`th of the disks that differ.
 pub fn cut(project: &Project, ops: &[Op], stride: usize) -> Tally {
     let mut tally = Tally { ops: ops.len(), ..Tally::default() };
     let mut seen: BTreeSet<Files> = BTreeSet::new();
@@ -114,7 +117,7 @@ pub fn cut(project: &Project, ops: &[Op], stride: usize) -> Tally {
             let place = || format!("cut after operation {end} of {}", ops.len());
             match project.judge_files(&disk) {
                 Err(error) => tally.wrong.push(format!("{}: {error}", place())),
-                // The orphan may be back: that is no promise.
+                // The orphan may reappear, which is allowed.
                 Ok(left) if end == ops.len() && left.old > usize::from(disk.contains_key("o/gone.hullmap")) => {
                     tally.wrong.push(format!("{}: success was claimed, but {} outputs are old", place(), left.old));
                 }
@@ -139,14 +142,14 @@ struct Entry {
     is_synced: bool,
 }
 
-/// A file's bytes: how many were written, and how many of them synced.
+/// The bytes of a file: the number written, and the number synced.
 #[derive(Clone, Copy, Default)]
 struct Length {
     written: usize,
     synced: usize,
 }
 
-/// What the disk keeps of bytes that were written and not synced.
+/// The part that the disk keeps of bytes that were written and not synced.
 #[derive(Clone, Copy)]
 enum Kept {
     Nothing,
@@ -198,7 +201,7 @@ fn touches(op: &Op, folder: &str) -> bool {
     }
 }
 
-/// Subsets of so many things: all, or those that are named at [`MOST_IN_ALL_SUBSETS`].
+/// Subsets of `count` elements: all of them, or those described at [`MOST_IN_ALL_SUBSETS`].
 fn subsets(count: usize) -> Vec<Vec<bool>> {
     if count <= MOST_IN_ALL_SUBSETS {
         return (0..1_usize << count).map(|bits| (0..count).map(|at| bits >> at & 1 == 1).collect()).collect();

@@ -1,15 +1,16 @@
-//! A folder with packs of old sources, and sources that have changed since: what a bake may make of it, and nothing else.
+//! A folder with packs of old sources, and sources that have changed since. It defines the results
+//! that a bake may have.
 //!
 //! | source | since the packs were baked |
 //! |---|---|
 //! | `in/a.obj`, `in/sub/b.obj`, `in/m0.obj` … | changed |
 //! | `in/c.gltf` | the same, but its buffer `in/c.bin` has changed |
 //! | `in/same.obj` | the same |
-//! | `in/fresh/d.obj` | new, in a folder that the output has not yet |
+//! | `in/fresh/d.obj` | new, in a folder that the output does not have yet |
 //! | `in/gone.obj` | gone: its pack is an orphan, to be pruned |
-//! | `elsewhere/other.obj` | the same; its pack is in `o` too, and none of this build's business |
+//! | `elsewhere/other.obj` | the same; its pack is in `o` too, and belongs to another build |
 //!
-//! `in/hullmap.toml` has options without which the packs would be others.
+//! `in/hullmap.toml` has options that change the packs.
 
 use std::{
     collections::BTreeMap,
@@ -41,12 +42,12 @@ pub struct Project {
     pub new: Files,
 }
 
-/// What a bake that met a fault has left.
+/// Outputs that a bake with a fault has left.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Left {
     /// Outputs that differ between old and new and are new.
     pub new: usize,
-    /// Outputs that differ and are old still.
+    /// Outputs that differ and are still old.
     pub old: usize,
     /// Temporary files.
     pub temporary: usize,
@@ -147,7 +148,7 @@ impl Project {
         names.filter(|name| self.old.get(*name) != self.new.get(*name))
     }
 
-    /// Makes the output what `files` says, whatever it was.
+    /// Replaces the contents of the output folder by `files`.
     ///
     /// # Panics
     /// Something else uses the folder.
@@ -160,7 +161,7 @@ impl Project {
         files.iter().for_each(|(name, bytes)| self.write(name, bytes));
     }
 
-    /// What there is of old and new outputs in `files`.
+    /// Counts the old and new outputs in `files`.
     ///
     /// # Errors
     /// An output is neither, or something else is there.
@@ -187,7 +188,8 @@ impl Project {
         missing.map_or(Ok(left), |name| Err(format!("{name} is gone")))
     }
 
-    /// Judges the output folder as it is, and how the bake ended. `calls` are those that it made, where they are known.
+    /// Checks the output folder and the end of the bake. `calls` are the system calls that it made,
+    /// if known.
     ///
     /// # Errors
     /// What is wrong: with the packs, with what was printed of them, or with the exit code.
@@ -198,9 +200,9 @@ impl Project {
             hullmap::Pack::open(self.path(name)).map_err(|error| error.to_string())?;
         }
         let Some(code) = run.status.code().filter(|&code| code != KILLED) else { return Ok((End::Killed, left)) };
-        let (said, rows) = (String::from_utf8_lossy(&run.stderr), rows(&run.stdout)?);
-        let fail = |what: &str| Err(format!("{what}; exit code {code}, stdout {rows:?}, stderr {said}"));
-        if said.contains("panicked") || said.contains("internal error") {
+        let (stderr, rows) = (String::from_utf8_lossy(&run.stderr), rows(&run.stdout)?);
+        let fail = |what: &str| Err(format!("{what}; exit code {code}, stdout {rows:?}, stderr {stderr}"));
+        if stderr.contains("panicked") || stderr.contains("internal error") {
             return fail("it panicked");
         }
         let could_not_remove = calls.iter().any(|call| call.name == "unlink" && call.result < 0);
@@ -211,7 +213,7 @@ impl Project {
             let text = |key: &str| row[key].as_str().unwrap_or_default();
             let (name, status) = (text("output"), text("status"));
             let (found, old, new) = (files.get(name), self.old.get(name), self.new.get(name));
-            let is_in_place = text("error").contains("is in place");
+            let is_in_place = text("error").contains("the file was written");
             let is_true = match status {
                 "baked" | "fresh" => found == new && text("error").is_empty(),
                 "failed" => !text("error").is_empty() && found == if is_in_place { new } else { old },
@@ -226,31 +228,35 @@ impl Project {
         match code {
             0 if left.old > usize::from(self.is_orphan_left(&files)) => fail("it claims success, but outputs are old"),
             0 => Ok((End::Done, left)),
-            2 if said.contains("error: ") => Ok((End::Told, left)),
+            2 if stderr.contains("error: ") => Ok((End::Told, left)),
             _ => fail("the exit code is wrong, or there is no message"),
         }
     }
 
-    /// Whether the orphan is there: a build that cannot be sure that its source is gone leaves it, and is right.
+    /// Whether the orphan is there. A build may leave it if it cannot be sure that its source is
+    /// gone.
     fn is_orphan_left(&self, files: &Files) -> bool {
         files.contains_key("o/gone.hullmap")
     }
 
-    /// A bake without faults, after one with: everything is new and nothing else is there.
+    /// Runs a bake without faults after one with a fault. All outputs must be new, with no other
+    /// files.
     ///
     /// # Errors
     /// What is wrong.
     pub fn bake_again(&self) -> Result<(), String> {
         let run = self.command(&WORDS).output().map_err(|error| error.to_string())?;
-        let (said, files) = (String::from_utf8_lossy(&run.stderr), self.output());
+        let (stderr, files) = (String::from_utf8_lossy(&run.stderr), self.output());
         if !run.status.success() {
-            return Err(format!("the next bake fails: {said}"));
+            return Err(format!("the next bake fails: {stderr}"));
         }
         if files != self.new {
             let odd: Vec<_> = files.iter().filter(|(name, bytes)| self.new.get(*name) != Some(bytes)).collect();
             let names: Vec<_> = odd.iter().map(|(name, _)| name).collect();
             let gone: Vec<_> = self.new.keys().filter(|name| !files.contains_key(*name)).collect();
-            return Err(format!("the next bake leaves {names:?} as they should not be, and {gone:?} missing: {said}"));
+            return Err(format!(
+                "the next bake leaves {names:?} as they should not be, and {gone:?} missing: {stderr}"
+            ));
         }
         Ok(())
     }

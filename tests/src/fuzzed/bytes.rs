@@ -1,18 +1,18 @@
-//! Numbers, points and poses read from any bytes; zeros follow the last one.
+//! Numbers, points and poses, read from arbitrary bytes. After the last byte, zeros are read.
 
 use glam::{DQuat, DVec3};
 
-/// Bytes that are read one after the other.
+/// Bytes that are read in order.
 #[derive(Clone, Copy, Debug)]
 pub struct Bytes<'a>(&'a [u8]);
 
 impl<'a> Bytes<'a> {
-    /// Starts at the first.
+    /// Starts at the first byte.
     pub fn new(bytes: &'a [u8]) -> Self {
         Self(bytes)
     }
 
-    /// Whether all have been read.
+    /// Whether all bytes have been read.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -46,18 +46,18 @@ impl<'a> Bytes<'a> {
         f64::from(i16::from_le_bytes(self.take())) / 32768.0
     }
 
-    /// Any f32 at all.
+    /// Any f32, finite or not.
     pub fn float(&mut self) -> f32 {
         f32::from_le_bytes(self.take())
     }
 
-    /// A vector of signed bytes, not of length 0.
+    /// A nonzero vector of signed bytes.
     pub fn axis(&mut self) -> DVec3 {
         let axis = DVec3::new(self.signed(), self.signed(), self.signed());
         axis.try_normalize().unwrap_or(DVec3::Z)
     }
 
-    /// A rotation: none, quarter turns, a hair, or any.
+    /// A rotation: the identity, quarter turns, a tiny angle, or any.
     pub fn rotation(&mut self) -> DQuat {
         let turn = [self.signed(), self.signed(), self.signed(), self.signed()];
         match self.below(4) {
@@ -74,8 +74,8 @@ impl<'a> Bytes<'a> {
         }
     }
 
-    /// One to `most` finite points: of a coarse grid, of a grid disturbed in the last digits, of a sphere, or any at all where
-    /// `wild` allows it.
+    /// One to `most` finite points: on a coarse grid, on a grid disturbed in the last digits, on a
+    /// sphere, or, if `wild` allows it, anywhere.
     pub fn points(&mut self, most: usize, wild: bool) -> Vec<[f32; 3]> {
         let kind = self.below(if wild { 4 } else { 3 });
         let count = 1 + self.below(most);
@@ -105,7 +105,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn any_bytes_are_numbers_and_none_are_zeros() {
+    fn any_bytes_yield_numbers_and_no_bytes_yield_zeros() {
         let mut bytes = Bytes::new(&[200, 0x80, 0, 0x80]);
         assert_eq!((bytes.below(100), bytes.signed(), bytes.share()), (0, -128.0, -1.0));
         assert!(bytes.is_empty());

@@ -1,16 +1,18 @@
-//! What the fuzz targets do with their bytes: here, so that the tests replay the kept inputs without libFuzzer.
+//! The code of the fuzz targets. It is here, so that the tests replay the corpora without
+//! libFuzzer.
 //!
 //! | function | bytes are | must hold |
 //! |---|---|---|
-//! | [`open_and_query`] | a pack, its header made right | it is refused, or every query ends soundly |
-//! | [`solver`] | two shapes and how they lie | no NaN, caps held, intervals true by brute force |
-//! | [`build_open_verify`] | point sets, an index, directions | what was baked opens and is exact |
-//! | [`import`] | a format, options, a source file | points with their numbers in range, or a fault that names the file |
+//! | [`open_and_query`] | a pack; its header is corrected | it is refused, or every query ends soundly |
+//! | [`solver`] | two shapes and their poses | no NaN, no cap exceeded, intervals true by brute force |
+//! | [`build_open_verify`] | point sets, an index, directions | the baked pack opens and is exact |
+//! | [`import`] | a format, options, a source file | points with indices in range, or an error that names the file |
 //!
-//! Each panics where its claim fails. The bytes are read by [`bytes`], whose rules are our own, so that kept inputs keep their
-//! meaning.
+//! Each panics if its claim fails. [`bytes`] defines how bytes are read, so that kept inputs keep
+//! their meaning.
 
 pub mod bytes;
+pub mod corpus;
 mod packs;
 mod pipeline;
 pub mod seeds;
@@ -22,7 +24,7 @@ pub use pipeline::build_open_verify;
 pub use solver::solver;
 pub use source_files::import;
 
-/// A target, by the name of its folder in the corpus.
+/// A target, by the name of its corpus.
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets of this module.

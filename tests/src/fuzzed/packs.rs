@@ -3,32 +3,30 @@
 use std::cell::OnceCell;
 
 use hullmap::Pack;
+use hullmap_testkit::packs::reseal;
 use shapes::rng::SplitMix64;
 
-use crate::{
-    hostile::{
-        HEADER_LEN,
-        inquiry::{Extent, Inquiry},
-        samples,
-    },
-    packs::reseal,
+use crate::hostile::{
+    HEADER_LEN,
+    inquiry::{Extent, Inquiry},
+    samples,
 };
 
-/// What stands in a right header before the payload's length: magic, version, header length.
+/// The bytes of a valid header before the payload's length: magic, version, header length.
 const FRONT: usize = 16;
 
-/// Words that are changed together at most.
+/// Maximum number of words that are changed together.
 const MOST_WORDS: usize = 4;
 
 thread_local! {
     static INQUIRY: OnceCell<(Vec<u8>, Inquiry)> = const { OnceCell::new() };
 }
 
-/// Opens the bytes as they are, then with everything in the header right that says how the payload is to be read, and
-/// asks whatever opens.
+/// Opens the bytes as they are, then with all header fields corrected on which reading the payload
+/// depends. Queries each pack that opens.
 ///
 /// # Panics
-/// If a query panics, or answers with what is not there.
+/// If a query panics, or its answer refers to something that does not exist.
 pub fn open_and_query(data: &[u8]) {
     INQUIRY.with(|cell| {
         let (front, inquiry) = cell.get_or_init(|| {
@@ -53,8 +51,9 @@ pub fn open_and_query(data: &[u8]) {
     });
 }
 
-/// Changes a few aligned words of a pack's payload, in place: to small numbers, to others of the pack, a little, or to anything.
-/// A file changed so is nearly a pack; bytes put in or taken out make one that dies at its first check.
+/// Changes a few aligned words of a pack's payload in place: to small numbers, to other words of
+/// the pack, by a small amount, or to arbitrary values. The result is almost a valid pack. A file
+/// with inserted or removed bytes would fail the first check.
 pub fn change_pack(file: &mut [u8], seed: u32) {
     let words = file.len().saturating_sub(HEADER_LEN) / 4;
     if words == 0 {
@@ -84,7 +83,7 @@ pub fn change_pack(file: &mut [u8], seed: u32) {
 mod tests {
     use super::*;
 
-    /// Files of a word or two made it panic.
+    /// Files of one or two words caused a panic.
     #[test]
     fn files_of_any_length_can_be_changed() {
         for len in [0, 1, 63, 64, 67, 68, 71, 72, 500] {

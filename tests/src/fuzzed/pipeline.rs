@@ -1,17 +1,14 @@
-//! Bytes as point sets that are baked, opened and judged against the points.
+//! Bytes as point sets, which are baked and opened. Answers are checked against the points.
 
 use glam::Vec3;
 use hullmap::Pack;
-use hullmap_bake::{IndexKind, LeafBlocks, SourceRecord};
+use hullmap_bake::{IndexChoice, IndexKind, SourceRecord};
+use hullmap_testkit::packs::{self, point_set};
 
 use super::bytes::Bytes;
-use crate::{
-    directions,
-    packs::{self, point_set},
-    regret::Truth,
-};
+use crate::{directions, regret::Truth};
 
-/// Most hulls of a pack, and points of each.
+/// Maximum number of hulls of a pack, and of points of each hull.
 const MOST_HULLS: usize = 3;
 const MOST_POINTS: usize = 96;
 
@@ -19,13 +16,15 @@ const MOST_POINTS: usize = 96;
 const OWN_DIRECTIONS: usize = 64;
 const READ_DIRECTIONS: usize = 16;
 
-/// What counts as exact.
+/// Maximum regret that counts as exact.
 const EXACT: f64 = 2e-7;
 
-/// Bakes, writes, opens and asks: every hull's support must be that of its source points.
+/// Bakes, writes, opens and queries a pack: every support point of a hull must be that of its
+/// source points.
 ///
 /// # Panics
-/// If points cannot be baked, a pack does not open or contradicts itself, or an answer is not exact.
+/// If points cannot be baked, a pack does not open or contradicts itself, or an answer is not
+/// exact.
 pub fn build_open_verify(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     let index = index(&mut bytes);
@@ -62,15 +61,15 @@ pub fn build_open_verify(data: &[u8]) {
     }
 }
 
-fn index(bytes: &mut Bytes) -> IndexKind {
-    match bytes.below(8) {
-        0 => IndexKind::TREE,
-        1 => IndexKind::Tree { leaf_blocks: LeafBlocks::Two },
-        2 => IndexKind::COMPACT,
+fn index(bytes: &mut Bytes) -> IndexChoice {
+    let kind = match bytes.below(8) {
+        1 => IndexKind::Medium,
+        2 => IndexKind::Compact,
         3 => IndexKind::Binary,
         4 => IndexKind::None,
         5 => IndexKind::CubeMap { resolution: 1 + bytes.below(9) as u32 },
-        6 => IndexKind::Budget { bytes_per_vertex: 8 * (1 + u32::from(bytes.byte())) },
-        _ => IndexKind::TREE,
-    }
+        6 => return IndexChoice::Budget { bytes_per_vertex: 8 * (1 + u32::from(bytes.byte())) },
+        _ => IndexKind::Tree,
+    };
+    kind.into()
 }

@@ -1,4 +1,4 @@
-//! Inputs to start from: without them nearly all inputs die at the first check.
+//! First inputs: without them nearly all inputs fail the first check.
 
 use hullmap_import::EXTENSIONS;
 use shapes::{gltf, mesh::Mesh, obj, ply, rng::SplitMix64, solids, stl};
@@ -8,13 +8,13 @@ use crate::hostile::samples;
 /// Inputs drawn for each target that reads numbers.
 const DRAWN: usize = 64;
 
-/// Longest of these.
+/// Maximum length of these, in bytes.
 const LONGEST: usize = 400;
 
-/// Most bytes of a pack.
+/// Maximum size of a pack, in bytes.
 const MOST: usize = 4096;
 
-/// Names and bytes of the first inputs of a target; none for a target that is not known.
+/// Names and bytes of the first inputs of a target; empty for an unknown target.
 pub fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
     let numbers = |seed: u64| {
         let mut rng = SplitMix64::new(seed);
@@ -37,16 +37,17 @@ pub fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
     }
 }
 
-/// What OBJ files say beyond plain faces: objects by name, numbers from the end, lines, points, lines continued, all numbers' forms.
+/// Everything in OBJ files beyond plain faces: named objects, negative indices, lines, points,
+/// continued lines, all forms of numbers.
 const OBJ: &str = "o UCX_a_01\nv 0 0 0\nv 1 0 .5e1 1\nv +1. 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nf 1/1/1 2//1 3 \\\n 4\n\
                    o UCX_a_02\nv 0 0 1\nv 1 0 1\nf -1 -2 1\nl 1 5\np 6\ng convcol-col\ns off\nusemtl m\n# end";
 
-/// What PLY files have besides vertices and faces.
+/// Elements of PLY files other than vertices and faces.
 const PLY: &str = "ply\r\nformat ascii 1.0\r\nobj_info none\r\nelement vertex 3\r\nproperty double x\r\nproperty double y\r\nproperty double z\r\n\
                    element tristrips 1\r\nproperty list int int vertex_indices\r\nelement edge 1\r\nproperty int vertex1\r\nproperty int vertex2\r\n\
                    element face 1\r\nproperty list uchar int vertex_index\r\nend_header\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n4 0 1 2 -1\r\n0 1\r\n3 0 1 2\r\n";
 
-/// Files of every format, with a byte that says which and one that says the options before each.
+/// Files of every format, each preceded by a byte for the format and one for the options.
 fn source_files() -> Vec<(String, Vec<u8>)> {
     let (prism, cone) =
         (solids::extrusion(&solids::regular_polygon(5, 1.0), -1.0, 1.0), solids::cone(6, 1.0, 0.0, 2.0));
@@ -54,7 +55,8 @@ fn source_files() -> Vec<(String, Vec<u8>)> {
         let objects = vec![obj::Object::from_mesh(Some("Cone-convcolonly"), mesh)];
         obj::Document { objects, ..Default::default() }.to_text().into_bytes()
     };
-    // A node of every kind: moved by a matrix, by translation, rotation and scale, below another, and showing no mesh.
+    // A node of every kind: moved by a matrix, by translation, rotation and scale, below another,
+    // and showing no mesh.
     let nodes = r#"{"name": "UCX_a_00", "mesh": 0, "matrix": [0,1,0,0, -1,0,0,0, 0,0,1,0, 3,4,5,1]},
         {"mesh": 1, "translation": [1, 2, 3], "rotation": [0, 0, 1, 0], "scale": [1, -2, 0.5], "children": [2]},
         {"name": "below", "mesh": 0, "children": []}, {"name": "none"}"#;

@@ -1,7 +1,7 @@
-//! Bytes as two shapes and how they lie, judged by brute force over their points.
+//! Bytes as two shapes and their poses, judged by brute force over the shapes' points.
 //!
-//! The answers themselves say where to look: a depth is at most what their normal shows, and at least no more than any
-//! direction shows; a distance the other way round.
+//! The answers themselves are the certificates: the way out along the normal is an upper bound of
+//! the depth, and so is the way out along any direction; for a distance it is the reverse.
 
 use glam::{DMat3, DVec3};
 use hullmap::shapes::{Rounded, Scaled};
@@ -10,29 +10,34 @@ use hullmap::{
     distance, intersects,
 };
 use hullmap_bake::IndexKind;
+use hullmap_testkit::{
+    packs::{self, point_set},
+    reach::{Placed, Reach, way_out},
+};
 
 use super::bytes::Bytes;
-use crate::packs::{self, point_set};
 
-/// Most points of a shape.
+/// Maximum number of points of a shape.
 const MOST_POINTS: usize = 32;
 
-/// Most steps and support calls of a query: the caps of all phases together, twice as rounded shapes are asked twice.
+/// Maximum iterations and support calls of a query: the caps of all phases together, twice, because
+/// rounded shapes are solved twice.
 const MOST_STEPS: u32 = 2 * 1600;
 
-/// Units of rounding of the greatest lengths that brute force may be off by: a turned point is off by some 40.
+/// Rounding error of brute force, in units of the greatest length times the f64 epsilon: a rotated
+/// point is off by some 40.
 const ROUNDING_UNITS: f64 = 64.0;
 
-/// Face normals of each shape that are looked at.
+/// Maximum number of face normals tested for each shape.
 const MOST_NORMALS: usize = 64;
 
-/// What a unit vector's length may be off by.
+/// Tolerance of a unit vector's length.
 const UNIT: f64 = 1e-14;
 
-/// Poses asked with one cache.
+/// Poses that share a cache.
 const POSES: usize = 3;
 
-/// A hull, what it is scaled by, and the radius that it is rounded by.
+/// A hull, its scale, and its convex radius.
 struct Body {
     pack: Pack,
     scale: DVec3,
@@ -40,10 +45,10 @@ struct Body {
     points: Vec<DVec3>,
 }
 
-/// Builds two shapes, asks all queries in a few poses, and judges the answers.
+/// Builds two shapes, runs all queries in a few poses, and judges the answers.
 ///
 /// # Panics
-/// If an answer is not a number, breaks a cap, or contradicts brute force.
+/// If an answer is NaN, exceeds a cap, or contradicts brute force.
 pub fn solver(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     let (Some(a), Some(b)) = (Body::read(&mut bytes), Body::read(&mut bytes)) else { return };
@@ -59,7 +64,7 @@ pub fn solver(data: &[u8]) {
     }
 }
 
-/// What is remembered of the pair, one for each query.
+/// Caches of the pair, one for each query.
 #[derive(Default)]
 struct Caches {
     yes: Cache,
@@ -69,7 +74,7 @@ struct Caches {
     manifold_cache: Cache,
 }
 
-/// Does something with a shape of a type that is known there alone.
+/// Continuation that receives a shape of a concrete type.
 trait With {
     fn with(&mut self, shape: &impl Shape);
 }
@@ -108,7 +113,7 @@ impl<A: Shape> With for WithBoth<'_, A> {
             near.support_calls,
         ];
         assert!(steps.iter().all(|count| *count <= MOST_STEPS), "a cap is not held: {steps:?}");
-        // As near as rounding allows: its points show what no lower end may be above.
+        // The nearest points up to rounding error: no lower bound may exceed their distance.
         let nearest = Settings { tolerance: 0.0, ..settings };
         let nearest = distance(self.a, b, b_in_a, &nearest, &mut Cache::default());
         for near in [&near, &nearest] {
@@ -127,7 +132,7 @@ impl Body {
         let size = 10_f64.powi(i32::from(shape / 8 % 13) - 6);
         let positions: Vec<[f32; 3]> =
             bytes.points(MOST_POINTS, false).iter().map(|p| p.map(|c| (f64::from(c) * size) as f32)).collect();
-        let index = [IndexKind::TREE, IndexKind::None][usize::from(shape >> 7)];
+        let index = [IndexKind::Tree, IndexKind::None][usize::from(shape >> 7)];
         let file = packs::bytes(&[point_set("body", &positions)], index, &Default::default());
         let file = file.unwrap_or_else(|error| panic!("{error}: {positions:?}"));
         let pack = Pack::from_bytes(&file).expect("what was baked opens");
@@ -153,12 +158,7 @@ impl Body {
         }
     }
 
-    /// Greatest dot product of any point with the unit vector `dir`.
-    fn reach(&self, dir: DVec3) -> f64 {
-        self.points.iter().map(|p| p.dot(dir)).fold(f64::NEG_INFINITY, f64::max) + self.radius
-    }
-
-    /// Greatest distance of a point from the frame's origin.
+    /// Maximum distance of a point from the frame's origin.
     fn greatest(&self) -> f64 {
         self.points.iter().map(|p| p.length()).fold(0.0, f64::max) + self.radius
     }
@@ -171,7 +171,14 @@ impl Body {
     }
 }
 
-/// Anywhere near, or so that the reaches along some axis touch, up to a hair of any size.
+/// For unit vectors alone.
+impl Reach for Body {
+    fn reach(&self, dir: DVec3) -> f64 {
+        self.points.reach(dir) + self.radius
+    }
+}
+
+/// Anywhere near, or touching along some axis up to an offset of any size.
 fn pose(bytes: &mut Bytes, a: &Body, b: &Body) -> Option<Pose> {
     let (kind, rotation) = (bytes.below(3), bytes.rotation());
     let size = a.greatest() + b.greatest();
@@ -192,7 +199,7 @@ struct Scene<'s> {
     b: &'s Body,
     b_in_a: Pose,
     turn: DMat3,
-    /// Directions of A's frame that may show a shorter way out.
+    /// Directions in A's frame that may be a shorter way out.
     normals: Vec<DVec3>,
     slack: f64,
 }
@@ -206,18 +213,17 @@ impl<'s> Scene<'s> {
         Self { a, b, b_in_a, turn, normals, slack }
     }
 
-    /// How far B has to move along the unit vector `n` to be out of A; negative when `n` separates them.
     fn way_out(&self, n: DVec3) -> f64 {
-        self.a.reach(n) + self.b.reach(self.turn.transpose() * -n) - n.dot(self.b_in_a.translation())
+        way_out(self.a, &Placed::new(self.b, self.b_in_a), n)
     }
 
-    /// Judges the answers; shapes that do not overlap have points as near to each other as `nearest`.
+    /// Judges the answers. `nearest` is the distance of two points of separated shapes.
     fn judge(&self, yes: Overlap, deep: &Contact, near: &Distance, nearest: f64) {
         let slack = self.slack;
-        let told = || format!("{yes:?}\n{deep:?}\n{near:?}\nslack {slack:e} at {:?}", self.b_in_a);
+        let context = || format!("{yes:?}\n{deep:?}\n{near:?}\nslack {slack:e} at {:?}", self.b_in_a);
         // Written so that NaN is wrong.
         let at_most = |what: &str, found: f64, limit: f64| {
-            assert!(found <= limit, "{what}: {found:e} above {limit:e}\n{}", told());
+            assert!(found <= limit, "{what}: {found:e} above {limit:e}\n{}", context());
         };
         for normal in [deep.normal, near.normal] {
             at_most("a normal is not of unit length", (normal.length() - 1.0).abs(), UNIT);
@@ -239,7 +245,7 @@ impl<'s> Scene<'s> {
                 at_most("the depth's lower end is above a way out", deep.depth_lower, way + slack);
             }
             at_most("contact says deep, distance says apart", near.lower, slack);
-            assert!(yes != Overlap::Separated, "contact says deep, intersects says apart\n{}", told());
+            assert!(yes != Overlap::Separated, "contact says deep, intersects says apart\n{}", context());
         }
         let apart = near.point_a.distance(near.point_b);
         if near.status == Status::Overlapping {

@@ -4,13 +4,14 @@ use std::path::Path;
 
 use hullmap_import::{EXTENSIONS, ImportOptions, Limits, SourceFile, Split, UpAxis, Vertices};
 
-/// Limits so low that what a few bytes may ask for does not take the fuzzer's memory.
+/// Low limits: a few bytes must not be able to request all of the fuzzer's memory.
 const LIMITS: Limits = Limits { objects: 1 << 10, repeated_vertices: 1 << 16, ..Limits::DEFAULT };
 
-/// Imports a file. The first byte says the format, the second the options.
+/// Imports a file. The first byte selects the format, the second the options.
 ///
 /// # Panics
-/// If a point is not finite, a number is out of its range, two hulls have one name, or a fault does not name the file.
+/// If a point is not finite, a number is out of range, two hulls have the same name, or an error
+/// does not name the file.
 pub fn import(data: &[u8]) {
     let [format, choice, bytes @ ..] = data else { return };
     let file = format!("fuzzed.{}", EXTENSIONS[usize::from(*format) % EXTENSIONS.len()]);

@@ -1,27 +1,29 @@
-//! All that can be asked of a pack that opened.
+//! All queries on a pack that opened.
 
 use std::hint::black_box;
 
 use glam::{DQuat, DVec3, Vec3};
-use hullmap::levels::{self, Levels, OuterHulls};
+use hullmap::cascade::{self, OuterHulls, Stages};
 use hullmap::{
     Cache, Compound, CompoundCache, Feature, Hull, Instructions, Manifold, ManifoldSettings, Pack, Pose, Settings,
     Shape, SupportMap, compound, contact, distance, intersects,
 };
 use hullmap_bake::IndexKind;
+use hullmap_testkit::packs;
 
-use crate::{directions, packs};
+use crate::directions;
 
-/// One direction in so many is also asked by hint, by other instructions, for its cost, its feature and its face.
+/// One direction in this many is also queried with a hint, with other instructions, and for its
+/// cost, feature and face.
 const MORE_EVERY: usize = 16;
 
-/// One pair in so many is also asked by levels and for its manifold.
+/// One pair in this many is also queried by the cascade and for its manifold.
 const MANIFOLD_EVERY: usize = 4;
 
 /// Seed of the directions.
 const SEED: u64 = 0xdead;
 
-/// How much is asked of a pack.
+/// The number of queries on a pack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Extent {
     /// Support queries, over all hulls.
@@ -31,13 +33,13 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// What every pack that opens must bear.
+    /// Counts for thorough tests of every pack that opens.
     pub const FULL: Self = Self { supports: 1000, pairs: 20 };
-    /// For tests that take no time.
+    /// Counts for quick tests.
     pub const BRIEF: Self = Self { supports: 60, pairs: 3 };
 }
 
-/// Questions for the changed files of one pack.
+/// Queries for the changed files of one pack.
 pub struct Inquiry {
     dirs: Vec<Vec3>,
     poses: Vec<Pose>,
@@ -47,17 +49,18 @@ pub struct Inquiry {
 }
 
 impl Inquiry {
-    /// Questions for packs like `pack`: in directions of its first hull's faces and edges, and in any others.
+    /// Queries for packs like `pack`: in directions of its first hull's faces and edges, and in
+    /// random ones.
     ///
     /// # Panics
     /// If the pack has no hull.
     pub fn new(pack: &Pack, extent: Extent) -> Self {
         let corners: Vec<[f32; 3]> = (0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect();
-        let cube = packs::pack("cube", &corners, IndexKind::TREE);
+        let cube = packs::pack("cube", &corners, IndexKind::Tree);
         let own = directions::all(&pack.hull(0).expect("a pack has a hull"), extent.supports, SEED);
         let invalid: Vec<Vec3> = directions::invalid().into_iter().step_by(7).collect();
         let valid = extent.supports.saturating_sub(invalid.len());
-        // Of so many that a few must do, some of each kind.
+        // There are too many directions; take some of each kind.
         let step = (own.len() / valid.max(1)).max(1);
         let dirs = own.into_iter().step_by(step).take(valid).chain(invalid).collect();
         let turned = DQuat::from_array([0.3, -0.2, 0.5, 0.7]);
@@ -72,12 +75,13 @@ impl Inquiry {
         Self { dirs, poses: poses.to_vec(), cube, extent, is_judged: true }
     }
 
-    /// The same questions with no answer judged: for packs that were opened without a look at their contents.
+    /// The same queries, without checks of the answers: for packs that were opened without checks
+    /// of their contents.
     pub fn unjudged(self) -> Self {
         Self { is_judged: false, ..self }
     }
 
-    /// Asks.
+    /// Runs the queries.
     ///
     /// # Panics
     /// If an answer is out of range, or not finite where all stored numbers are.
@@ -85,7 +89,8 @@ impl Inquiry {
         self.require(pack.hull_count() > 0, || "an opened pack has a hull".to_owned());
         self.require(pack.hull(pack.hull_count()).is_err(), || "a hull past the last one".to_owned());
         black_box((pack.source_path(), pack.options(), pack.header(), pack.byte_len()));
-        // What the file holds twice need not agree: then answers are wrong, and must be sound all the same.
+        // Redundant data in the file may disagree. Then answers are wrong, but must still be in
+        // range.
         let agrees = self.is_judged && pack.check_repeats().is_ok();
         let hulls = pack.hulls().count();
         for (number, hull) in pack.hulls().enumerate() {
@@ -110,7 +115,7 @@ impl Inquiry {
         }
     }
 
-    /// Asks all hulls together, by the tree of boxes.
+    /// Queries all hulls together, through the BVH.
     fn ask_whole(&self, pack: &Pack) {
         let (whole, other) = (Compound::new(pack), Compound::new(&self.cube));
         let mut cache = CompoundCache::new(2);
@@ -185,7 +190,7 @@ impl Inquiry {
         self.require(all_there, || format!("a face at vertex {} is not there", got.index));
         let towards = hull.face_towards(dir.as_dvec3());
         self.require(towards.is_none_or(|face| hull.face(face).len() >= 3), || format!("{towards:?} is no face"));
-        let got = SupportMap::support(hull, dir.as_dvec3() * 1e200);
+        let got = SupportMap::support_point(hull, dir.as_dvec3() * 1e200);
         let sound = (got.feature as usize) < count && got.point.is_finite();
         self.require(sound, || format!("in direction {dir} times 1e200: {got:?}"));
     }
@@ -199,8 +204,8 @@ impl Inquiry {
             let mut manifold = Manifold::new();
             manifold.update(a, b, b_in_a, &ManifoldSettings::default(), cache);
             self.require(manifold.points().len() <= 4, || "a manifold of more than four points".to_owned());
-            let levels = Levels { boxes: true, outer: OuterHulls::Always };
-            black_box(levels::intersects(a, b, b_in_a, levels, &mut Cache::new()));
+            let stages = Stages { boxes: true, outer: OuterHulls::Always };
+            black_box(cascade::intersects(a, b, b_in_a, stages, &mut Cache::new()));
         }
     }
 }

@@ -1,18 +1,18 @@
-//! Files that someone made to do harm: packs that are changed and, mostly, given a right checksum again.
+//! Malicious files: packs that were changed and, mostly, given a correct checksum again.
 //!
-//! The promise: such a file is refused, or it opens and every query on it ends, without panic and without a read out of
-//! bounds, however wrong the answers are.
+//! Requirement: either such a file is refused, or it opens and every query on it ends, without a
+//! panic and without a read out of bounds. Answers may be wrong.
 //!
 //! | module | what |
 //! |---|---|
-//! | [`samples`] | the packs that are changed: small ones of all kinds, and larger ones that are drawn |
-//! | [`series`] | the ways to change them: each a numbered series |
-//! | [`inquiry`] | all that can be asked of a pack that opened |
-//! | [`trial`] | a series tried on threads: panics and hangs caught, the ends counted |
-//! | [`unchecked`] | the same files opened without the checks: what then happens |
-//! | [`place`] | where a number of the archive stands in the file |
+//! | [`samples`] | the packs that are changed: small ones of all kinds, and larger random ones |
+//! | [`series`] | the ways to change them: each an indexed series |
+//! | [`inquiry`] | all queries on a pack that opened |
+//! | [`trial`] | runs a series on threads, catches panics and hangs, counts the outcomes |
+//! | [`unchecked`] | the same files, opened without the checks |
+//! | [`place`] | positions of the archive's numbers in the file |
 //!
-//! A change is found again by the pack's name, the series and its number.
+//! The pack's name, the series and an index identify a change.
 
 pub mod inquiry;
 pub mod place;

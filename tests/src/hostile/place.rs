@@ -1,13 +1,13 @@
-//! Where a number of the archive stands in the file, so that one number at a time can be changed on purpose.
+//! Positions of the archive's numbers in the file. They let a test change one number at a time.
 
 use hullmap::{InvalidPack, Pack};
 use hullmap_format::archive::ArchivedPack;
+use hullmap_testkit::packs::reseal;
 use rkyv::util::AlignedVec;
 
 use super::HEADER_LEN;
-use crate::packs::reseal;
 
-/// What follows the header, aligned as the archive needs it.
+/// The payload after the header, aligned as the archive requires.
 pub fn payload(file: &[u8]) -> AlignedVec<HEADER_LEN> {
     let mut payload = AlignedVec::new();
     payload.extend_from_slice(&file[HEADER_LEN..]);
@@ -17,18 +17,18 @@ pub fn payload(file: &[u8]) -> AlignedVec<HEADER_LEN> {
 /// The archive in a payload.
 ///
 /// # Panics
-/// If it is none.
+/// If the payload is not an archive.
 pub fn archive(payload: &[u8]) -> &ArchivedPack {
     rkyv::access::<ArchivedPack, rkyv::rancor::Error>(payload).expect("the payload is an archive")
 }
 
-/// Place in the file of the number that `number` finds.
+/// Position in the file of the number that `number` selects.
 pub fn place<T>(file: &[u8], number: impl Fn(&ArchivedPack) -> &T) -> usize {
     let payload = payload(file);
     HEADER_LEN + std::ptr::from_ref(number(archive(&payload))).addr() - payload.as_ptr().addr()
 }
 
-/// The file with other bytes at the number that `number` finds, and a right checksum.
+/// The file with other bytes at the number that `number` selects, and a correct checksum.
 pub fn changed<T>(file: &[u8], number: impl Fn(&ArchivedPack) -> &T, bytes: &[u8]) -> Vec<u8> {
     let at = place(file, number);
     let mut changed = file.to_vec();

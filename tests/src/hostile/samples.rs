@@ -1,69 +1,69 @@
 //! The packs that are changed.
 
-use hullmap_bake::{IndexKind, LeafBlocks, NO_SOURCE_VERTEX, PointSet, SourceRecord, bake_hull, write_pack};
+use hullmap_bake::{IndexChoice, IndexKind, NO_SOURCE_VERTEX, PointSet, SourceRecord, bake_hull, write_pack};
+use hullmap_testkit::packs::{self, ALL_INDICES, point_set};
 use shapes::{families::Family, rng::SplitMix64};
-
-use crate::packs::{self, ALL_INDICES, point_set};
 
 /// A pack, by name.
 #[derive(Clone, Debug)]
 pub struct Sample {
-    /// What it holds.
+    /// Name of the pack, after its contents.
     pub name: String,
     /// Its bytes.
     pub file: Vec<u8>,
 }
 
-/// Small packs of every rank and kind of index, with one leaf and with nodes of each kind, of one hull and of several, of parts
-/// and of simplified hulls.
+/// Small packs of every rank and index kind: with one leaf and with nodes of each kind, with one
+/// hull and with several, with parts and with simplified hulls.
 ///
 /// # Panics
-/// If one cannot be baked: a bug.
+/// If a pack cannot be baked: a bug.
 pub fn small() -> Vec<Sample> {
     let map = |resolution| IndexKind::CubeMap { resolution };
     let one = |points: &[[f32; 3]]| vec![point_set("hüll", points)];
     let octagon: Vec<[f32; 3]> = Family::Prism.points(24, 0).iter().map(|p| [p[0], p[1], 0.5]).collect();
-    let sixteen = IndexKind::Tree { leaf_blocks: LeafBlocks::Two };
+    let sixteen = IndexKind::Medium;
     vec![
-        sample("point, tree", &one(&[[1.0, 2.0, 3.0]]), IndexKind::TREE),
+        sample("point, tree", &one(&[[1.0, 2.0, 3.0]]), IndexKind::Tree),
         sample("point, no index", &one(&[[0.0; 3]]), IndexKind::None),
         sample("segment, cube map 1", &one(&[[0.0; 3], [1.0, 2.0, 3.0]]), map(1)),
         sample("segment, binary tree", &one(&[[-1.0; 3], [1e-3, 2.0, 0.0]]), IndexKind::Binary),
-        sample("polygon, tree", &one(&octagon), IndexKind::TREE),
+        sample("polygon, tree", &one(&octagon), IndexKind::Tree),
         sample("polygon, no index", &one(&octagon[..5]), IndexKind::None),
         sample("cube, no index", &one(&cube()), IndexKind::None),
         sample("cube, cube map 2", &one(&cube()), map(2)),
-        sample("cube, tree", &one(&cube()), IndexKind::TREE),
+        sample("cube, tree", &one(&cube()), IndexKind::Tree),
         sample("sphere, cube map 3", &one(&Family::Sphere.points(14, 1)), map(3)),
         sample("sphere, cube map 1", &one(&Family::Sphere.points(30, 2)), map(1)),
         sample("cone, binary tree", &one(&Family::Cone.points(14, 1)), IndexKind::Binary),
         sample("sphere, binary tree", &one(&Family::Sphere.points(20, 5)), IndexKind::Binary),
-        sample("sphere, tree", &one(&Family::Sphere.points(36, 3)), IndexKind::TREE),
-        sample("prism, tree", &one(&Family::Prism.points(80, 0)), IndexKind::TREE),
-        sample("rotated prism, tree", &one(&Family::RotatedPrism.points(48, 0)), IndexKind::TREE),
-        sample("needle, tree", &one(&Family::Needle.points(24, 1)), IndexKind::TREE),
+        sample("sphere, tree", &one(&Family::Sphere.points(36, 3)), IndexKind::Tree),
+        sample("prism, tree", &one(&Family::Prism.points(80, 0)), IndexKind::Tree),
+        sample("rotated prism, tree", &one(&Family::RotatedPrism.points(48, 0)), IndexKind::Tree),
+        sample("needle, tree", &one(&Family::Needle.points(24, 1)), IndexKind::Tree),
         sample("lens, leaves of 16", &one(&Family::Lens.points(40, 1)), sixteen),
-        sample("sphere, compact", &one(&Family::Sphere.points(40, 4)), IndexKind::COMPACT),
-        sample("rock, budget", &one(&Family::Rock.points(48, 1)), IndexKind::Budget { bytes_per_vertex: 120 }),
+        sample("sphere, compact", &one(&Family::Sphere.points(40, 4)), IndexKind::Compact),
+        sample("rock, budget", &one(&Family::Rock.points(48, 1)), IndexChoice::Budget { bytes_per_vertex: 120 }),
         sample("five hulls, no index", &five_hulls(), IndexKind::None),
-        sample("hulls of all ranks, tree", &all_ranks(), IndexKind::TREE),
-        sample("recentred, tree", &recentred(), IndexKind::TREE),
+        sample("hulls of all ranks, tree", &all_ranks(), IndexKind::Tree),
+        sample("recentred, tree", &recentred(), IndexKind::Tree),
         simplified(),
         parts(),
-        sample("two hulls, tree", &[point_set("a", &cube()), point_set("", &cube()[..3])], IndexKind::TREE),
+        sample("two hulls, tree", &[point_set("a", &cube()), point_set("", &cube()[..3])], IndexKind::Tree),
     ]
 }
 
 /// The small pack of this name.
 ///
 /// # Panics
-/// If there is none.
+/// If no pack has this name.
 pub fn named(name: &str) -> Vec<u8> {
     let found = small().into_iter().find(|sample| sample.name == name);
     found.unwrap_or_else(|| panic!("no sample is called {name}")).file
 }
 
-/// Pack `number` of those that `seed` draws: one to three hulls of 9 to 300 points each, of any family and kind of index.
+/// Pack `number` of the random series of `seed`: one to three hulls of 9 to 300 points each, of any
+/// family and index kind.
 ///
 /// # Panics
 /// If it cannot be baked: a bug.
@@ -85,7 +85,7 @@ pub fn drawn(seed: u64, number: u64) -> Sample {
     sample(&name, &sets, index)
 }
 
-fn sample(name: &str, sets: &[PointSet], index: IndexKind) -> Sample {
+fn sample(name: &str, sets: &[PointSet], index: impl Into<IndexChoice>) -> Sample {
     let file = packs::bytes(sets, index, &source()).unwrap_or_else(|error| panic!("{name}: {error}"));
     Sample { name: name.to_owned(), file }
 }
@@ -98,7 +98,7 @@ fn cube() -> Vec<[f32; 3]> {
     (0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect()
 }
 
-/// Tetrahedra far from each other, so that their tree of boxes has three levels or more.
+/// Tetrahedra far from each other, so that their BVH has at least three levels.
 fn five_hulls() -> Vec<PointSet> {
     let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0_f32]];
     let at = |i: usize| corners.map(|[x, y, z]| [x + 3.0 * i as f32, y + (i % 2) as f32, z - i as f32]);
@@ -123,11 +123,12 @@ fn recentred() -> Vec<PointSet> {
     vec![set("left", Family::Rock), set("right", Family::Sphere)]
 }
 
-/// A hull that reaches beyond its source, as simplifying makes them: none of its vertices is the source's.
+/// A hull that reaches beyond its source, as simplification makes them: no vertex is a source
+/// vertex.
 fn simplified() -> Sample {
     let mut set = point_set("simplified", &Family::Rock.points(12, 2));
     set.source_vertices.fill(NO_SOURCE_VERTEX);
-    let mut baked = bake_hull(&set, IndexKind::TREE).expect("a rock can be baked");
+    let mut baked = bake_hull(&set, IndexKind::Tree).expect("a rock can be baked");
     baked.outer_error = 0.03;
     let file = write_pack(&[baked], &source()).expect("a small pack can be written");
     Sample { name: "simplified, tree".to_owned(), file }
@@ -137,7 +138,7 @@ fn simplified() -> Sample {
 fn parts() -> Sample {
     let mut hulls: Vec<_> = five_hulls()[..4]
         .iter()
-        .map(|set| bake_hull(set, IndexKind::TREE).expect("a tetrahedron can be baked"))
+        .map(|set| bake_hull(set, IndexKind::Tree).expect("a tetrahedron can be baked"))
         .collect();
     for (part, hull) in hulls[1..].iter_mut().enumerate() {
         (hull.part, hull.uncovered, hull.outer_error) = (part as u32, 0.25, 0.01);

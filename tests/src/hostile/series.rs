@@ -1,18 +1,18 @@
-//! The ways to change a pack: each a series, whose members are numbered.
+//! Ways to change a pack. Each is a series with indexed members.
 
 use hullmap::Pack;
+use hullmap_testkit::packs::reseal;
 use shapes::rng::SplitMix64;
 
 use super::{HEADER_LEN, samples::Sample};
-use crate::packs::reseal;
 
-/// Bytes added to a file at most.
+/// Maximum number of bytes added to a file.
 pub const MOST_ADDED: usize = 4096;
 
 /// Draws until a change is found that opens alone: two thirds do.
 const DRAWS: usize = 12;
 
-/// Where the header states the payload's length.
+/// Position of the payload's length in the header.
 const LENGTH_AT: std::ops::Range<usize> = 16..24;
 
 /// A way to change packs.
@@ -20,15 +20,17 @@ const LENGTH_AT: std::ops::Range<usize> = 16..24;
 pub enum Series {
     /// Each bit flipped; the checksum left as it is.
     Bits,
-    /// Each bit flipped; the checksum right.
+    /// Each bit flipped; the checksum corrected.
     SealedBits,
-    /// Each prefix, and each extension by 1 to [`MOST_ADDED`] bytes: as they are, with a right checksum, and with the right
-    /// length too.
+    /// Each prefix, and each extension by 1 to [`MOST_ADDED`] bytes: unchanged, with a corrected
+    /// checksum, and with the length corrected too.
     Lengths,
-    /// Each 32-bit word behind the header set to each of [`Subject::values`]; the checksum right.
+    /// Each 32-bit word after the header set to each of [`Subject::values`]; the checksum
+    /// corrected.
     Words,
-    /// Two to six words changed at once, each in a way that opens alone, and one in four with something that need not: the
-    /// likeliest way past checks that look at one number at a time. The checksum is right.
+    /// Two to six words changed at once. With each change alone, the pack opens; one member in four
+    /// has a further change that need not open. Such combinations are the most likely to pass
+    /// checks of single numbers. The checksum is corrected.
     Drawn,
 }
 
@@ -36,13 +38,14 @@ pub enum Series {
 pub struct Subject<'s> {
     /// The pack.
     pub sample: &'s Sample,
-    /// Words that go wrong most in it: ends of ranges, numbers that are lengths or places in this file, odd floats.
+    /// Values that are most likely to do harm in it: ends of ranges, lengths and positions in this
+    /// file, special floats.
     pub values: Vec<u32>,
     seed: u64,
 }
 
 impl<'s> Subject<'s> {
-    /// Takes a pack, and the seed of what is drawn.
+    /// Takes a pack and the seed of the random choices.
     ///
     /// # Panics
     /// If the pack does not open.
@@ -81,7 +84,7 @@ impl<'s> Subject<'s> {
         }
     }
 
-    /// Members of a series that has an end; `None` of one that is drawn.
+    /// Number of members of a finite series; `None` for a random one.
     pub fn count(&self, series: Series) -> Option<usize> {
         let len = self.sample.file.len();
         match series {
@@ -120,7 +123,7 @@ impl<'s> Subject<'s> {
 }
 
 impl Series {
-    /// Whether none of its members may open.
+    /// Whether every member must be refused.
     pub fn is_always_refused(self) -> bool {
         matches!(self, Self::Bits | Self::Lengths)
     }

@@ -1,4 +1,4 @@
-//! Changed files tried on threads, one after the other: how they ended.
+//! Changed files tried on several threads, and the counts.
 
 use std::{
     fmt,
@@ -12,29 +12,29 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// A file that takes so long hangs. The slowest takes milliseconds.
+/// A file that takes longer hangs. The slowest takes milliseconds.
 const HANG: Duration = Duration::from_secs(60);
 
-/// How often it is looked whether one hangs.
+/// Interval between checks for a hang.
 const LOOK: Duration = Duration::from_secs(2);
 
 /// Files that a thread takes at a time.
 const RUN: usize = 64;
 
-/// How often what seems the slowest is tried again.
+/// Number of repetitions of an apparently slowest file.
 const AGAIN: usize = 3;
 
-/// No number: a thread between two files.
+/// No index: a thread between two files.
 const NONE: usize = usize::MAX;
 
-/// How files ended.
+/// Counts of opened and refused files.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     /// Files tried.
     pub tried: usize,
     /// Those that opened, and answered.
     pub opened: usize,
-    /// The longest that one took, at its fastest of a few times, and which.
+    /// The slowest file, and its fastest time of a few.
     pub slowest: Option<(Duration, String)>,
 }
 
@@ -44,7 +44,8 @@ impl Tally {
         self.tried - self.opened
     }
 
-    /// Neither end may be rare, or one of the two promises goes untried.
+    /// Asserts that neither outcome is rare, because otherwise one of the two promises is not
+    /// tested.
     ///
     /// # Panics
     /// If less than a twentieth opened, or was refused.
@@ -73,10 +74,12 @@ impl fmt::Display for Tally {
     }
 }
 
-/// Tries the files `numbers` on `threads` threads. `one` makes one, opens it and asks it; it tells whether the file opened.
+/// Tries the files `numbers` on `threads` threads. `one` makes a file, opens it and queries it, and
+/// returns whether it opened.
 ///
 /// # Panics
-/// If one of them panics: with its number. If one hangs, the process is ended, as its thread cannot be.
+/// If a file panics; the message has its index. If one hangs, the process is aborted, because its
+/// thread cannot be ended.
 pub fn run(name: &str, numbers: &[usize], threads: usize, one: impl Fn(usize, &mut Vec<u8>) -> bool + Sync) -> Tally {
     let threads = threads.clamp(1, numbers.len().max(1));
     let next = AtomicUsize::new(0);
@@ -108,7 +111,8 @@ pub fn run(name: &str, numbers: &[usize], threads: usize, one: impl Fn(usize, &m
                         let is_slowest =
                             |took: Duration| tally.slowest.as_ref().is_none_or(|(slowest, _)| took > *slowest);
                         let mut took = start.elapsed();
-                        // What was slow because the thread had to wait is not so again.
+                        // A file that was slow because the thread had to wait is faster the second
+                        // time.
                         for _ in 0..AGAIN {
                             if is_slowest(took) {
                                 let start = Instant::now();
@@ -150,7 +154,7 @@ fn watch(name: &str, at: &[AtomicUsize], ends: &mpsc::Receiver<()>) {
             if now != *number || now == NONE {
                 (*number, *since) = (now, Instant::now());
             } else if since.elapsed() > HANG {
-                // The thread cannot be ended, and the scope would wait for it for ever.
+                // The thread cannot be ended, and the scope would wait for it forever.
                 eprintln!("{name}: change {now} makes it hang");
                 std::process::abort();
             }
@@ -172,7 +176,7 @@ mod tests {
         });
         let mut seen = seen.into_inner().unwrap();
         seen.sort_unstable();
-        // The slowest more often.
+        // The slowest is tried more often.
         seen.dedup();
         assert_eq!(seen, numbers);
         assert_eq!((tally.tried, tally.opened, tally.refused()), (1000, 500, 500));
@@ -182,7 +186,7 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "all: change 700 makes it panic")]
-    fn a_panic_is_told_with_its_number() {
+    fn a_panic_names_the_change() {
         let numbers: Vec<usize> = (0..1000).collect();
         run("all", &numbers, 2, |number, _| {
             assert!(number != 700, "as it must");

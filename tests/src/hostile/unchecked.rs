@@ -1,5 +1,5 @@
-//! Damaged files opened without the checks that would refuse them: queries may then answer wrongly or panic, but end, and read
-//! nothing out of bounds.
+//! Damaged files opened without the checks that would refuse them. Queries may then return wrong
+//! answers or panic, but they end, and they read nothing out of bounds.
 
 use std::{
     cell::{Cell, RefCell},
@@ -16,16 +16,17 @@ use super::inquiry::Inquiry;
 /// A way to open a file.
 type Way = fn(&Path) -> Result<Pack, OpenError>;
 
-/// What came of files opened without checks.
+/// Results of files opened without checks.
 #[derive(Debug, Default)]
 pub struct Findings {
-    /// How many openings ended in queries.
+    /// Number of opened packs that were queried.
     pub asked: usize,
-    /// How often a query panicked, by the place in the source that told so.
+    /// Number of panics in queries, by file and line.
     pub panics: BTreeMap<String, usize>,
 }
 
-/// Opens `file`, written to `path`, in both ways that skip checks, and asks what opens; whether one did.
+/// Writes `file` to `path`, opens it in both ways that skip checks, and queries each pack that
+/// opens. Returns whether one opened.
 ///
 /// `inquiry` must be [unjudged](Inquiry::unjudged).
 ///

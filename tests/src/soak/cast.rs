@@ -1,5 +1,5 @@
-//! The shapes of the soak: game hulls, generated hulls from slivers to points, and shapes in closed form, from 1e-6 to 1e6 in
-//! size and also far from their frames' origins.
+//! The shapes of the soak: game hulls, generated hulls from slivers to points, and shapes in closed
+//! form, from 1e-6 to 1e6 in size and also far from their frames' origins.
 
 use std::{collections::BTreeMap, fmt};
 
@@ -7,28 +7,29 @@ use glam::{DVec3, Vec3};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
 use hullmap::{Hull, Pack, Pose, Shape};
 use hullmap_bake::{IndexKind, SourceRecord};
+use hullmap_testkit::packs;
 use shapes::{families::Family, rng::SplitMix64};
 
 use super::{
     meeting::{self, Meeting},
     model::{Core, Model},
 };
-use crate::packs;
 
 /// Any shape.
 pub type Any<'p> = dyn Shape + Sync + 'p;
 
-/// Sizes that generated hulls and shapes in closed form are made at.
+/// Sizes of generated hulls and of shapes in closed form.
 const SIZES: [f64; 7] = [1e-6, 1e-3, 0.1, 1.0, 10.0, 1e3, 1e6];
 
-/// How far those hulls that are far from their frame's origin are, over their size.
+/// Distance of some hulls from their frame's origin, relative to their size.
 const FAR: [f64; 3] = [1.0, -0.7, 0.4];
 const FAR_SIZES: f64 = 50.0;
 
-/// Thicknesses of slivers, over their length. Below 5e-8 a hull is baked as a polygon or a segment.
+/// Thicknesses of slivers, relative to their length. Below 5e-8 a hull is baked as a polygon or a
+/// segment.
 const THICKNESSES: [f64; 5] = [1e-2, 1e-4, 1e-6, 2e-7, 1e-8];
 
-/// Families, and of each the numbers of points.
+/// Families of shapes, and the numbers of points of each.
 const FAMILIES: [(Family, &[usize]); 9] = [
     (Family::Sphere, &[8, 30, 128]),
     (Family::ClusteredEllipsoid, &[20]),
@@ -41,7 +42,7 @@ const FAMILIES: [(Family, &[usize]); 9] = [
     (Family::Needle, &[24]),
 ];
 
-/// What a body is made of, as the counts name it.
+/// Kind of a body, as named in the counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     /// A game hull.
@@ -56,12 +57,12 @@ pub enum Kind {
     Closed,
 }
 
-/// What the solver is asked about.
+/// A shape that the solver is queried with.
 #[expect(clippy::large_enum_variant, reason = "most of them are hulls")]
 pub enum Solid<'p> {
-    /// A hull, asked about as such.
+    /// A hull, by its own type.
     Hull(Hull<'p>),
-    /// Anything, asked about through its interface.
+    /// Any shape, through its trait object.
     Shape(Box<Any<'p>>),
 }
 
@@ -87,22 +88,22 @@ impl Body<'_> {
     }
 }
 
-/// Two bodies and how they lie.
+/// Two bodies and their pose.
 pub struct Pair<'c, 'p> {
-    /// Its number.
+    /// Index of the pair.
     pub number: u64,
     /// Seed of the run.
     pub seed: u64,
     /// A and B.
     pub bodies: [&'c Body<'p>; 2],
-    /// How it was meant to lie.
+    /// Intended pose.
     pub meeting: Meeting,
-    /// B in A.
+    /// Pose of B in A's frame.
     pub b_in_a: Pose,
 }
 
 impl fmt::Display for Pair<'_, '_> {
-    /// All that is needed to have it again.
+    /// Everything needed to reproduce the pair.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (t, r) = (self.b_in_a.translation(), self.b_in_a.rotation());
         write!(
@@ -129,7 +130,7 @@ impl fmt::Display for Pair<'_, '_> {
 pub struct Stock {
     pack: Pack,
     kinds: Vec<(Kind, String)>,
-    /// What the baker refused, and why.
+    /// Point sets that the baker refused, and the reasons.
     pub refused: Vec<String>,
 }
 
@@ -142,7 +143,7 @@ impl Stock {
         let (mut kinds, mut baked, mut refused) = (Vec::new(), Vec::new(), Vec::new());
         let mut add = |kind: Kind, name: String, points: &[[f32; 3]]| {
             let set = packs::point_set(&name, points);
-            match hullmap_bake::bake_hull(&set, IndexKind::TREE) {
+            match hullmap_bake::bake_hull(&set, IndexKind::Tree) {
                 Ok(hull) => {
                     baked.push(hull);
                     kinds.push((kind, name));
@@ -156,7 +157,8 @@ impl Stock {
         for (kind, name, points) in generated() {
             for size in SIZES {
                 for far in [0.0, FAR_SIZES] {
-                    // A flat set that is moved is rounded anew and no more flat: that is a sliver too.
+                    // A flat set that is moved is rounded anew and no more flat: that is a sliver
+                    // too.
                     let at = |p: &[f64; 3]| [0, 1, 2].map(|axis| ((p[axis] + FAR[axis] * far) * size) as f32);
                     let points: Vec<[f32; 3]> = points.iter().map(at).collect();
                     add(kind, format!("{name} of size {size:e}, {far} away"), &points);
@@ -235,7 +237,7 @@ pub struct Cast<'p> {
 }
 
 impl<'p> Cast<'p> {
-    /// All bodies that can be made of `stock`.
+    /// All bodies that can be made from `stock`.
     ///
     /// # Panics
     /// If a shape is refused: a bug.
@@ -365,17 +367,18 @@ fn closed(size: f64, bodies: &mut Vec<Body<'_>>) {
     add("rounded box", Box::new(rounded), Model::new(Core::Cuboid(half)).rounded(s(0.1)));
 }
 
-/// The extent of a body's bounding box would do as well: half the greatest distance, for lengths that go with its size.
+/// The extent of a body's bounding box would do as well: half the greatest distance, for lengths
+/// that go with its size.
 pub(super) fn size(body: &Body<'_>) -> f64 {
     body.shape().outer_radius()
 }
 
-/// A hull's vertex or another shape's support point, in the body's frame: where bodies are made to touch. It shapes the
-/// sample, not the judgement.
+/// A hull's vertex or another shape's support point, in the body's frame: where bodies are made to
+/// touch. It shapes the sample, not the judgement.
 pub(super) fn support(body: &Body<'_>, dir: DVec3) -> DVec3 {
     match &body.solid {
         Solid::Hull(hull) => hull.support(dir.as_vec3()).point.as_dvec3(),
-        Solid::Shape(shape) => shape.support(dir).point,
+        Solid::Shape(shape) => shape.support_point(dir).point,
     }
 }
 

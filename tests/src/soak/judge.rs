@@ -1,16 +1,16 @@
-//! The certificates: what the answers claim, tested by brute force on the shapes' definitions.
+//! The certificates: the claims of the answers, tested by brute force on the shapes' definitions.
 //!
 //! | claim | certificate |
 //! |---|---|
-//! | apart | along the axis told, the reaches leave a gap |
-//! | overlapping | the point told as common is inside both, by their faces' planes |
-//! | depth at most | along the normal told, the reaches overlap by no more |
-//! | depth at least | no direction is a shorter way out: other answers' normals; for some pairs all face normals, for a few all facets of the Minkowski difference |
-//! | distance at least | along the normal told, the gap of the reaches is no less |
-//! | distance at most | the points told are inside their shapes, and no farther apart |
+//! | separated | along the reported axis, the reaches leave a gap |
+//! | overlapping | the reported common point is inside both, by their face planes |
+//! | upper bound of the depth | along the reported normal, the reaches overlap by no more |
+//! | lower bound of the depth | no tested direction separates the shapes by a shorter translation: normals of other answers; for some pairs all face normals, for a few all facets of the Minkowski difference |
+//! | lower bound of the distance | along the reported normal, the reaches leave a gap no smaller |
+//! | upper bound of the distance | the reported points are inside their shapes, and no farther from each other |
 //!
-//! Beyond these: numbers are finite, intervals in order, statuses those that the interval's width allows, and the three queries
-//! do not contradict each other.
+//! Also: numbers are finite, intervals in order, statuses agree with the interval's width, and the
+//! three queries do not contradict each other.
 
 use std::hash::Hasher;
 
@@ -19,68 +19,77 @@ use hullmap::{
     Cache, Contact, Distance, Intersection, Minkowski, Overlap, Pose, Settings, Status, SupportMap, contact, distance,
     intersects,
 };
+use hullmap_testkit::{
+    depth::signed_depth,
+    polytope::Polytope,
+    reach::{Placed, way_out},
+};
 use twox_hash::XxHash3_64;
 
 use super::{
     cast::{Body, Pair, Solid},
     tally::{Tally, Wrong},
 };
-use crate::truth::{depth::signed_depth, polytope::Polytope};
 
-/// Units of rounding that a certificate may be off by, of the greatest lengths: a turned direction or point is off by some 40, a dot
-/// product by a few, on each of the shapes.
+/// Rounding error of a certificate, in units of the greatest lengths times the f64 epsilon: a
+/// rotated direction or point is off by some 40, a dot product by a few, on each of the shapes.
 const ROUNDING_UNITS: f64 = 64.0;
 
-/// What a unit vector's length may be off by.
+/// Tolerance of a unit vector's length.
 const UNIT: f64 = 1e-14;
 
-/// How many of the solver's own roundings apart or deep a pair may be that is still told as touching, and by how many an exact interval
-/// may be wide: shapes up to 16 roundings thick count as flat.
+/// Maximum gap or depth of a pair reported as touching, and maximum width of an exact interval, in
+/// units of the solver's own rounding error: shapes up to 16 units thick count as flat.
 const TOUCHING_ROUNDINGS: f64 = 20.0;
 
-/// The same in units of rounding of the lengths in the query, for shapes that are solved by their cores.
+/// The same in units of the greatest length times the f64 epsilon, for shapes that are solved by
+/// their cores.
 const TOUCHING_UNITS: f64 = 640.0;
 
-/// By how much, over the greatest length, points where shapes touch may be apart: those of slivers lose digits.
+/// Maximum distance, relative to the greatest length, of the two points of touching shapes: those
+/// of slivers lose digits.
 const TOUCHING_POINTS: f64 = 1e-4;
 
-/// By how much, over the greatest length, a pair may be apart that is told as touching: slivers in one plane, beside each other. A hit too
-/// many, never one too few.
+/// Maximum gap, relative to the greatest length, of a pair reported as touching: slivers beside
+/// each other in one plane. A false hit, never a missed one.
 const FALSE_TOUCH: f64 = 1e-8;
 
-/// By how much, over the greatest length, a point that is told as common may be outside of one of the shapes.
+/// Maximum distance, relative to the greatest length, of a reported common point from one of the
+/// shapes.
 const COMMON_POINT: f64 = 1e-7;
 
-/// Share of the depth by which contact points may be less deep: the foot of the origin beside the nearest face.
+/// Relative error of the depth of contact points: the foot of the origin may lie beside the nearest
+/// face.
 const FOOT_OFF: f64 = 1e-3;
 
-/// Most steps and support calls of a query: the caps of all phases together, twice as rounded shapes are asked twice.
+/// Maximum iterations and support calls of a query: the caps of all phases together, twice, because
+/// rounded shapes are solved twice.
 const MOST: u32 = 2 * 1600;
 
-/// One pair in so many is judged by all face normals too, and one in so many by all facets.
+/// One pair in this many is also checked against all face normals, and one against all facets.
 const NORMALS_EVERY: u64 = 16;
 const FACETS_EVERY: u64 = 1024;
 
-/// Edges up to which all facets are looked at.
+/// Maximum number of edges for which all facets are tested.
 const MOST_EDGES: usize = 400;
 
-/// What the solver says of a pair.
+/// The solver's answers about a pair.
 #[derive(Clone, Copy, Debug)]
 pub struct Answers {
-    /// Yes or no.
+    /// Intersection.
     pub yes: Intersection,
-    /// How deep.
+    /// Contact.
     pub deep: Contact,
-    /// How far.
+    /// Distance.
     pub near: Distance,
 }
 
-/// What is remembered of a pair, one for each query.
+/// The caches of a pair, one for each query.
 #[derive(Default)]
 pub struct Caches([Cache; 3]);
 
 impl Answers {
-    /// Asks the solver: hulls as hulls, else through the shapes' interface.
+    /// Queries the solver: hulls by their own type, other shapes through the trait object.
     pub fn to(a: &Body<'_>, b: &Body<'_>, b_in_a: Pose, caches: &mut Caches) -> Self {
         match (&a.solid, &b.solid) {
             (Solid::Hull(a), Solid::Hull(b)) => Self::of(a, b, b_in_a, caches),
@@ -123,7 +132,7 @@ impl Answers {
     }
 }
 
-/// Judges all that is asked about a pair.
+/// Verifies all queries of a pair.
 pub(super) fn judge_pair(pair: &Pair<'_, '_>, tally: &mut Tally) {
     let ([a, b], number) = (pair.bodies, pair.number);
     let mut caches = Caches::default();
@@ -144,7 +153,7 @@ pub(super) fn judge_pair(pair: &Pair<'_, '_>, tally: &mut Tally) {
     }
     match number % 4 {
         1 => {
-            // The next frame, with what this one left behind: a hair on, or a step.
+            // The next frame with a warm cache: a tiny step, or a larger one.
             let step = [1e-9, 1e-3, 0.1][(number / 4 % 3) as usize];
             let reach = a.shape().outer_radius().min(b.shape().outer_radius());
             let shift = DVec3::new(0.6, -0.64, 0.48) * (step * reach);
@@ -167,7 +176,7 @@ pub(super) fn judge_pair(pair: &Pair<'_, '_>, tally: &mut Tally) {
     }
 }
 
-/// Two bodies and how they lie.
+/// Two bodies and their pose.
 struct Scene<'s, 'p> {
     a: &'s Body<'p>,
     b: &'s Body<'p>,
@@ -175,13 +184,13 @@ struct Scene<'s, 'p> {
     turn: DMat3,
     unturn: DMat3,
     shift: DVec3,
-    /// What a certificate may be off by.
+    /// Tolerance of a certificate.
     slack: f64,
-    /// What the solver says that it may be off by.
+    /// The solver's own bound of its rounding error.
     rounding: f64,
     /// Lengths up to this are touching.
     hair: f64,
-    /// The greatest length in the query.
+    /// Maximum length in the query.
     reach: f64,
 }
 
@@ -189,19 +198,18 @@ impl<'s, 'p> Scene<'s, 'p> {
     fn new(a: &'s Body<'p>, b: &'s Body<'p>, b_in_a: Pose) -> Self {
         let (turn, shift) = (DMat3::from_quat(b_in_a.rotation()), b_in_a.translation());
         let slack = ROUNDING_UNITS * f64::EPSILON * (a.model.greatest + b.model.greatest + shift.length());
-        let rounding = Minkowski::new(a.shape(), b.shape(), b_in_a).rounding();
+        let rounding = Minkowski::new(a.shape(), b.shape(), b_in_a).rounding_error();
         let centers = a.shape().interior_point().length() + b.shape().interior_point().length();
         let reach = a.shape().outer_radius() + b.shape().outer_radius() + centers + shift.length();
         let hair = TOUCHING_ROUNDINGS * rounding + TOUCHING_UNITS * f64::EPSILON * reach;
         Self { a, b, b_in_a, turn, unturn: turn.transpose(), shift, slack, rounding, hair, reach }
     }
 
-    /// How far B has to move along the unit vector `n` to be out of A; negative when `n` separates them.
     fn way_out(&self, n: DVec3) -> f64 {
-        self.a.model.reach(n) + self.b.model.reach(self.unturn * -n) - n.dot(self.shift)
+        way_out(&self.a.model, &Placed::new(&self.b.model, self.b_in_a), n)
     }
 
-    /// How far outside of A a point of A's frame is.
+    /// Distance of a point of A's frame from A.
     fn outside_a(&self, p: DVec3) -> f64 {
         self.a.model.outside(p)
     }
@@ -235,7 +243,7 @@ impl<'s, 'p> Scene<'s, 'p> {
         tally.fingerprint = tally.fingerprint.wrapping_add(answers.hash().rotate_left((pair.number % 63) as u32));
         let mut tightest = 0.0_f64;
         let mut wrong: Option<(&'static str, f64, f64)> = None;
-        // Written so that NaN is wrong.
+        // NaN takes the failing branch.
         let mut at_most = |what: &'static str, found: f64, limit: f64, slack: f64| {
             if !(found <= limit + slack) {
                 wrong.get_or_insert((what, found, limit));
@@ -255,7 +263,7 @@ impl<'s, 'p> Scene<'s, 'p> {
             at_most("a cap is not held", counts[0].max(counts[1]).into(), MOST.into(), 0.0);
         }
 
-        // What one of them proves, the others must not deny.
+        // A claim proved by one answer must not be denied by another.
         let gap = -way_deep.min(way_near);
         let depth_lower = deep.depth_lower;
         if depth_lower > 0.0 {
@@ -270,7 +278,7 @@ impl<'s, 'p> Scene<'s, 'p> {
         if near.status == Status::Overlapping {
             at_most("distance says overlapping, an axis separates", gap, self.rounding, slack);
         }
-        // As far as rounding, a yes may be false; never when all is settled.
+        // Within the rounding error a yes may be false, but never if all answers are settled.
         let hair = self.hair;
         if yes.status == Overlap::Touching {
             at_most("intersects says touching, an axis separates", gap, hair + FALSE_TOUCH * self.reach, slack);
@@ -416,7 +424,8 @@ impl<'s, 'p> Scene<'s, 'p> {
         let (depth, axis) = signed_depth(&a, &b, -4.0 * self.slack);
         let deep = &answers.deep;
         let hair = self.hair;
-        // The upper end, and a miss, have a certificate: facets' normals are not all there are where a polygon is flat but for rounding.
+        // The upper end, and a miss, have a certificate: facets' normals are not all there are
+        // where a polygon is flat but for rounding.
         let fits = !deep.hit
             || deep.depth_lower <= depth.max(0.0) + self.slack
                 && (depth >= -hair - FALSE_TOUCH * self.reach

@@ -1,7 +1,8 @@
-//! How a pair lies: most about touching, where solvers go wrong.
+//! The pose of a pair: most pairs nearly touch, where solvers fail.
 //!
-//! Where B touches A is found from a support point of each, without a search. From there it is moved by nothing, by one unit in
-//! the last place of a coordinate, or by a share of its size from 1e-16 to 1e-3, in or out.
+//! The touching position of B follows from a support point of each shape, without a search. From
+//! there B is not moved, or moved by one unit in the last place of a coordinate, or in or out by
+//! 1e-16 to 1e-3 of its size.
 
 use glam::{DQuat, DVec3};
 use hullmap::Pose;
@@ -9,7 +10,7 @@ use shapes::rng::SplitMix64;
 
 use super::cast::{Body, single, size, support};
 
-/// How a pair was meant to lie.
+/// The intended pose of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Meeting {
     /// Touching in some direction, or that of a face.
@@ -18,9 +19,9 @@ pub enum Meeting {
     Faces,
     /// An edge of B parallel to one of A.
     Edges,
-    /// Centres on each other, or nearly.
+    /// Concentric, or nearly.
     Concentric,
-    /// From deep to apart.
+    /// From penetrating to separated.
     Anywhere,
 }
 
@@ -30,8 +31,8 @@ const THIRTEEN_TENTHS: f64 = 1.3;
 const TENTHS: [f64; 17] =
     [1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14, 1e-15, 1e-16];
 
-/// A share of 10^-`least` to 10^-16, in or out; one time in four nothing.
-fn hair(rng: &mut SplitMix64, least: usize) -> f64 {
+/// A relative offset of 10^-`least` to 10^-16, in or out; 0 one time in four.
+fn offset(rng: &mut SplitMix64, least: usize) -> f64 {
     match rng.below(8) {
         0 | 1 => 0.0,
         _ => rng.between(-1.0, 1.0) * TENTHS[least + rng.below(TENTHS.len() - least)],
@@ -45,7 +46,7 @@ fn direction(rng: &mut SplitMix64) -> DVec3 {
     }
 }
 
-/// Mostly at random; some rotations keep axes parallel, exactly or nearly.
+/// Mostly random; some rotations keep axes parallel, exactly or nearly.
 fn rotation(rng: &mut SplitMix64) -> DQuat {
     let axis = DVec3::from_array(rng.direction());
     let half = std::f64::consts::FRAC_1_SQRT_2;
@@ -63,7 +64,8 @@ fn rotation(rng: &mut SplitMix64) -> DQuat {
     }
 }
 
-/// The rotation that takes the unit vector `from` to `to`, the shortest way, then some way around `to`.
+/// The shortest rotation that takes the unit vector `from` to `to`, then a random rotation about
+/// `to`.
 fn aligning(rng: &mut SplitMix64, from: DVec3, to: DVec3) -> DQuat {
     let (cross, dot) = (from.cross(to), from.dot(to));
     let arc = if dot > -0.999_999 {
@@ -77,12 +79,12 @@ fn aligning(rng: &mut SplitMix64, from: DVec3, to: DVec3) -> DQuat {
     };
     let around = to * if rng.below(4) == 0 { 0.0 } else { rng.between(-3.0, 3.0) };
     let spin = DQuat::from_xyzw(around.x, around.y, around.z, 1.0).normalize();
-    // Off by a hair, half of the time.
-    let tilt = direction(rng) * if rng.below(2) == 0 { 0.0 } else { hair(rng, 3) };
+    // Off by a tiny tilt, half of the time.
+    let tilt = direction(rng) * if rng.below(2) == 0 { 0.0 } else { offset(rng, 3) };
     DQuat::from_xyzw(tilt.x, tilt.y, tilt.z, 1.0).normalize() * spin * arc
 }
 
-/// Draws how `b` lies to `a`.
+/// Draws the pose of `b` in the frame of `a`.
 pub(super) fn meet(rng: &mut SplitMix64, a: &Body<'_>, b: &Body<'_>) -> (Meeting, Pose) {
     let drawn = rng.below(16);
     let (meeting, turn, translation) = match drawn {
@@ -112,7 +114,7 @@ pub(super) fn meet(rng: &mut SplitMix64, a: &Body<'_>, b: &Body<'_>) -> (Meeting
         11 | 12 => {
             let turn = rotation(rng);
             let centers = a.shape().interior_point() - turn * b.shape().interior_point();
-            (Meeting::Concentric, turn, centers + direction(rng) * (hair(rng, 0) * size(a).min(size(b))))
+            (Meeting::Concentric, turn, centers + direction(rng) * (offset(rng, 0) * size(a).min(size(b))))
         }
         _ => {
             let turn = rotation(rng);
@@ -126,7 +128,8 @@ pub(super) fn meet(rng: &mut SplitMix64, a: &Body<'_>, b: &Body<'_>) -> (Meeting
     (meeting, Pose::new(translation, turn).expect("finite"))
 }
 
-/// Where B touches A from outside, the plane between them at right angles to `normal`, and a hair from there.
+/// A translation in which B touches A from outside, in a plane perpendicular to `normal`, or lies a
+/// tiny offset from there.
 fn touching(rng: &mut SplitMix64, a: &Body<'_>, b: &Body<'_>, turn: DQuat, normal: DVec3) -> DVec3 {
     let on_a = support(a, normal);
     let on_b = support(b, turn.conjugate() * -normal);
@@ -140,7 +143,7 @@ fn touching(rng: &mut SplitMix64, a: &Body<'_>, b: &Body<'_>, turn: DQuat, norma
         1 => at.x = at.x.next_up(),
         2 => at.y = at.y.next_down(),
         3 => at.z = at.z.next_up(),
-        _ => at += normal * (hair(rng, 3) * reach),
+        _ => at += normal * (offset(rng, 3) * reach),
     }
     at
 }

@@ -1,19 +1,21 @@
-//! The solver on millions of pairs, each answer judged by a certificate of its own.
+//! The solver on millions of pairs. Each answer is verified by a certificate.
 //!
-//! The truths of [`truth`](crate::truth) cost a millisecond a pair. A certificate costs a microsecond: the answers themselves say where
-//! to look (an axis, a normal, points that both shapes share), and brute force over vertices and face planes tells whether
-//! that is so. It is written from the shapes' definitions, without the solver's code and without the shapes' support mappings.
+//! A reference answer of [`truth`](crate::truth) costs a millisecond per pair; a certificate costs
+//! a microsecond. Each answer comes with evidence (an axis, a normal, points that both shapes
+//! share), and brute force over vertices and face planes verifies it. The certificates are written
+//! from the shapes' definitions, without the solver's code and without the shapes' support
+//! mappings.
 //!
 //! | module | what |
 //! |---|---|
-//! | [`model`] | a shape as its definition: how far it reaches, how far outside of it a point is |
+//! | [`model`] | a shape by its definition: extent in a direction, distance of a point from it |
 //! | [`cast`] | the shapes: game hulls, generated ones from slivers to points, shapes in closed form |
-//! | [`meeting`] | how a pair lies: kissing, face to face, edge to edge, concentric, anywhere |
+//! | [`meeting`] | the pose of a pair: touching, face to face, edge to edge, concentric, anywhere |
 //! | [`judge`] | the certificates |
-//! | [`tally`] | the counts, and what was wrong |
+//! | [`tally`] | the counts, and the wrong answers |
 //!
-//! Pairs of one seed are numbered and each is made from its number alone: a run is the same on any number of threads, can be
-//! cut into pieces, and any pair can be had again.
+//! The pairs of a seed are indexed, and each is generated from its index alone. So a run gives the
+//! same results on any number of threads, can be split, and any pair can be reproduced.
 
 pub mod cast;
 pub mod judge;
@@ -34,10 +36,11 @@ use cast::Cast;
 use judge::judge_pair;
 use tally::{Tally, Wrong};
 
-/// Pairs that a thread takes at a time: some 20 ms of work.
+/// Number of pairs that a thread takes at a time: about 20 ms of work.
 const RUN: u64 = 2048;
 
-/// Judges the pairs `numbers` of `seed` on `threads` threads. The tally does not depend on their number.
+/// Judges the pairs `numbers` of `seed` on `threads` threads. The tally does not depend on their
+/// number.
 pub fn soak(cast: &Cast<'_>, seed: u64, numbers: Range<u64>, threads: usize) -> Tally {
     let next = AtomicU64::new(numbers.start);
     let sum = Mutex::new(Tally::default());
@@ -64,7 +67,7 @@ pub fn soak(cast: &Cast<'_>, seed: u64, numbers: Range<u64>, threads: usize) -> 
 /// Judges one pair; a panic counts as wrong.
 fn one(cast: &Cast<'_>, seed: u64, number: u64, tally: &mut Tally) {
     let pair = cast.pair(seed, number);
-    // What a panic leaves half done are counts, of a run that has failed.
+    // A panic may leave counts incomplete, but then the run has failed.
     let judged = catch_unwind(AssertUnwindSafe(|| judge_pair(&pair, tally)));
     if judged.is_err() {
         tally.take_wrong(Wrong { number, what: "a panic", details: pair.to_string() });

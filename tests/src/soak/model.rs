@@ -1,19 +1,21 @@
-//! A shape as its definition: how far it reaches in a direction, and how far outside of it a point is.
+//! A shape by its definition: its extent in a direction, and the distance of a point from it.
 
 use glam::DVec3;
 use hullmap::Hull;
+use hullmap_testkit::{
+    polytope::{Edge, Polytope},
+    reach::Reach,
+};
 
-use crate::truth::polytope::{Edge, Polytope};
-
-/// What a shape is made of, before scale and rounding.
+/// The core of a shape, before scale and convex radius.
 #[derive(Clone, Debug)]
 pub enum Core {
-    /// The convex hull of points, and the planes of its faces: outward normals and offsets. Without planes it is a segment or a
-    /// point, the first two of the points being its ends.
+    /// The convex hull of points, and the planes of its faces: outward normals and offsets. Without
+    /// planes it is a segment or a point, the first two of the points being its ends.
     Points {
         /// The vertices.
         points: Vec<DVec3>,
-        /// Unit normal, and how far the points reach along it.
+        /// Unit normal, and the maximum extent of the points along it.
         planes: Vec<(DVec3, f64)>,
         /// The edges of a hull with faces.
         edges: Vec<Edge>,
@@ -36,12 +38,12 @@ pub struct Model {
     core: Core,
     scale: DVec3,
     radius: f64,
-    /// The greatest length of a point, at least.
+    /// Upper bound of the distance of a point from the frame's origin.
     pub greatest: f64,
 }
 
 impl Model {
-    /// `core` as it is.
+    /// `core`, without scale and convex radius.
     pub fn new(core: Core) -> Self {
         let greatest = match &core {
             Core::Points { points, .. } => points.iter().map(|p| p.length()).fold(0.0, f64::max),
@@ -61,12 +63,12 @@ impl Model {
             return Self::new(Core::Points { points, planes: Vec::new(), edges: Vec::new() });
         }
         let Polytope { points, normals, edges } = Polytope::new(hull);
-        // However much noise is in a sliver's normal, a plane in front of all points is one that holds the hull.
+        // A sliver's normal may be noise, but a plane in front of all points still bounds the hull.
         let planes = normals.into_iter().map(|n| (n, reach(&points, n))).collect();
         Self::new(Core::Points { points, planes, edges })
     }
 
-    /// Scaled along the axes, before what it was rounded by.
+    /// Scaled along the axes, before the convex radius is added.
     pub fn scaled(self, scale: DVec3) -> Self {
         assert_eq!(self.radius, 0.0, "scale first");
         Self { scale, greatest: self.greatest * scale.abs().max_element(), ..self }
@@ -77,22 +79,7 @@ impl Model {
         Self { radius: self.radius + radius, greatest: self.greatest + radius, ..self }
     }
 
-    /// The greatest dot product of a point of the shape with `dir`.
-    pub fn reach(&self, dir: DVec3) -> f64 {
-        let d = dir * self.scale;
-        let across = |d: DVec3| (d.x * d.x + d.y * d.y).sqrt();
-        let core = match &self.core {
-            Core::Points { points, .. } => reach(points, d),
-            Core::Cuboid(half) => d.abs().dot(*half),
-            Core::Segment(half) => d.z.abs() * half,
-            Core::Cylinder(half, radius) => d.z.abs() * half + across(d) * radius,
-            Core::Cone(half, radius) => (d.z * half).max(across(d) * radius - d.z * half),
-            Core::Ball(radius) => d.length() * radius,
-        };
-        if self.radius > 0.0 { core + dir.length() * self.radius } else { core }
-    }
-
-    /// How far outside of the shape `p` is, at least; negative inside.
+    /// Lower bound of the distance of `p` from the shape; negative inside.
     pub fn outside(&self, p: DVec3) -> f64 {
         let q = if self.scale == DVec3::ONE { p } else { p / self.scale };
         let size = self.scale.abs();
@@ -134,7 +121,7 @@ impl Model {
         core - self.radius
     }
 
-    /// Outward directions in which the shape has faces; none of shapes without.
+    /// Outward face normals; empty for shapes without faces.
     pub fn face_normals(&self) -> impl Iterator<Item = DVec3> {
         let planes = match &self.core {
             Core::Points { planes, .. } => &planes[..],
@@ -143,7 +130,7 @@ impl Model {
         planes.iter().map(|(n, _)| (*n / self.scale).normalize())
     }
 
-    /// Normal of face number `place` of as many as there are, counted round; `None` of shapes without faces.
+    /// Normal of face `place`, modulo the number of faces; `None` for shapes without faces.
     pub fn face_normal(&self, place: usize) -> Option<DVec3> {
         match &self.core {
             Core::Points { planes, .. } if !planes.is_empty() => {
@@ -155,7 +142,7 @@ impl Model {
         }
     }
 
-    /// Direction of edge number `place`, counted round, and an outward direction across it.
+    /// Direction of edge `place`, modulo the number of edges, and an outward direction across it.
     pub fn edge(&self, place: usize, lean: f64) -> Option<(DVec3, DVec3)> {
         match &self.core {
             Core::Points { planes, edges, .. } if !edges.is_empty() => {
@@ -175,11 +162,27 @@ impl Model {
     }
 }
 
+impl Reach for Model {
+    fn reach(&self, dir: DVec3) -> f64 {
+        let d = dir * self.scale;
+        let across = |d: DVec3| (d.x * d.x + d.y * d.y).sqrt();
+        let core = match &self.core {
+            Core::Points { points, .. } => reach(points, d),
+            Core::Cuboid(half) => d.abs().dot(*half),
+            Core::Segment(half) => d.z.abs() * half,
+            Core::Cylinder(half, radius) => d.z.abs() * half + across(d) * radius,
+            Core::Cone(half, radius) => (d.z * half).max(across(d) * radius - d.z * half),
+            Core::Ball(radius) => d.length() * radius,
+        };
+        if self.radius > 0.0 { core + dir.length() * self.radius } else { core }
+    }
+}
+
 fn more(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
 }
 
-/// Four sums at a time, as one maximum waits for the one before.
+/// Four maxima at a time, because each maximum waits for the one before.
 fn reach(points: &[DVec3], dir: DVec3) -> f64 {
     let mut greatest = [f64::NEG_INFINITY; 4];
     let (fours, rest) = points.as_chunks::<4>();
@@ -205,7 +208,8 @@ mod tests {
     use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
     use shapes::rng::SplitMix64;
 
-    /// The shapes' support points, which are a definition too, reach as far as the model says and lie on its surface.
+    /// The shapes' support points are another definition. Their extent agrees with the model, and
+    /// they are on its surface.
     #[test]
     fn models_are_what_the_support_mappings_are() {
         let scale = DVec3::new(2.0, -0.5, 0.75);
@@ -235,7 +239,7 @@ mod tests {
         for (number, (shape, model)) in pairs.iter().enumerate() {
             for _ in 0..500 {
                 let dir = DVec3::from_array(rng.direction());
-                let point = shape.support(dir).point;
+                let point = shape.support_point(dir).point;
                 assert!((point.dot(dir) - model.reach(dir)).abs() < 1e-14, "{number} {dir} {point}");
                 assert!(model.outside(point) < 1e-14, "{number} {dir} {point} {}", model.outside(point));
                 // Planes say less than the whole beside the corners of what is rounded.

@@ -1,4 +1,4 @@
-//! The counts over all pairs, and what was wrong.
+//! The counts over all pairs, and the wrong answers.
 
 use std::{collections::BTreeMap, fmt};
 
@@ -6,15 +6,15 @@ use hullmap::{Contact, Distance, Intersection};
 
 use super::{cast::Kind, meeting::Meeting};
 
-/// Wrong answers of each sort that are kept in full.
+/// Number of wrong answers of each kind that are kept in full.
 const KEPT: usize = 5;
 
-/// Something wrong.
+/// A wrong answer.
 #[derive(Clone, Debug)]
 pub struct Wrong {
-    /// The pair's number.
+    /// Index of the pair.
     pub number: u64,
-    /// What.
+    /// The failed check.
     pub what: &'static str,
     /// The pair and the answers.
     pub details: String,
@@ -26,7 +26,7 @@ impl fmt::Display for Wrong {
     }
 }
 
-/// The counts. Sums and maxima alone, so that they do not depend on an order.
+/// The counts: only sums and maxima, so that they do not depend on the order of the pairs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
     /// Pairs judged.
@@ -37,23 +37,24 @@ pub struct Tally {
     pub facets: u64,
     /// Of those, the ones whose depth was compared with all face normals.
     pub normals: u64,
-    /// By how the pair was meant to lie, and of those the contacts that hit.
+    /// By intended pose: the pairs, and of those the contacts that overlap.
     pub meetings: BTreeMap<Meeting, [u64; 2]>,
     /// Bodies by kind.
     pub kinds: BTreeMap<Kind, u64>,
     /// Statuses of `intersects`, `contact` and `distance`.
     pub statuses: [BTreeMap<&'static str, u64>; 3],
-    /// Most iterations of each.
+    /// Maximum number of iterations of each.
     pub iterations: [u32; 3],
-    /// Most support calls of each.
+    /// Maximum number of support calls of each.
     pub support_calls: [u32; 3],
-    /// The least distance, over the width that is allowed, by which anything was right; above 1 it is wrong.
+    /// The least distance, over the width that is allowed, by which anything was right; above 1 it
+    /// is wrong.
     pub tightest: f64,
     /// All answers' bits, summed: the same for the same answers in any order.
     pub fingerprint: u64,
-    /// How often which thing was wrong.
+    /// Number of failures of each check.
     pub wrong: BTreeMap<&'static str, u64>,
-    /// The first of each sort: the pair's number, and the details.
+    /// The first failures of each kind: index of the pair, and the details.
     pub kept: BTreeMap<&'static str, Vec<(u64, String)>>,
 }
 
@@ -89,7 +90,7 @@ impl Tally {
         }
     }
 
-    /// Counts something wrong.
+    /// Counts a wrong answer.
     pub fn take_wrong(&mut self, wrong: Wrong) {
         *self.wrong.entry(wrong.what).or_default() += 1;
         let kept = self.kept.entry(wrong.what).or_default();
@@ -97,7 +98,7 @@ impl Tally {
         keep_first(kept);
     }
 
-    /// The first wrong answers of each sort, by the pairs' numbers.
+    /// The first wrong answers of each kind, in order of the pairs' indices.
     pub fn wrongs(&self) -> impl Iterator<Item = Wrong> {
         let each = |(what, kept): (&&'static str, &Vec<(u64, String)>)| {
             let what = *what;

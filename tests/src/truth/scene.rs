@@ -1,23 +1,22 @@
-//! Hulls of many kinds and the poses they meet in.
+//! Hulls of many kinds and the poses of their pairs.
 //!
-//! Pairs of one seed are numbered, and each can be made alone. A third of them is deep, a third about touching, a third
-//! apart; of those about touching a half is within 2 %, the others from 2 % down to 2e-8. Where a pair touches is found
-//! by bisection with [`hullmap::intersects`]: that shapes the sample, not the truth.
+//! The pairs of a seed are indexed, and each can be generated alone. A third of them is
+//! penetrating, a third nearly touching, and a third separated. Of those nearly touching, one half
+//! is within 2 %, and the other half is from 2 % down to 2e-8. The touching pose of a pair is found
+//! by bisection with [`hullmap::intersects`]. This affects the sample, not the truth.
 
 use std::collections::HashMap;
 
 use glam::{DQuat, DVec3};
 use hullmap::{Cache, Hull, Pack, Pose, SupportMap, intersects};
 use hullmap_bake::IndexKind;
+use hullmap_testkit::{packs, polytope::Polytope};
 use shapes::{families::Family, rng::SplitMix64};
-
-use super::polytope::Polytope;
-use crate::packs;
 
 /// Hulls of 4 to 16 random points.
 const SMALL: u64 = 120;
 
-/// Families, and of each the numbers of points.
+/// Families of shapes, and the numbers of points of each.
 const FAMILIES: [(Family, &[usize]); 11] = [
     (Family::Sphere, &[8, 20, 60, 128, 400]),
     (Family::ClusteredEllipsoid, &[8, 20, 60, 128]),
@@ -43,7 +42,7 @@ const DETAILED: [(Family, &[usize]); 7] = [
     (Family::UvSphere, &[512]),
 ];
 
-/// Scales that a pair's hulls are made at. Most pairs have 1 twice.
+/// Scales of a pair's hulls. In most pairs, both are 1.
 const SCALES: [[f64; 2]; 10] = [
     [1.0, 1.0],
     [1.0, 1.0],
@@ -57,13 +56,13 @@ const SCALES: [[f64; 2]; 10] = [
     [1e-4, 1.0],
 ];
 
-/// How far those hulls that are far from their frames' origin are, over their size.
+/// Distance of some hulls from their frame's origin, relative to their size.
 const FAR: f64 = 50.0;
 
-/// Bisections that find where a pair touches: to 1e-15 of its size.
+/// Number of bisections that find the touching pose of a pair, to 1e-15 of its size.
 const BISECTIONS: usize = 50;
 
-/// How a pair is meant to lie.
+/// Intended pose of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Class {
     /// At most 0.9 of the distance at which it touches.
@@ -74,7 +73,7 @@ pub enum Class {
     Apart,
 }
 
-/// Which hull: enough to make it again.
+/// A hull's parameters: enough to generate it again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Recipe {
     kind: Kind,
@@ -129,12 +128,12 @@ pub struct Body {
 
 impl Body {
     fn new(recipe: &Recipe) -> Self {
-        let pack = packs::pack(recipe.family(), &recipe.points(), IndexKind::TREE);
+        let pack = packs::pack(recipe.family(), &recipe.points(), IndexKind::Tree);
         let polytope = Polytope::new(&pack.hull(0).expect("a pack has a hull"));
         Self { pack, polytope }
     }
 
-    /// The hull that the solver is asked about.
+    /// The hull that the solver is queried with.
     ///
     /// # Panics
     /// If the pack has no hull: a bug.
@@ -146,17 +145,17 @@ impl Body {
 /// A pair of hulls in a pose.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair {
-    /// Its number.
+    /// Index of the pair.
     pub number: u64,
     /// A and B.
     pub recipes: [Recipe; 2],
-    /// How it was meant to lie.
+    /// Intended pose.
     pub class: Class,
-    /// Where B is.
+    /// Pose of B in A's frame.
     pub b_in_a: Pose,
 }
 
-/// How many vertices hulls have.
+/// Range of the hulls' vertex counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detail {
     /// 4 to 400, a third of them at most 16.
@@ -165,7 +164,7 @@ pub enum Detail {
     Many,
 }
 
-/// All pairs of one seed. Bakes what it needs once.
+/// All pairs of one seed. Each hull is baked once.
 pub struct Scene {
     seed: u64,
     detail: Detail,
@@ -173,12 +172,12 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Nothing is baked yet.
+    /// Starts without baked hulls.
     pub fn new(seed: u64, detail: Detail) -> Self {
         Self { seed, detail, bodies: HashMap::new() }
     }
 
-    /// Pair `number`, with its hulls.
+    /// The pair of index `number`, with its hulls.
     ///
     /// # Panics
     /// If a hull cannot be baked: a bug.
@@ -233,7 +232,7 @@ fn kind(detail: Detail, rng: &mut SplitMix64) -> Kind {
     Kind::Of(family, counts[rng.below(counts.len())])
 }
 
-/// Mostly at random; some rotations keep axes parallel, exactly or nearly.
+/// Mostly random; some rotations keep axes parallel, exactly or nearly.
 fn rotation(rng: &mut SplitMix64) -> DQuat {
     let axis = DVec3::from_array(rng.direction());
     match rng.below(20) {
@@ -244,7 +243,7 @@ fn rotation(rng: &mut SplitMix64) -> DQuat {
     }
 }
 
-/// How far apart the interior points are when B touches A.
+/// Distance of the interior points when B touches A.
 fn touching_distance(a: &Hull<'_>, b: &Hull<'_>, rotation: DQuat, direction: DVec3) -> f64 {
     let from = a.interior_point() - rotation * b.interior_point();
     let (mut inside, mut outside) = (0.0, a.outer_radius() + b.outer_radius());

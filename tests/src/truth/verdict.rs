@@ -1,35 +1,37 @@
-//! What was wrong with an answer, and the counts over all pairs.
+//! Wrong answers, and the counts over all pairs.
 
 use std::{collections::BTreeMap, fmt};
 
 use hullmap::{Cache, Contact, Distance, Intersection, Overlap, Settings, Status, contact, distance, intersects};
-
-use super::{
-    depth::{signed_depth, signed_depth_by_points, way_out},
+use hullmap_testkit::{
+    depth::{signed_depth, signed_depth_by_points},
     gap::{distance_by_features, gap},
-    rounding,
-    scene::{Body, Class, Pair},
+    polytope::rounding_error,
+    reach::way_out,
 };
 
-/// Depth or distance, over the mean diameter, above which a wrong yes or no is a miss. Below it is only counted.
+use super::scene::{Body, Class, Pair};
+
+/// Depth or distance, relative to the mean diameter, above which a wrong yes or no is a miss.
+/// Below, it is only counted.
 pub const SURE: f64 = 1e-6;
 
-/// Width of an interval, relative to its upper end, that is asked for by default.
+/// Default tolerance: width of an interval relative to its upper bound.
 pub const WIDTH: f64 = Settings::DEFAULT_TOLERANCE;
 
-/// Width of a truth, relative to its upper end, that is too loose to judge widths of [`WIDTH`].
+/// Relative width of a truth that is too loose to judge widths of [`WIDTH`].
 pub const LOOSE: f64 = 0.1 * WIDTH;
 
 /// Vertices of each hull up to which the slow twins judge the truth.
 const TWIN_VERTICES: usize = 12;
 
-/// What the slow twins may be off by, relatively: their triangles are as thin as vertices happen to lie.
+/// Relative error of the slow twins, whose triangles can be arbitrarily thin.
 const TWIN_ERROR: f64 = 1e-7;
 
-/// Something wrong. Lengths are in the pair's units.
+/// A wrong answer. Lengths are in the pair's units.
 #[derive(Clone, Debug)]
 pub struct Miss {
-    /// What.
+    /// The failed check.
     pub what: &'static str,
     /// The pair.
     pub pair: Pair,
@@ -49,19 +51,19 @@ impl fmt::Display for Miss {
     }
 }
 
-/// What the solver says of a pair, with nothing remembered and default settings.
+/// The solver's answers about a pair, with cold caches and default settings.
 #[derive(Clone, Copy, Debug)]
 pub struct Answers {
-    /// Yes or no.
+    /// Intersection.
     pub yes: Intersection,
-    /// How deep.
+    /// Contact.
     pub deep: Contact,
-    /// How far.
+    /// Distance.
     pub near: Distance,
 }
 
 impl Answers {
-    /// Asks the solver.
+    /// Queries the solver.
     pub fn to(pair: &Pair, bodies: [&Body; 2]) -> Self {
         let ([a, b], settings) = (&bodies.map(Body::hull), Settings::default());
         Self {
@@ -79,31 +81,31 @@ pub struct Tally {
     pub pairs: usize,
     /// Pairs by class, and of those the ones that overlap in truth.
     pub classes: BTreeMap<Class, [usize; 2]>,
-    /// Pairs that are nearer to touching than [`SURE`].
+    /// Pairs within [`SURE`] of touching.
     pub unsure: usize,
-    /// Of those, the ones whose yes or no is wrong by more than rounding.
+    /// Of those, the ones whose yes or no is wrong by more than the rounding error.
     pub unsure_wrong: usize,
-    /// Answers of `intersects` that settle nothing.
+    /// Undecided answers of `intersects`.
     pub undecided: usize,
     /// Contacts of pairs that overlap, by status.
     pub contacts: BTreeMap<&'static str, usize>,
-    /// Distances of pairs that are apart, by status.
+    /// Distances of separated pairs, by status.
     pub distances: BTreeMap<&'static str, usize>,
     /// Contacts, and distances, of pairs that are not within [`SURE`] of touching.
     pub sure: [usize; 2],
     /// Of those, the ones whose interval is wider than [`WIDTH`].
     pub wide: [usize; 2],
-    /// The widest relative width of a sure contact and of a sure distance.
+    /// Maximum relative width of a sure contact and of a sure distance.
     pub widest: [f64; 2],
     /// Distances whose truth is an interval wider than [`LOOSE`].
     pub loose_truths: usize,
-    /// Truths that the slow twins judged, depths and distances.
+    /// Truths compared with the slow twins: depths and distances.
     pub twins: [usize; 2],
-    /// Support calls of the costliest contact.
+    /// Maximum number of support calls of a contact.
     pub most_support_calls: u32,
     /// Pairs by family, each hull counted.
     pub families: BTreeMap<&'static str, usize>,
-    /// All that was wrong.
+    /// All misses.
     pub misses: Vec<Miss>,
 }
 
@@ -112,33 +114,34 @@ impl Tally {
     pub fn judge(&mut self, pair: &Pair, bodies: [&Body; 2], answers: &Answers) {
         let [hull_a, hull_b] = &bodies.map(Body::hull);
         let (a, b) = (&bodies[0].polytope, &bodies[1].polytope.placed(pair.b_in_a));
-        let slack = rounding(a, b, pair.b_in_a.translation().length());
+        let slack = rounding_error(a, b, pair.b_in_a.translation().length());
         let size = 0.5 * (hull_a.diameter() + hull_b.diameter());
         let (depth, _) = signed_depth(a, b, -4.0 * slack);
         let far = (depth < slack).then(|| {
             let mut far = gap(a, b);
-            // Near touching, the direction between the points is as small as rounding; the facets' is not.
+            // Near touching, the direction between the points is as small as rounding; the facets'
+            // is not.
             if far.upper - far.lower > LOOSE * far.upper {
                 far.lower = far.lower.max(-signed_depth(a, b, f64::NEG_INFINITY).0);
             }
             far
         });
         let apart = depth < -slack;
-        // How far the pair is from touching, either way.
+        // Distance or depth of the pair.
         let clear = far.map_or(depth, |far| far.lower.max(depth.abs().min(slack)));
         let sure = clear > SURE * size && clear > 2.0 * slack;
         let mut miss = |what, details: String| self.misses.push(Miss { what, pair: *pair, details });
 
         let twins = [a, b].iter().all(|hull| hull.points.len() <= TWIN_VERTICES);
         if twins && !apart {
-            let twin = signed_depth_by_points(a, b);
+            let twin = signed_depth_by_points(&a.points, &b.points);
             self.twins[0] += 1;
             if !((twin - depth).abs() <= slack + TWIN_ERROR * depth) {
                 miss("the truths about the depth differ", format!("{depth:e}, by points {twin:e}, slack {slack:e}"));
             }
         }
         if let (true, true, Some(far)) = (twins, apart, far) {
-            let twin = distance_by_features(a, b);
+            let twin = distance_by_features(&a.points, &b.points);
             self.twins[1] += 1;
             let slack = slack + TWIN_ERROR * far.upper;
             if !(far.lower - slack <= twin && twin <= far.upper + slack) {
@@ -170,7 +173,7 @@ impl Tally {
         }
 
         if deep.hit {
-            // Apart in truth, within what `sure` lets pass: the depth is 0 there.
+            // In truth separated, within the tolerance of `sure`: the depth is 0.
             let depth = depth.max(0.0);
             if !(deep.depth_lower <= depth + slack && depth - slack <= deep.depth_upper) {
                 miss("the depth's interval does not hold the truth", format!("{}\n  {deep:?}", truth()));
@@ -199,7 +202,7 @@ impl Tally {
         if sure && (deep.hit || !near_hit) {
             let which = usize::from(!deep.hit);
             let [lower, upper] = [[deep.depth_lower, deep.depth_upper], [near.lower, near.upper]][which];
-            // What rounding adds at both ends is no fault of the search.
+            // Rounding errors at both ends are not errors of the search.
             let width = (upper - lower - 2.0 * slack).max(0.0) / upper;
             self.sure[which] += 1;
             self.wide[which] += usize::from(!(width <= WIDTH));

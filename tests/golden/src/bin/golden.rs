@@ -36,7 +36,7 @@ fn main() -> ExitCode {
         }
     }
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(FILE);
-    let told = match std::fs::read_to_string(&path) {
+    let golden = match std::fs::read_to_string(&path) {
         Ok(text) => Golden::read(&text),
         Err(error) if renew => {
             eprintln!("{}: {error}; starting a new one", path.display());
@@ -44,8 +44,8 @@ fn main() -> ExitCode {
         }
         Err(error) => Err(error.to_string()),
     };
-    let told = match told {
-        Ok(told) => told,
+    let golden = match golden {
+        Ok(golden) => golden,
         Err(error) => {
             eprintln!("{}: {error}", path.display());
             return ExitCode::from(2);
@@ -55,7 +55,7 @@ fn main() -> ExitCode {
         Ok(pool) => pool.install(|| Golden::small().join(Golden::large())),
         Err(error) => return usage(&error.to_string()),
     };
-    let differences = told.differences(&found);
+    let differences = golden.differences(&found);
     println!("{} hashes, {} differ", found.hashes.len(), differences.len());
     differences.iter().for_each(|line| println!("{line}"));
     if !renew {

@@ -1,0 +1,76 @@
+//! Packs made in process, without the command.
+
+use std::hash::Hasher;
+
+use hullmap::Pack;
+use hullmap_bake::{BakeError, IndexChoice, IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
+use twox_hash::XxHash3_64;
+
+/// Length of the header in bytes; its last eight bytes are the checksum.
+const HEADER_LEN: usize = 64;
+const CHECKSUM_AT: usize = 56;
+
+/// Every index kind; the cube map at two resolutions.
+pub const ALL_INDICES: [IndexKind; 6] = [
+    IndexKind::Tree,
+    IndexKind::Compact,
+    IndexKind::Binary,
+    IndexKind::CubeMap { resolution: 1 },
+    IndexKind::CubeMap { resolution: 24 },
+    IndexKind::None,
+];
+
+/// A point set in which every point is used.
+pub fn point_set(name: &str, positions: &[[f32; 3]]) -> PointSet {
+    let source_vertices = (0..positions.len() as u32).collect();
+    PointSet { name: name.to_owned(), positions: positions.to_vec(), source_vertices, ..PointSet::default() }
+}
+
+/// The bytes of a pack with one hull for each of `sets`.
+///
+/// # Errors
+/// If the baker refuses a point set.
+pub fn bytes(sets: &[PointSet], index: impl Into<IndexChoice>, source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
+    let index = index.into();
+    let baked = sets.iter().map(|set| bake_hull(set, index)).collect::<Result<Vec<_>, _>>()?;
+    write_pack(&baked, source)
+}
+
+/// An opened pack of one hull.
+///
+/// # Panics
+/// If the points cannot be baked, or the pack does not open.
+pub fn pack(name: &str, positions: &[[f32; 3]], index: IndexKind) -> Pack {
+    let bytes = bytes(&[point_set(name, positions)], index, &SourceRecord::default());
+    let bytes = bytes.unwrap_or_else(|error| panic!("{name}: {error}"));
+    Pack::from_bytes(&bytes).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// As [`pack`], with a tree as index.
+///
+/// # Panics
+/// As [`pack`].
+pub fn tree_pack(positions: &[[f32; 3]]) -> Pack {
+    pack("hull", positions, IndexKind::Tree)
+}
+
+/// The bytes of [`tree_pack`], for unit tests of `hullmap`: their `Pack` is another type than this
+/// crate's.
+///
+/// # Panics
+/// If the points cannot be baked.
+pub fn tree_bytes(positions: &[[f32; 3]]) -> Vec<u8> {
+    let bytes = bytes(&[point_set("hull", positions)], IndexKind::Tree, &SourceRecord::default());
+    bytes.unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Writes the correct checksum into a changed file: XXH3-64 of all bytes except its own eight.
+/// Files shorter than a header are left unchanged.
+pub fn reseal(file: &mut [u8]) {
+    if file.len() >= HEADER_LEN {
+        let mut hasher = XxHash3_64::with_seed(0);
+        hasher.write(&file[..CHECKSUM_AT]);
+        hasher.write(&file[HEADER_LEN..]);
+        file[CHECKSUM_AT..HEADER_LEN].copy_from_slice(&hasher.finish().to_le_bytes());
+    }
+}

@@ -1,0 +1,198 @@
+//! No query of the runtime allocates, with warm or cold caches. The allocator counts.
+
+use std::hint::black_box;
+
+use glam::{DQuat, DVec3, Vec3};
+use hullmap::batch::{self, Pair};
+use hullmap::cascade::{self, OuterHulls, Stages};
+use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
+use hullmap::{
+    Cache, Feature, Hull, Manifold, ManifoldSettings, Minkowski, Pack, Pose, Settings, Shape, contact,
+    contact_lockstep, distance, intersects,
+};
+use hullmap_bake::IndexKind;
+use hullmap_testkit::packs::{self, pack};
+use shapes::{families::Family, rng::SplitMix64};
+use stats_alloc::Region;
+
+use crate::{ALLOCATOR, alone};
+
+const SEED: u64 = 0xa110c;
+
+/// Rounds of each query that are counted together.
+const ROUNDS: usize = 300;
+
+/// Number of tries. The minimum counts, because the harness's own thread may allocate too.
+const TRIES: usize = 5;
+
+/// What `ask` allocates, over all rounds, from the first call on.
+fn allocations(mut ask: impl FnMut(usize)) -> usize {
+    let tries = (0..TRIES).map(|_| {
+        let region = Region::new(ALLOCATOR);
+        (0..ROUNDS).for_each(&mut ask);
+        let change = region.change();
+        change.allocations + change.reallocations
+    });
+    tries.min().unwrap()
+}
+
+fn pose(rng: &mut SplitMix64) -> Pose {
+    let rotation = DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0) + 1e-9));
+    Pose::new(DVec3::from_array(rng.direction()) * rng.between(0.0, 2.5), rotation).unwrap()
+}
+
+#[test]
+fn queries_allocate_nothing() {
+    let _alone = alone();
+    println!("seed {SEED:#x}");
+    // What is allocated is counted.
+    assert!(allocations(|_| drop(black_box(vec![0_u8; 100]))) >= ROUNDS);
+
+    let opened: Vec<Pack> = packs::ALL_INDICES
+        .into_iter()
+        .flat_map(|index| {
+            [Family::Rock, Family::RotatedPrism].map(|family| pack("hull", &family.points(400, 1), index))
+        })
+        .chain([pack("sheet", &Family::FlatSheet.points(30, 1), IndexKind::Tree)])
+        .collect();
+    let hulls: Vec<Hull<'_>> = opened.iter().map(|pack| pack.hull(0).unwrap()).collect();
+    let hull = hulls[0];
+    let mut shapes: Vec<Box<dyn Shape + Sync + '_>> = vec![
+        Box::new(Sphere::new(0.8).unwrap()),
+        Box::new(Cuboid::new(DVec3::new(0.5, 0.8, 1.0)).unwrap()),
+        Box::new(Capsule::new(0.5, 0.3).unwrap()),
+        Box::new(Cylinder::new(0.5, 0.7).unwrap()),
+        Box::new(Cone::new(0.5, 0.7).unwrap()),
+        Box::new(Rounded::new(hull, 0.1).unwrap()),
+        Box::new(Scaled::new(hull, DVec3::new(-1.0, 0.5, 0.7)).unwrap()),
+    ];
+    hulls.iter().for_each(|hull| shapes.push(Box::new(*hull)));
+    let mut rng = SplitMix64::new(SEED);
+    let dirs: Vec<Vec3> = (0..ROUNDS).map(|_| DVec3::from_array(rng.direction()).as_vec3()).collect();
+    let poses: Vec<Pose> = (0..ROUNDS).map(|_| pose(&mut rng)).collect();
+    let settings = Settings::default();
+    let exact = Settings { tolerance: 0.0, ..settings };
+    let hull_at = |i: usize| &hulls[i % hulls.len()];
+    // All pairs of shapes come up: the number of shapes and that of rounds have no divisor in
+    // common with the steps.
+    let pair_at = |i: usize| (&*shapes[i % shapes.len()], &*shapes[(i / shapes.len() + i) % shapes.len()]);
+    let mut counts: Vec<(&str, usize)> = Vec::new();
+    let mut count = |name: &'static str, found: usize| counts.push((name, found));
+
+    count(
+        "pack",
+        allocations(|_| {
+            black_box(opened[0].hulls().map(|hull| hull.rank()).sum::<u32>());
+        }),
+    );
+    count(
+        "support",
+        allocations(|i| {
+            black_box(hull_at(i).support(dirs[i]));
+        }),
+    );
+    count(
+        "support_from",
+        allocations(|i| {
+            black_box(hull_at(i).support_from(dirs[i], i as u32));
+        }),
+    );
+    count(
+        "support of extremes",
+        allocations(|i| {
+            let dir = [Vec3::ZERO, Vec3::NAN, Vec3::splat(f32::MAX), Vec3::splat(1e-45)][i % 4];
+            black_box(hull_at(i).support(dir));
+        }),
+    );
+    count(
+        "support of shapes",
+        allocations(|i| {
+            black_box(pair_at(i).0.support_point(dirs[i].as_dvec3()));
+        }),
+    );
+    count(
+        "facts",
+        allocations(|i| {
+            let hull = hull_at(i);
+            black_box((
+                hull.support_cost(dirs[i]),
+                hull.face_towards(dirs[i].as_dvec3()),
+                hull.centroid(),
+                hull.name(),
+            ));
+            black_box((hull.vertices().count(), hull.faces().map(|face| face.len()).sum::<usize>()));
+            black_box((hull.neighbours(i as u32).count(), hull.faces_at(i as u32).count(), hull.bounds()));
+        }),
+    );
+    let mut feature = Feature::new();
+    count("feature", allocations(|i| pair_at(i).0.feature(dirs[i].as_dvec3(), &mut feature)));
+    count(
+        "minkowski",
+        allocations(|i| {
+            let (a, b) = pair_at(i);
+            black_box(Minkowski::new(a, b, poses[i]).support(dirs[i].as_dvec3()));
+        }),
+    );
+    for warm in [false, true] {
+        let mut caches = vec![Cache::new(); ROUNDS];
+        let mut each = |name: &'static str, ask: &mut dyn FnMut(usize, &mut Cache)| {
+            caches.iter_mut().for_each(Cache::clear);
+            let found = allocations(|i| {
+                if !warm {
+                    caches[i].clear();
+                }
+                ask(i, &mut caches[i]);
+            });
+            count(name, found);
+        };
+        each("intersects", &mut |i, cache| {
+            let (a, b) = pair_at(i);
+            black_box(intersects(a, b, poses[i], cache));
+            black_box(intersects(hull_at(i), hull_at(i / 2), poses[i], cache));
+        });
+        each("contact", &mut |i, cache| {
+            let (a, b) = pair_at(i);
+            black_box(contact(a, b, poses[i], &settings, cache));
+            black_box(contact(hull_at(i), hull_at(i / 2), poses[i], &exact, cache));
+        });
+        each("distance", &mut |i, cache| {
+            let (a, b) = pair_at(i);
+            black_box(distance(a, b, poses[i], &settings, cache));
+            black_box(distance(hull_at(i), hull_at(i / 2), poses[i], &exact, cache));
+        });
+        each("contact_lockstep", &mut |i, cache| {
+            black_box(contact_lockstep(hull_at(i), hull_at(i / 2), poses[i], 12, cache));
+        });
+        each("stages", &mut |i, cache| {
+            let stages = Stages { outer: OuterHulls::Always, ..Stages::default() };
+            black_box(cascade::intersects(hull_at(i), hull_at(i / 2), poses[i], stages, cache));
+        });
+        let mut manifolds = vec![Manifold::new(); ROUNDS];
+        each("manifold", &mut |i, cache| {
+            let (a, b) = pair_at(i);
+            black_box(manifolds[i].update(a, b, poses[i], &ManifoldSettings::default(), cache));
+        });
+    }
+    println!("{counts:?}");
+    let guilty: Vec<_> = counts.iter().filter(|(_, count)| *count > 0).collect();
+    assert!(guilty.is_empty(), "allocations in {ROUNDS} calls: {guilty:?}");
+    assert_eq!(counts.len(), 8 + 2 * 6);
+
+    // A batch on a warm pool: rayon's queues may grow once, for any number of pairs.
+    let pairs: Vec<_> = (0..4 * ROUNDS).map(|i| (pair_at(i), poses[i % ROUNDS])).collect();
+    let pairs: Vec<_> = pairs.into_iter().map(|((a, b), b_in_a)| Pair { a, b, b_in_a }).collect();
+    let mut caches = vec![Cache::new(); pairs.len()];
+    let mut contacts = vec![contact(&hull, &hull, Pose::IDENTITY, &settings, &mut Cache::new()); pairs.len()];
+    let mut manifolds = vec![Manifold::new(); pairs.len()];
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let least = pool.install(|| {
+        let tries = (0..TRIES).map(|_| {
+            let region = Region::new(ALLOCATOR);
+            batch::contact(&pairs, &settings, &mut caches, &mut contacts).unwrap();
+            batch::manifolds(&pairs, &ManifoldSettings::default(), &mut caches, &mut manifolds).unwrap();
+            region.change().allocations + region.change().reallocations
+        });
+        tries.min().unwrap()
+    });
+    assert_eq!(least, 0, "allocations in a batch of {} pairs", pairs.len());
+}

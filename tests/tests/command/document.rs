@@ -1,0 +1,166 @@
+//! docs/COMMAND.md is correct: it lists every flag and JSON field of each command, and no others.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+};
+
+use hullmap_tests::{
+    command::{bake, bake_in},
+    outside::workspace,
+};
+use serde_json::Value;
+
+const CUBE: &str =
+    "o cube\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\nf 1 2 4 3\nf 5 6 8 7\n";
+
+/// The part of the page below `## bake <name>`.
+fn section(name: &str) -> String {
+    let page = fs::read_to_string(workspace().join("docs/COMMAND.md")).unwrap();
+    let heading = format!("\n## bake {name}\n");
+    let start = page.find(&heading).unwrap_or_else(|| panic!("no section `bake {name}`")) + heading.len();
+    let rest = &page[start..];
+    rest[..rest.find("\n## ").unwrap_or(rest.len())].to_owned()
+}
+
+/// First cells, without backquotes, of the table that starts with `| heading |`.
+fn table(section: &str, heading: &str) -> BTreeSet<String> {
+    let lines = section.lines().skip_while(|line| !line.starts_with(&format!("| {heading} |"))).skip(2);
+    let cells = lines.map_while(|line| line.strip_prefix("| `")).filter_map(|line| line.split('`').next());
+    cells.map(str::to_owned).collect()
+}
+
+/// The meaning of each flag in the table of flags.
+fn meanings(section: &str) -> BTreeMap<String, String> {
+    let lines = section.lines().skip_while(|line| !line.starts_with("| flag |")).skip(2);
+    let rows = lines.map_while(|line| line.strip_prefix("| `")?.strip_suffix(" |")?.split_once("` | "));
+    let flag = |cell: &str| cell.split(' ').next().unwrap_or_default().to_owned();
+    rows.map(|(cell, meaning)| (flag(cell), meaning.to_owned())).collect()
+}
+
+/// The first paragraph of each flag's help. It follows the flag on its line or stands below it:
+/// clap decides by the width of the terminal.
+fn descriptions(help: &str) -> BTreeMap<String, String> {
+    let mut found = BTreeMap::new();
+    let mut lines = help.lines().peekable();
+    while let Some(line) = lines.next() {
+        let words = line.trim_start().trim_start_matches("-h, ");
+        if line.starts_with(' ') && words.starts_with("--") {
+            let (flag, text) = words.split_once("  ").unwrap_or((words, ""));
+            let mut text = text.trim().to_owned();
+            while let Some(next) = lines.next_if(|next| {
+                let next = next.trim_start();
+                !next.is_empty() && !next.starts_with('-')
+            }) {
+                text = format!("{text} {}", next.trim()).trim_start().to_owned();
+            }
+            let name = flag.split([' ', '[', '=']).next().unwrap_or_default();
+            found.insert(name.to_owned(), text);
+        }
+    }
+    found
+}
+
+/// Fields of an object and of the objects in it, as `hulls[].index.kind`.
+fn fields(value: &Value, prefix: &str, found: &mut BTreeSet<String>) {
+    match value {
+        Value::Object(map) => {
+            for (key, value) in map {
+                let name = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
+                fields(value, &name, found);
+                found.insert(name);
+            }
+        }
+        Value::Array(values) => values.iter().for_each(|value| fields(value, &format!("{prefix}[]"), found)),
+        _ => {}
+    }
+}
+
+#[test]
+fn every_json_field_is_documented_and_every_documented_one_is_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("in")).unwrap();
+    for name in ["a.obj", "gone.obj"] {
+        fs::write(folder.path().join("in").join(name), CUBE).unwrap();
+    }
+    let run = |line: &str| bake_in(folder.path(), line.split_whitespace());
+    run("build in --out o").expect(0);
+    fs::remove_file(folder.path().join("in/gone.obj")).unwrap();
+    fs::write(folder.path().join("in/bad.obj"), "v\n").unwrap();
+    for (name, lines) in [
+        ("build", ["build in --out o --json", "build in --out o --check --json", "build in --out p --json"].as_slice()),
+        ("verify", &["verify o --json", "verify o in/a.obj --json"]),
+        ("inspect", &["inspect o --json"]),
+        (
+            "query",
+            &[
+                "query o/a.hullmap o/a.hullmap --json",
+                "query o/a.hullmap o/a.hullmap --mode distance --json",
+                "query o/a.hullmap o/a.hullmap --mode intersect --json",
+            ],
+        ),
+    ] {
+        let documented = table(&section(name), "field");
+        for line in lines {
+            let mut printed = BTreeSet::new();
+            for value in run(line).json() {
+                fields(&value, "", &mut printed);
+            }
+            assert_eq!(printed, documented, "{line}: printed, documented");
+        }
+    }
+}
+
+#[test]
+fn every_flag_is_documented_and_every_documented_one_is_taken() {
+    let help = bake(["--help"]).expect(0).stdout;
+    let commands = help.lines().skip_while(|line| *line != "Commands:").skip(1);
+    let commands: Vec<&str> =
+        commands.map_while(|line| line.strip_prefix("  ")).filter_map(|line| line.split(' ').next()).collect();
+    assert!(commands.len() >= 6, "{commands:?}");
+    for name in commands {
+        let help = bake([name, "--help"]).expect(0).stdout;
+        let described = descriptions(&help);
+        let meanings = meanings(&section(name));
+        for (flag, text) in described.iter().filter(|(flag, _)| *flag != "--help") {
+            // The page describes defaults in other words.
+            let text = text.split(" [default").next().unwrap_or_default();
+            let meaning = meanings.get(flag).map_or("", String::as_str);
+            assert!(!text.is_empty(), "bake {name} {flag}: no help");
+            assert!(meaning.starts_with(text), "bake {name} {flag}: `{meaning}` does not start with `{text}`");
+        }
+        let taken: BTreeSet<String> = described.into_keys().collect();
+        let documented = table(&section(name), "flag");
+        let documented = documented.iter().filter_map(|cell| cell.split(' ').next()).map(str::to_owned).collect();
+        assert_eq!(taken, documented, "bake {name}: taken, documented");
+    }
+}
+
+/// The codes of the page, each met once.
+#[test]
+fn exit_codes_are_those_of_the_page() {
+    let page = fs::read_to_string(workspace().join("docs/COMMAND.md")).unwrap();
+    let rows = page.split("## Exit codes").nth(1).unwrap().lines().filter_map(|line| line.strip_prefix("| "));
+    let codes: Vec<i32> = rows.filter_map(|row| row.split(' ').next()?.parse().ok()).collect();
+    // `interruptions.rs` tests Ctrl-C.
+    assert_eq!(codes, [0, 1, 2, 130]);
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.obj"), CUBE).unwrap();
+    fs::write(folder.path().join("bad.obj"), "v 0\n").unwrap();
+    for (line, code) in [
+        ("build a.obj --out .", 0),
+        ("build a.obj --out . --check", 0),
+        ("build a.obj --out . --check --index none", 1),
+        ("build bad.obj --out .", 1),
+        ("build a.obj bad.obj --out .", 1),
+        ("verify a.hullmap --require-source", 0),
+        ("inspect bad.obj", 1),
+        ("inspect a.hullmap bad.obj", 1),
+        ("inspect gone.hullmap", 2),
+        ("build a.obj --out a.obj", 2),
+        ("build a.obj", 2),
+        ("init nowhere", 2),
+    ] {
+        bake_in(folder.path(), line.split_whitespace()).expect(code);
+    }
+}

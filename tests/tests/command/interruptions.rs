@@ -1,0 +1,372 @@
+//! Bakes that are interrupted, killed, watched, run side by side, or whose sources and readers
+//! change under them.
+
+use std::{
+    fs,
+    io::{BufRead, BufReader, Read},
+    path::Path,
+    process::{Child, Command, Stdio},
+    sync::mpsc::{Receiver, channel},
+    time::{Duration, Instant},
+};
+
+use hullmap_tests::command::{bake_in, binary, command};
+use shapes::families::Family;
+use tempfile::TempDir;
+
+/// A step that takes longer counts as hung. Loaded machines are slow.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+fn write(folder: &TempDir, name: &str, text: &str) {
+    let path = folder.path().join(name);
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    fs::write(path, text).unwrap();
+}
+
+/// A cloud of this many points on a sphere as OBJ text.
+fn sphere(count: usize, seed: u64) -> String {
+    Family::Sphere.points(count, seed).iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect()
+}
+
+/// A folder `in` with this many meshes.
+fn meshes(count: usize, points: usize) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for number in 0..count {
+        write(&folder, &format!("in/{number}.obj"), &sphere(points, number as u64));
+    }
+    folder
+}
+
+fn signal(child: &Child, name: &str) {
+    let sent = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+}
+
+/// Names in a folder that are no whole packs.
+fn left_over(folder: &Path) -> Vec<String> {
+    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+    let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    names.filter(|name| !name.ends_with(".hullmap")).collect()
+}
+
+/// Every pack that is there opens.
+fn assert_packs_open(folder: &Path) -> usize {
+    let mut count = 0;
+    for entry in fs::read_dir(folder).into_iter().flatten() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "hullmap") {
+            hullmap::Pack::open(&path).unwrap_or_else(|error| panic!("{error}"));
+            count += 1;
+        }
+    }
+    count
+}
+
+/// Waits for a pack to appear, so that the bake is in the midst of its work.
+fn wait_for_a_pack(folder: &Path) {
+    let start = Instant::now();
+    while assert_packs_open(folder) == 0 {
+        assert!(start.elapsed() < PATIENCE, "no pack yet");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+#[test]
+fn ctrl_c_leaves_whole_packs_alone_and_exits_with_130() {
+    let folder = meshes(40, 3000);
+    let out = folder.path().join("o");
+    let mut hit = 0;
+    for wait in [0, 3, 10, 30, 70] {
+        let _ = fs::remove_dir_all(&out);
+        let mut child = command(folder.path(), ["build", "in", "--out", "o"]);
+        let mut child = child.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        wait_for_a_pack(&out);
+        std::thread::sleep(Duration::from_millis(wait));
+        signal(&child, "INT");
+        let code = child.wait().unwrap().code();
+        let mut stderr = String::new();
+        child.stderr.take().unwrap().read_to_string(&mut stderr).unwrap();
+        assert!(code == Some(130) || code == Some(0), "{code:?}: {stderr}");
+        if code == Some(130) {
+            hit += 1;
+            assert!(stderr.contains("interrupted"), "{stderr}");
+        }
+        assert_eq!(left_over(&out), [""; 0]);
+        assert_packs_open(&out);
+    }
+    assert!(hit >= 3, "only {hit} of 5 were interrupted in time");
+    bake_in(folder.path(), ["build", "in", "--out", "o"]).expect(0);
+    bake_in(folder.path(), ["build", "in", "--out", "o", "--check"]).expect(0);
+}
+
+/// A kill cannot be caught. The next bake removes the leftovers, but not the files of a running
+/// bake.
+#[test]
+fn leftovers_of_a_killed_bake_are_removed_by_the_next() {
+    let folder = meshes(12, 2000);
+    let out = folder.path().join("o");
+    let mut left = 0;
+    for round in 0..25_u64 {
+        let _ = fs::remove_dir_all(&out);
+        let mut child = command(folder.path(), ["build", "in", "--out", "o"]);
+        let mut child = child.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        wait_for_a_pack(&out);
+        std::thread::sleep(Duration::from_micros(round * 701 % 9000));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        left += left_over(&out).len();
+        assert_packs_open(&out);
+    }
+    // Whether or not a kill hit the moment, here is what it would leave.
+    write(&folder, "o/.3.hullmapAbCdEf.tmp", "half a pack");
+    println!("{left} temporary files left by 25 kills");
+    bake_in(folder.path(), ["build", "in", "--out", "o"]).expect(0);
+    assert_eq!(left_over(&out), [""; 0]);
+    assert_eq!(assert_packs_open(&out), 12);
+}
+
+#[test]
+fn two_bakes_into_one_folder_both_succeed() {
+    let folder = meshes(15, 400);
+    let out = folder.path().join("o");
+    bake_in(folder.path(), ["build", "in", "--out", "alone"]).expect(0);
+    for _ in 0..4 {
+        let children: Vec<Child> = (0..3)
+            .map(|_| {
+                let mut child = command(folder.path(), ["build", "in", "--out", "o", "--force", "--verify"]);
+                child.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+            })
+            .collect();
+        for child in children {
+            let output = child.wait_with_output().unwrap();
+            assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        }
+        assert_eq!(left_over(&out), [""; 0]);
+        for number in 0..15 {
+            let pack = |folder: &str| fs::read(folder_path(&folder_of(&out), folder, number)).unwrap();
+            assert_eq!(pack("o"), pack("alone"), "{number}");
+        }
+    }
+}
+
+fn folder_of(out: &Path) -> std::path::PathBuf {
+    out.parent().unwrap().to_owned()
+}
+
+fn folder_path(root: &Path, folder: &str, number: usize) -> std::path::PathBuf {
+    root.join(folder).join(format!("{number}.hullmap"))
+}
+
+/// A source is replaced continually. Each pack is that of a complete source, and records which.
+#[test]
+fn a_source_that_changes_during_a_bake_gives_the_old_or_the_new_pack() {
+    let folder = tempfile::tempdir().unwrap();
+    let texts = [sphere(300, 1), sphere(301, 2)];
+    let hashes = texts.each_ref().map(|text| hullmap_format::header::source_hash(text.as_bytes()));
+    write(&folder, "in/a.obj", &texts[0]);
+    let is_done = std::sync::atomic::AtomicBool::new(false);
+    let mut seen = [0; 2];
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let mut turn = 0;
+            while !is_done.load(std::sync::atomic::Ordering::Relaxed) {
+                // As editors do: another file is renamed over it.
+                write(&folder, "in/next", &texts[turn % 2]);
+                fs::rename(folder.path().join("in/next"), folder.path().join("in/a.obj")).unwrap();
+                turn += 1;
+            }
+        });
+        for _ in 0..30 {
+            bake_in(folder.path(), ["build", "in", "--out", "o", "--force", "--verify"]).expect(0);
+            let pack = hullmap::Pack::open(folder.path().join("o/a.hullmap")).unwrap();
+            let which = hashes.iter().position(|hash| *hash == pack.header().source_hash).expect("a whole source");
+            seen[which] += 1;
+            assert_eq!(pack.hull(0).unwrap().source_point_count(), 300 + which as u32);
+        }
+        is_done.store(true, std::sync::atomic::Ordering::Relaxed);
+    });
+    println!("baked of the first text {} times, of the second {}", seen[0], seen[1]);
+    bake_in(folder.path(), ["build", "in", "--out", "o"]).expect(0);
+    bake_in(folder.path(), ["verify", "o", "--require-source"]).expect(0);
+}
+
+/// A reader that closes the pipe early is not an error.
+#[test]
+fn a_closed_pipe_ends_quietly() {
+    let folder = meshes(3, 60);
+    bake_in(folder.path(), ["build", "in", "--out", "o"]).expect(0);
+    for words in [
+        ["inspect", "o"].as_slice(),
+        &["inspect", "o", "--json"],
+        &["verify", "o"],
+        &["verify", "o", "--json"],
+        &["query", "o/0.hullmap", "o/1.hullmap"],
+        &["build", "in", "--out", "o", "--verbose"],
+        &["completions", "bash"],
+        &["--help"],
+    ] {
+        let mut child = command(folder.path(), words);
+        let mut child = child.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{words:?}");
+        assert!(output.stderr.is_empty(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    // Standard error is closed too: still no panic, and the exit code is correct.
+    write(&folder, "in/bad.obj", "v 0 0\n");
+    let line = format!("{} build in --out o 2>&1 | true; exit ${{PIPESTATUS[0]}}", binary().display());
+    let status = Command::new("bash").args(["-c", &line]).current_dir(folder.path()).status();
+    match status {
+        Ok(status) => assert_eq!(status.code(), Some(1)),
+        Err(_) => println!("skipped: there is no bash here"),
+    }
+}
+
+/// Lines of a stream as they come.
+fn lines(stream: impl Read + Send + 'static) -> Receiver<String> {
+    let (sender, receiver) = channel();
+    std::thread::spawn(move || {
+        for line in BufReader::new(stream).lines().map_while(Result::ok) {
+            if sender.send(line).is_err() {
+                return;
+            }
+        }
+    });
+    receiver
+}
+
+/// Reads until a line holds `part`; the lines before it are in the message if it never comes.
+#[track_caller]
+fn wait_for(lines: &Receiver<String>, part: &str) -> String {
+    let mut seen = Vec::new();
+    let start = Instant::now();
+    while start.elapsed() < PATIENCE {
+        match lines.recv_timeout(Duration::from_millis(200)) {
+            Ok(line) if line.contains(part) => return line,
+            Ok(line) => seen.push(line),
+            Err(_) => {}
+        }
+    }
+    panic!("no `{part}` in {seen:#?}");
+}
+
+#[test]
+fn a_watch_bakes_what_changes_survives_errors_and_ends_on_ctrl_c() {
+    let folder = meshes(3, 40);
+    // The output is inside the input: the watch's own output must not trigger it.
+    let mut child = command(folder.path(), ["build", "in", "--out", "in/o", "--watch"]);
+    let mut child = child.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let (out, messages) = (lines(child.stdout.take().unwrap()), lines(child.stderr.take().unwrap()));
+    wait_for(&out, "3 baked, 0 fresh");
+    wait_for(&messages, "watching for changes");
+
+    write(&folder, "in/1.obj", &sphere(41, 9));
+    assert!(wait_for(&messages, "changed: ").contains("in/1.obj"));
+    wait_for(&out, "1 baked, 0 fresh");
+    wait_for(&messages, "watching");
+
+    write(&folder, "in/1.obj", "v 1 2\n");
+    wait_for(&messages, "error: in/1.obj:1: ");
+    wait_for(&messages, "watching");
+    write(&folder, "in/1.obj", &sphere(42, 9));
+    wait_for(&out, "1 baked, 0 fresh");
+    wait_for(&messages, "watching");
+
+    write(&folder, "in/new/4.obj", &sphere(43, 9));
+    wait_for(&out, "1 baked");
+    wait_for(&messages, "watching");
+    let start = Instant::now();
+    while !folder.path().join("in/o/new/4.hullmap").exists() {
+        assert!(start.elapsed() < PATIENCE);
+        std::thread::sleep(Duration::from_millis(10));
+    }
+
+    write(&folder, "in/hullmap.toml", "[defaults]\nindex = \"octree\"\n");
+    wait_for(&messages, "in/hullmap.toml:2: index = \"octree\"");
+    wait_for(&messages, "watching");
+    write(&folder, "in/hullmap.toml", "[defaults]\nindex = \"none\"\n");
+    wait_for(&out, "4 baked, 0 fresh");
+    wait_for(&messages, "watching");
+
+    fs::remove_file(folder.path().join("in/0.obj")).unwrap();
+    wait_for(&messages, "0.hullmap: its source ");
+    wait_for(&messages, "watching");
+    // From here on nothing changes, so nothing is baked.
+    let more = messages.recv_timeout(Duration::from_millis(1500));
+    assert!(more.is_err(), "{more:?}");
+    signal(&child, "INT");
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(messages.recv_timeout(PATIENCE).as_deref(), Ok("stopped watching"), "nothing was interrupted");
+}
+
+/// Memory that the process takes even for the smallest bake: code, threads, their stacks and the
+/// allocator's arenas.
+#[cfg(target_os = "linux")]
+const BASE: u64 = 24 << 20;
+
+/// Peak memory of a build of the folder `in`, as `/proc` reports it while the process runs.
+#[cfg(target_os = "linux")]
+fn peak(folder: &TempDir, words: &[&str]) -> u64 {
+    let line = ["build", "in", "--out", "o", "--force", "--quiet", "--jobs", "6"];
+    let mut child = command(folder.path(), line.iter().chain(words)).spawn().unwrap();
+    let status = format!("/proc/{}/status", child.id());
+    let mut peak = 0;
+    while child.try_wait().unwrap().is_none() {
+        let text = fs::read_to_string(&status).unwrap_or_default();
+        let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let kib = line.and_then(|line| line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok());
+        peak = peak.max(kib.unwrap_or(0) << 10);
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert!(child.wait().unwrap().success());
+    peak
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_stays_within_the_bound() {
+    let folder = meshes(6, 15_000);
+    let source = fs::metadata(folder.path().join("in/0.obj")).unwrap().len();
+    let one = 128 * source + (256 << 10);
+    let bounded = peak(&folder, &["--memory", &one.to_string()]);
+    let free = peak(&folder, &[]);
+    println!("sources of {source} bytes; peak {bounded} within a bound of {one}, {free} within 4 GiB");
+    assert!(bounded <= one + BASE, "{bounded} of {one} and {BASE}");
+    assert!(free > bounded, "six at once take more than one at a time: {free}, {bounded}");
+}
+
+/// The densest sources: clouds of 12 bytes per point, with all points on the hull, and the indices
+/// that take the most memory.
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_of_dense_formats_and_large_indices_stays_within_the_bound() {
+    const POINTS: usize = 15_000;
+    const RESOLUTION: u64 = 256;
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("in")).unwrap();
+    for number in 0..6 {
+        let header = format!(
+            "ply\nformat binary_little_endian 1.0\nelement vertex {POINTS}\nproperty float x\nproperty float y\n\
+             property float z\nend_header\n"
+        );
+        let points = Family::Sphere.points(POINTS, number);
+        let bytes = points.as_flattened().iter().flat_map(|x| x.to_le_bytes());
+        fs::write(
+            folder.path().join(format!("in/{number}.ply")),
+            header.into_bytes().into_iter().chain(bytes).collect::<Vec<u8>>(),
+        )
+        .unwrap();
+    }
+    let source = fs::metadata(folder.path().join("in/0.ply")).unwrap().len();
+    for (words, cells) in [
+        (["--index", "tree"].as_slice(), 0),
+        (&["--index-budget", "100"], 0),
+        (&["--index", "cubemap", "--resolution", &RESOLUTION.to_string()], 6 * RESOLUTION * RESOLUTION),
+    ] {
+        let one = 320 * source + 480 * cells + (256 << 10);
+        let memory = one.to_string();
+        let bounded = peak(&folder, &[words, &["--memory", &memory]].concat());
+        println!("{words:?}: sources of {source} bytes; peak {bounded} within a bound of {one}");
+        assert!(bounded <= one + BASE, "{words:?}: {bounded} of {one} and {BASE}");
+    }
+}

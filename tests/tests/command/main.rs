@@ -1,0 +1,15 @@
+//! The `bake` command, run as its users run it.
+
+mod assets;
+mod document;
+#[cfg(target_os = "linux")]
+mod faults;
+#[cfg(unix)]
+mod interruptions;
+mod meshes;
+mod parts;
+mod pipeline;
+mod queries;
+mod report;
+mod sources;
+mod subcommands;

@@ -1,0 +1,569 @@
+//! The pages of `bake report`: their contents, and how a browser renders them.
+//!
+//! Pages measure themselves: after drawing, they read their pixels back and store the drawn
+//! fraction in attributes. A headless Chromium loads them, and prints the document and all console
+//! messages. If Chromium is not installed (Debian: `apt install chromium`), those tests print
+//! "skipped".
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+    sync::OnceLock,
+};
+
+use hullmap_tests::{
+    command::{Run, bake_in},
+    outside::workspace,
+};
+use shapes::families::Family;
+use tempfile::TempDir;
+
+/// Names under which Chromium is installed.
+const BROWSERS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome-stable", "google-chrome"];
+
+/// Time limit of a page, in its own milliseconds. It draws at once, and waits only for images.
+const PAGE_TIME: &str = "--virtual-time-budget=4000";
+
+/// A name that tries to break out of every context in which it may appear.
+const HOSTILE: &str =
+    "</script><script>document.documentElement.dataset.owned=1</script><img src=x onerror=alert(1)> \"'& ☃ é";
+
+/// A page as rendered by the browser.
+struct Loaded {
+    /// The document after its scripts have run.
+    dom: String,
+    /// Console messages.
+    console: Vec<String>,
+}
+
+impl Loaded {
+    /// Value of an attribute in the tag that holds `mark`.
+    #[track_caller]
+    fn attribute(&self, mark: &str, name: &str) -> &str {
+        let tag = self.dom.split('<').find(|tag| tag.contains(mark)).unwrap_or_else(|| panic!("no {mark}"));
+        let value = tag.split(&format!(" {name}=\"")).nth(1).unwrap_or_else(|| panic!("no {name} in <{tag}"));
+        value.split('"').next().unwrap()
+    }
+
+    #[track_caller]
+    fn share(&self, id: &str) -> f64 {
+        self.attribute(&format!("id=\"{id}\""), "data-drawn").parse().unwrap()
+    }
+
+    /// Panics if the page did not finish, or if any error occurred.
+    #[track_caller]
+    fn assert_sound(&self) {
+        assert!(self.console.is_empty(), "{:?}", self.console);
+        assert_eq!(self.attribute("html ", "data-ready"), "true");
+        assert!(!self.dom.contains("data-errors") && !self.dom.contains("data-owned"));
+    }
+}
+
+/// The browser. If there is no browser, prints what is skipped and returns `None`.
+fn browser(test: &str) -> Option<&'static str> {
+    static FOUND: OnceLock<Option<&str>> = OnceLock::new();
+    let answers =
+        |name: &&str| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success());
+    let found = *FOUND.get_or_init(|| BROWSERS.into_iter().find(answers));
+    if found.is_none() {
+        println!("skipped: {test}: no Chromium is installed");
+    }
+    found
+}
+
+/// Loads a page, with WebGL in software.
+fn load(browser: &str, page: &Path, more: &[&str]) -> Loaded {
+    let profile = tempfile::tempdir().unwrap();
+    let output = Command::new(browser)
+        .args(["--headless", "--no-sandbox", "--disable-dev-shm-usage", "--no-first-run", "--window-size=1280,1600"])
+        .args(["--use-gl=angle", "--use-angle=swiftshader", concat!("--enable-un", "safe-swiftshader")])
+        .args(["--enable-logging=stderr", PAGE_TIME, "--dump-dom"])
+        .arg(format!("--user-data-dir={}", profile.path().display()))
+        .args(more)
+        .arg(address(page))
+        .output()
+        .unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
+    let console = stderr.lines().filter(|line| line.contains("CONSOLE")).map(str::to_owned).collect();
+    Loaded { dom: String::from_utf8(output.stdout).unwrap(), console }
+}
+
+fn address(page: &Path) -> String {
+    let path: String = page
+        .canonicalize()
+        .unwrap()
+        .to_str()
+        .unwrap()
+        .bytes()
+        .map(|byte| match byte {
+            b'/' | b'.' | b'_' | b'-' => char::from(byte).to_string(),
+            _ if byte.is_ascii_alphanumeric() => char::from(byte).to_string(),
+            _ => format!("%{byte:02X}"),
+        })
+        .collect();
+    format!("file://{path}")
+}
+
+fn run(folder: &TempDir, words: &[&str]) -> Run {
+    bake_in(folder.path(), words)
+}
+
+/// A folder with packs of these assets.
+fn baked(assets: &[&str], more: &[&str]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("in")).unwrap();
+    for asset in assets {
+        let name = format!("{asset}.obj");
+        fs::copy(workspace().join("assets").join(&name), folder.path().join("in").join(name)).unwrap();
+    }
+    run(&folder, &[&["build", "in", "--out", "packs"], more].concat()).expect(0);
+    folder
+}
+
+/// The page of one pack.
+fn page(folder: &TempDir, pack: &str) -> PathBuf {
+    let run = run(folder, &["report", &format!("packs/{pack}.hullmap"), "--out", "page.html"]).expect(0);
+    assert!(run.stdout.starts_with("page.html: "), "{run:?}");
+    folder.path().join("page.html")
+}
+
+/// All that is not measured.
+fn without_times(page: &str) -> String {
+    let (before, rest) = page.split_once("<!-- times -->").unwrap();
+    let (times, after) = rest.split_once("<!-- /times -->").unwrap();
+    assert!(times.contains(" ns"));
+    format!("{before}{after}")
+}
+
+fn text(path: impl AsRef<Path>) -> String {
+    fs::read_to_string(path).unwrap()
+}
+
+#[test]
+fn a_page_draws_mesh_hull_and_map() {
+    let assets = ["rock", "gear", "flat_sheet", "segment", "single_point", "point_cloud"];
+    let folder = baked(&assets, &[]);
+    let Some(browser) = browser("a_page_draws_mesh_hull_and_map") else { return };
+    for asset in assets {
+        let loaded = load(browser, &page(&folder, asset), &[]);
+        loaded.assert_sound();
+        assert_eq!(loaded.attribute("html ", "data-webgl"), "true");
+        // A dot is a dot, a line a line; all else fills a fair part of its canvas, and never all of
+        // it.
+        let least = match asset {
+            "single_point" => 1e-4,
+            "segment" => 5e-4,
+            "point_cloud" => 0.01,
+            _ => 0.05,
+        };
+        for id in ["source", "hull"] {
+            let share = loaded.share(id);
+            assert!(share > least && share < 0.9, "{asset}: {id} {share}");
+        }
+        // The cross is half of its box of four by three; a point has one colour, and lines and
+        // letters a few.
+        let colours: usize = loaded.attribute("id=\"gauss\"", "data-colours").parse().unwrap();
+        let least = match asset {
+            "rock" => 500,
+            "gear" | "point_cloud" => 80,
+            _ => 2,
+        };
+        assert!((0.4..0.6).contains(&loaded.share("gauss")) && colours >= least, "{asset}: {colours}");
+        assert_eq!(loaded.dom.matches("class=\"chart\"").count(), 2);
+        assert!(loaded.dom.contains("<figcaption id=\"hull-caption\">Hull: "));
+    }
+}
+
+/// The page shows meshes as the importer placed them: other formats, scaled and turned.
+#[test]
+fn meshes_of_any_format_are_shown_as_they_were_placed() {
+    let folder = tempfile::tempdir().unwrap();
+    let corners = ["0 0 0", "1 0 0", "0 1 0", "0 0 1"];
+    let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]].map(|face| {
+        let corners = face.map(|corner| format!("vertex {}\n", corners[corner])).concat();
+        format!("facet normal 0 0 0\nouter loop\n{corners}endloop\nendfacet\n")
+    });
+    fs::create_dir(folder.path().join("in")).unwrap();
+    fs::write(folder.path().join("in/corner.stl"), format!("solid corner\n{}endsolid corner\n", faces.concat()))
+        .unwrap();
+    run(&folder, &["build", "in", "--out", "packs", "--unit-scale", "0.01", "--up-axis", "y-to-z"]).expect(0);
+    let page = page(&folder, "corner");
+    assert!(text(&page).contains("\"source\":{\"low\":[0.0,-0.01,0.0],\"size\":[0.01,0.01,0.01]"));
+    let Some(browser) = browser("meshes_of_any_format_are_shown_as_they_were_placed") else { return };
+    let loaded = load(browser, &page, &[]);
+    loaded.assert_sound();
+    assert!(loaded.dom.contains("Source mesh: 4 points, 4 triangles") && loaded.share("source") > 0.05);
+}
+
+#[test]
+fn a_pack_of_many_hulls_has_a_choice() {
+    let folder = baked(&["two_objects"], &["--split", "object"]);
+    let page = page(&folder, "two_objects");
+    let Some(browser) = browser("a_pack_of_many_hulls_has_a_choice") else { return };
+    let loaded = load(browser, &page, &[]);
+    loaded.assert_sound();
+    assert_eq!(loaded.attribute("html ", "data-hull"), "all");
+    let together = loaded.share("hull");
+    assert!(together > 0.02);
+    assert_eq!(loaded.dom.matches("<option value=\"").count() - 3 - 2, 3, "all, and each");
+
+    // Choosing one shows it alone, larger, on both sides.
+    let act = "const choice = document.getElementById('hull-choice'); choice.value = '1'; choice.dispatchEvent(new Event('change'));";
+    let loaded = acted(browser, &page, act);
+    loaded.assert_sound();
+    assert_eq!(loaded.attribute("html ", "data-hull"), "1");
+    assert!(loaded.share("hull") > 2.0 * together && loaded.share("source") > 2.0 * together);
+    assert!(loaded.dom.contains("Hull: right_octahedron, 6 vertices, 8 faces"));
+}
+
+/// The page after some more script has run at its end.
+fn acted(browser: &str, page: &Path, script: &str) -> Loaded {
+    let acting = page.with_file_name("acting.html");
+    fs::write(&acting, text(page).replace("</body>", &format!("<script>{{ {script} }}</script></body>"))).unwrap();
+    load(browser, &acting, &[])
+}
+
+#[test]
+fn keys_turn_the_hull_and_walk_over_the_map() {
+    let folder = baked(&["pawn"], &[]);
+    let page = page(&folder, "pawn");
+    let Some(browser) = browser("keys_turn_the_hull_and_walk_over_the_map") else { return };
+    let act = "const press = (id, key) => document.getElementById(id).dispatchEvent(new KeyboardEvent('keydown', { key, bubbles: true }));
+        const pixels = (id) => document.getElementById(id).toDataURL();
+        const before = ['source', 'hull'].map(pixels);
+        press('gauss', 'ArrowRight'); press('hull', 'ArrowLeft'); press('source', '+');
+        requestAnimationFrame(() => requestAnimationFrame(() => {
+          document.documentElement.dataset.moved = ['source', 'hull'].filter((id, at) => pixels(id) !== before[at]).length;
+        }));";
+    let loaded = acted(browser, &page, act);
+    loaded.assert_sound();
+    assert_eq!(loaded.attribute("html ", "data-moved"), "2", "both turn together");
+    let readout = loaded.dom.split("id=\"readout\"").nth(1).unwrap().split("</p>").next().unwrap();
+    for part in ["direction (", "vertex ", "leaf at block ", "candidate", "depth ", " lanes: "] {
+        assert!(readout.contains(part), "{part}: {readout}");
+    }
+    // The middle of +y; the pawn is turned on a lathe, with a corner of its base there or just
+    // beside.
+    assert!(readout.contains(", 0.9999, "), "{readout}");
+}
+
+#[test]
+fn without_webgl_there_is_a_message_and_a_still_picture() {
+    let folder = baked(&["gear"], &[]);
+    let page = page(&folder, "gear");
+    let Some(browser) = browser("without_webgl_there_is_a_message_and_a_still_picture") else { return };
+    let loaded = load(browser, &page, &["--disable-3d-apis"]);
+    loaded.assert_sound();
+    assert_eq!(loaded.attribute("html ", "data-webgl"), "false");
+    assert!(loaded.attribute("html ", "class").contains("no-webgl"));
+    assert!(loaded.share("gauss") > 0.4, "the map needs no WebGL");
+    assert!(text(&page).contains("This browser shows no WebGL"));
+}
+
+#[test]
+fn a_folder_has_an_index_and_a_page_a_pack() {
+    let folder = baked(&["rock", "flat_sheet", "gear", "cube"], &[]);
+    fs::create_dir_all(folder.path().join("packs/deep/er")).unwrap();
+    fs::rename(folder.path().join("packs/cube.hullmap"), folder.path().join("packs/deep/er/a b#1.hullmap")).unwrap();
+    let run = run(&folder, &["report", "packs", "--out", "site/report.html"]).expect(0);
+    assert!(run.stdout.starts_with("site/report.html: 4 packs"), "{run:?}");
+    let index = text(folder.path().join("site/report.html"));
+    let links: Vec<String> = links(&index);
+    assert_eq!(links.len(), 8, "a picture and a name each");
+    for link in &links {
+        assert!(!link.contains("//") && !link.starts_with('/'), "{link}");
+        let page = folder.path().join("site").join(decoded(link));
+        let back = self::links(&text(&page))[0].clone();
+        let back = page.parent().unwrap().join(back).canonicalize().unwrap();
+        assert_eq!(back, folder.path().join("site/report.html").canonicalize().unwrap());
+    }
+    assert!(links.contains(&"report.pages/deep/er/a%20b%231.hullmap.html".to_owned()), "{links:?}");
+    assert!(index.contains("all exact") && index.contains("hull flat_sheet is flat: its "));
+
+    let Some(browser) = browser("a_folder_has_an_index_and_a_page_a_pack") else { return };
+    let loaded = load(browser, &folder.path().join("site/report.html"), &[]);
+    loaded.assert_sound();
+    assert_eq!(loaded.attribute("html ", "data-pictures"), "4");
+    load(browser, &folder.path().join("site").join(decoded(&links[0])), &[]).assert_sound();
+}
+
+/// Links of a page.
+fn links(page: &str) -> Vec<String> {
+    let hrefs = page.split(" href=\"").skip(1).map(|rest| rest.split('"').next().unwrap().to_owned());
+    hrefs.filter(|href| !href.starts_with("data:")).collect()
+}
+
+fn decoded(link: &str) -> String {
+    let mut parts = link.split('%');
+    let mut bytes = parts.next().unwrap().as_bytes().to_vec();
+    for part in parts {
+        bytes.push(u8::from_str_radix(&part[..2], 16).unwrap());
+        bytes.extend(&part.as_bytes()[2..]);
+    }
+    String::from_utf8(bytes).unwrap()
+}
+
+/// A U whose two ends are polygons of eight corners that turn inwards at two.
+fn concave_prism() -> String {
+    let outline = [(0, 0), (3, 0), (3, 3), (2, 3), (2, 1), (1, 1), (1, 3), (0, 3)];
+    let corners = [0, 1].map(|z| outline.map(|(x, y)| format!("v {x} {y} {z}\n")).concat()).concat();
+    let sides: String =
+        (0..8).map(|i| format!("f {} {} {} {}\n", i + 1, (i + 1) % 8 + 1, (i + 1) % 8 + 9, i + 9)).collect();
+    // A point that nothing references, and one that equals another.
+    format!("{corners}v 9 9 9\nv 0 0 0\n{sides}f 8 7 6 5 4 3 2 1\nf 9 10 11 12 13 14 15 16\nf 1 18 2\n")
+}
+
+/// The data that a page draws.
+fn data(page: &str) -> serde_json::Value {
+    let text = page.split("id=\"data\">").nth(1).unwrap().split("</script>").next().unwrap();
+    serde_json::from_str(text).unwrap()
+}
+
+/// Cells of a column, by its head, of the table whose caption has `mark` in it.
+fn column(page: &str, mark: &str, head: &str) -> Vec<String> {
+    let table = page.split_once(mark).unwrap().1.split("<table").nth(1).unwrap().split("</table>").next().unwrap();
+    let cells = |row: &str, tag: &str| -> Vec<String> {
+        let cells = row.split(tag).skip(1).map(|cell| cell.split_once('>').unwrap().1);
+        cells.map(|cell| cell.split("</t").next().unwrap().to_owned()).collect()
+    };
+    let place = cells(table.split("</thead>").next().unwrap(), "<th ").iter().position(|name| name == head);
+    let place = place.unwrap_or_else(|| panic!("no column {head}"));
+    let rows = table.split("<tbody>").nth(1).unwrap().split("<tr>").skip(1);
+    rows.map(|row| cells(row, "<td")[place].clone()).collect()
+}
+
+const OF_HULLS: &str = "The hulls of the pack.";
+const OF_VERIFICATION: &str = "Support queries of the runtime compared with every point of the source";
+
+#[test]
+fn convex_parts_are_verified_against_the_source_cut_again() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("u.obj"), concave_prism()).unwrap();
+    let built = run(&folder, &["build", "u.obj", "--out", "packs", "--decompose", "--json"]).expect(0).json();
+    run(&folder, &["report", "packs/u.hullmap", "--out", "page.html"]).expect(0);
+    let page = text(folder.path().join("page.html"));
+    let parts = built[0]["hulls"].as_u64().unwrap() as usize;
+    assert!(parts >= 2, "{built:?}");
+    let data = data(&page);
+    assert_eq!(data["hulls"].as_array().unwrap().len(), parts);
+    assert!(data["hulls"].as_array().unwrap().iter().all(|hull| hull["hull"]["shown"].as_u64().unwrap() > 0));
+    // The whole mesh is shown next to the parts: 8 quads, two ends of 6 triangles, and the loose
+    // one.
+    assert_eq!((data["meshes"].as_array().unwrap().len(), data["meshes"][0]["whole"].as_u64()), (1, Some(29)));
+    let verified = column(&page, OF_VERIFICATION, "result");
+    assert!(verified.len() == parts && verified.iter().all(|cell| cell.contains("good\">exact<")), "{verified:?}");
+    assert_eq!(column(&page, OF_HULLS, "uncovered").len(), parts);
+    assert!(column(&page, OF_HULLS, "outer error").iter().all(|cell| cell == "0"));
+    // The page shows all remarks of the bake, word for word.
+    let remarks: Vec<&str> = ["notes", "warnings"]
+        .iter()
+        .flat_map(|list| built[0][*list].as_array().unwrap())
+        .map(|text| text.as_str().unwrap())
+        .collect();
+    assert!(remarks.iter().any(|text| text.contains(&format!("{parts} parts"))), "{remarks:?}");
+    assert!(remarks.iter().any(|text| text.contains("no element references")), "{remarks:?}");
+    assert!(remarks.iter().any(|text| text.contains("equals an earlier one")), "{remarks:?}");
+    for text in remarks {
+        assert!(page.contains(&format!("</strong> {text}</li>")), "{text}");
+    }
+
+    // The ends have the gap of the U, so the parts do: a fan from an end's first corner would close
+    // it.
+    let volumes = run(&folder, &["inspect", "packs", "--json"]).expect(0).json();
+    let hulls = volumes[0]["hulls"].as_array().unwrap();
+    let volume: f64 = hulls.iter().map(|hull| hull["volume"].as_f64().unwrap()).sum();
+    assert!((6.9..7.4).contains(&volume), "{volume}, where the mesh has 7");
+}
+
+#[test]
+fn simplified_hulls_are_reported_to_contain_their_source() {
+    let folder = tempfile::tempdir().unwrap();
+    let points: String = Family::Rock.points(2_000, 5).iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+    fs::write(folder.path().join("rock.obj"), points).unwrap();
+    for (more, kind, limit) in [("32", "Warning", 1e-2..f64::INFINITY), ("200", "Note", 1e-9..1e-2)] {
+        let words = ["build", "rock.obj", "--out", "packs", "--max-vertices", more, "--json"];
+        let built = run(&folder, &words).expect(0).json();
+        run(&folder, &["report", "packs/rock.hullmap", "--out", "page.html"]).expect(0);
+        let page = text(folder.path().join("page.html"));
+        assert!(page.contains("class=\"chip good\">contains its source<") && !page.contains(">exact<"));
+        let inspected = run(&folder, &["inspect", "packs", "--json"]).expect(0).json();
+        let hull = &inspected[0]["hulls"][0];
+        let (error, diameter) = (hull["outer_error"].as_f64().unwrap(), hull["diameter"].as_f64().unwrap());
+        assert!(limit.contains(&(error / diameter)), "{more}: {error}");
+        let shown: f64 = column(&page, OF_HULLS, "outer error")[0].replace('−', "-").parse().unwrap();
+        assert!((shown - error).abs() < 0.01 * error, "{shown} {error}");
+        assert_eq!(column(&page, OF_HULLS, "uncovered"), ["0"]);
+        assert_eq!(data(&page)["hulls"][0]["vertices"], hull["vertices"]);
+        let list = if kind == "Note" { "notes" } else { "warnings" };
+        let remark =
+            built[0][list].as_array().unwrap().iter().find(|text| text.to_string().contains("beyond the source"));
+        let remark = remark.unwrap_or_else(|| panic!("{built:?}")).as_str().unwrap();
+        assert!(page.contains(&format!("<strong>{kind}:</strong> {remark}</li>")), "{remark}");
+    }
+
+    // The result is the same in a folder, and with an explicit source.
+    fs::rename(folder.path().join("packs/rock.hullmap"), folder.path().join("packs/other.hullmap")).unwrap();
+    run(&folder, &["verify", "packs", "--source", "rock.obj"]).expect(0);
+    run(&folder, &["report", "packs", "--source", "rock.obj", "--out", "index.html"]).expect(0);
+    assert!(text(folder.path().join("index.html")).contains("all verified"));
+}
+
+#[test]
+fn hostile_names_stay_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = "a<b onclick='x'>&amp;\"{{data}} ☃.obj";
+    fs::create_dir(folder.path().join("in")).unwrap();
+    let solid = |at: i32| format!("v {at} 0 0\nv {at} 1 0\nv {at} 0 1\nv {} 0 0\n", at + 1);
+    let faces =
+        |first: i32| format!("f {} {} {}\nf {} {} {}\n", first, first + 1, first + 2, first, first + 1, first + 3);
+    let source = format!("o {HOSTILE}\n{}{}o \u{202e}{{{{style}}}}\u{1}\n{}{}", solid(0), faces(1), solid(5), faces(5));
+    fs::write(folder.path().join("in").join(file), source).unwrap();
+    run(&folder, &["build", "in", "--out", "packs", "--split", "object"]).expect(0);
+    run(&folder, &["report", "packs", "--out", "report.html"]).expect(0);
+    let index = text(folder.path().join("report.html"));
+    let page = folder.path().join(decoded(&links(&index)[0]));
+    for text in [&index, &text(&page)] {
+        assert!(!text.contains("<b ") && !text.contains("<img src=x") && !text.contains('\u{202e}'), "{text}");
+        assert_eq!(text.matches("</script>").count(), text.matches("<script").count());
+    }
+    assert!(text(&page).contains("&lt;/script&gt;&lt;script&gt;document"));
+    let Some(browser) = browser("hostile_names_stay_text") else { return };
+    for page in [&page, &folder.path().join("report.html")] {
+        load(browser, page, &[]).assert_sound();
+    }
+    let loaded = load(browser, &page, &[]);
+    assert!(
+        loaded.dom.contains("&lt;img src=x onerror=alert(1)&gt; \"'&amp; ☃ é</option>"),
+        "the choice names the hull"
+    );
+}
+
+#[test]
+fn pages_differ_only_in_times() {
+    let folder = baked(&["torus_knot", "prism_500"], &[]);
+    for asset in ["torus_knot", "prism_500"] {
+        let pack = format!("packs/{asset}.hullmap");
+        run(&folder, &["report", &pack, "--out", "a.html"]).expect(0);
+        run(&folder, &["report", &pack, "--out", "b.html"]).expect(0);
+        let [a, b] = ["a.html", "b.html"].map(|name| without_times(&text(folder.path().join(name))));
+        assert_eq!(a, b, "{asset}");
+    }
+    run(&folder, &["report", "packs", "--out", "a.html"]).expect(0);
+    let first = text(folder.path().join("a.html"));
+    run(&folder, &["report", "packs", "--out", "a.html"]).expect(0);
+    assert_eq!(first, text(folder.path().join("a.html")));
+    let name = |entry: fs::DirEntry| entry.file_name().into_string().unwrap();
+    let mut left: Vec<String> = fs::read_dir(folder.path()).unwrap().map(|entry| name(entry.unwrap())).collect();
+    left.sort();
+    assert_eq!(left, ["a.html", "a.pages", "b.html", "in", "packs"], "nothing temporary");
+}
+
+#[test]
+fn pages_are_self_contained() {
+    let folder = baked(&["dodecahedron"], &[]);
+    run(&folder, &["report", "packs", "--out", "report.html"]).expect(0);
+    let machine = folder.path().canonicalize().unwrap();
+    for page in ["report.html", "report.pages/dodecahedron.hullmap.html"] {
+        let page = text(folder.path().join(page)).replace("http://www.w3.org/2000/svg", "");
+        assert!(
+            !page.contains("http:") && !page.contains("https:") && !page.contains("url(") && !page.contains("@import"),
+            "nothing is fetched"
+        );
+        assert!(page.split(" src=\"").skip(1).all(|rest| rest.starts_with("data:")));
+        assert!(page.contains("Content-Security-Policy"));
+        assert!(!page.contains(machine.to_str().unwrap()), "no path of the machine");
+    }
+}
+
+#[test]
+fn missing_or_changed_sources_are_reported() {
+    let folder = baked(&["gear"], &[]);
+    let pack = "packs/gear.hullmap";
+    fs::create_dir(folder.path().join("elsewhere")).unwrap();
+    fs::rename(folder.path().join("in/gear.obj"), folder.path().join("elsewhere/gear.obj")).unwrap();
+    run(&folder, &["report", pack, "--out", "page.html"]).expect(0);
+    let page = text(folder.path().join("page.html"));
+    assert!(page.contains("the source was not found, so the hull is shown alone"));
+    assert!(page.contains("exact for the stored hull") && page.contains("\"source\":null"));
+    if let Some(browser) = browser("missing_or_changed_sources_are_reported") {
+        let loaded = load(browser, &folder.path().join("page.html"), &[]);
+        loaded.assert_sound();
+        assert!(loaded.share("hull") > 0.05);
+        assert!(loaded.attribute("id=\"pair\"", "class").contains("alone"));
+    }
+
+    run(&folder, &["report", pack, "--out", "page.html", "--source", "elsewhere"]).expect(0);
+    assert!(!text(folder.path().join("page.html")).contains("shown alone"));
+    run(&folder, &["report", pack, "--out", "page.html", "--source", "gone.obj"]).expect(2);
+
+    fs::write(folder.path().join("in/gear.obj"), "v 0 0 0\n").unwrap();
+    let run = run(&folder, &["report", pack, "--out", "page.html"]).expect(1);
+    assert!(run.stderr.contains("stale"), "{run:?}");
+    let page = text(folder.path().join("page.html"));
+    assert!(page.contains("class=\"chip bad\">failed<") && page.contains("stale"));
+}
+
+#[test]
+fn exit_codes_are_those_of_every_command() {
+    let folder = baked(&["cube", "cone"], &[]);
+    for words in [
+        &["report"][..],
+        &["report", "packs"],
+        &["report", "gone.hullmap", "--out", "x.html"],
+        &["report", "in", "--out", "x.html"],
+        &["report", "packs", "--out", "packs"],
+        &["report", "packs", "--out", "x.html", "--directions", "0"],
+        &["report", "packs/cube.hullmap", "--out", "packs/cube.hullmap/x.html"],
+    ] {
+        let run = run(&folder, words).expect(2);
+        assert!(run.stdout.is_empty() && !run.stderr.is_empty(), "{words:?}");
+    }
+    let damaged = folder.path().join("packs/cube.hullmap");
+    let mut bytes = fs::read(&damaged).unwrap();
+    bytes[200] ^= 1;
+    fs::write(&damaged, bytes).unwrap();
+    run(&folder, &["report", "packs/cube.hullmap", "--out", "x.html"]).expect(1);
+    assert!(!folder.path().join("x.html").exists());
+    // Among other packs it has a card but no page.
+    let run = run(&folder, &["report", "packs", "--out", "x.html"]).expect(1);
+    assert!(run.stderr.contains("cube.hullmap") && run.stderr.contains("checksum"), "{run:?}");
+    let index = text(folder.path().join("x.html"));
+    assert!(index.contains("1 pack failed") && index.contains("not opened") && links(&index).len() == 2);
+    let help = bake_in(folder.path(), ["report", "--help"]).expect(0);
+    assert!(help.stdout.contains("Example:"));
+}
+
+#[test]
+fn large_meshes_and_many_hulls_stay_small() {
+    let folder = tempfile::tempdir().unwrap();
+    let sphere = Family::Sphere.points(40_000, 1);
+    let cloud: String = sphere.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+    let mut many = String::new();
+    for object in 0..400 {
+        many += &format!("o part {object}\n");
+        for [x, y, z] in Family::Ball.points(40, object) {
+            let place = [object % 20, object / 20].map(|step| step as f32 * 2.0);
+            many += &format!("v {} {} {z}\n", x + place[0], y + place[1]);
+        }
+        many += "f -1 -2 -3\n";
+    }
+    fs::create_dir(folder.path().join("in")).unwrap();
+    fs::write(folder.path().join("in/sphere.obj"), cloud).unwrap();
+    fs::write(folder.path().join("in/many.obj"), many).unwrap();
+    run(&folder, &["build", "in", "--out", "packs", "--split", "object", "--vertices", "all"]).expect(0);
+    let browser = browser("large_meshes_and_many_hulls_stay_small");
+    for (pack, said) in [("sphere", "triangles"), ("many", "")] {
+        let page = page(&folder, pack);
+        let bytes = fs::metadata(&page).unwrap().len();
+        println!("{pack}: {bytes} bytes");
+        assert!(bytes < 6_000_000, "{pack}: {bytes}");
+        assert_eq!(text(&page).contains("What is left out"), !said.is_empty(), "{pack}");
+        if let Some(browser) = browser {
+            let loaded = load(browser, &page, &[]);
+            loaded.assert_sound();
+            assert!(loaded.share("hull") > 0.05 && loaded.share("gauss") > 0.4, "{pack}");
+        }
+    }
+}

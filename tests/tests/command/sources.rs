@@ -1,0 +1,155 @@
+//! Folders of meshes in all formats, as in a project: baked, verified, found again, changed, and
+//! commented on in warnings.
+
+use std::fs;
+use std::path::Path;
+
+use hullmap::Pack;
+use hullmap::glam::Vec3;
+use hullmap_tests::command::{Run, bake_in};
+use serde_json::Value;
+use shapes::mesh::Mesh;
+use shapes::{gltf, ply, solids, stl};
+
+fn bake(folder: &Path, line: &str) -> Run {
+    bake_in(folder, line.split_whitespace())
+}
+
+fn column<'a>(run: &'a [Value], key: &str) -> Vec<&'a Value> {
+    run.iter().map(|row| &row[key]).collect()
+}
+
+fn prism() -> Mesh {
+    solids::extrusion(&solids::regular_polygon(7, 1.0), -0.5, 0.5)
+}
+
+/// A mesh in every format; one of them has its buffer in a file of its own.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let put = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join("meshes").join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, bytes).unwrap();
+    };
+    let mesh = prism();
+    let parts = gltf::parts(&[("prism", &mesh)], r#"{"mesh":0,"name":"node"}"#, "0");
+    put("binary.glb", &parts.glb());
+    put("deep/text.gltf", parts.text("buffers/text.bin").as_bytes());
+    put("deep/buffers/text.bin", &parts.buffer);
+    put("solid.stl", &stl::binary(&mesh, "solid but binary"));
+    put("words.STL", stl::text(&[("prism", &mesh)]).as_bytes());
+    put("big.ply", &ply::file(&mesh, ply::Encoding::Big));
+    put("cube.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n");
+    put("readme.txt", b"no mesh");
+    folder
+}
+
+#[test]
+fn a_mixed_folder_is_baked_verified_and_found_again() {
+    let folder = folder();
+    let rows = bake(folder.path(), "build meshes --out out --verify --json").expect(0).json();
+    let hulls: Vec<(&str, u64)> =
+        rows.iter().map(|row| (row["output"].as_str().unwrap(), row["vertices_hull"].as_u64().unwrap())).collect();
+    let expected = [
+        ("out/big.hullmap", 14),
+        ("out/binary.hullmap", 14),
+        ("out/cube.hullmap", 8),
+        ("out/deep/text.hullmap", 14),
+        ("out/solid.hullmap", 14),
+        ("out/words.hullmap", 14),
+    ];
+    assert_eq!(hulls, expected);
+    let verified = bake(folder.path(), "verify out --source meshes --require-source --directions 500 --json").expect(0);
+    assert!(column(&verified.json(), "against").iter().all(|against| *against == "source"));
+
+    // Every byte of every file that was read counts, and no other byte.
+    let statuses = || -> Vec<String> {
+        let rows = bake(folder.path(), "build meshes --out out --json --verbose").expect(0).json();
+        column(&rows, "status").iter().map(|status| status.as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(statuses(), ["fresh"; 6]);
+    let buffer = folder.path().join("meshes/deep/buffers/text.bin");
+    let mut bytes = fs::read(&buffer).unwrap();
+    bytes[0] ^= 1;
+    fs::write(&buffer, &bytes).unwrap();
+    let stale = bake(folder.path(), "verify out/deep --source meshes/deep").expect(1);
+    assert!(stale.stderr.contains("stale") || stale.stdout.contains("stale"), "{stale:?}");
+    assert_eq!(statuses().iter().filter(|status| *status == "baked").count(), 1);
+    fs::remove_file(&buffer).unwrap();
+    let missing = bake(folder.path(), "build meshes --out out").expect(1);
+    let error = missing.stderr.lines().find(|line| line.contains("buffer buffers/text.bin cannot be read")).unwrap();
+    assert!(error.starts_with("error: meshes/deep/text.gltf: "), "{error}");
+    for line in ["verify out/deep", "verify out/deep --source meshes/deep", "verify out --source meshes"] {
+        let verified = bake(folder.path(), line).expect(1);
+        assert!(verified.stderr.lines().any(|line| line == error), "in the same words: {}", verified.stderr);
+    }
+}
+
+#[test]
+fn recentred_hulls_keep_the_digits_of_what_is_far_away() {
+    let folder = tempfile::tempdir().unwrap();
+    let far = |x: &str, y: &str, z: &str| format!("v 1000000.{x} -2000000.{y} 3000000.{z}\n");
+    let corners =
+        ["0001", "0003"].map(|x| ["0010", "0040"].map(|y| ["0100", "0900"].map(|z| far(x, y, z)).concat()).concat());
+    fs::write(folder.path().join("far.obj"), corners.concat()).unwrap();
+    let plain = bake(folder.path(), "build far.obj --out plain --json").expect(0);
+    let warnings = plain.json()[0]["warnings"].to_string();
+    assert!(warnings.contains("--recentre"), "{warnings}");
+
+    let moved = bake(folder.path(), "build far.obj --out moved --recentre --verify --json").expect(0);
+    assert!(!moved.json()[0]["warnings"].to_string().contains("--recentre"));
+    let pack = Pack::open(folder.path().join("moved/far.hullmap")).unwrap();
+    let hull = pack.hull(0).unwrap();
+    let (origin, point) = (hull.origin(), hull.support(Vec3::ONE).point);
+    for (axis, expected) in [1.000_000_000_3e6, -2.000_000_001e6, 3.000_000_09e6].into_iter().enumerate() {
+        let found = origin[axis] + f64::from(point[axis]);
+        assert!((found - expected).abs() < 1e-8, "axis {axis}: {found} for {expected}");
+    }
+    bake(folder.path(), "verify moved --source . --require-source").expect(0);
+}
+
+#[test]
+fn artists_parts_are_used_and_reported() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = prism();
+    let nodes = r#"{"mesh":0,"name":"Crate"},{"mesh":0,"name":"UCX_Crate_00","scale":[2,2,2]},{"mesh":0,"name":"UCX_Crate_01"}"#;
+    let bytes = gltf::parts(&[("prism", &mesh)], nodes, "0,1,2").glb();
+    fs::write(folder.path().join("crate.glb"), bytes).unwrap();
+    let run = bake(
+        folder.path(),
+        "build crate.glb --out out --split auto --unit-scale 0.01 --up-axis y-to-z --verify --json",
+    );
+    let row = &run.expect(0).json()[0];
+    assert_eq!((&row["hulls"], &row["vertices_hull"]), (&2.into(), &28.into()));
+    assert!(row["notes"].to_string().contains("collision parts named as in Unreal"), "{row}");
+    let pack = Pack::open(folder.path().join("out/crate.hullmap")).unwrap();
+    let names: Vec<&str> = pack.hulls().map(|hull| hull.name()).collect();
+    assert_eq!(names, ["UCX_Crate_00", "UCX_Crate_01"]);
+    // The prism stood along z, which is now turned to -y, and is a hundredth of its size.
+    let lowest = pack.hull(1).unwrap().support(Vec3::NEG_Y).point;
+    assert!((lowest.y + 0.005).abs() < 1e-9, "{lowest}");
+}
+
+#[test]
+fn warnings_name_the_hull_and_the_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "o sheet\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no blade\nv 0 0 0\nv 100000 0 0\nv 0 1 0\nv 0 0 1\nf 4 5 6\nf 4 5 7\n";
+    fs::write(folder.path().join("a.obj"), text).unwrap();
+    let run = bake(folder.path(), "build a.obj --out out --split object").expect(0);
+    for words in ["warning: a.obj: hull sheet is flat", "warning: a.obj: hull blade is thin"] {
+        assert!(run.stderr.contains(words), "{words} in {}", run.stderr);
+    }
+    let refused = bake(folder.path(), "build a.obj --out other --split object --max-objects 1").expect(1);
+    assert!(refused.stderr.contains("raise --max-objects"), "{}", refused.stderr);
+    let refused = bake(folder.path(), "build a.obj --out other --max-input-bytes 10").expect(1);
+    assert!(refused.stderr.contains("raise --max-input-bytes"), "{}", refused.stderr);
+    bake(folder.path(), "build a.obj --out other --max-input-bytes none").expect(2);
+}
+
+#[test]
+fn a_glb_of_another_format_is_reported() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.glb"), "solid a\nendsolid a\n").unwrap();
+    let run = bake(folder.path(), "build a.glb --out out").expect(1);
+    assert!(run.stderr.contains("a.glb: not a glTF document: expected `{`, or `glTF` as in GLB"), "{}", run.stderr);
+}

@@ -1,0 +1,359 @@
+//! Support queries against brute force over the source points, in the directions where an index can
+//! go wrong.
+//!
+//! Every family of shapes, turned, scaled and moved; every index; both sets of instructions; f32
+//! and f64; with and without hints. The samples are counted, so that no test is vacuous:
+//! each kind of direction, node and hint must be met.
+
+mod directions;
+mod nodes;
+mod truth;
+
+use std::collections::BTreeMap;
+
+use directions::{KINDS, Kind, Maker};
+use glam::{DQuat, DVec3, Vec3};
+use hullmap::{Hull, Instructions, Pack, SupportMap};
+use hullmap_bake::{IndexKind, SourceRecord};
+use hullmap_testkit::packs::{ALL_INDICES, bytes, point_set};
+use nodes::{Counts, Words};
+use shapes::{families::Family, rng::SplitMix64};
+use truth::Truth;
+
+const SEED: u64 = 0xe8ac7;
+
+/// Maximum regret that counts as exact, by the project's definition.
+const EXACT: f64 = 2e-7;
+
+/// Regret that the index allows itself: a cone that reaches less than 4e-15 beyond a cut, in units
+/// of u and v, is not listed there. A unit of u is at most a radian.
+const SLIVERS: f64 = 8e-15;
+
+/// The same around a fan's axis. A cone that reaches less than that beyond two cuts may be listed
+/// by neither side, and the vertex listed instead is as far off as the cuts are from each other
+/// there.
+const SLIVERS_AT_AXIS: f64 = 4e-13;
+
+/// Error of the difference of two dot products in f64, relative to the greatest coordinate.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// Maximum distance of source points from a flat hull, relative to the diameter.
+const FLAT: f64 = 1e-7;
+
+/// The counts of queries, and of the nodes that they visited.
+#[derive(Debug, Default)]
+struct Met {
+    /// By kind of direction.
+    kinds: BTreeMap<String, usize>,
+    /// By kind of node, over the directions queried with default trees.
+    nodes: Counts,
+    /// Number of directions queried with default trees, in f64.
+    followed: usize,
+    /// Hints that were right, in directions well within a vertex's cone; and those of them that are
+    /// certain.
+    right: usize,
+    certain: usize,
+    /// Hints that were not.
+    wrong: usize,
+    asked: usize,
+    worst: f64,
+    /// Of the worst, as a share of what is allowed.
+    worst_share: f64,
+}
+
+impl Met {
+    fn add(&mut self, other: Met) {
+        for (kind, count) in other.kinds {
+            *self.kinds.entry(kind).or_default() += count;
+        }
+        let (n, o) = (&mut self.nodes, other.nodes);
+        n.branches += o.branches;
+        n.planes += o.planes;
+        n.bundles += o.bundles;
+        n.fans += o.fans;
+        n.lists += o.lists;
+        n.blocks += o.blocks;
+        self.followed += other.followed;
+        self.right += other.right;
+        self.certain += other.certain;
+        self.wrong += other.wrong;
+        self.asked += other.asked;
+        self.worst = self.worst.max(other.worst);
+        self.worst_share = self.worst_share.max(other.worst_share);
+    }
+
+    /// Every kind of direction, node and hint is met often enough to count.
+    fn assert_representative(&self) {
+        println!("seed {SEED:#x}: {self:#?}");
+        let drawn: usize = self.kinds.values().sum();
+        for kind in KINDS {
+            let count = self.kinds.get(&format!("{kind:?}")).copied().unwrap_or(0);
+            assert!(count * 50 > drawn, "{kind:?}: {count} of {drawn}");
+        }
+        let Counts { branches, planes, bundles, fans, lists, blocks } = self.nodes;
+        assert!(branches * 20 > self.followed, "branches");
+        assert!(fans * 20 > self.followed, "fans");
+        assert!(planes * 100 > self.followed && bundles * 100 > self.followed, "planes");
+        assert_eq!(lists + blocks, self.followed);
+        assert!(self.certain * 4 > self.right && self.certain < self.right, "hints that are certain");
+        assert!(self.wrong > self.asked / 4, "hints that are wrong");
+    }
+}
+
+/// Queries a hull of `points` in `count` directions, each in f64 and rounded to f32, with each of
+/// `indices`.
+///
+/// # Panics
+/// If one is answered wrongly: by more than `slivers`, and what rounds.
+fn check(name: &str, points: &[[f32; 3]], indices: &[IndexKind], count: usize, slivers: f64) -> Met {
+    let truth = Truth::new(points);
+    let mut met = Met::default();
+    let packs: Vec<(Vec<u8>, IndexKind)> = indices
+        .iter()
+        .map(|&index| {
+            let file = bytes(&[point_set(name, points)], index, &SourceRecord::default());
+            (file.unwrap_or_else(|error| panic!("{name}: {error}")), index)
+        })
+        .collect();
+    let opened: Vec<Pack> = packs.iter().map(|(file, _)| Pack::from_bytes(file).unwrap()).collect();
+    let words: Vec<Words> = packs.iter().map(|(file, _)| Words::new(file)).collect();
+    let hulls: Vec<(Hull, IndexKind)> =
+        opened.iter().zip(indices).map(|(pack, &index)| (pack.hull(0).unwrap(), index)).collect();
+    let first = hulls[0].0;
+    let (nodes, fans) = words[0].nodes();
+    let fan_count = fans.len();
+    let mut maker = Maker::new(&first, fans, SEED);
+    let mut rng = SplitMix64::new(!SEED);
+    // Source points may lie off a hull that is flat but for noise.
+    let is_noisy = first.rank() < 3 && first.containment_error() > 0.0;
+    let noise = if is_noisy { FLAT } else { 0.0 };
+    let allowed = slivers + ROUNDING * truth.reach / truth.diameter + noise;
+    let mut failures = 0;
+    let mut before = 0;
+    for place in 0..count {
+        let (kind, exact) = maker.make(place);
+        let narrow = exact.as_vec3();
+        *met.kinds.entry(format!("{kind:?}")).or_default() += 1;
+        // Rounding to f32 leaves nothing of the shortest, and makes others infinite.
+        let asked = [exact, narrow.as_dvec3()].map(|d| truth.ask(d));
+        for (number, (hull, index)) in hulls.iter().enumerate() {
+            for instructions in [Instructions::Portable, Instructions::Avx2] {
+                let Some(hull) = hull.with_instructions(instructions) else { continue };
+                let got = SupportMap::support_point(&hull, exact);
+                let got_narrow = hull.support(narrow);
+                assert_eq!(hull.vertex(got_narrow.index), Some(got_narrow.point));
+                assert_eq!(hull.vertex(got.feature).map(Vec3::as_dvec3), Some(got.point));
+                for (asked, point) in asked.iter().zip([got.point, got_narrow.point.as_dvec3()]) {
+                    let Some(asked) = asked else { continue };
+                    let regret = asked.regret(point);
+                    met.asked += 1;
+                    met.worst = met.worst.max(regret);
+                    met.worst_share = met.worst_share.max(regret / allowed);
+                    if !(regret <= allowed) {
+                        failures += 1;
+                        if failures <= 5 {
+                            println!(
+                                "{name} {index:?} {instructions:?} {kind:?}: regret {regret:e} in {exact:?}, allowed {allowed:e}"
+                            );
+                        }
+                    }
+                }
+                if number == 0 && instructions == Instructions::Portable {
+                    met.followed += usize::from(words[0].follow(exact, &mut met.nodes));
+                }
+                // Hints ask what all indices share, and then the index.
+                if number > 0 {
+                    continue;
+                }
+                // Right, that of the direction before, any, and two that are none.
+                let any = rng.below(hull.vertex_count()) as u32;
+                let (right, none) = (got_narrow.index, hull.vertex_count() as u32);
+                for hint in [right, before, any, none, u32::MAX] {
+                    let hinted = hull.support_from(narrow, hint);
+                    assert_eq!(hull.vertex(hinted.index), Some(hinted.point));
+                    let d = narrow.as_dvec3();
+                    let (with, without) = (hinted.point.as_dvec3().dot(d), got_narrow.point.as_dvec3().dot(d));
+                    assert!(with >= without || d.is_nan(), "{name} {index:?} {instructions:?}: {narrow:?} from {hint}");
+                    met.wrong += usize::from(hint != right);
+                }
+                if kind == Kind::Vertex {
+                    met.right += 1;
+                    met.certain += usize::from(words[number].is_certain(right, narrow.as_dvec3()));
+                }
+            }
+        }
+        before = first.support(narrow).index;
+    }
+    // An invalid direction gets some vertex.
+    for (hull, _) in &hulls {
+        for d in hullmap_tests::directions::invalid() {
+            let got = hull.support(d);
+            assert_eq!(hull.vertex(got.index), Some(got.point));
+            assert_eq!(hull.support_from(d, got.index), got);
+            assert!((SupportMap::support_point(hull, d.as_dvec3()).feature as usize) < hull.vertex_count());
+        }
+    }
+    println!(
+        "{name:28} {:6} vertices, {fan_count} fans, {nodes:?}, worst {:.1e}, {:.2} of what is allowed",
+        first.vertex_count(),
+        met.worst,
+        met.worst_share
+    );
+    assert_eq!(failures, 0, "{name}: wrong answers, seed {SEED:#x}");
+    assert!(met.worst <= EXACT);
+    met
+}
+
+fn turned(points: &[[f32; 3]], seed: u64) -> Vec<[f32; 3]> {
+    let mut rng = SplitMix64::new(seed);
+    let axis = DVec3::from_array(rng.direction());
+    moved(points, DQuat::from_axis_angle(axis, 6.0 * rng.unit()), 1.0, DVec3::ZERO)
+}
+
+fn moved(points: &[[f32; 3]], rotation: DQuat, scale: f64, offset: DVec3) -> Vec<[f32; 3]> {
+    let place = |p: &[f32; 3]| rotation * DVec3::from_array(p.map(f64::from)) * scale + offset;
+    points.iter().map(|p| place(p).as_vec3().to_array()).collect()
+}
+
+/// A shape about z: rings of these radii, heights and angles.
+fn rings(rings: &[(f64, f64, Vec<f64>)]) -> Vec<[f32; 3]> {
+    let point = |r: f64, z: f64, angle: f64| [(r * libm::cos(angle)) as f32, (r * libm::sin(angle)) as f32, z as f32];
+    rings.iter().flat_map(|(r, z, angles)| angles.iter().map(move |a| point(*r, *z, *a))).collect()
+}
+
+fn even(n: usize) -> Vec<f64> {
+    (0..n).map(|i| std::f64::consts::TAU * i as f64 / n as f64).collect()
+}
+
+fn random(n: usize, seed: u64) -> Vec<f64> {
+    let mut rng = SplitMix64::new(seed);
+    (0..n).map(|_| std::f64::consts::TAU * rng.unit()).collect()
+}
+
+/// Half of the angles within 1e-`k` of a few.
+fn crowded(n: usize, seed: u64) -> Vec<f64> {
+    let mut rng = SplitMix64::new(seed);
+    let mut angles = even(7);
+    while angles.len() < n {
+        let near = angles[rng.below(7)];
+        angles.push(near + 10_f64.powf(-1.0 - 6.0 * rng.unit()));
+    }
+    angles
+}
+
+fn main_axis_to(to: DVec3) -> DQuat {
+    DQuat::from_rotation_arc(DVec3::Z, to.normalize())
+}
+
+#[test]
+fn every_family_with_every_index() {
+    let mut sum = Met::default();
+    for family in Family::ALL {
+        let points = family.points(1_500, 11);
+        sum.add(check(family.name(), &points, &ALL_INDICES, 12_000, SLIVERS));
+        sum.add(check(family.name(), &family.points(20_000, 5), &ALL_INDICES[..1], 20_000, SLIVERS));
+        for n in [8, 9, 40, 200] {
+            sum.add(check(&format!("{} {n}", family.name()), &family.points(n, 7), &ALL_INDICES, 3_000, SLIVERS));
+        }
+    }
+    sum.assert_representative();
+}
+
+#[test]
+fn every_family_turned_scaled_and_moved() {
+    let mut sum = Met::default();
+    for family in Family::ALL {
+        let points = family.points(3_000, 2);
+        let around = |scale, offset| moved(&points, DQuat::from_rotation_y(0.3), scale, DVec3::splat(offset));
+        for (name, points) in [
+            ("turned", turned(&points, 1)),
+            ("turned again", turned(&points, 2)),
+            ("tiny", around(1e-6, 0.0)),
+            ("huge", around(1e6, 0.0)),
+            ("far", around(1.0, 1_000.0)),
+        ] {
+            sum.add(check(&format!("{} {name}", family.name()), &points, &ALL_INDICES[..2], 12_000, SLIVERS));
+        }
+    }
+    sum.assert_representative();
+}
+
+#[test]
+fn prisms_and_other_shapes_with_fans() {
+    let mut sum = Met::default();
+    let prism = |angles: Vec<f64>| rings(&[(1.0, -1.0, angles.clone()), (1.0, 1.0, angles)]);
+    let mut shapes: Vec<(String, Vec<[f32; 3]>)> = Vec::new();
+    for n in [100, 1_000, 20_000] {
+        shapes.push((format!("even prism {n}"), prism(even(n / 2))));
+        shapes.push((format!("random prism {n}"), prism(random(n / 2, 1))));
+        shapes.push((format!("crowded prism {n}"), prism(crowded(n / 2, 2))));
+        shapes.push((format!("truncated cone {n}"), rings(&[(1.0, -1.0, even(n / 2)), (0.3, 1.0, even(n / 2))])));
+        shapes.push((format!("antiprism {n}"), rings(&[(1.0, -1.0, even(n / 2)), (1.0, 1.0, random(n / 2, 5))])));
+        shapes.push((format!("cone {n}"), Family::Cone.points(n, 0)));
+        shapes.push((format!("rotated prism {n}"), Family::RotatedPrism.points(n, 0)));
+        let mut two = prism(even(n / 4));
+        two.extend(moved(&prism(random(n / 4, 3)), DQuat::from_rotation_x(1.0), 0.9, DVec3::ZERO));
+        shapes.push((format!("two prisms {n}"), two));
+    }
+    let base = prism(even(2_000));
+    for (name, to) in [
+        ("seam", DVec3::new(1.0, 1.0, 0.0)),
+        ("corner", DVec3::ONE),
+        ("middle of a cell", DVec3::new(0.5, 0.5, 1.0)),
+        ("near a seam", DVec3::new(1.0, 1.0 + 1e-7, 0.2)),
+        ("edge of a cell", DVec3::new(0.0, 0.25, 1.0)),
+    ] {
+        shapes.push((format!("prism to {name}"), moved(&base, main_axis_to(to), 1.0, DVec3::ZERO)));
+    }
+    shapes.push(("prism far away".into(), moved(&base, DQuat::IDENTITY, 1.0, DVec3::new(1000.0, -2000.0, 500.0))));
+    shapes.push((
+        "thin disc".into(),
+        moved(&base, DQuat::IDENTITY, 1.0, DVec3::ZERO).iter().map(|p| [p[0], p[1], p[2] * 1e-3]).collect(),
+    ));
+    shapes.push(("long rod".into(), base.iter().map(|p| [p[0] * 1e-3, p[1] * 1e-3, p[2]]).collect()));
+    for (name, points) in shapes {
+        sum.add(check(&name, &points, &ALL_INDICES[..2], 25_000, SLIVERS));
+    }
+    sum.assert_representative();
+}
+
+/// Caps that are all but flat, at height 0, where single precision holds the least of bumps: facets
+/// whose normals lie within 1e-6 and less of a fan's axis, and cones as small.
+fn bumpy_cap(bump: f64, rim: &[f64]) -> Vec<[f32; 3]> {
+    let mut points = rings(&[(1.0, -1.0, rim.to_vec()), (1.0, 0.0, rim.to_vec())]);
+    for ring in 1..6 {
+        let r = f64::from(ring) / 6.0;
+        points.extend(rings(&[(r, bump * (1.0 - r * r), random(12, ring as u64))]));
+    }
+    points
+}
+
+#[test]
+fn nearly_flat_caps() {
+    let mut sum = Met::default();
+    for bump in [1e-7, 1e-9, 1e-11, 1e-12, 1e-13, 1e-15, 1e-20] {
+        for n in [300, 3_000] {
+            let name = |kind| format!("{kind} cap {bump:e}, {n}");
+            let mut ask = |kind, points: &[[f32; 3]]| {
+                sum.add(check(&name(kind), points, &ALL_INDICES[..1], 12_000, SLIVERS_AT_AXIS));
+            };
+            ask("bumpy", &bumpy_cap(bump, &random(n, 4)));
+            ask("crowded", &bumpy_cap(bump, &crowded(n, 2)));
+            let mut rng = SplitMix64::new(9);
+            let mut rough = rings(&[(1.0, -1.0, random(n, 8))]);
+            rough.extend(rings(&[(1.0, 0.0, random(n, 8))]).iter().map(|p| [p[0], p[1], (bump * rng.unit()) as f32]));
+            ask("rough", &rough);
+        }
+    }
+    sum.assert_representative();
+    assert!(sum.nodes.lists * 100 > sum.followed, "lists");
+}
+
+/// Cones of 1e-10 around the axis of a fan with narrow steps reached over no step's border by
+/// 1e-13, were listed nowhere, and a vertex of the rim was found instead: a regret of 2e-11.
+#[test]
+fn small_cones_between_two_cuts_are_listed() {
+    for n in [300, 3_000] {
+        check(&format!("bumps of 1e-10, {n}"), &bumpy_cap(1e-10, &crowded(n, 2)), &ALL_INDICES[..1], 50_000, SLIVERS);
+    }
+}

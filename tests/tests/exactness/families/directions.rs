@@ -1,0 +1,170 @@
+//! Directions in which a support query can go wrong, each with its purpose.
+
+use glam::DVec3;
+use hullmap::Hull;
+use shapes::rng::SplitMix64;
+
+use super::nodes::Fan;
+
+/// Purpose of a direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    Random,
+    /// The normal of a facet, as exact as f64 allows.
+    Normal,
+    /// The same, disturbed by 1 to 1e-8.
+    NearNormal,
+    /// Between the normals of two facets, where two vertices tie; exact and disturbed alike.
+    Edge,
+    /// Inside a vertex's normal cone, where a hint is correct.
+    Vertex,
+    /// Axes, diagonals and seams of the cube, exact and disturbed.
+    Seam,
+    /// Near the axis of a fan, or exactly on it.
+    FanAxis,
+    /// On the border between two steps of a fan.
+    FanStep,
+    /// So long or short that f32 can hardly hold it.
+    Extreme,
+}
+
+pub const KINDS: [Kind; 9] = [
+    Kind::Random,
+    Kind::Normal,
+    Kind::NearNormal,
+    Kind::Edge,
+    Kind::Vertex,
+    Kind::Seam,
+    Kind::FanAxis,
+    Kind::FanStep,
+    Kind::Extreme,
+];
+
+/// Makes directions for one hull.
+pub struct Maker {
+    rng: SplitMix64,
+    normals: Vec<DVec3>,
+    /// Pairs of faces that share an edge.
+    sides: Vec<[usize; 2]>,
+    /// Sums of the normals around each vertex.
+    inward: Vec<Vec<usize>>,
+    fans: Vec<Fan>,
+}
+
+impl Maker {
+    pub fn new(hull: &Hull, fans: Vec<Fan>, seed: u64) -> Self {
+        let vertices: Vec<DVec3> = hull.vertices().map(|v| v.as_dvec3()).collect();
+        let mut normals = Vec::new();
+        let mut sides = Vec::new();
+        let mut inward = vec![Vec::new(); vertices.len()];
+        for (number, face) in hull.faces().enumerate() {
+            let corners: Vec<u32> = face.collect();
+            let at = |i: usize| vertices[corners[i % corners.len()] as usize];
+            let sum: DVec3 = (1..corners.len()).map(|i| (at(i) - at(0)).cross(at(i + 1) - at(0))).sum();
+            normals.push(sum.normalize_or_zero());
+            for (i, &corner) in corners.iter().enumerate() {
+                inward[corner as usize].push(number);
+                let next = corners[(i + 1) % corners.len()];
+                sides.push((corner.min(next), corner.max(next), number));
+            }
+        }
+        sides.sort_unstable();
+        let sides = sides.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).filter(|both| both.len() == 2);
+        let sides = sides.map(|both| [both[0].2, both[1].2]).collect();
+        Self { rng: SplitMix64::new(seed), normals, sides, inward, fans }
+    }
+
+    /// Number `place` of a list of directions: kinds take turns.
+    pub fn make(&mut self, place: usize) -> (Kind, DVec3) {
+        let kind = KINDS[place % KINDS.len()];
+        let noise = DVec3::from_array(self.rng.direction());
+        let (kind, d) = match kind {
+            Kind::Normal if !self.normals.is_empty() => (kind, self.normal()),
+            Kind::NearNormal if !self.normals.is_empty() => {
+                (kind, self.normal() + noise * 10_f64.powi(-(self.rng.below(9) as i32)))
+            }
+            Kind::Edge if !self.sides.is_empty() => {
+                let [a, b] = self.sides[self.rng.below(self.sides.len())].map(|face| self.normals[face]);
+                let t = self.rng.unit();
+                (kind, a * t + b * (1.0 - t) + noise * self.slight())
+            }
+            Kind::Vertex if !self.normals.is_empty() => {
+                let around = &self.inward[self.rng.below(self.inward.len())];
+                (kind, around.iter().map(|face| self.normals[*face] * (0.5 + self.rng.unit())).sum())
+            }
+            Kind::Seam => (kind, self.seam(noise)),
+            Kind::FanAxis if !self.fans.is_empty() => (kind, self.fan_axis(noise)),
+            Kind::FanStep if !self.fans.is_empty() => (kind, self.fan_step()),
+            Kind::Extreme => {
+                let size = [1e-44, 3e-39, 1e-35, 1e-31, 1e-30, 1e-20, 1e20, 1e30, 1e31, 1e38][self.rng.below(10)];
+                (kind, noise * size)
+            }
+            _ => (Kind::Random, noise),
+        };
+        if d.length_squared() > 0.0 || kind == Kind::Extreme { (kind, d) } else { (Kind::Random, noise) }
+    }
+
+    fn normal(&mut self) -> DVec3 {
+        let normal = self.normals[self.rng.below(self.normals.len())];
+        // A facet of many corners is one of many, but where most vertices meet: an eighth of the
+        // turns.
+        let great = self.rng.below(8) == 0;
+        if great && !self.fans.is_empty() { self.axis() } else { normal }
+    }
+
+    /// 0, or 1e-3 to 1e-17.
+    fn slight(&mut self) -> f64 {
+        if self.rng.below(4) == 0 { 0.0 } else { 10_f64.powi(-(3 + self.rng.below(15) as i32)) }
+    }
+
+    fn axis(&mut self) -> DVec3 {
+        let fan = &self.fans[self.rng.below(self.fans.len())];
+        let axis = fan.x.cross(fan.y).normalize();
+        if self.rng.below(2) == 0 { axis } else { -axis }
+    }
+
+    fn fan_axis(&mut self, noise: DVec3) -> DVec3 {
+        let axis = self.axis();
+        let distance = if self.rng.below(8) == 0 { 0.0 } else { 10_f64.powf(-6.0 - 11.0 * self.rng.unit()) };
+        // The facet's normal, where there is one, instead of the line that planes were found to
+        // share.
+        let near = |n: &&DVec3| n.distance(axis) < 1e-9;
+        let base = if self.rng.below(2) == 0 { self.normals.iter().find(near).copied() } else { None };
+        base.unwrap_or(axis) + noise * distance
+    }
+
+    /// A direction in a fan's cell, turned to the border of a step, and a last digit beside it.
+    fn fan_step(&mut self) -> DVec3 {
+        let number = self.rng.below(self.fans.len());
+        let fan = self.fans[number].clone();
+        let p = fan.corner.map(|c| c + fan.size * self.rng.unit());
+        let inside = DVec3::from_array(hullmap_format::cube::direction(fan.face, p[0], p[1]));
+        let axis = fan.x.cross(fan.y);
+        let along = axis.dot(inside);
+        let step = self.rng.below(fan.steps as usize + 1) as f64;
+        let angle = fan.start + step / fan.rate;
+        let quarter = ((angle + 1.0) / 2.0).floor();
+        let t = angle - 2.0 * quarter;
+        let [x, y] = [[1.0, t], [-t, 1.0], [-1.0, -t], [t, -1.0]][quarter.rem_euclid(4.0) as usize];
+        let mut distance = (inside - axis * along).length() / (1.0 + t * t).sqrt();
+        if self.rng.below(2) == 0 {
+            distance *= 10_f64.powf(-16.0 * self.rng.unit());
+        }
+        let d = axis * along + (fan.x * x + fan.y * y) * distance;
+        [d, d, d.map(f64::next_up), d.map(f64::next_down)][self.rng.below(4)]
+    }
+
+    fn seam(&mut self, noise: DVec3) -> DVec3 {
+        let exact = match self.rng.below(4) {
+            0 => {
+                let place = (self.rng.below(26) + 14) % 27;
+                DVec3::new((place % 3) as f64, (place / 3 % 3) as f64, (place / 9) as f64) - 1.0
+            }
+            1 => DVec3::new(noise.x, noise.x.abs() * noise.y.signum(), noise.z),
+            2 => DVec3::new(noise.x, noise.y, noise.y),
+            _ => DVec3::new(noise.z, noise.y, -noise.z),
+        };
+        // Exact in f32 as well.
+        exact.as_vec3().as_dvec3() + DVec3::from_array(self.rng.direction()) * self.slight()
+    }
+}

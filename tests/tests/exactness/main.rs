@@ -1,0 +1,6 @@
+//! Support queries are exact for all shapes, indices, scales and numbers of threads.
+
+mod clouds;
+mod families;
+mod support;
+mod threads;

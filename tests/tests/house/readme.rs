@@ -1,0 +1,132 @@
+//! The README agrees with the code, the files and the command.
+
+use std::path::{Path, PathBuf};
+
+use hullmap_tests::command::bake_in;
+
+fn read(path: &str) -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)).expect(path)
+}
+
+/// What lies between the fences that begin with `opening`, line by line.
+fn fences<'t>(lines: impl Iterator<Item = &'t str>, opening: &str) -> Vec<Vec<&'t str>> {
+    let mut found = Vec::new();
+    let mut open: Option<Vec<&str>> = None;
+    for line in lines {
+        match &mut open {
+            Some(_) if line == "```" => found.extend(open.take()),
+            Some(inside) => inside.push(line),
+            None if line == opening => open = Some(Vec::new()),
+            None => {}
+        }
+    }
+    found
+}
+
+/// Every Rust example in the README is one on the front page of the crate's documentation, which is
+/// compiled and run.
+#[test]
+fn the_examples_are_doctests() {
+    let (readme, lib) = (read("README.md"), read("crates/hullmap/src/lib.rs"));
+    let doc = lib.lines().filter_map(|line| line.strip_prefix("//!")).map(|l| l.strip_prefix(' ').unwrap_or(l));
+    let doctests = fences(doc.filter(|line| !line.starts_with("# ")), "```");
+    let examples = fences(readme.lines(), "```rust");
+    assert!(examples.len() >= 2, "{examples:?}");
+    for example in examples {
+        assert!(doctests.contains(&example), "not on the front page: {example:#?}");
+    }
+}
+
+/// Every file and folder that the documents link to or name in a table is there.
+#[test]
+fn named_files_exist() {
+    let readme = read("README.md");
+    let linked = readme.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    let named = readme.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next());
+    let mut count = 0;
+    for path in linked.chain(named.filter(|name| !name.starts_with("cargo"))) {
+        assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path).exists(), "{path}");
+        count += 1;
+    }
+    assert!(count >= 8);
+}
+
+/// The rows that the README shows are those that its first command prints, but for the time it
+/// took.
+#[test]
+fn the_table_is_what_the_command_prints() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    std::fs::create_dir(folder.path().join("assets")).unwrap();
+    for entry in std::fs::read_dir(root.join("assets")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            std::fs::copy(&path, folder.path().join("assets").join(path.file_name().unwrap())).unwrap();
+        }
+    }
+    let ran = bake_in(folder.path(), "build assets --out baked --verify".split_whitespace()).expect(0);
+    // Words, without the next to last column: milliseconds.
+    let cells = |line: &str| -> Vec<String> {
+        let mut cells: Vec<String> =
+            line.split("  ").filter(|cell| !cell.is_empty()).map(|cell| cell.trim().to_owned()).collect();
+        if cells.len() > 2 {
+            cells.remove(cells.len() - 2);
+        }
+        cells
+    };
+    let printed: Vec<Vec<String>> = ran.stdout.lines().map(cells).collect();
+    let readme = read("README.md");
+    let shown = readme.lines().filter_map(|line| line.strip_prefix("    "));
+    let rows: Vec<&str> = shown.filter(|line| line.starts_with("assets/") || line.starts_with("18 baked")).collect();
+    assert!(rows.len() >= 5, "{rows:?}");
+    for row in rows {
+        assert!(printed.contains(&cells(row)), "{row}\nis not in\n{}", ran.stdout);
+    }
+}
+
+/// Markdown files of the project, apart from build outputs.
+fn documents(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        if path.is_dir() && !name.starts_with('.') && !["target", "baked", "corpus"].contains(&name.as_str()) {
+            documents(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "md") {
+            found.push(path);
+        }
+    }
+}
+
+/// Anchor of a heading, as code hosts make it.
+fn anchor(heading: &str) -> String {
+    let kept = heading.to_lowercase().chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).collect::<String>();
+    kept.replace(' ', "-")
+}
+
+#[test]
+fn links_between_documents_resolve() {
+    let mut files = Vec::new();
+    documents(&Path::new(env!("CARGO_MANIFEST_DIR")).join(".."), &mut files);
+    let (mut count, mut broken) = (0, Vec::new());
+    for file in &files {
+        let text = std::fs::read_to_string(file).unwrap();
+        let links = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+        for link in links.filter(|link| !link.contains("://")) {
+            let (path, heading) = link.split_once('#').map_or((link, None), |(path, heading)| (path, Some(heading)));
+            let target = if path.is_empty() { file.clone() } else { file.parent().unwrap().join(path) };
+            let found = match heading {
+                None => target.exists(),
+                Some(heading) => std::fs::read_to_string(&target).is_ok_and(|text| {
+                    let headings = text.lines().filter_map(|line| line.trim_start_matches('#').strip_prefix(' '));
+                    headings.map(anchor).any(|anchor| anchor == heading)
+                }),
+            };
+            count += 1;
+            if !found {
+                broken.push(format!("{}: {link}", file.display()));
+            }
+        }
+    }
+    assert!(broken.is_empty(), "{}", broken.join("\n"));
+    assert!(count > 80, "{count} links");
+}

@@ -1,0 +1,160 @@
+//! Damaged (corrupted) packs: each is refused, or answers every query without a panic, a hang or a
+//! read out of bounds.
+//!
+//! 1. A changed, cut or lengthened file is refused: the checksum covers every byte.
+//! 2. With a corrected checksum, it represents a malicious file. It is refused, or it opens and
+//!    answers all queries, even if its numbers are wrong.
+//!
+//! The tests try a random sample; `cargo run --release -p hullmap-tests --bin hostile-packs` tries
+//! all. The checksum is computed independently, as the documentation describes it.
+
+use std::sync::{
+    Mutex,
+    atomic::{AtomicUsize, Ordering},
+};
+
+use hullmap::{IndexKind, Pack};
+use hullmap_testkit::packs::reseal;
+use hullmap_tests::hostile::{
+    inquiry::{Extent, Inquiry},
+    samples,
+    series::{MOST_ADDED, Series, Subject},
+    trial::{self, Tally},
+    unchecked::{self, Findings},
+};
+use shapes::rng::SplitMix64;
+
+/// Seed of the random changes.
+const SEED: u64 = 0xdead;
+
+const THREADS: usize = 2;
+
+/// Members of a series that are tried of each pack.
+const SHARE: usize = 250;
+
+/// `SHARE` numbers below `count`, one from each stretch of them.
+fn share(count: usize) -> Vec<usize> {
+    let mut rng = SplitMix64::new(SEED);
+    let length = count.div_ceil(SHARE).max(1);
+    let mut numbers: Vec<usize> = (0..count).step_by(length).map(|start| start + rng.below(length)).collect();
+    numbers.retain(|number| *number < count);
+    numbers
+}
+
+/// Tries some changes of every small pack.
+fn try_all(series: Series, numbers: impl Fn(Option<usize>) -> Vec<usize>) -> Tally {
+    let mut sum = Tally::default();
+    for sample in samples::small() {
+        let subject = Subject::new(&sample, SEED);
+        let inquiry = Inquiry::new(&Pack::from_bytes(&sample.file).unwrap(), Extent::BRIEF);
+        let name = format!("{series:?}, {}, seed {SEED:#x}", sample.name);
+        sum += trial::run(&name, &numbers(subject.count(series)), THREADS, |number, file| {
+            subject.change(series, number, file);
+            let Ok(pack) = Pack::from_bytes(file).map_err(|error| assert!(!error.to_string().is_empty())) else {
+                return false;
+            };
+            assert!(!series.is_always_refused(), "it opened");
+            inquiry.ask(&pack);
+            true
+        });
+    }
+    println!("{series:?}: {sum}");
+    sum
+}
+
+#[test]
+fn every_flipped_bit_is_detected() {
+    let tally = try_all(Series::Bits, |count| (0..count.unwrap()).collect());
+    assert!(tally.tried > 500_000 && tally.opened == 0, "{tally}");
+}
+
+#[test]
+fn every_cut_or_lengthened_file_is_refused() {
+    // All lengths as they are; of those that are sealed a share.
+    let tally = try_all(Series::Lengths, |count| {
+        let count = count.unwrap();
+        let mut numbers: Vec<usize> = (0..count).step_by(3).collect();
+        numbers.extend(share(count).into_iter().filter(|number| number % 3 > 0));
+        numbers
+    });
+    assert!(tally.tried > samples::small().len() * MOST_ADDED && tally.opened == 0, "{tally}");
+}
+
+#[test]
+fn flipped_bits_under_a_correct_checksum_are_refused_or_harmless() {
+    for sample in samples::small() {
+        let mut same = sample.file.clone();
+        reseal(&mut same);
+        assert_eq!(same, sample.file, "{}: the checksum is what docs say", sample.name);
+    }
+    try_all(Series::SealedBits, |count| share(count.unwrap())).assert_representative();
+}
+
+#[test]
+fn extreme_words_under_a_correct_checksum_are_refused_or_harmless() {
+    try_all(Series::Words, |count| share(count.unwrap())).assert_representative();
+}
+
+/// Several changes at once are the most likely to pass checks of single numbers.
+#[test]
+fn several_random_changes_under_a_correct_checksum_are_refused_or_harmless() {
+    try_all(Series::Drawn, |_| (0..SHARE / 2).collect()).assert_representative();
+}
+
+/// If damaged files are opened without the checks that would refuse them, answers are wrong, but
+/// every query ends, and no query panics.
+#[test]
+fn queries_end_on_damage_that_opening_did_not_check() {
+    let folder = tempfile::tempdir().unwrap();
+    let (findings, files, mut sum) = (Mutex::new(Findings::default()), AtomicUsize::new(0), Tally::default());
+    for sample in samples::small() {
+        let subject = Subject::new(&sample, SEED);
+        let inquiry = Inquiry::new(&Pack::from_bytes(&sample.file).unwrap(), Extent::BRIEF).unjudged();
+        for series in [Series::SealedBits, Series::Words, Series::Drawn] {
+            let mut numbers = share(subject.count(series).unwrap_or(SHARE));
+            numbers.retain(|number| number % 5 == 0);
+            let name = format!("unchecked, {series:?}, {}, seed {SEED:#x}", sample.name);
+            sum += trial::run(&name, &numbers, THREADS, |number, file| {
+                subject.change(series, number, file);
+                let path = folder.path().join(files.fetch_add(1, Ordering::Relaxed).to_string());
+                unchecked::ask(&path, file, &inquiry, &findings)
+            });
+        }
+    }
+    let Findings { asked, panics } = findings.into_inner().unwrap();
+    println!("unchecked: {sum}, {asked} sets of queries, panics {panics:?}");
+    assert!(asked > sum.tried, "hardly any opened");
+    assert!(panics.is_empty(), "{panics:?}");
+}
+
+#[test]
+fn the_samples_are_of_all_kinds() {
+    let (mut ranks, mut kinds, mut several, mut boxes) = ([0; 4], [0; 4], 0, 0);
+    let samples = samples::small();
+    for sample in &samples {
+        let pack = Pack::from_bytes(&sample.file).unwrap();
+        several += usize::from(pack.hull_count() > 1);
+        boxes = boxes.max(pack.hull_count());
+        for hull in pack.hulls() {
+            ranks[hull.rank() as usize] += 1;
+            let kind = match hull.index_kind() {
+                IndexKind::None => 0,
+                IndexKind::CubeMap { .. } => 1,
+                IndexKind::Binary => 2,
+                IndexKind::Tree | IndexKind::Medium | IndexKind::Compact => 3,
+            };
+            kinds[kind] += 1;
+        }
+    }
+    println!("{} packs, ranks {ranks:?}, kinds {kinds:?}, {several} of several hulls", samples.len());
+    assert!(samples.len() >= 20 && several >= 5 && boxes >= 5);
+    assert!(ranks.iter().chain(&kinds).all(|count| *count >= 2), "{ranks:?} {kinds:?}");
+    let hulls = |name: &str| Pack::from_bytes(&samples::named(name)).unwrap();
+    assert!(hulls("simplified, tree").hulls().all(|hull| hull.outer_error() > 0.0 && hull.source_vertex(0).is_none()));
+    assert_eq!(hulls("parts, tree").hulls().map(|hull| hull.part()).max(), Some(2));
+    assert!(hulls("recentred, tree").hulls().all(|hull| hull.origin().x == 1e7));
+    assert!(hulls("sphere, tree").hulls().all(|hull| hull.outer_vertices().len() > 0));
+    let drawn: usize = (0..20).map(|number| samples::drawn(SEED, number).file.len()).sum();
+    assert_eq!(samples::drawn(SEED, 3).file, samples::drawn(SEED, 3).file);
+    assert!(drawn > 100_000, "{drawn}");
+}

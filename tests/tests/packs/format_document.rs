@@ -1,0 +1,567 @@
+//! `docs/FORMAT.md` against the bytes. A reader written from the document alone agrees with
+//! `hullmap::Pack` on packs of all shapes, and the file that the document shows in full is the one
+//! that is baked today.
+
+mod reader;
+
+use std::hash::Hasher;
+
+use glam::{DVec3, Vec3};
+use hullmap::{IndexKind as Kind, Pack, SupportMap};
+use hullmap_bake::{BakedHull, IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
+use hullmap_tests::directions;
+use reader::{File, section, u32_at, u64_at};
+use shapes::{families::Family, rng::SplitMix64};
+use twox_hash::{XxHash3_64, XxHash3_128};
+
+const DOCUMENT: &str = include_str!("../../../docs/FORMAT.md");
+const TETRAHEDRON: &str = include_str!("../../../assets/tetrahedron.obj");
+
+const SEED: u64 = 0xf0_0d_0c;
+
+/// Origin of the hulls' frame in the source's frame.
+const ORIGIN: [f64; 3] = [1e6, -0.1, 3.0];
+
+/// Index of a vertex that is not in the source, by the document.
+const NO_SOURCE_VERTEX: u32 = 0xffff_ffff;
+
+/// Regret, relative to the diameter, that the document states in 7.5.
+const ROUNDING: f64 = 2e-12;
+
+/// What all packs of this file met in their indices, so that no kind of word goes untested.
+#[derive(Default, Debug)]
+struct Met {
+    halves: usize,
+    branches: [usize; 13],
+    plain_leaves: usize,
+    planes: usize,
+    bundles: usize,
+    fans: usize,
+    zero_planes: usize,
+    lists: usize,
+    shared: usize,
+    padded: usize,
+    directions: usize,
+    /// Directions whose support point is certain by its edges, and those whose is not.
+    certain: usize,
+    uncertain: usize,
+    worst_regret: f64,
+}
+
+fn points(name: &str, positions: Vec<[f32; 3]>) -> PointSet {
+    // Numbers in the source differ from those in the set, as in a file of several objects, and some
+    // points are not the source's.
+    let number = |i| if i % 7 == 6 { NO_SOURCE_VERTEX } else { 3 * i + 5 };
+    let source_vertices = (0..positions.len() as u32).map(number).collect();
+    PointSet { name: name.to_owned(), positions, source_vertices, origin: ORIGIN, ..PointSet::default() }
+}
+
+fn bake(points: &PointSet, index: IndexKind) -> BakedHull {
+    bake_hull(points, index).unwrap_or_else(|e| panic!("{}: {e}", points.name))
+}
+
+fn source(path: &str, options: &str) -> SourceRecord {
+    let hash = XxHash3_128::oneshot(path.as_bytes());
+    SourceRecord { path: path.to_owned(), hash, options: options.to_owned() }
+}
+
+/// Bakes hulls into one pack and compares all of it.
+fn compare(hulls: &[BakedHull], source: &SourceRecord, count: usize, met: &mut Met) {
+    let bytes = write_pack(hulls, source).unwrap();
+    let file = File::new(&bytes);
+    let pack = Pack::from_bytes(&bytes).unwrap();
+
+    met.padded += usize::from(file.check_layout() > 0);
+    hashes(&bytes, &file, source);
+    let text = |number| std::str::from_utf8(file.section(number)).unwrap();
+    assert_eq!(text(section::SOURCE_PATH), pack.source_path());
+    assert_eq!(text(section::OPTIONS), pack.options());
+    assert_eq!(text(section::NAMES), hulls.iter().map(|h| h.name.as_str()).collect::<String>());
+
+    assert_eq!(file.count(section::HULLS), pack.hull_count());
+    assert_eq!(file.count(section::SPANS), pack.hull_count() + 1);
+    assert_eq!(file.span(0), [0; 9]);
+    let counts = [
+        section::NAMES,
+        section::VERTICES,
+        section::FACE_STARTS,
+        section::FACE_VERTICES,
+        section::NEIGHBOURS,
+        section::SLOTS,
+        section::BLOCKS,
+        section::OUTER_VERTICES,
+        section::EDGES,
+    ];
+    assert_eq!(file.span(hulls.len()), counts.map(|number| file.count(number)));
+    assert_eq!(file.count(section::SOURCE_VERTICES), file.count(section::VERTICES));
+    assert_eq!(file.count(section::NEIGHBOUR_STARTS), file.count(section::VERTICES));
+
+    assert_eq!(file.count(section::NEIGHBOUR_FACES), file.count(section::NEIGHBOURS));
+
+    boxes(&file);
+    for (number, baked) in hulls.iter().enumerate() {
+        let (ours, theirs) = (file.hull(number), pack.hull(number).unwrap());
+        record(&ours, &theirs, baked);
+        shape(&ours, &theirs, baked);
+        index(&ours, &theirs, baked, met);
+        support(&ours, &theirs, count, met);
+    }
+}
+
+/// The BVH agrees with the document, and contains each hull once.
+fn boxes(file: &File) {
+    let (nodes, count) = (file.nodes(), file.count(section::HULLS));
+    assert_eq!(nodes.len(), 2 * count - 1);
+    let mut free = 1;
+    let mut levels = vec![0; nodes.len()];
+    for (number, node) in nodes.iter().enumerate() {
+        let inside =
+            |other: [[f32; 3]; 2]| (0..3).all(|i| node.bounds[0][i] <= other[0][i] && other[1][i] <= node.bounds[1][i]);
+        if node.hull_count == 1 {
+            let hull = file.hull(node.target);
+            assert_eq!(hull.record.leaf as usize, number);
+            assert_eq!(node.bounds, [hull.record.bounds_min, hull.record.bounds_max]);
+            continue;
+        }
+        assert_eq!(node.target, free);
+        free += 2;
+        for child in [node.target, node.target + 1] {
+            levels[child] = levels[number] + 1;
+            assert!(inside(nodes[child].bounds) && levels[child] < 32);
+        }
+        assert_eq!(node.hull_count, nodes[node.target].hull_count + nodes[node.target + 1].hull_count);
+    }
+    assert_eq!((free, nodes[0].hull_count), (nodes.len(), count));
+}
+
+fn hashes(bytes: &[u8], file: &File, source: &SourceRecord) {
+    let low_then_high = u128::from(u64_at(bytes, 24)) | u128::from(u64_at(bytes, 32)) << 64;
+    assert_eq!(low_then_high, source.hash);
+    assert_eq!(u64_at(bytes, 40), XxHash3_64::oneshot(file.section(section::OPTIONS)));
+    let mut checksum = XxHash3_64::with_seed(0);
+    checksum.write(&bytes[..56]);
+    checksum.write(&bytes[64..]);
+    assert_eq!(u64_at(bytes, 56), checksum.finish());
+    assert_eq!(u64_at(bytes, 56), XxHash3_64::oneshot(&[&bytes[..56], &bytes[64..]].concat()), "in one piece");
+}
+
+fn record(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
+    let r = &ours.record;
+    assert_eq!(ours.name, theirs.name().as_bytes());
+    assert_eq!(r.diameter, theirs.diameter());
+    assert_eq!(r.centroid, theirs.centroid().to_array());
+    assert_eq!(r.interior_point, theirs.interior_point().to_array());
+    assert_eq!(r.inner_radius, theirs.inner_radius());
+    assert_eq!(r.outer_radius, theirs.outer_radius());
+    assert_eq!(r.volume, theirs.volume());
+    assert_eq!(r.surface_area, theirs.surface_area());
+    assert_eq!(r.second_moments, theirs.second_moments());
+    assert_eq!(r.containment_error, theirs.containment_error());
+    assert_eq!((r.outer_error, r.uncovered, r.part), (theirs.outer_error(), theirs.uncovered(), theirs.part()));
+    assert_eq!((r.outer_error, r.uncovered, r.part), (baked.outer_error, baked.uncovered, baked.part));
+    assert_eq!((r.origin, r.origin), (theirs.origin().to_array(), baked.origin));
+    assert_eq!([r.bounds_min, r.bounds_max], theirs.bounds().map(|b| b.to_array()));
+    assert_eq!(r.rank, theirs.rank());
+    let expected = match theirs.index_kind() {
+        Kind::None => (0, 0, 1),
+        Kind::CubeMap { resolution } => (1, resolution, 1),
+        Kind::Binary => (2, 0, 1),
+        Kind::Tree => (3, 0, 1),
+        Kind::Medium => (3, 0, 2),
+        Kind::Compact => (3, 0, 4),
+    };
+    assert_eq!((r.index_kind, r.resolution, r.leaf_blocks), expected);
+    assert_eq!((r.max_nodes, r.max_dots), (theirs.worst_cost().nodes, theirs.worst_cost().dots));
+    assert_eq!(r.source_points, theirs.source_point_count());
+    assert_eq!(r.source_points as usize, baked.point_count);
+
+    assert!(r.containment_error <= 1e-7);
+    for i in 0..3 {
+        let along = || ours.vertices.iter().map(|v| v[i]);
+        assert_eq!(r.bounds_min[i], along().reduce(f32::min).unwrap(), "bounds are tight");
+        assert_eq!(r.bounds_max[i], along().reduce(f32::max).unwrap(), "bounds are tight");
+    }
+    let from_point = |v: &[f32; 3]| DVec3::from_array(v.map(f64::from)).distance(DVec3::from_array(r.interior_point));
+    assert!(ours.vertices.iter().all(|v| from_point(v) <= r.outer_radius));
+    assert!(r.rank == 3 || (r.volume == 0.0 && r.inner_radius == 0.0));
+    assert!(r.rank >= 2 || r.surface_area == 0.0);
+}
+
+/// Vertices and faces, and the order that the document gives them.
+fn shape(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
+    assert!(ours.vertices.iter().copied().eq(theirs.vertices().map(|v| v.to_array())));
+    assert!(ours.vertices.iter().flatten().all(|c| c.to_bits() != (-0.0_f32).to_bits()));
+    assert_eq!(ours.source_vertices, baked.hull.source_vertices);
+    for (vertex, number) in ours.source_vertices.iter().enumerate() {
+        let expected = (*number != NO_SOURCE_VERTEX).then_some(*number);
+        assert_eq!(theirs.source_vertex(vertex as u32), expected);
+    }
+    assert!(ours.source_vertices.is_sorted_by(|a, b| a < b || *a == NO_SOURCE_VERTEX && a == b));
+    let faces = ours.faces();
+    let expected: Vec<Vec<u32>> = theirs.faces().map(|face| face.collect()).collect();
+    assert_eq!(faces, expected);
+    assert!(faces.is_sorted());
+    assert!(faces.iter().all(|face| face.iter().min() == face.first() && face.len() >= 3));
+    let neighbours = ours.neighbours();
+    for (vertex, list) in neighbours.iter().enumerate() {
+        assert!(theirs.neighbours(vertex as u32).eq(list.iter().copied()));
+        assert!(list.is_sorted_by(|a, b| a < b));
+        assert!(list.iter().all(|other| neighbours[*other as usize].contains(&(vertex as u32))), "both ways");
+    }
+    let edges = faces.iter().flat_map(|face| face.iter().zip(face.iter().cycle().skip(1)));
+    let mut of_edges = vec![std::collections::BTreeSet::new(); neighbours.len()];
+    edges.for_each(|(a, b)| _ = of_edges[*a as usize].insert(*b));
+    match ours.record.rank {
+        0 => assert!(neighbours.len() == 1 && neighbours[0].is_empty()),
+        1 => assert_eq!(neighbours, [[1], [0]]),
+        _ => assert!(of_edges.iter().zip(&neighbours).all(|(set, list)| set.iter().eq(list.iter()))),
+    }
+    assert_eq!(ours.record.max_neighbours as usize, neighbours.iter().map(|list| list.len()).max().unwrap());
+    beside(ours, theirs, &neighbours, &faces);
+    edges_of(ours, &neighbours);
+    outer(ours, theirs, baked);
+    let (v, c, f) = (ours.vertices.len(), ours.face_vertices.len(), faces.len());
+    match ours.record.rank {
+        0 => assert_eq!((v, c, f), (1, 0, 0)),
+        1 => assert_eq!((v, c, f), (2, 0, 0)),
+        2 => assert_eq!((c, f), (2 * v, 2)),
+        _ => assert!(v >= 4 && v + f == 2 + c / 2 && c.is_multiple_of(2)),
+    }
+}
+
+/// The face beside each edge is the one that has the edge; a vertex's are all those at it.
+fn beside(ours: &reader::Hull, theirs: &hullmap::Hull, neighbours: &[&[u32]], faces: &[&[u32]]) {
+    for (v, (around, beside)) in neighbours.iter().zip(ours.faces_beside()).enumerate() {
+        let v = v as u32;
+        if faces.is_empty() {
+            assert!(beside.iter().all(|face| *face == 0) && theirs.faces_at(v).len() == 0);
+            continue;
+        }
+        for (w, face) in around.iter().zip(beside) {
+            let face = faces[*face as usize];
+            assert!(face.iter().zip(face.iter().cycle().skip(1)).any(|edge| edge == (&v, w)));
+        }
+        assert!(theirs.faces_at(v).eq(beside.iter().copied()));
+        let at = faces.iter().enumerate().filter(|(_, face)| face.contains(&v)).map(|(number, _)| number as u32);
+        // Of hulls of thousands of vertices some are enough.
+        if v < 100 {
+            let mut sorted = beside.to_vec();
+            sorted.sort_unstable();
+            assert!(at.eq(sorted));
+        }
+    }
+}
+
+/// The edges are those that the document computes; below rank 3 there are none.
+fn edges_of(ours: &reader::Hull, neighbours: &[&[u32]]) {
+    assert_eq!(ours.edges.len(), if ours.record.rank == 3 { 3 * ours.neighbours.len() } else { 0 });
+    for (v, (around, edges)) in neighbours.iter().zip(ours.edges()).enumerate() {
+        for (w, q) in around.iter().zip(edges) {
+            let [v, w] = [v, *w as usize].map(|i| DVec3::from_array(ours.vertices[i].map(f64::from)));
+            let e = w - v;
+            let length = (e.x * e.x + e.y * e.y + e.z * e.z).sqrt();
+            assert_eq!(q, e.to_array().map(|c| (c / length * 32767.0).round() as i16));
+        }
+    }
+}
+
+/// The outer vertices reach as far as the hull in every direction, and hardly beyond its bounds.
+fn outer(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
+    let all = &ours.outer_vertices;
+    assert_eq!(all, &baked.outer);
+    assert!(all.iter().copied().eq(theirs.outer_vertices().map(|v| v.to_array())));
+    assert_eq!(all.is_empty(), ours.vertices.len() <= 32);
+    if all.is_empty() {
+        return;
+    }
+    assert!((4..=24).contains(&all.len()), "{}", all.len());
+    let mut rng = SplitMix64::new(SEED);
+    let reach = |points: &[[f32; 3]], d: DVec3| {
+        points.iter().map(|p| DVec3::from_array(p.map(f64::from)).dot(d)).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let slight = 1e-5 * ours.vertices.iter().flatten().fold(0.0, |most: f64, c| most.max(f64::from(c.abs())));
+    for _ in 0..200 {
+        let d = DVec3::from_array(rng.direction());
+        assert!(reach(all, d) >= reach(&ours.vertices, d));
+    }
+    for axis in DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]) {
+        assert!(reach(all, axis) <= reach(&ours.vertices, axis) + slight);
+    }
+}
+
+fn index(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull, met: &mut Met) {
+    let encoded = &baked.index.encoded;
+    assert_eq!(ours.slots, encoded.slots);
+    assert_eq!(ours.blocks.len(), encoded.blocks.len());
+    for (ours, written) in ours.blocks.iter().zip(&encoded.blocks) {
+        assert_eq!((ours.position, ours.vertex), ([written.x, written.y, written.z], written.vertex));
+    }
+    assert_eq!(4 * ours.slots.len() + 128 * ours.blocks.len(), theirs.index_byte_len());
+    assert!(ours.record.index_kind != 3 || ours.vertices.len() > 32, "small hulls are scanned");
+    let walk = ours.walk_index();
+    assert_eq!((walk.max_nodes, walk.max_dots), (ours.record.max_nodes, ours.record.max_dots));
+    for (sum, count) in met.branches.iter_mut().zip(walk.branches) {
+        *sum += count;
+    }
+    met.halves += walk.halves;
+    met.plain_leaves += walk.plain_leaves;
+    met.planes += walk.planes;
+    met.bundles += walk.bundles;
+    met.fans += walk.fans;
+    met.zero_planes += walk.zero_planes;
+    met.lists += walk.lists;
+    met.shared += walk.shared;
+}
+
+fn support(ours: &reader::Hull, theirs: &hullmap::Hull, count: usize, met: &mut Met) {
+    let mut rng = SplitMix64::new(SEED);
+    let edges = ours.edges();
+    for dir in directions::all(theirs, count, SEED) {
+        let d = dir.to_array().map(f64::from);
+        let expected = theirs.support(dir);
+        assert_eq!(ours.support(d), expected.index, "{}: {dir}", theirs.name());
+        assert_eq!(ours.vertices[expected.index as usize], expected.point.to_array());
+        // The cost is that of the direction scaled to a largest coordinate of 1.
+        let (leaf, cost) = (ours.leaf(reader::scaled(d)), theirs.support_cost(dir));
+        assert_eq!((leaf.nodes, leaf.blocks.len() as u32 * 8), (cost.nodes, cost.dots));
+
+        // A direction of f64 numbers, which no f32 holds.
+        let fine = DVec3::from_array(rng.direction()) * 1e-9 * dir.as_dvec3().length() + dir.as_dvec3();
+        assert_eq!(ours.support(fine.to_array()), SupportMap::support_point(theirs, fine).feature);
+
+        // A vertex that its edges certify is the one that the index finds.
+        if !edges.is_empty() && (1e-30..=1e30).contains(&dir.abs().max_element()) {
+            let is_certain = |v: u32| reader::Hull::is_certain(&edges[v as usize], dir.to_array());
+            *(if is_certain(expected.index) { &mut met.certain } else { &mut met.uncertain }) += 1;
+            let other = rng.below(edges.len()) as u32;
+            assert!(other == expected.index || !is_certain(other));
+        }
+
+        let height = |v: &[f32; 3]| DVec3::from_array(v.map(f64::from)).dot(dir.as_dvec3());
+        let best = ours.vertices.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
+        let lost = best - height(&expected.point.to_array());
+        let regret = lost / dir.as_dvec3().length() / ours.record.diameter.max(f64::MIN_POSITIVE);
+        assert!(regret <= ROUNDING, "{}: regret {regret:e} in direction {dir}", theirs.name());
+        met.worst_regret = met.worst_regret.max(regret);
+        met.directions += 1;
+    }
+    for dir in directions::invalid() {
+        // The document does not specify which vertex it is.
+        let (ours_found, theirs_found) = (ours.support(dir.to_array().map(f64::from)), theirs.support(dir).index);
+        assert!((ours_found.max(theirs_found) as usize) < ours.vertices.len());
+    }
+}
+
+/// Every rank and, of rank 3, every way an index can look: small, deep, with planes, with long
+/// leaves.
+fn shapes_of_all_ranks() -> Vec<PointSet> {
+    vec![
+        points("point", vec![[1.0, -2.0, 3.5]; 3]),
+        points("segment", vec![[0.0; 3], [1.0, 2.0, 3.0], [0.5, 1.0, 1.5]]),
+        points("triangle", vec![[-0.0, 0.0, 0.25], [1.0, -0.0, 0.25], [0.0, 1.0, 0.25]]),
+        points("sheet", Family::FlatSheet.points(300, 1)),
+        points("tetrahedron", tetrahedron().positions),
+        points("grid", Family::CubeGrid.points(125, 1)),
+        points("rock", Family::Rock.points(400, 2)),
+        points("prism", Family::RotatedPrism.points(1_000, 3)),
+        points("cone", Family::Cone.points(300, 4)),
+        points("needle", Family::Needle.points(200, 5)),
+        points("lens", Family::Lens.points(600, 6)),
+        points("sphere", Family::Sphere.points(4_000, 7)),
+    ]
+}
+
+#[test]
+fn a_reader_written_from_the_document_agrees() {
+    let kinds = [
+        IndexKind::Tree,
+        IndexKind::Medium,
+        IndexKind::Compact,
+        IndexKind::Binary,
+        IndexKind::CubeMap { resolution: 1 },
+        IndexKind::CubeMap { resolution: 13 },
+        IndexKind::None,
+    ];
+    let mut met = Met::default();
+    let mut ranks = [0; 4];
+    for shape in shapes_of_all_ranks() {
+        for kind in kinds {
+            let hull = bake(&shape, kind);
+            ranks[hull.hull.rank as usize] += 1;
+            compare(&[hull], &source(&shape.name, "options"), 3_000, &mut met);
+        }
+    }
+    println!("{met:?}");
+    assert!(ranks.iter().all(|count| *count > 0), "hulls of each rank: {ranks:?}");
+    let slots =
+        [met.halves, met.plain_leaves, met.planes, met.bundles, met.fans, met.zero_planes, met.lists, met.shared];
+    assert!(slots.iter().all(|count| *count > 0), "slots of each kind: {met:?}");
+    assert!(met.branches.iter().filter(|count| **count > 0).count() >= 4, "branches of several sizes: {met:?}");
+    assert!(met.directions > 100_000 && met.padded > 0);
+    assert!(met.certain * 4 > met.directions && met.uncertain * 10 > met.directions, "{met:?}");
+}
+
+/// Files of earlier versions are refused by their version, and with the remedy.
+#[test]
+fn files_of_older_versions_are_refused_with_the_remedy() {
+    let files = [&include_bytes!("../../data/version-1.hullmap")[..], include_bytes!("../../data/version-2.hullmap")];
+    for (file, version) in files.into_iter().zip(1..) {
+        let error = Pack::from_bytes(file).unwrap_err().to_string();
+        println!("{error}");
+        let expected = format!("format version {version}, but this build reads version 3; bake the source again");
+        assert!(error.contains(&expected), "{error}");
+        assert_eq!(u64_at(file, 16) as usize, file.len() - 64, "it is whole");
+        assert_eq!(u64_at(file, 56), XxHash3_64::oneshot(&[&file[..56], &file[64..]].concat()), "and sound");
+    }
+}
+
+#[test]
+fn several_hulls_share_a_pack() {
+    let kinds =
+        [IndexKind::CubeMap { resolution: 3 }, IndexKind::Tree, IndexKind::Binary, IndexKind::None, IndexKind::Compact];
+    let mut met = Met::default();
+    for (first, name) in ["", "ä", "a b", "日本語"].into_iter().enumerate() {
+        // Names and paths of different lengths, hulls of different kinds: the padding varies.
+        let mut hulls: Vec<BakedHull> = shapes_of_all_ranks()
+            .iter()
+            .skip(first)
+            .zip(kinds.iter().cycle())
+            .map(|(shape, kind)| bake(shape, *kind))
+            .collect();
+        hulls[0].name = name.to_owned();
+        compare(&hulls, &source(name, &"o".repeat(first)), 500, &mut met);
+        compare(&hulls[..2], &source("", ""), 500, &mut met);
+    }
+    assert!(met.padded > 0);
+}
+
+#[test]
+fn grid_numbers_are_those_of_the_runtime() {
+    let mut rng = SplitMix64::new(SEED);
+    let check = |d: [f32; 3]| {
+        let cell = hullmap_format::cube::locate(d);
+        assert_eq!(reader::locate(d), (cell.face, [cell.u, cell.v]), "{d:?}");
+    };
+    for _ in 0..200_000 {
+        check(rng.direction().map(|c| c as f32));
+        // On a grid line, and a last digit beside it.
+        let t = (rng.below(1 << 23) as f32 - 4_194_303.5) / 4_194_303.0;
+        for t in [t, t.next_up(), t.next_down()] {
+            check([-1.0, t, rng.between(-1.0, 1.0) as f32]);
+        }
+    }
+    // All corners and seams, and not the centre, which is no direction.
+    for corner in (0..27_u8).filter(|corner| *corner != 13) {
+        check([corner % 3, corner / 3 % 3, corner / 9].map(|c| f32::from(c) - 1.0));
+    }
+    assert_eq!([-1.0, 0.0, 1.0].map(|t| reader::locate([2.0, 2.0 * t, 0.0]).1[0]), [1, 1 << 22, (1 << 23) - 1]);
+}
+
+/// The points of the asset whose pack the document shows.
+fn tetrahedron() -> PointSet {
+    let positions: Vec<[f32; 3]> = TETRAHEDRON
+        .lines()
+        .filter_map(|line| line.strip_prefix("v "))
+        .map(|line| {
+            let numbers: Vec<f32> = line.split_whitespace().map(|c| c.parse().unwrap()).collect();
+            numbers.try_into().unwrap()
+        })
+        .collect();
+    PointSet {
+        name: "tetrahedron".to_owned(),
+        source_vertices: (0..positions.len() as u32).collect(),
+        positions,
+        ..PointSet::default()
+    }
+}
+
+fn shown_pack() -> Vec<u8> {
+    let source = SourceRecord {
+        path: "../assets/tetrahedron.obj".to_owned(),
+        hash: XxHash3_128::oneshot(TETRAHEDRON.as_bytes()),
+        options: "split none, vertices referenced, index tree 8".to_owned(),
+    };
+    write_pack(&[bake(&tetrahedron(), IndexKind::Tree)], &source).unwrap()
+}
+
+/// Lines of the document's listing: offset, bytes, and note.
+fn listing() -> Vec<(usize, Vec<u8>, &'static str)> {
+    let (_, rest) = DOCUMENT.split_once("```text\n").unwrap();
+    let (listing, _) = rest.split_once("```").unwrap();
+    let line = |line: &'static str| {
+        let (bytes, note) = line.split_once('|')?;
+        let (offset, bytes) = bytes.split_once(' ').unwrap();
+        let bytes = bytes.split_whitespace().map(|byte| u8::from_str_radix(byte, 16).unwrap()).collect();
+        Some((usize::from_str_radix(offset, 16).unwrap(), bytes, note.trim()))
+    };
+    listing.lines().filter_map(line).collect()
+}
+
+#[test]
+fn the_file_shown_is_the_one_baked_today() {
+    let baked = shown_pack();
+    let mut shown = Vec::new();
+    for (offset, bytes, note) in listing() {
+        assert_eq!(offset, shown.len(), "docs/FORMAT.md: the line at {offset:08x}, {note}");
+        let now = baked.get(offset..offset + bytes.len());
+        assert_eq!(now, Some(&bytes[..]), "docs/FORMAT.md: the line at {offset:08x}, {note}");
+        shown.extend(bytes);
+    }
+    assert_eq!(shown.len(), baked.len(), "docs/FORMAT.md shows all of the file");
+}
+
+/// The listing's notes on the root's entries are correct.
+#[test]
+fn the_notes_on_the_root_hold() {
+    let baked = shown_pack();
+    let root = baked.len() - reader::ROOT;
+    let mut sections = File::new(&baked).sections.into_iter().zip(reader::SECTIONS);
+    for (offset, _, note) in listing().into_iter().filter(|line| line.0 >= root) {
+        let (range, (name, ..)) = sections.next().unwrap();
+        let relative = range.start as i64 - offset as i64;
+        let count = u32_at(&baked, offset + 4);
+        assert_eq!(note, format!("{name}: {relative} from here, at {:08x}; count {count}", range.start));
+    }
+    assert!(sections.next().is_none());
+}
+
+/// The document's tables of sections, records and header fields leave no byte out.
+#[test]
+fn tables_have_no_gaps() {
+    let rows = |heading: &str| -> Vec<(usize, usize)> {
+        let (_, rest) = DOCUMENT.split_once(heading).unwrap();
+        rest.lines()
+            .skip_while(|line| !line.starts_with("| offset"))
+            .take_while(|line| line.starts_with('|'))
+            .skip(2)
+            .map(|line| {
+                let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+                (cells[1].parse().unwrap(), cells[2].parse().unwrap())
+            })
+            .collect()
+    };
+    for (heading, size) in [
+        ("\n## 3. Header\n", 64),
+        ("\n### 6.1 Span\n", 36),
+        ("\n### 6.2 Hull record\n", 248),
+        ("\n### 6.3 Block\n", 128),
+        ("\n### 6.4 Node\n", 32),
+    ] {
+        let end = rows(heading).into_iter().fold(0, |end, (offset, size)| {
+            assert_eq!(offset, end, "{heading}");
+            end + size
+        });
+        assert_eq!(end, size, "{heading}");
+    }
+}
+
+/// Directions of f32 numbers need no care with fused multiply-adds (7.4): the products are exact.
+#[test]
+fn products_of_f32_numbers_are_exact() {
+    let mut rng = SplitMix64::new(SEED);
+    for _ in 0..100_000 {
+        let [p, d] = [rng.direction(), rng.direction()].map(|v| Vec3::from_array(v.map(|c| c as f32)).as_dvec3());
+        let plain = p.x * d.x + p.y * d.y + p.z * d.z;
+        assert_eq!(plain, p.z.mul_add(d.z, p.y.mul_add(d.y, p.x * d.x)));
+    }
+}

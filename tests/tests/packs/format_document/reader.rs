@@ -1,0 +1,622 @@
+//! A reader of `.hullmap` files that follows `docs/FORMAT.md` and uses no code of the project. It
+//! is simple, not fast.
+//!
+//! Section numbers in comments are the document's. Damage makes it panic, which fails the test.
+
+use std::{collections::VecDeque, ops::Range};
+
+/// Sections in the order of the root's entries (4): name, bytes of an element, multiple on which it
+/// starts.
+pub const SECTIONS: [(&str, usize, usize); 17] = [
+    ("blocks", 128, 64),
+    ("source_path", 1, 1),
+    ("options", 1, 1),
+    ("names", 1, 1),
+    ("spans", 36, 4),
+    ("hulls", 248, 8),
+    ("nodes", 32, 4),
+    ("vertices", 12, 4),
+    ("source_vertices", 4, 4),
+    ("face_starts", 4, 4),
+    ("face_vertices", 4, 4),
+    ("neighbour_starts", 4, 4),
+    ("neighbours", 4, 4),
+    ("neighbour_faces", 4, 4),
+    ("outer_vertices", 12, 4),
+    ("slots", 4, 4),
+    ("edges", 2, 2),
+];
+
+const HEADER: usize = 64;
+pub const ROOT: usize = 136;
+
+/// Numbers of sections in [`SECTIONS`].
+pub mod section {
+    pub const BLOCKS: usize = 0;
+    pub const SOURCE_PATH: usize = 1;
+    pub const OPTIONS: usize = 2;
+    pub const NAMES: usize = 3;
+    pub const SPANS: usize = 4;
+    pub const HULLS: usize = 5;
+    pub const NODES: usize = 6;
+    pub const VERTICES: usize = 7;
+    pub const SOURCE_VERTICES: usize = 8;
+    pub const FACE_STARTS: usize = 9;
+    pub const FACE_VERTICES: usize = 10;
+    pub const NEIGHBOUR_STARTS: usize = 11;
+    pub const NEIGHBOURS: usize = 12;
+    pub const NEIGHBOUR_FACES: usize = 13;
+    pub const OUTER_VERTICES: usize = 14;
+    pub const SLOTS: usize = 15;
+    pub const EDGES: usize = 16;
+}
+
+/// A whole file.
+pub struct File<'a> {
+    bytes: &'a [u8],
+    /// File offsets of each section's bytes.
+    pub sections: [Range<usize>; 17],
+}
+
+/// One hull's runs.
+pub struct Hull<'a> {
+    pub name: &'a [u8],
+    pub record: Record,
+    pub vertices: Vec<[f32; 3]>,
+    pub source_vertices: Vec<u32>,
+    pub face_starts: Vec<u32>,
+    pub face_vertices: Vec<u32>,
+    pub neighbour_starts: Vec<u32>,
+    pub neighbours: Vec<u32>,
+    pub neighbour_faces: Vec<u32>,
+    pub outer_vertices: Vec<[f32; 3]>,
+    pub slots: Vec<u32>,
+    pub edges: Vec<i16>,
+    pub blocks: Vec<Block>,
+}
+
+/// 6.2.
+pub struct Record {
+    pub diameter: f64,
+    pub centroid: [f64; 3],
+    pub interior_point: [f64; 3],
+    pub inner_radius: f64,
+    pub outer_radius: f64,
+    pub volume: f64,
+    pub surface_area: f64,
+    pub second_moments: [f64; 6],
+    pub containment_error: f64,
+    pub outer_error: f64,
+    pub uncovered: f64,
+    pub origin: [f64; 3],
+    pub bounds_min: [f32; 3],
+    pub bounds_max: [f32; 3],
+    pub rank: u32,
+    pub index_kind: u32,
+    pub resolution: u32,
+    pub leaf_blocks: u32,
+    pub max_neighbours: u32,
+    pub max_nodes: u32,
+    pub max_dots: u32,
+    pub source_points: u32,
+    pub leaf: u32,
+    pub part: u32,
+}
+
+/// 6.4.
+pub struct BoxNode {
+    pub bounds: [[f32; 3]; 2],
+    pub target: usize,
+    pub hull_count: usize,
+}
+
+/// 6.3.
+pub struct Block {
+    pub position: [[f32; 8]; 3],
+    pub vertex: [u32; 8],
+}
+
+/// The blocks to which a direction leads, and the number of nodes on the way.
+pub struct Leaf {
+    pub blocks: Range<usize>,
+    pub nodes: u32,
+}
+
+fn array<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
+    bytes[at..at + N].try_into().unwrap()
+}
+
+pub fn u32_at(bytes: &[u8], at: usize) -> u32 {
+    u32::from_le_bytes(array(bytes, at))
+}
+
+pub fn u64_at(bytes: &[u8], at: usize) -> u64 {
+    u64::from_le_bytes(array(bytes, at))
+}
+
+fn f32_at(bytes: &[u8], at: usize) -> f32 {
+    f32::from_le_bytes(array(bytes, at))
+}
+
+fn f64_at(bytes: &[u8], at: usize) -> f64 {
+    f64::from_le_bytes(array(bytes, at))
+}
+
+impl<'a> File<'a> {
+    /// 3 and 4: header, except for the hashes, and positions of the sections.
+    pub fn new(bytes: &'a [u8]) -> Self {
+        assert_eq!(&bytes[..8], b"hullmap\n");
+        assert_eq!(u32_at(bytes, 8), 3, "format version");
+        assert_eq!(u32_at(bytes, 12), 64, "header length");
+        assert_eq!(u64_at(bytes, 16), bytes.len() as u64 - 64, "payload length");
+        assert_eq!(u64_at(bytes, 48), 0, "reserved");
+        let root = bytes.len() - ROOT;
+        let sections = std::array::from_fn(|number| {
+            let entry = root + 8 * number;
+            let offset = i32::from_le_bytes(array(bytes, entry));
+            let start = entry.checked_add_signed(offset as isize).unwrap();
+            start..start + u32_at(bytes, entry + 4) as usize * SECTIONS[number].1
+        });
+        Self { bytes, sections }
+    }
+
+    pub fn section(&self, number: usize) -> &'a [u8] {
+        &self.bytes[self.sections[number].clone()]
+    }
+
+    pub fn count(&self, number: usize) -> usize {
+        self.sections[number].len() / SECTIONS[number].1
+    }
+
+    /// Asserts that each section stands on the first multiple of its alignment behind the one
+    /// before it, that the bytes skipped are zero, and the same of the root: then no byte is left
+    /// open. Returns how many bytes were skipped.
+    pub fn check_layout(&self) -> usize {
+        let mut end = HEADER;
+        let mut padding = 0;
+        let root = self.bytes.len() - ROOT..self.bytes.len();
+        let parts = self.sections.iter().zip(SECTIONS).map(|(range, (name, _, align))| (range, name, align));
+        for (range, name, align) in parts.chain([(&root, "root", 4)]) {
+            assert_eq!(range.start, HEADER + (end - HEADER).next_multiple_of(align), "start of {name}");
+            assert!(self.bytes[end..range.start].iter().all(|b| *b == 0), "padding in front of {name}");
+            assert!(range.start == end || matches!(name, "spans" | "hulls"), "no padding in front of {name}");
+            padding += range.start - end;
+            end = range.end;
+        }
+        padding
+    }
+
+    /// The nine numbers of span `hull` (6.1).
+    pub fn span(&self, hull: usize) -> [usize; 9] {
+        std::array::from_fn(|i| u32_at(self.section(section::SPANS), 36 * hull + 4 * i) as usize)
+    }
+
+    fn run(&self, number: usize, start: usize, end: usize) -> &'a [u8] {
+        let size = SECTIONS[number].1;
+        &self.section(number)[start * size..end * size]
+    }
+
+    /// The BVH (6.4).
+    pub fn nodes(&self) -> Vec<BoxNode> {
+        let node = |bytes: &[u8]| BoxNode {
+            bounds: [floats(bytes, 0), floats(bytes, 16)],
+            target: u32_at(bytes, 12) as usize,
+            hull_count: u32_at(bytes, 28) as usize,
+        };
+        self.section(section::NODES).chunks(32).map(node).collect()
+    }
+
+    /// One hull, by its spans.
+    pub fn hull(&self, hull: usize) -> Hull<'a> {
+        let (start, end) = (self.span(hull), self.span(hull + 1));
+        let run = |number: usize, field: usize| self.run(number, start[field], end[field]);
+        Hull {
+            name: run(section::NAMES, 0),
+            record: Record::new(self.run(section::HULLS, hull, hull + 1)),
+            vertices: run(section::VERTICES, 1).chunks(12).map(|v| floats(v, 0)).collect(),
+            source_vertices: words(run(section::SOURCE_VERTICES, 1)),
+            face_starts: words(run(section::FACE_STARTS, 2)),
+            face_vertices: words(run(section::FACE_VERTICES, 3)),
+            neighbour_starts: words(run(section::NEIGHBOUR_STARTS, 1)),
+            neighbours: words(run(section::NEIGHBOURS, 4)),
+            neighbour_faces: words(run(section::NEIGHBOUR_FACES, 4)),
+            outer_vertices: run(section::OUTER_VERTICES, 7).chunks(12).map(|v| floats(v, 0)).collect(),
+            slots: words(run(section::SLOTS, 5)),
+            edges: run(section::EDGES, 8).chunks(2).map(|number| i16::from_le_bytes(array(number, 0))).collect(),
+            blocks: run(section::BLOCKS, 6).chunks(128).map(Block::new).collect(),
+        }
+    }
+}
+
+/// Runs of `all` that begin at `starts`, each up to the next one's.
+fn parts<'a>(starts: &[u32], all: &'a [u32]) -> Vec<&'a [u32]> {
+    let ends = starts.iter().skip(1).copied().chain([all.len() as u32]);
+    starts.iter().zip(ends).map(|(start, end)| &all[*start as usize..end as usize]).collect()
+}
+
+fn words(bytes: &[u8]) -> Vec<u32> {
+    (0..bytes.len()).step_by(4).map(|at| u32_at(bytes, at)).collect()
+}
+
+fn floats<const N: usize>(bytes: &[u8], at: usize) -> [f32; N] {
+    std::array::from_fn(|i| f32_at(bytes, at + 4 * i))
+}
+
+fn doubles<const N: usize>(bytes: &[u8], at: usize) -> [f64; N] {
+    std::array::from_fn(|i| f64_at(bytes, at + 8 * i))
+}
+
+impl Record {
+    fn new(bytes: &[u8]) -> Self {
+        assert_eq!(bytes.len(), 248);
+        Self {
+            diameter: f64_at(bytes, 0),
+            centroid: doubles(bytes, 8),
+            interior_point: doubles(bytes, 32),
+            inner_radius: f64_at(bytes, 56),
+            outer_radius: f64_at(bytes, 64),
+            volume: f64_at(bytes, 72),
+            surface_area: f64_at(bytes, 80),
+            second_moments: doubles(bytes, 88),
+            containment_error: f64_at(bytes, 136),
+            outer_error: f64_at(bytes, 144),
+            uncovered: f64_at(bytes, 152),
+            origin: doubles(bytes, 160),
+            bounds_min: floats(bytes, 184),
+            bounds_max: floats(bytes, 196),
+            rank: u32_at(bytes, 208),
+            index_kind: u32_at(bytes, 212),
+            resolution: u32_at(bytes, 216),
+            leaf_blocks: u32_at(bytes, 220),
+            max_neighbours: u32_at(bytes, 224),
+            max_nodes: u32_at(bytes, 228),
+            max_dots: u32_at(bytes, 232),
+            source_points: u32_at(bytes, 236),
+            leaf: u32_at(bytes, 240),
+            part: u32_at(bytes, 244),
+        }
+    }
+}
+
+impl Block {
+    fn new(bytes: &[u8]) -> Self {
+        Self {
+            position: std::array::from_fn(|i| floats(bytes, 32 * i)),
+            vertex: std::array::from_fn(|lane| u32_at(bytes, 96 + 4 * lane)),
+        }
+    }
+}
+
+/// 7.1: the direction as it is, or with a largest coordinate of 1 where f32 could not hold it well.
+pub fn in_range(d: [f64; 3]) -> [f64; 3] {
+    let size = d.map(|c| (c as f32).abs()).into_iter().fold(0.0, f32::max);
+    if (1e-30..=1e30).contains(&size) { d } else { scaled(d) }
+}
+
+/// The direction divided by its largest coordinate; x where it is none.
+pub fn scaled(d: [f64; 3]) -> [f64; 3] {
+    let size = d[0].abs().max(d[1].abs()).max(d[2].abs());
+    if size > 0.0 && d.iter().all(|c| c.is_finite()) { d.map(|c| c / size) } else { [1.0, 0.0, 0.0] }
+}
+
+/// 7.1: face, and the grid numbers of u and v.
+pub fn locate(d: [f32; 3]) -> (u32, [u32; 2]) {
+    let [x, y, z] = d.map(f32::abs);
+    let axis = if z > x && z > y {
+        2
+    } else if y > x {
+        1
+    } else {
+        0
+    };
+    let grid = |t: f32| {
+        let g = (t * 4_194_303.0).round_ties_even() + 4_194_304.0;
+        if (0.0..8_388_608.0).contains(&g) { g as u32 } else { 0 }
+    };
+    let size = d[axis].abs();
+    let face = 2 * axis as u32 + u32::from(d[axis].is_sign_negative());
+    (face, [grid(d[(axis + 1) % 3] / size), grid(d[(axis + 2) % 3] / size)])
+}
+
+/// An f64 in two words from `at` on.
+fn number_at(slots: &[u32], at: usize) -> f64 {
+    f64::from_bits(u64::from(slots[at]) | u64::from(slots[at + 1]) << 32)
+}
+
+/// 7.2: the normals of one plane (`planes` 1) or of a bundle (7).
+fn normals_at(slots: &[u32], at: usize, planes: usize) -> Vec<[f64; 3]> {
+    let normal = |plane| std::array::from_fn(|axis| number_at(slots, at + 2 * (axis * planes + plane)));
+    (0..planes).map(normal).collect()
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// 7.3: the step of the fan at `at` in which the direction is.
+fn step(slots: &[u32], at: usize, d: [f64; 3]) -> usize {
+    let [x, y] = [at, at + 6].map(|at| dot(normals_at(slots, at, 1)[0], d));
+    // By the quarter whose middle is X, Y, −X or −Y.
+    let angle = match (y.abs() > x.abs(), x < 0.0, y < 0.0) {
+        (false, false, _) => y / x,
+        (true, _, false) => 2.0 - x / y,
+        (false, true, _) => 4.0 + y / x,
+        (true, _, true) => 6.0 - x / y,
+    };
+    let step = ((angle - number_at(slots, at + 12)) * number_at(slots, at + 14)).floor();
+    let last = (1 << slots[at + 16]) - 1;
+    if step.is_nan() { 0 } else { step.clamp(0.0, f64::from(last)) as usize }
+}
+
+/// Top bits of a grid number of 23 bits, and the others in their place.
+fn shift(g: u32, bits: u32) -> (u32, u32) {
+    (g >> (23 - bits), g << bits & 0x7f_ffff)
+}
+
+impl Hull<'_> {
+    /// 7.3, for a direction in range.
+    pub fn leaf(&self, d: [f64; 3]) -> Leaf {
+        if self.record.index_kind == 0 {
+            return Leaf { blocks: 0..self.blocks.len(), nodes: 0 };
+        }
+        let (face, [mut u, mut v]) = locate(d.map(|c| c as f32));
+        let root = if self.record.index_kind == 1 {
+            let r = u64::from(self.record.resolution);
+            let [column, row] = [u, v].map(|g| (u64::from(g) * r) >> 23);
+            ((u64::from(face) * r + row) * r + column) as usize
+        } else {
+            face as usize
+        };
+        let (mut slot, mut nodes) = (self.slots[root], 0);
+        loop {
+            let rest = slot & 0x3fff_ffff;
+            match slot >> 30 {
+                0 if self.record.index_kind == 2 => {
+                    let (half, left) = shift(u, 1);
+                    (u, v) = (v, left);
+                    slot = self.slots[(rest + half) as usize];
+                }
+                0 => {
+                    let (at, bits) = (rest >> 4, rest & 15);
+                    let (column, row);
+                    (column, u) = shift(u, bits);
+                    (row, v) = shift(v, bits);
+                    slot = self.slots[(at + (row << bits) + column) as usize];
+                }
+                1 => {
+                    let first = rest as usize;
+                    return Leaf { blocks: first..first + self.record.leaf_blocks as usize, nodes };
+                }
+                2 if rest & 3 == 2 => {
+                    let at = (rest >> 2) as usize;
+                    slot = self.slots[at + 17 + step(&self.slots, at, d)];
+                }
+                2 => {
+                    let (at, planes) = ((rest >> 2) as usize, if rest & 3 == 0 { 1 } else { 7 });
+                    let normals = normals_at(&self.slots, at, planes);
+                    let front = |plane: usize| usize::from(dot(normals[plane], d) > 0.0);
+                    // In heap order: below plane k are planes 2k + 1 and 2k + 2.
+                    let mut place = 0;
+                    while place < planes {
+                        place = 2 * place + 1 + front(place);
+                    }
+                    slot = self.slots[at + 6 * planes + place - planes];
+                }
+                _ => {
+                    let at = rest as usize;
+                    let [first, count] = [self.slots[at] as usize, self.slots[at + 1] as usize];
+                    return Leaf { blocks: first..first + count, nodes };
+                }
+            }
+            nodes += 1;
+        }
+    }
+
+    /// 7.4: index of the vertex.
+    pub fn support(&self, d: [f64; 3]) -> u32 {
+        let d = in_range(d);
+        let blocks = &self.blocks[self.leaf(d).blocks];
+        let mut found = blocks[0].vertex[0];
+        let mut greatest = f64::NEG_INFINITY;
+        for block in blocks {
+            for lane in 0..8 {
+                let height = dot(block.position.map(|p| f64::from(p[lane])), d);
+                if height > greatest {
+                    (greatest, found) = (height, block.vertex[lane]);
+                }
+            }
+        }
+        found
+    }
+
+    pub fn faces(&self) -> Vec<&[u32]> {
+        parts(&self.face_starts, &self.face_vertices)
+    }
+
+    /// For each vertex those that share an edge with it.
+    pub fn neighbours(&self) -> Vec<&[u32]> {
+        parts(&self.neighbour_starts, &self.neighbours)
+    }
+
+    /// 5: the stored edges of each vertex, in its neighbours' order; nothing where there are none.
+    pub fn edges(&self) -> Vec<Vec<[i16; 3]>> {
+        let counts = self.neighbours().into_iter().map(|list| list.len());
+        let runs = self.neighbour_starts.iter().zip(counts).map(|(start, count)| (3 * *start as usize, count));
+        let of = |(at, count): (usize, usize)| {
+            (0..count).map(|i| std::array::from_fn(|axis| self.edges[at + axis * count + i])).collect()
+        };
+        if self.edges.is_empty() { Vec::new() } else { runs.map(of).collect() }
+    }
+
+    /// 7.7: whether these edges certify that the vertex at their start is the support point.
+    pub fn is_certain(edges: &[[i16; 3]], d: [f32; 3]) -> bool {
+        let least = -0.52 * (d[0].abs() + d[1].abs() + d[2].abs());
+        edges.iter().map(|q| q.map(f32::from)).all(|q| q[0] * d[0] + q[1] * d[1] + q[2] * d[2] < least)
+    }
+
+    /// For each vertex the faces to the left of its edges, in its neighbours' order.
+    pub fn faces_beside(&self) -> Vec<&[u32]> {
+        parts(&self.neighbour_starts, &self.neighbour_faces)
+    }
+}
+
+/// What was met on a walk over a hull's index: slots of each kind, but for those that name what
+/// another names.
+#[derive(Default)]
+pub struct Walk {
+    pub max_nodes: u32,
+    pub max_dots: u32,
+    pub halves: usize,
+    /// Branches of a tree by their bits.
+    pub branches: [usize; 13],
+    pub plain_leaves: usize,
+    pub planes: usize,
+    pub bundles: usize,
+    pub fans: usize,
+    /// Planes of bundles that part nothing.
+    pub zero_planes: usize,
+    pub lists: usize,
+    /// Slots that name the planes, the fan or the list that an earlier slot of their node names.
+    pub shared: usize,
+}
+
+/// A node whose slots are to be visited.
+struct Node {
+    slots: Range<usize>,
+    /// Nodes above its slots, this one included.
+    nodes: u32,
+    /// Bits of u and v together that branches above its slots took.
+    bits: u32,
+    below_planes: bool,
+}
+
+impl Hull<'_> {
+    /// 7.2 and 8: visits every word of the index once, front to back, and asserts what is promised
+    /// of it.
+    pub fn walk_index(&self) -> Walk {
+        let mut walk = Walk::default();
+        let r = self.record.resolution as usize;
+        let roots = match self.record.index_kind {
+            0 => {
+                walk.max_dots = self.blocks.len() as u32 * 8;
+                self.check_leaf(0..self.blocks.len());
+                0
+            }
+            1 => 6 * r * r,
+            _ => 6,
+        };
+        let mut free = roots;
+        let mut queue = VecDeque::from([Node { slots: 0..roots, nodes: 0, bits: 0, below_planes: false }]);
+        while let Some(node) = queue.pop_front() {
+            let mut named = Vec::new();
+            for place in node.slots.clone() {
+                let slot = self.slots[place];
+                if slot >> 31 == 1 && named.contains(&slot) {
+                    walk.shared += 1;
+                    continue;
+                }
+                named.push(slot);
+                self.visit(slot, &node, &mut free, &mut queue, &mut walk);
+            }
+        }
+        assert_eq!(free, self.slots.len(), "no word without a use");
+        walk
+    }
+
+    /// One slot of `node`, the first there to name what it names; `free` is the first word that
+    /// none has named.
+    fn visit(&self, slot: u32, node: &Node, free: &mut usize, queue: &mut VecDeque<Node>, walk: &mut Walk) {
+        let (kind, rest) = (self.record.index_kind, slot & 0x3fff_ffff);
+        let mut take = |at: u32, words: usize| {
+            assert_eq!(at as usize, *free, "what slots name stands in their order");
+            *free += words;
+            assert!(*free <= self.slots.len());
+            at as usize
+        };
+        let mut below = |slots, bits, below_planes| {
+            queue.push_back(Node { slots, nodes: node.nodes + 1, bits: node.bits + bits, below_planes });
+            assert!(node.bits + bits <= 46 && node.nodes < 110);
+        };
+        let leaf = match slot >> 30 {
+            0 => {
+                assert!(kind >= 2 && !node.below_planes, "branches are found in trees, above planes and fans");
+                if kind == 2 {
+                    let at = take(rest, 2);
+                    walk.halves += 1;
+                    below(at..at + 2, 1, false);
+                } else {
+                    let bits = rest & 15;
+                    assert!((1..=12).contains(&bits));
+                    let count = 1 << (2 * bits);
+                    let at = take(rest >> 4, count);
+                    walk.branches[bits as usize] += 1;
+                    below(at..at + count, 2 * bits, false);
+                }
+                return;
+            }
+            1 => {
+                walk.plain_leaves += 1;
+                rest as usize..(rest + self.record.leaf_blocks) as usize
+            }
+            2 if rest & 3 == 2 => {
+                assert!(kind >= 2, "fans are found in trees");
+                let bits = self.slots[(rest >> 2) as usize + 16];
+                assert!((1..=20).contains(&bits));
+                let at = take(rest >> 2, 17 + (1 << bits));
+                let [x, y] = [at, at + 6].map(|at| normals_at(&self.slots, at, 1)[0]);
+                for (found, expected) in [(dot(x, x), 1.0), (dot(y, y), 1.0), (dot(x, y), 0.0)] {
+                    assert!((found - expected).abs() < 1e-15, "{x:?} {y:?}");
+                }
+                let [start, rate] = [12, 14].map(|i| number_at(&self.slots, at + i));
+                assert!(start > -1.0 - 1e-9 && start + f64::from(1 << bits) / rate < 7.0 + 1e-9 && rate > 0.0);
+                walk.fans += 1;
+                below(at + 17..at + 17 + (1 << bits), 0, true);
+                return;
+            }
+            2 => {
+                assert!(kind >= 2 && rest & 3 < 2, "planes are found in trees");
+                let planes = if rest & 1 == 0 { 1 } else { 7 };
+                let (first, count) = (6 * planes, planes + 1);
+                let at = take(rest >> 2, first + count);
+                for normal in normals_at(&self.slots, at, planes) {
+                    if normal == [0.0; 3] && planes == 7 {
+                        walk.zero_planes += 1;
+                    } else {
+                        assert!((dot(normal, normal) - 1.0).abs() < 1e-15, "{normal:?}");
+                    }
+                }
+                *(if planes == 1 { &mut walk.planes } else { &mut walk.bundles }) += 1;
+                below(at + first..at + first + count, 0, true);
+                return;
+            }
+            _ => {
+                let at = take(rest, 2);
+                walk.lists += 1;
+                let [first, count] = [self.slots[at], self.slots[at + 1]];
+                assert!(count > self.record.leaf_blocks, "a list is for what a plain leaf cannot hold");
+                first as usize..(first + count) as usize
+            }
+        };
+        self.check_leaf(leaf.clone());
+        walk.max_nodes = walk.max_nodes.max(node.nodes);
+        walk.max_dots = walk.max_dots.max(leaf.len() as u32 * 8);
+    }
+
+    /// 6.3: candidates ascend, then one vertex fills the lanes that are left, fewer than a plain
+    /// leaf or block has.
+    fn check_leaf(&self, range: Range<usize>) {
+        assert!(!range.is_empty());
+        let blocks = &self.blocks[range];
+        let lanes: Vec<u32> = blocks.iter().flat_map(|block| block.vertex).collect();
+        let ascending = (1..lanes.len()).find(|lane| lanes[*lane] <= lanes[lane - 1]).unwrap_or(lanes.len());
+        assert!(lanes[ascending..].iter().all(|vertex| vertex == lanes.last().unwrap()), "{lanes:?}");
+        let plain = blocks.len() == self.record.leaf_blocks as usize;
+        assert!(plain || lanes.len() - ascending < 8, "{lanes:?}");
+        for block in blocks {
+            for lane in 0..8 {
+                let position = block.position.map(|p| p[lane].to_bits());
+                assert_eq!(position, self.vertices[block.vertex[lane] as usize].map(f32::to_bits));
+            }
+        }
+    }
+}

@@ -1,0 +1,457 @@
+//! What happens to an open pack when its file changes.
+//!
+//! - A copy ([`Pack::open`], [`Pack::from_bytes`]) does not change.
+//! - A map ([`Pack::map`]) changes with the file. Its caller promises that no process writes to the
+//!   file. If one does, answers change; if the file is truncated, the process gets SIGBUS or reads
+//!   zeros. No query reads outside of the map: `hostile_writes_stay_within_the_map` overwrites the
+//!   file's root and other numbers while queries run, with inaccessible pages on both sides.
+//! - Replacing the file by renaming changes neither.
+//!
+//! Each case runs in a process of its own.
+
+use std::{
+    fs,
+    io::{BufRead, BufReader, Write},
+    os::{
+        fd::AsRawFd,
+        unix::{fs::FileExt, process::ExitStatusExt},
+    },
+    panic::{AssertUnwindSafe, catch_unwind},
+    path::Path,
+    process::{Child, Command, ExitStatus, Stdio},
+    sync::{
+        Arc, RwLock,
+        atomic::{AtomicBool, AtomicUsize, Ordering},
+    },
+    time::{Duration, Instant},
+};
+
+use glam::{DVec3, Vec3};
+use hullmap::{Cache, OpenError, Pack, Pose, Settings, contact};
+use hullmap_bake::{IndexKind, SourceRecord};
+use hullmap_format::archive::ArchivedPack;
+use hullmap_testkit::packs;
+use hullmap_tests::hostile::{
+    inquiry::{Extent, Inquiry},
+    samples,
+};
+use shapes::{families::Family, rng::SplitMix64};
+
+/// The environment variable with the file that the child opens, and the way to open it.
+const CHILD: &str = "HULLMAP_TEST_PACK";
+
+/// Name of the test that runs as the child.
+const CHILD_TEST: &str = "live_mapping::child";
+
+const SIGBUS: i32 = 7;
+
+/// A pack of several pages, and a smaller one.
+const LARGE: usize = 3_000;
+const SMALL: usize = 10;
+
+/// How a child ended, and whether its answers, before and after, were the same.
+#[derive(Debug)]
+struct Outcome {
+    status: ExitStatus,
+    same: Option<bool>,
+}
+
+fn bytes(points: usize, scale: f32) -> Vec<u8> {
+    let positions: Vec<[f32; 3]> = Family::Rock.points(points, 1).into_iter().map(|p| p.map(|c| c * scale)).collect();
+    packs::bytes(&[packs::point_set("rock", &positions)], IndexKind::Tree, &SourceRecord::default()).unwrap()
+}
+
+/// A hash of a hull's vertices and of some support points.
+fn answers(pack: &Pack) -> u64 {
+    let hull = pack.hull(0).unwrap();
+    let vertices = hull.vertices().flat_map(|v| v.to_array()).map(|c| u64::from(c.to_bits()));
+    let supports = [Vec3::X, Vec3::Y, Vec3::NEG_Z, Vec3::ONE].map(|dir| u64::from(hull.support(dir).index));
+    vertices.chain(supports).fold(0, |sum: u64, n| sum.rotate_left(7) ^ n)
+}
+
+/// Maps the pack at `path`, to which these tests do write.
+fn map(path: impl AsRef<Path>) -> Result<Pack, OpenError> {
+    // SAFETY: the contract does not hold. The tests break it on purpose, in processes of their own,
+    // to observe the consequences. The compiler sees no write to the mapped bytes.
+    unsafe { Pack::map(path) }
+}
+
+/// The child process: opens the pack, reports it, waits for a line, queries again. Without the
+/// variable, as a plain test, it does nothing.
+#[test]
+fn child() {
+    let Ok(way) = std::env::var(CHILD) else { return };
+    let (how, path) = way.split_once(' ').unwrap();
+    let pack = match how {
+        "hostile" => return hostile_child(Path::new(path)),
+        "map" => map(path),
+        "open" => Pack::open(path),
+        _ => Pack::from_bytes(&fs::read(path).unwrap()).map_err(|error| panic!("{error}")),
+    };
+    let pack = pack.unwrap();
+    let before = answers(&pack);
+    println!("\nopened");
+    std::io::stdin().read_line(&mut String::new()).unwrap();
+    println!("\nsame {}", answers(&pack) == before);
+}
+
+/// Starts a child process on the pack at `path`.
+fn start(how: &str, path: &Path) -> Child {
+    Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", CHILD_TEST, "--nocapture"])
+        .env(CHILD, format!("{how} {}", path.display()))
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(if how == "hostile" { Stdio::inherit() } else { Stdio::null() })
+        .spawn()
+        .unwrap()
+}
+
+/// Opens `path` in a child process, runs `change`, and reports what the child answers after it.
+fn after(how: &str, path: &Path, change: impl FnOnce()) -> Outcome {
+    let mut child = start(how, path);
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map(Result::unwrap);
+    assert!(lines.any(|line| line == "opened"), "{how}: the child did not open the pack");
+    change();
+    child.stdin.take().unwrap().write_all(b"\n").unwrap();
+    let same = lines.find_map(|line| line.strip_prefix("same ").map(|same| same == "true"));
+    Outcome { status: child.wait().unwrap(), same }
+}
+
+const COPIES: [&str; 2] = ["open", "bytes"];
+
+#[test]
+fn truncation_is_a_bus_error_for_a_map_and_harmless_for_a_copy() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rock.hullmap");
+    let cut = || fs::OpenOptions::new().write(true).open(&path).unwrap().set_len(100).unwrap();
+    fs::write(&path, bytes(LARGE, 1.0)).unwrap();
+    let mapped = after("map", &path, cut);
+    // The crate installs no signal handler.
+    assert_eq!((mapped.status.signal(), mapped.same), (Some(SIGBUS), None));
+    for how in COPIES {
+        fs::write(&path, bytes(LARGE, 1.0)).unwrap();
+        let copy = after(how, &path, cut);
+        assert!(copy.status.success() && copy.same == Some(true), "{how}: {copy:?}");
+    }
+}
+
+/// Within the last page there is no signal: the missing bytes read as zeros.
+#[test]
+fn truncation_within_a_page_reads_as_zeros() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rock.hullmap");
+    let file = bytes(SMALL, 1.0);
+    assert!(file.len() < 4096, "{} bytes are more than a page", file.len());
+    fs::write(&path, &file).unwrap();
+    let cut = || fs::OpenOptions::new().write(true).open(&path).unwrap().set_len(100).unwrap();
+    let mapped = after("map", &path, cut);
+    // Other answers or a panic, but no read out of bounds.
+    assert!(mapped.status.signal().is_none() && mapped.same != Some(true), "{mapped:?}");
+}
+
+#[test]
+fn overwriting_in_place_changes_only_answers_of_a_map() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rock.hullmap");
+    let overwrite = || fs::write(&path, bytes(LARGE, 2.0)).unwrap();
+    fs::write(&path, bytes(LARGE, 1.0)).unwrap();
+    // The length stays the same.
+    let in_place = || {
+        let mut file = fs::OpenOptions::new().write(true).open(&path).unwrap();
+        file.write_all(&bytes(LARGE, 2.0)).unwrap();
+    };
+    let mapped = after("map", &path, in_place);
+    assert_eq!((mapped.status.success(), mapped.same), (true, Some(false)), "{mapped:?}");
+    for how in COPIES {
+        fs::write(&path, bytes(LARGE, 1.0)).unwrap();
+        let copy = after(how, &path, overwrite);
+        assert!(copy.status.success() && copy.same == Some(true), "{how}: {copy:?}");
+    }
+}
+
+#[test]
+fn replacement_by_renaming_is_harmless() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rock.hullmap");
+    for how in ["map"].into_iter().chain(COPIES) {
+        fs::write(&path, bytes(LARGE, 1.0)).unwrap();
+        let rename = || {
+            let fresh = folder.path().join("fresh");
+            fs::write(&fresh, bytes(SMALL, 2.0)).unwrap();
+            fs::rename(&fresh, &path).unwrap();
+        };
+        let outcome = after(how, &path, rename);
+        assert!(outcome.status.success() && outcome.same == Some(true), "{how}: {outcome:?}");
+        fs::remove_file(&path).unwrap();
+    }
+}
+
+#[test]
+fn maps_and_copies_report_the_same_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bad.hullmap");
+    let good = bytes(SMALL, 1.0);
+    let mut flipped = good.clone();
+    flipped[200] ^= 1;
+    let longer = [&good[..], &[0]].concat();
+    for file in [vec![], vec![0; 10], vec![7; 100], flipped, longer, good[..good.len() - 1].to_vec()] {
+        fs::write(&path, &file).unwrap();
+        let [mapped, copied] = [map(&path), Pack::open(&path)].map(|opened| opened.unwrap_err().to_string());
+        assert_eq!(mapped, copied);
+        assert!(copied.contains("bad.hullmap: ") && copied.contains("; "), "no file or no remedy: {copied}");
+    }
+}
+
+/// A pack can come through a pipe, which has no length.
+#[test]
+fn a_pipe_is_read_to_its_end() {
+    let file = bytes(SMALL, 1.0);
+    for (end, is_ok) in [(file.len(), true), (file.len() - 1, false)] {
+        let (reader, mut writer) = std::io::pipe().unwrap();
+        let part = file[..end].to_vec();
+        let thread = std::thread::spawn(move || writer.write_all(&part).unwrap());
+        let opened = Pack::open(format!("/dev/fd/{}", reader.as_raw_fd()));
+        assert_eq!(opened.is_ok(), is_ok, "{:?}", opened.err());
+        thread.join().unwrap();
+    }
+}
+
+/// Address space on each side of the map that faults when it is read. The file's offsets are
+/// 32-bit.
+const GUARD: usize = 4 << 30;
+
+const PAGE: usize = 4096;
+
+/// Reserves `len` bytes of address space, every access to which faults.
+fn reserve(len: usize) -> usize {
+    let flags = libc::MAP_PRIVATE | libc::MAP_ANONYMOUS | libc::MAP_NORESERVE;
+    // SAFETY: a new mapping at an address that the kernel chooses.
+    let found = unsafe { libc::mmap(std::ptr::null_mut(), len, libc::PROT_NONE, flags, -1, 0) };
+    assert_ne!(found, libc::MAP_FAILED, "{len} bytes of address space");
+    found.addr()
+}
+
+/// Gives address space back that [`reserve`] found.
+fn release(start: usize, len: usize) {
+    // SAFETY: the range is inaccessible, so that nothing refers to it.
+    let failed = unsafe { libc::munmap(std::ptr::without_provenance_mut(start), len) };
+    assert_eq!(failed, 0);
+}
+
+/// Maps the pack at `path` so that [`GUARD`] bytes before and after the map are inaccessible.
+fn map_between_guards(path: &Path) -> Pack {
+    let len = (fs::metadata(path).unwrap().len() as usize).next_multiple_of(PAGE);
+    let region = reserve(GUARD + len + GUARD);
+    // The kernel takes the highest gap that fits, or goes below all other maps. Fill all gaps, so
+    // that the one made here is the only one.
+    let mut size = 1 << 30;
+    while size >= PAGE {
+        let found = reserve(size);
+        if found < region {
+            release(found, size);
+            size /= 2;
+        }
+    }
+    release(region + GUARD, len);
+    let pack = map(path).unwrap();
+    assert_eq!(extent(path), (region + GUARD, region + GUARD + len), "the map is not between the guards");
+    pack
+}
+
+/// First address of the map of the file at `path` in this process, and the one after its last.
+fn extent(path: &Path) -> (usize, usize) {
+    let maps = fs::read_to_string("/proc/self/maps").unwrap();
+    let line = maps.lines().find(|line| line.ends_with(path.to_str().unwrap())).expect("the file is mapped");
+    let (range, _) = line.split_once(' ').unwrap();
+    let (start, end) = range.split_once('-').unwrap();
+    (usize::from_str_radix(start, 16).unwrap(), usize::from_str_radix(end, 16).unwrap())
+}
+
+/// How long hostile writes go on, for each pack. `HULLMAP_TEST_HOSTILE_SECONDS` sets another time.
+const HOSTILE_SECONDS: u64 = 1;
+
+/// How long a child may take to end after the last write.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+fn hostile_time() -> Duration {
+    let seconds = std::env::var("HULLMAP_TEST_HOSTILE_SECONDS").ok().and_then(|seconds| seconds.parse().ok());
+    Duration::from_secs(seconds.unwrap_or(HOSTILE_SECONDS))
+}
+
+/// Runs all queries on a mapped pack until the time is over, while its file changes.
+fn hostile_child(path: &Path) {
+    let pack = Arc::new(map_between_guards(path));
+    let inquiry = Inquiry::new(&Pack::open(path).unwrap(), Extent::BRIEF).unjudged();
+    let texts = |pack: &Pack| format!("{} {} {:?}", pack.source_path(), pack.options(), pack.hull_count());
+    let before = texts(&pack);
+    // Also hulls from before the writes: their slices were cut from valid numbers.
+    let old = pack.shared_hull(0).unwrap();
+    let pose = Pose::from_translation(DVec3::new(0.5, 0.25, 0.125)).unwrap();
+    let answer = || contact(&old, &old, pose, &Settings::default(), &mut Cache::default());
+    let first = answer();
+    std::panic::set_hook(Box::new(|_| ()));
+    println!("\nopened");
+    let (mut rounds, mut panics, mut changed) = (0_u64, 0_u64, 0_u64);
+    let start = Instant::now();
+    while start.elapsed() < hostile_time() {
+        panics += u64::from(catch_unwind(AssertUnwindSafe(|| inquiry.ask(&pack))).is_err());
+        match catch_unwind(AssertUnwindSafe(answer)) {
+            Ok(found) => changed += u64::from(found != first),
+            Err(_) => panics += 1,
+        }
+        assert_eq!(texts(&pack), before, "texts are copied");
+        rounds += 1;
+    }
+    println!("\nrounds {rounds} panics {panics} changed {changed}");
+}
+
+/// Overwrites numbers of the file at `path` until the child ends: in turns all of the root, single
+/// numbers anywhere, and the original bytes. Returns the number of writes.
+fn write_while_running(child: &mut Child, path: &Path, seed: u64) -> u64 {
+    let original = fs::read(path).unwrap();
+    let file = fs::OpenOptions::new().write(true).open(path).unwrap();
+    let root = original.len() - size_of::<ArchivedPack>();
+    let mut rng = SplitMix64::new(seed);
+    let hostile = |rng: &mut SplitMix64| match rng.below(8) {
+        0 => 0,
+        1 => 1,
+        2 => u32::MAX,
+        3 => i32::MAX as u32,
+        4 => i32::MIN as u32,
+        5 => f32::NAN.to_bits(),
+        6 => rng.next_u64() as u32 & 0xffff,
+        _ => rng.next_u64() as u32,
+    };
+    let start = Instant::now();
+    let mut writes = 0;
+    while child.try_wait().unwrap().is_none() {
+        if start.elapsed() > hostile_time() + PATIENCE {
+            child.kill().unwrap();
+            panic!("the child did not end: a query hangs");
+        }
+        for _ in 0..64 {
+            let at =
+                if rng.below(2) == 0 { root + rng.below(original.len() - root) } else { rng.below(original.len()) };
+            file.write_all_at(&hostile(&mut rng).to_le_bytes(), (at & !3) as u64).unwrap();
+            writes += 1;
+        }
+        if rng.below(4) == 0 {
+            let noise: Vec<u8> = (root..original.len()).map(|_| rng.next_u64() as u8).collect();
+            file.write_all_at(&noise, root as u64).unwrap();
+            writes += 1;
+        }
+        if rng.below(4) == 0 {
+            file.write_all_at(&original, 0).unwrap();
+            writes += 1;
+        }
+    }
+    writes
+}
+
+/// Overwriting a mapped file breaks the contract of `Pack::map`. Answers may then be wrong, and a
+/// query may panic. No query reads outside of the map, hangs, or ends the process.
+#[test]
+fn hostile_writes_stay_within_the_map() {
+    let folder = tempfile::tempdir().unwrap();
+    let names = [
+        "hulls of all ranks, tree",
+        "five hulls, no index",
+        "sphere, binary tree",
+        "sphere, cube map 3",
+        "rotated prism, tree",
+        "needle, tree",
+    ];
+    let mut packs: Vec<(&str, Vec<u8>)> = names.map(|name| (name, samples::named(name))).to_vec();
+    packs.push(("large rock, tree", bytes(LARGE, 1.0)));
+    let (mut writes, mut rounds, mut panics) = (0, 0, 0);
+    for (number, (name, file)) in packs.iter().enumerate() {
+        let path = folder.path().join(format!("{number}.hullmap"));
+        fs::write(&path, file).unwrap();
+        let mut child = start("hostile", &path);
+        let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map(Result::unwrap);
+        assert!(lines.any(|line| line == "opened"), "{name}: the child did not open the pack");
+        writes += write_while_running(&mut child, &path, number as u64);
+        let status = child.wait().unwrap();
+        assert!(status.success(), "{name}: the child ended with {status}");
+        let counts = lines.find(|line| line.starts_with("rounds ")).unwrap();
+        let counts: Vec<u64> = counts.split(' ').filter_map(|word| word.parse().ok()).collect();
+        assert!(counts[0] > 3 && counts[2] > 0, "{name}: {counts:?}: the writes did not meet the queries");
+        rounds += counts[0];
+        panics += counts[1];
+    }
+    println!("{writes} writes under {rounds} rounds of queries, of which {panics} panicked");
+}
+
+const READERS: usize = 64;
+const SWAPS: usize = 10_000;
+
+/// Maps of files in this folder.
+fn maps(folder: &Path) -> usize {
+    let name = folder.to_str().unwrap().to_owned();
+    fs::read_to_string("/proc/self/maps").unwrap().lines().filter(|line| line.contains(&name)).count()
+}
+
+#[test]
+fn reloading_under_readers_tears_nothing_and_frees_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rock.hullmap");
+    // Each answer of a pack shows the pack's scale.
+    let versions: Vec<(f32, Vec<u8>)> = [1.0, 2.0, 4.0, 8.0].map(|scale| (scale, bytes(SMALL, scale))).to_vec();
+    let install = |file: &[u8]| {
+        let fresh = folder.path().join("fresh");
+        fs::write(&fresh, file).unwrap();
+        fs::rename(&fresh, &path).unwrap();
+    };
+    install(&versions[0].1);
+    let reference = Pack::from_bytes(&versions[0].1).unwrap();
+    let dirs = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::new(0.3, -0.5, 0.8)];
+    let unit = dirs.map(|dir| reference.hull(0).unwrap().support(dir).point);
+    // SAFETY: the file is only replaced by renaming.
+    let open = || unsafe { Pack::map(&path) }.unwrap();
+    let current = RwLock::new(Arc::new(open()));
+    let (done, queries, peak) = (AtomicBool::new(false), AtomicUsize::new(0), AtomicUsize::new(0));
+    let seen = AtomicUsize::new(0);
+    std::thread::scope(|scope| {
+        for _ in 0..READERS {
+            scope.spawn(|| {
+                while !done.load(Ordering::Relaxed) {
+                    let pack = current.read().unwrap().clone();
+                    let hull = pack.hull(0).unwrap();
+                    let scale = hull.support(dirs[0]).point.x / unit[0].x;
+                    let place = versions.iter().position(|(version, _)| *version == scale);
+                    seen.fetch_or(1 << place.expect("one of the versions"), Ordering::Relaxed);
+                    for (dir, unit) in dirs.iter().zip(unit) {
+                        assert_eq!(hull.support(*dir).point, unit * scale, "torn");
+                    }
+                    queries.fetch_add(1, Ordering::Relaxed);
+                    std::thread::yield_now();
+                }
+            });
+        }
+        for swap in 0..SWAPS {
+            install(&versions[swap % versions.len()].1);
+            let fresh = Arc::new(open());
+            *current.write().unwrap() = fresh;
+            if swap % 500 == 0 {
+                peak.fetch_max(maps(folder.path()), Ordering::Relaxed);
+            }
+        }
+        // Readers may have been starved. Wait for one more round of queries per reader.
+        let target = queries.load(Ordering::Relaxed) + READERS;
+        while queries.load(Ordering::Relaxed) < target {
+            std::thread::yield_now();
+        }
+        done.store(true, Ordering::Relaxed);
+    });
+    let peak = peak.into_inner();
+    println!(
+        "{SWAPS} swaps, {READERS} readers ran {} rounds of queries, at most {peak} maps at once",
+        queries.into_inner()
+    );
+    assert!(peak <= READERS + 2, "{peak} maps at once: old ones are kept");
+    assert_eq!(maps(folder.path()), 1, "only the current one is mapped");
+    assert!(seen.into_inner().count_ones() > 1, "readers saw one version only");
+    drop(current);
+    assert_eq!(maps(folder.path()), 0);
+}

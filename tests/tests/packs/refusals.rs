@@ -1,0 +1,238 @@
+//! Each requirement that a file may violate, violated once. The error states the location, what was
+//! found and what was expected.
+
+use hullmap::Pack;
+use hullmap_bake::{IndexKind, SourceRecord};
+use hullmap_format::{
+    archive::{self as format, HullRecord, Span},
+    header::Header,
+    repeats,
+    sections::Sections,
+};
+use hullmap_testkit::packs::{self, point_set};
+use hullmap_tests::hostile::{
+    place::{changed, payload},
+    samples,
+};
+use shapes::families::Family;
+
+/// The message with which a file is refused.
+fn message(file: &[u8]) -> String {
+    let error = Pack::from_bytes(file).expect_err("the file breaks a promise").to_string();
+    assert!(error.ends_with("; bake the source again"), "{error}");
+    error.trim_end_matches("; bake the source again").to_owned()
+}
+
+/// The message after one change to a sample; `$number` is a field of the archive, `$value` its new
+/// value.
+macro_rules! refusal {
+    ($file:expr, $($number:tt)+) => {
+        refusal!(@split $file, [] $($number)+)
+    };
+    (@split $file:expr, [$($place:tt)*] = $value:expr) => {
+        message(&changed($file, |pack| &pack.$($place)*, &$value.to_le_bytes()))
+    };
+    (@split $file:expr, [$($place:tt)*] $next:tt $($rest:tt)+) => {
+        refusal!(@split $file, [$($place)* $next] $($rest)+)
+    };
+}
+
+/// Two hulls of these points each.
+fn two(names: [&str; 2], points: &[[f32; 3]]) -> Vec<u8> {
+    let sets = names.map(|name| point_set(name, points));
+    packs::bytes(&sets, IndexKind::Tree, &SourceRecord::default()).unwrap()
+}
+
+#[test]
+fn sections_and_spans() {
+    let cube = samples::named("cube, tree");
+    let pair = samples::named("two hulls, tree");
+    assert_eq!(refusal!(&cube, spans[0].vertex = 1_u32), "hull 0: its vertices start at 1 (expected 0)");
+    assert_eq!(refusal!(&cube, spans[1].face = 5_u32), "the faces of all hulls end at 5 (expected 6)");
+    assert_eq!(refusal!(&pair, spans[2].edge = 70_u32), "hull 2: its edges start at 70 (expected at least 72)");
+    assert_eq!(refusal!(&cube, source_path[3] = 0xff_u8), "section source_path is not UTF-8 from byte 3 on");
+    // Two bytes of names leave a gap of two bytes before the spans.
+    let file = packs::bytes(&[point_set("ab", &[[0.0; 3]])], IndexKind::None, &SourceRecord::default()).unwrap();
+    let at = hullmap_tests::hostile::place::place(&file, |pack| &pack.spans[0]) - 1;
+    let mut filled = file.clone();
+    filled[at] = 7;
+    packs::reseal(&mut filled);
+    assert_eq!(message(&filled), format!("byte {} of the archive, before section spans, is not zero", at - 64));
+    let short = format::Pack { spans: vec![Span::default()], hulls: vec![HullRecord::default()], ..Default::default() };
+    let payload = rkyv::to_bytes::<rkyv::rancor::Error>(&short).unwrap();
+    let file = [&Header::for_payload(0, 0, &payload).to_bytes()[..], &payload].concat();
+    assert_eq!(message(&file), "section spans has 1 elements (expected 2)");
+}
+
+#[test]
+fn records() {
+    let cube = samples::named("cube, tree");
+    let five = samples::named("five hulls, no index");
+    let named = two(["é", "x"], &[[0.0; 3]]);
+    assert_eq!(refusal!(&named, spans[1].name = 1_u32), "hull 0: its name is not UTF-8 from byte 0 on");
+    assert_eq!(
+        refusal!(&cube, hulls[0].diameter = -1.0_f64),
+        "hull 0: its diameter is -1 (expected a finite number of at least 0)"
+    );
+    assert_eq!(
+        refusal!(&cube, hulls[0].centroid[1] = f64::NAN),
+        "hull 0: component 1 of its centroid is NaN (expected a finite number)"
+    );
+    assert_eq!(refusal!(&cube, hulls[0].rank = 4_u32), "hull 0: its rank is 4 (expected 0 to 3)");
+    assert_eq!(refusal!(&cube, hulls[0].rank = 1_u32), "hull 0: it has 8 vertices (expected 2 for rank 1)");
+    let radii = refusal!(&cube, hulls[0].inner_radius = 5.0_f64);
+    assert!(radii.starts_with("hull 0: its inner radius 5 is greater than its outer radius 0.86"), "{radii}");
+    assert_eq!(refusal!(&five, hulls[3].part = 2_u32), "hull 3: its part is 2 (expected 0 or 1)");
+    assert_eq!(refusal!(&five, hulls[0].part = 1_u32), "hull 0: its part is 1 (expected 0)");
+    assert_eq!(
+        refusal!(&five, hulls[2].origin[1] = 1.0_f64),
+        "hull 2: its origin is [0.0, 1.0, 0.0] (expected [0.0, 0.0, 0.0], the origin of the hull before it)"
+    );
+}
+
+#[test]
+fn vertices_faces_and_neighbours() {
+    let cube = samples::named("cube, tree");
+    let pair = samples::named("two hulls, tree");
+    assert_eq!(
+        refusal!(&cube, vertices[5][1] = 9.0_f32),
+        "hull 0: vertex 5: coordinate 1 is 9 (the bounds are 0 to 1)"
+    );
+    assert_eq!(
+        refusal!(&cube, source_vertices[3] = 0_u32),
+        "hull 0: vertex 3: source vertex 0 does not follow source vertex 2 of the vertex before it"
+    );
+    assert_eq!(
+        refusal!(&pair, spans[1].face = 0_u32),
+        "hull 0: it has 0 faces and 24 face vertices (rank 3 has at least 2 faces)"
+    );
+    assert_eq!(
+        refusal!(&cube, face_starts[2] = 6_u32),
+        "hull 0: face 1: its vertices are entries 4..6 of 24 (runs must be contiguous, of 3 entries or more)"
+    );
+    assert_eq!(
+        refusal!(&cube, face_vertices[12] = 8_u32),
+        "hull 0: face 3: vertex index 8 is out of range (the hull has 8 vertices)"
+    );
+    assert_eq!(
+        refusal!(&pair, spans[1].face = 5_u32),
+        "hull 0: its 8 vertices, 5 faces and 24 face vertices (two per edge) are not those of a polyhedron"
+    );
+    assert_eq!(
+        refusal!(&cube, neighbour_starts[3] = 25_u32),
+        "hull 0: vertex 2: its neighbours are entries 6..25 of 24 (runs must be contiguous)"
+    );
+    assert_eq!(
+        refusal!(&cube, hulls[0].max_neighbours = 4_u32),
+        "hull 0: its record states at most 4 neighbours of a vertex (expected 3)"
+    );
+    assert_eq!(
+        refusal!(&cube, neighbours[11] = 12_u32),
+        "hull 0: neighbour 11: vertex index 12 is out of range (the hull has 8 vertices)"
+    );
+    assert_eq!(
+        refusal!(&cube, neighbour_faces[7] = 6_u32),
+        "hull 0: neighbour 7: face index 6 is out of range (the hull has 6 faces)"
+    );
+    assert_eq!(refusal!(&pair, spans[1].edge = 71_u32), "hull 0: it has 71 edge coordinates (expected 72)");
+}
+
+#[test]
+fn outer_hulls_and_indices() {
+    let rocks = two(["a", "b"], &Family::Rock.points(300, 1));
+    let cube = samples::named("cube, tree");
+    let pair = samples::named("two hulls, tree");
+    assert_eq!(
+        refusal!(&rocks, spans[1].outer = 3_u32),
+        "hull 0: its outer hull has 3 vertices (expected 0, or 4 to 64)"
+    );
+    assert_eq!(
+        refusal!(&rocks, outer_vertices[2][0] = f32::INFINITY),
+        "hull 0: vertex 2 of its outer hull: coordinate 0 is inf (expected a finite number)"
+    );
+    assert_eq!(
+        refusal!(&cube, hulls[0].index_kind = 9_u32),
+        "hull 0: index kind 9 is unknown (known kinds are 0 to 3)"
+    );
+    assert_eq!(
+        refusal!(&cube, hulls[0].leaf_blocks = 3_u32),
+        "hull 0: a leaf of its index has 3 blocks (expected 1, 2 or 4)"
+    );
+    assert_eq!(
+        refusal!(&cube, hulls[0].resolution = 2_u32),
+        "hull 0: index kind 0 has resolution 2 (a cube map, kind 1, requires at least 1; all other kinds require 0)"
+    );
+    assert_eq!(refusal!(&pair, spans[1].block = 0_u32), "hull 0: it has no blocks (expected at least 1)");
+    let tree = samples::named("sphere, tree");
+    let index = refusal!(&tree, slots[5] = (1_u32 << 30 | 9_999));
+    assert!(
+        index.starts_with("hull 0: slot 5 of the direction index refers to 1 blocks from block 9999 on"),
+        "{index}"
+    );
+    assert_eq!(
+        refusal!(&cube, hulls[0].max_nodes = 7_u32),
+        "hull 0: its record states a worst case of 7 nodes and 8 dot products (expected 0 and 8)"
+    );
+    assert_eq!(
+        refusal!(&cube, blocks[0].vertex[6] = 8_u32),
+        "hull 0: block 0, lane 6: vertex index 8 is out of range (the hull has 8 vertices)"
+    );
+    assert_eq!(
+        refusal!(&cube, blocks[0].y[6] = -0.5_f32),
+        "hull 0: block 0, lane 6: coordinate 1 is -0.5 (the bounds are 0 to 1)"
+    );
+}
+
+/// Only `bake verify` compares redundant values.
+#[test]
+fn redundant_values_that_differ() {
+    let cube = samples::named("cube, tree");
+    let compare = |file: Vec<u8>| {
+        let payload = payload(&file);
+        repeats::repeats(&Sections::read(&payload).unwrap()).unwrap_err().to_string()
+    };
+    let position = compare(changed(&cube, |pack| &pack.blocks[0].x[1], &0.5_f32.to_le_bytes()));
+    assert!(
+        position.starts_with("hull 0: block 0, lane 1: it has position [0.5, 0.0, 0.0] (expected [1.0, 0.0, 0.0]"),
+        "{position}"
+    );
+    let edge = compare(changed(&cube, |pack| &pack.edges[0], &5_i16.to_le_bytes()));
+    assert!(
+        edge.starts_with("hull 0: the edge from vertex 0 to vertex 1 is [5, 0, 0] (expected [32767, 0, 0]"),
+        "{edge}"
+    );
+    let unchecked = compare(changed(&cube, |pack| &pack.neighbours[0], &u32::MAX.to_le_bytes()));
+    assert!(unchecked.starts_with("hull 0: its neighbours are out of range"), "{unchecked}");
+}
+
+#[test]
+fn bounding_volume_hierarchies() {
+    let five = samples::named("five hulls, no index");
+    let message =
+        |text: String| text.strip_prefix("bounding volume hierarchy: ").expect("it names the tree").to_owned();
+    let leaf = five_leaf(&five);
+    assert_eq!(message(refusal!(&five, nodes[0].target = 0_u32)), "node 0: its first child is 0 (expected 1)");
+    assert_eq!(
+        message(refusal!(&five, nodes[0].hull_count = 6_u32)),
+        "node 0 states 6 hulls (its children have [2, 3])"
+    );
+    assert_eq!(
+        message(refusal!(&five, nodes[leaf].target = 5_u32)),
+        format!("node {leaf}: hull index 5 is out of range (the pack has 5 hulls)")
+    );
+    assert_eq!(
+        message(refusal!(&five, nodes[0].hull_count = 1_u32)),
+        "node 0 is the leaf of hull 1, whose record states leaf 4"
+    );
+    assert_eq!(
+        message(refusal!(&five, nodes[0].bounds_min[0] = 0.5_f32)),
+        "node 0: its box is not the union of the boxes of its children"
+    );
+}
+
+/// Index of a leaf of the tree.
+fn five_leaf(file: &[u8]) -> usize {
+    let payload = payload(file);
+    let sections = Sections::read(&payload).unwrap();
+    sections.nodes.iter().position(|node| node.hull_count == 1).unwrap()
+}

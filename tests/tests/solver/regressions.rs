@@ -1,0 +1,74 @@
+//! Pairs for which the soak found wrong answers, on baked hulls, whose support points have an
+//! error.
+
+use glam::{DQuat, DVec3};
+use hullmap::shapes::{Capsule, Cylinder, Sphere};
+use hullmap::{Cache, Contact, Overlap, Pose, Settings, SupportMap, contact, distance, intersects};
+use hullmap_bake::IndexKind;
+use hullmap_testkit::packs::pack;
+
+fn deep<A: SupportMap, B: SupportMap>(a: &A, b: &B, pose: Pose) -> Contact {
+    contact(a, b, pose, &Settings::default(), &mut Cache::new())
+}
+
+/// Two polygons, one of them in the plane of a face of the difference, 7e-5 beside it, were
+/// reported as touching, at a gap of 30,000 rounding errors.
+#[test]
+fn beside_a_face_is_not_touching() {
+    let flat = [[1000.0, 0.0, 0.0], [-1000.0, 0.0, 0.0], [0.0, 800.0, 0.0], [100.0, 200.0, 1e-5]];
+    let sliver = [[-1000.0, 0.0, 250.0], [1000.0, 0.0, 250.0], [300.0, 0.01, 250.0]];
+    let packs = [pack("flat", &flat, IndexKind::Tree), pack("sliver", &sliver, IndexKind::Tree)];
+    let [a, b] = packs.each_ref().map(|pack| pack.hull(0).unwrap());
+    let quarter = DQuat::from_xyzw(-std::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0, std::f64::consts::FRAC_1_SQRT_2);
+    let pose = Pose::new(DVec3::new(1999.9999999999998, -249.99991135212065, 0.0), quarter).unwrap();
+    let gap = distance(&a, &b, pose, &Settings::default(), &mut Cache::new());
+    assert!(gap.lower > 6.9e-5 && gap.upper < 7e-5, "{gap:?}");
+    assert_eq!(intersects(&a, &b, pose, &mut Cache::new()).status, Overlap::Separated);
+    assert!(!deep(&a, &b, pose).hit);
+}
+
+/// A ball around a point 8e-13 from a segment: the cores were reported as touching, with the whole
+/// radius as depth.
+#[test]
+fn depth_of_cores_8e_13_apart() {
+    let (needle, ball) = (Capsule::new(0.0007, 0.0).unwrap(), Sphere::new(0.0008).unwrap());
+    let shift = DVec3::new(-5.496251782692585e-13, 6.14096393094371e-13, -4.704256949261687e-12);
+    let turn =
+        DQuat::from_xyzw(3.523716018709407e-1, -8.912437729690775e-1, -2.80570094148559e-1, 5.2907594995608064e-2);
+    let pose = Pose::new(shift, turn).unwrap();
+    let truth = 0.0008 - (shift.x * shift.x + shift.y * shift.y).sqrt();
+    for c in [deep(&needle, &ball, pose), deep(&ball, &needle, pose.inverse())] {
+        assert!(c.depth_lower <= truth + 1e-17 && truth - 1e-17 <= c.depth_upper, "{truth:e}: {c:?}");
+    }
+}
+
+/// A segment through a disc 1e9 times its size, and a capsule through a cube's corner, penetrate.
+/// They were reported as touching, because the distance of their cores is within the rounding
+/// error.
+#[test]
+fn thin_penetrating_cores_do_not_merely_touch() {
+    let (disc, needle) = (Cylinder::new(0.0, 800.0).unwrap(), Capsule::new(7e-7, 1e-12).unwrap());
+    let shift = DVec3::new(5.971920797150828e-12, 4.4407429005608977e-11, 2.5103881645942507e-11);
+    let turn = DQuat::from_xyzw(-0.05669111068631973, -0.6217613658996758, 0.6314151869169203, -0.45990776);
+    let pose = Pose::new(shift, turn.normalize()).unwrap();
+    for (deep, yes) in [
+        (deep(&needle, &disc, pose), intersects(&needle, &disc, pose, &mut Cache::new())),
+        (deep(&disc, &needle, pose.inverse()), intersects(&disc, &needle, pose.inverse(), &mut Cache::new())),
+    ] {
+        assert!(deep.depth_lower > 1.5e-7, "{deep:?}");
+        assert_eq!(yes.status, Overlap::Overlapping, "{deep:?}");
+    }
+}
+
+/// The iteration cap was reached on a round Minkowski difference. The reported points were not
+/// along the normal, in whose direction the radii are added.
+#[test]
+fn contact_points_lie_along_the_normal_at_the_iteration_cap() {
+    let (disc, long) = (Cylinder::new(1e-9, 0.0008).unwrap(), Capsule::new(700.0, 0.001).unwrap());
+    let turn =
+        DQuat::from_xyzw(-2.821668210076401e-1, 3.716787100216282e-2, -7.059676274211393e-1, 6.485446349488803e-1);
+    let c = deep(&disc, &long, Pose::new(DVec3::ZERO, turn).unwrap());
+    assert!(c.hit && c.depth_lower >= 0.001 && c.depth_upper > c.depth_lower, "{c:?}");
+    let along = (c.point_a - c.point_b).dot(c.normal);
+    assert!(along >= 0.999 * c.depth_lower && along <= c.depth_upper + 1e-12, "{along:e}: {c:?}");
+}

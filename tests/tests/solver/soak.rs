@@ -1,0 +1,70 @@
+//! The solver on 100,000 pairs. A certificate verifies each answer. The program `solver-soak` does
+//! this for any number of pairs, and the nightly run for a million.
+
+use hullmap_tests::{
+    game_hulls,
+    soak::{
+        cast::{Cast, Kind, Stock},
+        soak,
+        tally::Tally,
+    },
+};
+
+/// Pairs 0 to 99,999 of this seed.
+const SEED: u64 = 20_261_121;
+const PAIRS: u64 = 100_000;
+
+/// One game hull in this many is used: baking all of them without optimization would take longer
+/// than judging the pairs.
+const STRIDE: usize = 32;
+
+/// Maximum shares of undecided, stalled or capped answers, for `intersects`, `contact` and
+/// `distance`: curved shapes that graze each other, and flat shapes thinner than the rounding
+/// error.
+const UNSETTLED: [f64; 3] = [2e-3, 5e-3, 2e-2];
+
+fn judged(clouds: &[Vec<[f32; 3]>], pairs: u64) -> Tally {
+    let stock = Stock::bake(clouds, STRIDE);
+    let cast = Cast::new(&stock);
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let tally = soak(&cast, SEED, 0..pairs, threads);
+    println!("seed {SEED}, bodies {:?}, not baked {:?}\n{tally}", cast.counts, stock.refused);
+    let wrong: Vec<String> = tally.wrongs().take(3).map(|wrong| wrong.to_string()).collect();
+    assert!(wrong.is_empty(), "seed {SEED}: {:?}\n{}", tally.wrong, wrong.join("\n"));
+    tally
+}
+
+#[test]
+fn every_answer_has_a_certificate() {
+    let clouds = game_hulls::clouds("the game hulls of the soak, generated shapes alone").unwrap_or_default();
+    let tally = judged(&clouds, PAIRS);
+    assert_eq!(tally.pairs, PAIRS);
+    // The sample is representative.
+    assert!((0.35..=0.65).contains(&tally.hits()), "one-sided: {} hit", tally.hits());
+    assert_eq!(tally.meetings.len(), 5);
+    let touching = tally.statuses[0]["touching"] as f64 / tally.judged as f64;
+    assert!((0.1..=0.4).contains(&touching), "{touching} touch");
+    for kind in [Kind::Family, Kind::Sliver, Kind::Flat, Kind::Closed] {
+        assert!(tally.kinds[&kind] > PAIRS / 50, "{kind:?}");
+    }
+    assert!(clouds.is_empty() || tally.kinds[&Kind::Game] > PAIRS / 10);
+    assert!(tally.normals > PAIRS / 20 && tally.facets > PAIRS / 5_000);
+    for (which, share) in UNSETTLED.into_iter().enumerate() {
+        let of = |status: &str| tally.statuses[which].get(status).copied().unwrap_or(0);
+        let unsettled = of("undecided") + of("stalled") + of("iteration_limit");
+        assert!(unsettled as f64 <= share * tally.judged as f64, "{which}: {unsettled} of {}", tally.judged);
+    }
+}
+
+#[test]
+fn the_tally_does_not_depend_on_threads_or_pieces() {
+    let stock = Stock::bake(&[], 1);
+    let cast = Cast::new(&stock);
+    let alone = soak(&cast, SEED, 0..10_000, 1);
+    for threads in [2, 16] {
+        assert_eq!(soak(&cast, SEED, 0..10_000, threads), alone, "{threads} threads");
+    }
+    let mut pieces = soak(&cast, SEED, 0..3_333, 2);
+    pieces.add(soak(&cast, SEED, 3_333..10_000, 2));
+    assert_eq!(pieces, alone);
+}
