@@ -1,7 +1,7 @@
-//! Support queries for everyday use: has the last change made ours slower? `cargo bench -p hullmap-bench`.
+//! Everyday benchmark of support queries: detects a slower change. `cargo bench -p hullmap-bench`.
 //!
-//! A run of the closure is a batch of [`BATCH`] queries: divide by it, or read the queries a second. The comparison with everybody else, with cold caches and with
-//! exactness, is the binary `support-table`.
+//! A run of the closure is a batch of [`BATCH`] queries: divide by it, or read the queries a
+//! second. The binary `support-table` compares all rivals, with cold caches and exactness.
 
 use std::{cell::RefCell, fmt, rc::Rc};
 
@@ -20,7 +20,7 @@ const BATCH: usize = 4096;
 
 const COUNTS: [usize; 5] = [8, 128, 1024, 8192, 65_536];
 
-/// Whom to watch: ours, and one of the others to tell a slow machine from slow code.
+/// Rivals to watch: ours, and another one to distinguish a slow machine from slow code.
 const WATCHED: [&str; 2] = [rivals::DEFAULT_INDEX, "cube map 64"];
 
 /// A rival on a sphere of `n` points.
@@ -36,11 +36,11 @@ impl fmt::Display for Case {
     }
 }
 
-/// Everyone, on a subject of `n` points.
+/// All rivals on a subject of `n` points.
 type Entered = (usize, Rc<Vec<Box<dyn Contestant>>>);
 
 thread_local! {
-    /// Who has been entered: baking is not for every benchmark anew.
+    /// Rivals created so far, so that each subject is baked once.
     static ENTERED: RefCell<Vec<Entered>> = const { RefCell::new(Vec::new()) };
 }
 
@@ -62,7 +62,7 @@ fn cases() -> impl Iterator<Item = Case> {
 fn bench(bencher: Bencher<'_, '_>, case: Case, flow: Flow, dirs: &[Vec3]) {
     let entries = entered(case.n);
     let entry = entries.iter().find(|e| e.name() == case.rival).expect("the rival is entered");
-    bencher.counter(ItemsCount::new(dirs.len())).bench_local(|| entry.ask(flow, black_box(dirs)));
+    bencher.counter(ItemsCount::new(dirs.len())).bench_local(|| entry.query_all(flow, black_box(dirs)));
 }
 
 #[divan::bench(args = cases())]

@@ -1,5 +1,5 @@
-//! Line charts as SVG: labelled axes from zero, light grid, one colour a line in order from light to dark, and a legend
-//! in which every name stands where its line ends. System fonts only; nothing is loaded.
+//! Line charts as SVG: labelled axes, light grid, one colour a line, and a legend in which every
+//! name stands where its line ends. System fonts only; nothing is loaded.
 
 use std::fmt::Write;
 
@@ -10,10 +10,10 @@ const HEIGHT: f64 = 520.0;
 /// Room around the plot: left, right, above, below.
 const MARGIN: [f64; 4] = [84.0, 150.0, 84.0, 64.0];
 
-/// Least distance of two names in the legend.
+/// Minimum distance of two names in the legend, in pixels.
 const LEGEND_STEP: f64 = 21.0;
 
-/// Most grid lines of an axis, about.
+/// Approximate maximum number of grid lines of a linear axis.
 const TICKS: f64 = 6.0;
 
 /// Colours from light to dark: teal through blue to plum, all readable on white.
@@ -24,8 +24,21 @@ const RAMP: [[f64; 3]; 4] = [[66.0, 178.0, 150.0], [38.0, 128.0, 176.0], [62.0, 
 pub struct Series {
     /// Its name in the legend.
     pub name: String,
-    /// Points, x ascending, both coordinates at least 0.
+    /// Points with ascending x. On a linear scale both coordinates are at least 0, on a
+    /// logarithmic one they are positive.
     pub points: Vec<[f64; 2]>,
+    /// Colour as in CSS; `None` for the next one of the ramp.
+    pub colour: Option<String>,
+}
+
+/// Scale of both axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// From zero, with round steps.
+    Linear,
+    /// From the largest power of ten below the values (y), and from the first point to the last
+    /// (x).
+    Logarithmic,
 }
 
 /// A chart.
@@ -35,24 +48,77 @@ pub struct Chart {
     pub title: String,
     /// Under the title, small.
     pub subtitle: String,
-    /// What x is.
+    /// Label of the x axis.
     pub x_label: String,
-    /// What y is.
+    /// Label of the y axis.
     pub y_label: String,
-    /// What the names in the legend are.
+    /// Heading of the legend.
     pub legend_title: String,
-    /// The lines, in order.
+    /// Scale of both axes.
+    pub scale: Scale,
+    /// The lines, in the order of their colours.
     pub series: Vec<Series>,
 }
 
-/// An axis from 0 to `end`, in steps that people count in.
-#[derive(Clone, Copy, Debug)]
+/// Ticks of an axis with their labels, and the position of a value on it, from 0 to 1.
+#[derive(Clone, Debug)]
 struct Axis {
+    start: f64,
+    end: f64,
+    scale: Scale,
+    ticks: Vec<(f64, String)>,
+}
+
+impl Axis {
+    /// The axis of `values`; `tens` chooses powers of ten for the ticks of a logarithmic axis,
+    /// otherwise the values themselves are the ticks.
+    fn new(values: impl Iterator<Item = f64>, scale: Scale, tens: bool) -> Self {
+        let mut values: Vec<f64> = values.collect();
+        values.sort_unstable_by(f64::total_cmp);
+        values.dedup();
+        let (least, greatest) = (values.first().copied().unwrap_or(1.0), values.last().copied().unwrap_or(1.0));
+        match scale {
+            Scale::Linear => {
+                let steps = Steps::new(greatest);
+                let ticks = steps.ticks().map(|tick| (tick, steps.label(tick))).collect();
+                Self { start: 0.0, end: steps.end, scale, ticks }
+            }
+            Scale::Logarithmic if tens => {
+                let (low, high) = (least.log10().floor() as i32, greatest.log10().ceil() as i32);
+                let ticks = (low..=high).map(|power| (10_f64.powi(power), power_label(power))).collect();
+                Self { start: 10_f64.powi(low), end: 10_f64.powi(high), scale, ticks }
+            }
+            Scale::Logarithmic => {
+                let ticks = values.iter().map(|value| (*value, thousands(&value.to_string()))).collect();
+                Self { start: least, end: greatest, scale, ticks }
+            }
+        }
+    }
+
+    fn position(&self, value: f64) -> f64 {
+        match self.scale {
+            Scale::Linear => (value - self.start) / (self.end - self.start),
+            Scale::Logarithmic => (value / self.start).ln() / (self.end / self.start).ln(),
+        }
+    }
+}
+
+/// 0.1, 1, 10, 1 000.
+fn power_label(power: i32) -> String {
+    match usize::try_from(power) {
+        Ok(zeros) => thousands(&format!("1{}", "0".repeat(zeros))),
+        Err(_) => format!("{:.*}", power.unsigned_abs() as usize, 10_f64.powi(power)),
+    }
+}
+
+/// Round steps from 0 to `end`.
+#[derive(Clone, Copy, Debug)]
+struct Steps {
     step: f64,
     end: f64,
 }
 
-impl Axis {
+impl Steps {
     fn new(greatest: f64) -> Self {
         let rough = if greatest > 0.0 { greatest / TICKS } else { 1.0 };
         let magnitude = 10_f64.powf(rough.log10().floor());
@@ -92,11 +158,11 @@ impl Chart {
     /// The picture.
     pub fn to_svg(&self) -> String {
         let [left, right, above, below] = MARGIN;
-        let greatest = |c: usize| self.series.iter().flat_map(|s| &s.points).map(|p| p[c]).fold(0.0, f64::max);
-        let (x_axis, y_axis) = (Axis::new(greatest(0)), Axis::new(greatest(1)));
+        let values = |c: usize| self.series.iter().flat_map(|s| &s.points).map(move |p| p[c]);
+        let (x_axis, y_axis) = (Axis::new(values(0), self.scale, false), Axis::new(values(1), self.scale, true));
         let (plot_right, plot_bottom) = (WIDTH - right, HEIGHT - below);
-        let x = |value: f64| left + value / x_axis.end * (plot_right - left);
-        let y = |value: f64| plot_bottom - value / y_axis.end * (plot_bottom - above);
+        let x = |value: f64| left + x_axis.position(value) * (plot_right - left);
+        let y = |value: f64| plot_bottom - y_axis.position(value) * (plot_bottom - above);
 
         let mut svg = String::new();
         let mut line = |text: String| {
@@ -114,30 +180,21 @@ impl Chart {
             escaped(&self.title)
         ));
         line(format!("<text x=\"{left}\" y=\"57\" fill=\"#666\">{}</text>", escaped(&self.subtitle)));
-        for tick in y_axis.ticks() {
-            let at = y(tick);
+        for (tick, label) in &y_axis.ticks {
+            let at = y(*tick);
             line(format!(
                 "<line x1=\"{left}\" y1=\"{at:.1}\" x2=\"{plot_right}\" y2=\"{at:.1}\" stroke=\"{}\"/>",
-                if tick == 0.0 { "#555" } else { "#e4e4e4" }
+                if *tick == y_axis.start { "#555" } else { "#e4e4e4" }
             ));
-            line(format!(
-                "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
-                left - 10.0,
-                at + 4.5,
-                y_axis.label(tick)
-            ));
+            line(format!("<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>", left - 10.0, at + 4.5, label));
         }
-        for tick in x_axis.ticks() {
-            let at = x(tick);
+        for (tick, label) in &x_axis.ticks {
+            let at = x(*tick);
             line(format!(
                 "<line x1=\"{at:.1}\" y1=\"{plot_bottom}\" x2=\"{at:.1}\" y2=\"{}\" stroke=\"#555\"/>",
                 plot_bottom + 5.0
             ));
-            line(format!(
-                "<text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
-                plot_bottom + 21.0,
-                x_axis.label(tick)
-            ));
+            line(format!("<text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>", plot_bottom + 21.0, label));
         }
         line(format!(
             "<text x=\"{:.1}\" y=\"{}\" text-anchor=\"middle\" fill=\"#111\">{}</text>",
@@ -154,7 +211,7 @@ impl Chart {
         let ends: Vec<f64> = self.series.iter().map(|s| y(s.points.last().map_or(0.0, |p| p[1]))).collect();
         let places = spread(&ends, above + LEGEND_STEP / 2.0, plot_bottom);
         for (number, ((series, end), place)) in self.series.iter().zip(&ends).zip(&places).enumerate() {
-            let colour = colour(number, self.series.len());
+            let colour = series.colour.clone().unwrap_or_else(|| ramp(number, self.series.len()));
             let mut path = String::new();
             for (i, point) in series.points.iter().enumerate() {
                 // Writing to a string does not fail.
@@ -196,14 +253,15 @@ impl Chart {
     }
 }
 
-/// Moves places at least [`LEGEND_STEP`] apart, in their order and between the limits, and as little as that takes.
+/// Moves positions by as little as possible, so that they are at least [`LEGEND_STEP`] from each
+/// other, in order and between the limits.
 ///
-/// Places that would overlap join into a stack around the mean of where they want to be.
+/// Positions that would overlap join a stack around the mean of their wanted positions.
 fn spread(wanted: &[f64], top: f64, bottom: f64) -> Vec<f64> {
     let mut order: Vec<usize> = (0..wanted.len()).collect();
-    // Among equals the later series, of more vertices, stands above.
+    // Of two equal positions, the later series is above.
     order.sort_by(|&a, &b| wanted[a].total_cmp(&wanted[b]).then(b.cmp(&a)));
-    // Stacks from the top: their first place and their members.
+    // Stacks from the top: first position and members.
     let mut stacks: Vec<(f64, Vec<usize>)> = Vec::new();
     for i in order {
         let mut members = vec![i];
@@ -232,7 +290,7 @@ fn spread(wanted: &[f64], top: f64, bottom: f64) -> Vec<f64> {
     places
 }
 
-fn colour(number: usize, count: usize) -> String {
+fn ramp(number: usize, count: usize) -> String {
     let at = if count > 1 { number as f64 / (count - 1) as f64 * (RAMP.len() - 1) as f64 } else { 0.0 };
     let low = (at as usize).min(RAMP.len() - 2);
     let share = at - low as f64;
@@ -249,13 +307,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn axes_count_as_people_do() {
-        let axis = Axis::new(9_400.0);
-        assert_eq!((axis.step, axis.end), (2_000.0, 10_000.0));
-        assert_eq!(axis.label(10_000.0), "10\u{2009}000");
-        let small = Axis::new(0.013);
+    fn ticks_are_round_numbers() {
+        let steps = Steps::new(9_400.0);
+        assert_eq!((steps.step, steps.end), (2_000.0, 10_000.0));
+        assert_eq!(steps.label(10_000.0), "10\u{2009}000");
+        let small = Steps::new(0.013);
         assert_eq!(small.label(small.step), "0.0025");
-        assert_eq!(Axis::new(0.0).end, 1.0);
+        assert_eq!(Steps::new(0.0).end, 1.0);
+    }
+
+    #[test]
+    fn logarithmic_axes_span_powers_of_ten() {
+        let axis = Axis::new([0.3, 40.0, 2_000.0].into_iter(), Scale::Logarithmic, true);
+        let labels: Vec<&str> = axis.ticks.iter().map(|(_, label)| label.as_str()).collect();
+        assert_eq!(labels, ["0.1", "1", "10", "100", "1\u{2009}000", "10\u{2009}000"]);
+        assert!((axis.position(0.1) - 0.0).abs() < 1e-12 && (axis.position(1.0) - 0.2).abs() < 1e-12);
+        let values = Axis::new([32.0, 128.0, 32.0].into_iter(), Scale::Logarithmic, false);
+        assert_eq!((values.ticks.len(), values.position(64.0)), (2, 0.5));
     }
 
     #[test]
@@ -270,13 +338,15 @@ mod tests {
 
     #[test]
     fn text_is_escaped_and_every_line_drawn() {
-        let series = |name: &str| Series { name: name.to_owned(), points: vec![[1.0, 2.0], [2.0, 3.0]] };
+        let points = vec![[1.0, 2.0], [2.0, 3.0]];
+        let series = |name: &str| Series { name: name.to_owned(), points: points.clone(), colour: None };
         let chart = Chart {
             title: "a < b & c".to_owned(),
             subtitle: String::new(),
             x_label: "x".to_owned(),
             y_label: "y".to_owned(),
             legend_title: "n".to_owned(),
+            scale: Scale::Linear,
             series: vec![series("8"), series("16")],
         };
         let svg = chart.to_svg();

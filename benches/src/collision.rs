@@ -1,10 +1,10 @@
-//! The paper's experiment (section 5): how long many object-object collision tests take.
+//! The paper's experiment (section 5): the time of many collision tests between two objects.
 //!
-//! The objects are [`BODIES`] rocks, random convex shapes, with n points each; a rock's outline is the same for every n
-//! but for its detail. A test is [`hullmap::intersects`] on a random pair in a random pose, with nothing remembered from
-//! the tests before. Of the poses a third is deep, a third within 2 % of touching, a third apart: the distance at which
-//! a pair touches is found by bisection, for every n anew, so that the mix is the same for every n. The indices that
-//! are compared get the same poses.
+//! The objects are [`BODIES`] rocks, random convex shapes, with n points each. A rock has the same
+//! outline for every n, in different detail. A test is [`hullmap::intersects`] on a random pair in
+//! a random pose, with an empty cache. A third of the poses penetrate, a third are within 2 % of
+//! touching, a third are separated. The distance at which a pair touches is found by bisection for
+//! every n, so that the mix is the same for every n. All indices get the same poses.
 
 use std::{
     hint::black_box,
@@ -21,10 +21,11 @@ use crate::{
     subject::Subject,
 };
 
-/// How many different rocks there are.
+/// Number of different rocks.
 pub const BODIES: u64 = 4;
 
-/// Two bodies and where the second is: `share` times as far along `direction` as where it touches the first.
+/// Two bodies and the position of the second: along `direction`, at `share` times the distance at
+/// which it touches the first.
 #[derive(Clone, Copy, Debug)]
 struct Pair {
     a: usize,
@@ -42,7 +43,7 @@ pub struct Test {
     b_in_a: Pose,
 }
 
-/// The tests, whatever the bodies' detail.
+/// The tests, independent of the bodies' detail.
 #[derive(Clone, Debug)]
 pub struct Scene {
     pairs: Vec<Pair>,
@@ -53,14 +54,14 @@ pub struct Bodies {
     packs: Vec<Pack>,
 }
 
-/// What a run through a scene took.
+/// Measurements of a run through a scene.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// Time until each checkpoint.
     pub times: Vec<Duration>,
     /// Tests that found an overlap.
     pub hits: usize,
-    /// Support queries asked, of both bodies together.
+    /// Number of support queries, on both bodies together.
     pub support_queries: u64,
 }
 
@@ -82,7 +83,7 @@ impl Scene {
         Self { pairs: pairs.collect() }
     }
 
-    /// Places the pairs, by the shapes of `bodies`.
+    /// Computes the poses of the pairs from the shapes of `bodies`.
     ///
     /// # Panics
     /// If a pack has no hull or a pose is not finite: bugs.
@@ -103,7 +104,7 @@ impl Pair {
 }
 
 impl Bodies {
-    /// Bakes all bodies with `n` points each, once for every one of `kinds`.
+    /// Bakes all bodies with `n` points each, once for each of `kinds`.
     pub fn bake<const K: usize>(n: usize, kinds: [IndexKind; K]) -> [Self; K] {
         let subjects: Vec<Subject> = (0..BODIES).map(|seed| Subject::new(Family::Rock, n, seed)).collect();
         kinds.map(|kind| Self { packs: subjects.iter().map(|subject| subject.pack(kind)).collect() })
@@ -113,7 +114,7 @@ impl Bodies {
         self.packs.iter().map(|pack| pack.hull(0).expect("a pack has a hull")).collect()
     }
 
-    /// Runs all of `tests`; times are taken after every `step` of them.
+    /// Runs all `tests`, and records the time after every `step` of them.
     ///
     /// # Panics
     /// If a pack has no hull: a bug.
@@ -137,12 +138,13 @@ impl Bodies {
 mod tests {
     use super::*;
 
-    /// The figures are about one and the same work: same answers, same number of queries, and a fair mix of both.
+    /// All indices do the same work: same answers, same number of queries, and a fair mix of both
+    /// outcomes.
     #[test]
-    fn indices_give_the_same_collisions() {
+    fn all_index_kinds_find_the_same_collisions() {
         let scene = Scene::new(400, 7);
         for n in [8, 200] {
-            let [scan, tree] = Bodies::bake(n, [IndexKind::None, IndexKind::TREE]);
+            let [scan, tree] = Bodies::bake(n, [IndexKind::None, IndexKind::Tree]);
             let tests = scene.place(&tree);
             let (scan, tree) = (scan.run(&tests, 100), tree.run(&tests, 100));
             assert_eq!((scan.hits, scan.support_queries), (tree.hits, tree.support_queries));

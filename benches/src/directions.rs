@@ -1,14 +1,15 @@
-//! Directions to ask for, seeded: unit vectors in f32.
+//! Query directions, seeded: unit vectors in f32.
 
 use glam::{DVec3, Vec3};
 use shapes::rng::SplitMix64;
 
 use crate::subject::Subject;
 
-/// By how much the direction of [`turning`] changes a query, in radians: one degree.
+/// Angle between successive directions of [`turning`], in radians: one degree.
 pub const TURN_RAD: f64 = std::f64::consts::PI / 180.0;
 
-/// How fast the path of [`turning`] bends aside, against how fast it goes on: it covers the sphere, not one circle.
+/// Sideways speed of the path of [`turning`] over its forward speed. It makes the path cover the
+/// sphere instead of one circle.
 const WANDER: f64 = 0.2;
 
 /// `count` directions, uniform over the sphere and independent of each other.
@@ -17,7 +18,8 @@ pub fn random(count: usize, seed: u64) -> Vec<Vec3> {
     (0..count).map(|_| DVec3::from_array(rng.direction()).as_vec3()).collect()
 }
 
-/// `count` directions, each [`TURN_RAD`] from the one before, along a path that wanders over the sphere.
+/// `count` directions, each [`TURN_RAD`] from the one before, along a path that wanders over the
+/// sphere.
 pub fn turning(count: usize, seed: u64) -> Vec<Vec3> {
     let mut rng = SplitMix64::new(seed);
     let mut dir = DVec3::from_array(rng.direction());
@@ -33,8 +35,8 @@ pub fn turning(count: usize, seed: u64) -> Vec<Vec3> {
         .collect()
 }
 
-/// `count` directions in which answers go wrong: half are random, a quarter normals of faces, a quarter such normals
-/// disturbed by 0.1 … 1e-8.
+/// `count` directions, difficult ones among them: half are random, a quarter are face normals, a
+/// quarter are face normals disturbed by 0.1 … 1e-8.
 pub fn awkward(subject: &Subject, count: usize, seed: u64) -> Vec<Vec3> {
     let mut rng = SplitMix64::new(seed);
     let normals = subject.face_normals();
@@ -53,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn turning_turns_by_a_degree_and_gets_around() {
+    fn turning_steps_one_degree_and_covers_all_octants() {
         let dirs = turning(5_000, 3);
         for pair in dirs.windows(2) {
             let angle_rad = pair[0].as_dvec3().angle_between(pair[1].as_dvec3());

@@ -1,15 +1,16 @@
 //! Emptying the caches between cold queries.
 //!
-//! A buffer of twice the last-level cache is read and written once a cache line, which pushes
-//! everything else out of all levels, and out of the TLB. The size is what Linux says of the first processor; where it
-//! says nothing, 32 MiB. On a shared machine the cache may be larger than a guest is told.
+//! One word in each cache line of a buffer of twice the last-level cache is read and written. That
+//! evicts everything else from all cache levels and from the TLB. The size is what Linux reports
+//! for processor 0, or 32 MiB if it reports none. On a shared machine the real cache may be larger.
 
 use std::{fs, hint::black_box};
 
-/// How many times the last-level cache is swept through. Twice, as caches replace not quite the oldest line.
+/// Size of the buffer over that of the last-level cache. Twice, since caches do not always replace
+/// the oldest line.
 const LAST_LEVEL_FACTOR: usize = 2;
 
-/// Last-level cache of a machine that does not tell, in bytes.
+/// Assumed last-level cache of a machine that does not report it, in bytes.
 const FALLBACK_BYTES: usize = 32 << 20;
 
 /// Length of a cache line, in 8-byte words.
@@ -24,7 +25,7 @@ impl Eviction {
     /// A buffer for this machine.
     pub fn new() -> Self {
         let bytes = LAST_LEVEL_FACTOR * last_level_bytes().unwrap_or(FALLBACK_BYTES);
-        // Not of zeros: pages of zeros are all the same physical page until they are written.
+        // Not zeros: until they are written, all pages of zeros are the same physical page.
         Self { buffer: vec![1; bytes / size_of::<u64>()] }
     }
 
@@ -33,7 +34,7 @@ impl Eviction {
         size_of_val(self.buffer.as_slice())
     }
 
-    /// Sweeps the caches.
+    /// Evicts everything else from the caches.
     pub fn evict(&mut self) {
         for line in self.buffer.chunks_mut(LINE_WORDS) {
             line[0] = line[0].wrapping_add(1);

@@ -1,4 +1,4 @@
-//! How well measured times follow the paper's equation 3, and how flat they are.
+//! Least-squares fits of measured times: the paper's equation 3, and the exponent of n.
 
 /// The time of `tests` collision tests on hulls of `n` vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,23 +11,23 @@ pub struct Sample {
     pub time_ns: f64,
 }
 
-/// t = n · c, times the factor that the paper leaves out: nanoseconds a vertex and test.
+/// t = n · c, with the factor that the paper omits: nanoseconds for each vertex and test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proportional {
-    /// Nanoseconds a vertex and test.
+    /// Nanoseconds for each vertex and test.
     pub factor_ns: f64,
-    /// Share of the variance that the line explains.
+    /// Fraction of the variance that the line explains.
     pub r_squared: f64,
 }
 
 /// t = c · (a + b · n).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Affine {
-    /// Nanoseconds a test.
+    /// Nanoseconds for each test.
     pub per_test_ns: f64,
-    /// Nanoseconds a vertex and test.
+    /// Nanoseconds for each vertex and test.
     pub per_vertex_ns: f64,
-    /// Share of the variance that the line explains.
+    /// Fraction of the variance that the line explains.
     pub r_squared: f64,
 }
 
@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_are_found() {
+    fn fits_recover_the_line() {
         let samples = samples(|n, tests| tests * (300.0 + 2.0 * n));
         let fit = affine(&samples);
         assert!((fit.per_test_ns - 300.0).abs() < 1e-6 && (fit.per_vertex_ns - 2.0).abs() < 1e-9, "{fit:?}");
@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn exponents() {
+    fn exponents_of_proportional_and_flat_times() {
         assert!((exponent(&samples(|n, tests| 3.0 * n * tests)) - 1.0).abs() < 1e-12);
         assert!(exponent(&samples(|_, tests| 700.0 * tests)).abs() < 1e-12);
     }

@@ -1,25 +1,28 @@
-//! Benchmarks: support queries side by side with everybody else's, the solver beside parry3d, and the paper's Figures 6
-//! and 7 with our data.
+//! Benchmarks: support queries beside other methods, the solver beside parry3d, and the paper's
+//! Figures 6 and 7 with our data.
 //!
 //! | module | what |
 //! |---|---|
-//! | [`subject`] | the hull that is asked: a family of [`shapes`], baked |
-//! | [`rivals`] | the ways to answer, ours and the others', each with its own tables |
-//! | [`query`] | what a rival is, and the loops that ask it |
-//! | [`directions`] | what is asked: random, turning, and the awkward ones |
+//! | [`subject`] | a family of [`shapes`], baked |
+//! | [`rivals`] | the methods that are compared, each with its own tables |
+//! | [`query`] | what a rival is, and the loops that query it |
+//! | [`directions`] | query directions: random, turning, and difficult ones |
 //! | [`measure`] | interleaved timing: throughput, latency, coherent, cold |
 //! | [`eviction`] | how caches are emptied for cold queries |
-//! | [`regret`] | how far from the truth the answers are, in f64 |
-//! | [`matrix`], [`report`] | the tables |
+//! | [`regret`] | error of the answers, in f64 |
+//! | [`matrix`], [`report`], [`csv`] | the tables |
 //! | [`solver`] | contact, intersects and distance beside parry3d |
+//! | [`comparison`] | the chart of the README, from a committed result |
 //! | [`collision`], [`fit`], [`chart`] | the paper's figures |
-//! | [`machine`], [`output`] | which machine it was; files written whole or not at all |
+//! | [`machine`], [`output`] | machine, compiler and commit; atomic writing of files |
 //!
-//! A new index of ours is one line in [`rivals::INDICES`].
+//! A new index kind is one line in [`rivals::INDICES`].
 #![deny(unsafe_code)]
 
 pub mod chart;
 pub mod collision;
+pub mod comparison;
+pub mod csv;
 pub mod directions;
 pub mod eviction;
 pub mod fit;

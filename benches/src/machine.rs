@@ -1,4 +1,4 @@
-//! Which machine, compiler and commit a result is of.
+//! The machine, compiler and commit of a result.
 
 use std::{
     fs,
@@ -7,10 +7,10 @@ use std::{
     time::{SystemTime, UNIX_EPOCH},
 };
 
-/// What could not be found out.
+/// Stands for facts that could not be determined.
 const UNKNOWN: &str = "unknown";
 
-/// Where and when something was measured.
+/// Place and time of a measurement.
 #[derive(Clone, Debug)]
 pub struct Machine {
     /// Day of the measurement, UTC, as 2026-11-21.
@@ -19,7 +19,7 @@ pub struct Machine {
     pub processor: String,
     /// Processors this process may use.
     pub cores: usize,
-    /// What `rustc --version` says.
+    /// Output of `rustc --version`.
     pub rustc: String,
     /// Short hash of the commit, with `-dirty` if files differ from it.
     pub commit: String,
@@ -40,7 +40,7 @@ impl Machine {
         }
     }
 
-    /// One line a fact, as markdown.
+    /// A markdown list, one line for each fact.
     pub fn to_markdown(&self) -> String {
         format!(
             "- date: {}\n- processor: {}, {} cores\n- compiler: {}\n- commit: {}\n",

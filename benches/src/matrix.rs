@@ -11,11 +11,11 @@ pub struct Matrix {
     rows: Vec<(String, Vec<String>)>,
 }
 
-/// What stands in a cell that was never set.
+/// Content of a cell that was never set.
 const EMPTY: &str = "-";
 
 impl Matrix {
-    /// An empty table; `corner` names what the rows are.
+    /// An empty table; `corner` is the heading of the row names.
     pub fn new(title: &str, corner: &str) -> Self {
         Self { title: title.to_owned(), corner: corner.to_owned(), ..Self::default() }
     }
@@ -43,7 +43,7 @@ impl Matrix {
         cells[column] = cell;
     }
 
-    /// All lines of cells, the head first.
+    /// All lines of cells, the header first.
     fn lines(&self) -> Vec<Vec<&str>> {
         let head = std::iter::once(self.corner.as_str()).chain(self.columns.iter().map(String::as_str)).collect();
         let body = self.rows.iter().map(|(name, cells)| {
@@ -53,7 +53,7 @@ impl Matrix {
         std::iter::once(head).chain(body).collect()
     }
 
-    /// Columns padded to the same width, names to the left and cells to the right.
+    /// Text with columns of equal width, names aligned to the left and cells to the right.
     pub fn to_text(&self) -> String {
         let lines = self.lines();
         let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);

@@ -1,12 +1,14 @@
 //! Interleaved timing of rivals.
 //!
-//! For each mode every rival is calibrated to a batch of about [`Effort::batch`], then the rivals take turns for
-//! [`Effort::rounds`] rounds, each round in another order, so that a slow spell of the machine hits all alike. What is
-//! reported is the median over the rounds, with the quartiles beside it.
+//! For each mode every rival is calibrated to a batch of about [`Effort::batch`]. Then the rivals
+//! take turns for [`Effort::rounds`] rounds, each round in a different order, so that a slow spell
+//! of the machine affects all of them. The result is the median over the rounds, with the
+//! quartiles.
 //!
-//! All modes but the cold one are hot: a batch runs twice and the second pass counts, as the rivals before it have
-//! pushed its tables out of the cache. What is hot is what up to [`DIRECTION_COUNT`] directions lead to: of a large
-//! index that is more than the second-level cache holds.
+//! All modes except the cold one are hot: a batch runs twice and the second pass counts, since the
+//! rivals before it have evicted its tables from the cache. The hot part of the tables is what up
+//! to [`DIRECTION_COUNT`] directions lead to. For a large index that is more than the second-level
+//! cache holds.
 
 use std::time::Duration;
 
@@ -19,22 +21,24 @@ use crate::{
     query::{Contestant, Flow},
 };
 
-/// Directions prepared for a mode. Many, so that branch predictors cannot learn them by heart.
+/// Number of directions prepared for a mode: too many for branch predictors to learn.
 pub const DIRECTION_COUNT: usize = 8192;
 
-/// Queries of the batch that calibrates the others.
+/// Number of queries in the calibration batch.
 const CALIBRATION_QUERIES: usize = 16;
 
-/// How a rival is asked.
+/// How the queries of a batch follow each other, and what is in the caches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
-    /// Random directions, known beforehand: how many queries a second.
+    /// Random directions, known in advance: queries per second.
     Throughput,
-    /// Random directions, each depending on the answer before it: how long one query takes.
+    /// Random directions, each depending on the last answer: the time of one query.
     Latency,
-    /// Directions that turn by a degree a query, each depending on the answer before it. Rivals may remember.
+    /// Directions that turn by one degree a query, each depending on the last answer. Rivals may
+    /// keep state.
     Coherent,
-    /// Random directions, each to a copy of the rival that is in no cache, each depending on the answer before it.
+    /// Random directions, each to a copy of the rival that is in no cache, each depending on the
+    /// last answer.
     Cold,
 }
 
@@ -65,14 +69,14 @@ impl Mode {
     }
 }
 
-/// How much time to spend.
+/// Measuring effort.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
-    /// Time of one batch, about.
+    /// Approximate time of one batch.
     pub batch: Duration,
-    /// Batches of each rival and mode.
+    /// Number of batches for each rival and mode.
     pub rounds: usize,
-    /// Rounds of the cold mode, each of which empties the caches once a rival.
+    /// Number of rounds of the cold mode, each of which empties the caches once for each rival.
     pub cold_rounds: usize,
 }
 
@@ -105,7 +109,7 @@ impl Timing {
     }
 }
 
-/// Times all of `rivals`; one timing each, in their order.
+/// Times all `rivals`; returns one timing each, in their order.
 pub fn time(
     rivals: &mut [Box<dyn Contestant>],
     mode: Mode,
@@ -138,7 +142,7 @@ pub fn time(
     samples.into_iter().map(Timing::new).collect()
 }
 
-/// How many queries take about a batch's time.
+/// Number of queries that take about the time of a batch.
 fn calibrate(rival: &dyn Contestant, mode: Mode, effort: Effort, dirs: &[Vec3]) -> usize {
     let time = rival.run(mode.flow(), &dirs[..CALIBRATION_QUERIES]);
     let count = effort.batch.as_secs_f64() * CALIBRATION_QUERIES as f64 / time.as_secs_f64().max(1e-9);
@@ -149,7 +153,7 @@ fn nanos_per(time: Duration, count: usize) -> f64 {
     time.as_secs_f64() * 1e9 / count as f64
 }
 
-/// The numbers below `count`, in random order.
+/// The indices below `count`, in random order.
 pub fn shuffled(count: usize, rng: &mut SplitMix64) -> Vec<usize> {
     let mut order: Vec<usize> = (0..count).collect();
     for last in (1..count).rev() {
@@ -163,7 +167,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn medians_and_quartiles() {
+    fn timings_are_medians_and_quartiles() {
         let timing = Timing::new(vec![9.0, 1.0, 5.0, 3.0, 7.0]);
         assert_eq!(timing, Timing { median_ns: 5.0, quartiles_ns: [3.0, 7.0] });
     }

@@ -1,4 +1,4 @@
-//! Files written whole or not at all.
+//! Atomic writing of files.
 
 use std::{
     fs,
@@ -9,7 +9,7 @@ use std::{
 /// Writes `text` to a temporary file beside `path`, then renames it.
 ///
 /// # Errors
-/// What the file system says, with the path.
+/// Any error of the file system, with the path.
 pub fn write(path: &Path, text: &str) -> io::Result<()> {
     let explained = |e: io::Error| io::Error::new(e.kind(), format!("cannot write {}: {e}", path.display()));
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));

@@ -1,8 +1,9 @@
-//! What a rival is, and the loops that ask it.
+//! Rivals, and the loops that query them.
 //!
-//! A [`Rival`] owns its tables; its [`Query`](Rival::Query) borrows them and holds what a caller would keep between
-//! queries. The loops are methods of [`Contestant`], which every rival gets: the one virtual call is a batch's, inside
-//! it `support` is static and inlined as in a caller's own loop.
+//! A [`Rival`] owns its tables. Its [`Query`](Rival::Query) borrows them and holds the state a
+//! caller would keep between queries. The loops are methods of [`Contestant`], which every rival
+//! implements through [`Entry`]. There is one virtual call for each batch; inside it `support` is
+//! static and inlined, as in a caller's own loop.
 
 use std::{
     hint::black_box,
@@ -14,23 +15,25 @@ use shapes::rng::SplitMix64;
 
 use crate::eviction::Eviction;
 
-/// Factor on the last answer when it is added to the next direction: far below half an ulp of any coordinate that is
-/// not itself below 1e-12, so that the direction stays what it was, yet cannot be known before the answer is.
+/// Factor of the last answer when it is added to the next direction. It is far below half an ulp of
+/// any coordinate above 1e-12. So the direction does not change, but the processor cannot know it
+/// before the answer.
 const DEPENDENCE: f32 = 1e-20;
 
-/// Memory that the copies of one rival may take together, in bytes.
+/// Maximum memory of all copies of one rival, in bytes.
 const COPIES_BYTES: usize = 32 << 20;
 
-/// Fewest and most copies of one rival.
+/// Minimum and maximum number of copies of one rival.
 const COPIES_COUNT: [usize; 2] = [4, 128];
 
-/// Answers support queries; may remember the last ones.
+/// Answers support queries, and may keep state between them.
 pub trait SupportQuery {
-    /// A vertex with the greatest dot product with `dir`, or, where the rival is inexact, one not far from it.
+    /// A vertex with the maximum dot product with `dir`, or one close to the maximum if the rival
+    /// is inexact.
     fn support(&mut self, dir: Vec3) -> Vec3;
 }
 
-/// A way to answer support queries on one hull.
+/// A method of answering support queries on one hull.
 pub trait Rival: Sized {
     /// The tables, borrowed, and the state between queries.
     type Query<'a>: SupportQuery
@@ -43,29 +46,29 @@ pub trait Rival: Sized {
     /// Whether it claims a regret of at most [`crate::regret::EXACT`] in every direction.
     fn is_exact(&self) -> bool;
 
-    /// Bytes that it keeps besides one copy of the coordinates (12 a vertex).
+    /// Bytes in addition to one copy of the coordinates (12 a vertex).
     fn index_bytes(&self) -> usize;
 
-    /// About how many bytes a copy of it takes.
+    /// Approximate number of bytes of a copy.
     fn footprint_bytes(&self) -> usize;
 
-    /// Starts asking: nothing is remembered yet.
+    /// A query with empty state.
     fn query(&self) -> Self::Query<'_>;
 
-    /// The same, in memory of its own.
+    /// A copy in memory of its own.
     fn duplicate(&self) -> Self;
 }
 
 /// How the queries of a batch follow each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flow {
-    /// Each direction is known beforehand, so that the processor overlaps queries.
+    /// Each direction is known in advance, so that the processor overlaps queries.
     Independent,
-    /// Each direction depends on the answer before it, so that it cannot.
+    /// Each direction depends on the last answer, so that queries do not overlap.
     Dependent,
 }
 
-/// A rival behind a common face: calls are virtual a batch, not a query.
+/// A rival behind an object-safe interface: one virtual call a batch, not one a query.
 pub trait Contestant {
     /// [`Rival::name`].
     fn name(&self) -> &str;
@@ -76,34 +79,35 @@ pub trait Contestant {
     /// [`Rival::index_bytes`].
     fn index_bytes(&self) -> usize;
 
-    /// How long it took to build the index, where that was measured.
+    /// Time to build the index, if it was measured.
     fn build_time(&self) -> Option<Duration>;
 
-    /// Asks all of `dirs` twice, and times the second pass: whatever ran before, the tables that they lead to are in the
+    /// Queries all `dirs` twice, and times the second pass. So the tables they lead to are in the
     /// cache, as far as they fit.
     fn run(&self, flow: Flow, dirs: &[Vec3]) -> Duration;
 
-    /// Makes the copies that [`run_cold`](Self::run_cold) goes round.
+    /// Creates the copies for [`run_cold`](Self::run_cold).
     fn stock_copies(&mut self);
 
-    /// Empties the caches, then asks each copy once, in random order, each direction depending on the answer before it.
-    /// Returns the time and the number of queries.
+    /// Empties the caches, then queries each copy once, in random order, each direction depending
+    /// on the last answer. Returns the time and the number of queries.
     ///
-    /// The few words that name the copy's tables (pointers and lengths) are brought back into the cache by the shuffle:
-    /// what misses is the tables, as for a hull whose object the broad phase has just touched.
+    /// The shuffle brings the few words that name a copy's tables (pointers and lengths) back into
+    /// the cache. So only the tables miss, as for a hull whose object the broad phase has just
+    /// visited.
     ///
     /// # Panics
     /// Without [`stock_copies`](Self::stock_copies).
     fn run_cold(&self, dirs: &[Vec3], eviction: &mut Eviction, rng: &mut SplitMix64) -> (Duration, usize);
 
-    /// The answers to `dirs`, asked in order.
+    /// The answers to `dirs`, in order.
     fn answers(&self, dirs: &[Vec3]) -> Vec<Vec3>;
 
-    /// Asks all of `dirs` once, for those who time it themselves. A rival that remembers starts without a memory.
-    fn ask(&self, flow: Flow, dirs: &[Vec3]);
+    /// Queries all `dirs` once, for callers with timers of their own. State starts empty.
+    fn query_all(&self, flow: Flow, dirs: &[Vec3]);
 }
 
-/// A rival entered for a comparison.
+/// A rival in a comparison.
 pub struct Entry<R> {
     rival: R,
     build_time: Option<Duration>,
@@ -144,13 +148,13 @@ impl<R: Rival> Contestant for Entry<R> {
         let dirs = black_box(dirs);
         black_box(independent(&mut query, dirs));
         let start = Instant::now();
-        ask(&mut query, flow, dirs);
+        query_all(&mut query, flow, dirs);
         start.elapsed()
     }
 
     fn stock_copies(&mut self) {
-        let [least, most] = COPIES_COUNT;
-        let count = (COPIES_BYTES / self.rival.footprint_bytes().max(1)).clamp(least, most);
+        let [min, max] = COPIES_COUNT;
+        let count = (COPIES_BYTES / self.rival.footprint_bytes().max(1)).clamp(min, max);
         self.copies = (0..count).map(|_| self.rival.duplicate()).collect();
     }
 
@@ -177,20 +181,20 @@ impl<R: Rival> Contestant for Entry<R> {
         dirs.iter().map(|&dir| query.support(dir)).collect()
     }
 
-    fn ask(&self, flow: Flow, dirs: &[Vec3]) {
-        ask(&mut self.rival.query(), flow, black_box(dirs));
+    fn query_all(&self, flow: Flow, dirs: &[Vec3]) {
+        query_all(&mut self.rival.query(), flow, black_box(dirs));
     }
 }
 
 #[inline]
-fn ask<Q: SupportQuery>(query: &mut Q, flow: Flow, dirs: &[Vec3]) {
+fn query_all<Q: SupportQuery>(query: &mut Q, flow: Flow, dirs: &[Vec3]) {
     match flow {
         Flow::Independent => _ = black_box(independent(query, dirs)),
         Flow::Dependent => _ = black_box(dependent(query, dirs)),
     }
 }
 
-/// Sums up the bits of all answers, so that none can be left out.
+/// Combines the bits of all answers, so that no query can be optimised away.
 #[inline(never)]
 fn independent<Q: SupportQuery>(query: &mut Q, dirs: &[Vec3]) -> u32 {
     let mut checksum = 0_u32;

@@ -1,38 +1,39 @@
-//! How far from the truth answers are: by brute force in f64 over the source points.
+//! Error of the answers: regret against a brute-force search over the source points, in f64.
 
 use glam::Vec3;
 
 use crate::subject::Subject;
 
-/// Regret up to which a support query counts as exact, relative to the diameter. The project's promise.
+/// Maximum regret of a support query that counts as exact, relative to the diameter. It is the
+/// bound `bake verify` uses.
 pub const EXACT: f64 = 2e-7;
 
-/// The greatest dot products in some directions.
+/// The true maxima in a set of directions.
 pub struct Truth {
     dirs: Vec<Vec3>,
     best: Vec<f64>,
     diameter: f64,
 }
 
-/// What is wrong with a rival's answers.
+/// Error of a rival's answers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
-    /// Greatest regret; negative by rounding is 0.
+    /// Maximum regret; values below 0 by rounding error count as 0.
     pub max_regret: f64,
-    /// Share of the directions with a regret above [`EXACT`].
+    /// Fraction of the directions with a regret above [`EXACT`].
     pub wrong_share: f64,
 }
 
 impl Truth {
-    /// Asks all source points in all directions.
+    /// Finds the maximum over all source points for each direction.
     ///
     /// # Complexity
-    /// One dot product a point and direction.
+    /// One dot product for each point and direction.
     pub fn new(subject: &Subject, dirs: Vec<Vec3>) -> Self {
         let points: Vec<[f64; 3]> = subject.points.iter().map(|p| p.map(f64::from)).collect();
         let best = dirs.iter().map(|&dir| {
             let [x, y, z] = dir.as_dvec3().to_array();
-            // Eight maxima side by side: one would wait for itself at every point.
+            // Eight independent maxima: with one, each step would wait for the last.
             let mut best = [f64::NEG_INFINITY; 8];
             for group in points.chunks(best.len()) {
                 for (best, p) in best.iter_mut().zip(group) {
@@ -50,10 +51,10 @@ impl Truth {
         &self.dirs
     }
 
-    /// Judges one answer a direction.
+    /// Judges one answer for each direction.
     ///
     /// # Panics
-    /// If there are more or fewer.
+    /// If there are more or fewer answers than directions.
     pub fn judge(&self, answers: &[Vec3]) -> Verdict {
         assert_eq!(answers.len(), self.dirs.len());
         let (mut max_regret, mut wrong) = (0.0_f64, 0);

@@ -1,10 +1,10 @@
-//! What was measured, and the tables made of it: one a mode for terminals, one a family for markdown, lines for CSV.
-
-use std::fmt::Write;
+//! Measurements of support queries, and their tables: by mode for terminals, by family for
+//! markdown, one line each for CSV.
 
 use shapes::families::Family;
 
 use crate::{
+    csv::Csv,
     matrix::Matrix,
     measure::{Mode, Timing},
     regret::{EXACT, Verdict},
@@ -16,7 +16,7 @@ use crate::{
 pub struct Record {
     /// Family of the hull.
     pub family: Family,
-    /// Points asked of the family.
+    /// Requested number of points.
     pub n: usize,
     /// Vertices of the hull.
     pub vertices: usize,
@@ -24,13 +24,13 @@ pub struct Record {
     pub rival: String,
     /// Whether it claims to be exact.
     pub exact: bool,
-    /// Bytes besides the coordinates.
+    /// Bytes in addition to the coordinates.
     pub index_bytes: usize,
     /// Time to build the index, in milliseconds.
     pub build_ms: Option<f64>,
-    /// How far off it was.
+    /// Error of its answers.
     pub verdict: Verdict,
-    /// What it took, mode by mode.
+    /// Times, mode by mode.
     pub timings: Vec<(Mode, Timing)>,
 }
 
@@ -43,12 +43,12 @@ impl Record {
 /// All records of one run.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
-    /// In the order of measuring.
+    /// In the order of measurement.
     pub records: Vec<Record>,
 }
 
 impl Report {
-    /// The fastest of the others on the same hull, in nanoseconds.
+    /// Time of the fastest rival that is not ours on the same hull, in nanoseconds.
     fn best_other_ns(&self, like: &Record, mode: Mode, only_exact: bool) -> Option<f64> {
         self.records
             .iter()
@@ -75,7 +75,7 @@ impl Report {
         Mode::ALL.into_iter().filter(|&mode| self.records.iter().any(|r| r.median_ns(mode).is_some()))
     }
 
-    /// Every family: a table a mode in nanoseconds, then exactness, bytes and build time.
+    /// For each family a table in nanoseconds for each mode, then exactness, bytes and build time.
     pub fn to_text(&self) -> String {
         let mut text = String::new();
         for family in self.families() {
@@ -113,9 +113,9 @@ impl Report {
 
     fn fact_tables(&self, family: Family) -> [Matrix; 4] {
         let table = |what: &str| Matrix::new(&format!("{}, {what}", family.name()), "n");
-        let mut regret = table("greatest regret, relative to the diameter");
-        let mut wrong = table("share of the directions answered wrong");
-        let mut bytes = table("bytes a vertex besides the coordinates");
+        let mut regret = table("maximum regret, relative to the diameter");
+        let mut wrong = table("wrong answers, in per cent of the directions");
+        let mut bytes = table("bytes a vertex in addition to the coordinates");
         let mut build = table("time to build the index, ms");
         for record in self.of(family) {
             let (row, column) = (marked(record), record.n.to_string());
@@ -131,13 +131,14 @@ impl Report {
         [regret, wrong, bytes, build]
     }
 
-    /// One table a family: all modes in a cell, then the worst regret and the bytes of the largest hull.
+    /// One table for each family: all modes in a cell, then the maximum regret and the bytes of the
+    /// largest hull.
     pub fn to_markdown(&self) -> String {
         let modes: Vec<&str> = self.modes().map(Mode::name).collect();
         let mut text = format!(
-            "Cells: {} in ns a query. Names in italics are inexact. Regret: the greatest over all n, relative to the \
-             diameter, and the share of the directions answered with more than {EXACT:e}. Bytes (besides the \
-             coordinates) and time to build the index: at the largest n.\n",
+            "Cells: {} in ns a query. Names in italics are inexact. Regret: maximum over all n, relative to the diameter, \
+             and the percentage of directions with more than {EXACT:e}. Bytes (in addition to the coordinates) and time to \
+             build the index: at the largest n.\n",
             modes.join(" / ")
         );
         for family in self.families() {
@@ -174,47 +175,58 @@ impl Report {
         text
     }
 
-    /// One line a family, n, rival and mode, after a line of names.
+    /// One line for each family, n, rival and mode, after a header line.
     ///
-    /// `to_best` and `to_best_exact` are the time over that of the fastest of the others, and of the exact ones of them.
-    pub fn to_csv(&self) -> String {
-        let mut text = String::from(
-            "family,n,vertices,rival,exact,mode,ns,ns_quartile_1,ns_quartile_3,to_best,to_best_exact,index_bytes,\
-             build_ms,max_regret,wrong_share\n",
-        );
+    /// `to_best` and `to_best_exact` are ratios: the time over that of the fastest rival that is
+    /// not ours, and of the fastest exact one.
+    pub fn to_csv(&self) -> Csv {
+        let mut csv = Csv::new(&[
+            "family",
+            "n",
+            "vertices",
+            "rival",
+            "exact",
+            "mode",
+            "ns",
+            "ns_quartile_1",
+            "ns_quartile_3",
+            "to_best",
+            "to_best_exact",
+            "index_bytes",
+            "build_ms",
+            "max_regret",
+            "wrong_share",
+        ]);
         for record in &self.records {
             for (mode, timing) in &record.timings {
                 let to_best = |only_exact| {
                     self.best_other_ns(record, *mode, only_exact)
                         .map_or(String::new(), |other| format!("{:.4}", timing.median_ns / other))
                 };
-                // Writing to a string does not fail.
-                let _ = writeln!(
-                    text,
-                    "{},{},{},\"{}\",{},{},{:.3},{:.3},{:.3},{},{},{},{},{:e},{}",
-                    record.family.name(),
-                    record.n,
-                    record.vertices,
-                    record.rival,
-                    record.exact,
-                    mode.name(),
-                    timing.median_ns,
-                    timing.quartiles_ns[0],
-                    timing.quartiles_ns[1],
+                csv.line(&[
+                    record.family.name().to_owned(),
+                    record.n.to_string(),
+                    record.vertices.to_string(),
+                    record.rival.clone(),
+                    record.exact.to_string(),
+                    mode.name().to_owned(),
+                    format!("{:.3}", timing.median_ns),
+                    format!("{:.3}", timing.quartiles_ns[0]),
+                    format!("{:.3}", timing.quartiles_ns[1]),
                     to_best(false),
                     to_best(true),
-                    record.index_bytes,
+                    record.index_bytes.to_string(),
                     record.build_ms.map_or(String::new(), |ms| format!("{ms:.3}")),
-                    record.verdict.max_regret,
-                    record.verdict.wrong_share,
-                );
+                    format!("{:e}", record.verdict.max_regret),
+                    record.verdict.wrong_share.to_string(),
+                ]);
             }
         }
-        text
+        csv
     }
 }
 
-/// The rival's name; a star marks the inexact.
+/// The rival's name; a star marks inexact ones.
 fn marked(record: &Record) -> String {
     if record.exact { record.rival.clone() } else { format!("{} *", record.rival) }
 }

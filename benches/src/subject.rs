@@ -1,4 +1,4 @@
-//! The hull that is asked: a family of generated shapes, baked.
+//! The hull under test: a family of generated shapes, baked.
 
 use std::time::{Duration, Instant};
 
@@ -10,7 +10,7 @@ use shapes::families::Family;
 /// Seed of all shapes.
 pub const SEED: u64 = 20_261_121;
 
-/// The families that the tables compare.
+/// The families in the tables.
 pub const FAMILIES: [Family; 8] = [
     Family::Sphere,
     Family::ClusteredEllipsoid,
@@ -22,7 +22,7 @@ pub const FAMILIES: [Family; 8] = [
     Family::UvSphere,
 ];
 
-/// A baked hull and what it was made of.
+/// A baked hull and its source points.
 pub struct Subject {
     /// The family.
     pub family: Family,
@@ -32,10 +32,10 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// Makes and bakes `n` points of `family`.
+    /// Generates and bakes `n` points of `family`.
     ///
     /// # Panics
-    /// Where the hull cannot be baked: a bug.
+    /// If the hull cannot be baked: a bug.
     pub fn new(family: Family, n: usize, seed: u64) -> Self {
         let points = family.points(n, seed);
         let source_vertices = (0..points.len() as u32).collect();
@@ -75,15 +75,16 @@ impl Subject {
         self.faces().iter().map(normal).collect()
     }
 
-    /// Greatest distance between two vertices.
+    /// Maximum distance between two vertices.
     pub fn diameter(&self) -> f64 {
         self.baked.hull.diameter
     }
 
-    /// The bytes of a pack with the hull, indexed as `kind`, and how long it took to build the index alone.
+    /// The bytes of a pack with the hull and an index of `kind`, and the time to build the index
+    /// alone.
     ///
     /// # Panics
-    /// Where the index cannot be built: a bug.
+    /// If the index cannot be built: a bug.
     pub fn pack_bytes(&self, kind: IndexKind) -> (Vec<u8>, Duration) {
         let start = Instant::now();
         let index = index::build(&self.baked.hull, kind).expect("the hull can be indexed");

@@ -1,4 +1,4 @@
-//! What the table says of exactness is so.
+//! The exactness stated in the tables.
 
 use glam::Vec3;
 use hullmap_bench::{
@@ -10,15 +10,15 @@ use hullmap_bench::{
     subject::{FAMILIES, SEED, Subject},
 };
 
-/// Vertex counts: fewer than a SIMD block, not a multiple of one, and enough for rounding plateaus.
+/// Vertex counts: fewer than a SIMD block, not a multiple of one, and enough for f32 plateaus.
 const COUNTS: [usize; 3] = [8, 200, 1_500];
 
-/// Directions of each subject.
+/// Number of directions for each subject.
 const DIRECTIONS: usize = 1_500;
 
-/// Every exact rival is as good as brute force everywhere, and every inexact one is wrong somewhere.
+/// Every exact rival equals brute force in all directions, and every inexact one is wrong in some.
 #[test]
-fn exact_rivals_are_and_inexact_ones_are_not() {
+fn exact_rivals_are_exact_and_inexact_ones_are_not() {
     let mut worst: Vec<(String, bool, f64)> = Vec::new();
     for family in FAMILIES {
         for n in COUNTS {
@@ -38,12 +38,12 @@ fn exact_rivals_are_and_inexact_ones_are_not() {
     }
     for (name, exact, regret) in &worst {
         println!("{name:28} {regret:.1e}");
-        assert!(*exact || *regret > EXACT, "{name} is called inexact, but its worst regret is {regret:e}");
+        assert!(*exact || *regret > EXACT, "{name} is listed as inexact, but its maximum regret is {regret:e}");
     }
-    assert!(worst.len() >= 11, "someone did not enter");
+    assert!(worst.len() >= 11, "a rival is missing");
 }
 
-/// Every answer is a vertex, also for what is no direction.
+/// Every answer is a vertex, even for invalid directions.
 #[test]
 fn answers_are_vertices() {
     let subject = Subject::new(FAMILIES[2], 100, SEED);
@@ -59,7 +59,7 @@ fn answers_are_vertices() {
 
 /// Every rival gets a positive time in every mode.
 #[test]
-fn everyone_is_timed() {
+fn every_rival_is_timed() {
     let subject = Subject::new(FAMILIES[0], 32, SEED);
     let mut entries = rivals::enter(&subject);
     let effort = Effort { batch: std::time::Duration::from_micros(5), rounds: 2, cold_rounds: 1 };

@@ -1,12 +1,14 @@
-//! The paper's Figures 6 and 7 with our data: collision tests against time, one line a vertex count.
+//! The paper's Figures 6 and 7 with our data: time of collision tests, one line for each vertex
+//! count.
 
-use std::{fmt::Write, io, path::PathBuf, process::ExitCode};
+use std::{io, path::PathBuf, process::ExitCode};
 
 use clap::Parser;
 use hullmap_bake::IndexKind;
 use hullmap_bench::{
-    chart::{Chart, Series, thousands},
+    chart::{Chart, Scale, Series, thousands},
     collision::{Bodies, Run, Scene},
+    csv::Csv,
     fit::{self, Sample},
     machine::Machine,
     matrix::Matrix,
@@ -14,28 +16,28 @@ use hullmap_bench::{
     subject::SEED,
 };
 
-/// Vertex counts of both figures, and those that only the tree is asked for.
+/// Vertex counts of both figures, and those of the tree alone.
 const COUNTS: [usize; 6] = [8, 32, 128, 512, 2048, 8192];
 const TREE_COUNTS: [usize; 2] = [32_768, 65_536];
 
 /// Vertex counts of a quick run.
 const QUICK_COUNTS: [usize; 4] = [8, 128, 1024, 4096];
 
-/// Checkpoints of a line.
+/// Number of checkpoints of a line.
 const CHECKPOINTS: usize = 10;
 
-/// Tests between two checkpoints, and in a quick run.
+/// Number of tests between two checkpoints, and in a quick run.
 const STEP: usize = 1_000;
 const QUICK_STEP: usize = 200;
 
-/// Runs of each line, of which the median counts, checkpoint by checkpoint.
+/// Number of runs of each line. The result is their median at each checkpoint.
 const ROUNDS: usize = 5;
 const QUICK_ROUNDS: usize = 3;
 
 /// Reproduces the paper's Figures 6 and 7.
 ///
-/// Writes figure6.svg, figure6.csv (linear scan), figure7.svg and figure7.csv (tree). How well they follow the paper's
-/// equation 3 goes to standard output, progress to standard error.
+/// Writes figure6.svg, figure6.csv (linear scan), figure7.svg and figure7.csv (tree). Fits to the
+/// paper's equation 3 go to standard output, progress to standard error.
 #[derive(Parser)]
 #[command(after_help = "Example:\n  cargo run --release -p hullmap-bench --bin experiments -- --out target/figures")]
 struct Arguments {
@@ -74,16 +76,16 @@ fn run(arguments: &Arguments) -> io::Result<()> {
     let mut stage = Vec::new();
     for &n in counts {
         eprintln!("baking {n}");
-        let [scan, tree] = Bodies::bake(n, [IndexKind::None, IndexKind::TREE]);
+        let [scan, tree] = Bodies::bake(n, [IndexKind::None, IndexKind::Tree]);
         stage.push((n, scene.place(&tree), Some(scan), tree));
     }
     for &n in if quick { &[][..] } else { &TREE_COUNTS[..] } {
         eprintln!("baking {n}");
-        let [tree] = Bodies::bake(n, [IndexKind::TREE]);
+        let [tree] = Bodies::bake(n, [IndexKind::Tree]);
         stage.push((n, scene.place(&tree), None, tree));
     }
     let (mut scans, mut trees) = (Runs::default(), Runs::default());
-    // Lines take turns, so that a slow spell of the machine hits all alike.
+    // Lines take turns, so that a slow spell of the machine affects all of them.
     for round in 0..rounds {
         eprintln!("round {} of {rounds}", round + 1);
         for (n, tests, scan, tree) in &stage {
@@ -103,14 +105,14 @@ fn run(arguments: &Arguments) -> io::Result<()> {
     ];
     for (name, title, lines) in figures {
         output::write(&arguments.out.join(format!("{name}.svg")), &chart(title, &subtitle, lines, step).to_svg())?;
-        output::write(&arguments.out.join(format!("{name}.csv")), &csv(lines, step))?;
+        output::write(&arguments.out.join(format!("{name}.csv")), csv(lines, step).as_str())?;
     }
     print!("{}", summary(&scans, &trees, CHECKPOINTS * step, step));
     eprint!("{}", machine.to_markdown());
     Ok(())
 }
 
-/// Runs by vertex count, in the order of their first.
+/// Runs by vertex count, in the order of first occurrence.
 #[derive(Default)]
 struct Runs(Vec<(usize, Vec<Run>)>);
 
@@ -144,6 +146,7 @@ fn chart(title: &str, subtitle: &str, lines: &[Line], step: usize) -> Chart {
     let series = lines.iter().map(|line| Series {
         name: thousands(&line.n.to_string()),
         points: line.times_ns.iter().enumerate().map(|(i, ns)| [((i + 1) * step) as f64, ns / 1e6]).collect(),
+        colour: None,
     });
     Chart {
         title: title.to_owned(),
@@ -151,21 +154,25 @@ fn chart(title: &str, subtitle: &str, lines: &[Line], step: usize) -> Chart {
         x_label: "object-object collision tests".to_owned(),
         y_label: "time, ms".to_owned(),
         legend_title: "vertices".to_owned(),
+        scale: Scale::Linear,
         series: series.collect(),
     }
 }
 
-fn csv(lines: &[Line], step: usize) -> String {
-    let mut text = String::from("vertices,tests,time_ms,support_queries_per_test,hit_share\n");
+fn csv(lines: &[Line], step: usize) -> Csv {
+    let mut csv = Csv::new(&["vertices", "tests", "time_ms", "support_queries_per_test", "overlapping"]);
     for line in lines {
         for (i, ns) in line.times_ns.iter().enumerate() {
-            let (tests, ms) = ((i + 1) * step, ns / 1e6);
-            // Writing to a string does not fail.
-            let _ =
-                writeln!(text, "{},{tests},{ms:.4},{:.2},{:.3}", line.n, line.support_queries_per_test, line.hit_share);
+            csv.line(&[
+                line.n.to_string(),
+                ((i + 1) * step).to_string(),
+                format!("{:.4}", ns / 1e6),
+                format!("{:.2}", line.support_queries_per_test),
+                format!("{:.3}", line.hit_share),
+            ]);
         }
     }
-    text
+    csv
 }
 
 fn samples(lines: &[Line], step: usize) -> Vec<Sample> {
@@ -177,7 +184,7 @@ fn samples(lines: &[Line], step: usize) -> Vec<Sample> {
     lines.iter().flat_map(of).collect()
 }
 
-/// Nanoseconds a test, how the scan follows equation 3, and how flat the tree is.
+/// Nanoseconds a test, the fit of the scan to equation 3, and the exponent of the tree.
 fn summary(scans: &[Line], trees: &[Line], tests: usize, step: usize) -> String {
     let mut table = Matrix::new(&format!("ns a collision test, over {tests} tests"), "vertices");
     for (row, lines) in [("scan", scans), ("tree", trees)] {
@@ -193,7 +200,7 @@ fn summary(scans: &[Line], trees: &[Line], tests: usize, step: usize) -> String 
     }
     let (scan, tree) = (samples(scans, step), samples(trees, step));
     let (proportional, affine) = (fit::proportional(&scan), fit::affine(&scan));
-    // Once the scan is most of the time: below, what does not depend on n hides it.
+    // From the n at which the scan dominates: below, the constant part hides the exponent.
     let large: Vec<Sample> = scan.iter().copied().filter(|s| s.n >= 512.0).collect();
     let (least, most) = (trees.first(), trees.last());
     let rise = match (least, most) {

@@ -1,4 +1,5 @@
-//! Support queries side by side: time in four modes, exactness, bytes and build time, of all rivals in one run.
+//! Support queries beside other methods: time in four modes, exactness, bytes and build time, of
+//! all rivals in one run.
 
 use std::{path::PathBuf, process::ExitCode, time::Instant};
 
@@ -17,26 +18,26 @@ use hullmap_bench::{
 };
 use shapes::families::{Family, MIN_POINTS};
 
-/// Vertex counts of the whole table, and of the quick one.
+/// Vertex counts of the full table, and of the quick one.
 const COUNTS: [usize; 10] = [8, 32, 128, 256, 512, 1024, 2048, 8192, 32_768, 65_536];
 const QUICK_COUNTS: [usize; 4] = [8, 128, 1024, 8192];
 
 /// Families of the quick table.
 const QUICK_FAMILIES: [Family; 3] = [Family::Sphere, Family::Rock, Family::Prism];
 
-/// Directions in which answers are judged, and in a quick table.
+/// Number of directions in which answers are judged, and in a quick table.
 const JUDGED: usize = 4_000;
 const QUICK_JUDGED: usize = 1_000;
 
-/// Compares ways to answer support queries: ours and the others', in one run.
+/// Compares methods of answering support queries, ours and others, in one run.
 ///
-/// Tables go to standard output, progress to standard error. A star marks rivals that are not exact.
+/// Tables go to standard output, progress to standard error. A star marks inexact rivals.
 #[derive(Parser)]
 #[command(
     after_help = "Example:\n  cargo run --release -p hullmap-bench --bin support-table -- --families rock,prism --n 128,8192"
 )]
 struct Arguments {
-    /// A short table: three families, four vertex counts, less time each
+    /// Short table: three families, four vertex counts, less time each
     #[arg(long)]
     quick: bool,
     /// Families, separated by commas [default: all eight; with --quick: sphere,rock,prism]
@@ -45,18 +46,16 @@ struct Arguments {
     /// Point counts, separated by commas [default: 8 to 65536]
     #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(MIN_POINTS as i64..))]
     n: Vec<u32>,
-    /// Also write every figure, one a line
+    /// Also write one table for each family as markdown, with facts about the machine, and as CSV
+    /// beside it
     #[arg(long, value_name = "FILE")]
-    csv: Option<PathBuf>,
-    /// Also write one table a family, with the machine's name
-    #[arg(long, value_name = "FILE")]
-    markdown: Option<PathBuf>,
+    out: Option<PathBuf>,
 }
 
 fn family(name: &str) -> Result<Family, String> {
     Family::from_name(name).filter(|f| FAMILIES.contains(f)).ok_or_else(|| {
         let names: Vec<&str> = FAMILIES.iter().map(|f| f.name()).collect();
-        format!("there is no such family; there are {}", names.join(", "))
+        format!("unknown family; expected one of {}", names.join(", "))
     })
 }
 
@@ -67,10 +66,11 @@ fn main() -> ExitCode {
     let machine = Machine::here();
     eprint!("{}", machine.to_markdown());
     let markdown = || format!("# Support queries\n\n{}\n{}", machine.to_markdown(), report.to_markdown());
-    let csv = arguments.csv.as_ref().map_or(Ok(()), |path| output::write(path, &report.to_csv()));
-    let written =
-        csv.and_then(|()| arguments.markdown.as_ref().map_or(Ok(()), |path| output::write(path, &markdown())));
-    match written {
+    let write = |path: &PathBuf| {
+        output::write(path, &markdown())?;
+        output::write(&path.with_extension("csv"), report.to_csv().as_str())
+    };
+    match arguments.out.as_ref().map_or(Ok(()), write) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");

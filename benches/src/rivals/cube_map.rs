@@ -1,5 +1,6 @@
-//! The paper's cube map (4.8): each texel holds the support vertex of its centre. One read, and wrong wherever a texel
-//! has more than one answer. With a climb from there it is nearly right: as far as climbing in f32 is.
+//! The paper's cube map (section 4.8): each texel holds the support vertex of its centre. It takes
+//! one read, and is wrong wherever a texel has more than one answer. Hill climbing from there
+//! corrects most answers, up to the plateaus of f32.
 
 use glam::Vec3;
 
@@ -14,13 +15,13 @@ use crate::{
 pub struct CubeMap {
     name: String,
     resolution: u32,
-    /// Vertex numbers, face by face, row by row.
+    /// Vertex indices, face by face, row by row.
     texels: Vec<u16>,
     vertices: Vec<Vec3>,
 }
 
 impl CubeMap {
-    /// Asks for every texel's centre; `None` where vertex numbers need more than 16 bits.
+    /// Queries the centre of every texel; `None` if vertex indices need more than 16 bits.
     pub fn new(subject: &Subject, resolution: u32) -> Option<Self> {
         let vertices: Vec<Vec3> = subject.vertices().collect();
         let _ = u16::try_from(vertices.len() - 1).ok()?;
@@ -28,8 +29,8 @@ impl CubeMap {
         let texels = (0..6 * resolution * resolution).map(|texel| {
             let dir = centre(texel, resolution);
             // The padding of the last block repeats vertex 0.
-            let place = simd_scan::best_here(&blocks, dir);
-            if place.index() < vertices.len() { place.index() as u16 } else { 0 }
+            let slot = simd_scan::best_here(&blocks, dir);
+            if slot.index() < vertices.len() { slot.index() as u16 } else { 0 }
         });
         Some(Self { name: format!("cube map {resolution}"), resolution, texels: texels.collect(), vertices })
     }
@@ -44,13 +45,14 @@ impl CubeMap {
     }
 }
 
-/// Texel of a direction: face 2·axis + sign, then row and column by the other two coordinates over the largest.
+/// Texel of a direction: face 2·axis + sign, then row and column from the other two coordinates
+/// divided by the largest.
 #[inline]
 fn texel(dir: Vec3, resolution: u32) -> u32 {
     let [ax, ay, az] = dir.abs().to_array();
     let z_wins = az > ax && az > ay;
     let y_wins = !z_wins && ay > ax;
-    // Written as selects, without branches: directions are as good as random to a branch predictor.
+    // Selects instead of branches: branch predictors cannot predict directions.
     let (largest, a, b, axis) = if z_wins {
         (dir.z, dir.x, dir.y, 2)
     } else if y_wins {
@@ -61,7 +63,7 @@ fn texel(dir: Vec3, resolution: u32) -> u32 {
     let face = 2 * axis + u32::from(largest.is_sign_negative());
     let half = 0.5 * resolution as f32;
     let scale = half / largest.abs();
-    // `as` saturates, and makes 0 of NaN.
+    // `as` saturates, and maps NaN to 0.
     let column = ((a * scale + half) as u32).min(resolution - 1);
     let row = ((b * scale + half) as u32).min(resolution - 1);
     (face * resolution + row) * resolution + column
@@ -119,7 +121,7 @@ impl SupportQuery for Lookup<'_> {
     }
 }
 
-/// Climbs from the texel's vertex.
+/// Hill climbing from the texel's vertex.
 #[derive(Clone, Debug)]
 pub struct CubeMapClimb {
     name: String,
@@ -128,7 +130,7 @@ pub struct CubeMapClimb {
 }
 
 impl CubeMapClimb {
-    /// Both of the same subject.
+    /// `map` and `graph` are of the same subject.
     pub fn new(map: CubeMap, graph: Graph) -> Self {
         Self { name: format!("{} + climb", map.name), map, graph }
     }
@@ -180,7 +182,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn centres_fall_into_their_texels() {
+    fn centres_are_in_their_texels() {
         for resolution in [1, 2, 7, 64] {
             for number in 0..6 * resolution * resolution {
                 assert_eq!(texel(centre(number, resolution), resolution), number);
@@ -189,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_direction_stays_in_range() {
+    fn invalid_directions_stay_in_range() {
         let odd = [0.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1.0, f32::MAX];
         for x in odd {
             for y in odd {

@@ -1,5 +1,6 @@
-//! Hill climbing: from a vertex to its best neighbour until none is better, as MuJoCo, coal, PhysX and libccd's users
-//! do. In f32 it is not exact: it stops on plateaus that rounding makes.
+//! Hill climbing: from a vertex to its best neighbour until no neighbour is better, as in MuJoCo,
+//! coal, PhysX and programs that use libccd. In f32 it is not exact: it stops on plateaus of
+//! rounding error.
 
 use std::marker::PhantomData;
 
@@ -10,11 +11,11 @@ use crate::{
     subject::Subject,
 };
 
-/// The hull's vertices and which of them share an edge, in compressed rows.
+/// The vertices and edges of a hull, as an adjacency list in compressed rows.
 #[derive(Clone, Debug)]
 pub struct Graph {
     vertices: Vec<Vec3>,
-    /// Where the row of each vertex starts in `neighbours`, and where the last one ends.
+    /// Start of each vertex's row in `neighbours`, and the end of the last row.
     starts: Vec<u32>,
     neighbours: Vec<u32>,
     /// Extreme vertices along the axes and diagonals.
@@ -22,12 +23,12 @@ pub struct Graph {
 }
 
 impl Graph {
-    /// The edges of the faces of `subject`.
+    /// The graph of the faces of `subject`.
     pub fn new(subject: &Subject) -> Self {
         let vertices: Vec<Vec3> = subject.vertices().collect();
         let mut edges = Vec::new();
         for face in subject.faces() {
-            // Each edge comes once from either side.
+            // Each edge occurs once from either side.
             edges.extend(face.iter().copied().zip(face.iter().copied().cycle().skip(1)));
         }
         edges.sort_unstable();
@@ -62,12 +63,12 @@ impl Graph {
         self.vertices[index as usize]
     }
 
-    /// Bytes besides the coordinates.
+    /// Bytes in addition to the coordinates.
     pub fn index_bytes(&self) -> usize {
         size_of_val(self.starts.as_slice()) + size_of_val(self.neighbours.as_slice())
     }
 
-    /// Bytes in all.
+    /// Total bytes.
     pub fn footprint_bytes(&self) -> usize {
         self.index_bytes() + size_of_val(self.vertices.as_slice())
     }
@@ -77,10 +78,12 @@ impl Graph {
         self.vertices[vertex as usize].dot(dir)
     }
 
-    /// Climbs from vertex `from`, each time to the best neighbour; returns where no neighbour is better.
+    /// Climbs from vertex `from` to the best neighbour until no neighbour is better, and returns
+    /// the last vertex.
     ///
     /// # Complexity
-    /// One dot product a neighbour of each vertex on the way. Ends, as the dot product grows with every step.
+    /// One dot product for each neighbour of each vertex on the way. It ends because the dot
+    /// product grows with every step.
     #[inline]
     pub fn climb(&self, from: u32, dir: Vec3) -> u32 {
         let mut at = from;
@@ -103,12 +106,12 @@ impl Graph {
     }
 }
 
-/// Where a climb starts.
+/// Start of a climb.
 pub trait Start {
     /// The rival's name.
     const NAME: &'static str;
 
-    /// The vertex to start from, given where the last climb ended.
+    /// The first vertex; `last` is the end of the last climb.
     fn start(graph: &Graph, last: u32, dir: Vec3) -> u32;
 }
 
@@ -125,7 +128,7 @@ impl Start for OneStart {
     }
 }
 
-/// From the best of up to 14 vertices: the extreme ones along the axes and diagonals.
+/// From the best of up to 14 vertices: the extreme vertices along the axes and diagonals.
 #[derive(Clone, Copy, Debug)]
 pub struct ManyStarts;
 
@@ -158,7 +161,7 @@ impl Start for LastAnswer {
     }
 }
 
-/// Hill climbing from a kind of start.
+/// Hill climbing with a given start.
 #[derive(Clone, Debug)]
 pub struct HillClimb<S> {
     graph: Graph,

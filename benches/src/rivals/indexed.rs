@@ -1,4 +1,4 @@
-//! Ours: `Hull::support` of a pack, whatever index it was baked with, and `Hull::support_from`. Exact.
+//! hullmap: `Hull::support` on a pack with any index kind, and `Hull::support_from`. Exact.
 
 use std::time::Duration;
 
@@ -19,10 +19,10 @@ pub struct Indexed {
 }
 
 impl Indexed {
-    /// Bakes `subject` with an index of `kind`; also returns how long the index took.
+    /// Bakes `subject` with an index of `kind`; also returns the time to build the index.
     ///
     /// # Panics
-    /// Where the pack cannot be made: a bug.
+    /// If the pack cannot be written: a bug.
     pub fn new(name: &'static str, subject: &Subject, kind: IndexKind) -> (Self, Duration) {
         let (bytes, build_time) = subject.pack_bytes(kind);
         (Self::open(name, bytes), build_time)
@@ -66,7 +66,7 @@ impl Rival for Indexed {
     }
 }
 
-/// A query that remembers nothing.
+/// A query without state.
 pub struct Cold<'a> {
     hull: Hull<'a>,
 }
@@ -78,7 +78,7 @@ impl SupportQuery for Cold<'_> {
     }
 }
 
-/// The same, with last time's answer as a hint.
+/// The same, with the last answer as a hint.
 pub struct Hinted(pub Indexed);
 
 impl Rival for Hinted {

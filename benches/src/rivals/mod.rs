@@ -1,4 +1,4 @@
-//! The ways to answer, ours and the others'.
+//! Methods of answering support queries: ours, and those of other engines.
 
 pub mod cube_map;
 pub mod hill_climb;
@@ -20,30 +20,30 @@ use parry::Parry;
 use scalar_scan::ScalarScan;
 use simd_scan::{Avx2, Avx512, Portable, SimdScan};
 
-/// Texels along the edge of a face of the cube maps that are compared.
+/// Resolution of the cube maps: texels along the edge of a face.
 pub const CUBE_MAP_RESOLUTION: u32 = 64;
 
-/// Our own indices, with the names they have in tables. A new one is one line.
+/// Our index kinds, with their names in tables. A new one is one line.
 pub const INDICES: [(&str, IndexKind); 5] = [
     ("hullmap none", IndexKind::None),
     ("hullmap binary", IndexKind::Binary),
-    ("hullmap compact", IndexKind::COMPACT),
+    ("hullmap compact", IndexKind::Compact),
     ("hullmap cubemap 64", IndexKind::CubeMap { resolution: CUBE_MAP_RESOLUTION }),
-    ("hullmap tree", IndexKind::TREE),
+    ("hullmap tree", IndexKind::Tree),
 ];
 
-/// The index that ratios are given for.
+/// The index whose ratios to other rivals are listed.
 pub const DEFAULT_INDEX: &str = "hullmap tree";
 
-/// The same index, asked with last time's answer as a hint.
+/// The same index, with the last answer as a hint.
 pub const HINTED: &str = "hullmap tree, hinted";
 
-/// Whether a rival of that name is one of ours.
+/// Whether the rival with this name is one of ours.
 pub fn is_ours(name: &str) -> bool {
     name == HINTED || INDICES.iter().any(|(ours, _)| *ours == name)
 }
 
-/// Everyone who can answer for `subject` on this machine.
+/// All rivals that can answer for `subject` on this machine.
 pub fn enter(subject: &Subject) -> Vec<Box<dyn Contestant>> {
     let graph = Graph::new(subject);
     let cube_map = CubeMap::new(subject, CUBE_MAP_RESOLUTION);
@@ -71,6 +71,6 @@ pub fn enter(subject: &Subject) -> Vec<Box<dyn Contestant>> {
         let (rival, build_time) = Indexed::new(name, subject, kind);
         entries.push(Box::new(Entry::built_in(rival, build_time)));
     }
-    entries.push(Box::new(Entry::new(Hinted(Indexed::new(HINTED, subject, IndexKind::TREE).0))));
+    entries.push(Box::new(Entry::new(Hinted(Indexed::new(HINTED, subject, IndexKind::Tree).0))));
     entries
 }

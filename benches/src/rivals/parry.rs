@@ -1,5 +1,5 @@
-//! parry3d's own support query, in f32 as games use it: `ConvexPolyhedron::local_support_point`, a linear scan.
-//! Exact up to the rounding of f32.
+//! parry3d's support query in f32: `ConvexPolyhedron::local_support_point`, a linear scan. Exact up
+//! to the rounding error of f32.
 
 use glam::Vec3;
 use parry3d::shape::{ConvexPolyhedron, SupportMap};
@@ -9,23 +9,25 @@ use crate::{
     subject::Subject,
 };
 
-/// Bytes that a vertex with its edges and faces takes in parry's polyhedron, about: it does not tell.
+/// Estimated bytes of a vertex with its edges and faces in parry's polyhedron, which does not
+/// report its size.
 const BYTES_PER_VERTEX: usize = 400;
 
-/// A hull of ours as parry's convex polyhedron.
+/// A baked hull as a convex polyhedron of parry.
 #[derive(Clone)]
 pub struct Parry {
     polyhedron: ConvexPolyhedron,
 }
 
 impl Parry {
-    /// The hull of `subject`; `None` where parry refuses the mesh.
+    /// The hull of `subject`; `None` if parry rejects the mesh.
     pub fn new(subject: &Subject) -> Option<Self> {
         let points: Vec<_> = subject.vertices().collect();
         let fan = |face: &Vec<u32>| face[1..].windows(2).map(|w| [face[0], w[0], w[1]]).collect::<Vec<_>>();
         let triangles: Vec<[u32; 3]> = subject.faces().iter().flat_map(fan).collect();
         let polyhedron = ConvexPolyhedron::from_convex_mesh(points, &triangles)?;
-        // parry merges near-coplanar faces; were it to drop vertices, it would have less to scan than the others.
+        // parry merges near-coplanar faces. If it dropped vertices, it would scan fewer than the
+        // others.
         (polyhedron.points().len() == subject.vertex_count()).then_some(Self { polyhedron })
     }
 
@@ -46,7 +48,7 @@ impl Rival for Parry {
         true
     }
 
-    /// None of what the polyhedron keeps besides the points is for support queries.
+    /// The polyhedron uses only the points in support queries.
     fn index_bytes(&self) -> usize {
         0
     }

@@ -1,5 +1,6 @@
-//! One dot product a vertex, one after the other, in f32 over points as they lie in a mesh: what parry, Jolt, Bullet
-//! and the paper's Listing 1 do. Exact up to the rounding of f32.
+//! Linear scan without SIMD: one f32 dot product for each vertex, in the memory layout of a mesh.
+//! parry, Jolt, Bullet and the paper's Listing 1 do the same. Exact up to the rounding error of
+//! f32.
 
 use glam::Vec3;
 
@@ -8,7 +9,7 @@ use crate::{
     subject::Subject,
 };
 
-/// The vertices, and nothing else.
+/// The vertices alone.
 #[derive(Clone, Debug)]
 pub struct ScalarScan {
     vertices: Vec<Vec3>,

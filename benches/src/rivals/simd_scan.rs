@@ -1,11 +1,14 @@
-//! Linear scans by SIMD: f32 coordinates in blocks of 16, x y z apart, 64-byte aligned. Exact up to the rounding of f32.
+//! Linear scans with SIMD: f32 coordinates in blocks of 16, with x, y and z in separate arrays,
+//! 64-byte aligned. Exact up to the rounding error of f32.
 //!
-//! Three kernels, each a rival of its own: [`Portable`] (plain Rust that compilers turn into baseline SSE2 or NEON),
-//! [`Avx2`] with FMA and [`Avx512`]. The latter two are entered where the processor has them, so that nothing here
-//! needs `target-cpu`. Each keeps, lane by lane, the greatest dot product so far and the block it came from, in several
-//! accumulators so that no step waits for the one before; a reduction over the lanes ends the query.
+//! There are three kernels, each a rival of its own: [`Portable`] (plain Rust that compilers turn
+//! into baseline SSE2 or NEON), [`Avx2`] with FMA, and [`Avx512`]. The latter two take part if the
+//! processor has them, so that nothing here needs `target-cpu`. Each keeps, lane by lane, the
+//! maximum dot product so far and its block, in several accumulators so that no step waits for the
+//! last. A reduction over the lanes ends the query.
 //!
-//! The module with unsafe code: calling a function compiled for features that were detected, and aligned loads.
+//! This module contains unsafe code: calls of functions compiled for detected features, and aligned
+//! loads.
 #![allow(unsafe_code)]
 
 use glam::Vec3;
@@ -15,10 +18,10 @@ use crate::{
     subject::Subject,
 };
 
-/// Vertices a block.
+/// Vertices in a block.
 pub const LANES: usize = 16;
 
-/// Lanes of the portable kernel: what baseline registers hold twice.
+/// Lanes of the portable kernel: two baseline registers.
 const PORTABLE_LANES: usize = 8;
 
 /// Sixteen vertices.
@@ -30,15 +33,15 @@ pub struct Block {
     z: [f32; LANES],
 }
 
-/// A vertex in blocks.
+/// Position of a vertex in blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct Slot {
     block: usize,
     lane: usize,
 }
 
-impl Place {
-    /// Number of the vertex; past the last one for padding.
+impl Slot {
+    /// Index of the vertex; padding has indices beyond the last vertex.
     pub fn index(self) -> usize {
         self.block * LANES + self.lane
     }
@@ -50,7 +53,7 @@ impl Place {
     }
 }
 
-/// The vertices in blocks; the last one is filled up with vertex 0.
+/// The vertices in blocks. The last block is padded with vertex 0.
 pub fn blocks(vertices: &[Vec3]) -> Vec<Block> {
     let group = |group: &[Vec3]| {
         let lane = |l: usize| group.get(l).copied().unwrap_or(vertices[0]);
@@ -63,8 +66,8 @@ pub fn blocks(vertices: &[Vec3]) -> Vec<Block> {
     vertices.chunks(LANES).map(group).collect()
 }
 
-/// The best place by the fastest kernel that this machine has.
-pub fn best_here(blocks: &[Block], dir: Vec3) -> Place {
+/// The best position, by the fastest kernel of this machine.
+pub fn best_here(blocks: &[Block], dir: Vec3) -> Slot {
     if let Some(kernel) = Avx512::detect() {
         kernel.best(blocks, dir)
     } else if let Some(kernel) = Avx2::detect() {
@@ -74,7 +77,7 @@ pub fn best_here(blocks: &[Block], dir: Vec3) -> Place {
     }
 }
 
-/// A way to scan blocks. That a value exists proves that the processor has what it needs.
+/// A scan of blocks. The existence of a value proves that the processor supports it.
 pub trait Kernel: Copy {
     /// The rival's name.
     const NAME: &'static str;
@@ -82,8 +85,9 @@ pub trait Kernel: Copy {
     /// The kernel, if this machine can run it.
     fn detect() -> Option<Self>;
 
-    /// A place with the greatest dot product; for no blocks, or what is no direction, some place in the first block.
-    fn best(self, blocks: &[Block], dir: Vec3) -> Place;
+    /// A position with the maximum dot product. Without blocks, or for an invalid direction, some
+    /// position in the first block.
+    fn best(self, blocks: &[Block], dir: Vec3) -> Slot;
 }
 
 /// Plain Rust over arrays.
@@ -98,7 +102,7 @@ impl Kernel for Portable {
     }
 
     #[inline]
-    fn best(self, blocks: &[Block], dir: Vec3) -> Place {
+    fn best(self, blocks: &[Block], dir: Vec3) -> Slot {
         let mut best = [f32::NEG_INFINITY; PORTABLE_LANES];
         let mut from = [0_u32; PORTABLE_LANES];
         let mut number = 0;
@@ -106,7 +110,8 @@ impl Kernel for Portable {
             let parts = [&block.x, &block.y, &block.z].map(|c| c.as_chunks::<PORTABLE_LANES>().0);
             for part in 0..LANES / PORTABLE_LANES {
                 let [x, y, z] = parts.map(|c| &c[part]);
-                // One loop a step: compilers turn each into a few vector instructions, but not all of them as one.
+                // One loop for each step: compilers vectorise each of them, but not all in one
+                // loop.
                 let dots: [f32; PORTABLE_LANES] =
                     std::array::from_fn(|lane| x[lane] * dir.x + y[lane] * dir.y + z[lane] * dir.z);
                 let better: [u32; PORTABLE_LANES] =
@@ -128,7 +133,7 @@ impl Kernel for Portable {
             }
         }
         let index = from[top] as usize * PORTABLE_LANES + top;
-        Place { block: index / LANES, lane: index % LANES }
+        Slot { block: index / LANES, lane: index % LANES }
     }
 }
 
@@ -149,8 +154,9 @@ impl Kernel for Avx2 {
     }
 
     #[inline]
-    fn best(self, blocks: &[Block], dir: Vec3) -> Place {
-        // SAFETY: `self` comes from `detect`, its field being private: the processor has AVX2 and FMA.
+    fn best(self, blocks: &[Block], dir: Vec3) -> Slot {
+        // SAFETY: `self` comes from `detect`, its field being private: the processor has AVX2 and
+        // FMA.
         unsafe { x86::best_avx2(blocks, dir) }
     }
 }
@@ -164,7 +170,7 @@ impl Kernel for Avx512 {
     }
 
     #[inline]
-    fn best(self, blocks: &[Block], dir: Vec3) -> Place {
+    fn best(self, blocks: &[Block], dir: Vec3) -> Slot {
         // SAFETY: `self` comes from `detect`, its field being private: the processor has AVX-512F.
         unsafe { x86::best_avx512(blocks, dir) }
     }
@@ -178,7 +184,7 @@ impl Kernel for Avx2 {
         None
     }
 
-    fn best(self, blocks: &[Block], dir: Vec3) -> Place {
+    fn best(self, blocks: &[Block], dir: Vec3) -> Slot {
         Portable.best(blocks, dir)
     }
 }
@@ -191,7 +197,7 @@ impl Kernel for Avx512 {
         None
     }
 
-    fn best(self, blocks: &[Block], dir: Vec3) -> Place {
+    fn best(self, blocks: &[Block], dir: Vec3) -> Slot {
         Portable.best(blocks, dir)
     }
 }
@@ -200,9 +206,9 @@ impl Kernel for Avx512 {
 mod x86 {
     use std::arch::x86_64::*;
 
-    use super::{Block, LANES, Place, Vec3};
+    use super::{Block, LANES, Slot, Vec3};
 
-    /// Accumulators: as many as compare and blend of a step take cycles.
+    /// Accumulators: as many as the cycles of a step's compare and blend.
     const ACCUMULATORS: usize = 4;
 
     /// Lanes of an AVX2 register.
@@ -212,15 +218,15 @@ mod x86 {
     #[inline]
     #[target_feature(enable = "avx512f")]
     fn dots_avx512(block: &Block, dir: &[__m512; 3]) -> __m512 {
-        // SAFETY: each of the block's arrays is 16 f32, a register's worth, and starts at a multiple of 64 bytes in a
-        // block that is aligned to 64.
+        // SAFETY: each of the block's arrays is 16 f32, a register's worth, and starts at a
+        // multiple of 64 bytes in a block that is aligned to 64.
         let (x, y, z) = unsafe {
             (_mm512_load_ps(block.x.as_ptr()), _mm512_load_ps(block.y.as_ptr()), _mm512_load_ps(block.z.as_ptr()))
         };
         _mm512_fmadd_ps(z, dir[2], _mm512_fmadd_ps(y, dir[1], _mm512_mul_ps(x, dir[0])))
     }
 
-    /// Lane by lane, the greater of two dot products, and where it came from.
+    /// Lane by lane, the greater of two dot products, and its block.
     #[inline]
     #[target_feature(enable = "avx512f")]
     fn greater_avx512(best: (__m512, __m512i), other: (__m512, __m512i)) -> (__m512, __m512i) {
@@ -230,7 +236,7 @@ mod x86 {
     }
 
     #[target_feature(enable = "avx512f")]
-    pub(super) fn best_avx512(blocks: &[Block], dir: Vec3) -> Place {
+    pub(super) fn best_avx512(blocks: &[Block], dir: Vec3) -> Slot {
         let dir = [_mm512_set1_ps(dir.x), _mm512_set1_ps(dir.y), _mm512_set1_ps(dir.z)];
         let one = _mm512_set1_epi32(1);
         let mut number = _mm512_setzero_si512();
@@ -251,10 +257,10 @@ mod x86 {
             number = _mm512_add_epi32(number, one);
         }
         let greatest = _mm512_set1_ps(_mm512_reduce_max_ps(best.0));
-        // No lane is equal if that is NaN: then it is lane 0, in bounds.
+        // If the maximum is NaN, no lane is equal. Then the result is lane 0, in bounds.
         let lane = _mm512_cmp_ps_mask::<_CMP_EQ_OQ>(best.0, greatest).trailing_zeros() as usize % LANES;
         let from = _mm512_permutexvar_epi32(_mm512_set1_epi32(lane as i32), best.1);
-        Place { block: _mm512_cvtsi512_si32(from) as usize, lane }
+        Slot { block: _mm512_cvtsi512_si32(from) as usize, lane }
     }
 
     /// Dot products of half a block, lanes 0 to 7 or 8 to 15, with one direction.
@@ -262,8 +268,8 @@ mod x86 {
     #[target_feature(enable = "avx2,fma")]
     fn dots_avx2<const SECOND: bool>(block: &Block, dir: &[__m256; 3]) -> __m256 {
         let at = if SECOND { HALF } else { 0 };
-        // SAFETY: `at` is 0 or 8, so that 8 of an array's 16 f32 follow it; the array starts at a multiple of 64 bytes
-        // and its second half at one of 32, a register's alignment.
+        // SAFETY: `at` is 0 or 8, so that 8 of an array's 16 f32 follow it; the array starts at a
+        // multiple of 64 bytes and its second half at one of 32, a register's alignment.
         let (x, y, z) = unsafe {
             (
                 _mm256_load_ps(block.x.as_ptr().add(at)),
@@ -274,7 +280,7 @@ mod x86 {
         _mm256_fmadd_ps(z, dir[2], _mm256_fmadd_ps(y, dir[1], _mm256_mul_ps(x, dir[0])))
     }
 
-    /// Lane by lane, the greater of two dot products, and where it came from.
+    /// Lane by lane, the greater of two dot products, and its block.
     #[inline]
     #[target_feature(enable = "avx2,fma")]
     fn greater_avx2(best: (__m256, __m256i), other: (__m256, __m256i)) -> (__m256, __m256i) {
@@ -284,10 +290,10 @@ mod x86 {
     }
 
     #[target_feature(enable = "avx2,fma")]
-    pub(super) fn best_avx2(blocks: &[Block], dir: Vec3) -> Place {
+    pub(super) fn best_avx2(blocks: &[Block], dir: Vec3) -> Slot {
         let dir = [_mm256_set1_ps(dir.x), _mm256_set1_ps(dir.y), _mm256_set1_ps(dir.z)];
         let one = _mm256_set1_epi32(1);
-        // Halves of blocks are numbered.
+        // Counts halves of blocks.
         let mut number = _mm256_setzero_si256();
         let mut best = (_mm256_set1_ps(f32::NEG_INFINITY), number);
         let (groups, rest) = blocks.as_chunks::<{ ACCUMULATORS / 2 }>();
@@ -312,20 +318,20 @@ mod x86 {
             best = greater_avx2(best, (dots_avx2::<true>(block, &dir), number));
             number = _mm256_add_epi32(number, one);
         }
-        // The greatest lane, in all lanes.
+        // Broadcast the maximum to all lanes.
         let swapped = _mm256_max_ps(best.0, _mm256_permute2f128_ps::<1>(best.0, best.0));
         let pairs = _mm256_max_ps(swapped, _mm256_permute_ps::<0b01_00_11_10>(swapped));
         let greatest = _mm256_max_ps(pairs, _mm256_permute_ps::<0b10_11_00_01>(pairs));
-        // No lane is equal if that is NaN: then it is lane 0, in bounds.
+        // If the maximum is NaN, no lane is equal. Then the result is lane 0, in bounds.
         let equal = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_EQ_OQ>(best.0, greatest));
         let lane = equal.trailing_zeros() as usize % HALF;
         let from = _mm256_permutevar8x32_epi32(best.1, _mm256_set1_epi32(lane as i32));
         let half = _mm256_cvtsi256_si32(from) as usize;
-        Place { block: half / 2, lane: half % 2 * HALF + lane }
+        Slot { block: half / 2, lane: half % 2 * HALF + lane }
     }
 }
 
-/// The vertices in blocks, and a kernel to scan them.
+/// The vertices in blocks, and a kernel that scans them.
 #[derive(Clone, Debug)]
 pub struct SimdScan<K> {
     blocks: Vec<Block>,
@@ -334,7 +340,7 @@ pub struct SimdScan<K> {
 }
 
 impl<K: Kernel> SimdScan<K> {
-    /// The vertices of `subject`; `None` where this machine cannot run the kernel.
+    /// The vertices of `subject`; `None` if this machine cannot run the kernel.
     pub fn new(subject: &Subject) -> Option<Self> {
         let vertices: Vec<Vec3> = subject.vertices().collect();
         Some(Self { blocks: blocks(&vertices), vertex_count: vertices.len(), kernel: K::detect()? })
@@ -392,14 +398,14 @@ mod tests {
     use crate::directions;
     use shapes::families::Family;
 
-    /// By value: which of several equal ones is legal, and FMA rounds less.
+    /// Compared by value, since any of several equal vertices is correct, and FMA rounds less.
     #[test]
     fn kernels_agree_at_every_length() {
         for n in (8..100).chain([127, 128, 129, 1_000]) {
             let vertices: Vec<Vec3> = Family::Sphere.points(n, 5).into_iter().map(Vec3::from_array).collect();
             let blocks = blocks(&vertices);
             for dir in directions::random(200, n as u64) {
-                let value = |place: Place| place.of(&blocks).as_dvec3().dot(dir.as_dvec3());
+                let value = |slot: Slot| slot.of(&blocks).as_dvec3().dot(dir.as_dvec3());
                 let truth = vertices.iter().map(|v| v.as_dvec3().dot(dir.as_dvec3())).fold(f64::NEG_INFINITY, f64::max);
                 let portable = value(Portable.best(&blocks, dir));
                 assert!((truth - portable).abs() < 2e-7, "portable, n = {n}, {dir}");
@@ -425,7 +431,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_direction_gets_some_vertex() {
+    fn invalid_directions_return_some_vertex() {
         let blocks = blocks(&[Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE]);
         for dir in [Vec3::ZERO, Vec3::NAN, Vec3::INFINITY, Vec3::new(f32::NAN, 1.0, 0.0)] {
             assert!(best_here(&blocks, dir).of(&blocks).is_finite());

@@ -1,5 +1,5 @@
-//! The three queries, ours and parry3d's own: `query::contact` without prediction, `query::intersection_test` and
-//! `query::distance`. Our settings are the defaults.
+//! The three queries of hullmap, with default settings, and of parry3d: `query::contact` without
+//! prediction, `query::intersection_test` and `query::distance`.
 
 use std::{hint::black_box, time::Instant};
 
@@ -8,7 +8,7 @@ use parry3d::{math, query, shape::ConvexPolyhedron};
 
 use super::pairs::{Pair, Placed};
 
-/// What is asked.
+/// Kind of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Query {
     /// Penetration depth, normal and points.
@@ -33,18 +33,18 @@ impl Query {
     }
 }
 
-/// What our answer took.
+/// Cost of an answer of hullmap.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cost {
-    /// Pairs of support queries.
+    /// Number of pairs of support queries.
     pub support_calls: u32,
-    /// Steps of all phases.
+    /// Number of steps of all phases.
     pub iterations: u32,
 }
 
-/// One of ours.
+/// One query of hullmap.
 #[inline]
-pub fn ours(query: Query, [a, b]: &[Hull<'_>; 2], placed: &Placed, settings: &Settings, cache: &mut Cache) -> Cost {
+pub fn hullmap(query: Query, [a, b]: &[Hull<'_>; 2], placed: &Placed, settings: &Settings, cache: &mut Cache) -> Cost {
     match query {
         Query::Contact => {
             let c = black_box(contact(a, b, placed.b_in_a, settings, cache));
@@ -61,10 +61,10 @@ pub fn ours(query: Query, [a, b]: &[Hull<'_>; 2], placed: &Placed, settings: &Se
     }
 }
 
-/// One of parry's.
+/// One query of parry.
 #[inline]
 fn parrys(query: Query, [a, b]: &[ConvexPolyhedron; 2], placed: &Placed) {
-    const SUPPORTED: &str = "parry takes two polyhedra";
+    const SUPPORTED: &str = "parry supports two polyhedra";
     match query {
         Query::Contact => {
             black_box(query::contact(&math::Pose::IDENTITY, a, &placed.parry, b, 0.0).expect(SUPPORTED));
@@ -80,8 +80,8 @@ fn parrys(query: Query, [a, b]: &[ConvexPolyhedron; 2], placed: &Placed) {
 
 /// Times of one engine on one list of queries, in pieces of a few queries.
 ///
-/// The pieces are short beside a time slice of the operating system: where it gives the processor to somebody else in
-/// between, that spoils the piece of that round and no more.
+/// The pieces are short compared with a time slice of the operating system. If another process gets
+/// the processor in between, it spoils one piece in one round only.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Samples {
     piece: usize,
@@ -91,61 +91,62 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// No times yet, of `queries` in pieces of `piece` each.
+    /// An empty record of `queries` queries in pieces of `piece` each.
     pub fn new(queries: usize, piece: usize) -> Self {
         Self { piece, queries, times_ns: vec![Vec::new(); queries.div_ceil(piece)] }
     }
 
-    /// Asks all of `items` and keeps what it took.
-    fn round<T>(&mut self, items: &[T], mut ask: impl FnMut(&T)) {
+    /// Times all `items`, piece by piece.
+    fn round<T>(&mut self, items: &[T], mut run: impl FnMut(&T)) {
         debug_assert_eq!(items.len(), self.queries);
         let mut start = Instant::now();
         for (piece, times_ns) in black_box(items).chunks(self.piece).zip(&mut self.times_ns) {
-            piece.iter().for_each(&mut ask);
+            piece.iter().for_each(&mut run);
             let end = Instant::now();
             times_ns.push((end - start).as_secs_f64() * 1e9);
             start = end;
         }
     }
 
-    /// What all queries take together, in nanoseconds: of each piece the lower quartile over the rounds.
+    /// Time of all queries together, in nanoseconds: the sum over the pieces of the lower quartile
+    /// over the rounds.
     pub fn total_ns(&self) -> f64 {
         self.times_ns.iter().map(|rounds| lower_quartile(rounds)).sum()
     }
 
-    /// How many queries a round has.
+    /// Number of queries in a round.
     pub fn queries(&self) -> usize {
         self.queries
     }
 
-    /// A round with nothing remembered.
+    /// A round with empty caches.
     pub fn cold(&mut self, query: Query, hulls: &[Hull<'_>; 2], poses: &[Placed]) {
         let settings = Settings::default();
         self.round(poses, |placed| {
-            ours(query, hulls, placed, &settings, &mut Cache::default());
+            hullmap(query, hulls, placed, &settings, &mut Cache::default());
         });
     }
 
-    /// A round of the `frames` of that many `paths`, which take turns, with a cache kept for each path. The caches are empty at
-    /// first.
+    /// A round of `frames`, in which `paths` paths take turns, with a cache for each path. The
+    /// caches are empty at the start of the round.
     pub fn warm(&mut self, query: Query, hulls: &[Hull<'_>; 2], frames: &[Placed], paths: usize) {
         let settings = Settings::default();
         let mut caches = vec![Cache::default(); paths];
         let mut path = 0;
         self.round(frames, |placed| {
-            ours(query, hulls, placed, &settings, &mut caches[path]);
+            hullmap(query, hulls, placed, &settings, &mut caches[path]);
             path = if path + 1 == paths { 0 } else { path + 1 };
         });
     }
 
-    /// A round of parry's.
+    /// A round of parry.
     pub fn parry(&mut self, query: Query, pair: &Pair, poses: &[Placed]) {
         self.round(poses, |placed| parrys(query, pair.polyhedra(), placed));
     }
 }
 
-/// The lower quartile; infinite without values. Not the median: other work on the machine only ever adds time, and on a busy one
-/// it adds some to more than half of the long queries.
+/// The lower quartile; infinite without values. Not the median: other work on the machine only adds
+/// time, and on a busy machine it adds some to more than half of the long queries.
 fn lower_quartile(values: &[f64]) -> f64 {
     let mut values = values.to_vec();
     values.sort_unstable_by(f64::total_cmp);
@@ -157,7 +158,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_spoilt_piece_does_not_count() {
+    fn spoilt_pieces_do_not_count() {
         let mut samples = Samples::new(5, 2);
         for times in [[700.0, 2.0, 3.0], [1.0, 900.0, 3.0], [800.0, 2.0, 3.0]] {
             samples.times_ns.iter_mut().zip(times).for_each(|(piece, time)| piece.push(time));
@@ -166,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn every_item_is_asked_once_a_round() {
+    fn each_round_queries_every_item_once() {
         let mut samples = Samples::new(5, 2);
         let mut seen = Vec::new();
         samples.round(&[1, 2, 3, 4, 5], |item| seen.push(*item));

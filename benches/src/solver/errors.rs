@@ -1,48 +1,50 @@
-//! Our answers and parry's compared with each other. Lengths are relative to the mean diameter of the pair.
+//! Comparison of hullmap's answers with parry's. Lengths are relative to the mean diameter of the
+//! pair.
 //!
-//! Where the depths differ, parry's normal is the judge: to move B out of A along any direction is an upper bound of the
-//! depth, and how far that is follows from the vertices alone, in f64.
+//! If the depths differ, parry's normal decides: the distance by which B moves out of A along any
+//! direction is an upper bound of the depth. It follows from the vertices alone, in f64.
 
 use glam::DVec3;
-use hullmap::{Cache, Hull, Pose, Settings, Status, contact, distance, intersects};
+use hullmap::{Cache, Settings, Status, contact, distance, intersects};
+use hullmap_testkit::reach::{self, way_out};
 use parry3d::{math, query};
 
 use super::pairs::{Pair, Placed};
 
-/// Differences of all pairs of one vertex count.
+/// Differences over all pairs of one vertex count.
 #[derive(Clone, Debug, Default)]
 pub struct Differences {
-    /// Pairs asked.
+    /// Number of pairs.
     pub pairs: usize,
-    /// Pairs that overlap, by our answer.
+    /// Pairs that overlap, by hullmap's answer.
     pub hits: usize,
-    /// Pairs where `intersection_test` says otherwise than we.
+    /// Pairs on which `intersection_test` disagrees with hullmap.
     pub parry_yes_no: usize,
-    /// Pairs that overlap, of which parry's contact says that they do not, or gives none.
+    /// Overlapping pairs for which parry returns no contact.
     pub parry_no_contact: usize,
-    /// How far parry's depth is above (positive) or below (negative) our interval; 0 within.
+    /// Excess of parry's depth above (positive) or below (negative) the interval; 0 inside it.
     pub depth: Vec<f64>,
-    /// How far parry's distance is above (positive) or below (negative) our interval; 0 within.
+    /// Excess of parry's distance above (positive) or below (negative) the interval; 0 inside it.
     pub distance: Vec<f64>,
-    /// Widths of our depth intervals, relative to their upper ends.
+    /// Widths of the depth intervals, relative to their upper bounds.
     pub depth_width: Vec<f64>,
-    /// Widths of our distance intervals, relative to their upper ends.
+    /// Widths of the distance intervals, relative to their upper bounds.
     pub distance_width: Vec<f64>,
-    /// Pairs where parry's normal proves our lower end of the depth too large. Must be 0.
+    /// Pairs for which parry's normal proves hullmap's lower bound of the depth wrong. Must be 0.
     pub disproved: usize,
-    /// Our contacts that ended at a cap.
+    /// Contacts of hullmap that ended at a cap.
     pub capped: usize,
-    /// Our contacts that rounding stopped.
+    /// Contacts of hullmap that rounding error stopped.
     pub stalled: usize,
 }
 
 impl Differences {
-    /// Asks both about all `poses`.
+    /// Compares both engines on all `poses`.
     ///
     /// # Panics
-    /// If parry does not take polyhedra: it does.
+    /// If parry does not support two polyhedra: a bug.
     pub fn add(&mut self, pair: &Pair, poses: &[Placed]) {
-        const SUPPORTED: &str = "parry takes two polyhedra";
+        const SUPPORTED: &str = "parry supports two polyhedra";
         let ([a, b], [parry_a, parry_b]) = (&pair.hulls(), pair.polyhedra());
         let (settings, here, diameter) = (Settings::default(), math::Pose::IDENTITY, pair.diameter());
         for placed in poses {
@@ -61,7 +63,8 @@ impl Differences {
                     Some(c) => {
                         self.depth.push(beyond(-f64::from(c.dist), deep.depth_lower, deep.depth_upper) / diameter);
                         let normal = DVec3::from_array(c.normal1.to_array().map(f64::from)).normalize();
-                        self.disproved += usize::from(way_out(a, b, placed.b_in_a, normal) < deep.depth_lower);
+                        self.disproved +=
+                            usize::from(way_out(a, &reach::Placed::new(b, placed.b_in_a), normal) < deep.depth_lower);
                     }
                     None => self.parry_no_contact += 1,
                 }
@@ -75,15 +78,7 @@ impl Differences {
     }
 }
 
-/// How far B has to move along `normal`, in A's frame and of unit length, to be out of A: by all vertices, in f64.
-fn way_out(a: &Hull<'_>, b: &Hull<'_>, b_in_a: Pose, normal: DVec3) -> f64 {
-    let turned = b_in_a.inverse_transform_vector(normal);
-    let top = a.vertices().map(|v| v.as_dvec3().dot(normal)).fold(f64::NEG_INFINITY, f64::max);
-    let bottom = b.vertices().map(|v| v.as_dvec3().dot(turned)).fold(f64::INFINITY, f64::min);
-    top - bottom - b_in_a.translation().dot(normal)
-}
-
-/// How far `value` is above (positive) or below (negative) the interval.
+/// Excess of `value` above (positive) or below (negative) the interval; 0 inside it.
 fn beyond(value: f64, lower: f64, upper: f64) -> f64 {
     if value > upper {
         value - upper
@@ -94,7 +89,7 @@ fn beyond(value: f64, lower: f64, upper: f64) -> f64 {
     }
 }
 
-/// The 99th percentile and the greatest of what `of` makes of the values; zeros without any.
+/// The 99th percentile and the maximum of `of(value)`; zeros without values.
 pub fn p99_and_worst(values: &[f64], of: impl Fn(f64) -> f64) -> [f64; 2] {
     let mut values: Vec<f64> = values.iter().map(|&v| of(v)).collect();
     values.sort_unstable_by(f64::total_cmp);
@@ -109,7 +104,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn outside_of_an_interval() {
+    fn beyond_is_zero_inside_the_interval() {
         assert_eq!([0.5, 1.5, 3.0].map(|v| beyond(v, 1.0, 2.0)), [-0.5, 0.0, 1.0]);
     }
 

@@ -1,13 +1,14 @@
-//! The solver beside parry3d: contact, intersection and distance on the same hulls in the same poses, in one run.
+//! The solver beside parry3d: contact, intersection and distance on the same hulls in the same
+//! poses, in one run.
 //!
 //! | module | what |
 //! |---|---|
-//! | [`pairs`] | two hulls, where they touch, and the poses: deep, touching, apart; and paths past each other |
-//! | [`engines`] | the three queries, ours and parry's |
+//! | [`pairs`] | two hulls, and their poses: by class, and along paths |
+//! | [`engines`] | the three queries, hullmap's and parry's |
 //! | [`race`] | interleaved timing, cold and frame-coherent |
 //! | [`errors`] | the answers compared with each other |
-//! | [`targets`] | which fraction of parry's time is aimed at |
-//! | [`tables`] | the tables made of it |
+//! | [`targets`] | goals, as fractions of parry's time |
+//! | [`tables`] | the tables, and their CSV |
 
 pub mod engines;
 pub mod errors;

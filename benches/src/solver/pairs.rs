@@ -1,9 +1,10 @@
-//! Two hulls of a family and the poses they meet in.
+//! Two hulls of a family, and their poses.
 //!
-//! A third of the poses is deep, a third within 2 % of touching, a third apart: the distance at which a pair touches is
-//! found by bisection, for every pose anew. The hulls have n points each and different seeds.
+//! A third of the poses penetrate, a third are within 2 % of touching, a third are separated. The
+//! distance at which a pair touches is found by bisection for every pose. The hulls have n points
+//! each and different seeds.
 //!
-//! Poses are rounded to single precision before anybody sees them, so that parry and we are asked the same.
+//! Poses are rounded to single precision first, so that both engines get the same ones.
 
 use glam::{DQuat, DVec3, Quat, Vec3};
 use hullmap::{Cache, Hull, Pack, Pose, intersects};
@@ -16,57 +17,57 @@ use crate::{rivals::parry::Parry, subject::Subject};
 /// The families whose pairs are compared.
 pub const FAMILIES: [Family; 3] = [Family::Sphere, Family::ClusteredEllipsoid, Family::Rock];
 
-/// Bisections that find where a pair touches: to a millionth of its size.
+/// Number of bisections that find the touching distance: to a millionth of the size.
 const BISECTIONS: usize = 20;
 
-/// How far B moves from one frame to the next, over the mean of the diameters.
+/// Distance by which B moves from one frame to the next, over the mean diameter.
 pub const STEP: f64 = 0.01;
 
-/// How far B turns from one frame to the next.
+/// Angle by which B turns from one frame to the next.
 pub const TURN_RAD: f64 = std::f64::consts::PI / 180.0;
 
-/// How a pair lies, by its distance over the distance at which it touches.
+/// State of a pair, by its distance over its touching distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     /// At most 0.9 of it.
-    Deep,
+    Penetrating,
     /// Within 2 % of it.
-    Touching,
+    NearTouching,
     /// At least 1.05 of it.
-    Apart,
+    Separated,
 }
 
 impl Class {
     /// All classes, in the order of tables.
-    pub const ALL: [Class; 3] = [Class::Deep, Class::Touching, Class::Apart];
+    pub const ALL: [Class; 3] = [Class::Penetrating, Class::NearTouching, Class::Separated];
 
     /// Its name in tables.
     pub const fn name(self) -> &'static str {
         match self {
-            Class::Deep => "deep",
-            Class::Touching => "touching",
-            Class::Apart => "apart",
+            Class::Penetrating => "penetrating",
+            Class::NearTouching => "near touching",
+            Class::Separated => "separated",
         }
     }
 
-    /// Least and greatest distance, over the distance at which the pair touches.
+    /// Minimum and maximum distance, over the touching distance.
     pub const fn shares(self) -> [f64; 2] {
         match self {
-            Class::Deep => [0.0, 0.9],
-            Class::Touching => [0.98, 1.02],
-            Class::Apart => [1.05, 2.0],
+            Class::Penetrating => [0.0, 0.9],
+            Class::NearTouching => [0.98, 1.02],
+            Class::Separated => [1.05, 2.0],
         }
     }
 }
 
-/// Where B is, for parry and for us.
+/// Pose of B, for both engines.
 #[derive(Clone, Copy, Debug)]
 pub struct Placed {
-    /// How the pair lies.
+    /// State of the pair.
     pub class: Class,
-    /// For us.
+    /// Pose for hullmap.
     pub b_in_a: Pose,
-    /// The same numbers for parry.
+    /// The same pose for parry.
     pub parry: math::Pose,
 }
 
@@ -81,27 +82,28 @@ impl Placed {
     }
 }
 
-/// Two hulls of a family, baked for us and for parry.
+/// Two hulls of a family, for both engines.
 pub struct Pair {
     /// The family.
     pub family: Family,
     packs: [Pack; 2],
     polyhedra: [ConvexPolyhedron; 2],
-    /// Vertices of both hulls together; fewer than 2 n where the family's points are not all extreme.
+    /// Vertices of both hulls together: fewer than 2 n if some points of the family are not
+    /// extreme.
     pub vertices: usize,
 }
 
 impl Pair {
-    /// Bakes two hulls of `n` points; `None` where parry refuses one of them or drops vertices.
+    /// Bakes two hulls of `n` points; `None` if parry rejects one of them or drops vertices.
     ///
     /// # Panics
-    /// Where a hull cannot be baked: a bug.
+    /// If a hull cannot be baked: a bug.
     pub fn bake(family: Family, n: usize, seed: u64) -> Option<Self> {
         let subjects = [0, 1].map(|number| Subject::new(family, n, seed + number));
         let [a, b] = subjects.each_ref().map(|subject| Parry::new(subject).map(Parry::into_polyhedron));
         Some(Self {
             family,
-            packs: subjects.each_ref().map(|subject| subject.pack(IndexKind::TREE)),
+            packs: subjects.each_ref().map(|subject| subject.pack(IndexKind::Tree)),
             polyhedra: [a?, b?],
             vertices: subjects.iter().map(Subject::vertex_count).sum(),
         })
@@ -115,7 +117,7 @@ impl Pair {
         self.packs.each_ref().map(|pack| pack.hull(0).expect("a pack has a hull"))
     }
 
-    /// A and B, parry's.
+    /// A and B as parry's polyhedra.
     pub fn polyhedra(&self) -> &[ConvexPolyhedron; 2] {
         &self.polyhedra
     }
@@ -132,9 +134,9 @@ impl Pair {
         classes.map(|class| self.somewhere(class, rng).at(0.0)).collect()
     }
 
-    /// Straight paths past each other, `count` of each class: at the middle frame B is as far away as the class says,
-    /// and it moves across. Paths take turns, as the pairs of a scene do: first all at their first frame, the classes in
-    /// turn, then all at their second. A frame's class is that of its path.
+    /// Straight paths past A, `count` of each class. At the middle frame B has the distance of its
+    /// class, and it moves sideways. Paths take turns, as the pairs of a scene do: all first
+    /// frames, with alternating classes, then all second frames. A frame has the class of its path.
     pub fn frames(&self, count: usize, frames: usize, rng: &mut SplitMix64) -> Vec<Placed> {
         let middles: Vec<Middle> =
             (0..count).flat_map(|_| Class::ALL).map(|class| self.somewhere(class, rng)).collect();
@@ -163,9 +165,9 @@ struct Middle {
     center: DVec3,
     center_b: DVec3,
     rotation: DQuat,
-    /// What B turns about.
+    /// Rotation axis of B.
     axis: DVec3,
-    /// How far B moves in a frame.
+    /// Translation of B in a frame.
     across: DVec3,
 }
 
@@ -176,7 +178,8 @@ impl Middle {
     }
 }
 
-/// How far apart the interior points are when B, turned by `rotation`, touches A in `direction` of it.
+/// Distance of the interior points when B, rotated by `rotation`, touches A in direction
+/// `direction`.
 ///
 /// # Panics
 /// If the rotation is not finite: a bug.
@@ -198,24 +201,24 @@ mod tests {
     use crate::subject::SEED;
 
     #[test]
-    fn poses_are_what_their_class_says() {
+    fn poses_match_their_class() {
         for family in FAMILIES {
-            let pair = Pair::bake(family, 60, SEED).expect("parry takes it");
+            let pair = Pair::bake(family, 60, SEED).expect("parry accepts it");
             let [a, b] = pair.hulls();
             let hits = |class: Class| {
                 let poses = pair.poses(60, &mut SplitMix64::new(SEED));
                 let of = poses.iter().filter(|placed| placed.class == class);
                 of.filter(|placed| intersects(&a, &b, placed.b_in_a, &mut Cache::default()).is_hit()).count()
             };
-            assert_eq!((hits(Class::Deep), hits(Class::Apart)), (60, 0), "{}, seed {SEED}", family.name());
-            let touching = hits(Class::Touching);
+            assert_eq!((hits(Class::Penetrating), hits(Class::Separated)), (60, 0), "{}, seed {SEED}", family.name());
+            let touching = hits(Class::NearTouching);
             assert!((15..=45).contains(&touching), "{}: {touching} of 60 overlap, seed {SEED}", family.name());
         }
     }
 
     #[test]
     fn frames_are_a_step_and_a_degree_apart() {
-        let pair = Pair::bake(Family::Rock, 40, SEED).expect("parry takes it");
+        let pair = Pair::bake(Family::Rock, 40, SEED).expect("parry accepts it");
         let center = hullmap::SupportMap::interior_point(&pair.hulls()[1]);
         let frames = pair.frames(2, 9, &mut SplitMix64::new(SEED));
         let paths = 2 * Class::ALL.len();

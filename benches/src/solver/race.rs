@@ -1,32 +1,34 @@
-//! Interleaved timing of the three queries, ours and parry's.
+//! Interleaved timing of the three queries of both engines.
 //!
-//! A round asks every engine every query on every pair of hulls, engines taking turns, in an order that changes from
-//! round to round; so a slow spell of the machine hits all alike. Of each piece of a few queries the lower quartile
-//! over the rounds counts. The mixed poses take turns by class, as a branch predictor meets them in a scene; the figures by
-//! class are of passes of their own.
+//! A round runs every query of every engine on every pair of hulls. Engines take turns in an order
+//! that changes from round to round, so that a slow spell of the machine affects all of them. The
+//! result of a piece of a few queries is the lower quartile over the rounds. In the mixed poses the
+//! classes alternate, as a branch predictor meets them in a scene. The figures by class come from
+//! separate passes.
 //!
-//! All is in one thread and warm in memory: cold means that the solver remembers nothing, not that caches are empty.
+//! Everything runs in one thread and from warm memory. *Cold* means that the solver's cache is
+//! empty, not the processor's.
 
 use hullmap::{Cache, Settings, intersects};
 use shapes::rng::SplitMix64;
 
 use super::{
-    engines::{Query, Samples, ours},
+    engines::{self, Query, Samples},
     errors::Differences,
     pairs::{Class, FAMILIES, Pair, Placed},
 };
 use crate::{measure::shuffled, subject::SEED};
 
-/// How much to measure at one vertex count.
+/// Measuring effort at one vertex count.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
-    /// Poses of each class and family.
+    /// Number of poses of each class and family.
     pub poses: usize,
-    /// Paths of each class and family.
+    /// Number of paths of each class and family.
     pub paths: usize,
-    /// Poses of a path.
+    /// Number of poses of a path.
     pub frames: usize,
-    /// Queries that are timed at once, ours and parry's.
+    /// Number of queries in a timed piece, for hullmap and for parry.
     pub pieces: [usize; 2],
     /// Rounds.
     pub rounds: usize,
@@ -47,10 +49,10 @@ impl Effort {
     pub const QUICK: Self = Self { poses: 30, paths: 4, frames: 9, pieces: [12, 4], rounds: 3 };
 }
 
-/// What is timed: all poses in turn, or those of one class.
+/// Selection of poses: all, or one class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mix {
-    /// A third of each class.
+    /// All classes, a third each.
     All,
     /// One class.
     Only(Class),
@@ -58,7 +60,8 @@ pub enum Mix {
 
 impl Mix {
     /// All mixes, in the order of tables.
-    pub const ALL: [Mix; 4] = [Mix::All, Mix::Only(Class::Deep), Mix::Only(Class::Touching), Mix::Only(Class::Apart)];
+    pub const ALL: [Mix; 4] =
+        [Mix::All, Mix::Only(Class::Penetrating), Mix::Only(Class::NearTouching), Mix::Only(Class::Separated)];
 
     /// Its name in tables.
     pub const fn name(self) -> &'static str {
@@ -68,7 +71,7 @@ impl Mix {
         }
     }
 
-    fn place(self) -> usize {
+    fn index(self) -> usize {
         match self {
             Mix::All => 0,
             Mix::Only(class) => 1 + class as usize,
@@ -83,59 +86,59 @@ impl Mix {
 /// One query on the poses of one mix.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cold {
-    /// What was asked.
+    /// Kind of the query.
     pub query: Query,
-    /// Of which poses.
+    /// Selection of poses.
     pub mix: Mix,
-    /// Ours, nanoseconds a query.
-    pub ours_ns: f64,
-    /// Parry's, nanoseconds a query.
+    /// Time of hullmap, in nanoseconds a query.
+    pub hullmap_ns: f64,
+    /// Time of parry, in nanoseconds a query.
     pub parry_ns: f64,
-    /// Pairs of our support queries a query: the mean.
+    /// Mean number of pairs of support queries of hullmap.
     pub support_calls: f64,
-    /// Steps a query: the mean.
+    /// Mean number of steps of hullmap.
     pub iterations: f64,
-    /// The most support calls of a query.
-    pub most_support_calls: u32,
+    /// Maximum number of pairs of support queries.
+    pub max_support_calls: u32,
 }
 
 /// One query along the paths of one mix.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coherent {
-    /// What was asked.
+    /// Kind of the query.
     pub query: Query,
-    /// Of which paths.
+    /// Selection of paths.
     pub mix: Mix,
-    /// With nothing remembered, nanoseconds a query.
+    /// Time with empty caches, in nanoseconds a query.
     pub cold_ns: f64,
-    /// With a cache kept for each path, nanoseconds a query.
+    /// Time with a cache for each path, in nanoseconds a query.
     pub warm_ns: f64,
-    /// Support calls a query, cold and warm.
+    /// Mean number of pairs of support queries, cold and warm.
     pub support_calls: [f64; 2],
 }
 
-/// All that was measured at one vertex count.
+/// Measurements at one vertex count.
 #[derive(Clone, Debug)]
 pub struct Record {
     /// Points of a hull.
     pub n: usize,
-    /// Vertices of a hull, in the mean.
+    /// Mean number of vertices of a hull.
     pub vertices: f64,
-    /// Families that parry refused.
-    pub refused: Vec<&'static str>,
-    /// Share of the poses that overlap.
+    /// Families that parry rejected.
+    pub rejected: Vec<&'static str>,
+    /// Fraction of the poses that overlap.
     pub hit_share: f64,
-    /// Share of the paths' frames that overlap.
+    /// Fraction of the poses on paths that overlap.
     pub coherent_hit_share: f64,
-    /// Query by query, mix by mix.
+    /// One entry for each query and selection.
     pub cold: Vec<Cold>,
-    /// Query by query, mix by mix.
+    /// One entry for each query and selection.
     pub coherent: Vec<Coherent>,
-    /// Our answers against parry's.
+    /// Comparison of the answers.
     pub differences: Differences,
 }
 
-/// A pair of hulls and its poses, by mix in the order of [`Mix::ALL`].
+/// A pair of hulls and its poses, by selection in the order of [`Mix::ALL`].
 struct Stage {
     pair: Pair,
     poses: [Vec<Placed>; 4],
@@ -154,27 +157,27 @@ impl Stage {
     }
 }
 
-/// What takes turns: one query on the poses, or along the paths, of one mix and one pair of hulls.
+/// Unit that takes turns: one query on the poses or paths of one selection and one pair of hulls.
 struct Heat<'s> {
     stage: &'s Stage,
     query: Query,
     mix: Mix,
-    /// Ours on the poses, parry's; ours along the paths, with nothing remembered and with a cache.
+    /// hullmap and parry on the poses; hullmap along the paths, cold and warm.
     samples: [Samples; 4],
 }
 
 impl<'s> Heat<'s> {
     fn new(stage: &'s Stage, query: Query, mix: Mix, effort: Effort) -> Self {
-        let [poses, frames] = [&stage.poses, &stage.frames].map(|all| all[mix.place()].len());
-        let [ours, parry] = effort.pieces;
-        let samples = [(poses, ours), (poses, parry), (frames, ours), (frames, ours)]
+        let [poses, frames] = [&stage.poses, &stage.frames].map(|all| all[mix.index()].len());
+        let [hullmap, parry] = effort.pieces;
+        let samples = [(poses, hullmap), (poses, parry), (frames, hullmap), (frames, hullmap)]
             .map(|(queries, piece)| Samples::new(queries, piece));
         Self { stage, query, mix, samples }
     }
 
     fn round(&mut self, effort: Effort, rng: &mut SplitMix64) {
         let (pair, hulls) = (&self.stage.pair, &self.stage.pair.hulls());
-        let [poses, frames] = [&self.stage.poses, &self.stage.frames].map(|all| &all[self.mix.place()]);
+        let [poses, frames] = [&self.stage.poses, &self.stage.frames].map(|all| &all[self.mix.index()]);
         let paths = frames.len() / effort.frames;
         for engine in shuffled(self.samples.len(), rng) {
             let samples = &mut self.samples[engine];
@@ -191,16 +194,16 @@ impl<'s> Heat<'s> {
 /// Measures one vertex count.
 ///
 /// # Panics
-/// If parry refuses the hulls of every family.
+/// If parry rejects the hulls of every family.
 pub fn run(n: usize, effort: Effort) -> Record {
-    let (mut stages, mut refused) = (Vec::new(), Vec::new());
+    let (mut stages, mut rejected) = (Vec::new(), Vec::new());
     for family in FAMILIES {
         match Pair::bake(family, n, SEED) {
             Some(pair) => stages.push(Stage::new(pair, effort, SEED)),
-            None => refused.push(family.name()),
+            None => rejected.push(family.name()),
         }
     }
-    assert!(!stages.is_empty(), "parry refuses all hulls of {n} points");
+    assert!(!stages.is_empty(), "parry rejects all hulls of {n} points");
     let cells: Vec<(Query, Mix)> = Query::ALL.into_iter().flat_map(|query| Mix::ALL.map(|mix| (query, mix))).collect();
     let mut heats: Vec<Heat<'_>> = cells
         .iter()
@@ -210,7 +213,7 @@ pub fn run(n: usize, effort: Effort) -> Record {
     for _ in 0..effort.rounds {
         heats.iter_mut().for_each(|heat| heat.round(effort, &mut rng));
     }
-    // The families count alike, as each has as many poses.
+    // All families have the same number of poses, and so the same weight.
     let ns = |query: Query, mix: Mix, engine: usize| {
         let samples =
             heats.iter().filter(|heat| (heat.query, heat.mix) == (query, mix)).map(|heat| &heat.samples[engine]);
@@ -218,7 +221,7 @@ pub fn run(n: usize, effort: Effort) -> Record {
         total / queries as f64
     };
     let cold = cells.iter().map(|&(query, mix)| Cold {
-        ours_ns: ns(query, mix, 0),
+        hullmap_ns: ns(query, mix, 0),
         parry_ns: ns(query, mix, 1),
         ..counted(query, mix, &stages)
     });
@@ -234,7 +237,7 @@ pub fn run(n: usize, effort: Effort) -> Record {
     Record {
         n,
         vertices: stages.iter().map(|s| s.pair.vertices as f64).sum::<f64>() / (2 * stages.len()) as f64,
-        refused,
+        rejected,
         hit_share: hit_share(&stages, |stage| &stage.poses[0]),
         coherent_hit_share: hit_share(&stages, |stage| &stage.frames[0]),
         cold: cold.collect(),
@@ -255,36 +258,37 @@ fn hit_share(stages: &[Stage], poses: impl Fn(&Stage) -> &[Placed]) -> f64 {
     hits as f64 / all as f64
 }
 
-/// What the queries of a cell take besides time.
+/// Counts of the queries of a cell, without times.
 fn counted(query: Query, mix: Mix, stages: &[Stage]) -> Cold {
     let settings = Settings::default();
-    let (mut support_calls, mut iterations, mut most_support_calls, mut count) = (0, 0, 0, 0);
+    let (mut support_calls, mut iterations, mut max_support_calls, mut count) = (0, 0, 0, 0);
     for stage in stages {
         let hulls = stage.pair.hulls();
-        for placed in &stage.poses[mix.place()] {
-            let cost = ours(query, &hulls, placed, &settings, &mut Cache::default());
+        for placed in &stage.poses[mix.index()] {
+            let cost = engines::hullmap(query, &hulls, placed, &settings, &mut Cache::default());
             support_calls += cost.support_calls;
             iterations += cost.iterations;
-            most_support_calls = most_support_calls.max(cost.support_calls);
+            max_support_calls = max_support_calls.max(cost.support_calls);
             count += 1;
         }
     }
     let mean = |sum: u32| f64::from(sum) / f64::from(count);
     let (support_calls, iterations) = (mean(support_calls), mean(iterations));
-    Cold { query, mix, ours_ns: 0.0, parry_ns: 0.0, support_calls, iterations, most_support_calls }
+    Cold { query, mix, hullmap_ns: 0.0, parry_ns: 0.0, support_calls, iterations, max_support_calls }
 }
 
-/// Support calls a query, cold and warm.
+/// Mean number of pairs of support queries, cold and warm.
 fn counted_along_paths(query: Query, mix: Mix, stages: &[Stage], effort: Effort) -> [f64; 2] {
     let settings = Settings::default();
     let (mut support_calls, mut count) = ([0, 0], 0);
     for stage in stages {
-        let (hulls, frames) = (stage.pair.hulls(), &stage.frames[mix.place()]);
+        let (hulls, frames) = (stage.pair.hulls(), &stage.frames[mix.index()]);
         let mut caches = vec![Cache::default(); frames.len() / effort.frames];
         for paths in frames.chunks(caches.len()) {
             for (placed, kept) in paths.iter().zip(&mut caches) {
-                support_calls[0] += ours(query, &hulls, placed, &settings, &mut Cache::default()).support_calls;
-                support_calls[1] += ours(query, &hulls, placed, &settings, kept).support_calls;
+                support_calls[0] +=
+                    engines::hullmap(query, &hulls, placed, &settings, &mut Cache::default()).support_calls;
+                support_calls[1] += engines::hullmap(query, &hulls, placed, &settings, kept).support_calls;
                 count += 1;
             }
         }

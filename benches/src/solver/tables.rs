@@ -1,4 +1,4 @@
-//! The tables of a run, one column a vertex count.
+//! The tables of a run, one column for each vertex count, and their CSV.
 
 use super::{
     engines::Query,
@@ -6,9 +6,9 @@ use super::{
     race::{Coherent, Cold, Mix, Record},
     targets,
 };
-use crate::matrix::Matrix;
+use crate::{csv::Csv, matrix::Matrix};
 
-/// All tables, the fractions of parry's time first.
+/// All tables, fractions of parry's time first.
 pub fn all(records: &[Record]) -> Vec<Matrix> {
     vec![
         fractions(records),
@@ -22,7 +22,7 @@ pub fn all(records: &[Record]) -> Vec<Matrix> {
     ]
 }
 
-/// How many targets of a run are reached, and of how many, cold and warm.
+/// Number of goals reached in a run, and number of goals, cold and warm.
 pub fn reached(records: &[Record]) -> [usize; 2] {
     let cold = records.iter().flat_map(|record| {
         let cells = record.cold.iter().filter(|cell| cell.mix == Mix::All);
@@ -30,17 +30,17 @@ pub fn reached(records: &[Record]) -> [usize; 2] {
     });
     let warm = records.iter().flat_map(|record| {
         let cells = record.coherent.iter().filter(|cell| cell.mix == Mix::All);
-        cells.filter_map(|cell| Some(warm_share(cell) <= targets::warm(cell.query, record.n)?))
+        cells.filter_map(|cell| Some(warm_ratio(cell) <= targets::warm(cell.query, record.n)?))
     });
     let verdicts: Vec<bool> = cold.chain(warm).collect();
     [verdicts.iter().filter(|reached| **reached).count(), verdicts.len()]
 }
 
 fn fraction(cell: &Cold) -> f64 {
-    cell.ours_ns / cell.parry_ns
+    cell.hullmap_ns / cell.parry_ns
 }
 
-fn warm_share(cell: &Coherent) -> f64 {
+fn warm_ratio(cell: &Coherent) -> f64 {
     cell.warm_ns / cell.cold_ns
 }
 
@@ -49,7 +49,7 @@ fn column(record: &Record) -> String {
 }
 
 fn verdict(reached: bool) -> String {
-    if reached { "reached" } else { "MISSED" }.to_owned()
+    if reached { "reached" } else { "missed" }.to_owned()
 }
 
 fn fractions(records: &[Record]) -> Matrix {
@@ -57,12 +57,7 @@ fn fractions(records: &[Record]) -> Matrix {
     for query in Query::ALL {
         for record in records {
             for cell in record.cold.iter().filter(|cell| cell.query == query && cell.mix == Mix::All) {
-                let (measured, column) = (fraction(cell), column(record));
-                table.set(query.name(), &column, significant(measured));
-                if let Some(target) = targets::cold(query, record.n) {
-                    table.set(&format!("{}, target", query.name()), &column, significant(target));
-                    table.set(&format!("{}, verdict", query.name()), &column, verdict(measured <= target));
-                }
+                table.set(query.name(), &column(record), significant(fraction(cell)));
             }
         }
     }
@@ -70,21 +65,21 @@ fn fractions(records: &[Record]) -> Matrix {
 }
 
 fn fractions_by_class(records: &[Record]) -> Matrix {
-    let mut table = Matrix::new("Time as a fraction of parry3d's, by class", "n");
+    let mut table = Matrix::new("Time as a fraction of parry3d's, by class of poses", "n");
     each_cold(records, &mut table, |cell| (cell.mix != Mix::All).then(|| significant(fraction(cell))));
     table
 }
 
 fn nanoseconds(records: &[Record]) -> Matrix {
-    let mut table = Matrix::new("ns a query, ours / parry3d's", "n");
-    each_cold(records, &mut table, |cell| Some(format!("{:.0} / {:.0}", cell.ours_ns, cell.parry_ns)));
+    let mut table = Matrix::new("ns a query, hullmap / parry3d", "n");
+    each_cold(records, &mut table, |cell| Some(format!("{:.0} / {:.0}", cell.hullmap_ns, cell.parry_ns)));
     table
 }
 
 fn costs(records: &[Record]) -> Matrix {
-    let mut table = Matrix::new("Support calls (most) / iterations a query, ours, cold", "n");
+    let mut table = Matrix::new("Support calls (maximum) / iterations a query, hullmap, cold", "n");
     each_cold(records, &mut table, |cell| {
-        Some(format!("{:.1} ({}) / {:.1}", cell.support_calls, cell.most_support_calls, cell.iterations))
+        Some(format!("{:.1} ({}) / {:.1}", cell.support_calls, cell.max_support_calls, cell.iterations))
     });
     table
 }
@@ -108,12 +103,7 @@ fn coherent(records: &[Record]) -> Matrix {
     for query in Query::ALL {
         for record in records {
             for cell in record.coherent.iter().filter(|cell| cell.query == query && cell.mix == Mix::All) {
-                let (measured, column) = (warm_share(cell), column(record));
-                table.set(query.name(), &column, significant(measured));
-                if let Some(target) = targets::warm(query, record.n) {
-                    table.set(&format!("{}, target", query.name()), &column, significant(target));
-                    table.set(&format!("{}, verdict", query.name()), &column, verdict(measured <= target));
-                }
+                table.set(query.name(), &column(record), significant(warm_ratio(cell)));
             }
         }
     }
@@ -136,44 +126,142 @@ fn coherent_by_class(records: &[Record]) -> Matrix {
     table
 }
 
-fn errors(records: &[Record]) -> Matrix {
-    let mut table = Matrix::new("parry3d's answers against our intervals, p99 / worst, relative to the diameter", "n");
+/// Goals of the project and what a run reached, cold (fraction of parry's time) and warm (fraction
+/// of the cold time).
+pub fn goals(records: &[Record]) -> Matrix {
+    let mut table = Matrix::new("Goals: measured, goal", "n");
+    let mut set = |row: String, record: &Record, measured: f64, goal: Option<f64>| {
+        if let Some(goal) = goal {
+            let cell = format!("{} {}, {}", significant(measured), verdict(measured <= goal), significant(goal));
+            table.set(&row, &column(record), cell);
+        }
+    };
     for record in records {
-        let (d, column) = (&record.differences, column(record));
-        let pair = |[p99, worst]: [f64; 2]| format!("{p99:.0e} / {worst:.0e}");
-        table.set("parry's depth above ours", &column, pair(p99_and_worst(&d.depth, |v| v.max(0.0))));
-        table.set("parry's depth below ours", &column, pair(p99_and_worst(&d.depth, |v| (-v).max(0.0))));
-        table.set("parry's distance above ours", &column, pair(p99_and_worst(&d.distance, |v| v.max(0.0))));
-        table.set("parry's distance below ours", &column, pair(p99_and_worst(&d.distance, |v| (-v).max(0.0))));
-        table.set("our depth interval, relative width", &column, pair(p99_and_worst(&d.depth_width, |v| v)));
-        table.set("our distance interval, relative width", &column, pair(p99_and_worst(&d.distance_width, |v| v)));
+        for cell in record.cold.iter().filter(|cell| cell.mix == Mix::All) {
+            set(format!("{}, cold", cell.query.name()), record, fraction(cell), targets::cold(cell.query, record.n));
+        }
+        for cell in record.coherent.iter().filter(|cell| cell.mix == Mix::All) {
+            set(format!("{}, warm", cell.query.name()), record, warm_ratio(cell), targets::warm(cell.query, record.n));
+        }
     }
     table
+}
+
+/// Rows of the table of errors: name, 99th percentile and maximum.
+fn error_rows(record: &Record) -> [(&'static str, [f64; 2]); 6] {
+    let d = &record.differences;
+    let (above, below, width) = (|v: f64| v.max(0.0), |v: f64| (-v).max(0.0), |v: f64| v);
+    [
+        ("parry's depth above the interval", p99_and_worst(&d.depth, above)),
+        ("parry's depth below the interval", p99_and_worst(&d.depth, below)),
+        ("parry's distance above the interval", p99_and_worst(&d.distance, above)),
+        ("parry's distance below the interval", p99_and_worst(&d.distance, below)),
+        ("relative width of hullmap's depth interval", p99_and_worst(&d.depth_width, width)),
+        ("relative width of hullmap's distance interval", p99_and_worst(&d.distance_width, width)),
+    ]
+}
+
+fn errors(records: &[Record]) -> Matrix {
+    let mut table =
+        Matrix::new("parry3d's answers against hullmap's intervals, p99 / worst, relative to the diameter", "n");
+    for record in records {
+        for (row, [p99, worst]) in error_rows(record) {
+            table.set(row, &column(record), format!("{p99:.0e} / {worst:.0e}"));
+        }
+    }
+    table
+}
+
+/// Rows of the table of facts with counts.
+fn counts(record: &Record) -> [(&'static str, usize); 6] {
+    let d = &record.differences;
+    [
+        ("pairs", d.pairs),
+        ("parry's yes/no differs", d.parry_yes_no),
+        ("parry finds no contact for an overlapping pair", d.parry_no_contact),
+        ("hullmap's depths disproved by parry's normal", d.disproved),
+        ("hullmap's contacts that reached a cap", d.capped),
+        ("hullmap's contacts stopped by rounding error", d.stalled),
+    ]
 }
 
 fn facts(records: &[Record]) -> Matrix {
-    let mut table = Matrix::new("What was asked, and how often answers fail or differ", "n");
+    let mut table = Matrix::new("The sample, and how often answers fail or differ", "n");
     for record in records {
-        let (d, column) = (&record.differences, column(record));
-        let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+        let column = column(record);
+        let percent = |ratio: f64| format!("{:.0} %", 100.0 * ratio);
         table.set("vertices of a hull", &column, format!("{:.1}", record.vertices));
-        let refused = if record.refused.is_empty() { "none".to_owned() } else { record.refused.join(", ") };
-        table.set("families that parry refuses", &column, refused);
-        table.set("pairs", &column, d.pairs.to_string());
+        let rejected = if record.rejected.is_empty() { "none".to_owned() } else { record.rejected.join(", ") };
+        table.set("families that parry rejects", &column, rejected);
         table.set("overlapping", &column, percent(record.hit_share));
-        table.set("overlapping frames", &column, percent(record.coherent_hit_share));
-        table.set("parry's yes or no differs", &column, d.parry_yes_no.to_string());
-        table.set("parry gives no contact for a hit", &column, d.parry_no_contact.to_string());
-        table.set("our depths that parry's normal disproves", &column, d.disproved.to_string());
-        table.set("our contacts that hit a cap", &column, d.capped.to_string());
-        table.set("our contacts that rounding stopped", &column, d.stalled.to_string());
+        table.set("overlapping poses on paths", &column, percent(record.coherent_hit_share));
+        for (row, count) in counts(record) {
+            table.set(row, &column, count.to_string());
+        }
     }
     table
 }
 
-/// Two significant digits, as targets are written.
+/// Times and costs: one line for each vertex count, query and selection of poses.
+pub fn to_csv(records: &[Record]) -> Csv {
+    let mut csv = Csv::new(&[
+        "n",
+        "query",
+        "poses",
+        "hullmap_ns",
+        "parry_ns",
+        "support_calls",
+        "max_support_calls",
+        "iterations",
+        "path_cold_ns",
+        "path_warm_ns",
+        "path_cold_support_calls",
+        "path_warm_support_calls",
+    ]);
+    for record in records {
+        for (cold, coherent) in record.cold.iter().zip(&record.coherent) {
+            csv.line(&[
+                record.n.to_string(),
+                cold.query.name().to_owned(),
+                cold.mix.name().to_owned(),
+                format!("{:.1}", cold.hullmap_ns),
+                format!("{:.1}", cold.parry_ns),
+                format!("{:.3}", cold.support_calls),
+                cold.max_support_calls.to_string(),
+                format!("{:.3}", cold.iterations),
+                format!("{:.1}", coherent.cold_ns),
+                format!("{:.1}", coherent.warm_ns),
+                format!("{:.3}", coherent.support_calls[0]),
+                format!("{:.3}", coherent.support_calls[1]),
+            ]);
+        }
+    }
+    csv
+}
+
+/// The sample and the differences of the answers: one line for each vertex count and measure.
+pub fn answers_to_csv(records: &[Record]) -> Csv {
+    let mut csv = Csv::new(&["n", "measure", "value"]);
+    for record in records {
+        let mut line = |measure: &str, value: String| csv.line(&[record.n.to_string(), measure.to_owned(), value]);
+        for (row, [p99, worst]) in error_rows(record) {
+            line(&format!("{row}: p99"), format!("{p99:.2e}"));
+            line(&format!("{row}: worst"), format!("{worst:.2e}"));
+        }
+        line("vertices of a hull", record.vertices.to_string());
+        line("families that parry rejects", record.rejected.join(" "));
+        line("overlapping", format!("{:.4}", record.hit_share));
+        line("overlapping poses on paths", format!("{:.4}", record.coherent_hit_share));
+        for (row, count) in counts(record) {
+            line(row, count.to_string());
+        }
+    }
+    csv
+}
+
+/// Two significant digits.
 fn significant(value: f64) -> String {
-    // NaN and zero take the branch of the many.
+    // NaN takes the last branch.
     let digits = if value < 0.0095 {
         4
     } else if value < 0.0995 {

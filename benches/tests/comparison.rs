@@ -1,0 +1,32 @@
+//! The comparison in the documents is what its programs draw from the committed result.
+
+use std::{fs, path::Path};
+
+use hullmap_bench::{comparison, matrix::Matrix};
+
+/// The result in the documents, and its machine and date.
+const RESULT: &str = "benches/results/2026-11-21-contact-slots.csv";
+const SOURCE: &str = "Intel Xeon, 2026-11-21";
+
+fn read(path: &str) -> String {
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)).expect(path)
+}
+
+#[test]
+fn chart_is_up_to_date() {
+    let chart = comparison::chart(&read(RESULT), SOURCE).unwrap();
+    assert!(
+        chart.to_svg() == read("docs/images/contact.svg"),
+        "renew it: cargo run -p hullmap-bench --bin comparison-chart -- {RESULT} --source {SOURCE:?} --out \
+         docs/images/contact.svg"
+    );
+}
+
+#[test]
+fn tables_are_up_to_date() {
+    let (result, page) = (read(RESULT), read("benches/README.md"));
+    for query in ["contact", "intersects", "distance"] {
+        let table: Matrix = comparison::table(&result, query).unwrap();
+        assert!(page.contains(&table.to_markdown()), "benches/README.md lacks:\n{}", table.to_markdown());
+    }
+}
