@@ -34,7 +34,7 @@ pub enum Mode {
     Throughput,
     /// Random directions, each depending on the last answer: the time of one query.
     Latency,
-    /// Directions that turn by one degree a query, each depending on the last answer. Rivals may
+    /// Directions that turn by one degree per query, each depending on the last answer. Rivals may
     /// keep state.
     Coherent,
     /// Random directions, each to a copy of the rival that is in no cache, each depending on the

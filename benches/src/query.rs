@@ -46,7 +46,7 @@ pub trait Rival: Sized {
     /// Whether it claims a regret of at most [`crate::regret::EXACT`] in every direction.
     fn is_exact(&self) -> bool;
 
-    /// Bytes in addition to one copy of the coordinates (12 a vertex).
+    /// Bytes in addition to one copy of the coordinates (12 per vertex).
     fn index_bytes(&self) -> usize;
 
     /// Approximate number of bytes of a copy.
@@ -68,7 +68,7 @@ pub enum Flow {
     Dependent,
 }
 
-/// A rival behind an object-safe interface: one virtual call a batch, not one a query.
+/// A rival behind an object-safe interface: one virtual call per batch, not per query.
 pub trait Contestant {
     /// [`Rival::name`].
     fn name(&self) -> &str;

@@ -92,7 +92,7 @@ impl Report {
     }
 
     fn mode_table(&self, family: Family, mode: Mode) -> Matrix {
-        let mut table = Matrix::new(&format!("{}, {}, ns a query", family.name(), mode.name()), "n");
+        let mut table = Matrix::new(&format!("{}, {}, ns per query", family.name(), mode.name()), "n");
         for record in self.of(family) {
             if let Some(ns) = record.median_ns(mode) {
                 table.set(&marked(record), &record.n.to_string(), nanos(ns));
@@ -115,7 +115,7 @@ impl Report {
         let table = |what: &str| Matrix::new(&format!("{}, {what}", family.name()), "n");
         let mut regret = table("maximum regret, relative to the diameter");
         let mut wrong = table("wrong answers, in per cent of the directions");
-        let mut bytes = table("bytes a vertex in addition to the coordinates");
+        let mut bytes = table("bytes per vertex in addition to the coordinates");
         let mut build = table("time to build the index, ms");
         for record in self.of(family) {
             let (row, column) = (marked(record), record.n.to_string());
@@ -136,7 +136,7 @@ impl Report {
     pub fn to_markdown(&self) -> String {
         let modes: Vec<&str> = self.modes().map(Mode::name).collect();
         let mut text = format!(
-            "Cells: {} in ns a query. Names in italics are inexact. Regret: maximum over all n, relative to the diameter, \
+            "Cells: {} in ns per query. Names in italics are inexact. Regret: maximum over all n, relative to the diameter, \
              and the percentage of directions with more than {EXACT:e}. Bytes (in addition to the coordinates) and time to \
              build the index: at the largest n.\n",
             modes.join(" / ")

@@ -186,7 +186,7 @@ fn samples(lines: &[Line], step: usize) -> Vec<Sample> {
 
 /// Nanoseconds a test, the fit of the scan to equation 3, and the exponent of the tree.
 fn summary(scans: &[Line], trees: &[Line], tests: usize, step: usize) -> String {
-    let mut table = Matrix::new(&format!("ns a collision test, over {tests} tests"), "vertices");
+    let mut table = Matrix::new(&format!("ns per collision test, over {tests} tests"), "vertices");
     for (row, lines) in [("scan", scans), ("tree", trees)] {
         for line in lines {
             let ns = line.times_ns.last().copied().unwrap_or_default() / tests as f64;
@@ -212,7 +212,7 @@ fn summary(scans: &[Line], trees: &[Line], tests: usize, step: usize) -> String 
         _ => f64::NAN,
     };
     format!(
-        "{}\nscan, the paper's equation 3, t = n c: {:.3} ns a vertex and test, R² = {:.4}\n\
+        "{}\nscan, the paper's equation 3, t = n c: {:.3} ns per vertex and test, R² = {:.4}\n\
          scan, t = (a + b n) c: a = {:.0} ns, b = {:.3} ns, R² = {:.4}\n\
          scan, exponent of n from 512 vertices up: {:.2} (1 is proportional)\n\
          tree, exponent of n: {:.3} (0 is flat); {rise:.2} times the time for {grown:.0} times the vertices\n",

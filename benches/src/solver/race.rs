@@ -90,9 +90,9 @@ pub struct Cold {
     pub query: Query,
     /// Selection of poses.
     pub mix: Mix,
-    /// Time of hullmap, in nanoseconds a query.
+    /// Time of hullmap, in nanoseconds per query.
     pub hullmap_ns: f64,
-    /// Time of parry, in nanoseconds a query.
+    /// Time of parry, in nanoseconds per query.
     pub parry_ns: f64,
     /// Mean number of pairs of support queries of hullmap.
     pub support_calls: f64,
@@ -109,9 +109,9 @@ pub struct Coherent {
     pub query: Query,
     /// Selection of paths.
     pub mix: Mix,
-    /// Time with empty caches, in nanoseconds a query.
+    /// Time with empty caches, in nanoseconds per query.
     pub cold_ns: f64,
-    /// Time with a cache for each path, in nanoseconds a query.
+    /// Time with a cache for each path, in nanoseconds per query.
     pub warm_ns: f64,
     /// Mean number of pairs of support queries, cold and warm.
     pub support_calls: [f64; 2],

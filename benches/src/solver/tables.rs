@@ -71,13 +71,13 @@ fn fractions_by_class(records: &[Record]) -> Matrix {
 }
 
 fn nanoseconds(records: &[Record]) -> Matrix {
-    let mut table = Matrix::new("ns a query, hullmap / parry3d", "n");
+    let mut table = Matrix::new("ns per query, hullmap / parry3d", "n");
     each_cold(records, &mut table, |cell| Some(format!("{:.0} / {:.0}", cell.hullmap_ns, cell.parry_ns)));
     table
 }
 
 fn costs(records: &[Record]) -> Matrix {
-    let mut table = Matrix::new("Support calls (maximum) / iterations a query, hullmap, cold", "n");
+    let mut table = Matrix::new("Support calls (maximum) / iterations per query, hullmap, cold", "n");
     each_cold(records, &mut table, |cell| {
         Some(format!("{:.1} ({}) / {:.1}", cell.support_calls, cell.max_support_calls, cell.iterations))
     });

@@ -30,18 +30,18 @@ use hullmap_format::{
 pub fn build(hulls: &mut [HullRecord]) -> Vec<BvhNode> {
     let mut nodes = vec![BvhNode::default()];
     let mut queue = VecDeque::from([(0, 1, (0..hulls.len()).collect::<Vec<usize>>())]);
-    while let Some((number, level, mut below)) = queue.pop_front() {
+    while let Some((index, level, mut below)) = queue.pop_front() {
         let bounds = Bounds::around(hulls, &below);
         let first_child = nodes.len();
-        nodes[number] = BvhNode {
+        nodes[index] = BvhNode {
             bounds_min: bounds.low,
             bounds_max: bounds.high,
             target: first_child as u32,
             hull_count: below.len() as u32,
         };
         if let [hull] = below[..] {
-            nodes[number].target = hull as u32;
-            hulls[hull].leaf = number as u32;
+            nodes[index].target = hull as u32;
+            hulls[hull].leaf = index as u32;
             continue;
         }
         let right = split(hulls, &mut below, MAX_LEVELS - level);
@@ -101,11 +101,11 @@ fn split(hulls: &[HullRecord], below: &mut Vec<usize>, levels: u32) -> Vec<usize
         let from_left = areas(&mut below.iter().copied());
         let mut from_right = areas(&mut below.iter().rev().copied());
         from_right.reverse();
-        let places = if is_deep { below.len() / 2..below.len() / 2 + 1 } else { 1..below.len() };
-        for place in places {
-            let cost = from_left[place - 1] * place as f64 + from_right[place] * (below.len() - place) as f64;
+        let splits = if is_deep { below.len() / 2..below.len() / 2 + 1 } else { 1..below.len() };
+        for split in splits {
+            let cost = from_left[split - 1] * split as f64 + from_right[split] * (below.len() - split) as f64;
             if cost < best.0 {
-                best = (cost, axis, place);
+                best = (cost, axis, split);
             }
         }
     }
@@ -150,11 +150,11 @@ mod tests {
             assert_eq!(nodes.len(), 2 * count - 1);
             let mut met = vec![0; count];
             let mut pending = vec![0];
-            while let Some(number) = pending.pop() {
-                let node: BvhNode = nodes[number];
+            while let Some(index) = pending.pop() {
+                let node: BvhNode = nodes[index];
                 if node.hull_count == 1 {
                     met[node.target as usize] += 1;
-                    assert_eq!(hulls[node.target as usize].leaf as usize, number);
+                    assert_eq!(hulls[node.target as usize].leaf as usize, index);
                     continue;
                 }
                 for child in [node.target as usize, node.target as usize + 1] {

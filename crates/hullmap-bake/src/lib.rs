@@ -92,7 +92,10 @@ pub enum BakeError {
     #[error("the direction index is larger than its slots can address: use --index none, or simplify the mesh")]
     IndexTooLarge,
     /// The requested maximum is below the vertices of a tetrahedron.
-    #[error("a simplified hull requires at least {} vertices (the requested maximum is {requested})", simplify::FEWEST)]
+    #[error(
+        "a simplified hull requires at least {} vertices (the requested maximum is {requested})",
+        simplify::MIN_VERTICES
+    )]
     TooFewVertices {
         /// Requested maximum number of vertices.
         requested: usize,

@@ -35,14 +35,14 @@ pub fn mass(hull: &Hull) -> Mass {
     let at = |v: u32| vertices[v as usize];
     let mut sum = Simplices { measure: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
     let mut area = 0.0;
-    for (number, face) in hull.faces.iter().enumerate() {
+    for (index, face) in hull.faces.iter().enumerate() {
         let root = at(face[0]);
         for (a, b) in edges(&face[1..]).take(face.len().saturating_sub(2)) {
             let cross = (at(a) - root).cross(at(b) - root);
             area += cross.length() / 2.0;
             match hull.rank {
                 3 => sum.add(root.dot(cross) / 6.0, &[DVec3::ZERO, root, at(a), at(b)]),
-                _ if number == 0 => sum.add(cross.length() / 2.0, &[root, at(a), at(b)]),
+                _ if index == 0 => sum.add(cross.length() / 2.0, &[root, at(a), at(b)]),
                 _ => {}
             }
         }

@@ -32,7 +32,7 @@ use crate::{
 const COARSE_ENOUGH: usize = 32;
 
 /// Maximum number of vertices, which is the reader's limit.
-const MOST: usize = hullmap_format::check::MAX_OUTER_VERTICES;
+const MAX_VERTICES: usize = hullmap_format::check::MAX_OUTER_VERTICES;
 
 /// Initial distance by which the planes are pushed outward, relative to the largest coordinate.
 /// Rounding to f32 moves a coordinate by up to 6e-8 of itself.
@@ -74,7 +74,7 @@ pub fn outer(hull: &Hull) -> Vec<[f32; 3]> {
     let positions = hull.positions();
     let tries = (0..MAX_TRIES).map(|tried| MARGIN * 4_f64.powi(tried as i32));
     let polytopes = tries.map(|margin| polytope(&positions, margin));
-    polytopes.into_iter().find(|outer| outer.len() <= MOST && holds(outer, &positions)).unwrap_or_default()
+    polytopes.into_iter().find(|outer| outer.len() <= MAX_VERTICES && holds(outer, &positions)).unwrap_or_default()
 }
 
 /// The vertices of the polytope whose planes are pushed outward by `margin` times the largest

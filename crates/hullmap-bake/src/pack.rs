@@ -55,8 +55,8 @@ pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>,
         pack.outer_vertices.extend_from_slice(&baked.outer);
         pack.slots.extend_from_slice(&baked.index.encoded.slots);
         pack.blocks.extend_from_slice(&baked.index.encoded.blocks);
-        let most = neighbours.iter().map(|list| list.len() as u32).max().unwrap_or(0);
-        pack.hulls.push(record(baked, most));
+        let max_neighbours = neighbours.iter().map(|list| list.len() as u32).max().unwrap_or(0);
+        pack.hulls.push(record(baked, max_neighbours));
         pack.spans.push(end_of(&pack)?);
     }
     if hulls.iter().any(|baked| baked.origin != hulls[0].origin) {

@@ -127,17 +127,17 @@ pub(crate) fn check(pack: &Sections<'_>) -> Result<(), BvhError> {
     // of their children.
     let mut free = 1;
     let (mut level_end, mut levels) = (1, 1);
-    for (number, node) in nodes.iter().enumerate() {
-        if number >= free {
-            return Err(BvhError::NoParent { node: number });
+    for (index, node) in nodes.iter().enumerate() {
+        if index >= free {
+            return Err(BvhError::NoParent { node: index });
         }
-        if number == level_end {
+        if index == level_end {
             (level_end, levels) = (free, levels + 1);
         }
         if node.hull_count == 1 {
-            check_leaf(pack, number, node)?;
+            check_leaf(pack, index, node)?;
         } else {
-            check_inner(nodes, number, node, free)?;
+            check_inner(nodes, index, node, free)?;
             free += 2;
         }
     }
@@ -147,34 +147,34 @@ pub(crate) fn check(pack: &Sections<'_>) -> Result<(), BvhError> {
     if levels > MAX_LEVELS { Err(BvhError::Levels { found: levels }) } else { Ok(()) }
 }
 
-fn check_leaf(pack: &Sections<'_>, number: usize, node: &ArchivedBvhNode) -> Result<(), BvhError> {
+fn check_leaf(pack: &Sections<'_>, index: usize, node: &ArchivedBvhNode) -> Result<(), BvhError> {
     let target = node.target.to_native() as usize;
-    let missing = BvhError::Hull { node: number, found: target, hull_count: pack.hulls.len() };
+    let missing = BvhError::Hull { node: index, found: target, hull_count: pack.hulls.len() };
     let hull = pack.hulls.get(target).ok_or(missing)?;
     let found = hull.leaf.to_native() as usize;
-    if found != number {
-        return Err(BvhError::Leaf { node: number, hull: target, found });
+    if found != index {
+        return Err(BvhError::Leaf { node: index, hull: target, found });
     }
     // False if a coordinate is NaN.
     let is_equal = node.bounds_min == hull.bounds_min && node.bounds_max == hull.bounds_max;
-    if is_equal { Ok(()) } else { Err(BvhError::LeafBox { node: number, hull: target }) }
+    if is_equal { Ok(()) } else { Err(BvhError::LeafBox { node: index, hull: target }) }
 }
 
 /// Checks an inner node whose children must be `free` and the node after it.
-fn check_inner(nodes: &[ArchivedBvhNode], number: usize, node: &ArchivedBvhNode, free: usize) -> Result<(), BvhError> {
+fn check_inner(nodes: &[ArchivedBvhNode], index: usize, node: &ArchivedBvhNode, free: usize) -> Result<(), BvhError> {
     let target = node.target.to_native() as usize;
     if target != free {
-        return Err(BvhError::ChildOrder { node: number, found: target, expected: free });
+        return Err(BvhError::ChildOrder { node: index, found: target, expected: free });
     }
     let [Some(first), Some(second)] = [free, free + 1].map(|child| nodes.get(child)) else {
-        return Err(BvhError::ChildRange { node: number, first: free, node_count: nodes.len() });
+        return Err(BvhError::ChildRange { node: index, first: free, node_count: nodes.len() });
     };
     let (found, expected) = (node.hull_count.to_native(), [first, second].map(|child| child.hull_count.to_native()));
     let [a, b] = expected;
     if a.checked_add(b) != Some(found) {
-        return Err(BvhError::HullCount { node: number, found, expected });
+        return Err(BvhError::HullCount { node: index, found, expected });
     }
-    if is_union(node, first, second) { Ok(()) } else { Err(BvhError::Box { node: number }) }
+    if is_union(node, first, second) { Ok(()) } else { Err(BvhError::Box { node: index }) }
 }
 
 /// Whether a node's box is the union of its children's boxes. False if a coordinate is NaN.

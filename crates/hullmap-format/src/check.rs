@@ -75,7 +75,7 @@ pub(crate) fn gaps(pack: &Sections<'_>, payload: &[u8]) -> Result<(), CheckError
         let start = end.next_multiple_of(alignment);
         let gap = payload.get(end..start).unwrap_or_default();
         if let Some(byte) = gap.iter().position(|byte| *byte != 0) {
-            return Err(CheckError::Gap { section, at: end + byte });
+            return Err(CheckError::Gap { next_section: section, offset: end + byte });
         }
         end = start + len;
     }

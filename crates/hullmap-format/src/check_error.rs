@@ -88,12 +88,12 @@ pub enum CheckError {
         expected: usize,
     },
     /// A byte between two sections is not zero.
-    #[error("byte {at} of the archive, before section {section}, is not zero; bake the source again")]
+    #[error("byte {offset} of the archive, before section {next_section}, is not zero; bake the source again")]
     Gap {
         /// The section after the gap, or "root".
-        section: &'static str,
-        /// Position in the payload.
-        at: usize,
+        next_section: &'static str,
+        /// Offset of the byte in the payload.
+        offset: usize,
     },
     /// A section of text is not UTF-8.
     #[error("section {section} is not UTF-8 from byte {at} on; bake the source again")]

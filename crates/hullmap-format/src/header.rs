@@ -210,7 +210,7 @@ impl Header {
 
 #[expect(
     clippy::indexing_slicing,
-    reason = "places and lengths are constants of `read`, and none ends behind the header"
+    reason = "offsets and lengths are constants of `read`, and every field ends within the header"
 )]
 fn field<const N: usize>(bytes: &[u8; HEADER_LEN], at: usize) -> [u8; N] {
     let mut out = [0; N];

@@ -124,10 +124,10 @@ impl HullCheck<'_> {
 
     #[cold]
     fn vertex_out_of_bounds(&self, vertices: &[[f32_le; 3]]) -> HullError {
-        let place = first(vertices.as_flattened(), |i, c| !self.is_in_bounds(i % 3, c.to_native()));
-        let found = vertices.as_flattened().get(place).map_or(f32::NAN, |c| c.to_native());
-        let [low, high] = self.bounds(place % 3);
-        HullError::VertexBounds { vertex: place / 3, axis: place % 3, found, low, high }
+        let index = first(vertices.as_flattened(), |i, c| !self.is_in_bounds(i % 3, c.to_native()));
+        let found = vertices.as_flattened().get(index).map_or(f32::NAN, |c| c.to_native());
+        let [low, high] = self.bounds(index % 3);
+        HullError::VertexBounds { vertex: index / 3, axis: index % 3, found, low, high }
     }
 
     /// Lower and upper bound along an axis, 0 to 2.
@@ -149,9 +149,9 @@ impl HullCheck<'_> {
             return Ok(());
         }
         let pairs: Vec<[u32; 2]> = all.iter().zip(later).map(|(a, b)| [a.to_native(), b.to_native()]).collect();
-        let place = first(&pairs, |_, [a, b]| !ascend(*a, *b));
-        let [before, found] = pairs.get(place).copied().unwrap_or_default();
-        Err(HullError::SourceVertexOrder { vertex: place + 1, found, before })
+        let index = first(&pairs, |_, [a, b]| !ascend(*a, *b));
+        let [before, found] = pairs.get(index).copied().unwrap_or_default();
+        Err(HullError::SourceVertexOrder { vertex: index + 1, found, before })
     }
 
     /// Every face has three vertices or more, every vertex index is in range, and V − E + F = 2.
@@ -165,15 +165,15 @@ impl HullCheck<'_> {
         if rank < 2 || starts.is_empty() {
             return Err(HullError::FaceCount { rank, faces: starts.len(), corners: corners.len() });
         }
-        if run_lengths(starts, corners.len()).is_none_or(|(least, _)| least < 3) {
+        if run_lengths(starts, corners.len()).is_none_or(|(shortest, _)| shortest < 3) {
             let (face, start, end) = first_bad_run(starts, corners.len(), 3);
             return Err(HullError::FaceRun { face, start, end, corners: corners.len() });
         }
         let vertex_count = self.vertex_count();
         if !all_below(corners, vertex_count) {
-            let place = first(corners, |_, vertex| vertex.to_native() >= vertex_count);
-            let face = starts.partition_point(|start| start.to_native() as usize <= place).saturating_sub(1);
-            return Err(HullError::FaceVertex { face, found: value_at(corners, place), vertex_count });
+            let index = first(corners, |_, vertex| vertex.to_native() >= vertex_count);
+            let face = starts.partition_point(|start| start.to_native() as usize <= index).saturating_sub(1);
+            return Err(HullError::FaceVertex { face, found: value_at(corners, index), vertex_count });
         }
         let euler = i64::from(vertex_count) - corners.len() as i64 / 2 + starts.len() as i64;
         if corners.len().is_multiple_of(2) && euler == 2 {
@@ -227,7 +227,7 @@ impl HullCheck<'_> {
             return Err(HullError::OuterVertexCount { found });
         }
         match outer.as_flattened().iter().map(|c| c.to_native()).enumerate().find(|(_, c)| !c.is_finite()) {
-            Some((place, found)) => Err(HullError::OuterVertex { vertex: place / 3, axis: place % 3, found }),
+            Some((index, found)) => Err(HullError::OuterVertex { vertex: index / 3, axis: index % 3, found }),
             None => Ok(()),
         }
     }
@@ -275,17 +275,17 @@ impl HullCheck<'_> {
     #[cold]
     fn bad_block(&self, blocks: &[ArchivedBlock]) -> HullError {
         let vertex_count = self.vertex_count();
-        for (number, block) in blocks.iter().enumerate() {
+        for (index, block) in blocks.iter().enumerate() {
             for (lane, vertex) in block.vertex.iter().enumerate() {
                 if vertex.to_native() >= vertex_count {
-                    return HullError::BlockVertex { block: number, lane, found: vertex.to_native(), vertex_count };
+                    return HullError::BlockVertex { block: index, lane, found: vertex.to_native(), vertex_count };
                 }
             }
             for (axis, lanes) in [&block.x, &block.y, &block.z].into_iter().enumerate() {
                 let outside = lanes.iter().position(|c| !self.is_in_bounds(axis, c.to_native()));
                 if let Some((lane, c)) = outside.and_then(|lane| Some((lane, lanes.get(lane)?))) {
                     let [low, high] = self.bounds(axis);
-                    return HullError::BlockBounds { block: number, lane, axis, found: c.to_native(), low, high };
+                    return HullError::BlockBounds { block: index, lane, axis, found: c.to_native(), low, high };
                 }
             }
         }
@@ -309,8 +309,8 @@ fn first<T>(all: &[T], is_bad: impl Fn(usize, &T) -> bool) -> usize {
     all.iter().enumerate().position(|(i, element)| is_bad(i, element)).unwrap_or(0)
 }
 
-fn value_at(all: &[u32_le], place: usize) -> u32 {
-    all.get(place).map_or(0, |value| value.to_native())
+fn value_at(all: &[u32_le], index: usize) -> u32 {
+    all.get(index).map_or(0, |value| value.to_native())
 }
 
 /// Whether all values are below `limit`. Without an early exit, so that the loop is vectorized.
@@ -323,31 +323,31 @@ fn all_below(values: &[u32_le], limit: u32) -> bool {
 fn run_lengths(starts: &[u32_le], end: usize) -> Option<(u32, u32)> {
     let (first, later) = starts.split_first()?;
     let (first, last, end) = (first.to_native(), starts.last()?.to_native(), u32::try_from(end).ok()?);
-    let (mut least, mut most, mut farthest) = (u32::MAX, 0, 0);
+    let (mut shortest, mut longest, mut farthest) = (u32::MAX, 0, 0);
     // Both numbers are at most `end`. If they are out of order, their difference wraps around to
     // more than `end`.
     let mut take = |start: u32, end: u32| {
         let length = end.wrapping_sub(start);
-        least = least.min(length);
-        most = most.max(length);
+        shortest = shortest.min(length);
+        longest = longest.max(length);
         farthest = farthest.max(start);
     };
     for (start, end) in starts.iter().zip(later) {
         take(start.to_native(), end.to_native());
     }
     take(last, end);
-    (first == 0 && farthest <= end && most <= end).then_some((least, most))
+    (first == 0 && farthest <= end && longest <= end).then_some((shortest, longest))
 }
 
-/// The first run that is shorter than `least`, out of order or out of range: its index, start and
+/// The first run that is shorter than `min_length`, out of order or out of range: its index, start and
 /// end. The slow twin of [`run_lengths`].
 #[cold]
-fn first_bad_run(starts: &[u32_le], end: usize, least: u32) -> (usize, u32, u32) {
+fn first_bad_run(starts: &[u32_le], end: usize, min_length: u32) -> (usize, u32, u32) {
     let len = u32::try_from(end).unwrap_or(u32::MAX);
     let ends = starts.iter().skip(1).map(|start| start.to_native()).chain([len]);
     let runs: Vec<(u32, u32)> = starts.iter().map(|start| start.to_native()).zip(ends).collect();
     let is_bad = |i: usize, &(start, end): &(u32, u32)| {
-        (i == 0 && start != 0) || end > len || end.checked_sub(start).is_none_or(|length| length < least)
+        (i == 0 && start != 0) || end > len || end.checked_sub(start).is_none_or(|length| length < min_length)
     };
     let run = first(&runs, is_bad);
     let (start, end) = runs.get(run).copied().unwrap_or_default();

@@ -39,14 +39,14 @@ fn run<'a, T>(name: &'static str, section: &'a [T], start: u32_le, end: u32_le) 
 fn blocks_agree(pack: &Sections<'_>, start: &ArchivedSpan, end: &ArchivedSpan) -> Result<(), HullError> {
     let vertices = run("vertices", pack.vertices, start.vertex, end.vertex)?;
     let blocks = run("blocks", pack.blocks, start.block, end.block)?;
-    for (number, block) in blocks.iter().enumerate() {
+    for (index, block) in blocks.iter().enumerate() {
         let lanes = block.vertex.iter().zip(block.x.iter().zip(block.y.iter().zip(&block.z)));
         for (lane, (vertex, (x, (y, z)))) in lanes.enumerate() {
             let (vertex, found) = (vertex.to_native(), [*x, *y, *z]);
             let expected = vertices.get(vertex as usize).ok_or(HullError::OutOfRange { section: "blocks" })?;
             if found != *expected {
                 let [found, expected] = [found, *expected].map(|p| p.map(f32_le::to_native));
-                return Err(HullError::BlockPosition { block: number, lane, vertex, found, expected });
+                return Err(HullError::BlockPosition { block: index, lane, vertex, found, expected });
             }
         }
     }

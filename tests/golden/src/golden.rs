@@ -59,7 +59,7 @@ impl Golden {
     pub fn read(text: &str) -> Result<Self, String> {
         let (mut format_version, mut hashes) = (0, BTreeMap::new());
         for line in text.lines().filter(|line| !line.starts_with('#') && !line.is_empty()) {
-            let wrong = || format!("{line:?} is no line of a golden file; renew it");
+            let wrong = || format!("{line:?} is not a line of a golden file; renew the file");
             let (name, value) = line.rsplit_once(' ').ok_or_else(wrong)?;
             if name == VERSION {
                 format_version = value.parse().map_err(|_| wrong())?;
@@ -91,10 +91,12 @@ impl Golden {
                 continue;
             }
             let is_pack = name.contains(" pack ");
-            let golden = golden.map_or("nothing".to_owned(), |golden| format!("{golden:016x}"));
+            let golden = golden.map_or("missing".to_owned(), |golden| format!("{golden:016x}"));
             let remedy = match (is_pack, self.format_version == found.format_version) {
-                (true, true) => "the same version's bytes changed: raise FORMAT_VERSION and tell docs/FORMAT.md why",
-                _ => "if it was meant, renew the file",
+                (true, true) => {
+                    "the bytes of this format version changed: raise FORMAT_VERSION and give the reason in docs/FORMAT.md"
+                }
+                _ => "if the change is intended, renew the file",
             };
             lines.push(format!("{name}: found {hash:016x}, golden {golden}; {remedy}"));
         }

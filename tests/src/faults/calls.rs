@@ -1,4 +1,4 @@
-//! A fault at every system call: the Nth, for every N.
+//! A fault at the Nth system call, for every N.
 
 use std::{
     collections::BTreeMap,
@@ -12,32 +12,33 @@ use super::{
     project::{End, Project, WORDS},
 };
 
-/// The bake, on one thread: so the Nth call is the same in every run. Packs are verified, for the
-/// calls which that takes.
+/// Arguments of the bake. It uses one thread, so that the Nth call is the same in every run, and
+/// verifies packs, so that the calls of verification are tested too.
 fn words() -> Vec<&'static str> {
     WORDS.into_iter().chain(["--verify", "--jobs", "1"]).collect()
 }
 
-/// How the bakes ended.
+/// Counts of how the bakes ended.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     /// Calls of an undisturbed bake.
     pub calls: usize,
     /// Bakes that met a fault.
     pub bakes: usize,
-    /// Of these, killed.
+    /// Bakes that were killed.
     pub killed: usize,
-    /// Ended with exit code 2 and a message.
-    pub told: usize,
-    /// Ended with exit code 0, and all was done: what failed was tried again, or does not matter.
+    /// Bakes that reported the fault: exit code 2 and a message.
+    pub reported: usize,
+    /// Bakes that ended with exit code 0 and did everything: the call was repeated, or its failure
+    /// does not matter.
     pub absorbed: usize,
     /// Bakes that left some outputs old and others new.
     pub mixed: usize,
-    /// Bakes that left temporary files, all of which the next one removed.
+    /// Bakes that left temporary files. The next bake removed them all.
     pub with_temporary: usize,
-    /// Faults by the name of the call: reported, absorbed.
+    /// Numbers of reported and absorbed faults, by the name of the call.
     pub by_call: BTreeMap<String, [usize; 2]>,
-    /// What went wrong.
+    /// Failed checks.
     pub wrong: Vec<String>,
 }
 
@@ -45,13 +46,13 @@ impl Tally {
     fn add(&mut self, other: Self) {
         self.bakes += other.bakes;
         self.killed += other.killed;
-        self.told += other.told;
+        self.reported += other.reported;
         self.absorbed += other.absorbed;
         self.mixed += other.mixed;
         self.with_temporary += other.with_temporary;
-        for (name, [told, absorbed]) in other.by_call {
+        for (name, [reported, absorbed]) in other.by_call {
             let entry = self.by_call.entry(name).or_default();
-            entry[0] += told;
+            entry[0] += reported;
             entry[1] += absorbed;
         }
         self.wrong.extend(other.wrong);
@@ -60,14 +61,16 @@ impl Tally {
 
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { calls, bakes, killed, told, absorbed, mixed, with_temporary, .. } = self;
+        let Self { calls, bakes, killed, reported, absorbed, mixed, with_temporary, .. } = self;
         writeln!(
             f,
-            "{bakes} bakes of {calls} calls met a fault: {killed} killed, {told} reported it with exit code 2, {absorbed} did all the \
-             same; {mixed} left old and new packs, {with_temporary} temporary files that the next removed"
+            "{bakes} bakes of {calls} calls met a fault: {killed} killed, {reported} reported it with exit code 2, {absorbed} absorbed it; \
+             {mixed} left old and new packs, {with_temporary} left temporary files that the next bake removed"
         )?;
-        let names =
-            self.by_call.iter().map(|(name, [told, absorbed])| format!("{name} {told} reported, {absorbed} absorbed"));
+        let names = self
+            .by_call
+            .iter()
+            .map(|(name, [reported, absorbed])| format!("{name} {reported} reported, {absorbed} absorbed"));
         writeln!(f, "failed calls: {}", names.collect::<Vec<_>>().join("; "))?;
         write!(f, "{} wrong", self.wrong.len())
     }
@@ -93,11 +96,11 @@ pub fn at_every_call(
             assert!(run.status.success(), "{run:?}");
             let mut tally = Tally { calls: calls.len(), ..Tally::default() };
             loop {
-                let number = next.fetch_add(1, Relaxed);
-                if number > calls.len() {
+                let call = next.fetch_add(1, Relaxed);
+                if call > calls.len() {
                     return tally;
                 }
-                tally.add(one(&project, injector, number, fault(number)));
+                tally.add(one(&project, injector, call, fault(call)));
             }
         };
         let handles: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(work)).collect();
@@ -115,30 +118,34 @@ fn one(project: &Project, injector: &Injector, number: usize, fault: Fault) -> T
     project.put(&project.old);
     let (run, calls) = injector.run(project.binary(), &words(), project.folder(), number, fault);
     let at = calls.get(number - 1).or(calls.last());
-    let place = || format!("{fault} at call {number} ({})", at.map_or_else(String::new, shown));
+    let context = || format!("{fault} at call {number} ({})", at.map_or_else(String::new, shown));
     match project.judge(&run, &calls) {
-        Err(error) => tally.wrong.push(format!("{}: {error}", place())),
+        Err(error) => tally.wrong.push(format!("{}: {error}", context())),
         Ok((end, left)) => {
             tally.mixed += usize::from(left.new > 0 && left.old > 0);
             tally.with_temporary += usize::from(left.temporary > 0);
             match end {
                 End::Killed => tally.killed += 1,
                 End::Done => tally.absorbed += 1,
-                End::Told => tally.told += 1,
+                End::Reported => tally.reported += 1,
             }
             if let (Some(errno), Some(call)) = (fault.errno(), at) {
                 tally.by_call.entry(call.name.clone()).or_default()[usize::from(end == End::Done)] += 1;
                 let stderr = String::from_utf8_lossy(&run.stderr);
-                if end == End::Told && !stderr.contains(&format!("(os error {})", errno.number())) {
-                    tally.wrong.push(format!("{}: the message does not say what failed: {stderr}", place()));
+                if end == End::Reported && !stderr.contains(&format!("(os error {})", errno.number())) {
+                    tally.wrong.push(format!("{}: the message does not name the error: {stderr}", context()));
                 }
-            } else if end == End::Told {
-                tally.wrong.push(format!("{}: nothing failed, but: {}", place(), String::from_utf8_lossy(&run.stderr)));
+            } else if end == End::Reported {
+                tally.wrong.push(format!(
+                    "{}: no call failed, but the bake reported: {}",
+                    context(),
+                    String::from_utf8_lossy(&run.stderr)
+                ));
             }
         }
     }
     if let Err(error) = project.bake_again() {
-        tally.wrong.push(format!("{}: {error}", place()));
+        tally.wrong.push(format!("{}: {error}", context()));
     }
     tally
 }

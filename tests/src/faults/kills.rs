@@ -16,27 +16,27 @@ use super::project::{End, Project, WORDS};
 const MESHES: usize = 12;
 
 /// Maximum number of kills in a row before a bake may finish.
-const MOST_IN_A_ROW: u64 = 3;
+const MAX_IN_A_ROW: u64 = 3;
 
-/// One kill in this many happens beside another bake into the same folder, which continues.
-const BESIDE_EVERY: u64 = 4;
+/// In one kill out of this many, a second bake writes into the same folder and continues.
+const SECOND_BAKE_INTERVAL: u64 = 4;
 
 /// Results of the kills.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     /// Bakes that were killed.
     pub killed: usize,
-    /// Bakes that had ended when they were to be killed.
+    /// Bakes that ended before they were killed.
     pub ended_before: usize,
-    /// Kills that left no new pack, some, or all.
+    /// Kills that left no new pack, some new packs, or all of them.
     pub none_some_all: [usize; 3],
     /// Kills that left temporary files.
     pub with_temporary: usize,
-    /// Temporary files that were left, over all kills.
+    /// Temporary files left by all kills.
     pub temporary: usize,
-    /// Kills beside another bake, which completed.
+    /// Kills during a second bake, which completed.
     pub beside: usize,
-    /// Bakes that completed after a kill and made everything new.
+    /// Bakes after a kill that completed and replaced all outputs.
     pub healed: usize,
     /// Errors.
     pub wrong: Vec<String>,
@@ -47,9 +47,9 @@ impl fmt::Display for Tally {
         let Self { killed, ended_before, none_some_all: [none, some, all], with_temporary, temporary, .. } = self;
         write!(
             f,
-            "{killed} bakes killed ({ended_before} more had ended), {} of them beside another bake: {none} left no new output, \
-             {some} some, {all} all; {with_temporary} left {temporary} temporary files; {} bakes afterwards made all new and \
-             left nothing else; {} wrong",
+            "{killed} bakes killed ({ended_before} more ended before), {} of them during a second bake: {none} left no new output, \
+             {some} some, {all} all; {with_temporary} left {temporary} temporary files; {} bakes afterwards replaced all outputs and \
+             left no other file; {} wrong",
             self.beside,
             self.healed,
             self.wrong.len()
@@ -93,9 +93,9 @@ fn work(binary: &Path, killed: &AtomicUsize, count: usize, seed: u64) -> Tally {
     let mut longest = start.elapsed();
     while killed.load(Relaxed) < count {
         project.put(&project.old);
-        for _ in 0..1 + random.next_u64() % MOST_IN_A_ROW {
+        for _ in 0..1 + random.next_u64() % MAX_IN_A_ROW {
             let wait = longest.mul_f64(random.next_u64() as f64 / u64::MAX as f64);
-            let beside = (random.next_u64() % BESIDE_EVERY == 0).then(|| spawn(&project));
+            let beside = (random.next_u64() % SECOND_BAKE_INTERVAL == 0).then(|| spawn(&project));
             let mut victim = spawn(&project);
             std::thread::sleep(wait);
             let _ = victim.kill();

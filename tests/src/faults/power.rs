@@ -2,12 +2,12 @@
 //!
 //! 1. A bake is traced, and its calls become [`Op`]s on a simulated disk.
 //! 2. The power is cut after each operation. Synced data is kept. Any part of the rest may be kept:
-//!    any subset of a folder's entries, in any order, and of each file nothing, half, all, or its
-//!    length with zeros in it.
-//! 3. Each possible disk contains only old and new packs, and a bake on a real disk with the same
-//!    contents makes all packs new.
+//!    any subset of a folder's entries, in any order; of each file no bytes, half of them, all of
+//!    them, or zeros of the same length.
+//! 3. Each possible disk must contain only old and new packs, and a bake on a real disk with the
+//!    same contents must replace all old packs.
 //!
-//! POSIX allows all of this. Current file systems do less harm: they keep the order of entries.
+//! POSIX allows all of this. Current file systems lose less: they keep the order of entries.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -19,9 +19,9 @@ use super::{
     project::{Files, Project, WORDS},
 };
 
-/// Entries that were not synced, of which every subset is tried; of more, those made first, each
-/// alone, and all but each.
-const MOST_IN_ALL_SUBSETS: usize = 6;
+/// Maximum number of unsynced entries of which every subset is tried. Of more entries, the subsets
+/// are: each run of the first ones, each entry alone, and all but one.
+const MAX_ALL_SUBSETS: usize = 6;
 
 /// An operation of a bake on the disk.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,7 +30,7 @@ pub enum Op {
     Folder(String),
     /// An empty file is made.
     Create(String),
-    /// This number of bytes is appended.
+    /// A number of bytes is appended to a file.
     Write(String, usize),
     /// A file's bytes, or a folder's entries, are synced.
     Sync(String),
@@ -45,13 +45,13 @@ pub enum Op {
 pub struct Tally {
     /// Operations of the bake.
     pub ops: usize,
-    /// Disks that may come of a cut, over all cuts.
+    /// Possible disks after a cut, over all cuts.
     pub disks: usize,
-    /// Of these, those that differ.
+    /// Number of different disks among these.
     pub distinct: usize,
-    /// Distinct disks on which a bake was run, which made everything new.
+    /// Distinct disks on which a later bake replaced all outputs.
     pub healed: usize,
-    /// What went wrong.
+    /// Failed checks.
     pub wrong: Vec<String>,
 }
 
@@ -80,11 +80,11 @@ pub fn record(project: &Project, injector: &Injector) -> Vec<Op> {
 
 fn ops(calls: &[Call], project: &Project) -> Vec<Op> {
     let root = format!("{}/", project.folder().canonicalize().expect("it is there").display());
-    let place = |path: &str| path.strip_prefix(&root).map(|path| path.replace("/./", "/")).unwrap_or_default();
+    let relative = |path: &str| path.strip_prefix(&root).map(|path| path.replace("/./", "/")).unwrap_or_default();
     let mut known: BTreeSet<String> = project.old.keys().cloned().collect();
     let mut ops = Vec::new();
     for call in calls.iter().filter(|call| call.result >= 0) {
-        let path = place(&call.path);
+        let path = relative(&call.path);
         let is_known = known.contains(&path);
         match call.name.as_str() {
             "open" if call.bytes > 0 && !is_known => {
@@ -96,11 +96,11 @@ fn ops(calls: &[Call], project: &Project) -> Vec<Op> {
             "mkdir" => ops.push(Op::Folder(path)),
             "unlink" => ops.push(Op::Remove(path)),
             "rename" => {
-                known.insert(place(&call.second));
-                ops.push(Op::Rename(path, place(&call.second)));
+                known.insert(relative(&call.second));
+                ops.push(Op::Rename(path, relative(&call.second)));
             }
             "open" | "read" | "stat" | "lstat" | "readlink" | "access" | "list" | "lock" | "map" => {}
-            other => panic!("the simulated disk knows no {other}"),
+            other => panic!("the simulated disk does not support {other}"),
         }
     }
     ops
@@ -114,12 +114,12 @@ pub fn cut(project: &Project, ops: &[Op], stride: usize) -> Tally {
     for end in 0..=ops.len() {
         for disk in disks(project, &ops[..end]) {
             tally.disks += 1;
-            let place = || format!("cut after operation {end} of {}", ops.len());
+            let context = || format!("cut after operation {end} of {}", ops.len());
             match project.judge_files(&disk) {
-                Err(error) => tally.wrong.push(format!("{}: {error}", place())),
+                Err(error) => tally.wrong.push(format!("{}: {error}", context())),
                 // The orphan may reappear, which is allowed.
                 Ok(left) if end == ops.len() && left.old > usize::from(disk.contains_key("o/gone.hullmap")) => {
-                    tally.wrong.push(format!("{}: success was claimed, but {} outputs are old", place(), left.old));
+                    tally.wrong.push(format!("{}: success was claimed, but {} outputs are old", context(), left.old));
                 }
                 Ok(_) => {}
             }
@@ -127,7 +127,7 @@ pub fn cut(project: &Project, ops: &[Op], stride: usize) -> Tally {
                 project.put(&disk);
                 match project.bake_again() {
                     Ok(()) => tally.healed += 1,
-                    Err(error) => tally.wrong.push(format!("{}: {error}", place())),
+                    Err(error) => tally.wrong.push(format!("{}: {error}", context())),
                 }
             }
         }
@@ -158,10 +158,10 @@ enum Kept {
     Zeros,
 }
 
-/// The disks that may be found after these operations.
+/// The possible disks after these operations.
 fn disks(project: &Project, ops: &[Op]) -> Vec<Files> {
     let mut entries: Vec<Entry> = Vec::new();
-    // By the place at which a file was made: a file keeps its bytes when it is renamed.
+    // By the path at which a file was created: a file keeps its bytes when it is renamed.
     let mut lengths: BTreeMap<String, Length> = BTreeMap::new();
     for op in ops {
         match op {
@@ -178,12 +178,12 @@ fn disks(project: &Project, ops: &[Op]) -> Vec<Files> {
             lengths.insert(path.clone(), Length::default());
         }
     }
-    let loose: Vec<usize> = (0..entries.len()).filter(|&place| !entries[place].is_synced).collect();
+    let loose: Vec<usize> = (0..entries.len()).filter(|&index| !entries[index].is_synced).collect();
     let mut disks = Vec::new();
     for subset in subsets(loose.len()) {
-        let is_kept = |place: usize| loose.iter().position(|&at| at == place).is_none_or(|at| subset[at]);
+        let is_kept = |index: usize| loose.iter().position(|&at| at == index).is_none_or(|at| subset[at]);
         let kept: Vec<&Op> =
-            (0..entries.len()).filter(|&place| is_kept(place)).map(|place| &entries[place].op).collect();
+            (0..entries.len()).filter(|&index| is_kept(index)).map(|index| &entries[index].op).collect();
         for bytes in [Kept::Nothing, Kept::Half, Kept::All, Kept::Zeros] {
             disks.push(disk(project, ops, &kept, &lengths, bytes));
         }
@@ -201,32 +201,32 @@ fn touches(op: &Op, folder: &str) -> bool {
     }
 }
 
-/// Subsets of `count` elements: all of them, or those described at [`MOST_IN_ALL_SUBSETS`].
+/// Subsets of `count` elements: all of them, or those described at [`MAX_ALL_SUBSETS`].
 fn subsets(count: usize) -> Vec<Vec<bool>> {
-    if count <= MOST_IN_ALL_SUBSETS {
+    if count <= MAX_ALL_SUBSETS {
         return (0..1_usize << count).map(|bits| (0..count).map(|at| bits >> at & 1 == 1).collect()).collect();
     }
-    let first = (0..=count).map(|most| (0..count).map(|at| at < most).collect());
+    let first = (0..=count).map(|end| (0..count).map(|at| at < end).collect());
     let alone = (0..count).map(|one| (0..count).map(|at| at == one).collect());
     let without = (0..count).map(|one| (0..count).map(|at| at != one).collect());
     first.chain(alone).chain(without).collect()
 }
 
-/// The disk that has these entries, and of the files that were written these bytes.
+/// The disk with these entries, and with these bytes of the files that were written.
 fn disk(project: &Project, ops: &[Op], entries: &[&Op], lengths: &BTreeMap<String, Length>, kept: Kept) -> Files {
-    // Where each file ends up is what its bytes are.
+    // The final path of a file determines its bytes.
     let whole = |made: &str| {
         let end = ops.iter().find(|op| matches!(op, Op::Rename(from, _) if from == made));
-        let place = match end {
+        let path = match end {
             Some(Op::Rename(_, to)) => to.as_str(),
             _ => made,
         };
-        project.new.get(place).cloned().unwrap_or_default()
+        project.new.get(path).cloned().unwrap_or_default()
     };
     let content = |made: &str| {
         let Length { written, synced } = lengths.get(made).copied().unwrap_or_default();
         let mut bytes = whole(made);
-        // A cut before the rename knows the file by its temporary name alone: any bytes do.
+        // Before the rename, the file has only its temporary name, and its bytes do not matter.
         bytes.resize(bytes.len().max(written), b'?');
         bytes.truncate(match kept {
             Kept::Nothing => synced,
@@ -247,7 +247,7 @@ fn disk(project: &Project, ops: &[Op], entries: &[&Op], lengths: &BTreeMap<Strin
             Op::Folder(path) => drop(folders.insert(path)),
             Op::Create(path) => drop(files.insert(path.clone(), content(path))),
             Op::Remove(path) => drop(files.remove(path)),
-            // Its new entry can be there though the old one never was.
+            // The new entry may exist even if the old one was never synced.
             Op::Rename(from, to) => {
                 files.remove(from);
                 files.insert(to.clone(), content(from));
@@ -255,7 +255,7 @@ fn disk(project: &Project, ops: &[Op], entries: &[&Op], lengths: &BTreeMap<Strin
             Op::Write(..) | Op::Sync(_) => {}
         }
     }
-    // What is in a folder is lost with it.
+    // A lost folder takes its files with it.
     files.retain(|path, _| {
         !made_folders.iter().any(|folder| !folders.contains(folder) && path.starts_with(&format!("{folder}/")))
     });

@@ -60,8 +60,8 @@ pub enum End {
     Killed,
     /// With exit code 0.
     Done,
-    /// With another exit code and a message.
-    Told,
+    /// With exit code 2 and a message.
+    Reported,
 }
 
 impl Project {
@@ -228,7 +228,7 @@ impl Project {
         match code {
             0 if left.old > usize::from(self.is_orphan_left(&files)) => fail("it claims success, but outputs are old"),
             0 => Ok((End::Done, left)),
-            2 if stderr.contains("error: ") => Ok((End::Told, left)),
+            2 if stderr.contains("error: ") => Ok((End::Reported, left)),
             _ => fail("the exit code is wrong, or there is no message"),
         }
     }

@@ -16,7 +16,7 @@ use crate::hostile::{
 const FRONT: usize = 16;
 
 /// Maximum number of words that are changed together.
-const MOST_WORDS: usize = 4;
+const MAX_WORDS: usize = 4;
 
 thread_local! {
     static INQUIRY: OnceCell<(Vec<u8>, Inquiry)> = const { OnceCell::new() };
@@ -60,7 +60,7 @@ pub fn change_pack(file: &mut [u8], seed: u32) {
         return;
     }
     let mut rng = SplitMix64::new(seed.into());
-    for _ in 0..1 + rng.below(MOST_WORDS) {
+    for _ in 0..1 + rng.below(MAX_WORDS) {
         let at = HEADER_LEN + 4 * rng.below(words);
         let other = HEADER_LEN + 4 * rng.below(words);
         let word = |at: usize| u32::from_le_bytes([file[at], file[at + 1], file[at + 2], file[at + 3]]);

@@ -9,8 +9,8 @@ use super::bytes::Bytes;
 use crate::{directions, regret::Truth};
 
 /// Maximum number of hulls of a pack, and of points of each hull.
-const MOST_HULLS: usize = 3;
-const MOST_POINTS: usize = 96;
+const MAX_HULLS: usize = 3;
+const MAX_POINTS: usize = 96;
 
 /// Directions of each hull's own faces and edges, and directions read from the bytes.
 const OWN_DIRECTIONS: usize = 64;
@@ -28,8 +28,8 @@ const EXACT: f64 = 2e-7;
 pub fn build_open_verify(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     let index = index(&mut bytes);
-    let sets: Vec<_> = (0..1 + bytes.below(MOST_HULLS))
-        .map(|hull| point_set(["a", "bé", ""][hull], &bytes.points(MOST_POINTS, true)))
+    let sets: Vec<_> = (0..1 + bytes.below(MAX_HULLS))
+        .map(|hull| point_set(["a", "bé", ""][hull], &bytes.points(MAX_POINTS, true)))
         .collect();
     let file = match packs::bytes(&sets, index, &SourceRecord::default()) {
         Ok(file) => file,
@@ -53,8 +53,8 @@ pub fn build_open_verify(data: &[u8]) {
                 let regret = truth.regret(dir, got.point);
                 assert!(regret <= EXACT, "{index:?}: regret {regret:e} in direction {dir:?} of {set:?}");
             }
-            let (cost, most) = (hull.support_cost(dir), hull.worst_cost());
-            assert!(cost.nodes <= most.nodes && cost.dots <= most.dots, "{cost:?} exceeds {most:?}");
+            let (cost, max) = (hull.support_cost(dir), hull.worst_cost());
+            assert!(cost.nodes <= max.nodes && cost.dots <= max.dots, "{cost:?} exceeds {max:?}");
         }
         let mut points = set.positions.iter().map(|p| Vec3::from_array(*p));
         assert!(hull.vertices().all(|v| points.any(|p| p == v)), "vertices are source points, in their order: {set:?}");

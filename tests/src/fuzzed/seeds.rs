@@ -9,17 +9,17 @@ use crate::hostile::samples;
 const DRAWN: usize = 64;
 
 /// Maximum length of these, in bytes.
-const LONGEST: usize = 400;
+const MAX_DRAWN_LEN: usize = 400;
 
 /// Maximum size of a pack, in bytes.
-const MOST: usize = 4096;
+const MAX_PACK_LEN: usize = 4096;
 
 /// Names and bytes of the first inputs of a target; empty for an unknown target.
 pub fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
     let numbers = |seed: u64| {
         let mut rng = SplitMix64::new(seed);
         let drawn = |number: usize| {
-            let bytes = (0..8 + rng.below(LONGEST)).map(|_| rng.next_u64() as u8).collect();
+            let bytes = (0..8 + rng.below(MAX_DRAWN_LEN)).map(|_| rng.next_u64() as u8).collect();
             (format!("drawn-{number:02}"), bytes)
         };
         (0..DRAWN).map(drawn).collect()
@@ -27,7 +27,7 @@ pub fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
     match target {
         "open_and_query" => samples::small()
             .into_iter()
-            .filter(|sample| sample.file.len() <= MOST)
+            .filter(|sample| sample.file.len() <= MAX_PACK_LEN)
             .map(|sample| (sample.name.replace([' ', ','], "-"), sample.file))
             .collect(),
         "solver" => numbers(1),

@@ -18,18 +18,18 @@ use hullmap_testkit::{
 use super::bytes::Bytes;
 
 /// Maximum number of points of a shape.
-const MOST_POINTS: usize = 32;
+const MAX_POINTS: usize = 32;
 
 /// Maximum iterations and support calls of a query: the caps of all phases together, twice, because
 /// rounded shapes are solved twice.
-const MOST_STEPS: u32 = 2 * 1600;
+const MAX_STEPS: u32 = 2 * 1600;
 
 /// Rounding error of brute force, in units of the greatest length times the f64 epsilon: a rotated
 /// point is off by some 40.
 const ROUNDING_UNITS: f64 = 64.0;
 
 /// Maximum number of face normals tested for each shape.
-const MOST_NORMALS: usize = 64;
+const MAX_NORMALS: usize = 64;
 
 /// Tolerance of a unit vector's length.
 const UNIT: f64 = 1e-14;
@@ -112,7 +112,7 @@ impl<A: Shape> With for WithBoth<'_, A> {
             near.iterations,
             near.support_calls,
         ];
-        assert!(steps.iter().all(|count| *count <= MOST_STEPS), "a cap is not held: {steps:?}");
+        assert!(steps.iter().all(|count| *count <= MAX_STEPS), "a cap is not held: {steps:?}");
         // The nearest points up to rounding error: no lower bound may exceed their distance.
         let nearest = Settings { tolerance: 0.0, ..settings };
         let nearest = distance(self.a, b, b_in_a, &nearest, &mut Cache::default());
@@ -131,7 +131,7 @@ impl Body {
         let shape = bytes.byte();
         let size = 10_f64.powi(i32::from(shape / 8 % 13) - 6);
         let positions: Vec<[f32; 3]> =
-            bytes.points(MOST_POINTS, false).iter().map(|p| p.map(|c| (f64::from(c) * size) as f32)).collect();
+            bytes.points(MAX_POINTS, false).iter().map(|p| p.map(|c| (f64::from(c) * size) as f32)).collect();
         let index = [IndexKind::Tree, IndexKind::None][usize::from(shape >> 7)];
         let file = packs::bytes(&[point_set("body", &positions)], index, &Default::default());
         let file = file.unwrap_or_else(|error| panic!("{error}: {positions:?}"));
@@ -165,7 +165,7 @@ impl Body {
 
     /// Unit normals of the faces, of the shape's own frame.
     fn normals(&self, hull: &Hull) -> Vec<DVec3> {
-        (0..hull.face_count().min(MOST_NORMALS) as u32)
+        (0..hull.face_count().min(MAX_NORMALS) as u32)
             .filter_map(|face| (hull.face_normal(face)? / self.scale).try_normalize())
             .collect()
     }

@@ -7,7 +7,7 @@ use shapes::rng::SplitMix64;
 use super::{HEADER_LEN, samples::Sample};
 
 /// Maximum number of bytes added to a file.
-pub const MOST_ADDED: usize = 4096;
+pub const MAX_ADDED: usize = 4096;
 
 /// Draws until a change is found that opens alone: two thirds do.
 const DRAWS: usize = 12;
@@ -22,7 +22,7 @@ pub enum Series {
     Bits,
     /// Each bit flipped; the checksum corrected.
     SealedBits,
-    /// Each prefix, and each extension by 1 to [`MOST_ADDED`] bytes: unchanged, with a corrected
+    /// Each prefix, and each extension by 1 to [`MAX_ADDED`] bytes: unchanged, with a corrected
     /// checksum, and with the length corrected too.
     Lengths,
     /// Each 32-bit word after the header set to each of [`Subject::values`]; the checksum
@@ -89,7 +89,7 @@ impl<'s> Subject<'s> {
         let len = self.sample.file.len();
         match series {
             Series::Bits | Series::SealedBits => Some(8 * len),
-            Series::Lengths => Some(3 * (len + MOST_ADDED)),
+            Series::Lengths => Some(3 * (len + MAX_ADDED)),
             Series::Words => Some((len - HEADER_LEN) / 4 * self.values.len()),
             Series::Drawn => None,
         }

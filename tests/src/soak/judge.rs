@@ -64,14 +64,16 @@ const FOOT_OFF: f64 = 1e-3;
 
 /// Maximum iterations and support calls of a query: the caps of all phases together, twice, because
 /// rounded shapes are solved twice.
-const MOST: u32 = 2 * 1600;
+const MAX_STEPS: u32 = 2 * 1600;
 
-/// One pair in this many is also checked against all face normals, and one against all facets.
-const NORMALS_EVERY: u64 = 16;
-const FACETS_EVERY: u64 = 1024;
+/// One pair out of this many is also checked against all face normals.
+const NORMALS_INTERVAL: u64 = 16;
+
+/// One pair out of this many is also checked against all facets of the Minkowski difference.
+const FACETS_INTERVAL: u64 = 1024;
 
 /// Maximum number of edges for which all facets are tested.
-const MOST_EDGES: usize = 400;
+const MAX_EDGES: usize = 400;
 
 /// The solver's answers about a pair.
 #[derive(Clone, Copy, Debug)]
@@ -145,10 +147,10 @@ pub(super) fn judge_pair(pair: &Pair<'_, '_>, tally: &mut Tally) {
     }
     let scene = Scene::new(a, b, pair.b_in_a);
     scene.judge(pair, "cold", &answers, tally);
-    if number.is_multiple_of(NORMALS_EVERY) {
+    if number.is_multiple_of(NORMALS_INTERVAL) {
         scene.judge_by_normals(pair, &answers, tally);
     }
-    if number.is_multiple_of(FACETS_EVERY) {
+    if number.is_multiple_of(FACETS_INTERVAL) {
         scene.judge_by_facets(pair, &answers, tally);
     }
     match number % 4 {
@@ -260,7 +262,7 @@ impl<'s, 'p> Scene<'s, 'p> {
             [deep.iterations, deep.support_calls],
             [near.iterations, near.support_calls],
         ] {
-            at_most("a cap is not held", counts[0].max(counts[1]).into(), MOST.into(), 0.0);
+            at_most("a cap is not held", counts[0].max(counts[1]).into(), MAX_STEPS.into(), 0.0);
         }
 
         // A claim proved by one answer must not be denied by another.
@@ -417,7 +419,7 @@ impl<'s, 'p> Scene<'s, 'p> {
             return;
         }
         let (a, b) = (Polytope::new(a), Polytope::new(b).placed(self.b_in_a));
-        if a.edges.len().max(b.edges.len()) > MOST_EDGES {
+        if a.edges.len().max(b.edges.len()) > MAX_EDGES {
             return;
         }
         tally.facets += 1;

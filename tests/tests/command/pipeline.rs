@@ -233,7 +233,7 @@ fn options_come_from_hullmap_toml_by_rule_and_flags_win() {
     assert_eq!(options("build in --out o --json"), expected);
     let inspected = bake(&folder, "inspect o --json").expect(0).json();
     let recorded: Vec<&str> = inspected.iter().map(|report| report["options"].as_str().unwrap()).collect();
-    assert_eq!(recorded, expected, "what is told is what is recorded");
+    assert_eq!(recorded, expected, "the reported options are the recorded ones");
     assert_eq!(options("build in/props --out o2 --json"), expected[1..], "however the mesh is named");
     let flags = options("build in --out o3 --index compact --json");
     assert!(flags.iter().all(|text| text.ends_with("index tree 32")) && flags[1].starts_with("split object"));

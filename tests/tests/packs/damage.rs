@@ -18,7 +18,7 @@ use hullmap_testkit::packs::reseal;
 use hullmap_tests::hostile::{
     inquiry::{Extent, Inquiry},
     samples,
-    series::{MOST_ADDED, Series, Subject},
+    series::{MAX_ADDED, Series, Subject},
     trial::{self, Tally},
     unchecked::{self, Findings},
 };
@@ -77,7 +77,7 @@ fn every_cut_or_lengthened_file_is_refused() {
         numbers.extend(share(count).into_iter().filter(|number| number % 3 > 0));
         numbers
     });
-    assert!(tally.tried > samples::small().len() * MOST_ADDED && tally.opened == 0, "{tally}");
+    assert!(tally.tried > samples::small().len() * MAX_ADDED && tally.opened == 0, "{tally}");
 }
 
 #[test]

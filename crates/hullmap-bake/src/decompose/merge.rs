@@ -98,7 +98,7 @@ struct Merger {
 /// there are still more than `max_parts`, one hull per pair.
 pub fn merge(parts: &[PointSet], until: Until) -> Result<Vec<Vec<usize>>, BakeError> {
     let first: Result<Vec<Part>, BakeError> =
-        parts.par_iter().enumerate().map(|(number, points)| Part::new(points, None, vec![number])).collect();
+        parts.par_iter().enumerate().map(|(index, points)| Part::new(points, None, vec![index])).collect();
     let mut alive: Vec<Option<Part>> = first?.into_iter().map(Some).collect();
     let mut count = alive.len();
     let mut margin = TOUCHING * until.size;

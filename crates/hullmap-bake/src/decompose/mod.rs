@@ -134,10 +134,10 @@ pub fn decompose(mesh: &PointSet, parameters: &Parameters) -> Result<Option<Vec<
             .iter()
             .map(|p| {
                 let exact = DVec3::new(p.x, p.y, p.z) + middle;
-                let number = number_of(mesh, &order, exact.to_array().map(|c| c as f32 + 0.0));
+                let source_vertex = source_vertex_at(mesh, &order, exact.to_array().map(|c| c as f32 + 0.0));
                 let snapped = (exact / step).round() * step;
-                let kept = if number == NO_SOURCE_VERTEX { snapped } else { exact };
-                (kept.to_array().map(|c| c as f32 + 0.0), number)
+                let kept = if source_vertex == NO_SOURCE_VERTEX { snapped } else { exact };
+                (kept.to_array().map(|c| c as f32 + 0.0), source_vertex)
             })
             .collect();
         if !part.is_empty() {
@@ -151,10 +151,10 @@ pub fn decompose(mesh: &PointSet, parameters: &Parameters) -> Result<Option<Vec<
         size: (high - low).max_element(),
     };
     let point_sets: Vec<PointSet> = cuts.iter().map(|part| point_set(part, mesh, String::new())).collect();
-    let merged = merge::merge(&point_sets, until)?.into_iter().enumerate().map(|(number, members)| {
+    let merged = merge::merge(&point_sets, until)?.into_iter().enumerate().map(|(index, members)| {
         let mut part: Vec<([f32; 3], u32)> = members.iter().flat_map(|member| &cuts[*member]).copied().collect();
         in_order(&mut part);
-        point_set(&part, mesh, format!("{}_part_{number:02}", mesh.name))
+        point_set(&part, mesh, format!("{}_part_{index:02}", mesh.name))
     });
     let parts: Vec<PointSet> = merged.collect();
     Ok((parts.len() > 1).then_some(parts))
@@ -162,7 +162,7 @@ pub fn decompose(mesh: &PointSet, parameters: &Parameters) -> Result<Option<Vec<
 
 /// Sorts points by source index, then by position, and removes duplicates.
 fn in_order(part: &mut Vec<([f32; 3], u32)>) {
-    part.sort_unstable_by_key(|(p, number)| (*number, p.map(f32::to_bits)));
+    part.sort_unstable_by_key(|(p, source_vertex)| (*source_vertex, p.map(f32::to_bits)));
     part.dedup();
 }
 
@@ -170,7 +170,7 @@ fn point_set(part: &[([f32; 3], u32)], mesh: &PointSet, name: String) -> PointSe
     PointSet {
         name,
         positions: part.iter().map(|(p, _)| *p).collect(),
-        source_vertices: part.iter().map(|(_, number)| *number).collect(),
+        source_vertices: part.iter().map(|(_, source_vertex)| *source_vertex).collect(),
         origin: mesh.origin,
         triangles: Vec::new(),
     }
@@ -244,7 +244,7 @@ fn key(p: [f32; 3]) -> [u32; 3] {
 }
 
 /// The source vertex at a position; [`NO_SOURCE_VERTEX`] if there is none.
-fn number_of(mesh: &PointSet, order: &[u32], p: [f32; 3]) -> u32 {
+fn source_vertex_at(mesh: &PointSet, order: &[u32], p: [f32; 3]) -> u32 {
     let at = order.partition_point(|i| key(mesh.positions[*i as usize]) < key(p));
     let found = order.get(at).filter(|i| key(mesh.positions[**i as usize]) == key(p));
     found.map_or(NO_SOURCE_VERTEX, |i| mesh.source_vertices[*i as usize])
@@ -334,7 +334,7 @@ mod tests {
         let parts = decompose(&mesh, &Parameters::default()).unwrap().unwrap();
         assert_eq!(parts.len(), 4);
         let hulls: Vec<Hull> = parts.iter().map(|part| hull::build(part).unwrap()).collect();
-        assert!(parts.iter().enumerate().all(|(number, part)| part.name == format!("u_part_{number:02}")));
+        assert!(parts.iter().enumerate().all(|(index, part)| part.name == format!("u_part_{index:02}")));
         // The gap between the arms stays empty: the volume is that of the bars, not of their hull.
         let volume: f64 = hulls.iter().map(|hull| crate::mass::mass(hull).volume).sum();
         println!("{} parts of volume {volume}, where the bars have 7 and their hull 9", parts.len());
@@ -344,8 +344,8 @@ mod tests {
         // Corners that are source vertices keep their indices.
         let known = parts.iter().flat_map(|part| part.source_vertices.iter().zip(&part.positions));
         let mut count = 0;
-        for (number, p) in known.filter(|(number, _)| **number != NO_SOURCE_VERTEX) {
-            assert_eq!(mesh.positions[*number as usize - 10], *p);
+        for (source_vertex, p) in known.filter(|(source_vertex, _)| **source_vertex != NO_SOURCE_VERTEX) {
+            assert_eq!(mesh.positions[*source_vertex as usize - 10], *p);
             count += 1;
         }
         assert!(count >= 16, "{count}");

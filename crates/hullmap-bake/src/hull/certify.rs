@@ -32,7 +32,7 @@ pub enum CertificateError {
         euler: i64,
     },
     /// A face is degenerate or faces inward.
-    #[error("face {face} does not look outward")]
+    #[error("face {face} is degenerate or faces inward")]
     Inward {
         /// Index of the face.
         face: usize,

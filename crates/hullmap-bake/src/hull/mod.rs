@@ -73,10 +73,10 @@ impl Hull {
     /// O(number of face corners), with a binary search in the vertex's neighbours for each.
     pub fn neighbour_faces(&self, neighbours: &[Vec<u32>]) -> Vec<u32> {
         let mut left: Vec<Vec<u32>> = neighbours.iter().map(|list| vec![0; list.len()]).collect();
-        for (number, face) in self.faces.iter().enumerate() {
+        for (index, face) in self.faces.iter().enumerate() {
             for (a, b) in edges(face) {
                 if let Ok(at) = neighbours[a as usize].binary_search(&b) {
-                    left[a as usize][at] = number as u32;
+                    left[a as usize][at] = index as u32;
                 }
             }
         }
@@ -119,12 +119,12 @@ pub fn build(points: &PointSet) -> Result<Hull, BakeError> {
     // Points that are not source vertices share one index; order them by position.
     chosen.sort_unstable_by_key(|&p| (distinct[p as usize].1, p));
     chosen.dedup();
-    let mut number = vec![u32::MAX; distinct.len()];
+    let mut vertex_of = vec![u32::MAX; distinct.len()];
     for (vertex, &p) in chosen.iter().enumerate() {
-        number[p as usize] = vertex as u32;
+        vertex_of[p as usize] = vertex as u32;
     }
     let mut faces: Vec<Vec<u32>> =
-        faces.into_iter().map(|face| from_least(face.into_iter().map(|p| number[p as usize]).collect())).collect();
+        faces.into_iter().map(|face| from_least(face.into_iter().map(|p| vertex_of[p as usize]).collect())).collect();
     faces.sort_unstable();
     let mut hull = Hull {
         rank,

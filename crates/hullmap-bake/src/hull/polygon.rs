@@ -44,7 +44,7 @@ pub fn hull(points: &[DVec3], normal: DVec3) -> Vec<u32> {
 pub fn hull_along_own_axis(points: &[DVec3], normal: DVec3) -> Vec<u32> {
     let mut normal = normal;
     let mut found = hull(points, normal);
-    for _ in 0..MOST_AXES {
+    for _ in 0..MAX_AXES {
         let own = area_vector(&found, points);
         if dropped_axis(own) == dropped_axis(normal) {
             break;
@@ -56,7 +56,7 @@ pub fn hull_along_own_axis(points: &[DVec3], normal: DVec3) -> Vec<u32> {
 }
 
 /// Maximum number of projections tried: the axes to which a polygon's normal may be closest.
-const MOST_AXES: usize = 3;
+const MAX_AXES: usize = 3;
 
 /// Unit vector in the plane of the polygon with unit `normal`, pointing out of the side along
 /// `edge`.

@@ -125,11 +125,11 @@ impl Cones {
     }
 
     /// The polygons with these indices, which must be ascending.
-    pub fn select(&self, numbers: impl Iterator<Item = usize>) -> Self {
+    pub fn select(&self, indices: impl Iterator<Item = usize>) -> Self {
         let mut chosen = Self::default();
-        for number in numbers {
-            let start = if number == 0 { 0 } else { self.ends[number - 1] };
-            chosen.push(self.vertices[number], &self.corners[start as usize..self.ends[number] as usize]);
+        for index in indices {
+            let start = if index == 0 { 0 } else { self.ends[index - 1] };
+            chosen.push(self.vertices[index], &self.corners[start as usize..self.ends[index] as usize]);
         }
         chosen
     }

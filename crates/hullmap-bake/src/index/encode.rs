@@ -63,7 +63,7 @@ pub fn trees(
     // The slots that refer to each tree. Neighbouring slots of one node that hold the same tree
     // share one entry.
     let mut queue: Queue = roots.iter().enumerate().map(|(at, tree)| (vec![at], tree, None)).collect();
-    while let Some((places, tree, frame)) = queue.pop_front() {
+    while let Some((targets, tree, frame)) = queue.pop_front() {
         let free = encoder.out.slots.len();
         let slot = match tree {
             Tree::Leaf(list) => encoder.leaf(list),
@@ -114,8 +114,8 @@ pub fn trees(
                 Slot::Fan(checked(free, PLANES_LIMIT)?)
             }
         };
-        for place in places {
-            encoder.out.slots[place] = slot.encode();
+        for target in targets {
+            encoder.out.slots[target] = slot.encode();
         }
         checked(encoder.out.slots.len().max(encoder.out.blocks.len()), PAYLOAD_LIMIT)?;
     }
@@ -131,13 +131,13 @@ fn checked(at: usize, limit: u32) -> Result<u32, BakeError> {
 fn enqueue<'a>(queue: &mut Queue<'a>, first: usize, slots: &[&'a Tree], frame: impl Fn(usize) -> Option<Frame>) {
     let start = queue.len();
     let mut known: HashMap<*const Tree, usize> = HashMap::new();
-    for (place, &tree) in slots.iter().enumerate() {
+    for (index, &tree) in slots.iter().enumerate() {
         let at = *known.entry(std::ptr::from_ref(tree)).or_insert_with(|| {
-            queue.push_back((Vec::new(), tree, frame(place)));
+            queue.push_back((Vec::new(), tree, frame(index)));
             queue.len() - 1
         });
         debug_assert!(at >= start);
-        queue[at].0.push(first + place);
+        queue[at].0.push(first + index);
     }
 }
 
@@ -220,10 +220,10 @@ fn bundle(tree: &Tree) -> ([[f64; 3]; BUNDLE_PLANES], [&Tree; BUNDLE_PARTS]) {
     let mut first = 0;
     for _ in 0..BUNDLE_PARTS.ilog2() {
         let mut below = Vec::with_capacity(2 * level.len());
-        for (place, &cell) in level.iter().enumerate() {
+        for (index, &cell) in level.iter().enumerate() {
             match cell {
                 Tree::Plane(normal, halves) => {
-                    normals[first + place] = *normal;
+                    normals[first + index] = *normal;
                     below.extend([&halves[0], &halves[1]]);
                 }
                 // No direction lies in front of a missing plane. The slot there repeats the one

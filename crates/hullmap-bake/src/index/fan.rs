@@ -26,7 +26,7 @@ const NEAR_AXIS: f64 = 1e-3;
 const LEAST_ANGLE: f64 = 1e-4;
 
 /// Minimum number of planes that contain the axis.
-const HOLDING: usize = 6;
+const MIN_PLANES: usize = 6;
 
 /// Maximum average number of overlapping intervals. It allows one fan on either side of a prism's
 /// equator, and a little more. A cell with more layers is left to squares or planes, which cut
@@ -65,10 +65,10 @@ impl Frame {
         Self { start: self.start + span * part as f64, span, ..self }
     }
 
-    /// Normal of the plane through the axis at `place`. Greater positions lie in front of it, up to
+    /// Normal of the plane through the axis at `position`. Greater positions lie in front of it, up to
     /// half a turn.
-    pub fn plane(self, place: f64) -> DVec3 {
-        let angle = self.start + self.span * place;
+    pub fn plane(self, position: f64) -> DVec3 {
+        let angle = self.start + self.span * position;
         let quarter = ((angle + 1.0) / 2.0).floor();
         let t = angle - 2.0 * quarter;
         let [x, y] = match quarter as i64 {
@@ -121,7 +121,7 @@ pub struct Fan {
 /// Of lines that lie in equally many planes, the one where two planes meet at the greatest angle is
 /// the most accurate, and is returned.
 pub fn axis(normals: &[DVec3]) -> Option<DVec3> {
-    let mut best = (HOLDING - 1, 1.0, None);
+    let mut best = (MIN_PLANES - 1, 1.0, None);
     for stride in [normals.len() / 2, normals.len() / 3, normals.len() / 5 + 1] {
         for (i, &a) in normals.iter().enumerate() {
             let axis = a.cross(normals[(i + stride) % normals.len()]);
@@ -153,9 +153,9 @@ impl Fan {
             return None;
         }
         let mut intervals = Vec::with_capacity(cones.len());
-        for (number, (vertex, polygon)) in cones.iter().enumerate() {
+        for (index, (vertex, polygon)) in cones.iter().enumerate() {
             let [low, high] = angles(face, polygon, x, y)?;
-            let mut push = |low, high| intervals.push(Interval { polygon: number as u32, vertex, low, high });
+            let mut push = |low, high| intervals.push(Interval { polygon: index as u32, vertex, low, high });
             if high > TURN - 1.0 {
                 push(low, TURN - 1.0);
                 push(-1.0, high - TURN);
@@ -334,13 +334,13 @@ mod tests {
             let x = DVec3::from_array(rng.direction());
             let y = x.cross(DVec3::from_array(rng.direction())).normalize();
             let frame = Frame { x, y, start: rng.between(-1.0, 3.0), span: rng.between(0.1, 3.9) };
-            let (place, distance) = (rng.unit(), rng.unit());
-            let normal = frame.plane(place);
+            let (position, distance) = (rng.unit(), rng.unit());
+            let normal = frame.plane(position);
             assert!((normal.length() - 1.0).abs() < 1e-15 && normal.dot(x.cross(y)).abs() < 1e-15);
             // A point on the plane, at the requested position.
             let on = x.cross(y) * rng.between(-1.0, 1.0) + normal.cross(x.cross(y)) * distance;
             let angle = fan::angle(on.dot(x), on.dot(y));
-            assert!((angle - frame.start - frame.span * place).abs() < 1e-12 / distance, "{frame:?} {place}");
+            assert!((angle - frame.start - frame.span * position).abs() < 1e-12 / distance, "{frame:?} {position}");
             // Greater positions lie in front.
             let beyond = on + normal * 0.1 * distance;
             assert!(fan::angle(beyond.dot(x), beyond.dot(y)) > angle || angle > 6.0);

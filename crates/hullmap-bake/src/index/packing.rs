@@ -51,7 +51,7 @@ fn join_overlapping(lists: Vec<Vec<u32>>, capacity: usize) -> Joined {
     // For each group: the number of vertices it shares with the current list, and the time of its
     // last change.
     let (mut shared, mut joined_at) = (Vec::<usize>::new(), Vec::<usize>::new());
-    let vertex_count = lists.iter().flatten().max().map_or(0, |most| *most as usize + 1);
+    let vertex_count = lists.iter().flatten().max().map_or(0, |max| *max as usize + 1);
     let mut groups_of: Vec<Vec<usize>> = vec![Vec::new(); vertex_count];
     let mut joined = Vec::with_capacity(lists.len());
     let mut partners = Vec::new();
@@ -96,9 +96,9 @@ fn join_any(lists: Vec<Vec<u32>>, capacity: usize) -> Joined {
     for list in lists {
         let grown = |group: usize| groups[group].len() + missing(&groups[group], &list);
         let fitting = open.iter().enumerate().filter(|(_, group)| grown(**group) <= capacity);
-        let best = fitting.min_by_key(|(_, group)| missing(&groups[**group], &list)).map(|(place, _)| place);
+        let best = fitting.min_by_key(|(_, group)| missing(&groups[**group], &list)).map(|(index, _)| index);
         let best = best.filter(|_| list.len() < closed);
-        let group = best.and_then(|place| open.remove(place)).unwrap_or(groups.len());
+        let group = best.and_then(|index| open.remove(index)).unwrap_or(groups.len());
         if group == groups.len() {
             groups.push(Vec::new());
             open.truncate(WINDOW - 1);

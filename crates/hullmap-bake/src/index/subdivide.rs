@@ -187,8 +187,8 @@ impl Subdivision<'_> {
     }
 
     /// Halves a range of a fan's positions until few enough cones are left. `intervals` are those
-    /// that meet `places`.
-    fn wedges(&self, fan: &Wedges, intervals: &[Interval], places: [f64; 2], futile: u32) -> Tree {
+    /// that meet `positions`.
+    fn wedges(&self, fan: &Wedges, intervals: &[Interval], positions: [f64; 2], futile: u32) -> Tree {
         let mut list: Vec<u32> = intervals.iter().map(|i| i.vertex).collect();
         list.dedup();
         if list.len() <= fan.full {
@@ -196,13 +196,13 @@ impl Subdivision<'_> {
         }
         if futile == FUTILE_WEDGES {
             let part = fan.cones.select(intervals.iter().map(|i| i.polygon as usize));
-            let [start, end] = places.map(|t| Line::plane(self.face, fan.frame.plane(t)));
+            let [start, end] = positions.map(|t| Line::plane(self.face, fan.frame.plane(t)));
             let [_, part] = part.split(start);
             let [part, _] = part.split(end);
             return self.planes(part);
         }
-        let middle = 0.5 * (places[0] + places[1]);
-        let halves = [[places[0], middle], [middle, places[1]]];
+        let middle = 0.5 * (positions[0] + positions[1]);
+        let halves = [[positions[0], middle], [middle, positions[1]]];
         let within = halves.map(|[start, end]| -> Vec<Interval> {
             intervals.iter().filter(|i| i.meets(start, end)).copied().collect()
         });
@@ -243,8 +243,8 @@ impl Subdivision<'_> {
     }
 }
 
-/// At most `most` entries of `all`, evenly spaced.
-fn sample(all: &[u32], most: usize) -> impl Iterator<Item = u32> + '_ {
-    let count = all.len().min(most);
+/// At most `max_count` entries of `all`, evenly spaced.
+fn sample(all: &[u32], max_count: usize) -> impl Iterator<Item = u32> + '_ {
+    let count = all.len().min(max_count);
     (0..count).map(move |i| all[(2 * i + 1) * all.len() / (2 * count)])
 }

@@ -87,8 +87,8 @@ fn with(held: &[HalfSpace], new: HalfSpace) -> Option<(DVec3, [HalfSpace; 3], us
         }
         let mut planes = [new; 3];
         let mut count = 1;
-        for (number, half_space) in held.iter().enumerate() {
-            if choice >> number & 1 == 1 {
+        for (index, half_space) in held.iter().enumerate() {
+            if choice >> index & 1 == 1 {
                 planes[count] = *half_space;
                 count += 1;
             }
@@ -96,8 +96,8 @@ fn with(held: &[HalfSpace], new: HalfSpace) -> Option<(DVec3, [HalfSpace; 3], us
         let Some(x) = on_planes(&planes[..count]) else { continue };
         // The chosen planes hold except for rounding error. The others are tested with a tolerance,
         // because small angles between planes amplify the error.
-        let is_inside = |(number, h): (usize, &HalfSpace)| {
-            choice >> number & 1 == 1 || h.normal.dot(x) >= h.offset - AMPLIFIED * (x.length() + h.offset.abs())
+        let is_inside = |(index, h): (usize, &HalfSpace)| {
+            choice >> index & 1 == 1 || h.normal.dot(x) >= h.offset - AMPLIFIED * (x.length() + h.offset.abs())
         };
         let inside = held.iter().enumerate().all(is_inside);
         // If rounding error leaves several candidates, take the nearest.

@@ -43,8 +43,8 @@ use wrap::{Wrapped, wrap};
 /// How far to simplify a hull.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limit {
-    /// Maximum number of vertices, at least [`FEWEST`]. The result is as near to the hull as the
-    /// search finds.
+    /// Maximum number of vertices, at least [`MIN_VERTICES`]. The result is as near to the hull as
+    /// the search finds.
     Vertices(usize),
     /// Maximum distance from the hull, in the points' units. The result has as few vertices as the
     /// search finds.
@@ -62,14 +62,14 @@ pub struct Simplified {
 }
 
 /// Minimum number of vertices that may be requested: those of a tetrahedron.
-pub const FEWEST: usize = 4;
+pub const MIN_VERTICES: usize = 4;
 
 /// Number of vertices at which a collapse starts, relative to the number at which it ends. A ratio
 /// of sixteen gave no better results.
 const FINER: usize = 8;
 
 /// Maximum distance of a wrap, in diameters. At this distance, four vertices suffice.
-const FARTHEST: f64 = 128.0;
+const MAX_DISTANCE: f64 = 128.0;
 
 /// Maximum number of bisections of the range of distances.
 const HALVINGS: usize = 28;
@@ -96,7 +96,7 @@ const ROUNDING: f64 = 1e-14;
 /// the arguments.
 ///
 /// # Errors
-/// - [`BakeError::TooFewVertices`] if the limit is below [`FEWEST`] vertices.
+/// - [`BakeError::TooFewVertices`] if the limit is below [`MIN_VERTICES`] vertices.
 /// - [`BakeError::InvalidDistance`] if the distance is negative or NaN.
 /// - [`BakeError::NotSimplified`] if no hull is found within a vertex limit, because rounding to
 ///   f32 defeats all candidates.
@@ -106,12 +106,14 @@ const ROUNDING: f64 = 1e-14;
 /// measurement searches all vertices of the hull.
 pub fn simplify(hull: &Hull, limit: Limit) -> Result<Option<Simplified>, BakeError> {
     match limit {
-        Limit::Vertices(most) if most < FEWEST => return Err(BakeError::TooFewVertices { requested: most }),
+        Limit::Vertices(max_vertices) if max_vertices < MIN_VERTICES => {
+            return Err(BakeError::TooFewVertices { requested: max_vertices });
+        }
         // Written so that NaN fails.
         Limit::Distance(distance) if !(distance >= 0.0) => {
             return Err(BakeError::InvalidDistance { requested: distance });
         }
-        Limit::Vertices(most) if hull.vertices.len() <= most => return Ok(None),
+        Limit::Vertices(max_vertices) if hull.vertices.len() <= max_vertices => return Ok(None),
         _ => {}
     }
     let found = match hull.rank {
@@ -120,7 +122,7 @@ pub fn simplify(hull: &Hull, limit: Limit) -> Result<Option<Simplified>, BakeErr
         _ => return Ok(None),
     };
     match (found, limit) {
-        (None, Limit::Vertices(most)) => Err(BakeError::NotSimplified { requested: most }),
+        (None, Limit::Vertices(max_vertices)) => Err(BakeError::NotSimplified { requested: max_vertices }),
         (found, _) => Ok(found),
     }
 }
@@ -128,12 +130,13 @@ pub fn simplify(hull: &Hull, limit: Limit) -> Result<Option<Simplified>, BakeErr
 fn solid(hull: &Hull, limit: Limit) -> Option<Simplified> {
     let nearest = Nearest::new(hull);
     match limit {
-        Limit::Vertices(most) => {
-            let candidates = [fewest_by_wrap(&nearest, hull, most), collapsed(&nearest, hull, most, f64::INFINITY)];
+        Limit::Vertices(max_vertices) => {
+            let candidates =
+                [fewest_by_wrap(&nearest, hull, max_vertices), collapsed(&nearest, hull, max_vertices, f64::INFINITY)];
             let written = candidates.into_iter().flatten().filter_map(|surface| write(&surface, hull, &nearest));
-            let coarse = (most >= 24).then(|| crate::outer::outer(hull)).filter(|outer| !outer.is_empty());
+            let coarse = (max_vertices >= 24).then(|| crate::outer::outer(hull)).filter(|outer| !outer.is_empty());
             let coarse = coarse.and_then(|outer| measured(outer, hull, &nearest));
-            let fits = |found: &Simplified| found.hull.vertices.len() <= most;
+            let fits = |found: &Simplified| found.hull.vertices.len() <= max_vertices;
             // The nearest hull; of equally near ones, the first.
             written.chain(coarse).filter(fits).reduce(|a, b| if b.outer_error < a.outer_error { b } else { a })
         }
@@ -146,12 +149,13 @@ fn solid(hull: &Hull, limit: Limit) -> Option<Simplified> {
                 if !(within > 0.0) {
                     return None;
                 }
-                let most = hull.vertices.len() - 1;
-                let wrapped = wrap(&nearest, hull.diameter, within, most).map(|wrapped| wrapped.surface);
-                let start = wrapped.as_ref().map_or(most, |surface| surface.vertex_count());
+                let max_vertices = hull.vertices.len() - 1;
+                let wrapped = wrap(&nearest, hull.diameter, within, max_vertices).map(|wrapped| wrapped.surface);
+                let start = wrapped.as_ref().map_or(max_vertices, |surface| surface.vertex_count());
                 let candidates = [wrapped, collapsed(&nearest, hull, start, within)];
                 let written = candidates.into_iter().flatten().filter_map(|surface| write(&surface, hull, &nearest));
-                let fits = |found: &Simplified| found.outer_error <= distance && found.hull.vertices.len() <= most;
+                let fits =
+                    |found: &Simplified| found.outer_error <= distance && found.hull.vertices.len() <= max_vertices;
                 let fewer =
                     |a: Simplified, b: Simplified| if b.hull.vertices.len() < a.hull.vertices.len() { b } else { a };
                 if let Some(found) = written.filter(fits).reduce(fewer) {
@@ -164,10 +168,10 @@ fn solid(hull: &Hull, limit: Limit) -> Option<Simplified> {
     }
 }
 
-/// The nearest wrap found with at most `most` vertices.
-fn fewest_by_wrap(nearest: &Nearest, hull: &Hull, most: usize) -> Option<Surface> {
-    let try_at = |distance: f64| wrap(nearest, hull.diameter, distance, most).map(|wrapped| wrapped.surface);
-    let (mut low, mut high) = (0.0, FARTHEST * hull.diameter);
+/// The nearest wrap found with at most `max_vertices` vertices.
+fn fewest_by_wrap(nearest: &Nearest, hull: &Hull, max_vertices: usize) -> Option<Surface> {
+    let try_at = |distance: f64| wrap(nearest, hull.diameter, distance, max_vertices).map(|wrapped| wrapped.surface);
+    let (mut low, mut high) = (0.0, MAX_DISTANCE * hull.diameter);
     let mut best = None;
     for halving in 0..HALVINGS {
         let distance = if halving == 0 { high } else { (low + high) * 0.5 };
@@ -183,20 +187,21 @@ fn fewest_by_wrap(nearest: &Nearest, hull: &Hull, most: usize) -> Option<Surface
     nearer.find_map(try_at).or(best)
 }
 
-/// A larger wrap, or the hull itself, collapsed to at most `most` vertices, or as far as `reach`
+/// A larger wrap, or the hull itself, collapsed to at most `max_vertices` vertices, or as far as
+/// `reach`
 /// allows.
-fn collapsed(nearest: &Nearest, hull: &Hull, most: usize, reach: f64) -> Option<Surface> {
-    let start = if hull.vertices.len() <= FINER * most {
+fn collapsed(nearest: &Nearest, hull: &Hull, max_vertices: usize, reach: f64) -> Option<Surface> {
+    let start = if hull.vertices.len() <= FINER * max_vertices {
         Wrapped { surface: Surface::new(hull), feet: (0..hull.vertices.len() as u32).collect() }
     } else {
-        let (mut low, mut high) = (0.0, FARTHEST * hull.diameter);
+        let (mut low, mut high) = (0.0, MAX_DISTANCE * hull.diameter);
         let mut found = None;
         for _ in 0..HALVINGS {
             if high - low <= 0.1 * high {
                 break;
             }
             let distance = (low + high) * 0.5;
-            match wrap(nearest, hull.diameter, distance, FINER * most) {
+            match wrap(nearest, hull.diameter, distance, FINER * max_vertices) {
                 Some(wrapped) => (found, high) = (Some(wrapped), distance),
                 None => low = distance,
             }
@@ -204,8 +209,8 @@ fn collapsed(nearest: &Nearest, hull: &Hull, most: usize, reach: f64) -> Option<
         found?
     };
     let mut collapse = Collapse::new(nearest, start, hull.diameter);
-    let fewest = if reach.is_finite() { FEWEST } else { most };
-    while collapse.surface().vertex_count() > fewest && collapse.step(reach.min(FARTHEST * hull.diameter)) {}
+    let stop_at = if reach.is_finite() { MIN_VERTICES } else { max_vertices };
+    while collapse.surface().vertex_count() > stop_at && collapse.step(reach.min(MAX_DISTANCE * hull.diameter)) {}
     collapse.settle_all();
     Some(collapse.into_surface())
 }

@@ -89,10 +89,10 @@ impl Nearest {
                 }
                 if !is_sampled {
                     is_sampled = true;
-                    for number in (0..self.points.len()).step_by(self.points.len().isqrt().max(1)) {
-                        let height = self.points[number].dot(direction);
+                    for index in (0..self.points.len()).step_by(self.points.len().isqrt().max(1)) {
+                        let height = self.points[index].dot(direction);
                         if height > best.0 {
-                            best = (height, number as u32);
+                            best = (height, index as u32);
                         }
                     }
                     if best.1 == before {
@@ -126,8 +126,8 @@ impl Nearest {
     }
 
     /// Position of a vertex.
-    pub fn vertex(&self, number: u32) -> DVec3 {
-        self.points[number as usize]
+    pub fn vertex(&self, index: u32) -> DVec3 {
+        self.points[index as usize]
     }
 
     fn search(&self, target: DVec3, start: u32, farthest: impl Fn(DVec3, u32) -> u32) -> Foot {
@@ -167,8 +167,8 @@ impl Nearest {
         for choice in 0..1_u32 << others.len() {
             let mut chosen = [0; 4];
             let mut count = 0;
-            for (number, corner) in others.iter().enumerate() {
-                if choice >> number & 1 == 1 {
+            for (index, corner) in others.iter().enumerate() {
+                if choice >> index & 1 == 1 {
                     chosen[count] = *corner;
                     count += 1;
                 }

@@ -18,7 +18,7 @@ use super::{Limit, MAX_TRIES, PUSH, ROUNDING, Simplified, of_points};
 use crate::hull::{Hull, area::area_vector};
 
 /// Minimum number of corners of a polygon.
-const FEWEST: usize = 3;
+const MIN_VERTICES: usize = 3;
 
 /// A flat hull with fewer vertices, within the limit; `None` if none is found.
 ///
@@ -31,11 +31,11 @@ pub fn simplify(hull: &Hull, limit: Limit) -> Option<Simplified> {
     let normal = area_vector(&hull.faces[0], &positions).normalize();
     (0..MAX_TRIES).find_map(|tried| {
         let push = PUSH * scale * 2_f64.powi(tried);
-        let (most, reach) = match limit {
-            Limit::Vertices(most) => (most, f64::INFINITY),
-            Limit::Distance(distance) => (FEWEST, distance - 2.0 * push),
+        let (max_vertices, reach) = match limit {
+            Limit::Vertices(max_vertices) => (max_vertices, f64::INFINITY),
+            Limit::Distance(distance) => (MIN_VERTICES, distance - 2.0 * push),
         };
-        let outline = outline(&ring, normal, most, reach);
+        let outline = outline(&ring, normal, max_vertices, reach);
         if outline.len() >= ring.len() {
             return None;
         }
@@ -53,16 +53,16 @@ pub fn simplify(hull: &Hull, limit: Limit) -> Option<Simplified> {
         let farthest = outer.positions().into_iter().map(distance).fold(0.0, f64::max);
         let outer_error = farthest + ROUNDING * hull.diameter;
         let fits = match limit {
-            Limit::Vertices(most) => outer.vertices.len() <= most,
+            Limit::Vertices(max_vertices) => outer.vertices.len() <= max_vertices,
             Limit::Distance(distance) => outer_error <= distance,
         };
         (fits && outer.rank == 2).then_some(Simplified { hull: outer, outer_error })
     })
 }
 
-/// Corners of the polygon that remains after edges are removed, while it has more than `most`
+/// Corners of the polygon that remains after edges are removed, while it has more than `max_vertices`
 /// corners and the next vertex lies within `reach` of the hull.
-fn outline(ring: &[DVec3], normal: DVec3, most: usize, reach: f64) -> Vec<DVec3> {
+fn outline(ring: &[DVec3], normal: DVec3, max_vertices: usize, reach: f64) -> Vec<DVec3> {
     let count = ring.len();
     // The remaining lines, as a ring. Line i runs from corner i of the hull to the next corner.
     let mut next: Vec<usize> = (0..count).map(|i| (i + 1) % count).collect();
@@ -98,7 +98,7 @@ fn outline(ring: &[DVec3], normal: DVec3, most: usize, reach: f64) -> Vec<DVec3>
     };
     (0..count).for_each(|line| look(line, &next, &last, &changes, &mut queue));
     let mut left = count;
-    while left > most.max(FEWEST) {
+    while left > max_vertices.max(MIN_VERTICES) {
         let Some(Reverse((distance, line, change))) = queue.pop() else { break };
         if !is_left[line] || change != changes[line] {
             continue;

@@ -48,17 +48,17 @@ impl Surface {
         let mut sides: Vec<(u32, u32, u32, usize)> = corners
             .iter()
             .enumerate()
-            .flat_map(|(number, c)| (0..3).map(move |i| (c[i], c[(i + 1) % 3], number as u32, i)))
+            .flat_map(|(index, c)| (0..3).map(move |i| (c[i], c[(i + 1) % 3], index as u32, i)))
             .collect();
         sides.sort_unstable();
         let mut triangles: Vec<Triangle> =
             corners.iter().map(|c| Triangle { corners: *c, across: [NONE; 3] }).collect();
         let mut at = vec![NONE; points.len()];
-        for &(from, to, number, i) in &sides {
+        for &(from, to, index, i) in &sides {
             let other = sides.binary_search_by_key(&(to, from), |side| (side.0, side.1));
             let other = other.expect("a hull's faces are a closed surface");
-            triangles[number as usize].across[i] = sides[other].2;
-            at[from as usize] = number;
+            triangles[index as usize].across[i] = sides[other].2;
+            at[from as usize] = index;
         }
         let (live, changes) = (points.len(), vec![0; points.len()]);
         Self { points, triangles, free: Vec::new(), at, live, changes }
@@ -82,8 +82,8 @@ impl Surface {
 
     /// Indices and positions of all vertices.
     pub fn vertices(&self) -> impl Iterator<Item = (u32, DVec3)> + '_ {
-        let is_there = |(number, _): &(usize, &DVec3)| self.at[*number] != NONE;
-        self.points.iter().enumerate().filter(is_there).map(|(number, p)| (number as u32, *p))
+        let is_there = |(index, _): &(usize, &DVec3)| self.at[*index] != NONE;
+        self.points.iter().enumerate().filter(is_there).map(|(index, p)| (index as u32, *p))
     }
 
     /// Position of a vertex.
@@ -250,9 +250,9 @@ impl Surface {
             .map(|&(from, to, outside)| {
                 let triangle = Triangle { corners: [from, to, new], across: [outside, NONE, NONE] };
                 match self.free.pop() {
-                    Some(place) => {
-                        self.triangles[place as usize] = triangle;
-                        place
+                    Some(index) => {
+                        self.triangles[index as usize] = triangle;
+                        index
                     }
                     None => {
                         self.triangles.push(triangle);
@@ -261,14 +261,14 @@ impl Surface {
                 }
             })
             .collect();
-        for (&(from, to, outside), &place) in rim.iter().zip(&fan) {
+        for (&(from, to, outside), &index) in rim.iter().zip(&fan) {
             let next = fan[rim.binary_search_by_key(&to, |edge| edge.0).expect("the rim is closed")];
-            self.triangles[place as usize].across[1] = next;
-            self.triangles[next as usize].across[2] = place;
+            self.triangles[index as usize].across[1] = next;
+            self.triangles[next as usize].across[2] = index;
             let outside = &mut self.triangles[outside as usize];
             let side = (0..3).find(|&i| outside.corners[i] == to && outside.corners[(i + 1) % 3] == from);
-            outside.across[side.expect("a rim edge belongs to the triangle outside")] = place;
-            self.at[from as usize] = place;
+            outside.across[side.expect("a rim edge belongs to the triangle outside")] = index;
+            self.at[from as usize] = index;
         }
         self.at[new as usize] = fan[0];
         self.live = self.live + 1 - corners_seen.iter().filter(|corner| self.at[**corner as usize] == NONE).count();

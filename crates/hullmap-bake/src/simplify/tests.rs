@@ -20,7 +20,7 @@ fn assert_promise(name: &str, hull: &Hull, simplified: &Simplified, seed: u64) {
     let mut rng = SplitMix64::new(seed);
     let rounding = 1e-13 * hull.diameter + 1e-15 * hull.positions().iter().fold(0.0, |s: f64, p| s.max(p.length()));
     let slack = simplified.hull.containment_error * simplified.hull.diameter + rounding;
-    let mut most = 0.0_f64;
+    let mut max_outside = 0.0_f64;
     let nearest = Nearest::new(hull);
     let middle = hull.positions().iter().sum::<DVec3>() / hull.vertices.len() as f64;
     for round in 0..2_000 {
@@ -37,9 +37,13 @@ fn assert_promise(name: &str, hull: &Hull, simplified: &Simplified, seed: u64) {
         let outside = reach(&simplified.hull, direction) - reach(hull, direction);
         assert!(outside >= -slack, "{name}: {outside:e} in direction {direction}, seed {seed}");
         assert!(outside <= simplified.outer_error + rounding, "{name}: {outside} beyond {}", simplified.outer_error);
-        most = most.max(outside);
+        max_outside = max_outside.max(outside);
     }
-    assert!(most >= 0.5 * simplified.outer_error, "{name}: {} said, {most} found", simplified.outer_error);
+    assert!(
+        max_outside >= 0.5 * simplified.outer_error,
+        "{name}: outer error {}, but only {max_outside} was found",
+        simplified.outer_error
+    );
 }
 
 #[test]
@@ -49,16 +53,20 @@ fn contains_the_hull_within_the_reported_error() {
             let positions: Vec<[f32; 3]> = family.points(400, 1).iter().map(|p| [p[0] + far, p[1], p[2]]).collect();
             let hull = build(positions);
             let mut before = f64::INFINITY;
-            for most in [4, 8, 16, 32, 64, 128] {
-                let Some(found) = simplify(&hull, Limit::Vertices(most)).unwrap() else {
-                    assert!(hull.vertices.len() <= most || hull.rank < 2, "{family:?} {most}");
+            for max_vertices in [4, 8, 16, 32, 64, 128] {
+                let Some(found) = simplify(&hull, Limit::Vertices(max_vertices)).unwrap() else {
+                    assert!(hull.vertices.len() <= max_vertices || hull.rank < 2, "{family:?} {max_vertices}");
                     continue;
                 };
-                assert!(found.hull.vertices.len() <= most, "{family:?} {most}");
-                assert!(found.hull.containment_error == 0.0 || hull.rank == 2, "{family:?} {most}");
+                assert!(found.hull.vertices.len() <= max_vertices, "{family:?} {max_vertices}");
+                assert!(found.hull.containment_error == 0.0 || hull.rank == 2, "{family:?} {max_vertices}");
                 assert!(found.hull.source_vertices.iter().all(|v| *v == NO_SOURCE_VERTEX));
-                assert_promise(family.name(), &hull, &found, most as u64);
-                assert!(found.outer_error <= before * 1.05, "{family:?} {most}: {} {before}", found.outer_error);
+                assert_promise(family.name(), &hull, &found, max_vertices as u64);
+                assert!(
+                    found.outer_error <= before * 1.05,
+                    "{family:?} {max_vertices}: {} {before}",
+                    found.outer_error
+                );
                 before = found.outer_error;
             }
         }
@@ -100,11 +108,14 @@ fn invalid_limits_are_rejected_and_satisfied_limits_change_nothing() {
 #[test]
 fn a_ball_is_left_by_less_than_twice_the_best_known() {
     let hull = build(Family::Sphere.points(5_000, 1));
-    for most in [16, 64, 256] {
-        let found = simplify(&hull, Limit::Vertices(most)).unwrap().unwrap();
+    for max_vertices in [16, 64, 256] {
+        let found = simplify(&hull, Limit::Vertices(max_vertices)).unwrap().unwrap();
         let error = found.outer_error / (0.5 * hull.diameter);
-        println!("{most} vertices: {error:.5} of the radius, {:.2} times the best known", error * most as f64 / 2.42);
-        assert!(error * most as f64 <= 2.0 * 2.42, "{most}: {error}");
+        println!(
+            "{max_vertices} vertices: {error:.5} of the radius, {:.2} times the best known",
+            error * max_vertices as f64 / 2.42
+        );
+        assert!(error * max_vertices as f64 <= 2.0 * 2.42, "{max_vertices}: {error}");
     }
 }
 

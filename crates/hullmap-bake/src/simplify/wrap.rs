@@ -33,9 +33,9 @@ pub struct Wrapped {
     pub feet: Vec<u32>,
 }
 
-/// A polytope of at most `most` vertices that contains the hull and whose vertices lie at most
+/// A polytope of at most `max_vertices` vertices that contains the hull and whose vertices lie at most
 /// `distance` from it; `None` if the algorithm does not find one.
-pub fn wrap(nearest: &Nearest, diameter: f64, distance: f64, most: usize) -> Option<Wrapped> {
+pub fn wrap(nearest: &Nearest, diameter: f64, distance: f64, max_vertices: usize) -> Option<Wrapped> {
     let Simplex::Tetrahedron(simplex) = spanning_simplex(nearest.points()) else { return None };
     let corners = simplex.map(|i| nearest.points()[i]);
     let middle = corners.iter().sum::<DVec3>() / 4.0;
@@ -57,7 +57,7 @@ pub fn wrap(nearest: &Nearest, diameter: f64, distance: f64, most: usize) -> Opt
             continue;
         }
         // A new vertex may remove others, but rarely more than it adds.
-        if wrapped.feet.len() >= 2 * most {
+        if wrapped.feet.len() >= 2 * max_vertices {
             return None;
         }
         let (_, foot, normal) = wrapped.stands_out(nearest, triangle);
@@ -65,7 +65,7 @@ pub fn wrap(nearest: &Nearest, diameter: f64, distance: f64, most: usize) -> Opt
         wrapped.feet.push(foot);
         wrapped.surface.triangles_at(new).into_iter().for_each(|triangle| look(&wrapped, triangle, &mut queue));
     }
-    (wrapped.surface.vertex_count() <= most).then_some(wrapped)
+    (wrapped.surface.vertex_count() <= max_vertices).then_some(wrapped)
 }
 
 impl Wrapped {

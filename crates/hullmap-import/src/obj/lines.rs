@@ -15,18 +15,18 @@ const LONGEST_NAME_KEYWORD: usize = "usemtl".len();
 #[derive(Clone, Debug)]
 pub struct Lines<'a> {
     rest: &'a [u8],
-    number: usize,
+    line_number: usize,
 }
 
 impl<'a> Lines<'a> {
     /// Lines of `bytes`. `first` is the one-based number of the first line.
     pub fn new(bytes: &'a [u8], first: usize) -> Self {
-        Self { rest: bytes, number: first - 1 }
+        Self { rest: bytes, line_number: first - 1 }
     }
 
     /// Number of the last line returned.
-    pub fn number(&self) -> usize {
-        self.number
+    pub fn line_number(&self) -> usize {
+        self.line_number
     }
 
     /// Next physical line, without its line ending.
@@ -34,7 +34,7 @@ impl<'a> Lines<'a> {
         if self.rest.is_empty() {
             return None;
         }
-        self.number += 1;
+        self.line_number += 1;
         let end = memchr2(b'\n', b'\r', self.rest).unwrap_or(self.rest.len());
         let (line, tail) = self.rest.split_at(end);
         self.rest = match tail {
@@ -48,7 +48,7 @@ impl<'a> Lines<'a> {
     /// line.
     pub fn next_logical(&mut self) -> Option<(usize, Cow<'a, [u8]>)> {
         let first = self.next_physical()?;
-        let number = self.number;
+        let line_number = self.line_number;
         let mut line = Cow::Borrowed(first.trim_ascii());
         while line.last() == Some(&b'\\') && may_continue(&line) {
             let joined = line.to_mut();
@@ -59,7 +59,7 @@ impl<'a> Lines<'a> {
                 None => break,
             }
         }
-        Some((number, line))
+        Some((line_number, line))
     }
 }
 
@@ -150,7 +150,7 @@ fn count_vertices_and_lines(text: &[u8]) -> (usize, usize) {
     while let Some((_, line)) = lines.next_logical() {
         vertices += usize::from(is_vertex_line(&line));
     }
-    (vertices, lines.number())
+    (vertices, lines.line_number())
 }
 
 /// Cuts a text into pieces of about `size` bytes. Each ends with an LF that no logical line spans.
@@ -221,7 +221,8 @@ mod tests {
 
     fn all(bytes: &[u8]) -> Vec<(usize, Vec<u8>)> {
         let mut lines = Lines::new(bytes, 1);
-        std::iter::from_fn(|| lines.next_logical().map(|(number, line)| (number, line.into_owned()))).collect()
+        std::iter::from_fn(|| lines.next_logical().map(|(line_number, line)| (line_number, line.into_owned())))
+            .collect()
     }
 
     #[test]
@@ -239,10 +240,10 @@ mod tests {
                 assert_eq!(part.first_vertex, vertex_count, "seed {SEED}, round {round}");
                 bytes.extend_from_slice(part.text);
                 let mut reader = Lines::new(part.text, part.first_line);
-                while let Some((number, line)) = reader.next_logical() {
+                while let Some((line_number, line)) = reader.next_logical() {
                     let text = String::from_utf8_lossy(&line);
                     vertex_count += usize::from(text.split_whitespace().next() == Some("v"));
-                    lines.push((number, line.into_owned()));
+                    lines.push((line_number, line.into_owned()));
                 }
             }
             assert_eq!(bytes, text, "seed {SEED}, round {round}");

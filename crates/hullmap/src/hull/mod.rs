@@ -422,8 +422,8 @@ impl<'a> Hull<'a> {
     #[inline]
     fn neighbour_range(&self, index: u32) -> std::ops::Range<usize> {
         let at = index as usize;
-        let place = |at: usize| self.neighbour_starts.get(at).map_or(self.neighbours.len(), |s| s.to_native() as usize);
-        place(at)..place(at.saturating_add(1))
+        let start = |at: usize| self.neighbour_starts.get(at).map_or(self.neighbours.len(), |s| s.to_native() as usize);
+        start(at)..start(at.saturating_add(1))
     }
 
     /// Vertex indices of face `face` in counter-clockwise order, seen from outside. Empty if there

@@ -241,8 +241,8 @@ fn edges(a: &Outline, b: &Outline, out: &mut Patch) {
     if along.perp_dot(other).abs() > PARALLEL * along.length() * other.length() {
         return;
     }
-    let place = |p: DVec2| (p - a0.at).dot(along) / size_sq;
-    let (t0, t1) = (place(b0.at), place(b1.at));
+    let position = |p: DVec2| (p - a0.at).dot(along) / size_sq;
+    let (t0, t1) = (position(b0.at), position(b1.at));
     for (t, on_a, on_b) in [
         (0.0, pair(a0.vertex, a0.vertex), pair(b0.vertex, b1.vertex)),
         (1.0, pair(a1.vertex, a1.vertex), pair(b0.vertex, b1.vertex)),
@@ -270,8 +270,8 @@ fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut
         from[i] = Clipped { at: c.at, height: c.height, parts, side: Side::Incident, edge };
     }
     let slack = SIDE_SLACK * reference.extent;
-    for number in 0..reference.count {
-        let (start, end) = (&reference.corners()[number], &reference.corners()[(number + 1) % reference.count]);
+    for index in 0..reference.count {
+        let (start, end) = (&reference.corners()[index], &reference.corners()[(index + 1) % reference.count]);
         let along = end.at - start.at;
         let length = along.length();
         if !(length > 0.0) {
@@ -294,13 +294,13 @@ fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut
                     Side::Incident => [p.edge, side_part],
                     // Two sides of the reference meet at one of its corners.
                     Side::Reference(other) => {
-                        let corner = if (number + 1) % reference.count == other { end.vertex } else { start.vertex };
+                        let corner = if (index + 1) % reference.count == other { end.vertex } else { start.vertex };
                         [FACE, pair(corner, corner)]
                     }
                 };
                 let (at, height) = (p.at.lerp(q.at, t), p.height + (q.height - p.height) * t);
                 // A leaving edge continues along the side, an entering edge along itself.
-                let (side, edge) = if keep { (Side::Reference(number), FACE) } else { (p.side, p.edge) };
+                let (side, edge) = if keep { (Side::Reference(index), FACE) } else { (p.side, p.edge) };
                 kept += push(&mut to, kept, Clipped { at, height, parts, side, edge });
             }
         }

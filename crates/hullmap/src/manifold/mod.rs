@@ -380,9 +380,9 @@ impl Manifold {
         let mut old = [a, b, c, d];
         let deep = (0..points.len()).fold(0, |best, i| if points[i].depth() > points[best].depth() { i } else { best });
         if old.iter().all(|i| points[*i].depth() < points[deep].depth() - slight) {
-            let without = |place: usize| std::array::from_fn(|i| if i == place { deep } else { old[i] });
-            let places = (0..MAX_POINTS).map(without);
-            old = places.max_by(|p, q| spanned(*p).total_cmp(&spanned(*q))).unwrap_or(old);
+            let without = |slot: usize| std::array::from_fn(|i| if i == slot { deep } else { old[i] });
+            let candidates = (0..MAX_POINTS).map(without);
+            old = candidates.max_by(|p, q| spanned(*p).total_cmp(&spanned(*q))).unwrap_or(old);
         }
         let mut kept = Choice::default();
         old.into_iter().for_each(|i| kept.push(i));
@@ -390,7 +390,7 @@ impl Manifold {
     }
 
     /// Replaces the points by the chosen ones; matched points keep what the caller stored.
-    fn replace(&mut self, patch: &Patch, choice: Choice, frame: &Frame, b_in_a: Pose, most: f64, reach: f64) {
+    fn replace(&mut self, patch: &Patch, choice: Choice, frame: &Frame, b_in_a: Pose, max_depth: f64, reach: f64) {
         let old = self.clone();
         let a_in_b = b_in_a.inverse();
         self.count = 0;
@@ -405,7 +405,7 @@ impl Manifold {
                 local_b: a_in_b.transform_point(point_b),
                 // Features that are not quite flat rise above their planes. No point is deeper than
                 // the contact.
-                depth: p.depth().min(most),
+                depth: p.depth().min(max_depth),
                 ..ManifoldPoint::EMPTY
             };
             self.count += 1;

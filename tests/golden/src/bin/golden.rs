@@ -8,11 +8,11 @@ const HELP: &str = "Compares the golden hashes of packs and answers with what th
 
 Usage: golden [--renew [--unreleased]] [--threads N]
 
-  --renew       Writes what was computed. Refused where packs of the same format version changed
-  --unreleased  Not refused: the version was never released
-  --threads N   Threads of the bake and of the queries; all processors by default
+  --renew       Write the computed hashes. Refused if packs of the same format version changed
+  --unreleased  With --renew: accept changed packs, because the format version was never released
+  --threads N   Number of threads for bakes and queries [default: all processors]
 
-Exits with 0 if all is the same, 1 if not, 2 for wrong usage or I/O.
+Exits with 0 if all hashes are equal, 1 if any differ, 2 for wrong usage or I/O.
 
 Example:
   cargo run --release -p hullmap-golden";
@@ -26,13 +26,13 @@ fn main() -> ExitCode {
             "--unreleased" => unreleased = true,
             "--threads" => match words.next().and_then(|word| word.parse().ok()) {
                 Some(number) => threads = number,
-                None => return usage("--threads needs a number"),
+                None => return usage("--threads requires a number"),
             },
             "--help" | "-h" => {
                 println!("{HELP}");
                 return ExitCode::SUCCESS;
             }
-            _ => return usage(&format!("{word:?} is no option")),
+            _ => return usage(&format!("unknown option {word:?}")),
         }
     }
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(FILE);
@@ -63,7 +63,9 @@ fn main() -> ExitCode {
     }
     let breaks = |line: &String| line.contains("raise FORMAT_VERSION");
     if differences.iter().any(breaks) && !unreleased {
-        eprintln!("not renewed: a version's bytes never change; with --unreleased if nobody has a pack of it");
+        eprintln!(
+            "not renewed: the bytes of a released format version must not change; pass --unreleased if this version was never released"
+        );
         return ExitCode::from(1);
     }
     match std::fs::write(&path, found.text()) {

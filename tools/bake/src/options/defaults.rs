@@ -14,7 +14,7 @@ pub struct BuildOption {
     /// Values it accepts.
     pub syntax: Syntax,
     /// Its value if no source gives one.
-    pub default: Default,
+    pub default: DefaultValue,
     /// Name of the value in the help.
     pub value_name: &'static str,
     /// What it does, in one line.
@@ -33,7 +33,7 @@ pub struct BuildOption {
 
 /// Value of an option that no source gives.
 #[derive(Clone, Copy, Debug)]
-pub enum Default {
+pub enum DefaultValue {
     /// This value, written as in `hullmap.toml` without quotes.
     Value(&'static str),
     /// No value; the template shows this example.
@@ -108,7 +108,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "split",
         syntax: Words(&["none", "object", "auto"]),
-        default: Default::Value("none"),
+        default: DefaultValue::Value("none"),
         value_name: "none|object|auto",
         help: "One hull per file, per object, or per named collision part (UCX_…)",
         section: Section::Import,
@@ -118,7 +118,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "vertices",
         syntax: Words(&["referenced", "all"]),
-        default: Default::Value("referenced"),
+        default: DefaultValue::Value("referenced"),
         value_name: "referenced|all",
         help: "Use the vertices that elements reference, or all vertices",
         section: Section::Import,
@@ -128,7 +128,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "index",
         syntax: Words(&["tree", "medium", "compact", "binary", "cubemap", "none"]),
-        default: Default::Value("tree"),
+        default: DefaultValue::Value("tree"),
         value_name: "KIND",
         help: "Direction index: tree, medium, compact, binary, cubemap or none",
         section: Section::Index,
@@ -139,7 +139,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "index_budget",
         syntax: Count { min: 1, max: u32::MAX },
-        default: Default::Unset { example: "100" },
+        default: DefaultValue::Unset { example: "100" },
         value_name: "BYTES",
         help: "Choose the fastest tree within BYTES per hull vertex, instead of a named index",
         section: Section::Index,
@@ -151,7 +151,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "resolution",
         syntax: Count { min: 1, max: MAX_RESOLUTION },
-        default: Default::Value("64"),
+        default: DefaultValue::Value("64"),
         value_name: "N",
         help: "Cells along each edge of a cube face, 1 to 1024; only with index cubemap",
         section: Section::Index,
@@ -163,7 +163,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "unit_scale",
         syntax: Positive,
-        default: Default::Value("1"),
+        default: DefaultValue::Value("1"),
         value_name: "F",
         help: "Multiply coordinates by F; 0.01 converts centimetres to metres",
         section: Section::Import,
@@ -172,7 +172,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "up_axis",
         syntax: Words(&["keep", "y-to-z", "z-to-y"]),
-        default: Default::Value("keep"),
+        default: DefaultValue::Value("keep"),
         value_name: "keep|y-to-z|z-to-y",
         help: "Rotate about x: y-to-z turns a y-up mesh into a z-up mesh",
         section: Section::Import,
@@ -181,7 +181,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "recentre",
         syntax: Switch,
-        default: Default::Value("false"),
+        default: DefaultValue::Value("false"),
         value_name: "BOOL",
         help: "Move the origin to the centre of the bounds, for meshes far from the origin",
         section: Section::Import,
@@ -190,7 +190,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "decompose",
         syntax: Switch,
-        default: Default::Value("false"),
+        default: DefaultValue::Value("false"),
         value_name: "BOOL",
         help: "Decompose concave meshes into convex parts (V-HACD)",
         section: Section::Decomposition,
@@ -199,7 +199,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "vhacd_concavity",
         syntax: Fraction,
-        default: Default::Value("0.01"),
+        default: DefaultValue::Value("0.01"),
         value_name: "F",
         help: "Maximum volume between a part and its hull, relative to the mesh's hull, 0 to 1",
         ..VHACD_OPTION
@@ -207,7 +207,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "vhacd_resolution",
         syntax: Count { min: 1, max: MAX_VOXELS },
-        default: Default::Value("64"),
+        default: DefaultValue::Value("64"),
         value_name: "N",
         help: "Voxels along the mesh's longest side, 1 to 512",
         ..VHACD_OPTION
@@ -215,7 +215,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "vhacd_max_parts",
         syntax: Count { min: 1, max: u32::MAX },
-        default: Default::Value("1024"),
+        default: DefaultValue::Value("1024"),
         value_name: "N",
         help: "Maximum number of parts",
         ..VHACD_OPTION
@@ -223,7 +223,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "vhacd_alpha",
         syntax: Fraction,
-        default: Default::Value("0.05"),
+        default: DefaultValue::Value("0.05"),
         value_name: "F",
         help: "Weight of balanced cuts, 0 to 1",
         ..VHACD_OPTION
@@ -231,7 +231,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "vhacd_beta",
         syntax: Fraction,
-        default: Default::Value("0.05"),
+        default: DefaultValue::Value("0.05"),
         value_name: "F",
         help: "Weight of cuts through an axis of revolution, 0 to 1",
         ..VHACD_OPTION
@@ -239,7 +239,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "vhacd_plane_downsampling",
         syntax: Count { min: 1, max: MAX_DOWNSAMPLING },
-        default: Default::Value("4"),
+        default: DefaultValue::Value("4"),
         value_name: "N",
         help: "Try every Nth cutting plane, 1 to 16",
         ..VHACD_OPTION
@@ -247,7 +247,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "vhacd_hull_downsampling",
         syntax: Count { min: 1, max: MAX_DOWNSAMPLING },
-        default: Default::Value("4"),
+        default: DefaultValue::Value("4"),
         value_name: "N",
         help: "Build trial hulls from every Nth voxel, 1 to 16",
         ..VHACD_OPTION
@@ -255,7 +255,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "vhacd_hull_approximation",
         syntax: Switch,
-        default: Default::Value("true"),
+        default: DefaultValue::Value("true"),
         value_name: "BOOL",
         help: "Build trial hulls from voxels instead of the mesh",
         ..VHACD_OPTION
@@ -263,7 +263,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "vhacd_fill",
         syntax: Words(&["flood", "cavities", "surface"]),
-        default: Default::Value("flood"),
+        default: DefaultValue::Value("flood"),
         value_name: "flood|cavities|surface",
         help: "Solid voxels: all that are enclosed, all but closed cavities, or the surface only",
         ..VHACD_OPTION
@@ -271,7 +271,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "max_vertices",
         syntax: CountOrNone { min: MIN_VERTICES },
-        default: Default::Value("none"),
+        default: DefaultValue::Value("none"),
         value_name: "N",
         help: "Simplify each hull to a larger one with at most N vertices, 4 or more; none: exact",
         section: Section::Simplification,
@@ -281,7 +281,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     BuildOption {
         key: "max_error",
         syntax: PositiveOrNone,
-        default: Default::Value("none"),
+        default: DefaultValue::Value("none"),
         value_name: "E",
         help: "Simplify each hull to a larger one that extends at most E units beyond it; none: exact",
         section: Section::Simplification,
@@ -297,7 +297,7 @@ pub const OPTION_COUNT: usize = 20;
 const OPTION: BuildOption = BuildOption {
     key: "",
     syntax: Switch,
-    default: Default::Value("false"),
+    default: DefaultValue::Value("false"),
     value_name: "",
     help: "",
     section: Section::Import,

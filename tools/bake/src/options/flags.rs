@@ -6,7 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::{Arg, ArgMatches, Command};
 
 use super::OptionLayer;
-use super::defaults::{BuildOption, Default, OPTIONS};
+use super::defaults::{BuildOption, DefaultValue, OPTIONS};
 use super::value::{Syntax, Value};
 
 /// Name of an option's flag, without the dashes in front.
@@ -47,7 +47,7 @@ impl clap::FromArgMatches for OptionLayer {
 fn arg(option: &BuildOption, flag: &'static str) -> Arg {
     // Off and unlimited go without saying.
     let help = match option.default {
-        Default::Value(value) if value != "false" && option.syntax.parse(value) != Ok(Value::None) => {
+        DefaultValue::Value(value) if value != "false" && option.syntax.parse(value) != Ok(Value::None) => {
             format!("{} [default: {value}]", option.help)
         }
         _ => option.help.to_owned(),
@@ -63,7 +63,7 @@ fn arg(option: &BuildOption, flag: &'static str) -> Arg {
     match (option.syntax, option.default) {
         // `--recentre` alone switches it on. What is on by default can only be switched off, with a
         // value.
-        (Syntax::Switch, Default::Value("false")) => {
+        (Syntax::Switch, DefaultValue::Value("false")) => {
             arg.num_args(0..=1).require_equals(true).default_missing_value("true")
         }
         _ => arg,

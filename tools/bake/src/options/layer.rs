@@ -2,7 +2,7 @@
 //! pack's record.
 
 use super::BuildOptions;
-use super::defaults::{Default as DefaultValue, Group, OPTION_COUNT, OPTIONS, position};
+use super::defaults::{DefaultValue, Group, OPTION_COUNT, OPTIONS, position};
 use super::value::Value;
 
 /// The options that one source gives, in the order of the table; `None` for options it does not

@@ -9,7 +9,7 @@ use std::fmt;
 
 use hullmap_bake::{IndexChoice, IndexKind};
 
-use super::defaults::{Default, OPTIONS, Record};
+use super::defaults::{DefaultValue, OPTIONS, Record};
 use super::{BuildOptions, OptionLayer};
 
 impl fmt::Display for BuildOptions {
@@ -20,7 +20,7 @@ impl fmt::Display for BuildOptions {
                 (Record::WithIndex, ..) | (_, None, _) => continue,
                 (Record::Always, Some(_), _) if option.key == "index" => recorded_index(self.index()),
                 (Record::Always, Some(value), _) => value.to_string(),
-                (Record::IfChanged, Some(value), Default::Value(default))
+                (Record::IfChanged, Some(value), DefaultValue::Value(default))
                     if option.syntax.parse(default) == Ok(value) =>
                 {
                     continue;

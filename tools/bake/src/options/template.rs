@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use super::defaults::{BuildOption, Default, OPTIONS, Section};
+use super::defaults::{BuildOption, DefaultValue, OPTIONS, Section};
 use super::value::Syntax;
 
 const HEAD: &str = "\
@@ -43,7 +43,7 @@ pub fn template() -> String {
 
 /// Default or example of an option, as TOML.
 fn toml_value(option: &BuildOption) -> String {
-    let (Default::Value(value) | Default::Unset { example: value }) = option.default;
+    let (DefaultValue::Value(value) | DefaultValue::Unset { example: value }) = option.default;
     let is_string = matches!(option.syntax, Syntax::Words(_)) || value == "none";
     if is_string { format!("\"{value}\"") } else { value.to_owned() }
 }

@@ -23,7 +23,7 @@ const NAME_AFTER: Duration = Duration::from_millis(300);
 const MAX_NAMES: usize = 6;
 
 /// Time between two lines without a terminal, so that logs stay short.
-const LINE_EVERY: Duration = Duration::from_secs(10);
+const LINE_INTERVAL: Duration = Duration::from_secs(10);
 
 /// Share of the work after which the remaining time is shown; earlier estimates would jump.
 const ESTIMATE_FROM: f64 = 0.02;
@@ -93,7 +93,7 @@ impl Progress {
             Display::None => {}
             Display::Lines => {
                 let mut state = self.state();
-                if now - state.last_line.unwrap_or(self.start) >= LINE_EVERY {
+                if now - state.last_line.unwrap_or(self.start) >= LINE_INTERVAL {
                     state.last_line = Some(now);
                     messages::say(state.line(now - self.start, now));
                 }
