@@ -145,8 +145,8 @@ impl Steps {
 /// Puts a thin space between thousands.
 pub fn thousands(digits: &str) -> String {
     let mut text = String::new();
-    for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && (digits.len() - place).is_multiple_of(3) {
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
             text.push('\u{2009}');
         }
         text.push(digit);
@@ -210,8 +210,8 @@ impl Chart {
 
         let ends: Vec<f64> = self.series.iter().map(|s| y(s.points.last().map_or(0.0, |p| p[1]))).collect();
         let places = spread(&ends, above + LEGEND_STEP / 2.0, plot_bottom);
-        for (number, ((series, end), place)) in self.series.iter().zip(&ends).zip(&places).enumerate() {
-            let colour = series.colour.clone().unwrap_or_else(|| ramp(number, self.series.len()));
+        for (index, ((series, end), place)) in self.series.iter().zip(&ends).zip(&places).enumerate() {
+            let colour = series.colour.clone().unwrap_or_else(|| ramp(index, self.series.len()));
             let mut path = String::new();
             for (i, point) in series.points.iter().enumerate() {
                 // Writing to a string does not fail.
@@ -290,8 +290,8 @@ fn spread(wanted: &[f64], top: f64, bottom: f64) -> Vec<f64> {
     places
 }
 
-fn ramp(number: usize, count: usize) -> String {
-    let at = if count > 1 { number as f64 / (count - 1) as f64 * (RAMP.len() - 1) as f64 } else { 0.0 };
+fn ramp(index: usize, count: usize) -> String {
+    let at = if count > 1 { index as f64 / (count - 1) as f64 * (RAMP.len() - 1) as f64 } else { 0.0 };
     let low = (at as usize).min(RAMP.len() - 2);
     let share = at - low as f64;
     let [r, g, b] = std::array::from_fn(|c| (RAMP[low][c] + share * (RAMP[low + 1][c] - RAMP[low][c])).round() as u8);

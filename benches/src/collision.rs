@@ -70,13 +70,13 @@ impl Scene {
     pub fn new(count: usize, seed: u64) -> Self {
         let mut rng = SplitMix64::new(seed);
         let body = |rng: &mut SplitMix64| rng.below(BODIES as usize);
-        let pairs = (0..count).map(|number| Pair {
+        let pairs = (0..count).map(|index| Pair {
             a: body(&mut rng),
             b: body(&mut rng),
             rotation: DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize(),
             direction: DVec3::from_array(rng.direction()),
             share: {
-                let [low, high] = Class::ALL[number % Class::ALL.len()].shares();
+                let [low, high] = Class::ALL[index % Class::ALL.len()].shares();
                 rng.between(low, high)
             },
         });

@@ -49,19 +49,19 @@ pub fn parse(text: &str) -> Result<Vec<Vec<(&str, &str)>>, String> {
     let mut lines = text.lines().enumerate();
     let (_, header) = lines.next().ok_or("the file is empty: a header line is missing")?;
     let header: Vec<&str> = header.split(',').collect();
-    let fields = |(number, line): (usize, &'_ str)| -> Result<(), String> {
+    let fields = |(index, line): (usize, &'_ str)| -> Result<(), String> {
         let count = line.split(',').count();
         if line.contains('"') {
-            return Err(format!("line {}: quoted fields are not supported", number + 1));
+            return Err(format!("line {}: quoted fields are not supported", index + 1));
         }
         if count != header.len() {
-            return Err(format!("line {}: {count} fields, but the header has {}", number + 1, header.len()));
+            return Err(format!("line {}: {count} fields, but the header has {}", index + 1, header.len()));
         }
         Ok(())
     };
     lines
-        .map(|(number, line)| {
-            fields((number, line))?;
+        .map(|(index, line)| {
+            fields((index, line))?;
             Ok(header.iter().copied().zip(line.split(',')).collect())
         })
         .collect()

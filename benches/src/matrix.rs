@@ -23,14 +23,14 @@ impl Matrix {
     /// Sets a cell.
     pub fn set(&mut self, row: &str, column: &str, cell: String) {
         let column = match self.columns.iter().position(|c| c == column) {
-            Some(place) => place,
+            Some(index) => index,
             None => {
                 self.columns.push(column.to_owned());
                 self.columns.len() - 1
             }
         };
         let row = match self.rows.iter().position(|(name, _)| name == row) {
-            Some(place) => place,
+            Some(index) => index,
             None => {
                 self.rows.push((row.to_owned(), Vec::new()));
                 self.rows.len() - 1
@@ -75,9 +75,9 @@ impl Matrix {
     /// A markdown table under a heading.
     pub fn to_markdown(&self) -> String {
         let mut text = format!("### {}\n\n", self.title);
-        for (number, line) in self.lines().iter().enumerate() {
+        for (index, line) in self.lines().iter().enumerate() {
             let _ = writeln!(text, "| {} |", line.join(" | "));
-            if number == 0 {
+            if index == 0 {
                 let _ = writeln!(text, "|---|{}", "---:|".repeat(self.columns.len()));
             }
         }

@@ -123,19 +123,19 @@ pub fn time(
     if mode == Mode::Cold {
         rivals.iter_mut().for_each(|rival| rival.stock_copies());
         for _ in 0..effort.cold_rounds {
-            for place in shuffled(rivals.len(), &mut rng) {
+            for index in shuffled(rivals.len(), &mut rng) {
                 let at = rng.below(dirs.len() / 2);
-                let (time, count) = rivals[place].run_cold(&dirs[at..], eviction, &mut rng);
-                samples[place].push(nanos_per(time, count));
+                let (time, count) = rivals[index].run_cold(&dirs[at..], eviction, &mut rng);
+                samples[index].push(nanos_per(time, count));
             }
         }
     } else {
         let batches: Vec<usize> = rivals.iter().map(|rival| calibrate(rival.as_ref(), mode, effort, &dirs)).collect();
         for _ in 0..effort.rounds {
-            for place in shuffled(rivals.len(), &mut rng) {
-                let at = rng.below(dirs.len() - batches[place] + 1);
-                let time = rivals[place].run(mode.flow(), &dirs[at..at + batches[place]]);
-                samples[place].push(nanos_per(time, batches[place]));
+            for index in shuffled(rivals.len(), &mut rng) {
+                let at = rng.below(dirs.len() - batches[index] + 1);
+                let time = rivals[index].run(mode.flow(), &dirs[at..at + batches[index]]);
+                samples[index].push(nanos_per(time, batches[index]));
             }
         }
     }

@@ -202,13 +202,15 @@ fn summary(scans: &[Line], trees: &[Line], tests: usize, step: usize) -> String 
     let (proportional, affine) = (fit::proportional(&scan), fit::affine(&scan));
     // From the n at which the scan dominates: below, the constant part hides the exponent.
     let large: Vec<Sample> = scan.iter().copied().filter(|s| s.n >= 512.0).collect();
-    let (least, most) = (trees.first(), trees.last());
-    let rise = match (least, most) {
-        (Some(least), Some(most)) => most.times_ns[most.times_ns.len() - 1] / least.times_ns[least.times_ns.len() - 1],
+    let (smallest, largest) = (trees.first(), trees.last());
+    let rise = match (smallest, largest) {
+        (Some(smallest), Some(largest)) => {
+            largest.times_ns[largest.times_ns.len() - 1] / smallest.times_ns[smallest.times_ns.len() - 1]
+        }
         _ => f64::NAN,
     };
-    let grown = match (least, most) {
-        (Some(least), Some(most)) => most.n as f64 / least.n as f64,
+    let grown = match (smallest, largest) {
+        (Some(smallest), Some(largest)) => largest.n as f64 / smallest.n as f64,
         _ => f64::NAN,
     };
     format!(

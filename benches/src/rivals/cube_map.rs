@@ -184,8 +184,8 @@ mod tests {
     #[test]
     fn centres_are_in_their_texels() {
         for resolution in [1, 2, 7, 64] {
-            for number in 0..6 * resolution * resolution {
-                assert_eq!(texel(centre(number, resolution), resolution), number);
+            for index in 0..6 * resolution * resolution {
+                assert_eq!(texel(centre(index, resolution), resolution), index);
             }
         }
     }

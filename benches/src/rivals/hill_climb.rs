@@ -44,8 +44,8 @@ impl Graph {
     /// Support vertices of the 6 axes and 8 diagonals.
     fn extremes(&self) -> Vec<(Vec3, u32)> {
         let mut seeds: Vec<u32> = Vec::new();
-        for number in 0..27_u8 {
-            let [x, y, z] = [number % 3, number / 3 % 3, number / 9].map(|c| f32::from(c) - 1.0);
+        for corner in 0..27_u8 {
+            let [x, y, z] = [corner % 3, corner / 3 % 3, corner / 9].map(|c| f32::from(c) - 1.0);
             let zeros = [x, y, z].iter().filter(|c| **c == 0.0).count();
             if zeros == 0 || zeros == 2 {
                 let dir = Vec3::new(x, y, z);

@@ -99,7 +99,7 @@ impl Pair {
     /// # Panics
     /// If a hull cannot be baked: a bug.
     pub fn bake(family: Family, n: usize, seed: u64) -> Option<Self> {
-        let subjects = [0, 1].map(|number| Subject::new(family, n, seed + number));
+        let subjects = [0, 1].map(|index| Subject::new(family, n, seed + index));
         let [a, b] = subjects.each_ref().map(|subject| Parry::new(subject).map(Parry::into_polyhedron));
         Some(Self {
             family,

@@ -24,9 +24,9 @@ pub const CHUNKS: u64 = 64;
 
 const SEED: u64 = 0x901d;
 
-/// One hash for each kind: that of `per_kind` answers of chunk `number`.
-pub fn chunk(packs: &[Pack], number: u64, per_kind: usize) -> [u64; KINDS.len()] {
-    let mut rng = SplitMix64::new(SEED ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+/// One hash for each kind: that of `per_kind` answers of chunk `index`.
+pub fn chunk(packs: &[Pack], index: u64, per_kind: usize) -> [u64; KINDS.len()] {
+    let mut rng = SplitMix64::new(SEED ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let hulls: Vec<Hull<'_>> = packs.iter().flat_map(Pack::hulls).collect();
     let shapes = shapes(&hulls);
     let mut bits: [Bits; KINDS.len()] = Default::default();
@@ -41,7 +41,7 @@ pub fn chunk(packs: &[Pack], number: u64, per_kind: usize) -> [u64; KINDS.len()]
     }
     let settings = Settings::default();
     let mut drawn = Vec::new();
-    for place in 0..per_kind {
+    for i in 0..per_kind {
         // Half of them hulls, as such.
         let (a, b) = (&hulls[rng.below(hulls.len())], &hulls[rng.below(hulls.len())]);
         let (any_a, any_b) = (&*shapes[rng.below(shapes.len())], &*shapes[rng.below(shapes.len())]);
@@ -50,7 +50,7 @@ pub fn chunk(packs: &[Pack], number: u64, per_kind: usize) -> [u64; KINDS.len()]
             Pose::new(b_in_a.translation() + DVec3::new(0.01, -0.005, 0.002), b_in_a.rotation()).expect("finite");
         let mut caches = [(); 5].map(|()| Cache::new());
         for b_in_a in [b_in_a, moved] {
-            if place % 2 == 0 {
+            if i % 2 == 0 {
                 yes.intersection(&intersects(a, b, b_in_a, &mut caches[0]));
                 deep.contact(&contact(a, b, b_in_a, &settings, &mut caches[1]));
                 deep.contact(&contact_lockstep(a, b, b_in_a, 12, &mut Cache::new()));
@@ -82,9 +82,9 @@ pub fn chunk(packs: &[Pack], number: u64, per_kind: usize) -> [u64; KINDS.len()]
 
 /// The hashes of many chunks, in order, as one for each kind.
 pub fn joined(chunks: &[[u64; KINDS.len()]]) -> Vec<(String, u64)> {
-    let join = |(place, kind): (usize, &&str)| {
+    let join = |(column, kind): (usize, &&str)| {
         let mut bits = Bits::default();
-        chunks.iter().for_each(|chunk| bits.hash(chunk[place]));
+        chunks.iter().for_each(|chunk| bits.hash(chunk[column]));
         (format!("answers {kind}"), bits.finish())
     };
     KINDS.iter().enumerate().map(join).collect()

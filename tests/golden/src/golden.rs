@@ -37,7 +37,7 @@ impl Golden {
         let files = packs::files(Set::Large);
         let opened = packs::opened(&files);
         let chunks: Vec<_> =
-            (0..CHUNKS).into_par_iter().map(|number| answers::chunk(&opened, number, PER_CHUNK)).collect();
+            (0..CHUNKS).into_par_iter().map(|index| answers::chunk(&opened, index, PER_CHUNK)).collect();
         Self::of("large", packs::hashes(&files), answers::joined(&chunks))
     }
 

@@ -1,4 +1,4 @@
-//! Hostile packs, in any number.
+//! Tries any number of hostile packs.
 
 use std::{
     path::Path,
@@ -56,7 +56,7 @@ struct Arguments {
 enum Kind {
     /// Prefixes and extensions by 1 to 4096 bytes
     Lengths,
-    /// Words set to lengths, ends of ranges and odd floats
+    /// Words set to lengths, ends of ranges and special floats
     Words,
     /// Several words at once
     Drawn,
@@ -102,12 +102,12 @@ fn total(name: &str, series: Series, small: &[Sample], arguments: &Arguments) {
 fn try_series(subject: &Subject, series: Series, count: usize, arguments: &Arguments) -> Tally {
     let pack = Pack::from_bytes(&subject.sample.file).expect("a sample opens");
     let inquiry = Inquiry::new(&pack, Extent::FULL);
-    let numbers: Vec<usize> = (0..count).step_by(arguments.every).collect();
-    trial::run(&format!("{series:?}, {}", subject.sample.name), &numbers, arguments.threads, |number, file| {
-        subject.change(series, number, file);
+    let indices: Vec<usize> = (0..count).step_by(arguments.every).collect();
+    trial::run(&format!("{series:?}, {}", subject.sample.name), &indices, arguments.threads, |index, file| {
+        subject.change(series, index, file);
         let Ok(pack) = Pack::from_bytes(file) else { return false };
-        assert!(!series.is_always_refused(), "it opened");
-        inquiry.ask(&pack);
+        assert!(!series.is_always_refused(), "a file that must be refused opened");
+        inquiry.run(&pack);
         true
     })
 }
@@ -136,7 +136,7 @@ fn flips(small: &[Sample], arguments: &Arguments) {
         eprintln!("{:6.0} s  pack {packs}, {}: {sealed}", start.elapsed().as_secs_f64(), sample.name);
     }
     println!("flipped bits of {} packs, old checksum: {plain}", packs - arguments.first.min(packs));
-    println!("flipped bits correct checksum: {sealed}");
+    println!("flipped bits, correct checksum: {sealed}");
 }
 
 fn unchecked(small: &[Sample], arguments: &Arguments) {
@@ -147,20 +147,20 @@ fn unchecked(small: &[Sample], arguments: &Arguments) {
         let subject = Subject::new(sample, arguments.seed);
         for series in [Series::SealedBits, Series::Words, Series::Drawn] {
             let count = subject.count(series).unwrap_or(arguments.drawn);
-            let numbers: Vec<usize> = (0..count).step_by(arguments.every).collect();
+            let indices: Vec<usize> = (0..count).step_by(arguments.every).collect();
             let pack = Pack::from_bytes(&sample.file).expect("a sample opens");
             let inquiry = Inquiry::new(&pack, Extent::BRIEF).unjudged();
             let name = format!("unchecked, {series:?}, {}", sample.name);
-            sum += trial::run(&name, &numbers, arguments.threads, |number, file| {
-                subject.change(series, number, file);
+            sum += trial::run(&name, &indices, arguments.threads, |index, file| {
+                subject.change(series, index, file);
                 let path: &Path = &folder.path().join(files.fetch_add(1, Ordering::Relaxed).to_string());
-                unchecked::ask(path, file, &inquiry, &findings)
+                unchecked::query(path, file, &inquiry, &findings)
             });
         }
         eprintln!("unchecked, {}: {sum}", sample.name);
     }
-    let Findings { asked, panics } = findings.into_inner().expect("no panic while it is held");
-    println!("opened without checks: {sum}; {asked} sets of queries");
+    let Findings { queried, panics } = findings.into_inner().expect("no thread panics while it holds the lock");
+    println!("opened without checks: {sum}; {queried} sets of queries");
     println!("panics of unchecked packs: {}", panics.values().sum::<usize>());
-    panics.iter().for_each(|(place, count)| println!("  {count:8} {place}"));
+    panics.iter().for_each(|(location, count)| println!("  {count:8} {location}"));
 }

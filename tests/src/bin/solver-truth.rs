@@ -41,12 +41,12 @@ fn main() -> ExitCode {
     let Arguments { pairs, first, seed, detailed, report } = Arguments::parse();
     let (mut scene, mut tally, start) =
         (Scene::new(seed, if detailed { Detail::Many } else { Detail::Few }), Tally::default(), Instant::now());
-    for number in first..first.saturating_add(pairs) {
-        let (pair, bodies) = scene.pair(number);
+    for index in first..first.saturating_add(pairs) {
+        let (pair, bodies) = scene.pair(index);
         tally.judge(&pair, bodies, &Answers::to(&pair, bodies));
-        if (number + 1 - first).is_multiple_of(pairs.div_ceil(LINES)) {
+        if (index + 1 - first).is_multiple_of(pairs.div_ceil(LINES)) {
             let seconds = start.elapsed().as_secs_f64();
-            eprintln!("{seconds:5.1} s  {} pairs, {} misses", number + 1 - first, tally.misses.len());
+            eprintln!("{seconds:5.1} s  {} pairs, {} misses", index + 1 - first, tally.misses.len());
         }
     }
     println!("seed {seed}\n{tally}");

@@ -1,21 +1,22 @@
-/* Runs a program and lets one of its system calls on files fail, or ends it there.
+/* Runs a program and makes one of its system calls on files fail, or kills it at that call.
  *
  *   inject LOG NEEDLE NUMBER FAULT PROGRAM ARGUMENT...
  *
- * Calls that touch a path with NEEDLE in it, or a descriptor of such a path, are numbered from 1 over all threads. What
- * happens at call NUMBER is FAULT:
+ * Calls on a path that contains NEEDLE, or on a descriptor of such a path, are numbered from 1 over
+ * all threads. FAULT is injected at call NUMBER:
  *
- *   none        nothing; 0 as NUMBER suits it
+ *   none        no fault; NUMBER may be 0
  *   kill        SIGKILL, and the call is not made
- *   torn        a write writes half of its bytes, then SIGKILL; other calls are made, then SIGKILL
+ *   torn        a write writes half of its bytes, any other call is made; then SIGKILL
  *   short       a read or write moves half of its bytes
  *   errno=N     the call is not made and fails with N
- *   full=N      as errno=N, and so do all later calls that make a file, make it longer, or sync it
+ *   full=N      as errno=N, also for all later calls that create, extend or sync a file
  *
- * LOG gets a line for each numbered call: name, path, second path, bytes asked for, result; between them tabs.
- * Exits as the program does; with 137 where it was killed, with 125 where this machine does not let it be traced.
+ * Writes a line to LOG for each numbered call: name, path, second path, requested bytes and result,
+ * separated by tabs. The exit code is that of the program; 137 if it was killed, 125 if this
+ * machine does not permit tracing.
  *
- * By ptrace, so that it does not matter how the program makes its calls: some libraries make them without libc.
+ * Uses ptrace, because some libraries make system calls without libc.
  */
 #define _GNU_SOURCE
 #include <elf.h>
@@ -34,17 +35,18 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { UNTRACEABLE = 125, KILLED = 137, PATH_MOST = 4096, THREADS_MOST = 256 };
+enum { UNTRACEABLE = 125, KILLED = 137, MAX_PATH = 4096, MAX_THREADS = 256 };
 
-/* Where a call names its file: by a descriptor (F), a path (P), a folder and a path (A), two of these. */
+/* How a call names its file: by a descriptor (F), a path (P), a folder and a path (A), or by two
+ * paths (PP, AA). */
 enum form { F, P, A, PP, AA };
 
 struct call {
     long number;
     const char *name;
     enum form form;
-    int moves;  /* bytes, as many as the third argument says */
-    int grows;  /* may need room on the disk */
+    int moves;  /* whether it moves bytes; their number is the third argument */
+    int grows;  /* whether it may need disk space */
 };
 
 static const struct call CALLS[] = {
@@ -105,24 +107,24 @@ static const struct call CALLS[] = {
     {SYS_getdents64, "list", F, 0, 0},
 };
 
-/* mmap has its descriptor in the fifth argument. */
+/* The descriptor of mmap is its fifth argument. */
 static const struct call MAP = {SYS_mmap, "map", F, 0, 0};
 
-/* A numbered call that a thread is in. */
+/* A numbered call that a thread is making. */
 struct pending {
     pid_t thread;
     const struct call *call;
-    char path[PATH_MOST], second[PATH_MOST];
+    char path[MAX_PATH], second[MAX_PATH];
     uint64_t bytes;
-    int result;  /* to report instead of the call's own; 0 for none */
-    int ends;    /* the program is killed once the call is made */
+    int result;  /* result to report instead of the call's own; 0 to keep that */
+    int ends;    /* whether the program is killed after the call */
 };
 
-static struct pending PENDING[THREADS_MOST];
+static struct pending PENDING[MAX_THREADS];
 
 static struct pending *pending_of(pid_t thread) {
     struct pending *free_one = NULL;
-    for (int i = 0; i < THREADS_MOST; i++) {
+    for (int i = 0; i < MAX_THREADS; i++) {
         if (PENDING[i].thread == thread) return &PENDING[i];
         if (PENDING[i].thread == 0 && !free_one) free_one = &PENDING[i];
     }
@@ -151,15 +153,15 @@ static int replace(pid_t thread, int skips, const uint64_t *third, const long *r
     return skips && ptrace(PTRACE_SETREGSET, thread, 0x404 /* NT_ARM_SYSTEM_CALL */, &number) ? -1 : 0;
 }
 #else
-#error "this processor's registers are not known here"
+#error "the registers of this processor are not supported"
 #endif
 
-/* A string of the program, a page at a time, as the next page may not be there. */
-static void read_string(pid_t thread, uint64_t address, char *to, size_t most) {
+/* Reads a string of the program, one page at a time, because the next page may not be mapped. */
+static void read_string(pid_t thread, uint64_t address, char *to, size_t size) {
     size_t length = 0;
-    while (length + 1 < most) {
+    while (length + 1 < size) {
         size_t step = 4096 - (address + length) % 4096;
-        if (step > most - 1 - length) step = most - 1 - length;
+        if (step > size - 1 - length) step = size - 1 - length;
         struct iovec local = {to + length, step}, remote = {(void *)(uintptr_t)(address + length), step};
         ssize_t read = process_vm_readv(thread, &local, 1, &remote, 1, 0);
         if (read <= 0) break;
@@ -169,28 +171,28 @@ static void read_string(pid_t thread, uint64_t address, char *to, size_t most) {
     to[length] = 0;
 }
 
-/* What a link of /proc leads to: a descriptor's file, or the current folder. */
-static void read_place(pid_t thread, int descriptor, char *to, size_t most) {
+/* Reads the path of a descriptor's file, or of the current folder, from a link in /proc. */
+static void read_link(pid_t thread, int descriptor, char *to, size_t size) {
     char link[64];
     if (descriptor == AT_FDCWD) snprintf(link, sizeof link, "/proc/%d/cwd", (int)thread);
     else snprintf(link, sizeof link, "/proc/%d/fd/%d", (int)thread, descriptor);
-    ssize_t length = readlink(link, to, most - 1);
+    ssize_t length = readlink(link, to, size - 1);
     to[length > 0 ? length : 0] = 0;
 }
 
 static void read_path(pid_t thread, int folder, uint64_t address, char *to) {
-    char path[PATH_MOST];
+    char path[MAX_PATH];
     read_string(thread, address, path, sizeof path);
     if (path[0] == '/') {
-        memcpy(to, path, PATH_MOST);
+        memcpy(to, path, MAX_PATH);
         return;
     }
-    read_place(thread, folder, to, PATH_MOST);
+    read_link(thread, folder, to, MAX_PATH);
     size_t length = strlen(to);
-    if (path[0]) snprintf(to + length, PATH_MOST - length, "/%s", path);
+    if (path[0]) snprintf(to + length, MAX_PATH - length, "/%s", path);
 }
 
-/* The call that a thread is about to make, if it is one of ours, with its paths. */
+/* The call that a thread is about to make, with its paths; NULL if it is not in CALLS. */
 static const struct call *find(pid_t thread, const struct __ptrace_syscall_info *info, struct pending *into) {
     const __typeof__(info->entry.args[0]) *arguments = info->entry.args;
     const struct call *call = NULL;
@@ -198,7 +200,7 @@ static const struct call *find(pid_t thread, const struct __ptrace_syscall_info 
     into->bytes = 0;
     if (info->entry.nr == SYS_mmap) {
         if ((int)arguments[4] < 0) return NULL;
-        read_place(thread, (int)arguments[4], into->path, PATH_MOST);
+        read_link(thread, (int)arguments[4], into->path, MAX_PATH);
         into->bytes = arguments[1];
         return &MAP;
     }
@@ -206,7 +208,7 @@ static const struct call *find(pid_t thread, const struct __ptrace_syscall_info 
         if (CALLS[i].number == (long)info->entry.nr) call = &CALLS[i];
     if (!call) return NULL;
     switch (call->form) {
-    case F: read_place(thread, (int)arguments[0], into->path, PATH_MOST); break;
+    case F: read_link(thread, (int)arguments[0], into->path, MAX_PATH); break;
     case P: read_path(thread, AT_FDCWD, arguments[0], into->path); break;
     case A: read_path(thread, (int)arguments[0], arguments[1], into->path); break;
     case PP:
@@ -219,7 +221,7 @@ static const struct call *find(pid_t thread, const struct __ptrace_syscall_info 
         break;
     }
     if (call->moves) into->bytes = arguments[2];
-    /* What may make a file is told apart from what only opens one. */
+    /* For 'open', the bytes record whether the call may create a file. */
     if (!strcmp(call->name, "open")) into->bytes = (call->form == P ? arguments[1] : arguments[2]) & O_CREAT;
     return call;
 }
@@ -264,7 +266,7 @@ int main(int count, char **words) {
         }
         int signal = WSTOPSIG(status);
         if (signal != (SIGTRAP | 0x80)) {
-            /* New threads begin with a stop, and events are traps; other signals are the program's own. */
+            /* A new thread starts with SIGSTOP, and events are SIGTRAP. Pass on all other signals. */
             if (signal == SIGSTOP || signal == SIGTRAP) signal = 0;
             ptrace(PTRACE_SYSCALL, thread, 0, signal);
             continue;

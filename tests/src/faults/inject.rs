@@ -16,7 +16,7 @@ const UNTRACEABLE: i32 = 125;
 /// Fault at the chosen call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// Nothing: the calls are listed.
+    /// No fault: the calls are only listed.
     None,
     /// The process is killed, and the call is not made.
     Kill,
@@ -59,7 +59,7 @@ impl Errno {
 }
 
 impl Fault {
-    /// All of them, as `bake-faults` tries them at every call.
+    /// All faults that `bake-faults` tries at every call.
     pub const ALL: [Self; 8] = [
         Self::Kill,
         Self::Torn,
@@ -71,7 +71,7 @@ impl Fault {
         Self::Full(Errno::ReadOnly),
     ];
 
-    /// The error that calls fail with, if they do.
+    /// The error with which calls fail, if they fail.
     pub fn errno(self) -> Option<Errno> {
         match self {
             Self::Error(errno) | Self::Full(errno) => Some(errno),
@@ -96,15 +96,15 @@ impl fmt::Display for Fault {
 /// A system call on a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Call {
-    /// Its name, the same for calls that differ in how they name the file.
+    /// Its name. Calls that differ only in how they name the file share a name.
     pub name: String,
     /// The file.
     pub path: String,
-    /// Where a rename leads; else empty.
+    /// Target of a rename or link; empty for other calls.
     pub second: String,
     /// Bytes requested; for `open`, nonzero if it may create the file.
     pub bytes: u64,
-    /// What it returned: below 0, the error.
+    /// Its result; if negative, the error number.
     pub result: i64,
 }
 
@@ -126,7 +126,7 @@ impl Injector {
         let program = folder.path().join("inject");
         let built =
             Command::new("cc").args(["-O1", "-Wall", "-Wextra", "-Werror", "-o"]).arg(&program).arg(&source).output();
-        let built = built.map_err(|error| format!("no C compiler `cc` starts: {error}"))?;
+        let built = built.map_err(|error| format!("the C compiler `cc` does not start: {error}"))?;
         if !built.status.success() {
             return Err(format!("the tracer does not compile here: {}", String::from_utf8_lossy(&built.stderr)));
         }
@@ -135,7 +135,7 @@ impl Injector {
         let probe = injector.command(&log, folder_text(&log), 0, Fault::None, Path::new("true")).output();
         match probe {
             Ok(output) if output.status.success() => Ok(injector),
-            Ok(output) => Err(format!("this system lets no process be traced: {output:?}")),
+            Ok(output) => Err(format!("this system does not permit tracing: {output:?}")),
             Err(error) => Err(format!("the tracer does not start: {error}")),
         }
     }

@@ -1,5 +1,5 @@
-//! A folder with packs of old sources, and sources that have changed since. It defines the results
-//! that a bake may have.
+//! A folder with sources that have changed since their packs were baked. It defines the permitted
+//! results of a bake.
 //!
 //! | source | since the packs were baked |
 //! |---|---|
@@ -10,7 +10,7 @@
 //! | `in/gone.obj` | gone: its pack is an orphan, to be pruned |
 //! | `elsewhere/other.obj` | the same; its pack is in `o` too, and belongs to another build |
 //!
-//! `in/hullmap.toml` has options that change the packs.
+//! The options in `in/hullmap.toml` change the packs.
 
 use std::{
     collections::BTreeMap,
@@ -25,7 +25,7 @@ use tempfile::TempDir;
 
 use super::inject::Call;
 
-/// The bake that meets the faults.
+/// Arguments of the bake that is disturbed.
 pub const WORDS: [&str; 8] = ["build", "in", "--out", "o", "--prune", "--json", "--depfile", "o/deps.d"];
 
 /// Files by their paths from the project's folder.
@@ -36,18 +36,18 @@ pub type Files = BTreeMap<String, Vec<u8>>;
 pub struct Project {
     folder: TempDir,
     binary: PathBuf,
-    /// The output as it was.
+    /// The output of the bake of the old sources.
     pub old: Files,
-    /// The output of an undisturbed bake.
+    /// The output of an undisturbed bake of the new sources.
     pub new: Files,
 }
 
-/// Outputs that a bake with a fault has left.
+/// Numbers of outputs that a bake with a fault left.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Left {
-    /// Outputs that differ between old and new and are new.
+    /// Outputs that differ between old and new, and are new.
     pub new: usize,
-    /// Outputs that differ and are still old.
+    /// Outputs that differ between old and new, and are still old.
     pub old: usize,
     /// Temporary files.
     pub temporary: usize,
@@ -65,7 +65,7 @@ pub enum End {
 }
 
 impl Project {
-    /// Makes the project, with `more` meshes beside those that are always there.
+    /// Creates the project, with `more` meshes in addition to the fixed ones.
     ///
     /// # Panics
     /// `binary` does not bake it.
@@ -97,8 +97,8 @@ impl Project {
         let bytes: Vec<u8> =
             Family::Sphere.points(12, 30 + version).as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
         self.write("in/c.bin", bytes);
-        for number in 0..more {
-            self.write(&format!("in/m{number}.obj"), cloud(40, 100 + 2 * number as u64 + version));
+        for index in 0..more {
+            self.write(&format!("in/m{index}.obj"), cloud(40, 100 + 2 * index as u64 + version));
         }
     }
 
@@ -142,7 +142,7 @@ impl Project {
         files
     }
 
-    /// Outputs by which old and new differ.
+    /// Names of the outputs that differ between old and new.
     pub fn differing(&self) -> impl Iterator<Item = &String> {
         let names = self.old.keys().chain(self.new.keys().filter(|name| !self.old.contains_key(*name)));
         names.filter(|name| self.old.get(*name) != self.new.get(*name))
@@ -164,7 +164,7 @@ impl Project {
     /// Counts the old and new outputs in `files`.
     ///
     /// # Errors
-    /// An output is neither, or something else is there.
+    /// An output is neither old nor new, is missing, or should not exist.
     pub fn judge_files(&self, files: &Files) -> Result<Left, String> {
         let mut left = Left::default();
         for name in self.differing() {
@@ -172,16 +172,16 @@ impl Project {
                 found if found == self.new.get(name) => left.new += 1,
                 found if found == self.old.get(name) => left.old += 1,
                 None => return Err(format!("{name} is gone")),
-                Some(bytes) => return Err(format!("{name} is neither the old nor the new one: {} bytes", bytes.len())),
+                Some(bytes) => return Err(format!("{name} is neither old nor new: {} bytes", bytes.len())),
             }
         }
         for (name, bytes) in files {
             if is_temporary(name) {
                 left.temporary += 1;
             } else if !self.new.contains_key(name) && !self.old.contains_key(name) {
-                return Err(format!("{name} should not be there"));
+                return Err(format!("{name} should not exist"));
             } else if self.old.get(name) == self.new.get(name) && self.old.get(name) != Some(bytes) {
-                return Err(format!("{name} should be as it was"));
+                return Err(format!("{name} should be unchanged"));
             }
         }
         let missing = self.old.keys().find(|name| self.new.contains_key(*name) && !files.contains_key(*name));
@@ -192,7 +192,7 @@ impl Project {
     /// if known.
     ///
     /// # Errors
-    /// What is wrong: with the packs, with what was printed of them, or with the exit code.
+    /// A defect of the packs, of the printed rows, or of the exit code.
     pub fn judge(&self, run: &Output, calls: &[Call]) -> Result<(End, Left), String> {
         let files = self.output();
         let left = self.judge_files(&files)?;
@@ -203,7 +203,7 @@ impl Project {
         let (stderr, rows) = (String::from_utf8_lossy(&run.stderr), rows(&run.stdout)?);
         let fail = |what: &str| Err(format!("{what}; exit code {code}, stdout {rows:?}, stderr {stderr}"));
         if stderr.contains("panicked") || stderr.contains("internal error") {
-            return fail("it panicked");
+            return fail("the bake panicked");
         }
         let could_not_remove = calls.iter().any(|call| call.name == "unlink" && call.result < 0);
         if left.temporary > 0 && !could_not_remove {
@@ -226,7 +226,9 @@ impl Project {
             }
         }
         match code {
-            0 if left.old > usize::from(self.is_orphan_left(&files)) => fail("it claims success, but outputs are old"),
+            0 if left.old > usize::from(self.is_orphan_left(&files)) => {
+                fail("the bake reports success, but outputs are old")
+            }
             0 => Ok((End::Done, left)),
             2 if stderr.contains("error: ") => Ok((End::Reported, left)),
             _ => fail("the exit code is wrong, or there is no message"),
@@ -254,9 +256,7 @@ impl Project {
             let odd: Vec<_> = files.iter().filter(|(name, bytes)| self.new.get(*name) != Some(bytes)).collect();
             let names: Vec<_> = odd.iter().map(|(name, _)| name).collect();
             let gone: Vec<_> = self.new.keys().filter(|name| !files.contains_key(*name)).collect();
-            return Err(format!(
-                "the next bake leaves {names:?} as they should not be, and {gone:?} missing: {stderr}"
-            ));
+            return Err(format!("after the next bake, {names:?} are wrong and {gone:?} are missing: {stderr}"));
         }
         Ok(())
     }

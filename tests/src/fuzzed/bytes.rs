@@ -74,11 +74,11 @@ impl<'a> Bytes<'a> {
         }
     }
 
-    /// One to `most` finite points: on a coarse grid, on a grid disturbed in the last digits, on a
+    /// One to `max_count` finite points: on a coarse grid, on a grid disturbed in the last digits, on a
     /// sphere, or, if `wild` allows it, anywhere.
-    pub fn points(&mut self, most: usize, wild: bool) -> Vec<[f32; 3]> {
+    pub fn points(&mut self, max_count: usize, wild: bool) -> Vec<[f32; 3]> {
         let kind = self.below(if wild { 4 } else { 3 });
-        let count = 1 + self.below(most);
+        let count = 1 + self.below(max_count);
         (0..count).map(|_| self.point(kind)).collect()
     }
 

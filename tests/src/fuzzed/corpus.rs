@@ -1,8 +1,8 @@
-//! A corpus as one archive: the kept inputs of a fuzz target in `fuzz/corpus/TARGET.tar.gz`.
+//! The corpus of a fuzz target, as one archive: `fuzz/corpus/TARGET.tar.gz`.
 //!
-//! The archive is a function of its inputs' names and bytes alone, so that packing unchanged inputs
-//! changes no byte: entries in the order of their names, no owner, no time. libFuzzer works on a
-//! folder; `fuzz-corpus` converts both ways.
+//! The archive depends on the names and bytes of its inputs alone: entries are sorted by name, and
+//! have no owner and no time. Packing unchanged inputs therefore changes no byte. libFuzzer works on
+//! a folder; `fuzz-corpus` converts between the two.
 
 use std::{
     fs,
@@ -15,12 +15,12 @@ use flate2::{Compression, read::GzDecoder, write::GzEncoder};
 /// An input: its name within the corpus, and its bytes.
 pub type Input = (String, Vec<u8>);
 
-/// Where the archive of a target is, in the folder of all archives.
+/// Path of a target's archive in the folder of all archives.
 pub fn archive_path(folder: &Path, target: &str) -> PathBuf {
     folder.join(format!("{target}.tar.gz"))
 }
 
-/// The inputs of an archive, in its order.
+/// The inputs of an archive, in the archive's order.
 ///
 /// # Errors
 /// If the bytes are not a gzip-compressed tar archive of files with names in UTF-8.
@@ -37,7 +37,7 @@ pub fn unpack(archive: &[u8]) -> io::Result<Vec<Input>> {
     archive.entries()?.map(read).collect()
 }
 
-/// The archive of these inputs, in the order of their names.
+/// The archive of these inputs, sorted by name.
 ///
 /// # Errors
 /// If a name is too long for the archive's format.
@@ -53,7 +53,7 @@ pub fn pack(mut inputs: Vec<Input>) -> io::Result<Vec<u8>> {
     archive.into_inner()?.finish()
 }
 
-/// The files of a folder as inputs, in the order of their names.
+/// The files of a folder as inputs, sorted by name.
 ///
 /// # Errors
 /// If the folder or a file cannot be read, or a name is not UTF-8.
@@ -69,7 +69,7 @@ pub fn read_folder(folder: &Path) -> io::Result<Vec<Input>> {
     Ok(inputs)
 }
 
-/// Writes inputs as files of a folder, which is made if it does not exist.
+/// Writes inputs as files into a folder. Creates the folder if it does not exist.
 ///
 /// # Errors
 /// If the folder or a file cannot be written.
@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn inputs_survive_archive_and_folder_in_the_order_of_names() {
+    fn inputs_survive_archive_and_folder_sorted_by_name() {
         let inputs = vec![("b".to_owned(), vec![]), ("a".to_owned(), vec![0, 255, 10])];
         let archive = pack(inputs.clone()).unwrap();
         let unpacked = unpack(&archive).unwrap();

@@ -1,4 +1,4 @@
-//! The code of the fuzz targets. It is here, so that the tests replay the corpora without
+//! The code of the fuzz targets. It is in this library so that tests can replay the corpora without
 //! libFuzzer.
 //!
 //! | function | bytes are | must hold |
@@ -8,8 +8,8 @@
 //! | [`build_open_verify`] | point sets, an index, directions | the baked pack opens and is exact |
 //! | [`import`] | a format, options, a source file | points with indices in range, or an error that names the file |
 //!
-//! Each panics if its claim fails. [`bytes`] defines how bytes are read, so that kept inputs keep
-//! their meaning.
+//! Each panics if its requirement is violated. [`bytes`] defines how bytes are read, so that the
+//! inputs of the corpora keep their meaning.
 
 pub mod bytes;
 pub mod corpus;

@@ -1,4 +1,4 @@
-//! Bytes as a pack.
+//! Reads bytes as a pack.
 
 use std::cell::OnceCell;
 
@@ -15,15 +15,14 @@ use crate::hostile::{
 /// The bytes of a valid header before the payload's length: magic, version, header length.
 const FRONT: usize = 16;
 
-/// Maximum number of words that are changed together.
+/// Maximum number of words changed at once.
 const MAX_WORDS: usize = 4;
 
 thread_local! {
     static INQUIRY: OnceCell<(Vec<u8>, Inquiry)> = const { OnceCell::new() };
 }
 
-/// Opens the bytes as they are, then with all header fields corrected on which reading the payload
-/// depends. Queries each pack that opens.
+/// Opens the bytes unchanged, then with a corrected header. Queries each pack that opens.
 ///
 /// # Panics
 /// If a query panics, or its answer refers to something that does not exist.
@@ -35,7 +34,7 @@ pub fn open_and_query(data: &[u8]) {
             (file[..FRONT].to_vec(), Inquiry::new(&pack, Extent::BRIEF))
         });
         if let Ok(pack) = Pack::from_bytes(data) {
-            inquiry.ask(&pack);
+            inquiry.run(&pack);
         }
         if data.len() < HEADER_LEN {
             return;
@@ -46,7 +45,7 @@ pub fn open_and_query(data: &[u8]) {
         file[48..56].fill(0);
         reseal(&mut file);
         if let Ok(pack) = Pack::from_bytes(&file) {
-            inquiry.ask(&pack);
+            inquiry.run(&pack);
         }
     });
 }

@@ -1,4 +1,4 @@
-//! Bytes as point sets, which are baked and opened. Answers are checked against the points.
+//! Reads bytes as point sets, bakes and opens them, and checks answers against the points.
 
 use glam::Vec3;
 use hullmap::Pack;

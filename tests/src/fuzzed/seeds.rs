@@ -1,14 +1,14 @@
-//! First inputs: without them nearly all inputs fail the first check.
+//! First inputs of the fuzz targets. Without them, nearly all inputs fail the first check.
 
 use hullmap_import::EXTENSIONS;
 use shapes::{gltf, mesh::Mesh, obj, ply, rng::SplitMix64, solids, stl};
 
 use crate::hostile::samples;
 
-/// Inputs drawn for each target that reads numbers.
+/// Number of random inputs for each target that reads numbers.
 const DRAWN: usize = 64;
 
-/// Maximum length of these, in bytes.
+/// Maximum length of a random input, in bytes.
 const MAX_DRAWN_LEN: usize = 400;
 
 /// Maximum size of a pack, in bytes.
@@ -16,11 +16,11 @@ const MAX_PACK_LEN: usize = 4096;
 
 /// Names and bytes of the first inputs of a target; empty for an unknown target.
 pub fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
-    let numbers = |seed: u64| {
+    let random = |seed: u64| {
         let mut rng = SplitMix64::new(seed);
-        let drawn = |number: usize| {
+        let drawn = |index: usize| {
             let bytes = (0..8 + rng.below(MAX_DRAWN_LEN)).map(|_| rng.next_u64() as u8).collect();
-            (format!("drawn-{number:02}"), bytes)
+            (format!("drawn-{index:02}"), bytes)
         };
         (0..DRAWN).map(drawn).collect()
     };
@@ -30,24 +30,24 @@ pub fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
             .filter(|sample| sample.file.len() <= MAX_PACK_LEN)
             .map(|sample| (sample.name.replace([' ', ','], "-"), sample.file))
             .collect(),
-        "solver" => numbers(1),
-        "build_open_verify" => numbers(2),
+        "solver" => random(1),
+        "build_open_verify" => random(2),
         "import" => source_files(),
         _ => Vec::new(),
     }
 }
 
-/// Everything in OBJ files beyond plain faces: named objects, negative indices, lines, points,
-/// continued lines, all forms of numbers.
+/// OBJ elements other than plain faces: named objects, negative indices, lines, points, continued
+/// lines, all forms of numbers.
 const OBJ: &str = "o UCX_a_01\nv 0 0 0\nv 1 0 .5e1 1\nv +1. 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nf 1/1/1 2//1 3 \\\n 4\n\
                    o UCX_a_02\nv 0 0 1\nv 1 0 1\nf -1 -2 1\nl 1 5\np 6\ng convcol-col\ns off\nusemtl m\n# end";
 
-/// Elements of PLY files other than vertices and faces.
+/// PLY elements other than vertices and faces.
 const PLY: &str = "ply\r\nformat ascii 1.0\r\nobj_info none\r\nelement vertex 3\r\nproperty double x\r\nproperty double y\r\nproperty double z\r\n\
                    element tristrips 1\r\nproperty list int int vertex_indices\r\nelement edge 1\r\nproperty int vertex1\r\nproperty int vertex2\r\n\
                    element face 1\r\nproperty list uchar int vertex_index\r\nend_header\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n4 0 1 2 -1\r\n0 1\r\n3 0 1 2\r\n";
 
-/// Files of every format, each preceded by a byte for the format and one for the options.
+/// Files of every format. Each starts with a byte for the format and a byte for the options.
 fn source_files() -> Vec<(String, Vec<u8>)> {
     let (prism, cone) =
         (solids::extrusion(&solids::regular_polygon(5, 1.0), -1.0, 1.0), solids::cone(6, 1.0, 0.0, 2.0));
@@ -55,8 +55,8 @@ fn source_files() -> Vec<(String, Vec<u8>)> {
         let objects = vec![obj::Object::from_mesh(Some("Cone-convcolonly"), mesh)];
         obj::Document { objects, ..Default::default() }.to_text().into_bytes()
     };
-    // A node of every kind: moved by a matrix, by translation, rotation and scale, below another,
-    // and showing no mesh.
+    // One node of each kind: with a matrix; with translation, rotation and scale; below another
+    // node; and without a mesh.
     let nodes = r#"{"name": "UCX_a_00", "mesh": 0, "matrix": [0,1,0,0, -1,0,0,0, 0,0,1,0, 3,4,5,1]},
         {"mesh": 1, "translation": [1, 2, 3], "rotation": [0, 0, 1, 0], "scale": [1, -2, 0.5], "children": [2]},
         {"name": "below", "mesh": 0, "children": []}, {"name": "none"}"#;

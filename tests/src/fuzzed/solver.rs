@@ -1,7 +1,8 @@
-//! Bytes as two shapes and their poses, judged by brute force over the shapes' points.
+//! Reads bytes as two shapes and their poses, and judges the solver's answers by brute force over the
+//! shapes' points.
 //!
-//! The answers themselves are the certificates: the way out along the normal is an upper bound of
-//! the depth, and so is the way out along any direction; for a distance it is the reverse.
+//! The answers contain their own certificates. The way out along any direction is an upper bound of
+//! the depth, and its negative is a lower bound of the distance.
 
 use glam::{DMat3, DVec3};
 use hullmap::shapes::{Rounded, Scaled};
@@ -24,8 +25,8 @@ const MAX_POINTS: usize = 32;
 /// rounded shapes are solved twice.
 const MAX_STEPS: u32 = 2 * 1600;
 
-/// Rounding error of brute force, in units of the greatest length times the f64 epsilon: a rotated
-/// point is off by some 40.
+/// Rounding error of brute force, in units of the greatest length times the f64 epsilon. A rotated
+/// point has an error of about 40 units.
 const ROUNDING_UNITS: f64 = 64.0;
 
 /// Maximum number of face normals tested for each shape.
@@ -112,7 +113,7 @@ impl<A: Shape> With for WithBoth<'_, A> {
             near.iterations,
             near.support_calls,
         ];
-        assert!(steps.iter().all(|count| *count <= MAX_STEPS), "a cap is not held: {steps:?}");
+        assert!(steps.iter().all(|count| *count <= MAX_STEPS), "a cap is exceeded: {steps:?}");
         // The nearest points up to rounding error: no lower bound may exceed their distance.
         let nearest = Settings { tolerance: 0.0, ..settings };
         let nearest = distance(self.a, b, b_in_a, &nearest, &mut Cache::default());
@@ -135,7 +136,7 @@ impl Body {
         let index = [IndexKind::Tree, IndexKind::None][usize::from(shape >> 7)];
         let file = packs::bytes(&[point_set("body", &positions)], index, &Default::default());
         let file = file.unwrap_or_else(|error| panic!("{error}: {positions:?}"));
-        let pack = Pack::from_bytes(&file).expect("what was baked opens");
+        let pack = Pack::from_bytes(&file).expect("a baked pack opens");
         let scale = match shape % 4 {
             2 => DVec3::new(bytes.share(), bytes.share(), bytes.share()) * 4.0,
             _ => DVec3::ONE,
@@ -150,11 +151,11 @@ impl Body {
 
     fn with(&self, hull: Hull<'_>, then: &mut impl With) {
         if self.radius > 0.0 {
-            then.with(&Rounded::new(hull, self.radius).expect("a radius above 0"));
+            then.with(&Rounded::new(hull, self.radius).expect("the radius is positive"));
         } else if self.scale == DVec3::ONE {
             then.with(&hull);
         } else {
-            then.with(&Scaled::new(hull, self.scale).expect("no factor is 0"));
+            then.with(&Scaled::new(hull, self.scale).expect("all factors are nonzero"));
         }
     }
 
@@ -163,7 +164,7 @@ impl Body {
         self.points.iter().map(|p| p.length()).fold(0.0, f64::max) + self.radius
     }
 
-    /// Unit normals of the faces, of the shape's own frame.
+    /// Unit normals of the faces, in the shape's own frame.
     fn normals(&self, hull: &Hull) -> Vec<DVec3> {
         (0..hull.face_count().min(MAX_NORMALS) as u32)
             .filter_map(|face| (hull.face_normal(face)? / self.scale).try_normalize())
@@ -171,14 +172,14 @@ impl Body {
     }
 }
 
-/// For unit vectors alone.
+/// Only for unit vectors.
 impl Reach for Body {
     fn reach(&self, dir: DVec3) -> f64 {
         self.points.reach(dir) + self.radius
     }
 }
 
-/// Anywhere near, or touching along some axis up to an offset of any size.
+/// A pose anywhere near, or one that touches along some axis up to an offset of any size.
 fn pose(bytes: &mut Bytes, a: &Body, b: &Body) -> Option<Pose> {
     let (kind, rotation) = (bytes.below(3), bytes.rotation());
     let size = a.greatest() + b.greatest();
@@ -217,22 +218,22 @@ impl<'s> Scene<'s> {
         way_out(self.a, &Placed::new(self.b, self.b_in_a), n)
     }
 
-    /// Judges the answers. `nearest` is the distance of two points of separated shapes.
+    /// Judges the answers. `nearest` is the distance between two points, one of each shape.
     fn judge(&self, yes: Overlap, deep: &Contact, near: &Distance, nearest: f64) {
         let slack = self.slack;
         let context = || format!("{yes:?}\n{deep:?}\n{near:?}\nslack {slack:e} at {:?}", self.b_in_a);
-        // Written so that NaN is wrong.
+        // NaN takes the failing branch.
         let at_most = |what: &str, found: f64, limit: f64| {
-            assert!(found <= limit, "{what}: {found:e} above {limit:e}\n{}", context());
+            assert!(found <= limit, "{what}: {found:e} exceeds {limit:e}\n{}", context());
         };
         for normal in [deep.normal, near.normal] {
             at_most("a normal is not of unit length", (normal.length() - 1.0).abs(), UNIT);
         }
         let (way_deep, way_near) = (self.way_out(deep.normal), self.way_out(near.normal));
-        at_most("the depth's lower end is below 0", -deep.depth_lower, 0.0);
+        at_most("the depth's lower bound is negative", -deep.depth_lower, 0.0);
         at_most("the depth is below its interval", deep.depth_lower, deep.depth);
         at_most("the depth is above its interval", deep.depth, deep.depth_upper);
-        at_most("the distance's lower end is below 0", -near.lower, 0.0);
+        at_most("the distance's lower bound is negative", -near.lower, 0.0);
         at_most("the distance is below its interval", near.lower, near.distance);
         at_most("the distance is above its interval", near.distance, near.upper);
         if deep.hit {
@@ -242,24 +243,24 @@ impl<'s> Scene<'s> {
         }
         if deep.depth_lower > 0.0 {
             for way in self.normals.iter().map(|n| self.way_out(*n)).chain([way_deep, way_near]) {
-                at_most("the depth's lower end is above a way out", deep.depth_lower, way + slack);
+                at_most("the depth's lower bound exceeds a way out", deep.depth_lower, way + slack);
             }
-            at_most("contact says deep, distance says apart", near.lower, slack);
-            assert!(yes != Overlap::Separated, "contact says deep, intersects says apart\n{}", context());
+            at_most("contact reports a depth, distance reports separated", near.lower, slack);
+            assert!(yes != Overlap::Separated, "contact reports a depth, intersects reports separated\n{}", context());
         }
         let apart = near.point_a.distance(near.point_b);
         if near.status == Status::Overlapping {
-            at_most("distance says overlapping, an axis separates", -way_near.min(way_deep), slack);
+            at_most("distance reports overlapping, an axis separates", -way_near.min(way_deep), slack);
         } else {
-            at_most("the distance's points are farther apart than its upper end", apart, near.upper + slack);
+            at_most("the distance's points are farther apart than its upper bound", apart, near.upper + slack);
         }
         if near.lower > 0.0 {
-            at_most("the distance's lower end is above a distance of points", near.lower, apart.min(nearest) + slack);
+            at_most("the distance's lower bound exceeds a distance of points", near.lower, apart.min(nearest) + slack);
         }
         if yes == Overlap::Overlapping {
-            at_most("intersects says overlapping, an axis separates", -way_near.min(way_deep), slack);
+            at_most("intersects reports overlapping, an axis separates", -way_near.min(way_deep), slack);
         }
-        // Points of the shapes are behind all planes at their faces.
+        // A point of a shape is behind the planes of all its faces.
         for (point_a, point_b) in [(deep.point_a, deep.point_b), (near.point_a, near.point_b)] {
             let in_b = self.turn.transpose() * (point_b - self.b_in_a.translation());
             for &n in &self.normals {

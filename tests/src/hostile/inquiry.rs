@@ -13,12 +13,12 @@ use hullmap_testkit::packs;
 
 use crate::directions;
 
-/// One direction in this many is also queried with a hint, with other instructions, and for its
+/// One direction out of this many is also queried with a hint, with other instructions, and for its
 /// cost, feature and face.
-const MORE_EVERY: usize = 16;
+const MORE_INTERVAL: usize = 16;
 
-/// One pair in this many is also queried by the cascade and for its manifold.
-const MANIFOLD_EVERY: usize = 4;
+/// One pair out of this many is also queried through the cascade and for its manifold.
+const MANIFOLD_INTERVAL: usize = 4;
 
 /// Seed of the directions.
 const SEED: u64 = 0xdead;
@@ -28,7 +28,7 @@ const SEED: u64 = 0xdead;
 pub struct Extent {
     /// Support queries, over all hulls.
     pub supports: usize,
-    /// Contacts, each with a distance and a yes or no.
+    /// Contact queries, each with a distance and an intersection query.
     pub pairs: usize,
 }
 
@@ -60,7 +60,7 @@ impl Inquiry {
         let own = directions::all(&pack.hull(0).expect("a pack has a hull"), extent.supports, SEED);
         let invalid: Vec<Vec3> = directions::invalid().into_iter().step_by(7).collect();
         let valid = extent.supports.saturating_sub(invalid.len());
-        // There are too many directions; take some of each kind.
+        // The directions are ordered by kind, so a stride takes some of each kind.
         let step = (own.len() / valid.max(1)).max(1);
         let dirs = own.into_iter().step_by(step).take(valid).chain(invalid).collect();
         let turned = DQuat::from_array([0.3, -0.2, 0.5, 0.7]);
@@ -85,38 +85,38 @@ impl Inquiry {
     ///
     /// # Panics
     /// If an answer is out of range, or not finite where all stored numbers are.
-    pub fn ask(&self, pack: &Pack) {
-        self.require(pack.hull_count() > 0, || "an opened pack has a hull".to_owned());
-        self.require(pack.hull(pack.hull_count()).is_err(), || "a hull past the last one".to_owned());
+    pub fn run(&self, pack: &Pack) {
+        self.require(pack.hull_count() > 0, || "an opened pack has no hull".to_owned());
+        self.require(pack.hull(pack.hull_count()).is_err(), || "there is a hull past the last one".to_owned());
         black_box((pack.source_path(), pack.options(), pack.header(), pack.byte_len()));
         // Redundant data in the file may disagree. Then answers are wrong, but must still be in
         // range.
         let agrees = self.is_judged && pack.check_repeats().is_ok();
         let hulls = pack.hulls().count();
-        for (number, hull) in pack.hulls().enumerate() {
-            self.ask_facts(&hull);
-            for &dir in self.dirs.iter().skip(number).step_by(hulls) {
-                self.ask_support(&hull, dir, agrees);
+        for (index, hull) in pack.hulls().enumerate() {
+            self.query_facts(&hull);
+            for &dir in self.dirs.iter().skip(index).step_by(hulls) {
+                self.query_support(&hull, dir, agrees);
             }
-            for &dir in self.dirs.iter().skip(number).step_by(MORE_EVERY * hulls) {
-                self.ask_more(&hull, dir, agrees);
+            for &dir in self.dirs.iter().skip(index).step_by(MORE_INTERVAL * hulls) {
+                self.query_more(&hull, dir, agrees);
             }
         }
         let cube = self.cube.hull(0).expect("a cube is one hull");
         let mut cache = Cache::default();
-        for number in 0..self.extent.pairs {
-            let Ok(hull) = pack.hull(number / 3 % pack.hull_count().max(1)) else { continue };
-            let [a, b] = [[&hull, &cube], [&cube, &hull], [&hull, &hull]][number % 3];
-            self.ask_pair(a, b, self.poses[number % self.poses.len()], number, &mut cache);
+        for index in 0..self.extent.pairs {
+            let Ok(hull) = pack.hull(index / 3 % pack.hull_count().max(1)) else { continue };
+            let [a, b] = [[&hull, &cube], [&cube, &hull], [&hull, &hull]][index % 3];
+            self.query_pair(a, b, self.poses[index % self.poses.len()], index, &mut cache);
         }
-        self.ask_whole(pack);
+        self.query_whole(pack);
         if !self.is_judged {
             black_box(pack.check_repeats().is_ok());
         }
     }
 
     /// Queries all hulls together, through the BVH.
-    fn ask_whole(&self, pack: &Pack) {
+    fn query_whole(&self, pack: &Pack) {
         let (whole, other) = (Compound::new(pack), Compound::new(&self.cube));
         let mut cache = CompoundCache::new(2);
         for &pose in self.poses.iter().take(self.extent.pairs) {
@@ -126,22 +126,23 @@ impl Inquiry {
                 let deepest = compound::contact(a, b, pose, &Settings::default(), &mut cache);
                 let is_there =
                     deepest.is_none_or(|found| a.hull(found.hulls[0]).is_some() && b.hull(found.hulls[1]).is_some());
-                self.require(is_there, || "the hulls of a contact".to_owned());
+                self.require(is_there, || "a contact refers to a hull that does not exist".to_owned());
             }
         }
     }
 
+    /// Asserts `holds`, unless the inquiry is [unjudged](Self::unjudged).
     fn require(&self, holds: bool, what: impl FnOnce() -> String) {
         if self.is_judged {
             assert!(holds, "{}", what());
         }
     }
 
-    fn ask_facts(&self, hull: &Hull) {
+    fn query_facts(&self, hull: &Hull) {
         let count = hull.vertex_count();
         let sound = count > 0 && hull.rank() <= 3 && hull.vertices().len() == count;
         self.require(sound, || format!("{count} vertices of rank {}", hull.rank()));
-        self.require(hull.vertex(count as u32).is_none(), || "a vertex past the last one".to_owned());
+        self.require(hull.vertex(count as u32).is_none(), || "there is a vertex past the last one".to_owned());
         self.require(hull.vertices().all(|vertex| vertex.is_finite()), || "a vertex is not finite".to_owned());
         let are_faces = hull.faces().map(|mut face| face.len() >= 3 && face.all(|vertex| (vertex as usize) < count));
         let faces = are_faces.filter(|is_face| *is_face).count();
@@ -163,20 +164,22 @@ impl Inquiry {
         self.require(sound, || format!("in direction {dir}: vertex {index} is {vertex:?}, not {point}"));
     }
 
-    fn ask_support(&self, hull: &Hull, dir: Vec3, agrees: bool) {
+    fn query_support(&self, hull: &Hull, dir: Vec3, agrees: bool) {
         let got = hull.support(dir);
         self.expect_vertex(hull, dir, got.index, got.point, agrees);
     }
 
-    fn ask_more(&self, hull: &Hull, dir: Vec3, agrees: bool) {
+    fn query_more(&self, hull: &Hull, dir: Vec3, agrees: bool) {
         let count = hull.vertex_count();
         let got = hull.support(dir);
         if let Some(portable) = hull.with_instructions(Instructions::Portable) {
             let other = portable.support(dir);
-            self.require(other == got, || format!("in direction {dir}: {got:?}, and {other:?} by other instructions"));
+            self.require(other == got, || {
+                format!("in direction {dir}: {got:?}, but {other:?} with portable instructions")
+            });
         }
-        let (cost, most) = (hull.support_cost(dir), hull.worst_cost());
-        self.require(cost.nodes <= most.nodes && cost.dots <= most.dots, || format!("{cost:?} exceeds {most:?}"));
+        let (cost, max) = (hull.support_cost(dir), hull.worst_cost());
+        self.require(cost.nodes <= max.nodes && cost.dots <= max.dots, || format!("{cost:?} exceeds {max:?}"));
         for hint in [got.index, 0, (count as u32).wrapping_sub(1), count as u32, u32::MAX] {
             let got = hull.support_from(dir, hint);
             self.expect_vertex(hull, dir, got.index, got.point, agrees);
@@ -187,20 +190,20 @@ impl Inquiry {
         let sound = !corners.is_empty() && corners.iter().all(|corner| (corner.vertex as usize) < count);
         self.require(sound, || format!("in direction {dir}: the feature {corners:?}"));
         let all_there = hull.faces_at(got.index).all(|face| (face as usize) < hull.face_count());
-        self.require(all_there, || format!("a face at vertex {} is not there", got.index));
+        self.require(all_there, || format!("a face at vertex {} does not exist", got.index));
         let towards = hull.face_towards(dir.as_dvec3());
-        self.require(towards.is_none_or(|face| hull.face(face).len() >= 3), || format!("{towards:?} is no face"));
+        self.require(towards.is_none_or(|face| hull.face(face).len() >= 3), || format!("{towards:?} is not a face"));
         let got = SupportMap::support_point(hull, dir.as_dvec3() * 1e200);
         let sound = (got.feature as usize) < count && got.point.is_finite();
         self.require(sound, || format!("in direction {dir} times 1e200: {got:?}"));
     }
 
-    fn ask_pair(&self, a: &Hull, b: &Hull, b_in_a: Pose, number: usize, cache: &mut Cache) {
+    fn query_pair(&self, a: &Hull, b: &Hull, b_in_a: Pose, index: usize, cache: &mut Cache) {
         let settings = Settings::default();
         black_box(intersects(a, b, b_in_a, cache));
         black_box(contact(a, b, b_in_a, &settings, cache));
         black_box(distance(a, b, b_in_a, &settings, cache));
-        if number.is_multiple_of(MANIFOLD_EVERY) {
+        if index.is_multiple_of(MANIFOLD_INTERVAL) {
             let mut manifold = Manifold::new();
             manifold.update(a, b, b_in_a, &ManifoldSettings::default(), cache);
             self.require(manifold.points().len() <= 4, || "a manifold of more than four points".to_owned());

@@ -1,21 +1,21 @@
-//! Malicious files: packs that were changed and, mostly, given a correct checksum again.
+//! Hostile files: packs that were changed and, in most cases, given a correct checksum again.
 //!
-//! Requirement: either such a file is refused, or it opens and every query on it ends, without a
-//! panic and without a read out of bounds. Answers may be wrong.
+//! Requirement: such a file is refused, or it opens and every query on it ends without a panic and
+//! without a read out of bounds. Answers may be wrong.
 //!
 //! | module | what |
 //! |---|---|
-//! | [`samples`] | the packs that are changed: small ones of all kinds, and larger random ones |
-//! | [`series`] | the ways to change them: each an indexed series |
+//! | [`samples`] | the packs to change: small ones of all kinds, and larger random ones |
+//! | [`series`] | the ways to change a pack: each is a series with indexed members |
 //! | [`inquiry`] | all queries on a pack that opened |
-//! | [`trial`] | runs a series on threads, catches panics and hangs, counts the outcomes |
+//! | [`trial`] | runs a series on several threads, detects panics and hangs, counts outcomes |
 //! | [`unchecked`] | the same files, opened without the checks |
-//! | [`place`] | positions of the archive's numbers in the file |
+//! | [`patch`] | changes a single value of the archive in a file |
 //!
-//! The pack's name, the series and an index identify a change.
+//! A change is identified by the pack's name, the series and the index in the series.
 
 pub mod inquiry;
-pub mod place;
+pub mod patch;
 pub mod samples;
 pub mod series;
 pub mod trial;

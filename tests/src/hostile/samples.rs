@@ -1,4 +1,4 @@
-//! The packs that are changed.
+//! The packs to change.
 
 use hullmap_bake::{IndexChoice, IndexKind, NO_SOURCE_VERTEX, PointSet, SourceRecord, bake_hull, write_pack};
 use hullmap_testkit::packs::{self, ALL_INDICES, point_set};
@@ -59,18 +59,18 @@ pub fn small() -> Vec<Sample> {
 /// If no pack has this name.
 pub fn named(name: &str) -> Vec<u8> {
     let found = small().into_iter().find(|sample| sample.name == name);
-    found.unwrap_or_else(|| panic!("no sample is called {name}")).file
+    found.unwrap_or_else(|| panic!("there is no sample {name:?}")).file
 }
 
-/// Pack `number` of the random series of `seed`: one to three hulls of 9 to 300 points each, of any
+/// Pack `pack_index` of the random series of `seed`: one to three hulls of 9 to 300 points each, of any
 /// family and index kind.
 ///
 /// # Panics
 /// If it cannot be baked: a bug.
-pub fn drawn(seed: u64, number: u64) -> Sample {
-    let mut rng = SplitMix64::new(seed ^ number << 32);
+pub fn drawn(seed: u64, pack_index: u64) -> Sample {
+    let mut rng = SplitMix64::new(seed ^ pack_index << 32);
     let index = ALL_INDICES[rng.below(ALL_INDICES.len())];
-    let mut name = format!("drawn {number}, {index:?}");
+    let mut name = format!("drawn {pack_index}, {index:?}");
     let sets: Vec<PointSet> = (0..1 + rng.below(3))
         .map(|hull| {
             let family = Family::ALL[rng.below(Family::ALL.len())];
@@ -123,7 +123,7 @@ fn recentred() -> Vec<PointSet> {
     vec![set("left", Family::Rock), set("right", Family::Sphere)]
 }
 
-/// A hull that reaches beyond its source, as simplification makes them: no vertex is a source
+/// A hull that reaches beyond its source, as simplification produces them: no vertex is a source
 /// vertex.
 fn simplified() -> Sample {
     let mut set = point_set("simplified", &Family::Rock.points(12, 2));
@@ -134,7 +134,7 @@ fn simplified() -> Sample {
     Sample { name: "simplified, tree".to_owned(), file }
 }
 
-/// Three convex parts of one object beside a hull of another, as decomposing makes them.
+/// Three convex parts of one object beside a hull of another, as decomposition produces them.
 fn parts() -> Sample {
     let mut hulls: Vec<_> = five_hulls()[..4]
         .iter()

@@ -9,10 +9,11 @@ use super::{HEADER_LEN, samples::Sample};
 /// Maximum number of bytes added to a file.
 pub const MAX_ADDED: usize = 4096;
 
-/// Draws until a change is found that opens alone: two thirds do.
+/// Maximum number of draws for a change with which alone the pack still opens. Two thirds of the
+/// draws succeed.
 const DRAWS: usize = 12;
 
-/// Position of the payload's length in the header.
+/// Bytes of the payload's length in the header.
 const LENGTH_AT: std::ops::Range<usize> = 16..24;
 
 /// A way to change packs.
@@ -28,24 +29,24 @@ pub enum Series {
     /// Each 32-bit word after the header set to each of [`Subject::values`]; the checksum
     /// corrected.
     Words,
-    /// Two to six words changed at once. With each change alone, the pack opens; one member in four
-    /// has a further change that need not open. Such combinations are the most likely to pass
-    /// checks of single numbers. The checksum is corrected.
+    /// Two to six words changed at once. With each of these changes alone, the pack opens. One
+    /// member in four has another change, with which it may not open. Such combinations are the
+    /// most likely to pass checks of single values. The checksum is corrected.
     Drawn,
 }
 
-/// A pack that is changed.
+/// A pack to change.
 pub struct Subject<'s> {
     /// The pack.
     pub sample: &'s Sample,
-    /// Values that are most likely to do harm in it: ends of ranges, lengths and positions in this
+    /// Values that are most likely to cause faults: ends of ranges, lengths and offsets in this
     /// file, special floats.
     pub values: Vec<u32>,
     seed: u64,
 }
 
 impl<'s> Subject<'s> {
-    /// Takes a pack and the seed of the random choices.
+    /// A subject from a pack and the seed of the random changes.
     ///
     /// # Panics
     /// If the pack does not open.
@@ -53,21 +54,21 @@ impl<'s> Subject<'s> {
         Self { sample, values: values(&sample.file), seed }
     }
 
-    /// Makes member `number` of a series in `out`.
-    pub fn change(&self, series: Series, number: usize, out: &mut Vec<u8>) {
+    /// Writes member `index` of a series to `out`.
+    pub fn change(&self, series: Series, index: usize, out: &mut Vec<u8>) {
         let file = &self.sample.file;
         out.clear();
         out.extend_from_slice(file);
         match series {
-            Series::Bits => flip(out, number),
+            Series::Bits => flip(out, index),
             Series::SealedBits => {
-                flip(out, number);
+                flip(out, index);
                 reseal(out);
             }
             Series::Lengths => {
-                let (number, sealed) = (number / 3, number % 3);
-                let filler = [0, 0xff, b'\n'][number % 3];
-                let len = if number < file.len() { number } else { number + 1 };
+                let (index, sealed) = (index / 3, index % 3);
+                let filler = [0, 0xff, b'\n'][index % 3];
+                let len = if index < file.len() { index } else { index + 1 };
                 out.resize(len, filler);
                 if sealed > 1 && len >= HEADER_LEN {
                     out[LENGTH_AT].copy_from_slice(&((len - HEADER_LEN) as u64).to_le_bytes());
@@ -77,10 +78,10 @@ impl<'s> Subject<'s> {
                 }
             }
             Series::Words => {
-                set_word(out, number / self.values.len(), self.values[number % self.values.len()]);
+                set_word(out, index / self.values.len(), self.values[index % self.values.len()]);
                 reseal(out);
             }
-            Series::Drawn => self.draw(number, out),
+            Series::Drawn => self.draw(index, out),
         }
     }
 
@@ -95,8 +96,8 @@ impl<'s> Subject<'s> {
         }
     }
 
-    fn draw(&self, number: usize, out: &mut [u8]) {
-        let mut rng = SplitMix64::new(self.seed ^ (number as u64) << 20);
+    fn draw(&self, index: usize, out: &mut [u8]) {
+        let mut rng = SplitMix64::new(self.seed ^ (index as u64) << 20);
         let words = (out.len() - HEADER_LEN) / 4;
         for _ in 0..2 + rng.below(5) {
             for _ in 0..DRAWS {

@@ -1,4 +1,4 @@
-//! Changed files tried on several threads, and the counts.
+//! Tries changed files on several threads, and counts the outcomes.
 
 use std::{
     fmt,
@@ -12,43 +12,42 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// A file that takes longer hangs. The slowest takes milliseconds.
-const HANG: Duration = Duration::from_secs(60);
+/// Time after which a file counts as hanging. The slowest files take milliseconds.
+const HANG_TIME: Duration = Duration::from_secs(60);
 
 /// Interval between checks for a hang.
-const LOOK: Duration = Duration::from_secs(2);
+const CHECK_INTERVAL: Duration = Duration::from_secs(2);
 
-/// Files that a thread takes at a time.
-const RUN: usize = 64;
+/// Number of files that a thread takes at a time.
+const BATCH: usize = 64;
 
-/// Number of repetitions of an apparently slowest file.
-const AGAIN: usize = 3;
+/// Number of times that a file which seems to be the slowest is measured again.
+const REPETITIONS: usize = 3;
 
-/// No index: a thread between two files.
-const NONE: usize = usize::MAX;
+/// In place of a file's index: the thread is between two files.
+const IDLE: usize = usize::MAX;
 
 /// Counts of opened and refused files.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
-    /// Files tried.
+    /// Files that were tried.
     pub tried: usize,
-    /// Those that opened, and answered.
+    /// Files that opened, and on which all queries ended.
     pub opened: usize,
-    /// The slowest file, and its fastest time of a few.
+    /// Name of the slowest file, and its minimum time over a few runs.
     pub slowest: Option<(Duration, String)>,
 }
 
 impl Tally {
-    /// Those that did not open.
+    /// Files that did not open.
     pub fn refused(&self) -> usize {
         self.tried - self.opened
     }
 
-    /// Asserts that neither outcome is rare, because otherwise one of the two promises is not
-    /// tested.
+    /// Asserts that neither outcome is rare. Otherwise one half of the requirement is not tested.
     ///
     /// # Panics
-    /// If less than a twentieth opened, or was refused.
+    /// If fewer than a twentieth of the files opened, or fewer than a twentieth were refused.
     pub fn assert_representative(&self) {
         assert!(self.opened * 20 > self.tried && self.refused() * 20 > self.tried, "{self}");
     }
@@ -74,36 +73,41 @@ impl fmt::Display for Tally {
     }
 }
 
-/// Tries the files `numbers` on `threads` threads. `one` makes a file, opens it and queries it, and
+/// Tries the files `indices` on `threads` threads. `try_one` makes a file, opens it, queries it, and
 /// returns whether it opened.
 ///
 /// # Panics
-/// If a file panics; the message has its index. If one hangs, the process is aborted, because its
-/// thread cannot be ended.
-pub fn run(name: &str, numbers: &[usize], threads: usize, one: impl Fn(usize, &mut Vec<u8>) -> bool + Sync) -> Tally {
-    let threads = threads.clamp(1, numbers.len().max(1));
+/// If a file causes a panic; the message contains its index. If a file hangs, the process is
+/// aborted, because its thread cannot be stopped.
+pub fn run(
+    name: &str,
+    indices: &[usize],
+    threads: usize,
+    try_one: impl Fn(usize, &mut Vec<u8>) -> bool + Sync,
+) -> Tally {
+    let threads = threads.clamp(1, indices.len().max(1));
     let next = AtomicUsize::new(0);
-    let at: Vec<AtomicUsize> = (0..threads).map(|_| AtomicUsize::new(NONE)).collect();
+    let at: Vec<AtomicUsize> = (0..threads).map(|_| AtomicUsize::new(IDLE)).collect();
     let (sum, fault) = (Mutex::new(Tally::default()), Mutex::new(None));
     let (sender, ends) = mpsc::channel();
     std::thread::scope(|scope| {
         for at in &at {
-            let (sender, next, sum, fault, one) = (sender.clone(), &next, &sum, &fault, &one);
+            let (sender, next, sum, fault, try_one) = (sender.clone(), &next, &sum, &fault, &try_one);
             scope.spawn(move || {
                 let mut tally = Tally::default();
                 let mut file = Vec::new();
                 'all: loop {
-                    let start = next.fetch_add(RUN, Ordering::Relaxed);
-                    let Some(run) = numbers.get(start..numbers.len().min(start.saturating_add(RUN))) else { break };
+                    let start = next.fetch_add(BATCH, Ordering::Relaxed);
+                    let Some(run) = indices.get(start..indices.len().min(start.saturating_add(BATCH))) else { break };
                     if run.is_empty() {
                         break;
                     }
-                    for &number in run {
-                        at.store(number, Ordering::Relaxed);
+                    for &index in run {
+                        at.store(index, Ordering::Relaxed);
                         let start = Instant::now();
-                        let Ok(has_opened) = catch_unwind(AssertUnwindSafe(|| one(number, &mut file))) else {
-                            *fault.lock().expect("no panic while it is held") = Some(number);
-                            next.store(numbers.len(), Ordering::Relaxed);
+                        let Ok(has_opened) = catch_unwind(AssertUnwindSafe(|| try_one(index, &mut file))) else {
+                            *fault.lock().expect("no thread panics while it holds the lock") = Some(index);
+                            next.store(indices.len(), Ordering::Relaxed);
                             break 'all;
                         };
                         tally.tried += 1;
@@ -111,51 +115,50 @@ pub fn run(name: &str, numbers: &[usize], threads: usize, one: impl Fn(usize, &m
                         let is_slowest =
                             |took: Duration| tally.slowest.as_ref().is_none_or(|(slowest, _)| took > *slowest);
                         let mut took = start.elapsed();
-                        // A file that was slow because the thread had to wait is faster the second
-                        // time.
-                        for _ in 0..AGAIN {
+                        // A file may have been slow only because its thread was waiting.
+                        for _ in 0..REPETITIONS {
                             if is_slowest(took) {
                                 let start = Instant::now();
-                                one(number, &mut file);
+                                try_one(index, &mut file);
                                 took = took.min(start.elapsed());
                             }
                         }
                         if is_slowest(took) {
-                            tally.slowest = Some((took, format!("{name}, {number}")));
+                            tally.slowest = Some((took, format!("{name}, {index}")));
                         }
                     }
                 }
-                at.store(NONE, Ordering::Relaxed);
-                *sum.lock().expect("no panic while it is held") += tally;
-                // The watch may be over after a fault.
+                at.store(IDLE, Ordering::Relaxed);
+                *sum.lock().expect("no thread panics while it holds the lock") += tally;
+                // After a fault, the receiver may be gone.
                 let _ = sender.send(());
             });
         }
         watch(name, &at, &ends);
     });
-    if let Some(number) = fault.into_inner().expect("no panic while it is held") {
-        panic!("{name}: change {number} makes it panic");
+    if let Some(index) = fault.into_inner().expect("no thread panics while it holds the lock") {
+        panic!("{name}: change {index} causes a panic");
     }
-    sum.into_inner().expect("no panic while it is held")
+    sum.into_inner().expect("no thread panics while it holds the lock")
 }
 
-/// Waits for all threads to end.
+/// Waits for all threads to end, and aborts the process if one hangs.
 fn watch(name: &str, at: &[AtomicUsize], ends: &mpsc::Receiver<()>) {
-    let mut last: Vec<(usize, Instant)> = at.iter().map(|_| (NONE, Instant::now())).collect();
+    let mut last: Vec<(usize, Instant)> = at.iter().map(|_| (IDLE, Instant::now())).collect();
     let mut running = at.len();
     while running > 0 {
-        match ends.recv_timeout(LOOK) {
+        match ends.recv_timeout(CHECK_INTERVAL) {
             Ok(()) => running -= 1,
             Err(RecvTimeoutError::Disconnected) => return,
             Err(RecvTimeoutError::Timeout) => {}
         }
-        for (at, (number, since)) in at.iter().zip(&mut last) {
+        for (at, (index, since)) in at.iter().zip(&mut last) {
             let now = at.load(Ordering::Relaxed);
-            if now != *number || now == NONE {
-                (*number, *since) = (now, Instant::now());
-            } else if since.elapsed() > HANG {
-                // The thread cannot be ended, and the scope would wait for it forever.
-                eprintln!("{name}: change {now} makes it hang");
+            if now != *index || now == IDLE {
+                (*index, *since) = (now, Instant::now());
+            } else if since.elapsed() > HANG_TIME {
+                // The thread cannot be stopped, and the scope would wait for it forever.
+                eprintln!("{name}: change {now} hangs");
                 std::process::abort();
             }
         }
@@ -167,29 +170,29 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_number_is_tried_once_and_counted() {
-        let numbers: Vec<usize> = (0..1000).map(|i| 3 * i).collect();
+    fn every_index_is_tried_once_and_counted() {
+        let indices: Vec<usize> = (0..1000).map(|i| 3 * i).collect();
         let seen = Mutex::new(Vec::new());
-        let tally = run("all", &numbers, 3, |number, _| {
-            seen.lock().unwrap().push(number);
-            number.is_multiple_of(2)
+        let tally = run("all", &indices, 3, |index, _| {
+            seen.lock().unwrap().push(index);
+            index.is_multiple_of(2)
         });
         let mut seen = seen.into_inner().unwrap();
         seen.sort_unstable();
-        // The slowest is tried more often.
+        // The slowest files are tried several times.
         seen.dedup();
-        assert_eq!(seen, numbers);
+        assert_eq!(seen, indices);
         assert_eq!((tally.tried, tally.opened, tally.refused()), (1000, 500, 500));
         tally.assert_representative();
         assert!(tally.slowest.is_some());
     }
 
     #[test]
-    #[should_panic(expected = "all: change 700 makes it panic")]
+    #[should_panic(expected = "all: change 700 causes a panic")]
     fn a_panic_names_the_change() {
-        let numbers: Vec<usize> = (0..1000).collect();
-        run("all", &numbers, 2, |number, _| {
-            assert!(number != 700, "as it must");
+        let indices: Vec<usize> = (0..1000).collect();
+        run("all", &indices, 2, |index, _| {
+            assert!(index != 700, "the panic that the test expects");
             true
         });
     }

@@ -20,7 +20,7 @@ type Way = fn(&Path) -> Result<Pack, OpenError>;
 #[derive(Debug, Default)]
 pub struct Findings {
     /// Number of opened packs that were queried.
-    pub asked: usize,
+    pub queried: usize,
     /// Number of panics in queries, by file and line.
     pub panics: BTreeMap<String, usize>,
 }
@@ -32,18 +32,18 @@ pub struct Findings {
 ///
 /// # Panics
 /// If the file cannot be written.
-pub fn ask(path: &Path, file: &[u8], inquiry: &Inquiry, findings: &Mutex<Findings>) -> bool {
+pub fn query(path: &Path, file: &[u8], inquiry: &Inquiry, findings: &Mutex<Findings>) -> bool {
     std::fs::write(path, file).expect("the test's folder can be written to");
     let ways: [Way; 2] = [|path| Pack::open_skipping_contents(path), |path| Pack::open_skipping_checks(path)];
     let mut has_opened = false;
     for way in ways {
         let Ok(pack) = way(path) else { continue };
         has_opened = true;
-        let panicked_at = place_of_panic(|| inquiry.ask(&pack));
-        let mut findings = findings.lock().expect("no panic while it is held");
-        findings.asked += 1;
-        if let Some(place) = panicked_at {
-            *findings.panics.entry(place).or_default() += 1;
+        let panicked_at = panic_location(|| inquiry.run(&pack));
+        let mut findings = findings.lock().expect("no thread panics while it holds the lock");
+        findings.queried += 1;
+        if let Some(location) = panicked_at {
+            *findings.panics.entry(location).or_default() += 1;
         }
     }
     std::fs::remove_file(path).expect("the test's own file can be removed");
@@ -51,28 +51,28 @@ pub fn ask(path: &Path, file: &[u8], inquiry: &Inquiry, findings: &Mutex<Finding
 }
 
 thread_local! {
-    static IS_LISTENING: Cell<bool> = const { Cell::new(false) };
-    static HEARD: RefCell<Option<String>> = const { RefCell::new(None) };
+    static IS_RECORDING: Cell<bool> = const { Cell::new(false) };
+    static LOCATION: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
-/// File and line at which `run` panics, if it does. Nothing is printed.
-fn place_of_panic(run: impl FnOnce()) -> Option<String> {
+/// File and line at which `run` panics; `None` if it does not. The panic prints nothing.
+fn panic_location(run: impl FnOnce()) -> Option<String> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
         let before = std::panic::take_hook();
         std::panic::set_hook(Box::new(move |info| {
-            if IS_LISTENING.get() {
-                let place = info.location().map(|at| format!("{}:{}", at.file(), at.line()));
-                HEARD.replace(place);
+            if IS_RECORDING.get() {
+                let location = info.location().map(|at| format!("{}:{}", at.file(), at.line()));
+                LOCATION.replace(location);
             } else {
                 before(info);
             }
         }));
     });
-    IS_LISTENING.set(true);
+    IS_RECORDING.set(true);
     let result = catch_unwind(AssertUnwindSafe(run));
-    IS_LISTENING.set(false);
-    result.err().map(|_| HEARD.take().unwrap_or_default())
+    IS_RECORDING.set(false);
+    result.err().map(|_| LOCATION.take().unwrap_or_default())
 }
 
 #[cfg(test)]
@@ -80,9 +80,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn panics_are_heard() {
-        assert_eq!(place_of_panic(|| ()), None);
-        let heard = place_of_panic(|| panic!("heard"));
-        assert!(heard.as_ref().is_some_and(|place| place.contains("unchecked.rs:")), "{heard:?}");
+    fn panics_are_recorded() {
+        assert_eq!(panic_location(|| ()), None);
+        let location = panic_location(|| panic!("recorded"));
+        assert!(location.as_ref().is_some_and(|text| text.contains("unchecked.rs:")), "{location:?}");
     }
 }

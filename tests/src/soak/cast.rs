@@ -68,18 +68,18 @@ pub enum Solid<'p> {
 
 /// A shape, and its definition.
 pub struct Body<'p> {
-    /// What and how large.
+    /// Kind and size, for messages.
     pub name: String,
-    /// What it is made of.
+    /// Kind of shape.
     pub kind: Kind,
-    /// For the solver.
+    /// The shape that the solver is queried with.
     pub solid: Solid<'p>,
-    /// For the judge.
+    /// The shape by its definition, for the certificates.
     pub model: Model,
 }
 
 impl Body<'_> {
-    /// As any shape.
+    /// The shape as a trait object.
     pub fn shape(&self) -> &Any<'_> {
         match &self.solid {
             Solid::Hull(hull) => hull,
@@ -91,7 +91,7 @@ impl Body<'_> {
 /// Two bodies and their pose.
 pub struct Pair<'c, 'p> {
     /// Index of the pair.
-    pub number: u64,
+    pub index: u64,
     /// Seed of the run.
     pub seed: u64,
     /// A and B.
@@ -108,7 +108,7 @@ impl fmt::Display for Pair<'_, '_> {
         let (t, r) = (self.b_in_a.translation(), self.b_in_a.rotation());
         write!(
             f,
-            "{:?}: {} and {}\n  pose {:e} {:e} {:e} {:e} {:e} {:e} {:e}\n  again: cargo run --release -p hullmap-tests --bin \
+            "{:?}: {} and {}\n  pose {:e} {:e} {:e} {:e} {:e} {:e} {:e}\n  reproduce: cargo run --release -p hullmap-tests --bin \
              solver-soak -- --seed {} --first {} --pairs 1",
             self.meeting,
             self.bodies[0].name,
@@ -121,7 +121,7 @@ impl fmt::Display for Pair<'_, '_> {
             r.z,
             r.w,
             self.seed,
-            self.number,
+            self.index,
         )
     }
 }
@@ -151,8 +151,8 @@ impl Stock {
                 Err(error) => refused.push(format!("{name}: {error}")),
             }
         };
-        for (number, cloud) in clouds.iter().enumerate().step_by(stride.max(1)) {
-            add(Kind::Game, format!("game hull {number}"), cloud);
+        for (index, cloud) in clouds.iter().enumerate().step_by(stride.max(1)) {
+            add(Kind::Game, format!("game hull {index}"), cloud);
         }
         for (kind, name, points) in generated() {
             for size in SIZES {
@@ -286,10 +286,10 @@ impl<'p> Cast<'p> {
         Self { keys: decades.keys().copied().collect(), decades, counts }
     }
 
-    /// Pair `number` of `seed`.
-    pub fn pair(&self, seed: u64, number: u64) -> Pair<'_, 'p> {
+    /// Pair `index` of `seed`.
+    pub fn pair(&self, seed: u64, index: u64) -> Pair<'_, 'p> {
         // Mixed, so that neighbouring seeds have no pairs in common.
-        let mut rng = SplitMix64::new(SplitMix64::new(seed).next_u64() ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let mut rng = SplitMix64::new(SplitMix64::new(seed).next_u64() ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let a = self.pick(self.any_decade(&mut rng), &mut rng);
         // Mostly one of the same size, or the same.
         let b = match rng.below(16) {
@@ -298,7 +298,7 @@ impl<'p> Cast<'p> {
             _ => self.pick(decade(a.shape().outer_radius()), &mut rng),
         };
         let (meeting, b_in_a) = meeting::meet(&mut rng, a, b);
-        Pair { number, seed, bodies: [a, b], meeting, b_in_a }
+        Pair { index, seed, bodies: [a, b], meeting, b_in_a }
     }
 
     /// That of game hulls' usual size, else any.

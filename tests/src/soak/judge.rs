@@ -46,8 +46,8 @@ const TOUCHING_ROUNDINGS: f64 = 20.0;
 /// their cores.
 const TOUCHING_UNITS: f64 = 640.0;
 
-/// Maximum distance, relative to the greatest length, of the two points of touching shapes: those
-/// of slivers lose digits.
+/// Maximum distance, relative to the greatest length, of the two points of touching shapes. The
+/// points of slivers lose digits.
 const TOUCHING_POINTS: f64 = 1e-4;
 
 /// Maximum gap, relative to the greatest length, of a pair reported as touching: slivers beside
@@ -108,7 +108,7 @@ impl Answers {
         }
     }
 
-    /// All bits of it, with zeros of one sign.
+    /// Hash of all bits, with negative zeros as positive ones.
     fn hash(&self) -> u64 {
         let mut hasher = XxHash3_64::with_seed(0);
         let Self { yes, deep, near } = self;
@@ -136,7 +136,7 @@ impl Answers {
 
 /// Verifies all queries of a pair.
 pub(super) fn judge_pair(pair: &Pair<'_, '_>, tally: &mut Tally) {
-    let ([a, b], number) = (pair.bodies, pair.number);
+    let ([a, b], index) = (pair.bodies, pair.index);
     let mut caches = Caches::default();
     let answers = Answers::to(a, b, pair.b_in_a, &mut caches);
     tally.pairs += 1;
@@ -147,16 +147,16 @@ pub(super) fn judge_pair(pair: &Pair<'_, '_>, tally: &mut Tally) {
     }
     let scene = Scene::new(a, b, pair.b_in_a);
     scene.judge(pair, "cold", &answers, tally);
-    if number.is_multiple_of(NORMALS_INTERVAL) {
+    if index.is_multiple_of(NORMALS_INTERVAL) {
         scene.judge_by_normals(pair, &answers, tally);
     }
-    if number.is_multiple_of(FACETS_INTERVAL) {
+    if index.is_multiple_of(FACETS_INTERVAL) {
         scene.judge_by_facets(pair, &answers, tally);
     }
-    match number % 4 {
+    match index % 4 {
         1 => {
             // The next frame with a warm cache: a tiny step, or a larger one.
-            let step = [1e-9, 1e-3, 0.1][(number / 4 % 3) as usize];
+            let step = [1e-9, 1e-3, 0.1][(index / 4 % 3) as usize];
             let reach = a.shape().outer_radius().min(b.shape().outer_radius());
             let shift = DVec3::new(0.6, -0.64, 0.48) * (step * reach);
             let turn = glam::DQuat::from_xyzw(0.3 * step, 0.2 * step, -0.5 * step, 1.0);
@@ -164,11 +164,11 @@ pub(super) fn judge_pair(pair: &Pair<'_, '_>, tally: &mut Tally) {
             let answers = Answers::to(a, b, moved, &mut caches);
             Scene::new(a, b, moved).judge(pair, "warm", &answers, tally);
         }
-        // The caches are those of other shapes for the half of these.
+        // The pair seen from B: with empty caches, or with caches of the swapped pair.
         2 | 3 => {
             let inverse = pair.b_in_a.inverse();
             let mut fresh = Caches::default();
-            let caches = if number % 4 == 2 { &mut fresh } else { &mut caches };
+            let caches = if index % 4 == 2 { &mut fresh } else { &mut caches };
             let mirrored = Answers::to(b, a, inverse, caches);
             let back = Scene::new(b, a, inverse);
             back.judge(pair, "mirrored", &mirrored, tally);
@@ -190,7 +190,7 @@ struct Scene<'s, 'p> {
     slack: f64,
     /// The solver's own bound of its rounding error.
     rounding: f64,
-    /// Lengths up to this are touching.
+    /// Maximum gap or depth of touching shapes.
     hair: f64,
     /// Maximum length in the query.
     reach: f64,
@@ -235,14 +235,14 @@ impl<'s, 'p> Scene<'s, 'p> {
             "{pair}\n  {order}, at {:?}\n  {yes:?}\n  {deep:?}\n  {near:?}\n  slack {slack:e}, rounding {rounding:e}, {more}",
             self.b_in_a
         );
-        tally.take_wrong(Wrong { number: pair.number, what, details });
+        tally.take_wrong(Wrong { index: pair.index, what, details });
     }
 
     fn judge(&self, pair: &Pair<'_, '_>, order: &str, answers: &Answers, tally: &mut Tally) {
         let Answers { yes, deep, near } = answers;
         tally.judged += 1;
         tally.count(yes, deep, near);
-        tally.fingerprint = tally.fingerprint.wrapping_add(answers.hash().rotate_left((pair.number % 63) as u32));
+        tally.fingerprint = tally.fingerprint.wrapping_add(answers.hash().rotate_left((pair.index % 63) as u32));
         let mut tightest = 0.0_f64;
         let mut wrong: Option<(&'static str, f64, f64)> = None;
         // NaN takes the failing branch.
@@ -262,39 +262,39 @@ impl<'s, 'p> Scene<'s, 'p> {
             [deep.iterations, deep.support_calls],
             [near.iterations, near.support_calls],
         ] {
-            at_most("a cap is not held", counts[0].max(counts[1]).into(), MAX_STEPS.into(), 0.0);
+            at_most("a cap is exceeded", counts[0].max(counts[1]).into(), MAX_STEPS.into(), 0.0);
         }
 
         // A claim proved by one answer must not be denied by another.
         let gap = -way_deep.min(way_near);
         let depth_lower = deep.depth_lower;
         if depth_lower > 0.0 {
-            at_most("the depth's lower end is above another way out", depth_lower, way_near, slack);
+            at_most("the depth's lower bound is above another way out", depth_lower, way_near, slack);
         }
         if yes.status == Overlap::Separated {
-            at_most("intersects says apart, contact says deep", depth_lower, 0.0, slack);
+            at_most("intersects reports separated, contact reports a depth", depth_lower, 0.0, slack);
         }
         if yes.status == Overlap::Overlapping {
-            at_most("intersects says overlapping, an axis separates", gap, self.rounding, slack);
+            at_most("intersects reports overlapping, an axis separates", gap, self.rounding, slack);
         }
         if near.status == Status::Overlapping {
-            at_most("distance says overlapping, an axis separates", gap, self.rounding, slack);
+            at_most("distance reports overlapping, an axis separates", gap, self.rounding, slack);
         }
         // Within the rounding error a yes may be false, but never if all answers are settled.
         let hair = self.hair;
         if yes.status == Overlap::Touching {
-            at_most("intersects says touching, an axis separates", gap, hair + FALSE_TOUCH * self.reach, slack);
-            at_most("intersects says touching, contact says deep", depth_lower, hair, slack);
+            at_most("intersects reports touching, an axis separates", gap, hair + FALSE_TOUCH * self.reach, slack);
+            at_most("intersects reports touching, contact reports a depth", depth_lower, hair, slack);
         }
         if deep.hit && !matches!(deep.status, Status::IterationLimit | Status::Stalled) {
             at_most("contact hits, an axis separates", gap, hair + FALSE_TOUCH * self.reach, slack);
         }
         if near.status == Status::Touching {
-            at_most("distance says touching, an axis separates", gap, near.upper.max(hair), slack);
-            at_most("distance says touching, contact says deep", depth_lower, hair, slack);
+            at_most("distance reports touching, an axis separates", gap, near.upper.max(hair), slack);
+            at_most("distance reports touching, contact reports a depth", depth_lower, hair, slack);
         }
         if near.lower > 0.0 {
-            at_most("distance says apart, contact says deep", depth_lower, 0.0, slack);
+            at_most("distance reports separated, contact reports a depth", depth_lower, 0.0, slack);
         }
         tally.tightest = tally.tightest.max(tightest);
         if let Some((what, found, limit)) = wrong {
@@ -310,18 +310,18 @@ impl<'s, 'p> Scene<'s, 'p> {
         at_most("the contact's point is not on B", self.outside_b(c.point_b), 0.0, slack);
         if !c.hit {
             at_most("the contact's axis does not separate", way, 0.0, slack);
-            at_most("no contact has a depth", c.depth.max(c.depth_lower).max(c.depth_upper), 0.0, 0.0);
-            at_most("no contact has another status", f64::from(c.status != Status::Separated), 0.0, 0.0);
+            at_most("a miss has a depth", c.depth.max(c.depth_lower).max(c.depth_upper), 0.0, 0.0);
+            at_most("a miss has another status than separated", f64::from(c.status != Status::Separated), 0.0, 0.0);
             return;
         }
         let impossible = matches!(c.status, Status::Separated | Status::Overlapping);
-        at_most("a contact has a status of others", f64::from(impossible), 0.0, 0.0);
-        at_most("a depth below zero", -c.depth_lower, 0.0, 0.0);
+        at_most("a hit has an impossible status", f64::from(impossible), 0.0, 0.0);
+        at_most("the depth's lower bound is negative", -c.depth_lower, 0.0, 0.0);
         at_most("the depth is not in its interval", c.depth_lower, c.depth, 0.0);
         at_most("the depth is not in its interval", c.depth, c.depth_upper, 0.0);
         at_most("the contact's normal is not the way out", way, c.depth_upper, slack);
         if c.depth_lower > 0.0 {
-            at_most("the depth's lower end is above the way out", c.depth_lower, way, slack);
+            at_most("the depth's lower bound is above the way out", c.depth_lower, way, slack);
         }
         let between = c.point_a - c.point_b;
         at_most("the contact's points are deeper than the depth", between.dot(c.normal), c.depth_upper, slack);
@@ -355,7 +355,7 @@ impl<'s, 'p> Scene<'s, 'p> {
         at_most("the distance's normal is not of unit length", (d.normal.length() - 1.0).abs(), UNIT, 0.0);
         at_most("the distance's point is not on A", self.outside_a(d.point_a), 0.0, slack);
         at_most("the distance's point is not on B", self.outside_b(d.point_b), 0.0, slack);
-        at_most("a distance below zero", -d.lower, 0.0, 0.0);
+        at_most("the distance's lower bound is negative", -d.lower, 0.0, 0.0);
         at_most("the distance is not in its interval", d.lower, d.distance, 0.0);
         at_most("the distance is not in its interval", d.distance, d.upper, 0.0);
         let apart = d.point_a.distance(d.point_b);
@@ -367,16 +367,16 @@ impl<'s, 'p> Scene<'s, 'p> {
                 at_most("the common point is not in A", self.outside_a(d.point_b), hair, slack);
                 return;
             }
-            Status::Separated => at_most("a distance has a status of others", 1.0, 0.0, 0.0),
+            Status::Separated => at_most("a distance has an impossible status", 1.0, 0.0, 0.0),
             _ => {}
         }
-        at_most("the distance's points are farther apart than its upper end", apart, d.upper, slack);
-        at_most("the distance's points are nearer than its lower end", d.lower, apart, slack);
-        // The balls' line is a bound of its own.
+        at_most("the distance's points are farther apart than its upper bound", apart, d.upper, slack);
+        at_most("the distance's points are nearer than its lower bound", d.lower, apart, slack);
+        // The balls around the shapes give another bound.
         let centers = self.a.shape().interior_point() - (self.turn * self.b.shape().interior_point() + self.shift);
         let by_balls = centers.length() - self.a.shape().outer_radius() - self.b.shape().outer_radius();
         if d.lower > 0.0 {
-            at_most("the distance's lower end is above the planes' gap", d.lower, (-way).max(by_balls), slack);
+            at_most("the distance's lower bound is above the planes' gap", d.lower, (-way).max(by_balls), slack);
         }
         let (width, hair) = (d.upper - d.lower, self.hair);
         match d.status {
@@ -406,7 +406,7 @@ impl<'s, 'p> Scene<'s, 'p> {
             let way = self.way_out(n);
             if deep.depth_lower > 0.0 && !(deep.depth_lower <= way + self.slack) {
                 let more = format!("way out {way:e} along {n}");
-                self.wrong(pair, "the depth's lower end is above a face's way out", "cold", answers, more, tally);
+                self.wrong(pair, "the depth's lower bound is above a face's way out", "cold", answers, more, tally);
                 return;
             }
         }
@@ -426,8 +426,8 @@ impl<'s, 'p> Scene<'s, 'p> {
         let (depth, axis) = signed_depth(&a, &b, -4.0 * self.slack);
         let deep = &answers.deep;
         let hair = self.hair;
-        // The upper end, and a miss, have a certificate: facets' normals are not all there are
-        // where a polygon is flat but for rounding.
+        // The upper bound and a miss have their own certificates. The facets' normals are not all
+        // directions if a polygon is flat only up to rounding.
         let fits = !deep.hit
             || deep.depth_lower <= depth.max(0.0) + self.slack
                 && (depth >= -hair - FALSE_TOUCH * self.reach
@@ -446,11 +446,11 @@ impl<'s, 'p> Scene<'s, 'p> {
         let gap = |d: &Distance| [d.lower, d.upper];
         let hair = self.hair;
         let what = if !meet(depth(&here.deep), depth(&there.deep)) {
-            "the mirrored depth is another"
+            "the mirrored depth differs"
         } else if !meet(gap(&here.near), gap(&there.near)) {
-            "the mirrored distance is another"
+            "the mirrored distance differs"
         } else if here.deep.hit != there.deep.hit && here.deep.depth_lower.max(there.deep.depth_lower) > hair {
-            "the mirrored contact is another"
+            "the mirrored contact differs"
         } else {
             return;
         };

@@ -37,24 +37,24 @@ use judge::judge_pair;
 use tally::{Tally, Wrong};
 
 /// Number of pairs that a thread takes at a time: about 20 ms of work.
-const RUN: u64 = 2048;
+const BATCH: u64 = 2048;
 
-/// Judges the pairs `numbers` of `seed` on `threads` threads. The tally does not depend on their
-/// number.
-pub fn soak(cast: &Cast<'_>, seed: u64, numbers: Range<u64>, threads: usize) -> Tally {
-    let next = AtomicU64::new(numbers.start);
+/// Judges the pairs `indices` of `seed` on `threads` threads. The tally does not depend on the
+/// number of threads.
+pub fn soak(cast: &Cast<'_>, seed: u64, indices: Range<u64>, threads: usize) -> Tally {
+    let next = AtomicU64::new(indices.start);
     let sum = Mutex::new(Tally::default());
     std::thread::scope(|scope| {
         for _ in 0..threads.max(1) {
             scope.spawn(|| {
                 let mut tally = Tally::default();
                 loop {
-                    let start = next.fetch_add(RUN, Ordering::Relaxed);
-                    if start >= numbers.end {
+                    let start = next.fetch_add(BATCH, Ordering::Relaxed);
+                    if start >= indices.end {
                         break;
                     }
-                    for number in start..numbers.end.min(start + RUN) {
-                        one(cast, seed, number, &mut tally);
+                    for index in start..indices.end.min(start + BATCH) {
+                        judge_one(cast, seed, index, &mut tally);
                     }
                 }
                 sum.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).add(tally);
@@ -65,11 +65,11 @@ pub fn soak(cast: &Cast<'_>, seed: u64, numbers: Range<u64>, threads: usize) -> 
 }
 
 /// Judges one pair; a panic counts as wrong.
-fn one(cast: &Cast<'_>, seed: u64, number: u64, tally: &mut Tally) {
-    let pair = cast.pair(seed, number);
+fn judge_one(cast: &Cast<'_>, seed: u64, index: u64, tally: &mut Tally) {
+    let pair = cast.pair(seed, index);
     // A panic may leave counts incomplete, but then the run has failed.
     let judged = catch_unwind(AssertUnwindSafe(|| judge_pair(&pair, tally)));
     if judged.is_err() {
-        tally.take_wrong(Wrong { number, what: "a panic", details: pair.to_string() });
+        tally.take_wrong(Wrong { index, what: "a panic", details: pair.to_string() });
     }
 }

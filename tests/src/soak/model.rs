@@ -11,7 +11,7 @@ use hullmap_testkit::{
 #[derive(Clone, Debug)]
 pub enum Core {
     /// The convex hull of points, and the planes of its faces: outward normals and offsets. Without
-    /// planes it is a segment or a point, the first two of the points being its ends.
+    /// planes it is a segment or a point, whose ends are the first and the last point.
     Points {
         /// The vertices.
         points: Vec<DVec3>,
@@ -59,11 +59,11 @@ impl Model {
     pub fn of_hull(hull: &Hull<'_>) -> Self {
         if hull.rank() < 2 {
             let points: Vec<DVec3> = hull.vertices().map(|v| v.as_dvec3()).collect();
-            assert!(points.len() <= 2, "{} is a segment or a point", hull.name());
+            assert!(points.len() <= 2, "{} has rank below 2 but more than two vertices", hull.name());
             return Self::new(Core::Points { points, planes: Vec::new(), edges: Vec::new() });
         }
         let Polytope { points, normals, edges } = Polytope::new(hull);
-        // A sliver's normal may be noise, but a plane in front of all points still bounds the hull.
+        // A sliver's normal may be noise, but a plane with all points behind it still bounds the hull.
         let planes = normals.into_iter().map(|n| (n, reach(&points, n))).collect();
         Self::new(Core::Points { points, planes, edges })
     }
@@ -130,29 +130,29 @@ impl Model {
         planes.iter().map(|(n, _)| (*n / self.scale).normalize())
     }
 
-    /// Normal of face `place`, modulo the number of faces; `None` for shapes without faces.
-    pub fn face_normal(&self, place: usize) -> Option<DVec3> {
+    /// Normal of face `index`, modulo the number of faces; `None` for shapes without faces.
+    pub fn face_normal(&self, index: usize) -> Option<DVec3> {
         match &self.core {
             Core::Points { planes, .. } if !planes.is_empty() => {
-                Some((planes[place % planes.len()].0 / self.scale).normalize())
+                Some((planes[index % planes.len()].0 / self.scale).normalize())
             }
-            Core::Cuboid(_) => Some(DVec3::AXES[place % 3] * if place.is_multiple_of(2) { 1.0 } else { -1.0 }),
+            Core::Cuboid(_) => Some(DVec3::AXES[index % 3] * if index.is_multiple_of(2) { 1.0 } else { -1.0 }),
             Core::Cylinder(..) | Core::Cone(..) => Some(DVec3::NEG_Z),
             _ => None,
         }
     }
 
-    /// Direction of edge `place`, modulo the number of edges, and an outward direction across it.
-    pub fn edge(&self, place: usize, lean: f64) -> Option<(DVec3, DVec3)> {
+    /// Direction of edge `index`, modulo the number of edges, and an outward direction across it.
+    pub fn edge(&self, index: usize, lean: f64) -> Option<(DVec3, DVec3)> {
         match &self.core {
             Core::Points { planes, edges, .. } if !edges.is_empty() => {
-                let edge = &edges[place % edges.len()];
+                let edge = &edges[index % edges.len()];
                 let [left, right] = edge.faces.map(|face| planes[face].0);
                 let out = left * lean + right * (1.0 - lean);
                 Some(((edge.dir * self.scale).normalize(), (out / self.scale).normalize()))
             }
             Core::Cuboid(_) => {
-                let axis = place % 3;
+                let axis = index % 3;
                 let out = DVec3::AXES[(axis + 1) % 3] * lean + DVec3::AXES[(axis + 2) % 3] * (1.0 - lean);
                 Some((DVec3::AXES[axis], out.normalize()))
             }
@@ -208,10 +208,10 @@ mod tests {
     use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
     use shapes::rng::SplitMix64;
 
-    /// The shapes' support points are another definition. Their extent agrees with the model, and
-    /// they are on its surface.
+    /// Support points define a shape independently of its model. Their extent agrees with the model,
+    /// and they are on its surface.
     #[test]
-    fn models_are_what_the_support_mappings_are() {
+    fn models_agree_with_support_mappings() {
         let scale = DVec3::new(2.0, -0.5, 0.75);
         let half = DVec3::new(0.3, 0.5, 0.7);
         let pairs: Vec<(Box<dyn SupportMap>, Model)> = vec![
@@ -236,20 +236,20 @@ mod tests {
             ),
         ];
         let mut rng = SplitMix64::new(3);
-        for (number, (shape, model)) in pairs.iter().enumerate() {
+        for (index, (shape, model)) in pairs.iter().enumerate() {
             for _ in 0..500 {
                 let dir = DVec3::from_array(rng.direction());
                 let point = shape.support_point(dir).point;
-                assert!((point.dot(dir) - model.reach(dir)).abs() < 1e-14, "{number} {dir} {point}");
-                assert!(model.outside(point) < 1e-14, "{number} {dir} {point} {}", model.outside(point));
-                // Planes say less than the whole beside the corners of what is rounded.
-                if number < pairs.len() - 1 {
-                    assert!(model.outside(point) > -1e-14, "{number} {dir} {point} {}", model.outside(point));
-                    assert!(model.outside(point + dir * 0.01) > 0.0, "{number} {dir}");
+                assert!((point.dot(dir) - model.reach(dir)).abs() < 1e-14, "{index} {dir} {point}");
+                assert!(model.outside(point) < 1e-14, "{index} {dir} {point} {}", model.outside(point));
+                // Beside the corners of a rounded shape, the planes give only a lower bound.
+                if index < pairs.len() - 1 {
+                    assert!(model.outside(point) > -1e-14, "{index} {dir} {point} {}", model.outside(point));
+                    assert!(model.outside(point + dir * 0.01) > 0.0, "{index} {dir}");
                 }
                 assert!(point.length() <= model.greatest + 1e-14);
                 let inner = shape.interior_point();
-                assert!(model.outside(inner.lerp(point, 0.9)) < 1e-14, "{number} {dir}");
+                assert!(model.outside(inner.lerp(point, 0.9)) < 1e-14, "{index} {dir}");
             }
         }
     }

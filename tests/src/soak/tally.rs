@@ -13,7 +13,7 @@ const KEPT: usize = 5;
 #[derive(Clone, Debug)]
 pub struct Wrong {
     /// Index of the pair.
-    pub number: u64,
+    pub index: u64,
     /// The failed check.
     pub what: &'static str,
     /// The pair and the answers.
@@ -22,7 +22,7 @@ pub struct Wrong {
 
 impl fmt::Display for Wrong {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "pair {}: {}\n  {}", self.number, self.what, self.details)
+        write!(f, "pair {}: {}\n  {}", self.index, self.what, self.details)
     }
 }
 
@@ -33,11 +33,11 @@ pub struct Tally {
     pub pairs: u64,
     /// Triples of answers judged: a pair's own, mirrored, warm.
     pub judged: u64,
-    /// Of those, the ones whose depth was compared with all facets of the Minkowski difference.
+    /// Triples whose depth was compared with all facets of the Minkowski difference.
     pub facets: u64,
-    /// Of those, the ones whose depth was compared with all face normals.
+    /// Triples whose depth was compared with all face normals.
     pub normals: u64,
-    /// By intended pose: the pairs, and of those the contacts that overlap.
+    /// Numbers of pairs and of contacts that hit, by intended pose.
     pub meetings: BTreeMap<Meeting, [u64; 2]>,
     /// Bodies by kind.
     pub kinds: BTreeMap<Kind, u64>,
@@ -47,10 +47,9 @@ pub struct Tally {
     pub iterations: [u32; 3],
     /// Maximum number of support calls of each.
     pub support_calls: [u32; 3],
-    /// The least distance, over the width that is allowed, by which anything was right; above 1 it
-    /// is wrong.
+    /// Maximum violation of a bound, as a fraction of the tolerance. Above 1 an answer is wrong.
     pub tightest: f64,
-    /// All answers' bits, summed: the same for the same answers in any order.
+    /// Sum of the hashes of all answers. It does not depend on their order.
     pub fingerprint: u64,
     /// Number of failures of each check.
     pub wrong: BTreeMap<&'static str, u64>,
@@ -94,7 +93,7 @@ impl Tally {
     pub fn take_wrong(&mut self, wrong: Wrong) {
         *self.wrong.entry(wrong.what).or_default() += 1;
         let kept = self.kept.entry(wrong.what).or_default();
-        kept.push((wrong.number, wrong.details));
+        kept.push((wrong.index, wrong.details));
         keep_first(kept);
     }
 
@@ -102,7 +101,7 @@ impl Tally {
     pub fn wrongs(&self) -> impl Iterator<Item = Wrong> {
         let each = |(what, kept): (&&'static str, &Vec<(u64, String)>)| {
             let what = *what;
-            kept.clone().into_iter().map(move |(number, details)| Wrong { number, what, details })
+            kept.clone().into_iter().map(move |(index, details)| Wrong { index, what, details })
         };
         self.kept.iter().flat_map(each)
     }
@@ -133,7 +132,7 @@ impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "{} pairs, {:.1} % hit; {} triples of answers judged, {} of them by all face normals, {} by all facets",
+            "{} pairs, {:.1} % hit; {} triples of answers judged, {} of them against all face normals, {} against all facets",
             self.pairs,
             100.0 * self.hits(),
             self.judged,
@@ -146,13 +145,9 @@ impl fmt::Display for Tally {
         writeln!(f, "bodies: {:?}", self.kinds)?;
         for (which, name) in ["intersects", "contact", "distance"].into_iter().enumerate() {
             let (iterations, calls) = (self.iterations[which], self.support_calls[which]);
-            writeln!(
-                f,
-                "{name}: {:?}; most iterations {iterations}, most support calls {calls}",
-                self.statuses[which]
-            )?;
+            writeln!(f, "{name}: {:?}; maximum {iterations} iterations, {calls} support calls", self.statuses[which])?;
         }
-        writeln!(f, "tightest certificate: {:.3} of what is allowed", self.tightest)?;
+        writeln!(f, "tightest certificate: {:.3} of the tolerance", self.tightest)?;
         writeln!(f, "fingerprint: {:016x}", self.fingerprint)?;
         write!(f, "wrong: {} {:?}", self.wrong.values().sum::<u64>(), self.wrong)
     }

@@ -65,11 +65,11 @@ const BISECTIONS: usize = 50;
 /// Intended pose of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Class {
-    /// At most 0.9 of the distance at which it touches.
+    /// At most 0.9 times the touching distance.
     Deep,
-    /// Within 2 % of it.
+    /// Within 2 % of the touching distance.
     Touching,
-    /// At least 1.05 of it.
+    /// At least 1.05 times the touching distance.
     Apart,
 }
 
@@ -96,14 +96,14 @@ impl Recipe {
         }
     }
 
-    /// Its points.
+    /// The points of the hull.
     pub fn points(&self) -> Vec<[f32; 3]> {
         let unit: Vec<[f32; 3]> = match self.kind {
             Kind::Small(seed) => {
                 let mut rng = SplitMix64::new(seed);
                 let count = 4 + rng.below(13);
                 let axes = DVec3::from_array([(); 3].map(|()| rng.between(0.3, 1.0)));
-                // Half of them on the surface of an ellipsoid, where all are extreme.
+                // In half of the hulls, all points are on an ellipsoid, so all are extreme.
                 let least = if seed.is_multiple_of(2) { 1.0 } else { 0.2 };
                 let point = |rng: &mut SplitMix64| {
                     (DVec3::from_array(rng.direction()) * axes * rng.between(least, 1.0)).as_vec3().to_array()
@@ -119,7 +119,7 @@ impl Recipe {
     }
 }
 
-/// A baked hull and its truth.
+/// A baked hull, and its polytope for the truth.
 pub struct Body {
     pack: Pack,
     /// Its faces and edges.
@@ -146,7 +146,7 @@ impl Body {
 #[derive(Clone, Copy, Debug)]
 pub struct Pair {
     /// Index of the pair.
-    pub number: u64,
+    pub index: u64,
     /// A and B.
     pub recipes: [Recipe; 2],
     /// Intended pose.
@@ -177,12 +177,12 @@ impl Scene {
         Self { seed, detail, bodies: HashMap::new() }
     }
 
-    /// The pair of index `number`, with its hulls.
+    /// The pair `index`, with its hulls.
     ///
     /// # Panics
     /// If a hull cannot be baked: a bug.
-    pub fn pair(&mut self, number: u64) -> (Pair, [&Body; 2]) {
-        let mut rng = SplitMix64::new(self.seed ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    pub fn pair(&mut self, index: u64) -> (Pair, [&Body; 2]) {
+        let mut rng = SplitMix64::new(self.seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let scales = SCALES[rng.below(SCALES.len())];
         let mut recipes =
             scales.map(|scale| Recipe { kind: kind(self.detail, &mut rng), scale, far: rng.below(6) == 0 });
@@ -197,7 +197,7 @@ impl Scene {
         }
         let bodies = recipes.each_ref().map(|recipe| &self.bodies[&key(recipe)]);
         let [a, b] = bodies.map(Body::hull);
-        let class = [Class::Deep, Class::Touching, Class::Apart][(number % 3) as usize];
+        let class = [Class::Deep, Class::Touching, Class::Apart][(index % 3) as usize];
         let share = match class {
             Class::Deep => rng.between(0.0, 0.9),
             Class::Apart => rng.between(1.05, 2.0),
@@ -214,7 +214,7 @@ impl Scene {
         let reach = touching_distance(&a, &b, rotation, direction) * share;
         let center = a.interior_point() + direction * reach;
         let b_in_a = Pose::new(center - rotation * b.interior_point(), rotation).expect("finite");
-        (Pair { number, recipes, class, b_in_a }, bodies)
+        (Pair { index, recipes, class, b_in_a }, bodies)
     }
 }
 

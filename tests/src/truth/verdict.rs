@@ -12,8 +12,8 @@ use hullmap_testkit::{
 
 use super::scene::{Body, Class, Pair};
 
-/// Depth or distance, relative to the mean diameter, above which a wrong yes or no is a miss.
-/// Below, it is only counted.
+/// Depth or distance, relative to the mean diameter, above which a wrong answer about overlap is a
+/// miss. Below, it is only counted.
 pub const SURE: f64 = 1e-6;
 
 /// Default tolerance: width of an interval relative to its upper bound.
@@ -41,11 +41,11 @@ pub struct Miss {
 
 impl fmt::Display for Miss {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Pair { number, recipes, class, b_in_a } = &self.pair;
+        let Pair { index, recipes, class, b_in_a } = &self.pair;
         let (t, r) = (b_in_a.translation(), b_in_a.rotation());
         write!(
             f,
-            "{}: pair {number}, {class:?}\n  {:?}\n  {:?}\n  pose \"{} {} {} {} {} {} {}\"\n  {}",
+            "{}: pair {index}, {class:?}\n  {:?}\n  {:?}\n  pose \"{} {} {} {} {} {} {}\"\n  {}",
             self.what, recipes[0], recipes[1], t.x, t.y, t.z, r.x, r.y, r.z, r.w, self.details
         )
     }
@@ -79,11 +79,11 @@ impl Answers {
 pub struct Tally {
     /// Pairs judged.
     pub pairs: usize,
-    /// Pairs by class, and of those the ones that overlap in truth.
+    /// Numbers of pairs and of truly overlapping pairs, by class.
     pub classes: BTreeMap<Class, [usize; 2]>,
     /// Pairs within [`SURE`] of touching.
     pub unsure: usize,
-    /// Of those, the ones whose yes or no is wrong by more than the rounding error.
+    /// Number of these that are wrong about overlap by more than the rounding error.
     pub unsure_wrong: usize,
     /// Undecided answers of `intersects`.
     pub undecided: usize,
@@ -93,7 +93,7 @@ pub struct Tally {
     pub distances: BTreeMap<&'static str, usize>,
     /// Contacts, and distances, of pairs that are not within [`SURE`] of touching.
     pub sure: [usize; 2],
-    /// Of those, the ones whose interval is wider than [`WIDTH`].
+    /// Number of these whose interval is wider than [`WIDTH`].
     pub wide: [usize; 2],
     /// Maximum relative width of a sure contact and of a sure distance.
     pub widest: [f64; 2],
@@ -102,7 +102,7 @@ pub struct Tally {
     /// Truths compared with the slow twins: depths and distances.
     pub twins: [usize; 2],
     /// Maximum number of support calls of a contact.
-    pub most_support_calls: u32,
+    pub max_support_calls: u32,
     /// Pairs by family, each hull counted.
     pub families: BTreeMap<&'static str, usize>,
     /// All misses.
@@ -160,9 +160,9 @@ impl Tally {
         let right = [yes.is_hit(), deep.hit, near_hit].map(|hit| hit != apart);
         if sure {
             let of = [
-                "intersects says yes or no wrongly",
-                "contact says yes or no wrongly",
-                "distance says yes or no wrongly",
+                "intersects is wrong about overlap",
+                "contact is wrong about overlap",
+                "distance is wrong about overlap",
             ];
             for (what, _) in of.into_iter().zip(right).filter(|(_, right)| !right) {
                 miss(what, format!("{}\n  {yes:?}\n  {deep:?}\n  {near:?}", truth()));
@@ -176,7 +176,7 @@ impl Tally {
             // In truth separated, within the tolerance of `sure`: the depth is 0.
             let depth = depth.max(0.0);
             if !(deep.depth_lower <= depth + slack && depth - slack <= deep.depth_upper) {
-                miss("the depth's interval does not hold the truth", format!("{}\n  {deep:?}", truth()));
+                miss("the depth's interval does not contain the truth", format!("{}\n  {deep:?}", truth()));
             }
             if !(0.0 <= deep.depth_lower && deep.depth_lower <= deep.depth && deep.depth <= deep.depth_upper) {
                 miss("the depth is not in its own interval", format!("{}\n  {deep:?}", truth()));
@@ -186,13 +186,13 @@ impl Tally {
                 miss("the contact's normal is not the way out", format!("{}, way {way:e}\n  {deep:?}", truth()));
             }
             *self.contacts.entry(deep.status.as_str()).or_default() += 1;
-            self.most_support_calls = self.most_support_calls.max(deep.support_calls);
+            self.max_support_calls = self.max_support_calls.max(deep.support_calls);
         } else if !(way_out(a, b, deep.normal) <= slack) {
             miss("the contact's axis does not separate", format!("{}\n  {deep:?}", truth()));
         }
         if let (Some(far), false) = (far, near_hit) {
             if !(near.lower <= far.upper + slack && far.lower - slack <= near.upper) {
-                miss("the distance's interval does not hold the truth", format!("{}\n  {near:?}", truth()));
+                miss("the distance's interval does not contain the truth", format!("{}\n  {near:?}", truth()));
             }
             if !(0.0 <= near.lower && near.lower <= near.distance && near.distance <= near.upper) {
                 miss("the distance is not in its own interval", format!("{}\n  {near:?}", truth()));
@@ -238,17 +238,17 @@ impl fmt::Display for Tally {
         )?;
         writeln!(
             f,
-            "within {SURE:e} of touching: {}, of which {} with a yes or no that is wrong by more than rounding; {} undecided",
+            "within {SURE:e} of touching: {}, {} of them wrong about overlap by more than the rounding error; {} undecided",
             self.unsure, self.unsure_wrong, self.undecided
         )?;
         for (name, which, statuses) in [("contacts", 0, &self.contacts), ("distances", 1, &self.distances)] {
             writeln!(
                 f,
-                "{name}: {statuses:?}; of {} sure ones {} are wider than {WIDTH:e} (widest {:.1e})",
+                "{name}: {statuses:?}; {} sure, of which {} are wider than {WIDTH:e} (maximum {:.1e})",
                 self.sure[which], self.wide[which], self.widest[which]
             )?;
         }
-        writeln!(f, "most support calls of a contact: {}", self.most_support_calls)?;
+        writeln!(f, "maximum support calls of a contact: {}", self.max_support_calls)?;
         let mut kinds: BTreeMap<&str, usize> = BTreeMap::new();
         self.misses.iter().for_each(|miss| *kinds.entry(miss.what).or_default() += 1);
         write!(f, "misses: {} {kinds:?}", self.misses.len())

@@ -27,8 +27,8 @@ use crate::{
 /// Sine of the angle by which two arcs may miss each other and still count as crossing.
 const ARC_SLACK: f64 = 1e-9;
 
-/// Edges whose directions enclose an angle with a smaller sine have no common normal in f64. Their
-/// facet is as narrow as that angle; skipping it costs at most this share of the size.
+/// Minimum sine of the angle between two edges. Below it, f64 gives no common normal. Their facet is
+/// as narrow as that angle, so skipping it changes the depth by at most this fraction of the size.
 const MIN_SINE: f64 = 1e-14;
 
 /// The minimum way out of B, placed in A's frame, and its direction. Negative if the hulls are
@@ -57,8 +57,7 @@ pub fn signed_depth(a: &Polytope, b: &Polytope, enough: f64) -> (f64, DVec3) {
             if !(cuts(left_b, right_b) && cuts(edge_b.dir.dot(left_a), edge_b.dir.dot(right_a))) {
                 continue;
             }
-            // The great circles meet in two points; which of them lies on both arcs is decided
-            // below.
+            // The great circles meet in two points. The test below selects the point on both arcs.
             let cross = edge_a.dir.cross(edge_b.dir);
             if cross.length() < MIN_SINE {
                 continue;

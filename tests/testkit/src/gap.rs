@@ -1,6 +1,6 @@
 //! Distance of two hulls by Wolfe's algorithm, with a certificate: two points, and two parallel
-//! planes between the hulls. The distance is at most that of the points and at least that of the
-//! planes, however they were found.
+//! planes between the hulls. However these were found, the distance is at most that of the points
+//! and at least that of the planes.
 //!
 //! # Reference
 //! P. Wolfe, "Finding the nearest point in a polytope", Mathematical Programming 11, 1976.
@@ -10,22 +10,22 @@
 //!    origin.
 //! 2. The support point of A − B along −x gives the planes. If it is no nearer than x, x is the
 //!    answer.
-//! 3. Else add it, and find the nearest point of the affine hull. While that lies outside the
-//!    simplex, move towards it as far as the simplex reaches, and drop the point that is no longer
-//!    needed.
+//! 3. Otherwise add it, and find the nearest point of the affine hull. While that point lies outside
+//!    the simplex, move towards it as far as the simplex reaches, and remove the vertex that no
+//!    longer contributes.
 
 use glam::DVec3;
 
 use crate::polytope::Polytope;
 
-/// Maximum number of points added; a dozen is usual.
+/// Maximum number of points added. About a dozen are common.
 const MAX_STEPS: usize = 500;
 
-/// Relative length of the part of a spoke that is independent of the earlier ones; below it the
-/// spoke adds no dimension.
+/// Minimum length of the part of a spoke that is independent of the earlier spokes, relative to the
+/// spoke. Below it, the spoke adds no dimension.
 const FLAT: f64 = 1e-13;
 
-/// An interval that holds the distance, up to [`rounding_error`](crate::polytope::rounding_error).
+/// An interval that contains the distance, up to [`rounding_error`](crate::polytope::rounding_error).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
     /// Distance of the planes; negative if they do not separate the hulls.
@@ -68,7 +68,7 @@ pub fn gap(a: &Polytope, b: &Polytope) -> Gap {
             let step = pairs.map(|(c, to)| c.1 / (c.1 - to)).fold(1.0, f64::min);
             corral.iter_mut().zip(&target).for_each(|(c, to)| c.1 += step * (to - c.1));
             let gone = corral.iter().zip(&target).enumerate().filter(|(_, (_, to))| **to <= 0.0);
-            let Some(gone) = gone.min_by(|(_, (c, _)), (_, (d, _))| c.1.total_cmp(&d.1)).map(|(place, _)| place) else {
+            let Some(gone) = gone.min_by(|(_, (c, _)), (_, (d, _))| c.1.total_cmp(&d.1)).map(|(index, _)| index) else {
                 break;
             };
             corral.remove(gone);
@@ -81,7 +81,7 @@ pub fn gap(a: &Polytope, b: &Polytope) -> Gap {
 /// points are not independent.
 fn affine_shares(corral: &[(DVec3, f64)]) -> Option<Vec<f64>> {
     let root = corral[0].0;
-    // Gram and Schmidt, each twice: spokes = directions times a triangle.
+    // Gram-Schmidt, twice for accuracy: spokes = directions times a triangular matrix.
     let (mut dirs, mut triangle): (Vec<DVec3>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
     for (w, _) in &corral[1..] {
         let spoke = *w - root;
@@ -100,7 +100,7 @@ fn affine_shares(corral: &[(DVec3, f64)]) -> Option<Vec<f64>> {
         dirs.push(rest.normalize());
         triangle.push(column);
     }
-    // The triangle times the shares of the spokes is −root along the directions.
+    // The triangular matrix times the shares of the spokes is −root along the directions.
     let mut shares: Vec<f64> = dirs.iter().map(|dir| -root.dot(*dir)).collect();
     for row in (0..shares.len()).rev() {
         for later in row + 1..shares.len() {

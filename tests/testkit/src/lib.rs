@@ -1,5 +1,5 @@
-//! What the tests of several packages need: packs made in process, brute-force truths about pairs,
-//! and random poses.
+//! Tools that the tests of several packages share: packs baked in process, brute-force truths about
+//! pairs, and random poses.
 //!
 //! | module | contents |
 //! |---|---|
@@ -10,14 +10,14 @@
 //! | [`depth`] | signed depth by all facets of the Minkowski difference, and its slow twin |
 //! | [`gap`] | distance with a certificate, and its slow twin |
 //!
-//! Depths and distances are computed in f64 without any code of the solver. A development
-//! dependency alone.
+//! Depths and distances are computed in f64 without any code of the solver. Packages use this one
+//! only as a development dependency.
 //!
 //! # Rounding error
-//! Both truths are exact up to [`polytope::rounding_error`]: a facet's normal is computed to a few
-//! units of rounding error over the facet's extent, and tilting a plane about a facet by that much
-//! moves its support value by extent times tilt. So the value of an arbitrarily thin facet is off
-//! by some units of the greatest length.
+//! Both truths are exact up to [`polytope::rounding_error`]. The error of a facet's normal is a few
+//! units of rounding error divided by the facet's extent. A plane that is tilted by this angle about
+//! the facet changes its support value by extent times tilt. So the error of even an arbitrarily
+//! thin facet is a few units of the greatest length.
 
 #![forbid(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! Packs made in process, without the command.
+//! Packs baked in process, without the command.
 
 use std::hash::Hasher;
 

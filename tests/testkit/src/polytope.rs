@@ -5,12 +5,13 @@ use hullmap::{Hull, Pose};
 
 use crate::reach::Reach;
 
-/// Units of rounding error that a truth may be off by, of the greatest length in the query: two
-/// products of a rotation, a normal, a dot product and a difference come to about 20 on each hull.
+/// Maximum error of a truth, in units of the greatest length in the query times the f64 epsilon. Two
+/// products with a rotation, a normal, a dot product and a difference amount to about 20 on each
+/// hull.
 const ROUNDING_UNITS: f64 = 64.0;
 
-/// The length that a truth about `a` and `b`, both in A's frame, may be off by. `frames` is the
-/// distance of the frames' origins.
+/// Maximum error of a truth about `a` and `b`, both in A's frame: a length. `frames` is the distance
+/// of the frames' origins.
 pub fn rounding_error(a: &Polytope, b: &Polytope, frames: f64) -> f64 {
     ROUNDING_UNITS * f64::EPSILON * (a.greatest() + b.greatest() + frames)
 }
@@ -52,10 +53,10 @@ impl Polytope {
         assert!(faces.len() >= 2, "{} is a segment or a point", hull.name());
         let mut normals: Vec<DVec3> = faces.iter().map(|face| normal(&points, face)).collect();
         let mut sides: Vec<([usize; 2], usize)> = Vec::new();
-        for (number, face) in faces.iter().enumerate() {
-            for (place, &from) in face.iter().enumerate() {
-                let to = face[(place + 1) % face.len()];
-                sides.push(([from.min(to), from.max(to)], number));
+        for (index, face) in faces.iter().enumerate() {
+            for (corner, &from) in face.iter().enumerate() {
+                let to = face[(corner + 1) % face.len()];
+                sides.push(([from.min(to), from.max(to)], index));
             }
         }
         sides.sort_unstable();
@@ -103,8 +104,8 @@ impl Reach for Polytope {
     }
 }
 
-/// The unit normal of a planar polygon, perpendicular to its longest side up to rounding error:
-/// then the normal of a thin polygon errs only about that side.
+/// The unit normal of a planar polygon, perpendicular to its longest side up to rounding error. The
+/// normal of a thin polygon then has an error only about that side.
 fn normal(points: &[DVec3], face: &[usize]) -> DVec3 {
     let root = points[face[0]];
     let spokes: Vec<DVec3> = face[1..].iter().map(|&v| points[v] - root).collect();

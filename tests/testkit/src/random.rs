@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use hullmap::Pose;
 use shapes::rng::SplitMix64;
 
-/// What a generator of numbers makes of them in space.
+/// Random directions, rotations and poses.
 pub trait RandomPoses {
     /// A unit vector, uniform over the sphere.
     fn unit_vector(&mut self) -> DVec3;

@@ -33,13 +33,13 @@ impl Reach for Hull<'_> {
 #[derive(Clone, Copy, Debug)]
 pub struct Placed<R> {
     shape: R,
-    /// Takes directions of A's frame into the shape's own.
+    /// Maps directions from A's frame to the shape's own frame.
     unturn: DMat3,
     shift: DVec3,
 }
 
 impl<R: Reach> Placed<R> {
-    /// `shape`, given its pose in the frame that directions are in.
+    /// `shape` at the pose `b_in_a`, which maps its frame to that of the directions.
     pub fn new(shape: R, b_in_a: Pose) -> Self {
         let unturn = DMat3::from_quat(b_in_a.rotation()).transpose();
         Self { shape, unturn, shift: b_in_a.translation() }
@@ -67,8 +67,7 @@ mod tests {
 
     use super::*;
 
-    /// Two cubes of edge 2, the second turned by a quarter turn and moved by (3, 0, 0) less a
-    /// quarter.
+    /// Two cubes of edge 2, the second rotated by a quarter turn and moved by (1.75, 0, 0).
     #[test]
     fn the_way_out_of_two_cubes() {
         let corners: Vec<DVec3> = (0..8)

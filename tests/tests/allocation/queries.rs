@@ -25,11 +25,11 @@ const ROUNDS: usize = 300;
 /// Number of tries. The minimum counts, because the harness's own thread may allocate too.
 const TRIES: usize = 5;
 
-/// What `ask` allocates, over all rounds, from the first call on.
-fn allocations(mut ask: impl FnMut(usize)) -> usize {
+/// What `query` allocates, over all rounds, from the first call on.
+fn allocations(mut query: impl FnMut(usize)) -> usize {
     let tries = (0..TRIES).map(|_| {
         let region = Region::new(ALLOCATOR);
-        (0..ROUNDS).for_each(&mut ask);
+        (0..ROUNDS).for_each(&mut query);
         let change = region.change();
         change.allocations + change.reallocations
     });
@@ -135,13 +135,13 @@ fn queries_allocate_nothing() {
     );
     for warm in [false, true] {
         let mut caches = vec![Cache::new(); ROUNDS];
-        let mut each = |name: &'static str, ask: &mut dyn FnMut(usize, &mut Cache)| {
+        let mut each = |name: &'static str, query: &mut dyn FnMut(usize, &mut Cache)| {
             caches.iter_mut().for_each(Cache::clear);
             let found = allocations(|i| {
                 if !warm {
                     caches[i].clear();
                 }
-                ask(i, &mut caches[i]);
+                query(i, &mut caches[i]);
             });
             count(name, found);
         };

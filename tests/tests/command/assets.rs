@@ -135,8 +135,8 @@ fn bytes_depend_only_on_sources_and_options() {
     }
     // Nothing about the machine: neither the output folder nor the input folder.
     let root = workspace();
-    for place in [root.as_path(), bakes[0].1.path()] {
-        let needle = place.to_str().unwrap().as_bytes();
+    for folder in [root.as_path(), bakes[0].1.path()] {
+        let needle = folder.to_str().unwrap().as_bytes();
         assert!(first.values().all(|bytes| !bytes.windows(needle.len()).any(|window| window == needle)));
     }
     // Options do change the bytes.

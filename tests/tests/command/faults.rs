@@ -30,7 +30,7 @@ fn injector() -> Option<Injector> {
 #[test]
 fn a_fault_at_every_system_call() {
     let Some(injector) = injector() else { return };
-    let tally = calls::at_every_call(binary(), &injector, THREADS, |number| Fault::ALL[number % Fault::ALL.len()]);
+    let tally = calls::at_every_call(binary(), &injector, THREADS, |call| Fault::ALL[call % Fault::ALL.len()]);
     println!("{tally}");
     assert!(tally.wrong.is_empty(), "{:#?}", tally.wrong);
     assert!(
@@ -169,10 +169,10 @@ fn temporary_files_are_swept_wherever_they_are() {
     ]);
     bake(&folder, "build in --out o --depfile deps/a.d", 0);
     bake(&folder, "report o --out pages/report.html", 0);
-    for place in ["o/once", "deps", "pages"] {
+    for name in ["o/once", "deps", "pages"] {
         let names: Vec<_> =
-            fs::read_dir(folder.path().join(place)).unwrap().map(|entry| entry.unwrap().file_name()).collect();
-        assert!(names.iter().all(|name| !name.to_string_lossy().ends_with(".tmp")), "{place}: {names:?}");
+            fs::read_dir(folder.path().join(name)).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        assert!(names.iter().all(|name| !name.to_string_lossy().ends_with(".tmp")), "{name}: {names:?}");
     }
 }
 

@@ -31,8 +31,8 @@ fn sphere(count: usize, seed: u64) -> String {
 /// A folder `in` with this many meshes.
 fn meshes(count: usize, points: usize) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    for number in 0..count {
-        write(&folder, &format!("in/{number}.obj"), &sphere(points, number as u64));
+    for index in 0..count {
+        write(&folder, &format!("in/{index}.obj"), &sphere(points, index as u64));
     }
     folder
 }
@@ -142,9 +142,9 @@ fn two_bakes_into_one_folder_both_succeed() {
             assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
         }
         assert_eq!(left_over(&out), [""; 0]);
-        for number in 0..15 {
-            let pack = |folder: &str| fs::read(folder_path(&folder_of(&out), folder, number)).unwrap();
-            assert_eq!(pack("o"), pack("alone"), "{number}");
+        for index in 0..15 {
+            let pack = |folder: &str| fs::read(folder_path(&folder_of(&out), folder, index)).unwrap();
+            assert_eq!(pack("o"), pack("alone"), "{index}");
         }
     }
 }
@@ -153,8 +153,8 @@ fn folder_of(out: &Path) -> std::path::PathBuf {
     out.parent().unwrap().to_owned()
 }
 
-fn folder_path(root: &Path, folder: &str, number: usize) -> std::path::PathBuf {
-    root.join(folder).join(format!("{number}.hullmap"))
+fn folder_path(root: &Path, folder: &str, index: usize) -> std::path::PathBuf {
+    root.join(folder).join(format!("{index}.hullmap"))
 }
 
 /// A source is replaced continually. Each pack is that of a complete source, and records which.
@@ -344,15 +344,15 @@ fn memory_of_dense_formats_and_large_indices_stays_within_the_bound() {
     const RESOLUTION: u64 = 256;
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("in")).unwrap();
-    for number in 0..6 {
+    for index in 0..6 {
         let header = format!(
             "ply\nformat binary_little_endian 1.0\nelement vertex {POINTS}\nproperty float x\nproperty float y\n\
              property float z\nend_header\n"
         );
-        let points = Family::Sphere.points(POINTS, number);
+        let points = Family::Sphere.points(POINTS, index);
         let bytes = points.as_flattened().iter().flat_map(|x| x.to_le_bytes());
         fs::write(
-            folder.path().join(format!("in/{number}.ply")),
+            folder.path().join(format!("in/{index}.ply")),
             header.into_bytes().into_iter().chain(bytes).collect::<Vec<u8>>(),
         )
         .unwrap();

@@ -56,7 +56,7 @@ fn a_decomposed_mesh_has_its_gaps_and_is_verified() {
     assert!(
         pack.hulls()
             .enumerate()
-            .all(|(number, hull)| { hull.part() as usize == number && hull.name() == format!("u_part_{number:02}") })
+            .all(|(index, hull)| { hull.part() as usize == index && hull.name() == format!("u_part_{index:02}") })
     );
 
     // A small ball: inside a bar or not, by the bars themselves.
@@ -162,9 +162,9 @@ fn a_simplified_hull_with_too_small_a_recorded_error_fails_verify() {
     let promise = Pack::open(&path).unwrap().hull(0).unwrap().outer_error();
     for (share, exit) in [(1.01, 0), (0.99, 1), (0.5, 1)] {
         let mut file = fs::read(&path).unwrap();
-        let places: Vec<usize> =
+        let offsets: Vec<usize> =
             file.windows(8).enumerate().filter(|(_, w)| **w == promise.to_le_bytes()).map(|(at, _)| at).collect();
-        let [at] = places[..] else { panic!("{promise:e} at {places:?}") };
+        let [at] = offsets[..] else { panic!("{promise:e} at {offsets:?}") };
         file[at..at + 8].copy_from_slice(&(promise * share).to_le_bytes());
         reseal(&mut file);
         fs::create_dir_all(folder.path().join("false")).unwrap();
@@ -184,7 +184,7 @@ fn the_command_queries_whole_packs() {
     fs::write(folder.path().join("u.obj"), horseshoe("u")).unwrap();
     bake(&folder, "build u.obj --out baked --decompose").expect(0);
     let file = "baked/u.hullmap";
-    let ask = |b: &str, mode: &str, x: f64| {
+    let query = |b: &str, mode: &str, x: f64| {
         let pose = format!("{x} 0 0 0 0 0 1");
         let words = ["query", file, b, "--mode", mode, "--json", "--pose", &pose];
         bake_in(folder.path(), words).expect(0).json().remove(0)
@@ -196,16 +196,16 @@ fn the_command_queries_whole_packs() {
         .flat_map(|a| pack.hulls().map(move |b| (a, b)))
         .map(|(a, b)| hullmap::distance(&a, &b, pose, &Settings::default(), &mut Cache::new()).distance);
     let slow = slow.fold(f64::INFINITY, f64::min);
-    let answer = ask(file, "distance", 3.5);
+    let answer = query(file, "distance", 3.5);
     assert!((answer["distance"].as_f64().unwrap() - slow).abs() < 1e-5 && (slow - 0.5).abs() < 1e-5, "{answer}");
     assert!(answer["hull_a"].as_str().unwrap().starts_with("u_part_"), "{answer}");
-    let answer = ask(file, "contact", 2.75);
+    let answer = query(file, "contact", 2.75);
     assert_eq!((&answer["hit"], answer["depth"].as_f64().unwrap() > 0.1), (&true.into(), true), "{answer}");
-    assert_eq!(ask(file, "contact", 4.0)["hit"], false);
-    assert_eq!(ask(file, "intersect", 2.9)["hit"], true);
+    assert_eq!(query(file, "contact", 4.0)["hit"], false);
+    assert_eq!(query(file, "intersect", 2.9)["hit"], true);
     let table = bake(&folder, &format!("query {file} {file} --mode distance")).expect(0).stdout;
     assert!(table.contains("hull of A") && table.lines().nth(1).unwrap().matches("u_part_").count() == 2, "{table}");
     assert!(!bake(&folder, &format!("query {file}#0 {file}#1")).expect(0).stdout.contains("hull of A"));
-    let one = ask("baked/u.hullmap#0", "distance", 30.0);
+    let one = query("baked/u.hullmap#0", "distance", 30.0);
     assert!(one["distance"].as_f64().unwrap() > 20.0 && one["hull_b"].is_string(), "{one}");
 }

@@ -86,8 +86,8 @@ fn a_check_bakes_nothing_and_names_what_is_stale_and_why() {
     let run = bake(&folder, "build in --out o --check --json").expect(1);
     let expected = ["o/a.hullmap: fresh", "o/b.hullmap: stale", "o/c.hullmap: stale", "o/d/e.hullmap: missing"];
     assert_eq!(statuses(&run), expected);
-    for (place, reason) in [(1, "the source has changed"), (2, "checksum"), (3, "there is no pack yet")] {
-        assert!(run.json()[place]["reason"].as_str().unwrap().contains(reason), "{}", run.stdout);
+    for (row, reason) in [(1, "the source has changed"), (2, "checksum"), (3, "there is no pack yet")] {
+        assert!(run.json()[row]["reason"].as_str().unwrap().contains(reason), "{}", run.stdout);
     }
     let table = bake(&folder, "build in --out o --check").expect(1).stdout;
     assert!(table.contains("stale") && table.contains("o/c.hullmap") && table.contains("checksum"), "{table}");
@@ -112,13 +112,13 @@ fn no_damaged_pack_passes_as_fresh() {
     bake(&folder, "build in --out o").expect(0);
     let path = folder.path().join("o/a.hullmap");
     let good = fs::read(&path).unwrap();
-    let places: Vec<usize> = (0..64).chain((64..good.len()).step_by(41)).collect();
-    for &place in &places {
+    let offsets: Vec<usize> = (0..64).chain((64..good.len()).step_by(41)).collect();
+    for &offset in &offsets {
         let mut bad = good.clone();
-        bad[place] ^= 1 << (place % 8);
+        bad[offset] ^= 1 << (offset % 8);
         fs::write(&path, bad).unwrap();
         let run = bake(&folder, "build in --out o --check --json").expect(1);
-        assert_eq!(run.json()[0]["status"], "stale", "byte {place}");
+        assert_eq!(run.json()[0]["status"], "stale", "byte {offset}");
     }
     for bad in [&good[..good.len() - 1], &good[..64], &good[..7], &[]] {
         fs::write(&path, bad).unwrap();
@@ -271,7 +271,7 @@ fn rules_that_match_nothing_are_warnings() {
     let folder = folder(&[("in/a.obj", CUBE), ("in/hullmap.toml", toml)]);
     let run = bake(&folder, "build in --out o --vhacd-max-parts 4 --json").expect(0);
     let options = run.json()[0]["options"].to_string();
-    assert!(options.contains("decompose"), "the file asks for it: {options}");
+    assert!(options.contains("decompose"), "the file requests it: {options}");
     assert!(run.stderr.contains("warning: in/hullmap.toml:4: no mesh matches `propz/**`\n"), "{}", run.stderr);
     assert!(!run.stderr.contains("has no effect"), "{}", run.stderr);
     let run = bake(&folder, "build in/a.obj --out o --no-config --vhacd-max-parts 4").expect(0);

@@ -66,7 +66,7 @@ fn agrees_with_parry(meshes: &Path, small: &str, large: &str) {
     let (hits, contacts, distances) = (query("intersect"), query("contact"), query("distance"));
     let (parry_a, parry_b) = (parry::polyhedron(&a), parry::polyhedron(&b));
     let (mut overlapping, mut unsure, mut worst) = (0, 0, 0.0_f64);
-    for (number, pose) in poses.into_iter().enumerate() {
+    for (index, pose) in poses.into_iter().enumerate() {
         let truth = parry::opinion(&parry_a, &parry_b, pose);
         let signed = truth.signed_distance.unwrap_or(truth.distance);
         overlapping += usize::from(truth.intersects);
@@ -74,18 +74,18 @@ fn agrees_with_parry(meshes: &Path, small: &str, large: &str) {
             unsure += 1;
             continue;
         }
-        let what = format!("pose {number}, seed {SEED}: {truth:?}");
-        assert_eq!(hits[number]["hit"], truth.intersects, "{what}");
-        assert_eq!(contacts[number]["hit"], truth.intersects, "{what}");
-        assert_eq!(distances[number]["hit"], truth.intersects, "{what}");
+        let what = format!("pose {index}, seed {SEED}: {truth:?}");
+        assert_eq!(hits[index]["hit"], truth.intersects, "{what}");
+        assert_eq!(contacts[index]["hit"], truth.intersects, "{what}");
+        assert_eq!(distances[index]["hit"], truth.intersects, "{what}");
         let difference = if truth.intersects {
             // parry may stop at a face that is not the nearest, so its depth may be larger than
             // ours, never smaller.
-            contacts[number]["depth"].as_f64().unwrap() + signed
+            contacts[index]["depth"].as_f64().unwrap() + signed
         } else {
-            (distances[number]["distance"].as_f64().unwrap() - truth.distance).abs()
+            (distances[index]["distance"].as_f64().unwrap() - truth.distance).abs()
         };
-        assert!(difference <= PARRY_ERROR * size, "{what}: {}", contacts[number]);
+        assert!(difference <= PARRY_ERROR * size, "{what}: {}", contacts[index]);
         worst = worst.max(difference / size);
     }
     println!(

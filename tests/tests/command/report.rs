@@ -328,10 +328,10 @@ fn column(page: &str, mark: &str, head: &str) -> Vec<String> {
         let cells = row.split(tag).skip(1).map(|cell| cell.split_once('>').unwrap().1);
         cells.map(|cell| cell.split("</t").next().unwrap().to_owned()).collect()
     };
-    let place = cells(table.split("</thead>").next().unwrap(), "<th ").iter().position(|name| name == head);
-    let place = place.unwrap_or_else(|| panic!("no column {head}"));
+    let column = cells(table.split("</thead>").next().unwrap(), "<th ").iter().position(|name| name == head);
+    let column = column.unwrap_or_else(|| panic!("no column {head}"));
     let rows = table.split("<tbody>").nth(1).unwrap().split("<tr>").skip(1);
-    rows.map(|row| cells(row, "<td")[place].clone()).collect()
+    rows.map(|row| cells(row, "<td")[column].clone()).collect()
 }
 
 const OF_HULLS: &str = "The hulls of the pack.";
@@ -544,8 +544,8 @@ fn large_meshes_and_many_hulls_stay_small() {
     for object in 0..400 {
         many += &format!("o part {object}\n");
         for [x, y, z] in Family::Ball.points(40, object) {
-            let place = [object % 20, object / 20].map(|step| step as f32 * 2.0);
-            many += &format!("v {} {} {z}\n", x + place[0], y + place[1]);
+            let offset = [object % 20, object / 20].map(|step| step as f32 * 2.0);
+            many += &format!("v {} {} {z}\n", x + offset[0], y + offset[1]);
         }
         many += "f -1 -2 -3\n";
     }

@@ -120,10 +120,10 @@ fn good_files_are_baked_and_bad_ones_are_reported_with_their_line() {
     }
     for name in failed {
         let (stem, line) = name.split_once(':').unwrap_or((name, ""));
-        let place = if line.is_empty() { format!("in/{stem}.obj: ") } else { format!("in/{stem}.obj:{line}: ") };
+        let location = if line.is_empty() { format!("in/{stem}.obj: ") } else { format!("in/{stem}.obj:{line}: ") };
         let row = rows.iter().find(|row| row["source"].as_str().unwrap().ends_with(&format!("{stem}.obj"))).unwrap();
         let error = row["error"].as_str().unwrap();
-        assert!(error.starts_with(&place), "{place} in {error}");
+        assert!(error.starts_with(&location), "{location} in {error}");
         assert!(run.stderr.contains(error), "stderr says so too");
     }
     assert!(folder.path().join("o/deep/also_good.hullmap").exists(), "the output mirrors the input");
@@ -216,11 +216,11 @@ fn verify_finds_a_vertex_that_is_not_in_the_source() {
     let folder = folder(&[("a.obj", &text)]);
     let options = "split none, vertices referenced, index tree".to_owned();
     let source = SourceRecord { path: "a.obj".into(), hash: source_hash(text.as_bytes()), options };
-    for (number, component) in [(0, 0), (17, 1), (29, 2)] {
+    for (vertex, component) in [(0, 0), (17, 1), (29, 2)] {
         for moves in [false, true] {
             let mut set = point_set("a", &points);
             if moves {
-                set.positions[number][component] = set.positions[number][component].next_up();
+                set.positions[vertex][component] = set.positions[vertex][component].next_up();
             }
             fs::write(folder.path().join("a.hullmap"), packs::bytes(&[set], IndexKind::Tree, &source).unwrap())
                 .unwrap();
@@ -244,7 +244,7 @@ fn verify_finds_a_wrong_index() {
     let file = fs::read(&path).unwrap();
     let is_block = |word: u32| matches!(Slot::decode(word), Slot::Block(block) if block < 100);
     let (mut opened, mut found) = (0, 0);
-    // Words that look like leaves and are none do not open when they are changed, or count for
+    // A word that only looks like a leaf does not open when it is changed, or counts for
     // little.
     for at in (64..file.len()).step_by(4) {
         let word = u32::from_le_bytes(file[at..at + 4].try_into().unwrap());
@@ -343,13 +343,13 @@ fn query_answers_a_file_of_poses_in_every_mode() {
             bake(&folder, &format!("query cube.hullmap cube.hullmap#cube --poses poses.txt --mode {mode} --json"));
         let answers = run.expect(0).json();
         assert_eq!(answers.len(), gaps.len(), "{mode}: one line a pose");
-        for (number, (answer, gap)) in answers.iter().zip(gaps).enumerate() {
+        for (pose, (answer, gap)) in answers.iter().zip(gaps).enumerate() {
             assert_fields(
                 answer,
                 &["hit", "status", "depth", "depth_lower", "depth_upper", "distance", "distance_lower"],
             );
             assert_fields(answer, &["distance_upper", "normal", "point_a", "point_b", "iterations", "support_calls"]);
-            assert_eq!(answer["pose"], number);
+            assert_eq!(answer["pose"], pose);
             assert_eq!(answer["hit"], gap < 0.0, "{mode}: {answer}");
             assert!(!answer["status"].as_str().unwrap().is_empty());
             let (value, truth) = match mode {

@@ -55,7 +55,7 @@ fn all_directions(hull: &Hull) -> Vec<Vec3> {
     dirs
 }
 
-/// Results for the clouds of one rank.
+/// Results for all clouds of one rank.
 #[derive(Debug, Default)]
 struct Seen {
     clouds: usize,
@@ -66,7 +66,7 @@ struct Seen {
     directions: usize,
 }
 
-/// Bakes a cloud with every index and checks it; adds to what was seen of its rank.
+/// Bakes a cloud with every index, checks it, and adds the results to those of its rank.
 fn check(name: &str, points: &[[f32; 3]], seen: &Mutex<BTreeMap<u32, Seen>>) {
     let truth = Truth::new(points);
     let mut this = Seen { clouds: 1, points: points.len(), ..Seen::default() };
@@ -78,19 +78,19 @@ fn check(name: &str, points: &[[f32; 3]], seen: &Mutex<BTreeMap<u32, Seen>>) {
         assert!(hull.containment_error() <= CONTAINMENT, "{name}: {}", hull.containment_error());
         this.containment_error = this.containment_error.max(hull.containment_error());
         this.vertices = hull.vertex_count();
-        let most = hull.worst_cost();
+        let max = hull.worst_cost();
         for dir in all_directions(&hull) {
             let got = hull.support(dir);
             assert_eq!(hull.vertex(got.index), Some(got.point), "{name}, {index:?}");
             let cost = hull.support_cost(dir);
-            assert!(cost.nodes <= most.nodes && cost.dots <= most.dots, "{name}, {index:?}: {cost:?} exceeds {most:?}");
+            assert!(cost.nodes <= max.nodes && cost.dots <= max.dots, "{name}, {index:?}: {cost:?} exceeds {max:?}");
             let regret = truth.regret(dir, got.point);
             assert!(regret.abs() <= EXACT, "{name}, {index:?}: regret {regret:e} in direction {dir}, seed {SEED:#x}");
             this.regret = this.regret.max(regret);
             this.directions += 1;
         }
         for vertex in hull.vertices() {
-            assert!(points.contains(&vertex.to_array()), "{name}: {vertex} is no source point");
+            assert!(points.contains(&vertex.to_array()), "{name}: {vertex} is not a source point");
         }
     }
     let mut seen = seen.lock().unwrap();
@@ -111,9 +111,9 @@ fn every_cloud_of_game_data_bakes_and_answers_exactly() {
         for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
             scope.spawn(|| {
                 loop {
-                    let number = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(cloud) = clouds.get(number) else { break };
-                    check(&format!("cloud {number}"), cloud, &seen);
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(cloud) = clouds.get(index) else { break };
+                    check(&format!("cloud {index}"), cloud, &seen);
                 }
             });
         }
@@ -124,11 +124,11 @@ fn every_cloud_of_game_data_bakes_and_answers_exactly() {
         println!("rank {rank}: {sum:?}");
     }
     assert_eq!(seen.values().map(|sum| sum.clouds).sum::<usize>(), clouds.len());
-    assert!(clouds.len() >= 3_000 && seen.contains_key(&3), "the file is not the one that this test is for");
+    assert!(clouds.len() >= 3_000 && seen.contains_key(&3), "the file is not the one that this test expects");
 }
 
-/// Rings around the z axis, from radius and height, as anyone writes them: sines as they come.
-/// sin(π) is not 0, so that the ring at a pole is many points, 1e-16 apart.
+/// Rings around the z axis, given by radius and height, without special cases for angles. The
+/// computed sin(π) is not 0, so the ring at a pole has many points, 1e-16 apart.
 fn rings(profile: &[[f64; 2]], segments: usize) -> Vec<DVec3> {
     let angle = |i: usize| std::f64::consts::TAU * i as f64 / segments as f64;
     let ring = |[radius, z]: [f64; 2]| {
@@ -137,8 +137,8 @@ fn rings(profile: &[[f64; 2]], segments: usize) -> Vec<DVec3> {
     profile.iter().copied().flat_map(ring).collect()
 }
 
-/// Spheres, capsules, cylinders, cones and rings, plain, scaled, moved, and turned by matrices with
-/// such sines in them.
+/// Spheres, capsules, cylinders, cones and tori: plain, scaled, moved, and turned by matrices that
+/// contain such sines.
 #[test]
 fn shapes_of_raw_sines_bake() {
     use std::f64::consts::PI;
@@ -176,8 +176,8 @@ fn shapes_of_raw_sines_bake() {
                 ("small", &|p| p * 1e-3),
                 ("moved", &|p| p + DVec3::new(0.0, 1e-3, 1.0)),
             ];
-            for (how, place) in moves {
-                let cloud: Vec<[f32; 3]> = points.iter().map(|p| place(*p).as_vec3().to_array()).collect();
+            for (how, transform) in moves {
+                let cloud: Vec<[f32; 3]> = points.iter().map(|p| transform(*p).as_vec3().to_array()).collect();
                 clouds.push((format!("{name} of {n}, {how}"), cloud));
             }
         }
@@ -190,26 +190,25 @@ fn shapes_of_raw_sines_bake() {
     assert!(count > 150, "{count} of {}", clouds.len());
 }
 
-/// Coordinates of every size at once, from the greatest down to `least`: features in features in
-/// features.
+/// Clouds with coordinates of all magnitudes, over up to 140 octaves.
 #[test]
 fn coordinates_of_all_sizes_bake() {
     let mut rng = SplitMix64::new(SEED);
     let seen = Mutex::new(BTreeMap::new());
-    for number in 0..1_500 {
-        let (octaves, count) = ([20, 44, 60, 100, 140][number % 5], 4 + rng.below(40));
+    for index in 0..1_500 {
+        let (octaves, count) = ([20, 44, 60, 100, 140][index % 5], 4 + rng.below(40));
         let mut coordinate = || match rng.below(4) {
             0 => 0.0,
             1 => rng.between(-1.0, 1.0) as f32,
             _ => (rng.between(-1.0, 1.0) * 2_f64.powi(-(rng.below(octaves) as i32))) as f32,
         };
         let cloud: Vec<[f32; 3]> = (0..count).map(|_| std::array::from_fn(|_| coordinate())).collect();
-        check(&format!("cloud {number}, {octaves} octaves"), &cloud, &seen);
+        check(&format!("cloud {index}, {octaves} octaves"), &cloud, &seen);
     }
     println!("seed {SEED:#x}: {:?}", seen.into_inner().unwrap());
 }
 
-/// The times are printed, not asserted: tests run unoptimized, and on any machine.
+/// Times are printed, not asserted, because tests run unoptimized and on any machine.
 #[test]
 fn twenty_thousand_points_bake() {
     for family in [Family::Sphere, Family::Lens, Family::RotatedPrism, Family::Prism] {
@@ -233,7 +232,7 @@ fn twenty_thousand_points_bake() {
     }
 }
 
-/// The truth of the tests above, tried on hulls that are wrong: each vertex in turn is left out.
+/// The comparison with the truth detects a wrong hull: each vertex is left out in turn.
 #[test]
 fn a_lost_vertex_is_detected() {
     let points = Family::Rock.points(40, 3);

@@ -1,9 +1,9 @@
 //! Support queries against brute force over the source points, in the directions where an index can
 //! go wrong.
 //!
-//! Every family of shapes, turned, scaled and moved; every index; both sets of instructions; f32
-//! and f64; with and without hints. The samples are counted, so that no test is vacuous:
-//! each kind of direction, node and hint must be met.
+//! The tests cover every family of shapes, turned, scaled and moved; every index; both instruction
+//! sets; f32 and f64; with and without hints. The samples are counted, so that no test is vacuous:
+//! each kind of direction, node and hint must occur.
 
 mod directions;
 mod nodes;
@@ -25,8 +25,8 @@ const SEED: u64 = 0xe8ac7;
 /// Maximum regret that counts as exact, by the project's definition.
 const EXACT: f64 = 2e-7;
 
-/// Regret that the index allows itself: a cone that reaches less than 4e-15 beyond a cut, in units
-/// of u and v, is not listed there. A unit of u is at most a radian.
+/// Maximum regret by design of the index: a cone that reaches less than 4e-15 beyond a cut, in
+/// units of u and v, is not listed there. A unit of u is at most a radian.
 const SLIVERS: f64 = 8e-15;
 
 /// The same around a fan's axis. A cone that reaches less than that beyond two cuts may be listed
@@ -49,15 +49,16 @@ struct Met {
     nodes: Counts,
     /// Number of directions queried with default trees, in f64.
     followed: usize,
-    /// Hints that were right, in directions well within a vertex's cone; and those of them that are
-    /// certain.
+    /// Hints that were right, in directions well within a vertex's cone, and the number of these
+    /// that are certain.
     right: usize,
     certain: usize,
-    /// Hints that were not.
+    /// Hints that were wrong.
     wrong: usize,
-    asked: usize,
+    /// Answers that were compared with the truth.
+    compared: usize,
     worst: f64,
-    /// Of the worst, as a share of what is allowed.
+    /// Maximum regret as a fraction of the allowed regret.
     worst_share: f64,
 }
 
@@ -77,12 +78,12 @@ impl Met {
         self.right += other.right;
         self.certain += other.certain;
         self.wrong += other.wrong;
-        self.asked += other.asked;
+        self.compared += other.compared;
         self.worst = self.worst.max(other.worst);
         self.worst_share = self.worst_share.max(other.worst_share);
     }
 
-    /// Every kind of direction, node and hint is met often enough to count.
+    /// Asserts that every kind of direction, node and hint occurs often enough.
     fn assert_representative(&self) {
         println!("seed {SEED:#x}: {self:#?}");
         let drawn: usize = self.kinds.values().sum();
@@ -96,7 +97,7 @@ impl Met {
         assert!(planes * 100 > self.followed && bundles * 100 > self.followed, "planes");
         assert_eq!(lists + blocks, self.followed);
         assert!(self.certain * 4 > self.right && self.certain < self.right, "hints that are certain");
-        assert!(self.wrong > self.asked / 4, "hints that are wrong");
+        assert!(self.wrong > self.compared / 4, "hints that are wrong");
     }
 }
 
@@ -104,7 +105,7 @@ impl Met {
 /// `indices`.
 ///
 /// # Panics
-/// If one is answered wrongly: by more than `slivers`, and what rounds.
+/// If a regret exceeds `slivers` plus the rounding error.
 fn check(name: &str, points: &[[f32; 3]], indices: &[IndexKind], count: usize, slivers: f64) -> Met {
     let truth = Truth::new(points);
     let mut met = Met::default();
@@ -124,29 +125,29 @@ fn check(name: &str, points: &[[f32; 3]], indices: &[IndexKind], count: usize, s
     let fan_count = fans.len();
     let mut maker = Maker::new(&first, fans, SEED);
     let mut rng = SplitMix64::new(!SEED);
-    // Source points may lie off a hull that is flat but for noise.
+    // Source points may lie outside a hull that is flat except for noise.
     let is_noisy = first.rank() < 3 && first.containment_error() > 0.0;
     let noise = if is_noisy { FLAT } else { 0.0 };
     let allowed = slivers + ROUNDING * truth.reach / truth.diameter + noise;
     let mut failures = 0;
     let mut before = 0;
-    for place in 0..count {
-        let (kind, exact) = maker.make(place);
+    for direction in 0..count {
+        let (kind, exact) = maker.make(direction);
         let narrow = exact.as_vec3();
         *met.kinds.entry(format!("{kind:?}")).or_default() += 1;
-        // Rounding to f32 leaves nothing of the shortest, and makes others infinite.
-        let asked = [exact, narrow.as_dvec3()].map(|d| truth.ask(d));
-        for (number, (hull, index)) in hulls.iter().enumerate() {
+        // Rounding to f32 turns the shortest directions into zero and the longest into infinity.
+        let truths = [exact, narrow.as_dvec3()].map(|d| truth.in_direction(d));
+        for (hull_index, (hull, index)) in hulls.iter().enumerate() {
             for instructions in [Instructions::Portable, Instructions::Avx2] {
                 let Some(hull) = hull.with_instructions(instructions) else { continue };
                 let got = SupportMap::support_point(&hull, exact);
                 let got_narrow = hull.support(narrow);
                 assert_eq!(hull.vertex(got_narrow.index), Some(got_narrow.point));
                 assert_eq!(hull.vertex(got.feature).map(Vec3::as_dvec3), Some(got.point));
-                for (asked, point) in asked.iter().zip([got.point, got_narrow.point.as_dvec3()]) {
-                    let Some(asked) = asked else { continue };
-                    let regret = asked.regret(point);
-                    met.asked += 1;
+                for (truth, point) in truths.iter().zip([got.point, got_narrow.point.as_dvec3()]) {
+                    let Some(truth) = truth else { continue };
+                    let regret = truth.regret(point);
+                    met.compared += 1;
                     met.worst = met.worst.max(regret);
                     met.worst_share = met.worst_share.max(regret / allowed);
                     if !(regret <= allowed) {
@@ -158,17 +159,17 @@ fn check(name: &str, points: &[[f32; 3]], indices: &[IndexKind], count: usize, s
                         }
                     }
                 }
-                if number == 0 && instructions == Instructions::Portable {
+                if hull_index == 0 && instructions == Instructions::Portable {
                     met.followed += usize::from(words[0].follow(exact, &mut met.nodes));
                 }
-                // Hints ask what all indices share, and then the index.
-                if number > 0 {
+                // Hints test data that all indices share, before the index; one index is enough.
+                if hull_index > 0 {
                     continue;
                 }
-                // Right, that of the direction before, any, and two that are none.
+                // The right vertex, that of the direction before, any vertex, and two invalid ones.
                 let any = rng.below(hull.vertex_count()) as u32;
-                let (right, none) = (got_narrow.index, hull.vertex_count() as u32);
-                for hint in [right, before, any, none, u32::MAX] {
+                let (right, invalid) = (got_narrow.index, hull.vertex_count() as u32);
+                for hint in [right, before, any, invalid, u32::MAX] {
                     let hinted = hull.support_from(narrow, hint);
                     assert_eq!(hull.vertex(hinted.index), Some(hinted.point));
                     let d = narrow.as_dvec3();
@@ -178,7 +179,7 @@ fn check(name: &str, points: &[[f32; 3]], indices: &[IndexKind], count: usize, s
                 }
                 if kind == Kind::Vertex {
                     met.right += 1;
-                    met.certain += usize::from(words[number].is_certain(right, narrow.as_dvec3()));
+                    met.certain += usize::from(words[hull_index].is_certain(right, narrow.as_dvec3()));
                 }
             }
         }
@@ -194,7 +195,7 @@ fn check(name: &str, points: &[[f32; 3]], indices: &[IndexKind], count: usize, s
         }
     }
     println!(
-        "{name:28} {:6} vertices, {fan_count} fans, {nodes:?}, worst {:.1e}, {:.2} of what is allowed",
+        "{name:28} {:6} vertices, {fan_count} fans, {nodes:?}, worst {:.1e}, {:.2} of the allowed regret",
         first.vertex_count(),
         met.worst,
         met.worst_share
@@ -211,8 +212,8 @@ fn turned(points: &[[f32; 3]], seed: u64) -> Vec<[f32; 3]> {
 }
 
 fn moved(points: &[[f32; 3]], rotation: DQuat, scale: f64, offset: DVec3) -> Vec<[f32; 3]> {
-    let place = |p: &[f32; 3]| rotation * DVec3::from_array(p.map(f64::from)) * scale + offset;
-    points.iter().map(|p| place(p).as_vec3().to_array()).collect()
+    let transform = |p: &[f32; 3]| rotation * DVec3::from_array(p.map(f64::from)) * scale + offset;
+    points.iter().map(|p| transform(p).as_vec3().to_array()).collect()
 }
 
 /// A shape about z: rings of these radii, heights and angles.
@@ -230,7 +231,7 @@ fn random(n: usize, seed: u64) -> Vec<f64> {
     (0..n).map(|_| std::f64::consts::TAU * rng.unit()).collect()
 }
 
-/// Half of the angles within 1e-`k` of a few.
+/// Seven even angles; all others lie at distances of 0.1 down to 1e-7 from one of them.
 fn crowded(n: usize, seed: u64) -> Vec<f64> {
     let mut rng = SplitMix64::new(seed);
     let mut angles = even(7);
@@ -317,8 +318,8 @@ fn prisms_and_other_shapes_with_fans() {
     sum.assert_representative();
 }
 
-/// Caps that are all but flat, at height 0, where single precision holds the least of bumps: facets
-/// whose normals lie within 1e-6 and less of a fan's axis, and cones as small.
+/// Nearly flat caps at height 0, where f32 can represent the smallest bumps: the normals of their
+/// facets lie within 1e-6 or less of a fan's axis, and the cones are as small.
 fn bumpy_cap(bump: f64, rim: &[f64]) -> Vec<[f32; 3]> {
     let mut points = rings(&[(1.0, -1.0, rim.to_vec()), (1.0, 0.0, rim.to_vec())]);
     for ring in 1..6 {
@@ -334,15 +335,15 @@ fn nearly_flat_caps() {
     for bump in [1e-7, 1e-9, 1e-11, 1e-12, 1e-13, 1e-15, 1e-20] {
         for n in [300, 3_000] {
             let name = |kind| format!("{kind} cap {bump:e}, {n}");
-            let mut ask = |kind, points: &[[f32; 3]]| {
+            let mut check_cap = |kind, points: &[[f32; 3]]| {
                 sum.add(check(&name(kind), points, &ALL_INDICES[..1], 12_000, SLIVERS_AT_AXIS));
             };
-            ask("bumpy", &bumpy_cap(bump, &random(n, 4)));
-            ask("crowded", &bumpy_cap(bump, &crowded(n, 2)));
+            check_cap("bumpy", &bumpy_cap(bump, &random(n, 4)));
+            check_cap("crowded", &bumpy_cap(bump, &crowded(n, 2)));
             let mut rng = SplitMix64::new(9);
             let mut rough = rings(&[(1.0, -1.0, random(n, 8))]);
             rough.extend(rings(&[(1.0, 0.0, random(n, 8))]).iter().map(|p| [p[0], p[1], (bump * rng.unit()) as f32]));
-            ask("rough", &rough);
+            check_cap("rough", &rough);
         }
     }
     sum.assert_representative();

@@ -18,14 +18,14 @@ fn check(name: &str, positions: &[[f32; 3]], index: IndexKind, count: usize) -> 
     let mut hint = 0;
     for dir in directions::all(&hull, count, 0x5eed) {
         let got = hull.support(dir);
-        assert_eq!(hull.vertex(got.index), Some(got.point), "{name}: the point is the vertex that it names");
+        assert_eq!(hull.vertex(got.index), Some(got.point), "{name}: the point and the index differ");
         for hint in [hint, got.index, u32::MAX] {
             assert_eq!(hull.support_from(dir, hint), got, "{name}: {dir} from {hint}");
         }
         hint = got.index;
         let cost = hull.support_cost(dir);
-        let most = hull.worst_cost();
-        assert!(cost.nodes <= most.nodes && cost.dots <= most.dots, "{name}: {cost:?} exceeds the stated {most:?}");
+        let max = hull.worst_cost();
+        assert!(cost.nodes <= max.nodes && cost.dots <= max.dots, "{name}: {cost:?} exceeds the stated {max:?}");
         let regret = truth.regret(dir, got.point);
         assert!(regret <= EXACT, "{name}: regret {regret:e} in direction {dir}, seed 0x5eed");
         worst = worst.max(regret);
@@ -70,8 +70,8 @@ fn exact_at_any_scale_and_far_from_the_origin() {
     }
 }
 
-/// Points that no box, sphere or prism family has: ties, duplicates, every rank, nearly flat,
-/// nearly straight.
+/// Degenerate points that no family contains: ties, duplicates, every rank, nearly flat, nearly
+/// straight.
 #[test]
 fn exact_on_degenerate_points() {
     let nearly_flat = |thickness: f32| -> Vec<[f32; 3]> {

@@ -14,7 +14,7 @@ use hullmap_format::{
 use hullmap_testkit::packs::{self, point_set, reseal};
 use hullmap_tests::{
     hostile::{
-        place::{archive, open_with, payload, place},
+        patch::{archive, offset_of, open_with, payload},
         samples,
     },
     outside::workspace,
@@ -28,19 +28,19 @@ fn refused(opened: Result<Pack, InvalidPack>, what: &str) {
 }
 
 /// A slot of an index.
-struct Place {
+struct SlotInfo {
     /// Index of its word in the section.
     word: usize,
     /// First slot of its node.
     node: u32,
     slot: Slot,
-    /// What it is, for people.
+    /// Name of its kind, for messages.
     name: &'static str,
 }
 
-/// All slots of all indices of a pack, a node's after those that name it; slots that share a node
-/// name its slots again.
-fn slots(file: &[u8]) -> Vec<Place> {
+/// All slots of all indices of a pack. The slots of a node follow the slot that refers to it. If
+/// several slots share a node, its slots are listed once for each.
+fn slots(file: &[u8]) -> Vec<SlotInfo> {
     let payload = payload(file);
     let archive = archive(&payload);
     let mut found = Vec::new();
@@ -69,19 +69,19 @@ fn slots(file: &[u8]) -> Vec<Place> {
                 Slot::Block(_) => ("block", 0..0),
                 Slot::List(_) => ("list", 0..0),
             };
-            found.push(Place { word, node, slot, name });
+            found.push(SlotInfo { word, node, slot, name });
             pending.extend(below.clone().map(|at| (at, below.start)));
         }
     }
     found
 }
 
-/// Without nodes of a kind, the changes here and those of the series would say nothing of it.
+/// If a kind of node were missing, neither these changes nor the series would test it.
 #[test]
 fn nodes_of_every_kind_are_among_the_samples() {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for samples::Sample { file, .. } in samples::small() {
-        slots(&file).iter().for_each(|place| *counts.entry(place.name).or_default() += 1);
+        slots(&file).iter().for_each(|slot| *counts.entry(slot.name).or_default() += 1);
     }
     println!("{counts:?}");
     for name in ["halves", "squares", "plane", "bundle", "fan", "block", "blocks", "list"] {
@@ -130,22 +130,22 @@ fn edges_that_contradict_their_vertices_are_found() {
     let file = samples::named("prism, tree");
     let count = archive(&payload(&file)).edges.len();
     assert!(count > 500, "{count}");
-    for number in (0..count).step_by(7) {
-        let right = archive(&payload(&file)).edges[number].to_native();
+    for index in (0..count).step_by(7) {
+        let right = archive(&payload(&file)).edges[index].to_native();
         let check = |value: i16| {
-            let pack = open_with(&file, |pack| &pack.edges[number], &value.to_le_bytes()).unwrap();
+            let pack = open_with(&file, |pack| &pack.edges[index], &value.to_le_bytes()).unwrap();
             pack.check_repeats()
         };
         assert!(check(right).is_ok());
         for wrong in [right.wrapping_add(1), right.wrapping_sub(1), 0x7fff_i16.wrapping_sub(right), i16::MIN] {
             let error = check(wrong).unwrap_err().to_string();
-            assert!(error.contains("the edge from vertex "), "{number}: {error}");
+            assert!(error.contains("the edge from vertex "), "{index}: {error}");
         }
     }
 }
 
-/// So are blocks, each lane of which repeats a vertex. Lanes out of the hull's bounds, or of
-/// vertices that are not there, do not open.
+/// Each lane of a block repeats a vertex, and `bake verify` compares them. Opening refuses lanes
+/// outside the hull's bounds, and lanes of vertices that do not exist.
 #[test]
 fn blocks_that_contradict_their_vertices_are_found() {
     let file = samples::named("sphere, tree");
@@ -164,7 +164,7 @@ fn blocks_that_contradict_their_vertices_are_found() {
     }
 }
 
-/// What each way to open looks at, by files that are damaged in one respect.
+/// What each way to open checks, on files with one kind of damage each.
 #[test]
 fn each_way_to_open_skips_the_checks_in_its_name() {
     let file = samples::named("two hulls, tree");
@@ -179,15 +179,11 @@ fn each_way_to_open_skips_the_checks_in_its_name() {
         }
         changed
     };
-    let vertex = place(&file, |pack| &pack.vertices[0]);
+    let vertex = offset_of(&file, |pack| &pack.vertices[0]);
     assert_eq!(ways(&changed(vertex, &f32::NAN.to_le_bytes(), false)), [false, true, true], "the checksum");
-    assert_eq!(ways(&changed(vertex, &f32::NAN.to_le_bytes(), true)), [false, true, true], "a number");
-    let span = place(&file, |pack| &pack.spans[1].vertex);
-    assert_eq!(
-        ways(&changed(span, &u32::MAX.to_le_bytes(), true)),
-        [false, false, true],
-        "where a hull's numbers stand"
-    );
+    assert_eq!(ways(&changed(vertex, &f32::NAN.to_le_bytes(), true)), [false, true, true], "a coordinate");
+    let span = offset_of(&file, |pack| &pack.spans[1].vertex);
+    assert_eq!(ways(&changed(span, &u32::MAX.to_le_bytes(), true)), [false, false, true], "the start of a hull's run");
     let vector = file.len() - 4;
     assert_eq!(
         ways(&changed(vector, &u32::MAX.to_le_bytes(), true)),
@@ -206,7 +202,7 @@ fn each_way_to_open_skips_the_checks_in_its_name() {
 fn a_wrong_number_of_edges_is_refused() {
     let file = samples::named("two hulls, tree");
     let end = archive(&payload(&file)).spans[1].edge.to_native();
-    assert_eq!(end as usize, archive(&payload(&file)).edges.len(), "a cube's, and none of a triangle");
+    assert_eq!(end as usize, archive(&payload(&file)).edges.len(), "a cube has edges, a triangle has no edges");
     for fewer in [1, 3, 6, end] {
         let error = open_with(&file, |pack| &pack.spans[1].edge, &(end - fewer).to_le_bytes()).unwrap_err().to_string();
         assert!(
@@ -239,9 +235,9 @@ fn an_invalid_tree_of_boxes_is_refused() {
         ("the node itself", set_target(1, 1), false),
         ("a shared child", set_target(1, target(0)), false),
         ("a child past the end", set_target(1, 8), false),
-        ("no number at all", set_target(1, u32::MAX), false),
+        ("an index out of range", set_target(1, u32::MAX), false),
         ("two leaves of a hull", set_target(leaf, target(other)), false),
-        ("a hull that is not there", set_target(leaf, 5), false),
+        ("a hull that does not exist", set_target(leaf, 5), false),
         ("a leaf that counts two", set_count(leaf, 2), false),
         ("no hulls below", set_count(0, 0), false),
         ("an inner node as a leaf", set_count(0, 1), false),
@@ -302,32 +298,32 @@ fn index_trees_with_cycles_or_shared_nodes_are_refused() {
     for samples::Sample { name, file } in samples::small() {
         let is_node = |slot: Slot| !matches!(slot, Slot::Block(_) | Slot::List(_));
         let (words, slots, bytes) = (tree_words(&file), slots(&file), payload(&file));
-        let nodes: Vec<&Place> = slots.iter().filter(|place| is_node(place.slot)).collect();
+        let nodes: Vec<&SlotInfo> = slots.iter().filter(|info| is_node(info.slot)).collect();
         if nodes.len() < 2 || archive(&bytes).hulls.len() > 1 {
             continue;
         }
         trees += 1;
-        for place in &slots {
-            // A node above, below or beside; where it is a leaf, one more node.
+        for slot in &slots {
+            // Refer to a node above, below or beside; a leaf becomes another reference.
             for node in nodes.iter().step_by(nodes.len().div_ceil(24)) {
                 let to = words[node.word];
-                if to == words[place.word] {
+                if to == words[slot.word] {
                     continue;
                 }
                 tried += 1;
-                if open_with_word(&file, place.word, to).is_ok() {
-                    // Slots of one node may name the same planes.
-                    let is_shared = place.node == node.node && !matches!(node.slot, Slot::Branch(_));
-                    assert!(is_shared, "{name}: word {} is as that of {}", place.word, node.word);
+                if open_with_word(&file, slot.word, to).is_ok() {
+                    // Slots of one node may share planes.
+                    let is_shared = slot.node == node.node && !matches!(node.slot, Slot::Branch(_));
+                    assert!(is_shared, "{name}: word {} equals word {}", slot.word, node.word);
                 }
             }
         }
-        let root = nodes.iter().find(|place| place.word < 6).unwrap();
+        let root = nodes.iter().find(|info| info.word < 6).unwrap();
         let is_binary = IndexKind::of_record(&archive(&bytes).hulls[0]) == Ok(IndexKind::Binary);
         let own = if is_binary { Slot::Branch(0) } else { Slot::Branch(Branch { at: 0, bits: 1 }.encode()) };
         refused(open_with_word(&file, root.word, own.encode()), "of the direction index");
     }
-    println!("{tried} slots of {trees} trees named another node");
+    println!("{tried} slots of {trees} trees were changed to refer to another node");
     assert!(tried > 2_000 && trees >= 4, "{tried} of {trees}");
 }
 
@@ -366,8 +362,8 @@ fn nan_is_refused_in_every_field() {
     }
     for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let odd = odd.to_le_bytes();
-        let in_record = |place: fn(&format::ArchivedHullRecord) -> &rkyv::rend::f64_le| {
-            refused(open_with(&file, |pack| place(&pack.hulls[0]), &odd), "expected a finite number");
+        let in_record = |field: fn(&format::ArchivedHullRecord) -> &rkyv::rend::f64_le| {
+            refused(open_with(&file, |pack| field(&pack.hulls[0]), &odd), "expected a finite number");
         };
         in_record(|r| &r.diameter);
         in_record(|r| &r.centroid[1]);
@@ -384,7 +380,7 @@ fn nan_is_refused_in_every_field() {
         // The normal of the first plane, or the axis of the first fan.
         let fan = samples::named("prism, tree");
         let at = tree_words(&fan).iter().position(|word| matches!(Slot::decode(*word), Slot::Fan(_))).unwrap();
-        let Slot::Fan(node) = Slot::decode(tree_words(&fan)[at]) else { unreachable!("it was found as one") };
+        let Slot::Fan(node) = Slot::decode(tree_words(&fan)[at]) else { unreachable!("the slot is a fan") };
         let high = encode_f64(f64::from_le_bytes(odd))[1];
         refused(open_with_word(&fan, node as usize + 1, high), "of the direction index is");
     }
@@ -410,7 +406,7 @@ fn wrong_faces_are_refused() {
     let bytes = payload(&file);
     let (faces, count) = (archive(&bytes).face_starts.len(), archive(&bytes).vertices.len() as u32);
     let start = |face: usize, to: u32| open_with(&file, |pack| &pack.face_starts[face], &to.to_le_bytes());
-    let vertex = |place: usize, to: u32| open_with(&file, |pack| &pack.face_vertices[place], &to.to_le_bytes());
+    let vertex = |index: usize, to: u32| open_with(&file, |pack| &pack.face_vertices[index], &to.to_le_bytes());
     assert_eq!((faces, count), (6, 8));
     for to in [1, u32::MAX] {
         refused(start(0, to), "face 0: its vertices are entries");
@@ -424,8 +420,7 @@ fn wrong_faces_are_refused() {
     for to in [count, count + 1, u32::MAX] {
         refused(vertex(7, to), &format!("face 1: vertex index {to} is out of range (the hull has 8 vertices)"));
     }
-    // One face fewer: its vertices belong to the one before, and the numbers are none of a
-    // polyhedron.
+    // One face fewer: its vertices belong to the face before, and Euler's formula fails.
     let end = |to: u32| open_with(&file, |pack| &pack.spans[1].face, &to.to_le_bytes());
     refused(end(5), "faces");
     refused(end(7), "faces");
@@ -436,12 +431,12 @@ fn wrong_faces_are_refused() {
 fn wrong_neighbours_are_refused() {
     let file = samples::named("cube, tree");
     let start = |vertex: usize, to: u32| open_with(&file, |pack| &pack.neighbour_starts[vertex], &to.to_le_bytes());
-    let neighbour = |place: usize, to: u32| open_with(&file, |pack| &pack.neighbours[place], &to.to_le_bytes());
-    let most = |to: u32| open_with(&file, |pack| &pack.hulls[0].max_neighbours, &to.to_le_bytes());
+    let neighbour = |index: usize, to: u32| open_with(&file, |pack| &pack.neighbours[index], &to.to_le_bytes());
+    let max = |to: u32| open_with(&file, |pack| &pack.hulls[0].max_neighbours, &to.to_le_bytes());
     for opened in [start(0, 1), start(3, 0), start(3, 25), start(7, u32::MAX)] {
         refused(opened, "its neighbours are entries");
     }
-    for opened in [most(2), most(4), most(u32::MAX)] {
+    for opened in [max(2), max(4), max(u32::MAX)] {
         refused(opened, "neighbours of a vertex (expected 3)");
     }
     for to in [8, 9, u32::MAX] {
@@ -458,12 +453,12 @@ fn packs_of_other_versions_are_refused() {
         let reads = hullmap_format::FORMAT_VERSION;
         let start = format!("the file has format version {version}, but this build reads version {reads}; ");
         assert!(error.starts_with(&start) && error.contains("bake the source again"), "{error}");
-        // Its bytes are not those of this version, even where it says so.
+        // The bytes are invalid in this version, even if the header states this version.
         let mut renamed = file.clone();
         renamed[8..12].copy_from_slice(&hullmap_format::FORMAT_VERSION.to_le_bytes());
         reseal(&mut renamed);
-        assert!(Pack::from_bytes(&renamed).is_err(), "version {version} under another's number");
-        assert!(ways(&renamed).iter().all(|opened| !opened), "version {version} under another's number");
+        assert!(Pack::from_bytes(&renamed).is_err(), "version {version} with the current version number");
+        assert!(ways(&renamed).iter().all(|opened| !opened), "version {version} with the current version number");
     }
     let file = samples::named("cube, tree");
     for version in (0..64).chain([u32::MAX, 1 << 31, 0x0300_0000]) {
@@ -487,7 +482,7 @@ fn packs_of_other_versions_are_refused() {
 #[test]
 fn moved_sections_are_refused() {
     let file = samples::named("two hulls, tree");
-    let root = place(&file, |pack| pack);
+    let root = offset_of(&file, |pack| pack);
     assert_eq!(root + size_of::<format::ArchivedPack>(), file.len());
     // A vector is an offset and a length.
     for word in 0..size_of::<format::ArchivedPack>() / 4 {

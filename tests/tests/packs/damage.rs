@@ -3,7 +3,7 @@
 //!
 //! 1. A changed, cut or lengthened file is refused: the checksum covers every byte.
 //! 2. With a corrected checksum, it represents a malicious file. It is refused, or it opens and
-//!    answers all queries, even if its numbers are wrong.
+//!    answers all queries, even if its values are wrong.
 //!
 //! The tests try a random sample; `cargo run --release -p hullmap-tests --bin hostile-packs` tries
 //! all. The checksum is computed independently, as the documentation describes it.
@@ -29,32 +29,32 @@ const SEED: u64 = 0xdead;
 
 const THREADS: usize = 2;
 
-/// Members of a series that are tried of each pack.
+/// Number of members of a series that are tried on each pack.
 const SHARE: usize = 250;
 
-/// `SHARE` numbers below `count`, one from each stretch of them.
+/// About `SHARE` indices below `count`, one from each of `SHARE` equal ranges.
 fn share(count: usize) -> Vec<usize> {
     let mut rng = SplitMix64::new(SEED);
     let length = count.div_ceil(SHARE).max(1);
-    let mut numbers: Vec<usize> = (0..count).step_by(length).map(|start| start + rng.below(length)).collect();
-    numbers.retain(|number| *number < count);
-    numbers
+    let mut indices: Vec<usize> = (0..count).step_by(length).map(|start| start + rng.below(length)).collect();
+    indices.retain(|index| *index < count);
+    indices
 }
 
 /// Tries some changes of every small pack.
-fn try_all(series: Series, numbers: impl Fn(Option<usize>) -> Vec<usize>) -> Tally {
+fn try_all(series: Series, indices: impl Fn(Option<usize>) -> Vec<usize>) -> Tally {
     let mut sum = Tally::default();
     for sample in samples::small() {
         let subject = Subject::new(&sample, SEED);
         let inquiry = Inquiry::new(&Pack::from_bytes(&sample.file).unwrap(), Extent::BRIEF);
         let name = format!("{series:?}, {}, seed {SEED:#x}", sample.name);
-        sum += trial::run(&name, &numbers(subject.count(series)), THREADS, |number, file| {
-            subject.change(series, number, file);
+        sum += trial::run(&name, &indices(subject.count(series)), THREADS, |index, file| {
+            subject.change(series, index, file);
             let Ok(pack) = Pack::from_bytes(file).map_err(|error| assert!(!error.to_string().is_empty())) else {
                 return false;
             };
-            assert!(!series.is_always_refused(), "it opened");
-            inquiry.ask(&pack);
+            assert!(!series.is_always_refused(), "a file that must be refused opened");
+            inquiry.run(&pack);
             true
         });
     }
@@ -70,12 +70,12 @@ fn every_flipped_bit_is_detected() {
 
 #[test]
 fn every_cut_or_lengthened_file_is_refused() {
-    // All lengths as they are; of those that are sealed a share.
+    // All lengths with the old checksum, and a sample of those with a correct one.
     let tally = try_all(Series::Lengths, |count| {
         let count = count.unwrap();
-        let mut numbers: Vec<usize> = (0..count).step_by(3).collect();
-        numbers.extend(share(count).into_iter().filter(|number| number % 3 > 0));
-        numbers
+        let mut indices: Vec<usize> = (0..count).step_by(3).collect();
+        indices.extend(share(count).into_iter().filter(|index| index % 3 > 0));
+        indices
     });
     assert!(tally.tried > samples::small().len() * MAX_ADDED && tally.opened == 0, "{tally}");
 }
@@ -85,7 +85,7 @@ fn flipped_bits_under_a_correct_checksum_are_refused_or_harmless() {
     for sample in samples::small() {
         let mut same = sample.file.clone();
         reseal(&mut same);
-        assert_eq!(same, sample.file, "{}: the checksum is what docs say", sample.name);
+        assert_eq!(same, sample.file, "{}: the checksum is the documented one", sample.name);
     }
     try_all(Series::SealedBits, |count| share(count.unwrap())).assert_representative();
 }
@@ -95,7 +95,7 @@ fn extreme_words_under_a_correct_checksum_are_refused_or_harmless() {
     try_all(Series::Words, |count| share(count.unwrap())).assert_representative();
 }
 
-/// Several changes at once are the most likely to pass checks of single numbers.
+/// Several changes at once are the most likely to pass checks of single values.
 #[test]
 fn several_random_changes_under_a_correct_checksum_are_refused_or_harmless() {
     try_all(Series::Drawn, |_| (0..SHARE / 2).collect()).assert_representative();
@@ -111,19 +111,19 @@ fn queries_end_on_damage_that_opening_did_not_check() {
         let subject = Subject::new(&sample, SEED);
         let inquiry = Inquiry::new(&Pack::from_bytes(&sample.file).unwrap(), Extent::BRIEF).unjudged();
         for series in [Series::SealedBits, Series::Words, Series::Drawn] {
-            let mut numbers = share(subject.count(series).unwrap_or(SHARE));
-            numbers.retain(|number| number % 5 == 0);
+            let mut indices = share(subject.count(series).unwrap_or(SHARE));
+            indices.retain(|index| index % 5 == 0);
             let name = format!("unchecked, {series:?}, {}, seed {SEED:#x}", sample.name);
-            sum += trial::run(&name, &numbers, THREADS, |number, file| {
-                subject.change(series, number, file);
+            sum += trial::run(&name, &indices, THREADS, |index, file| {
+                subject.change(series, index, file);
                 let path = folder.path().join(files.fetch_add(1, Ordering::Relaxed).to_string());
-                unchecked::ask(&path, file, &inquiry, &findings)
+                unchecked::query(&path, file, &inquiry, &findings)
             });
         }
     }
-    let Findings { asked, panics } = findings.into_inner().unwrap();
-    println!("unchecked: {sum}, {asked} sets of queries, panics {panics:?}");
-    assert!(asked > sum.tried, "hardly any opened");
+    let Findings { queried, panics } = findings.into_inner().unwrap();
+    println!("unchecked: {sum}, {queried} sets of queries, panics {panics:?}");
+    assert!(queried > sum.tried, "too few files opened");
     assert!(panics.is_empty(), "{panics:?}");
 }
 
@@ -154,7 +154,7 @@ fn the_samples_are_of_all_kinds() {
     assert_eq!(hulls("parts, tree").hulls().map(|hull| hull.part()).max(), Some(2));
     assert!(hulls("recentred, tree").hulls().all(|hull| hull.origin().x == 1e7));
     assert!(hulls("sphere, tree").hulls().all(|hull| hull.outer_vertices().len() > 0));
-    let drawn: usize = (0..20).map(|number| samples::drawn(SEED, number).file.len()).sum();
+    let drawn: usize = (0..20).map(|index| samples::drawn(SEED, index).file.len()).sum();
     assert_eq!(samples::drawn(SEED, 3).file, samples::drawn(SEED, 3).file);
     assert!(drawn > 100_000, "{drawn}");
 }

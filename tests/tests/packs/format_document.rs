@@ -1,6 +1,6 @@
-//! `docs/FORMAT.md` against the bytes. A reader written from the document alone agrees with
-//! `hullmap::Pack` on packs of all shapes, and the file that the document shows in full is the one
-//! that is baked today.
+//! `docs/FORMAT.md` agrees with the bytes of packs. A reader written from the document alone agrees
+//! with `hullmap::Pack` on packs of all shapes, and the file that the document lists is the one that
+//! is baked today.
 
 mod reader;
 
@@ -22,13 +22,13 @@ const SEED: u64 = 0xf0_0d_0c;
 /// Origin of the hulls' frame in the source's frame.
 const ORIGIN: [f64; 3] = [1e6, -0.1, 3.0];
 
-/// Index of a vertex that is not in the source, by the document.
+/// Source vertex of a point that is not in the source, by the document.
 const NO_SOURCE_VERTEX: u32 = 0xffff_ffff;
 
 /// Regret, relative to the diameter, that the document states in 7.5.
 const ROUNDING: f64 = 2e-12;
 
-/// What all packs of this file met in their indices, so that no kind of word goes untested.
+/// Counts over the indices of all packs of a test, which show that every kind of word is tested.
 #[derive(Default, Debug)]
 struct Met {
     halves: usize,
@@ -42,17 +42,17 @@ struct Met {
     shared: usize,
     padded: usize,
     directions: usize,
-    /// Directions whose support point is certain by its edges, and those whose is not.
+    /// Numbers of directions whose support vertex its edges certify, and of all others.
     certain: usize,
     uncertain: usize,
     worst_regret: f64,
 }
 
 fn points(name: &str, positions: Vec<[f32; 3]>) -> PointSet {
-    // Numbers in the source differ from those in the set, as in a file of several objects, and some
-    // points are not the source's.
-    let number = |i| if i % 7 == 6 { NO_SOURCE_VERTEX } else { 3 * i + 5 };
-    let source_vertices = (0..positions.len() as u32).map(number).collect();
+    // Source vertices differ from indices in the set, as in a file of several objects, and some
+    // points are not in the source.
+    let source_vertex = |i| if i % 7 == 6 { NO_SOURCE_VERTEX } else { 3 * i + 5 };
+    let source_vertices = (0..positions.len() as u32).map(source_vertex).collect();
     PointSet { name: name.to_owned(), positions, source_vertices, origin: ORIGIN, ..PointSet::default() }
 }
 
@@ -65,7 +65,7 @@ fn source(path: &str, options: &str) -> SourceRecord {
     SourceRecord { path: path.to_owned(), hash, options: options.to_owned() }
 }
 
-/// Bakes hulls into one pack and compares all of it.
+/// Writes hulls into one pack and compares all of its contents.
 fn compare(hulls: &[BakedHull], source: &SourceRecord, count: usize, met: &mut Met) {
     let bytes = write_pack(hulls, source).unwrap();
     let file = File::new(&bytes);
@@ -73,7 +73,7 @@ fn compare(hulls: &[BakedHull], source: &SourceRecord, count: usize, met: &mut M
 
     met.padded += usize::from(file.check_layout() > 0);
     hashes(&bytes, &file, source);
-    let text = |number| std::str::from_utf8(file.section(number)).unwrap();
+    let text = |section| std::str::from_utf8(file.section(section)).unwrap();
     assert_eq!(text(section::SOURCE_PATH), pack.source_path());
     assert_eq!(text(section::OPTIONS), pack.options());
     assert_eq!(text(section::NAMES), hulls.iter().map(|h| h.name.as_str()).collect::<String>());
@@ -92,18 +92,18 @@ fn compare(hulls: &[BakedHull], source: &SourceRecord, count: usize, met: &mut M
         section::OUTER_VERTICES,
         section::EDGES,
     ];
-    assert_eq!(file.span(hulls.len()), counts.map(|number| file.count(number)));
+    assert_eq!(file.span(hulls.len()), counts.map(|section| file.count(section)));
     assert_eq!(file.count(section::SOURCE_VERTICES), file.count(section::VERTICES));
     assert_eq!(file.count(section::NEIGHBOUR_STARTS), file.count(section::VERTICES));
 
     assert_eq!(file.count(section::NEIGHBOUR_FACES), file.count(section::NEIGHBOURS));
 
     boxes(&file);
-    for (number, baked) in hulls.iter().enumerate() {
-        let (ours, theirs) = (file.hull(number), pack.hull(number).unwrap());
+    for (index, baked) in hulls.iter().enumerate() {
+        let (ours, theirs) = (file.hull(index), pack.hull(index).unwrap());
         record(&ours, &theirs, baked);
         shape(&ours, &theirs, baked);
-        index(&ours, &theirs, baked, met);
+        direction_index(&ours, &theirs, baked, met);
         support(&ours, &theirs, count, met);
     }
 }
@@ -114,19 +114,19 @@ fn boxes(file: &File) {
     assert_eq!(nodes.len(), 2 * count - 1);
     let mut free = 1;
     let mut levels = vec![0; nodes.len()];
-    for (number, node) in nodes.iter().enumerate() {
+    for (index, node) in nodes.iter().enumerate() {
         let inside =
             |other: [[f32; 3]; 2]| (0..3).all(|i| node.bounds[0][i] <= other[0][i] && other[1][i] <= node.bounds[1][i]);
         if node.hull_count == 1 {
             let hull = file.hull(node.target);
-            assert_eq!(hull.record.leaf as usize, number);
+            assert_eq!(hull.record.leaf as usize, index);
             assert_eq!(node.bounds, [hull.record.bounds_min, hull.record.bounds_max]);
             continue;
         }
         assert_eq!(node.target, free);
         free += 2;
         for child in [node.target, node.target + 1] {
-            levels[child] = levels[number] + 1;
+            levels[child] = levels[index] + 1;
             assert!(inside(nodes[child].bounds) && levels[child] < 32);
         }
         assert_eq!(node.hull_count, nodes[node.target].hull_count + nodes[node.target + 1].hull_count);
@@ -187,13 +187,13 @@ fn record(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
     assert!(r.rank >= 2 || r.surface_area == 0.0);
 }
 
-/// Vertices and faces, and the order that the document gives them.
+/// Vertices and faces, and their order by the document.
 fn shape(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
     assert!(ours.vertices.iter().copied().eq(theirs.vertices().map(|v| v.to_array())));
     assert!(ours.vertices.iter().flatten().all(|c| c.to_bits() != (-0.0_f32).to_bits()));
     assert_eq!(ours.source_vertices, baked.hull.source_vertices);
-    for (vertex, number) in ours.source_vertices.iter().enumerate() {
-        let expected = (*number != NO_SOURCE_VERTEX).then_some(*number);
+    for (vertex, source_vertex) in ours.source_vertices.iter().enumerate() {
+        let expected = (*source_vertex != NO_SOURCE_VERTEX).then_some(*source_vertex);
         assert_eq!(theirs.source_vertex(vertex as u32), expected);
     }
     assert!(ours.source_vertices.is_sorted_by(|a, b| a < b || *a == NO_SOURCE_VERTEX && a == b));
@@ -229,7 +229,8 @@ fn shape(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
     }
 }
 
-/// The face beside each edge is the one that has the edge; a vertex's are all those at it.
+/// The face beside each edge contains the edge, and the faces beside a vertex's edges are all faces
+/// at the vertex.
 fn beside(ours: &reader::Hull, theirs: &hullmap::Hull, neighbours: &[&[u32]], faces: &[&[u32]]) {
     for (v, (around, beside)) in neighbours.iter().zip(ours.faces_beside()).enumerate() {
         let v = v as u32;
@@ -242,8 +243,8 @@ fn beside(ours: &reader::Hull, theirs: &hullmap::Hull, neighbours: &[&[u32]], fa
             assert!(face.iter().zip(face.iter().cycle().skip(1)).any(|edge| edge == (&v, w)));
         }
         assert!(theirs.faces_at(v).eq(beside.iter().copied()));
-        let at = faces.iter().enumerate().filter(|(_, face)| face.contains(&v)).map(|(number, _)| number as u32);
-        // Of hulls of thousands of vertices some are enough.
+        let at = faces.iter().enumerate().filter(|(_, face)| face.contains(&v)).map(|(index, _)| index as u32);
+        // This search is slow, so large hulls are sampled.
         if v < 100 {
             let mut sorted = beside.to_vec();
             sorted.sort_unstable();
@@ -252,7 +253,7 @@ fn beside(ours: &reader::Hull, theirs: &hullmap::Hull, neighbours: &[&[u32]], fa
     }
 }
 
-/// The edges are those that the document computes; below rank 3 there are none.
+/// The edges are those that the document defines. Hulls below rank 3 have no edges.
 fn edges_of(ours: &reader::Hull, neighbours: &[&[u32]]) {
     assert_eq!(ours.edges.len(), if ours.record.rank == 3 { 3 * ours.neighbours.len() } else { 0 });
     for (v, (around, edges)) in neighbours.iter().zip(ours.edges()).enumerate() {
@@ -265,7 +266,8 @@ fn edges_of(ours: &reader::Hull, neighbours: &[&[u32]]) {
     }
 }
 
-/// The outer vertices reach as far as the hull in every direction, and hardly beyond its bounds.
+/// The outer vertices reach at least as far as the hull in every direction, and along the axes at
+/// most slightly farther.
 fn outer(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
     let all = &ours.outer_vertices;
     assert_eq!(all, &baked.outer);
@@ -279,7 +281,7 @@ fn outer(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
     let reach = |points: &[[f32; 3]], d: DVec3| {
         points.iter().map(|p| DVec3::from_array(p.map(f64::from)).dot(d)).fold(f64::NEG_INFINITY, f64::max)
     };
-    let slight = 1e-5 * ours.vertices.iter().flatten().fold(0.0, |most: f64, c| most.max(f64::from(c.abs())));
+    let slight = 1e-5 * ours.vertices.iter().flatten().fold(0.0, |max: f64, c| max.max(f64::from(c.abs())));
     for _ in 0..200 {
         let d = DVec3::from_array(rng.direction());
         assert!(reach(all, d) >= reach(&ours.vertices, d));
@@ -289,7 +291,7 @@ fn outer(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
     }
 }
 
-fn index(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull, met: &mut Met) {
+fn direction_index(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull, met: &mut Met) {
     let encoded = &baked.index.encoded;
     assert_eq!(ours.slots, encoded.slots);
     assert_eq!(ours.blocks.len(), encoded.blocks.len());
@@ -325,11 +327,11 @@ fn support(ours: &reader::Hull, theirs: &hullmap::Hull, count: usize, met: &mut 
         let (leaf, cost) = (ours.leaf(reader::scaled(d)), theirs.support_cost(dir));
         assert_eq!((leaf.nodes, leaf.blocks.len() as u32 * 8), (cost.nodes, cost.dots));
 
-        // A direction of f64 numbers, which no f32 holds.
+        // A direction in f64 that f32 cannot represent.
         let fine = DVec3::from_array(rng.direction()) * 1e-9 * dir.as_dvec3().length() + dir.as_dvec3();
         assert_eq!(ours.support(fine.to_array()), SupportMap::support_point(theirs, fine).feature);
 
-        // A vertex that its edges certify is the one that the index finds.
+        // If the edges of a vertex certify it, the index finds the same vertex.
         if !edges.is_empty() && (1e-30..=1e30).contains(&dir.abs().max_element()) {
             let is_certain = |v: u32| reader::Hull::is_certain(&edges[v as usize], dir.to_array());
             *(if is_certain(expected.index) { &mut met.certain } else { &mut met.uncertain }) += 1;
@@ -346,14 +348,14 @@ fn support(ours: &reader::Hull, theirs: &hullmap::Hull, count: usize, met: &mut 
         met.directions += 1;
     }
     for dir in directions::invalid() {
-        // The document does not specify which vertex it is.
+        // For invalid directions, the document does not specify the vertex.
         let (ours_found, theirs_found) = (ours.support(dir.to_array().map(f64::from)), theirs.support(dir).index);
         assert!((ours_found.max(theirs_found) as usize) < ours.vertices.len());
     }
 }
 
-/// Every rank and, of rank 3, every way an index can look: small, deep, with planes, with long
-/// leaves.
+/// Hulls of every rank; among those of rank 3, hulls with small and deep indices, with planes, and
+/// with long leaves.
 fn shapes_of_all_ranks() -> Vec<PointSet> {
     vec![
         points("point", vec![[1.0, -2.0, 3.5]; 3]),
@@ -401,7 +403,7 @@ fn a_reader_written_from_the_document_agrees() {
     assert!(met.certain * 4 > met.directions && met.uncertain * 10 > met.directions, "{met:?}");
 }
 
-/// Files of earlier versions are refused by their version, and with the remedy.
+/// Files of earlier versions are refused because of their version. The error states the remedy.
 #[test]
 fn files_of_older_versions_are_refused_with_the_remedy() {
     let files = [&include_bytes!("../../data/version-1.hullmap")[..], include_bytes!("../../data/version-2.hullmap")];
@@ -410,8 +412,12 @@ fn files_of_older_versions_are_refused_with_the_remedy() {
         println!("{error}");
         let expected = format!("format version {version}, but this build reads version 3; bake the source again");
         assert!(error.contains(&expected), "{error}");
-        assert_eq!(u64_at(file, 16) as usize, file.len() - 64, "it is whole");
-        assert_eq!(u64_at(file, 56), XxHash3_64::oneshot(&[&file[..56], &file[64..]].concat()), "and sound");
+        assert_eq!(u64_at(file, 16) as usize, file.len() - 64, "the file is complete");
+        assert_eq!(
+            u64_at(file, 56),
+            XxHash3_64::oneshot(&[&file[..56], &file[64..]].concat()),
+            "the checksum is correct"
+        );
     }
 }
 
@@ -421,7 +427,7 @@ fn several_hulls_share_a_pack() {
         [IndexKind::CubeMap { resolution: 3 }, IndexKind::Tree, IndexKind::Binary, IndexKind::None, IndexKind::Compact];
     let mut met = Met::default();
     for (first, name) in ["", "ä", "a b", "日本語"].into_iter().enumerate() {
-        // Names and paths of different lengths, hulls of different kinds: the padding varies.
+        // Names and paths of different lengths, and hulls of different kinds, vary the padding.
         let mut hulls: Vec<BakedHull> = shapes_of_all_ranks()
             .iter()
             .skip(first)
@@ -436,7 +442,7 @@ fn several_hulls_share_a_pack() {
 }
 
 #[test]
-fn grid_numbers_are_those_of_the_runtime() {
+fn grid_coordinates_are_those_of_the_runtime() {
     let mut rng = SplitMix64::new(SEED);
     let check = |d: [f32; 3]| {
         let cell = hullmap_format::cube::locate(d);
@@ -444,13 +450,13 @@ fn grid_numbers_are_those_of_the_runtime() {
     };
     for _ in 0..200_000 {
         check(rng.direction().map(|c| c as f32));
-        // On a grid line, and a last digit beside it.
+        // A point on a grid line, and its two neighbours in f32.
         let t = (rng.below(1 << 23) as f32 - 4_194_303.5) / 4_194_303.0;
         for t in [t, t.next_up(), t.next_down()] {
             check([-1.0, t, rng.between(-1.0, 1.0) as f32]);
         }
     }
-    // All corners and seams, and not the centre, which is no direction.
+    // All corners and seams. The centre is not a direction.
     for corner in (0..27_u8).filter(|corner| *corner != 13) {
         check([corner % 3, corner / 3 % 3, corner / 9].map(|c| f32::from(c) - 1.0));
     }
@@ -525,7 +531,7 @@ fn the_notes_on_the_root_hold() {
     assert!(sections.next().is_none());
 }
 
-/// The document's tables of sections, records and header fields leave no byte out.
+/// The document's tables of the header and of records cover every byte.
 #[test]
 fn tables_have_no_gaps() {
     let rows = |heading: &str| -> Vec<(usize, usize)> {
@@ -555,7 +561,7 @@ fn tables_have_no_gaps() {
     }
 }
 
-/// Directions of f32 numbers need no care with fused multiply-adds (7.4): the products are exact.
+/// For f32 directions, fused multiply-adds make no difference (7.4), because the products are exact.
 #[test]
 fn products_of_f32_numbers_are_exact() {
     let mut rng = SplitMix64::new(SEED);

@@ -295,7 +295,7 @@ fn hostile_child(path: &Path) {
     let (mut rounds, mut panics, mut changed) = (0_u64, 0_u64, 0_u64);
     let start = Instant::now();
     while start.elapsed() < hostile_time() {
-        panics += u64::from(catch_unwind(AssertUnwindSafe(|| inquiry.ask(&pack))).is_err());
+        panics += u64::from(catch_unwind(AssertUnwindSafe(|| inquiry.run(&pack))).is_err());
         match catch_unwind(AssertUnwindSafe(answer)) {
             Ok(found) => changed += u64::from(found != first),
             Err(_) => panics += 1,
@@ -365,13 +365,13 @@ fn hostile_writes_stay_within_the_map() {
     let mut packs: Vec<(&str, Vec<u8>)> = names.map(|name| (name, samples::named(name))).to_vec();
     packs.push(("large rock, tree", bytes(LARGE, 1.0)));
     let (mut writes, mut rounds, mut panics) = (0, 0, 0);
-    for (number, (name, file)) in packs.iter().enumerate() {
-        let path = folder.path().join(format!("{number}.hullmap"));
+    for (index, (name, file)) in packs.iter().enumerate() {
+        let path = folder.path().join(format!("{index}.hullmap"));
         fs::write(&path, file).unwrap();
         let mut child = start("hostile", &path);
         let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map(Result::unwrap);
         assert!(lines.any(|line| line == "opened"), "{name}: the child did not open the pack");
-        writes += write_while_running(&mut child, &path, number as u64);
+        writes += write_while_running(&mut child, &path, index as u64);
         let status = child.wait().unwrap();
         assert!(status.success(), "{name}: the child ended with {status}");
         let counts = lines.find(|line| line.starts_with("rounds ")).unwrap();
@@ -419,8 +419,8 @@ fn reloading_under_readers_tears_nothing_and_frees_all() {
                     let pack = current.read().unwrap().clone();
                     let hull = pack.hull(0).unwrap();
                     let scale = hull.support(dirs[0]).point.x / unit[0].x;
-                    let place = versions.iter().position(|(version, _)| *version == scale);
-                    seen.fetch_or(1 << place.expect("one of the versions"), Ordering::Relaxed);
+                    let index = versions.iter().position(|(version, _)| *version == scale);
+                    seen.fetch_or(1 << index.expect("one of the versions"), Ordering::Relaxed);
                     for (dir, unit) in dirs.iter().zip(unit) {
                         assert_eq!(hull.support(*dir).point, unit * scale, "torn");
                     }

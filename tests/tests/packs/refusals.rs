@@ -1,5 +1,5 @@
-//! Each requirement that a file may violate, violated once. The error states the location, what was
-//! found and what was expected.
+//! One violation of each requirement on a file. The error states the location, the value found and
+//! the value expected.
 
 use hullmap::Pack;
 use hullmap_bake::{IndexKind, SourceRecord};
@@ -11,29 +11,29 @@ use hullmap_format::{
 };
 use hullmap_testkit::packs::{self, point_set};
 use hullmap_tests::hostile::{
-    place::{changed, payload},
+    patch::{changed, offset_of, payload},
     samples,
 };
 use shapes::families::Family;
 
 /// The message with which a file is refused.
 fn message(file: &[u8]) -> String {
-    let error = Pack::from_bytes(file).expect_err("the file breaks a promise").to_string();
+    let error = Pack::from_bytes(file).expect_err("the file violates a requirement").to_string();
     assert!(error.ends_with("; bake the source again"), "{error}");
     error.trim_end_matches("; bake the source again").to_owned()
 }
 
-/// The message after one change to a sample; `$number` is a field of the archive, `$value` its new
+/// The message after one change to a sample: `$field` is a field of the archive, `$value` its new
 /// value.
 macro_rules! refusal {
-    ($file:expr, $($number:tt)+) => {
-        refusal!(@split $file, [] $($number)+)
+    ($file:expr, $($field:tt)+) => {
+        refusal!(@split $file, [] $($field)+)
     };
-    (@split $file:expr, [$($place:tt)*] = $value:expr) => {
-        message(&changed($file, |pack| &pack.$($place)*, &$value.to_le_bytes()))
+    (@split $file:expr, [$($field:tt)*] = $value:expr) => {
+        message(&changed($file, |pack| &pack.$($field)*, &$value.to_le_bytes()))
     };
-    (@split $file:expr, [$($place:tt)*] $next:tt $($rest:tt)+) => {
-        refusal!(@split $file, [$($place)* $next] $($rest)+)
+    (@split $file:expr, [$($field:tt)*] $next:tt $($rest:tt)+) => {
+        refusal!(@split $file, [$($field)* $next] $($rest)+)
     };
 }
 
@@ -53,7 +53,7 @@ fn sections_and_spans() {
     assert_eq!(refusal!(&cube, source_path[3] = 0xff_u8), "section source_path is not UTF-8 from byte 3 on");
     // Two bytes of names leave a gap of two bytes before the spans.
     let file = packs::bytes(&[point_set("ab", &[[0.0; 3]])], IndexKind::None, &SourceRecord::default()).unwrap();
-    let at = hullmap_tests::hostile::place::place(&file, |pack| &pack.spans[0]) - 1;
+    let at = offset_of(&file, |pack| &pack.spans[0]) - 1;
     let mut filled = file.clone();
     filled[at] = 7;
     packs::reseal(&mut filled);
@@ -209,7 +209,7 @@ fn redundant_values_that_differ() {
 fn bounding_volume_hierarchies() {
     let five = samples::named("five hulls, no index");
     let message =
-        |text: String| text.strip_prefix("bounding volume hierarchy: ").expect("it names the tree").to_owned();
+        |text: String| text.strip_prefix("bounding volume hierarchy: ").expect("the message names the tree").to_owned();
     let leaf = five_leaf(&five);
     assert_eq!(message(refusal!(&five, nodes[0].target = 0_u32)), "node 0: its first child is 0 (expected 1)");
     assert_eq!(

@@ -176,10 +176,10 @@ fn solve(body: &mut Body, normal: DVec3, points: &mut [Point], slop: f64) {
             let total = (point.impulse[0] + change).max(0.0);
             body.push(normal * (total - point.impulse[0]), arm);
             point.impulse[0] = total;
-            let most = FRICTION * point.impulse[0];
+            let max = FRICTION * point.impulse[0];
             for (axis, impulse) in axes.iter().zip(&mut point.impulse).skip(1) {
                 let change = -body.velocity_at(arm).dot(*axis) / body.response(arm, *axis);
-                let total = (*impulse + change).clamp(-most, most);
+                let total = (*impulse + change).clamp(-max, max);
                 body.push(*axis * (total - *impulse), arm);
                 *impulse = total;
             }

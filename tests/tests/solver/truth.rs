@@ -22,8 +22,8 @@ const WIDE_SHARE: f64 = 2e-3;
 
 fn judged(pairs: u64, detail: Detail) -> Tally {
     let (mut scene, mut tally) = (Scene::new(SEED, detail), Tally::default());
-    for number in 0..pairs {
-        let (pair, bodies) = scene.pair(number);
+    for index in 0..pairs {
+        let (pair, bodies) = scene.pair(index);
         tally.judge(&pair, bodies, &Answers::to(&pair, bodies));
     }
     println!("seed {SEED}, {detail:?}\n{tally}");
@@ -60,8 +60,8 @@ fn detailed_hulls() {
 fn wrong_answers_are_misses() {
     let mut scene = Scene::new(SEED, Detail::Few);
     let (mut hits, mut apart) = (0, 0);
-    for number in 0..300 {
-        let (pair, bodies) = scene.pair(number);
+    for index in 0..300 {
+        let (pair, bodies) = scene.pair(index);
         if pair.class == Class::Touching {
             continue;
         }
@@ -72,10 +72,10 @@ fn wrong_answers_are_misses() {
             tally.judge(&pair, bodies, &answers);
             tally.misses.len()
         };
-        assert_eq!(misses(&|_| {}), 0, "pair {number}");
+        assert_eq!(misses(&|_| {}), 0, "pair {index}");
         if right.deep.hit {
             hits += 1;
-            assert!(misses(&|wrong| wrong.deep.hit = false) > 0, "pair {number}");
+            assert!(misses(&|wrong| wrong.deep.hit = false) > 0, "pair {index}");
             let factors = [(1.0 - 1e-4, "small"), (1.0 + 1e-4, "large")];
             for (factor, what) in factors {
                 let scaled = misses(&|wrong| {
@@ -83,17 +83,17 @@ fn wrong_answers_are_misses() {
                     (c.depth_lower, c.depth, c.depth_upper) =
                         (c.depth_lower * factor, c.depth * factor, c.depth_upper * factor);
                 });
-                assert!(scaled > 0, "pair {number}: a depth too {what}");
+                assert!(scaled > 0, "pair {index}: a depth too {what}");
             }
         } else {
             apart += 1;
-            assert!(misses(&|wrong| wrong.deep.normal = -wrong.deep.normal) > 0, "pair {number}");
+            assert!(misses(&|wrong| wrong.deep.normal = -wrong.deep.normal) > 0, "pair {index}");
             for factor in [1.0 - 1e-4, 1.0 + 1e-4] {
                 let scaled = misses(&|wrong| {
                     let d = &mut wrong.near;
                     (d.lower, d.distance, d.upper) = (d.lower * factor, d.distance * factor, d.upper * factor);
                 });
-                assert!(scaled > 0, "pair {number}: a distance times {factor}");
+                assert!(scaled > 0, "pair {index}: a distance times {factor}");
             }
         }
     }

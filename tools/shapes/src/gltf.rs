@@ -21,7 +21,7 @@ const BUFFER_URI: &str = "BUFFER_URI";
 pub fn parts(meshes: &[(&str, &Mesh)], nodes: &str, roots: &str) -> Parts {
     let mut buffer = Vec::new();
     let (mut views, mut accessors, mut records) = (Vec::new(), Vec::new(), Vec::new());
-    for (number, (name, mesh)) in meshes.iter().enumerate() {
+    for (index, (name, mesh)) in meshes.iter().enumerate() {
         let start = buffer.len();
         buffer.extend(mesh.vertices.iter().flatten().flat_map(|x| x.to_le_bytes()));
         let middle = buffer.len();
@@ -33,7 +33,7 @@ pub fn parts(meshes: &[(&str, &Mesh)], nodes: &str, roots: &str) -> Parts {
             [0, 1, 2].map(|axis| mesh.vertices.iter().map(|v| v[axis]).fold(from, choose))
         };
         let (low, high) = (bound(f32::min, f32::INFINITY), bound(f32::max, f32::NEG_INFINITY));
-        let (first, second) = (2 * number, 2 * number + 1);
+        let (first, second) = (2 * index, 2 * index + 1);
         accessors.push(format!(
             r#"{{"bufferView":{first},"componentType":5126,"type":"VEC3","count":{},"min":{low:?},"max":{high:?}}}"#,
             mesh.vertices.len()

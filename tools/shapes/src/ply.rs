@@ -13,7 +13,7 @@ pub enum Encoding {
     Big,
 }
 
-/// A file of vertices, with a colour and a normal that nobody needs, and faces.
+/// A file of vertices and faces. The vertices have further properties, which readers must skip.
 ///
 /// # Panics
 /// If a face has more than 255 corners.

@@ -80,7 +80,7 @@ impl Index {
             IndexKind::CubeMap { resolution } => format!("cube map of {resolution} x {resolution} cells a face"),
             IndexKind::None => "linear scan".to_owned(),
         };
-        format!("{kind}, {:.1} bytes a vertex", self.byte_len() as f64 / vertex_count as f64)
+        format!("{kind}, {:.1} bytes per vertex", self.byte_len() as f64 / vertex_count as f64)
     }
 }
 
@@ -191,6 +191,6 @@ mod tests {
             assert!(index.byte_len() <= bytes as usize * 600, "{}", index.describe(600));
         }
         assert_eq!(budget(20).kind, IndexKind::None);
-        assert_eq!(budget(20).describe(600), "linear scan, 16.0 bytes a vertex");
+        assert_eq!(budget(20).describe(600), "linear scan, 16.0 bytes per vertex");
     }
 }

@@ -5,7 +5,7 @@
 //! references all of them in order: the positions of the resulting model are those of the file, in
 //! file order. The element lines of the file are not part of the text, see [`super`].
 //!
-//! tobj keeps about 200 bytes a vertex while it builds a model. A batch bounds that memory.
+//! tobj keeps about 200 bytes per vertex while it builds a model. A batch bounds that memory.
 //!
 //! tobj parses `f32` in this build; its `f64` is a Cargo feature, and would round `f32` coordinates
 //! twice. Where the options require `f64`, [`VertexLine`] parses the coordinates.

@@ -6,7 +6,7 @@
 //!
 //! # Reference
 //! G. Turk, "The PLY Polygon File Format" (1994). The crate `ply-rs-bw` keeps a map of names for
-//! each instance, some hundred bytes a vertex, and reads `float` in text as `f32` only. The tests
+//! each instance, some hundred bytes per vertex, and reads `float` in text as `f32` only. The tests
 //! compare with it.
 
 mod body;

@@ -156,12 +156,12 @@ fn nodes_are_transformed_in_f64_and_named() {
     let near = |got: [f32; 3], expected: [f64; 3]| {
         assert!(got.iter().zip(expected).all(|(a, b)| (f64::from(*a) - b).abs() < 3e-6), "{got:?} {expected:?}");
     };
-    for (number, v) in mesh.vertices.iter().enumerate() {
+    for (index, v) in mesh.vertices.iter().enumerate() {
         let [x, y, z] = v.map(f64::from);
         // A quarter turn about z after the transform of the child, then a translation along x.
-        near(imported.point_sets[0].positions[number], [-y + 10.0, -2.0 * x, z]);
+        near(imported.point_sets[0].positions[index], [-y + 10.0, -2.0 * x, z]);
         let [x, y, z] = [x + 5.0, -z + 6.0, y + 7.0];
-        near(imported.point_sets[1].positions[number], [-y + 10.0, x, z]);
+        near(imported.point_sets[1].positions[index], [-y + 10.0, x, z]);
     }
     // Faces wind outwards even where a transform mirrors.
     for (set, faces) in imported.point_sets.iter().zip(&imported.faces) {

@@ -51,10 +51,10 @@ fn repeated(start: &str, piece: &str, end: &str) -> Vec<u8> {
 /// Lines made from ascending numbers, so that all vertices differ.
 fn counted(line: fn(usize, &mut String)) -> Vec<u8> {
     let mut text = String::with_capacity(SIZE + 1000);
-    let mut number = 0;
+    let mut index = 0;
     while text.len() < SIZE {
-        line(number, &mut text);
-        number += 1;
+        line(index, &mut text);
+        index += 1;
     }
     text.into_bytes()
 }
@@ -335,10 +335,10 @@ fn large_and_false_files_stay_within_the_documented_memory() {
         return;
     }
     let mut failed = Vec::new();
-    for (number, case) in cases().iter().enumerate() {
+    for (index, case) in cases().iter().enumerate() {
         let output = Command::new(std::env::current_exe().unwrap())
             .args(["--exact", "tests::limits::one_file", "--ignored", "--nocapture", "--test-threads=1"])
-            .env(CASE, number.to_string())
+            .env(CASE, index.to_string())
             .output()
             .unwrap();
         let text = String::from_utf8_lossy(&output.stdout);
@@ -363,10 +363,10 @@ fn large_and_false_files_stay_within_the_documented_memory() {
 #[ignore = "child process of the test above"]
 #[expect(clippy::disallowed_methods, reason = "the parent process names the case")]
 fn one_file() {
-    let Ok(number) = std::env::var(CASE) else {
+    let Ok(index) = std::env::var(CASE) else {
         return;
     };
-    let case = &cases()[number.parse::<usize>().unwrap()];
+    let case = &cases()[index.parse::<usize>().unwrap()];
     let source = SourceFile::alone((case.bytes)());
     let length = source.bytes.len() as u64;
     // Resets the peak resident size.

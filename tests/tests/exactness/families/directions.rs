@@ -10,7 +10,7 @@ use super::nodes::Fan;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     Random,
-    /// The normal of a facet, as exact as f64 allows.
+    /// The normal of a facet, as accurate as f64 allows.
     Normal,
     /// The same, disturbed by 1 to 1e-8.
     NearNormal,
@@ -24,7 +24,7 @@ pub enum Kind {
     FanAxis,
     /// On the border between two steps of a fan.
     FanStep,
-    /// So long or short that f32 can hardly hold it.
+    /// So long or short that it is near the limits of f32.
     Extreme,
 }
 
@@ -46,8 +46,8 @@ pub struct Maker {
     normals: Vec<DVec3>,
     /// Pairs of faces that share an edge.
     sides: Vec<[usize; 2]>,
-    /// Sums of the normals around each vertex.
-    inward: Vec<Vec<usize>>,
+    /// Indices of the faces at each vertex.
+    faces_at: Vec<Vec<usize>>,
     fans: Vec<Fan>,
 }
 
@@ -56,27 +56,27 @@ impl Maker {
         let vertices: Vec<DVec3> = hull.vertices().map(|v| v.as_dvec3()).collect();
         let mut normals = Vec::new();
         let mut sides = Vec::new();
-        let mut inward = vec![Vec::new(); vertices.len()];
-        for (number, face) in hull.faces().enumerate() {
+        let mut faces_at = vec![Vec::new(); vertices.len()];
+        for (face_index, face) in hull.faces().enumerate() {
             let corners: Vec<u32> = face.collect();
             let at = |i: usize| vertices[corners[i % corners.len()] as usize];
             let sum: DVec3 = (1..corners.len()).map(|i| (at(i) - at(0)).cross(at(i + 1) - at(0))).sum();
             normals.push(sum.normalize_or_zero());
             for (i, &corner) in corners.iter().enumerate() {
-                inward[corner as usize].push(number);
+                faces_at[corner as usize].push(face_index);
                 let next = corners[(i + 1) % corners.len()];
-                sides.push((corner.min(next), corner.max(next), number));
+                sides.push((corner.min(next), corner.max(next), face_index));
             }
         }
         sides.sort_unstable();
         let sides = sides.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).filter(|both| both.len() == 2);
         let sides = sides.map(|both| [both[0].2, both[1].2]).collect();
-        Self { rng: SplitMix64::new(seed), normals, sides, inward, fans }
+        Self { rng: SplitMix64::new(seed), normals, sides, faces_at, fans }
     }
 
-    /// Number `place` of a list of directions: kinds take turns.
-    pub fn make(&mut self, place: usize) -> (Kind, DVec3) {
-        let kind = KINDS[place % KINDS.len()];
+    /// Direction `index` of a list in which the kinds take turns.
+    pub fn make(&mut self, index: usize) -> (Kind, DVec3) {
+        let kind = KINDS[index % KINDS.len()];
         let noise = DVec3::from_array(self.rng.direction());
         let (kind, d) = match kind {
             Kind::Normal if !self.normals.is_empty() => (kind, self.normal()),
@@ -89,7 +89,7 @@ impl Maker {
                 (kind, a * t + b * (1.0 - t) + noise * self.slight())
             }
             Kind::Vertex if !self.normals.is_empty() => {
-                let around = &self.inward[self.rng.below(self.inward.len())];
+                let around = &self.faces_at[self.rng.below(self.faces_at.len())];
                 (kind, around.iter().map(|face| self.normals[*face] * (0.5 + self.rng.unit())).sum())
             }
             Kind::Seam => (kind, self.seam(noise)),
@@ -106,8 +106,8 @@ impl Maker {
 
     fn normal(&mut self) -> DVec3 {
         let normal = self.normals[self.rng.below(self.normals.len())];
-        // A facet of many corners is one of many, but where most vertices meet: an eighth of the
-        // turns.
+        // A facet with many corners is rarely drawn, although most normal cones meet there. One
+        // draw in eight takes the axis of its fan.
         let great = self.rng.below(8) == 0;
         if great && !self.fans.is_empty() { self.axis() } else { normal }
     }
@@ -126,8 +126,7 @@ impl Maker {
     fn fan_axis(&mut self, noise: DVec3) -> DVec3 {
         let axis = self.axis();
         let distance = if self.rng.below(8) == 0 { 0.0 } else { 10_f64.powf(-6.0 - 11.0 * self.rng.unit()) };
-        // The facet's normal, where there is one, instead of the line that planes were found to
-        // share.
+        // If a facet has this normal, use its exact normal instead of the fan's axis.
         let near = |n: &&DVec3| n.distance(axis) < 1e-9;
         let base = if self.rng.below(2) == 0 { self.normals.iter().find(near).copied() } else { None };
         base.unwrap_or(axis) + noise * distance
@@ -135,8 +134,8 @@ impl Maker {
 
     /// A direction in a fan's cell, turned to the border of a step, and a last digit beside it.
     fn fan_step(&mut self) -> DVec3 {
-        let number = self.rng.below(self.fans.len());
-        let fan = self.fans[number].clone();
+        let index = self.rng.below(self.fans.len());
+        let fan = self.fans[index].clone();
         let p = fan.corner.map(|c| c + fan.size * self.rng.unit());
         let inside = DVec3::from_array(hullmap_format::cube::direction(fan.face, p[0], p[1]));
         let axis = fan.x.cross(fan.y);
@@ -157,8 +156,8 @@ impl Maker {
     fn seam(&mut self, noise: DVec3) -> DVec3 {
         let exact = match self.rng.below(4) {
             0 => {
-                let place = (self.rng.below(26) + 14) % 27;
-                DVec3::new((place % 3) as f64, (place / 3 % 3) as f64, (place / 9) as f64) - 1.0
+                let corner = (self.rng.below(26) + 14) % 27;
+                DVec3::new((corner % 3) as f64, (corner / 3 % 3) as f64, (corner / 9) as f64) - 1.0
             }
             1 => DVec3::new(noise.x, noise.x.abs() * noise.y.signum(), noise.z),
             2 => DVec3::new(noise.x, noise.y, noise.y),

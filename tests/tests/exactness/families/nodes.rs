@@ -72,8 +72,8 @@ impl Words {
         DVec3::new(self.number(at), self.number(at + 2), self.number(at + 4))
     }
 
-    /// Slots of each kind, and all fans; fans below planes and fans with the cell that these
-    /// divide.
+    /// Numbers of slots of each kind, and all fans. A fan below a plane or another fan has the cell
+    /// that this one divides.
     pub fn nodes(&self) -> (Counts, Vec<Fan>) {
         let (mut counts, mut fans) = (Counts::default(), Vec::new());
         if !self.kind.is_tree() {
@@ -94,34 +94,34 @@ impl Words {
                     let branch = Branch::decode(payload);
                     let (side, taken) = (1_u32 << branch.bits, bits + branch.bits);
                     for square in 0..side * side {
-                        let place = [square % side, square / side].map(|step| step << (GRID_BITS - taken));
-                        let corner = [at[0] + place[0], at[1] + place[1]];
+                        let offset = [square % side, square / side].map(|step| step << (GRID_BITS - taken));
+                        let corner = [at[0] + offset[0], at[1] + offset[1]];
                         pending.push((self.slots[(branch.at + square) as usize], face, corner, taken));
                     }
                 }
-                Slot::Plane(place) => {
+                Slot::Plane(first) => {
                     counts.planes += 1;
-                    below(place as usize + 6, 2);
+                    below(first as usize + 6, 2);
                 }
-                Slot::Bundle(place) => {
+                Slot::Bundle(first) => {
                     counts.bundles += 1;
-                    below(place as usize + 6 * BUNDLE_PLANES, 8);
+                    below(first as usize + 6 * BUNDLE_PLANES, 8);
                 }
-                Slot::Fan(place) => {
+                Slot::Fan(first) => {
                     counts.fans += 1;
-                    let place = place as usize;
-                    let steps = 1 << self.slots[place + 16];
+                    let first = first as usize;
+                    let steps = 1 << self.slots[first + 16];
                     fans.push(Fan {
                         face,
                         corner: at.map(cube::grid_to_uv),
                         size: 2.0 / f64::from(1 << bits),
-                        x: self.vector(place),
-                        y: self.vector(place + 6),
-                        start: self.number(place + 12),
-                        rate: self.number(place + 14),
+                        x: self.vector(first),
+                        y: self.vector(first + 6),
+                        start: self.number(first + 12),
+                        rate: self.number(first + 14),
                         steps,
                     });
-                    below(place + fan::HEAD_WORDS as usize, steps as usize);
+                    below(first + fan::HEAD_WORDS as usize, steps as usize);
                 }
                 Slot::List(_) => counts.lists += 1,
                 Slot::Block(_) => counts.blocks += 1,
@@ -130,7 +130,7 @@ impl Words {
         (counts, fans)
     }
 
-    /// Adds what the direction meets to `counts`; false where there is no tree.
+    /// Adds the nodes that the direction visits to `counts`. Returns false if there is no tree.
     pub fn follow(&self, d: DVec3, counts: &mut Counts) -> bool {
         if !self.kind.is_tree() {
             return false;
@@ -148,9 +148,9 @@ impl Words {
                     counts.branches += 1;
                     let Branch { at, bits } = Branch::decode(payload);
                     let top = |path: u64| path >> (GRID_BITS - bits);
-                    let place = at as usize + ((top(v) << bits) + top(u)) as usize;
+                    let word = at as usize + ((top(v) << bits) + top(u)) as usize;
                     (u, v) = (u << bits & mask, v << bits & mask);
-                    self.slots[place]
+                    self.slots[word]
                 }
                 Slot::Plane(at) => {
                     counts.planes += 1;

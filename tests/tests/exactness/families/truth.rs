@@ -1,13 +1,13 @@
 //! The maximum dot product over all source points, in f64, independent of the hull.
 //!
 //! Points are sorted into boxes of neighbours. A box's bound is the dot product with its farthest
-//! corner, computed by the same operations in the same order: rounding is monotone, so no point in
-//! the box has a greater one as computed. Boxes that cannot hold the greatest are skipped; the
-//! result is that of testing every point.
+//! corner, computed by the same operations in the same order. Rounding is monotonic, so no computed
+//! dot product of a point in the box is greater. Boxes that cannot contain the maximum are skipped,
+//! and the result is that of testing every point.
 
 use glam::DVec3;
 
-/// Points of a box.
+/// Maximum number of points of a box.
 const BOX: usize = 16;
 
 pub struct Truth {
@@ -37,42 +37,41 @@ impl Truth {
         let bound = |low: DVec3, high: DVec3| dot(DVec3::select(d.cmpge(DVec3::ZERO), high, low), d);
         let mut first = (f64::NEG_INFINITY, 0);
         let bounds: Vec<f64> = self.boxes.iter().map(|(low, high, _)| bound(*low, *high)).collect();
-        for (number, bound) in bounds.iter().enumerate() {
+        for (index, bound) in bounds.iter().enumerate() {
             if *bound > first.0 {
-                first = (*bound, number);
+                first = (*bound, index);
             }
         }
-        let within =
-            |number: usize| self.boxes[number].2.iter().fold(f64::NEG_INFINITY, |best, p| best.max(dot(*p, d)));
+        let within = |index: usize| self.boxes[index].2.iter().fold(f64::NEG_INFINITY, |best, p| best.max(dot(*p, d)));
         let mut greatest = within(first.1);
-        for (number, bound) in bounds.iter().enumerate() {
+        for (index, bound) in bounds.iter().enumerate() {
             if *bound > greatest {
-                greatest = greatest.max(within(number));
+                greatest = greatest.max(within(index));
             }
         }
         greatest
     }
 
-    /// The truth about one direction of any length; `None` for an invalid one.
-    pub fn ask(&self, d: DVec3) -> Option<Asked> {
+    /// The maximum dot product in one direction of any length; `None` for an invalid direction.
+    pub fn in_direction(&self, d: DVec3) -> Option<Greatest> {
         if !d.is_finite() || d == DVec3::ZERO {
             return None;
         }
-        // By a power of two, which rounds nothing.
+        // Scaling by a power of two is exact.
         let d = d * (-f64::from(d.abs().max_element().log2().floor() as i32)).exp2();
-        Some(Asked { d, greatest: self.greatest(d), size: d.length() * self.diameter })
+        Some(Greatest { d, greatest: self.greatest(d), size: d.length() * self.diameter })
     }
 }
 
 /// The maximum dot product in one direction.
-pub struct Asked {
+pub struct Greatest {
     d: DVec3,
     greatest: f64,
     /// Length of the direction times the diameter.
     size: f64,
 }
 
-impl Asked {
+impl Greatest {
     /// (greatest dot product − that of `got`) / (|d| · diameter); 0 where all points are the same.
     pub fn regret(&self, got: DVec3) -> f64 {
         if self.size == 0.0 { 0.0 } else { (self.greatest - dot(got, self.d)) / self.size }

@@ -1,12 +1,12 @@
-//! A reader of `.hullmap` files that follows `docs/FORMAT.md` and uses no code of the project. It
-//! is simple, not fast.
+//! A reader of `.hullmap` files, written from `docs/FORMAT.md` without code of the project. It is
+//! simple, not fast.
 //!
-//! Section numbers in comments are the document's. Damage makes it panic, which fails the test.
+//! Numbers in comments are sections of the document. The reader panics on damaged files, which fails
+//! the test.
 
 use std::{collections::VecDeque, ops::Range};
 
-/// Sections in the order of the root's entries (4): name, bytes of an element, multiple on which it
-/// starts.
+/// Sections in the order of the root's entries (4): name, bytes per element, alignment.
 pub const SECTIONS: [(&str, usize, usize); 17] = [
     ("blocks", 128, 64),
     ("source_path", 1, 1),
@@ -30,7 +30,7 @@ pub const SECTIONS: [(&str, usize, usize); 17] = [
 const HEADER: usize = 64;
 pub const ROOT: usize = 136;
 
-/// Numbers of sections in [`SECTIONS`].
+/// Indices of the sections in [`SECTIONS`].
 pub mod section {
     pub const BLOCKS: usize = 0;
     pub const SOURCE_PATH: usize = 1;
@@ -58,7 +58,7 @@ pub struct File<'a> {
     pub sections: [Range<usize>; 17],
 }
 
-/// One hull's runs.
+/// The runs of one hull.
 pub struct Hull<'a> {
     pub name: &'a [u8],
     pub record: Record,
@@ -151,26 +151,26 @@ impl<'a> File<'a> {
         assert_eq!(u64_at(bytes, 16), bytes.len() as u64 - 64, "payload length");
         assert_eq!(u64_at(bytes, 48), 0, "reserved");
         let root = bytes.len() - ROOT;
-        let sections = std::array::from_fn(|number| {
-            let entry = root + 8 * number;
+        let sections = std::array::from_fn(|index| {
+            let entry = root + 8 * index;
             let offset = i32::from_le_bytes(array(bytes, entry));
             let start = entry.checked_add_signed(offset as isize).unwrap();
-            start..start + u32_at(bytes, entry + 4) as usize * SECTIONS[number].1
+            start..start + u32_at(bytes, entry + 4) as usize * SECTIONS[index].1
         });
         Self { bytes, sections }
     }
 
-    pub fn section(&self, number: usize) -> &'a [u8] {
-        &self.bytes[self.sections[number].clone()]
+    pub fn section(&self, index: usize) -> &'a [u8] {
+        &self.bytes[self.sections[index].clone()]
     }
 
-    pub fn count(&self, number: usize) -> usize {
-        self.sections[number].len() / SECTIONS[number].1
+    pub fn count(&self, index: usize) -> usize {
+        self.sections[index].len() / SECTIONS[index].1
     }
 
-    /// Asserts that each section stands on the first multiple of its alignment behind the one
-    /// before it, that the bytes skipped are zero, and the same of the root: then no byte is left
-    /// open. Returns how many bytes were skipped.
+    /// Asserts that each section starts at the first multiple of its alignment after the section
+    /// before it, that the padding is zero, and the same for the root. Every byte is then defined.
+    /// Returns the number of padding bytes.
     pub fn check_layout(&self) -> usize {
         let mut end = HEADER;
         let mut padding = 0;
@@ -178,8 +178,8 @@ impl<'a> File<'a> {
         let parts = self.sections.iter().zip(SECTIONS).map(|(range, (name, _, align))| (range, name, align));
         for (range, name, align) in parts.chain([(&root, "root", 4)]) {
             assert_eq!(range.start, HEADER + (end - HEADER).next_multiple_of(align), "start of {name}");
-            assert!(self.bytes[end..range.start].iter().all(|b| *b == 0), "padding in front of {name}");
-            assert!(range.start == end || matches!(name, "spans" | "hulls"), "no padding in front of {name}");
+            assert!(self.bytes[end..range.start].iter().all(|b| *b == 0), "padding before {name}");
+            assert!(range.start == end || matches!(name, "spans" | "hulls"), "no padding before {name}");
             padding += range.start - end;
             end = range.end;
         }
@@ -191,9 +191,9 @@ impl<'a> File<'a> {
         std::array::from_fn(|i| u32_at(self.section(section::SPANS), 36 * hull + 4 * i) as usize)
     }
 
-    fn run(&self, number: usize, start: usize, end: usize) -> &'a [u8] {
-        let size = SECTIONS[number].1;
-        &self.section(number)[start * size..end * size]
+    fn run(&self, section: usize, start: usize, end: usize) -> &'a [u8] {
+        let size = SECTIONS[section].1;
+        &self.section(section)[start * size..end * size]
     }
 
     /// The BVH (6.4).
@@ -209,7 +209,7 @@ impl<'a> File<'a> {
     /// One hull, by its spans.
     pub fn hull(&self, hull: usize) -> Hull<'a> {
         let (start, end) = (self.span(hull), self.span(hull + 1));
-        let run = |number: usize, field: usize| self.run(number, start[field], end[field]);
+        let run = |section: usize, field: usize| self.run(section, start[field], end[field]);
         Hull {
             name: run(section::NAMES, 0),
             record: Record::new(self.run(section::HULLS, hull, hull + 1)),
@@ -222,13 +222,13 @@ impl<'a> File<'a> {
             neighbour_faces: words(run(section::NEIGHBOUR_FACES, 4)),
             outer_vertices: run(section::OUTER_VERTICES, 7).chunks(12).map(|v| floats(v, 0)).collect(),
             slots: words(run(section::SLOTS, 5)),
-            edges: run(section::EDGES, 8).chunks(2).map(|number| i16::from_le_bytes(array(number, 0))).collect(),
+            edges: run(section::EDGES, 8).chunks(2).map(|edge| i16::from_le_bytes(array(edge, 0))).collect(),
             blocks: run(section::BLOCKS, 6).chunks(128).map(Block::new).collect(),
         }
     }
 }
 
-/// Runs of `all` that begin at `starts`, each up to the next one's.
+/// The runs of `all` that start at `starts`. Each ends where the next one starts.
 fn parts<'a>(starts: &[u32], all: &'a [u32]) -> Vec<&'a [u32]> {
     let ends = starts.iter().skip(1).copied().chain([all.len() as u32]);
     starts.iter().zip(ends).map(|(start, end)| &all[*start as usize..end as usize]).collect()
@@ -287,19 +287,19 @@ impl Block {
     }
 }
 
-/// 7.1: the direction as it is, or with a largest coordinate of 1 where f32 could not hold it well.
+/// 7.1: the direction, scaled to a largest coordinate of 1 if f32 cannot represent it well.
 pub fn in_range(d: [f64; 3]) -> [f64; 3] {
     let size = d.map(|c| (c as f32).abs()).into_iter().fold(0.0, f32::max);
     if (1e-30..=1e30).contains(&size) { d } else { scaled(d) }
 }
 
-/// The direction divided by its largest coordinate; x where it is none.
+/// The direction divided by its largest coordinate; x for an invalid direction.
 pub fn scaled(d: [f64; 3]) -> [f64; 3] {
     let size = d[0].abs().max(d[1].abs()).max(d[2].abs());
     if size > 0.0 && d.iter().all(|c| c.is_finite()) { d.map(|c| c / size) } else { [1.0, 0.0, 0.0] }
 }
 
-/// 7.1: face, and the grid numbers of u and v.
+/// 7.1: face, and the grid coordinates of u and v.
 pub fn locate(d: [f32; 3]) -> (u32, [u32; 2]) {
     let [x, y, z] = d.map(f32::abs);
     let axis = if z > x && z > y {
@@ -318,7 +318,7 @@ pub fn locate(d: [f32; 3]) -> (u32, [u32; 2]) {
     (face, [grid(d[(axis + 1) % 3] / size), grid(d[(axis + 2) % 3] / size)])
 }
 
-/// An f64 in two words from `at` on.
+/// The f64 in the two words from `at` on.
 fn number_at(slots: &[u32], at: usize) -> f64 {
     f64::from_bits(u64::from(slots[at]) | u64::from(slots[at + 1]) << 32)
 }
@@ -333,10 +333,10 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// 7.3: the step of the fan at `at` in which the direction is.
+/// 7.3: the step of the fan at `at` that contains the direction.
 fn step(slots: &[u32], at: usize, d: [f64; 3]) -> usize {
     let [x, y] = [at, at + 6].map(|at| dot(normals_at(slots, at, 1)[0], d));
-    // By the quarter whose middle is X, Y, −X or −Y.
+    // The four quarters around X, Y, −X and −Y.
     let angle = match (y.abs() > x.abs(), x < 0.0, y < 0.0) {
         (false, false, _) => y / x,
         (true, _, false) => 2.0 - x / y,
@@ -348,13 +348,13 @@ fn step(slots: &[u32], at: usize, d: [f64; 3]) -> usize {
     if step.is_nan() { 0 } else { step.clamp(0.0, f64::from(last)) as usize }
 }
 
-/// Top bits of a grid number of 23 bits, and the others in their place.
+/// The top bits of a grid coordinate of 23 bits, and the other bits shifted to the top.
 fn shift(g: u32, bits: u32) -> (u32, u32) {
     (g >> (23 - bits), g << bits & 0x7f_ffff)
 }
 
 impl Hull<'_> {
-    /// 7.3, for a direction in range.
+    /// 7.3: the leaf of a direction in range.
     pub fn leaf(&self, d: [f64; 3]) -> Leaf {
         if self.record.index_kind == 0 {
             return Leaf { blocks: 0..self.blocks.len(), nodes: 0 };
@@ -395,12 +395,12 @@ impl Hull<'_> {
                     let (at, planes) = ((rest >> 2) as usize, if rest & 3 == 0 { 1 } else { 7 });
                     let normals = normals_at(&self.slots, at, planes);
                     let front = |plane: usize| usize::from(dot(normals[plane], d) > 0.0);
-                    // In heap order: below plane k are planes 2k + 1 and 2k + 2.
-                    let mut place = 0;
-                    while place < planes {
-                        place = 2 * place + 1 + front(place);
+                    // Heap order: the children of plane k are planes 2k + 1 and 2k + 2.
+                    let mut plane = 0;
+                    while plane < planes {
+                        plane = 2 * plane + 1 + front(plane);
                     }
-                    slot = self.slots[at + 6 * planes + place - planes];
+                    slot = self.slots[at + 6 * planes + plane - planes];
                 }
                 _ => {
                     let at = rest as usize;
@@ -412,7 +412,7 @@ impl Hull<'_> {
         }
     }
 
-    /// 7.4: index of the vertex.
+    /// 7.4: index of the support vertex.
     pub fn support(&self, d: [f64; 3]) -> u32 {
         let d = in_range(d);
         let blocks = &self.blocks[self.leaf(d).blocks];
@@ -433,12 +433,12 @@ impl Hull<'_> {
         parts(&self.face_starts, &self.face_vertices)
     }
 
-    /// For each vertex those that share an edge with it.
+    /// The neighbours of each vertex.
     pub fn neighbours(&self) -> Vec<&[u32]> {
         parts(&self.neighbour_starts, &self.neighbours)
     }
 
-    /// 5: the stored edges of each vertex, in its neighbours' order; nothing where there are none.
+    /// 5: the stored edges of each vertex, in its neighbours' order; empty if no edges are stored.
     pub fn edges(&self) -> Vec<Vec<[i16; 3]>> {
         let counts = self.neighbours().into_iter().map(|list| list.len());
         let runs = self.neighbour_starts.iter().zip(counts).map(|(start, count)| (3 * *start as usize, count));
@@ -448,51 +448,51 @@ impl Hull<'_> {
         if self.edges.is_empty() { Vec::new() } else { runs.map(of).collect() }
     }
 
-    /// 7.7: whether these edges certify that the vertex at their start is the support point.
+    /// 7.7: whether these edges certify that the vertex where they start is the support vertex.
     pub fn is_certain(edges: &[[i16; 3]], d: [f32; 3]) -> bool {
         let least = -0.52 * (d[0].abs() + d[1].abs() + d[2].abs());
         edges.iter().map(|q| q.map(f32::from)).all(|q| q[0] * d[0] + q[1] * d[1] + q[2] * d[2] < least)
     }
 
-    /// For each vertex the faces to the left of its edges, in its neighbours' order.
+    /// The faces to the left of each vertex's edges, in its neighbours' order.
     pub fn faces_beside(&self) -> Vec<&[u32]> {
         parts(&self.neighbour_starts, &self.neighbour_faces)
     }
 }
 
-/// What was met on a walk over a hull's index: slots of each kind, but for those that name what
-/// another names.
+/// Counts of a walk over a hull's index: slots of each kind, except slots that share a node or list
+/// with an earlier slot.
 #[derive(Default)]
 pub struct Walk {
     pub max_nodes: u32,
     pub max_dots: u32,
     pub halves: usize,
-    /// Branches of a tree by their bits.
+    /// Branches of a tree, by number of bits.
     pub branches: [usize; 13],
     pub plain_leaves: usize,
     pub planes: usize,
     pub bundles: usize,
     pub fans: usize,
-    /// Planes of bundles that part nothing.
+    /// Planes of bundles that separate nothing.
     pub zero_planes: usize,
     pub lists: usize,
-    /// Slots that name the planes, the fan or the list that an earlier slot of their node names.
+    /// Slots that refer to the same planes, fan or list as an earlier slot of their node.
     pub shared: usize,
 }
 
 /// A node whose slots are to be visited.
 struct Node {
     slots: Range<usize>,
-    /// Nodes above its slots, this one included.
+    /// Number of nodes above its slots, including itself.
     nodes: u32,
-    /// Bits of u and v together that branches above its slots took.
+    /// Number of bits of u and v that the branches above its slots consumed.
     bits: u32,
     below_planes: bool,
 }
 
 impl Hull<'_> {
-    /// 7.2 and 8: visits every word of the index once, front to back, and asserts what is promised
-    /// of it.
+    /// 7.2 and 8: visits every word of the index once, from front to back, and asserts the
+    /// document's guarantees.
     pub fn walk_index(&self) -> Walk {
         let mut walk = Walk::default();
         let r = self.record.resolution as usize;
@@ -508,27 +508,27 @@ impl Hull<'_> {
         let mut free = roots;
         let mut queue = VecDeque::from([Node { slots: 0..roots, nodes: 0, bits: 0, below_planes: false }]);
         while let Some(node) = queue.pop_front() {
-            let mut named = Vec::new();
-            for place in node.slots.clone() {
-                let slot = self.slots[place];
-                if slot >> 31 == 1 && named.contains(&slot) {
+            let mut targets = Vec::new();
+            for word in node.slots.clone() {
+                let slot = self.slots[word];
+                if slot >> 31 == 1 && targets.contains(&slot) {
                     walk.shared += 1;
                     continue;
                 }
-                named.push(slot);
+                targets.push(slot);
                 self.visit(slot, &node, &mut free, &mut queue, &mut walk);
             }
         }
-        assert_eq!(free, self.slots.len(), "no word without a use");
+        assert_eq!(free, self.slots.len(), "every word is used");
         walk
     }
 
-    /// One slot of `node`, the first there to name what it names; `free` is the first word that
-    /// none has named.
+    /// Visits a slot of `node`, the first of the node with its target. `free` is the first word to
+    /// which no slot has referred yet.
     fn visit(&self, slot: u32, node: &Node, free: &mut usize, queue: &mut VecDeque<Node>, walk: &mut Walk) {
         let (kind, rest) = (self.record.index_kind, slot & 0x3fff_ffff);
         let mut take = |at: u32, words: usize| {
-            assert_eq!(at as usize, *free, "what slots name stands in their order");
+            assert_eq!(at as usize, *free, "targets are in the order of their slots");
             *free += words;
             assert!(*free <= self.slots.len());
             at as usize
@@ -539,7 +539,7 @@ impl Hull<'_> {
         };
         let leaf = match slot >> 30 {
             0 => {
-                assert!(kind >= 2 && !node.below_planes, "branches are found in trees, above planes and fans");
+                assert!(kind >= 2 && !node.below_planes, "only trees have branches, above planes and fans");
                 if kind == 2 {
                     let at = take(rest, 2);
                     walk.halves += 1;
@@ -559,7 +559,7 @@ impl Hull<'_> {
                 rest as usize..(rest + self.record.leaf_blocks) as usize
             }
             2 if rest & 3 == 2 => {
-                assert!(kind >= 2, "fans are found in trees");
+                assert!(kind >= 2, "only trees have fans");
                 let bits = self.slots[(rest >> 2) as usize + 16];
                 assert!((1..=20).contains(&bits));
                 let at = take(rest >> 2, 17 + (1 << bits));
@@ -574,7 +574,7 @@ impl Hull<'_> {
                 return;
             }
             2 => {
-                assert!(kind >= 2 && rest & 3 < 2, "planes are found in trees");
+                assert!(kind >= 2 && rest & 3 < 2, "only trees have planes");
                 let planes = if rest & 1 == 0 { 1 } else { 7 };
                 let (first, count) = (6 * planes, planes + 1);
                 let at = take(rest >> 2, first + count);
@@ -593,7 +593,7 @@ impl Hull<'_> {
                 let at = take(rest, 2);
                 walk.lists += 1;
                 let [first, count] = [self.slots[at], self.slots[at + 1]];
-                assert!(count > self.record.leaf_blocks, "a list is for what a plain leaf cannot hold");
+                assert!(count > self.record.leaf_blocks, "a list is longer than a plain leaf");
                 first as usize..(first + count) as usize
             }
         };
@@ -602,8 +602,8 @@ impl Hull<'_> {
         walk.max_dots = walk.max_dots.max(leaf.len() as u32 * 8);
     }
 
-    /// 6.3: candidates ascend, then one vertex fills the lanes that are left, fewer than a plain
-    /// leaf or block has.
+    /// 6.3: the candidates are in ascending order. Copies of the last one fill the remaining lanes,
+    /// which are fewer than those of a plain leaf or of a block.
     fn check_leaf(&self, range: Range<usize>) {
         assert!(!range.is_empty());
         let blocks = &self.blocks[range];

@@ -1,4 +1,4 @@
-//! Positions of the archive's numbers in the file. They let a test change one number at a time.
+//! Changes a single value of the archive in a file.
 
 use hullmap::{InvalidPack, Pack};
 use hullmap_format::archive::ArchivedPack;
@@ -22,17 +22,17 @@ pub fn archive(payload: &[u8]) -> &ArchivedPack {
     rkyv::access::<ArchivedPack, rkyv::rancor::Error>(payload).expect("the payload is an archive")
 }
 
-/// Position in the file of the number that `number` selects.
-pub fn place<T>(file: &[u8], number: impl Fn(&ArchivedPack) -> &T) -> usize {
+/// Offset in the file of the value that `select` returns.
+pub fn offset_of<T>(file: &[u8], select: impl Fn(&ArchivedPack) -> &T) -> usize {
     let payload = payload(file);
-    HEADER_LEN + std::ptr::from_ref(number(archive(&payload))).addr() - payload.as_ptr().addr()
+    HEADER_LEN + std::ptr::from_ref(select(archive(&payload))).addr() - payload.as_ptr().addr()
 }
 
-/// The file with other bytes at the number that `number` selects, and a correct checksum.
-pub fn changed<T>(file: &[u8], number: impl Fn(&ArchivedPack) -> &T, bytes: &[u8]) -> Vec<u8> {
-    let at = place(file, number);
+/// The file with `bytes` in place of the value that `select` returns, and a correct checksum.
+pub fn changed<T>(file: &[u8], select: impl Fn(&ArchivedPack) -> &T, bytes: &[u8]) -> Vec<u8> {
+    let offset = offset_of(file, select);
     let mut changed = file.to_vec();
-    changed[at..at + bytes.len()].copy_from_slice(bytes);
+    changed[offset..offset + bytes.len()].copy_from_slice(bytes);
     reseal(&mut changed);
     changed
 }
@@ -41,6 +41,6 @@ pub fn changed<T>(file: &[u8], number: impl Fn(&ArchivedPack) -> &T, bytes: &[u8
 ///
 /// # Errors
 /// As [`Pack::from_bytes`].
-pub fn open_with<T>(file: &[u8], number: impl Fn(&ArchivedPack) -> &T, bytes: &[u8]) -> Result<Pack, InvalidPack> {
-    Pack::from_bytes(&changed(file, number, bytes))
+pub fn open_with<T>(file: &[u8], select: impl Fn(&ArchivedPack) -> &T, bytes: &[u8]) -> Result<Pack, InvalidPack> {
+    Pack::from_bytes(&changed(file, select, bytes))
 }
