@@ -1,6 +1,6 @@
 //! Everyday benchmark of support queries: detects a slower change. `cargo bench -p hullmap-bench`.
 //!
-//! A run of the closure is a batch of [`BATCH`] queries: divide by it, or read the queries a
+//! A run of the closure is a batch of [`BATCH`] queries: divide by it, or read the queries per
 //! second. The binary `support-table` compares all rivals, with cold caches and exactness.
 
 use std::{cell::RefCell, fmt, rc::Rc};

@@ -1,5 +1,5 @@
-//! Line charts as SVG: labelled axes, light grid, one colour a line, and a legend in which every
-//! name stands where its line ends. System fonts only; nothing is loaded.
+//! Line charts as SVG: labelled axes, light grid, one colour per line, and a legend in which every
+//! name is placed where its line ends. System fonts only; nothing is loaded.
 
 use std::fmt::Write;
 

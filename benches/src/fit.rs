@@ -62,7 +62,7 @@ pub fn affine(samples: &[Sample]) -> Affine {
     Affine { per_test_ns, per_vertex_ns, r_squared: r_squared(samples, predicted) }
 }
 
-/// Slope of log time a test against log n, by least squares: 1 is proportional, 0 is flat.
+/// Slope of log time per test against log n, by least squares: 1 is proportional, 0 is flat.
 pub fn exponent(samples: &[Sample]) -> f64 {
     let count = samples.len() as f64;
     let points: Vec<(f64, f64)> = samples.iter().map(|s| (s.n.ln(), (s.time_ns / s.tests).ln())).collect();

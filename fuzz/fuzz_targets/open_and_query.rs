@@ -1,11 +1,11 @@
-//! Bytes as a pack: refused, or every query ends soundly.
+//! Reads bytes as a pack. It must be refused, or every query on it must end without a panic.
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target, fuzzer_mutate};
 
 fuzz_target!(|data: &[u8]| hullmap_tests::fuzzed::open_and_query(data));
 
-// Two in three changes keep the file's length, word by word; the others are libFuzzer's own.
+// Two out of three mutations change words and keep the length. The others are libFuzzer's own.
 fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
     if seed % 3 == 0 {
         fuzzer_mutate(data, size, max_size)

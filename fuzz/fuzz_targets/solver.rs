@@ -1,4 +1,5 @@
-//! Bytes as two shapes and how they lie: no NaN, caps held, intervals true by brute force.
+//! Reads bytes as two shapes and their poses. Answers must not contain NaN or exceed a cap, and
+//! intervals must agree with brute force.
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| hullmap_tests::fuzzed::solver(data));

@@ -37,7 +37,7 @@ impl Run {
         self
     }
 
-    /// Standard output as one JSON value a line.
+    /// Standard output as one JSON value per line.
     ///
     /// # Panics
     /// If a line is not JSON.

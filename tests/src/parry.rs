@@ -27,7 +27,7 @@ pub fn polyhedron(hull: &Hull) -> ConvexPolyhedron {
 pub struct Opinion {
     /// `intersection_test`.
     pub intersects: bool,
-    /// Distance, or minus the depth, by `contact`; `None` if parry finds no contact.
+    /// Distance, or negative depth, by `contact`; `None` if parry finds no contact.
     pub signed_distance: Option<f64>,
     /// `distance`; 0 where they overlap.
     pub distance: f64,
@@ -36,7 +36,7 @@ pub struct Opinion {
 /// parry's answers about `a`, and `b` at the pose `b_in_a`.
 ///
 /// # Panics
-/// Never for convex polyhedra: parry supports the pair.
+/// Never for convex polyhedra, since parry supports this pair.
 pub fn opinion(a: &ConvexPolyhedron, b: &ConvexPolyhedron, b_in_a: Pose) -> Opinion {
     let (here, there) = poses(b_in_a);
     Opinion {
@@ -49,7 +49,7 @@ pub fn opinion(a: &ConvexPolyhedron, b: &ConvexPolyhedron, b_in_a: Pose) -> Opin
 /// Whether they overlap according to parry.
 ///
 /// # Panics
-/// Never for convex polyhedra: parry supports the pair.
+/// Never for convex polyhedra, since parry supports this pair.
 pub fn overlap(a: &ConvexPolyhedron, b: &ConvexPolyhedron, b_in_a: Pose) -> bool {
     let (here, there) = poses(b_in_a);
     query::intersection_test(&here, a, &there, b).expect("supported").intersecting

@@ -12,9 +12,8 @@ impl Truth {
     /// Takes the source points.
     pub fn new(points: &[[f32; 3]]) -> Self {
         let points: Vec<DVec3> = points.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
-        // Distances from one end of the longest diagonal of the points' own extremes are within √3
-        // of the diameter and never above it, so that a regret measured with them is never too
-        // small.
+        // The distance found is at most the diameter, and at least 1/√3 of it. A regret relative to
+        // it is therefore never too small.
         let far = |from: DVec3| {
             points.iter().copied().max_by(|p, q| p.distance(from).total_cmp(&q.distance(from))).unwrap_or(from)
         };

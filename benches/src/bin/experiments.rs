@@ -184,7 +184,7 @@ fn samples(lines: &[Line], step: usize) -> Vec<Sample> {
     lines.iter().flat_map(of).collect()
 }
 
-/// Nanoseconds a test, the fit of the scan to equation 3, and the exponent of the tree.
+/// Nanoseconds per test, the fit of the scan to equation 3, and the exponent of the tree.
 fn summary(scans: &[Line], trees: &[Line], tests: usize, step: usize) -> String {
     let mut table = Matrix::new(&format!("ns per collision test, over {tests} tests"), "vertices");
     for (row, lines) in [("scan", scans), ("tree", trees)] {

@@ -29,11 +29,11 @@ pub const TURN_RAD: f64 = std::f64::consts::PI / 180.0;
 /// State of a pair, by its distance over its touching distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
-    /// At most 0.9 of it.
+    /// At most 0.9 times the touching distance.
     Penetrating,
-    /// Within 2 % of it.
+    /// Within 2 % of the touching distance.
     NearTouching,
-    /// At least 1.05 of it.
+    /// At least 1.05 times the touching distance.
     Separated,
 }
 

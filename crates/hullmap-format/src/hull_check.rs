@@ -339,8 +339,8 @@ fn run_lengths(starts: &[u32_le], end: usize) -> Option<(u32, u32)> {
     (first == 0 && farthest <= end && longest <= end).then_some((shortest, longest))
 }
 
-/// The first run that is shorter than `min_length`, out of order or out of range: its index, start and
-/// end. The slow twin of [`run_lengths`].
+/// The first run that is shorter than `min_length`, out of order or out of range: its index, start
+/// and end. The slow twin of [`run_lengths`].
 #[cold]
 fn first_bad_run(starts: &[u32_le], end: usize, min_length: u32) -> (usize, u32, u32) {
     let len = u32::try_from(end).unwrap_or(u32::MAX);

@@ -19,7 +19,7 @@ pub const KINDS: [&str; 8] =
 /// Number of answers of each kind in one chunk.
 pub const PER_CHUNK: usize = 200;
 
-/// Chunks of the large set: 102,400 answers and as many warm ones of pairs.
+/// Number of chunks of the large set: 102,400 answers, and as many warm answers about pairs.
 pub const CHUNKS: u64 = 64;
 
 const SEED: u64 = 0x901d;
@@ -42,7 +42,7 @@ pub fn chunk(packs: &[Pack], index: u64, per_kind: usize) -> [u64; KINDS.len()] 
     let settings = Settings::default();
     let mut drawn = Vec::new();
     for i in 0..per_kind {
-        // Half of them hulls, as such.
+        // Half of the shapes are plain hulls.
         let (a, b) = (&hulls[rng.below(hulls.len())], &hulls[rng.below(hulls.len())]);
         let (any_a, any_b) = (&*shapes[rng.below(shapes.len())], &*shapes[rng.below(shapes.len())]);
         let b_in_a = pose(&mut rng);
@@ -80,7 +80,7 @@ pub fn chunk(packs: &[Pack], index: u64, per_kind: usize) -> [u64; KINDS.len()] 
     bits.map(|bits| bits.finish())
 }
 
-/// The hashes of many chunks, in order, as one for each kind.
+/// Joins the hashes of many chunks, in order, into one hash for each kind.
 pub fn joined(chunks: &[[u64; KINDS.len()]]) -> Vec<(String, u64)> {
     let join = |(column, kind): (usize, &&str)| {
         let mut bits = Bits::default();

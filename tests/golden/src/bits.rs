@@ -5,8 +5,8 @@ use hullmap::{Contact, Distance, Intersection, Manifold, SupportVertex};
 use std::hash::Hasher;
 use twox_hash::XxHash3_64;
 
-/// XXH3-64 of little-endian numbers. Zero has one sign here: which of the two comes out of a sum is
-/// no answer.
+/// XXH3-64 of little-endian numbers. Negative zero is hashed as zero, because the sign of a zero
+/// sum carries no information.
 pub struct Bits(XxHash3_64);
 
 impl Default for Bits {
@@ -16,7 +16,7 @@ impl Default for Bits {
 }
 
 impl Bits {
-    /// The hash of all so far.
+    /// The hash of all numbers added so far.
     pub fn finish(&self) -> u64 {
         self.0.finish()
     }
@@ -34,7 +34,7 @@ impl Bits {
     /// Adds a number other than NaN.
     ///
     /// # Panics
-    /// If it is NaN: no answer is.
+    /// If it is NaN, which no answer may contain.
     pub fn number(&mut self, number: f64) {
         assert!(!number.is_nan(), "an answer is NaN");
         self.0.write(&(number + 0.0).to_bits().to_le_bytes());
@@ -51,14 +51,14 @@ impl Bits {
         self.vector(s.point.as_dvec3());
     }
 
-    /// Adds all of an answer.
+    /// Adds all fields of an answer.
     pub fn intersection(&mut self, i: &Intersection) {
         self.0.write(i.status.as_str().as_bytes());
         self.count(i.iterations);
         self.count(i.support_calls);
     }
 
-    /// Adds all of an answer.
+    /// Adds all fields of an answer.
     pub fn contact(&mut self, c: &Contact) {
         self.0.write(c.status.as_str().as_bytes());
         [c.depth, c.depth_lower, c.depth_upper].into_iter().for_each(|n| self.number(n));
@@ -66,7 +66,7 @@ impl Bits {
         [u32::from(c.hit), c.iterations, c.support_calls].into_iter().for_each(|n| self.count(n));
     }
 
-    /// Adds all of an answer.
+    /// Adds all fields of an answer.
     pub fn distance(&mut self, d: &Distance) {
         self.0.write(d.status.as_str().as_bytes());
         [d.distance, d.lower, d.upper].into_iter().for_each(|n| self.number(n));

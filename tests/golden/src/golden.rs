@@ -70,7 +70,7 @@ impl Golden {
         Ok(Self { format_version, hashes })
     }
 
-    /// As the golden file.
+    /// The text of the golden file.
     pub fn text(&self) -> String {
         let mut text = String::from(
             "# XXH3-64 of packs and of answers. Renew by `cargo run --release -p hullmap-golden -- --renew`.\n",

@@ -1,11 +1,11 @@
 //! Golden hashes: packs and answers are the same bits on every machine, in every build, on any
 //! number of threads.
 //!
-//! The hashes stand in one file, [`FILE`], and are renewed by one command, `cargo run -p
-//! hullmap-golden -- --renew`. Those of packs belong to a format version: baked bytes are a
-//! function of source, options and version, so other bytes need another version.
+//! The hashes are in one file, [`FILE`], and are renewed by one command, `cargo run -p
+//! hullmap-golden -- --renew`. The hashes of packs belong to a format version: baked bytes are a
+//! function of source, options and version, so different bytes require a new version.
 //!
-//! A package of its own with few dependencies, so that the small set of it also runs under Miri,
+//! This is a separate package with few dependencies, so that its small set also runs under Miri,
 //! for 32 bits, other processors and other byte orders.
 #![forbid(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! The packs whose bytes are hashed, and that the answers are about.
+//! The packs whose bytes are hashed, and on which the queries run.
 
 use hullmap::Pack;
 use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
@@ -11,7 +11,7 @@ const SEED: u64 = 17;
 /// A pack of the set: name, family, points, index.
 type Recipe = (&'static str, Family, usize, IndexKind);
 
-/// What runs in a second: ranks, indices, fans.
+/// The large set, which runs in a second: ranks, indices, fans.
 const LARGE: [Recipe; 12] = [
     ("rock-tree", Family::Rock, 2_000, IndexKind::Tree),
     ("rock-compact", Family::Rock, 2_000, IndexKind::Compact),
@@ -27,14 +27,14 @@ const LARGE: [Recipe; 12] = [
     ("sphere-tree", Family::Sphere, 700, IndexKind::Tree),
 ];
 
-/// What an interpreter can bake: a scanned hull, one with a tree, a polygon.
+/// The small set, which an interpreter can bake: a scanned hull, a hull with a tree, a polygon.
 const SMALL: [Recipe; 3] = [
     ("small-prism", Family::Prism, 10, IndexKind::Tree),
     ("small-rock", Family::Rock, 40, IndexKind::Tree),
     ("small-sheet", Family::FlatSheet, 12, IndexKind::CubeMap { resolution: 2 }),
 ];
 
-/// Which set.
+/// Size of the set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Set {
     /// For an interpreter.
@@ -63,7 +63,7 @@ pub fn files(set: Set) -> Vec<(&'static str, Vec<u8>)> {
     recipes.iter().map(bake).collect()
 }
 
-/// The files' hashes, as lines of the golden file have them.
+/// The hashes of the files, with names as in the golden file.
 pub fn hashes(files: &[(&'static str, Vec<u8>)]) -> Vec<(String, u64)> {
     files.iter().map(|(name, file)| (format!("pack {name}"), XxHash3_64::oneshot(file))).collect()
 }

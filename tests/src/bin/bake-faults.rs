@@ -1,4 +1,4 @@
-//! Bakes with injected faults, in any number.
+//! Runs any number of bakes with injected faults.
 
 use std::{path::PathBuf, process::ExitCode, time::Instant};
 
@@ -19,7 +19,7 @@ struct Arguments {
     /// Seed of the random moments
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// The command to test [default: built here]
+    /// The command to test [default: built from this workspace]
     #[arg(long)]
     bake: Option<PathBuf>,
     /// Faults to try [default: all]: kill, torn, short, errno=4, errno=5, errno=13, full=28,

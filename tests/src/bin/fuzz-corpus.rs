@@ -1,4 +1,4 @@
-//! The corpora of the fuzz targets: unpack their archives, pack them again, and write first inputs.
+//! Unpacks and packs the corpora of the fuzz targets, and writes first inputs.
 
 use std::{fs, io, path::PathBuf};
 

@@ -1,4 +1,4 @@
-//! The solver on any number of pairs, each answer judged by a certificate.
+//! Runs the solver on any number of pairs, and verifies each answer by a certificate.
 
 use std::{path::PathBuf, process::ExitCode, time::Instant};
 
@@ -15,7 +15,7 @@ use hullmap_tests::{
 /// Queries intersects, contact and distance for pairs of hulls and shapes, most of them nearly
 /// touching, and checks each answer by brute force.
 ///
-/// Pairs are numbered and do not depend on the number of threads. Counts and wrong answers go to
+/// Pairs are indexed and do not depend on the number of threads. Counts and wrong answers go to
 /// standard output, progress to standard error. Exits with 1 if an answer is wrong.
 #[derive(Parser)]
 #[command(
@@ -42,7 +42,7 @@ struct Arguments {
     report: usize,
 }
 
-/// Pairs between two lines of progress.
+/// Number of pairs between two lines of progress.
 const BLOCK: u64 = 1_000_000;
 
 fn main() -> ExitCode {
@@ -61,7 +61,7 @@ fn main() -> ExitCode {
         }
     };
     let stock = Stock::bake(&clouds, stride);
-    stock.refused.iter().for_each(|refused| eprintln!("not baked: {refused}"));
+    stock.refused.iter().for_each(|refused| eprintln!("refused by the baker: {refused}"));
     let cast = Cast::new(&stock);
     eprintln!("bodies: {:?}", cast.counts);
     let (start, end) = (Instant::now(), first.saturating_add(pairs));

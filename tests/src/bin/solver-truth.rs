@@ -1,4 +1,4 @@
-//! The solver's intervals against truth, on any number of pairs.
+//! Compares the solver's intervals with the truth, on any number of pairs.
 
 use std::{process::ExitCode, time::Instant};
 
@@ -8,7 +8,7 @@ use hullmap_tests::truth::{
     verdict::{Answers, Tally},
 };
 
-/// Compares contact, distance and intersects with truth in f64, on hulls of many kinds.
+/// Compares contact, distance and intersects with the truth in f64, on hulls of many kinds.
 ///
 /// Counts and misses go to standard output, progress to standard error. Exits with 1 if an answer
 /// is wrong.

@@ -266,7 +266,7 @@ int main(int count, char **words) {
         }
         int signal = WSTOPSIG(status);
         if (signal != (SIGTRAP | 0x80)) {
-            /* A new thread starts with SIGSTOP, and events are SIGTRAP. Pass on all other signals. */
+            /* New threads start with SIGSTOP, events are SIGTRAP; other signals are passed on. */
             if (signal == SIGSTOP || signal == SIGTRAP) signal = 0;
             ptrace(PTRACE_SYSCALL, thread, 0, signal);
             continue;

@@ -89,7 +89,8 @@ fn work(binary: &Path, killed: &AtomicUsize, count: usize, seed: u64) -> Tally {
     project.put(&project.old);
     let start = Instant::now();
     let _ = spawn(&project).wait_with_output();
-    // Kept so that about one bake in four ends before it is killed: then kills reach every moment.
+    // Adjusted so that about one bake in four ends before it is killed. Kills then reach every
+    // moment.
     let mut longest = start.elapsed();
     while killed.load(Relaxed) < count {
         project.put(&project.old);

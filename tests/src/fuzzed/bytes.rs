@@ -74,8 +74,8 @@ impl<'a> Bytes<'a> {
         }
     }
 
-    /// One to `max_count` finite points: on a coarse grid, on a grid disturbed in the last digits, on a
-    /// sphere, or, if `wild` allows it, anywhere.
+    /// One to `max_count` finite points: on a coarse grid, on a grid disturbed in the last digits,
+    /// on a sphere, or, if `wild` allows it, anywhere.
     pub fn points(&mut self, max_count: usize, wild: bool) -> Vec<[f32; 3]> {
         let kind = self.below(if wild { 4 } else { 3 });
         let count = 1 + self.below(max_count);

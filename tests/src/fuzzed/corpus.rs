@@ -1,8 +1,8 @@
 //! The corpus of a fuzz target, as one archive: `fuzz/corpus/TARGET.tar.gz`.
 //!
 //! The archive depends on the names and bytes of its inputs alone: entries are sorted by name, and
-//! have no owner and no time. Packing unchanged inputs therefore changes no byte. libFuzzer works on
-//! a folder; `fuzz-corpus` converts between the two.
+//! have no owner and no time. Packing unchanged inputs therefore changes no byte. libFuzzer works
+//! on a folder; `fuzz-corpus` converts between the two.
 
 use std::{
     fs,

@@ -1,5 +1,5 @@
-//! Reads bytes as two shapes and their poses, and judges the solver's answers by brute force over the
-//! shapes' points.
+//! Reads bytes as two shapes and their poses, and judges the solver's answers by brute force over
+//! the shapes' points.
 //!
 //! The answers contain their own certificates. The way out along any direction is an upper bound of
 //! the depth, and its negative is a lower bound of the distance.

@@ -1,10 +1,10 @@
-//! Bytes as a source file of any format.
+//! Reads bytes as a source file of any format.
 
 use std::path::Path;
 
 use hullmap_import::{EXTENSIONS, ImportOptions, Limits, SourceFile, Split, UpAxis, Vertices};
 
-/// Low limits: a few bytes must not be able to request all of the fuzzer's memory.
+/// Low limits, so that a few bytes cannot request all of the fuzzer's memory.
 const LIMITS: Limits = Limits { objects: 1 << 10, repeated_vertices: 1 << 16, ..Limits::DEFAULT };
 
 /// Imports a file. The first byte selects the format, the second the options.

@@ -84,7 +84,7 @@ impl Inquiry {
     /// Runs the queries.
     ///
     /// # Panics
-    /// If an answer is out of range, or not finite where all stored numbers are.
+    /// If an answer is out of range, or is not finite although all stored numbers are finite.
     pub fn run(&self, pack: &Pack) {
         self.require(pack.hull_count() > 0, || "an opened pack has no hull".to_owned());
         self.require(pack.hull(pack.hull_count()).is_err(), || "there is a hull past the last one".to_owned());

@@ -62,8 +62,8 @@ pub fn named(name: &str) -> Vec<u8> {
     found.unwrap_or_else(|| panic!("there is no sample {name:?}")).file
 }
 
-/// Pack `pack_index` of the random series of `seed`: one to three hulls of 9 to 300 points each, of any
-/// family and index kind.
+/// Pack `pack_index` of the random series of `seed`: one to three hulls of 9 to 300 points each, of
+/// any family and index kind.
 ///
 /// # Panics
 /// If it cannot be baked: a bug.

@@ -73,8 +73,8 @@ impl fmt::Display for Tally {
     }
 }
 
-/// Tries the files `indices` on `threads` threads. `try_one` makes a file, opens it, queries it, and
-/// returns whether it opened.
+/// Tries the files `indices` on `threads` threads. `try_one` makes a file, opens it, queries it,
+/// and returns whether it opened.
 ///
 /// # Panics
 /// If a file causes a panic; the message contains its index. If a file hangs, the process is

@@ -157,8 +157,7 @@ impl Stock {
         for (kind, name, points) in generated() {
             for size in SIZES {
                 for far in [0.0, FAR_SIZES] {
-                    // A flat set that is moved is rounded anew and no more flat: that is a sliver
-                    // too.
+                    // Moving a flat set rounds it again, so that it is no longer flat but a sliver.
                     let at = |p: &[f64; 3]| [0, 1, 2].map(|axis| ((p[axis] + FAR[axis] * far) * size) as f32);
                     let points: Vec<[f32; 3]> = points.iter().map(at).collect();
                     add(kind, format!("{name} of size {size:e}, {far} away"), &points);
@@ -166,7 +165,7 @@ impl Stock {
             }
         }
         let bytes = hullmap_bake::write_pack(&baked, &SourceRecord::default()).expect("there are hulls");
-        Self { pack: Pack::from_bytes(&bytes).expect("what was written opens"), kinds, refused }
+        Self { pack: Pack::from_bytes(&bytes).expect("a written pack opens"), kinds, refused }
     }
 }
 
@@ -181,7 +180,7 @@ fn generated() -> Vec<(Kind, String, Vec<[f64; 3]>)> {
     }
     let mut rng = SplitMix64::new(0x51);
     for thickness in THICKNESSES {
-        // Along the axes; and turned, which rounding bends.
+        // Along the axes, and turned: then rounding bends the shape.
         for turned in [false, true] {
             let rows = if turned { turn(&mut rng) } else { [DVec3::X, DVec3::Y, DVec3::Z] };
             let make = |corners: Vec<DVec3>| -> Vec<[f64; 3]> {
@@ -221,7 +220,7 @@ fn generated() -> Vec<(Kind, String, Vec<[f64; 3]>)> {
     sets
 }
 
-/// Three unit vectors at right angles, at random.
+/// Three random perpendicular unit vectors.
 fn turn(rng: &mut SplitMix64) -> [DVec3; 3] {
     let x = DVec3::from_array(rng.direction());
     let y = x.cross(DVec3::from_array(rng.direction())).normalize();
@@ -288,10 +287,10 @@ impl<'p> Cast<'p> {
 
     /// Pair `index` of `seed`.
     pub fn pair(&self, seed: u64, index: u64) -> Pair<'_, 'p> {
-        // Mixed, so that neighbouring seeds have no pairs in common.
+        // The seed is mixed, so that neighbouring seeds have no pairs in common.
         let mut rng = SplitMix64::new(SplitMix64::new(seed).next_u64() ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let a = self.pick(self.any_decade(&mut rng), &mut rng);
-        // Mostly one of the same size, or the same.
+        // B usually has the size of A, and sometimes is A.
         let b = match rng.below(16) {
             0 => a,
             1 => self.pick(self.any_decade(&mut rng), &mut rng),
@@ -301,7 +300,7 @@ impl<'p> Cast<'p> {
         Pair { index, seed, bodies: [a, b], meeting, b_in_a }
     }
 
-    /// That of game hulls' usual size, else any.
+    /// In half of the draws, the usual decade of game hulls; otherwise any decade.
     fn any_decade(&self, rng: &mut SplitMix64) -> i32 {
         let usual = decade(1.0);
         if rng.below(2) == 0 && self.decades.contains_key(&usual) {
@@ -367,14 +366,13 @@ fn closed(size: f64, bodies: &mut Vec<Body<'_>>) {
     add("rounded box", Box::new(rounded), Model::new(Core::Cuboid(half)).rounded(s(0.1)));
 }
 
-/// The extent of a body's bounding box would do as well: half the greatest distance, for lengths
-/// that go with its size.
+/// Size of a body, which scales the lengths in its poses: about half its diameter.
 pub(super) fn size(body: &Body<'_>) -> f64 {
     body.shape().outer_radius()
 }
 
-/// A hull's vertex or another shape's support point, in the body's frame: where bodies are made to
-/// touch. It shapes the sample, not the judgement.
+/// The point in the body's frame at which bodies are made to touch: a hull's support vertex, or the
+/// support point of another shape. It affects the sample, not the judgement.
 pub(super) fn support(body: &Body<'_>, dir: DVec3) -> DVec3 {
     match &body.solid {
         Solid::Hull(hull) => hull.support(dir.as_vec3()).point.as_dvec3(),
@@ -382,7 +380,7 @@ pub(super) fn support(body: &Body<'_>, dir: DVec3) -> DVec3 {
     }
 }
 
-/// As [`Vec3`], which poses that come from a game are made of.
+/// Rounds to [`Vec3`], the precision of poses in games.
 pub(super) fn single(v: DVec3) -> DVec3 {
     Vec3::as_dvec3(v.as_vec3())
 }

@@ -32,7 +32,7 @@ use super::{
 };
 
 /// Rounding error of a certificate, in units of the greatest lengths times the f64 epsilon: a
-/// rotated direction or point is off by some 40, a dot product by a few, on each of the shapes.
+/// rotated direction or point has an error of about 40, a dot product of a few, on each shape.
 const ROUNDING_UNITS: f64 = 64.0;
 
 /// Tolerance of a unit vector's length.
@@ -280,7 +280,7 @@ impl<'s, 'p> Scene<'s, 'p> {
         if near.status == Status::Overlapping {
             at_most("distance reports overlapping, an axis separates", gap, self.rounding, slack);
         }
-        // Within the rounding error a yes may be false, but never if all answers are settled.
+        // Within the rounding error, a hit may be false.
         let hair = self.hair;
         if yes.status == Overlap::Touching {
             at_most("intersects reports touching, an axis separates", gap, hair + FALSE_TOUCH * self.reach, slack);

@@ -13,7 +13,7 @@ use super::cast::{Body, single, size, support};
 /// The intended pose of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Meeting {
-    /// Touching in some direction, or that of a face.
+    /// Touching in any direction, or in that of a face.
     Kissing,
     /// A face of B on one of A, parallel or nearly.
     Faces,
@@ -31,7 +31,7 @@ const THIRTEEN_TENTHS: f64 = 1.3;
 const TENTHS: [f64; 17] =
     [1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14, 1e-15, 1e-16];
 
-/// A relative offset of 10^-`least` to 10^-16, in or out; 0 one time in four.
+/// A relative offset of 10^-`least` to 10^-16, in or out; 0 in one case out of four.
 fn offset(rng: &mut SplitMix64, least: usize) -> f64 {
     match rng.below(8) {
         0 | 1 => 0.0,
@@ -79,7 +79,7 @@ fn aligning(rng: &mut SplitMix64, from: DVec3, to: DVec3) -> DQuat {
     };
     let around = to * if rng.below(4) == 0 { 0.0 } else { rng.between(-3.0, 3.0) };
     let spin = DQuat::from_xyzw(around.x, around.y, around.z, 1.0).normalize();
-    // Off by a tiny tilt, half of the time.
+    // In half of the cases, tilted by a tiny angle.
     let tilt = direction(rng) * if rng.below(2) == 0 { 0.0 } else { offset(rng, 3) };
     DQuat::from_xyzw(tilt.x, tilt.y, tilt.z, 1.0).normalize() * spin * arc
 }
@@ -134,7 +134,8 @@ fn touching(rng: &mut SplitMix64, a: &Body<'_>, b: &Body<'_>, turn: DQuat, norma
     let on_a = support(a, normal);
     let on_b = support(b, turn.conjugate() * -normal);
     let reach = size(a).min(size(b));
-    // Along the plane, half of the time: a vertex inside of a face, faces that overlap in part.
+    // In half of the cases, moved along the plane: a vertex touches the inside of a face, or faces
+    // overlap in part.
     let slide = if rng.below(2) == 0 { 0.0 } else { rng.between(-1.0, 1.0) * reach };
     let aside = normal.cross(direction(rng)) * slide;
     let mut at = on_a - turn * on_b + aside;

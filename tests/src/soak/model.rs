@@ -63,7 +63,8 @@ impl Model {
             return Self::new(Core::Points { points, planes: Vec::new(), edges: Vec::new() });
         }
         let Polytope { points, normals, edges } = Polytope::new(hull);
-        // A sliver's normal may be noise, but a plane with all points behind it still bounds the hull.
+        // A sliver's normal may be noise, but a plane with all points behind it still bounds the
+        // hull.
         let planes = normals.into_iter().map(|n| (n, reach(&points, n))).collect();
         Self::new(Core::Points { points, planes, edges })
     }
@@ -208,8 +209,8 @@ mod tests {
     use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
     use shapes::rng::SplitMix64;
 
-    /// Support points define a shape independently of its model. Their extent agrees with the model,
-    /// and they are on its surface.
+    /// Support points define a shape independently of its model. Their extent agrees with the
+    /// model, and they are on its surface.
     #[test]
     fn models_agree_with_support_mappings() {
         let scale = DVec3::new(2.0, -0.5, 0.75);

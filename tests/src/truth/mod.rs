@@ -1,4 +1,4 @@
-//! The solver judged by truths about pairs of hulls, which `hullmap-testkit` computes in f64
+//! Judges the solver by truths about pairs of hulls, which `hullmap-testkit` computes in f64
 //! without the solver.
 //!
 //! | module | contents |

@@ -1,9 +1,10 @@
 //! Hulls of many kinds and the poses of their pairs.
 //!
 //! The pairs of a seed are indexed, and each can be generated alone. A third of them is
-//! penetrating, a third nearly touching, and a third separated. Of those nearly touching, one half
-//! is within 2 %, and the other half is from 2 % down to 2e-8. The touching pose of a pair is found
-//! by bisection with [`hullmap::intersects`]. This affects the sample, not the truth.
+//! penetrating, a third nearly touching, and a third separated. One half of the nearly touching
+//! pairs is uniform within 2 % of touching; the other half has distances from 2 % down to 2e-8. The
+//! touching pose of a pair is found by bisection with [`hullmap::intersects`]. This affects the
+//! sample, not the truth.
 
 use std::collections::HashMap;
 
@@ -186,7 +187,7 @@ impl Scene {
         let scales = SCALES[rng.below(SCALES.len())];
         let mut recipes =
             scales.map(|scale| Recipe { kind: kind(self.detail, &mut rng), scale, far: rng.below(6) == 0 });
-        // Two polygons have no solid difference when they are parallel: one is enough.
+        // The difference of two parallel polygons is not solid, so at most one hull is a polygon.
         if recipes.iter().all(|recipe| recipe.family() == Family::FlatSheet.name()) {
             recipes[1].kind = Kind::Small(0);
         }

@@ -119,8 +119,8 @@ impl Tally {
         let (depth, _) = signed_depth(a, b, -4.0 * slack);
         let far = (depth < slack).then(|| {
             let mut far = gap(a, b);
-            // Near touching, the direction between the points is as small as rounding; the facets'
-            // is not.
+            // Near touching, the vector between the points is of the size of the rounding error.
+            // The normals of the facets are more accurate.
             if far.upper - far.lower > LOOSE * far.upper {
                 far.lower = far.lower.max(-signed_depth(a, b, f64::NEG_INFINITY).0);
             }

@@ -27,8 +27,9 @@ use crate::{
 /// Sine of the angle by which two arcs may miss each other and still count as crossing.
 const ARC_SLACK: f64 = 1e-9;
 
-/// Minimum sine of the angle between two edges. Below it, f64 gives no common normal. Their facet is
-/// as narrow as that angle, so skipping it changes the depth by at most this fraction of the size.
+/// Minimum sine of the angle between two edges. Below it, f64 gives no common normal. Their facet
+/// is as narrow as that angle, so skipping it changes the depth by at most this fraction of the
+/// size.
 const MIN_SINE: f64 = 1e-14;
 
 /// The minimum way out of B, placed in A's frame, and its direction. Negative if the hulls are

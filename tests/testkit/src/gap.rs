@@ -10,9 +10,9 @@
 //!    origin.
 //! 2. The support point of A − B along −x gives the planes. If it is no nearer than x, x is the
 //!    answer.
-//! 3. Otherwise add it, and find the nearest point of the affine hull. While that point lies outside
-//!    the simplex, move towards it as far as the simplex reaches, and remove the vertex that no
-//!    longer contributes.
+//! 3. Otherwise add it, and find the nearest point of the affine hull. While that point lies
+//!    outside the simplex, move towards it as far as the simplex reaches, and remove the vertex
+//!    that no longer contributes.
 
 use glam::DVec3;
 
@@ -25,7 +25,8 @@ const MAX_STEPS: usize = 500;
 /// spoke. Below it, the spoke adds no dimension.
 const FLAT: f64 = 1e-13;
 
-/// An interval that contains the distance, up to [`rounding_error`](crate::polytope::rounding_error).
+/// An interval that contains the distance, up to
+/// [`rounding_error`](crate::polytope::rounding_error).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
     /// Distance of the planes; negative if they do not separate the hulls.

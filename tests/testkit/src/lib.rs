@@ -15,9 +15,9 @@
 //!
 //! # Rounding error
 //! Both truths are exact up to [`polytope::rounding_error`]. The error of a facet's normal is a few
-//! units of rounding error divided by the facet's extent. A plane that is tilted by this angle about
-//! the facet changes its support value by extent times tilt. So the error of even an arbitrarily
-//! thin facet is a few units of the greatest length.
+//! units of rounding error divided by the facet's extent. A plane that is tilted by this angle
+//! about the facet changes its support value by extent times tilt. So the error of even an
+//! arbitrarily thin facet is a few units of the greatest length.
 
 #![forbid(unsafe_code)]
 

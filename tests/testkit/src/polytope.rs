@@ -5,13 +5,13 @@ use hullmap::{Hull, Pose};
 
 use crate::reach::Reach;
 
-/// Maximum error of a truth, in units of the greatest length in the query times the f64 epsilon. Two
-/// products with a rotation, a normal, a dot product and a difference amount to about 20 on each
-/// hull.
+/// Maximum error of a truth, in units of the greatest length in the query times the f64 epsilon.
+/// Two products with a rotation, a normal, a dot product and a difference amount to about 20 on
+/// each hull.
 const ROUNDING_UNITS: f64 = 64.0;
 
-/// Maximum error of a truth about `a` and `b`, both in A's frame: a length. `frames` is the distance
-/// of the frames' origins.
+/// Maximum error of a truth about `a` and `b`, both in A's frame: a length. `frames` is the
+/// distance of the frames' origins.
 pub fn rounding_error(a: &Polytope, b: &Polytope, frames: f64) -> f64 {
     ROUNDING_UNITS * f64::EPSILON * (a.greatest() + b.greatest() + frames)
 }

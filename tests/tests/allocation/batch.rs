@@ -60,7 +60,7 @@ struct Answers {
 }
 
 /// Slots for answers, filled with arbitrary values.
-fn empty_results(pairs: &[Pair<Any<'_>, Any<'_>>]) -> (Answers, [Vec<Cache>; 4]) {
+fn result_slots(pairs: &[Pair<Any<'_>, Any<'_>>]) -> (Answers, [Vec<Cache>; 4]) {
     let ball = Sphere::new(1.0).unwrap();
     let (settings, cache) = (Settings::default(), &mut Cache::new());
     let answers = Answers {
@@ -82,7 +82,7 @@ fn solve(pairs: &[Pair<Any<'_>, Any<'_>>], answers: &mut Answers, caches: &mut [
 
 fn on_threads(threads: usize, pairs: &[Pair<Any<'_>, Any<'_>>]) -> Vec<Answers> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    let (mut answers, mut caches) = empty_results(pairs);
+    let (mut answers, mut caches) = result_slots(pairs);
     (0..2)
         .map(|_| {
             pool.install(|| solve(pairs, &mut answers, &mut caches));
@@ -128,7 +128,7 @@ fn nothing_is_allocated_for_a_pair() {
     let pairs = pairs(&shapes);
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let (mut answers, mut caches) = empty_results(&pairs);
+        let (mut answers, mut caches) = result_slots(&pairs);
         pool.install(|| solve(&pairs, &mut answers, &mut caches));
         // The harness may allocate at the same time, so the minimum of several tries counts.
         let counts = (0..20).map(|_| {
@@ -140,7 +140,7 @@ fn nothing_is_allocated_for_a_pair() {
         println!("{threads} threads: {least} allocations for {} answers", 4 * PAIRS);
         assert!(least < PAIRS / 20, "{threads} threads: {least} allocations");
     }
-    // What is allocated is counted.
+    // The counter counts allocations.
     let region = Region::new(ALLOCATOR);
     drop(std::hint::black_box(vec![0_u8; 100]));
     assert!(region.change().allocations > 0);

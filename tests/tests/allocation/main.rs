@@ -1,7 +1,7 @@
 //! Queries and batches do not allocate.
 //!
-//! A binary of its own, because the counting allocator counts for the whole process: each test
-//! holds [`ALONE`] while it runs.
+//! This is a separate binary, because the allocator counts for the whole process. Each test holds
+//! [`ALONE`] while it runs.
 
 use std::{
     alloc::System,

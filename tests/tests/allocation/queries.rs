@@ -25,7 +25,7 @@ const ROUNDS: usize = 300;
 /// Number of tries. The minimum counts, because the harness's own thread may allocate too.
 const TRIES: usize = 5;
 
-/// What `query` allocates, over all rounds, from the first call on.
+/// Number of allocations of `query` over all rounds, from the first call on.
 fn allocations(mut query: impl FnMut(usize)) -> usize {
     let tries = (0..TRIES).map(|_| {
         let region = Region::new(ALLOCATOR);
@@ -45,7 +45,7 @@ fn pose(rng: &mut SplitMix64) -> Pose {
 fn queries_allocate_nothing() {
     let _alone = alone();
     println!("seed {SEED:#x}");
-    // What is allocated is counted.
+    // The counter counts allocations.
     assert!(allocations(|_| drop(black_box(vec![0_u8; 100]))) >= ROUNDS);
 
     let opened: Vec<Pack> = packs::ALL_INDICES
@@ -73,8 +73,7 @@ fn queries_allocate_nothing() {
     let settings = Settings::default();
     let exact = Settings { tolerance: 0.0, ..settings };
     let hull_at = |i: usize| &hulls[i % hulls.len()];
-    // All pairs of shapes come up: the number of shapes and that of rounds have no divisor in
-    // common with the steps.
+    // All pairs of shapes occur, because the steps are coprime to the numbers of shapes and rounds.
     let pair_at = |i: usize| (&*shapes[i % shapes.len()], &*shapes[(i / shapes.len() + i) % shapes.len()]);
     let mut counts: Vec<(&str, usize)> = Vec::new();
     let mut count = |name: &'static str, found: usize| counts.push((name, found));

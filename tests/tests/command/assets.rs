@@ -17,7 +17,7 @@ fn expected() -> BTreeMap<&'static str, (u32, usize, Option<f64>)> {
         ("cube", (3, 8, Some(8.0))),
         ("dodecahedron", (3, 20, Some(dodecahedron))),
         ("flat_sheet", (2, 4, Some(0.0))),
-        // Two corners a tooth and cap: roots are inside, and so is the vertex that no face uses.
+        // Two corners per tooth and cap. The roots and the unreferenced vertex are inside.
         ("gear", (3, 80, None)),
         ("icosahedron", (3, 12, Some(5.0 / 12.0 * (3.0 + root5) * 8.0))),
         ("lens", (3, 530, None)),

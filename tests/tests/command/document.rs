@@ -137,7 +137,7 @@ fn every_flag_is_documented_and_every_documented_one_is_taken() {
     }
 }
 
-/// The codes of the page, each met once.
+/// Every exit code of the page occurs in a run.
 #[test]
 fn exit_codes_are_those_of_the_page() {
     let page = fs::read_to_string(workspace().join("docs/COMMAND.md")).unwrap();

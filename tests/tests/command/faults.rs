@@ -1,5 +1,5 @@
-//! Bakes with faults: a broken or full disk, a kill, a power cut. The program `bake-faults` does
-//! the same at length.
+//! Bakes with faults: a broken or full disk, a kill, a power cut. The program `bake-faults` runs
+//! many more.
 
 use std::{
     fs,

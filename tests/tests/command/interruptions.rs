@@ -42,14 +42,14 @@ fn signal(child: &Child, name: &str) {
     assert!(sent.success());
 }
 
-/// Names in a folder that are no whole packs.
+/// Names of files in a folder that are not complete packs.
 fn left_over(folder: &Path) -> Vec<String> {
     let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
     let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
     names.filter(|name| !name.ends_with(".hullmap")).collect()
 }
 
-/// Every pack that is there opens.
+/// Asserts that every existing pack opens.
 fn assert_packs_open(folder: &Path) -> usize {
     let mut count = 0;
     for entry in fs::read_dir(folder).into_iter().flatten() {
@@ -117,7 +117,7 @@ fn leftovers_of_a_killed_bake_are_removed_by_the_next() {
         left += left_over(&out).len();
         assert_packs_open(&out);
     }
-    // Whether or not a kill hit the moment, here is what it would leave.
+    // The kills may have missed the moment, so create the files that a kill would leave.
     write(&folder, "o/.3.hullmapAbCdEf.tmp", "half a pack");
     println!("{left} temporary files left by 25 kills");
     bake_in(folder.path(), ["build", "in", "--out", "o"]).expect(0);
@@ -222,7 +222,7 @@ fn a_closed_pipe_ends_quietly() {
     }
 }
 
-/// Lines of a stream as they come.
+/// Lines of a stream, as they arrive.
 fn lines(stream: impl Read + Send + 'static) -> Receiver<String> {
     let (sender, receiver) = channel();
     std::thread::spawn(move || {

@@ -318,7 +318,7 @@ fn init_writes_a_file_that_changes_nothing_and_never_overwrites() {
     assert!(folder.path().join("o/hullmap.toml").exists());
 }
 
-/// Whether a program can be started; says so where it cannot.
+/// Whether a program can be started. Prints a message if it cannot.
 fn has(program: &str) -> bool {
     let is_there = Command::new(program).arg("--version").output().is_ok();
     if !is_there {

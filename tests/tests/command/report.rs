@@ -129,7 +129,7 @@ fn page(folder: &TempDir, pack: &str) -> PathBuf {
     folder.path().join("page.html")
 }
 
-/// All that is not measured.
+/// All contents except measurements.
 fn without_times(page: &str) -> String {
     let (before, rest) = page.split_once("<!-- times -->").unwrap();
     let (times, after) = rest.split_once("<!-- /times -->").unwrap();

@@ -244,8 +244,8 @@ fn verify_finds_a_wrong_index() {
     let file = fs::read(&path).unwrap();
     let is_block = |word: u32| matches!(Slot::decode(word), Slot::Block(block) if block < 100);
     let (mut opened, mut found) = (0, 0);
-    // A word that only looks like a leaf does not open when it is changed, or counts for
-    // little.
+    // A word that only looks like a leaf does not open when it is changed, or has
+    // little effect.
     for at in (64..file.len()).step_by(4) {
         let word = u32::from_le_bytes(file[at..at + 4].try_into().unwrap());
         if !is_block(word) {
@@ -342,7 +342,7 @@ fn query_answers_a_file_of_poses_in_every_mode() {
         let run =
             bake(&folder, &format!("query cube.hullmap cube.hullmap#cube --poses poses.txt --mode {mode} --json"));
         let answers = run.expect(0).json();
-        assert_eq!(answers.len(), gaps.len(), "{mode}: one line a pose");
+        assert_eq!(answers.len(), gaps.len(), "{mode}: one line per pose");
         for (pose, (answer, gap)) in answers.iter().zip(gaps).enumerate() {
             assert_fields(
                 answer,

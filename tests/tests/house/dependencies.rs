@@ -46,7 +46,7 @@ fn is_allowed(package: &str, licence: &str) -> bool {
         let id = requirement.license.id().map(|id| id.name);
         id.is_some_and(|id| LICENCES.contains(&id) || EXCEPTIONS.contains(&(package, id)))
     };
-    // `MIT/Apache-2.0` is how it was written once.
+    // `MIT/Apache-2.0` is the older notation.
     Expression::parse(&licence.replace('/', " OR ")).is_ok_and(|expression| expression.evaluate(allows))
 }
 

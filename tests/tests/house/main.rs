@@ -1,5 +1,5 @@
-//! Rules of the house: which crate may see which, what the project is built from, how wide comments
-//! are, and documents that stay true.
+//! House rules: dependencies between crates and on other packages, width of comments, and documents
+//! that agree with the code.
 
 mod comments;
 mod dependencies;

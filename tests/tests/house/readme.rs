@@ -8,7 +8,7 @@ fn read(path: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)).expect(path)
 }
 
-/// What lies between the fences that begin with `opening`, line by line.
+/// The lines between fences that begin with `opening`.
 fn fences<'t>(lines: impl Iterator<Item = &'t str>, opening: &str) -> Vec<Vec<&'t str>> {
     let mut found = Vec::new();
     let mut open: Option<Vec<&str>> = None;
@@ -51,8 +51,7 @@ fn named_files_exist() {
     assert!(count >= 8);
 }
 
-/// The rows that the README shows are those that its first command prints, but for the time it
-/// took.
+/// The rows in the README are those that its first command prints, except for the time.
 #[test]
 fn the_table_is_what_the_command_prints() {
     let folder = tempfile::tempdir().unwrap();

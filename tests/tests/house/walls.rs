@@ -8,8 +8,8 @@ use std::{
 
 use hullmap_tests::{command::cargo, outside::workspace};
 
-/// All that an engine which links the runtime with all its features gets, macros that run in the
-/// compiler apart.
+/// All packages that the runtime with all its features brings into an engine, except macros that
+/// run in the compiler.
 const RUNTIME: [&str; 23] = [
     "hullmap",
     "hullmap-format",
@@ -155,13 +155,13 @@ fn uses(text: &str, word: &str) -> bool {
 
 #[test]
 fn unsafe_code_is_in_few_files() {
-    // In two parts, so that this file is not one that uses it.
+    // In two parts, so that this file does not match.
     let (word, lint) = (concat!("un", "safe"), concat!("un", "safe_code"));
     let sources = sources();
     let text = |path: &PathBuf| fs::read_to_string(workspace().join(path)).unwrap();
     let found: Vec<&PathBuf> = sources.iter().filter(|path| uses(&text(path), word)).collect();
     let allowed = ["crates/hullmap/src/pack/map.rs", "crates/hullmap/src/support/simd/avx2.rs"].map(Path::new);
-    // And a test that maps files, and writes to them.
+    // A test that maps files and writes to them.
     let tests = [Path::new("tests/tests/packs/live_mapping.rs")];
     assert_eq!(found, [&allowed[..], &tests].concat(), "of {} files", sources.len());
     assert!(sources.len() > 50);
@@ -192,8 +192,8 @@ fn crates_that_read_files_justify_their_indexing() {
         let root = folder.join("lib.rs");
         assert!(text(&root).lines().any(|line| line == deny), "{}: no {deny}", root.display());
 
-        // Two modules of the runtime compute on numbers; nothing else may be let off without a
-        // reason that is checked.
+        // Two modules of the runtime only compute. No other file may allow these lints without a
+        // checked reason.
         let code = text(&root);
         let pairs = code.lines().zip(code.lines().skip(1));
         let allowed: Vec<&str> = pairs.filter(|(line, _)| allows(line)).map(|(_, module)| module).collect();

@@ -1,6 +1,6 @@
 //! `docs/FORMAT.md` agrees with the bytes of packs. A reader written from the document alone agrees
-//! with `hullmap::Pack` on packs of all shapes, and the file that the document lists is the one that
-//! is baked today.
+//! with `hullmap::Pack` on packs of all shapes, and the file that the document lists is the one
+//! that is baked today.
 
 mod reader;
 
@@ -561,7 +561,8 @@ fn tables_have_no_gaps() {
     }
 }
 
-/// For f32 directions, fused multiply-adds make no difference (7.4), because the products are exact.
+/// For f32 directions, fused multiply-adds make no difference (7.4), because the products are
+/// exact.
 #[test]
 fn products_of_f32_numbers_are_exact() {
     let mut rng = SplitMix64::new(SEED);

@@ -232,7 +232,7 @@ fn reserve(len: usize) -> usize {
     found.addr()
 }
 
-/// Gives address space back that [`reserve`] found.
+/// Releases address space that [`reserve`] returned.
 fn release(start: usize, len: usize) {
     // SAFETY: the range is inaccessible, so that nothing refers to it.
     let failed = unsafe { libc::munmap(std::ptr::without_provenance_mut(start), len) };
@@ -268,10 +268,10 @@ fn extent(path: &Path) -> (usize, usize) {
     (usize::from_str_radix(start, 16).unwrap(), usize::from_str_radix(end, 16).unwrap())
 }
 
-/// How long hostile writes go on, for each pack. `HULLMAP_TEST_HOSTILE_SECONDS` sets another time.
+/// Duration of the hostile writes to each pack. `HULLMAP_TEST_HOSTILE_SECONDS` sets another time.
 const HOSTILE_SECONDS: u64 = 1;
 
-/// How long a child may take to end after the last write.
+/// Maximum time until a child ends after the last write.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 fn hostile_time() -> Duration {

@@ -1,5 +1,5 @@
-//! The solver against references and against parry3d, and a rigid-body simulation with its contact
-//! manifolds.
+//! Comparisons of the solver with references and with parry3d, and a rigid-body simulation with its
+//! contact manifolds.
 
 mod parry;
 mod properties;

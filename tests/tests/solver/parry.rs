@@ -1,5 +1,5 @@
-//! The solver on baked hulls against parry3d (in f64), over seeded poses of many pairs: yes or no,
-//! depth, distance.
+//! Compares the solver with parry3d (in f64) on baked hulls, in seeded poses of many pairs:
+//! intersection, depth and distance.
 
 use glam::{DQuat, DVec3};
 use hullmap::{Cache, Overlap, Pack, Pose, Settings, contact, distance, intersects};
@@ -85,7 +85,7 @@ fn check_pair(pack_a: &Pack, pack_b: &Pack, rng: &mut SplitMix64, tally: &mut Ta
         let rotation = DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize();
         let direction = DVec3::from_array(rng.direction());
         let at = |reach: f64| Pose::new(a.centroid() - rotation * b.centroid() + direction * reach, rotation).unwrap();
-        // Distance along the direction at which they touch.
+        // The touching distance along the direction.
         let (mut inside, mut outside) = (0.0, size);
         for _ in 0..40 {
             let middle = 0.5 * (inside + outside);

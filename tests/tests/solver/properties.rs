@@ -33,7 +33,7 @@ fn points() -> impl Strategy<Value = Vec<[f32; 3]>> {
     prop::collection::vec(point, 4..=12).prop_filter("solid", |points| baked(points).hull(0).unwrap().rank() == 3)
 }
 
-/// A pose that brings hulls of about unit size near each other, more often than not turned.
+/// A pose that brings hulls of about unit size near each other, usually with a rotation.
 fn pose() -> impl Strategy<Value = Pose> {
     let turn = prop_oneof![
         1 => Just([0.0, 0.0, 0.0, 1.0]),
@@ -53,7 +53,7 @@ fn scaled(points: &[[f32; 3]], scale: f64) -> Vec<[f32; 3]> {
     points.iter().map(|p| p.map(|c| (f64::from(c) * scale) as f32)).collect()
 }
 
-/// All three answers, with nothing remembered.
+/// All three answers, with empty caches.
 fn answers(a: &Hull<'_>, b: &Hull<'_>, b_in_a: Pose) -> (Overlap, Contact, Distance) {
     let settings = Settings::default();
     (
@@ -63,7 +63,7 @@ fn answers(a: &Hull<'_>, b: &Hull<'_>, b_in_a: Pose) -> (Overlap, Contact, Dista
     )
 }
 
-/// The truth: both hulls in A's frame, signed depth, and what it may be off by.
+/// The truth: both hulls in A's frame, signed depth, and its maximum error.
 struct Truth {
     a: Polytope,
     b: Polytope,

@@ -14,8 +14,8 @@ use hullmap_tests::{
 const SEED: u64 = 20_261_121;
 const PAIRS: u64 = 100_000;
 
-/// One game hull in this many is used: baking all of them without optimization would take longer
-/// than judging the pairs.
+/// One game hull out of this many is used. Baking all of them without optimization would take
+/// longer than judging the pairs.
 const STRIDE: usize = 32;
 
 /// Maximum shares of undecided, stalled or capped answers, for `intersects`, `contact` and

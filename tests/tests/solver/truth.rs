@@ -1,5 +1,5 @@
-//! The solver on baked hulls of many kinds against truth in f64. The program `solver-truth` does
-//! the same for any number of pairs.
+//! Compares the solver on baked hulls of many kinds with the truth in f64. The program
+//! `solver-truth` does the same for any number of pairs.
 
 use glam::{DQuat, DVec3};
 use hullmap::Pose;

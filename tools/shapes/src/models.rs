@@ -591,7 +591,7 @@ mod tests {
         assert!(!text("octahedron.obj").contains("\no "));
         for model in all() {
             let text = model.document.to_text();
-            // Some readers take bytes above 127 for damage, even in comments.
+            // Some readers reject bytes above 127, even in comments.
             assert!(text.is_ascii(), "{}", model.file_name);
             let (lines, crlf) = (text.matches('\n').count(), text.matches("\r\n").count());
             let expected = if model.file_name == "capsule.obj" { lines } else { 0 };

@@ -278,7 +278,7 @@ fn index(local: u32, indexing: Indexing, before: u32, here: u32) -> i64 {
     }
 }
 
-/// Numbers with a space between.
+/// Numbers separated by spaces.
 struct Numbers<'a>(&'a [f32]);
 
 impl Display for Numbers<'_> {

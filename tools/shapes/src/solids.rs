@@ -59,7 +59,7 @@ fn face_along(vertices: &[Vec3], normal: Vec3) -> Vec<u32> {
 
 /// The `outline`, a counter-clockwise polygon in x and y, raised from `z_bottom` to `z_top`.
 ///
-/// Vertices: the bottom outline, then the top one. Faces: bottom cap, top cap, then one quad a
+/// Vertices: the bottom outline, then the top one. Faces: bottom cap, top cap, then one quad per
 /// side. The caps are single polygons, concave where the outline is.
 pub fn extrusion(outline: &[[f64; 2]], z_bottom: f64, z_top: f64) -> Mesh {
     let count = outline.len() as u32;

@@ -1,5 +1,4 @@
-//! The committed files are those that the generator makes, and `make-assets` tells when they are
-//! not.
+//! The committed files are those that the generator writes, and `make-assets` reports differences.
 
 use shapes::assets::{self, Difference};
 use shapes::models;

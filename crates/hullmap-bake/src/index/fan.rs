@@ -65,8 +65,8 @@ impl Frame {
         Self { start: self.start + span * part as f64, span, ..self }
     }
 
-    /// Normal of the plane through the axis at `position`. Greater positions lie in front of it, up to
-    /// half a turn.
+    /// Normal of the plane through the axis at `position`. Greater positions lie in front of it, up
+    /// to half a turn.
     pub fn plane(self, position: f64) -> DVec3 {
         let angle = self.start + self.span * position;
         let quarter = ((angle + 1.0) / 2.0).floor();

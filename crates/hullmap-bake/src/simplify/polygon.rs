@@ -60,8 +60,8 @@ pub fn simplify(hull: &Hull, limit: Limit) -> Option<Simplified> {
     })
 }
 
-/// Corners of the polygon that remains after edges are removed, while it has more than `max_vertices`
-/// corners and the next vertex lies within `reach` of the hull.
+/// Corners of the polygon that remains after edges are removed, while it has more than
+/// `max_vertices` corners and the next vertex lies within `reach` of the hull.
 fn outline(ring: &[DVec3], normal: DVec3, max_vertices: usize, reach: f64) -> Vec<DVec3> {
     let count = ring.len();
     // The remaining lines, as a ring. Line i runs from corner i of the hull to the next corner.

@@ -33,8 +33,8 @@ pub struct Wrapped {
     pub feet: Vec<u32>,
 }
 
-/// A polytope of at most `max_vertices` vertices that contains the hull and whose vertices lie at most
-/// `distance` from it; `None` if the algorithm does not find one.
+/// A polytope of at most `max_vertices` vertices that contains the hull and whose vertices lie at
+/// most `distance` from it; `None` if the algorithm does not find one.
 pub fn wrap(nearest: &Nearest, diameter: f64, distance: f64, max_vertices: usize) -> Option<Wrapped> {
     let Simplex::Tetrahedron(simplex) = spanning_simplex(nearest.points()) else { return None };
     let corners = simplex.map(|i| nearest.points()[i]);

@@ -1,8 +1,8 @@
 //! A reader of `.hullmap` files, written from `docs/FORMAT.md` without code of the project. It is
 //! simple, not fast.
 //!
-//! Numbers in comments are sections of the document. The reader panics on damaged files, which fails
-//! the test.
+//! Numbers in comments are sections of the document. The reader panics on damaged files, which
+//! fails the test.
 
 use std::{collections::VecDeque, ops::Range};
 

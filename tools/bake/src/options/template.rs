@@ -1,5 +1,5 @@
-//! The `hullmap.toml` that `bake init` writes: every option at its default, commented out. Made
-//! from the table.
+//! The `hullmap.toml` that `bake init` writes: every option at its default, commented out.
+//! Generated from the table of options.
 
 use std::fmt::Write;
 
@@ -9,7 +9,8 @@ use super::value::Syntax;
 const HEAD: &str = "\
 # Options of `bake build` for the meshes in this folder and below.
 #
-# Command-line flags override this file, rules override [defaults], and later rules override earlier ones.
+# Command-line flags override this file, rules override [defaults], and later rules override
+# earlier ones.
 # A mesh is baked again when its own options change, not whenever this file changes.
 # If several folders above a mesh have such a file, only the nearest one is used.
 
@@ -17,8 +18,9 @@ const HEAD: &str = "\
 ";
 
 const RULES: &str = r#"
-# Rules override the defaults for some meshes. A glob with `/` is relative to this folder (`*` stays within one folder,
-# `**` does not); a glob without `/` is matched against the file name. Case is ignored.
+# Rules override the defaults for some meshes. A glob with `/` is relative to this folder (`*` stays
+# within one folder, `**` does not); a glob without `/` is matched against the file name. Case is
+# ignored.
 #
 # [[rule]]
 # files = "props/**"

@@ -163,7 +163,7 @@ class GaussView {
 
   /** Share of pixels that were drawn, and the number of colours. */
   share() {
-    // A copy is read: reading the canvas itself would make the browser draw it more slowly from then on.
+    // Read a copy: after reading the canvas itself, browsers draw it more slowly.
     const copy = document.createElement("canvas");
     [copy.width, copy.height] = [this.canvas.width, this.canvas.height];
     const context = copy.getContext("2d", { willReadFrequently: true });
