@@ -31,7 +31,7 @@ pub struct Part<'a> {
     /// The points.
     pub points: Cow<'a, PointSet>,
     /// Index among the parts of its set; 0 for a whole set.
-    pub number: u32,
+    pub index: u32,
     /// Index of the set in the source.
     pub set: usize,
 }
@@ -51,9 +51,9 @@ pub fn parts<'a>(point_sets: &'a [PointSet], parameters: Option<&Parameters>) ->
     let mut parts = Vec::with_capacity(point_sets.len());
     for (set, (found, points)) in cut.into_iter().zip(point_sets).enumerate() {
         match found.map_err(|error| format!("hull {}: {error}", points.name))? {
-            None => parts.push(Part { points: Cow::Borrowed(points), number: 0, set }),
+            None => parts.push(Part { points: Cow::Borrowed(points), index: 0, set }),
             Some(found) => {
-                let part = |(number, points)| Part { points: Cow::Owned(points), number, set };
+                let part = |(index, points)| Part { points: Cow::Owned(points), index, set };
                 parts.extend((0..).zip(found).map(part));
             }
         }
@@ -77,7 +77,7 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
     let mut hulls = Vec::with_capacity(baked.len());
     for (hull, part) in baked.into_iter().zip(&parts) {
         let hull = hull.map_err(|error| format!("hull {}: {error}", part.points.name))?;
-        hulls.push(BakedHull { part: part.number, ..hull });
+        hulls.push(BakedHull { part: part.index, ..hull });
     }
     let (mut notes, mut warnings) = (Vec::new(), Vec::new());
     let covers =

@@ -73,7 +73,7 @@ pub fn folder_page(folder: &str, cards: &[Card]) -> String {
     let sum = |pick: fn(&Content) -> usize| {
         count(cards.iter().filter_map(|card| card.content.as_ref()).map(pick).sum::<usize>() as u64)
     };
-    let packs = |number: usize| format!("{} {}", count(number as u64), if number == 1 { "pack" } else { "packs" });
+    let packs = |n: usize| format!("{} {}", count(n as u64), if n == 1 { "pack" } else { "packs" });
     let subtitle = format!(
         "{} · {} hulls · {} vertices · {} bytes",
         packs(cards.len()),

@@ -173,10 +173,10 @@ mod tests {
 
     #[test]
     fn faces_are_numbered_as_in_the_index() {
-        for (number, face) in FACES.iter().enumerate() {
+        for (index, face) in FACES.iter().enumerate() {
             for (x, y) in [(0.0, 0.0), (0.5, -0.25), (-0.75, 0.5)] {
                 let dir = face.direction(x, y);
-                assert_eq!(cube::locate(dir.map(|c| c as f32)).face, number as u32, "{}", face.name);
+                assert_eq!(cube::locate(dir.map(|c| c as f32)).face, index as u32, "{}", face.name);
                 assert_eq!(face.point(dir), [x, y]);
             }
             // Right, up and outward are a right-handed frame: nothing is mirrored, seen from

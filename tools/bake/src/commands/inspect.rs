@@ -68,7 +68,7 @@ struct IndexDescription {
 /// described.
 pub fn run(args: &InspectArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
-    for (number, place) in find_packs(&args.inputs)?.iter().enumerate() {
+    for (index, place) in find_packs(&args.inputs)?.iter().enumerate() {
         let report = match open_pack(&place.path) {
             Ok(pack) => report(place.path.display().to_string(), &pack),
             Err(failure) => {
@@ -81,7 +81,7 @@ pub fn run(args: &InspectArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
             serde_json::to_writer(&mut *out, &report).map_err(std::io::Error::from)?;
             writeln!(out)?;
         } else {
-            if number > 0 {
+            if index > 0 {
                 writeln!(out)?;
             }
             write_text(&report, out)?;
@@ -150,10 +150,10 @@ fn write_text(report: &PackDescription, out: &mut dyn Write) -> Result<(), Failu
     writeln!(out, "  source             {} (xxh3 {})", report.source, report.source_hash)?;
     let options = BuildOptions::from_recorded(&report.options).map(|options| options.in_words());
     writeln!(out, "  options            {}", options.as_ref().unwrap_or(&report.options))?;
-    for (place, hull) in report.hulls.iter().enumerate() {
+    for (hull_index, hull) in report.hulls.iter().enumerate() {
         let [low, high] = hull.bounds.map(|corner| corner.map(shortest).join(" "));
         let index = &hull.index;
-        writeln!(out, "\nhull #{place} {}", hull.name)?;
+        writeln!(out, "\nhull #{hull_index} {}", hull.name)?;
         writeln!(out, "  rank               {} ({})", hull.rank, rank_name(hull.rank))?;
         writeln!(out, "  points             {}", number(hull.points))?;
         writeln!(out, "  vertices           {}", number(hull.vertices))?;
@@ -168,7 +168,7 @@ fn write_text(report: &PackDescription, out: &mut dyn Write) -> Result<(), Failu
             let share = hull.outer_error / hull.diameter;
             writeln!(out, "  outer error        {:.3e} ({share:.1e} of the diameter)", hull.outer_error)?;
         }
-        if hull.part > 0 || report.hulls.get(place + 1).is_some_and(|next| next.part == 1) {
+        if hull.part > 0 || report.hulls.get(hull_index + 1).is_some_and(|next| next.part == 1) {
             writeln!(out, "  part               {} of its object", hull.part)?;
             writeln!(out, "  uncovered          {:.3e}", hull.uncovered)?;
         }

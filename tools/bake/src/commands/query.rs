@@ -85,10 +85,10 @@ pub fn run(args: &QueryArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
     let names_hulls = a.hull_count() > 1 || b.hull_count() > 1;
     let mut solver = PairSolver::new(a, b);
     let mut table = table(args.mode, names_hulls);
-    for (place, pose) in poses.into_iter().enumerate() {
+    for (index, pose) in poses.into_iter().enumerate() {
         let answer = solver.query(pose, args.mode);
         let [hull_a, hull_b] = answer.hulls.map_or([None, None], names);
-        let report = PoseAnswer { hull_a, hull_b, ..PoseAnswer::new(place, answer) };
+        let report = PoseAnswer { hull_a, hull_b, ..PoseAnswer::new(index, answer) };
         if args.json {
             serde_json::to_writer(&mut *out, &report).map_err(std::io::Error::from)?;
             writeln!(out)?;

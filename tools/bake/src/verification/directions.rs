@@ -35,9 +35,9 @@ pub fn directions(vertices: &[Vec3], faces: &[Vec<u32>], count: usize, seed: u64
     let mut random = SplitMix::new(seed);
     let mut list = Vec::with_capacity(count);
     while list.len() < count {
-        let place = list.len();
-        let round = place / 8;
-        let dir = match place % 8 {
+        let index = list.len();
+        let round = index / 8;
+        let dir = match index % 8 {
             kind @ (3 | 4) if !normals.is_empty() => {
                 let share = count / 4;
                 let turn = 2 * round + kind - 3;
@@ -108,10 +108,10 @@ fn normal(vertices: &[Vec3], face: &[u32]) -> DVec3 {
 /// the rim of a flat hull the middle lies in the plane.
 fn edges(vertices: &[Vec3], faces: &[Vec<u32>], normals: &[DVec3]) -> Vec<[DVec3; 2]> {
     let mut sides = Vec::new();
-    for (number, face) in faces.iter().enumerate() {
+    for (index, face) in faces.iter().enumerate() {
         for (i, &from) in face.iter().enumerate() {
             let to = face[(i + 1) % face.len()];
-            sides.push((from.min(to), from.max(to), from > to, number));
+            sides.push((from.min(to), from.max(to), from > to, index));
         }
     }
     sides.sort_unstable();
@@ -137,9 +137,9 @@ fn edges(vertices: &[Vec3], faces: &[Vec<u32>], normals: &[DVec3]) -> Vec<[DVec3
 
 /// One of the 26 directions with components −1, 0, 1, or a random one on a seam.
 fn seam(random: &mut SplitMix, turn: usize) -> DVec3 {
-    let place = turn % 53;
-    if place < 27 && place != 13 {
-        let component = |divisor: usize| (place / divisor % 3) as f64 - 1.0;
+    let corner = turn % 53;
+    if corner < 27 && corner != 13 {
+        let component = |divisor: usize| (corner / divisor % 3) as f64 - 1.0;
         return DVec3::new(component(1), component(3), component(9));
     }
     let sign = |random: &mut SplitMix| if random.bits() & 1 == 0 { 1.0 } else { -1.0 };

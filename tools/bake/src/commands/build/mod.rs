@@ -122,11 +122,11 @@ fn build(
     let limits = args.limits.limits();
     let build = Build { limits, verify: args.verify, force: args.force, check: args.check, project, baker };
     let progress = Progress::new(args.quiet, chosen.len(), costs.iter().sum());
-    let work = |place: usize| {
-        let job = chosen[place];
-        progress.begin(place, job.source.display().to_string());
+    let work = |index: usize| {
+        let job = chosen[index];
+        progress.begin(index, job.source.display().to_string());
         let (row, exit) = build.run(job);
-        progress.end(place, costs[place], row.status);
+        progress.end(index, costs[index], row.status);
         (row, exit)
     };
     let memory = args.memory.unwrap_or(DEFAULT_MEMORY);

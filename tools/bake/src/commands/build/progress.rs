@@ -69,14 +69,14 @@ impl Progress {
     }
 
     /// Marks a file as in progress.
-    pub fn begin(&self, place: usize, name: String) {
-        self.state().in_work.insert(place, (name, Instant::now()));
+    pub fn begin(&self, index: usize, name: String) {
+        self.state().in_work.insert(index, (name, Instant::now()));
     }
 
     /// Marks a file as done.
-    pub fn end(&self, place: usize, cost: u64, status: Status) {
+    pub fn end(&self, index: usize, cost: u64, status: Status) {
         let mut state = self.state();
-        state.in_work.remove(&place);
+        state.in_work.remove(&index);
         state.done += 1;
         state.done_cost += cost;
         match status {

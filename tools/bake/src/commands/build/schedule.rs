@@ -101,7 +101,7 @@ mod tests {
 
     /// Costs from 1 to 60, and one above every budget.
     fn costs(count: usize) -> Vec<u64> {
-        (0..count as u64).map(|number| if number == 7 { 1000 } else { 1 + number * 37 % 60 }).collect()
+        (0..count as u64).map(|index| if index == 7 { 1000 } else { 1 + index * 37 % 60 }).collect()
     }
 
     #[test]
@@ -124,7 +124,7 @@ mod tests {
                 (at, sum)
             };
             let results = run_bounded(&pool(threads), &costs, budget, work, || {});
-            assert!(results.iter().enumerate().all(|(place, &(at, _))| place == at));
+            assert!(results.iter().enumerate().all(|(index, &(at, _))| index == at));
             let peak = peak.load(Ordering::SeqCst);
             let greater = costs.iter().filter(|&&cost| cost > budget).count() as u64;
             assert!(peak <= budget, "{threads} threads: {peak} of {budget}");
@@ -138,7 +138,11 @@ mod tests {
         let order = Mutex::new(Vec::new());
         let push = |at| order.lock().unwrap().push(at);
         run_bounded(&pool(1), &[5, 9, 5, 5, 7], 5, push, || {});
-        assert_eq!(order.into_inner().unwrap(), [1, 4, 0, 2, 3], "what is above the budget is not put off to the end");
+        assert_eq!(
+            order.into_inner().unwrap(),
+            [1, 4, 0, 2, 3],
+            "an item above the budget is not postponed to the end"
+        );
     }
 
     #[test]

@@ -78,7 +78,7 @@ fn one_bad_file_does_not_stop_the_others() {
 #[test]
 fn rows_have_the_order_of_the_inputs_for_any_thread_count() {
     let folder = tempfile::tempdir().unwrap();
-    let names: Vec<String> = (0..40).map(|number| format!("{number:02}.obj")).collect();
+    let names: Vec<String> = (0..40).map(|index| format!("{index:02}.obj")).collect();
     let files: Vec<(&str, &str)> = names.iter().map(|name| (name.as_str(), TRIANGLE)).collect();
     for jobs in ["1", "4"] {
         let (result, text) = build(folder.path(), &files, &["--json", "--jobs", jobs]);
