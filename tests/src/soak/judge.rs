@@ -5,9 +5,12 @@
 //! | separated | along the reported axis, the reaches leave a gap |
 //! | overlapping | the reported common point is inside both, by their face planes |
 //! | upper bound of the depth | along the reported normal, the reaches overlap by no more |
-//! | lower bound of the depth | no tested direction separates the shapes by a shorter translation: normals of other answers; for some pairs all face normals, for a few all facets of the Minkowski difference |
+//! | lower bound of the depth | no tested direction separates the shapes by a shorter translation |
 //! | lower bound of the distance | along the reported normal, the reaches leave a gap no smaller |
-//! | upper bound of the distance | the reported points are inside their shapes, and no farther from each other |
+//! | upper bound of the distance | the reported points are inside their shapes, and no farther apart |
+//!
+//! The tested directions are the normals of other answers; for some pairs also all face normals,
+//! and for a few also all facets of the Minkowski difference.
 //!
 //! Also: numbers are finite, intervals in order, statuses agree with the interval's width, and the
 //! three queries do not contradict each other.
