@@ -102,7 +102,9 @@ pub fn binary() -> &'static Path {
             Some(profile) => profile,
         };
         let target = folder.parent().expect("a profile's folder lies in the target folder").as_os_str();
-        let words = ["build", "--package", "bake", "--bin", "bake", "--message-format", "json", "--profile", profile];
+        // Without `--package`: with the features of the whole workspace, as the tests were built,
+        // so that no dependency is built twice.
+        let words = ["build", "--bin", "bake", "--message-format", "json", "--profile", profile];
         let built = cargo(words.map(OsStr::new).into_iter().chain([OsStr::new("--target-dir"), target]));
         let messages = String::from_utf8(built.stdout).expect("cargo prints UTF-8");
         messages

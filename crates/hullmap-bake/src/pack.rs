@@ -8,7 +8,7 @@ use hullmap_format::{
 };
 use rkyv::{rancor, util::AlignedVec};
 
-use crate::{BakeError, BakedHull, SourceRecord, bvh};
+use crate::{BakeError, BakedHull, Hull, SourceRecord, bvh};
 
 /// The bytes of a pack that contains `hulls`: a pure function of the arguments.
 ///
@@ -27,37 +27,7 @@ pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>,
     };
     pack.spans.push(Span::default());
     for baked in hulls {
-        let hull = &baked.hull;
-        pack.names.extend_from_slice(baked.name.as_bytes());
-        pack.vertices.extend_from_slice(&hull.vertices);
-        pack.source_vertices.extend_from_slice(&hull.source_vertices);
-        let mut start = 0;
-        for face in &hull.faces {
-            pack.face_starts.push(start);
-            pack.face_vertices.extend_from_slice(face);
-            start += face.len() as u32;
-        }
-        let mut start = 0;
-        let neighbours = hull.neighbours();
-        for list in &neighbours {
-            pack.neighbour_starts.push(start);
-            start += list.len() as u32;
-            pack.neighbours.extend(list);
-        }
-        if hull.rank == 3 {
-            for (vertex, list) in hull.vertices.iter().zip(&neighbours) {
-                let edges: Vec<[i16; 3]> =
-                    list.iter().map(|&w| edge::quantise(*vertex, hull.vertices[w as usize])).collect();
-                (0..3).for_each(|axis| pack.edges.extend(edges.iter().map(|edge| edge[axis])));
-            }
-        }
-        pack.neighbour_faces.extend(hull.neighbour_faces(&neighbours));
-        pack.outer_vertices.extend_from_slice(&baked.outer);
-        pack.slots.extend_from_slice(&baked.index.encoded.slots);
-        pack.blocks.extend_from_slice(&baked.index.encoded.blocks);
-        let max_neighbours = neighbours.iter().map(|list| list.len() as u32).max().unwrap_or(0);
-        pack.hulls.push(record(baked, max_neighbours));
-        pack.spans.push(end_of(&pack)?);
+        append(&mut pack, baked)?;
     }
     if hulls.iter().any(|baked| baked.origin != hulls[0].origin) {
         return Err(BakeError::Origins);
@@ -70,6 +40,47 @@ pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>,
     }
     let header = Header::for_payload(source.hash, options_hash(&source.options), &payload);
     Ok([&header.to_bytes()[..], &payload].concat())
+}
+
+/// Appends a hull to every section, and its record.
+fn append(pack: &mut Pack, baked: &BakedHull) -> Result<(), BakeError> {
+    let hull = &baked.hull;
+    pack.names.extend_from_slice(baked.name.as_bytes());
+    pack.vertices.extend_from_slice(&hull.vertices);
+    pack.source_vertices.extend_from_slice(&hull.source_vertices);
+    append_runs(&mut pack.face_starts, &mut pack.face_vertices, &hull.faces);
+    let neighbours = hull.neighbours();
+    append_runs(&mut pack.neighbour_starts, &mut pack.neighbours, &neighbours);
+    pack.neighbour_faces.extend(hull.neighbour_faces(&neighbours));
+    if hull.rank == 3 {
+        append_edges(&mut pack.edges, hull, &neighbours);
+    }
+    pack.outer_vertices.extend_from_slice(&baked.outer);
+    pack.slots.extend_from_slice(&baked.index.encoded.slots);
+    pack.blocks.extend_from_slice(&baked.index.encoded.blocks);
+    let max_neighbours = neighbours.iter().map(|list| list.len() as u32).max().unwrap_or(0);
+    pack.hulls.push(record(baked, max_neighbours));
+    pack.spans.push(end_of(pack)?);
+    Ok(())
+}
+
+/// Appends lists of one hull: their starts, counted from the first, and their elements.
+fn append_runs(starts: &mut Vec<u32>, elements: &mut Vec<u32>, lists: &[Vec<u32>]) {
+    let mut start = 0;
+    for list in lists {
+        starts.push(start);
+        start += list.len() as u32;
+        elements.extend_from_slice(list);
+    }
+}
+
+/// Appends the directions to each vertex's neighbours, by component.
+fn append_edges(edges: &mut Vec<i16>, hull: &Hull, neighbours: &[Vec<u32>]) {
+    for (vertex, list) in hull.vertices.iter().zip(neighbours) {
+        let directions: Vec<[i16; 3]> =
+            list.iter().map(|&w| edge::quantise(*vertex, hull.vertices[w as usize])).collect();
+        (0..3).for_each(|axis| edges.extend(directions.iter().map(|direction| direction[axis])));
+    }
 }
 
 /// Current end of every section.

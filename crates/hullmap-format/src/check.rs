@@ -142,15 +142,17 @@ fn spans(pack: &Sections<'_>) -> Result<(), CheckError> {
 /// The first value that breaks a promise, with what was expected: see [`CheckError`].
 ///
 /// # Complexity
-/// One pass over the archive.
+/// One pass over the archive, and a search in a vertex's neighbours for each corner of a face. One
+/// bit of memory per neighbour of the largest hull.
 pub fn contents(pack: &Sections<'_>) -> Result<(), CheckError> {
     for (section, text) in [("source_path", pack.source_path), ("options", pack.options), ("names", pack.names)] {
         std::str::from_utf8(text).map_err(|error| CheckError::Text { section, at: error.valid_up_to() })?;
     }
     let spans = pack.spans.iter().zip(pack.spans.iter().skip(1));
+    let mut scratch = Vec::new();
     for (hull, ((start, end), record)) in spans.zip(pack.hulls).enumerate() {
         let check = HullCheck { hull, pack, start, end, record };
-        check.run().map_err(|source| CheckError::Hull { hull, source })?;
+        check.run(&mut scratch).map_err(|source| CheckError::Hull { hull, source })?;
     }
     bvh::check(pack)?;
     Ok(())

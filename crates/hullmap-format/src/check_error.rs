@@ -291,6 +291,26 @@ pub enum HullError {
         /// Number of faces.
         face_count: u32,
     },
+    /// There are more or fewer neighbours than directed edges of faces.
+    #[error("its vertices have {found} neighbours (expected {expected}, one per face vertex)")]
+    NeighbourCount {
+        /// Number of neighbours of all vertices.
+        found: usize,
+        /// Number of vertices of all faces.
+        expected: usize,
+    },
+    /// An edge of a face is not listed among the neighbours, or its entry names another face.
+    #[error(
+        "face {face}: its edge from vertex {from} to vertex {to} is not that of a neighbour with this face beside it"
+    )]
+    FaceEdge {
+        /// The face.
+        face: usize,
+        /// Vertex at which the edge starts.
+        from: u32,
+        /// Vertex at which it ends.
+        to: u32,
+    },
     /// A solid does not have exactly three edge coordinates per neighbour, or another hull has
     /// some.
     #[error("it has {found} edge coordinates (expected {expected})")]

@@ -3,6 +3,7 @@
 use rkyv::rend::{f32_le, f64_le, u32_le};
 
 use crate::{
+    adjacency::Adjacency,
     archive::{ArchivedBlock, ArchivedHullRecord, ArchivedSpan, NO_SOURCE_VERTEX},
     check::MAX_OUTER_VERTICES,
     check_error::HullError,
@@ -21,7 +22,8 @@ pub(crate) struct HullCheck<'a> {
 }
 
 impl HullCheck<'_> {
-    pub(crate) fn run(&self) -> Result<(), HullError> {
+    /// Runs all checks. `scratch` is memory that hulls share.
+    pub(crate) fn run(&self, scratch: &mut Vec<u64>) -> Result<(), HullError> {
         self.name()?;
         self.record()?;
         self.part()?;
@@ -29,6 +31,7 @@ impl HullCheck<'_> {
         self.source_vertices()?;
         self.faces()?;
         self.neighbours()?;
+        self.adjacency().check(scratch)?;
         self.edges()?;
         self.outer()?;
         self.index()?;
@@ -209,6 +212,16 @@ impl HullCheck<'_> {
             return Err(HullError::NeighbourFace { entry, found: value_at(left, entry), face_count });
         }
         Ok(())
+    }
+
+    fn adjacency(&self) -> Adjacency<'_> {
+        Adjacency {
+            face_starts: run(self.pack.face_starts, self.start.face, self.end.face),
+            face_vertices: run(self.pack.face_vertices, self.start.face_vertex, self.end.face_vertex),
+            neighbour_starts: run(self.pack.neighbour_starts, self.start.vertex, self.end.vertex),
+            neighbours: run(self.pack.neighbours, self.start.neighbour, self.end.neighbour),
+            neighbour_faces: run(self.pack.neighbour_faces, self.start.neighbour, self.end.neighbour),
+        }
     }
 
     /// A solid has three coordinates per neighbour; other hulls have no edges.

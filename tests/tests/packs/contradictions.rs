@@ -112,8 +112,9 @@ fn missing_faces_and_outer_vertices_are_refused() {
     let beside = |word: u32| open_with(&file, |pack| &pack.neighbour_faces[17], &word.to_le_bytes());
     let outer = |x: f32| open_with(&file, |pack| &pack.outer_vertices[3][1], &x.to_le_bytes());
     let faces = archive.face_starts.len() as u32;
-    assert!(beside(faces - 1).is_ok() && outer(1.0).is_ok());
+    assert!(outer(1.0).is_ok());
     for (opened, what) in [
+        (beside(faces - 1), "is not that of a neighbour with this face beside it"),
         (beside(faces), "neighbour 17: face index"),
         (beside(u32::MAX), "neighbour 17: face index"),
         (outer(f32::NAN), "vertex 3 of its outer hull: coordinate 1 is"),
@@ -121,6 +122,34 @@ fn missing_faces_and_outer_vertices_are_refused() {
     ] {
         refused(opened, what);
     }
+}
+
+/// The face towards a direction is chosen among the faces listed at one vertex. With the face of
+/// most corners listed at every vertex, each query would follow it, and be wrong.
+#[test]
+fn faces_beside_edges_are_those_of_the_faces() {
+    let file = samples::named("prism, tree");
+    let payload = payload(&file);
+    let hull = archive(&payload);
+    let entries = hull.neighbour_faces.len();
+    let corners = |face: usize| {
+        let end = hull.face_starts.get(face + 1).map_or(hull.face_vertices.len(), |start| start.to_native() as usize);
+        end - hull.face_starts[face].to_native() as usize
+    };
+    let largest = (0..hull.face_starts.len()).max_by_key(|face| corners(*face)).unwrap() as u32;
+    let mut refusals = 0;
+    for entry in 0..entries {
+        let is_same = hull.neighbour_faces[entry] == largest;
+        let opened = open_with(&file, |pack| &pack.neighbour_faces[entry], &largest.to_le_bytes());
+        assert_eq!(opened.is_ok(), is_same, "entry {entry}");
+        refusals += usize::from(!is_same);
+    }
+    assert!(refusals > entries / 2, "{refusals} of {entries}");
+    // A neighbour that the faces do not have, and two neighbours in exchange.
+    let [first, second] = [0, 1].map(|entry| hull.neighbours[entry].to_native());
+    assert_ne!(first, second);
+    refused(open_with(&file, |pack| &pack.neighbours[0], &second.to_le_bytes()), "its edge from vertex");
+    refused(open_with(&file, |pack| &pack.neighbours[1], &first.to_le_bytes()), "its edge from vertex");
 }
 
 /// Edges certify a hint, so each must agree exactly with its vertices. Queries are safe without

@@ -134,6 +134,18 @@ fn vertices_faces_and_neighbours() {
         refusal!(&cube, neighbour_faces[7] = 6_u32),
         "hull 0: neighbour 7: face index 6 is out of range (the hull has 6 faces)"
     );
+    assert_eq!(
+        refusal!(&cube, neighbour_faces[7] = 5_u32),
+        "hull 0: face 1: its edge from vertex 2 to vertex 3 is not that of a neighbour with this face beside it"
+    );
+    assert_eq!(
+        refusal!(&cube, face_vertices[1] = 3_u32),
+        "hull 0: face 0: its edge from vertex 0 to vertex 3 is not that of a neighbour with this face beside it"
+    );
+    assert_eq!(
+        refusal!(&pair, spans[1].neighbour = 23_u32),
+        "hull 0: its vertices have 23 neighbours (expected 24, one per face vertex)"
+    );
     assert_eq!(refusal!(&pair, spans[1].edge = 71_u32), "hull 0: it has 71 edge coordinates (expected 72)");
 }
 

@@ -1,0 +1,192 @@
+//! Faces and neighbours of a hull, and the face towards a direction.
+
+use std::ops::Range;
+
+use glam::{DVec3, Vec3};
+use rkyv::rend::u32_le;
+
+use super::Hull;
+use crate::support::SupportMap;
+use crate::vector::unit;
+
+impl<'a> Hull<'a> {
+    /// Number of faces: all faces of a solid, both sides of a polygon, 0 for a segment or a point.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert_eq!(cube.face_count(), 6);
+    /// # }
+    /// ```
+    pub fn face_count(&self) -> usize {
+        self.face_starts.len()
+    }
+
+    /// Vertex indices of all faces. The vertices of a face are in counter-clockwise order, seen
+    /// from outside.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert!(cube.faces().all(|face| face.len() == 4));
+    /// # }
+    /// ```
+    pub fn faces(&self) -> impl Iterator<Item = impl ExactSizeIterator<Item = u32> + 'a> + 'a {
+        let (starts, vertices) = (self.face_starts, self.face_vertices);
+        starts.iter().enumerate().map(move |(face, start)| {
+            let start = start.to_native() as usize;
+            let end = starts.get(face + 1).map_or(vertices.len(), |next| next.to_native() as usize);
+            vertices.get(start..end).unwrap_or_default().iter().map(|v| v.to_native())
+        })
+    }
+
+    /// Indices of the vertices that share an edge with vertex `index`, ascending. Empty if there is
+    /// no such vertex.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// // One neighbour along each axis.
+    /// assert_eq!(cube.neighbours(0).collect::<Vec<_>>(), [1, 2, 4]);
+    /// # }
+    /// ```
+    pub fn neighbours(&self, index: u32) -> impl ExactSizeIterator<Item = u32> + 'a {
+        self.neighbour_run(index).iter().map(|v| v.to_native())
+    }
+
+    #[inline]
+    fn neighbour_run(&self, index: u32) -> &'a [u32_le] {
+        self.neighbours.get(self.neighbour_range(index)).unwrap_or_default()
+    }
+
+    #[inline]
+    fn neighbour_range(&self, index: u32) -> Range<usize> {
+        let at = index as usize;
+        let start = |at: usize| self.neighbour_starts.get(at).map_or(self.neighbours.len(), |s| s.to_native() as usize);
+        start(at)..start(at.saturating_add(1))
+    }
+
+    /// Vertex indices of face `face` in counter-clockwise order, seen from outside. Empty if there
+    /// is no such face.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert_eq!(cube.face(0).len(), 4);
+    /// assert_eq!(cube.face(6).len(), 0);
+    /// # }
+    /// ```
+    pub fn face(&self, face: u32) -> impl ExactSizeIterator<Item = u32> + 'a {
+        self.face_run(face).iter().map(|v| v.to_native())
+    }
+
+    #[inline]
+    fn face_run(&self, face: u32) -> &'a [u32_le] {
+        let at = face as usize;
+        let end =
+            self.face_starts.get(at.saturating_add(1)).map_or(self.face_vertices.len(), |s| s.to_native() as usize);
+        let start = self.face_starts.get(at).map_or(end, |s| s.to_native() as usize);
+        self.face_vertices.get(start..end).unwrap_or_default()
+    }
+
+    /// Indices of the faces that meet at vertex `index`, each once. There are as many as the vertex
+    /// has neighbours. Empty below rank 2, and if there is no such vertex.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert_eq!(cube.faces_at(0).len(), 3);
+    /// # }
+    /// ```
+    pub fn faces_at(&self, index: u32) -> impl ExactSizeIterator<Item = u32> + 'a {
+        let range = if self.record.rank < 2 { 0..0 } else { self.neighbour_range(index) };
+        self.neighbour_faces.get(range).unwrap_or_default().iter().map(|f| f.to_native())
+    }
+
+    /// Unit outward normal of face `face`; `None` if there is no such face.
+    ///
+    /// # Complexity
+    /// O(1). Faces are planar, so three corners a third of the way around from each other span the
+    /// plane well.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// use hullmap::glam::DVec3;
+    ///
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// let top = cube.face_towards(DVec3::Z).expect("a solid has faces");
+    /// assert_eq!(cube.face_normal(top), Some(DVec3::Z));
+    /// # }
+    /// ```
+    pub fn face_normal(&self, face: u32) -> Option<DVec3> {
+        // By index: to skip corners with an iterator would read each of them.
+        let corners = self.face_run(face);
+        // A face has three corners or more.
+        let third = (corners.len() / 3).max(1);
+        let corner = |i: usize| corners.get(i).and_then(|v| self.vertex(v.to_native())).map(Vec3::as_dvec3);
+        let (first, second, third) = (corner(0)?, corner(third)?, corner(2 * third)?);
+        // From the two shorter sides: the cross product of two long sides of a needle would lose
+        // the short side to rounding errors.
+        let (a, b, c) = (second - first, third - second, first - third);
+        let [a_sq, b_sq, c_sq] = [a, b, c].map(DVec3::length_squared);
+        unit(if c_sq >= a_sq && c_sq >= b_sq {
+            a.cross(b)
+        } else if a_sq >= b_sq {
+            b.cross(c)
+        } else {
+            c.cross(a)
+        })
+    }
+
+    /// The face that faces `dir` (local frame, any length): of the faces at the support vertex, the
+    /// one whose normal is closest to `dir`. `None` below rank 2, and if `dir` is zero or not
+    /// finite.
+    ///
+    /// # Complexity
+    /// One support query, and one normal for each face at its vertex. A vertex has six faces on
+    /// average; the tip of a cone has one for each neighbour.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// use hullmap::glam::DVec3;
+    ///
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// let face = cube.face_towards(DVec3::new(0.1, -5.0, 0.2)).expect("a solid has faces");
+    /// assert_eq!(cube.face_normal(face), Some(DVec3::NEG_Y));
+    /// # }
+    /// ```
+    pub fn face_towards(&self, dir: DVec3) -> Option<u32> {
+        let dir = unit(dir)?;
+        let vertex = SupportMap::support_point(self, dir).feature;
+        let alignment = |face: u32| self.face_normal(face).map_or(f64::NEG_INFINITY, |n| n.dot(dir));
+        let mut best = (f64::NEG_INFINITY, None);
+        for face in self.faces_at(vertex) {
+            let found = alignment(face);
+            if found > best.0 {
+                best = (found, Some(face));
+            }
+        }
+        best.1
+    }
+}

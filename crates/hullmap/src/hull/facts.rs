@@ -1,0 +1,216 @@
+//! What the bake recorded about a hull: sizes, mass, bounds, errors.
+
+use glam::{DVec3, Vec3};
+
+use super::{Hull, vector};
+
+impl Hull<'_> {
+    /// Dimension of the hull: 3 for a solid, 2 for a polygon, 1 for a segment, 0 for a point.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert_eq!(cube.rank(), 3);
+    /// # }
+    /// ```
+    pub fn rank(&self) -> u32 {
+        self.record.rank.to_native()
+    }
+
+    /// Number of source points that the hull was built from.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let rock = pack.hull_named("rock").expect("the pack has a rock");
+    /// assert_eq!(rock.source_point_count(), 40);
+    /// assert!(rock.vertex_count() <= 40);
+    /// # }
+    /// ```
+    pub fn source_point_count(&self) -> u32 {
+        self.record.source_points.to_native()
+    }
+
+    /// Maximum distance between two vertices, in source units.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert!((cube.diameter() - 12_f64.sqrt()).abs() < 1e-12);
+    /// # }
+    /// ```
+    pub fn diameter(&self) -> f64 {
+        self.record.diameter.to_native()
+    }
+
+    /// Volume; 0 below rank 3.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert!((cube.volume() - 8.0).abs() < 1e-12);
+    /// # }
+    /// ```
+    pub fn volume(&self) -> f64 {
+        self.record.volume.to_native()
+    }
+
+    /// Surface area: both sides of a polygon, 0 below rank 2.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert!((cube.surface_area() - 24.0).abs() < 1e-12);
+    /// # }
+    /// ```
+    pub fn surface_area(&self) -> f64 {
+        self.record.surface_area.to_native()
+    }
+
+    /// Centre of mass at uniform density, in the hull's local frame.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert!(cube.centroid().length() < 1e-12);
+    /// # }
+    /// ```
+    pub fn centroid(&self) -> DVec3 {
+        vector(&self.record.centroid)
+    }
+
+    /// Second moments about the centroid, divided by the volume (area, length): xx, yy, zz, yz, zx,
+    /// xy.
+    ///
+    /// For the inertia tensor, see [`mass_properties`](Self::mass_properties).
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// let [xx, .., xy] = cube.second_moments();
+    /// // The mean of x² over −1 to 1.
+    /// assert!((xx - 1.0 / 3.0).abs() < 1e-12 && xy.abs() < 1e-12);
+    /// # }
+    /// ```
+    pub fn second_moments(&self) -> [f64; 6] {
+        self.record.second_moments.map(|m| m.to_native())
+    }
+
+    /// Minimum and maximum coordinates of the vertices.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// use hullmap::glam::Vec3;
+    ///
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert_eq!(cube.bounds(), [Vec3::NEG_ONE, Vec3::ONE]);
+    /// # }
+    /// ```
+    pub fn bounds(&self) -> [Vec3; 2] {
+        [&self.record.bounds_min, &self.record.bounds_max].map(|b| Vec3::from_array(b.map(|c| c.to_native())))
+    }
+
+    /// Maximum distance of a source point from the hull, divided by the diameter. At most 1e-7.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert!(cube.containment_error() <= 1e-7);
+    /// # }
+    /// ```
+    pub fn containment_error(&self) -> f64 {
+        self.record.containment_error.to_native()
+    }
+
+    /// Maximum distance by which the hull reaches beyond the convex hull of its source points, in
+    /// source units. 0 for an exact hull, positive for a simplified one.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert_eq!(cube.outer_error(), 0.0);
+    /// # }
+    /// ```
+    pub fn outer_error(&self) -> f64 {
+        self.record.outer_error.to_native()
+    }
+
+    /// Origin of the hull's frame in the frame of the source file. Add it to a point of the hull to
+    /// get the source's coordinates. Zero unless the bake recentred; the same for all hulls of a
+    /// pack.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert_eq!(cube.origin(), hullmap::glam::DVec3::ZERO);
+    /// # }
+    /// ```
+    pub fn origin(&self) -> DVec3 {
+        vector(&self.record.origin)
+    }
+
+    /// Index of the hull among the convex parts of its source object, counted from 0. Also 0 for a
+    /// hull that is not a part. The parts of an object follow one another.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert_eq!(cube.part(), 0);
+    /// # }
+    /// ```
+    pub fn part(&self) -> u32 {
+        self.record.part.to_native()
+    }
+
+    /// Maximum distance of a vertex of the source object from the union of its convex parts, in
+    /// source units: what a decomposition lost. The same for all parts of an object; 0 for a hull
+    /// that is not a part.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert_eq!(cube.uncovered(), 0.0);
+    /// # }
+    /// ```
+    pub fn uncovered(&self) -> f64 {
+        self.record.uncovered.to_native()
+    }
+}

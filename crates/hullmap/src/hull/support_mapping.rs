@@ -1,0 +1,321 @@
+//! Support mapping of a hull through its direction index, and the certified hints.
+
+use glam::{DVec3, Vec3};
+use hullmap_format::{IndexKind, archive::ArchivedBlock, walk::Cost};
+use rkyv::rend::f32_le;
+
+use super::Hull;
+use crate::support::hint::{Edges, IsLocalMaximum};
+use crate::support::simd::{Dispatch, Instructions};
+use crate::support::{SupportMap, SupportPoint};
+
+/// Bound on the difference between the maximum dot product and that of the support point, divided
+/// by the outer radius. A cut of the index may omit a vertex whose normal cone extends less than
+/// 4e-15 beyond the cut. With an earlier limit of 1e-13, the worst loss found was 8e-12 of the
+/// diameter, 80 times the limit, on caps constructed for this purpose with bumps of 1e-11. The same
+/// factor gives 3e-13 now. See docs/intervals.md.
+const SUPPORT_ERROR: f64 = 1e-12;
+
+/// Answer of [`Hull::support`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SupportVertex {
+    /// The vertex.
+    pub point: Vec3,
+    /// Its index, see [`Hull::vertex`].
+    pub index: u32,
+}
+
+impl Hull<'_> {
+    /// Support vertex of the hull in direction `dir`: a vertex whose dot product with `dir` is
+    /// maximal.
+    ///
+    /// `dir` is in the hull's local frame and need not be of unit length. Of several vertices with
+    /// the same dot product, the lowest index among the candidates of `dir`'s cell is returned. If
+    /// `dir` is zero or not finite, some vertex is returned.
+    ///
+    /// # Complexity
+    /// With an index, at most [`worst_cost`](Self::worst_cost) nodes and dot products in every
+    /// direction. No allocation.
+    ///
+    /// # Reference
+    /// Kenwright, "Generic Convex Collision Detection using Support Mapping", 4.2, 4.8 and 4.9.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// use hullmap::glam::Vec3;
+    ///
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// let corner = cube.support(Vec3::new(1.0, 2.0, -3.0));
+    /// assert_eq!(corner.point, Vec3::new(1.0, 1.0, -1.0));
+    /// assert_eq!(cube.vertex(corner.index), Some(corner.point));
+    /// # }
+    /// ```
+    #[inline]
+    pub fn support(&self, dir: Vec3) -> SupportVertex {
+        let (index, point) = self.index.support(dir.to_array());
+        SupportVertex { point: Vec3::from_array(point), index }
+    }
+
+    /// Support vertex in direction `dir`, with vertex `hint` tried first. A good hint is the answer
+    /// to a nearby direction.
+    ///
+    /// The answer is that of [`support`](Self::support) for every hint. The hint is returned only
+    /// if it is certainly the answer: if all its edges lead away from the direction by more than
+    /// the rounding error. On a convex hull, its dot product is then the maximum. Otherwise, and if
+    /// `hint` is not a vertex, this is an ordinary query.
+    ///
+    /// # Complexity
+    /// One dot product for each neighbour of the hint, eight at a time, then at most the cost of a
+    /// query. A vertex has six neighbours on average. A hint with more than 16 is not tried.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// use hullmap::glam::Vec3;
+    ///
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// let first = cube.support(Vec3::new(1.0, 1.0, 1.0));
+    /// let dir = Vec3::new(1.0, 1.1, 0.9);
+    /// assert_eq!(cube.support_from(dir, first.index), cube.support(dir));
+    /// # }
+    /// ```
+    #[inline]
+    pub fn support_from(&self, dir: Vec3, hint: u32) -> SupportVertex {
+        match self.certain(dir.to_array(), hint) {
+            Some(point) => SupportVertex { point: Vec3::from_array(point), index: hint },
+            None => self.support(dir),
+        }
+    }
+
+    /// The position of vertex `hint` if it is certainly the support point in direction `dir`.
+    #[inline]
+    fn certain(&self, dir: [f32; 3], hint: u32) -> Option<[f32; 3]> {
+        let at = hint as usize;
+        let start = self.neighbour_starts.get(at)?.to_native() as usize;
+        let end = self.neighbour_starts.get(at + 1).map_or(self.neighbours.len(), |next| next.to_native() as usize);
+        // Empty for hulls of rank below 3.
+        let numbers = self.edges.get(3 * start..)?;
+        let edges = Edges { components: numbers, count: end.saturating_sub(start) };
+        let point = self.vertices.get(at)?;
+        (!numbers.is_empty() && self.index.dispatch.run(IsLocalMaximum(edges), dir))
+            .then(|| point.map(f32_le::to_native))
+    }
+
+    /// Vector instructions that queries on this hull use. By default, the best that the processor
+    /// supports.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// let portable = cube.with_instructions(hullmap::Instructions::Portable).unwrap();
+    /// assert_eq!(portable.instructions(), hullmap::Instructions::Portable);
+    /// # }
+    /// ```
+    pub fn instructions(&self) -> Instructions {
+        self.index.dispatch.instructions()
+    }
+
+    /// The same hull, queried with `instructions`; `None` if the processor does not have them. The
+    /// answers are the same.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// use hullmap::{Instructions, glam::Vec3};
+    ///
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// if let Some(fast) = cube.with_instructions(Instructions::Avx2) {
+    ///     assert_eq!(fast.support(Vec3::ONE), cube.support(Vec3::ONE));
+    /// }
+    /// # }
+    /// ```
+    pub fn with_instructions(mut self, instructions: Instructions) -> Option<Self> {
+        self.index.dispatch = Dispatch::of(instructions)?;
+        Some(self)
+    }
+
+    /// Cost of [`support`](Self::support) in direction `dir`: nodes visited and dot products.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// use hullmap::glam::Vec3;
+    ///
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// let cost = cube.support_cost(Vec3::X);
+    /// assert!(cost.nodes <= cube.worst_cost().nodes && cost.dots <= cube.worst_cost().dots);
+    /// # }
+    /// ```
+    pub fn support_cost(&self, dir: Vec3) -> Cost {
+        self.index.cost(dir.to_array())
+    }
+
+    /// Maximum cost of [`support`](Self::support) over all directions. Opening a pack checks it.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// // Eight vertices fit into one block, so every direction costs the same.
+    /// assert_eq!(cube.worst_cost().dots, 8);
+    /// # }
+    /// ```
+    pub fn worst_cost(&self) -> Cost {
+        Cost { nodes: self.record.max_nodes.to_native(), dots: self.record.max_dots.to_native() }
+    }
+
+    /// Kind of the direction index that the hull was baked with.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// println!("{:?}", cube.index_kind());
+    /// # }
+    /// ```
+    pub fn index_kind(&self) -> IndexKind {
+        self.index.kind
+    }
+
+    /// Size of the direction index in the file, in bytes: words and candidate blocks.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert!(cube.index_byte_len() > 0);
+    /// # }
+    /// ```
+    pub fn index_byte_len(&self) -> usize {
+        size_of_val(self.index.slots) + size_of_val::<[ArchivedBlock]>(self.index.blocks)
+    }
+}
+
+impl SupportMap for Hull<'_> {
+    #[inline(always)]
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
+        // By name, not as arrays: a round trip through memory would stall the processor here.
+        let (feature, [x, y, z]) = self.index.support([dir.x, dir.y, dir.z]);
+        SupportPoint { point: DVec3::new(x.into(), y.into(), z.into()), feature }
+    }
+
+    #[inline]
+    fn interior_point(&self) -> DVec3 {
+        self.interior_point
+    }
+
+    #[inline]
+    fn inner_radius(&self) -> f64 {
+        self.record.inner_radius.to_native()
+    }
+
+    #[inline]
+    fn outer_radius(&self) -> f64 {
+        self.record.outer_radius.to_native()
+    }
+
+    #[inline]
+    fn support_error(&self) -> f64 {
+        SUPPORT_ERROR * self.record.outer_radius.to_native()
+    }
+
+    #[inline]
+    fn point(&self, feature: u32) -> Option<DVec3> {
+        let [x, y, z] = self.vertices.get(feature as usize)?;
+        Some(DVec3::new(x.to_native().into(), y.to_native().into(), z.to_native().into()))
+    }
+
+    #[inline]
+    fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
+        match self.certain(dir.as_vec3().to_array(), hint) {
+            Some(point) => SupportPoint { point: DVec3::from_array(point.map(f64::from)), feature: hint },
+            None => SupportMap::support_point(self, dir),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use shapes::{families, rng::SplitMix64};
+
+    use super::*;
+    use crate::pack::Pack;
+
+    fn pack(positions: Vec<[f32; 3]>) -> Pack {
+        Pack::from_bytes(&hullmap_testkit::packs::tree_bytes(&positions)).unwrap()
+    }
+
+    #[test]
+    fn instructions_change_no_answer() {
+        for positions in [families::rock(500, 1), families::prism(500, 0), families::cube_grid(64, 0)] {
+            let pack = pack(positions);
+            let best = pack.hull(0).unwrap();
+            // Every processor supports these.
+            let portable = best.with_instructions(Instructions::Portable).unwrap();
+            assert_eq!(portable.instructions(), Instructions::Portable);
+            match best.with_instructions(Instructions::Avx2) {
+                Some(hull) => {
+                    assert_eq!((hull.instructions(), best.instructions()), (Instructions::Avx2, Instructions::Avx2))
+                }
+                None => assert_eq!(best.instructions(), Instructions::Portable),
+            }
+            let mut rng = SplitMix64::new(1);
+            let mut hint = 0;
+            for round in 0..3_000 {
+                let mut dir = rng.direction();
+                // In directions normal to faces and edges, several vertices tie.
+                dir[round % 3] *= [1.0, 0.0, 1e-8][round / 3 % 3];
+                let dir = DVec3::from_array(dir);
+                assert_eq!(SupportMap::support_point(&best, dir), SupportMap::support_point(&portable, dir), "{dir}");
+                let dir = dir.as_vec3();
+                assert_eq!(best.support(dir), portable.support(dir), "{dir}");
+                assert_eq!(best.support_from(dir, hint), portable.support_from(dir, hint), "{dir} from {hint}");
+                assert_eq!(best.support_cost(dir), portable.support_cost(dir));
+                hint = best.support(dir).index;
+            }
+        }
+    }
+
+    #[test]
+    fn hints_are_certain_within_cones_alone() {
+        let pack = pack(families::sphere(300, 4));
+        let hull = pack.hull(0).unwrap();
+        let (mut certain, mut rng) = (0, SplitMix64::new(2));
+        for _ in 0..2_000 {
+            let dir = DVec3::from_array(rng.direction()).as_vec3();
+            let right = hull.support(dir);
+            for hint in 0..hull.vertex_count() as u32 {
+                let found = hull.certain(dir.to_array(), hint);
+                assert!(
+                    found.is_none() || (hint, found) == (right.index, Some(right.point.to_array())),
+                    "{dir} {hint}"
+                );
+            }
+            certain += usize::from(hull.certain(dir.to_array(), right.index).is_some());
+            assert_eq!(hull.certain(dir.to_array(), u32::MAX), None);
+        }
+        assert!(certain > 1_900, "{certain} of 2,000");
+        // Also the last vertex, at whose edges the section ends.
+        let last = hull.vertex_count() as u32 - 1;
+        let outward = hull.vertex(last).unwrap();
+        assert_eq!(hull.certain(outward.to_array(), last), Some(outward.to_array()));
+    }
+}
