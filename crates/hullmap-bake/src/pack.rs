@@ -8,7 +8,7 @@ use hullmap_format::{
 };
 use rkyv::{rancor, util::AlignedVec};
 
-use crate::{BakeError, BakedHull, Hull, SourceRecord, bvh};
+use crate::{BakeError, BakedHull, SourceRecord, bvh, hull::Hull};
 
 /// The bytes of a pack that contains `hulls`: a pure function of the arguments.
 ///

@@ -14,6 +14,7 @@ use clap::{Parser, ValueEnum};
 use hullmap::Pack;
 use hullmap_tests::hostile::{
     inquiry::{Extent, Inquiry},
+    large::{self, Large},
     samples::{self, Sample},
     series::{Series, Subject},
     trial::{self, Tally},
@@ -50,10 +51,15 @@ struct Arguments {
     /// Try one change in N of each series
     #[arg(long, default_value_t = 1)]
     every: usize,
+    /// Size in MB of the largest of the large packs; the others have a quarter and a sixteenth
+    #[arg(long, default_value_t = 64)]
+    largest: usize,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Kind {
+    /// The slowest query on packs of growing size
+    Large,
     /// Prefixes and extensions by 1 to 4096 bytes
     Lengths,
     /// Words set to lengths, ends of ranges and special floats
@@ -77,6 +83,7 @@ fn main() -> ExitCode {
             continue;
         }
         match kind {
+            Kind::Large => large(arguments.largest),
             Kind::Lengths => total("lengths", Series::Lengths, &small, &arguments),
             Kind::Words => total("words", Series::Words, &small, &arguments),
             Kind::Drawn => total("several words", Series::Drawn, &small, &arguments),
@@ -85,6 +92,36 @@ fn main() -> ExitCode {
         }
     }
     ExitCode::SUCCESS
+}
+
+/// The slowest query on each large pack, at three sizes.
+///
+/// # Panics
+/// If its time grows faster than the size, or a malicious pack is too slow for its size.
+fn large(largest_mb: usize) {
+    let sizes = [largest_mb * 1_000_000 / 16, largest_mb * 1_000_000 / 4, largest_mb * 1_000_000];
+    let mut times = Vec::new();
+    for kind in Large::ALL {
+        let points = sizes.map(|size| {
+            let file = kind.file(size);
+            let pack = Pack::from_bytes(&file).unwrap_or_else(|error| panic!("{kind}: {error}"));
+            let slowest = large::slowest(&pack);
+            let ms = slowest.time.as_secs_f64() * 1e3;
+            println!("{kind}, {:.1} MB: slowest query {ms:.3} ms ({})", file.len() as f64 / 1e6, slowest.query);
+            (file.len(), slowest.time)
+        });
+        let exponent = large::exponent(points[0], points[2]);
+        println!("{kind}: exponent {exponent:.2}");
+        assert!(exponent <= large::MAX_EXPONENT, "{kind}: the time grows faster than the size");
+        times.push((kind, points[2].1.as_secs_f64()));
+    }
+    let slowest = |is_honest| {
+        let times = times.iter().filter(|(kind, _)| kind.is_honest() == is_honest);
+        times.map(|(_, time)| *time).fold(0.0, f64::max)
+    };
+    let ratio = slowest(false) / slowest(true);
+    println!("malicious to honest, {largest_mb} MB: {ratio:.1}");
+    assert!(ratio <= large::MAX_RATIO, "malicious packs are too slow for their size");
 }
 
 /// One series over all small packs.

@@ -10,11 +10,13 @@
 //! | [`inquiry`] | all queries on a pack that opened |
 //! | [`trial`] | runs a series on several threads, detects panics and hangs, counts outcomes |
 //! | [`unchecked`] | the same files, opened without the checks |
+//! | [`large`] | large packs, and the time of the slowest query on each |
 //! | [`patch`] | changes a single value of the archive in a file |
 //!
 //! A change is identified by the pack's name, the series and the index in the series.
 
 pub mod inquiry;
+pub mod large;
 pub mod patch;
 pub mod samples;
 pub mod series;

@@ -1,0 +1,273 @@
+//! Large packs: how the time of the slowest query grows with the size of the pack.
+//!
+//! Requirement: every query on a pack that opened takes time at most proportional to the pack's
+//! size, and a malicious pack is at most [`MAX_RATIO`] times as slow as the slowest honest pack of
+//! that size.
+//!
+//! # Deviations
+//! - A query of two compounds takes time proportional to the product of their numbers of hulls, if
+//!   all of them overlap. So compounds are queried against one cube here.
+
+use std::{
+    fmt,
+    hint::black_box,
+    time::{Duration, Instant},
+};
+
+use glam::{DVec3, Vec3};
+use hullmap::{
+    Cache, Compound, CompoundCache, Feature, Hull, Manifold, ManifoldSettings, Pack, Pose, Settings, Shape, compound,
+    contact, distance, intersects,
+};
+use hullmap_bake::{
+    BakedHull, IndexKind, PointSet, SourceRecord, bake_hull,
+    index::{Index, encode::Encoded},
+    write_pack,
+};
+use hullmap_format::{
+    slot::Slot,
+    walk::{self, Cost},
+};
+use hullmap_testkit::packs::{self, point_set};
+use shapes::{families::Family, rng::SplitMix64};
+
+/// Maximum ratio of the slowest query on a malicious pack to that on an honest pack of that size.
+pub const MAX_RATIO: f64 = 100.0;
+
+/// Maximum exponent of the time of the slowest query over the size of the pack.
+pub const MAX_EXPONENT: f64 = 1.2;
+
+/// Points from which the number of bytes per vertex is estimated.
+const TRIAL_POINTS: usize = 4_096;
+
+/// Repetitions of each query. The fastest one counts.
+const REPETITIONS: usize = 3;
+
+/// Directions of support queries for each hull.
+const DIRECTIONS: usize = 60;
+
+/// Hulls that are queried alone.
+const HULLS: usize = 3;
+
+/// A way to make a pack of any size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Large {
+    /// One hull of a family, with an index.
+    Honest(Family, IndexKind),
+    /// Tetrahedra in a row.
+    Row,
+    /// Tetrahedra in one place. An honest mesh can have them too, but no useful one.
+    Heap,
+    /// A cube, all of whose leaves are one list that repeats the corners.
+    LongList,
+    /// A cube without an index, whose blocks repeat the corners.
+    LongScan,
+}
+
+impl Large {
+    /// All ways.
+    pub const ALL: [Self; 9] = [
+        Self::Honest(Family::Sphere, IndexKind::Tree),
+        Self::Honest(Family::Sphere, IndexKind::None),
+        // One vertex has all others as neighbours.
+        Self::Honest(Family::Cone, IndexKind::Tree),
+        // Two faces have half of all vertices each.
+        Self::Honest(Family::Prism, IndexKind::Tree),
+        Self::Honest(Family::Prism, IndexKind::Compact),
+        Self::Row,
+        Self::Heap,
+        Self::LongList,
+        Self::LongScan,
+    ];
+
+    /// Whether the baker makes such packs.
+    pub fn is_honest(self) -> bool {
+        matches!(self, Self::Honest(..) | Self::Row)
+    }
+
+    /// The bytes of a pack of about `len` bytes.
+    ///
+    /// # Panics
+    /// If it cannot be baked: a bug.
+    pub fn file(self, len: usize) -> Vec<u8> {
+        let made = match self {
+            Self::Honest(family, index) => sized(len, |n| packs::bytes(&[solid(family, n)], index, &source())),
+            Self::Row => sized(len, |n| write_pack(&tetrahedra(n, Vec3::X * 2.0), &source())),
+            Self::Heap => sized(len, |n| write_pack(&tetrahedra(n, Vec3::ZERO), &source())),
+            Self::LongList => sized(len, |n| write_pack(&[repeating(n, IndexKind::Tree)], &source())),
+            Self::LongScan => sized(len, |n| write_pack(&[repeating(n, IndexKind::None)], &source())),
+        };
+        made.unwrap_or_else(|error| panic!("{self}: {error}"))
+    }
+}
+
+impl fmt::Display for Large {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Honest(family, index) => write!(f, "{}, {index}", family.name()),
+            Self::Row => f.write_str("tetrahedra in a row"),
+            Self::Heap => f.write_str("tetrahedra in one place"),
+            Self::LongList => f.write_str("one long list"),
+            Self::LongScan => f.write_str("one long scan"),
+        }
+    }
+}
+
+/// The slowest query on a pack.
+#[derive(Clone, Copy, Debug)]
+pub struct Slowest {
+    /// Its name.
+    pub query: &'static str,
+    /// Its time.
+    pub time: Duration,
+}
+
+/// Runs every kind of query on a pack and returns the slowest.
+///
+/// # Panics
+/// If the pack has no hull.
+pub fn slowest(pack: &Pack) -> Slowest {
+    let mut clock = Clock { slowest: Slowest { query: "", time: Duration::ZERO } };
+    let cube = packs::tree_pack(&corners());
+    let block = cube.hull(0).expect("a cube is one hull");
+    for hull in pack.hulls().take(HULLS) {
+        let size = hull.diameter().max(f64::MIN_POSITIVE);
+        let poses = [DVec3::ZERO, DVec3::X * 0.3 * size, DVec3::new(0.2, -0.4, 0.3) * size, DVec3::Z * 3.0 * size]
+            .map(|offset| Pose::from_translation(hull.centroid() + offset).expect("finite"));
+        alone(&hull, &mut clock);
+        for pose in poses {
+            pair(&hull, &block, pose, &mut clock);
+        }
+    }
+    let (whole, other) = (Compound::new(pack), Compound::new(&cube));
+    let settings = Settings::default();
+    for pose in [DVec3::ZERO, DVec3::new(0.3, 0.2, 0.1), DVec3::splat(1e4)] {
+        let pose = Pose::from_translation(pose).expect("finite");
+        let mut cache = CompoundCache::new(2);
+        clock.time("compound intersects", || compound::intersects(&whole, &other, pose, &mut cache));
+        clock.time("compound distance", || compound::distance(&whole, &other, pose, &settings, &mut cache));
+        clock.time("compound contact", || compound::contact(&whole, &other, pose, &settings, &mut cache));
+    }
+    clock.slowest
+}
+
+/// The exponent p of time ~ sizeᵖ between two packs.
+pub fn exponent(small: (usize, Duration), large: (usize, Duration)) -> f64 {
+    (large.1.as_secs_f64() / small.1.as_secs_f64()).ln() / (large.0 as f64 / small.0 as f64).ln()
+}
+
+fn alone(hull: &Hull, clock: &mut Clock) {
+    let mut rng = SplitMix64::new(7);
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z];
+    let random = (0..DIRECTIONS).map(|_| Vec3::from_array(rng.direction().map(|c| c as f32)));
+    for dir in axes.into_iter().chain(random) {
+        let found = clock.time("support", || hull.support(dir));
+        clock.time("support_from", || hull.support_from(dir, found.index));
+        clock.time("face_towards", || hull.face_towards(dir.as_dvec3()));
+        clock.time("feature", || {
+            let mut feature = Feature::new();
+            hull.feature(dir.as_dvec3(), &mut feature);
+            feature.corners().len()
+        });
+        for face in hull.faces_at(found.index).take(8) {
+            clock.time("face_normal", || hull.face_normal(face));
+        }
+    }
+}
+
+fn pair(hull: &Hull, block: &Hull, pose: Pose, clock: &mut Clock) {
+    let settings = Settings::default();
+    for (a, b) in [(hull, block), (hull, hull)] {
+        clock.time("intersects", || intersects(a, b, pose, &mut Cache::new()));
+        clock.time("contact", || contact(a, b, pose, &settings, &mut Cache::new()));
+        clock.time("distance", || distance(a, b, pose, &settings, &mut Cache::new()));
+        clock.time("manifold", || Manifold::new().update(a, b, pose, &ManifoldSettings::default(), &mut Cache::new()));
+    }
+}
+
+struct Clock {
+    slowest: Slowest,
+}
+
+impl Clock {
+    fn time<T>(&mut self, query: &'static str, mut run: impl FnMut() -> T) -> T {
+        let mut once = || {
+            let start = Instant::now();
+            let answer = black_box(run());
+            (start.elapsed(), answer)
+        };
+        let (mut time, answer) = once();
+        // A query that is not the slowest at its first run need not be repeated.
+        for _ in 1..REPETITIONS {
+            if time > self.slowest.time {
+                time = time.min(once().0);
+            }
+        }
+        if time > self.slowest.time {
+            self.slowest = Slowest { query, time };
+        }
+        answer
+    }
+}
+
+/// What `make` returns for a count at which the file has about `len` bytes.
+fn sized<E>(len: usize, make: impl Fn(usize) -> Result<Vec<u8>, E>) -> Result<Vec<u8>, E> {
+    let trial = make(TRIAL_POINTS)?;
+    make((len as f64 / trial.len() as f64 * TRIAL_POINTS as f64) as usize)
+}
+
+fn source() -> SourceRecord {
+    SourceRecord::default()
+}
+
+fn solid(family: Family, count: usize) -> PointSet {
+    point_set(family.name(), &family.points(count, 1))
+}
+
+fn corners() -> Vec<[f32; 3]> {
+    (0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect()
+}
+
+fn tetrahedra(count: usize, step: Vec3) -> Vec<BakedHull> {
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+    let at = |i: usize| corners.map(|corner| (corner + step * i as f32).to_array());
+    (0..count)
+        .map(|i| bake_hull(&point_set("", &at(i)), IndexKind::Tree).expect("a tetrahedron can be baked"))
+        .collect()
+}
+
+/// A cube with `count` blocks.
+fn repeating(count: usize, kind: IndexKind) -> BakedHull {
+    let mut baked = bake_hull(&point_set("cube", &corners()), IndexKind::None).expect("a cube can be baked");
+    let blocks = vec![baked.index.encoded.blocks[0]; count];
+    let slots = match kind {
+        IndexKind::None => Vec::new(),
+        _ => [[Slot::List(6).encode(); 6].as_slice(), &[0, count as u32]].concat(),
+    };
+    let cost = Cost { nodes: 0, dots: 8 * count as u32 };
+    baked.index = Index { kind, cost, encoded: Encoded { slots, blocks } };
+    baked
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Otherwise their times would say nothing about the checks.
+    #[test]
+    fn all_open_and_have_the_requested_size() {
+        for large in Large::ALL {
+            let file = large.file(200_000);
+            assert!((100_000..400_000).contains(&file.len()), "{large}: {} bytes", file.len());
+            let pack = Pack::from_bytes(&file).unwrap_or_else(|error| panic!("{large}: {error}"));
+            assert!(slowest(&pack).time > Duration::ZERO, "{large}");
+        }
+    }
+
+    #[test]
+    fn exponents_of_powers() {
+        let seconds = Duration::from_secs;
+        assert_eq!(exponent((1, seconds(1)), (4, seconds(4))), 1.0);
+        assert_eq!(exponent((10, seconds(2)), (20, seconds(8))), 2.0);
+    }
+}
