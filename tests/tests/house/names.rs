@@ -8,9 +8,10 @@ use hullmap_tests::outside::workspace;
 const DOCUMENTS: [&str; 3] = ["README.md", "CONTRIBUTING.md", "benches/README.md"];
 
 /// Words that look like paths of the repository and are not.
-const PLACEHOLDERS: [&str; 7] = [
-    // The character.
+const PLACEHOLDERS: [&str; 8] = [
+    // The character, and the start of a comment.
     "/",
+    "//",
     // Files that a user names.
     "FILE.md",
     "hullmap.toml",
