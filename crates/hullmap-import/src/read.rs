@@ -84,7 +84,7 @@ pub fn read(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, Read
     let mut beside = Vec::new();
     for name in gltf::buffer_paths(&bytes).map_err(fault)? {
         let folder = path.parent().unwrap_or(Path::new(""));
-        let buffer = read_bounded(&folder.join(&name), &mut left).map_err(|error| match error.kind() {
+        let buffer = read_regular(&folder.join(&name), &mut left).map_err(|error| match error.kind() {
             ErrorKind::NotFound => {
                 let text = format!("buffer {name} cannot be read: {error}; restore it beside the file");
                 fault(Fault::format(text).of_file())
@@ -135,6 +135,15 @@ fn too_large(limits: &Limits) -> LineFault {
         limits.input_bytes
     ))
     .of_file()
+}
+
+/// Like [`read_bounded`], but only regular files: the document names a buffer, and opening a pipe
+/// would block.
+fn read_regular(path: &Path, left: &mut u64) -> std::io::Result<Option<Vec<u8>>> {
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(std::io::Error::other("not a regular file"));
+    }
+    read_bounded(path, left)
 }
 
 /// Bytes of a file, or `None` if there are more than `left`. Subtracts them from `left`.

@@ -13,3 +13,5 @@ mod queries;
 mod report;
 mod sources;
 mod subcommands;
+#[cfg(unix)]
+mod untrusted;

@@ -184,6 +184,9 @@ pub struct VerifyArgs {
     /// Seed of the random directions
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
+    /// Limits on source files.
+    #[command(flatten)]
+    pub limits: LimitArgs,
     /// Print one JSON object per hull
     #[arg(long)]
     pub json: bool,
@@ -252,6 +255,9 @@ pub struct ReportArgs {
     /// Seed of the random directions
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
+    /// Limits on source files.
+    #[command(flatten)]
+    pub limits: LimitArgs,
 }
 
 /// What a query computes.

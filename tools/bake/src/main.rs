@@ -12,6 +12,7 @@
 //! | `advice` | warnings about hulls |
 //! | `packs`, `selection` | packs and hulls named on the command line |
 //! | `source` | the way back from a pack to its source |
+//! | `project` | the folder that the way back must not leave |
 //! | `pack_file`, `interrupt` | files that are complete or absent at every moment |
 
 #![forbid(unsafe_code)]
@@ -31,6 +32,7 @@ mod pack_file;
 mod packs;
 mod pair;
 mod pose;
+mod project;
 mod selection;
 mod source;
 mod table;

@@ -176,7 +176,9 @@ pub fn sweep_below(folder: &Path) {
 
 /// Removes a temporary file if its process is dead.
 fn sweep_file(path: &Path) {
+    let is_file = || path.symlink_metadata().is_ok_and(|kind| kind.is_file());
     if path.file_name().is_some_and(is_temporary)
+        && is_file()
         && let Ok(file) = OpenOptions::new().read(true).write(true).open(path)
         && file.try_lock().is_ok()
     {

@@ -33,7 +33,8 @@ pub fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
             let entry =
                 entry.map_err(|error| Failure::usage(format!("{}: cannot search: {error}", input.display())))?;
             let path = entry.path();
-            if is_pack(path) && !entry.file_type().is_dir() {
+            // A pipe would block. A broken link is an error when it is opened.
+            if is_pack(path) && std::fs::metadata(path).map_or(true, |kind| kind.is_file()) {
                 let below = path.strip_prefix(input).ok().and_then(|path| path.parent());
                 places.push(PackPlace { path: path.to_owned(), below: below.unwrap_or(input).to_owned() });
             }

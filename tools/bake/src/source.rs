@@ -7,8 +7,9 @@ use hullmap_bake::PointSet;
 use crate::open::open_pack;
 use crate::options::BuildOptions;
 use crate::outcome::Failure;
-use crate::pack_file::{folder_of, resolve_recorded, shown_from};
+use crate::pack_file::{folder_of, plain, resolve_recorded, shown_from};
 use crate::packs::PackPlace;
+use crate::project::{Found, Project, is_regular};
 use hullmap_import::{self as import, EXTENSIONS, Imported, Limits, Polygons, ReadError, SourceFile};
 
 /// A pack's source, found and imported as it was when the pack was baked.
@@ -44,25 +45,39 @@ impl<'a> Recorded<'a> {
     }
 }
 
-/// Finds and imports the source of a pack.
+/// The way back from a pack.
+#[derive(Debug)]
+pub enum Search {
+    /// The source.
+    Found(Box<Source>),
+    /// No source. If a file was not followed or read, the reason.
+    Absent(Option<String>),
+}
+
+/// Finds and imports the source of a pack, within `limits`.
 ///
 /// `given` is the path that `--source` gives: the file, or a folder that holds it, mirrored or
 /// flat. Without it, the files beside the pack with the pack's stem and the extension of a mesh are
-/// tried, then the recorded path. The first file with the recorded hash is the source. `None` if
-/// `--source` is not given and no file is found.
+/// tried, then the recorded path, all of them only inside the pack's [`Project`]. The first file
+/// with the recorded hash is the source.
 ///
 /// # Errors
 /// Usage: `--source` leads to no file. Rejected: the files found differ from the one the pack was
 /// baked from, or cannot be imported; the error is about the first of them.
-pub fn find_source(place: &PackPlace, recorded: Recorded, given: Option<&Path>) -> Result<Option<Source>, Failure> {
+pub fn find_source(
+    place: &PackPlace,
+    recorded: Recorded,
+    given: Option<&Path>,
+    limits: &Limits,
+) -> Result<Search, Failure> {
+    let folder = folder_of(&place.path);
+    let project = Project::of(place, Path::new(".")).filter(|_| given.is_none());
+    // Without `..`, which the system would resolve after links and the project before them.
+    let followed = resolve_recorded(recorded.path, folder).map(|path| plain(&path));
     let candidates = match given {
         Some(given) if given.is_dir() => in_folder(place, recorded.path, given),
         Some(given) => vec![given.to_owned()],
-        None => {
-            let mut paths = with_stem(folder_of(&place.path), &place.path);
-            paths.extend(resolve_recorded(recorded.path, folder_of(&place.path)));
-            paths
-        }
+        None => with_stem(folder, &place.path).into_iter().chain(followed.clone()).collect(),
     };
     // A recorded path is absolute here, because it starts from the pack's canonical folder.
     let shown = |path: &Path| {
@@ -70,12 +85,34 @@ pub fn find_source(place: &PackPlace, recorded: Recorded, given: Option<&Path>) 
             if given.is_none() && path.is_absolute() { shown_from(path, Path::new(".")) } else { path.to_owned() };
         path.display().to_string()
     };
-    let mut rejected = None;
+    let (mut rejected, mut not_followed) = (None, None);
     for path in candidates {
-        // The file was baked once, so it was within the limits of that time.
-        let source = match import::read(&shown(&path), &path, &NO_LIMITS) {
+        let absolute = match folder.canonicalize() {
+            Ok(folder) if followed.as_ref() != Some(&path) => folder.join(path.file_name().unwrap_or_default()),
+            _ => path.clone(),
+        };
+        if let Some(reason) = refusal(project.as_ref(), &absolute) {
+            let name = if followed.as_ref() == Some(&path) {
+                format!("the recorded path `{}`", recorded.path)
+            } else {
+                shown(&path)
+            };
+            not_followed.get_or_insert_with(|| format!("{name} {reason}"));
+            continue;
+        }
+        let is_given = given == Some(&path);
+        if path.exists() && !is_regular(&path) {
+            if is_given {
+                return Err(Failure::usage(format!(
+                    "{}: not a regular file; name the source mesh, or a folder of meshes",
+                    path.display()
+                )));
+            }
+            continue;
+        }
+        let source = match import::read(&shown(&path), &path, limits) {
             Ok(source) => source,
-            Err(ReadError::Io(error)) if given == Some(&path) => {
+            Err(ReadError::Io(error)) if is_given => {
                 return Err(Failure::usage(format!(
                     "{}: cannot read the source: {error}; check the path",
                     path.display()
@@ -88,9 +125,18 @@ pub fn find_source(place: &PackPlace, recorded: Recorded, given: Option<&Path>) 
                 continue;
             }
         };
+        let buffer_outside = |(name, _): &(String, Vec<u8>)| {
+            let reason = refusal(project.as_ref(), &absolute.with_file_name(name))?;
+            Some(format!("buffer {name} {reason}"))
+        };
+        if let Some(reason) = source.beside.iter().find_map(buffer_outside) {
+            rejected.get_or_insert_with(|| format!("{}: {reason}; name the mesh with --source", shown(&path)));
+            continue;
+        }
         if source.hash == recorded.hash {
-            let Imported { point_sets, faces, notes, warnings, .. } = import(&path, &source, recorded.options)?;
-            return Ok(Some(Source { path, point_sets, faces, notes, warnings }));
+            let imported = import(&path, &source, recorded.options, limits)?;
+            let Imported { point_sets, faces, notes, warnings, .. } = imported;
+            return Ok(Search::Found(Box::new(Source { path, point_sets, faces, notes, warnings })));
         }
         rejected.get_or_insert_with(|| {
             let (pack, path) = (place.path.display(), shown(&path));
@@ -106,7 +152,17 @@ pub fn find_source(place: &PackPlace, recorded: Recorded, given: Option<&Path>) 
             place.path.file_stem().unwrap_or_default().display(),
             EXTENSIONS.join("|")
         ))),
-        (None, None) => Ok(None),
+        (None, None) => Ok(Search::Absent(not_followed)),
+    }
+}
+
+/// Why the file at an absolute path is not read; `None` if it may be read, or is not there, or
+/// `--source` names it. The answer is the same whether or not there is a file outside the project.
+fn refusal(project: Option<&Project>, path: &Path) -> Option<&'static str> {
+    match project?.find(path) {
+        Found::File | Found::Missing => None,
+        Found::Outside => Some("leads out of the pack's project, so it was not followed"),
+        Found::NotRegular => Some("is not a regular file, so it was not read"),
     }
 }
 
@@ -162,10 +218,7 @@ fn with_stem(folder: &Path, pack: &Path) -> Vec<PathBuf> {
     paths
 }
 
-/// No limits.
-const NO_LIMITS: Limits = Limits { input_bytes: u64::MAX, objects: usize::MAX, repeated_vertices: usize::MAX };
-
-fn import(path: &Path, source: &SourceFile, recorded: &str) -> Result<Imported, Failure> {
+fn import(path: &Path, source: &SourceFile, recorded: &str, limits: &Limits) -> Result<Imported, Failure> {
     let name = path.display().to_string();
     let options = BuildOptions::from_recorded(recorded).ok_or_else(|| {
         Failure::rejected(format!(
@@ -173,7 +226,7 @@ fn import(path: &Path, source: &SourceFile, recorded: &str) -> Result<Imported, 
         ))
     })?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let imported = import::import(&name, &stem, path, source, &options.import(), &NO_LIMITS);
+    let imported = import::import(&name, &stem, path, source, &options.import(), limits);
     let mut imported = imported.map_err(|error| Failure::rejected(error.to_string()))?;
     if options.decompose().is_some() {
         imported.give_triangles();
@@ -192,6 +245,13 @@ mod tests {
     fn recorded(path: &str) -> Recorded<'_> {
         let options = "split object, vertices referenced, index cubemap 5";
         Recorded { hash: source_hash(CLOUD.as_bytes()), path, options }
+    }
+
+    fn search(place: &PackPlace, recorded: Recorded, given: Option<&Path>) -> Result<Option<Source>, Failure> {
+        find_source(place, recorded, given, &Limits::DEFAULT).map(|search| match search {
+            Search::Found(source) => Some(*source),
+            Search::Absent(_) => None,
+        })
     }
 
     /// A folder with these files, and the location of a pack `out/sub/x.hullmap` in it.
@@ -219,7 +279,7 @@ mod tests {
         ] {
             let (folder, place) = folder(&[(file, CLOUD)]);
             let requested = requested.map(|requested| folder.path().join(requested));
-            let source = find_source(&place, recorded(path), requested.as_deref()).unwrap();
+            let source = search(&place, recorded(path), requested.as_deref()).unwrap();
             let source = source.unwrap_or_else(|| panic!("{file}"));
             assert_eq!(source.path.canonicalize().unwrap(), folder.path().join(file).canonicalize().unwrap());
             let names: Vec<_> = source.point_sets.iter().map(|set| set.name.as_str()).collect();
@@ -232,8 +292,8 @@ mod tests {
         let (folder, place) =
             folder(&[("m/x.obj", "v 0 0 0\n"), ("m/sub/x.obj", CLOUD), ("out/sub/x.obj", "v 0 0 0\n")]);
         let requested = folder.path().join("m");
-        assert!(find_source(&place, recorded(""), Some(&requested)).unwrap().is_some());
-        assert!(find_source(&place, recorded("../../m/sub/x.obj"), None).unwrap().is_some());
+        assert!(search(&place, recorded(""), Some(&requested)).unwrap().is_some());
+        assert!(search(&place, recorded("../../m/sub/x.obj"), None).unwrap().is_some());
     }
 
     #[test]
@@ -241,7 +301,7 @@ mod tests {
         let (folder, place) = folder(&[("out/sub/x.obj", "v 0 0 0\n")]);
         let requested = folder.path().join("out/sub/x.obj");
         for requested in [None, Some(requested.as_path())] {
-            let failure = find_source(&place, recorded(""), requested).unwrap_err();
+            let failure = search(&place, recorded(""), requested).unwrap_err();
             assert_eq!(failure.exit, Exit::Rejected);
             assert!(failure.message.contains("stale"), "{failure}");
         }
@@ -250,9 +310,9 @@ mod tests {
     #[test]
     fn a_missing_source_is_an_error_only_if_it_was_named() {
         let (folder, place) = folder(&[("meshes/z.obj", CLOUD)]);
-        assert!(find_source(&place, recorded("../gone.obj"), None).unwrap().is_none());
+        assert!(search(&place, recorded("../gone.obj"), None).unwrap().is_none());
         for requested in ["meshes", "nowhere"] {
-            let failure = find_source(&place, recorded(""), Some(&folder.path().join(requested))).unwrap_err();
+            let failure = search(&place, recorded(""), Some(&folder.path().join(requested))).unwrap_err();
             assert_eq!(failure.exit, Exit::Usage, "{requested}");
         }
     }

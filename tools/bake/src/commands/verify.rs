@@ -8,7 +8,7 @@ use crate::messages;
 use crate::open::open_pack;
 use crate::outcome::{Exit, Failure, end};
 use crate::packs::{PackPlace, find_packs};
-use crate::source::{Recorded, find_source, given_sources};
+use crate::source::{Recorded, Search, find_source, given_sources};
 use crate::table::{Align, Table, grouped, or_dash};
 use crate::verification::pack::{HullVerification, Reference, verify_hulls};
 
@@ -49,28 +49,30 @@ pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
 
 fn verify_pack(place: &PackPlace, given: Option<&Path>, args: &VerifyArgs) -> Result<Vec<HullVerification>, Failure> {
     let pack = open_pack(&place.path)?;
-    let source = find_source(place, Recorded::of(&pack), given)?;
+    let search = find_source(place, Recorded::of(&pack), given, &args.limits.limits())?;
     let file = place.path.display().to_string();
-    let reference = match &source {
-        Some(source) => Reference::Source(&source.point_sets),
-        None if args.require_source => {
+    let (reference, source) = match &search {
+        Search::Found(source) => (Reference::Source(&source.point_sets), Some(&source.path)),
+        Search::Absent(why) if args.require_source => {
             let recorded = pack.source_path();
-            return Err(Failure::rejected(format!(
-                "{file}: no source found beside the pack or at the recorded path `{recorded}`; name it with --source"
-            )));
+            let why = why
+                .clone()
+                .unwrap_or_else(|| format!("no source found beside the pack or at the recorded path `{recorded}`"));
+            return Err(Failure::rejected(format!("{file}: {why}; name the source with --source")));
         }
-        None => {
+        Search::Absent(why) => {
+            let why = why.as_deref().unwrap_or("no source found");
             messages::note(format_args!(
-                "{file}: no source found; compared with the stored hull only (name the source with --source)"
+                "{file}: {why}; compared with the stored hull only (name the source with --source)"
             ));
-            Reference::StoredHull
+            (Reference::StoredHull, None)
         }
     };
     let mut results = verify_hulls(&pack, reference, args.directions, args.seed)
         .map_err(|error| Failure::rejected(format!("{file}: {error}")))?;
     for result in &mut results {
         result.file.clone_from(&file);
-        result.source = source.as_ref().map(|source| source.path.display().to_string());
+        result.source = source.map(|path| path.display().to_string());
     }
     Ok(results)
 }

@@ -7,6 +7,8 @@
 mod parse;
 mod search;
 
+use std::fs::File;
+use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
 use globset::GlobMatcher;
@@ -18,6 +20,9 @@ pub use search::Configs;
 
 /// Name of the file.
 pub const FILE_NAME: &str = "hullmap.toml";
+
+/// Maximum size of the file in bytes: some ten thousand rules.
+const MAX_BYTES: u64 = 1 << 20;
 
 /// A parsed `hullmap.toml`.
 #[derive(Debug)]
@@ -55,7 +60,7 @@ impl Config {
     /// It cannot be read, is not valid TOML, or contains unknown keys or values; with file and
     /// line.
     pub fn read(path: &Path) -> Result<Self, Failure> {
-        let text = std::fs::read_to_string(path)
+        let text = read_bounded(path)
             .map_err(|error| Failure::usage(format!("{}: cannot read: {error}; check the path", path.display())))?;
         parse::parse(path, &text)
     }
@@ -75,6 +80,17 @@ impl Config {
         let decomposes = layers().any(|layer| layer.decompose() == Some(true));
         layers().find_map(OptionLayer::first_decomposition_parameter).filter(|_| !decomposes)
     }
+}
+
+/// The text of a file of at most [`MAX_BYTES`]. A pipe named with `--config` has no length, so the
+/// bytes that are read count.
+fn read_bounded(path: &Path) -> io::Result<String> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(io::Error::other(format!("it has more than {MAX_BYTES} bytes")));
+    }
+    String::from_utf8(bytes).map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is not UTF-8 text"))
 }
 
 impl Rule {

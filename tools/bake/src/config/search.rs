@@ -10,9 +10,7 @@ use super::{Config, FILE_NAME};
 use crate::options::OptionLayer;
 use crate::outcome::Failure;
 use crate::pack_file::{folder_of, shown_from};
-
-/// Folders that mark the root of a project.
-const ROOT_MARKS: [&str; 2] = [".git", ".hg"];
+use crate::project::ROOT_MARKS;
 
 /// The `hullmap.toml` files of a build, each read once.
 ///

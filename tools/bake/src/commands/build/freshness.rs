@@ -43,6 +43,10 @@ pub enum Found {
 /// # Complexity
 /// One read of 64 bytes; for a pack with the right header one pass over its bytes.
 pub fn judge(path: &Path, expected: &Expected) -> Found {
+    // Opening a pipe would block.
+    if path.exists() && !path.is_file() {
+        return Found::Stale("it is not a regular file".to_owned());
+    }
     let mut bytes = Vec::with_capacity(HEADER_LEN);
     let read = File::open(path).and_then(|file| file.take(HEADER_LEN as u64).read_to_end(&mut bytes));
     match read {

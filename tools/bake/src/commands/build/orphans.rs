@@ -9,7 +9,8 @@ use walkdir::WalkDir;
 use super::rows::{Row, Status};
 use crate::open::open_pack;
 use crate::pack_file::{folder_of, plain, resolve_recorded, shown_from};
-use crate::packs::is_pack;
+use crate::packs::{PackPlace, is_pack};
+use crate::project::{Found, Project};
 
 /// A pack that this build does not write and whose recorded source does not exist.
 #[derive(Debug)]
@@ -25,6 +26,10 @@ pub struct Orphan {
 const MOVED: &str = "this build would not write its pack here: it was copied or moved, or belongs to another build; \
                      it is kept; remove it by hand if it is not needed";
 
+/// The recorded path leads out of the project, so it was not followed.
+const OUTSIDE: &str = "its recorded path leads out of the project, so it was not followed: it was copied or moved, or \
+                       belongs to another build; it is kept; remove it by hand if it is not needed";
+
 /// The pack records no folder.
 const NAME_ALONE: &str = "it does not record the folder of its source, so it may belong to another build; not pruned, \
                           remove it by hand, or start bake in a folder that holds both meshes and packs";
@@ -33,7 +38,7 @@ const NAME_ALONE: &str = "it does not record the folder of its source, so it may
 /// the folder where `bake` was started.
 ///
 /// A pack is an orphan if it opens, records its source, is not written by this build, and no file
-/// exists at the recorded path or at the pack's own relative path below any input folder. Packs of
+/// exists at the recorded path, as far as that stays inside the pack's [`Project`], or at the pack's own relative path below any input folder. Packs of
 /// other builds that share the folder have their sources. Files other than packs are ignored.
 ///
 /// An orphan may be removed if this build would write the pack of the recorded source to that very
@@ -57,7 +62,10 @@ fn judge(pack: &Path, out: &Path, inputs: &[PathBuf], project: &Path) -> Option<
     let folders: Vec<PathBuf> = inputs.iter().filter(|input| !input.is_file()).map(|input| input.join(below)).collect();
     // If the system reports another error, the file may exist.
     let may_be_there = |path: &Path| path.try_exists().unwrap_or(true);
-    if may_be_there(&recorded_place) || folders.iter().any(|folder| may_be_there(&folder.join(name))) {
+    // What lies outside the project is none of the pack's business.
+    let is_inside =
+        project_of(pack, below, project).is_some_and(|project| project.find(&recorded_place) != Found::Outside);
+    if is_inside && may_be_there(&recorded_place) || folders.iter().any(|folder| may_be_there(&folder.join(name))) {
         return None;
     }
     let recorded_place = plain(&recorded_place);
@@ -68,6 +76,7 @@ fn judge(pack: &Path, out: &Path, inputs: &[PathBuf], project: &Path) -> Option<
     let kept = match folder {
         Some(_) if recorded_place.file_stem() == pack.file_stem() => None,
         None if !names_folder => Some(NAME_ALONE),
+        None if !is_inside => Some(OUTSIDE),
         _ => Some(MOVED),
     };
     let source = match folder {
@@ -77,6 +86,10 @@ fn judge(pack: &Path, out: &Path, inputs: &[PathBuf], project: &Path) -> Option<
         None => shown_from(&recorded_place, project),
     };
     Some(Orphan { pack: pack.to_owned(), source: source.display().to_string(), kept })
+}
+
+fn project_of(pack: &Path, below: &Path, start: &Path) -> Option<Project> {
+    Project::of(&PackPlace { path: pack.to_owned(), below: below.to_owned() }, start)
 }
 
 /// The canonical path of a folder that, like its parents, may not exist; `None` if it cannot be

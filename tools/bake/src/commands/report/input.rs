@@ -13,7 +13,7 @@ use crate::args::ReportArgs;
 use crate::open::open_pack;
 use crate::outcome::{Exit, Failure};
 use crate::packs::PackPlace;
-use crate::source::{Recorded, Source, find_source};
+use crate::source::{Recorded, Search, Source, find_source};
 use crate::verification::pack::{HullVerification, Reference, verify_hulls};
 
 /// Opens, verifies and analyses a pack; `given` is the path that `--source` gives for it.
@@ -26,19 +26,23 @@ pub fn analyse_pack(place: &PackPlace, given: Option<&Path>, args: &ReportArgs) 
     let pack = open_pack(&place.path)?;
     let open_time = start.elapsed();
     let mut faults = Vec::new();
-    let source = match find_source(place, Recorded::of(&pack), given) {
+    let mut absent = "the source cannot be used, so".to_owned();
+    let source = match find_source(place, Recorded::of(&pack), given, &args.limits.limits()) {
+        Ok(Search::Found(source)) => Some(*source),
+        Ok(Search::Absent(why)) => {
+            absent = why.map_or_else(|| "the source was not found, so".to_owned(), |why| format!("{why};"));
+            None
+        }
         Err(failure) if failure.exit == Exit::Rejected => {
             faults.push(failure.message);
             None
         }
-        found => found?,
+        Err(failure) => return Err(failure),
     };
     let mut remarks = remarks(&pack, source.as_ref());
     if source.is_none() {
-        let state = if faults.is_empty() { "was not found" } else { "cannot be used" };
         let warning = format!(
-            "the source {state}, so the hull is shown alone and was compared with itself only; \
-             name the source with --source"
+            "{absent} the hull is shown alone and was compared with itself only; name the source with --source"
         );
         remarks.warnings.insert(0, warning);
     }

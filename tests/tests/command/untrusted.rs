@@ -1,0 +1,208 @@
+//! Packs, meshes and names from elsewhere: what they must not make the command read, write or
+//! print.
+
+use std::fs;
+use std::os::unix::fs::symlink;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use hullmap_bake::{IndexKind, SourceRecord};
+use hullmap_format::header::source_hash;
+use hullmap_testkit::packs::{self, point_set};
+use hullmap_tests::command::{Run, bake_in, command};
+use tempfile::TempDir;
+
+const CUBE: &str = "o cube\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";
+
+/// Longest time for a run. A run that waits for a pipe would never end.
+const LIMIT: Duration = Duration::from_secs(60);
+
+/// A folder with these files.
+fn folder(files: &[(&str, &str)]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    }
+    folder
+}
+
+/// Runs `bake` and kills it after [`LIMIT`].
+#[track_caller]
+fn bake(folder: &Path, line: &str, code: i32) -> Run {
+    let mut child = command(folder, line.split_whitespace());
+    let mut child = child.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let start = Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        if start.elapsed() > LIMIT {
+            child.kill().unwrap();
+            panic!("bake {line} did not end");
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let run = child.wait_with_output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    let run = Run { code: run.status.code().unwrap(), stdout: text(run.stdout), stderr: text(run.stderr) };
+    run.expect(code)
+}
+
+fn make_pipe(path: &Path) {
+    assert!(Command::new("mkfifo").arg(path).status().unwrap().success());
+}
+
+/// Writes the pack of a tetrahedron that records this source.
+fn write_pack(path: &Path, source: &str) {
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let record = SourceRecord {
+        path: source.to_owned(),
+        hash: source_hash(CUBE.as_bytes()),
+        options: "split none, vertices referenced, index none".to_owned(),
+    };
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    fs::write(path, packs::bytes(&[point_set("x", &corners)], IndexKind::None, &record).unwrap()).unwrap();
+}
+
+/// A pack that recorded `../../../dev/zero` was read until the memory was full. A pipe blocked the
+/// command, and the message revealed whether a file existed.
+#[test]
+fn a_recorded_path_is_followed_only_inside_the_project() {
+    let folder = folder(&[("x.obj", CUBE), ("home/project/art/x.obj", CUBE)]);
+    let project = folder.path().join("home/project");
+    let pack = project.join("baked/p.hullmap");
+    make_pipe(&folder.path().join("pipe"));
+    make_pipe(&project.join("art/pipe"));
+    for (target, link) in [("../../../x.obj", "link"), ("../../../nothing", "broken"), ("/dev/zero", "zero")] {
+        symlink(target, project.join("art").join(link)).unwrap();
+    }
+    let up = "../".repeat(folder.path().components().count() + 4);
+    for (path, reason) in [
+        (format!("{up}dev/zero"), "leads out"),
+        (format!("{up}etc/hostname"), "leads out"),
+        (format!("{up}etc/no such file"), "leads out"),
+        ("../../../x.obj".to_owned(), "leads out"),
+        ("../../../nothing.obj".to_owned(), "leads out"),
+        ("../../../pipe".to_owned(), "leads out"),
+        ("../art/link".to_owned(), "leads out"),
+        ("../art/broken".to_owned(), "leads out"),
+        ("../art/zero".to_owned(), "leads out"),
+        ("../art/pipe".to_owned(), "is not a regular file"),
+        ("../art".to_owned(), "is not a regular file"),
+    ] {
+        write_pack(&pack, &path);
+        let ending = match reason {
+            "leads out" => "leads out of the pack's project, so it was not followed",
+            _ => "is not a regular file, so it was not read",
+        };
+        let message = format!("baked/p.hullmap: the recorded path `{path}` {ending}");
+        let run = bake(&project, "verify baked", 0);
+        let expected = format!("note: {message}; compared with the stored hull only (name the source with --source)\n");
+        assert_eq!(run.stderr, expected, "the same words whether or not a file is there");
+        let run = bake(&project, "verify baked --require-source", 1);
+        assert_eq!(run.stderr, format!("error: {message}; name the source with --source\n"));
+        bake(&project, "report baked/p.hullmap --out page.html", 0);
+        let page = fs::read_to_string(project.join("page.html")).unwrap();
+        assert!(page.contains("name the source with --source"), "{path}");
+    }
+    // What the user names is read, wherever it lies.
+    let run = bake(&project, "verify baked --source ../../x.obj --json", 0);
+    assert_eq!(run.json()[0]["against"], "source");
+    // Inside the project, and through a link that stays inside, everything works as before.
+    symlink("art", project.join("linked")).unwrap();
+    for path in ["../art/x.obj", "../linked/x.obj"] {
+        write_pack(&pack, path);
+        for (start, line) in
+            [(".", "verify baked"), ("baked", "verify ."), ("baked", "verify p.hullmap"), ("art", "verify ../baked")]
+        {
+            let run = bake(&project.join(start), &format!("{line} --require-source --json"), 0);
+            assert_eq!(run.json()[0]["against"], "source", "{start}: {line}");
+        }
+    }
+}
+
+#[test]
+fn a_named_source_must_be_a_regular_file_within_the_limits() {
+    let folder = folder(&[("x.obj", CUBE)]);
+    write_pack(&folder.path().join("baked/p.hullmap"), "../x.obj");
+    make_pipe(&folder.path().join("pipe"));
+    for name in ["pipe", "/dev/zero"] {
+        let run = bake(folder.path(), &format!("verify baked --source {name}"), 2);
+        assert!(run.stderr.contains("not a regular file"), "{}", run.stderr);
+    }
+    for line in ["verify baked", "verify baked --source x.obj", "report baked --out page.html"] {
+        let run = bake(folder.path(), &format!("{line} --max-input-bytes 50"), 1);
+        assert!(run.stderr.contains("raise --max-input-bytes"), "{}", run.stderr);
+    }
+}
+
+/// A pipe or device with the right name blocked `verify`, `inspect`, `report` and `build`.
+#[test]
+fn pipes_are_neither_packs_nor_buffers_nor_options() {
+    let folder = folder(&[("in/a.obj", CUBE), ("in/sub/x", "")]);
+    make_pipe(&folder.path().join("in/b.obj"));
+    make_pipe(&folder.path().join("in/hullmap.toml"));
+    bake(folder.path(), "build in --out o", 0);
+    for name in ["o/pipe.hullmap", "o/.a.hullmapAbCdEf.tmp"] {
+        make_pipe(&folder.path().join(name));
+    }
+    symlink("/dev/zero", folder.path().join("o/zero.hullmap")).unwrap();
+    for line in ["verify o", "inspect o", "report o --out page.html", "build in --out o --prune"] {
+        bake(folder.path(), line, 0);
+    }
+    // A pipe where the pack must be is replaced.
+    fs::remove_file(folder.path().join("o/a.hullmap")).unwrap();
+    make_pipe(&folder.path().join("o/a.hullmap"));
+    let run = bake(folder.path(), "build in --out o --check", 1);
+    assert!(run.stdout.contains("not a regular file"), "{}", run.stdout);
+    bake(folder.path(), "build in --out o", 0);
+    bake(folder.path(), "verify o/a.hullmap --require-source", 0);
+
+    let gltf = r#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":4,"uri":"pipe.bin"}]}"#;
+    fs::write(folder.path().join("m.gltf"), gltf).unwrap();
+    make_pipe(&folder.path().join("pipe.bin"));
+    let run = bake(folder.path(), "build m.gltf --out o", 2);
+    assert!(run.stderr.contains("buffer pipe.bin: not a regular file"), "{}", run.stderr);
+}
+
+#[test]
+fn a_buffer_of_a_recorded_source_must_lie_in_the_project() {
+    let mesh = shapes::solids::extrusion(&shapes::solids::regular_polygon(7, 1.0), -0.5, 0.5);
+    let parts = shapes::gltf::parts(&[("prism", &mesh)], r#"{"mesh":0,"name":"node"}"#, "0");
+    let folder = folder(&[("project/art/m.gltf", &parts.text("m.bin"))]);
+    let project = folder.path().join("project");
+    fs::write(folder.path().join("m.bin"), &parts.buffer).unwrap();
+    symlink("../../m.bin", project.join("art/m.bin")).unwrap();
+    bake(&project, "build art --out baked", 0);
+    let run = bake(&project, "verify baked", 1);
+    assert!(run.stderr.contains("buffer m.bin leads out of the pack's project"), "{}", run.stderr);
+    bake(&project, "verify baked --source art --require-source", 0);
+}
+
+#[test]
+fn hullmap_toml_has_a_size_limit() {
+    let folder = folder(&[("in/a.obj", CUBE), ("in/hullmap.toml", "")]);
+    let file = fs::File::options().write(true).open(folder.path().join("in/hullmap.toml")).unwrap();
+    file.set_len(8 << 30).unwrap();
+    let run = bake(folder.path(), "build in --out o", 2);
+    assert!(run.stderr.contains("in/hullmap.toml: cannot read: it has more than 1048576 bytes"), "{}", run.stderr);
+    let run = bake(folder.path(), "build in --out o --config /dev/zero", 2);
+    assert!(run.stderr.contains("has more than"), "{}", run.stderr);
+    bake_in(folder.path(), ["build", "in", "--out", "o", "--no-config"]).expect(0);
+}
+
+/// A build reported whether a file outside the project existed: only packs without a source are
+/// listed.
+#[test]
+fn orphans_do_not_reveal_which_files_exist() {
+    let folder = folder(&[("secret.obj", CUBE), ("home/project/in/a.obj", CUBE)]);
+    let project = folder.path().join("home/project");
+    for name in ["secret", "nothing"] {
+        write_pack(&project.join("o").join(format!("{name}.hullmap")), &format!("../../../{name}.obj"));
+    }
+    let run = bake(&project, "build in --out o --prune --json", 0);
+    let rows: Vec<String> =
+        run.json().iter().skip(1).map(|row| format!("{} {}", row["status"], row["notes"])).collect();
+    assert_eq!(rows.len(), 2, "{}", run.stdout);
+    assert!(rows[0] == rows[1] && rows[0].contains("leads out of the project"), "{rows:?}");
+}
