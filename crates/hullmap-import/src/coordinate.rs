@@ -1,13 +1,11 @@
 //! Coordinates in text formats (OBJ, STL, PLY), parsed and checked.
 
-use std::fmt::Display;
-use std::ops::Div;
 use std::str::FromStr;
 
 use crate::fault::{Fault, excerpt};
 
 /// A floating-point type of coordinates.
-pub trait Coordinate: FromStr + Copy + Display + PartialEq + Div<Output = Self> + Send {
+pub trait Coordinate: FromStr + Copy + PartialEq + Send {
     /// Positive zero.
     const ZERO: Self;
     /// Whether the value is neither infinite nor NaN.

@@ -58,7 +58,8 @@ pub enum Fault {
     },
     /// More objects than the limit, in a file to be split by object.
     #[error(
-        "the file has more than {limit} objects, and each would become a hull; use --split none, split the file, or raise --max-objects"
+        "the file has more than {}, and each would become a hull; use --split none, split the file, or raise --max-objects",
+        counted(.limit, "object", "objects")
     )]
     TooManyObjects {
         /// The limit.
@@ -67,8 +68,8 @@ pub enum Fault {
     /// Zero bytes, or white space only.
     #[error("the file is empty; expected an OBJ file with `v x y z` lines: export it again")]
     Empty,
-    /// A UTF-16 byte order mark.
-    #[error("the file is UTF-16 text; OBJ is ASCII or UTF-8: save it again as UTF-8")]
+    /// A UTF-16 byte order mark, in a format other than OBJ.
+    #[error("the file is UTF-16 text; expected ASCII, UTF-8 or binary: save it again as UTF-8")]
     Utf16,
     /// No `v` line.
     #[error(
@@ -116,12 +117,9 @@ pub enum Fault {
     /// A coordinate that is finite in the text, but too large for the floating-point type.
     #[error("coordinate `{text}` is too large for 32-bit floats (limit 3.4e38); scale the mesh down")]
     Overflow {
-        /// The word found, or the quotient that overflows.
+        /// The word found.
         text: String,
     },
-    /// A fourth coordinate of zero, which puts the point at infinity.
-    #[error("the weight w of `v x y z w` is 0, which puts the point at infinity; use 1 or omit it")]
-    ZeroWeight,
     /// An `f`, `l` or `p` line without references.
     #[error("`{keyword}` references no vertices; complete or remove the line")]
     NoReferences {
@@ -145,7 +143,7 @@ pub enum Fault {
     /// A positive vertex index above the number of `v` lines in the file.
     #[error(
         "vertex index {text} is out of range (the file has {}); check whether the file was cut off or joined from parts",
-        vertices(*.count)
+        counted(.count, "vertex", "vertices")
     )]
     IndexTooLarge {
         /// The index found.
@@ -156,7 +154,7 @@ pub enum Fault {
     /// A negative vertex index that reaches back before the first `v` line.
     #[error(
         "vertex index {text} is out of range ({} above this line); a negative index counts back from its line",
-        vertices(*.declared)
+        counted(.declared, "vertex", "vertices")
     )]
     IndexBeforeFirst {
         /// The word found.
@@ -200,9 +198,11 @@ impl Fault {
     }
 }
 
-/// `1 vertex`, `2 vertices`.
-pub fn vertices(count: usize) -> String {
-    format!("{count} {}", if count == 1 { "vertex" } else { "vertices" })
+/// A number with its noun: `1 vertex`, `2 vertices`.
+pub fn counted(number: impl fmt::Display, one: &str, many: &str) -> String {
+    let number = number.to_string();
+    let noun = if number == "1" { one } else { many };
+    format!("{number} {noun}")
 }
 
 /// Remedy for a malformed number. Decimal commas are the one case with a remedy of its own.

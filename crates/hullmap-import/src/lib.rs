@@ -4,7 +4,8 @@
 //! Each point keeps the index of its vertex in the file, so that every hull vertex can be traced to
 //! its source.
 //!
-//! 1. [`read()`] loads the file, and the buffers beside a glTF file.
+//! 1. [`read()`] loads the file, and the buffers beside a glTF file. `foreign` rejects files of
+//!    other formats.
 //! 2. `obj`, `gltf`, `stl` or `ply` parses it into a source `mesh` of vertices, elements and
 //!    objects, within `limits`.
 //! 3. `point_sets` selects the points and splits them by object (with `--split auto` by
@@ -37,8 +38,10 @@
 mod conventions;
 mod coordinate;
 mod ears;
+mod encoding;
 mod far;
 mod fault;
+mod foreign;
 mod format;
 mod gltf;
 mod limits;
@@ -67,7 +70,7 @@ pub use mesh::Polygons;
 pub use options::{ImportOptions, Split, UpAxis, Vertices};
 pub use read::{ReadError, SourceFile, buffers_of, read};
 
-use fault::LineFault;
+use fault::{LineFault, counted};
 use format::Format;
 
 /// Result of an import.
@@ -158,7 +161,8 @@ pub fn import(
 ) -> Result<Imported, ImportError> {
     let name = |LineFault { line, fault }| ImportError { file: file.to_owned(), line, fault };
     let is_double = placement::requires_double(options);
-    let mut mesh = match Format::of(path, &source.bytes) {
+    let format = foreign::format_of(path, &source.bytes).map_err(|fault| name(fault.of_file()))?;
+    let mut mesh = match format {
         Format::Obj => obj::read(&source.bytes, is_double, limits),
         Format::Gltf => gltf::read(&source.bytes, &source.beside, limits),
         Format::Stl => stl::read(&source.bytes, is_double, limits),
@@ -186,10 +190,10 @@ pub fn import(
             Vertices::Referenced => "left out (--vertices all includes them)",
             Vertices::All => "included",
         };
-        notes.push(format!("{} that no element references, {fate}", count(unreferenced_count, "vertex", "vertices")));
+        notes.push(format!("{} that no element references, {fate}", counted(unreferenced_count, "vertex", "vertices")));
     }
     if duplicate_count > 0 && mesh.may_share_vertices {
-        notes.push(format!("{} an earlier one", count(duplicate_count, "point equals", "points equal")));
+        notes.push(format!("{} an earlier one", counted(duplicate_count, "point equals", "points equal")));
     }
     notes.append(&mut mesh.notes);
     let mut warnings = sets.warnings;
@@ -204,11 +208,6 @@ pub fn import(
         notes,
         warnings,
     })
-}
-
-/// `1 vertex`, `2 vertices`.
-fn count(count: usize, one: &str, many: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { many })
 }
 
 /// Number of selected vertices at the position of an earlier one, where -0 equals +0. A vertex of

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use hullmap_format::header::source_hash;
 
 use crate::fault::{Fault, ImportError, LineFault};
+use crate::foreign;
 use crate::format::Format;
 use crate::gltf;
 use crate::limits::Limits;
@@ -16,7 +17,8 @@ use crate::limits::Limits;
 pub struct SourceFile {
     /// Bytes of the file.
     pub bytes: Vec<u8>,
-    /// Buffers beside a glTF file, with their paths relative to it, in the document's order.
+    /// Buffers beside a glTF file that its positions and indices require, with their paths relative
+    /// to it, in the document's order.
     pub beside: Vec<(String, Vec<u8>)>,
     /// XXH3-128 of the file's bytes. If there are buffers beside it, XXH3-128 of a list of hashes,
     /// each as 16 bytes in little-endian order: that of the file, then those of the buffers. The
@@ -49,7 +51,7 @@ pub enum ReadError {
     Import(ImportError),
 }
 
-/// Reads a file and the buffers beside it.
+/// Reads a file and the required buffers beside it.
 ///
 /// `file` is the name of the file in messages.
 ///
@@ -78,7 +80,7 @@ pub fn read(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, Read
     let mut left = limits.input_bytes;
     let bytes = read_bounded(path, &mut left).map_err(ReadError::Io)?;
     let bytes = bytes.ok_or_else(|| fault(too_large(limits)))?;
-    if Format::of(path, &bytes) != Format::Gltf {
+    if foreign::format_of(path, &bytes).map_err(|fault_of_file| fault(fault_of_file.of_file()))? != Format::Gltf {
         return Ok(SourceFile::alone(bytes));
     }
     let mut beside = Vec::new();
@@ -101,7 +103,7 @@ pub fn read(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, Read
     Ok(SourceFile { bytes, beside, hash: source_hash(&hashes) })
 }
 
-/// Paths of the buffers beside a glTF file, for instance to watch them for changes.
+/// Paths of the required buffers beside a glTF file, for instance to watch them for changes.
 ///
 /// The list is empty for other formats, and for a file that is faulty or missing.
 ///

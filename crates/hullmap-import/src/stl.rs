@@ -16,7 +16,7 @@ use std::collections::HashMap;
 use std::hash::Hash;
 
 use crate::coordinate::{Coordinate, parse_coordinate};
-use crate::fault::{Fault, LineFault, excerpt, vertices};
+use crate::fault::{Fault, LineFault, counted, excerpt};
 use crate::limits::Limits;
 use crate::mesh::{Polygons, Positions, SourceMesh};
 use crate::tokens::{Tokens, text};
@@ -41,21 +41,22 @@ pub fn read(bytes: &[u8], is_double: bool, limits: &Limits) -> Result<SourceMesh
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(Fault::format("the file is empty; expected an STL file: export it again").of_file());
     }
-    let claimed = bytes.get(HEADER - 4..).and_then(<[u8]>::first_chunk).map(|count| u32::from_le_bytes(*count));
-    let expected = claimed.map(|count| HEADER as u64 + u64::from(count) * TRIANGLE as u64);
-    if expected != Some(bytes.len() as u64) && is_text(bytes) {
+    let claimed = triangle_count(bytes);
+    let expected = claimed.map(binary_length);
+    if !has_binary_length(bytes) && is_text(bytes) {
         return if is_double { read_text::<f64>(bytes, limits) } else { read_text::<f32>(bytes, limits) };
     }
-    let Some((count, expected)) = claimed.zip(expected) else {
+    let Some((triangle_count, expected)) = claimed.zip(expected) else {
         return Err(Fault::format(format!(
-            "{} bytes are neither STL text, which starts with `solid`, nor a binary file of at least {HEADER} bytes: export it again",
-            bytes.len()
+            "the file has {}; expected STL text, which starts with `solid`, or a binary file of at least {HEADER} bytes: export it again",
+            counted(bytes.len(), "byte", "bytes")
         ))
         .of_file());
     };
     let Some(triangles) = usize::try_from(expected).ok().and_then(|end| bytes.get(HEADER..end)) else {
         return Err(Fault::format(format!(
-            "the header claims {count} triangles ({expected} bytes), but the file has {} bytes: it was cut off or is not STL; export it again",
+            "the header claims {} ({expected} bytes), but the file has {} bytes: it was cut off or is not STL; export it again",
+            counted(triangle_count, "triangle", "triangles"),
             bytes.len()
         ))
         .of_file());
@@ -63,11 +64,30 @@ pub fn read(bytes: &[u8], is_double: bool, limits: &Limits) -> Result<SourceMesh
     let mut mesh = read_binary(triangles)?;
     if bytes.len() as u64 > expected {
         mesh.warnings.push(format!(
-            "{} bytes after the {count} triangles stated in the header are not read; check whether triangles are missing",
-            bytes.len() as u64 - expected
+            "{} not read, since the header states {}; check whether triangles are missing",
+            counted(
+                bytes.len() as u64 - expected,
+                "byte at the end of the file is",
+                "bytes at the end of the file are"
+            ),
+            counted(triangle_count, "triangle", "triangles")
         ));
     }
     Ok(mesh)
+}
+
+/// Number of triangles that the header of a binary file claims.
+fn triangle_count(bytes: &[u8]) -> Option<u32> {
+    bytes.get(HEADER - 4..).and_then(<[u8]>::first_chunk).map(|count| u32::from_le_bytes(*count))
+}
+
+fn binary_length(triangle_count: u32) -> u64 {
+    HEADER as u64 + u64::from(triangle_count) * TRIANGLE as u64
+}
+
+/// Whether the length of a file agrees with the triangle count in the header of a binary file.
+pub fn has_binary_length(bytes: &[u8]) -> bool {
+    triangle_count(bytes).map(binary_length) == Some(bytes.len() as u64)
 }
 
 /// Whether a file starts and continues as a text file does.
@@ -234,7 +254,7 @@ fn read_facet<T: WeldKey>(tokens: &mut Tokens, welder: &mut Welder<T>, faces: &m
     }
     let found = faces.corners.len() - start;
     if found < 3 {
-        let text = format!("a facet has {}; expected 3: complete or remove it", vertices(found));
+        let text = format!("a facet has {}; expected 3: complete or remove it", counted(found, "vertex", "vertices"));
         return Err(Fault::format(text).at(tokens.line()));
     }
     if faces.corners.len() > u32::MAX as usize {

@@ -43,6 +43,26 @@ impl<'a> Tokens<'a> {
         None
     }
 
+    /// The next word of the current line, or `None` if the line has no more.
+    pub fn next_in_line(&mut self) -> Option<&'a [u8]> {
+        let blank = self.rest.iter().take_while(|b| matches!(b, b' ' | b'\t' | 0x0B | 0x0C)).count();
+        let (_, rest) = self.rest.split_at(blank);
+        self.rest = rest;
+        if matches!(rest, [] | [b'\n' | b'\r', ..]) { None } else { self.next() }
+    }
+
+    /// Skips line endings and white space up to the next word.
+    pub fn skip_blank(&mut self) {
+        let mut ahead = self.clone();
+        if let Some(word) = ahead.next() {
+            let end = self.rest.len() - ahead.rest.len();
+            let (_, rest) = self.rest.split_at(end - word.len());
+            (self.rest, self.line) = (rest, ahead.line);
+        } else {
+            *self = ahead;
+        }
+    }
+
     /// Rest of the line, without surrounding white space.
     pub fn rest_of_line(&mut self) -> &'a [u8] {
         let end = self.rest.iter().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(self.rest.len());
@@ -73,5 +93,17 @@ mod tests {
         }
         let expected = [(3, "a"), (3, "b"), (5, "c"), (6, "d"), (7, "g")];
         assert_eq!(found, expected.map(|(line, word)| (line, word.to_owned())));
+    }
+
+    #[test]
+    fn words_of_a_line_end_with_it() {
+        let mut tokens = Tokens::new(b"a \tb \r\n\n c", 1);
+        assert_eq!(tokens.next_in_line(), Some(&b"a"[..]));
+        assert_eq!(tokens.next_in_line(), Some(&b"b"[..]));
+        assert_eq!((tokens.next_in_line(), tokens.next_in_line()), (None, None));
+        tokens.skip_blank();
+        assert_eq!((tokens.line(), tokens.next_in_line()), (3, Some(&b"c"[..])));
+        tokens.skip_blank();
+        assert_eq!((tokens.line(), tokens.rest(), tokens.next_in_line()), (3, &b""[..], None));
     }
 }

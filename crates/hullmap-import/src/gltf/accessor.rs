@@ -2,7 +2,8 @@
 //! replacements.
 
 use super::document::{Accessor, Document, Kind};
-use crate::fault::Fault;
+use super::extensions::Compressed;
+use crate::fault::{Fault, counted};
 
 /// Component types, as OpenGL numbers them.
 const BYTE: u32 = 5120;
@@ -16,8 +17,8 @@ const FLOAT: u32 = 5126;
 pub struct Data<'a> {
     /// The document.
     pub document: &'a Document<'a>,
-    /// Bytes of each buffer.
-    pub buffers: Vec<&'a [u8]>,
+    /// Bytes of each buffer. `None` for a buffer without bytes, and for one that is not required.
+    pub buffers: Vec<Option<&'a [u8]>>,
 }
 
 /// Sparse replacements: indices of the elements, ascending, and their values as bytes.
@@ -25,8 +26,6 @@ type Replaced<'a> = (Vec<u32>, &'a [u8]);
 
 /// A checked accessor: all of its elements and replacements lie within their buffers.
 pub struct AccessorReader<'a> {
-    /// Index of the accessor, for messages.
-    accessor: u32,
     /// Bytes from the first element on. `None` stands for zeros.
     bytes: Option<&'a [u8]>,
     stride: usize,
@@ -37,6 +36,27 @@ pub struct AccessorReader<'a> {
     replaced: Option<Replaced<'a>>,
     /// Number of components of an element.
     width: usize,
+}
+
+/// The remedy for most faults: whatever wrote the file made a mistake.
+const AGAIN: &str = "export the file again";
+
+fn is_unsigned(component_type: u32) -> bool {
+    matches!(component_type, UNSIGNED_BYTE | UNSIGNED_SHORT | UNSIGNED_INT)
+}
+
+/// Name of a component type, for messages.
+fn component_name(component_type: u32) -> String {
+    let name = match component_type {
+        BYTE => "signed bytes",
+        UNSIGNED_BYTE => "unsigned bytes",
+        SHORT => "signed shorts",
+        UNSIGNED_SHORT => "unsigned shorts",
+        UNSIGNED_INT => "unsigned ints",
+        FLOAT => "floats",
+        _ => "an unknown type",
+    };
+    format!("{name} (component type {component_type})")
 }
 
 fn component_size(component_type: u32) -> Option<usize> {
@@ -54,19 +74,30 @@ impl<'a> Data<'a> {
     /// # Errors
     /// It does not exist, is of another kind, or reaches beyond its buffer.
     pub fn accessor(&self, index: u32, kind: Kind) -> Result<AccessorReader<'a>, Fault> {
-        let fault = |text: String| Fault::format(format!("accessor {index} {text}; export the file again"));
+        let fault = |text: String| Fault::format(format!("accessor {index} {text}"));
         let Some(accessor) = self.document.accessors.get(index as usize) else {
-            return Err(fault(format!("does not exist (the file has {})", self.document.accessors.len())));
+            return Err(fault(format!("does not exist (the file has {}); {AGAIN}", self.document.accessors.len())));
         };
         if accessor.kind != kind {
-            return Err(fault(format!("is not of type {kind:?}")));
+            return Err(fault(format!("is not of type {}; {AGAIN}", kind.name())));
         }
         let Some(size) = component_size(accessor.component_type) else {
-            return Err(fault(format!("has the unknown component type {}", accessor.component_type)));
+            return Err(fault(format!("has the unknown component type {}; {AGAIN}", accessor.component_type)));
         };
+        let (purpose, is_allowed, expected) = match kind {
+            Kind::Scalar => ("vertex indices", is_unsigned(accessor.component_type), "unsigned bytes, shorts or ints"),
+            _ => ("positions", accessor.component_type != UNSIGNED_INT, "floats, bytes or shorts"),
+        };
+        if !is_allowed {
+            let found = component_name(accessor.component_type);
+            return Err(fault(format!("has {purpose} stored as {found}; expected {expected}: {AGAIN}")));
+        }
         let width = if kind == Kind::Vec3 { 3 } else { 1 };
         if accessor.count > u64::from(u32::MAX - 1) {
-            return Err(fault(format!("has {} elements, more than 32-bit indices can address", accessor.count)));
+            return Err(fault(format!(
+                "has {} elements, more than 32-bit indices can address; split the file",
+                accessor.count
+            )));
         }
         let count = accessor.count as usize;
         let (bytes, stride) = match accessor.buffer_view {
@@ -74,33 +105,43 @@ impl<'a> Data<'a> {
             Some(view) => {
                 let (bytes, stride) = self.view(view).map_err(fault)?;
                 let stride = stride.unwrap_or(size * width);
-                let bytes = strided(bytes, accessor.byte_offset, stride, size * width, accessor.count)
-                    .ok_or_else(|| fault(format!("has {count} elements, more than its buffer view holds")))?;
+                let bytes =
+                    strided(bytes, accessor.byte_offset, stride, size * width, accessor.count).ok_or_else(|| {
+                        let elements = counted(accessor.count, "element", "elements");
+                        fault(format!("has {elements}, more than its buffer view holds; {AGAIN}"))
+                    })?;
                 (Some(bytes), stride)
             }
         };
         let replaced = self.replaced(accessor, size * width).map_err(fault)?;
         let (component_type, is_normalized) = (accessor.component_type, accessor.normalized);
-        Ok(AccessorReader { accessor: index, bytes, stride, component_type, is_normalized, count, replaced, width })
+        Ok(AccessorReader { bytes, stride, component_type, is_normalized, count, replaced, width })
     }
 
     fn replaced(&self, accessor: &Accessor, size: usize) -> Result<Option<Replaced<'a>>, String> {
         let Some(sparse) = &accessor.sparse else {
             return Ok(None);
         };
-        let short = || format!("replaces {} elements, more than its buffer view holds", sparse.count);
+        let short = || {
+            let elements = counted(sparse.count, "element", "elements");
+            format!("replaces {elements}, more than its buffer view holds; {AGAIN}")
+        };
         let (values, _) = self.view(sparse.values.buffer_view)?;
         let values = strided(values, sparse.values.byte_offset, size, size, sparse.count).ok_or_else(short)?;
         let (indices, _) = self.view(sparse.indices.buffer_view)?;
-        let width = component_size(sparse.indices.component_type).ok_or("has sparse indices of an unknown type")?;
+        let kind = sparse.indices.component_type;
+        let width = component_size(kind).filter(|_| is_unsigned(kind)).ok_or_else(|| {
+            let found = component_name(kind);
+            format!("has sparse indices stored as {found}; expected unsigned bytes, shorts or ints: {AGAIN}")
+        })?;
         let indices = strided(indices, sparse.indices.byte_offset, width, width, sparse.count).ok_or_else(short)?;
         let elements: Vec<u32> = (0..sparse.count as usize)
-            .map(|at| unsigned(indices.get(at * width..)?, sparse.indices.component_type))
+            .map(|at| unsigned(indices.get(at * width..)?, kind))
             .map(|element| element.unwrap_or(u32::MAX))
             .collect();
         let is_ascending = elements.is_sorted_by(|a, b| a < b);
         if !is_ascending || elements.last().is_some_and(|&last| u64::from(last) >= accessor.count) {
-            return Err("has sparse indices that are out of range or out of order".to_owned());
+            return Err(format!("has sparse indices that are out of range or out of order; {AGAIN}"));
         }
         Ok(Some((elements, values)))
     }
@@ -108,17 +149,24 @@ impl<'a> Data<'a> {
     /// Bytes and stride of a buffer view.
     fn view(&self, index: u32) -> Result<(&'a [u8], Option<usize>), String> {
         let view = self.document.buffer_views.get(index as usize);
-        let view = view.ok_or_else(|| format!("references buffer view {index}, which does not exist"))?;
-        if view.extensions.meshopt.is_some() {
-            return Err(format!("references buffer view {index}, which is compressed by EXT_meshopt_compression"));
-        }
+        let view = view.ok_or_else(|| format!("references buffer view {index}, which does not exist; {AGAIN}"))?;
         let buffer = self.buffers.get(view.buffer as usize);
-        let buffer = buffer.ok_or_else(|| format!("references buffer {}, which does not exist", view.buffer))?;
+        let buffer =
+            buffer.ok_or_else(|| format!("references buffer {}, which does not exist; {AGAIN}", view.buffer))?;
+        // A compressed view refers to its uncompressed data, the fallback, like any other view. The
+        // buffer of a missing fallback is a placeholder without bytes.
+        let Some(buffer) = *buffer else {
+            return Err(match view.extensions.compression() {
+                Some(extension) => format!("references buffer view {index}, which is {}", Compressed(extension)),
+                None => format!("references buffer {}, which has neither a URI nor a BIN chunk; {AGAIN}", view.buffer),
+            });
+        };
         let bytes = usize::try_from(view.byte_offset).ok().and_then(|start| buffer.get(start..));
         let bytes = bytes.and_then(|rest| rest.get(..usize::try_from(view.byte_length).ok()?));
         let bytes = bytes.ok_or_else(|| {
             let (start, length, have) = (view.byte_offset, view.byte_length, buffer.len());
-            format!("references buffer view {index}: {length} bytes at offset {start}, but its buffer has {have} bytes")
+            let length = counted(length, "byte", "bytes");
+            format!("references buffer view {index}: {length} at offset {start}, but its buffer has {have}; {AGAIN}")
         })?;
         Ok((bytes, view.byte_stride.map(|stride| usize::try_from(stride).unwrap_or(usize::MAX))))
     }
@@ -163,56 +211,42 @@ impl AccessorReader<'_> {
 
     /// Position of element `at`, exactly as stored. `KHR_mesh_quantization` allows integers,
     /// normalized or not.
-    ///
-    /// # Errors
-    /// The component type is not one of positions.
     #[expect(
         clippy::indexing_slicing,
         reason = "callers pass accessors of three components, which all their elements have"
     )]
-    pub fn position(&self, at: usize) -> Result<[f64; 3], Fault> {
+    pub fn position(&self, at: usize) -> [f64; 3] {
         let Some(bytes) = self.element(at) else {
-            return Ok([0.0; 3]);
+            return [0.0; 3];
         };
-        let mut position = [0.0; 3];
-        for (axis, value) in position.iter_mut().enumerate() {
-            let normalized =
-                |value: f64, maximum: f64| if self.is_normalized { (value / maximum).max(-1.0) } else { value };
-            *value = match self.component_type {
-                BYTE => normalized(f64::from(bytes[axis] as i8), 127.0),
-                UNSIGNED_BYTE => normalized(f64::from(bytes[axis]), 255.0),
-                SHORT => normalized(f64::from(i16::from_le_bytes([bytes[2 * axis], bytes[2 * axis + 1]])), 32767.0),
-                UNSIGNED_SHORT => {
-                    normalized(f64::from(u16::from_le_bytes([bytes[2 * axis], bytes[2 * axis + 1]])), 65535.0)
-                }
-                FLOAT => {
-                    let b = &bytes[4 * axis..];
-                    f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
-                }
-                other => {
-                    return Err(Fault::format(format!(
-                        "accessor {} has positions of component type {other}; expected floats, bytes or shorts: export the file again",
-                        self.accessor
-                    )));
-                }
-            };
-        }
-        Ok(position)
+        let normalized =
+            |value: f64, maximum: f64| if self.is_normalized { (value / maximum).max(-1.0) } else { value };
+        let short = |axis: usize| [bytes[2 * axis], bytes[2 * axis + 1]];
+        [0, 1, 2].map(|axis| match self.component_type {
+            BYTE => normalized(f64::from(bytes[axis] as i8), 127.0),
+            UNSIGNED_BYTE => normalized(f64::from(bytes[axis]), 255.0),
+            SHORT => normalized(f64::from(i16::from_le_bytes(short(axis))), 32767.0),
+            UNSIGNED_SHORT => normalized(f64::from(u16::from_le_bytes(short(axis))), 65535.0),
+            // Floats: `Data::accessor` allows no other type.
+            _ => {
+                let b = &bytes[4 * axis..];
+                f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+            }
+        })
     }
 
     /// Vertex index in element `at`.
-    ///
-    /// # Errors
-    /// The component type is not one of indices.
-    pub fn index(&self, at: usize) -> Result<u32, Fault> {
-        let Some(bytes) = self.element(at) else {
-            return Ok(0);
-        };
-        unsigned(bytes, self.component_type).ok_or_else(|| {
-            Fault::format(format!(
-                "accessor {} has vertex indices of component type {}; expected unsigned bytes, shorts or ints: export the file again",
-                self.accessor, self.component_type
-            ))
-        })
+    pub fn index(&self, at: usize) -> u32 {
+        // `Data::accessor` allows unsigned types alone.
+        self.element(at).and_then(|bytes| unsigned(bytes, self.component_type)).unwrap_or_default()
+    }
+
+    /// Largest index of its type, which restarts a strip where that is allowed.
+    pub fn restart_index(&self) -> u32 {
+        match self.component_type {
+            UNSIGNED_BYTE => u8::MAX.into(),
+            UNSIGNED_SHORT => u16::MAX.into(),
+            _ => u32::MAX,
+        }
     }
 }

@@ -4,11 +4,17 @@
 use std::borrow::Cow;
 
 use super::document::Document;
-use crate::fault::{Fault, LineFault, excerpt};
+use super::extensions::{may_be_required, remedy};
+use super::version_1::is_version_1;
+use crate::fault::{Fault, LineFault, counted, excerpt};
 
 /// Bytes of the header of a GLB file, and of a chunk.
 const GLB_HEADER: usize = 12;
 const CHUNK_HEADER: usize = 8;
+
+/// Message about a file of the previous version. The command is that of Cesium's gltf-pipeline, which
+/// upgrades every file that it reads.
+const VERSION_1: &str = "the file is glTF 1.0, which is not supported; expected glTF 2.0: export it again, or convert it with `gltf-pipeline -i IN -o OUT` (npm install --global gltf-pipeline)";
 
 /// A document, and the buffer in a GLB file.
 #[derive(Debug)]
@@ -43,6 +49,7 @@ pub fn open(bytes: &[u8]) -> Result<Container<'_>, LineFault> {
     }
     let document: Document = match serde_json::from_slice(text) {
         Ok(document) => document,
+        Err(_) if is_version_1(text) => return fault(VERSION_1.to_owned()),
         Err(error) if buffer.is_none() && error.line() > 1 => {
             return Err(Fault::format(format!("not a glTF document: {error}; export it again")).at(error.line()));
         }
@@ -50,9 +57,12 @@ pub fn open(bytes: &[u8]) -> Result<Container<'_>, LineFault> {
     };
     if !document.asset.version.starts_with("2.") {
         let version = excerpt(&document.asset.version);
-        return fault(format!("glTF version {version}; expected 2.0: export it again with a newer exporter"));
+        return match version.as_str() {
+            "1.0" | "1.0.1" => fault(VERSION_1.to_owned()),
+            _ => fault(format!("the file is glTF {version}; expected glTF 2.0: export it as that")),
+        };
     }
-    if let Some(extension) = document.extensions_required.iter().find(|name| !leaves_geometry_alone(name)) {
+    if let Some(extension) = document.extensions_required.iter().find(|name| !may_be_required(name)) {
         return fault(format!(
             "the file requires the extension {}, which is not supported; {}",
             excerpt(extension),
@@ -62,31 +72,6 @@ pub fn open(bytes: &[u8]) -> Result<Container<'_>, LineFault> {
     Ok(Container { document, buffer })
 }
 
-/// Whether the extension has no effect on geometry, or is supported.
-fn leaves_geometry_alone(extension: &str) -> bool {
-    ["KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_lights_", "EXT_lights_", "KHR_xmp"]
-        .iter()
-        .any(|prefix| extension.starts_with(prefix))
-        || [
-            "KHR_mesh_quantization",
-            "KHR_animation_pointer",
-            "MSFT_packing_normalRoughnessMetallic",
-            "KHR_audio_emitter",
-        ]
-        .contains(&extension)
-}
-
-/// Suggested remedy for an unsupported extension.
-pub fn remedy(extension: &str) -> &'static str {
-    match extension {
-        "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
-            "export the file without mesh compression"
-        }
-        "EXT_mesh_gpu_instancing" => "export the instances as nodes",
-        _ => "export the file without it",
-    }
-}
-
 fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), LineFault> {
     let fault = |text: String| Err(Fault::format(text).of_file());
     let word = |at: usize| bytes.get(at..)?.first_chunk().map(|bytes| u32::from_le_bytes(*bytes));
@@ -94,12 +79,16 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), LineFault> {
         return fault("the GLB header is incomplete: the file was cut off; export it again".to_owned());
     };
     if version != 2 {
-        return fault(format!("GLB version {version}; expected 2: export it again with a newer exporter"));
+        return fault(match version {
+            1 => VERSION_1.to_owned(),
+            _ => format!("the file is GLB version {version}; expected version 2: export it as that"),
+        });
     }
     let Some(within) = bytes.get(..(length as usize).max(GLB_HEADER)) else {
         let have = bytes.len();
         return fault(format!(
-            "the GLB header claims {length} bytes, but the file has {have}: it was cut off; export it again"
+            "the GLB header claims {}, but the file has {have}: it was cut off; export it again",
+            counted(length, "byte", "bytes")
         ));
     };
     let bytes = within;
@@ -109,8 +98,9 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), LineFault> {
         let start = at + CHUNK_HEADER;
         let Some(chunk) = bytes.get(start..).and_then(|rest| rest.get(..length as usize)) else {
             return fault(format!(
-                "a GLB chunk claims {length} bytes, but {} are left: the file was cut off; export it again",
-                bytes.len().saturating_sub(start)
+                "a GLB chunk claims {}, but {} left: the file was cut off; export it again",
+                counted(length, "byte", "bytes"),
+                counted(bytes.len().saturating_sub(start), "is", "are")
             ));
         };
         match &kind.to_le_bytes() {

@@ -1,14 +1,15 @@
 //! glTF 2.0: the properties of a document that affect a hull. Everything else is skipped.
 //!
 //! Names and data URIs are borrowed from the text. The length of every list is limited while it is
-//! read.
+//! read. Integers may be written as `1.0`: JSON has one type of numbers, and some exporters keep all
+//! of them as floats.
 
 use std::borrow::Cow;
 use std::fmt;
 use std::marker::PhantomData;
 
 use serde::Deserialize;
-use serde::de::{Deserializer, Error as _, IgnoredAny, SeqAccess, Visitor};
+use serde::de::{Deserializer, Error as _, IgnoredAny, SeqAccess, Unexpected, Visitor};
 
 use crate::limits::GLTF_LIST;
 
@@ -22,6 +23,7 @@ pub struct Document<'a> {
     pub extensions_required: Bounded<Cow<'a, str>>,
     #[serde(borrow, default)]
     pub extensions_used: Bounded<Cow<'a, str>>,
+    #[serde(default, deserialize_with = "optional_whole")]
     pub scene: Option<u32>,
     #[serde(default)]
     pub scenes: Bounded<Scene>,
@@ -45,7 +47,7 @@ pub struct Asset<'a> {
 
 #[derive(Debug, Deserialize)]
 pub struct Scene {
-    #[serde(default)]
+    #[serde(default, deserialize_with = "whole_list")]
     pub nodes: Bounded<u32>,
 }
 
@@ -53,9 +55,10 @@ pub struct Scene {
 pub struct Node<'a> {
     #[serde(borrow)]
     pub name: Option<Cow<'a, str>>,
+    #[serde(default, deserialize_with = "optional_whole")]
     pub mesh: Option<u32>,
     pub skin: Option<IgnoredAny>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "whole_list")]
     pub children: Bounded<u32>,
     /// Column by column.
     pub matrix: Option<Box<[f64; 16]>>,
@@ -77,7 +80,9 @@ pub struct MeshRecord<'a> {
 pub struct Primitive {
     #[serde(default)]
     pub attributes: Attributes,
+    #[serde(default, deserialize_with = "optional_whole")]
     pub indices: Option<u32>,
+    #[serde(default, deserialize_with = "optional_whole")]
     pub mode: Option<u32>,
     pub targets: Option<IgnoredAny>,
     #[serde(default)]
@@ -86,7 +91,7 @@ pub struct Primitive {
 
 #[derive(Debug, Default, Deserialize)]
 pub struct Attributes {
-    #[serde(rename = "POSITION")]
+    #[serde(rename = "POSITION", default, deserialize_with = "optional_whole")]
     pub position: Option<u32>,
 }
 
@@ -99,12 +104,15 @@ pub struct PrimitiveExtensions {
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Accessor {
+    #[serde(default, deserialize_with = "optional_whole")]
     pub buffer_view: Option<u32>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "whole")]
     pub byte_offset: u64,
+    #[serde(deserialize_with = "whole")]
     pub component_type: u32,
     #[serde(default)]
     pub normalized: bool,
+    #[serde(deserialize_with = "whole")]
     pub count: u64,
     #[serde(rename = "type")]
     pub kind: Kind,
@@ -122,8 +130,20 @@ pub enum Kind {
     Other,
 }
 
+impl Kind {
+    /// Its name in a document, for messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scalar => "SCALAR",
+            Self::Vec3 => "VEC3",
+            Self::Other => "another",
+        }
+    }
+}
+
 #[derive(Debug, Deserialize)]
 pub struct Sparse {
+    #[serde(deserialize_with = "whole")]
     pub count: u64,
     pub indices: SparseIndices,
     pub values: SparseValues,
@@ -132,27 +152,33 @@ pub struct Sparse {
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SparseIndices {
+    #[serde(deserialize_with = "whole")]
     pub buffer_view: u32,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "whole")]
     pub byte_offset: u64,
+    #[serde(deserialize_with = "whole")]
     pub component_type: u32,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SparseValues {
+    #[serde(deserialize_with = "whole")]
     pub buffer_view: u32,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "whole")]
     pub byte_offset: u64,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct BufferView {
+    #[serde(deserialize_with = "whole")]
     pub buffer: u32,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "whole")]
     pub byte_offset: u64,
+    #[serde(deserialize_with = "whole")]
     pub byte_length: u64,
+    #[serde(default, deserialize_with = "optional_whole")]
     pub byte_stride: Option<u64>,
     #[serde(default)]
     pub extensions: ViewExtensions,
@@ -161,7 +187,19 @@ pub struct BufferView {
 #[derive(Debug, Default, Deserialize)]
 pub struct ViewExtensions {
     #[serde(rename = "EXT_meshopt_compression")]
-    pub meshopt: Option<IgnoredAny>,
+    pub ext_meshopt: Option<IgnoredAny>,
+    #[serde(rename = "KHR_meshopt_compression")]
+    pub khr_meshopt: Option<IgnoredAny>,
+}
+
+impl ViewExtensions {
+    /// Name of the extension that compresses the view.
+    pub fn compression(&self) -> Option<&'static str> {
+        if self.ext_meshopt.is_some() {
+            return Some("EXT_meshopt_compression");
+        }
+        self.khr_meshopt.is_some().then_some("KHR_meshopt_compression")
+    }
 }
 
 #[derive(Debug, Deserialize)]
@@ -169,6 +207,7 @@ pub struct ViewExtensions {
 pub struct Buffer<'a> {
     #[serde(borrow)]
     pub uri: Option<Cow<'a, str>>,
+    #[serde(deserialize_with = "whole")]
     pub byte_length: u64,
 }
 
@@ -215,5 +254,72 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Bounded<T> {
         }
 
         deserializer.deserialize_seq(ListVisitor(PhantomData))
+    }
+}
+
+/// A whole number of at least 0, written as an integer or as a float such as `1.0`.
+struct Whole<T>(T);
+
+impl<'de, T: TryFrom<u64>> Deserialize<'de> for Whole<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct WholeVisitor<T>(PhantomData<T>);
+
+        impl<T: TryFrom<u64>> Visitor<'_> for WholeVisitor<T> {
+            type Value = Whole<T>;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                write!(f, "a whole number of at least 0 and at most {} bits", 8 * size_of::<T>())
+            }
+
+            fn visit_u64<E: serde::de::Error>(self, number: u64) -> Result<Whole<T>, E> {
+                let whole = T::try_from(number).map(Whole);
+                whole.map_err(|_| E::invalid_value(Unexpected::Unsigned(number), &self))
+            }
+
+            fn visit_f64<E: serde::de::Error>(self, number: f64) -> Result<Whole<T>, E> {
+                // Conversion saturates, and so the comparison fails for every number out of range,
+                // except 2^64, which becomes 2^64 - 1. No file has as many bytes.
+                let whole = number as u64;
+                let is_whole = whole as f64 == number;
+                match T::try_from(whole) {
+                    Ok(whole) if is_whole => Ok(Whole(whole)),
+                    _ => Err(E::invalid_value(Unexpected::Float(number), &self)),
+                }
+            }
+        }
+
+        deserializer.deserialize_any(WholeVisitor(PhantomData))
+    }
+}
+
+fn whole<'de, D: Deserializer<'de>, T: TryFrom<u64>>(deserializer: D) -> Result<T, D::Error> {
+    Whole::deserialize(deserializer).map(|whole| whole.0)
+}
+
+fn optional_whole<'de, D: Deserializer<'de>, T: TryFrom<u64>>(deserializer: D) -> Result<Option<T>, D::Error> {
+    Option::<Whole<T>>::deserialize(deserializer).map(|whole| whole.map(|whole| whole.0))
+}
+
+fn whole_list<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Bounded<u32>, D::Error> {
+    let list = Bounded::<Whole<u32>>::deserialize(deserializer)?;
+    Ok(Bounded(list.0.into_iter().map(|whole| whole.0).collect()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_numbers_may_be_floats() {
+        let parse = |text: &str| serde_json::from_str::<Whole<u32>>(text).map(|whole| whole.0);
+        for (text, expected) in
+            [("0", 0), ("7", 7), ("7.0", 7), ("-0.0", 0), ("5.126e3", 5126), ("4294967295.0", u32::MAX)]
+        {
+            assert_eq!(parse(text).unwrap(), expected, "{text}");
+        }
+        for text in ["-1", "-1.0", "0.5", "1e300", "4294967296", "4294967296.0", "\"1\"", "null", "[1]", "true"] {
+            let error = parse(text).unwrap_err().to_string();
+            assert!(error.contains("whole number") && error.contains("32 bits"), "{text}: {error}");
+        }
     }
 }

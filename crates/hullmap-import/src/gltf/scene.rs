@@ -1,17 +1,28 @@
 //! glTF 2.0: the nodes, meshes and primitives of a scene, read into a source mesh.
+//!
+//! # Primitive restart
+//! In strips, fans and connected lines, the largest index of its type (255, 65,535 or 4,294,967,295)
+//! ends a primitive and starts the next one, in WebGL 2, Direct3D and Metal, and so for most viewers.
+//! glTF 2.0 forbids that index, and `KHR_mesh_primitive_restart` allows it again. Here it restarts a
+//! primitive if the extension is used, or if no vertex has that index. Otherwise readers disagree on
+//! its meaning, and the file is rejected. In lists, which have nothing to restart, it is an index
+//! like any other.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
 
 use super::accessor::{AccessorReader, Data};
-use super::container::remedy;
 use super::document::{Document, Kind, Node, Primitive};
-use crate::fault::{Fault, excerpt};
+use super::extensions::{Compressed, INSTANCING, allows_restart, remedy};
+use crate::fault::{Fault, counted, excerpt};
 use crate::limits::Limits;
 use crate::mesh::{Polygons, Positions, SourceMesh};
 
-/// Primitive modes, as OpenGL numbers them. Lower modes are points and lines.
+/// Primitive modes, as OpenGL numbers them. Modes below `TRIANGLES` are points and lines.
+const LINE_LOOP: u32 = 2;
+const LINE_STRIP: u32 = 3;
 const TRIANGLES: u32 = 4;
 const TRIANGLE_STRIP: u32 = 5;
 const TRIANGLE_FAN: u32 = 6;
@@ -41,6 +52,10 @@ pub struct SceneReader<'a> {
     object_count: usize,
     /// Number of nodes with a skin and primitives with morph targets.
     deformed_count: usize,
+    /// Whether the file uses an extension for primitive restart.
+    allows_restart: bool,
+    /// Number of indices that restart a primitive.
+    restart_count: usize,
 }
 
 impl<'a> SceneReader<'a> {
@@ -56,6 +71,8 @@ impl<'a> SceneReader<'a> {
             repeated_count: 0,
             object_count: 0,
             deformed_count: 0,
+            allows_restart: data.document.extensions_used.iter().any(|name| allows_restart(name)),
+            restart_count: 0,
             data,
         }
     }
@@ -90,9 +107,9 @@ impl<'a> SceneReader<'a> {
             roots(document)?.into_iter().rev().map(|root| (root, DAffine3::IDENTITY)).collect();
         while let Some((index, parent)) = stack.pop() {
             let (Some(node), Some(is_visited)) = (nodes.get(index as usize), is_visited.get_mut(index as usize)) else {
-                let count = nodes.len();
+                let nodes = counted(nodes.len(), "node", "nodes");
                 return Err(Fault::format(format!(
-                    "node index {index} is out of range (the file has {count} nodes); export the file again"
+                    "node index {index} is out of range (the file has {nodes}); export the file again"
                 )));
             };
             let label = || format!("node {index}{}", quoted(node.name.as_deref()));
@@ -121,8 +138,8 @@ impl<'a> SceneReader<'a> {
         let slot = mesh_index as usize;
         let (Some(record), Some(is_shown)) = (document.meshes.get(slot), self.is_shown.get_mut(slot)) else {
             return Err(Fault::format(format!(
-                "{label} has the mesh index {mesh_index}, which is out of range (the file has {} meshes); export the file again",
-                document.meshes.len()
+                "{label} has the mesh index {mesh_index}, which is out of range (the file has {}); export the file again",
+                counted(document.meshes.len(), "mesh", "meshes")
             )));
         };
         *is_shown = true;
@@ -197,10 +214,7 @@ impl<'a> SceneReader<'a> {
         transform: DAffine3,
     ) -> Result<(u32, usize), Fault> {
         let elements = self.data.accessor(accessor, Kind::Vec3)?;
-        if primitive.extensions.draco.is_some() && elements.has_no_bytes() {
-            let name = "KHR_draco_mesh_compression";
-            return Err(Fault::format(format!("the mesh is compressed by {name}; {}", remedy(name))));
-        }
+        reject_draco(primitive, &elements)?;
         let first = self.positions.len();
         if first + elements.count > (u32::MAX - 1) as usize {
             return Err(Fault::TooManyVertices);
@@ -208,7 +222,7 @@ impl<'a> SceneReader<'a> {
         self.claim(elements.count, VERTEX_BYTES)?;
         self.positions.reserve(elements.count);
         for at in 0..elements.count {
-            let position = elements.position(at)?;
+            let position = elements.position(at);
             let placed = if transform == DAffine3::IDENTITY {
                 position
             } else {
@@ -231,9 +245,13 @@ impl<'a> SceneReader<'a> {
         transform: DAffine3,
     ) -> Result<(), Fault> {
         let indices = primitive.indices.map(|index| self.data.accessor(index, Kind::Scalar)).transpose()?;
+        if let Some(indices) = &indices {
+            reject_draco(primitive, indices)?;
+        }
         let count = indices.as_ref().map_or(vertex_count, |indices| indices.count);
         let mode = primitive.mode.unwrap_or(TRIANGLES);
         self.claim(count, if mode > TRIANGLES { STRIP_CORNER_BYTES } else { CORNER_BYTES })?;
+        let runs = self.runs(mode, indices.as_ref(), count, vertex_count)?;
         let corner = |at| corner(indices.as_ref(), at, first, vertex_count);
         let is_mirrored = transform.matrix3.determinant() < 0.0;
         let faces = &mut self.mesh.faces;
@@ -245,18 +263,22 @@ impl<'a> SceneReader<'a> {
                 }
             }
             TRIANGLE_STRIP => {
-                for start in 0..count.saturating_sub(2) {
-                    let (a, b, c) = (corner(start)?, corner(start + 1)?, corner(start + 2)?);
-                    if start % 2 == 0 { triangle(a, b, c) } else { triangle(b, a, c) }
+                for run in runs {
+                    for (step, start) in (run.start..run.end.saturating_sub(2)).enumerate() {
+                        let (a, b, c) = (corner(start)?, corner(start + 1)?, corner(start + 2)?);
+                        if step % 2 == 0 { triangle(a, b, c) } else { triangle(b, a, c) }
+                    }
                 }
             }
             TRIANGLE_FAN => {
-                for start in 1..count.saturating_sub(1) {
-                    triangle(corner(0)?, corner(start)?, corner(start + 1)?);
+                for run in runs {
+                    for start in run.start + 1..run.end.saturating_sub(1) {
+                        triangle(corner(run.start)?, corner(start)?, corner(start + 1)?);
+                    }
                 }
             }
             0..TRIANGLES => {
-                for at in 0..count {
+                for at in runs.into_iter().flatten() {
                     self.mesh.loose.push(corner(at)?);
                 }
             }
@@ -270,14 +292,42 @@ impl<'a> SceneReader<'a> {
         Ok(())
     }
 
+    /// Ranges of corners that are not interrupted by a restart. Most primitives have one.
+    fn runs(
+        &mut self,
+        mode: u32,
+        indices: Option<&AccessorReader>,
+        count: usize,
+        vertex_count: usize,
+    ) -> Result<Vec<Range<usize>>, Fault> {
+        let is_connected = matches!(mode, LINE_LOOP | LINE_STRIP | TRIANGLE_STRIP | TRIANGLE_FAN);
+        let Some(indices) = indices.filter(|_| is_connected) else {
+            return Ok(std::iter::once(0..count).collect());
+        };
+        let restart = indices.restart_index();
+        let (mut runs, mut start) = (Vec::new(), 0);
+        for at in (0..count).filter(|&at| indices.index(at) == restart) {
+            if (restart as usize) < vertex_count && !self.allows_restart {
+                return Err(Fault::format(format!(
+                    "corner {at} has the index {restart}, which is vertex {restart} for some readers and starts a new strip for others; export the file again with triangles, or with larger indices"
+                )));
+            }
+            self.restart_count += 1;
+            runs.push(start..at);
+            start = at + 1;
+        }
+        runs.push(start..count);
+        Ok(runs)
+    }
+
     fn finish(self) -> Result<SourceMesh, Fault> {
-        let Self { data, positions, mut mesh, is_shown, object_count, deformed_count, .. } = self;
+        let Self { data, positions, mut mesh, is_shown, object_count, deformed_count, restart_count, .. } = self;
         let document = data.document;
         if positions.is_empty() {
-            let nodes = document.nodes.len();
-            let meshes = document.meshes.len();
+            let nodes = counted(document.nodes.len(), "node", "nodes");
+            let meshes = counted(document.meshes.len(), "mesh", "meshes");
             return Err(Fault::format(format!(
-                "the scene shows no vertices ({nodes} nodes, {meshes} meshes), but a hull requires at least one point: check that the objects were visible on export"
+                "the scene shows no vertices ({nodes}, {meshes}), but a hull requires at least one point: check that the objects were visible on export"
             )));
         }
         mesh.positions = Positions::Double(positions);
@@ -294,7 +344,10 @@ impl<'a> SceneReader<'a> {
         if deformed_count > 0 {
             mesh.notes.push(format!("skins and morph targets, left at rest: {deformed_count}"));
         }
-        if let Some(name) = document.extensions_used.iter().find(|name| *name == "EXT_mesh_gpu_instancing") {
+        if restart_count > 0 {
+            mesh.notes.push(format!("primitives divided by the primitive restart index: {restart_count}"));
+        }
+        if let Some(name) = document.extensions_used.iter().find(|name| *name == INSTANCING) {
             mesh.warnings
                 .push(format!("{name} is not supported, so only one instance of the mesh is baked; {}", remedy(name)));
         }
@@ -305,16 +358,48 @@ impl<'a> SceneReader<'a> {
 /// Vertex index in the scene of corner `at` of a primitive.
 fn corner(indices: Option<&AccessorReader>, at: usize, first: u32, vertex_count: usize) -> Result<u32, Fault> {
     let index = match indices {
-        Some(indices) => indices.index(at)?,
+        Some(indices) => indices.index(at),
         None => at as u32,
     };
     if index as usize >= vertex_count {
         return Err(Fault::format(format!(
             "corner {at} has the vertex index {index}, which is out of range (the primitive has {}); export the file again",
-            crate::fault::vertices(vertex_count)
+            counted(vertex_count, "vertex", "vertices")
         )));
     }
     Ok(first + index)
+}
+
+/// Rejects a primitive whose data exists only as compressed by Draco.
+fn reject_draco(primitive: &Primitive, accessor: &AccessorReader) -> Result<(), Fault> {
+    if primitive.extensions.draco.is_some() && accessor.has_no_bytes() {
+        return Err(Fault::format(format!("the mesh is {}", Compressed("KHR_draco_mesh_compression"))));
+    }
+    Ok(())
+}
+
+/// For each mesh whether the default scene shows it, as far as the references are valid.
+///
+/// # Complexity
+/// O(nodes + meshes).
+pub fn shown_meshes(document: &Document) -> Vec<bool> {
+    let mut is_shown = vec![document.nodes.is_empty(); document.meshes.len()];
+    let mut is_visited = vec![false; document.nodes.len()];
+    let mut stack = roots(document).unwrap_or_default();
+    while let Some(index) = stack.pop() {
+        let (Some(node), Some(is_visited)) = (document.nodes.get(index as usize), is_visited.get_mut(index as usize))
+        else {
+            continue;
+        };
+        if std::mem::replace(is_visited, true) {
+            continue;
+        }
+        if let Some(is_shown) = node.mesh.and_then(|mesh| is_shown.get_mut(mesh as usize)) {
+            *is_shown = true;
+        }
+        stack.extend(node.children.iter());
+    }
+    is_shown
 }
 
 /// Root nodes of the default scene.
@@ -323,9 +408,9 @@ fn roots(document: &Document) -> Result<Vec<u32>, Fault> {
     match document.scenes.get(index as usize) {
         Some(scene) => Ok(scene.nodes.to_vec()),
         None if document.scene.is_some() => {
-            let count = document.scenes.len();
+            let scenes = counted(document.scenes.len(), "scene", "scenes");
             Err(Fault::format(format!(
-                "scene index {index} is out of range (the file has {count} scenes); export the file again"
+                "scene index {index} is out of range (the file has {scenes}); export the file again"
             )))
         }
         None => {

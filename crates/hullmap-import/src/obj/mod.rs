@@ -10,7 +10,7 @@
 //!    first fault.
 //!
 //! # Division of work with tobj
-//! tobj reads the numbers: parsing, weights, colours. Each coordinate is read once. The scan keeps
+//! tobj reads the numbers. Each coordinate is read once. The scan keeps
 //! what tobj cannot give:
 //! - *References.* A hull records the `v` line of each vertex. tobj indexes the vertices of each
 //!   object by their first use and drops those indices that lead back to the file. It resolves
@@ -20,8 +20,10 @@
 //!   require them.
 //! - *`p` elements*, which tobj ignores.
 //! - *Lines.* tobj's errors have no line number, and tobj accepts NaN and infinity.
-//! - *Continued lines, comments behind numbers, lone CRs, byte order marks*, which tobj does not
-//!   read.
+//! - *Continued lines, comments behind numbers, lone CRs, byte order marks, UTF-16*, which tobj does
+//!   not read.
+//! - *Weights.* tobj divides by the weight w of `v x y z w`. It gets x, y and z only: see the
+//!   deviations of [`scan`].
 //!
 //! The tests compare the result with tobj's own reading of whole files, elements included.
 
@@ -33,7 +35,10 @@ mod scan;
 mod tests;
 mod vertex_line;
 
-use super::fault::{Fault, LineFault};
+use std::borrow::Cow;
+
+use super::encoding;
+use super::fault::{Fault, LineFault, counted};
 use super::limits::Limits;
 use super::mesh::{Positions, SourceMesh};
 use lines::Parts;
@@ -55,9 +60,8 @@ pub const PART_BYTES: usize = 4 << 20;
 /// O(bytes), in parallel.
 pub fn read(bytes: &[u8], is_double: bool, limits: &Limits) -> Result<SourceMesh, LineFault> {
     let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-    if text.starts_with(b"\xFF\xFE") || text.starts_with(b"\xFE\xFF") {
-        return Err(Fault::Utf16.of_file());
-    }
+    let text = encoding::from_utf16(text).map_or(Cow::Borrowed(text), Cow::Owned);
+    let text = text.as_ref();
     if text.iter().all(u8::is_ascii_whitespace) {
         return Err(Fault::Empty.of_file());
     }
@@ -89,12 +93,19 @@ fn read_parts(parts: &Parts, is_double: bool, limits: &Limits) -> Result<SourceM
 fn source_mesh(scan: Scan, positions: Positions) -> SourceMesh {
     let mut notes = Vec::new();
     if scan.short_face_count > 0 {
-        let faces = super::count(scan.short_face_count, "face", "faces");
+        let faces = counted(scan.short_face_count, "face", "faces");
         notes.push(format!("{faces} with fewer than 3 vertices"));
     }
     if let Some(line) = scan.free_form_line {
         notes.push(format!(
             "line {line}: free-form curves and surfaces are not read; --vertices all takes their control points"
+        ));
+    }
+    let mut warnings = Vec::new();
+    if let Some(line) = scan.weight_line {
+        let vertices = counted(scan.weight_count, "vertex has", "vertices have");
+        warnings.push(format!(
+            "line {line}: {vertices} a weight (w of `v x y z w`) other than 1, which is ignored; if the points should be x/w y/w z/w, write those"
         ));
     }
     SourceMesh {
@@ -103,6 +114,7 @@ fn source_mesh(scan: Scan, positions: Positions) -> SourceMesh {
         objects: scan.objects,
         has_too_many_objects: scan.has_too_many_objects,
         notes,
+        warnings,
         ..SourceMesh::new(positions, scan.faces)
     }
 }

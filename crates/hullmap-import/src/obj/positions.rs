@@ -105,8 +105,6 @@ struct Batch {
 
 impl Batch {
     fn push(&mut self, vertex: &VertexLine) -> Result<(), Fault> {
-        // tobj takes an infinite weight, and makes a zero of every coordinate.
-        vertex.weight::<f32>()?;
         self.text.push(b'v');
         for word in vertex.words() {
             if word.len() > LONG_WORD_BYTES {

@@ -1,8 +1,8 @@
 //! Wavefront OBJ: elements, objects and counts, with the line of every fault.
 //!
 //! 1. Split the text into logical lines, see [`super::lines`].
-//! 2. `v`: count the numbers. [`super::positions`] reads their values; a [`VertexCheck`] can parse
-//!    them here too.
+//! 2. `v`: count the numbers, and look for weights. [`super::positions`] reads the coordinates; a
+//!    [`VertexCheck`] can parse them here too.
 //! 3. `f`, `l`, `p`: resolve the references to zero-based vertex indices. Negative ones count back
 //!    from their line.
 //! 4. `o` starts an object. Everything else (`vt`, `vn`, `g`, materials, …) has no effect on a hull
@@ -18,7 +18,9 @@
 //! - comments and lines that hold names (`o`, `g`, `usemtl`, `mtllib`) never continue, since
 //!   Windows paths end in `\`;
 //! - bytes that are not UTF-8 are accepted except in numbers;
-//! - an `f` line of one or two vertices is an element, as it is for tobj.
+//! - an `f` line of one or two vertices is an element, as it is for tobj;
+//! - the weight w of `v x y z w` is ignored. It belongs to rational curves and surfaces, which are
+//!   not read. Most readers of polygons ignore it, and exporters write anything there.
 
 use rayon::prelude::*;
 
@@ -51,6 +53,10 @@ pub struct Scan {
     pub short_face_count: usize,
     /// First line with a free-form curve or surface. These are not read.
     pub free_form_line: Option<usize>,
+    /// Number of `v` lines with a weight other than 1, which is ignored.
+    pub weight_count: usize,
+    /// First of these lines.
+    pub weight_line: Option<usize>,
     /// Number of `v` lines before this part of the file.
     vertices_before: usize,
     /// Maximum number of objects.
@@ -112,7 +118,13 @@ impl Scan {
         with_words!(text, words => match words.next() {
             Some("v") => {
                 self.vertex_count += 1;
-                check(&VertexLine::new(words.take_while(|word| !word.starts_with('#')))?)
+                let vertex = VertexLine::new(words.take_while(|word| !word.starts_with('#')))?;
+                check(&vertex)?;
+                if vertex.has_ignored_weight()? {
+                    self.weight_count += 1;
+                    self.weight_line.get_or_insert(line);
+                }
+                Ok(())
             }
             Some("f") => self.read_face(words.take_while(|word| !word.starts_with('#'))),
             Some(keyword @ ("l" | "p")) => {
@@ -219,6 +231,8 @@ impl Scan {
         self.group_count += part.group_count;
         self.short_face_count += part.short_face_count;
         self.free_form_line = self.free_form_line.or(part.free_form_line);
+        self.weight_count += part.weight_count;
+        self.weight_line = self.weight_line.or(part.weight_line);
         self.largest_reference = self.largest_reference.max(part.largest_reference);
         Ok(())
     }
@@ -276,9 +290,10 @@ mod tests {
         for fault in ["", "f 1 0\n", "f 900 1\n", "v 1 2\n", "v 1 2 x\n", "l\n", "f -400\n", "surf 1\n"] {
             let text = text(fault);
             let outline = |scan: Result<Scan, LineFault>| match scan {
-                Ok(s) => {
-                    Ok(format!("{:?}", (s.vertex_count, s.faces, s.loose, s.objects, s.group_count, s.free_form_line)))
-                }
+                Ok(s) => Ok(format!(
+                    "{:?}",
+                    (s.vertex_count, s.faces, s.loose, s.objects, s.group_count, s.free_form_line, s.weight_line)
+                )),
                 Err(error) => Err((error.line, error.fault.to_string())),
             };
             let whole = outline(scan_in_parts(&text, &Limits::DEFAULT, usize::MAX));

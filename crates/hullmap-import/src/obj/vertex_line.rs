@@ -3,12 +3,12 @@
 use crate::coordinate::{Coordinate, parse_coordinate};
 use crate::fault::{Fault, excerpt};
 
-/// Words of a `v` line that define a point: x, y, z, and the weight w where the line has exactly
-/// four.
+/// Words of a `v` line that define a point: x, y and z. A fourth number is a weight, and three more
+/// are a colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VertexLine<'a> {
-    words: [&'a str; 4],
-    has_weight: bool,
+    words: [&'a str; 3],
+    weight: Option<&'a str>,
 }
 
 impl<'a> VertexLine<'a> {
@@ -25,46 +25,37 @@ impl<'a> VertexLine<'a> {
             }
             found += 1;
         }
+        let [x, y, z, w] = first;
         match found {
             0..3 => Err(Fault::TooFewCoordinates { found }),
-            3 | 4 | 6 => Ok(Self { words: first, has_weight: found == 4 }),
+            3 | 4 | 6 => Ok(Self { words: [x, y, z], weight: (found == 4).then_some(w) }),
             _ => Err(Fault::CoordinateCount { found }),
         }
     }
 
-    /// The three or four words.
+    /// The words of x, y and z.
     pub fn words(&self) -> &[&'a str] {
-        self.words.get(..if self.has_weight { 4 } else { 3 }).unwrap_or_default()
+        &self.words
     }
 
-    /// The weight, where there is one.
+    /// Whether the line has a weight other than 1.
     ///
     /// # Errors
-    /// It is not a finite number, or is zero.
-    pub fn weight<T: Coordinate>(&self) -> Result<Option<T>, Fault> {
-        let [.., weight] = self.words;
-        if !self.has_weight {
-            return Ok(None);
-        }
-        let weight: T = parse_coordinate(weight)?;
-        if weight == T::ZERO { Err(Fault::ZeroWeight) } else { Ok(Some(weight)) }
+    /// The weight is not a number.
+    pub fn has_ignored_weight(&self) -> Result<bool, Fault> {
+        let Some(weight) = self.weight else {
+            return Ok(false);
+        };
+        let weight: f64 = weight.parse().map_err(|_| Fault::BadNumber { text: excerpt(weight) })?;
+        Ok(weight != 1.0)
     }
 
-    /// The point: each coordinate rounded to the nearest `T`, then divided by the weight.
+    /// The point, each coordinate rounded to the nearest `T`.
     ///
     /// # Errors
-    /// A coordinate, the weight or a quotient is not a finite number, or the weight is zero.
+    /// A coordinate is not a finite number.
     pub fn point<T: Coordinate>(&self) -> Result<[T; 3], Fault> {
-        let [x, y, z, _] = self.words;
-        let mut point = [parse_coordinate::<T>(x)?, parse_coordinate(y)?, parse_coordinate(z)?];
-        if let Some(weight) = self.weight::<T>()? {
-            for (coordinate, word) in point.iter_mut().zip(self.words) {
-                *coordinate = *coordinate / weight;
-                if !coordinate.is_finite() {
-                    return Err(Fault::Overflow { text: excerpt(&format!("{word} / {weight}")) });
-                }
-            }
-        }
-        Ok(point)
+        let [x, y, z] = self.words;
+        Ok([parse_coordinate(x)?, parse_coordinate(y)?, parse_coordinate(z)?])
     }
 }

@@ -1,14 +1,50 @@
 //! PLY: the body behind the header, read number by number.
+//!
+//! In text, each instance is a line. Values behind those that the header declares are ignored, as
+//! other readers do. Some files have their line breaks elsewhere: several instances in a line, or an
+//! instance that continues on the next one. Such a file is read as one sequence of words, without
+//! regard to lines, see [`Layout`].
 
 use super::header::{Element, Encoding, Header, Scalar};
 use crate::coordinate::parse_coordinate;
-use crate::fault::{Fault, LineFault, excerpt};
+use crate::fault::{Fault, LineFault, counted, excerpt};
 use crate::tokens::{Tokens, text};
+
+/// How the words of a text body are divided into instances.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layout {
+    /// Each instance starts and ends with its line. Surplus words are ignored.
+    Lines,
+    /// Line breaks are white space like any other.
+    Words,
+}
+
+/// A text body.
+pub struct TextBody<'a> {
+    tokens: Tokens<'a>,
+    layout: Layout,
+    /// Number of lines with surplus words, and the first of them.
+    surplus_count: usize,
+    surplus_line: Option<usize>,
+    /// Whether an instance has more numbers than its line.
+    has_short_line: bool,
+}
+
+impl<'a> TextBody<'a> {
+    fn word(&mut self) -> Option<&'a [u8]> {
+        let word = match self.layout {
+            Layout::Lines => self.tokens.next_in_line(),
+            Layout::Words => self.tokens.next(),
+        };
+        self.has_short_line |= word.is_none() && !self.tokens.rest().trim_ascii_start().is_empty();
+        word
+    }
+}
 
 /// Reader of a body.
 pub enum Body<'a> {
     /// ASCII words.
-    Text(Tokens<'a>),
+    Text(TextBody<'a>),
     /// Binary numbers.
     Binary {
         /// Bytes not read yet.
@@ -19,21 +55,63 @@ pub enum Body<'a> {
 }
 
 impl<'a> Body<'a> {
-    /// The body behind a header.
+    /// The body behind a header. `layout` has no effect on binary ones.
     #[expect(clippy::indexing_slicing, reason = "the header was read from these bytes, and ends within them")]
-    pub fn new(header: &Header, bytes: &'a [u8]) -> Self {
+    pub fn new(header: &Header, bytes: &'a [u8], layout: Layout) -> Self {
         let rest = &bytes[header.body..];
         match header.encoding {
-            Encoding::Text => Self::Text(Tokens::new(rest, header.line)),
+            Encoding::Text => Self::Text(TextBody {
+                tokens: Tokens::new(rest, header.line),
+                layout,
+                surplus_count: 0,
+                surplus_line: None,
+                has_short_line: false,
+            }),
             Encoding::Little => Self::Binary { rest, is_big: false },
             Encoding::Big => Self::Binary { rest, is_big: true },
+        }
+    }
+
+    /// Whether an instance has more numbers than its line, with [`Layout::Lines`].
+    pub fn has_short_line(&self) -> bool {
+        matches!(self, Self::Text(TextBody { has_short_line: true, .. }))
+    }
+
+    /// Whether a line has more words than its instance, with [`Layout::Lines`].
+    pub fn has_surplus(&self) -> bool {
+        matches!(self, Self::Text(TextBody { surplus_count: 1.., .. }))
+    }
+
+    /// Note about surplus values that were ignored.
+    pub fn note(&self) -> Option<String> {
+        let Self::Text(TextBody { surplus_count, surplus_line: Some(line), .. }) = self else {
+            return None;
+        };
+        let lines = counted(surplus_count, "line has", "lines have");
+        Some(format!("line {line}: {lines} more values than the header declares, which are ignored"))
+    }
+
+    /// Starts an instance.
+    pub fn begin_instance(&mut self) {
+        if let Self::Text(TextBody { tokens, layout: Layout::Lines, .. }) = self {
+            tokens.skip_blank();
+        }
+    }
+
+    /// Ends an instance, and skips surplus values.
+    pub fn end_instance(&mut self) {
+        if let Self::Text(TextBody { tokens, layout: Layout::Lines, surplus_count, surplus_line, .. }) = self
+            && !tokens.rest_of_line().is_empty()
+        {
+            *surplus_count += 1;
+            surplus_line.get_or_insert(tokens.line());
         }
     }
 
     /// A fault at the current position.
     pub fn fault(&self, message: String) -> LineFault {
         match self {
-            Self::Text(tokens) => Fault::format(message).at(tokens.line()),
+            Self::Text(text) => Fault::format(message).at(text.tokens.line()),
             Self::Binary { .. } => Fault::format(message).of_file(),
         }
     }
@@ -46,7 +124,7 @@ impl<'a> Body<'a> {
     pub fn check_room(&self, element: &Element) -> Result<(), LineFault> {
         let (have, encoding) = match self {
             // The last number needs no separator.
-            Self::Text(tokens) => (tokens.rest().len() as u64 + 1, Encoding::Text),
+            Self::Text(text) => (text.tokens.rest().len() as u64 + 1, Encoding::Text),
             Self::Binary { rest, .. } => (rest.len() as u64, Encoding::Little),
         };
         let minimum = element.minimum_size(encoding);
@@ -54,8 +132,11 @@ impl<'a> Body<'a> {
             return Ok(());
         }
         Err(Fault::format(format!(
-            "the header claims {} elements `{}` of at least {minimum} bytes each, but {have} bytes are left: the file was cut off; export it again",
-            element.count, element.name
+            "the header claims {} `{}` of at least {}, but {} left: the file was cut off; export it again",
+            counted(element.count, "element", "elements"),
+            element.name,
+            counted(minimum, "byte", "bytes each"),
+            counted(have, "byte is", "bytes are")
         ))
         .of_file())
     }
@@ -74,12 +155,14 @@ impl<'a> Body<'a> {
             return Ok(());
         }
         for index in 0..element.count {
+            self.begin_instance();
             for property in &element.properties {
                 match property.length {
                     Some(length) => self.skip_list(length, property.scalar, element, index)?,
                     None => self.skip_number(property.scalar, element, index)?,
                 }
             }
+            self.end_instance();
         }
         Ok(())
     }
@@ -124,15 +207,16 @@ impl<'a> Body<'a> {
     /// # Errors
     /// The length is negative, or more than the rest of the file can hold.
     pub fn length(&mut self, length: Scalar, scalar: Scalar, element: &Element, index: u64) -> Result<u64, LineFault> {
-        let count = self.integer(length, element, index)?;
+        let number_count = self.integer(length, element, index)?;
         let have = match self {
-            Self::Text(tokens) => tokens.rest().len() as u64,
+            Self::Text(text) => text.tokens.rest().len() as u64,
             Self::Binary { rest, .. } => (rest.len() / scalar.size()) as u64,
         };
-        u64::try_from(count).ok().filter(|&count| count <= have).ok_or_else(|| {
+        u64::try_from(number_count).ok().filter(|&count| count <= have).ok_or_else(|| {
             self.fault(format!(
-                "{} {index} claims a list of {count} numbers, more than the file holds: it was cut off or is damaged; export it again",
-                element.name
+                "{} {index} claims a list of {}, more than the file holds: it was cut off or is damaged; export it again",
+                element.name,
+                counted(number_count, "number", "numbers")
             ))
         })
     }
@@ -167,8 +251,8 @@ impl<'a> Body<'a> {
             let word = text(self.word(element, index)?);
             let value =
                 if is_double { parse_coordinate::<f64>(&word) } else { parse_coordinate::<f32>(&word).map(f64::from) };
-            let Self::Text(tokens) = self else { unreachable!("the variant does not change") };
-            return value.map_err(|fault| fault.at(tokens.line()));
+            let Self::Text(text) = self else { unreachable!("the variant does not change") };
+            return value.map_err(|fault| fault.at(text.tokens.line()));
         }
         let is_big = matches!(self, Self::Binary { is_big: true, .. });
         let bytes = self.bytes(scalar.size(), element, index)?;
@@ -192,7 +276,7 @@ impl<'a> Body<'a> {
 
     fn word(&mut self, element: &Element, index: u64) -> Result<&'a [u8], LineFault> {
         let word = match self {
-            Self::Text(tokens) => tokens.next(),
+            Self::Text(text) => text.word(),
             Self::Binary { .. } => None,
         };
         word.ok_or_else(|| self.ends_within(element, index))

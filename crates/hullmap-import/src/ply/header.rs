@@ -1,6 +1,6 @@
 //! PLY: the header, which lists the elements of the file and their properties.
 
-use crate::fault::{Fault, LineFault, excerpt};
+use crate::fault::{Fault, LineFault, counted, excerpt};
 
 /// Encoding of the numbers in the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,12 +120,15 @@ pub struct Header {
     pub body: usize,
     /// One-based number of the line at which the body starts.
     pub line: usize,
+    /// Note about lines with an unknown keyword, which are skipped.
+    pub note: Option<String>,
 }
 
-/// Reads the header.
+/// Reads the header. Lines with an unknown keyword are skipped, as other readers do: some exporters
+/// write a remark without `comment`.
 ///
 /// # Errors
-/// The first line that is not valid.
+/// The first line with a known keyword that is not valid.
 pub fn read(bytes: &[u8]) -> Result<Header, LineFault> {
     let mut lines = HeaderLines { bytes, at: 0, number: 0 };
     if lines.next() != Some(b"ply") {
@@ -133,6 +136,7 @@ pub fn read(bytes: &[u8]) -> Result<Header, LineFault> {
     }
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
+    let (mut unknown_count, mut first_unknown) = (0, None);
     loop {
         let Some(line) = lines.next() else {
             return Err(
@@ -159,8 +163,8 @@ pub fn read(bytes: &[u8]) -> Result<Header, LineFault> {
                 }
                 encoding = Some(kind);
             }
-            ["element", name, count] => {
-                let count = count.parse().map_err(|_| wrong("`element <name> <count>`"))?;
+            ["element", name, instances] => {
+                let count = instances.parse().map_err(|_| wrong("`element <name> <count>`"))?;
                 elements.push(Element { name: (*name).to_owned(), count, properties: Vec::new() });
             }
             ["property", kind @ .., name] => {
@@ -176,13 +180,24 @@ pub fn read(bytes: &[u8]) -> Result<Header, LineFault> {
                 element.properties.push(Property { name: (*name).to_owned(), scalar, length });
             }
             ["end_header"] => break,
-            _ => return Err(wrong("`format`, `comment`, `element`, `property` or `end_header`")),
+            ["format" | "element" | "property" | "end_header", ..] => {
+                return Err(wrong(
+                    "`format <encoding> 1.0`, `element <name> <count>`, `property <type> <name>` or `end_header`",
+                ));
+            }
+            _ => {
+                unknown_count += 1;
+                first_unknown.get_or_insert_with(|| format!("line {number}: `{}`", excerpt(&text)));
+            }
         }
     }
     let Some(encoding) = encoding else {
         return Err(Fault::format("the header has no `format` line; export the file again").of_file());
     };
-    Ok(Header { encoding, elements, body: lines.at, line: lines.number + 1 })
+    let note = first_unknown.map(|first| {
+        format!("{first}: {} with an unknown keyword, skipped", counted(unknown_count, "header line", "header lines"))
+    });
+    Ok(Header { encoding, elements, body: lines.at, line: lines.number + 1, note })
 }
 
 /// Lines of a header. A line ends with LF, CRLF or a lone CR.

@@ -2,7 +2,8 @@
 //!
 //! Vertices are the instances of the element `vertex`, with `x`, `y`, `z`. Faces are the lists
 //! `vertex_indices` (or `vertex_index`) of `face`, and the strips of `tristrips`. An `edge`
-//! references its `vertex1` and `vertex2`. A file is one object. Everything else is skipped.
+//! references its `vertex1` and `vertex2`. A file is one object. Everything else is skipped: header
+//! lines with an unknown keyword, and values behind those that the header declares for a line.
 //!
 //! # Reference
 //! G. Turk, "The PLY Polygon File Format" (1994). The crate `ply-rs-bw` keeps a map of names for
@@ -12,9 +13,9 @@
 mod body;
 mod header;
 
-use super::fault::{Fault, LineFault, vertices};
+use super::fault::{Fault, LineFault, counted};
 use super::mesh::{Polygons, Positions, SourceMesh};
-use body::Body;
+use body::{Body, Layout};
 use header::{Element, Encoding, Header, Scalar};
 
 /// Number of vertices allowed in any file. Above it, each must take [`VERTEX_BYTES`] of the file.
@@ -70,15 +71,37 @@ pub fn read(bytes: &[u8], is_double: bool) -> Result<SourceMesh, LineFault> {
     }
     let vertex_count = vertex.count as u32;
     let strip_corner_limit = (bytes.len() / STRIP_BYTES_A_CORNER).max(FREE_STRIP_CORNERS);
-    let mut body = Body::new(&header, bytes);
+    let mut body = Body::new(&header, bytes, Layout::Lines);
+    let mut mesh = read_body(&mut body, &header, vertex_count, strip_corner_limit, is_double);
+    if mesh.is_err() && (body.has_short_line() || body.has_surplus()) {
+        // If instances share lines, there are too few lines. If they continue, a line is too short.
+        let mut words = Body::new(&header, bytes, Layout::Words);
+        let read = read_body(&mut words, &header, vertex_count, strip_corner_limit, is_double);
+        if read.is_ok() || body.has_short_line() {
+            (mesh, body) = (read, words);
+        }
+    }
+    let mut mesh = mesh?;
+    mesh.notes.extend(body.note());
+    mesh.notes.extend(header.note);
+    Ok(mesh)
+}
+
+fn read_body(
+    body: &mut Body,
+    header: &Header,
+    vertex_count: u32,
+    strip_corner_limit: usize,
+    is_double: bool,
+) -> Result<SourceMesh, LineFault> {
     let mut mesh = SourceMesh::new(Positions::Single(Vec::new()), Polygons::default());
     for element in &header.elements {
         body.check_room(element)?;
         match element.name.as_str() {
-            "vertex" => mesh.positions = read_vertices(&mut body, &header, element, is_double)?,
-            "face" => read_faces(&mut body, element, vertex_count, &mut mesh.faces, None)?,
-            "tristrips" => read_faces(&mut body, element, vertex_count, &mut mesh.faces, Some(strip_corner_limit))?,
-            "edge" => read_edges(&mut body, element, vertex_count, &mut mesh.loose)?,
+            "vertex" => mesh.positions = read_vertices(body, header, element, is_double)?,
+            "face" => read_faces(body, element, vertex_count, &mut mesh.faces, None)?,
+            "tristrips" => read_faces(body, element, vertex_count, &mut mesh.faces, Some(strip_corner_limit))?,
+            "edge" => read_edges(body, element, vertex_count, &mut mesh.loose)?,
             _ => body.skip(element)?,
         }
     }
@@ -105,6 +128,7 @@ fn read_vertices(body: &mut Body, header: &Header, element: &Element, is_double:
         singles.reserve_exact(count)
     }
     for vertex in 0..element.count {
+        body.begin_instance();
         let mut position = [0.0; 3];
         for (slot, property) in element.properties.iter().enumerate() {
             match (property.length, axes.iter().position(|&axis| axis == slot)) {
@@ -113,6 +137,7 @@ fn read_vertices(body: &mut Body, header: &Header, element: &Element, is_double:
                 (None, None) => body.skip_number(property.scalar, element, vertex)?,
             }
         }
+        body.end_instance();
         if let Some(wrong) = position.iter().find(|x| !x.is_finite()) {
             return Err(body.fault(format!(
                 "vertex {vertex} has the coordinate {wrong}, but a hull requires finite points: repair the mesh in its editor"
@@ -147,6 +172,7 @@ fn read_faces(
     let mut strip_corners = 0;
     let mut strip: Vec<u32> = Vec::new();
     for instance in 0..element.count {
+        body.begin_instance();
         for (slot, property) in element.properties.iter().enumerate() {
             let Some(length) = property.length else {
                 body.skip_number(property.scalar, element, instance)?;
@@ -156,17 +182,17 @@ fn read_faces(
                 body.skip_list(length, property.scalar, element, instance)?;
                 continue;
             }
-            let count = body.length(length, property.scalar, element, instance)?;
-            strip_corners += count as usize;
+            let corner_count = body.length(length, property.scalar, element, instance)?;
+            strip_corners += corner_count as usize;
             if strip_corner_limit.is_some_and(|limit| strip_corners > limit) {
                 return Err(Fault::format(format!(
-                    "the strips have {strip_corners} corners, but a file of this size may have {}: write triangles instead",
+                    "the strips have more than {} corners, the limit for a file of this size: write triangles instead",
                     strip_corner_limit.unwrap_or_default()
                 ))
                 .of_file());
             }
             strip.clear();
-            for _ in 0..count {
+            for _ in 0..corner_count {
                 let index = body.integer(property.scalar, element, instance)?;
                 if are_strips && index == -1 {
                     push_strip(faces, &strip);
@@ -182,6 +208,7 @@ fn read_faces(
                 faces.end();
             }
         }
+        body.end_instance();
         if faces.corners.len() > u32::MAX as usize {
             return Err(Fault::TooManyReferences.of_file());
         }
@@ -201,6 +228,7 @@ fn read_edges(body: &mut Body, element: &Element, vertex_count: u32, loose: &mut
         return Ok(());
     }
     for instance in 0..element.count {
+        body.begin_instance();
         for property in &element.properties {
             match (property.length, property.name.as_str()) {
                 (Some(length), _) => body.skip_list(length, property.scalar, element, instance)?,
@@ -211,16 +239,17 @@ fn read_edges(body: &mut Body, element: &Element, vertex_count: u32, loose: &mut
                 (None, _) => body.skip_number(property.scalar, element, instance)?,
             }
         }
+        body.end_instance();
     }
     Ok(())
 }
 
-fn in_range(body: &Body, index: i64, count: u32, element: &Element, instance: u64) -> Result<u32, LineFault> {
-    u32::try_from(index).ok().filter(|&vertex| vertex < count).ok_or_else(|| {
+fn in_range(body: &Body, index: i64, vertex_count: u32, element: &Element, instance: u64) -> Result<u32, LineFault> {
+    u32::try_from(index).ok().filter(|&vertex| vertex < vertex_count).ok_or_else(|| {
         body.fault(format!(
             "{} {instance} has the vertex index {index}, which is out of range (the file has {}): check whether the file was cut off or joined from parts",
             element.name,
-            vertices(count as usize)
+            counted(vertex_count, "vertex", "vertices")
         ))
     })
 }

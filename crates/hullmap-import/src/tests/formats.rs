@@ -294,7 +294,7 @@ fn gltf_errors_are_reported() {
         let parts = gltf::Parts { json: good.json.replacen(from, to, 1), ..good.clone() };
         parts.glb()
     };
-    for extension in ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "VENDOR_unheard_of"] {
+    for extension in ["EXT_mesh_gpu_instancing", "VENDOR_unheard_of"] {
         let bytes =
             change("\"scene\"", &format!(r#""extensionsRequired":["KHR_materials_unlit","{extension}"],"scene""#));
         fails("a.glb", &bytes, &format!("requires the extension {extension}"));
@@ -302,8 +302,8 @@ fn gltf_errors_are_reported() {
     let fine = change("\"scene\"", r#""extensionsRequired":["KHR_materials_unlit","KHR_mesh_quantization"],"scene""#);
     assert!(import_bytes("a.glb", &fine, WHOLE).is_ok());
     for (from, to, expected) in [
-        ("\"2.0\"", "\"1.0\"", "glTF version 1.0; expected 2.0"),
-        ("\"scene\":0", "\"scene\":3", "scene index 3 is out of range (the file has 1 scenes)"),
+        ("\"2.0\"", "\"1.0\"", "the file is glTF 1.0"),
+        ("\"scene\":0", "\"scene\":3", "scene index 3 is out of range (the file has 1 scene)"),
         ("\"nodes\":[0]", "\"nodes\":[7]", "node index 7 is out of range"),
         ("\"nodes\":[0]", "\"nodes\":[0,0]", "node 0 (crate) has two parents"),
         ("\"mesh\":0", "\"mesh\":0,\"children\":[0]", "node 0 (crate) has two parents or is its own ancestor"),
@@ -313,12 +313,12 @@ fn gltf_errors_are_reported() {
         ("\"mesh\":0", "\"matrix\":[1,0,0,0.5,0,1,0,0,0,0,1,0,0,0,0,1],\"mesh\":0", "last row"),
         ("\"mesh\":0", "\"rotation\":[0,0,0,0],\"mesh\":0", "not finite"),
         ("\"mesh\":0,", "", "the scene shows no vertices"),
-        ("\"POSITION\":0", "\"POSITION\":1", "accessor 1 is not of type Vec3"),
+        ("\"POSITION\":0", "\"POSITION\":1", "accessor 1 is not of type VEC3"),
         ("\"POSITION\":0", "\"POSITION\":8", "accessor 8 does not exist"),
         ("\"POSITION\":0", "\"POSITION\":-8", "not a glTF document"),
         ("\"count\":10", "\"count\":11", "has 11 elements, more than its buffer view holds"),
         ("\"count\":10", "\"count\":9", "corner"),
-        ("\"componentType\":5125", "\"componentType\":5126", "vertex indices of component type 5126"),
+        ("\"componentType\":5125", "\"componentType\":5126", "vertex indices stored as floats (component type 5126)"),
         ("\"componentType\":5126", "\"componentType\":7", "unknown component type 7"),
         ("\"byteOffset\":0", "\"byteOffset\":18446744073709551615", "buffer view 0"),
         ("\"bufferView\":0", "\"bufferView\":5", "buffer view 5, which does not exist"),
@@ -344,7 +344,8 @@ fn gltf_errors_are_reported() {
     claims[9..12].fill(0);
     fails("a.glb", &claims, "a GLB chunk claims");
     fails("a.glb", b"glTF\x02\0\0\0\x0C\0\0\0", "no JSON chunk");
-    fails("a.glb", b"glTF\x01\0\0\0\x0C\0\0\0", "GLB version 1");
+    fails("a.glb", b"glTF\x01\0\0\0\x0C\0\0\0", "the file is glTF 1.0");
+    fails("a.glb", b"glTF\x03\0\0\0\x0C\0\0\0", "GLB version 3");
 }
 
 #[test]
@@ -372,7 +373,7 @@ fn stl_variants_and_errors() {
     let binary = stl::binary(&mesh, "solid");
     for (bytes, expected) in [
         (&b"  "[..], "the file is empty"),
-        (b"mesh", "4 bytes are neither STL text"),
+        (b"mesh", "the file has 4 bytes; expected STL text"),
         (&binary[..200], "claims 16 triangles (884 bytes), but the file has 200"),
         (&stl::binary(&Mesh::default(), "x"), "no triangles found"),
         (
@@ -394,7 +395,7 @@ fn stl_variants_and_errors() {
     nan[84 + 50 + 12 + 12..][..4].copy_from_slice(&f32::NAN.to_le_bytes());
     fails("a.stl", &nan, "corner 1 of triangle 1 has the coordinate NaN");
     let longer = [&binary[..], &[0; 7]].concat();
-    assert!(import_bytes("a.stl", &longer, WHOLE).unwrap().warnings[0].contains("7 bytes after the 16 triangles"));
+    assert!(import_bytes("a.stl", &longer, WHOLE).unwrap().warnings[0].starts_with("7 bytes at the end"));
 }
 
 #[test]
@@ -466,6 +467,51 @@ fn ply_variants_and_errors() {
         nan[at..at + 4].fill(0xFF);
         fails("a.ply", &nan, "vertex 9 has the coordinate NaN");
     }
+}
+
+/// Unknown header lines and surplus values were errors, and other readers skip them.
+#[test]
+fn ply_surplus_is_skipped_with_a_note() {
+    let file = |format: &str, header: &str, body: &str| {
+        format!(
+            "ply\nformat {format} 1.0\n{header}element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n{body}"
+        )
+    };
+    let read = |text: &str| {
+        let imported = import_bytes("a.ply", text.as_bytes(), WHOLE).unwrap();
+        let set = &imported.point_sets[0];
+        assert_eq!(set.positions, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "{text}");
+        assert_eq!(imported.faces[0].triangles(&set.positions), [[0, 1, 2], [2, 1, 0]], "{text}");
+        imported.notes
+    };
+    let plain = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 2 1 0\n";
+    assert_eq!(read(&file("ascii", "", plain)), [""; 0]);
+    assert_eq!(
+        read(&file("ascii", "author me\n\nCOMMENT x\n", plain)),
+        ["line 3: `author me`: 2 header lines with an unknown keyword, skipped"]
+    );
+    assert_eq!(
+        read(&file("ascii", "", "0 0 0 9\n1 0 0\n\n 0 1 0 9 9\r\n3 0 1 2 255 0 0\n3 2 1 0 \nremark\n")),
+        ["line 10: 3 lines have more values than the header declares, which are ignored"]
+    );
+    assert_eq!(
+        read(&file("ascii", "", "0 0 0\n1 0 0 5\n0 1 0\n3 0 1 2\n3 2 1 0")),
+        ["line 11: 1 line has more values than the header declares, which are ignored"]
+    );
+    // Several instances in a line, and instances that continue on the next one.
+    for body in [
+        "0 0 0 1 0 0 0 1 0\n3 0 1 2\n3 2 1 0",
+        "0 0\n0 1 0 0 0 1 0 3 0 1 2 3 2\n1 0",
+        "0\n0\n0\n1 0 0\n0 1 0\n3\n0 1 2\n3\n2 1 0",
+    ] {
+        assert_eq!(read(&file("ascii", "", body)), [""; 0], "{body}");
+    }
+    let fault = |text: &str, expected: &str| fails("a.ply", text.as_bytes(), expected);
+    fault(&file("ascii", "", "0 0 0 9\n1 0 0 9\n0 1 x 9\n3 0 1 2\n3 2 1 0"), "a.ply:12: coordinate `x`");
+    fault(&file("ascii", "", "0 0 0 9\n1 0 0 9\n0 1 0 9\n3 0 1 2\n3 2 1 3"), "a.ply:14: face 1 has the vertex index 3");
+    fault(&file("ascii", "", "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), "the file ends within face 1 of the 2");
+    fault(&file("ascii", "format\n", plain), "a.ply:3: found `format`; expected");
+    fault(&file("ascii", "element a\n", plain), "a.ply:3: found `element a`; expected");
 }
 
 /// Face indices were compared with the length of the first list, but used with the last one.

@@ -1,0 +1,113 @@
+//! glTF 2.0: the buffers that positions and vertex indices are read from.
+//!
+//! A buffer that holds only animations, normals or images has no effect on a hull. It is not read,
+//! and may be missing.
+
+use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+
+use super::container::{BufferLocation, Container};
+use super::document::{Accessor, Document};
+use super::scene;
+use crate::fault::{Fault, LineFault, counted};
+use crate::foreign::{LFS_REMEDY, is_lfs_pointer};
+
+/// Paths of the buffers beside a file that are required, relative to it, without repetition, in the
+/// document's order.
+///
+/// # Errors
+/// A URI leads out of the file's folder.
+///
+/// # Complexity
+/// O(document).
+pub fn paths(container: &Container) -> Result<Vec<String>, LineFault> {
+    let (mut paths, mut known) = (Vec::new(), HashSet::new());
+    for (index, uri) in required(&container.document) {
+        if let BufferLocation::Beside(path) = locate(index, uri)?
+            && known.insert(path.clone())
+        {
+            paths.push(path.into_owned());
+        }
+    }
+    Ok(paths)
+}
+
+/// Bytes of every buffer. `None` for a buffer without bytes, and for one that is not required.
+///
+/// # Errors
+/// The first buffer that is required, and missing or too short.
+///
+/// # Complexity
+/// O(bytes).
+pub fn read<'a>(
+    container: &'a Container,
+    beside: &'a [(String, Vec<u8>)],
+) -> Result<Vec<Option<Cow<'a, [u8]>>>, LineFault> {
+    let beside: HashMap<&str, &[u8]> = beside.iter().map(|(path, bytes)| (&path[..], &bytes[..])).collect();
+    let records = &container.document.buffers;
+    let mut buffers: Vec<Option<Cow<[u8]>>> = records.iter().map(|_| None).collect();
+    for (index, uri) in required(&container.document) {
+        let fault = |text: String| Fault::format(format!("buffer {index} {text}; export the file again")).of_file();
+        let bytes: Cow<[u8]> = match locate(index, uri)? {
+            // Only the first buffer can be the BIN chunk.
+            BufferLocation::Chunk => match container.buffer {
+                Some(chunk) if index == 0 => Cow::Borrowed(chunk),
+                _ => continue,
+            },
+            BufferLocation::Data(data) => {
+                Cow::Owned(STANDARD.decode(data).map_err(|error| fault(format!("has invalid base64 data: {error}")))?)
+            }
+            BufferLocation::Beside(path) => {
+                let bytes = *beside.get(&path[..]).ok_or_else(|| fault(format!("({path}) is missing")))?;
+                if is_lfs_pointer(bytes) {
+                    let text =
+                        format!("buffer {index} ({path}) is a Git LFS pointer, not the buffer itself: {LFS_REMEDY}");
+                    return Err(Fault::format(text).of_file());
+                }
+                Cow::Borrowed(bytes)
+            }
+        };
+        let claimed = records.get(index).map_or(0, |record| record.byte_length);
+        if (bytes.len() as u64) < claimed {
+            let claimed = counted(claimed, "byte", "bytes");
+            return Err(fault(format!("should have {claimed} but has {}: it was cut off", bytes.len())));
+        }
+        if let Some(slot) = buffers.get_mut(index) {
+            *slot = Some(bytes);
+        }
+    }
+    Ok(buffers)
+}
+
+fn locate(index: usize, uri: Option<&str>) -> Result<BufferLocation<'_>, LineFault> {
+    BufferLocation::of(uri).map_err(|text| Fault::format(format!("buffer {index} has {text}")).of_file())
+}
+
+/// Indices and URIs of the buffers with positions or vertex indices of the scene. References out of
+/// range are left to the reader of the scene, which reports them.
+fn required<'a>(document: &'a Document) -> impl Iterator<Item = (usize, Option<&'a str>)> {
+    let mut is_required = vec![false; document.buffers.len()];
+    let mut mark_view = |view: u32| {
+        let view = document.buffer_views.get(view as usize);
+        if let Some(slot) = view.and_then(|view| is_required.get_mut(view.buffer as usize)) {
+            *slot = true;
+        }
+    };
+    let mut mark = |accessor: &Accessor| {
+        let sparse = accessor.sparse.iter().flat_map(|sparse| [sparse.indices.buffer_view, sparse.values.buffer_view]);
+        accessor.buffer_view.into_iter().chain(sparse).for_each(&mut mark_view);
+    };
+    let is_shown = scene::shown_meshes(document);
+    let shown = document.meshes.iter().zip(is_shown).filter(|(_, is_shown)| *is_shown);
+    for primitive in shown.flat_map(|(mesh, _)| mesh.primitives.iter()) {
+        let positions = primitive.attributes.position;
+        // A primitive without positions is not drawn.
+        let accessors = positions.into_iter().chain(positions.and(primitive.indices));
+        accessors.filter_map(|accessor| document.accessors.get(accessor as usize)).for_each(&mut mark);
+    }
+    let buffers = document.buffers.iter().enumerate().zip(is_required);
+    buffers.filter(|(_, is_required)| *is_required).map(|((index, buffer), _)| (index, buffer.uri.as_deref()))
+}

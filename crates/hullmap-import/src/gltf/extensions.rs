@@ -1,0 +1,133 @@
+//! glTF 2.0: extensions that a file may require, and remedies for those that it may not.
+//!
+//! A required extension that is not listed here may change the geometry, so the file is rejected.
+
+use std::fmt;
+
+/// Extensions whose names start with one of these have no effect on geometry: materials, textures
+/// and images, lights, sounds, and data about the model.
+const HARMLESS_PREFIXES: [&str; 19] = [
+    "ADOBE_materials_",
+    "EXT_lights_",
+    "EXT_materials_",
+    "EXT_texture_",
+    "GOOGLE_texture_",
+    "KHR_audio",
+    "KHR_image_",
+    "KHR_lights_",
+    "KHR_materials_",
+    "KHR_texture_",
+    "KHR_xmp",
+    "MSFT_audio_",
+    "MSFT_packing_",
+    "MSFT_texture_",
+    "NV_materials_",
+    "OMI_audio_",
+    "OMI_physics_",
+    "VRMC_materials_",
+    "VRMC_springBone",
+];
+
+/// Single extensions without an effect on the geometry of the default scene at rest.
+const HARMLESS: [&str; 19] = [
+    // Shaders, as glTF 1.0 had them, and how they blend. Files converted from 1.0 require them.
+    "KHR_blend",
+    "KHR_techniques_webgl",
+    // Data about vertices, primitives and the whole, and lines drawn over the edges of triangles.
+    "AGI_stk_metadata",
+    "CESIUM_primitive_outline",
+    "EXT_feature_metadata",
+    "EXT_instance_features",
+    "EXT_mesh_features",
+    "EXT_structural_metadata",
+    "FB_geometry_metadata",
+    // Motion and behaviour after loading, and attributes of nodes that viewers use.
+    "KHR_animation_pointer",
+    "KHR_interactivity",
+    "KHR_node_hoverability",
+    "KHR_node_selectability",
+    "KHR_physics_rigid_bodies",
+    "MSFT_physics_rigid_bodies",
+    "VRM",
+    "VRMC_node_constraint",
+    "VRMC_vrm",
+    // Coarser levels of a mesh. The scene has the finest level.
+    "MSFT_lod",
+];
+
+/// Extensions that the readers of this crate support: positions as integers, and indices that
+/// restart a strip.
+const SUPPORTED: [&str; 3] = ["EXT_mesh_primitive_restart", "KHR_mesh_primitive_restart", "KHR_mesh_quantization"];
+
+/// Extensions that compress positions and indices. A file may require them where it does not use
+/// them for the scene, or has the data uncompressed too.
+const COMPRESSIONS: [&str; 3] = ["EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_meshopt_compression"];
+
+/// Extension that draws a mesh once for each entry of an accessor.
+pub const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+
+/// Whether a file may require the extension.
+pub fn may_be_required(extension: &str) -> bool {
+    HARMLESS_PREFIXES.iter().any(|prefix| extension.starts_with(prefix))
+        || [&HARMLESS[..], &SUPPORTED, &COMPRESSIONS].concat().contains(&extension)
+}
+
+/// Whether the extension lets the largest index of its type restart a strip.
+pub fn allows_restart(extension: &str) -> bool {
+    extension.ends_with("_mesh_primitive_restart") && SUPPORTED.contains(&extension)
+}
+
+/// Suggested remedy for an unsupported extension.
+pub fn remedy(extension: &str) -> &'static str {
+    match extension {
+        // glTF-Transform decodes both when it reads a file, and writes no compression unless it is
+        // told to.
+        "EXT_meshopt_compression" | "KHR_draco_mesh_compression" => {
+            "export it without mesh compression, or run `gltf-transform copy IN.glb OUT.glb` (npm install --global @gltf-transform/cli) and bake the copy"
+        }
+        "KHR_meshopt_compression" => "export it without mesh compression",
+        INSTANCING => "export the instances as nodes",
+        _ => "export it without this extension",
+    }
+}
+
+/// Message about data that exists in compressed form only.
+pub struct Compressed(pub &'static str);
+
+impl fmt::Display for Compressed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "compressed by {}, which is not supported; {}", self.0, remedy(self.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extensions_without_geometry_may_be_required() {
+        for extension in [
+            "KHR_techniques_webgl",
+            "KHR_texture_transform",
+            "KHR_texture_basisu",
+            "KHR_materials_unlit",
+            "KHR_materials_pbrSpecularGlossiness",
+            "EXT_texture_webp",
+            "EXT_texture_avif",
+            "KHR_lights_punctual",
+            "KHR_xmp_json_ld",
+            "KHR_mesh_quantization",
+            "MSFT_texture_dds",
+            "MSFT_packing_occlusionRoughnessMetallic",
+            "EXT_structural_metadata",
+            "VRMC_materials_mtoon",
+        ] {
+            assert!(may_be_required(extension), "{extension}");
+        }
+        for extension in
+            [INSTANCING, "CESIUM_RTC", "KHR_node_visibility", "KHR_accessor_float64", "VENDOR_x", "", "KHR_"]
+        {
+            assert!(!may_be_required(extension), "{extension}");
+        }
+    }
+}

@@ -1,0 +1,277 @@
+//! glTF files as exporters and converters write them: extensions, missing buffers, integers written
+//! as floats, primitive restart, version 1.0.
+
+use shapes::gltf;
+
+use super::super::*;
+
+const WHOLE: ImportOptions = ImportOptions::DEFAULT;
+
+/// Three points, and their indices as shorts, in 44 bytes.
+fn triangle() -> Vec<u8> {
+    let points = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let mut bytes: Vec<u8> = points.iter().flat_map(|x| x.to_le_bytes()).collect();
+    bytes.extend([0_u16, 1, 2, 0].iter().flat_map(|index| index.to_le_bytes()));
+    bytes
+}
+
+const PRIMITIVE: &str = r#"{"attributes":{"POSITION":0},"indices":1}"#;
+const ACCESSORS: &str = r#"{"bufferView":0,"componentType":5126,"type":"VEC3","count":3},{"bufferView":1,"componentType":5123,"type":"SCALAR","count":3}"#;
+const VIEWS: &str = r#"{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":6}"#;
+const BUFFERS: &str = r#"{"byteLength":44}"#;
+
+/// Parts of a document that the tests vary.
+struct Parts<'a> {
+    /// Members besides those below, each followed by a comma.
+    extra: &'a str,
+    primitive: &'a str,
+    accessors: &'a str,
+    views: &'a str,
+    buffers: &'a str,
+}
+
+const PLAIN: Parts = Parts { extra: "", primitive: PRIMITIVE, accessors: ACCESSORS, views: VIEWS, buffers: BUFFERS };
+
+impl Parts<'_> {
+    fn json(&self) -> String {
+        let Self { extra, primitive, accessors, views, buffers } = self;
+        format!(
+            r#"{{"asset":{{"version":"2.0"}},{extra}"meshes":[{{"primitives":[{primitive}]}}],"accessors":[{accessors}],"bufferViews":[{views}],"buffers":[{buffers}]}}"#
+        )
+    }
+
+    /// A GLB file with `buffer` as its BIN chunk.
+    fn glb(&self, buffer: &[u8]) -> Result<Imported, ImportError> {
+        import_bytes("a.glb", gltf::glb(self.json().as_bytes(), buffer))
+    }
+}
+
+fn import_bytes(name: &str, bytes: Vec<u8>) -> Result<Imported, ImportError> {
+    import(name, "shape", Path::new(name), &SourceFile::alone(bytes), &WHOLE, &Limits::DEFAULT)
+}
+
+fn triangles(imported: &Imported) -> Vec<[u32; 3]> {
+    imported.faces[0].triangles(&imported.point_sets[0].positions)
+}
+
+fn fails(result: Result<Imported, ImportError>, expected: &[&str]) {
+    let message = result.expect_err(expected[0]).to_string();
+    assert!(expected.iter().all(|words| message.contains(words)), "{message}\nexpected: {expected:?}");
+    assert!(message.len() < 500, "{message}");
+}
+
+#[test]
+fn the_plain_file_imports() {
+    assert_eq!(triangles(&PLAIN.glb(&triangle()).unwrap()), [[0, 1, 2]]);
+}
+
+/// They were rejected: "requires the extension KHR_techniques_webgl".
+#[test]
+fn required_extensions_without_geometry_are_accepted() {
+    let extra = r#""extensionsRequired":["KHR_techniques_webgl","KHR_blend","EXT_texture_webp","MSFT_lod"],"#;
+    assert_eq!(triangles(&Parts { extra, ..PLAIN }.glb(&triangle()).unwrap()), [[0, 1, 2]]);
+    let extra = r#""extensionsRequired":["CESIUM_RTC"],"#;
+    fails(Parts { extra, ..PLAIN }.glb(&triangle()), &["requires the extension CESIUM_RTC"]);
+}
+
+/// Views of which the extension has a compressed copy were rejected.
+#[test]
+fn the_fallback_of_meshopt_compression_is_read() {
+    for (name, extra) in [
+        ("EXT_meshopt_compression", ""),
+        ("EXT_meshopt_compression", r#""extensionsRequired":["EXT_meshopt_compression"],"#),
+        ("KHR_meshopt_compression", ""),
+    ] {
+        let extension = format!(
+            r#""extensions":{{"{name}":{{"buffer":0,"byteLength":9,"byteStride":12,"count":3,"mode":"ATTRIBUTES"}}}}"#
+        );
+        let views = format!(
+            r#"{{"buffer":1,"byteLength":36,{extension}}},{{"buffer":1,"byteOffset":36,"byteLength":6,{extension}}}"#
+        );
+        // The first buffer has the compressed data, and is missing.
+        let fallback = format!(r#""byteLength":44,"extensions":{{"{name}":{{"fallback":true}}}}"#);
+        let buffers = format!(r#"{{"uri":"compressed.bin","byteLength":18}},{{"uri":"fallback.bin",{fallback}}}"#);
+        let json = Parts { extra, views: &views, buffers: &buffers, ..PLAIN }.json().into_bytes();
+        assert_eq!(crate::gltf::buffer_paths(&json).unwrap(), ["fallback.bin"]);
+        let mut source = SourceFile::alone(json);
+        source.beside = vec![("fallback.bin".to_owned(), triangle())];
+        let imported = import("a.gltf", "a", Path::new("a.gltf"), &source, &WHOLE, &Limits::DEFAULT).unwrap();
+        assert_eq!(triangles(&imported), [[0, 1, 2]], "{name}");
+
+        // A placeholder has no bytes. In a GLB file it is not the BIN chunk.
+        let buffers = format!(r#"{{"byteLength":18}},{{{fallback}}}"#);
+        let remedy = if name.starts_with("EXT") { "gltf-transform copy" } else { "without mesh compression" };
+        fails(
+            Parts { extra, views: &views, buffers: &buffers, ..PLAIN }.glb(&[0; 44]),
+            &["accessor 0", "compressed by", name, remedy],
+        );
+    }
+}
+
+#[test]
+fn draco_data_is_rejected_unless_there_is_a_fallback() {
+    let primitive = r#"{"attributes":{"POSITION":0},"indices":1,"extensions":{"KHR_draco_mesh_compression":{"bufferView":0,"attributes":{"POSITION":0}}}}"#;
+    let extra = r#""extensionsRequired":["KHR_draco_mesh_compression"],"#;
+    assert_eq!(triangles(&Parts { extra, primitive, ..PLAIN }.glb(&triangle()).unwrap()), [[0, 1, 2]]);
+    for view in [r#""bufferView":0,"#, r#""bufferView":1,"#] {
+        let accessors = ACCESSORS.replace(view, "");
+        let result = Parts { extra, primitive, accessors: &accessors, ..PLAIN }.glb(&triangle());
+        fails(result, &["compressed by KHR_draco_mesh_compression", "gltf-transform copy IN.glb OUT.glb"]);
+    }
+}
+
+/// Some exporters keep all numbers as floats. The parser rejected those: "invalid type".
+#[test]
+fn integers_may_be_written_as_floats() {
+    let json = gltf::parts(
+        &[("cube", &shapes::solids::extrusion(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], 0.0, 1.0))],
+        r#"{"mesh":0,"children":[1]},{"mesh":0}"#,
+        "0",
+    )
+    .text_with_data();
+    let expected = import_bytes("a.gltf", json.clone().into_bytes()).unwrap();
+    let mut floats = String::new();
+    for (at, piece) in json.split('"').enumerate() {
+        // Every second piece is a string.
+        let is_text = at % 2 == 1;
+        let quote = if at == 0 { "" } else { "\"" };
+        floats += quote;
+        for word in piece.split_inclusive([',', '[', ']', '{', '}', ':']) {
+            let digits = word.trim_end_matches([',', '[', ']', '{', '}', ':']);
+            let is_integer = !is_text && !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit());
+            floats += &if is_integer { word.replacen(digits, &format!("{digits}.0"), 1) } else { word.to_owned() };
+        }
+    }
+    assert!(floats.matches(".0").count() > 20, "{floats}");
+    let imported = import_bytes("a.gltf", floats.into_bytes()).unwrap();
+    assert_eq!(imported.point_sets[0].positions, expected.point_sets[0].positions);
+    assert_eq!(imported.faces, expected.faces);
+    let accessors = ACCESSORS.replace("\"count\":3}", "\"count\":2.5}");
+    fails(Parts { accessors: &accessors, ..PLAIN }.glb(&triangle()), &["floating point `2.5`", "whole number"]);
+}
+
+/// A missing buffer of animations or images rejected the file.
+#[test]
+fn buffers_without_positions_or_indices_may_be_missing() {
+    let buffers = format!(
+        r#"{BUFFERS},{{"uri":"animation.bin","byteLength":1e9}},{{"uri":"https://host/image.bin","byteLength":5}},{{"byteLength":7}},{{"uri":"data:;base64,%","byteLength":1}}"#
+    );
+    let views = format!(r#"{VIEWS},{{"buffer":1,"byteLength":100}}"#);
+    let accessors = format!(r#"{ACCESSORS},{{"bufferView":2,"componentType":5126,"type":"VEC3","count":8}}"#);
+    let parts = Parts { buffers: &buffers, views: &views, accessors: &accessors, ..PLAIN };
+    assert_eq!(triangles(&parts.glb(&triangle()).unwrap()), [[0, 1, 2]]);
+    assert!(crate::gltf::buffer_paths(parts.json().as_bytes()).unwrap().is_empty());
+
+    // The positions of a mesh outside the scene are not required either.
+    let extra = r#""nodes":[{"mesh":0},{"mesh":1}],"scenes":[{"nodes":[0]}],"#;
+    let primitive = format!(r#"{PRIMITIVE}]}},{{"primitives":[{{"attributes":{{"POSITION":2}}}}"#);
+    let parts = Parts { extra, primitive: &primitive, ..parts };
+    assert_eq!(triangles(&parts.glb(&triangle()).unwrap()), [[0, 1, 2]]);
+    let extra = extra.replace("[0]", "[0,1]");
+    let parts = Parts { extra: &extra, ..parts };
+    assert_eq!(crate::gltf::buffer_paths(parts.json().as_bytes()).unwrap(), ["animation.bin"]);
+    fails(parts.glb(&triangle()), &["buffer 1 (animation.bin) is missing"]);
+
+    // Sparse replacements are required.
+    let accessors = r#"{"componentType":5126,"type":"VEC3","count":3,"sparse":{"count":1,"indices":{"bufferView":2,"componentType":5123},"values":{"bufferView":0}}}"#;
+    let parts = Parts { accessors, extra: "", primitive: r#"{"attributes":{"POSITION":0}}"#, ..parts };
+    assert_eq!(crate::gltf::buffer_paths(parts.json().as_bytes()).unwrap(), ["animation.bin"]);
+}
+
+#[test]
+fn a_git_lfs_pointer_in_place_of_a_buffer_is_named() {
+    let mut source =
+        SourceFile::alone(Parts { buffers: r#"{"uri":"a.bin","byteLength":44}"#, ..PLAIN }.json().into_bytes());
+    let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 44\n";
+    source.beside = vec![("a.bin".to_owned(), pointer.to_vec())];
+    let result = import("a.gltf", "a", Path::new("a.gltf"), &source, &WHOLE, &Limits::DEFAULT);
+    fails(result, &["buffer 0 (a.bin) is a Git LFS pointer", "git lfs pull"]);
+}
+
+fn strip(mode: u32, indices: &[u8], vertex_count: usize, extra: &str) -> Result<Imported, ImportError> {
+    let mut buffer = indices.to_vec();
+    buffer.resize(indices.len().next_multiple_of(4), 0);
+    let start = buffer.len();
+    for vertex in 0..vertex_count {
+        let [x, y] = [(vertex % 20) as f32, (vertex / 20) as f32];
+        buffer.extend([x, y, x * y].iter().flat_map(|x| x.to_le_bytes()));
+    }
+    let views = format!(
+        r#"{{"buffer":0,"byteLength":{}}},{{"buffer":0,"byteOffset":{start},"byteLength":{}}}"#,
+        indices.len(),
+        12 * vertex_count
+    );
+    let accessors = format!(
+        r#"{{"bufferView":1,"componentType":5126,"type":"VEC3","count":{vertex_count}}},{{"bufferView":0,"componentType":5121,"type":"SCALAR","count":{}}}"#,
+        indices.len()
+    );
+    let primitive = format!(r#"{{"attributes":{{"POSITION":0}},"indices":1,"mode":{mode}}}"#);
+    let buffers = format!(r#"{{"byteLength":{}}}"#, buffer.len());
+    Parts { extra, primitive: &primitive, accessors: &accessors, views: &views, buffers: &buffers }.glb(&buffer)
+}
+
+/// The restart index was an index out of range.
+#[test]
+fn the_restart_index_starts_a_new_strip() {
+    const RESTART: u8 = 255;
+    let indices = [0, 1, 2, 3, RESTART, 4, 5, 6, 7, RESTART, RESTART, 8, 9, RESTART];
+    for (mode, expected) in [
+        (5, &[[0, 1, 2], [2, 1, 3], [4, 5, 6], [6, 5, 7]][..]),
+        (6, &[[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]),
+        (3, &[]),
+        (2, &[]),
+    ] {
+        let imported = strip(mode, &indices, 10, "").unwrap();
+        assert_eq!(triangles(&imported), expected, "{mode}");
+        let points = if expected.is_empty() { 10 } else { 8 };
+        assert_eq!(imported.point_count(), points, "{mode}");
+        assert!(imported.notes.iter().any(|note| note.contains("restart index: 4")), "{:?}", imported.notes);
+    }
+    for mode in [0, 1, 4] {
+        fails(strip(mode, &indices, 10, ""), &["corner 4 has the vertex index 255, which is out of range"]);
+    }
+}
+
+#[test]
+fn the_restart_index_is_rejected_where_it_is_a_vertex_too() {
+    let indices = [0, 1, 2, 255, 3, 4, 5];
+    for mode in [2, 3, 5, 6] {
+        fails(strip(mode, &indices, 256, ""), &["corner 3 has the index 255", "larger indices"]);
+    }
+    for name in ["KHR_mesh_primitive_restart", "EXT_mesh_primitive_restart"] {
+        let extra = format!(r#""extensionsUsed":["{name}"],"extensionsRequired":["{name}"],"#);
+        assert_eq!(triangles(&strip(5, &indices, 256, &extra).unwrap()), [[0, 1, 2], [3, 4, 5]]);
+    }
+    // A list has nothing to restart.
+    assert_eq!(strip(0, &indices, 256, "").unwrap().point_count(), 7);
+}
+
+#[test]
+fn indices_of_another_type_are_rejected_by_name() {
+    for (from, to, expected) in [
+        (5123, 5126, "accessor 1 has vertex indices stored as floats (component type 5126); expected unsigned bytes"),
+        (5123, 5122, "accessor 1 has vertex indices stored as signed shorts"),
+        (5126, 5125, "accessor 0 has positions stored as unsigned ints"),
+    ] {
+        let accessors = ACCESSORS.replace(&from.to_string(), &to.to_string());
+        let accessors = accessors.replace("\"count\":3}", "\"count\":1}");
+        fails(Parts { accessors: &accessors, ..PLAIN }.glb(&triangle()), &[expected, "export the file again"]);
+    }
+}
+
+/// They had the message of the parser: "invalid type: map, expected a list".
+#[test]
+fn version_1_is_named() {
+    let text = r#"{"asset":{"version":"1.0"},"nodes":{"node":{"meshes":["mesh"]}},"meshes":{"mesh":{"primitives":[]}},"buffers":{}}"#;
+    for text in [text, &text.replace("\n", ""), &text.replace(r#""asset":{"version":"1.0"},"#, "")] {
+        fails(import_bytes("a.gltf", text.into()), &["the file is glTF 1.0", "gltf-pipeline -i IN -o OUT"]);
+    }
+    let text = text.replace(r#"{"node":{"meshes":["mesh"]}}"#, "[]");
+    fails(import_bytes("a.gltf", text.into()), &["the file is glTF 1.0"]);
+    fails(import_bytes("a.glb", b"glTF\x01\0\0\0\x14\0\0\0\0\0\0\0\0\0\0\0".to_vec()), &["the file is glTF 1.0"]);
+    let newer = PLAIN.json().replace("\"2.0\"", "\"3.0\"");
+    fails(import_bytes("a.gltf", newer.into()), &["the file is glTF 3.0"]);
+    // A fault in a file of version 2.0 keeps its own message.
+    let wrong = PLAIN.json().replace("\"meshes\":[", "\"nodes\":{},\"meshes\":[");
+    fails(import_bytes("a.gltf", wrong.into()), &["not a glTF document: invalid type: map, expected a list"]);
+}
