@@ -47,6 +47,10 @@ pub(in crate::solver) struct Expansion {
     pub(in crate::solver) iterations: u32,
 }
 
+/// √3, rounded up.
+const SQRT_3: f64 = 1.733;
+const _: () = assert!(SQRT_3 * SQRT_3 > 3.0);
+
 /// The constants of one search.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Terms {
@@ -75,7 +79,9 @@ impl Terms {
             Goal::Depth { tolerance } => tolerance,
         };
         let ball = m.inner_radius() - m.center_point().w.length();
-        let safe = (COPLANAR_NOISES + 1.0) * m.noise();
+        // The slack is measured by the sum of a normal's absolute components, which is at most √3
+        // times its length. One more noise is for rounding.
+        let safe = (COPLANAR_NOISES * SQRT_3 + 1.0) * m.noise();
         Self { goal, tolerance, ball, safe, max_expansions, noise: m.noise(), rounding: m.rounding_error() }
     }
 
