@@ -231,6 +231,6 @@ pub use pose::{Pose, PoseError};
 pub use shapes::{Corner, Feature, Shape, ShapeError};
 pub use solver::queries::{contact, distance, intersects};
 pub use solver::{
-    Cache, Contact, Distance, Intersection, Minkowski, Overlap, Settings, Status, Vertex, contact_lockstep,
+    Cache, Contact, Distance, Intersection, Minkowski, Overlap, Scratch, Settings, Status, Vertex, contact_lockstep,
 };
 pub use support::{Instructions, SupportMap, SupportPoint};

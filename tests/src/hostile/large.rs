@@ -24,10 +24,7 @@ use hullmap_bake::{
     index::{Index, encode::Encoded},
     write_pack,
 };
-use hullmap_format::{
-    slot::Slot,
-    walk::{self, Cost},
-};
+use hullmap_format::{slot::Slot, walk::Cost};
 use hullmap_testkit::packs::{self, point_set};
 use shapes::{families::Family, rng::SplitMix64};
 

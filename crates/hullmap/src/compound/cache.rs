@@ -1,7 +1,7 @@
 //! Temporal coherence of two compounds: solver caches of their recent pairs of hulls.
 
 use super::Compound;
-use crate::solver::Cache;
+use crate::solver::{Cache, Scratch};
 
 /// Caller-owned memory of one ordered pair of compounds.
 ///
@@ -24,6 +24,8 @@ use crate::solver::Cache;
 pub struct CompoundCache {
     slots: Box<[Slot]>,
     first: Option<[usize; 2]>,
+    /// The slot whose cache has the scratch memory, if any was lent.
+    lent_to: Option<usize>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -46,13 +48,30 @@ impl CompoundCache {
     /// An empty cache with `pairs` slots, at least one. A pair of hulls is assigned to a slot by
     /// its indices; if two pairs share a slot, the later one replaces the earlier one.
     pub fn new(pairs: usize) -> Self {
-        Self { slots: vec![Slot::default(); pairs.max(1)].into_boxed_slice(), first: None }
+        Self { slots: vec![Slot::default(); pairs.max(1)].into_boxed_slice(), first: None, lent_to: None }
     }
 
     /// Clears all slots.
     pub fn clear(&mut self) {
         self.first = None;
-        self.slots.iter_mut().for_each(|slot| *slot = Slot::default());
+        for slot in &mut self.slots {
+            slot.pair = None;
+            slot.cache.clear();
+        }
+    }
+
+    /// Lends scratch memory to the queries that use this cache, as [`Cache::lend`] does.
+    pub fn lend(&mut self, scratch: Box<Scratch>) {
+        self.reclaim();
+        if let Some(slot) = self.slots.first_mut() {
+            slot.cache.lend(scratch);
+            self.lent_to = Some(0);
+        }
+    }
+
+    /// Returns the scratch memory that the cache was lent, if any.
+    pub fn reclaim(&mut self) -> Option<Box<Scratch>> {
+        self.slots.get_mut(self.lent_to.take()?)?.cache.reclaim()
     }
 
     /// Solver cache of one pair of hulls, by their indices in A and in B. It is empty if the pair
@@ -61,6 +80,13 @@ impl CompoundCache {
     pub fn pair(&mut self, pair: [usize; 2]) -> &mut Cache {
         // The factor sends neighbouring pairs to different slots.
         let index = (pair[0].wrapping_mul(31).wrapping_add(pair[1])) % self.slots.len();
+        // The scratch memory goes along to the cache in use.
+        if self.lent_to.is_some_and(|lent_to| lent_to != index)
+            && let Some(scratch) = self.reclaim()
+        {
+            self.slots[index].cache.lend(scratch);
+            self.lent_to = Some(index);
+        }
         let slot = &mut self.slots[index];
         if slot.pair != Some(pair) {
             slot.pair = Some(pair);

@@ -19,6 +19,7 @@
 //!   what matters: whether it still winds around the origin.
 
 use super::minkowski::Point;
+use super::scratch::{Lent, Scratch};
 use glam::DVec3;
 
 /// Maximum number of vertices of a cached polytope.
@@ -29,7 +30,7 @@ const MAX_FACES: usize = 2 * MAX_POINTS;
 
 /// Caller-owned memory of one ordered pair (A, B), passed to every query of that pair.
 ///
-/// It takes 1.3 KB and holds no pointers. It changes the cost of a query and, beyond rounding
+/// It takes 1.3 KB, and no memory elsewhere unless [`lend`](Self::lend) lends it some. It changes the cost of a query and, beyond rounding
 /// error, never its answer. An empty cache is always valid, and so is the cache of another pair.
 /// All directions are in A's frame.
 ///
@@ -62,6 +63,7 @@ pub struct Cache {
     points: [[u32; 2]; MAX_POINTS],
     corners: [[u8; 3]; MAX_FACES],
     neighbours: [[u8; 3]; MAX_FACES],
+    scratch: Lent,
 }
 
 impl Default for Cache {
@@ -76,6 +78,7 @@ impl Default for Cache {
             points: [[0; 2]; MAX_POINTS],
             corners: [[0; 3]; MAX_FACES],
             neighbours: [[0; 3]; MAX_FACES],
+            scratch: Lent::default(),
         }
     }
 }
@@ -112,6 +115,21 @@ impl Cache {
         self.portal = None;
         self.simplex_count = 0;
         self.forget_polytope();
+    }
+
+    /// Lends scratch memory to the queries that use this cache, until it is
+    /// [reclaimed](Self::reclaim). Memory lent before is dropped. [`Scratch`] has an example.
+    pub fn lend(&mut self, scratch: Box<Scratch>) {
+        self.scratch.0 = Some(scratch);
+    }
+
+    /// Returns the scratch memory that the cache was lent, if any.
+    pub fn reclaim(&mut self) -> Option<Box<Scratch>> {
+        self.scratch.0.take()
+    }
+
+    pub(super) fn scratch(&mut self) -> Option<&mut Scratch> {
+        self.scratch.0.as_deref_mut()
     }
 
     pub(crate) fn axis(&self) -> Option<DVec3> {

@@ -142,7 +142,7 @@ fn solve<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         }
         Discovery::Flat | Discovery::Limit => {}
     }
-    let expanded = expand(m, start, Goal::Depth { tolerance }, bound, settings.max_iterations, Some(cache));
+    let expanded = expand(m, start, Goal::Depth { tolerance }, bound, settings.max_iterations, cache);
     iterations += expanded.iterations;
     contact_from_expansion(m, cache, &expanded, tolerance, iterations)
 }

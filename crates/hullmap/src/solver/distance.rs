@@ -125,7 +125,7 @@ pub(super) fn core_distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     out.distance = between.length();
     set_interval(&m, settings.relative_tolerance(), &found, &mut out);
     if found.upper <= 2.0 * rounding && !separated {
-        settle_at_origin(&mut m, &mut out);
+        settle_at_origin(&mut m, &mut out, cache);
     }
     out.support_calls = m.support_calls();
     out
@@ -178,8 +178,12 @@ fn set_interval<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 /// The origin is on the simplex, within rounding error. Decides by EPA whether it is inside the
 /// Minkowski difference or on its surface.
 #[inline(always)]
-fn settle_at_origin<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &mut Minkowski<'_, A, B>, out: &mut Distance) {
-    let (overlap, bound, steps) = decide_by_expansion(m, None);
+fn settle_at_origin<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    out: &mut Distance,
+    cache: &mut Cache,
+) {
+    let (overlap, bound, steps) = decide_by_expansion(m, None, cache);
     out.iterations += steps;
     // Witness points that nearly coincide give no direction. The face that the origin is on does.
     if overlap != Overlap::Overlapping && bound.normal != DVec3::ZERO {

@@ -137,7 +137,7 @@ fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         }
         Discovery::Flat | Discovery::Limit => {}
     }
-    let (status, Bound { normal, .. }, steps) = decide_by_expansion(m, start);
+    let (status, Bound { normal, .. }, steps) = decide_by_expansion(m, start, cache);
     match status {
         Overlap::Separated => cache.set_axis(normal),
         _ => cache.forget_axis(),
@@ -191,9 +191,10 @@ pub(super) fn portal_tetrahedron<A: SupportMap + ?Sized, B: SupportMap + ?Sized>
 pub(super) fn decide_by_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     start: Option<[Point; 4]>,
+    cache: &mut Cache,
 ) -> (Overlap, Bound, u32) {
     let Expansion { end, bound, iterations, .. } =
-        expand(m, start, Goal::Decide, Bound::none(), MAX_DECISION_STEPS, None);
+        expand(m, start, Goal::Decide, Bound::none(), MAX_DECISION_STEPS, cache);
     let status = match end {
         epa::End::Separated => Overlap::Separated,
         epa::End::Inside => Overlap::Overlapping,

@@ -13,6 +13,7 @@
 //! | `intersection`, `distance`, `contact` | the queries, composed of these algorithms |
 //! | `queries` | the public functions; they solve rounded shapes by their cores |
 //! | `cache` | what one pair keeps from query to query (warm start) |
+//! | `scratch` | memory for the largest polytopes, for threads with a small stack |
 //! | `lockstep` | contact in a fixed number of steps, for SIMD lanes and GPU threads |
 //!
 //! All arithmetic is in f64. There is no allocation, no angle and no random number, so the same
@@ -54,6 +55,7 @@ mod lockstep;
 pub(crate) mod minkowski;
 mod mpr;
 pub(crate) mod queries;
+mod scratch;
 mod settings;
 mod status;
 
@@ -63,5 +65,6 @@ pub use distance::Distance;
 pub use intersection::Intersection;
 pub use lockstep::contact_lockstep;
 pub use minkowski::{Minkowski, Vertex};
+pub use scratch::Scratch;
 pub use settings::Settings;
 pub use status::{Overlap, Status};

@@ -46,12 +46,16 @@ use self::seed::{Flat, seed};
 use crate::solver::bound::Bound;
 use crate::solver::cache::{Cache, MAX_POINTS};
 use crate::solver::minkowski::{Minkowski, Point};
+use crate::solver::scratch::Scratch;
 use crate::support::SupportMap;
 
 /// Maximum number of vertices of each polytope size. The first is enough for small hulls and
 /// touching pairs, the second for nearly all queries, the third for sphere-like hulls; the last
 /// caps the cost of a query.
 const SIZES: [usize; 4] = [24, 64, 256, 1024];
+
+/// Number of expansions that need no polytope of the last size, from any start.
+pub(in crate::solver) const MAX_BIG_EXPANSIONS: u32 = (SIZES[2] - KEEP) as u32;
 
 /// A portal is not a start if the height of its tetrahedron is at most this many rounding errors:
 /// its planes would be noise.
@@ -80,15 +84,28 @@ const WORN_OUT: u32 = 8;
 /// Free vertices that a kept polytope must leave in the smallest size.
 const SPARE: usize = 6;
 
+/// The polytopes of the last two sizes.
+#[derive(Clone, Debug)]
+pub(in crate::solver) struct Large {
+    big: Polytope<{ SIZES[2] }, { 2 * SIZES[2] }>,
+    biggest: Polytope<{ SIZES[3] }, { 2 * SIZES[3] }>,
+}
+
+impl Large {
+    pub(in crate::solver) fn empty() -> Self {
+        Self { big: Polytope::empty(0.0), biggest: Polytope::empty(0.0) }
+    }
+}
+
 /// Expands from `start` if it has volume, else from a tetrahedron found here. `bound` is an upper
-/// bound known already. With a `cache`, keeps the polytope there.
+/// bound known already. If the goal is a depth, keeps the polytope in `cache`.
 pub(in crate::solver) fn expand<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     start: Option<[Point; 4]>,
     goal: Goal,
     bound: Bound,
     max_expansions: u32,
-    cache: Option<&mut Cache>,
+    cache: &mut Cache,
 ) -> Expansion {
     let expansion = expand_from(m, start, goal, bound, max_expansions, cache);
     settle(m, expansion)
@@ -100,7 +117,7 @@ fn expand_from<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     goal: Goal,
     bound: Bound,
     max_expansions: u32,
-    mut cache: Option<&mut Cache>,
+    cache: &mut Cache,
 ) -> Expansion {
     let terms = Terms::new(m, goal, max_expansions);
     let mut state = State::new(bound);
@@ -115,14 +132,16 @@ fn expand_from<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         }
     }
     state.encloses = small.encloses();
-    if let Some(cache) = &mut cache {
+    let mut kept_in = terms.keeps_polytope().then_some(&mut *cache);
+    if let Some(cache) = &mut kept_in {
         cache.forget_polytope();
     }
-    if !run(m, &mut small, &mut state, &terms, cache.as_deref_mut()) {
-        let mut medium = small.grown::<{ SIZES[1] }, { 2 * SIZES[1] }>();
+    if !run(m, &mut small, &mut state, &terms, kept_in.as_deref_mut()) {
+        let mut medium = Polytope::<{ SIZES[1] }, { 2 * SIZES[1] }>::empty(0.0);
+        small.copy_into(&mut medium);
         return expand_more(m, &mut medium, &mut state, &terms, cache);
     }
-    finish(&small, &mut state, cache)
+    finish(&small, &mut state, kept_in)
 }
 
 /// Expands from the polytope in `cache`. `None` if there is none that encloses the origin under the
@@ -141,8 +160,9 @@ pub(in crate::solver) fn expand_again<A: SupportMap + ?Sized, B: SupportMap + ?S
         if run(m, &mut small, &mut state, &terms, None) {
             finish(&small, &mut state, Some(cache))
         } else {
-            let mut medium = small.grown::<{ SIZES[1] }, { 2 * SIZES[1] }>();
-            expand_more(m, &mut medium, &mut state, &terms, Some(cache))
+            let mut medium = Polytope::<{ SIZES[1] }, { 2 * SIZES[1] }>::empty(0.0);
+            small.copy_into(&mut medium);
+            expand_more(m, &mut medium, &mut state, &terms, cache)
         }
     } else {
         expand_medium_again(m, &terms, cache)?
@@ -165,7 +185,7 @@ fn expand_medium_again<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     Some(if run(m, &mut medium, &mut state, terms, None) {
         finish(&medium, &mut state, Some(cache))
     } else {
-        expand_big(m, &medium, &mut state, terms)
+        expand_large(m, &medium, &mut state, terms, cache.scratch())
     })
 }
 
@@ -190,15 +210,49 @@ fn expand_more<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     medium: &mut Polytope<{ SIZES[1] }, { 2 * SIZES[1] }>,
     state: &mut State,
     terms: &Terms,
-    mut cache: Option<&mut Cache>,
+    cache: &mut Cache,
 ) -> Expansion {
-    if run(m, medium, state, terms, cache.as_deref_mut()) {
-        return finish(medium, state, cache);
+    if run(m, medium, state, terms, terms.keeps_polytope().then_some(&mut *cache)) {
+        return finish(medium, state, terms.keeps_polytope().then_some(cache));
     }
-    expand_big(m, medium, state, terms)
+    expand_large(m, medium, state, terms, cache.scratch())
 }
 
-/// Continues in the third size. Polytopes of this size are not kept.
+/// Continues in the third size, then in the last: in `scratch` if there is some, else on the stack.
+/// Polytopes of these sizes are not kept.
+fn expand_large<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    medium: &Polytope<{ SIZES[1] }, { 2 * SIZES[1] }>,
+    state: &mut State,
+    terms: &Terms,
+    scratch: Option<&mut Scratch>,
+) -> Expansion {
+    match scratch {
+        Some(scratch) => expand_in(m, medium, state, terms, &mut scratch.large),
+        None => expand_big(m, medium, state, terms),
+    }
+}
+
+/// Continues in caller-owned memory.
+#[inline(never)]
+fn expand_in<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    medium: &Polytope<{ SIZES[1] }, { 2 * SIZES[1] }>,
+    state: &mut State,
+    terms: &Terms,
+    Large { big, biggest }: &mut Large,
+) -> Expansion {
+    medium.replace(big);
+    if run(m, big, state, terms, None) {
+        return finish(big, state, None);
+    }
+    big.replace(biggest);
+    // A full polytope is the limit, which the state reports already.
+    run(m, biggest, state, terms, None);
+    finish(biggest, state, None)
+}
+
+/// Continues in the third size, on the stack.
 #[inline(never)]
 fn expand_big<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
@@ -206,14 +260,15 @@ fn expand_big<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     state: &mut State,
     terms: &Terms,
 ) -> Expansion {
-    let mut big = medium.grown::<{ SIZES[2] }, { 2 * SIZES[2] }>();
+    let mut big = Polytope::<{ SIZES[2] }, { 2 * SIZES[2] }>::empty(0.0);
+    medium.copy_into(&mut big);
     if run(m, &mut big, state, terms, None) {
         return finish(&big, state, None);
     }
     expand_biggest(m, &big, state, terms)
 }
 
-/// Continues in the last size.
+/// Continues in the last size, on the stack.
 #[inline(never)]
 fn expand_biggest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
@@ -221,8 +276,9 @@ fn expand_biggest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     state: &mut State,
     terms: &Terms,
 ) -> Expansion {
-    let mut biggest = big.grown::<{ SIZES[3] }, { 2 * SIZES[3] }>();
-    // A full polytope is the cap, which the state reports already.
+    let mut biggest = Polytope::<{ SIZES[3] }, { 2 * SIZES[3] }>::empty(0.0);
+    big.copy_into(&mut biggest);
+    // A full polytope is the limit, which the state reports already.
     run(m, &mut biggest, state, terms, None);
     finish(&biggest, state, None)
 }

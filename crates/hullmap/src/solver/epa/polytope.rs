@@ -232,10 +232,18 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         self.corners[face][0] == self.corners[face][1]
     }
 
-    /// The same surface with more room.
+    /// Replaces `big`, which has more room, by the same surface.
+    pub(in crate::solver) fn replace<const W: usize, const G: usize>(&self, big: &mut Polytope<W, G>) {
+        // Field by field: an empty polytope would take the stack that this saves.
+        big.offsets.fill(f64::INFINITY);
+        big.corners.fill([0; 3]);
+        big.encloses = false;
+        self.copy_into(big);
+    }
+
+    /// Copies the surface into a polytope without one, which has more room.
     #[inline(always)]
-    pub(in crate::solver) fn grown<const W: usize, const G: usize>(&self) -> Polytope<W, G> {
-        let mut big = Polytope::<W, G>::empty(0.0);
+    pub(in crate::solver) fn copy_into<const W: usize, const G: usize>(&self, big: &mut Polytope<W, G>) {
         big.slack = self.slack;
         for axis in 0..3 {
             big.w[axis][..self.point_count].copy_from_slice(&self.w[axis][..self.point_count]);
@@ -252,7 +260,6 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         big.offsets[..n].copy_from_slice(&self.offsets[..n]);
         big.face_count = n;
         big.nearest = self.nearest;
-        big
     }
 
     /// Whether the surface certainly wound around the origin when it was started or restored.
@@ -630,7 +637,8 @@ mod tests {
         assert_eq!(live.clone().count(), 12);
         assert!(live.into_iter().all(|f| (polytope.plane(f).2 - 1.0).abs() < 1e-15));
         assert!(polytope.is_full());
-        let mut grown = polytope.grown::<16, 32>();
+        let mut grown = Polytope::<16, 32>::empty(0.0);
+        polytope.replace(&mut grown);
         let top = (0..grown.face_count).find(|f| grown.plane(*f).0.z > 0.9 * grown.plane(*f).1).unwrap();
         grown.insert_vertex(vertex(0.0, 0.0, 3.0), top).unwrap();
         assert_closed(&grown);

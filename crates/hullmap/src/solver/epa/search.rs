@@ -85,6 +85,12 @@ impl Terms {
         Self { goal, tolerance, ball, safe, max_expansions, noise: m.noise(), rounding: m.rounding_error() }
     }
 
+    /// Whether the polytope is kept for the next query. A decision leaves the cache's polytope as it
+    /// is.
+    pub(super) fn keeps_polytope(&self) -> bool {
+        self.goal != Goal::Decide
+    }
+
     /// Whether an upper bound is as near to a lower one as the goal requires.
     #[inline(always)]
     fn are_close(&self, upper: f64, lower: f64) -> bool {

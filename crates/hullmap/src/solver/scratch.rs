@@ -1,0 +1,67 @@
+//! Scratch: memory for large polytopes, for threads with a small stack.
+
+use super::epa::Large;
+
+/// Memory for the large polytopes of deep contacts. With it, every query runs on a stack of
+/// [`STACK_SIZE`](Self::STACK_SIZE).
+///
+/// A deep contact of two round shapes with thousands of vertices needs a polytope of up to 1,024
+/// vertices. Without scratch memory it is on the stack: see
+/// [`Settings::stack_size`](crate::Settings::stack_size). A thread whose stack is smaller, for
+/// instance a fiber of a job system, owns one `Scratch` and lends it to the cache of each query
+/// with [`Cache::lend`](crate::Cache::lend). The answers have the same bits with and without it.
+///
+/// # Examples
+/// ```
+/// use hullmap::glam::DVec3;
+/// use hullmap::{Cache, Pose, Scratch, Settings, contact, shapes::Cuboid};
+///
+/// let cube = Cuboid::new(DVec3::ONE)?;
+/// // One per thread, made once.
+/// let mut scratch = Scratch::boxed();
+/// // One per pair.
+/// let mut caches = vec![Cache::new(); 2];
+/// let b_in_a = Pose::from_translation(DVec3::new(1.9, 0.1, 0.3))?;
+/// for cache in &mut caches {
+///     cache.lend(scratch);
+///     assert!(contact(&cube, &cube, b_in_a, &Settings::default(), cache).hit);
+///     scratch = cache.reclaim().ok_or("the cache has it")?;
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Scratch {
+    pub(super) large: Large,
+}
+
+impl Scratch {
+    /// Stack in bytes that is enough for every query whose cache has been lent a `Scratch`: on 64-bit
+    /// processors, in an optimised build, in addition to what a user's own shape needs.
+    ///
+    /// # Reference
+    /// Measured: `tests/stack.rs` runs every query on a stack of this size.
+    pub const STACK_SIZE: usize = 64 * 1024;
+
+    /// Allocates scratch memory: about 230 KB. The largest part of it is on the stack for a moment,
+    /// so call it on a thread with an ordinary stack.
+    pub fn boxed() -> Box<Self> {
+        Box::new(Self { large: Large::empty() })
+    }
+}
+
+/// The scratch memory that a cache has been lent. It is not part of the cache's contents: a clone
+/// of the cache has none, and caches are equal with and without it.
+#[derive(Debug, Default)]
+pub(super) struct Lent(pub(super) Option<Box<Scratch>>);
+
+impl Clone for Lent {
+    fn clone(&self) -> Self {
+        Self(None)
+    }
+}
+
+impl PartialEq for Lent {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,136 @@
+//! Every query runs on the stack that is documented: [`Settings::stack_size`] and
+//! [`Scratch::STACK_SIZE`]. An overflow ends the process.
+
+use std::hint::black_box;
+
+use hullmap::{
+    Cache, Compound, CompoundCache, Feature, Manifold, ManifoldSettings, Pack, Pose, Scratch, Settings, Shape, cascade,
+    compound, contact, contact_lockstep, distance,
+    glam::{DQuat, DVec3, Vec3},
+    intersects,
+    shapes::{Capsule, Rounded, Sphere},
+};
+use hullmap_bake::{IndexKind, SourceRecord};
+use hullmap_testkit::packs::{self, point_set};
+use shapes::families::Family;
+
+/// Hulls whose contact takes the largest polytope, and small ones.
+fn pack() -> Pack {
+    let sets = [
+        point_set("sphere", &Family::Sphere.points(8_192, 1)),
+        point_set("prism", &Family::Prism.points(500, 1)),
+        point_set("rock", &Family::Rock.points(60, 1)),
+    ];
+    Pack::from_bytes(&packs::bytes(&sets, IndexKind::Tree, &SourceRecord::default()).unwrap()).unwrap()
+}
+
+fn poses() -> Vec<Pose> {
+    let turned = DQuat::from_array([0.3, -0.2, 0.5, 0.7]).normalize();
+    let offsets = [DVec3::ZERO, DVec3::new(0.1, 0.2, -0.1), DVec3::X, DVec3::new(1.99, 0.0, 0.0), DVec3::Z * 9.0];
+    offsets.map(|offset| Pose::new(offset, turned).unwrap()).to_vec()
+}
+
+/// Runs every query and returns the maximum number of iterations of a contact.
+fn run_all<A: Shape, B: Shape>(a: &A, b: &B, settings: &Settings, scratch: &mut Option<Box<Scratch>>) -> u32 {
+    let mut most = 0;
+    for pose in poses() {
+        let mut cache = Cache::new();
+        if let Some(scratch) = scratch.take() {
+            cache.lend(scratch);
+        }
+        let found = contact(a, b, pose, settings, &mut cache);
+        most = most.max(found.iterations);
+        // The second query starts from the first one's polytope.
+        black_box(contact(a, b, pose, settings, &mut cache));
+        black_box(intersects(a, b, pose, &mut cache));
+        black_box(distance(a, b, pose, settings, &mut cache));
+        let manifold_settings = ManifoldSettings { contact: *settings, ..Default::default() };
+        black_box(Manifold::new().update(a, b, pose, &manifold_settings, &mut cache));
+        black_box(contact_lockstep(a, b, pose, 24, &mut cache));
+        let mut feature = Feature::new();
+        a.feature(DVec3::X, &mut feature);
+        black_box(feature.corners().len());
+        *scratch = cache.reclaim();
+    }
+    most
+}
+
+/// Runs every query on a thread with a stack of `size` bytes. Returns the maximum number of
+/// iterations of a contact.
+fn on_stack(size: usize, settings: Settings, with_scratch: bool) -> u32 {
+    let pack = pack();
+    let scratch = with_scratch.then(Scratch::boxed);
+    let run = move || {
+        let mut scratch = scratch;
+        let hulls = [0, 1, 2].map(|index| pack.hull(index).unwrap());
+        let mut most = 0;
+        for a in &hulls {
+            for b in &hulls {
+                most = most.max(run_all(a, b, &settings, &mut scratch));
+            }
+            let (ball, capsule) = (Sphere::new(0.8).unwrap(), Capsule::new(0.5, 0.3).unwrap());
+            run_all(a, &ball, &settings, &mut scratch);
+            run_all(&capsule, a, &settings, &mut scratch);
+            run_all(a, &Rounded::new(*a, 0.1).unwrap(), &settings, &mut scratch);
+            black_box((a.support(Vec3::X), a.support_from(Vec3::Y, 0), a.face_towards(DVec3::Z)));
+        }
+        let whole = Compound::new(&pack);
+        for pose in poses() {
+            let mut cache = CompoundCache::new(4);
+            if let Some(scratch) = scratch.take() {
+                cache.lend(scratch);
+            }
+            black_box(compound::intersects(&whole, &whole, pose, &mut cache));
+            black_box(compound::distance(&whole, &whole, pose, &settings, &mut cache));
+            black_box(compound::contact(&whole, &whole, pose, &settings, &mut cache));
+            scratch = cache.reclaim();
+            assert_eq!(scratch.is_some(), with_scratch, "the scratch memory is lost");
+            let stages = cascade::Stages::default();
+            black_box(cascade::intersects(&hulls[0], &hulls[1], pose, stages, &mut Cache::new()));
+        }
+        most
+    };
+    let thread = std::thread::Builder::new().stack_size(size).spawn(run).unwrap();
+    thread.join().unwrap()
+}
+
+#[test]
+fn settings_state_the_stack_of_a_query() {
+    for max_iterations in [200, Settings::DEFAULT_MAX_ITERATIONS, u32::MAX] {
+        let settings = Settings { max_iterations, ..Settings::default() };
+        let most = on_stack(settings.stack_size(), settings, false);
+        assert!(most >= max_iterations.min(900), "only {most} of {max_iterations} iterations");
+    }
+}
+
+#[test]
+fn scratch_memory_makes_a_small_stack_enough() {
+    for max_iterations in [0, Settings::DEFAULT_MAX_ITERATIONS] {
+        let settings = Settings { max_iterations, ..Settings::default() };
+        let most = on_stack(Scratch::STACK_SIZE, settings, true);
+        assert!(most >= max_iterations.min(900), "only {most} iterations");
+    }
+}
+
+#[test]
+fn scratch_memory_changes_no_answer() {
+    let pack = pack();
+    let mut scratch = Scratch::boxed();
+    let mut deep = 0;
+    for a in pack.hulls() {
+        for b in pack.hulls() {
+            for pose in poses() {
+                let (mut plain, mut lent) = (Cache::new(), Cache::new());
+                for _ in 0..2 {
+                    lent.lend(scratch);
+                    let found = contact(&a, &b, pose, &Settings::default(), &mut lent);
+                    scratch = lent.reclaim().unwrap();
+                    assert_eq!(found, contact(&a, &b, pose, &Settings::default(), &mut plain));
+                    assert_eq!(lent, plain);
+                    deep += usize::from(found.iterations > 300);
+                }
+            }
+        }
+    }
+    assert!(deep >= 2, "{deep} queries use the scratch memory");
+}
