@@ -2,8 +2,8 @@
 //! frame.
 
 use glam::{DQuat, DVec2, DVec3};
-use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
-use hullmap::{Cache, Feature, Manifold, ManifoldSettings, Pack, Pose, Prediction, Shape, SupportMap};
+use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere, TILT};
+use hullmap::{Cache, Feature, Hull, Manifold, ManifoldSettings, Pack, Pose, Prediction, Shape, SupportMap};
 use hullmap_testkit::packs::tree_pack;
 use shapes::{families::Family, rng::SplitMix64, solids};
 
@@ -460,4 +460,63 @@ fn flat_thin_and_featureless_shapes_have_manifolds() {
     assert!(found.points().iter().all(|p| p.point_a.x <= 5.0 + 1e-5) && found.points().len() == 4, "{found:?}");
     let reach = found.points().iter().map(|p| p.point_a.x).fold(f64::NEG_INFINITY, f64::max);
     assert!((reach - 5.0).abs() < 1e-5);
+}
+
+/// Signed distance of `point` from the planes of a hull's faces: the greatest one, which is its
+/// depth if it is inside.
+fn height_over_faces(hull: &Hull, point: DVec3) -> f64 {
+    let over = |face: u32| {
+        let corner = hull.face(face).next().and_then(|vertex| hull.vertex(vertex)).unwrap().as_dvec3();
+        hull.face_normal(face).unwrap().dot(point - corner)
+    };
+    (0..hull.face_count() as u32).map(over).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Curved hulls, whose features merge faces, in contact at random places.
+#[test]
+fn points_are_within_the_tilt_of_the_surfaces_and_depths_fit_the_points() {
+    println!("seed {SEED:#x}");
+    let mut rng = SplitMix64::new(SEED);
+    let packs = [
+        tree_pack(&Family::Sphere.points(2_000, 1)),
+        tree_pack(&Family::Sphere.points(60, 2)),
+        tree_pack(&Family::Rock.points(400, 3)),
+        tree_pack(&Family::Lens.points(300, 4)),
+        tree_pack(&Family::Prism.points(500, 5)),
+        prism(8, 1.0),
+    ];
+    let (mut points, mut shallow, mut worst) = (0, 0, 0.0_f64);
+    for round in 0..3_000 {
+        let [a, b] = [round % packs.len(), round / packs.len() % packs.len()].map(|i| packs[i].hull(0).unwrap());
+        let rotation = DQuat::from_array(std::array::from_fn(|_| rng.direction()[0])).normalize();
+        let along = DVec3::from_array(rng.direction());
+        // Move B along a line until it touches A, then by up to 5 % of its size into A.
+        let place = |offset: f64| Pose::new(a.centroid() + along * offset - rotation * b.centroid(), rotation).unwrap();
+        let (mut near, mut far) = (0.0, a.diameter() + b.diameter());
+        for _ in 0..60 {
+            let middle = 0.5 * (near + far);
+            let hit = hullmap::intersects(&a, &b, place(middle), &mut Cache::new()).is_hit();
+            (near, far) = if hit { (middle, far) } else { (near, middle) };
+        }
+        let pose = place(near - rng.direction()[0].abs() * 0.05 * b.diameter());
+        let mut manifold = Manifold::new();
+        let contact = manifold.update(&a, &b, pose, &ManifoldSettings::default(), &mut Cache::new());
+        let reach = a.outer_radius().min(b.outer_radius());
+        for p in manifold.points() {
+            let along_normal = (p.point_a - p.point_b).dot(manifold.normal());
+            assert!((p.depth - along_normal).abs() <= 1e-12 * reach, "{round}: {} is {along_normal}", p.depth);
+            assert!(p.depth <= contact.depth + 1e-12 * reach, "{round}: {} of {}", p.depth, contact.depth);
+            assert!((pose.transform_point(p.local_b) - p.point_b).length() <= 1e-12 * reach, "{round}");
+            let off_a = height_over_faces(&a, p.point_a).abs() / a.outer_radius();
+            let off_b = height_over_faces(&b, p.local_b).abs() / b.outer_radius();
+            worst = worst.max(off_a).max(off_b);
+            assert!(off_a.max(off_b) <= 2.0 * TILT, "{round}: {off_a} and {off_b} of the radii");
+            points += 1;
+            shallow += usize::from(p.depth < contact.depth * 0.999);
+        }
+    }
+    println!("{points} points, at most {worst:.1e} of the radius off the surface");
+    assert!(points > 3_000 && shallow > points / 20, "{shallow} of {points}");
+    // Otherwise no feature merged faces.
+    assert!(worst > 1e-3, "{worst}");
 }

@@ -190,18 +190,24 @@ impl fmt::Display for PointId {
 }
 
 /// A point of a [`Manifold`]. Lengths are in the shapes' units.
+///
+/// The two points lie on the planes of the features that meet. If a shape's feature is one face, its
+/// plane is the surface. If it merges faces within 1.15° ([`TILT`](crate::shapes::TILT)) of the
+/// normal, its plane is within `TILT` times the extent of the feature of the surface, along the
+/// normal: at most 0.04 of the shape's outer radius. The contact that
+/// [`update`](Manifold::update) returns has points on the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManifoldPoint {
     /// The features it lies on.
     pub id: PointId,
-    /// The point on A's surface, in A's frame.
+    /// The point on A's feature, in A's frame.
     pub point_a: DVec3,
-    /// The point on B's surface, in A's frame.
+    /// The point on B's feature, in A's frame.
     pub point_b: DVec3,
-    /// The point on B's surface, in B's frame.
+    /// The point on B's feature, in B's frame.
     pub local_b: DVec3,
-    /// Penetration depth at this point along the manifold's normal; negative if the surfaces are
-    /// separated there.
+    /// Penetration depth at this point along the manifold's normal n, (`point_a` − `point_b`) · n;
+    /// negative if the surfaces are separated there. At most the depth of the contact.
     pub depth: f64,
     /// Owned by the caller: 0 in a new point and unchanged while the point is kept. Made for the
     /// accumulated impulse along the normal and two tangents, with which the next frame's solver
@@ -390,22 +396,24 @@ impl Manifold {
     }
 
     /// Replaces the points by the chosen ones; matched points keep what the caller stored.
-    fn replace(&mut self, patch: &Patch, choice: Choice, frame: &Frame, b_in_a: Pose, max_depth: f64, reach: f64) {
+    fn replace(&mut self, patch: &Patch, choice: Choice, frame: &Frame, b_in_a: Pose, contact_depth: f64, reach: f64) {
         let old = self.clone();
         let a_in_b = b_in_a.inverse();
         self.count = 0;
         self.normal = frame.normal;
         for &index in choice.indices() {
             let p = &patch.points()[index];
-            let point_b = frame.point(p.at, p.heights[1]);
+            // Features that are not quite flat rise above their planes. No point is deeper than the
+            // contact: both surfaces give way by half of the excess.
+            let excess = 0.5 * (p.depth() - contact_depth).max(0.0);
+            let heights = [p.heights[0] - excess, p.heights[1] + excess];
+            let point_b = frame.point(p.at, heights[1]);
             self.points[self.count] = ManifoldPoint {
                 id: PointId { parts: p.parts },
-                point_a: frame.point(p.at, p.heights[0]),
+                point_a: frame.point(p.at, heights[0]),
                 point_b,
                 local_b: a_in_b.transform_point(point_b),
-                // Features that are not quite flat rise above their planes. No point is deeper than
-                // the contact.
-                depth: p.depth().min(max_depth),
+                depth: heights[0] - heights[1],
                 ..ManifoldPoint::EMPTY
             };
             self.count += 1;
