@@ -33,8 +33,8 @@ pub const MAX_RATIO: f64 = 100.0;
 
 /// Maximum exponent of the time of the slowest query over the size of the pack.
 ///
-/// Linear work has more than 1 where the smaller pack fits into the processor's cache and the larger
-/// one does not: 1.2 was measured from 1 to 16 MB.
+/// Linear work has more than 1 where the smaller pack fits into the processor's cache and the
+/// larger one does not: 1.2 was measured from 1 to 16 MB.
 pub const MAX_EXPONENT: f64 = 1.5;
 
 /// Points from which the number of bytes per vertex is estimated.

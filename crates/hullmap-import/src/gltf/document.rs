@@ -1,8 +1,8 @@
 //! glTF 2.0: the properties of a document that affect a hull. Everything else is skipped.
 //!
 //! Names and data URIs are borrowed from the text. The length of every list is limited while it is
-//! read. Integers may be written as `1.0`: JSON has one type of numbers, and some exporters keep all
-//! of them as floats.
+//! read. Integers may be written as `1.0`: JSON has one type of numbers, and some exporters keep
+//! all of them as floats.
 
 use std::borrow::Cow;
 use std::fmt;

@@ -22,8 +22,9 @@
 //!
 //! # Deviations
 //! Positions may have any type that `KHR_mesh_quantization` allows, whether or not the file
-//! requires the extension. Integers may be written as `1.0`. In strips, fans and connected lines the
-//! largest index of its type starts a new one, see [`scene`]. Errors in materials, animations, cameras and the like are ignored.
+//! requires the extension. Integers may be written as `1.0`. In strips, fans and connected lines
+//! the largest index of its type starts a new one, see [`scene`]. Errors in materials, animations,
+//! cameras and the like are ignored.
 //!
 //! # Reference
 //! Khronos, "glTF 2.0 Specification". The crate `gltf` has had no release since May 2024. It reads

@@ -1,12 +1,12 @@
 //! glTF 2.0: the nodes, meshes and primitives of a scene, read into a source mesh.
 //!
 //! # Primitive restart
-//! In strips, fans and connected lines, the largest index of its type (255, 65,535 or 4,294,967,295)
-//! ends a primitive and starts the next one, in WebGL 2, Direct3D and Metal, and so for most viewers.
-//! glTF 2.0 forbids that index, and `KHR_mesh_primitive_restart` allows it again. Here it restarts a
-//! primitive if the extension is used, or if no vertex has that index. Otherwise readers disagree on
-//! its meaning, and the file is rejected. In lists, which have nothing to restart, it is an index
-//! like any other.
+//! In strips, fans and connected lines, the largest index of its type (255, 65,535 or
+//! 4,294,967,295) ends a primitive and starts the next one, in WebGL 2, Direct3D and Metal, and so
+//! for most viewers. glTF 2.0 forbids that index, and `KHR_mesh_primitive_restart` allows it again.
+//! Here it restarts a primitive if the extension is used, or if no vertex has that index. Otherwise
+//! readers disagree on its meaning, and the file is rejected. In lists, which have nothing to
+//! restart, it is an index like any other.
 
 use std::collections::HashMap;
 use std::ops::Range;

@@ -5,8 +5,8 @@ use std::fmt;
 use serde::Deserialize;
 use serde::de::{Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
-/// Whether a JSON text is glTF 1.0: its version says so, or it has no version, which 1.0 allows, and
-/// nodes, meshes and the like are objects instead of lists.
+/// Whether a JSON text is glTF 1.0: its version says so, or it has no version, which 1.0 allows,
+/// and nodes, meshes and the like are objects instead of lists.
 ///
 /// # Complexity
 /// O(bytes).

@@ -20,8 +20,8 @@
 //!   require them.
 //! - *`p` elements*, which tobj ignores.
 //! - *Lines.* tobj's errors have no line number, and tobj accepts NaN and infinity.
-//! - *Continued lines, comments behind numbers, lone CRs, byte order marks, UTF-16*, which tobj does
-//!   not read.
+//! - *Continued lines, comments behind numbers, lone CRs, byte order marks, UTF-16*, which tobj
+//!   does not read.
 //! - *Weights.* tobj divides by the weight w of `v x y z w`. It gets x, y and z only: see the
 //!   deviations of [`scan`].
 //!

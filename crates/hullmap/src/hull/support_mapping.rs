@@ -67,8 +67,8 @@ impl Hull<'_> {
     /// then the maximum. Otherwise, and if `hint` is not a vertex, this is an ordinary query.
     ///
     /// So the dot product is that of [`support`](Self::support) for every hint, and in practice so
-    /// is the vertex. Only where vertices are so close that f64 cannot order them along `dir`, 1e-30
-    /// apart on a hull of size 1, may it be another one.
+    /// is the vertex. Only where vertices are so close that f64 cannot order them along `dir`,
+    /// 1e-30 apart on a hull of size 1, may it be another one.
     ///
     /// # Complexity
     /// One dot product for each neighbour of the hint, eight at a time, then at most the cost of a

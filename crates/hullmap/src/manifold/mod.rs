@@ -191,8 +191,8 @@ impl fmt::Display for PointId {
 
 /// A point of a [`Manifold`]. Lengths are in the shapes' units.
 ///
-/// The two points lie on the planes of the features that meet. If a shape's feature is one face, its
-/// plane is the surface. If it merges faces within 1.15° ([`TILT`](crate::shapes::TILT)) of the
+/// The two points lie on the planes of the features that meet. If a shape's feature is one face,
+/// its plane is the surface. If it merges faces within 1.15° ([`TILT`](crate::shapes::TILT)) of the
 /// normal, its plane is within `TILT` times the extent of the feature of the surface, along the
 /// normal: at most 0.04 of the shape's outer radius. The contact that
 /// [`update`](Manifold::update) returns has points on the surfaces.

@@ -35,8 +35,8 @@ pub struct Scratch {
 }
 
 impl Scratch {
-    /// Stack in bytes that is enough for every query whose cache has been lent a `Scratch`: on 64-bit
-    /// processors, in an optimised build, in addition to what a user's own shape needs.
+    /// Stack in bytes that is enough for every query whose cache has been lent a `Scratch`: on
+    /// 64-bit processors, in an optimised build, in addition to what a user's own shape needs.
     ///
     /// # Reference
     /// Measured: `tests/stack.rs` runs every query on a stack of this size.

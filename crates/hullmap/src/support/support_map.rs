@@ -102,8 +102,9 @@ pub trait SupportMap {
     }
 
     /// [`support_point`](Self::support_point) with a hint: the feature that a recent query in a
-    /// similar direction returned. The hint may save time. The answer is as exact with it as without,
-    /// and may be another of several points with the same dot product. The default ignores it.
+    /// similar direction returned. The hint may save time. The answer is as exact with it as
+    /// without, and may be another of several points with the same dot product. The default ignores
+    /// it.
     fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
         let _ = hint;
         self.support_point(dir)

@@ -85,8 +85,8 @@ impl Terms {
         Self { goal, tolerance, ball, safe, max_expansions, noise: m.noise(), rounding: m.rounding_error() }
     }
 
-    /// Whether the polytope is kept for the next query. A decision leaves the cache's polytope as it
-    /// is.
+    /// Whether the polytope is kept for the next query. A decision leaves the cache's polytope as
+    /// it is.
     pub(super) fn keeps_polytope(&self) -> bool {
         self.goal != Goal::Decide
     }
