@@ -11,6 +11,7 @@ use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_format::header::source_hash;
 use hullmap_testkit::packs::{self, point_set};
 use hullmap_tests::command::{Run, bake_in, command};
+use hullmap_tests::outside::workspace;
 use tempfile::TempDir;
 
 const CUBE: &str = "o cube\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";
@@ -205,4 +206,115 @@ fn orphans_do_not_reveal_which_files_exist() {
         run.json().iter().skip(1).map(|row| format!("{} {}", row["status"], row["notes"])).collect();
     assert_eq!(rows.len(), 2, "{}", run.stdout);
     assert!(rows[0] == rows[1] && rows[0].contains("leads out of the project"), "{rows:?}");
+}
+
+/// Everything that a terminal obeys instead of showing it, in one name.
+const NAME: &str = "x\x1b[2J\x1b]0;t\x07\r\n9 forged\u{9b}31m\u{202e}\u{2066}\u{200f}\u{2028}é漢";
+
+/// [`NAME`] in one harmless line.
+const ESCAPED: &str =
+    "x\\u{1b}[2J\\u{1b}]0;t\\u{7}\\u{d}\\u{a}9 forged\\u{9b}31m\\u{202e}\\u{2066}\\u{200f}\\u{2028}é漢";
+
+#[track_caller]
+fn assert_harmless(text: &str) {
+    let obeyed = |letter: &char| {
+        letter.is_control() && *letter != '\n'
+            || ['\u{202e}', '\u{2066}', '\u{200f}', '\u{2028}', '\u{2029}'].contains(letter)
+    };
+    assert_eq!(text.chars().find(obeyed), None, "{text:?}");
+    assert!(!text.lines().any(|line| line.starts_with("9 forged")), "a forged row: {text:?}");
+}
+
+/// Names of files, objects and hulls reached the terminal as they were.
+#[test]
+fn names_cannot_control_the_terminal() {
+    let folder = folder(&[]);
+    let words = |line: &str| -> Vec<String> { line.split(' ').map(|word| word.replace("NAME", NAME)).collect() };
+    let obj =
+        CUBE.replacen("o cube", "o hull\x1b[31m\u{202e}", 1) + "o flat\u{9b}\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf 5 6 7\n";
+    fs::create_dir_all(folder.path().join("in")).unwrap();
+    fs::write(folder.path().join("in").join(format!("{NAME}.obj")), obj).unwrap();
+    fs::write(folder.path().join("in").join(format!("{NAME}2.obj")), "v 0 0\n").unwrap();
+    fs::write(folder.path().join("in").join(format!("{NAME}.gltf")), "{}").unwrap();
+    fs::write(folder.path().join("poses"), "0 0 0 0 0 0 1\n").unwrap();
+    let mut seen = 0;
+    for line in [
+        "build in --out o --split object",
+        "build in --out o --split object --check",
+        "build in/NAME.obj in/NAME2.obj --out p --split object --verbose",
+        "build in/NAME.obj --out p --split object --verbose --verify",
+        "build gone/NAME --out p",
+        "build in/NAME2.obj --out p/NAME.hullmap",
+        "build in --out o --NAME",
+        "build in --out o --index NAME",
+        "build in --out o --config NAME",
+        "build in/NAME.obj --out p --depfile deps",
+        "inspect p",
+        "inspect in/NAME.obj",
+        "verify p",
+        "verify p --source in/NAME2.obj",
+        "verify p --source NAME",
+        "query p/NAME.hullmap p/NAME.hullmap",
+        "query p/NAME.hullmap#NAME p/NAME.hullmap",
+        "query p/NAME.hullmap p/NAME.hullmap --pose NAME",
+        "query p/NAME.hullmap p/NAME.hullmap --poses NAME",
+        "report p --out NAME.html",
+        "report p/NAME.hullmap --out page.html --source NAME",
+        "init NAME",
+    ] {
+        let run = bake_in(folder.path(), words(line));
+        assert_harmless(&run.stdout);
+        assert_harmless(&run.stderr);
+        seen += usize::from(run.stdout.contains(ESCAPED)) + usize::from(run.stderr.contains(ESCAPED));
+    }
+    assert!(seen >= 20, "{seen} outputs with the name");
+    // An orphan, whose name comes from a pack.
+    fs::remove_file(folder.path().join("in").join(format!("{NAME}.obj"))).unwrap();
+    for line in ["build in --out p", "build in --out p --prune"] {
+        let run = bake_in(folder.path(), words(line));
+        assert_harmless(&(run.stdout + &run.stderr));
+    }
+}
+
+#[test]
+fn json_keeps_every_character() {
+    let folder = folder(&[]);
+    fs::write(folder.path().join(format!("{NAME}.obj")), CUBE).unwrap();
+    for line in ["build . --out . --json", "inspect . --json", "verify . --json"] {
+        let row = bake_in(folder.path(), line.split(' ')).expect(0).json().remove(0);
+        let file = row["output"].as_str().or(row["file"].as_str()).unwrap();
+        assert_eq!(Path::new(file), Path::new("./").join(format!("{NAME}.hullmap")), "{line}");
+    }
+}
+
+/// Nothing prints around `terminal.rs`, which escapes every line.
+#[test]
+fn text_leaves_through_one_file() {
+    fn search(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() { search(&path, found) } else { found.push(path) }
+        }
+    }
+    let mut files = Vec::new();
+    for folder in ["tools/bake/src", "tools/report/src", "crates/hullmap-import/src"] {
+        search(&workspace().join(folder), &mut files);
+    }
+    let exits =
+        ["print!", "println!", "eprint!", "eprintln!", "dbg!", "stdout()", "stderr()", "dyn Write", "io::Stdout"];
+    let mut count = 0;
+    for path in files.iter().filter(|path| path.parent().is_none_or(|folder| !folder.ends_with("tests"))) {
+        let text = fs::read_to_string(path).unwrap();
+        let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+        let code: Vec<&str> = code.take_while(|line| !line.starts_with("mod tests")).collect();
+        let uses = |word: &&&str| code.iter().any(|line| line.contains(**word));
+        let found: Vec<&&str> = exits.iter().filter(uses).collect();
+        count += 1;
+        if path.ends_with("bake/src/terminal.rs") {
+            assert_eq!(found, [&"stdout()", &"stderr()", &"dyn Write"]);
+        } else {
+            assert!(found.is_empty(), "{} prints by {found:?}; use terminal::Output or terminal::say", path.display());
+        }
+    }
+    assert!(count > 60, "{count} files");
 }

@@ -16,6 +16,7 @@ use hullmap_import::Limits;
 use hullmap_report::input::Up;
 
 use crate::options::{OptionLayer, flag};
+use crate::terminal::Escaped;
 
 /// Directions tested on each hull by default.
 pub const DEFAULT_DIRECTIONS: usize = 10_000;
@@ -318,7 +319,15 @@ where
     T: Into<OsString> + Clone,
 {
     let words: Vec<OsString> = words.into_iter().map(Into::into).collect();
-    let cli = Cli::try_parse_from(&words).map_err(|error| match unquoted_pose(&words) {
+    parse_words(&words).map_err(|error| {
+        // The error quotes arguments, and a shell may have made them from the names of files.
+        let escaped: Vec<OsString> = words.iter().map(|word| Escaped(word.display()).to_string().into()).collect();
+        if escaped == words { error } else { parse_words(&escaped).err().unwrap_or(error) }
+    })
+}
+
+fn parse_words(words: &[OsString]) -> Result<Cli, clap::Error> {
+    let cli = Cli::try_parse_from(words).map_err(|error| match unquoted_pose(words) {
         Some(pose) if error.kind() == ErrorKind::UnknownArgument => {
             let message = format!("--pose requires its seven numbers in quotes: --pose \"{pose}\"");
             subcommand_error("query", ErrorKind::WrongNumberOfValues, message)

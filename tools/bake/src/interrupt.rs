@@ -12,7 +12,7 @@ use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 
 use indicatif::MultiProgress;
 
-use crate::messages;
+use crate::terminal;
 
 /// Exit code after Ctrl-C: 128 plus the signal number, as in shells.
 pub const EXIT: i32 = 130;
@@ -43,7 +43,7 @@ pub fn catch() {
             if let Some(bars) = lock(&SCREEN).as_ref() {
                 let _ = bars.clear();
             }
-            messages::say(if IDLE.load(Ordering::Relaxed) {
+            terminal::say(if IDLE.load(Ordering::Relaxed) {
                 "stopped watching"
             } else {
                 "interrupted: finished packs are kept, unfinished ones were removed; run the command again to continue"

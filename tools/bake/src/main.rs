@@ -13,9 +13,12 @@
 //! | `packs`, `selection` | packs and hulls named on the command line |
 //! | `source` | the way back from a pack to its source |
 //! | `project` | the folder that the way back must not leave |
+//! | `terminal` | the only way out for text |
 //! | `pack_file`, `interrupt` | files that are complete or absent at every moment |
 
 #![forbid(unsafe_code)]
+// Text leaves through `terminal` alone.
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 mod advice;
 mod args;
@@ -24,7 +27,6 @@ mod commands;
 mod config;
 mod depfile;
 mod interrupt;
-mod messages;
 mod open;
 mod options;
 mod outcome;
@@ -36,17 +38,18 @@ mod project;
 mod selection;
 mod source;
 mod table;
+mod terminal;
 mod verification;
 
-use std::io::{BufWriter, Write, stdout};
 use std::process::ExitCode;
 
 use args::{Cli, Command};
 use outcome::{Exit, Failure, end};
+use terminal::Output;
 
 fn main() -> ExitCode {
     let cli = args::parse(std::env::args_os()).unwrap_or_else(|error| error.exit());
-    let mut out = BufWriter::new(stdout().lock());
+    let mut out = Output::standard();
     let result = run(&cli, &mut out).and_then(|exit| end(exit, out.flush().map_err(Into::into)));
     match result {
         Ok(exit) => exit.into(),
@@ -54,14 +57,14 @@ fn main() -> ExitCode {
             if !failure.message.is_empty() {
                 // Output written before the failure comes before its message.
                 let _ = out.flush();
-                messages::error(&failure);
+                terminal::error(&failure);
             }
             failure.exit.into()
         }
     }
 }
 
-fn run(cli: &Cli, out: &mut dyn Write) -> Result<Exit, Failure> {
+fn run(cli: &Cli, out: &mut Output) -> Result<Exit, Failure> {
     match &cli.command {
         Command::Build(args) => commands::build::run(args, out),
         Command::Verify(args) => commands::verify::run(args, out),

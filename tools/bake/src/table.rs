@@ -1,6 +1,8 @@
 //! Tables and numbers as text for people.
 
-use std::io::{self, Write};
+use std::io;
+
+use crate::terminal::{Escaped, Output};
 
 /// Alignment of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,11 +29,12 @@ impl Table {
     /// Adds a row with a cell for each column.
     pub fn push(&mut self, row: Vec<String>) {
         debug_assert_eq!(row.len(), self.columns.len());
-        self.rows.push(row);
+        // Before widths are measured.
+        self.rows.push(row.into_iter().map(|cell| Escaped(cell).to_string()).collect());
     }
 
     /// Writes heading and rows, two spaces between columns.
-    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+    pub fn write(&self, out: &mut Output) -> io::Result<()> {
         let width = |column: usize| {
             let cells = self.rows.iter().map(|row| row[column].chars().count());
             cells.chain([self.columns[column].0.len()]).max().unwrap_or(0)
@@ -49,7 +52,7 @@ impl Table {
                     Align::Right => line.push_str(&format!("{cell:>width$}")),
                 }
             }
-            writeln!(out, "{}", line.trim_end())?;
+            out.line(line.trim_end())?;
         }
         Ok(())
     }
@@ -125,7 +128,7 @@ mod tests {
         table.push(vec!["é".to_owned(), grouped(1_234_567)]);
         table.push(vec!["longer".to_owned(), or_dash(None::<u64>, grouped)]);
         let mut out = Vec::new();
-        table.write(&mut out).unwrap();
+        table.write(&mut Output::new(&mut out)).unwrap();
         let text = String::from_utf8(out).unwrap();
         assert_eq!(text, "file        bytes\né       1 234 567\nlonger          -\n");
     }

@@ -1,18 +1,19 @@
 //! `bake init`: writes a `hullmap.toml` with every option commented out.
 
-use std::io::{self, Write};
+use std::io;
 
 use crate::args::InitArgs;
 use crate::config::FILE_NAME;
 use crate::options::template;
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{put_in_free_place, write_beside};
+use crate::terminal::Output;
 
 /// Runs the command.
 ///
 /// # Errors
 /// The file exists, or cannot be written.
-pub fn run(args: &InitArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
+pub fn run(args: &InitArgs, out: &mut Output) -> Result<Exit, Failure> {
     let path = args.folder.join(FILE_NAME);
     let shown = path.strip_prefix(".").unwrap_or(&path).display();
     // Atomically: a partial file would block the next attempt.
@@ -25,6 +26,7 @@ pub fn run(args: &InitArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
     })?;
     end(
         Exit::Done,
-        writeln!(out, "{shown}: written, with every option at its default and commented out").map_err(Into::into),
+        out.line(format_args!("{shown}: written, with every option at its default and commented out"))
+            .map_err(Into::into),
     )
 }

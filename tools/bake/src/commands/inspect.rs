@@ -1,17 +1,15 @@
 //! `bake inspect`: describes the hulls in packs.
 
-use std::io::Write;
-
 use hullmap::{Hull, IndexKind, Pack};
 use serde::Serialize;
 
 use crate::args::InspectArgs;
-use crate::messages;
 use crate::open::open_pack;
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::packs::find_packs;
 use crate::table::{grouped, rounded, shortest};
+use crate::terminal::{self, Output};
 
 /// Description of a pack. Field names are those of the JSON.
 #[derive(Debug, Serialize)]
@@ -66,23 +64,22 @@ struct IndexDescription {
 /// # Errors
 /// An input cannot be read, or a folder holds no packs. Invalid packs are reported, and the others
 /// described.
-pub fn run(args: &InspectArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
+pub fn run(args: &InspectArgs, out: &mut Output) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     for (index, place) in find_packs(&args.inputs)?.iter().enumerate() {
         let report = match open_pack(&place.path) {
             Ok(pack) => report(place.path.display().to_string(), &pack),
             Err(failure) => {
                 exit = exit.max(failure.exit);
-                messages::error(failure);
+                terminal::error(failure);
                 continue;
             }
         };
         if args.json {
-            serde_json::to_writer(&mut *out, &report).map_err(std::io::Error::from)?;
-            writeln!(out)?;
+            out.json(&report)?;
         } else {
             if index > 0 {
-                writeln!(out)?;
+                out.line("")?;
             }
             write_text(&report, out)?;
         }
@@ -142,48 +139,48 @@ fn rank_name(rank: u32) -> &'static str {
     }
 }
 
-fn write_text(report: &PackDescription, out: &mut dyn Write) -> Result<(), Failure> {
+fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure> {
     let number = |value: usize| grouped(value as u64);
-    writeln!(out, "{}", report.file)?;
-    writeln!(out, "  format version     {}", report.format_version)?;
-    writeln!(out, "  bytes              {}", grouped(report.bytes))?;
-    writeln!(out, "  source             {} (xxh3 {})", report.source, report.source_hash)?;
+    out.line(format_args!("{}", report.file))?;
+    out.line(format_args!("  format version     {}", report.format_version))?;
+    out.line(format_args!("  bytes              {}", grouped(report.bytes)))?;
+    out.line(format_args!("  source             {} (xxh3 {})", report.source, report.source_hash))?;
     let options = BuildOptions::from_recorded(&report.options).map(|options| options.in_words());
-    writeln!(out, "  options            {}", options.as_ref().unwrap_or(&report.options))?;
+    out.line(format_args!("  options            {}", options.as_ref().unwrap_or(&report.options)))?;
     for (hull_index, hull) in report.hulls.iter().enumerate() {
         let [low, high] = hull.bounds.map(|corner| corner.map(shortest).join(" "));
         let index = &hull.index;
-        writeln!(out, "\nhull #{hull_index} {}", hull.name)?;
-        writeln!(out, "  rank               {} ({})", hull.rank, rank_name(hull.rank))?;
-        writeln!(out, "  points             {}", number(hull.points))?;
-        writeln!(out, "  vertices           {}", number(hull.vertices))?;
-        writeln!(out, "  faces              {}", number(hull.faces))?;
-        writeln!(out, "  volume             {}", rounded(hull.volume))?;
-        writeln!(out, "  surface area       {}", rounded(hull.surface_area))?;
-        writeln!(out, "  centroid           {}", hull.centroid.map(rounded).join(" "))?;
-        writeln!(out, "  bounds             {low} to {high}")?;
-        writeln!(out, "  diameter           {}", rounded(hull.diameter))?;
-        writeln!(out, "  containment error  {:.1e} of the diameter", hull.containment_error)?;
+        out.line("")?;
+        out.line(format_args!("hull #{hull_index} {}", hull.name))?;
+        out.line(format_args!("  rank               {} ({})", hull.rank, rank_name(hull.rank)))?;
+        out.line(format_args!("  points             {}", number(hull.points)))?;
+        out.line(format_args!("  vertices           {}", number(hull.vertices)))?;
+        out.line(format_args!("  faces              {}", number(hull.faces)))?;
+        out.line(format_args!("  volume             {}", rounded(hull.volume)))?;
+        out.line(format_args!("  surface area       {}", rounded(hull.surface_area)))?;
+        out.line(format_args!("  centroid           {}", hull.centroid.map(rounded).join(" ")))?;
+        out.line(format_args!("  bounds             {low} to {high}"))?;
+        out.line(format_args!("  diameter           {}", rounded(hull.diameter)))?;
+        out.line(format_args!("  containment error  {:.1e} of the diameter", hull.containment_error))?;
         if hull.outer_error > 0.0 {
             let share = hull.outer_error / hull.diameter;
-            writeln!(out, "  outer error        {:.3e} ({share:.1e} of the diameter)", hull.outer_error)?;
+            out.line(format_args!("  outer error        {:.3e} ({share:.1e} of the diameter)", hull.outer_error))?;
         }
         if hull.part > 0 || report.hulls.get(hull_index + 1).is_some_and(|next| next.part == 1) {
-            writeln!(out, "  part               {} of its object", hull.part)?;
-            writeln!(out, "  uncovered          {:.3e}", hull.uncovered)?;
+            out.line(format_args!("  part               {} of its object", hull.part))?;
+            out.line(format_args!("  uncovered          {:.3e}", hull.uncovered))?;
         }
         if hull.origin != [0.0; 3] {
-            writeln!(out, "  origin             {} in the source", hull.origin.map(rounded).join(" "))?;
+            out.line(format_args!("  origin             {} in the source", hull.origin.map(rounded).join(" ")))?;
         }
-        writeln!(
-            out,
+        out.line(format_args!(
             "  index              {}, {} bytes ({:.1} per vertex), at most {} nodes and {} dot products per query",
             index.kind,
             grouped(index.bytes),
             index.bytes as f64 / hull.vertices.max(1) as f64,
             index.max_nodes,
             index.max_dots
-        )?;
+        ))?;
     }
     Ok(())
 }
@@ -254,7 +251,7 @@ mod tests {
     #[test]
     fn text_for_people() {
         let mut out = Vec::new();
-        write_text(&report(), &mut out).unwrap();
+        write_text(&report(), &mut Output::new(&mut out)).unwrap();
         let text = String::from_utf8(out).unwrap();
         assert!(
             text.contains("hull #0 cube\n")

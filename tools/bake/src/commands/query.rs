@@ -1,7 +1,5 @@
 //! `bake query`: intersection, distance or contact of two hulls or packs, in many poses.
 
-use std::io::Write;
-
 use hullmap::{Compound, Hull, Pack, Pose};
 use serde::Serialize;
 
@@ -12,6 +10,7 @@ use crate::pair::{PairAnswer, PairSolver};
 use crate::pose::{parse_pose, read_poses};
 use crate::selection::Selection;
 use crate::table::{Align, Table, or_dash, rounded};
+use crate::terminal::Output;
 
 /// Answer for one pose. Field names are those of the JSON; fields that the mode does not compute
 /// are `None`.
@@ -75,7 +74,7 @@ fn bounded(values: Option<[f64; 3]>) -> [Option<f64>; 3] {
 /// # Errors
 /// A pose or selection is invalid, or a pack cannot be read or is invalid. All are checked before
 /// the first answer.
-pub fn run(args: &QueryArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
+pub fn run(args: &QueryArgs, out: &mut Output) -> Result<Exit, Failure> {
     let poses = poses(args)?;
     let (select_a, select_b) = (Selection::parse(&args.a), Selection::parse(&args.b));
     let (pack_a, pack_b) = (open_pack(&select_a.file)?, open_pack(&select_b.file)?);
@@ -90,8 +89,7 @@ pub fn run(args: &QueryArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
         let [hull_a, hull_b] = answer.hulls.map_or([None, None], names);
         let report = PoseAnswer { hull_a, hull_b, ..PoseAnswer::new(index, answer) };
         if args.json {
-            serde_json::to_writer(&mut *out, &report).map_err(std::io::Error::from)?;
-            writeln!(out)?;
+            out.json(&report)?;
         } else {
             table.push(row(&report, args.mode, names_hulls));
         }
@@ -227,7 +225,7 @@ mod tests {
                 let mut table = table(mode, names_hulls);
                 table.push(row(&PoseAnswer::new(0, PairAnswer::default()), mode, names_hulls));
                 let mut out = Vec::new();
-                table.write(&mut out).unwrap();
+                table.write(&mut Output::new(&mut out)).unwrap();
                 assert_eq!(String::from_utf8(out).unwrap().lines().count(), 2);
             }
         }

@@ -1,15 +1,14 @@
 //! `bake verify`: checks packs against the meshes they were baked from.
 
-use std::io::Write;
 use std::path::Path;
 
 use crate::args::VerifyArgs;
-use crate::messages;
 use crate::open::open_pack;
 use crate::outcome::{Exit, Failure, end};
 use crate::packs::{PackPlace, find_packs};
 use crate::source::{Recorded, Search, find_source, given_sources};
 use crate::table::{Align, Table, grouped, or_dash};
+use crate::terminal::{self, Output};
 use crate::verification::pack::{HullVerification, Reference, verify_hulls};
 
 /// Runs the command.
@@ -17,7 +16,7 @@ use crate::verification::pack::{HullVerification, Reference, verify_hulls};
 /// # Errors
 /// An input cannot be read, or a folder holds no packs. Problems with single packs are reported in
 /// their rows.
-pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
+pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     let mut results = Vec::new();
     let places = find_packs(&args.inputs)?;
@@ -38,8 +37,7 @@ pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
         }
         if args.json {
             for result in results.drain(..) {
-                serde_json::to_writer(&mut *out, &result).map_err(std::io::Error::from)?;
-                writeln!(out)?;
+                out.json(&result)?;
             }
             out.flush()?;
         }
@@ -62,7 +60,7 @@ fn verify_pack(place: &PackPlace, given: Option<&Path>, args: &VerifyArgs) -> Re
         }
         Search::Absent(why) => {
             let why = why.as_deref().unwrap_or("no source found");
-            messages::note(format_args!(
+            terminal::note(format_args!(
                 "{file}: {why}; compared with the stored hull only (name the source with --source)"
             ));
             (Reference::StoredHull, None)
@@ -77,7 +75,7 @@ fn verify_pack(place: &PackPlace, given: Option<&Path>, args: &VerifyArgs) -> Re
     Ok(results)
 }
 
-fn write_table(results: &[HullVerification], out: &mut dyn Write) -> Result<(), Failure> {
+fn write_table(results: &[HullVerification], out: &mut Output) -> Result<(), Failure> {
     let has_simplified = results.iter().any(HullVerification::is_simplified);
     let mut columns = vec![
         ("file", Align::Left),
@@ -124,12 +122,12 @@ fn write_table(results: &[HullVerification], out: &mut dyn Write) -> Result<(), 
             } else {
                 result.problems.join("; ")
             };
-            messages::error(message);
+            terminal::error(message);
         }
     }
     table.write(out)?;
-    writeln!(out, "\n{}", summary(results))?;
-    Ok(())
+    out.line("")?;
+    Ok(out.line(summary(results))?)
 }
 
 /// Recorded outer error of a simplified hull, as a length and relative to the diameter.

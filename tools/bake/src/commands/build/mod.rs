@@ -19,17 +19,17 @@ mod tests;
 mod watch;
 
 use std::collections::{BTreeSet, HashSet};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::args::{BuildArgs, DEFAULT_MEMORY};
 use crate::baker::bake_pack;
 use crate::config::{Configs, FILE_NAME};
 use crate::depfile::{self, Rule};
+use crate::interrupt;
 use crate::options::flag;
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, make_folder, put_in_place, sweep, sweep_below, write_beside};
-use crate::{interrupt, messages};
+use crate::terminal::{self, Output};
 use job::{Baker, Build, Job};
 use progress::Progress;
 use rows::{Row, Status, write_json, write_table};
@@ -39,7 +39,7 @@ use rows::{Row, Status, write_json, write_table};
 /// # Errors
 /// An input or `hullmap.toml` cannot be read, or two files would become one pack; found before any
 /// work. Failures of single files are reported in their rows and in the exit code.
-pub fn run(args: &BuildArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
+pub fn run(args: &BuildArgs, out: &mut Output) -> Result<Exit, Failure> {
     interrupt::catch();
     let project = Path::new(".");
     if args.watch {
@@ -49,7 +49,7 @@ pub fn run(args: &BuildArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
 }
 
 /// Runs the command once, with any baker, in any folder.
-fn run_with(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut dyn Write) -> Result<Exit, Failure> {
+fn run_with(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut Output) -> Result<Exit, Failure> {
     let jobs = jobs(args, project, !args.quiet)?;
     build(args, project, baker, &jobs, |_| true, out)
 }
@@ -65,7 +65,7 @@ fn jobs(args: &BuildArgs, project: &Path, warns: bool) -> Result<Vec<Job>, Failu
     }
     let places = plan::plan(&args.inputs, &args.out)?;
     if args.prune && warns && !bakes_folders(args) {
-        messages::note("--prune has no effect, because no input is a folder; name the folder of the meshes");
+        terminal::note("--prune has no effect, because no input is a folder; name the folder of the meshes");
     }
     let mut configs = Configs::new(args.config.as_deref(), args.no_config, project)?;
     let job = |place: plan::Place| {
@@ -78,13 +78,13 @@ fn jobs(args: &BuildArgs, project: &Path, warns: bool) -> Result<Vec<Job>, Failu
     if warns {
         let is_cut = |job: &Job| job.options.decompose().is_some();
         if let Some(key) = args.options.first_decomposition_parameter().filter(|_| !jobs.iter().any(is_cut)) {
-            messages::warning(format_args!(
+            terminal::warning(format_args!(
                 "--{} has no effect, because no mesh of this build is decomposed; add --decompose, or decompose = true to {FILE_NAME}",
                 flag(key)
             ));
         }
         let is_cut_by = |config: &Path| jobs.iter().any(|job| job.config.as_deref() == Some(config) && is_cut(job));
-        configs.warnings(&args.inputs, is_cut_by).iter().for_each(messages::warning);
+        configs.warnings(&args.inputs, is_cut_by).iter().for_each(terminal::warning);
     }
     Ok(jobs)
 }
@@ -96,7 +96,7 @@ fn build(
     baker: &Baker,
     jobs: &[Job],
     chosen: impl Fn(&Job) -> bool,
-    out: &mut dyn Write,
+    out: &mut Output,
 ) -> Result<Exit, Failure> {
     let outputs: HashSet<&Path> = jobs.iter().map(|job| job.output.as_path()).collect();
     if !args.check {
@@ -124,7 +124,7 @@ fn build(
     let progress = Progress::new(args.quiet, chosen.len(), costs.iter().sum());
     let work = |index: usize| {
         let job = chosen[index];
-        progress.begin(index, job.source.display().to_string());
+        progress.begin(index, job.source.display());
         let (row, exit) = build.run(job);
         progress.end(index, costs[index], row.status);
         (row, exit)
@@ -170,22 +170,22 @@ fn print_messages(args: &BuildArgs, rows: &[Row]) {
                     None => " (--prune removes it)".to_owned(),
                 };
                 let reason = row.reason.as_deref().unwrap_or_default();
-                messages::note(format_args!("{}: {reason}{remedy}", row.output));
+                terminal::note(format_args!("{}: {reason}{remedy}", row.output));
             }
             for note in row.notes.iter().filter(|_| row.status != Status::Orphaned) {
-                messages::note(format_args!("{}: {note}", row.source));
+                terminal::note(format_args!("{}: {note}", row.source));
             }
             for warning in &row.warnings {
-                messages::warning(format_args!("{}: {warning}", row.source));
+                terminal::warning(format_args!("{}: {warning}", row.source));
             }
         }
         if let Some(error) = &row.error {
-            messages::error(error);
+            terminal::error(error);
         }
     }
 }
 
-fn write_rows(args: &BuildArgs, rows: &[Row], out: &mut dyn Write) -> Result<(), Failure> {
+fn write_rows(args: &BuildArgs, rows: &[Row], out: &mut Output) -> Result<(), Failure> {
     match (args.json, args.quiet) {
         (true, _) => write_json(rows, out),
         (false, true) => Ok(()),

@@ -2,7 +2,6 @@
 //! `--quiet`.
 
 use std::collections::BTreeMap;
-use std::io::{IsTerminal, stderr};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -10,8 +9,8 @@ use indicatif::{HumanDuration, MultiProgress, ProgressBar, ProgressDrawTarget, P
 
 use super::rows::Status;
 use crate::interrupt;
-use crate::messages;
 use crate::table::grouped;
+use crate::terminal::{self, Escaped};
 
 /// Shorter builds show no bars, which would only flicker.
 const BARS_AFTER: Duration = Duration::from_millis(300);
@@ -59,18 +58,18 @@ struct State {
 impl Progress {
     /// Progress of a build of `files` files with this total cost.
     pub fn new(is_quiet: bool, files: usize, cost: u64) -> Self {
-        let display = match (is_quiet, stderr().is_terminal()) {
-            (true, _) => Display::None,
-            (false, false) => Display::Lines,
-            (false, true) => bars(cost),
+        let display = match terminal::screen() {
+            _ if is_quiet => Display::None,
+            None => Display::Lines,
+            Some(screen) => bars(screen, cost),
         };
         let state = State { files, cost, ..State::default() };
         Self { start: Instant::now(), display, state: Mutex::new(state) }
     }
 
     /// Marks a file as in progress.
-    pub fn begin(&self, index: usize, name: String) {
-        self.state().in_work.insert(index, (name, Instant::now()));
+    pub fn begin(&self, index: usize, name: impl std::fmt::Display) {
+        self.state().in_work.insert(index, (Escaped(name).to_string(), Instant::now()));
     }
 
     /// Marks a file as done.
@@ -95,7 +94,7 @@ impl Progress {
                 let mut state = self.state();
                 if now - state.last_line.unwrap_or(self.start) >= LINE_INTERVAL {
                     state.last_line = Some(now);
-                    messages::say(state.line(now - self.start, now));
+                    terminal::say(state.line(now - self.start, now));
                 }
             }
             Display::Bars { overall, names, .. } if now - self.start >= BARS_AFTER => {
@@ -125,8 +124,8 @@ impl Progress {
     }
 }
 
-fn bars(cost: u64) -> Display {
-    let screen = MultiProgress::with_draw_target(ProgressDrawTarget::stderr());
+fn bars(screen: ProgressDrawTarget, cost: u64) -> Display {
+    let screen = MultiProgress::with_draw_target(screen);
     let style = |template| ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
     let bar = |length: Option<u64>, template| {
         let bar = ProgressBar::with_draw_target(length, ProgressDrawTarget::hidden());

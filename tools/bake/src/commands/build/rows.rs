@@ -1,11 +1,10 @@
 //! Results of a build, one row per file, as JSON and as a table.
 
-use std::io::Write;
-
 use serde::Serialize;
 
 use crate::outcome::Failure;
 use crate::table::{Align, Table, grouped, or_dash};
+use crate::terminal::Output;
 
 /// Result of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -111,10 +110,9 @@ impl Row {
 ///
 /// # Errors
 /// The writer's.
-pub fn write_json(rows: &[Row], out: &mut dyn Write) -> Result<(), Failure> {
+pub fn write_json(rows: &[Row], out: &mut Output) -> Result<(), Failure> {
     for row in rows {
-        serde_json::to_writer(&mut *out, row).map_err(std::io::Error::from)?;
-        writeln!(out)?;
+        out.json(row)?;
     }
     Ok(out.flush()?)
 }
@@ -123,14 +121,14 @@ pub fn write_json(rows: &[Row], out: &mut dyn Write) -> Result<(), Failure> {
 ///
 /// # Errors
 /// The writer's.
-pub fn write_table(rows: &[Row], lists_fresh: bool, is_check: bool, out: &mut dyn Write) -> Result<(), Failure> {
+pub fn write_table(rows: &[Row], lists_fresh: bool, is_check: bool, out: &mut Output) -> Result<(), Failure> {
     let listed: Vec<&Row> = rows.iter().filter(|row| lists_fresh || row.status != Status::Fresh).collect();
     if !listed.is_empty() {
         let table = if is_check { check_table(&listed) } else { build_table(&listed) };
         table.write(out)?;
-        writeln!(out)?;
+        out.line("")?;
     }
-    writeln!(out, "{}", summary(rows, is_check))?;
+    out.line(summary(rows, is_check))?;
     Ok(out.flush()?)
 }
 
@@ -215,7 +213,7 @@ mod tests {
 
     fn table(lists_fresh: bool, is_check: bool) -> String {
         let mut out = Vec::new();
-        write_table(&rows(), lists_fresh, is_check, &mut out).unwrap();
+        write_table(&rows(), lists_fresh, is_check, &mut Output::new(&mut out)).unwrap();
         String::from_utf8(out).unwrap()
     }
 
@@ -226,7 +224,7 @@ mod tests {
         assert!(text.ends_with("\n\n1 baked, 2 fresh, 1 failed, 1 orphaned; 0 hulls in 0 bytes\n"), "{text}");
         assert_eq!(table(true, false).lines().count(), 1 + 5 + 2);
         let mut out = Vec::new();
-        write_table(&rows()[..1], false, false, &mut out).unwrap();
+        write_table(&rows()[..1], false, false, &mut Output::new(&mut out)).unwrap();
         assert_eq!(out, b"0 baked, 1 fresh, 0 failed; 0 hulls in 0 bytes\n");
     }
 

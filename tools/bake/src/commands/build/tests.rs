@@ -9,6 +9,7 @@ use crate::args::{Command, parse};
 use crate::baker::BakedPack;
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
+use crate::terminal::Output;
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
@@ -36,7 +37,7 @@ fn build(folder: &Path, files: &[(&str, &str)], words: &[&str]) -> (Result<Exit,
     line.extend(words);
     let Command::Build(args) = parse(line).unwrap().command else { unreachable!() };
     let mut out = Vec::new();
-    let result = run_with(&args, folder, &write_text, &mut out);
+    let result = run_with(&args, folder, &write_text, &mut Output::new(&mut out));
     (result, String::from_utf8(out).unwrap())
 }
 

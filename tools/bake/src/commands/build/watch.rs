@@ -1,7 +1,6 @@
 //! `--watch`: bakes, waits for changes, and bakes what they affect, until Ctrl-C.
 
 use std::collections::BTreeSet;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
@@ -13,9 +12,10 @@ use super::job::{Baker, Job};
 use super::{build, jobs};
 use crate::args::BuildArgs;
 use crate::config::FILE_NAME;
+use crate::interrupt;
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::folder_of;
-use crate::{interrupt, messages};
+use crate::terminal::{self, Output};
 use hullmap_import::{is_buffer, is_source};
 
 /// A change is processed after this much quiet time, because editors save in several steps.
@@ -31,7 +31,7 @@ const MAX_NAMED: usize = 5;
 ///
 /// # Errors
 /// The system cannot watch files, or the output cannot be written.
-pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut dyn Write) -> Result<Exit, Failure> {
+pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut Output) -> Result<Exit, Failure> {
     let (sender, events) = channel();
     // The receiver is only gone at the end of the process.
     let watcher = notify::recommended_watcher(move |event| drop(sender.send(event)));
@@ -45,10 +45,10 @@ pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut dyn Write)
         match once(args, project, baker, changed.as_ref(), out) {
             Ok(configs) => watcher.watch_files(&configs),
             Err(failure) if failure.message.is_empty() => return Err(failure),
-            Err(failure) => messages::error(&failure),
+            Err(failure) => terminal::error(&failure),
         }
         if !args.quiet {
-            messages::say("watching for changes; press Ctrl-C to stop");
+            terminal::say("watching for changes; press Ctrl-C to stop");
         }
         // The folder exists now, so it has a canonical path, as the paths of events do.
         let made = args.out.canonicalize().unwrap_or_else(|_| args.out.clone());
@@ -70,7 +70,7 @@ fn once(
     project: &Path,
     baker: &Baker,
     changed: Option<&BTreeSet<PathBuf>>,
-    out: &mut dyn Write,
+    out: &mut Output,
 ) -> Result<BTreeSet<PathBuf>, Failure> {
     let is_all = changed.is_none_or(|paths| paths.iter().any(|path| !is_source(path)));
     let jobs = jobs(args, project, is_all && !args.quiet)?;
@@ -175,7 +175,7 @@ fn print_changes(paths: &BTreeSet<PathBuf>) {
         0 => String::new(),
         more => format!(" and {more} more"),
     };
-    messages::say(format_args!("changed: {}{more}", names.join(", ")));
+    terminal::say(format_args!("changed: {}{more}", names.join(", ")));
 }
 
 /// The path relative to the current folder, if it lies inside.

@@ -11,18 +11,17 @@ mod remarks;
 mod source_mesh;
 
 use std::ffi::OsString;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use hullmap_report::{Analysis, Card, folder_page, pack_page};
 
 use crate::args::ReportArgs;
-use crate::messages;
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, make_folder, put_in_place, sweep, write_beside};
 use crate::packs::{PackPlace, find_packs};
 use crate::source::given_sources;
 use crate::table::grouped;
+use crate::terminal::{self, Output};
 use input::analyse_pack;
 
 /// Runs the command.
@@ -31,7 +30,7 @@ use input::analyse_pack;
 /// The input cannot be read or holds no pack, a single pack does not open, or a page cannot be
 /// written. Faults of packs that open, and single packs of a folder that do not, are reported on
 /// the pages.
-pub fn run(args: &ReportArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
+pub fn run(args: &ReportArgs, out: &mut Output) -> Result<Exit, Failure> {
     if args.out.is_dir() || args.out.file_name().is_none() {
         let message = format!("--out {}: is a folder; name the HTML file to write", args.out.display());
         return Err(Failure::usage(message));
@@ -51,7 +50,7 @@ pub fn run(args: &ReportArgs, out: &mut dyn Write) -> Result<Exit, Failure> {
         write_page(&args.out, &page)?;
         print_faults(&pack);
         exit = exit.max(exit_of(&pack));
-        let written = writeln!(out, "{}: {} bytes", args.out.display(), grouped(page.len() as u64));
+        let written = out.line(format_args!("{}: {} bytes", args.out.display(), grouped(page.len() as u64)));
         end(exit, written.map_err(Failure::from))?;
     }
     Ok(exit)
@@ -61,7 +60,7 @@ fn report_folder(
     args: &ReportArgs,
     places: &[PackPlace],
     sources: &[Option<&Path>],
-    out: &mut dyn Write,
+    out: &mut Output,
 ) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     let mut bytes = 0;
@@ -79,7 +78,7 @@ fn report_folder(
                 cards.push(Card::new(name, &pack, slashed(&link)));
             }
             Err(failure) => {
-                messages::error(&failure);
+                terminal::error(&failure);
                 exit = exit.max(failure.exit);
                 cards.push(Card::unopened(name, failure.message));
             }
@@ -90,7 +89,7 @@ fn report_folder(
     bytes += page.len();
     let packs = if cards.len() == 1 { "pack" } else { "packs" };
     let (file, count) = (args.out.display(), cards.len());
-    let written = writeln!(out, "{file}: {count} {packs}, {} bytes in total", grouped(bytes as u64));
+    let written = out.line(format_args!("{file}: {count} {packs}, {} bytes in total", grouped(bytes as u64)));
     end(exit, written.map_err(Failure::from))
 }
 
@@ -124,7 +123,7 @@ fn exit_of(pack: &Analysis) -> Exit {
 fn print_faults(pack: &Analysis) {
     for fault in &pack.remarks.faults {
         let file = if fault.starts_with(&pack.file) { String::new() } else { format!("{}: ", pack.file) };
-        messages::error(format_args!("{file}{fault}"));
+        terminal::error(format_args!("{file}{fault}"));
     }
 }
 

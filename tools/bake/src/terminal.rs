@@ -1,0 +1,166 @@
+//! The terminal: the only way out for text.
+//!
+//! Names of files, objects and hulls come from elsewhere and may hold any character: an escape
+//! sequence that rewrites the screen, a line break that forges a row of a table, a mark that turns
+//! the order of letters around. So text leaves by the line, and in a line all such characters are
+//! escaped. Only this module ends a line. `--json` keeps every character; JSON has its own escapes.
+//!
+//! Data go to standard output, messages to standard error. A closed standard error is ignored;
+//! `eprintln!` would panic.
+
+use std::fmt::{self, Display, Write as _};
+use std::io::{self, BufWriter, IsTerminal, Write, stderr, stdout};
+
+use indicatif::ProgressDrawTarget;
+use serde::Serialize;
+
+/// Text in one line: characters that move the cursor, end a line or change the direction of writing
+/// become `\u{1b}`. All other characters are left alone, also those beyond ASCII.
+#[derive(Clone, Copy, Debug)]
+pub struct Escaped<T>(pub T);
+
+impl<T: Display> Display for Escaped<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(Escaping(f), "{}", self.0)
+    }
+}
+
+struct Escaping<'a, 'f>(&'a mut fmt::Formatter<'f>);
+
+impl fmt::Write for Escaping<'_, '_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        let mut rest = text;
+        while let Some((at, letter)) = rest.char_indices().find(|&(_, letter)| is_escaped(letter)) {
+            self.0.write_str(&rest[..at])?;
+            write!(self.0, "{}", letter.escape_unicode())?;
+            rest = &rest[at + letter.len_utf8()..];
+        }
+        self.0.write_str(rest)
+    }
+}
+
+/// Whether a terminal would obey this character instead of showing it.
+fn is_escaped(letter: char) -> bool {
+    // C0, DEL and C1.
+    letter.is_control()
+        || matches!(
+            letter,
+            // Marks, embeddings, overrides and isolates of the bidirectional algorithm.
+            '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}'
+            // Separators of lines and paragraphs.
+            | '\u{2028}' | '\u{2029}'
+        )
+}
+
+/// Results of a command.
+pub struct Output<'a> {
+    writer: Box<dyn Write + 'a>,
+}
+
+impl<'a> Output<'a> {
+    /// Results go to `writer`.
+    pub fn new(writer: impl Write + 'a) -> Self {
+        Self { writer: Box::new(writer) }
+    }
+
+    /// Results go to standard output.
+    pub fn standard() -> Output<'static> {
+        Output::new(BufWriter::new(stdout().lock()))
+    }
+
+    /// Writes a line for people.
+    ///
+    /// # Errors
+    /// The writer's.
+    pub fn line(&mut self, line: impl Display) -> io::Result<()> {
+        writeln!(self.writer, "{}", Escaped(line))
+    }
+
+    /// Writes an object as one line of JSON.
+    ///
+    /// # Errors
+    /// The writer's.
+    pub fn json(&mut self, object: &impl Serialize) -> io::Result<()> {
+        serde_json::to_writer(&mut self.writer, object).map_err(io::Error::from)?;
+        writeln!(self.writer)
+    }
+
+    /// Writes a text of the program itself, without names from elsewhere, as it is.
+    ///
+    /// # Errors
+    /// The writer's.
+    pub fn verbatim(&mut self, text: &[u8]) -> io::Result<()> {
+        self.writer.write_all(text)
+    }
+
+    /// Passes everything written so far on.
+    ///
+    /// # Errors
+    /// The writer's.
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush()
+    }
+}
+
+/// Prints an error.
+pub fn error(message: impl Display) {
+    say(format_args!("error: {message}"));
+}
+
+/// Prints a finding of interest.
+pub fn note(message: impl Display) {
+    say(format_args!("note: {message}"));
+}
+
+/// Prints a finding to act on.
+pub fn warning(message: impl Display) {
+    say(format_args!("warning: {message}"));
+}
+
+/// Prints a line to standard error.
+pub fn say(line: impl Display) {
+    let _ = writeln!(stderr(), "{}", Escaped(line));
+}
+
+/// Where progress bars are drawn, if standard error is a terminal. Their texts must be [`Escaped`].
+pub fn screen() -> Option<ProgressDrawTarget> {
+    stderr().is_terminal().then(ProgressDrawTarget::stderr)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_terminal_would_obey_is_escaped() {
+        for (text, expected) in [
+            ("plain", "plain"),
+            ("größe 漢字 \u{1f980} C:\\x", "größe 漢字 \u{1f980} C:\\x"),
+            ("\x1b[2Jx", "\\u{1b}[2Jx"),
+            ("\x1b]0;title\x07", "\\u{1b}]0;title\\u{7}"),
+            ("a\nb\r\tc\x7f", "a\\u{a}b\\u{d}\\u{9}c\\u{7f}"),
+            ("\u{9b}31m\u{85}", "\\u{9b}31m\\u{85}"),
+            ("gpj\u{202e}.obj\u{2066}", "gpj\\u{202e}.obj\\u{2066}"),
+            ("\u{200e}\u{200f}\u{61c}\u{2028}\u{2029}", "\\u{200e}\\u{200f}\\u{61c}\\u{2028}\\u{2029}"),
+        ] {
+            assert_eq!(Escaped(text).to_string(), expected);
+            let once = Escaped(text).to_string();
+            assert_eq!(Escaped(&once).to_string(), once, "escaping twice changes nothing");
+        }
+        let all: String = ('\0'..=char::MAX).collect();
+        let escaped = Escaped(&all).to_string();
+        assert!(!escaped.chars().any(is_escaped));
+        assert_eq!(all.chars().filter(|&letter| is_escaped(letter)).count(), 32 + 33 + 14);
+    }
+
+    #[test]
+    fn only_the_end_of_a_line_ends_it() {
+        let mut bytes = Vec::new();
+        let mut out = Output::new(&mut bytes);
+        out.line("a\nb").unwrap();
+        out.json(&"c\n\u{9b}").unwrap();
+        out.verbatim(b"d\n").unwrap();
+        drop(out);
+        assert_eq!(String::from_utf8(bytes).unwrap(), "a\\u{a}b\n\"c\\n\u{9b}\"\nd\n");
+    }
+}
