@@ -293,7 +293,11 @@ fn text_leaves_through_one_file() {
     fn search(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
         for entry in fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
-            if path.is_dir() { search(&path, found) } else { found.push(path) }
+            if path.is_dir() {
+                search(&path, found);
+            } else if path.extension().is_some_and(|extension| extension == "rs") && !path.ends_with("tests.rs") {
+                found.push(path);
+            }
         }
     }
     let mut files = Vec::new();
