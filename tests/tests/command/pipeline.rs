@@ -563,3 +563,131 @@ fn index_kinds_have_the_same_names_everywhere() {
         fs::remove_file(folder.path().join("hullmap.toml")).unwrap();
     }
 }
+
+/// `x.obj` beside `x.stl` ended the whole build, and nothing was baked.
+#[test]
+fn meshes_of_one_stem_get_packs_with_their_extensions() {
+    let stl = "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid x\n";
+    let folder = folder(&[("in/x.obj", CUBE), ("in/y.obj", CUBE), ("in/sub/x.obj", CUBE)]);
+    bake(&folder, "build in --out o").expect(0);
+    assert_eq!(files(&folder.path().join("o")), ["sub/x.hullmap", "x.hullmap", "y.hullmap"]);
+
+    // The pack of the old name is an orphan, and no other pack changes its name.
+    write(&folder, "in/x.stl", stl);
+    let run = bake(&folder, "build in --out o --json").expect(0);
+    let expected = [
+        "o/sub/x.hullmap: fresh",
+        "o/x.obj.hullmap: baked",
+        "o/x.stl.hullmap: baked",
+        "o/y.hullmap: fresh",
+        "o/x.hullmap: orphaned",
+    ];
+    assert_eq!(statuses(&run), expected);
+    let note = "note: in/x.obj: its pack o/x.obj.hullmap has the extension in its name, because of in/x.stl\n";
+    assert!(run.stderr.contains(note), "{}", run.stderr);
+    let orphan = "note: o/x.hullmap: its source in/x.obj is now baked into o/x.obj.hullmap (--prune removes it)\n";
+    assert!(run.stderr.contains(orphan), "{}", run.stderr);
+    bake(&folder, "build in --out o --check --prune").expect(1);
+    bake(&folder, "build in --out o --prune").expect(0);
+    let packs = ["sub/x.hullmap", "x.obj.hullmap", "x.stl.hullmap", "y.hullmap"];
+    assert_eq!(files(&folder.path().join("o")), packs);
+    let run = bake(&folder, "build in --out o --check --prune").expect(0);
+    assert!(run.stderr.is_empty(), "a fresh pack needs no note: {}", run.stderr);
+    bake(&folder, "verify o --require-source").expect(0);
+    let run = bake(&folder, "verify o --source in --require-source --json").expect(0);
+    assert_eq!(run.json()[2]["source"], "in/x.stl", "{}", run.stdout);
+    bake(&folder, "verify o/x.stl.hullmap --source in/x.stl").expect(0);
+
+    // A third mesh of the stem changes nothing for the others.
+    write(
+        &folder,
+        "in/x.ply",
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n",
+    );
+    let run = bake(&folder, "build in --out o --json").expect(0);
+    assert_eq!(statuses(&run).iter().filter(|status| status.ends_with("fresh")).count(), 4, "{}", run.stdout);
+    // The packs of gone sources are pruned under either name.
+    for name in ["x.ply", "x.stl", "y.obj"] {
+        fs::remove_file(folder.path().join("in").join(name)).unwrap();
+    }
+    bake(&folder, "build in --out o --prune").expect(0);
+    assert_eq!(files(&folder.path().join("o")), ["sub/x.hullmap", "x.hullmap"]);
+}
+
+#[test]
+fn names_of_packs_can_be_chosen() {
+    let folder = folder(&[("in/x.obj", CUBE), ("in/X.ply", "ply\n"), ("in/y.obj", CUBE), ("other/y.obj", CUBE)]);
+    let built = |line: &str, code: i32| {
+        fs::remove_dir_all(folder.path().join("o")).ok();
+        let run = bake(&folder, line).expect(code);
+        (files(&folder.path().join("o")), run)
+    };
+    fs::remove_file(folder.path().join("in/X.ply")).unwrap();
+    let (packs, _) = built("build in --out o --pack-names full", 0);
+    assert_eq!(packs, ["x.obj.hullmap", "y.obj.hullmap"]);
+    let recorded = fs::read(folder.path().join("o/x.obj.hullmap")).unwrap();
+    let (packs, _) = built("build in --out o", 0);
+    assert_eq!(packs, ["x.hullmap", "y.hullmap"]);
+    assert_eq!(fs::read(folder.path().join("o/x.hullmap")).unwrap(), recorded, "the name does not change the bytes");
+
+    // Only the meshes that clash are not baked.
+    let (packs, run) = built("build in other --out o", 2);
+    assert_eq!(packs, ["x.hullmap"]);
+    let error = "error: in/y.obj and other/y.obj would both become o/y.hullmap; rename one";
+    assert_eq!(run.stderr.matches(error).count(), 2, "{}", run.stderr);
+    write(&folder, "in/x.stl", "solid x\nendsolid x\n");
+    let (packs, run) = built("build in --out o --pack-names stem --json", 2);
+    assert_eq!(packs, ["y.hullmap"]);
+    assert_eq!(statuses(&run), ["o/x.hullmap: failed", "o/x.hullmap: failed", "o/y.hullmap: baked"]);
+    fs::remove_file(folder.path().join("in/x.stl")).unwrap();
+
+    write(&folder, "in/hullmap.toml", "[[rule]]\nfiles = \"y*\"\npack_names = \"full\"\n");
+    let (packs, _) = built("build in --out o", 0);
+    assert_eq!(packs, ["x.hullmap", "y.obj.hullmap"]);
+}
+
+#[test]
+fn meshes_can_be_left_out() {
+    let folder = folder(&[
+        ("in/a.obj", CUBE),
+        ("in/a_lod1.obj", CUBE),
+        ("in/lods/b.obj", CUBE),
+        (
+            "in/c.STL",
+            "solid c\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid c\n",
+        ),
+        ("cloud.txt", "v 0 0 0\n"),
+    ]);
+    let packs = |line: &str| -> Vec<String> {
+        let run = bake(&folder, &format!("{line} --json")).expect(0);
+        assert!(!run.stderr.contains("--exclude"), "{line}: {}", run.stderr);
+        run.json().iter().map(|row| row["output"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(packs("build in --out o --exclude *_LOD?.obj --exclude lods/**"), ["o/a.hullmap", "o/c.hullmap"]);
+    assert_eq!(packs("build in --out o --ext stl,GLB"), ["o/c.hullmap"]);
+    assert_eq!(packs("build in --out o --ext obj --exclude a*"), ["o/lods/b.hullmap"]);
+    let named = "build in/a.obj in/a_lod1.obj cloud.txt --out o --ext stl --exclude *_lod1.obj";
+    assert_eq!(packs(named), ["o/a.hullmap", "o/cloud.hullmap"], "a named file may have any extension");
+    // A mesh that is left out has a source, so its pack is not an orphan.
+    bake(&folder, "build in --out o").expect(0);
+    assert_eq!(packs("build in --out o --exclude *_lod1.obj --exclude lods/** --ext obj --prune"), ["o/a.hullmap"]);
+    assert_eq!(files(&folder.path().join("o")).len(), 5);
+
+    let run = bake(&folder, "build in --out o --exclude propz/**").expect(0);
+    assert!(run.stderr.contains("warning: --exclude: no mesh matches `propz/**`"), "{}", run.stderr);
+    let run = bake(&folder, "build in --out o --exclude **").expect(2);
+    assert!(run.stderr.contains("--exclude and --ext leave no mesh: 4 of 4 are left out"), "{}", run.stderr);
+    assert!(bake(&folder, "build in --out o --exclude a[").expect(2).stderr.contains("invalid glob `a[`"));
+    assert!(bake(&folder, "build in --out o --ext fbx").expect(2).stderr.contains("fbx"));
+
+    let toml = "[[rule]]\nfiles = \"**/*.obj\"\nskip = true\n\n[[rule]]\nfiles = \"a.obj\"\nskip = false\n";
+    write(&folder, "in/hullmap.toml", toml);
+    assert_eq!(packs("build in --out o"), ["o/a.hullmap", "o/c.hullmap"], "later rules override earlier ones");
+    assert_eq!(packs("build in --out o --no-config").len(), 4);
+    let run = bake(&folder, "build in/a_lod1.obj --out o").expect(0);
+    assert!(
+        run.stderr.contains("note: in/a_lod1.obj: left out, because in/hullmap.toml says skip = true"),
+        "{}",
+        run.stderr
+    );
+}

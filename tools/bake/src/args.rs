@@ -12,9 +12,10 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 
-use hullmap_import::Limits;
+use hullmap_import::{EXTENSIONS, Limits};
 use hullmap_report::input::Up;
 
+use crate::glob::Glob;
 use crate::options::{OptionLayer, flag};
 use crate::terminal::Escaped;
 
@@ -89,6 +90,20 @@ pub struct BuildArgs {
     /// Do not read any hullmap.toml
     #[arg(long, conflicts_with = "config", help_heading = "Configuration")]
     pub no_config: bool,
+    /// Leave out meshes that match GLOB, as in hullmap.toml; repeatable
+    #[arg(long, value_name = "GLOB", value_parser = Glob::new, help_heading = "What to bake")]
+    pub exclude: Vec<Glob>,
+    /// Bake only these formats of the meshes in folders; for instance `obj,glb`
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        value_parser = PossibleValuesParser::new(EXTENSIONS),
+        ignore_case = true,
+        hide_possible_values = true,
+        help_heading = "What to bake"
+    )]
+    pub ext: Vec<String>,
     /// Bake every mesh, even if its pack is fresh
     #[arg(long, help_heading = "What to bake")]
     pub force: bool,

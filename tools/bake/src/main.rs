@@ -7,6 +7,7 @@
 //! | `commands` | one module per subcommand |
 //! | `options` | the options that shape a pack, in one table with their defaults |
 //! | `config` | `hullmap.toml` |
+//! | `glob` | globs that select meshes |
 //! | `baker` | all calls into `hullmap-bake` |
 //! | `verification` | how exact a pack is |
 //! | `advice` | warnings about hulls |
@@ -26,6 +27,7 @@ mod baker;
 mod commands;
 mod config;
 mod depfile;
+mod glob;
 mod interrupt;
 mod open;
 mod options;

@@ -181,8 +181,7 @@ pub fn given_sources<'a>(given: Option<&'a Path>, places: &[PackPlace]) -> Resul
         // A pack that does not open is reported later.
         let pack = open_pack(&place.path).ok();
         let recorded = pack.as_ref().and_then(|pack| pack.source_path().rsplit('/').next());
-        place.path.file_stem() == mesh.file_stem()
-            || recorded.is_some_and(|name| mesh.file_name().is_some_and(|file| file == name))
+        has_name_of(mesh, &place.path) || recorded.is_some_and(|name| mesh.file_name().is_some_and(|file| file == name))
     };
     let sources: Vec<Option<&Path>> = places.iter().map(|place| given.filter(|_| is_meant(place))).collect();
     if sources.iter().all(Option::is_none) {
@@ -207,12 +206,17 @@ fn in_folder(place: &PackPlace, recorded: &str, folder: &Path) -> Vec<PathBuf> {
     paths
 }
 
+/// Whether the pack has the name of the mesh, with or without the extension of the mesh.
+fn has_name_of(mesh: &Path, pack: &Path) -> bool {
+    [mesh.file_stem(), mesh.file_name()].contains(&pack.file_stem())
+}
+
 /// The mesh files in `folder` with the stem of `pack`, sorted. The case of extensions is ignored.
 fn with_stem(folder: &Path, pack: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return Vec::new();
     };
-    let is_candidate = |path: &PathBuf| path.file_stem() == pack.file_stem() && import::is_source(path);
+    let is_candidate = |path: &PathBuf| has_name_of(path, pack) && import::is_source(path);
     let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_candidate).collect();
     paths.sort_unstable();
     paths

@@ -11,12 +11,11 @@ use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
-use globset::GlobMatcher;
-
+use crate::glob::Glob;
 use crate::options::OptionLayer;
 use crate::outcome::Failure;
 
-pub use search::Configs;
+pub use search::{Chosen, Configs};
 
 /// Name of the file.
 pub const FILE_NAME: &str = "hullmap.toml";
@@ -41,16 +40,9 @@ struct Rule {
     /// Line of the globs in the file.
     line: usize,
     files: Vec<Glob>,
+    /// Whether its meshes are left out; `None` if the rule does not say.
+    skip: Option<bool>,
     layer: OptionLayer,
-}
-
-#[derive(Debug)]
-struct Glob {
-    /// As written in the file.
-    text: String,
-    matcher: GlobMatcher,
-    /// A glob without `/` is matched against the file name alone, as in `.gitignore`.
-    matches_name: bool,
 }
 
 impl Config {
@@ -72,6 +64,12 @@ impl Config {
     pub fn layer(&self, below: Option<&Path>, name: &Path) -> OptionLayer {
         let rules = self.rules.iter().filter(|rule| rule.matches(below, name));
         rules.fold(self.defaults.clone(), |lower, rule| rule.layer.over(&lower))
+    }
+
+    /// Whether the file leaves a mesh out; parameters as for [`layer`](Self::layer).
+    pub fn skips(&self, below: Option<&Path>, name: &Path) -> bool {
+        let rules = self.rules.iter().filter(|rule| rule.matches(below, name));
+        rules.filter_map(|rule| rule.skip).next_back().unwrap_or(false)
     }
 
     /// A parameter of the decomposition in a file that never switches decomposition on.
@@ -96,11 +94,7 @@ fn read_bounded(path: &Path) -> io::Result<String> {
 impl Rule {
     /// Whether the rule applies to a mesh; parameters as for [`Config::layer`].
     fn matches(&self, below: Option<&Path>, name: &Path) -> bool {
-        self.files.iter().any(|glob| match (glob.matches_name, below) {
-            (true, _) => glob.matcher.is_match(name),
-            (false, Some(below)) => glob.matcher.is_match(below),
-            (false, None) => false,
-        })
+        self.files.iter().any(|glob| glob.matches(below, name))
     }
 }
 
@@ -198,6 +192,6 @@ resolution = 8
         let example = &template[template.find("# [[rule]]").unwrap()..];
         let example: String = example.lines().map(|line| format!("{}\n", line.trim_start_matches("# "))).collect();
         let config = parse::parse(Path::new("hullmap.toml"), &example).unwrap();
-        assert_eq!(config.rules.len(), 2);
+        assert_eq!(config.rules.len(), 3);
     }
 }

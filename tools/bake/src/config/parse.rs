@@ -3,11 +3,11 @@
 use std::ops::Range;
 use std::path::Path;
 
-use globset::GlobBuilder;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::{Config, Glob, Rule};
+use super::{Config, Rule};
+use crate::glob::Glob;
 use crate::options::OptionLayer;
 use crate::options::defaults::{OPTIONS, position};
 use crate::options::value::Syntax;
@@ -16,11 +16,14 @@ use crate::outcome::Failure;
 /// The tables of the file.
 const TABLES: [&str; 2] = ["defaults", "rule"];
 
-/// The key of a rule that holds its globs; every other key is an option.
+/// The key of a rule that holds its globs.
 const FILES: &str = "files";
 
+/// The key of a rule that leaves its meshes out; every other key is an option.
+const SKIP: &str = "skip";
+
 /// Similarity, from 0 to 1, above which a known name is suggested for an unknown one: `vertces` and
-/// `vertices` have 0.97, `skip` and `split` 0.65, `colour` and `recentre` 0.47.
+/// `vertices` have 0.97, `skipped` and `split` 0.67, `colour` and `recentre` 0.47.
 const MIN_SIMILARITY: f64 = 0.7;
 
 /// What is wrong, and where in the text.
@@ -56,7 +59,7 @@ fn read(root: &DeTable, line_of: &dyn Fn(usize) -> usize) -> Result<(OptionLayer
     let mut rules = Vec::new();
     for (span, key, value) in in_order(root) {
         match (key, value.get_ref()) {
-            ("defaults", DeValue::Table(table)) => defaults = layer(table)?,
+            ("defaults", DeValue::Table(table)) => defaults = layer(table, false)?,
             ("rule", DeValue::Array(array)) => {
                 for entry in array.iter() {
                     let DeValue::Table(table) = entry.get_ref() else {
@@ -104,30 +107,34 @@ fn rule(span: Range<usize>, table: &DeTable, line_of: &dyn Fn(usize) -> usize) -
         ));
     }
     let line = line_of(files.span().start);
-    let files = patterns.into_iter().map(|(span, pattern)| glob(span, pattern)).collect::<Result<_, _>>()?;
-    Ok(Rule { line, files, layer: layer(table)? })
+    let files = patterns
+        .into_iter()
+        .map(|(span, pattern)| Glob::new(pattern).map_err(|error| fault(span, error)))
+        .collect::<Result<_, _>>()?;
+    let skip = match table.get(SKIP).map(|value| (value.span(), value.get_ref())) {
+        None => None,
+        Some((_, DeValue::Boolean(skip))) => Some(*skip),
+        Some((span, other)) => {
+            return Err(fault(span, format!("{SKIP}: expected true or false, found {}", other.type_str())));
+        }
+    };
+    Ok(Rule { line, files, skip, layer: layer(table, true)? })
 }
 
-fn glob(span: Range<usize>, pattern: &str) -> Result<Glob, Fault> {
-    let matches_name = !pattern.contains('/');
-    // A glob with `/` is relative to the file's folder anyway, so a leading `/` or `./` adds
-    // nothing.
-    let below = pattern.strip_prefix("./").or_else(|| pattern.strip_prefix('/')).unwrap_or(pattern);
-    let built = GlobBuilder::new(below).literal_separator(true).case_insensitive(true).build();
-    let matcher =
-        built.map_err(|error| fault(span, format!("invalid glob `{pattern}`: {}", error.kind())))?.compile_matcher();
-    Ok(Glob { text: pattern.to_owned(), matcher, matches_name })
-}
-
-/// The options in a table; `files` is skipped.
-fn layer(table: &DeTable) -> Result<OptionLayer, Fault> {
+/// The options in a table. The other keys of a rule are not read here.
+fn layer(table: &DeTable, is_rule: bool) -> Result<OptionLayer, Fault> {
     let mut layer = OptionLayer::default();
     for (span, key, value) in in_order(table) {
-        if key == FILES {
-            continue;
+        if [FILES, SKIP].contains(&key) {
+            if is_rule {
+                continue;
+            }
+            return Err(fault(span, format!("`{key}` applies to the meshes of a rule: move it below a [[rule]]")));
         }
         let Some(index) = position(key) else {
-            let known: Vec<&str> = OPTIONS.iter().map(|option| option.key).chain([FILES]).collect();
+            let keys_of_rules: &[&str] = if is_rule { &[FILES, SKIP] } else { &[] };
+            let known: Vec<&str> =
+                OPTIONS.iter().map(|option| option.key).chain(keys_of_rules.iter().copied()).collect();
             return Err(fault(span, unknown("key", key, &known)));
         };
         let syntax = OPTIONS[index].syntax;
@@ -230,6 +237,8 @@ mod tests {
     #[test]
     fn faults_have_a_line_and_a_suggestion() {
         for (text, expected) in [
+            ("[defaults]\nskip = true\n", ":2: `skip` applies to the meshes of a rule: move it below a [[rule]]"),
+            ("[[rule]]\nfiles = \"x\"\nskip = \"yes\"\n", ":3: skip: expected true or false, found string"),
             ("[defaults]\n\nvertces = \"all\"\n", ":3: unknown key `vertces`; did you mean `vertices`?"),
             ("[defaults]\nunit-scale = 1\n", ":2: unknown key `unit-scale`; did you mean `unit_scale`?"),
             ("[defaults]\nrecenter = true\n", ":2: unknown key `recenter`; did you mean `recentre`?"),

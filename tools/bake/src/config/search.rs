@@ -34,6 +34,17 @@ pub struct Configs {
     unread: BTreeSet<PathBuf>,
 }
 
+/// What `hullmap.toml` says about a mesh.
+#[derive(Debug, Default)]
+pub struct Chosen {
+    /// Its options.
+    pub layer: OptionLayer,
+    /// Whether it is left out.
+    pub skips: bool,
+    /// The file that says so, if any.
+    pub config: Option<Arc<Config>>,
+}
+
 #[derive(Debug)]
 enum Choice {
     /// No file.
@@ -68,13 +79,13 @@ impl Configs {
         })
     }
 
-    /// The options for `mesh`, and the file they come from.
+    /// What applies to `mesh`.
     ///
     /// # Errors
     /// The file cannot be read or is invalid.
-    pub fn layer(&mut self, mesh: &Path) -> Result<(OptionLayer, Option<Arc<Config>>), Failure> {
+    pub fn layer(&mut self, mesh: &Path) -> Result<Chosen, Failure> {
         if matches!(self.choice, Choice::None) {
-            return Ok((OptionLayer::default(), None));
+            return Ok(Chosen::default());
         }
         let folder = canonical(folder_of(mesh))?;
         let name = Path::new(mesh.file_name().unwrap_or_default());
@@ -88,13 +99,15 @@ impl Configs {
                 (config, root)
             }
         };
+        let mut skips = false;
         let layer = config.as_ref().map_or_else(OptionLayer::default, |config| {
             let below = folder.strip_prefix(&root).ok().map(|below| below.join(name));
             let (_, used) = self.used.entry(root.clone()).or_insert_with(|| (config.clone(), BTreeSet::new()));
             used.extend((0..config.rules.len()).filter(|&rule| config.rules[rule].matches(below.as_deref(), name)));
+            skips = config.skips(below.as_deref(), name);
             config.layer(below.as_deref(), name)
         });
-        Ok((layer, config))
+        Ok(Chosen { layer, skips, config })
     }
 
     /// Warnings, once [`layer`](Self::layer) has been called for each mesh of `inputs`: files that
@@ -250,7 +263,7 @@ mod tests {
 
     /// Unit scale of a mesh, where each file sets its own.
     fn scale(configs: &mut Configs, root: &Path, mesh: &str) -> Option<f64> {
-        match configs.layer(&root.join(mesh)).unwrap().0.get("unit_scale") {
+        match configs.layer(&root.join(mesh)).unwrap().layer.get("unit_scale") {
             Some(Value::Number(scale)) => Some(scale),
             _ => None,
         }

@@ -1,8 +1,8 @@
 //! The table of all options that shape a bake: key, accepted values, default, help.
 //!
 //! Flags and their help, the keys of `hullmap.toml`, its template, and the record in a pack all
-//! come from this table. Every option in it changes the bytes of packs; flags that do not
-//! (`--jobs`, `--verify`, …) are in `args.rs`.
+//! come from this table. Every option in it changes the bytes of packs, except those that are never
+//! recorded; flags that no mesh can choose for itself (`--jobs`, `--verify`, …) are in `args.rs`.
 
 use super::value::Syntax::{self, Count, CountOrNone, Fraction, Positive, PositiveOrNone, Switch, Words};
 
@@ -54,6 +54,8 @@ pub enum Section {
     Decomposition,
     /// Simplified hulls.
     Simplification,
+    /// The files that are written.
+    Output,
 }
 
 /// Options that one layer replaces together.
@@ -76,6 +78,8 @@ pub enum Record {
     IfChanged,
     /// As part of the value of `index`.
     WithIndex,
+    /// Never: an option that does not change the bytes of the pack.
+    Never,
 }
 
 impl Section {
@@ -86,6 +90,7 @@ impl Section {
             Self::Index => "Index",
             Self::Decomposition => "Decomposition",
             Self::Simplification => "Simplification",
+            Self::Output => "Output",
         }
     }
 }
@@ -288,10 +293,20 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         group: Group::Limit,
         ..OPTION
     },
+    BuildOption {
+        key: "pack_names",
+        syntax: Words(&["auto", "stem", "full"]),
+        default: DefaultValue::Value("auto"),
+        value_name: "auto|stem|full",
+        help: "Names of packs: x.hullmap, x.obj.hullmap, or full on a clash",
+        section: Section::Output,
+        record: Record::Never,
+        ..OPTION
+    },
 ];
 
 /// Number of options.
-pub const OPTION_COUNT: usize = 20;
+pub const OPTION_COUNT: usize = 21;
 
 /// Values that most options share.
 const OPTION: BuildOption = BuildOption {

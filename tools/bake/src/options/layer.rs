@@ -175,6 +175,7 @@ pub mod tests {
         ("vhacd_fill", "surface"),
         ("max_vertices", "64"),
         ("max_error", "0.5"),
+        ("pack_names", "full"),
     ];
 
     /// A layer with these values.

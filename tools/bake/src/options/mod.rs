@@ -97,6 +97,16 @@ impl BuildOptions {
         }
     }
 
+    /// Whether the pack's name keeps the extension of the mesh; `None` if the names of the other
+    /// meshes decide.
+    pub fn keeps_extension(&self) -> Option<bool> {
+        match self.word("pack_names") {
+            "stem" => Some(false),
+            "full" => Some(true),
+            _ => None,
+        }
+    }
+
     fn choice<T: ValueEnum>(&self, key: &str) -> T {
         T::from_str(self.word(key), false).expect("the table lists the names of the type's values")
     }
@@ -190,6 +200,8 @@ pub mod tests {
         assert_eq!(options(&[("index_budget", "40")]).index(), IndexChoice::Budget { bytes_per_vertex: 40 });
         assert_eq!(options(&[("max_vertices", "64")]).simplify(), Some(Limit::Vertices(64)));
         assert_eq!(options(&[("max_error", "1e-3")]).simplify(), Some(Limit::Distance(1e-3)));
+        let names = ["auto", "stem", "full"].map(|names| options(&[("pack_names", names)]).keeps_extension());
+        assert_eq!(names, [None, Some(false), Some(true)]);
         let usual = options(&[("decompose", "true")]).decompose().unwrap();
         let parts = |key, value| options(&[("decompose", "true"), (key, value)]).decompose().unwrap();
         assert_eq!(parts("vhacd_concavity", "0.5"), Parameters { concavity: 0.5, ..usual });

@@ -9,7 +9,7 @@ use std::fmt;
 
 use hullmap_bake::{IndexChoice, IndexKind};
 
-use super::defaults::{DefaultValue, OPTIONS, Record};
+use super::defaults::{DefaultValue, OPTIONS, Record, position};
 use super::{BuildOptions, OptionLayer};
 
 impl fmt::Display for BuildOptions {
@@ -17,7 +17,7 @@ impl fmt::Display for BuildOptions {
         let mut separator = "";
         for (index, option) in OPTIONS.iter().enumerate() {
             let text = match (option.record, self.0.at(index), option.default) {
-                (Record::WithIndex, ..) | (_, None, _) => continue,
+                (Record::WithIndex | Record::Never, ..) | (_, None, _) => continue,
                 (Record::Always, Some(_), _) if option.key == "index" => recorded_index(self.index()),
                 (Record::Always, Some(value), _) => value.to_string(),
                 (Record::IfChanged, Some(value), DefaultValue::Value(default))
@@ -62,6 +62,9 @@ impl BuildOptions {
         let mut layer = OptionLayer::default();
         for part in text.split(", ") {
             let (key, value) = part.split_once(' ')?;
+            if position(key).is_some_and(|index| OPTIONS[index].record == Record::Never) {
+                return None;
+            }
             if key == "index" { set_index(&mut layer, value)? } else { layer.set(key, value).ok()? }
         }
         // The first packs had these two already.
@@ -202,9 +205,15 @@ mod tests {
             "split none, vertices all, index tree 8, unit_scale 0",
             "split none, vertices all, index tree 8, unit_scale nan",
             "split none, vertices all, index tree 8, recentre",
+            "split none, vertices all, index tree 8, pack_names full",
         ] {
             assert_eq!(BuildOptions::from_recorded(text), None, "{text}");
         }
+    }
+
+    #[test]
+    fn names_of_packs_are_not_recorded() {
+        assert_eq!(options(&[("pack_names", "full")]).to_string(), BuildOptions::default().to_string());
     }
 
     #[test]

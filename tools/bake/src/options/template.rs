@@ -29,12 +29,16 @@ const RULES: &str = r#"
 # [[rule]]
 # files = ["*_collision.obj", "vehicles/*.obj"]
 # split = "object"
+#
+# [[rule]]
+# files = "lods/**"
+# skip = true
 "#;
 
 /// Text of the file.
 pub fn template() -> String {
     let mut text = HEAD.to_owned();
-    for section in [Section::Import, Section::Index, Section::Decomposition, Section::Simplification] {
+    for section in [Section::Import, Section::Index, Section::Decomposition, Section::Simplification, Section::Output] {
         let _ = writeln!(text, "\n# {}", section.heading());
         for option in OPTIONS.iter().filter(|option| option.section == section) {
             let _ = writeln!(text, "# {}.\n# {} = {}", option.help, option.key, toml_value(option));

@@ -11,6 +11,7 @@ use hullmap::Pack;
 use hullmap_bake::{PointSet, SourceRecord};
 
 use super::freshness::{Expected, Found, judge};
+use super::pack_names::PackName;
 use super::rows::{Row, Status};
 use crate::args::DEFAULT_DIRECTIONS;
 use crate::baker::BakedPack;
@@ -28,6 +29,8 @@ pub struct Job {
     pub source: PathBuf,
     /// The pack.
     pub output: PathBuf,
+    /// Remarks on the name of the pack.
+    pub name: PackName,
     /// The options that shape the pack.
     pub options: BuildOptions,
     /// The `hullmap.toml` they come from, if any.
@@ -61,6 +64,10 @@ impl Build<'_> {
         let (source, output) = (job.source.display().to_string(), job.output.display().to_string());
         let mut row = Row::new(source, output, Status::Failed);
         row.options = Some(job.options.to_string());
+        if let Some(clash) = &job.name.clash {
+            row.error = Some(clash.clone());
+            return (row, Exit::Usage);
+        }
         // Fields of the row are only ever added, so a panic leaves it consistent.
         let result = catch_unwind(AssertUnwindSafe(|| self.bake(job, &mut row)));
         let exit = match result {
@@ -80,6 +87,11 @@ impl Build<'_> {
                 Exit::Rejected
             }
         };
+        // A fresh pack needs no remarks.
+        if row.status != Status::Fresh {
+            row.notes.extend(job.name.note.clone());
+            row.warnings.extend(job.name.warning.clone());
+        }
         row.millis = (start.elapsed().as_secs_f64() * 1e4).round() / 10.0;
         (row, exit)
     }

@@ -68,7 +68,7 @@ mod tests {
     use crate::options::tests::options;
 
     fn job(source: PathBuf, options: BuildOptions) -> Job {
-        Job { source, output: PathBuf::new(), options, config: None }
+        Job { source, output: PathBuf::new(), options, config: None, name: Default::default() }
     }
 
     #[test]

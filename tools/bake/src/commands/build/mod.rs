@@ -1,15 +1,17 @@
 //! `bake build`: bakes meshes into packs, in parallel and independently.
 //!
-//! 1. [`plan`] finds the meshes and names their packs; [`Configs`] and the flags determine the
-//!    options of each.
+//! 1. [`plan`] finds the meshes that [`filter`] leaves; [`Configs`] and the flags determine the
+//!    options of each; [`pack_names`] names their packs.
 //! 2. [`schedule`] starts the files within a memory limit; [`freshness`] finds packs that are up to
 //!    date; [`job`] bakes the others.
 //! 3. [`orphans`] finds packs whose source is gone; [`rows`] prints the results.
 
+mod filter;
 mod freshness;
 mod job;
 mod memory;
 mod orphans;
+mod pack_names;
 mod plan;
 mod progress;
 mod rows;
@@ -23,22 +25,24 @@ use std::path::{Path, PathBuf};
 
 use crate::args::{BuildArgs, DEFAULT_MEMORY};
 use crate::baker::bake_pack;
-use crate::config::{Configs, FILE_NAME};
+use crate::config::{Chosen, Configs, FILE_NAME};
 use crate::depfile::{self, Rule};
 use crate::interrupt;
-use crate::options::flag;
+use crate::options::{BuildOptions, flag};
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, make_folder, put_in_place, sweep, sweep_below, write_beside};
 use crate::terminal::{self, Output};
+use filter::Filter;
 use job::{Baker, Build, Job};
+use pack_names::PackName;
+use plan::Mesh;
 use progress::Progress;
 use rows::{Row, Status, write_json, write_table};
 
 /// Runs the command.
 ///
 /// # Errors
-/// An input or `hullmap.toml` cannot be read, or two files would become one pack; found before any
-/// work. Failures of single files are reported in their rows and in the exit code.
+/// An input or `hullmap.toml` cannot be read; found before any work. Failures of single files are reported in their rows and in the exit code.
 pub fn run(args: &BuildArgs, out: &mut Output) -> Result<Exit, Failure> {
     interrupt::catch();
     let project = Path::new(".");
@@ -63,18 +67,36 @@ fn jobs(args: &BuildArgs, project: &Path, warns: bool) -> Result<Vec<Job>, Failu
             args.out.display()
         )));
     }
-    let places = plan::plan(&args.inputs, &args.out)?;
+    let mut filter = Filter::new(args);
+    let meshes = plan::plan(&args.inputs, &args.out, &mut filter)?;
+    for glob in filter.unused().filter(|_| warns) {
+        terminal::warning(format_args!("--exclude: no mesh matches `{glob}`"));
+    }
     if args.prune && warns && !bakes_folders(args) {
         terminal::note("--prune has no effect, because no input is a folder; name the folder of the meshes");
     }
     let mut configs = Configs::new(args.config.as_deref(), args.no_config, project)?;
-    let job = |place: plan::Place| {
-        let (layer, config) = configs.layer(&place.source)?;
-        let options = args.options.over(&layer).resolve();
+    let mut chosen = Vec::with_capacity(meshes.len());
+    for mesh in meshes {
+        let Chosen { layer, skips, config } = configs.layer(&mesh.source)?;
         let config = config.map(|config| config.path.clone());
-        Ok(Job { source: place.source, output: place.output, options, config })
+        if !skips {
+            chosen.push((mesh, args.options.over(&layer).resolve(), config));
+        } else if warns && (args.verbose || args.inputs.contains(&mesh.source)) {
+            let (source, config) = (mesh.source.display(), config.unwrap_or_default());
+            terminal::note(format_args!("{source}: left out, because {} says skip = true", config.display()));
+        }
+    }
+    let names: Vec<_> = chosen.iter().map(|(mesh, options, _)| (mesh, options.keeps_extension())).collect();
+    let names = pack_names::pack_names(&names);
+    let job = |((mesh, options, config), name): ((Mesh, BuildOptions, _), PackName)| Job {
+        source: mesh.source,
+        output: name.output.clone(),
+        name,
+        options,
+        config,
     };
-    let jobs: Vec<Job> = places.into_iter().map(job).collect::<Result<_, Failure>>()?;
+    let jobs: Vec<Job> = chosen.into_iter().zip(names).map(job).collect();
     if warns {
         let is_cut = |job: &Job| job.options.decompose().is_some();
         if let Some(key) = args.options.first_decomposition_parameter().filter(|_| !jobs.iter().any(is_cut)) {
@@ -136,7 +158,7 @@ fn build(
     let mut exit = results.iter().map(|(_, exit)| *exit).max().unwrap_or(Exit::Done);
     let mut rows: Vec<Row> = results.into_iter().map(|(row, _)| row).collect();
     if bakes_folders(args) {
-        for orphan in orphans::find(&args.out, &args.inputs, &outputs, project) {
+        for orphan in orphans::find(&args.out, &args.inputs, jobs, project) {
             let row = orphan.row(&args.out, args.prune && !args.check);
             if row.error.is_some() {
                 exit = exit.max(Exit::Usage);

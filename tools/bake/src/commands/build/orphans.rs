@@ -1,23 +1,28 @@
 //! Orphans: packs in the output folder whose source is gone.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use walkdir::WalkDir;
 
+use super::job::Job;
+use super::pack_names::is_name_of;
 use super::rows::{Row, Status};
 use crate::open::open_pack;
 use crate::pack_file::{folder_of, plain, resolve_recorded, shown_from};
 use crate::packs::{PackPlace, is_pack};
 use crate::project::{Found, Project};
 
-/// A pack that this build does not write and whose recorded source does not exist.
+/// A pack that this build does not write, and whose recorded source does not exist or has a pack of
+/// another name.
 #[derive(Debug)]
 pub struct Orphan {
     pack: PathBuf,
     /// Former path of its source, as the user would name it.
     source: String,
+    /// Why it is an orphan.
+    reason: String,
     /// Why it is kept although its source is not found; `None` if it may be removed.
     kept: Option<&'static str>,
 }
@@ -48,14 +53,21 @@ const NAME_ALONE: &str = "it does not record the folder of its source, so it may
 ///
 /// # Complexity
 /// One walk over `out`; packs that the build writes are not opened.
-pub fn find(out: &Path, inputs: &[PathBuf], outputs: &HashSet<&Path>, project: &Path) -> Vec<Orphan> {
+pub fn find(out: &Path, inputs: &[PathBuf], jobs: &[Job], project: &Path) -> Vec<Orphan> {
+    let outputs: HashSet<&Path> = jobs.iter().map(|job| job.output.as_path()).collect();
+    let mut by_folder: HashMap<&Path, Vec<&Job>> = HashMap::new();
+    for job in jobs {
+        by_folder.entry(folder_of(&job.output)).or_default().push(job);
+    }
+    let beside = |pack: &Path| by_folder.get(folder_of(pack)).map_or(&[][..], Vec::as_slice);
     let entries = WalkDir::new(out).sort_by_file_name().into_iter().flatten();
     let packs = entries.filter(|entry| entry.file_type().is_file() && is_pack(entry.path()));
     let others = packs.filter(|entry| !outputs.contains(entry.path()));
-    others.filter_map(|entry| judge(entry.path(), out, inputs, project)).collect()
+    others.filter_map(|entry| judge(entry.path(), out, inputs, beside(entry.path()), project)).collect()
 }
 
-fn judge(pack: &Path, out: &Path, inputs: &[PathBuf], project: &Path) -> Option<Orphan> {
+/// `beside` are the jobs whose packs lie in the folder of `pack`.
+fn judge(pack: &Path, out: &Path, inputs: &[PathBuf], beside: &[&Job], project: &Path) -> Option<Orphan> {
     let recorded = open_pack(pack).ok()?.source_path().to_owned();
     let recorded_place = resolve_recorded(&recorded, folder_of(pack))?;
     let name = recorded_place.file_name()?;
@@ -66,6 +78,9 @@ fn judge(pack: &Path, out: &Path, inputs: &[PathBuf], project: &Path) -> Option<
     // What lies outside the project is none of the pack's business.
     let is_inside =
         project_of(pack, below, project).is_some_and(|project| project.find(&recorded_place) != Found::Outside);
+    if is_inside && let Some(orphan) = renamed(pack, &recorded_place, beside) {
+        return Some(orphan);
+    }
     if is_inside && may_be_there(&recorded_place) || folders.iter().any(|folder| may_be_there(&folder.join(name))) {
         return None;
     }
@@ -75,7 +90,7 @@ fn judge(pack: &Path, out: &Path, inputs: &[PathBuf], project: &Path) -> Option<
     let folder = folders.iter().find(is_recorded);
     let names_folder = recorded.contains('/');
     let kept = match folder {
-        Some(_) if recorded_place.file_stem() == pack.file_stem() => None,
+        Some(_) if is_name_of(pack, &recorded_place) => None,
         None if !names_folder => Some(NAME_ALONE),
         None if !is_inside => Some(OUTSIDE),
         _ => Some(MOVED),
@@ -86,7 +101,23 @@ fn judge(pack: &Path, out: &Path, inputs: &[PathBuf], project: &Path) -> Option<
         None if !names_folder => PathBuf::from(&recorded),
         None => shown_from(&recorded_place, project),
     };
-    Some(Orphan { pack: pack.to_owned(), source: source.display().to_string(), kept })
+    let source = source.display().to_string();
+    let reason = format!("its source {source} is {}", if kept.is_some() { "not found" } else { "gone" });
+    Some(Orphan { pack: pack.to_owned(), source, reason, kept })
+}
+
+/// The orphan that is left if the pack of a mesh gets another name: with the extension of the mesh,
+/// or without it.
+fn renamed(pack: &Path, recorded_place: &Path, beside: &[&Job]) -> Option<Orphan> {
+    let is_name = |job: &&&Job| job.source.file_name() == recorded_place.file_name() && is_name_of(pack, &job.source);
+    let is_source = |job: &&&Job| match (job.source.canonicalize(), recorded_place.canonicalize()) {
+        (Ok(source), Ok(recorded)) => source == recorded,
+        _ => false,
+    };
+    let job = beside.iter().filter(is_name).find(is_source)?;
+    let source = job.source.display().to_string();
+    let reason = format!("its source {source} is now baked into {}", job.output.display());
+    Some(Orphan { pack: pack.to_owned(), source, reason, kept: None })
 }
 
 fn project_of(pack: &Path, below: &Path, start: &Path) -> Option<Project> {
@@ -117,8 +148,7 @@ impl Orphan {
     /// a failure to do so is the row's error.
     pub fn row(&self, out: &Path, prunes: bool) -> Row {
         let mut row = Row::new(self.source.clone(), self.pack.display().to_string(), Status::Orphaned);
-        let word = if self.is_kept() { "not found" } else { "gone" };
-        row.reason = Some(format!("its source {} is {word}", self.source));
+        row.reason = Some(self.reason.clone());
         row.notes.extend(self.kept.map(str::to_owned));
         if !prunes || self.is_kept() {
             return row;

@@ -1,54 +1,64 @@
-//! The plan of a build: which files it reads and which packs it writes.
+//! The plan of a build: which files it reads, and the folders of their packs.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use walkdir::WalkDir;
 
+use super::filter::Filter;
 use crate::outcome::Failure;
 use hullmap_import::{NAMES, is_source};
 
-/// One mesh and the path of its pack.
+/// One mesh and the folder of its pack.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct Mesh {
     /// The mesh, as named or found.
     pub source: PathBuf,
-    /// The pack.
-    pub output: PathBuf,
+    /// The folder of its pack.
+    pub folder: PathBuf,
 }
 
 /// The meshes in the order of the inputs, sorted by name within each folder.
 ///
-/// A file becomes `out/<stem>.hullmap`; files in a folder keep their path relative to it. Links to
-/// folders are followed, except in cycles. A file that is reached twice with the same output is
-/// baked once.
+/// Packs of files lie in `out`; files in a folder keep their path relative to it. Links to folders
+/// are followed, except in cycles. A file that is reached twice with the same folder is baked once.
 ///
 /// # Errors
-/// An input is missing or cannot be read, a folder holds no meshes, or two files would become one
-/// pack.
-pub fn plan(inputs: &[PathBuf], out: &Path) -> Result<Vec<Place>, Failure> {
-    let mut places = Vec::new();
+/// An input is missing or cannot be read, a folder holds no meshes, or `filter` leaves none.
+pub fn plan(inputs: &[PathBuf], out: &Path, filter: &mut Filter) -> Result<Vec<Mesh>, Failure> {
+    let mut meshes = Vec::new();
+    let mut left_out = 0;
     for input in inputs {
         let kind = std::fs::metadata(input).map_err(|error| {
             Failure::usage(format!("{}: cannot read this input: {error}; check the path", input.display()))
         })?;
         if kind.is_dir() {
-            let before = places.len();
-            plan_folder(input, out, &mut places)?;
-            if places.len() == before {
+            let before = meshes.len();
+            let count = plan_folder(input, out, filter, &mut meshes)?;
+            if count == 0 {
                 return Err(Failure::usage(format!(
                     "{}: no meshes ({NAMES}) in this folder; name a folder of meshes",
                     input.display()
                 )));
             }
+            left_out += count - (meshes.len() - before);
+        } else if filter.keeps(None, input) {
+            meshes.push(Mesh { source: input.clone(), folder: out.to_owned() });
         } else {
-            places.push(Place { source: input.clone(), output: pack_path(out, input) });
+            left_out += 1;
         }
     }
-    without_clashes(places)
+    if meshes.is_empty() {
+        return Err(Failure::usage(format!(
+            "--exclude and --ext leave no mesh: {left_out} of {left_out} are left out; change one of them"
+        )));
+    }
+    Ok(without_repeats(meshes))
 }
 
-fn plan_folder(folder: &Path, out: &Path, places: &mut Vec<Place>) -> Result<(), Failure> {
+/// Adds the meshes in a folder; returns how many it holds, with those that `filter` leaves out.
+fn plan_folder(folder: &Path, out: &Path, filter: &mut Filter, meshes: &mut Vec<Mesh>) -> Result<usize, Failure> {
+    let mut count = 0;
     for entry in WalkDir::new(folder).follow_links(true).sort_by_file_name() {
         let entry = match entry {
             Ok(entry) => entry,
@@ -62,50 +72,38 @@ fn plan_folder(folder: &Path, out: &Path, places: &mut Vec<Place>) -> Result<(),
             }
         };
         if entry.file_type().is_file() && is_source(entry.path()) {
+            count += 1;
             let below = entry.path().strip_prefix(folder).unwrap_or(entry.path());
-            let folder = out.join(below.parent().unwrap_or(Path::new("")));
-            places.push(Place { source: entry.path().to_owned(), output: pack_path(&folder, entry.path()) });
-        }
-    }
-    Ok(())
-}
-
-fn without_clashes(places: Vec<Place>) -> Result<Vec<Place>, Failure> {
-    let mut by_output: HashMap<PathBuf, PathBuf> = HashMap::new();
-    let mut kept = Vec::with_capacity(places.len());
-    for place in places {
-        if let Some(other) = by_output.get(&place.output) {
-            let is_same = match (other.canonicalize(), place.source.canonicalize()) {
-                (Ok(a), Ok(b)) => a == b,
-                _ => *other == place.source,
-            };
-            if !is_same {
-                return Err(Failure::usage(format!(
-                    "{} and {} would both become {}; rename one, or bake them into separate folders",
-                    other.display(),
-                    place.source.display(),
-                    place.output.display()
-                )));
+            if filter.keeps(Some(below), entry.path()) {
+                let folder = out.join(below.parent().unwrap_or(Path::new("")));
+                meshes.push(Mesh { source: entry.path().to_owned(), folder });
             }
-            continue;
         }
-        by_output.insert(place.output.clone(), place.source.clone());
-        kept.push(place);
     }
-    Ok(kept)
+    Ok(count)
 }
 
-/// `folder/<stem>.hullmap`; the stem keeps its inner dots.
-fn pack_path(folder: &Path, source: &Path) -> PathBuf {
-    let mut name = source.file_stem().unwrap_or_default().to_owned();
-    name.push(".hullmap");
-    folder.join(name)
+fn without_repeats(meshes: Vec<Mesh>) -> Vec<Mesh> {
+    let mut known: HashMap<PathBuf, Vec<PathBuf>> = HashMap::new();
+    let mut kept = Vec::with_capacity(meshes.len());
+    for mesh in meshes {
+        let others = known.entry(mesh.folder.join(mesh.source.file_name().unwrap_or_default())).or_default();
+        let is_same = |other: &PathBuf| match (other.canonicalize(), mesh.source.canonicalize()) {
+            (Ok(a), Ok(b)) => a == b,
+            _ => *other == mesh.source,
+        };
+        if !others.iter().any(is_same) {
+            others.push(mesh.source.clone());
+            kept.push(mesh);
+        }
+    }
+    kept
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::pack_names::pack_names;
     use super::*;
-    use crate::outcome::Exit;
 
     /// A folder with empty files of these names.
     fn folder(names: &[&str]) -> tempfile::TempDir {
@@ -119,8 +117,10 @@ mod tests {
     }
 
     fn outputs(inputs: &[PathBuf]) -> Vec<String> {
-        let places = plan(inputs, Path::new("out")).unwrap();
-        places.iter().map(|place| place.output.to_str().unwrap().replace('\\', "/")).collect()
+        let meshes = plan(inputs, Path::new("out"), &mut Filter::default()).unwrap();
+        let meshes: Vec<_> = meshes.iter().map(|mesh| (mesh, None)).collect();
+        let names = pack_names(&meshes);
+        names.iter().map(|name| name.output.to_str().unwrap().replace('\\', "/")).collect()
     }
 
     #[test]
@@ -140,19 +140,20 @@ mod tests {
     }
 
     #[test]
-    fn two_sources_of_one_pack_are_an_error() {
-        let meshes = folder(&["a/x.obj", "b/x.obj"]);
-        let inputs = ["a", "b"].map(|name| meshes.path().join(name));
-        let failure = plan(&inputs, Path::new("out")).unwrap_err();
-        assert_eq!(failure.exit, Exit::Usage);
-        assert!(failure.message.contains("would both become"), "{failure}");
-    }
-
-    #[test]
     fn missing_and_empty_inputs_are_errors() {
         let meshes = folder(&["a.txt"]);
-        assert!(plan(&[meshes.path().join("no.obj")], Path::new("out")).unwrap_err().message.contains("no.obj"));
-        assert!(plan(&[meshes.path().to_owned()], Path::new("out")).unwrap_err().message.contains("no meshes"));
+        assert!(
+            plan(&[meshes.path().join("no.obj")], Path::new("out"), &mut Filter::default())
+                .unwrap_err()
+                .message
+                .contains("no.obj")
+        );
+        assert!(
+            plan(&[meshes.path().to_owned()], Path::new("out"), &mut Filter::default())
+                .unwrap_err()
+                .message
+                .contains("no meshes")
+        );
     }
 
     #[cfg(unix)]

@@ -1,0 +1,177 @@
+//! Names of packs: `x.hullmap` for `x.obj`, or `x.obj.hullmap` beside `x.stl`.
+//!
+//! A mesh keeps its extension in the name of its pack if another mesh of the build would otherwise
+//! have the same pack, or a pack whose name differs in case alone, which is the same file on some
+//! systems. Only names count, so a third mesh renames no other pack than one of the same stem.
+
+use std::collections::HashMap;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use super::plan::Mesh;
+
+/// End of a pack's name.
+const PACK: &str = ".hullmap";
+
+/// The pack of a mesh.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PackName {
+    /// Its path.
+    pub output: PathBuf,
+    /// Why its name has the extension of the mesh, if nobody requested it.
+    pub note: Option<String>,
+    /// Another pack is the same file on systems that ignore case.
+    pub warning: Option<String>,
+    /// Another mesh has the same pack, so neither is baked.
+    pub clash: Option<String>,
+}
+
+/// The packs of all meshes of a build. For each mesh, whether its pack keeps the extension; `None`
+/// if the other names decide.
+///
+/// # Complexity
+/// O(meshes), apart from meshes of the same stem.
+pub fn pack_names(meshes: &[(&Mesh, Option<bool>)]) -> Vec<PackName> {
+    // The meshes with a stem, or with a name, in a folder of packs; without case.
+    let mut by_stem: HashMap<(&Path, String), Vec<usize>> = HashMap::new();
+    let mut by_name: HashMap<(&Path, String), Vec<usize>> = HashMap::new();
+    let full = |mesh: &Mesh| lower(mesh.source.file_name().map(Path::new));
+    let stem = |mesh: &Mesh| lower(mesh.source.file_stem().map(Path::new));
+    for (index, (mesh, _)) in meshes.iter().enumerate() {
+        by_stem.entry((&mesh.folder, stem(mesh))).or_default().push(index);
+        by_name.entry((&mesh.folder, full(mesh))).or_default().push(index);
+    }
+    let rival = |index: usize| {
+        let mesh = meshes[index].0;
+        let key = (mesh.folder.as_path(), stem(mesh));
+        let others = [by_stem.get(&key), by_name.get(&key)].into_iter().flatten().flatten();
+        // The extension cannot distinguish meshes whose whole names are equal.
+        others.copied().find(|&other| full(meshes[other].0) != full(mesh))
+    };
+    let name = |(index, (mesh, keeps)): (usize, &(&Mesh, Option<bool>))| {
+        let rival = if keeps.is_none() { rival(index) } else { None };
+        let output = mesh.folder.join(file_name(&mesh.source, keeps.unwrap_or(rival.is_some())));
+        let note = rival.map(|rival| {
+            let rival = meshes[rival].0.source.display();
+            format!("its pack {} has the extension in its name, because of {rival}", output.display())
+        });
+        PackName { output, note, ..PackName::default() }
+    };
+    let mut names: Vec<PackName> = meshes.iter().enumerate().map(name).collect();
+    let mut by_output: HashMap<String, Vec<usize>> = HashMap::new();
+    for (index, name) in names.iter().enumerate() {
+        by_output.entry(lower(Some(&name.output))).or_default().push(index);
+    }
+    for same in by_output.into_values().filter(|same| same.len() > 1) {
+        for &index in &same {
+            let other = |is_equal: bool| {
+                let is_same = |&other: &usize| (names[other].output == names[index].output) == is_equal;
+                same.iter().copied().filter(|&other| other != index).find(is_same)
+            };
+            let (source, output) = (meshes[index].0.source.display(), names[index].output.display());
+            let clash = other(true).map(|other| {
+                let (first, second) = (index.min(other), index.max(other));
+                let [first, second] = [first, second].map(|index| meshes[index].0.source.display());
+                format!(
+                    "{first} and {second} would both become {output}; rename one, bake them into separate folders, \
+                     or try --pack-names full"
+                )
+            });
+            let warning = other(false).map(|other| {
+                let (other, theirs) = (meshes[other].0.source.display(), names[other].output.display());
+                format!("{output} and {theirs} are one file on systems that ignore case; rename {source} or {other}")
+            });
+            (names[index].clash, names[index].warning) = (clash, warning);
+        }
+    }
+    names
+}
+
+/// Whether the packs of a mesh have this name, with or without the extension of the mesh.
+pub fn is_name_of(pack: &Path, source: &Path) -> bool {
+    [true, false].iter().any(|&keeps| pack.file_name() == Some(&file_name(source, keeps)))
+}
+
+/// The stem keeps its inner dots.
+fn file_name(source: &Path, keeps_extension: bool) -> OsString {
+    let name = if keeps_extension { source.file_name() } else { source.file_stem() };
+    let mut name = name.unwrap_or_default().to_owned();
+    name.push(PACK);
+    name
+}
+
+fn lower(path: Option<&Path>) -> String {
+    path.map_or_else(String::new, |path| path.to_string_lossy().to_lowercase())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Names of the packs of meshes, each in a folder with these packs.
+    fn names(meshes: &[&str], keeps: Option<bool>) -> Vec<String> {
+        let meshes: Vec<Mesh> = meshes
+            .iter()
+            .map(|mesh| Mesh { source: mesh.into(), folder: Path::new("o").join(Path::new(mesh).parent().unwrap()) })
+            .collect();
+        let choices: Vec<_> = meshes.iter().map(|mesh| (mesh, keeps)).collect();
+        let shown = |name: PackName| {
+            let mark = if name.clash.is_some() {
+                "!"
+            } else if name.warning.is_some() {
+                "?"
+            } else {
+                ""
+            };
+            format!("{}{mark}", name.output.to_str().unwrap().replace('\\', "/"))
+        };
+        pack_names(&choices).into_iter().map(shown).collect()
+    }
+
+    #[test]
+    fn the_extension_is_kept_where_stems_are_equal() {
+        for (meshes, expected) in [
+            (&["x.obj", "y.obj"][..], &["o/x.hullmap", "o/y.hullmap"][..]),
+            (&["x.obj", "x.stl", "y.stl"], &["o/x.obj.hullmap", "o/x.stl.hullmap", "o/y.hullmap"]),
+            (&["x.obj", "x.ply", "x.stl"], &["o/x.obj.hullmap", "o/x.ply.hullmap", "o/x.stl.hullmap"]),
+            (&["a/x.obj", "b/x.stl"], &["o/a/x.hullmap", "o/b/x.hullmap"]),
+            // One file on systems that ignore case.
+            (&["x.obj", "X.stl"], &["o/x.obj.hullmap", "o/X.stl.hullmap"]),
+            (&["x.obj", "X.OBJ"], &["o/x.hullmap?", "o/X.hullmap?"]),
+            // The stem of one is the name of another.
+            (&["x.obj", "x.obj.stl"], &["o/x.hullmap", "o/x.obj.stl.hullmap"]),
+            (&["x.obj", "x.obj.stl", "x.ply"], &["o/x.obj.hullmap", "o/x.obj.stl.hullmap", "o/x.ply.hullmap"]),
+            (&["x.v1.obj", "x.v2.obj"], &["o/x.v1.hullmap", "o/x.v2.hullmap"]),
+        ] {
+            assert_eq!(names(meshes, None), expected, "{meshes:?}");
+        }
+        assert_eq!(names(&["x.obj", "y.obj"], Some(true)), ["o/x.obj.hullmap", "o/y.obj.hullmap"]);
+        assert_eq!(names(&["x.obj", "x.stl", "y.obj"], Some(false)), ["o/x.hullmap!", "o/x.hullmap!", "o/y.hullmap"]);
+    }
+
+    #[test]
+    fn automatic_names_never_clash_and_do_not_depend_on_the_order() {
+        let all = ["a.obj", "A.stl", "a.obj.ply", "a.obj.ply.glb", "b.stl", "b.obj.stl", "b", "a.b.obj", "a.b"];
+        for chosen in 0..1_u32 << all.len() {
+            let mut meshes: Vec<&str> =
+                (0..all.len()).filter(|bit| chosen >> bit & 1 == 1).map(|bit| all[bit]).collect();
+            let mut forwards = names(&meshes, None);
+            assert!(!forwards.iter().any(|name| name.ends_with(['!', '?'])), "{meshes:?}: {forwards:?}");
+            meshes.reverse();
+            forwards.reverse();
+            assert_eq!(names(&meshes, None), forwards);
+        }
+    }
+
+    #[test]
+    fn a_pack_has_one_of_two_names() {
+        for (pack, source, expected) in [
+            ("o/x.hullmap", "in/x.obj", true),
+            ("o/x.obj.hullmap", "in/x.obj", true),
+            ("o/x.stl.hullmap", "in/x.obj", false),
+            ("o/renamed.hullmap", "in/x.obj", false),
+        ] {
+            assert_eq!(is_name_of(Path::new(pack), Path::new(source)), expected, "{pack} {source}");
+        }
+    }
+}

@@ -1,0 +1,41 @@
+//! Globs that select meshes, in `hullmap.toml` and for `--exclude`.
+
+use std::path::Path;
+
+use globset::{GlobBuilder, GlobMatcher};
+
+/// A glob. `*` stays within one folder, `**` does not; case is ignored.
+#[derive(Clone, Debug)]
+pub struct Glob {
+    /// As written.
+    pub text: String,
+    matcher: GlobMatcher,
+    /// A glob without `/` is matched against the file name alone, as in `.gitignore`.
+    matches_name: bool,
+}
+
+impl Glob {
+    /// Reads a glob.
+    ///
+    /// # Errors
+    /// It is invalid.
+    pub fn new(text: &str) -> Result<Self, String> {
+        let matches_name = !text.contains('/');
+        // A glob with `/` is relative to a folder anyway, so a leading `/` or `./` adds nothing.
+        let below = text.strip_prefix("./").or_else(|| text.strip_prefix('/')).unwrap_or(text);
+        let built = GlobBuilder::new(below).literal_separator(true).case_insensitive(true).build();
+        let matcher = built.map_err(|error| format!("invalid glob `{text}`: {}", error.kind()))?.compile_matcher();
+        Ok(Self { text: text.to_owned(), matcher, matches_name })
+    }
+
+    /// Whether it matches a mesh: `below` is the mesh's path relative to the glob's folder; `None`
+    /// for a mesh outside that folder, to which only globs without `/` can apply. `name` is its
+    /// file name.
+    pub fn matches(&self, below: Option<&Path>, name: &Path) -> bool {
+        match (self.matches_name, below) {
+            (true, _) => self.matcher.is_match(name),
+            (false, Some(below)) => self.matcher.is_match(below),
+            (false, None) => false,
+        }
+    }
+}
