@@ -42,7 +42,8 @@ use rows::{Row, Status, write_json, write_table};
 /// Runs the command.
 ///
 /// # Errors
-/// An input or `hullmap.toml` cannot be read; found before any work. Failures of single files are reported in their rows and in the exit code.
+/// An input or `hullmap.toml` cannot be read; found before any work. Failures of single files are
+/// reported in their rows and in the exit code.
 pub fn run(args: &BuildArgs, out: &mut Output) -> Result<Exit, Failure> {
     interrupt::catch();
     let project = Path::new(".");
