@@ -8,9 +8,9 @@
 //!   often. The exponent of the time in the number of items is the slope of a line through the
 //!   logarithms.
 //!
-//! A test fails only if all of several attempts exceed the bound, and each attempt keeps the shortest
-//! times so far. On Linux the time is that of the processor, so that other processes do not disturb
-//! it.
+//! A test fails only if all of several attempts exceed the bound, and each attempt keeps the
+//! shortest times so far. On Linux the time is that of the processor, so that other processes do
+//! not disturb it.
 
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
@@ -51,8 +51,8 @@ struct Case {
 enum Expected {
     Works,
     Fails,
-    /// Two counts grow together, and the work is their product, up to the limit on repetition. Large
-    /// files reach the limit, and fail.
+    /// Two counts grow together, and the work is their product, up to the limit on repetition.
+    /// Large files reach the limit, and fail.
     WorksUpToTheLimit,
 }
 
