@@ -419,8 +419,8 @@ proptest! {
     }
 }
 
-/// Every pair costs the same, the interval holds after any number of steps, and it narrows with
-/// more steps.
+/// Every pair costs the same, the interval holds after any number of steps, and more steps narrow
+/// it on average, up to 24.
 #[test]
 fn lockstep_contact_costs_the_same_for_every_pair() {
     let mut rng = SplitMix64::new(SEED + 6);

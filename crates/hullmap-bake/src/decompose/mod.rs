@@ -117,34 +117,8 @@ pub fn decompose(mesh: &PointSet, parameters: &Parameters) -> Result<Option<Vec<
     if hull.rank < 3 || mesh.triangles.is_empty() || is_convex(mesh, &hull) {
         return Ok(None);
     }
-    // Centre the mesh on its bounding box, so that V-HACD cuts with full precision.
-    let positions: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
-    let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-    // The middle is rounded to f32 numbers, so that subtracting it and adding it back are exact in
-    // f64 except in extreme ranges.
-    let middle = ((low + high) * 0.5).as_vec3().as_dvec3();
-    let points: Vec<_> = positions.iter().map(|p| to_parry(*p - middle)).collect();
-    let found = VHACD::decompose(&to_vhacd(parameters), &points, &mesh.triangles, true);
-    let order = by_position(mesh);
-    let step = power_of_two_from((high - low).max_element() * GRID);
-    let mut cuts = Vec::new();
-    for cut in found.compute_primitive_intersections(&points, &mesh.triangles) {
-        let mut part: Vec<([f32; 3], u32)> = cut
-            .iter()
-            .map(|p| {
-                let exact = DVec3::new(p.x, p.y, p.z) + middle;
-                let source_vertex = source_vertex_at(mesh, &order, exact.to_array().map(|c| c as f32 + 0.0));
-                let snapped = (exact / step).round() * step;
-                let kept = if source_vertex == NO_SOURCE_VERTEX { snapped } else { exact };
-                (kept.to_array().map(|c| c as f32 + 0.0), source_vertex)
-            })
-            .collect();
-        if !part.is_empty() {
-            in_order(&mut part);
-            cuts.push(part);
-        }
-    }
+    let cuts = cut(mesh, parameters);
+    let [low, high] = extremes(mesh);
     let until = merge::Until {
         free: FREE_MERGER * parameters.concavity * crate::mass::mass(&hull).volume,
         max_parts: parameters.max_parts.max(1) as usize,
@@ -152,7 +126,7 @@ pub fn decompose(mesh: &PointSet, parameters: &Parameters) -> Result<Option<Vec<
     };
     let point_sets: Vec<PointSet> = cuts.iter().map(|part| point_set(part, mesh, String::new())).collect();
     let merged = merge::merge(&point_sets, until)?.into_iter().enumerate().map(|(index, members)| {
-        let mut part: Vec<([f32; 3], u32)> = members.iter().flat_map(|member| &cuts[*member]).copied().collect();
+        let mut part: Part = members.iter().flat_map(|member| &cuts[*member]).copied().collect();
         in_order(&mut part);
         point_set(&part, mesh, format!("{}_part_{index:02}", mesh.name))
     });
@@ -160,8 +134,46 @@ pub fn decompose(mesh: &PointSet, parameters: &Parameters) -> Result<Option<Vec<
     Ok((parts.len() > 1).then_some(parts))
 }
 
+/// Points of a convex part, each with its source vertex.
+type Part = Vec<([f32; 3], u32)>;
+
+/// The parts that V-HACD cuts a mesh into.
+fn cut(mesh: &PointSet, parameters: &Parameters) -> Vec<Part> {
+    // Centre the mesh on its bounding box, so that V-HACD cuts with full precision. The middle is
+    // rounded to f32 numbers, so that subtracting it and adding it back are exact in f64 except in
+    // extreme ranges.
+    let [low, high] = extremes(mesh);
+    let middle = ((low + high) * 0.5).as_vec3().as_dvec3();
+    let points: Vec<_> =
+        mesh.positions.iter().map(|p| to_parry(DVec3::from_array(p.map(f64::from)) - middle)).collect();
+    let found = VHACD::decompose(&to_vhacd(parameters), &points, &mesh.triangles, true);
+    let order = by_position(mesh);
+    let step = power_of_two_from((high - low).max_element() * GRID);
+    // A point that is not a source vertex is snapped to the grid.
+    let located = |exact: DVec3| {
+        let source_vertex = source_vertex_at(mesh, &order, exact.to_array().map(|c| c as f32 + 0.0));
+        let snapped = (exact / step).round() * step;
+        let kept = if source_vertex == NO_SOURCE_VERTEX { snapped } else { exact };
+        (kept.to_array().map(|c| c as f32 + 0.0), source_vertex)
+    };
+    let cuts = found.compute_primitive_intersections(&points, &mesh.triangles).into_iter();
+    cuts.filter(|cut| !cut.is_empty())
+        .map(|cut| {
+            let mut part = cut.iter().map(|p| located(DVec3::new(p.x, p.y, p.z) + middle)).collect();
+            in_order(&mut part);
+            part
+        })
+        .collect()
+}
+
+/// Minimum and maximum coordinates of a mesh.
+fn extremes(mesh: &PointSet) -> [DVec3; 2] {
+    let positions = || mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from)));
+    [positions().fold(DVec3::INFINITY, DVec3::min), positions().fold(DVec3::NEG_INFINITY, DVec3::max)]
+}
+
 /// Sorts points by source index, then by position, and removes duplicates.
-fn in_order(part: &mut Vec<([f32; 3], u32)>) {
+fn in_order(part: &mut Part) {
     part.sort_unstable_by_key(|(p, source_vertex)| (*source_vertex, p.map(f32::to_bits)));
     part.dedup();
 }

@@ -21,9 +21,8 @@ use crate::BakeError;
 /// Minimum fraction of a branch's slots that must be distinct. A branch gets the maximum number of
 /// bits that satisfies it.
 ///
-/// Fewer bits mean more hops and fewer bytes. At 0.3, nearly every direction is one hop from its
-/// leaf, and the slots take about a tenth of the space of the blocks.
-const DIFFERENT_SLOTS: f64 = 0.4;
+/// A greater fraction means fewer bits, so more hops and fewer bytes.
+const MIN_DISTINCT: f64 = 0.4;
 
 /// Three levels of planes are written as one bundle if they divide the cell into at least this many
 /// parts.
@@ -64,55 +63,16 @@ pub fn trees(
     // share one entry.
     let mut queue: Queue = roots.iter().enumerate().map(|(at, tree)| (vec![at], tree, None)).collect();
     while let Some((targets, tree, frame)) = queue.pop_front() {
-        let free = encoder.out.slots.len();
         let slot = match tree {
             Tree::Leaf(list) => encoder.leaf(list),
-            Tree::Axis(halves) if branches == Branches::Halves => {
-                encoder.out.slots.extend([0; 2]);
-                queue.extend([(vec![free], &halves[0], None), (vec![free + 1], &halves[1], None)]);
-                Slot::Branch(checked(free, PAYLOAD_LIMIT)?)
-            }
-            Tree::Axis(_) => {
-                let bits = branch_bits(tree);
-                let squares = squares(tree, bits);
-                encoder.out.slots.resize(free + squares.len(), 0);
-                enqueue(&mut queue, free, &squares, |_| None);
-                Slot::Branch(Branch { at: checked(free, BRANCH_LIMIT)?, bits }.encode())
-            }
+            Tree::Axis(halves) if branches == Branches::Halves => encoder.halving(halves, &mut queue)?,
+            Tree::Axis(_) => encoder.branch(tree, &mut queue)?,
             Tree::Plane(normal, halves) if part_count(tree, 3) < BUNDLE_FROM => {
-                encoder.out.slots.extend(normal.iter().flat_map(|n| encode_f64(*n)));
-                encoder.out.slots.extend([0; 2]);
-                enqueue(&mut queue, free + 6, &[&halves[0], &halves[1]], |_| None);
-                Slot::Plane(checked(free, PLANES_LIMIT)?)
+                encoder.plane(*normal, halves, &mut queue)?
             }
-            Tree::Plane(..) => {
-                let (normals, parts) = bundle(tree);
-                encoder.out.slots.resize(free + BUNDLE_WORDS as usize, 0);
-                for (plane, normal) in normals.iter().enumerate() {
-                    for (axis, n) in normal.iter().enumerate() {
-                        let at = free + 2 * (axis * BUNDLE_PLANES + plane);
-                        encoder.out.slots[at..at + 2].copy_from_slice(&encode_f64(*n));
-                    }
-                }
-                enqueue(&mut queue, free + 6 * BUNDLE_PLANES, &parts, |_| None);
-                Slot::Bundle(checked(free, PLANES_LIMIT)?)
-            }
-            Tree::Fan(..) | Tree::Wedges(_) => {
-                let (frame, wedges) = match tree {
-                    Tree::Fan(frame, wedges) => (*frame, &**wedges),
-                    _ => (frame.expect("wedges stand below a fan"), tree),
-                };
-                let bits = fan_bits(wedges);
-                let parts = parts(wedges, bits);
-                let Frame { x, y, start, span } = frame;
-                let numbers = [x.x, x.y, x.z, y.x, y.y, y.z, start, f64::from(1 << bits) / span];
-                encoder.out.slots.extend(numbers.into_iter().flat_map(encode_f64));
-                encoder.out.slots.push(bits);
-                let first = free + fan::HEAD_WORDS as usize;
-                encoder.out.slots.resize(first + parts.len(), 0);
-                enqueue(&mut queue, first, &parts, |part| Some(frame.part(part, bits)));
-                Slot::Fan(checked(free, PLANES_LIMIT)?)
-            }
+            Tree::Plane(..) => encoder.bundle(tree, &mut queue)?,
+            Tree::Fan(frame, wedges) => encoder.fan(*frame, wedges, &mut queue)?,
+            Tree::Wedges(_) => encoder.fan(frame.expect("wedges stand below a fan"), tree, &mut queue)?,
         };
         for target in targets {
             encoder.out.slots[target] = slot.encode();
@@ -143,13 +103,13 @@ fn enqueue<'a>(queue: &mut Queue<'a>, first: usize, slots: &[&'a Tree], frame: i
 
 /// Bits of a branch over `tree`: the maximum that leaves enough of its slots distinct.
 fn branch_bits(tree: &Tree) -> u32 {
-    let enough = |bits: &u32| cell_count(tree, 2 * bits) as f64 >= DIFFERENT_SLOTS * f64::from(1 << (2 * bits));
+    let enough = |bits: &u32| cell_count(tree, 2 * bits) as f64 >= MIN_DISTINCT * f64::from(1 << (2 * bits));
     (1..=MAX_BRANCH_BITS).rev().find(enough).unwrap_or(1)
 }
 
 /// Bits of a fan over `wedges`: the maximum that leaves enough of its slots distinct.
 fn fan_bits(wedges: &Tree) -> u32 {
-    let enough = |bits: &u32| wedge_count(wedges, *bits) as f64 >= DIFFERENT_SLOTS * f64::from(1 << bits);
+    let enough = |bits: &u32| wedge_count(wedges, *bits) as f64 >= MIN_DISTINCT * f64::from(1 << bits);
     (0..=fan::MAX_BITS).rev().find(enough).unwrap_or(0)
 }
 
@@ -271,6 +231,63 @@ impl<'a> Encoder<'a> {
         let at = self.out.slots.len() as u32;
         self.out.slots.extend([first, list.len().div_ceil(LANES) as u32]);
         Slot::List(at)
+    }
+
+    /// Appends a branch that halves its cell, and queues the two trees below.
+    fn halving<'t>(&mut self, halves: &'t [Tree; 2], queue: &mut Queue<'t>) -> Result<Slot, BakeError> {
+        let at = self.out.slots.len();
+        self.out.slots.extend([0; 2]);
+        queue.extend([(vec![at], &halves[0], None), (vec![at + 1], &halves[1], None)]);
+        Ok(Slot::Branch(checked(at, PAYLOAD_LIMIT)?))
+    }
+
+    /// Appends a branch into squares, and queues the trees below.
+    fn branch<'t>(&mut self, tree: &'t Tree, queue: &mut Queue<'t>) -> Result<Slot, BakeError> {
+        let at = self.out.slots.len();
+        let bits = branch_bits(tree);
+        let squares = squares(tree, bits);
+        self.out.slots.resize(at + squares.len(), 0);
+        enqueue(queue, at, &squares, |_| None);
+        Ok(Slot::Branch(Branch { at: checked(at, BRANCH_LIMIT)?, bits }.encode()))
+    }
+
+    /// Appends one plane, and queues the trees behind it and in front of it.
+    fn plane<'t>(&mut self, normal: [f64; 3], halves: &'t [Tree; 2], queue: &mut Queue<'t>) -> Result<Slot, BakeError> {
+        let at = self.out.slots.len();
+        self.out.slots.extend(normal.into_iter().flat_map(encode_f64));
+        self.out.slots.extend([0; 2]);
+        enqueue(queue, at + 6, &[&halves[0], &halves[1]], |_| None);
+        Ok(Slot::Plane(checked(at, PLANES_LIMIT)?))
+    }
+
+    /// Appends three levels of planes, and queues the trees in their eight parts.
+    fn bundle<'t>(&mut self, tree: &'t Tree, queue: &mut Queue<'t>) -> Result<Slot, BakeError> {
+        let at = self.out.slots.len();
+        let (normals, parts) = bundle(tree);
+        self.out.slots.resize(at + BUNDLE_WORDS as usize, 0);
+        for (plane, normal) in normals.iter().enumerate() {
+            for (axis, n) in normal.iter().enumerate() {
+                let word = at + 2 * (axis * BUNDLE_PLANES + plane);
+                self.out.slots[word..word + 2].copy_from_slice(&encode_f64(*n));
+            }
+        }
+        enqueue(queue, at + 6 * BUNDLE_PLANES, &parts, |_| None);
+        Ok(Slot::Bundle(checked(at, PLANES_LIMIT)?))
+    }
+
+    /// Appends a fan, and queues the trees in its steps.
+    fn fan<'t>(&mut self, frame: Frame, wedges: &'t Tree, queue: &mut Queue<'t>) -> Result<Slot, BakeError> {
+        let at = self.out.slots.len();
+        let bits = fan_bits(wedges);
+        let parts = parts(wedges, bits);
+        let Frame { x, y, start, span } = frame;
+        let numbers = [x.x, x.y, x.z, y.x, y.y, y.z, start, f64::from(1 << bits) / span];
+        self.out.slots.extend(numbers.into_iter().flat_map(encode_f64));
+        self.out.slots.push(bits);
+        let first = at + fan::HEAD_WORDS as usize;
+        self.out.slots.resize(first + parts.len(), 0);
+        enqueue(queue, first, &parts, |part| Some(frame.part(part, bits)));
+        Ok(Slot::Fan(checked(at, PLANES_LIMIT)?))
     }
 
     /// Appends blocks of these vertices, at least `least` blocks, and returns the index of the

@@ -197,83 +197,102 @@ impl Surface {
     /// Returns the new vertex's index. Returns `None`, without changes, if the point is not outside
     /// triangle `start`, or if the triangles that it sees have no simple boundary.
     pub fn insert(&mut self, p: DVec3, start: u32) -> Option<u32> {
+        let Visible { triangles, corners, horizon } = self.visible_from(p, start)?;
+        let new = self.points.len() as u32;
+        self.points.push(p);
+        self.at.push(NONE);
+        self.changes.push(0);
+        for corner in &corners {
+            self.at[*corner as usize] = NONE;
+            self.changes[*corner as usize] += 1;
+        }
+        for gone in &triangles {
+            self.triangles[*gone as usize].corners = [NONE; 3];
+        }
+        self.free.extend(&triangles);
+        self.add_fan(new, &horizon);
+        self.live = self.live + 1 - corners.iter().filter(|corner| self.at[**corner as usize] == NONE).count();
+        Some(new)
+    }
+
+    /// The triangles that a point sees, from `start` on. `None` if it does not see `start`, or if
+    /// their boundary is not a single loop.
+    fn visible_from(&self, p: DVec3, start: u32) -> Option<Visible> {
         if !self.is_above(p, self.triangles[start as usize].corners) {
             return None;
         }
-        // The triangles that the point sees, and the horizon: the edges around them, each with the
-        // triangle outside.
-        let mut seen = vec![start];
-        let mut corners_seen: Vec<u32> = Vec::new();
-        let mut rim: Vec<(u32, u32, u32)> = Vec::new();
+        let mut found = Visible { triangles: vec![start], corners: Vec::new(), horizon: Vec::new() };
         let mut is_seen = std::collections::HashSet::from([start]);
         let mut read = 0;
-        while read < seen.len() {
-            let Triangle { corners, across } = self.triangles[seen[read] as usize];
+        while read < found.triangles.len() {
+            let Triangle { corners, across } = self.triangles[found.triangles[read] as usize];
             read += 1;
-            corners_seen.extend(corners);
+            found.corners.extend(corners);
             for i in 0..3 {
                 if is_seen.contains(&across[i]) {
                     continue;
                 }
                 if self.is_above(p, self.triangles[across[i] as usize].corners) {
                     is_seen.insert(across[i]);
-                    seen.push(across[i]);
+                    found.triangles.push(across[i]);
                 } else {
-                    rim.push((corners[i], corners[(i + 1) % 3], across[i]));
+                    found.horizon.push((corners[i], corners[(i + 1) % 3], across[i]));
                 }
             }
         }
-        rim.sort_unstable();
-        // The visible part of a convex surface is a disc. The fan below requires its boundary to be
-        // a single loop.
-        let is_loop = rim.windows(2).all(|pair| pair[0].0 != pair[1].0)
-            && rim.iter().all(|edge| rim.binary_search_by_key(&edge.1, |other| other.0).is_ok());
-        if !is_loop {
-            return None;
-        }
-        let new = self.points.len() as u32;
-        self.points.push(p);
-        self.at.push(NONE);
-        self.changes.push(0);
-        corners_seen.sort_unstable();
-        corners_seen.dedup();
-        for corner in &corners_seen {
-            self.at[*corner as usize] = NONE;
-            self.changes[*corner as usize] += 1;
-        }
-        for gone in &seen {
-            self.triangles[*gone as usize].corners = [NONE; 3];
-        }
-        self.free.extend(&seen);
-        let fan: Vec<u32> = rim
+        found.corners.sort_unstable();
+        found.corners.dedup();
+        // The visible part of a convex surface is a disc. The fan that replaces it requires its
+        // boundary to be a single loop.
+        let horizon = &mut found.horizon;
+        horizon.sort_unstable();
+        let is_loop = horizon.windows(2).all(|pair| pair[0].0 != pair[1].0)
+            && horizon.iter().all(|edge| horizon.binary_search_by_key(&edge.1, |other| other.0).is_ok());
+        is_loop.then_some(found)
+    }
+
+    /// Adds a triangle from each edge of the horizon to the vertex `new`.
+    fn add_fan(&mut self, new: u32, horizon: &[(u32, u32, u32)]) {
+        let fan: Vec<u32> = horizon
             .iter()
             .map(|&(from, to, outside)| {
-                let triangle = Triangle { corners: [from, to, new], across: [outside, NONE, NONE] };
-                match self.free.pop() {
-                    Some(index) => {
-                        self.triangles[index as usize] = triangle;
-                        index
-                    }
-                    None => {
-                        self.triangles.push(triangle);
-                        (self.triangles.len() - 1) as u32
-                    }
-                }
+                self.add_triangle(Triangle { corners: [from, to, new], across: [outside, NONE, NONE] })
             })
             .collect();
-        for (&(from, to, outside), &index) in rim.iter().zip(&fan) {
-            let next = fan[rim.binary_search_by_key(&to, |edge| edge.0).expect("the rim is closed")];
+        for (&(from, to, outside), &index) in horizon.iter().zip(&fan) {
+            let next = fan[horizon.binary_search_by_key(&to, |edge| edge.0).expect("the horizon is closed")];
             self.triangles[index as usize].across[1] = next;
             self.triangles[next as usize].across[2] = index;
             let outside = &mut self.triangles[outside as usize];
             let side = (0..3).find(|&i| outside.corners[i] == to && outside.corners[(i + 1) % 3] == from);
-            outside.across[side.expect("a rim edge belongs to the triangle outside")] = index;
+            outside.across[side.expect("an edge of the horizon belongs to the triangle outside")] = index;
             self.at[from as usize] = index;
         }
         self.at[new as usize] = fan[0];
-        self.live = self.live + 1 - corners_seen.iter().filter(|corner| self.at[**corner as usize] == NONE).count();
-        Some(new)
     }
+
+    /// Puts a triangle into a free slot, or appends it.
+    fn add_triangle(&mut self, triangle: Triangle) -> u32 {
+        match self.free.pop() {
+            Some(index) => {
+                self.triangles[index as usize] = triangle;
+                index
+            }
+            None => {
+                self.triangles.push(triangle);
+                (self.triangles.len() - 1) as u32
+            }
+        }
+    }
+}
+
+/// What a point outside a surface sees of it.
+struct Visible {
+    triangles: Vec<u32>,
+    /// Corners of the triangles, ascending.
+    corners: Vec<u32>,
+    /// Edges around the triangles, each with the triangle outside, ascending by their starts.
+    horizon: Vec<(u32, u32, u32)>,
 }
 
 /// Positive if `p` lies above the plane of the corners (counter-clockwise seen from above), zero if

@@ -3,7 +3,8 @@
 //! On machines that run many pairs in lockstep (SIMD lanes, GPU threads) the slowest pair sets the
 //! pace, so a pair that ends early saves nothing. Here no pair ends early. Each takes exactly the
 //! requested number of support calls, in constant memory, and each step selects values instead of
-//! branching. More steps narrow the interval; it contains the depth after any number of steps.
+//! branching. The interval contains the depth after any number of steps. More steps narrow it on
+//! average up to about 24, when nearly all searches have come to an end.
 //!
 //! # Reference
 //! Kenwright, section 4.7.

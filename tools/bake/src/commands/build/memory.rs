@@ -42,7 +42,7 @@ pub fn estimate(job: &Job) -> u64 {
     let bytes: u64 = length(&job.source) + buffers.iter().map(|path| length(path)).sum::<u64>();
     let voxels = job.options.decompose().map_or(0, |parts| u64::from(parts.resolution).pow(3));
     let cells = match job.options.index() {
-        IndexChoice::Kind(IndexKind::CubeMap { resolution }) => 6 * u64::from(resolution).pow(2),
+        IndexChoice::Kind(kind @ IndexKind::CubeMap { .. }) => kind.root_count(),
         _ => 0,
     };
     PER_FILE + per_byte * bytes + PER_VOXEL * voxels + PER_CELL * cells
