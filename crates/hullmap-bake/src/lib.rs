@@ -71,7 +71,7 @@ pub struct SourceRecord {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BakeError {
     /// There are no points.
-    #[error("there are no points to build a hull of")]
+    #[error("there are no points to build a hull from")]
     Empty,
     /// There are more points than point indices can address.
     #[error("a hull can be built from at most {MAX_POINTS} points (found {found}): split the mesh")]

@@ -583,7 +583,7 @@ fn meshes_of_one_stem_get_packs_with_their_extensions() {
         "o/x.hullmap: orphaned",
     ];
     assert_eq!(statuses(&run), expected);
-    let note = "note: in/x.obj: its pack o/x.obj.hullmap has the extension in its name, because of in/x.stl\n";
+    let note = "note: in/x.obj: its pack o/x.obj.hullmap keeps the extension, to differ from the pack of in/x.stl\n";
     assert!(run.stderr.contains(note), "{}", run.stderr);
     let orphan = "note: o/x.hullmap: its source in/x.obj is now baked into o/x.obj.hullmap (--prune removes it)\n";
     assert!(run.stderr.contains(orphan), "{}", run.stderr);
@@ -676,7 +676,7 @@ fn meshes_can_be_left_out() {
     let run = bake(&folder, "build in --out o --exclude propz/**").expect(0);
     assert!(run.stderr.contains("warning: --exclude: no mesh matches `propz/**`"), "{}", run.stderr);
     let run = bake(&folder, "build in --out o --exclude **").expect(2);
-    assert!(run.stderr.contains("--exclude and --ext leave no mesh: 4 of 4 are left out"), "{}", run.stderr);
+    assert!(run.stderr.contains("--exclude and --ext leave no mesh to bake (left out: 4)"), "{}", run.stderr);
     assert!(bake(&folder, "build in --out o --exclude a[").expect(2).stderr.contains("invalid glob `a[`"));
     assert!(bake(&folder, "build in --out o --ext fbx").expect(2).stderr.contains("fbx"));
 
@@ -686,7 +686,7 @@ fn meshes_can_be_left_out() {
     assert_eq!(packs("build in --out o --no-config").len(), 4);
     let run = bake(&folder, "build in/a_lod1.obj --out o").expect(0);
     assert!(
-        run.stderr.contains("note: in/a_lod1.obj: left out, because in/hullmap.toml says skip = true"),
+        run.stderr.contains("note: in/a_lod1.obj: left out, because in/hullmap.toml sets skip = true"),
         "{}",
         run.stderr
     );

@@ -93,7 +93,7 @@ pub struct BuildArgs {
     /// Leave out meshes that match GLOB, as in hullmap.toml; repeatable
     #[arg(long, value_name = "GLOB", value_parser = Glob::new, help_heading = "What to bake")]
     pub exclude: Vec<Glob>,
-    /// Bake only these formats of the meshes in folders; for instance `obj,glb`
+    /// In folders, bake only meshes of these formats; for instance `obj,glb`
     #[arg(
         long,
         value_name = "LIST",
@@ -122,13 +122,13 @@ pub struct BuildArgs {
     /// Write the dependencies of each pack to FILE, for Ninja and Make
     #[arg(long, value_name = "FILE", help_heading = "What to bake")]
     pub depfile: Option<PathBuf>,
-    /// Write one target to the depfile, which depends on all sources
+    /// Write a single target, which depends on all sources, to the depfile
     #[arg(long, hide_short_help = true, value_name = "TARGET", requires = "depfile", help_heading = "What to bake")]
     pub depfile_target: Option<PathBuf>,
     /// Number of threads [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Running")]
     pub jobs: Option<u16>,
-    /// Memory for all files in progress; a file that needs more is baked alone [default: 4G]
+    /// Maximum memory for all files in progress; a file that needs more is baked alone [default: 4G]
     #[arg(long, value_name = "SIZE", value_parser = size, help_heading = "Running")]
     pub memory: Option<u64>,
     /// List fresh packs too
@@ -252,8 +252,7 @@ pub struct QueryArgs {
 /// Arguments of `bake report`.
 #[derive(Debug, clap::Args)]
 pub struct ReportArgs {
-    /// A pack, or a folder of packs, which gets an overview and a page for each pack in a folder
-    /// beside it
+    /// A pack; or a folder of packs, for an overview and a page per pack
     #[arg(value_name = "FILE|DIR")]
     pub input: PathBuf,
     /// HTML file to write; it needs no other file and no network

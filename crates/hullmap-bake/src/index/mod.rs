@@ -77,7 +77,7 @@ impl Index {
                 format!("tree with leaves of {}", self.kind.leaf_size())
             }
             IndexKind::Binary => "binary tree".to_owned(),
-            IndexKind::CubeMap { resolution } => format!("cube map of {resolution} x {resolution} cells a face"),
+            IndexKind::CubeMap { resolution } => format!("cube map of {resolution} x {resolution} cells per face"),
             IndexKind::None => "linear scan".to_owned(),
         };
         format!("{kind}, {:.1} bytes per vertex", self.byte_len() as f64 / vertex_count as f64)

@@ -309,7 +309,7 @@ impl<'a> SceneReader<'a> {
         for at in (0..count).filter(|&at| indices.index(at) == restart) {
             if (restart as usize) < vertex_count && !self.allows_restart {
                 return Err(Fault::format(format!(
-                    "corner {at} has the index {restart}, which is vertex {restart} for some readers and starts a new strip for others; export the file again with triangles, or with larger indices"
+                    "corner {at} has the index {restart}: some readers take it for vertex {restart}, others start a new strip; export the file again with triangles, or with larger indices"
                 )));
             }
             self.restart_count += 1;

@@ -270,7 +270,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Words(&["flood", "cavities", "surface"]),
         default: DefaultValue::Value("flood"),
         value_name: "flood|cavities|surface",
-        help: "Solid voxels: all that are enclosed, all but closed cavities, or the surface only",
+        help: "Voxels that count as solid: all enclosed ones, all but closed cavities, or the surface only",
         ..VHACD_OPTION
     },
     BuildOption {
@@ -278,7 +278,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: CountOrNone { min: MIN_VERTICES },
         default: DefaultValue::Value("none"),
         value_name: "N",
-        help: "Simplify each hull to a larger one with at most N vertices, 4 or more; none: exact",
+        help: "Replace each hull by an enclosing one with at most N vertices, 4 or more; none: exact hull",
         section: Section::Simplification,
         group: Group::Limit,
         ..OPTION
@@ -288,7 +288,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: PositiveOrNone,
         default: DefaultValue::Value("none"),
         value_name: "E",
-        help: "Simplify each hull to a larger one that extends at most E units beyond it; none: exact",
+        help: "Replace each hull by an enclosing one that extends at most E units beyond it; none: exact hull",
         section: Section::Simplification,
         group: Group::Limit,
         ..OPTION
@@ -298,7 +298,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Words(&["auto", "stem", "full"]),
         default: DefaultValue::Value("auto"),
         value_name: "auto|stem|full",
-        help: "Names of packs: x.hullmap, x.obj.hullmap, or full on a clash",
+        help: "Names of packs: stem (x.hullmap), full (x.obj.hullmap), or auto (full only on a clash)",
         section: Section::Output,
         record: Record::Never,
         ..OPTION

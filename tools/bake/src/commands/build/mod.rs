@@ -85,7 +85,7 @@ fn jobs(args: &BuildArgs, project: &Path, warns: bool) -> Result<Vec<Job>, Failu
             chosen.push((mesh, args.options.over(&layer).resolve(), config));
         } else if warns && (args.verbose || args.inputs.contains(&mesh.source)) {
             let (source, config) = (mesh.source.display(), config.unwrap_or_default());
-            terminal::note(format_args!("{source}: left out, because {} says skip = true", config.display()));
+            terminal::note(format_args!("{source}: left out, because {} sets skip = true", config.display()));
         }
     }
     let names: Vec<_> = chosen.iter().map(|(mesh, options, _)| (mesh, options.keeps_extension())).collect();

@@ -28,16 +28,16 @@ pub struct Orphan {
 }
 
 /// The recorded folder is not the one whose meshes become packs at this path.
-const MOVED: &str = "this build would not write its pack here: it was copied or moved, or belongs to another build; \
-                     it is kept; remove it by hand if it is not needed";
+const MOVED: &str = "it is kept, because this build would not write it here (it was copied or moved, or belongs to \
+                     another build); remove it by hand if it is not needed";
 
 /// The recorded path leads out of the project, so it was not followed.
-const OUTSIDE: &str = "its recorded path leads out of the project, so it was not followed: it was copied or moved, or \
-                       belongs to another build; it is kept; remove it by hand if it is not needed";
+const OUTSIDE: &str = "it is kept, because its recorded path leads out of the project and was not followed; remove it \
+                       by hand if it is not needed";
 
 /// The pack records no folder.
-const NAME_ALONE: &str = "it does not record the folder of its source, so it may belong to another build; not pruned, \
-                          remove it by hand, or start bake in a folder that holds both meshes and packs";
+const NAME_ALONE: &str = "it is not pruned, because it does not record the folder of its source; remove it by hand, or \
+                          start bake in a folder that holds both meshes and packs";
 
 /// The orphans in `out`, sorted by name, of a build of `inputs` that writes `outputs`; `project` is
 /// the folder where `bake` was started.

@@ -53,7 +53,7 @@ pub fn pack_names(meshes: &[(&Mesh, Option<bool>)]) -> Vec<PackName> {
         let output = mesh.folder.join(file_name(&mesh.source, keeps.unwrap_or(rival.is_some())));
         let note = rival.map(|rival| {
             let rival = meshes[rival].0.source.display();
-            format!("its pack {} has the extension in its name, because of {rival}", output.display())
+            format!("its pack {} keeps the extension, to differ from the pack of {rival}", output.display())
         });
         PackName { output, note, ..PackName::default() }
     };

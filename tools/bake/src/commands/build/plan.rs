@@ -50,7 +50,7 @@ pub fn plan(inputs: &[PathBuf], out: &Path, filter: &mut Filter) -> Result<Vec<M
     }
     if meshes.is_empty() {
         return Err(Failure::usage(format!(
-            "--exclude and --ext leave no mesh: {left_out} of {left_out} are left out; change one of them"
+            "--exclude and --ext leave no mesh to bake (left out: {left_out}); change one of them"
         )));
     }
     Ok(without_repeats(meshes))
