@@ -4,7 +4,7 @@
 //! necessary only where a few bytes stand for much more: an `o` line of two bytes becomes a hull,
 //! and a node of twenty bytes repeats a whole mesh. With these limits an import takes at most
 //! `MEMORY_FACTOR` times the bytes read, those bytes included, plus `MEMORY_BASE`, plus 64 bytes
-//! for each vertex or corner that a glTF file repeats.
+//! for each vertex or corner that a glTF file repeats or compresses.
 
 /// Peak memory of an import, as a multiple of the bytes read.
 #[cfg(test)]
@@ -36,9 +36,9 @@ pub struct Limits {
     /// Maximum number of objects (`o` lines, nodes with a mesh, solids) in a file that is split by
     /// object. Each becomes a hull, and packs are designed for up to about 100,000 hulls.
     pub objects: usize,
-    /// Maximum number of vertices and corners that a glTF file contains only by repetition:
-    /// instances of a mesh after the first, accessors that share bytes, and zeros. Each takes up to
-    /// 64 bytes of memory. Primitives, and the bytes of mesh names that become names of objects,
+    /// Maximum number of vertices and corners that a glTF file contains only by repetition or
+    /// compression: instances of a mesh after the first, accessors that share bytes, zeros, and what
+    /// a compressed mesh has beyond its bytes. Each takes up to 64 bytes of memory. Primitives, and the bytes of mesh names that become names of objects,
     /// count too.
     pub repeated_vertices: usize,
 }

@@ -165,7 +165,7 @@ pub struct LimitArgs {
         default_value_t = Limits::DEFAULT.objects
     )]
     max_objects: usize,
-    /// Maximum number of vertices and corners that instances in a glTF file repeat
+    /// Maximum number of vertices and corners that a glTF file repeats by instances, or compresses
     #[arg(
         long,
         value_name = "N",

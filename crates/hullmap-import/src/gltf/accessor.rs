@@ -146,6 +146,14 @@ impl<'a> Data<'a> {
         Ok(Some((elements, values)))
     }
 
+    /// Bytes of a buffer view.
+    ///
+    /// # Errors
+    /// It does not exist, or reaches beyond its buffer.
+    pub fn view_bytes(&self, index: u32) -> Result<&'a [u8], String> {
+        self.view(index).map(|(bytes, _)| bytes)
+    }
+
     /// Bytes and stride of a buffer view.
     fn view(&self, index: u32) -> Result<(&'a [u8], Option<usize>), String> {
         let view = self.document.buffer_views.get(index as usize);
@@ -219,20 +227,30 @@ impl AccessorReader<'_> {
         let Some(bytes) = self.element(at) else {
             return [0.0; 3];
         };
-        let normalized =
-            |value: f64, maximum: f64| if self.is_normalized { (value / maximum).max(-1.0) } else { value };
         let short = |axis: usize| [bytes[2 * axis], bytes[2 * axis + 1]];
-        [0, 1, 2].map(|axis| match self.component_type {
-            BYTE => normalized(f64::from(bytes[axis] as i8), 127.0),
-            UNSIGNED_BYTE => normalized(f64::from(bytes[axis]), 255.0),
-            SHORT => normalized(f64::from(i16::from_le_bytes(short(axis))), 32767.0),
-            UNSIGNED_SHORT => normalized(f64::from(u16::from_le_bytes(short(axis))), 65535.0),
+        self.normalized([0, 1, 2].map(|axis| match self.component_type {
+            BYTE => f64::from(bytes[axis] as i8),
+            UNSIGNED_BYTE => f64::from(bytes[axis]),
+            SHORT => f64::from(i16::from_le_bytes(short(axis))),
+            UNSIGNED_SHORT => f64::from(u16::from_le_bytes(short(axis))),
             // Floats: `Data::accessor` allows no other type.
             _ => {
                 let b = &bytes[4 * axis..];
                 f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
             }
-        })
+        }))
+    }
+
+    /// A position as stored, divided by the maximum of its type if the accessor is normalized.
+    pub fn normalized(&self, position: [f64; 3]) -> [f64; 3] {
+        let maximum = match self.component_type {
+            BYTE => 127.0,
+            UNSIGNED_BYTE => 255.0,
+            SHORT => 32767.0,
+            UNSIGNED_SHORT => 65535.0,
+            _ => return position,
+        };
+        if self.is_normalized { position.map(|value| (value / maximum).max(-1.0)) } else { position }
     }
 
     /// Vertex index in element `at`.

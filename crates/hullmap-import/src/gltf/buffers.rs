@@ -102,12 +102,20 @@ fn required<'a>(document: &'a Document) -> impl Iterator<Item = (usize, Option<&
     };
     let is_shown = scene::shown_meshes(document);
     let shown = document.meshes.iter().zip(is_shown).filter(|(_, is_shown)| *is_shown);
+    let mut draco_views = Vec::new();
     for primitive in shown.flat_map(|(mesh, _)| mesh.primitives.iter()) {
         let positions = primitive.attributes.position;
         // A primitive without positions is not drawn.
         let accessors = positions.into_iter().chain(positions.and(primitive.indices));
-        accessors.filter_map(|accessor| document.accessors.get(accessor as usize)).for_each(&mut mark);
+        let mut accessors = accessors.filter_map(|accessor| document.accessors.get(accessor as usize));
+        match primitive.extensions.draco {
+            Some(draco) if accessors.clone().any(|accessor| accessor.buffer_view.is_none()) => {
+                draco_views.push(draco.buffer_view);
+            }
+            _ => accessors.by_ref().for_each(&mut mark),
+        }
     }
+    draco_views.into_iter().for_each(&mut mark_view);
     let buffers = document.buffers.iter().enumerate().zip(is_required);
     buffers.filter(|(_, is_required)| *is_required).map(|((index, buffer), _)| (index, buffer.uri.as_deref()))
 }

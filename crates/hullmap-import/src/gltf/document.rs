@@ -89,7 +89,7 @@ pub struct Primitive {
     pub extensions: PrimitiveExtensions,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
 pub struct Attributes {
     #[serde(rename = "POSITION", default, deserialize_with = "optional_whole")]
     pub position: Option<u32>,
@@ -98,7 +98,18 @@ pub struct Attributes {
 #[derive(Debug, Default, Deserialize)]
 pub struct PrimitiveExtensions {
     #[serde(rename = "KHR_draco_mesh_compression")]
-    pub draco: Option<IgnoredAny>,
+    pub draco: Option<Draco>,
+}
+
+/// Where the compressed data of a primitive is.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Draco {
+    #[serde(deserialize_with = "whole")]
+    pub buffer_view: u32,
+    /// Ids of the attributes in the compressed data.
+    #[serde(default)]
+    pub attributes: Attributes,
 }
 
 #[derive(Debug, Deserialize)]

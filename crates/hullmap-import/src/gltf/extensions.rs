@@ -55,13 +55,14 @@ const HARMLESS: [&str; 19] = [
     "MSFT_lod",
 ];
 
-/// Extensions that the readers of this crate support: positions as integers, and indices that
-/// restart a strip.
-const SUPPORTED: [&str; 3] = ["EXT_mesh_primitive_restart", "KHR_mesh_primitive_restart", "KHR_mesh_quantization"];
+/// Extensions that the readers of this crate support: compressed triangles, positions as integers,
+/// and indices that restart a strip.
+const SUPPORTED: [&str; 4] =
+    ["EXT_mesh_primitive_restart", "KHR_draco_mesh_compression", "KHR_mesh_primitive_restart", "KHR_mesh_quantization"];
 
-/// Extensions that compress positions and indices. A file may require them where it does not use
-/// them for the scene, or has the data uncompressed too.
-const COMPRESSIONS: [&str; 3] = ["EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_meshopt_compression"];
+/// Extensions that compress buffer views. A file may require them where it does not use them for the
+/// scene, or has the data uncompressed too.
+const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// Extension that draws a mesh once for each entry of an accessor.
 pub const INSTANCING: &str = "EXT_mesh_gpu_instancing";
@@ -80,9 +81,9 @@ pub fn allows_restart(extension: &str) -> bool {
 /// Suggested remedy for an unsupported extension.
 pub fn remedy(extension: &str) -> &'static str {
     match extension {
-        // glTF-Transform decodes both when it reads a file, and writes no compression unless it is
-        // told to.
-        "EXT_meshopt_compression" | "KHR_draco_mesh_compression" => {
+        // glTF-Transform decompresses a file when it reads it, and writes no compression unless an
+        // option requests it.
+        "EXT_meshopt_compression" => {
             "export it without mesh compression, or run `gltf-transform copy IN.glb OUT.glb` (npm install --global @gltf-transform/cli) and bake the copy"
         }
         "KHR_meshopt_compression" => "export it without mesh compression",

@@ -16,9 +16,9 @@
 //! faces, with reversed winding where a transform mirrors; points and lines are elements without
 //! faces.
 //!
-//! [`extensions`] lists the extensions that a file may require. Data compressed by
-//! `EXT_meshopt_compression` or `KHR_draco_mesh_compression` is rejected, unless the file also has
-//! it uncompressed, as a fallback.
+//! [`extensions`] lists the extensions that a file may require. [`draco`] decodes
+//! `KHR_draco_mesh_compression`. Data compressed by `EXT_meshopt_compression` is rejected, unless the
+//! file also has it uncompressed, as a fallback.
 //!
 //! # Deviations
 //! Positions may have any type that `KHR_mesh_quantization` allows, whether or not the file
@@ -36,6 +36,7 @@ mod accessor;
 mod buffers;
 mod container;
 mod document;
+mod draco;
 mod extensions;
 mod scene;
 mod version_1;

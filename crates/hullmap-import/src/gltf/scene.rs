@@ -10,12 +10,14 @@
 
 use std::collections::HashMap;
 use std::ops::Range;
+use std::rc::Rc;
 
 use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
 
 use super::accessor::{AccessorReader, Data};
-use super::document::{Document, Kind, Node, Primitive};
-use super::extensions::{Compressed, INSTANCING, allows_restart, remedy};
+use super::document::{Document, Draco, Kind, Node, Primitive};
+use super::draco::{self, DracoFault, DracoMesh};
+use super::extensions::{INSTANCING, allows_restart, remedy};
 use crate::fault::{Fault, counted, excerpt};
 use crate::limits::Limits;
 use crate::mesh::{Polygons, Positions, SourceMesh};
@@ -52,6 +54,12 @@ pub struct SceneReader<'a> {
     object_count: usize,
     /// Number of nodes with a skin and primitives with morph targets.
     deformed_count: usize,
+    /// Decoded primitives, by buffer view and by the id of their positions.
+    decoded: HashMap<(u32, u32), Rc<DracoMesh>>,
+    /// Number of bytes of compressed data that were decoded.
+    decoded_bytes: usize,
+    /// Size of the file with its buffers.
+    byte_count: usize,
     /// Whether the file uses an extension for primitive restart.
     allows_restart: bool,
     /// Number of indices that restart a primitive.
@@ -71,6 +79,9 @@ impl<'a> SceneReader<'a> {
             repeated_count: 0,
             object_count: 0,
             deformed_count: 0,
+            decoded: HashMap::new(),
+            decoded_bytes: 0,
+            byte_count,
             allows_restart: data.document.extensions_used.iter().any(|name| allows_restart(name)),
             restart_count: 0,
             data,
@@ -160,9 +171,13 @@ impl<'a> SceneReader<'a> {
                 Fault::Format(text) => Fault::Format(format!("{label}, mesh {mesh_index}: {text}")),
                 other => other,
             };
+            if let Some(draco) = self.only_compressed(primitive, accessor).map_err(within)? {
+                self.add_compressed(draco, accessor, transform).map_err(within)?;
+                continue;
+            }
             let vertices = match known.get(&accessor) {
                 Some(&vertices) => vertices,
-                None => self.add_vertices(primitive, accessor, transform).map_err(within)?,
+                None => self.add_vertices(accessor, transform).map_err(within)?,
             };
             known.insert(accessor, vertices);
             self.add_elements(primitive, vertices, transform).map_err(within)?;
@@ -198,31 +213,99 @@ impl<'a> SceneReader<'a> {
         self.unclaimed_bytes -= spelt_out * bytes_each;
         self.repeated_count += count - spelt_out;
         if self.repeated_count > self.limits.repeated_vertices {
-            return Err(Fault::format(format!(
-                "the file repeats more than {} vertices and corners, by instances or as zeros; bake the meshes separately, or raise --max-instanced",
-                self.limits.repeated_vertices
-            )));
+            return Err(self.too_much_repetition());
         }
         Ok(())
     }
 
+    fn too_much_repetition(&self) -> Fault {
+        Fault::format(format!(
+            "the file has more than {} vertices and corners without bytes of their own, by instances, as zeros or compressed; bake the meshes separately, or raise --max-instanced",
+            self.limits.repeated_vertices
+        ))
+    }
+
     /// Adds the vertices of an accessor, and returns the index of the first one and their count.
-    fn add_vertices(
+    fn add_vertices(&mut self, accessor: u32, transform: DAffine3) -> Result<(u32, usize), Fault> {
+        let elements = self.data.accessor(accessor, Kind::Vec3)?;
+        self.place(elements.count, |at| elements.position(at), transform)
+    }
+
+    /// The compressed data of a primitive, if it has no other.
+    fn only_compressed(&self, primitive: &Primitive, accessor: u32) -> Result<Option<Draco>, Fault> {
+        let Some(draco) = primitive.extensions.draco else {
+            return Ok(None);
+        };
+        let has_no_bytes = self.data.accessor(accessor, Kind::Vec3)?.has_no_bytes()
+            || match primitive.indices {
+                Some(indices) => self.data.accessor(indices, Kind::Scalar)?.has_no_bytes(),
+                None => false,
+            };
+        Ok(has_no_bytes.then_some(draco))
+    }
+
+    /// Adds the vertices and triangles of a primitive that is compressed by Draco.
+    fn add_compressed(&mut self, draco: Draco, accessor: u32, transform: DAffine3) -> Result<(), Fault> {
+        let elements = self.data.accessor(accessor, Kind::Vec3)?;
+        let view = draco.buffer_view;
+        let fault = |text: String| {
+            Fault::format(format!("the mesh compressed by KHR_draco_mesh_compression in buffer view {view} {text}"))
+        };
+        let Some(position) = draco.attributes.position else {
+            return Err(fault("has no attribute POSITION; export the file again".to_owned()));
+        };
+        let mesh = match self.decoded.get(&(view, position)) {
+            Some(mesh) => mesh.clone(),
+            None => {
+                let bytes = self.data.view_bytes(view).map_err(fault)?;
+                // Views may overlap, so that few bytes would be decoded many times.
+                self.decoded_bytes += bytes.len();
+                if self.decoded_bytes > self.byte_count {
+                    return Err(fault("shares its bytes with another one; export the file again".to_owned()));
+                }
+                // What `claim` would still accept.
+                let limit = self.unclaimed_bytes / VERTEX_BYTES
+                    + self.limits.repeated_vertices.saturating_sub(self.repeated_count);
+                let mesh = match draco::decode(bytes, position, limit) {
+                    Ok(mesh) => Rc::new(mesh),
+                    Err(DracoFault::TooLarge) => return Err(self.too_much_repetition()),
+                    Err(DracoFault::Damaged(text)) => {
+                        return Err(fault(format!("is damaged ({text}); export the file again")));
+                    }
+                };
+                self.decoded.insert((view, position), mesh.clone());
+                mesh
+            }
+        };
+        self.claim(3 * mesh.triangles.len(), CORNER_BYTES)?;
+        let stored = |at: usize| mesh.positions.get(at).copied().unwrap_or_default().map(f64::from);
+        let (first, _) = self.place(mesh.positions.len(), |at| elements.normalized(stored(at)), transform)?;
+        let is_mirrored = transform.matrix3.determinant() < 0.0;
+        for &[a, b, c] in &mesh.triangles {
+            let [a, b, c] = [first + a, first + b, first + c];
+            self.mesh.faces.push(&if is_mirrored { [b, a, c] } else { [a, b, c] });
+        }
+        if self.mesh.faces.corners.len() > u32::MAX as usize {
+            return Err(Fault::TooManyReferences);
+        }
+        Ok(())
+    }
+
+    /// Adds `vertex_count` vertices, and returns the index of the first one and their count.
+    fn place(
         &mut self,
-        primitive: &Primitive,
-        accessor: u32,
+        vertex_count: usize,
+        position: impl Fn(usize) -> [f64; 3],
         transform: DAffine3,
     ) -> Result<(u32, usize), Fault> {
-        let elements = self.data.accessor(accessor, Kind::Vec3)?;
-        reject_draco(primitive, &elements)?;
         let first = self.positions.len();
-        if first + elements.count > (u32::MAX - 1) as usize {
+        if first + vertex_count > (u32::MAX - 1) as usize {
             return Err(Fault::TooManyVertices);
         }
-        self.claim(elements.count, VERTEX_BYTES)?;
-        self.positions.reserve(elements.count);
-        for at in 0..elements.count {
-            let position = elements.position(at);
+        self.claim(vertex_count, VERTEX_BYTES)?;
+        self.positions.reserve(vertex_count);
+        for at in 0..vertex_count {
+            let position = position(at);
             let placed = if transform == DAffine3::IDENTITY {
                 position
             } else {
@@ -235,7 +318,7 @@ impl<'a> SceneReader<'a> {
             }
             self.positions.push(placed);
         }
-        Ok((first as u32, elements.count))
+        Ok((first as u32, vertex_count))
     }
 
     fn add_elements(
@@ -245,9 +328,6 @@ impl<'a> SceneReader<'a> {
         transform: DAffine3,
     ) -> Result<(), Fault> {
         let indices = primitive.indices.map(|index| self.data.accessor(index, Kind::Scalar)).transpose()?;
-        if let Some(indices) = &indices {
-            reject_draco(primitive, indices)?;
-        }
         let count = indices.as_ref().map_or(vertex_count, |indices| indices.count);
         let mode = primitive.mode.unwrap_or(TRIANGLES);
         self.claim(count, if mode > TRIANGLES { STRIP_CORNER_BYTES } else { CORNER_BYTES })?;
@@ -368,14 +448,6 @@ fn corner(indices: Option<&AccessorReader>, at: usize, first: u32, vertex_count:
         )));
     }
     Ok(first + index)
-}
-
-/// Rejects a primitive whose data exists only as compressed by Draco.
-fn reject_draco(primitive: &Primitive, accessor: &AccessorReader) -> Result<(), Fault> {
-    if primitive.extensions.draco.is_some() && accessor.has_no_bytes() {
-        return Err(Fault::format(format!("the mesh is {}", Compressed("KHR_draco_mesh_compression"))));
-    }
-    Ok(())
 }
 
 /// For each mesh whether the default scene shows it, as far as the references are valid.

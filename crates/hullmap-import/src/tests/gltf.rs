@@ -108,18 +108,6 @@ fn the_fallback_of_meshopt_compression_is_read() {
     }
 }
 
-#[test]
-fn draco_data_is_rejected_unless_there_is_a_fallback() {
-    let primitive = r#"{"attributes":{"POSITION":0},"indices":1,"extensions":{"KHR_draco_mesh_compression":{"bufferView":0,"attributes":{"POSITION":0}}}}"#;
-    let extra = r#""extensionsRequired":["KHR_draco_mesh_compression"],"#;
-    assert_eq!(triangles(&Parts { extra, primitive, ..PLAIN }.glb(&triangle()).unwrap()), [[0, 1, 2]]);
-    for view in [r#""bufferView":0,"#, r#""bufferView":1,"#] {
-        let accessors = ACCESSORS.replace(view, "");
-        let result = Parts { extra, primitive, accessors: &accessors, ..PLAIN }.glb(&triangle());
-        fails(result, &["compressed by KHR_draco_mesh_compression", "gltf-transform copy IN.glb OUT.glb"]);
-    }
-}
-
 /// Some exporters keep all numbers as floats. The parser rejected those: "invalid type".
 #[test]
 fn integers_may_be_written_as_floats() {

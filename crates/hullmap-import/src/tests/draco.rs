@@ -1,0 +1,214 @@
+//! glTF primitives compressed by Draco, encoded here by the crate that decodes them. Its own tests
+//! compare it with Google's library.
+
+use draco_core::{
+    DataType, EncoderBuffer, EncoderOptions, FaceIndex, GeometryAttributeType, Mesh as DracoInput, MeshEncoder,
+    PointAttribute, PointIndex,
+};
+use shapes::mesh::Mesh;
+use shapes::rng::SplitMix64;
+use shapes::{gltf, solids};
+
+use super::super::*;
+
+const WHOLE: ImportOptions = ImportOptions::DEFAULT;
+
+fn prism() -> Mesh {
+    let mut mesh = solids::extrusion(&solids::regular_polygon(9, 1.0), -0.3, 0.7);
+    mesh.vertices.iter_mut().for_each(|v| *v = [v[0] + 0.1, v[1] - 7.3, v[2] * 1.7]);
+    mesh
+}
+
+fn triangles_of(mesh: &Mesh) -> Vec<[u32; 3]> {
+    let fan = |face: &Vec<u32>| (2..face.len()).map(|at| [face[0], face[at - 1], face[at]]).collect::<Vec<_>>();
+    mesh.faces.iter().flat_map(fan).collect()
+}
+
+/// A mesh as Draco data with exact positions. `speed` selects the encodings: 10 is sequential, the
+/// others EdgeBreaker.
+fn encode(mesh: &Mesh, speed: i32) -> Vec<u8> {
+    encode_rounded(mesh, speed, None)
+}
+
+/// The same, with coordinates rounded to some bits.
+fn encode_rounded(mesh: &Mesh, speed: i32, bits: Option<i32>) -> Vec<u8> {
+    let mut input = DracoInput::new();
+    let mut positions = PointAttribute::new();
+    positions.init(GeometryAttributeType::Position, 3, DataType::Float32, false, mesh.vertices.len());
+    for (at, x) in mesh.vertices.as_flattened().iter().enumerate() {
+        positions.buffer_mut().write(4 * at, &x.to_le_bytes());
+    }
+    input.set_num_points(mesh.vertices.len());
+    input.add_attribute(positions);
+    let triangles = triangles_of(mesh);
+    input.set_num_faces(triangles.len());
+    for (at, triangle) in triangles.iter().enumerate() {
+        input.set_face(FaceIndex(at as u32), triangle.map(PointIndex));
+    }
+    let mut options = EncoderOptions::new();
+    options.set_global_int("encoding_speed", speed);
+    options.set_global_int("decoding_speed", speed);
+    if let Some(bits) = bits {
+        options.set_attribute_int(0, "quantization_bits", bits);
+    }
+    let mut encoder = MeshEncoder::new();
+    encoder.set_mesh(input);
+    let mut buffer = EncoderBuffer::new();
+    encoder.encode(&options, &mut buffer).unwrap();
+    buffer.data().to_vec()
+}
+
+/// Document of a mesh whose only data is Draco data in a view of `length` bytes.
+fn json(length: usize, nodes: &str, uri: &str) -> String {
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},"extensionsUsed":["KHR_draco_mesh_compression"],"extensionsRequired":["KHR_draco_mesh_compression"],{nodes}"meshes":[{{"primitives":[{{"attributes":{{"POSITION":1}},"indices":0,"extensions":{{"KHR_draco_mesh_compression":{{"bufferView":0,"attributes":{{"POSITION":0}}}}}}}}]}}],"accessors":[{{"componentType":5123,"type":"SCALAR","count":3}},{{"componentType":5126,"type":"VEC3","count":3}}],"bufferViews":[{{"buffer":0,"byteLength":{length}}}],"buffers":[{{{uri}"byteLength":{length}}}]}}"#
+    )
+}
+
+fn import_bytes(bytes: Vec<u8>, limits: &Limits) -> Result<Imported, ImportError> {
+    import("a.glb", "shape", Path::new("a.glb"), &SourceFile::alone(bytes), &WHOLE, limits)
+}
+
+fn glb(data: &[u8], nodes: &str) -> Vec<u8> {
+    gltf::glb(json(data.len(), nodes, "").as_bytes(), data)
+}
+
+/// Corners by position, each triangle rotated to start at its lowest corner, sorted.
+fn outline(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[[u32; 3]; 3]> {
+    let mut all: Vec<[[u32; 3]; 3]> = triangles
+        .iter()
+        .map(|triangle| {
+            let at = triangle.map(|corner| points[corner as usize].map(f32::to_bits));
+            let lowest = (0..3).min_by_key(|&corner| at[corner]).unwrap();
+            [at[lowest], at[(lowest + 1) % 3], at[(lowest + 2) % 3]]
+        })
+        .collect();
+    all.sort_unstable();
+    all
+}
+
+#[test]
+fn draco_primitives_are_decoded() {
+    let mesh = prism();
+    let expected = outline(&mesh.vertices, &triangles_of(&mesh));
+    for speed in [0, 3, 5, 7, 10] {
+        let imported = import_bytes(glb(&encode(&mesh, speed), ""), &Limits::DEFAULT).unwrap();
+        let set = &imported.point_sets[0];
+        assert_eq!(set.positions.len(), mesh.vertices.len(), "{speed}");
+        assert_eq!(outline(&set.positions, &imported.faces[0].triangles(&set.positions)), expected, "{speed}");
+        // Rounded coordinates, as exporters write them.
+        let imported = import_bytes(glb(&encode_rounded(&mesh, speed, Some(14)), ""), &Limits::DEFAULT).unwrap();
+        let is_near = |v: &[f32; 3]| mesh.vertices.iter().any(|w| (0..3).all(|axis| (v[axis] - w[axis]).abs() < 2e-4));
+        assert_eq!((imported.point_count(), imported.faces[0].len()), (18, expected.len()));
+        assert!(imported.point_sets[0].positions.iter().all(is_near), "{speed}");
+    }
+}
+
+#[test]
+fn instances_of_a_draco_mesh_are_placed_and_mirrored() {
+    let mesh = prism();
+    let nodes = r#""nodes":[{"mesh":0,"scale":[-1,1,1],"translation":[10,0,0]},{"mesh":0}],"#;
+    let options = ImportOptions { split: Split::Object, ..WHOLE };
+    let source = SourceFile::alone(glb(&encode(&mesh, 5), nodes));
+    let imported = import("a.glb", "a", Path::new("a.glb"), &source, &options, &Limits::DEFAULT).unwrap();
+    let [mirrored, plain] = &imported.point_sets[..] else { panic!("{}", imported.point_sets.len()) };
+    assert_eq!((mirrored.positions.len(), plain.source_vertices[0]), (18, 18));
+    for (set, faces) in imported.point_sets.iter().zip(&imported.faces) {
+        let faces = faces.triangles(&set.positions).iter().map(|corners| corners.to_vec()).collect();
+        assert!(Mesh { vertices: set.positions.clone(), faces }.signed_volume() > 0.5);
+    }
+    for (a, b) in mirrored.positions.iter().zip(&plain.positions) {
+        assert_eq!(*a, [(10.0 - f64::from(b[0])) as f32, b[1], b[2]]);
+    }
+}
+
+#[test]
+fn the_buffer_of_draco_data_is_required() {
+    let data = encode(&prism(), 5);
+    let text = json(data.len(), "", r#""uri":"a.bin","#).into_bytes();
+    assert_eq!(crate::gltf::buffer_paths(&text).unwrap(), ["a.bin"]);
+    let mut source = SourceFile::alone(text);
+    source.beside = vec![("a.bin".to_owned(), data)];
+    assert_eq!(
+        import("a.gltf", "a", Path::new("a.gltf"), &source, &WHOLE, &Limits::DEFAULT).unwrap().point_count(),
+        18
+    );
+}
+
+/// Uncompressed data takes precedence, and then the compressed buffer may be missing.
+#[test]
+fn the_fallback_of_draco_compression_is_read() {
+    let points: Vec<u8> =
+        [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let buffer = [points, [0_u16, 1, 2].iter().flat_map(|index| index.to_le_bytes()).collect()].concat();
+    let text = json(9, "", r#""uri":"none.bin","#)
+        .replace(r#"{"componentType":5123"#, r#"{"bufferView":2,"componentType":5123"#)
+        .replace(r#"{"componentType":5126"#, r#"{"bufferView":1,"componentType":5126"#)
+        .replace(r#""bufferViews":["#, r#""bufferViews":[{"buffer":1,"byteLength":9},{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":6},"#)
+        .replace(r#""buffers":["#, r#""buffers":[{"byteLength":42},"#);
+    let imported = import_bytes(gltf::glb(text.as_bytes(), &buffer), &Limits::DEFAULT).unwrap();
+    assert_eq!(imported.faces[0].corners, [0, 1, 2]);
+}
+
+#[test]
+fn draco_data_is_limited_and_checked() {
+    let data = encode(&prism(), 5);
+    let fails = |bytes: Vec<u8>, limits: &Limits, expected: &str| {
+        let message = import_bytes(bytes, limits).map(|imported| imported.vertex_count).unwrap_err().to_string();
+        assert!(message.contains(expected) && message.len() < 500, "{message}");
+    };
+    let text = json(data.len(), "", "");
+    let change = |from: &str, to: &str| gltf::glb(text.replace(from, to).as_bytes(), &data);
+    fails(
+        change(r#"{"POSITION":0}"#, r#"{"POSITION":3}"#),
+        &Limits::DEFAULT,
+        "in buffer view 0 is damaged (it has no positions)",
+    );
+    fails(change(r#"{"POSITION":0}"#, "{}"), &Limits::DEFAULT, "has no attribute POSITION");
+    fails(change(r#""bufferView":0,"attr"#, r#""bufferView":7,"attr"#), &Limits::DEFAULT, "buffer view 7");
+    fails(glb(b"DRACO is damaged", ""), &Limits::DEFAULT, "is damaged (");
+    // A strip of equal points takes few bytes.
+    let large =
+        Mesh { vertices: vec![[1.0; 3]; 20_000], faces: (0..19_998).map(|at| vec![at, at + 1, at + 2]).collect() };
+    let large = encode_rounded(&large, 5, Some(11));
+    assert!(large.len() < 20_000, "{}", large.len());
+    let limits = Limits { repeated_vertices: 10_000, ..Limits::DEFAULT };
+    fails(glb(&large, ""), &limits, "--max-instanced");
+    assert!(import_bytes(glb(&large, ""), &Limits::DEFAULT).is_ok_and(|imported| imported.vertex_count > 1000));
+}
+
+/// A damaged file imports with finite points, or fails with an error. Nothing panics.
+#[test]
+fn damaged_draco_data_imports_or_fails_with_an_error() {
+    const SEED: u64 = 31;
+    let mut random = SplitMix64::new(SEED);
+    let exact = [0, 3, 5, 7, 10].map(|speed| encode(&prism(), speed));
+    let rounded = [0, 3, 5, 7, 10].map(|speed| encode_rounded(&prism(), speed, Some(11)));
+    let files = [exact, rounded].concat();
+    let limits = Limits { repeated_vertices: 1 << 16, ..Limits::DEFAULT };
+    let (mut read_count, mut rejected_count) = (0, 0);
+    for round in 0..20_000 {
+        let mut data = files[round % files.len()].clone();
+        for _ in 0..=random.below(3) {
+            let at = random.below(data.len());
+            match random.below(5) {
+                0 => data[at] = random.next_u64() as u8,
+                1 => data[at] ^= 1 << random.below(8),
+                2 if data.len() > 1 => drop(data.remove(at)),
+                3 => data.truncate(at.max(1)),
+                _ => data.insert(at, [0, 0xFF, 0x80, 1][random.below(4)]),
+            }
+        }
+        match import_bytes(glb(&data, ""), &limits) {
+            Ok(imported) => {
+                read_count += 1;
+                assert!(imported.point_sets[0].positions.as_flattened().iter().all(|x| x.is_finite()), "round {round}");
+            }
+            Err(error) => {
+                rejected_count += 1;
+                assert!(error.to_string().len() < 500, "seed {SEED}, round {round}: {error}");
+            }
+        }
+    }
+    assert!(read_count > 500 && rejected_count > 1000, "only {read_count} read and {rejected_count} rejected");
+}
