@@ -37,9 +37,9 @@ pub struct Limits {
     /// object. Each becomes a hull, and packs are designed for up to about 100,000 hulls.
     pub objects: usize,
     /// Maximum number of vertices and corners that a glTF file contains only by repetition or
-    /// compression: instances of a mesh after the first, accessors that share bytes, zeros, and what
-    /// a compressed mesh has beyond its bytes. Each takes up to 64 bytes of memory. Primitives, and the bytes of mesh names that become names of objects,
-    /// count too.
+    /// compression: instances of a mesh after the first, accessors that share bytes, zeros, and
+    /// what a compressed mesh has beyond its bytes. Each takes up to 64 bytes of memory.
+    /// Primitives, and the bytes of mesh names that become names of objects, count too.
     pub repeated_vertices: usize,
 }
 

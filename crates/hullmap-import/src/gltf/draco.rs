@@ -1,8 +1,8 @@
 //! glTF 2.0: primitives compressed by `KHR_draco_mesh_compression`, decoded by the crate
 //! `draco-core`.
 //!
-//! The data of such a primitive is always triangles, whatever its mode: the mode says how a renderer
-//! may arrange them.
+//! The data of such a primitive is always triangles, whatever its mode: the mode says how a
+//! renderer may arrange them.
 //!
 //! # Reference
 //! Khronos, "KHR_draco_mesh_compression"; Google, "Draco Bitstream Specification", version 2.2.
@@ -38,8 +38,8 @@ impl From<DracoError> for DracoFault {
     }
 }
 
-/// Decodes a primitive. `position` is the id of the attribute with positions. `limit` is the maximum
-/// number of vertices, and of triangles.
+/// Decodes a primitive. `position` is the id of the attribute with positions. `limit` is the
+/// maximum number of vertices, and of triangles.
 ///
 /// # Errors
 /// See [`DracoFault`].

@@ -60,8 +60,8 @@ const HARMLESS: [&str; 19] = [
 const SUPPORTED: [&str; 4] =
     ["EXT_mesh_primitive_restart", "KHR_draco_mesh_compression", "KHR_mesh_primitive_restart", "KHR_mesh_quantization"];
 
-/// Extensions that compress buffer views. A file may require them where it does not use them for the
-/// scene, or has the data uncompressed too.
+/// Extensions that compress buffer views. A file may require them where it does not use them for
+/// the scene, or has the data uncompressed too.
 const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// Extension that draws a mesh once for each entry of an accessor.

@@ -17,8 +17,8 @@
 //! faces.
 //!
 //! [`extensions`] lists the extensions that a file may require. [`draco`] decodes
-//! `KHR_draco_mesh_compression`. Data compressed by `EXT_meshopt_compression` is rejected, unless the
-//! file also has it uncompressed, as a fallback.
+//! `KHR_draco_mesh_compression`. Data compressed by `EXT_meshopt_compression` is rejected, unless
+//! the file also has it uncompressed, as a fallback.
 //!
 //! # Deviations
 //! Positions may have any type that `KHR_mesh_quantization` allows, whether or not the file
