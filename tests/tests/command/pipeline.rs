@@ -558,10 +558,43 @@ fn index_kinds_have_the_same_names_everywhere() {
         let text = bake(&folder, "inspect a.hullmap").expect(0).stdout;
         assert!(text.contains(&format!("index              {name}, ")), "{text}");
         assert!(text.contains(&format!("vertices referenced, index {name}")), "{text}");
+        bake(&folder, "report a.hullmap --out page.html").expect(0);
+        let page = fs::read_to_string(folder.path().join("page.html")).unwrap();
+        assert!(page.contains(&format!("options: split none, vertices referenced, index {name}")), "{name}");
+        let cell = if name == "cubemap" { ">cubemap 64<".to_owned() } else { format!(">{name}<") };
+        assert!(page.contains(&cell) && !page.contains("leaves of"), "{name}");
         write(&folder, "hullmap.toml", &format!("[defaults]\nindex = \"{name}\"\n"));
         bake(&folder, "build a.obj --out . --check").expect(0);
         fs::remove_file(folder.path().join("hullmap.toml")).unwrap();
     }
+    let notes = bake(&folder, "build a.obj --out . --index-budget 60 --json").expect(0).json()[0]["notes"].to_string();
+    let kind = bake(&folder, "inspect a.hullmap --json").expect(0).json()[0]["hulls"][0]["index"]["kind"].clone();
+    assert!(notes.contains(&format!("hull a: index {}, ", kind.as_str().unwrap())), "{notes}");
+}
+
+/// A folder with a pack of 20 flat hulls printed 20 equal warnings and 20 rows.
+#[test]
+fn a_file_with_many_hulls_takes_one_line() {
+    let sheet = |index: usize| {
+        let corner = 3 * index;
+        format!(
+            "o s{index}\nv {index} 0 0\nv {index} 1 0\nv {index} 0 1\nf {} {} {}\n",
+            corner + 1,
+            corner + 2,
+            corner + 3
+        )
+    };
+    let folder = folder(&[("in/a.obj", &(0..20).map(sheet).collect::<String>()), ("in/b.obj", CUBE)]);
+    let run = bake(&folder, "build in --out o --split object --index-budget 100").expect(0);
+    let lines: Vec<&str> = run.stderr.lines().collect();
+    assert_eq!(lines.len(), 3, "{}", run.stderr);
+    let names = "(and 19 more like it: s1, s2, s3, s4, s5, s6, s7, s8, …)";
+    assert!(lines[0].starts_with("note: in/a.obj: hull s0: index ") && lines[0].ends_with(names), "{}", lines[0]);
+    assert!(lines[1].starts_with("warning: in/a.obj: hull s0 is flat: ") && lines[1].ends_with(names), "{}", lines[1]);
+    let rows = |line: &str| bake(&folder, line).expect(0).stdout.lines().filter(|row| row.starts_with("o/")).count();
+    assert_eq!((rows("verify o"), rows("verify o --hulls")), (2, 21));
+    assert!(bake(&folder, "verify o").expect(0).stdout.ends_with("\n21 exact, 0 failed\n"));
+    assert_eq!(bake(&folder, "verify o --json").expect(0).json().len(), 21, "an object per hull, as ever");
 }
 
 /// `x.obj` beside `x.stl` ended the whole build, and nothing was baked.

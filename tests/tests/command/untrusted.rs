@@ -159,8 +159,9 @@ fn pipes_are_neither_packs_nor_buffers_nor_options() {
     bake(folder.path(), "build in --out o", 0);
     bake(folder.path(), "verify o/a.hullmap --require-source", 0);
 
-    let gltf = r#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":4,"uri":"pipe.bin"}]}"#;
-    fs::write(folder.path().join("m.gltf"), gltf).unwrap();
+    let mesh = shapes::solids::extrusion(&shapes::solids::regular_polygon(7, 1.0), -0.5, 0.5);
+    let parts = shapes::gltf::parts(&[("prism", &mesh)], r#"{"mesh":0,"name":"node"}"#, "0");
+    fs::write(folder.path().join("m.gltf"), parts.text("pipe.bin")).unwrap();
     make_pipe(&folder.path().join("pipe.bin"));
     let run = bake(folder.path(), "build m.gltf --out o", 2);
     assert!(run.stderr.contains("buffer pipe.bin: not a regular file"), "{}", run.stderr);
@@ -321,4 +322,67 @@ fn text_leaves_through_one_file() {
         }
     }
     assert!(count > 60, "{count} files");
+}
+
+/// A link to a folder inside `--out` was followed: packs were written outside.
+#[test]
+fn packs_are_not_written_through_links_inside_the_output() {
+    let folder = folder(&[("in/a.obj", CUBE), ("in/sub/deep/b.obj", CUBE), ("elsewhere/deep/mine.txt", "mine")]);
+    let root = folder.path();
+    write_pack(&root.join("elsewhere/deep/gone.hullmap"), "../../in/sub/deep/gone.obj");
+    fs::write(root.join("elsewhere/deep/.x.hullmapAbCdEf.tmp"), "mine").unwrap();
+    fs::create_dir(root.join("o")).unwrap();
+    symlink("../elsewhere", root.join("o/sub")).unwrap();
+    let names = || -> Vec<_> {
+        let mut names: Vec<_> =
+            fs::read_dir(root.join("elsewhere/deep")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    let before = names();
+    for line in ["build in --out o", "build in --out o --prune", "build in --out o --force", "build in --out o --check"]
+    {
+        let run = bake(root, line, 2);
+        let error = "error: o/sub/deep/b.hullmap: not written, because o/sub is a link; ";
+        assert!(run.stderr.contains(error), "{line}: {}", run.stderr);
+        assert_eq!(names(), before, "{line}");
+    }
+    assert!(root.join("o/a.hullmap").exists(), "the rest is baked");
+    // --out itself may be a link, and a link in the place of a pack is replaced.
+    symlink("elsewhere", root.join("linked")).unwrap();
+    fs::write(root.join("target"), "mine").unwrap();
+    symlink("../target", root.join("elsewhere/a.hullmap")).unwrap();
+    bake(root, "build in/a.obj --out linked", 0);
+    assert_eq!(fs::read(root.join("target")).unwrap(), b"mine");
+    assert!(!root.join("elsewhere/a.hullmap").is_symlink());
+    // Pages of a report.
+    fs::create_dir_all(root.join("packs")).unwrap();
+    write_pack(&root.join("packs/sub/c.hullmap"), "x.obj");
+    fs::create_dir(root.join("page.pages")).unwrap();
+    symlink("../elsewhere", root.join("page.pages/sub")).unwrap();
+    let run = bake(root, "report packs --out page.html", 2);
+    assert!(run.stderr.contains("page.pages/sub is a link"), "{}", run.stderr);
+    assert!(!root.join("elsewhere/c.hullmap.html").exists());
+}
+
+/// docs/COMMAND.md states what *fresh* does not promise. A pack of another mesh that records the
+/// right source passes `--check`, and `verify` rejects it.
+#[test]
+fn fresh_trusts_whoever_wrote_the_pack() {
+    let folder = folder(&[("in/x.obj", CUBE)]);
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.5]];
+    let record = SourceRecord {
+        path: "../in/x.obj".to_owned(),
+        hash: source_hash(CUBE.as_bytes()),
+        options: "split none, vertices referenced, index tree 8".to_owned(),
+    };
+    fs::create_dir(folder.path().join("o")).unwrap();
+    let bytes = packs::bytes(&[point_set("x", &corners)], IndexKind::Tree, &record).unwrap();
+    fs::write(folder.path().join("o/x.hullmap"), bytes).unwrap();
+    bake(folder.path(), "build in --out o --check", 0);
+    bake(folder.path(), "verify o", 1);
+    bake(folder.path(), "build in --out o --verify", 1);
+    let help = bake(folder.path(), "build --help", 0).stdout;
+    let page = fs::read_to_string(workspace().join("docs/COMMAND.md")).unwrap();
+    assert!(help.contains("`bake verify` rejects it") && page.contains("What fresh does not promise"), "{help}");
 }

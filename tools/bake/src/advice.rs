@@ -3,6 +3,8 @@
 //! `bake build` and `bake report` print them in the same words. All thresholds are ratios, so that
 //! scaling a mesh changes nothing; the one exception is the range of f32.
 
+use std::collections::HashMap;
+
 /// Diameter over width above which a hull is thin: of the seven digits of f32, three are left
 /// across it.
 const THIN: f64 = 1e4;
@@ -19,29 +21,77 @@ const HUGE_COORDINATE: f64 = 1.8e19;
 /// that are off by a hundredth of the size are visible.
 const LOOSE: f64 = 0.01;
 
-/// A sentence for the user.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Remark {
-    /// A finding of interest.
-    Note(String),
-    /// A finding to act on, with the remedy.
-    Warning(String),
+/// Maximum number of names in a sentence about several hulls.
+const MAX_NAMES: usize = 8;
+
+/// A sentence for the user about one hull or object.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Remark {
+    /// A finding to act on, with the remedy; otherwise one of interest.
+    pub is_warning: bool,
+    /// Remarks of one topic become one sentence.
+    topic: String,
+    /// The hull or object.
+    name: String,
+    text: String,
+    /// Of several remarks on one topic, that with the largest weight is shown in full.
+    weight: f64,
 }
 
 impl Remark {
-    /// A note if `error` is small relative to `size`, otherwise a warning with the remedy.
-    fn by_size(text: String, error: f64, size: f64, remedy: &str) -> Self {
-        // NaN is a warning.
-        if error <= LOOSE * size { Self::Note(text) } else { Self::Warning(format!("{text}; {remedy}")) }
+    /// A finding of interest.
+    pub fn note(topic: impl Into<String>, name: &str, text: String) -> Self {
+        Self { is_warning: false, topic: topic.into(), name: name.to_owned(), text, weight: 0.0 }
     }
 
-    /// Adds the remark to the list of its kind.
-    pub fn add_to(self, notes: &mut Vec<String>, warnings: &mut Vec<String>) {
-        match self {
-            Self::Note(text) => notes.push(text),
-            Self::Warning(text) => warnings.push(text),
-        }
+    /// A finding to act on.
+    fn warning(topic: &str, name: &str, text: String) -> Self {
+        Self { is_warning: true, ..Self::note(topic, name, text) }
     }
+
+    /// A note if `error` is small relative to `size`, otherwise a warning with the remedy.
+    fn by_size(topic: &str, name: &str, text: String, error: f64, size: f64, remedy: &str) -> Self {
+        // NaN is a warning.
+        let remark = if error <= LOOSE * size {
+            Self::note(topic, name, text)
+        } else {
+            Self::warning(topic, name, format!("{text}; {remedy}"))
+        };
+        Self { weight: error / size, ..remark }
+    }
+}
+
+/// Notes and warnings, one for each topic of the remarks, in the order in which the topics appear.
+/// A file with hundreds of parts has no hundreds of equal warnings.
+pub fn summarise(remarks: impl IntoIterator<Item = Remark>) -> (Vec<String>, Vec<String>) {
+    let mut topics: Vec<Vec<Remark>> = Vec::new();
+    let mut positions: HashMap<(bool, String), usize> = HashMap::new();
+    for remark in remarks {
+        let position = *positions.entry((remark.is_warning, remark.topic.clone())).or_insert(topics.len());
+        if position == topics.len() {
+            topics.push(Vec::new());
+        }
+        topics[position].push(remark);
+    }
+    let (mut notes, mut warnings) = (Vec::new(), Vec::new());
+    for topic in topics {
+        let mut worst = 0;
+        for (index, remark) in topic.iter().enumerate() {
+            if remark.weight.total_cmp(&topic[worst].weight).is_gt() {
+                worst = index;
+            }
+        }
+        let others = (0..topic.len()).filter(|&index| index != worst).map(|index| topic[index].name.as_str());
+        let mut text = topic[worst].text.clone();
+        if topic.len() > 1 {
+            let count = topic.len() - 1;
+            let names: Vec<&str> = others.take(MAX_NAMES).collect();
+            let more = if count > MAX_NAMES { ", …" } else { "" };
+            text += &format!(" (and {count} more like it: {}{more})", names.join(", "));
+        }
+        if topic[worst].is_warning { warnings.push(text) } else { notes.push(text) }
+    }
+    (notes, warnings)
 }
 
 /// The measures of a baked hull that warnings depend on.
@@ -77,7 +127,7 @@ pub fn simplified(facts: &HullMeasures) -> Option<Remark> {
          ({relative:.1e} of the diameter)"
     );
     let remedy = "for a closer fit, increase --max-vertices or decrease --max-error";
-    Some(Remark::by_size(text, outer_error, diameter, remedy))
+    Some(Remark::by_size("simplified", name, text, outer_error, diameter, remedy))
 }
 
 /// What the `count` parts of an object leave uncovered, a length; `size` is the diameter of the
@@ -88,53 +138,79 @@ pub fn parts(name: &str, count: usize, uncovered: f64, size: f64) -> Remark {
     } else {
         format!("{name}: {count} parts; vertices lie at most {uncovered:.3e} outside all parts")
     };
-    Remark::by_size(text, uncovered, size, "to cover more, increase --vhacd-resolution or --vhacd-max-parts")
+    Remark::by_size(
+        "parts",
+        name,
+        text,
+        uncovered,
+        size,
+        "to cover more, increase --vhacd-resolution or --vhacd-max-parts",
+    )
 }
 
 /// Warnings about flat, thin and huge hulls.
-pub fn of_hull(facts: &HullMeasures) -> Vec<String> {
+pub fn of_hull(facts: &HullMeasures) -> Vec<Remark> {
     let name = facts.name;
     let mut warnings = Vec::new();
+    let mut warn = |topic: &str, text: String| warnings.push(Remark::warning(topic, name, text));
     match facts.rank {
         3 => {
             // The ball around the centroid is within a factor of three of the widest one: a
             // centroid lies at least a quarter of the width away from each side.
             let width = 2.0 * facts.inner_radius;
             if !(facts.diameter <= THIN * width) {
-                warnings.push(format!(
-                    "hull {name} is thin: {:.3e} long and about {width:.1e} thick, so contacts on it are imprecise; thicken it, \
+                warn(
+                    "thin",
+                    format!(
+                        "hull {name} is thin: {:.3e} long and about {width:.1e} thick, so contacts on it are imprecise; thicken it, \
                      or leave it out if it is a decal",
-                    facts.diameter
-                ));
+                        facts.diameter
+                    ),
+                );
             }
         }
         // A single source point, or a line between two, is meant to be flat.
-        2 => warnings.push(format!(
-            "hull {name} is flat: its {} points lie in one plane, and it collides as a polygon without thickness; \
+        2 => warn(
+            "flat",
+            format!(
+                "hull {name} is flat: its {} points lie in one plane, and it collides as a polygon without thickness; \
              thicken it if it should be a solid",
-            facts.point_count
-        )),
-        1 if facts.point_count > 2 => warnings.push(format!(
-            "hull {name} is a segment: its {} points lie on one line; check whether an axis is scaled to 0",
-            facts.point_count
-        )),
-        0 if facts.point_count > 1 => warnings.push(format!(
-            "hull {name} is a point: its {} points coincide; check whether the object is scaled to 0",
-            facts.point_count
-        )),
+                facts.point_count
+            ),
+        ),
+        1 if facts.point_count > 2 => warn(
+            "segment",
+            format!(
+                "hull {name} is a segment: its {} points lie on one line; check whether an axis is scaled to 0",
+                facts.point_count
+            ),
+        ),
+        0 if facts.point_count > 1 => warn(
+            "point",
+            format!(
+                "hull {name} is a point: its {} points coincide; check whether the object is scaled to 0",
+                facts.point_count
+            ),
+        ),
         _ => {}
     }
     if facts.vertex_count > HUGE_VERTICES {
-        warnings.push(format!(
-            "hull {name} is huge: it has {} vertices, more than {HUGE_VERTICES}; simplify it with --max-vertices or --max-error",
-            facts.vertex_count
-        ));
+        warn(
+            "huge",
+            format!(
+                "hull {name} is huge: it has {} vertices, more than {HUGE_VERTICES}; simplify it with --max-vertices or --max-error",
+                facts.vertex_count
+            ),
+        );
     }
     if facts.max_coordinate > HUGE_COORDINATE {
-        warnings.push(format!(
-            "hull {name} extends {:.1e} from the origin, and the square of that overflows 32-bit floats; use a smaller --unit-scale",
-            facts.max_coordinate
-        ));
+        warn(
+            "overflow",
+            format!(
+                "hull {name} extends {:.1e} from the origin, and the square of that overflows 32-bit floats; use a smaller --unit-scale",
+                facts.max_coordinate
+            ),
+        );
     }
     warnings
 }
@@ -155,7 +231,7 @@ mod tests {
             max_coordinate: 1.0,
             outer_error: 0.0,
         };
-        let words = |facts| of_hull(&facts).join("; ");
+        let words = |facts| summarise(of_hull(&facts)).1.join("; ");
         assert_eq!(words(plain), "");
         assert_eq!(words(HullMeasures { inner_radius: 1e-4, ..plain }), "");
         assert!(words(HullMeasures { inner_radius: 4e-5, ..plain }).contains("hull a is thin"));
@@ -172,8 +248,7 @@ mod tests {
     #[test]
     fn small_errors_are_notes_and_large_ones_warnings() {
         let texts = |remark: Remark| {
-            let (mut notes, mut warnings) = (Vec::new(), Vec::new());
-            remark.add_to(&mut notes, &mut warnings);
+            let (notes, warnings) = summarise([remark]);
             (notes.join("; "), warnings.join("; "))
         };
         let simple = |outer_error| {
@@ -199,10 +274,21 @@ mod tests {
             note.is_empty() && warning.contains("2.0e-2 of the diameter); for a closer fit, increase --max-vertices"),
             "{warning}"
         );
-        assert!(matches!(simple(f64::NAN), Some(Remark::Warning(_))));
-        assert!(matches!(parts("a", 3, 1e-3, 1.0), Remark::Note(_)));
-        assert_eq!(parts("a", 3, 0.0, 1.0), Remark::Note("a: 3 parts; all vertices covered".to_owned()));
+        assert!(simple(f64::NAN).unwrap().is_warning);
+        assert!(!parts("a", 3, 1e-3, 1.0).is_warning);
+        assert_eq!(texts(parts("a", 3, 0.0, 1.0)).0, "a: 3 parts; all vertices covered");
         let (_, warning) = texts(parts("a", 3, 0.02, 1.0));
         assert!(warning.contains("a: 3 parts;") && warning.contains("--vhacd-resolution"), "{warning}");
+    }
+
+    #[test]
+    fn one_sentence_a_topic() {
+        let names: Vec<String> = (0..12).map(|index| format!("p{index}")).collect();
+        let flat = names.iter().map(|name| Remark::warning("flat", name, format!("hull {name} is flat")));
+        let cover = [("a", 0.0), ("b", 1e-3), ("c", 1e-4), ("d", 0.5)].map(|(name, gap)| parts(name, 2, gap, 1.0));
+        let (notes, warnings) = summarise(flat.chain(cover));
+        assert_eq!(notes, ["b: 2 parts; vertices lie at most 1.000e-3 outside all parts (and 2 more like it: a, c)"]);
+        assert_eq!(warnings[0], "hull p0 is flat (and 11 more like it: p1, p2, p3, p4, p5, p6, p7, p8, …)");
+        assert!(warnings.len() == 2 && warnings[1].starts_with("d: 2 parts;"), "{warnings:?}");
     }
 }

@@ -108,6 +108,11 @@ pub struct BuildArgs {
     #[arg(long, help_heading = "What to bake")]
     pub force: bool,
     /// Bake nothing; list stale and missing packs, and exit with 1 if there are any
+    ///
+    /// Fresh means: the pack records this format version, the hash of the source, the options and
+    /// the path of the source, and it opens, which compares the checksum of all its bytes. Hulls are
+    /// not computed again: a pack with a correct checksum that contradicts itself or its source is
+    /// fresh, and `bake verify` rejects it.
     #[arg(long, conflicts_with_all = ["force", "verify", "watch", "depfile"], help_heading = "What to bake")]
     pub check: bool,
     /// Remove packs whose source is gone; with --check, exit with 1 if there are any
@@ -195,6 +200,9 @@ pub struct VerifyArgs {
     /// Exit with 1 if the source of a pack is not found
     #[arg(long)]
     pub require_source: bool,
+    /// List every hull in the table, not one line per pack
+    #[arg(long)]
+    pub hulls: bool,
     /// Number of directions to test on each hull
     #[arg(long, value_name = "N", default_value_t = DEFAULT_DIRECTIONS, value_parser = at_least_one)]
     pub directions: usize,

@@ -79,18 +79,17 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
         let hull = hull.map_err(|error| format!("hull {}: {error}", part.points.name))?;
         hulls.push(BakedHull { part: part.index, ..hull });
     }
-    let (mut notes, mut warnings) = (Vec::new(), Vec::new());
-    let covers =
+    let mut remarks =
         decompose.map_or(Vec::new(), |decompose| cover(point_sets, &parts, &mut hulls, decompose.max_parts == 1));
-    let simplified = hulls.iter().filter_map(|baked| advice::simplified(&facts(baked)));
-    covers.into_iter().chain(simplified).for_each(|remark| remark.add_to(&mut notes, &mut warnings));
+    remarks.extend(hulls.iter().filter_map(|baked| advice::simplified(&facts(baked))));
     if let IndexChoice::Budget { bytes_per_vertex } = index {
-        notes.extend(hulls.iter().map(|baked| budget_note(baked, bytes_per_vertex)));
+        remarks.extend(hulls.iter().map(|baked| budget_note(baked, bytes_per_vertex)));
     }
+    remarks.extend(hulls.iter().flat_map(|baked| advice::of_hull(&facts(baked))));
+    let (notes, warnings) = advice::summarise(remarks);
     let bytes = write_pack(&hulls, source).map_err(|error| error.to_string())?;
     let ranks = hulls.iter().map(|baked| baked.hull.rank).collect();
     let vertex_count = hulls.iter().map(|baked| baked.hull.vertices.len()).sum();
-    warnings.extend(hulls.iter().flat_map(|baked| advice::of_hull(&facts(baked))));
     Ok(BakedPack { bytes, ranks, vertex_count, notes, warnings })
 }
 
@@ -111,7 +110,7 @@ fn cover(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], allow
             } else {
                 "it is convex or thin"
             };
-            remarks.push(Remark::Note(format!("{name}: not decomposed, because {why}")));
+            remarks.push(Remark::note(why, name, format!("{name}: not decomposed, because {why}")));
             continue;
         }
         let whole: Vec<&Hull> = own.iter().map(|baked| &baked.hull).collect();
@@ -138,11 +137,13 @@ fn facts(baked: &BakedHull) -> HullMeasures<'_> {
     }
 }
 
-/// Note on the index that a budget allowed.
-fn budget_note(baked: &BakedHull, bytes_per_vertex: u32) -> String {
+/// Note on the index that a budget allowed, by its name on the command line.
+fn budget_note(baked: &BakedHull, bytes_per_vertex: u32) -> Remark {
+    let (name, kind) = (&baked.name, baked.index.kind);
     let vertex_count = baked.hull.vertices.len();
-    let chosen = baked.index.describe(vertex_count);
+    let bytes = baked.index.byte_len() as f64 / vertex_count as f64;
     let is_kept = baked.index.byte_len() <= bytes_per_vertex as usize * vertex_count;
     let verdict = if is_kept { "" } else { ", above the budget, but no index is smaller" };
-    format!("hull {}: {chosen}{verdict}", baked.name)
+    let text = format!("hull {name}: index {kind}, {bytes:.1} bytes per vertex{verdict}");
+    Remark::note(format!("index {kind}{verdict}"), name, text)
 }

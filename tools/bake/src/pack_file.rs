@@ -194,6 +194,24 @@ fn is_temporary(name: &OsStr) -> bool {
     random.is_some_and(|random| random.len() == 6 && random.bytes().all(|byte| byte.is_ascii_alphanumeric()))
 }
 
+/// The first link among the folders below `root` on the way to `folder`. `root` itself may be one.
+pub fn link_below(root: &Path, folder: &Path) -> Option<PathBuf> {
+    let mut path = root.to_owned();
+    folder.strip_prefix(root).ok()?.components().find_map(|part| {
+        path.push(part);
+        path.is_symlink().then(|| path.clone())
+    })
+}
+
+/// Why a file is not written: a folder above it is the link `link`.
+pub fn through_link(file: &Path, link: &Path) -> String {
+    format!(
+        "{}: not written, because {} is a link; replace it by a folder, or name the folder it leads to with --out",
+        file.display(),
+        link.display()
+    )
+}
+
 /// The folder that holds a file.
 pub fn folder_of(file: &Path) -> &Path {
     match file.parent() {

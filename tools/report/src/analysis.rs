@@ -6,7 +6,7 @@ use hullmap::{Hull, Pack};
 use serde::Serialize;
 
 use crate::census::{Census, Pace, census, direction_count, even_directions, pace};
-use crate::cost_warnings::cost_warning;
+use crate::cost_warnings::{cost_warning, summary};
 use crate::display_mesh::{DisplayMesh, EncodedMesh, triangle_cap};
 use crate::gauss_map::{FACES, Face, GaussMap, gauss_map, resolution};
 use crate::html;
@@ -34,7 +34,7 @@ pub struct Analysis {
     pub bytes: usize,
     /// Version of the file format.
     pub format_version: u32,
-    /// The recorded build options.
+    /// The build options, as recorded or in words.
     pub options: String,
     /// The recorded path of the source.
     pub recorded_source: String,
@@ -171,12 +171,14 @@ pub fn analyse(input: Input) -> Result<Analysis, ReadError> {
     let directions = even_directions(direction_count(shown_count));
     let mut hulls = Vec::new();
     let mut paces = Vec::new();
+    let mut costs = Vec::new();
     for (hull, index) in pack.hulls().zip(&contents.indices).take(shown_count) {
         let census = census(index, &directions);
-        remarks.warnings.extend(cost_warning(&hull, &census));
+        costs.extend(cost_warning(&hull, &census));
         paces.push(pace(&hull, &directions, shown_count));
         hulls.push(hull_row(&hull, census));
     }
+    remarks.warnings.extend(summary(&costs));
     let drawn = draw(pack, &contents, source.as_ref().map(|source| source.meshes.as_slice()), &hulls, up);
     let (source, source_points, meshes) = match source {
         Some(source) => (Some(source.name), source.point_count, source.meshes),
@@ -216,10 +218,7 @@ fn hull_row(hull: &Hull, census: Census) -> HullRow {
         containment_error: hull.containment_error(),
         outer_error: hull.outer_error(),
         uncovered: hull.uncovered(),
-        index: match hull.index_kind() {
-            kind if kind.is_tree() => format!("{kind}, leaves of {}", kind.leaf_size()),
-            kind => kind.to_string(),
-        },
+        index: hull.index_kind().to_string(),
         index_bytes: hull.index_byte_len(),
         max_nodes: worst.nodes,
         max_dots: worst.dots,

@@ -28,6 +28,15 @@ pub fn cost_warning(hull: &Hull, census: &Census) -> Option<String> {
     })
 }
 
+/// One warning for all hulls of a pack: that of the first, and the number of the others.
+pub fn summary(warnings: &[String]) -> Option<String> {
+    match warnings {
+        [] => None,
+        [only] => Some(only.clone()),
+        [first, others @ ..] => Some(format!("{first} (and {} more hulls with slow queries)", others.len())),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use hullmap_bake::IndexKind as Kind;
@@ -39,6 +48,14 @@ mod tests {
     fn warning(kind: Kind) -> Option<String> {
         let (pack, contents) = baked(cloud(200), kind);
         cost_warning(&pack.hull(0).unwrap(), &census(&contents.indices[0], &even_directions(500)))
+    }
+
+    #[test]
+    fn one_warning_for_all_hulls() {
+        let warnings = ["a is slow", "b is slow", "c is slow"].map(str::to_owned);
+        assert_eq!(summary(&[]), None);
+        assert_eq!(summary(&warnings[..1]).unwrap(), "a is slow");
+        assert_eq!(summary(&warnings).unwrap(), "a is slow (and 2 more hulls with slow queries)");
     }
 
     #[test]

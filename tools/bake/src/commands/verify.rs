@@ -42,7 +42,7 @@ pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
             out.flush()?;
         }
     }
-    if args.json { Ok(exit) } else { end(exit, write_table(&results, out)) }
+    if args.json { Ok(exit) } else { end(exit, write_text(&results, args.hulls, out)) }
 }
 
 fn verify_pack(place: &PackPlace, given: Option<&Path>, args: &VerifyArgs) -> Result<Vec<HullVerification>, Failure> {
@@ -75,7 +75,79 @@ fn verify_pack(place: &PackPlace, given: Option<&Path>, args: &VerifyArgs) -> Re
     Ok(results)
 }
 
-fn write_table(results: &[HullVerification], out: &mut Output) -> Result<(), Failure> {
+/// Errors, the table, and the summary.
+fn write_text(results: &[HullVerification], lists_hulls: bool, out: &mut Output) -> Result<(), Failure> {
+    for result in results.iter().filter(|result| !result.pass) {
+        terminal::error(if result.hull.is_some() {
+            format!("{}: {}", result.file, result.verdict())
+        } else {
+            result.problems.join("; ")
+        });
+    }
+    let table = if lists_hulls { hull_table(results) } else { pack_table(results) };
+    table.write(out)?;
+    out.line("")?;
+    Ok(out.line(summary(results))?)
+}
+
+/// A number of vertices, directions or reads.
+fn count(value: Option<usize>) -> String {
+    or_dash(value, |value| grouped(value as u64))
+}
+
+/// One row for each pack, with the worst of its hulls.
+fn pack_table(results: &[HullVerification]) -> Table {
+    let has_simplified = results.iter().any(HullVerification::is_simplified);
+    let mut columns = vec![
+        ("file", Align::Left),
+        ("hulls", Align::Right),
+        ("vertices", Align::Right),
+        ("directions", Align::Right),
+        ("max_regret", Align::Right),
+        ("mismatches", Align::Right),
+        ("nodes", Align::Right),
+        ("dots", Align::Right),
+        ("against", Align::Left),
+        ("result", Align::Left),
+    ];
+    if has_simplified {
+        columns.push(("outer error", Align::Left));
+    }
+    let mut table = Table::new(&columns);
+    for hulls in results.chunk_by(|result, next| result.file == next.file) {
+        let first = &hulls[0];
+        let hull_count = hulls.iter().filter(|result| result.hull.is_some()).count();
+        let sum = |of: &dyn Fn(&HullVerification) -> Option<usize>| hulls.iter().map(of).sum::<Option<usize>>();
+        let max = |of: &dyn Fn(&HullVerification) -> Option<u32>| hulls.iter().filter_map(of).max();
+        let regret = hulls.iter().filter_map(|result| result.max_regret).max_by(f64::total_cmp);
+        // The most cautious of the words, failures first.
+        let order = ["FAILED", "index exact", "contains its source", "exact"];
+        let words = hulls.iter().map(HullVerification::result);
+        let result = words.min_by_key(|word| order.iter().position(|known| known == word)).unwrap_or("-");
+        let mut cells = vec![
+            first.file.clone(),
+            count((hull_count > 0).then_some(hull_count)),
+            count(sum(&|result| result.vertices)),
+            count(first.directions),
+            or_dash(regret, |regret| format!("{regret:.1e}")),
+            count(sum(&|result| result.mismatches)),
+            count(max(&|result| result.max_nodes).map(|nodes| nodes as usize)),
+            count(max(&|result| result.max_dots).map(|dots| dots as usize)),
+            first.against.unwrap_or("-").to_owned(),
+            result.to_owned(),
+        ];
+        if has_simplified {
+            let error = |result: &&HullVerification| result.outer_error.unwrap_or(0.0);
+            let widest = hulls.iter().max_by(|a, b| error(a).total_cmp(&error(b)));
+            cells.push(or_dash(widest, outer_error));
+        }
+        table.push(cells);
+    }
+    table
+}
+
+/// One row for each hull.
+fn hull_table(results: &[HullVerification]) -> Table {
     let has_simplified = results.iter().any(HullVerification::is_simplified);
     let mut columns = vec![
         ("file", Align::Left),
@@ -95,7 +167,6 @@ fn write_table(results: &[HullVerification], out: &mut Output) -> Result<(), Fai
         columns.push(("outer error", Align::Left));
     }
     let mut table = Table::new(&columns);
-    let count = |value: Option<usize>| or_dash(value, |value| grouped(value as u64));
     let small_count = |value: Option<u32>| count(value.map(|value| value as usize));
     for result in results {
         let mut cells = vec![
@@ -116,18 +187,8 @@ fn write_table(results: &[HullVerification], out: &mut Output) -> Result<(), Fai
             cells.push(outer_error(result));
         }
         table.push(cells);
-        if !result.pass {
-            let message = if result.hull.is_some() {
-                format!("{}: {}", result.file, result.verdict())
-            } else {
-                result.problems.join("; ")
-            };
-            terminal::error(message);
-        }
     }
-    table.write(out)?;
-    out.line("")?;
-    Ok(out.line(summary(results))?)
+    table
 }
 
 /// Recorded outer error of a simplified hull, as a length and relative to the diameter.
@@ -189,5 +250,37 @@ mod tests {
         let unsourced = HullVerification { against: Some("stored hull"), ..outer };
         assert_eq!(unsourced.result(), "index exact");
         assert!(!summary(&[unsourced]).contains("contains its source"));
+    }
+
+    #[test]
+    fn a_pack_is_shown_by_its_worst_hull() {
+        let hull = |file: &str, regret: f64, pass: bool| HullVerification {
+            file: file.to_owned(),
+            hull: Some("h".to_owned()),
+            vertices: Some(1000),
+            directions: Some(10_000),
+            max_regret: Some(regret),
+            mismatches: Some(usize::from(!pass)),
+            max_nodes: Some(2),
+            max_dots: Some((1e9 * regret) as u32),
+            pass,
+            against: Some("source"),
+            ..HullVerification::default()
+        };
+        let unread = HullVerification { file: "c".to_owned(), ..HullVerification::default() };
+        let results =
+            [hull("a", 1e-9, true), hull("a", 8e-9, true), hull("b", 0.5, false), hull("b", 0.0, true), unread];
+        let mut bytes = Vec::new();
+        pack_table(&results).write(&mut Output::new(&mut bytes)).unwrap();
+        let text = String::from_utf8(bytes).unwrap();
+        let rows: Vec<Vec<&str>> = text
+            .lines()
+            .skip(1)
+            .map(|line| line.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect())
+            .collect();
+        assert_eq!(rows[0], ["a", "2", "2 000", "10 000", "8.0e-9", "0", "2", "8", "source", "exact"]);
+        assert_eq!((rows[1][0], rows[1][5], rows[1][9]), ("b", "1", "FAILED"));
+        assert_eq!(rows[2], ["c", "-", "-", "-", "-", "-", "-", "-", "-", "FAILED"]);
+        assert_eq!(rows.len(), 3);
     }
 }

@@ -18,7 +18,7 @@ use crate::baker::BakedPack;
 use crate::open::open_pack;
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
-use crate::pack_file::{folder_of, make_folder, put_in_place, recorded_path, write_beside};
+use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, recorded_path, through_link, write_beside};
 use crate::verification::pack::{Reference, verify_hulls};
 use hullmap_import::{self as import, Imported, Limits, ReadError, SourceFile};
 
@@ -50,6 +50,8 @@ pub struct Build<'a> {
     pub force: bool,
     /// Bake nothing.
     pub check: bool,
+    /// The folder of the packs.
+    pub out: &'a Path,
     /// The folder where `bake` was started: packs record only paths inside it.
     pub project: &'a Path,
     /// The baker.
@@ -64,8 +66,9 @@ impl Build<'_> {
         let (source, output) = (job.source.display().to_string(), job.output.display().to_string());
         let mut row = Row::new(source, output, Status::Failed);
         row.options = Some(job.options.to_string());
-        if let Some(clash) = &job.name.clash {
-            row.error = Some(clash.clone());
+        let link = || link_below(self.out, folder_of(&job.output)).map(|link| through_link(&job.output, &link));
+        if let Some(obstacle) = job.name.clash.clone().or_else(link) {
+            row.error = Some(obstacle);
             return (row, Exit::Usage);
         }
         // Fields of the row are only ever added, so a panic leaves it consistent.

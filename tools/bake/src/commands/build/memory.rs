@@ -83,7 +83,11 @@ mod tests {
         assert_eq!(of("a.obj", "12345", usual), 5 * PER_TEXT_BYTE);
         assert_eq!(of("a.ply", "12345", usual), 5 * PER_DENSE_BYTE);
         assert_eq!(of("a.bin", &"x".repeat(1000), usual), 1000 * PER_DENSE_BYTE);
-        let text = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"a.bin","byteLength":1000}]}"#;
+        // A buffer that no mesh of the scene uses is not read.
+        let text = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+            "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+            "accessors":[{"bufferView":0,"componentType":5126,"count":1,"type":"VEC3"}],
+            "bufferViews":[{"buffer":0,"byteLength":12}],"buffers":[{"uri":"a.bin","byteLength":1000}]}"#;
         assert_eq!(of("a.gltf", text, usual), (1000 + text.len() as u64) * PER_DENSE_BYTE, "with its buffer");
         let cube_map = options(&[("index", "cubemap"), ("resolution", "10")]);
         assert_eq!(of("a.obj", "", &cube_map), 600 * PER_CELL);

@@ -30,7 +30,7 @@ use crate::depfile::{self, Rule};
 use crate::interrupt;
 use crate::options::{BuildOptions, flag};
 use crate::outcome::{Exit, Failure, end};
-use crate::pack_file::{folder_of, make_folder, put_in_place, sweep, sweep_below, write_beside};
+use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, sweep, sweep_below, write_beside};
 use crate::terminal::{self, Output};
 use filter::Filter;
 use job::{Baker, Build, Job};
@@ -132,7 +132,7 @@ fn build(
             sweep_below(&args.out);
         }
         let folders: BTreeSet<&Path> = outputs.iter().copied().chain(args.depfile.as_deref()).map(folder_of).collect();
-        folders.into_iter().for_each(sweep);
+        folders.into_iter().filter(|folder| link_below(&args.out, folder).is_none()).for_each(sweep);
     }
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(count) = args.jobs {
@@ -143,7 +143,8 @@ fn build(
     let chosen: Vec<&Job> = jobs.iter().filter(|job| chosen(job)).collect();
     let costs: Vec<u64> = chosen.iter().map(|job| memory::estimate(job)).collect();
     let limits = args.limits.limits();
-    let build = Build { limits, verify: args.verify, force: args.force, check: args.check, project, baker };
+    let build =
+        Build { limits, verify: args.verify, force: args.force, check: args.check, out: &args.out, project, baker };
     let progress = Progress::new(args.quiet, chosen.len(), costs.iter().sum());
     let work = |index: usize| {
         let job = chosen[index];

@@ -11,6 +11,7 @@ use super::remarks::remarks;
 use super::source_mesh::source_meshes;
 use crate::args::ReportArgs;
 use crate::open::open_pack;
+use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::packs::PackPlace;
 use crate::source::{Recorded, Search, Source, find_source};
@@ -54,7 +55,11 @@ pub fn analyse_pack(place: &PackPlace, given: Option<&Path>, args: &ReportArgs) 
         meshes: source_meshes(&source),
     });
     let input = Input { path: &place.path, pack: &pack, open_time, source, verification, remarks, up: args.up };
-    analyse(input).map_err(|error| Failure::usage(error.to_string()))
+    let mut analysis = analyse(input).map_err(|error| Failure::usage(error.to_string()))?;
+    if let Some(options) = BuildOptions::from_recorded(pack.options()) {
+        analysis.options = options.in_words();
+    }
+    Ok(analysis)
 }
 
 /// The source's name on the page. An absolute path would name folders of this machine, so the

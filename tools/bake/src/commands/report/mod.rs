@@ -17,7 +17,7 @@ use hullmap_report::{Analysis, Card, folder_page, pack_page};
 
 use crate::args::ReportArgs;
 use crate::outcome::{Exit, Failure, end};
-use crate::pack_file::{folder_of, make_folder, put_in_place, sweep, write_beside};
+use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, sweep, through_link, write_beside};
 use crate::packs::{PackPlace, find_packs};
 use crate::source::given_sources;
 use crate::table::grouped;
@@ -71,7 +71,12 @@ fn report_folder(
         match analyse_pack(place, *given, args) {
             Ok(pack) => {
                 let (link, page) = page_in_folder(&pack, below, &args.out);
-                write_page(&folder_of(&args.out).join(&link), &page)?;
+                let target = folder_of(&args.out).join(&link);
+                let pages = folder_of(&args.out).join(pages_folder(&args.out));
+                if let Some(link) = link_below(&pages, folder_of(&target)) {
+                    return Err(Failure::usage(through_link(&target, &link)));
+                }
+                write_page(&target, &page)?;
                 bytes += page.len();
                 print_faults(&pack);
                 exit = exit.max(exit_of(&pack));

@@ -4,7 +4,7 @@
 use hullmap::{Hull, Pack, SupportMap};
 use hullmap_report::input::Remarks;
 
-use crate::advice::{self, HullMeasures};
+use crate::advice::{self, HullMeasures, Remark};
 use crate::source::Source;
 
 /// Remarks of the import, and about the pack's parts and hulls.
@@ -17,31 +17,32 @@ pub fn remarks(pack: &Pack, source: Option<&Source>) -> Remarks {
         remarks.warnings.clone_from(&source.warnings);
     }
     let hulls: Vec<Hull> = pack.hulls().collect();
+    let mut found = Vec::new();
     // The parts of one object follow one another; the first has part number 0.
     for parts in hulls.chunk_by(|_, next| next.part() > 0) {
-        about_object(parts, source.is_some(), &mut remarks);
+        found.extend(about_object(parts, source.is_some(), &mut remarks.warnings));
     }
-    hulls.iter().for_each(|hull| about_hull(hull, &mut remarks));
+    found.extend(hulls.iter().flat_map(about_hull));
+    let (notes, warnings) = advice::summarise(found);
+    remarks.notes.extend(notes);
+    remarks.warnings.extend(warnings);
     remarks
 }
 
-fn about_object(parts: &[Hull], has_source: bool, remarks: &mut Remarks) {
-    let Some(first) = parts.first() else { return };
+fn about_object(parts: &[Hull], has_source: bool, warnings: &mut Vec<String>) -> Option<Remark> {
+    let first = parts.first()?;
     let is_cut = parts.len() > 1;
     let name =
         if is_cut { first.name().rsplit_once("_part_").map_or(first.name(), |(name, _)| name) } else { first.name() };
-    if is_cut {
-        let size = parts.iter().map(Hull::diameter).fold(0.0, f64::max);
-        let remark = advice::parts(name, parts.len(), first.uncovered(), size);
-        remark.add_to(&mut remarks.notes, &mut remarks.warnings);
-    }
     if !has_source {
         let vertices: Vec<[f32; 3]> = parts.iter().flat_map(Hull::vertices).map(|v| v.to_array()).collect();
-        remarks.warnings.extend(hullmap_import::far_away(name, &vertices));
+        warnings.extend(hullmap_import::far_away(name, &vertices));
     }
+    let size = parts.iter().map(Hull::diameter).fold(0.0, f64::max);
+    is_cut.then(|| advice::parts(name, parts.len(), first.uncovered(), size))
 }
 
-fn about_hull(hull: &Hull, remarks: &mut Remarks) {
+fn about_hull(hull: &Hull) -> Vec<Remark> {
     let max_coordinate = hull.bounds().iter().map(|corner| corner.abs().max_element()).fold(0.0, f32::max);
     let measures = HullMeasures {
         name: hull.name(),
@@ -53,10 +54,7 @@ fn about_hull(hull: &Hull, remarks: &mut Remarks) {
         max_coordinate: max_coordinate.into(),
         outer_error: hull.outer_error(),
     };
-    remarks.warnings.extend(advice::of_hull(&measures));
-    if let Some(remark) = advice::simplified(&measures) {
-        remark.add_to(&mut remarks.notes, &mut remarks.warnings);
-    }
+    advice::of_hull(&measures).into_iter().chain(advice::simplified(&measures)).collect()
 }
 
 #[cfg(test)]
