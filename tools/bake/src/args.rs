@@ -110,9 +110,9 @@ pub struct BuildArgs {
     /// Bake nothing; list stale and missing packs, and exit with 1 if there are any
     ///
     /// Fresh means: the pack records this format version, the hash of the source, the options and
-    /// the path of the source, and it opens, which compares the checksum of all its bytes. Hulls are
-    /// not computed again: a pack with a correct checksum that contradicts itself or its source is
-    /// fresh, and `bake verify` rejects it.
+    /// the path of the source, and it opens, which compares the checksum of all its bytes. Hulls
+    /// are not computed again: a pack with a correct checksum that contradicts itself or its source
+    /// is fresh, and `bake verify` rejects it.
     #[arg(long, conflicts_with_all = ["force", "verify", "watch", "depfile"], help_heading = "What to bake")]
     pub check: bool,
     /// Remove packs whose source is gone; with --check, exit with 1 if there are any
