@@ -133,8 +133,7 @@ pub struct BuildArgs {
     /// Number of threads [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Running")]
     pub jobs: Option<u16>,
-    /// Maximum memory for all files in progress; a file that needs more is baked alone [default:
-    /// 4G]
+    /// Maximum memory for files in progress; a file that needs more is baked alone [default: 4G]
     #[arg(long, value_name = "SIZE", value_parser = size, help_heading = "Running")]
     pub memory: Option<u64>,
     /// List fresh packs too
