@@ -20,6 +20,9 @@ const MORE_INTERVAL: usize = 16;
 /// One pair out of this many is also queried through the cascade and for its manifold.
 const MANIFOLD_INTERVAL: usize = 4;
 
+/// Maximum number of support calls of a query of two hulls, as docs/FORMAT.md states it.
+const MAX_SUPPORT_CALLS: u32 = 10_000;
+
 /// Seed of the directions.
 const SEED: u64 = 0xdead;
 
@@ -201,8 +204,10 @@ impl Inquiry {
     fn query_pair(&self, a: &Hull, b: &Hull, b_in_a: Pose, index: usize, cache: &mut Cache) {
         let settings = Settings::default();
         black_box(intersects(a, b, b_in_a, cache));
-        black_box(contact(a, b, b_in_a, &settings, cache));
-        black_box(distance(a, b, b_in_a, &settings, cache));
+        let found = black_box(contact(a, b, b_in_a, &settings, cache));
+        let gap = black_box(distance(a, b, b_in_a, &settings, cache));
+        let calls = found.support_calls.max(gap.support_calls);
+        self.require(calls <= MAX_SUPPORT_CALLS, || format!("{calls} support calls"));
         if index.is_multiple_of(MANIFOLD_INTERVAL) {
             let mut manifold = Manifold::new();
             manifold.update(a, b, b_in_a, &ManifoldSettings::default(), cache);

@@ -31,6 +31,12 @@
 //! outside of the map. `tests/tests/packs/live_mapping.rs` rewrites a mapped file under running
 //! queries to check it.
 //!
+//! # Cost of queries on a foreign pack
+//! What the pack states bounds the work of every query, and opening it compares the statement with
+//! the contents: [`Hull::worst_cost`](crate::Hull::worst_cost) for a support query, at most 10,000
+//! of which make a contact. So a query of two hulls takes time at most proportional to the size of
+//! the pack. docs/FORMAT.md, section 8, has a table. `hostile-packs --only large` measures it.
+//!
 //! No signal handler is installed: the program decides what happens on a fault.
 //!
 //! A sealed `memfd` instead of read-only pages would let the copy be handed to other processes.
