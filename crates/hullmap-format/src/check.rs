@@ -1,6 +1,7 @@
-//! Checks of a whole file: whether it meets the requirements that the runtime relies on.
+//! Checks of an archive: whether it meets the requirements that the runtime relies on.
 //!
-//! There are four levels. Each requires those before it:
+//! [`crate::header`] checks the header. The runtime's `Pack` decides which checks a file has to
+//! pass, and refuses it if one fails. The levels follow one another:
 //!
 //! 1. [`Sections::read`]: the root. O(1).
 //! 2. [`structure`]: sections and spans, so that a hull's slices can be handed out. O(number of
@@ -10,7 +11,7 @@
 //!    so that the compiler vectorizes them. Only a loop that has failed is repeated to find the
 //!    first error.
 //! 4. [`crate::repeats`]: redundant values agree. Queries are safe without this check; `bake
-//!    verify` runs it.
+//!    verify` runs it. It is safe without level 3.
 
 use rkyv::rend::u32_le;
 

@@ -241,7 +241,7 @@ pub enum HullError {
     },
     /// The numbers of vertices, edges and faces violate Euler's formula for a polyhedron.
     #[error(
-        "its {vertices} vertices, {faces} faces and {corners} face vertices (two per edge) are not those of a polyhedron"
+        "its {vertices} vertices, {faces} faces and {corners} face vertices (two per edge) violate Euler's formula"
     )]
     Euler {
         /// Number of vertices.
@@ -300,9 +300,7 @@ pub enum HullError {
         expected: usize,
     },
     /// An edge of a face is not listed among the neighbours, or its entry names another face.
-    #[error(
-        "face {face}: its edge from vertex {from} to vertex {to} is not that of a neighbour with this face beside it"
-    )]
+    #[error("face {face}: vertex {from} does not list its next vertex {to} as a neighbour with this face to the left")]
     FaceEdge {
         /// The face.
         face: usize,

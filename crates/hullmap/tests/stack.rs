@@ -36,7 +36,7 @@ fn run_all<A: Shape, B: Shape>(a: &A, b: &B, settings: &Settings, scratch: &mut 
     for pose in poses() {
         let mut cache = Cache::new();
         if let Some(scratch) = scratch.take() {
-            cache.lend(scratch);
+            cache.set_scratch(scratch);
         }
         let found = contact(a, b, pose, settings, &mut cache);
         most = most.max(found.iterations);
@@ -50,7 +50,7 @@ fn run_all<A: Shape, B: Shape>(a: &A, b: &B, settings: &Settings, scratch: &mut 
         let mut feature = Feature::new();
         a.feature(DVec3::X, &mut feature);
         black_box(feature.corners().len());
-        *scratch = cache.reclaim();
+        *scratch = cache.take_scratch();
     }
     most
 }
@@ -78,12 +78,12 @@ fn on_stack(size: usize, settings: Settings, with_scratch: bool) -> u32 {
         for pose in poses() {
             let mut cache = CompoundCache::new(4);
             if let Some(scratch) = scratch.take() {
-                cache.lend(scratch);
+                cache.set_scratch(scratch);
             }
             black_box(compound::intersects(&whole, &whole, pose, &mut cache));
             black_box(compound::distance(&whole, &whole, pose, &settings, &mut cache));
             black_box(compound::contact(&whole, &whole, pose, &settings, &mut cache));
-            scratch = cache.reclaim();
+            scratch = cache.take_scratch();
             assert_eq!(scratch.is_some(), with_scratch, "the scratch memory is lost");
             let stages = cascade::Stages::default();
             black_box(cascade::intersects(&hulls[0], &hulls[1], pose, stages, &mut Cache::new()));
@@ -122,9 +122,9 @@ fn scratch_memory_changes_no_answer() {
             for pose in poses() {
                 let (mut plain, mut lent) = (Cache::new(), Cache::new());
                 for _ in 0..2 {
-                    lent.lend(scratch);
+                    lent.set_scratch(scratch);
                     let found = contact(&a, &b, pose, &Settings::default(), &mut lent);
-                    scratch = lent.reclaim().unwrap();
+                    scratch = lent.take_scratch().unwrap();
                     assert_eq!(found, contact(&a, &b, pose, &Settings::default(), &mut plain));
                     assert_eq!(lent, plain);
                     deep += usize::from(found.iterations > 300);

@@ -116,7 +116,7 @@ fn vertices_faces_and_neighbours() {
     );
     assert_eq!(
         refusal!(&pair, spans[1].face = 5_u32),
-        "hull 0: its 8 vertices, 5 faces and 24 face vertices (two per edge) are not those of a polyhedron"
+        "hull 0: its 8 vertices, 5 faces and 24 face vertices (two per edge) violate Euler's formula"
     );
     assert_eq!(
         refusal!(&cube, neighbour_starts[3] = 25_u32),
@@ -136,11 +136,11 @@ fn vertices_faces_and_neighbours() {
     );
     assert_eq!(
         refusal!(&cube, neighbour_faces[7] = 5_u32),
-        "hull 0: face 1: its edge from vertex 2 to vertex 3 is not that of a neighbour with this face beside it"
+        "hull 0: face 1: vertex 2 does not list its next vertex 3 as a neighbour with this face to the left"
     );
     assert_eq!(
         refusal!(&cube, face_vertices[1] = 3_u32),
-        "hull 0: face 0: its edge from vertex 0 to vertex 3 is not that of a neighbour with this face beside it"
+        "hull 0: face 0: vertex 0 does not list its next vertex 3 as a neighbour with this face to the left"
     );
     assert_eq!(
         refusal!(&pair, spans[1].neighbour = 23_u32),

@@ -12,8 +12,10 @@
 //!
 //! Deviations from the paper:
 //! - The paper stops where a cell's corners share their support vertex, or at a depth limit, and
-//!   may then return a wrong vertex. Here, a leaf lists every vertex that can be the answer. A cell
-//!   whose corners share their support vertex is simply a leaf of one.
+//!   may then return a wrong vertex. Here, a leaf lists every vertex whose cone reaches into the
+//!   cell by more than a tolerance ([`super::cones`]), so the regret is bounded. A cell whose
+//!   corners share their support vertex is simply a leaf of one.
+//! - [`super::packing`] lets leaves share blocks afterwards; then a leaf may list more vertices.
 //! - Steps 2 and 4 are new; [`Cuts`] turns fans off, as in the paper's tree. The cones around a
 //!   face with many corners, or along a prism's side, are long and thin. Separating n of them takes
 //!   n² squares.

@@ -60,18 +60,18 @@ impl CompoundCache {
         }
     }
 
-    /// Lends scratch memory to the queries that use this cache, as [`Cache::lend`] does.
-    pub fn lend(&mut self, scratch: Box<Scratch>) {
-        self.reclaim();
+    /// Lends scratch memory to the queries that use this cache, as [`Cache::set_scratch`] does.
+    pub fn set_scratch(&mut self, scratch: Box<Scratch>) {
+        self.take_scratch();
         if let Some(slot) = self.slots.first_mut() {
-            slot.cache.lend(scratch);
+            slot.cache.set_scratch(scratch);
             self.lent_to = Some(0);
         }
     }
 
     /// Returns the scratch memory that the cache was lent, if any.
-    pub fn reclaim(&mut self) -> Option<Box<Scratch>> {
-        self.slots.get_mut(self.lent_to.take()?)?.cache.reclaim()
+    pub fn take_scratch(&mut self) -> Option<Box<Scratch>> {
+        self.slots.get_mut(self.lent_to.take()?)?.cache.take_scratch()
     }
 
     /// Solver cache of one pair of hulls, by their indices in A and in B. It is empty if the pair
@@ -82,9 +82,9 @@ impl CompoundCache {
         let index = (pair[0].wrapping_mul(31).wrapping_add(pair[1])) % self.slots.len();
         // The scratch memory goes along to the cache in use.
         if self.lent_to.is_some_and(|lent_to| lent_to != index)
-            && let Some(scratch) = self.reclaim()
+            && let Some(scratch) = self.take_scratch()
         {
-            self.slots[index].cache.lend(scratch);
+            self.slots[index].cache.set_scratch(scratch);
             self.lent_to = Some(index);
         }
         let slot = &mut self.slots[index];

@@ -80,7 +80,7 @@ impl<'a> Compound<'a> {
         Self { members: Members::Pack(pack) }
     }
 
-    /// Number of hulls, at least 1.
+    /// Number of hulls; 0 only for a pack that was opened without checks.
     pub fn hull_count(&self) -> usize {
         match self.members {
             Members::Pack(pack) => pack.hull_count(),

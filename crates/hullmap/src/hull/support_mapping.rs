@@ -9,11 +9,10 @@ use crate::support::hint::{Edges, IsLocalMaximum};
 use crate::support::simd::{Dispatch, Instructions};
 use crate::support::{SupportMap, SupportPoint};
 
-/// Bound on the difference between the maximum dot product and that of the support point, divided
-/// by the outer radius. A cut of the index may omit a vertex whose normal cone extends less than
-/// 4e-15 beyond the cut. With an earlier limit of 1e-13, the worst loss found was 8e-12 of the
-/// diameter, 80 times the limit, on caps constructed for this purpose with bumps of 1e-11. The same
-/// factor gives 3e-13 now. See docs/intervals.md.
+/// Maximum difference between the maximum dot product and that of the support point, divided by the
+/// outer radius. Measured, not proved: a cut of the index may omit a vertex whose normal cone
+/// reaches less than 4e-15 beyond the cut. The worst hulls constructed lost 80 times such a
+/// tolerance, which would be 3e-13. This allows three times that. See docs/intervals.md, section 9.
 const SUPPORT_ERROR: f64 = 1e-12;
 
 /// Answer of [`Hull::support`].

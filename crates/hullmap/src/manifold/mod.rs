@@ -192,10 +192,10 @@ impl fmt::Display for PointId {
 /// A point of a [`Manifold`]. Lengths are in the shapes' units.
 ///
 /// The two points lie on the planes of the features that meet. If a shape's feature is one face,
-/// its plane is the surface. If it merges faces within 1.15° ([`TILT`](crate::shapes::TILT)) of the
-/// normal, its plane is within `TILT` times the extent of the feature of the surface, along the
-/// normal: at most 0.04 of the shape's outer radius. The contact that
-/// [`update`](Manifold::update) returns has points on the surfaces.
+/// its plane is the surface. If faces within 1.15° of the normal were merged, the plane can be off
+/// the surface, along the normal, by [`TILT`](crate::shapes::TILT) times the extent of the feature:
+/// at most 0.04 of the shape's outer radius. The contact that [`update`](Manifold::update) returns
+/// has points on the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManifoldPoint {
     /// The features it lies on.

@@ -1,5 +1,5 @@
 //! Reduction of a contact patch to four points: the deepest one and three that span the largest
-//! area with it.
+//! area with it. `Manifold::keep` prefers last frame's points if they span nearly as much.
 //!
 //! # Steps
 //! 1. Keep the deepest point; of several equally deep points, the outermost.

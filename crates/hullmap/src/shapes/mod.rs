@@ -1,7 +1,8 @@
 //! Primitive shapes (sphere, box, capsule, cylinder, cone) and modifiers of shapes (scaled,
 //! rounded).
 //!
-//! All of them mix with hulls and with each other in every query.
+//! All of them mix with hulls and with each other in every query. To add a shape, follow the recipe
+//! in CONTRIBUTING.md; `cone.rs` is an example of all that it takes.
 //!
 //! | shape | position in its frame | core | convex radius |
 //! |---|---|---|---|

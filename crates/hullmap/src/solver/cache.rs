@@ -30,9 +30,9 @@ const MAX_FACES: usize = 2 * MAX_POINTS;
 
 /// Caller-owned memory of one ordered pair (A, B), passed to every query of that pair.
 ///
-/// It takes 1.3 KB, and no memory elsewhere unless [`lend`](Self::lend) lends it some. It changes
-/// the cost of a query and, beyond rounding error, never its answer. An empty cache is always
-/// valid, and so is the cache of another pair. All directions are in A's frame.
+/// It takes 1.3 KB, and no memory elsewhere unless [`set_scratch`](Self::set_scratch) lends it
+/// some. It changes the cost of a query and, beyond rounding error, never its answer. An empty
+/// cache is always valid, and so is the cache of another pair. All directions are in A's frame.
 ///
 /// ```
 /// use hullmap::glam::DVec3;
@@ -118,13 +118,13 @@ impl Cache {
     }
 
     /// Lends scratch memory to the queries that use this cache, until it is
-    /// [reclaimed](Self::reclaim). Memory lent before is dropped. [`Scratch`] has an example.
-    pub fn lend(&mut self, scratch: Box<Scratch>) {
+    /// [taken back](Self::take_scratch). Memory lent before is dropped. [`Scratch`] has an example.
+    pub fn set_scratch(&mut self, scratch: Box<Scratch>) {
         self.scratch.0 = Some(scratch);
     }
 
     /// Returns the scratch memory that the cache was lent, if any.
-    pub fn reclaim(&mut self) -> Option<Box<Scratch>> {
+    pub fn take_scratch(&mut self) -> Option<Box<Scratch>> {
         self.scratch.0.take()
     }
 

@@ -9,7 +9,8 @@ use super::epa::Large;
 /// vertices. Without scratch memory it is on the stack: see
 /// [`Settings::stack_size`](crate::Settings::stack_size). A thread whose stack is smaller, for
 /// instance a fiber of a job system, owns one `Scratch` and lends it to the cache of each query
-/// with [`Cache::lend`](crate::Cache::lend). The answers have the same bits with and without it.
+/// with [`Cache::set_scratch`](crate::Cache::set_scratch). The answers have the same bits with and
+/// without it.
 ///
 /// # Examples
 /// ```
@@ -23,9 +24,9 @@ use super::epa::Large;
 /// let mut caches = vec![Cache::new(); 2];
 /// let b_in_a = Pose::from_translation(DVec3::new(1.9, 0.1, 0.3))?;
 /// for cache in &mut caches {
-///     cache.lend(scratch);
+///     cache.set_scratch(scratch);
 ///     assert!(contact(&cube, &cube, b_in_a, &Settings::default(), cache).hit);
-///     scratch = cache.reclaim().ok_or("the cache has it")?;
+///     scratch = cache.take_scratch().ok_or("the cache has it")?;
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -20,9 +20,9 @@ pub struct Settings {
     /// and its interval still contains the true value. Larger values than the solver's own limits
     /// have no effect.
     ///
-    /// With 0, [`contact`](crate::contact) is the paper's algorithm: the depth along the normal of
-    /// the portal that the centre ray pierces. That is a true upper bound, and may be far above the
-    /// depth.
+    /// With 0, [`contact`](crate::contact) stops after portal refinement (MPR), as Kenwright's
+    /// paper does: the depth along the normal of the portal that the centre ray pierces. That is a
+    /// true upper bound, and may be far above the depth.
     pub max_iterations: u32,
 }
 

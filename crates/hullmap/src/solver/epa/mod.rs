@@ -25,9 +25,9 @@
 //! - d is a bound only once the surface certainly winds around the origin. Until then nothing is
 //!   claimed.
 //! - The smallest h(n) of all faces tried is kept with its face, so the upper bound never grows.
-//! - Close bounds do not end the search before the witness points are good. If the face of the
-//!   smallest h(n) is not on the surface of the difference, or the origin's foot lies outside the
-//!   face, the search continues until a face or a support point gives good ones.
+//! - The search continues until the witness points are accurate, even if the bounds have met. If
+//!   the face of the smallest h(n) is not on the surface of the difference, or the origin's foot
+//!   lies outside the face, the search continues until a face or a support point gives good ones.
 //! - The ball around the interior points bounds the depth from below too, so round shapes end at
 //!   once.
 //! - Polytopes come in four sizes: most queries never touch the large arrays.
@@ -242,11 +242,11 @@ fn expand_in<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     terms: &Terms,
     Large { big, biggest }: &mut Large,
 ) -> Expansion {
-    medium.replace(big);
+    medium.overwrite(big);
     if run(m, big, state, terms, None) {
         return finish(big, state, None);
     }
-    big.replace(biggest);
+    big.overwrite(biggest);
     // A full polytope is the limit, which the state reports already.
     run(m, biggest, state, terms, None);
     finish(biggest, state, None)

@@ -232,8 +232,8 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         self.corners[face][0] == self.corners[face][1]
     }
 
-    /// Replaces `big`, which has more room, by the same surface.
-    pub(in crate::solver) fn replace<const W: usize, const G: usize>(&self, big: &mut Polytope<W, G>) {
+    /// Overwrites `big`, which has more room, with this surface.
+    pub(in crate::solver) fn overwrite<const W: usize, const G: usize>(&self, big: &mut Polytope<W, G>) {
         // Field by field: an empty polytope would take the stack that this saves.
         big.offsets.fill(f64::INFINITY);
         big.corners.fill([0; 3]);
@@ -638,7 +638,7 @@ mod tests {
         assert!(live.into_iter().all(|f| (polytope.plane(f).2 - 1.0).abs() < 1e-15));
         assert!(polytope.is_full());
         let mut grown = Polytope::<16, 32>::empty(0.0);
-        polytope.replace(&mut grown);
+        polytope.overwrite(&mut grown);
         let top = (0..grown.face_count).find(|f| grown.plane(*f).0.z > 0.9 * grown.plane(*f).1).unwrap();
         grown.insert_vertex(vertex(0.0, 0.0, 3.0), top).unwrap();
         assert_closed(&grown);
