@@ -109,10 +109,10 @@ pub struct BuildArgs {
     pub force: bool,
     /// Bake nothing; list stale and missing packs, and exit with 1 if there are any
     ///
-    /// Fresh means: the pack records this format version, the hash of the source, the options and
-    /// the path of the source, and it opens, which compares the checksum of all its bytes. Hulls
-    /// are not computed again: a pack with a correct checksum that contradicts itself or its source
-    /// is fresh, and `bake verify` rejects it.
+    /// A pack is fresh if it opens, which compares the checksum of all its bytes, and if it records
+    /// this format version, the options, the path of the source and its hash. Hulls are not
+    /// computed again. So a pack with a correct checksum may be fresh although it contradicts
+    /// itself or its source; `bake verify` rejects it.
     #[arg(long, conflicts_with_all = ["force", "verify", "watch", "depfile"], help_heading = "What to bake")]
     pub check: bool,
     /// Remove packs whose source is gone; with --check, exit with 1 if there are any
@@ -169,7 +169,7 @@ pub struct LimitArgs {
         default_value_t = Limits::DEFAULT.objects
     )]
     max_objects: usize,
-    /// Maximum number of vertices and corners that a glTF file repeats by instances, or compresses
+    /// Maximum number of vertices and corners that instances and compression add to a glTF file
     #[arg(
         long,
         value_name = "N",

@@ -220,7 +220,7 @@ impl<'a> SceneReader<'a> {
 
     fn too_much_repetition(&self) -> Fault {
         Fault::format(format!(
-            "the file has more than {} vertices and corners without bytes of their own, by instances, as zeros or compressed; bake the meshes separately, or raise --max-instanced",
+            "instances, zeros and compression add more than {} vertices and corners to the file; bake the meshes separately, or raise --max-instanced",
             self.limits.repeated_vertices
         ))
     }

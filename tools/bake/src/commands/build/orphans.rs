@@ -28,8 +28,7 @@ pub struct Orphan {
 }
 
 /// The recorded folder is not the one whose meshes become packs at this path.
-const MOVED: &str = "it is kept, because this build would not write it here (it was copied or moved, or belongs to \
-                     another build); remove it by hand if it is not needed";
+const MOVED: &str = "it is kept, because this build would not write it here; remove it by hand if it is not needed";
 
 /// The recorded path leads out of the project, so it was not followed.
 const OUTSIDE: &str = "it is kept, because its recorded path leads out of the project and was not followed; remove it \
