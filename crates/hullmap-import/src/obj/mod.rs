@@ -105,7 +105,7 @@ fn source_mesh(scan: Scan, positions: Positions) -> SourceMesh {
     if let Some(line) = scan.weight_line {
         let vertices = counted(scan.weight_count, "vertex has", "vertices have");
         warnings.push(format!(
-            "line {line}: {vertices} a weight w other than 1 (`v x y z w`), which is ignored; if the points should be x/w y/w z/w, write them that way"
+            "line {line}: {vertices} a weight w other than 1 (`v x y z w`), which is ignored; write x/w y/w z/w if you mean those"
         ));
     }
     SourceMesh {

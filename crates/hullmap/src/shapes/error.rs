@@ -28,8 +28,8 @@ pub enum ShapeError {
     },
     /// A scale is NaN, or its magnitude is below 1e-38 or above [`f32::MAX`].
     #[error(
-        "scale must have a magnitude from 1e-38 to 3.4e38 along each axis, found {found}: to flatten a shape use \
-         a small scale, otherwise check where the value comes from"
+        "scale must have a magnitude from 1e-38 to 3.4e38 along each axis, found {found}: use a small scale to \
+         flatten a shape; otherwise check where the value comes from"
     )]
     Scale {
         /// The value found.

@@ -35,8 +35,8 @@ const OUTSIDE: &str = "it is kept, because its recorded path leads out of the pr
                        by hand if it is not needed";
 
 /// The pack records no folder.
-const NAME_ALONE: &str = "it is not pruned, because it does not record the folder of its source; remove it by hand, or \
-                          start bake in a folder that holds both meshes and packs";
+const NAME_ALONE: &str = "it is not pruned, because it does not record its source's folder; remove it by hand, or start \
+                          bake in a folder that holds meshes and packs";
 
 /// The orphans in `out`, sorted by name, of a build of `inputs` that writes `outputs`; `project` is
 /// the folder where `bake` was started.
