@@ -58,6 +58,15 @@ fn encode_rounded(mesh: &Mesh, speed: i32, bits: Option<i32>) -> Vec<u8> {
     buffer.data().to_vec()
 }
 
+/// GLB file of a sheet of `2 * n` compressed triangles.
+pub(super) fn sheet(n: u32) -> Vec<u8> {
+    let side = 64;
+    let vertices = (0..n + side + 1).map(|at| [(at % side) as f32, (at / side) as f32, (at % 7) as f32]);
+    let faces = (0..n).flat_map(|at| [vec![at, at + 1, at + side], vec![at + side, at + 1, at + side + 1]]);
+    let mesh = Mesh { vertices: vertices.collect(), faces: faces.collect() };
+    glb(&encode_rounded(&mesh, 5, Some(14)), "")
+}
+
 /// Document of a mesh whose only data is Draco data in a view of `length` bytes.
 fn json(length: usize, nodes: &str, uri: &str) -> String {
     format!(
