@@ -290,8 +290,8 @@ fn cases() -> Vec<Case> {
             || repeated("{\"extras\":", "[", ""),
             Fails("EOF while parsing a list"),
         ),
-        // The import reuses memory that the encoder has freed, so the peaks of these two are too low. In
-        // a process without the encoder, a vertex or corner took 23 bytes.
+        // The import reuses memory that the encoder has freed, so the peaks of these two are too
+        // low. In a process without the encoder, a vertex or corner took 23 bytes.
         case("GLB of compressed triangles", "a.glb", WHOLE, || super::draco::sheet(100_000), Works { points: 0 }),
         case(
             "GLB of more compressed triangles than the limit",
