@@ -298,7 +298,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Words(&["auto", "stem", "full"]),
         default: DefaultValue::Value("auto"),
         value_name: "auto|stem|full",
-        help: "Names of packs: stem (x.hullmap), full (x.obj.hullmap), or auto (full only on a clash)",
+        help: "Names of packs: x (stem), x.obj (full), or full on a clash (auto)",
         section: Section::Output,
         record: Record::Never,
         ..OPTION
