@@ -185,7 +185,8 @@ fn a_pack_that_was_copied_or_moved_is_not_pruned() {
         let row = row(name).unwrap();
         assert_eq!(row["status"], "orphaned", "{row}");
         let note = row["notes"][0].as_str().unwrap();
-        let reason = if name == "foreign" { "leads out of the project" } else { "copied or moved" };
+        // Directly in `packs`, the path leads above the folder where bake was started.
+        let reason = if name.contains('/') { "copied or moved" } else { "leads out of the project" };
         assert!(note.contains(reason), "{row}");
         assert!(run.stderr.contains(&format!("note: packs/{name}.hullmap: its source ")), "{}", run.stderr);
     }
