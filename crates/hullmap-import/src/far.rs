@@ -2,7 +2,9 @@
 //!
 //! The test compares a ratio of lengths, so that it does not depend on the scale of the mesh.
 
-use crate::fault::excerpt;
+use hullmap_bake::PointSet;
+
+use crate::fault::{counted, excerpt};
 
 /// Largest coordinate, relative to the extent of the set, above which the warning is given: the
 /// spacing of `f32` is then more than 6e-5 of the extent, which leaves about four digits.
@@ -49,9 +51,33 @@ pub fn far_away(name: &str, positions: &[[f32; 3]]) -> Option<String> {
     })
 }
 
+/// One warning for a file: [`far_away`] of the first object, with the number of the others.
+pub(crate) fn far_away_warning(sets: &[PointSet]) -> Option<String> {
+    let mut warnings = sets.iter().filter_map(|set| far_away(&set.name, &set.positions));
+    let first = warnings.next()?;
+    Some(match warnings.count() {
+        0 => first,
+        others => format!("{first} (and {} like it)", counted(others, "object", "objects")),
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_file_of_many_objects_gets_one_warning() {
+        let set = |x: f32| PointSet {
+            name: "crate".to_owned(),
+            positions: vec![[x, 0.0, 0.0], [x + 1.0, 1.0, 0.0]],
+            ..PointSet::default()
+        };
+        assert_eq!(far_away_warning(&[set(0.0), set(1.0)]), None);
+        let one = far_away_warning(&[set(0.0), set(1e6)]).unwrap();
+        assert!(one.starts_with("object crate: ") && !one.contains("like it"), "{one}");
+        let many = far_away_warning(&vec![set(1e6); 3]).unwrap();
+        assert_eq!(many, format!("{one} (and 2 objects like it)"));
+    }
 
     #[test]
     fn the_warning_does_not_depend_on_scale() {

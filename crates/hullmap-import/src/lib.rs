@@ -198,7 +198,7 @@ pub fn import(
     notes.append(&mut mesh.notes);
     let mut warnings = sets.warnings;
     warnings.append(&mut mesh.warnings);
-    warnings.extend(sets.point_sets.iter().filter_map(|set| far_away(&set.name, &set.positions)));
+    warnings.extend(far::far_away_warning(&sets.point_sets));
     Ok(Imported {
         point_sets: sets.point_sets,
         faces: sets.faces,

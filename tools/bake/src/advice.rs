@@ -155,8 +155,8 @@ pub fn of_hull(facts: &HullMeasures) -> Vec<Remark> {
     let mut warn = |topic: &str, text: String| warnings.push(Remark::warning(topic, name, text));
     match facts.rank {
         3 => {
-            // The ball around the centroid is within a factor of three of the widest one: a
-            // centroid lies at least a quarter of the width away from each side.
+            // The ball around the centroid has at least half the radius of the largest one: a
+            // centroid is at least a quarter of the width away from each side.
             let width = 2.0 * facts.inner_radius;
             if !(facts.diameter <= THIN * width) {
                 warn(

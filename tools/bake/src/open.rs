@@ -6,7 +6,7 @@ use hullmap::{OpenError, Pack};
 
 use crate::outcome::Failure;
 
-/// Maps and checks a pack.
+/// Reads a pack into memory and checks it.
 ///
 /// # Errors
 /// [`Failure::usage`] if the file cannot be read, [`Failure::rejected`] if it is not a valid pack.

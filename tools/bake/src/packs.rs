@@ -30,8 +30,9 @@ pub fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
         }
         let before = places.len();
         for entry in WalkDir::new(input).sort_by_file_name() {
-            let entry =
-                entry.map_err(|error| Failure::usage(format!("{}: cannot search: {error}", input.display())))?;
+            let entry = entry.map_err(|error| {
+                Failure::usage(format!("{}: cannot search: {error}; check its permissions", input.display()))
+            })?;
             let path = entry.path();
             // A pipe would block. A broken link is an error when it is opened.
             if is_pack(path) && std::fs::metadata(path).map_or(true, |kind| kind.is_file()) {

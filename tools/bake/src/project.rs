@@ -37,7 +37,8 @@ impl Project {
     /// The project of a pack; `start` is the folder where `bake` was started.
     ///
     /// It is the widest of these folders above the pack:
-    /// 1. `start`, because `bake build` records paths inside that folder only;
+    /// 1. `start`, because `bake build` records paths inside that folder only, unless it is the root
+    ///    of the file system;
     /// 2. the nearest folder with `.git`, `.hg` or a `hullmap.toml`;
     /// 3. the parent of the folder that was searched for packs, or of the pack's own folder, unless
     ///    it is the root of the file system. So packs in `baked` find their sources in `assets`
@@ -49,7 +50,7 @@ impl Project {
         let is_marked = |above: &&Path| ROOT_MARKS.iter().chain([&FILE_NAME]).any(|mark| above.join(mark).exists());
         let depth = place.below.components().count();
         let searched = folder.ancestors().nth(depth + 1).filter(|above| above.parent().is_some());
-        let start = start.canonicalize().ok().filter(|start| folder.starts_with(start));
+        let start = start.canonicalize().ok().filter(|start| folder.starts_with(start) && start.parent().is_some());
         let candidates = [start.as_deref(), folder.ancestors().find(is_marked), searched];
         // All of them lie on one path, so the shortest is the widest.
         let widest = candidates.into_iter().flatten().min_by_key(|folder| folder.components().count());
@@ -99,6 +100,7 @@ mod tests {
         let (pack, elsewhere) = (packs.join("x.hullmap"), Path::new("/"));
         let elsewhere = if packs.starts_with(elsewhere) { &root.join("other") } else { elsewhere };
         assert_eq!(project(&pack, "", elsewhere), root.join("a/b/baked"));
+        assert_eq!(project(&pack, "", Path::new("/")), root.join("a/b/baked"), "not the whole file system");
         assert_eq!(project(&pack, "deep", elsewhere), root.join("a/b"), "beside the folder that was searched");
         assert_eq!(project(&pack, "deep", &packs), root.join("a/b"), "started inside");
         assert_eq!(project(&pack, "", &root.join("a")), root.join("a"), "started above");

@@ -21,9 +21,13 @@ pub fn cost_warning(hull: &Hull, census: &Census) -> Option<String> {
     }
     (worst > MANY_DOTS).then(|| {
         format!(
-            "hull {name} is slow in some directions: up to {worst} dot products per query, {:.1} on average; \
-             --index tree bounds them",
-            census.mean_dots
+            "hull {name} is slow in some directions: up to {worst} dot products per query, {:.1} on average; {}",
+            census.mean_dots,
+            if hull.index_kind() == IndexKind::Tree {
+                "--max-vertices makes it simpler"
+            } else {
+                "--index tree is usually faster"
+            }
         )
     })
 }

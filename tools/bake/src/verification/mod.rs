@@ -17,9 +17,8 @@ use rayon::prelude::*;
 use hullmap::{Cost, Hull, SupportVertex};
 use truth::{Points, dot};
 
-/// Maximum regret, relative to the diameter, that counts as exact: half a unit in the last place of
-/// an f32 is 6e-8 of the coordinate, and the evaluation in f32 of a dot product adds about as much
-/// twice.
+/// Maximum regret, relative to the diameter, that counts as exact: twice the distance from the hull
+/// that certification allows a source point (1e-7).
 pub const REGRET_LIMIT: f64 = 2e-7;
 
 /// What verification requires of a hull.

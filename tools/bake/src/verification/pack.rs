@@ -103,8 +103,8 @@ impl HullVerification {
         match (self.pass, self.is_simplified(), self.is_against_source()) {
             (false, _, _) => "FAILED",
             (true, true, true) => "contains its source",
-            (true, true, false) => "index exact",
-            (true, false, _) => "exact",
+            (true, _, false) => "index exact",
+            (true, false, true) => "exact",
         }
     }
 }

@@ -68,7 +68,10 @@ fn plan_folder(folder: &Path, out: &Path, filter: &mut Filter, meshes: &mut Vec<
                 continue;
             }
             Err(error) => {
-                return Err(Failure::usage(format!("{}: cannot search: {error}", folder.display())));
+                return Err(Failure::usage(format!(
+                    "{}: cannot search: {error}; check its permissions",
+                    folder.display()
+                )));
             }
         };
         if entry.file_type().is_file() && is_source(entry.path()) {
