@@ -37,8 +37,8 @@ impl Project {
     /// The project of a pack; `start` is the folder where `bake` was started.
     ///
     /// It is the widest of these folders above the pack:
-    /// 1. `start`, because `bake build` records paths inside that folder only, unless it is the root
-    ///    of the file system;
+    /// 1. `start`, because `bake build` records paths inside that folder only, unless it is the
+    ///    root of the file system;
     /// 2. the nearest folder with `.git`, `.hg` or a `hullmap.toml`;
     /// 3. the parent of the folder that was searched for packs, or of the pack's own folder, unless
     ///    it is the root of the file system. So packs in `baked` find their sources in `assets`
