@@ -13,6 +13,13 @@ use rkyv::{Archive, Serialize};
 /// Candidates in one [`Block`].
 pub const LANES: usize = 8;
 
+/// Maximum number of vertices of an outer hull. A query reads all of them.
+pub const MAX_OUTER_VERTICES: usize = 64;
+
+/// Maximum number of levels of the BVH, including the root's. So a reader's stack can have a fixed
+/// size.
+pub const MAX_LEVELS: u32 = 32;
+
 /// Everything in a pack.
 #[derive(Archive, Serialize, Clone, Debug, Default)]
 pub struct Pack {

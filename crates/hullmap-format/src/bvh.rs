@@ -11,103 +11,13 @@
 
 use rkyv::rend::f32_le;
 
+pub use crate::archive::MAX_LEVELS;
+pub use crate::check_error::BvhError;
 use crate::{archive::ArchivedBvhNode, sections::Sections};
-
-/// Maximum number of levels, including the root's. So a reader's stack can have a fixed size.
-pub const MAX_LEVELS: u32 = 32;
 
 /// Number of nodes over `hull_count` hulls, at least one.
 pub const fn node_count(hull_count: usize) -> usize {
     2 * hull_count - 1
-}
-
-/// Why nodes are not a bounding volume hierarchy.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum BvhError {
-    /// The number of leaves differs from the number of hulls.
-    #[error("it has {found} nodes (expected {expected})")]
-    NodeCount {
-        /// Number of nodes.
-        found: usize,
-        /// Twice the number of hulls, less one.
-        expected: usize,
-    },
-    /// No earlier node has this node as a child.
-    #[error("node {node} is not a child of any node before it")]
-    NoParent {
-        /// The node.
-        node: usize,
-    },
-    /// A leaf refers to a hull that does not exist.
-    #[error("node {node}: hull index {found} is out of range (the pack has {hull_count} hulls)")]
-    Hull {
-        /// The leaf.
-        node: usize,
-        /// The index.
-        found: usize,
-        /// Number of hulls.
-        hull_count: usize,
-    },
-    /// A hull's record states another leaf.
-    #[error("node {node} is the leaf of hull {hull}, whose record states leaf {found}")]
-    Leaf {
-        /// The leaf.
-        node: usize,
-        /// Its hull.
-        hull: usize,
-        /// Leaf in the hull's record.
-        found: usize,
-    },
-    /// The box of a leaf is not that of its hull.
-    #[error("node {node}: its box is not the bounds of hull {hull}")]
-    LeafBox {
-        /// The leaf.
-        node: usize,
-        /// Its hull.
-        hull: usize,
-    },
-    /// The children of a node are not the next nodes without a parent.
-    #[error("node {node}: its first child is {found} (expected {expected})")]
-    ChildOrder {
-        /// The node.
-        node: usize,
-        /// Its first child.
-        found: usize,
-        /// The first node without a parent.
-        expected: usize,
-    },
-    /// A child does not exist.
-    #[error("node {node}: its children {first} and {} are out of range (the tree has {node_count} nodes)", first + 1)]
-    ChildRange {
-        /// The node.
-        node: usize,
-        /// Its first child.
-        first: usize,
-        /// Number of nodes.
-        node_count: usize,
-    },
-    /// A node states a number of hulls that differs from the number below it.
-    #[error("node {node} states {found} hulls (its children have {expected:?})")]
-    HullCount {
-        /// The node.
-        node: usize,
-        /// Number in the node.
-        found: u32,
-        /// Numbers in its children.
-        expected: [u32; 2],
-    },
-    /// The box of a node is not the smallest around those of its children.
-    #[error("node {node}: its box is not the union of the boxes of its children")]
-    Box {
-        /// The node.
-        node: usize,
-    },
-    /// The tree has too many levels.
-    #[error("it has {found} levels (at most {MAX_LEVELS} are allowed)")]
-    Levels {
-        /// Number of levels.
-        found: u32,
-    },
 }
 
 /// Checks the tree of a pack whose spans and hulls have been checked.

@@ -15,20 +15,15 @@
 
 use rkyv::rend::u32_le;
 
+pub use crate::archive::MAX_OUTER_VERTICES;
 pub use crate::check_error::{CheckError, HullError};
+pub use crate::header::MAX_PACK_LEN;
 use crate::{
     archive::{ArchivedPack, ArchivedSpan},
     bvh,
-    header::HEADER_LEN,
     hull_check::HullCheck,
     sections::Sections,
 };
-
-/// Maximum number of vertices of an outer hull. A query reads all of them.
-pub const MAX_OUTER_VERTICES: usize = 64;
-
-/// Maximum length of a pack in bytes: its 32-bit offsets reach 2 GiB.
-pub const MAX_PACK_LEN: usize = HEADER_LEN + i32::MAX as usize;
 
 /// Checks what is needed to hand out a hull's slices of `pack`, which was read from `payload`.
 ///

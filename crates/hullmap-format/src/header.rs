@@ -18,13 +18,16 @@ use std::hash::Hasher;
 
 use twox_hash::{XxHash3_64, XxHash3_128};
 
-use crate::{FORMAT_VERSION, check::MAX_PACK_LEN};
+use crate::FORMAT_VERSION;
 
 /// First bytes of every pack.
 pub const MAGIC: [u8; 8] = *b"hullmap\n";
 
 /// Length of the header, in bytes: a whole cache line, so that the archive starts on the next one.
 pub const HEADER_LEN: usize = 64;
+
+/// Maximum length of a pack in bytes: its 32-bit offsets reach 2 GiB.
+pub const MAX_PACK_LEN: usize = HEADER_LEN + i32::MAX as usize;
 
 const CHECKSUM_AT: usize = 56;
 

@@ -4,8 +4,7 @@ use rkyv::rend::{f32_le, f64_le, u32_le};
 
 use crate::{
     adjacency::Adjacency,
-    archive::{ArchivedBlock, ArchivedHullRecord, ArchivedSpan, NO_SOURCE_VERTEX},
-    check::MAX_OUTER_VERTICES,
+    archive::{ArchivedBlock, ArchivedHullRecord, ArchivedSpan, MAX_OUTER_VERTICES, NO_SOURCE_VERTEX},
     check_error::HullError,
     index_kind::IndexKind,
     sections::Sections,

@@ -20,7 +20,7 @@ use rkyv::rend::{f32_le, i16_le, u32_le};
 
 use crate::{
     archive::{ArchivedBlock, ArchivedBvhNode, ArchivedHullRecord, ArchivedPack, ArchivedSpan},
-    check::CheckError,
+    check_error::CheckError,
 };
 
 /// Length of the root in bytes: an offset and a count, four bytes each, for each of 17 sections.

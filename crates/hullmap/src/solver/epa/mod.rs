@@ -36,6 +36,7 @@ mod flat;
 mod polytope;
 mod search;
 mod seed;
+pub(in crate::solver) mod sizes;
 
 pub(in crate::solver) use self::polytope::Polytope;
 pub(in crate::solver) use self::search::{End, Expansion, Goal};
@@ -43,16 +44,12 @@ pub(in crate::solver) use self::search::{End, Expansion, Goal};
 use self::flat::{expand_flat, settle, widest_normal};
 use self::search::{State, Terms, run};
 use self::seed::{Flat, seed};
+use self::sizes::{Large, SIZES};
 use crate::solver::bound::Bound;
 use crate::solver::cache::{Cache, MAX_POINTS};
 use crate::solver::minkowski::{Minkowski, Point};
 use crate::solver::scratch::Scratch;
 use crate::support::SupportMap;
-
-/// Maximum number of vertices of each polytope size. The first is enough for small hulls and
-/// touching pairs, the second for nearly all queries, the third for sphere-like hulls; the last
-/// caps the cost of a query.
-const SIZES: [usize; 4] = [24, 64, 256, 1024];
 
 /// Number of expansions that need no polytope of the last size, from any start.
 pub(in crate::solver) const MAX_BIG_EXPANSIONS: u32 = (SIZES[2] - KEEP) as u32;
@@ -83,19 +80,6 @@ const WORN_OUT: u32 = 8;
 
 /// Free vertices that a kept polytope must leave in the smallest size.
 const SPARE: usize = 6;
-
-/// The polytopes of the last two sizes.
-#[derive(Clone, Debug)]
-pub(in crate::solver) struct Large {
-    big: Polytope<{ SIZES[2] }, { 2 * SIZES[2] }>,
-    biggest: Polytope<{ SIZES[3] }, { 2 * SIZES[3] }>,
-}
-
-impl Large {
-    pub(in crate::solver) fn empty() -> Self {
-        Self { big: Polytope::empty(0.0), biggest: Polytope::empty(0.0) }
-    }
-}
 
 /// Expands from `start` if it has volume, else from a tetrahedron found here. `bound` is an upper
 /// bound known already. If the goal is a depth, keeps the polytope in `cache`.
