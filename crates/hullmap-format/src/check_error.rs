@@ -299,8 +299,17 @@ pub enum HullError {
         /// Number of vertices of all faces.
         expected: usize,
     },
-    /// An edge of a face is not listed among the neighbours, or its entry names another face.
-    #[error("face {face}: vertex {from} does not list its next vertex {to} as a neighbour with this face to the left")]
+    /// The neighbours of a vertex do not ascend.
+    #[error("vertex {vertex}: its neighbours do not ascend at neighbour {found}")]
+    NeighbourOrder {
+        /// The vertex.
+        vertex: usize,
+        /// The neighbour that is not greater than the one before it.
+        found: u32,
+    },
+    /// An edge of a face is not listed among the neighbours, or a neighbour names a face without
+    /// the edge.
+    #[error("face {face} and the neighbours disagree on the edge from vertex {from} to vertex {to}")]
     FaceEdge {
         /// The face.
         face: usize,

@@ -114,7 +114,7 @@ fn missing_faces_and_outer_vertices_are_refused() {
     let faces = archive.face_starts.len() as u32;
     assert!(outer(1.0).is_ok());
     for (opened, what) in [
-        (beside(faces - 1), "as a neighbour with this face to the left"),
+        (beside(faces - 1), "and the neighbours disagree on the edge"),
         (beside(faces), "neighbour 17: face index"),
         (beside(u32::MAX), "neighbour 17: face index"),
         (outer(f32::NAN), "vertex 3 of its outer hull: coordinate 1 is"),
@@ -148,8 +148,8 @@ fn faces_beside_edges_are_those_of_the_faces() {
     // A neighbour that the faces do not have, and two neighbours in exchange.
     let [first, second] = [0, 1].map(|entry| hull.neighbours[entry].to_native());
     assert_ne!(first, second);
-    refused(open_with(&file, |pack| &pack.neighbours[0], &second.to_le_bytes()), "does not list its next vertex");
-    refused(open_with(&file, |pack| &pack.neighbours[1], &first.to_le_bytes()), "does not list its next vertex");
+    refused(open_with(&file, |pack| &pack.neighbours[0], &second.to_le_bytes()), "its neighbours do not ascend");
+    refused(open_with(&file, |pack| &pack.neighbours[1], &first.to_le_bytes()), "its neighbours do not ascend");
 }
 
 /// Edges certify a hint, so each must agree exactly with its vertices. Queries are safe without

@@ -136,11 +136,11 @@ fn vertices_faces_and_neighbours() {
     );
     assert_eq!(
         refusal!(&cube, neighbour_faces[7] = 5_u32),
-        "hull 0: face 1: vertex 2 does not list its next vertex 3 as a neighbour with this face to the left"
+        "hull 0: face 1 and the neighbours disagree on the edge from vertex 2 to vertex 3"
     );
     assert_eq!(
         refusal!(&cube, face_vertices[1] = 3_u32),
-        "hull 0: face 0: vertex 0 does not list its next vertex 3 as a neighbour with this face to the left"
+        "hull 0: face 0 and the neighbours disagree on the edge from vertex 0 to vertex 3"
     );
     assert_eq!(
         refusal!(&pair, spans[1].neighbour = 23_u32),
