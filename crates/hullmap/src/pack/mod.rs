@@ -20,7 +20,7 @@
 //! Rust lets the compiler assume that the bytes of a `&[u8]` do not change while it is borrowed.
 //! Any process may write to a mapped file, so only the caller can promise that none does. `memmap2`
 //! and `fst` make mapping `unsafe` for the same reason. The price of safety is a copy: opening a
-//! large pack with [`Pack::open`] takes two to three times as long as with [`Pack::map`]
+//! large pack with [`Pack::open`] takes about twice as long as with [`Pack::map`]
 //! (docs/RELIABILITY.md has figures). Map a pack if that time matters, if processes should share
 //! its pages, or if there is not enough memory for a copy.
 //!
