@@ -51,8 +51,9 @@ struct Arguments {
     /// Try one change in N of each series
     #[arg(long, default_value_t = 1)]
     every: usize,
-    /// Size in MB of the largest of the large packs; the others have a quarter and a sixteenth
-    #[arg(long, default_value_t = 64)]
+    /// Size in MB of the largest of the large packs; the others have a quarter and a sixteenth. At
+    /// 64, baking the prism takes many minutes
+    #[arg(long, default_value_t = 16)]
     largest: usize,
 }
 

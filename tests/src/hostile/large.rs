@@ -67,17 +67,17 @@ pub enum Large {
 impl Large {
     /// All ways.
     pub const ALL: [Self; 9] = [
-        Self::Honest(Family::Sphere, IndexKind::Tree),
-        Self::Honest(Family::Sphere, IndexKind::None),
+        Self::LongList,
+        Self::LongScan,
+        Self::Heap,
+        Self::Row,
         // One vertex has all others as neighbours.
         Self::Honest(Family::Cone, IndexKind::Tree),
+        Self::Honest(Family::Sphere, IndexKind::Tree),
+        Self::Honest(Family::Sphere, IndexKind::None),
         // Two faces have half of all vertices each.
         Self::Honest(Family::Prism, IndexKind::Tree),
         Self::Honest(Family::Prism, IndexKind::Compact),
-        Self::Row,
-        Self::Heap,
-        Self::LongList,
-        Self::LongScan,
     ];
 
     /// Whether the baker makes such packs.
