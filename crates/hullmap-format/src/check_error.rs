@@ -363,6 +363,16 @@ pub enum HullError {
         /// Cost of its index.
         expected: Cost,
     },
+    /// A leaf has more candidates than the hull has vertices.
+    #[error("a leaf of its index has {found} candidates (a hull of {vertex_count} vertices has at most {limit})")]
+    LeafCandidates {
+        /// Lanes of the longest leaf.
+        found: u32,
+        /// Number of vertices.
+        vertex_count: u32,
+        /// The vertices, rounded up to whole blocks and to a plain leaf.
+        limit: u32,
+    },
     /// A lane of a block refers to a vertex that does not exist.
     #[error("block {block}, lane {lane}: vertex index {found} is out of range (the hull has {vertex_count} vertices)")]
     BlockVertex {

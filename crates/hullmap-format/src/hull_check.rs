@@ -4,7 +4,7 @@ use rkyv::rend::{f32_le, f64_le, u32_le};
 
 use crate::{
     adjacency::Adjacency,
-    archive::{ArchivedBlock, ArchivedHullRecord, ArchivedSpan, MAX_OUTER_VERTICES, NO_SOURCE_VERTEX},
+    archive::{ArchivedBlock, ArchivedHullRecord, ArchivedSpan, LANES, MAX_OUTER_VERTICES, NO_SOURCE_VERTEX},
     check_error::HullError,
     index_kind::IndexKind,
     sections::Sections,
@@ -257,7 +257,19 @@ impl HullCheck<'_> {
         let walked = walk(shape, slots)?;
         let expected = if kind == IndexKind::None { shape.scan_cost() } else { walked };
         let found = Cost { nodes: r.max_nodes.to_native(), dots: r.max_dots.to_native() };
-        if found == expected { Ok(()) } else { Err(HullError::WorstCost { found, expected }) }
+        if found != expected {
+            return Err(HullError::WorstCost { found, expected });
+        }
+        // A leaf that repeats vertices could make a query on a small hull as slow as the file is
+        // long.
+        let vertex_count = self.vertex_count();
+        let blocks = vertex_count.div_ceil(LANES as u32).max(leaf_blocks);
+        let limit = blocks.saturating_mul(LANES as u32);
+        if found.dots <= limit {
+            Ok(())
+        } else {
+            Err(HullError::LeafCandidates { found: found.dots, vertex_count, limit })
+        }
     }
 
     /// Every lane of every block refers to a vertex of the hull, and its position is inside the

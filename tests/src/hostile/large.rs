@@ -24,7 +24,7 @@ use hullmap_bake::{
     index::{Index, encode::Encoded},
     write_pack,
 };
-use hullmap_format::{slot::Slot, walk::Cost};
+use hullmap_format::{archive::LANES, slot::Slot, walk::Cost};
 use hullmap_testkit::packs::{self, point_set};
 use shapes::{families::Family, rng::SplitMix64};
 
@@ -58,17 +58,14 @@ pub enum Large {
     Row,
     /// Tetrahedra in one place. An honest mesh can have them too, but no useful one.
     Heap,
-    /// A cube, all of whose leaves are one list that repeats the corners.
-    LongList,
-    /// A cube without an index, whose blocks repeat the corners.
-    LongScan,
+    /// A sphere, all of whose leaves are one list of all vertices.
+    OneList,
 }
 
 impl Large {
     /// All ways.
-    pub const ALL: [Self; 9] = [
-        Self::LongList,
-        Self::LongScan,
+    pub const ALL: [Self; 8] = [
+        Self::OneList,
         Self::Heap,
         Self::Row,
         // One vertex has all others as neighbours.
@@ -94,8 +91,7 @@ impl Large {
             Self::Honest(family, index) => sized(len, |n| packs::bytes(&[solid(family, n)], index, &source())),
             Self::Row => sized(len, |n| write_pack(&tetrahedra(n, Vec3::X * 2.0), &source())),
             Self::Heap => sized(len, |n| write_pack(&tetrahedra(n, Vec3::ZERO), &source())),
-            Self::LongList => sized(len, |n| write_pack(&[repeating(n, IndexKind::Tree)], &source())),
-            Self::LongScan => sized(len, |n| write_pack(&[repeating(n, IndexKind::None)], &source())),
+            Self::OneList => sized(len, |n| write_pack(&[one_list(n)], &source())),
         };
         made.unwrap_or_else(|error| panic!("{self}: {error}"))
     }
@@ -107,8 +103,7 @@ impl fmt::Display for Large {
             Self::Honest(family, index) => write!(f, "{}, {index}", family.name()),
             Self::Row => f.write_str("tetrahedra in a row"),
             Self::Heap => f.write_str("tetrahedra in one place"),
-            Self::LongList => f.write_str("one long list"),
-            Self::LongScan => f.write_str("one long scan"),
+            Self::OneList => f.write_str("sphere, one list"),
         }
     }
 }
@@ -240,16 +235,13 @@ fn tetrahedra(count: usize, step: Vec3) -> Vec<BakedHull> {
         .collect()
 }
 
-/// A cube with `count` blocks.
-fn repeating(count: usize, kind: IndexKind) -> BakedHull {
-    let mut baked = bake_hull(&point_set("cube", &corners()), IndexKind::None).expect("a cube can be baked");
-    let blocks = vec![baked.index.encoded.blocks[0]; count];
-    let slots = match kind {
-        IndexKind::None => Vec::new(),
-        _ => [[Slot::List(6).encode(); 6].as_slice(), &[0, count as u32]].concat(),
-    };
-    let cost = Cost { nodes: 0, dots: 8 * count as u32 };
-    baked.index = Index { kind, cost, encoded: Encoded { slots, blocks } };
+/// A sphere of `count` vertices, with a tree whose six roots are one list of all vertices.
+fn one_list(count: usize) -> BakedHull {
+    let mut baked = bake_hull(&solid(Family::Sphere, count), IndexKind::None).expect("a sphere can be baked");
+    let blocks = baked.index.encoded.blocks;
+    let slots = [[Slot::List(6).encode(); 6].as_slice(), &[0, blocks.len() as u32]].concat();
+    let cost = Cost { nodes: 0, dots: (LANES * blocks.len()) as u32 };
+    baked.index = Index { kind: IndexKind::Tree, cost, encoded: Encoded { slots, blocks } };
     baked
 }
 

@@ -2,12 +2,18 @@
 //! the value expected.
 
 use hullmap::Pack;
-use hullmap_bake::{IndexKind, SourceRecord};
+use hullmap_bake::{
+    BakedHull, IndexKind, SourceRecord, bake_hull,
+    index::{Index, encode::Encoded},
+    write_pack,
+};
 use hullmap_format::{
-    archive::{self as format, HullRecord, Span},
+    archive::{self as format, HullRecord, LANES, Span},
     header::Header,
     repeats,
     sections::Sections,
+    slot::Slot,
+    walk::Cost,
 };
 use hullmap_testkit::packs::{self, point_set};
 use hullmap_tests::hostile::{
@@ -193,6 +199,36 @@ fn outer_hulls_and_indices() {
         refusal!(&cube, blocks[0].y[6] = -0.5_f32),
         "hull 0: block 0, lane 6: coordinate 1 is -0.5 (the bounds are 0 to 1)"
     );
+}
+
+/// A small hull whose leaves repeat its vertices would make queries as slow as the file is long.
+#[test]
+fn leaves_have_at_most_as_many_candidates_as_the_hull_has_vertices() {
+    let corners: Vec<[f32; 3]> = (0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect();
+    let cube = bake_hull(&point_set("cube", &corners), IndexKind::None).unwrap();
+    let block = cube.index.encoded.blocks[0];
+    let repeating = |kind: IndexKind, count: u32| {
+        let blocks = vec![block; count as usize];
+        let slots = match kind {
+            IndexKind::None => Vec::new(),
+            _ => [[Slot::List(6).encode(); 6].as_slice(), &[0, count]].concat(),
+        };
+        let cost = Cost { nodes: 0, dots: LANES as u32 * count };
+        let index = Index { kind, cost, encoded: Encoded { slots, blocks } };
+        write_pack(&[BakedHull { index, ..cube.clone() }], &SourceRecord::default()).unwrap()
+    };
+    // A plain leaf of a compact tree has four blocks, however few the vertices.
+    for (kind, most) in [(IndexKind::None, 1), (IndexKind::Tree, 1), (IndexKind::Medium, 2), (IndexKind::Compact, 4)] {
+        assert!(Pack::from_bytes(&repeating(kind, most)).is_ok(), "{kind}");
+        assert_eq!(
+            message(&repeating(kind, most + 1)),
+            format!(
+                "hull 0: a leaf of its index has {} candidates (a hull of 8 vertices has at most {})",
+                8 * (most + 1),
+                8 * most
+            )
+        );
+    }
 }
 
 /// Only `bake verify` compares redundant values.
