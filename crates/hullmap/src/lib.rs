@@ -229,8 +229,12 @@ pub use manifold::{Manifold, ManifoldSettings, Prediction};
 pub use pack::{InvalidPack, NoSuchHull, OpenError, Pack};
 pub use pose::{Pose, PoseError};
 pub use shapes::{Corner, Feature, Shape, ShapeError};
+pub use solver::cast::cast;
 pub use solver::queries::{contact, distance, intersects};
+pub use solver::ray::ray;
+pub use solver::signed_distance::signed_distance;
 pub use solver::{
-    Cache, Contact, Distance, Intersection, Minkowski, Overlap, Scratch, Settings, Status, Vertex, contact_lockstep,
+    Cache, CastSettings, Contact, Distance, Impact, Intersection, Minkowski, Motion, Overlap, Ray, RayHit, Scratch,
+    Settings, SignedDistance, Status, VectorError, Vertex, contact_lockstep,
 };
 pub use support::{Instructions, SupportMap, SupportPoint};

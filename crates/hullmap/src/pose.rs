@@ -260,6 +260,17 @@ impl Pose {
         Self { rotation, translation: -(rotation * self.translation) }
     }
 
+    /// The pose that translates to a point which has been checked already.
+    pub(crate) fn at(translation: DVec3) -> Self {
+        Self { rotation: DQuat::IDENTITY, translation }
+    }
+
+    /// The pose after a translation by `by` in A's frame, which may lead beyond
+    /// [`MAX_TRANSLATION`].
+    pub(crate) fn moved(&self, by: DVec3) -> Self {
+        Self { rotation: self.rotation, translation: self.translation + by }
+    }
+
     /// Maps a point from B's frame into A's.
     pub fn transform_point(&self, point_in_b: DVec3) -> DVec3 {
         self.rotation * point_in_b + self.translation

@@ -17,6 +17,8 @@
 //!   of the two edges. A superfluous direction then does no harm, because the support value of any
 //!   direction is an upper bound of the depth.
 
+use std::ops::ControlFlow;
+
 use glam::DVec3;
 
 use crate::{
@@ -37,13 +39,24 @@ const MIN_SINE: f64 = 1e-14;
 /// `enough`.
 pub fn signed_depth(a: &Polytope, b: &Polytope, enough: f64) -> (f64, DVec3) {
     let mut best = (f64::INFINITY, DVec3::X);
-    for n in a.normals.iter().copied().chain(b.normals.iter().map(|n| -n)) {
-        let way = way_out(a, b, n);
-        if way < best.0 {
-            best = (way, n);
-            if way < enough {
-                return best;
+    facets(a, b, |n, least| {
+        if least < best.0 {
+            let way = way_out(a, b, n);
+            if way < best.0 {
+                best = (way, n);
             }
+        }
+        if best.0 < enough { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    best
+}
+
+/// Calls `take` with the unit normal of every facet of A − B, and of other planes that nearly are
+/// facets, until it breaks. The second argument is a lower bound of the support value.
+pub fn facets(a: &Polytope, b: &Polytope, mut take: impl FnMut(DVec3, f64) -> ControlFlow<()>) {
+    for n in a.normals.iter().copied().chain(b.normals.iter().map(|n| -n)) {
+        if take(n, f64::NEG_INFINITY).is_break() {
+            return;
         }
     }
     // The great circle of one edge cuts the arc of another where its two normals lie on both sides.
@@ -67,19 +80,12 @@ pub fn signed_depth(a: &Polytope, b: &Polytope, enough: f64) -> (f64, DVec3) {
             let middle_b = -b.normals[edge_b.faces[0]] - b.normals[edge_b.faces[1]];
             for n in [n, -n] {
                 let on_both = n.dot(middle_a) >= -ARC_SLACK && n.dot(middle_b) >= -ARC_SLACK;
-                if on_both && (edge_a.point - edge_b.point).dot(n) < best.0 {
-                    let way = way_out(a, b, n);
-                    if way < best.0 {
-                        best = (way, n);
-                        if way < enough {
-                            return best;
-                        }
-                    }
+                if on_both && take(n, (edge_a.point - edge_b.point).dot(n)).is_break() {
+                    return;
                 }
             }
         }
     }
-    best
 }
 
 /// The slow twin of [`signed_depth`], from the points alone: the minimum way out along the normals

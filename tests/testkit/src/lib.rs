@@ -8,6 +8,7 @@
 //! | [`reach`] | how far a shape reaches in a direction, and from it the way out of a pair |
 //! | [`polytope`] | a hull as points, face normals and edges |
 //! | [`depth`] | signed depth by all facets of the Minkowski difference, and its slow twin |
+//! | [`entry`] | when a moving hull enters another, by all facets |
 //! | [`gap`] | distance with a certificate, and its slow twin |
 //!
 //! Depths and distances are computed in f64 without any code of the solver. Packages use this one
@@ -22,6 +23,7 @@
 #![forbid(unsafe_code)]
 
 pub mod depth;
+pub mod entry;
 pub mod gap;
 pub mod packs;
 pub mod polytope;

@@ -11,7 +11,10 @@
 //! | `epa` | EPA, the expanding polytope: the penetration depth |
 //! | `barycentric` | closest points of simplices, and the weights that give witness points |
 //! | `intersection`, `distance`, `contact` | the queries, composed of these algorithms |
-//! | `queries` | the public functions; they solve rounded shapes by their cores |
+//! | `line` | where a line enters the difference: rays and shape casts |
+//! | `rounded` | the same for rounded shapes, by Newton's method on the distance of the cores |
+//! | `ray`, `cast`, `signed_distance`, `motion` | rays, shape casts and points, composed of these algorithms |
+//! | `queries` | the other public functions; they solve rounded shapes by their cores |
 //! | `cache` | what one pair keeps from query to query (warm start) |
 //! | `scratch` | memory for the largest polytopes, for threads with a small stack |
 //! | `lockstep` | contact in a fixed number of steps, for SIMD lanes and GPU threads |
@@ -46,25 +49,35 @@
 mod barycentric;
 mod bound;
 mod cache;
+pub(crate) mod cast;
 mod contact;
 mod distance;
 mod epa;
 mod gjk;
 mod intersection;
+mod line;
 mod lockstep;
 pub(crate) mod minkowski;
+mod motion;
 mod mpr;
 pub(crate) mod queries;
+pub(crate) mod ray;
+mod rounded;
 mod scratch;
 mod settings;
+pub(crate) mod signed_distance;
 mod status;
 
 pub use cache::Cache;
+pub use cast::Impact;
 pub use contact::Contact;
 pub use distance::Distance;
 pub use intersection::Intersection;
 pub use lockstep::contact_lockstep;
 pub use minkowski::{Minkowski, Vertex};
+pub use motion::{CastSettings, Motion, Ray, VectorError};
+pub use ray::RayHit;
 pub use scratch::Scratch;
 pub use settings::Settings;
+pub use signed_distance::SignedDistance;
 pub use status::{Overlap, Status};

@@ -49,7 +49,7 @@ const TOUCHING_ROUNDINGS: f64 = 64.0;
 const TOUCHING_SHORTFALLS: f64 = 8.0;
 
 /// The core of a shape as a shape of its own.
-struct Core<'s, S: ?Sized>(&'s S);
+pub(super) struct Core<'s, S: ?Sized>(pub(super) &'s S);
 
 impl<S: SupportMap + ?Sized> SupportMap for Core<'_, S> {
     fn support_point(&self, dir: DVec3) -> SupportPoint {
@@ -115,7 +115,7 @@ fn solve_cores<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 }
 
 /// Rounding error of the sum `radius` of the radii and of its difference to `distance`: a length.
-fn rounding(radius: f64, distance: f64) -> f64 {
+pub(super) fn rounding(radius: f64, distance: f64) -> f64 {
     ROUNDING_UNITS * f64::EPSILON * (radius + distance)
 }
 

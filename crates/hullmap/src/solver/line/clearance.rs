@@ -1,0 +1,61 @@
+//! Clearance of a line that pierces a convex set: its distance from the set's border, seen along the
+//! line. EPA in two dimensions.
+//!
+//! # Reference
+//! van den Bergen 2001 (expanding polytope), one dimension lower.
+//!
+//! # Steps
+//! 1. Start from the corners of a portal, as a polygon.
+//! 2. Take the edge nearest to the line. Its distance bounds the clearance from below.
+//! 3. Query the support point across that edge. If it is farther out, insert it and repeat from
+//!    step 2.
+
+use glam::DVec3;
+
+use super::portal::{Portal, Search, edge_distance};
+use crate::support::SupportMap;
+
+/// Maximum number of vertices of the polygon. Lines through the middle of a face need 4 to 6.
+const MAX_VERTICES: usize = 24;
+
+/// Support points this many errors beyond an edge or less are on it.
+const FLAT_ERRORS: f64 = 4.0;
+
+/// Lower bound of the clearance, at most a little more than `enough`. Not positive if the line may
+/// miss the set.
+pub(super) fn clearance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    search: &mut Search<'_, '_, A, B>,
+    portal: &Portal,
+    enough: f64,
+) -> f64 {
+    let mut polygon = [DVec3::ZERO; MAX_VERTICES];
+    for (to, corner) in polygon.iter_mut().zip(&portal.corners) {
+        *to = corner.at;
+    }
+    let mut count = portal.corners.len();
+    loop {
+        let (mut nearest, mut depth) = (0, f64::INFINITY);
+        for edge in 0..count {
+            let distance = edge_distance(polygon[edge], polygon[(edge + 1) % count]);
+            // An edge without length bounds nothing.
+            if distance < depth && polygon[edge] != polygon[(edge + 1) % count] {
+                (nearest, depth) = (edge, distance);
+            }
+        }
+        let certain = depth - search.clip.noise;
+        if certain >= enough || count == MAX_VERTICES || depth == f64::INFINITY {
+            return if depth == f64::INFINITY { 0.0 } else { certain };
+        }
+        let (a, b) = (polygon[nearest], polygon[(nearest + 1) % count]);
+        let n = DVec3::new(b.y - a.y, a.x - b.x, 0.0);
+        let new = search.probe(n).at;
+        // NaN counts as no gain.
+        let is_farther = n.dot(new - a) > FLAT_ERRORS * search.clip.error * n.length();
+        if search.clip.is_empty() || !is_farther {
+            return certain;
+        }
+        polygon.copy_within(nearest + 1..count, nearest + 2);
+        polygon[nearest + 1] = new;
+        count += 1;
+    }
+}

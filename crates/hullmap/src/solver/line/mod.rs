@@ -1,0 +1,218 @@
+//! Line against a convex set: where a ray enters it. Rays and shape casts are both this search.
+//!
+//! The set is the Minkowski difference C of two shapes, and the line starts at the origin. B moves
+//! along the line; the shapes touch first where the line enters C. A ray is the motion of a point.
+//!
+//! # Reference
+//! Snethen, "XenoCollide", Game Programming Gems 7 (portal refinement along a ray); van den Bergen,
+//! "Ray casting against general convex objects with application to continuous collision detection",
+//! 2004, for the shape cast as a ray cast of the Minkowski difference. docs/intervals.md proves the
+//! interval.
+//!
+//! # Steps
+//! 1. [`Clip`]: the ball around C, the limit of the ray. No support call.
+//! 2. [`portal`]: across the line, find a triangle of points of C that the line pierces, or a plane
+//!    that separates the line from C.
+//! 3. Refine the triangle along the line to the surface. Each step adds a support plane, which
+//!    bounds the entry from below. If the triangle moves to the origin's other side, the origin is
+//!    inside.
+//! 4. [`clearance`]: how far the line is inside C, seen along the line. It turns the pierced
+//!    triangle, whose corners have rounding errors, into a certain upper bound.
+//!
+//! # Deviations
+//! - XenoCollide's ray starts inside the set. Here the search is two-dimensional first, so that the
+//!   origin may be anywhere.
+//! - A ray that grazes C, so that rounding error decides between hit and miss, is neither. It has a
+//!   status of its own.
+//! - Van den Bergen's search (GJK) has lower bounds alone. It serves for rounded shapes, see
+//!   [`rounded`](super::rounded).
+
+mod clearance;
+mod clip;
+mod portal;
+
+use glam::DVec3;
+
+use self::clearance::clearance;
+use self::clip::Clip;
+use self::portal::{Discovery, End, Portal, Search, Sense};
+use super::barycentric::blend;
+use super::minkowski::Minkowski;
+use super::status::Status;
+use crate::support::SupportMap;
+
+/// Maximum number of steps, whatever the settings are. Polytopes need 5 to 30, smooth shapes at
+/// zero tolerance about 100.
+const MAX_STEPS: u32 = 500;
+
+/// Share of the tolerance that the error of the upper bound may take before a better clearance is
+/// searched.
+const ERROR_SHARE: f64 = 0.25;
+
+/// What to search for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Query {
+    /// Direction of the line, of unit length.
+    pub(super) direction: DVec3,
+    /// Maximum length along it.
+    pub(super) limit: f64,
+    /// Width of the interval that is narrow enough: a length.
+    pub(super) tolerance: f64,
+    /// Maximum number of steps.
+    pub(super) max_iterations: u32,
+}
+
+/// Where a line enters a convex set. Lengths are along the line, from its origin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entry {
+    /// `Separated` for a certain miss, `Overlapping` if the origin is inside, `Touching` if neither
+    /// hit nor miss is certain.
+    pub(super) status: Status,
+    pub(super) at: f64,
+    pub(super) lower: f64,
+    pub(super) upper: f64,
+    /// Of unit length, from A to B: of the plane that bounds the entry from below, or that proves a
+    /// miss.
+    pub(super) normal: DVec3,
+    /// The point of A at the entry, in A's frame.
+    pub(super) point_a: DVec3,
+    pub(super) iterations: u32,
+}
+
+impl Entry {
+    /// A certain miss, proved by a plane with this normal.
+    pub(super) fn miss(normal: DVec3, iterations: u32) -> Self {
+        Self {
+            status: Status::Separated,
+            at: f64::INFINITY,
+            lower: f64::INFINITY,
+            upper: f64::INFINITY,
+            normal,
+            point_a: DVec3::ZERO,
+            iterations,
+        }
+    }
+}
+
+/// Where the ray from the origin enters the Minkowski difference.
+///
+/// `axis` is a direction that separated the shapes before, if there is one.
+#[inline]
+pub(super) fn enter<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    query: &Query,
+    axis: Option<DVec3>,
+) -> Entry {
+    let mut clip = Clip::new(m, query.direction, query.limit);
+    if let Some(axis) = axis.filter(|_| !clip.is_empty()) {
+        clip.cut(axis, m.point(axis).w);
+    }
+    if clip.is_empty() {
+        return Entry::miss(clip.last, 0);
+    }
+    let mut search = Search::new(m, clip);
+    let mut entry = find(&mut search, query);
+    // Whatever the search found before the last plane: that plane is the proof of a miss.
+    if search.clip.is_empty() {
+        entry = Entry::miss(search.clip.last, search.steps);
+    }
+    Entry { iterations: search.steps, ..entry }
+}
+
+/// Steps 2 to 4. What it returns does not count if the clip is empty.
+fn find<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(search: &mut Search<'_, '_, A, B>, query: &Query) -> Entry {
+    let Discovery::Portal(start) = search.discover() else { return Entry::miss(search.clip.last, 0) };
+    let limit = query.max_iterations.min(MAX_STEPS);
+    let mut known = search.first_clearance(&start);
+    let (origin, middle) = (search.clip.origin, start.pierced());
+    let error = search.error(middle.residual, known);
+    // The line pierces the first triangle somewhere in the set: certainly ahead of the origin,
+    // certainly behind it, or neither.
+    let is_ahead = middle.at - error >= origin;
+    let is_behind = middle.at + error <= origin;
+    let mut entry = start;
+    if is_behind || middle.at < origin {
+        let mut exit = start;
+        match search.refine(&mut exit, Sense::Exit, known, (0.0, limit)) {
+            End::Missed => return Entry::miss(search.clip.last, 0),
+            End::Passed if is_behind => return inside(search, [&start, &exit]),
+            _ if is_behind => return leaving(search, &exit),
+            _ => {}
+        }
+    }
+    let end = search.refine(&mut entry, Sense::Entry, known, (query.tolerance, limit));
+    match end {
+        End::Missed => return Entry::miss(search.clip.last, 0),
+        End::Passed if is_ahead => return inside(search, [&entry, &start]),
+        End::Passed => {
+            let mut exit = start;
+            return match search.refine(&mut exit, Sense::Exit, known, (0.0, limit)) {
+                End::Passed => inside(search, [&entry, &exit]),
+                _ => leaving(search, &exit),
+            };
+        }
+        End::OnSurface | End::Narrow | End::Limit => {}
+    }
+    let pierced = entry.pierced();
+    known = known.max(entry.depth() - search.clip.noise);
+    if search.error(pierced.residual, known) > ERROR_SHARE * query.tolerance {
+        // A clearance with which the error is small enough.
+        let enough = 2.0 * search.clip.reach * (pierced.residual + search.clip.noise) / (ERROR_SHARE * query.tolerance);
+        known = known.max(clearance(search, &entry, enough));
+    }
+    let error = search.error(pierced.residual, known);
+    let is_certain = error < f64::INFINITY;
+    if !is_certain {
+        // The line leaves the set before this plane, if it hits it at all.
+        search.probe(DVec3::Z);
+    }
+    let clip = &search.clip;
+    // The upper bound may be beyond the limit of the ray: then the hit may be as well.
+    let upper = if is_certain { (pierced.at + error).max(clip.lower) } else { clip.upper };
+    // NaN takes the last branch.
+    let status = match end {
+        _ if !is_certain => Status::Touching,
+        End::OnSurface => Status::Exact,
+        _ if upper - clip.lower <= query.tolerance => Status::Within,
+        End::Limit => Status::IterationLimit,
+        _ => Status::Stalled,
+    };
+    answer(clip, status, [clip.lower, pierced.at, upper], &entry)
+}
+
+/// The answer for an interval of the clip's parameter.
+fn answer(clip: &Clip, status: Status, [lower, at, upper]: [f64; 3], portal: &Portal) -> Entry {
+    let along = |parameter: f64, roundings: f64| {
+        parameter - clip.origin + roundings * f64::EPSILON * (parameter.abs() + clip.origin.abs())
+    };
+    let (lower, upper) = (along(lower, -4.0).max(0.0), along(upper, 4.0).max(0.0));
+    let at = along(at, 0.0);
+    // NaN becomes the lower bound.
+    let at = if at >= lower { at.min(upper) } else { lower };
+    let normal = if clip.normal == DVec3::ZERO { -clip.direction } else { clip.normal };
+    Entry { status, at, lower, upper, normal, point_a: point_of_a(portal), iterations: 0 }
+}
+
+/// The origin is certainly inside, between two portals.
+fn inside<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    search: &Search<'_, '_, A, B>,
+    [behind, ahead]: [&Portal; 2],
+) -> Entry {
+    let [from, to] = [behind, ahead].map(|portal| portal.pierced().at);
+    let share = (search.clip.origin - from) / (to - from);
+    let point_a = point_of_a(behind).lerp(point_of_a(ahead), share);
+    let (status, normal) = (Status::Overlapping, -search.clip.direction);
+    Entry { status, at: 0.0, lower: 0.0, upper: 0.0, normal, point_a, iterations: 0 }
+}
+
+/// The line leaves the set at its origin, within rounding error.
+fn leaving<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(search: &Search<'_, '_, A, B>, exit: &Portal) -> Entry {
+    let clip = &search.clip;
+    let found = answer(clip, Status::Touching, [clip.lower, clip.origin, clip.upper], exit);
+    Entry { normal: -clip.direction, ..found }
+}
+
+/// The point of A where the line pierces a portal, in A's frame.
+fn point_of_a(portal: &Portal) -> DVec3 {
+    blend(&portal.pierced().weights, portal.corners.map(|corner| corner.point.a))
+}

@@ -1,0 +1,299 @@
+//! Portal refinement along a line: a triangle of points of the set that the line pierces.
+//!
+//! # Reference
+//! Snethen, "XenoCollide", Game Programming Gems 7. It is the simplex method of linear programming
+//! as well: the portal is the basis, a support query finds the column that enters it, and the side
+//! on which the line pierces decides which one leaves.
+//!
+//! # Steps
+//! 1. Discovery, seen along the line: v1 is the support point from the centre v0 towards the line,
+//!    v2 the one perpendicular to v0 v1 on the line's side. Turn v1 until the line is between them.
+//! 2. While the line is beyond the segment v1 v2, replace one end by the support point across it.
+//!    Then the line pierces the triangle v0 v1 v2.
+//! 3. Refinement: query the support point along the triangle's normal, against the line (for the
+//!    entry) or along it (for the exit). It forms three triangles with the sides of the portal. Keep
+//!    the one that the line pierces.
+//!
+//! # Deviations
+//! - Coordinates are those of the line's frame: x and y across it, z along it, from the foot of the
+//!   centre. So the signs that decide are those of two-dimensional cross products.
+//! - A line through an edge or a vertex of the portal, within rounding error, counts as moved a
+//!   little towards a point inside the first triangle. That is the rule against cycling of the
+//!   simplex method (perturbation), and it makes no side of an edge special.
+//! - A step that gains less than rounding error ends the search.
+
+use glam::DVec3;
+
+use super::clip::Clip;
+use crate::solver::minkowski::{Minkowski, Point};
+use crate::support::SupportMap;
+
+/// Maximum number of steps of discovery. Most lines need 2 to 4.
+const MAX_DISCOVERY_STEPS: u32 = 64;
+
+/// A support plane this many errors beyond a portal or less is on it.
+const FLAT_ERRORS: f64 = 2.0;
+
+/// Weights of the corners in the point towards which a line on an edge is moved. They differ, so
+/// that the point is on no symmetry of a symmetric triangle.
+const NUDGE: [f64; 3] = [0.41, 0.33, 0.26];
+
+/// A point of the Minkowski difference in the line's frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corner {
+    pub(super) at: DVec3,
+    pub(super) point: Point,
+}
+
+/// Twice the area of the triangle of the line, `a` and `b`, seen along the line: positive if they
+/// turn counter-clockwise.
+#[inline(always)]
+pub(super) fn turn(a: DVec3, b: DVec3) -> f64 {
+    a.x * b.y - a.y * b.x
+}
+
+/// Length across the line, squared.
+pub(super) fn across_sq(a: DVec3) -> f64 {
+    a.x * a.x + a.y * a.y
+}
+
+/// Three points of the set that the line passes between, counter-clockwise.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Portal {
+    pub(super) corners: [Corner; 3],
+}
+
+/// Where the line pierces a portal.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pierced {
+    /// Not negative, with sum 1.
+    pub(super) weights: [f64; 3],
+    /// Parameter of the line.
+    pub(super) at: f64,
+    /// Distance of the line from the point of these weights.
+    pub(super) residual: f64,
+}
+
+impl Portal {
+    /// Where the line pierces the portal.
+    #[inline(always)]
+    pub(super) fn pierced(&self) -> Pierced {
+        let [a, b, c] = self.corners.map(|corner| corner.at);
+        let areas = [turn(b, c).max(0.0), turn(c, a).max(0.0), turn(a, b).max(0.0)];
+        let sum = areas[0] + areas[1] + areas[2];
+        // NaN and a portal without area take the first corner.
+        let weights = if sum > 0.0 { areas.map(|area| area / sum) } else { [1.0, 0.0, 0.0] };
+        let point = a * weights[0] + b * weights[1] + c * weights[2];
+        Pierced { weights, at: point.z, residual: across_sq(point).sqrt() }
+    }
+
+    /// Minimum distance of the line from an edge, seen along the line; negative if it passes
+    /// outside.
+    pub(super) fn depth(&self) -> f64 {
+        let [a, b, c] = self.corners.map(|corner| corner.at);
+        [(a, b), (b, c), (c, a)].into_iter().map(|(a, b)| edge_distance(a, b)).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Distance of the line from the edge `a` `b`, seen along the line: positive on its left.
+pub(super) fn edge_distance(a: DVec3, b: DVec3) -> f64 {
+    let distance = turn(a, b) / across_sq(b - a).sqrt();
+    // An edge without length is no edge.
+    if distance.is_nan() { 0.0 } else { distance }
+}
+
+/// Outcome of discovery.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Discovery {
+    /// A plane proves that the line misses the set.
+    Missed,
+    /// The line pierces this triangle, or grazes it within rounding error. Its first corner is the
+    /// centre.
+    Portal(Portal),
+}
+
+/// Side of the set that refinement goes to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Sense {
+    Entry,
+    Exit,
+}
+
+/// How refinement ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum End {
+    /// A plane proves that the line misses the set.
+    Missed,
+    /// The portal is beyond the line's origin for certain.
+    Passed,
+    /// The portal is on the surface, within rounding error.
+    OnSurface,
+    /// The interval is narrow enough.
+    Narrow,
+    /// The limit was reached.
+    Limit,
+}
+
+/// Search for the entry or exit of a line, with what is known so far.
+pub(super) struct Search<'m, 's, A: ?Sized, B: ?Sized> {
+    pub(super) m: &'m mut Minkowski<'s, A, B>,
+    pub(super) clip: Clip,
+    across: [DVec3; 2],
+    /// Number of steps so far.
+    pub(super) steps: u32,
+}
+
+impl<'m, 's, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'m, 's, A, B> {
+    pub(super) fn new(m: &'m mut Minkowski<'s, A, B>, clip: Clip) -> Self {
+        let across = clip.across();
+        Self { m, clip, across, steps: 0 }
+    }
+
+    /// A point in the line's frame.
+    #[inline(always)]
+    fn corner(&self, point: Point) -> Corner {
+        let offset = point.w - self.clip.foot;
+        let [x, y] = self.across;
+        Corner { at: DVec3::new(offset.dot(x), offset.dot(y), offset.dot(self.clip.direction)), point }
+    }
+
+    /// Support point in a direction of the line's frame. Its plane clips the line.
+    #[inline]
+    pub(super) fn probe(&mut self, n: DVec3) -> Corner {
+        self.steps += 1;
+        let [x, y] = self.across;
+        let n = x * n.x + y * n.y + self.clip.direction * n.z;
+        let point = self.m.point(n);
+        self.clip.cut(n, point.w);
+        self.corner(point)
+    }
+
+    /// Steps 1 and 2: a triangle of the centre and two support points that the line pierces.
+    pub(super) fn discover(&mut self) -> Discovery {
+        let mut v0 = self.corner(self.m.center_point());
+        let short_sq = self.clip.error * self.clip.error;
+        // From the centre to the line. If the centre is on it, any direction serves.
+        let towards = if across_sq(v0.at) > short_sq { -v0.at.with_z(0.0) } else { DVec3::X };
+        let mut v1 = self.probe(towards);
+        if self.clip.is_empty() {
+            return Discovery::Missed;
+        }
+        if turn(v0.at, v1.at) < 0.0 {
+            // Mirror the frame, so that the line is on the left of v0 v1.
+            self.across[0] = -self.across[0];
+            (v0.at.x, v1.at.x) = (-v0.at.x, -v1.at.x);
+        }
+        let mut v2 = v1;
+        for _ in 0..MAX_DISCOVERY_STEPS {
+            let edge = v1.at - v0.at;
+            // Seen along the line, v1 may be the centre: the set has no extent that way.
+            let edge = if across_sq(edge) > short_sq { edge } else { towards };
+            v2 = self.probe(DVec3::new(-edge.y, edge.x, 0.0));
+            if self.clip.is_empty() {
+                return Discovery::Missed;
+            }
+            // The line is on the left of v0 v2 as well, and v2 on the left of v0 v1.
+            let is_beyond = turn(v0.at, v2.at) > 0.0 && turn(edge, v2.at - v0.at) > 0.0;
+            if !is_beyond {
+                break;
+            }
+            v1 = v2;
+        }
+        for _ in 0..MAX_DISCOVERY_STEPS {
+            if turn(v1.at, v2.at) >= 0.0 {
+                break;
+            }
+            let edge = v2.at - v1.at;
+            let n = DVec3::new(edge.y, -edge.x, 0.0);
+            let v3 = self.probe(n);
+            if self.clip.is_empty() {
+                return Discovery::Missed;
+            }
+            // NaN counts as no gain. The line then grazes the set.
+            let gain = n.dot(v3.at - v1.at);
+            if !(gain > FLAT_ERRORS * self.clip.error * n.length()) {
+                break;
+            }
+            if turn(v0.at, v3.at) >= 0.0 {
+                v1 = v3;
+            } else {
+                v2 = v3;
+            }
+        }
+        Discovery::Portal(Portal { corners: [v0, v1, v2] })
+    }
+
+    /// Lower bound of the distance of the line from the border of the set, seen along the line,
+    /// from the first triangle and the ball around the centre. Negative if the line may miss.
+    pub(super) fn first_clearance(&self, start: &Portal) -> f64 {
+        let radius = self.m.inner_radius();
+        let pierced = start.pierced();
+        // The triangle with a ball around its first corner: its part at the line has a radius
+        // proportional to that corner's weight.
+        let by_weight = radius * pierced.weights[0] - pierced.residual;
+        let by_ball = radius - across_sq(start.corners[0].at).sqrt();
+        by_weight.max(by_ball).max(start.depth()) - self.clip.noise
+    }
+
+    /// Upper bound of the error of the parameter at which the line pierces a triangle.
+    ///
+    /// The corners have errors, so the line is within `residual` and the noise of a point of the
+    /// set. If it passes at `clearance` inside the border, it is in the set itself a little farther
+    /// on. Infinite if the clearance is not positive.
+    pub(super) fn error(&self, residual: f64, clearance: f64) -> f64 {
+        let off = residual + self.clip.noise;
+        // NaN takes the failing branch.
+        if clearance > 0.0 { off + off / (off + clearance) * 2.0 * self.clip.reach } else { f64::INFINITY }
+    }
+
+    /// Step 3: moves the portal to the surface, on the side of the entry or of the exit.
+    ///
+    /// It ends early if the portal is certainly beyond the line's origin, given the clearance.
+    pub(super) fn refine(&mut self, portal: &mut Portal, sense: Sense, clearance: f64, terms: (f64, u32)) -> End {
+        let (tolerance, limit) = terms;
+        let nudge = (0..3).fold(DVec3::ZERO, |sum, i| sum + portal.corners[i].at * NUDGE[i]);
+        let sign = if sense == Sense::Entry { -1.0 } else { 1.0 };
+        loop {
+            let Pierced { at, residual, .. } = portal.pierced();
+            let beyond = sign * (at - self.clip.origin);
+            if beyond > 0.0 && beyond >= self.error(residual, clearance) {
+                return End::Passed;
+            }
+            if self.steps >= limit {
+                return End::Limit;
+            }
+            let [a, b, c] = portal.corners.map(|corner| corner.at);
+            let n = (b - a).cross(c - a) * sign;
+            let new = self.probe(n);
+            if self.clip.is_empty() {
+                return End::Missed;
+            }
+            // NaN counts as the surface, since no point is known to be farther out.
+            if !(n.dot(new.at - a) > FLAT_ERRORS * self.clip.error * n.length()) {
+                return End::OnSurface;
+            }
+            // The plane may be behind the line's origin: then the origin may be inside, and the
+            // search continues.
+            let open = if sense == Sense::Entry { at - self.clip.entry } else { self.clip.upper - at };
+            if open <= tolerance {
+                return End::Narrow;
+            }
+            let [on_a, on_b, on_c] = [a, b, c].map(|corner| self.is_left(new.at, corner, nudge));
+            let replaced = match (on_a, on_b, on_c) {
+                (true, false, _) => 2,
+                (_, true, false) => 0,
+                _ => 1,
+            };
+            portal.corners[replaced] = new;
+        }
+    }
+
+    /// Whether the line is on the left of the edge from `a` to `b`. If it is on the edge, within
+    /// rounding error, the side of `nudge` decides.
+    #[inline(always)]
+    fn is_left(&self, a: DVec3, b: DVec3, nudge: DVec3) -> bool {
+        let area = turn(a, b);
+        let error = self.clip.noise * (a.x.abs() + a.y.abs() + b.x.abs() + b.y.abs());
+        if area.abs() > error { area > 0.0 } else { turn(b - a, nudge) > 0.0 }
+    }
+}

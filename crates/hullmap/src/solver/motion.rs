@@ -1,0 +1,179 @@
+//! Rays and motions: checked vectors, so that no query has to test for NaN.
+
+use glam::DVec3;
+
+use crate::pose::MAX_TRANSLATION;
+
+/// A point, direction or velocity is NaN, infinite or too large.
+///
+/// # Examples
+/// ```
+/// use hullmap::{Ray, glam::DVec3};
+///
+/// let error = Ray::new(DVec3::ZERO, DVec3::new(1.0, f64::NAN, 0.0)).unwrap_err();
+/// assert_eq!(
+///     error.to_string(),
+///     "direction must be finite and within 3.4e38, found (1, NaN, 0): check its source for a division \
+///      by zero or an overflow"
+/// );
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "{what} must be finite and within 3.4e38, found ({}, {}, {}): check its source for a division by zero or an overflow",
+    found.x, found.y, found.z
+)]
+pub struct VectorError {
+    /// Name of the vector, for example "direction".
+    pub what: &'static str,
+    /// The vector as given.
+    pub found: DVec3,
+}
+
+/// Returns `found` if it is finite and within [`MAX_TRANSLATION`].
+pub(super) fn checked(what: &'static str, found: DVec3) -> Result<DVec3, VectorError> {
+    // NaN takes the failing branch.
+    let is_within = found.to_array().into_iter().all(|c| c.abs() <= MAX_TRANSLATION);
+    if is_within { Ok(found) } else { Err(VectorError { what, found }) }
+}
+
+/// A ray: all points `origin + t direction` with t ≥ 0, in the frame and unit of a shape.
+///
+/// The direction need not be of unit length. It is the unit of t: with a velocity as direction, t
+/// is a time. With the zero vector, the ray is a point.
+///
+/// # Examples
+/// ```
+/// use hullmap::{Ray, glam::DVec3};
+///
+/// let ray = Ray::new(DVec3::new(0.0, 0.0, 5.0), DVec3::new(0.0, 0.0, -2.0))?;
+/// assert_eq!(ray.at(1.5), DVec3::new(0.0, 0.0, 2.0));
+/// # Ok::<(), hullmap::VectorError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    origin: DVec3,
+    motion: Motion,
+}
+
+impl Ray {
+    /// The ray from `origin` along `direction`.
+    ///
+    /// # Errors
+    /// A component is NaN, infinite, or beyond [`MAX_TRANSLATION`].
+    pub fn new(origin: DVec3, direction: DVec3) -> Result<Self, VectorError> {
+        let (origin, direction) = (checked("origin", origin)?, checked("direction", direction)?);
+        Ok(Self { origin, motion: Motion { velocity: direction } })
+    }
+
+    /// The origin.
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// The direction as given.
+    pub fn direction(&self) -> DVec3 {
+        self.motion.velocity
+    }
+
+    /// The point at `t`.
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + self.motion.velocity * t
+    }
+
+    pub(super) fn motion(&self) -> Motion {
+        self.motion
+    }
+}
+
+/// A translation of B in A's frame at constant velocity: at time t, B has moved by t times the
+/// velocity.
+///
+/// Time has the unit that the velocity implies. With the displacement of a step as velocity, t is
+/// from 0 to 1.
+///
+/// # Examples
+/// ```
+/// use hullmap::{Motion, glam::DVec3};
+///
+/// // The relative velocity, if A moves as well.
+/// let (velocity_a, velocity_b) = (DVec3::new(0.0, 0.0, 1.0), DVec3::new(0.0, 0.0, -9.0));
+/// let motion = Motion::new(velocity_b - velocity_a)?;
+/// assert_eq!(motion.velocity(), DVec3::new(0.0, 0.0, -10.0));
+/// # Ok::<(), hullmap::VectorError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    velocity: DVec3,
+}
+
+impl Motion {
+    /// Translation by `velocity` per unit of time.
+    ///
+    /// # Errors
+    /// A component is NaN, infinite, or beyond [`MAX_TRANSLATION`].
+    pub fn new(velocity: DVec3) -> Result<Self, VectorError> {
+        Ok(Self { velocity: checked("velocity", velocity)? })
+    }
+
+    /// The velocity, in A's frame.
+    pub fn velocity(&self) -> DVec3 {
+        self.velocity
+    }
+
+    /// Unit direction and speed; `None` without motion.
+    pub(super) fn unit(&self) -> Option<(DVec3, f64)> {
+        // Divide by the largest component first: squares of tiny components would underflow.
+        let greatest = self.velocity.abs().max_element();
+        if greatest == 0.0 {
+            return None;
+        }
+        let scaled = self.velocity / greatest;
+        let length = scaled.length();
+        Some((scaled / length, length * greatest))
+    }
+}
+
+/// Limits and accuracy of [`ray`](crate::ray()) and [`cast`](crate::cast()).
+///
+/// ```
+/// use hullmap::CastSettings;
+///
+/// // One step of a simulation whose motion is the displacement of the step.
+/// let step = CastSettings { max_t: 1.0, ..CastSettings::default() };
+/// assert_eq!(step.tolerance, 1e-6);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CastSettings {
+    /// Maximum t. A shape that is reached later is not hit. NaN and negative values count as 0,
+    /// with which only a shape that is hit at the start is hit. The default is infinite.
+    pub max_t: f64,
+    /// Maximum width of the interval as a length along the ray, relative to the outer radius of the
+    /// shape, or to the sum of both. Dimensionless.
+    ///
+    /// NaN and negative values count as 0: the interval becomes as narrow as rounding error allows.
+    pub tolerance: f64,
+    /// Maximum number of steps.
+    ///
+    /// A query that reaches it returns [`Status::IterationLimit`](crate::Status::IterationLimit),
+    /// and its interval still contains the true value. Larger values than the solver's own limits
+    /// have no effect.
+    pub max_iterations: u32,
+}
+
+impl Default for CastSettings {
+    fn default() -> Self {
+        Self { max_t: f64::INFINITY, tolerance: 1e-6, max_iterations: 1000 }
+    }
+}
+
+impl CastSettings {
+    /// Maximum t, with 0 for NaN and for negative values.
+    pub(super) fn limit(&self) -> f64 {
+        self.max_t.max(0.0)
+    }
+
+    /// The tolerance, with 0 for NaN and for negative values.
+    pub(super) fn relative_tolerance(&self) -> f64 {
+        self.tolerance.max(0.0)
+    }
+}

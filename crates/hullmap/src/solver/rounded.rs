@@ -1,0 +1,220 @@
+//! Rays and casts against rounded shapes: Newton's method on the distance of the cores.
+//!
+//! Let f(t) be the distance of the cores at time t minus the sum r of the convex radii. The shapes
+//! touch where f is 0. f is convex, since the distance from a convex set is. Newton's method from
+//! below therefore never steps beyond the first zero, and doubles its digits in each step.
+//!
+//! # Reference
+//! van den Bergen, "Ray casting against general convex objects with application to continuous
+//! collision detection", 2004: the ray is clipped by the plane at the closest point. For a rounded
+//! shape that is Newton's method. docs/intervals.md proves the interval.
+//!
+//! # Steps
+//! 1. Compute the distance of the cores at t (GJK, from the simplex of the last step). Its plane
+//!    proves that they are at least r apart up to a later t. Continue from there.
+//! 2. If the plane separates the shapes until the limit, the cast misses.
+//! 3. When t no longer advances, take a slightly later t. If the cores are certainly within r there,
+//!    it is an upper bound. Otherwise move on, farther each time.
+
+use glam::DVec3;
+
+use super::cache::Cache;
+use super::distance::{Distance, core_distance};
+use super::line::{Entry, Query};
+use super::queries::{Core, rounding};
+use super::settings::Settings;
+use super::status::Status;
+use crate::pose::Pose;
+use crate::support::SupportMap;
+
+/// Maximum number of distances on the way to the entry. Newton's method needs 3 to 6. Where the
+/// motion grazes the shape, each step halves what is left.
+const MAX_STEPS: u32 = 100;
+
+/// Maximum number of distances beyond the entry, each eight times as far.
+const MAX_TRIALS: u32 = 24;
+
+/// Error of a point of the path, in units of `f64::EPSILON` times its distance from the origin of
+/// A's frame, with that of the difference of two distances.
+const PATH_ROUNDINGS: f64 = 8.0;
+
+/// An interval up to this many errors wide is as narrow as rounding error allows.
+const EXACT_ERRORS: f64 = 64.0;
+
+/// Share of the tolerance that a step, a trial and the error of a distance may take.
+const SHARE: f64 = 0.125;
+
+/// The two cores with their motion.
+struct Cores<'q, A: ?Sized, B: ?Sized> {
+    a: Core<'q, A>,
+    b: Core<'q, B>,
+    b_in_a: Pose,
+    direction: DVec3,
+    radius: f64,
+    /// Length of the path after which B has certainly passed A.
+    end: f64,
+    settings: Settings,
+    iterations: u32,
+    support_calls: u32,
+}
+
+/// The cores at one length of the path.
+struct Sample {
+    gap: Distance,
+    /// Lower bound of the gap between the shapes; negative where they may overlap.
+    lower: f64,
+    /// Upper bound of that gap, with its sign.
+    upper: f64,
+    /// Component of the normal along the motion.
+    along: f64,
+    /// Rounding error in both bounds.
+    error: f64,
+}
+
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Cores<'_, A, B> {
+    /// The cores after a motion by `length`.
+    fn sample(&mut self, length: f64, cache: &mut Cache) -> Sample {
+        let moved = self.b_in_a.moved(self.direction * length);
+        let gap = core_distance(&self.a, &self.b, moved, &self.settings, cache);
+        self.iterations += gap.iterations + 1;
+        self.support_calls += gap.support_calls;
+        let path = PATH_ROUNDINGS * f64::EPSILON * (self.b_in_a.translation().length() + length);
+        let error = rounding(self.radius, gap.upper) + path;
+        Sample {
+            lower: gap.lower - self.radius - error,
+            upper: gap.upper - self.radius + error,
+            along: gap.normal.dot(self.direction),
+            error,
+            gap,
+        }
+    }
+
+    /// Steps 1 and 2: the length up to which the shapes are certainly separated, with the sample
+    /// that proves it. `Err` has the normal of a miss.
+    fn approach(&mut self, first: Sample, query: &Query, cache: &mut Cache) -> Result<(f64, Sample), DVec3> {
+        let (mut at, mut sample) = (0.0, first);
+        for _ in 0..query.max_iterations.min(MAX_STEPS) {
+            // NaN ends the search.
+            if !(sample.lower > 0.0) {
+                break;
+            }
+            let slope = PATH_ROUNDINGS * f64::EPSILON - sample.along;
+            let step = sample.lower / slope;
+            let next = at + step - PATH_ROUNDINGS * f64::EPSILON * (at + step);
+            if slope <= 0.0 || next > self.end.min(query.limit) {
+                return Err(sample.gap.normal);
+            }
+            if !(next > at) {
+                break;
+            }
+            at = next;
+            if step <= SHARE * query.tolerance {
+                break;
+            }
+            sample = self.sample(at, cache);
+        }
+        Ok((at, sample))
+    }
+
+    /// Step 3: the interval of the entry, given that the shapes are separated up to `lower`, and
+    /// whether it is certain that they meet in it.
+    fn bracket(&mut self, mut lower: f64, sample: &mut Sample, query: &Query, cache: &mut Cache) -> ([f64; 2], bool) {
+        let mut trial = (SHARE * query.tolerance).max(4.0 * sample.error);
+        for _ in 0..MAX_TRIALS {
+            let at = lower + trial;
+            if !(at < self.end) {
+                break;
+            }
+            let beyond = self.sample(at, cache);
+            if beyond.upper <= 0.0 {
+                return ([lower, at], true);
+            }
+            let is_separated = beyond.lower > PATH_ROUNDINGS * f64::EPSILON * trial;
+            if is_separated && beyond.along >= 0.0 {
+                // From here on they move apart.
+                return ([lower, at], false);
+            }
+            if is_separated {
+                // They still approach each other, and so did they before.
+                (lower, *sample) = (at, beyond);
+            } else {
+                trial *= 8.0;
+            }
+        }
+        ([lower, self.end.max(lower)], false)
+    }
+
+    fn find(&mut self, query: &Query, cache: &mut Cache) -> (Entry, Option<Distance>) {
+        let first = self.sample(0.0, cache);
+        let entry = |status, [lower, upper]: [f64; 2], normal| Entry {
+            status,
+            at: lower,
+            lower,
+            upper,
+            normal,
+            point_a: DVec3::ZERO,
+            iterations: 0,
+        };
+        if first.upper < 0.0 {
+            return (entry(Status::Overlapping, [0.0, 0.0], -self.direction), Some(first.gap));
+        }
+        let (lower, mut sample) = match self.approach(first, query, cache) {
+            Ok(found) => found,
+            Err(normal) => return (Entry::miss(normal, 0), None),
+        };
+        let (interval, is_certain) = self.bracket(lower, &mut sample, query, cache);
+        if interval[0] > query.limit {
+            return (Entry::miss(sample.gap.normal, 0), None);
+        }
+        let width = interval[1] - interval[0];
+        // NaN takes the last branch.
+        let status = match () {
+            () if !is_certain => Status::Touching,
+            () if width <= EXACT_ERRORS * sample.error => Status::Exact,
+            () if width <= query.tolerance => Status::Within,
+            () => Status::Stalled,
+        };
+        (entry(status, interval, sample.gap.normal), Some(sample.gap))
+    }
+}
+
+/// An entry of rounded shapes.
+pub(super) struct RoundedEntry {
+    /// With the point of A.
+    pub(super) entry: Entry,
+    pub(super) point_b: DVec3,
+    pub(super) support_calls: u32,
+}
+
+/// Where B, on its way in `query`, meets A, for convex radii of which one is positive.
+pub(super) fn enter_rounded<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    (a, b, b_in_a): (&A, &B, Pose),
+    radii: [f64; 2],
+    query: &Query,
+    cache: &mut Cache,
+) -> RoundedEntry {
+    let radius = radii[0] + radii[1];
+    // Where the shapes meet, the distance of the cores is the radius.
+    let tolerance = (SHARE * query.tolerance / radius).min(Settings::DEFAULT_TOLERANCE);
+    let between = b_in_a.transform_point(b.interior_point()) - a.interior_point();
+    let reach = a.outer_radius() + b.outer_radius() + between.length() * PATH_ROUNDINGS * f64::EPSILON;
+    let mut cores = Cores {
+        a: Core(a),
+        b: Core(b),
+        b_in_a,
+        direction: query.direction,
+        radius,
+        end: reach * (1.0 + PATH_ROUNDINGS * f64::EPSILON) - between.dot(query.direction),
+        settings: Settings { tolerance, ..Settings::default() },
+        iterations: 0,
+        support_calls: 0,
+    };
+    let (mut entry, gap) = cores.find(query, cache);
+    let mut point_b = DVec3::ZERO;
+    if let Some(gap) = gap {
+        entry.point_a = gap.point_a + gap.normal * radii[0];
+        point_b = gap.point_b - gap.normal * radii[1];
+    }
+    entry.iterations = cores.iterations;
+    RoundedEntry { entry, point_b, support_calls: cores.support_calls }
+}

@@ -1,0 +1,112 @@
+//! Signed distance of a point from a shape, with the closest point of the surface.
+//!
+//! # Steps
+//! 1. The distance of the point as a shape (GJK).
+//! 2. If the point is not certainly outside, its penetration depth (EPA).
+
+use glam::DVec3;
+
+use super::cache::Cache;
+use super::motion::{VectorError, checked};
+use super::queries::{contact, distance};
+use super::ray::Dot;
+use super::settings::Settings;
+use super::status::Status;
+use crate::pose::Pose;
+use crate::support::SupportMap;
+
+/// Answer of [`signed_distance`](crate::signed_distance()).
+///
+/// Lengths are in the shape's unit, points and directions in its frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SignedDistance {
+    /// How the query ended. [`Separated`](Status::Separated) and
+    /// [`Overlapping`](Status::Overlapping) do not occur: the sign of the distance has that
+    /// information.
+    pub status: Status,
+    /// Distance from the surface: positive outside, negative inside.
+    pub distance: f64,
+    /// Lower bound of the distance, with allowance for rounding error. Positive only if the point
+    /// is certainly outside.
+    pub lower: f64,
+    /// Upper bound of the distance, with allowance for rounding error. Negative only if the point is
+    /// certainly inside.
+    pub upper: f64,
+    /// The point of the surface that is closest.
+    pub point: DVec3,
+    /// Unit outward normal of the surface at `point`: the gradient of the distance.
+    pub normal: DVec3,
+    /// Number of steps of all phases together.
+    pub iterations: u32,
+    /// Number of support calls.
+    pub support_calls: u32,
+}
+
+/// Signed distance of `point` from the surface of `shape`: positive outside, negative inside, with
+/// the closest point of the surface.
+///
+/// Lengths are in the shape's unit, points and directions in its frame. `cache` belongs to the
+/// shape and to points near this one; the query reads and updates it.
+///
+/// # Errors
+/// A component of `point` is NaN, infinite, or beyond
+/// [`MAX_TRANSLATION`](crate::pose::MAX_TRANSLATION).
+///
+/// # Complexity
+/// Outside, that of [`distance`](crate::distance()): 3 to 8 support calls. Inside, also that of
+/// [`contact`](crate::contact()): 20 to 60. No allocation.
+///
+/// # Examples
+/// ```
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::Cuboid;
+/// use hullmap::{Cache, Settings, signed_distance};
+///
+/// let cube = Cuboid::new(DVec3::ONE)?;
+/// let mut cache = Cache::new();
+/// let outside = signed_distance(&cube, DVec3::new(3.0, 0.0, 0.5), &Settings::default(), &mut cache)?;
+/// assert!((outside.distance - 2.0).abs() < 1e-12);
+/// assert!(outside.point.distance(DVec3::new(1.0, 0.0, 0.5)) < 1e-12);
+///
+/// let inside = signed_distance(&cube, DVec3::new(0.75, 0.0, 0.5), &Settings::default(), &mut cache)?;
+/// assert!((inside.distance + 0.25).abs() < 1e-12 && inside.normal.distance(DVec3::X) < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn signed_distance<S: SupportMap + ?Sized>(
+    shape: &S,
+    point: DVec3,
+    settings: &Settings,
+    cache: &mut Cache,
+) -> Result<SignedDistance, VectorError> {
+    let place = Pose::at(checked("point", point)?);
+    let outside = distance(shape, &Dot, place, settings, cache);
+    let mut found = SignedDistance {
+        status: outside.status,
+        distance: outside.distance,
+        lower: outside.lower,
+        upper: outside.upper,
+        point: outside.point_a,
+        normal: outside.normal,
+        iterations: outside.iterations,
+        support_calls: outside.support_calls,
+    };
+    if outside.lower > 0.0 {
+        return Ok(found);
+    }
+    let inside = contact(shape, &Dot, place, settings, cache);
+    found.iterations += inside.iterations;
+    found.support_calls += inside.support_calls;
+    if !inside.hit {
+        return Ok(found);
+    }
+    found.lower = -inside.depth_upper;
+    if inside.depth_lower > 0.0 {
+        found.upper = -inside.depth_lower;
+    }
+    if inside.depth > 0.0 || outside.status == Status::Overlapping {
+        found.status = inside.status;
+        found.distance = -inside.depth;
+        (found.point, found.normal) = (inside.point_a, inside.normal);
+    }
+    Ok(found)
+}
