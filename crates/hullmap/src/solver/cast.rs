@@ -32,8 +32,9 @@ pub struct Impact {
     /// How the query ended.
     ///
     /// - [`Separated`](Status::Separated): certainly no hit. All times are infinite.
-    /// - [`Overlapping`](Status::Overlapping): the shapes overlap at the start. All times are 0, the
-    ///   normal is opposite to the motion, and [`contact`](crate::contact()) computes the depth.
+    /// - [`Overlapping`](Status::Overlapping): the shapes overlap at the start. All times are 0,
+    ///   the normal is opposite to the motion, and [`contact`](crate::contact()) computes the
+    ///   depth.
     /// - [`Exact`](Status::Exact), [`Within`](Status::Within): a hit in the interval.
     /// - [`Touching`](Status::Touching): the shapes graze each other, and rounding error decides
     ///   between hit and miss. If they meet, they do so in the interval.

@@ -63,8 +63,8 @@ pub struct RayHit {
     pub t_upper: f64,
     /// The point at t. The origin if there is no hit.
     pub point: DVec3,
-    /// Unit outward normal of a support plane of the shape, which the ray crosses at `t_lower`. On a
-    /// polytope, it is the normal of the face at the point. If there is no hit, normal of a plane
+    /// Unit outward normal of a support plane of the shape, which the ray crosses at `t_lower`. On
+    /// a polytope, it is the normal of the face at the point. If there is no hit, normal of a plane
     /// that takes part in the proof.
     pub normal: DVec3,
     /// Number of steps of the search.

@@ -13,8 +13,8 @@
 //! 1. Compute the distance of the cores at t (GJK, from the simplex of the last step). Its plane
 //!    proves that they are at least r apart up to a later t. Continue from there.
 //! 2. If the plane separates the shapes until the limit, the cast misses.
-//! 3. When t no longer advances, take a slightly later t. If the cores are certainly within r there,
-//!    it is an upper bound. Otherwise move on, farther each time.
+//! 3. When t no longer advances, take a slightly later t. If the cores are certainly within r
+//!    there, it is an upper bound. Otherwise move on, farther each time.
 
 use glam::DVec3;
 

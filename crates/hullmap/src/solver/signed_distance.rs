@@ -29,8 +29,8 @@ pub struct SignedDistance {
     /// Lower bound of the distance, with allowance for rounding error. Positive only if the point
     /// is certainly outside.
     pub lower: f64,
-    /// Upper bound of the distance, with allowance for rounding error. Negative only if the point is
-    /// certainly inside.
+    /// Upper bound of the distance, with allowance for rounding error. Negative only if the point
+    /// is certainly inside.
     pub upper: f64,
     /// The point of the surface that is closest.
     pub point: DVec3,

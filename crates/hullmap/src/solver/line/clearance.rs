@@ -1,5 +1,5 @@
-//! Clearance of a line that pierces a convex set: its distance from the set's border, seen along the
-//! line. EPA in two dimensions.
+//! Clearance of a line that pierces a convex set: its distance from the set's border, seen along
+//! the line. EPA in two dimensions.
 //!
 //! # Reference
 //! van den Bergen 2001 (expanding polytope), one dimension lower.

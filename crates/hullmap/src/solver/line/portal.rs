@@ -11,8 +11,8 @@
 //! 2. While the line is beyond the segment v1 v2, replace one end by the support point across it.
 //!    Then the line pierces the triangle v0 v1 v2.
 //! 3. Refinement: query the support point along the triangle's normal, against the line (for the
-//!    entry) or along it (for the exit). It forms three triangles with the sides of the portal. Keep
-//!    the one that the line pierces.
+//!    entry) or along it (for the exit). It forms three triangles with the sides of the portal.
+//!    Keep the one that the line pierces.
 //!
 //! # Deviations
 //! - Coordinates are those of the line's frame: x and y across it, z along it, from the foot of the
