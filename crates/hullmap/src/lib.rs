@@ -237,4 +237,4 @@ pub use solver::{
     Cache, CastSettings, Contact, Distance, Impact, Intersection, Minkowski, Motion, Overlap, Ray, RayHit, Scratch,
     Settings, SignedDistance, Status, VectorError, Vertex, contact_lockstep,
 };
-pub use support::{Instructions, SupportMap, SupportPoint};
+pub use support::{Bounds, Instructions, SupportMap, SupportPoint};

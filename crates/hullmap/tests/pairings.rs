@@ -6,7 +6,7 @@
 //! points is an upper bound of the distance.
 
 use glam::{DMat3, DQuat, DVec2, DVec3};
-use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
+use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Segment, Sphere, Triangle};
 use hullmap::{
     Cache, Contact, Overlap, Pack, Pose, Settings, Shape, ShapeError, Status, SupportMap, SupportPoint, contact,
     distance, intersects,
@@ -57,6 +57,21 @@ mod truth {
 
     pub fn segment(half_length: f64, p: DVec3) -> f64 {
         p.distance(DVec3::Z * p.z.clamp(-half_length, half_length))
+    }
+
+    pub fn any_segment([a, b]: [DVec3; 2], p: DVec3) -> f64 {
+        let along = b - a;
+        p.distance(a + along * ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0))
+    }
+
+    /// The plane above the triangle, the nearest edge elsewhere.
+    pub fn triangle([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
+        let n = (b - a).cross(c - a).normalize();
+        let sides = [[a, b], [b, c], [c, a]];
+        if sides.iter().all(|[q, r]| n.cross(*r - *q).dot(p - *q) >= 0.0) {
+            return (p - a).dot(n).abs();
+        }
+        sides.map(|side| any_segment(side, p)).into_iter().fold(f64::INFINITY, f64::min)
     }
 
     pub fn cylinder(half_height: f64, radius: f64, p: DVec3) -> f64 {
@@ -188,12 +203,15 @@ fn check_contact(a: &dyn Shape, b: &dyn Shape, pose: Pose, c: &Contact, error: f
 fn balls_against_the_formulas() {
     println!("seed {SEED:#x}");
     let mut rng = SplitMix64::new(SEED);
+    let mut corners_rng = SplitMix64::new(SEED + 5);
     type Signed = Box<dyn Fn(DVec3) -> f64>;
-    for kind in ["sphere", "box", "capsule", "cylinder", "cone"] {
+    for kind in ["sphere", "box", "capsule", "cylinder", "cone", "oblique capsule", "segment", "triangle"] {
         let mut effort: [Effort; 4] = Default::default();
         for i in 0..600 {
             let mut length = || 10_f64.powf(rng.between(-1.0, 1.0));
             let (x, y, z, r) = (length(), length(), length(), length());
+            let corners = [(); 3].map(|()| corners_rng.unit_vector() * corners_rng.between(0.2, 2.0) * x);
+            let ends = [corners[0], corners[1]];
             let (shape, signed): (Box<dyn Shape>, Signed) = match kind {
                 "sphere" => (Box::new(Sphere::new(x).unwrap()), Box::new(move |p: DVec3| p.length() - x)),
                 "box" => {
@@ -202,13 +220,23 @@ fn balls_against_the_formulas() {
                 }
                 "capsule" => (Box::new(Capsule::new(x, y).unwrap()), Box::new(move |p| truth::segment(x, p) - y)),
                 "cylinder" => (Box::new(Cylinder::new(x, y).unwrap()), Box::new(move |p| truth::cylinder(x, y, p))),
-                _ => (Box::new(Cone::new(x, y).unwrap()), Box::new(move |p| truth::cone(x, y, p))),
+                "cone" => (Box::new(Cone::new(x, y).unwrap()), Box::new(move |p| truth::cone(x, y, p))),
+                "oblique capsule" => (
+                    Box::new(Capsule::between(ends[0], ends[1], y).unwrap()),
+                    Box::new(move |p| truth::any_segment(ends, p) - y),
+                ),
+                "segment" => {
+                    (Box::new(Segment::new(ends[0], ends[1]).unwrap()), Box::new(move |p| truth::any_segment(ends, p)))
+                }
+                _ => (Box::new(Triangle::new(corners).unwrap()), Box::new(move |p| truth::triangle(corners, p))),
             };
             let ball = Sphere::new(r).unwrap();
             // Move the ball away from the interior point, by bisection, until the gap has the
             // required length.
             let (way, from) = (rng.unit_vector(), shape.interior_point());
-            let smaller = r.min(shape.inner_radius());
+            // Flat shapes have no inner ball.
+            let inner = shape.inner_radius();
+            let smaller = if inner > 0.0 { r.min(inner) } else { r };
             let required = match i % 3 {
                 0 => -smaller * rng.between(0.05, 0.9),
                 1 => smaller * rng.between(-0.02, 0.02),
@@ -282,6 +310,11 @@ fn all<'a>(packs: &'a [(&'static str, Pack)]) -> Vec<(&'static str, Box<dyn Shap
     all.push(("capsule", Box::new(Capsule::new(0.5, 0.25).unwrap())));
     all.push(("cylinder", Box::new(Cylinder::new(0.4, 0.5).unwrap())));
     all.push(("cone", Box::new(Cone::new(0.5, 0.5).unwrap())));
+    let corners = [DVec3::new(0.6, -0.2, 0.1), DVec3::new(-0.3, 0.5, 0.2), DVec3::new(-0.2, -0.4, -0.3)];
+    all.push(("oblique capsule", Box::new(Capsule::between(corners[0], corners[1], 0.25).unwrap())));
+    all.push(("segment in closed form", Box::new(Segment::new(corners[0], corners[1]).unwrap())));
+    all.push(("triangle in closed form", Box::new(Triangle::new(corners).unwrap())));
+    all.push(("rounded triangle", Box::new(Rounded::new(Triangle::new(corners).unwrap(), 0.1).unwrap())));
     all.push(("mirrored rock", Box::new(Scaled::new(rock, DVec3::new(-0.5, 1.2, 0.8)).unwrap())));
     all.push(("rounded rock", Box::new(Rounded::new(rock, 0.2).unwrap())));
     all.push((
@@ -392,7 +425,8 @@ fn every_pairing_against_samples() {
     println!("maximum iterations: {:#?}", &worst[worst.len() - 8..]);
     println!("not converged: {:#?}", worst.iter().filter(|(_, name)| !name.contains(": 0 not")).collect::<Vec<_>>());
     let share = f64::from(hits as u32) / f64::from(total);
-    assert!((0.3..0.7).contains(&share), "not representative: {share} of the pairs overlap");
+    // A quarter of the shapes is flat, and those rarely meet each other.
+    assert!((0.25..0.7).contains(&share), "not representative: {share} of the pairs overlap");
 }
 
 fn moved(x: f64, y: f64, z: f64) -> Pose {
@@ -602,6 +636,7 @@ fn invalid_parameters_are_errors() {
             assert!(Cuboid::new(half).is_err(), "{half}");
         }
         assert!(length(Capsule::new(bad, 1.0).unwrap_err()) && length(Capsule::new(1.0, bad).unwrap_err()));
+        assert!(length(Capsule::between(DVec3::X, DVec3::Y, bad).unwrap_err()));
         assert!(length(Cylinder::new(bad, 1.0).unwrap_err()) && length(Cylinder::new(1.0, bad).unwrap_err()));
         assert!(length(Cone::new(bad, 1.0).unwrap_err()) && length(Cone::new(1.0, bad).unwrap_err()));
         assert!(length(Rounded::new(Sphere::new(1.0).unwrap(), bad).unwrap_err()));
@@ -610,11 +645,47 @@ fn invalid_parameters_are_errors() {
         let error = Scaled::new(Sphere::new(1.0).unwrap(), DVec3::new(1.0, bad, 1.0)).unwrap_err();
         assert!(matches!(error, ShapeError::Scale { .. }) && error.to_string().contains("scale must have"), "{error}");
     }
+    for bad in [f64::NAN, f64::INFINITY, 1e39, -1e39] {
+        for corner in 0..3 {
+            let mut corners = [DVec3::X, DVec3::Y, DVec3::Z];
+            corners[corner].y = bad;
+            let error = Triangle::new(corners).unwrap_err();
+            assert!(matches!(error, ShapeError::Point { found, .. } if found.y.to_bits() == bad.to_bits()), "{error}");
+            let [a, b, c] = corners;
+            assert!(Segment::new(a, b).is_err() || Segment::new(b, c).is_err());
+            assert!(Capsule::between(a, b, 1.0).is_err() || Capsule::between(b, c, 1.0).is_err());
+        }
+    }
     // Zero lengths are valid.
-    for shape in
-        [&Sphere::new(0.0).unwrap() as &dyn Shape, &Capsule::new(0.0, 0.0).unwrap(), &Cone::new(0.0, 0.0).unwrap()]
-    {
+    for shape in [
+        &Sphere::new(0.0).unwrap() as &dyn Shape,
+        &Capsule::new(0.0, 0.0).unwrap(),
+        &Cone::new(0.0, 0.0).unwrap(),
+        &Segment::new(DVec3::ZERO, DVec3::ZERO).unwrap(),
+        &Triangle::new([DVec3::ZERO; 3]).unwrap(),
+    ] {
         let c = solve(shape, &Cuboid::new(DVec3::ONE).unwrap(), moved(0.5, 0.0, 0.0));
         assert!(c.hit && (c.depth - 0.5).abs() < 1e-12, "{c:?}");
     }
+}
+
+/// The features of a triangle: all corners, an edge or a corner, also if it is a segment or a point.
+#[test]
+fn features_of_triangles() {
+    let feature = |corners: [DVec3; 3], dir: DVec3| {
+        let mut out = hullmap::Feature::new();
+        Triangle::new(corners).unwrap().feature(dir, &mut out);
+        out.corners().iter().map(|corner| corner.vertex).collect::<Vec<_>>()
+    };
+    let right = [DVec3::ZERO, DVec3::X, DVec3::Y];
+    assert_eq!(feature(right, DVec3::Z), [0, 1, 2]);
+    assert_eq!(feature(right, DVec3::new(0.01, -0.01, -1.0)), [0, 1, 2]);
+    assert_eq!(feature(right, DVec3::new(1.0, 1.0, 0.5)), [1, 2]);
+    assert_eq!(feature(right, DVec3::NEG_X), [0, 2]);
+    assert_eq!(feature(right, DVec3::new(2.0, 1.0, 0.0)), [1]);
+    // Collinear corners, and equal ones.
+    assert_eq!(feature([DVec3::ZERO, DVec3::X, DVec3::X * 2.0], DVec3::Y), [0, 1, 2]);
+    assert_eq!(feature([DVec3::ZERO, DVec3::X, DVec3::X * 2.0], DVec3::new(1.0, 1.0, 0.0)), [2]);
+    assert_eq!(feature([DVec3::ZERO, DVec3::X, DVec3::ZERO], DVec3::Y), [0, 1]);
+    assert_eq!(feature([DVec3::ONE; 3], DVec3::Y), [0]);
 }

@@ -4,7 +4,7 @@
 use std::{collections::BTreeMap, fmt};
 
 use glam::{DVec3, Vec3};
-use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
+use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Segment, Sphere, Triangle};
 use hullmap::{Hull, Pack, Pose, Shape};
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::packs;
@@ -357,6 +357,19 @@ fn closed(size: f64, bodies: &mut Vec<Body<'_>>) {
         let (half, radius) = (s(half), s(radius));
         let shape = Box::new(Cone::new(half, radius).expect("lengths"));
         add(&format!("cone {half} {radius}"), shape, Model::new(Core::Cone(half, radius)));
+    }
+    let corners = [[0.6, -0.2, 0.1], [-0.3, 0.5, 0.2], [-0.2, -0.4, -0.3]].map(|c| DVec3::from_array(c) * size);
+    let ends = Model::new(Core::Points { points: corners[..2].to_vec(), planes: Vec::new(), edges: Vec::new() });
+    let segment = Segment::new(corners[0], corners[1]).expect("points");
+    add("oblique segment", Box::new(segment), ends.clone());
+    let capsule = Capsule::between(corners[0], corners[1], s(0.3)).expect("lengths");
+    add("oblique capsule", Box::new(capsule), ends.rounded(s(0.3)));
+    let sliver = [DVec3::X * size, DVec3::NEG_X * size, DVec3::new(0.3, 1e-6, 0.0) * size];
+    for corners in [corners, sliver, sliver.map(|p| p + DVec3::new(3.0, -7.0, 5.0) * size)] {
+        let triangle = Triangle::new(corners).expect("points");
+        add(&format!("triangle {corners:?}"), Box::new(triangle), Model::of_triangle(corners));
+        let rounded = Rounded::new(triangle, s(0.2)).expect("a radius");
+        add(&format!("rounded triangle {corners:?}"), Box::new(rounded), Model::of_triangle(corners).rounded(s(0.2)));
     }
     let scale = DVec3::new(1.0, 0.6, 0.3);
     let ellipsoid = Scaled::new(Sphere::new(size).expect("a radius"), scale).expect("a scale");

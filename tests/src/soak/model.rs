@@ -69,6 +69,17 @@ impl Model {
         Self::new(Core::Points { points, planes, edges })
     }
 
+    /// The triangle with these corners: its plane on both sides, and the planes through its edges
+    /// perpendicular to it.
+    pub fn of_triangle(corners: [DVec3; 3]) -> Self {
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(c - a).normalize();
+        let sides = [b - a, c - b, a - c].map(|side| side.cross(normal).normalize());
+        // The true maximum of each plane, whatever rounding error did to its normal.
+        let planes = [normal, -normal].into_iter().chain(sides).map(|n| (n, reach(&corners, n))).collect();
+        Self::new(Core::Points { points: corners.to_vec(), planes, edges: Vec::new() })
+    }
+
     /// Scaled along the axes, before the convex radius is added.
     pub fn scaled(self, scale: DVec3) -> Self {
         assert_eq!(self.radius, 0.0, "scale first");
@@ -206,7 +217,7 @@ fn to_segment(p: DVec3, q: DVec3, r: DVec3) -> f64 {
 mod tests {
     use super::*;
     use hullmap::SupportMap;
-    use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
+    use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere, Triangle};
     use shapes::rng::SplitMix64;
 
     /// Support points define a shape independently of its model. Their extent agrees with the
@@ -223,6 +234,7 @@ mod tests {
             (Box::new(Cone::new(0.6, 0.4).unwrap()), Model::new(Core::Cone(0.6, 0.4))),
             (Box::new(Cone::new(0.0, 0.4).unwrap()), Model::new(Core::Cone(0.0, 0.4))),
             (Box::new(Cone::new(0.6, 0.0).unwrap()), Model::new(Core::Cone(0.6, 0.0))),
+            (Box::new(Triangle::new([half, -half, scale]).unwrap()), Model::of_triangle([half, -half, scale])),
             (
                 Box::new(Scaled::new(Cone::new(0.6, 0.4).unwrap(), scale).unwrap()),
                 Model::new(Core::Cone(0.6, 0.4)).scaled(scale),

@@ -5,7 +5,7 @@ use std::hint::black_box;
 use glam::{DQuat, DVec3, Vec3};
 use hullmap::batch::{self, Pair};
 use hullmap::cascade::{self, OuterHulls, Stages};
-use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
+use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Scaled, Segment, Sphere, Triangle};
 use hullmap::{
     Cache, Feature, Hull, Manifold, ManifoldSettings, Minkowski, Pack, Pose, Settings, Shape, contact,
     contact_lockstep, distance, intersects,
@@ -63,6 +63,9 @@ fn queries_allocate_nothing() {
         Box::new(Capsule::new(0.5, 0.3).unwrap()),
         Box::new(Cylinder::new(0.5, 0.7).unwrap()),
         Box::new(Cone::new(0.5, 0.7).unwrap()),
+        Box::new(Capsule::between(DVec3::ZERO, DVec3::ONE, 0.2).unwrap()),
+        Box::new(Segment::new(DVec3::NEG_X, DVec3::ONE).unwrap()),
+        Box::new(Triangle::new([DVec3::X, DVec3::Y, DVec3::NEG_ONE]).unwrap()),
         Box::new(Rounded::new(hull, 0.1).unwrap()),
         Box::new(Scaled::new(hull, DVec3::new(-1.0, 0.5, 0.7)).unwrap()),
     ];
@@ -123,6 +126,22 @@ fn queries_allocate_nothing() {
             black_box((hull.neighbours(i as u32).count(), hull.faces_at(i as u32).count(), hull.bounds()));
         }),
     );
+    let wall = HalfSpace::new(DVec3::ONE, 0.2).unwrap();
+    let mut on_wall = vec![Manifold::new(); ROUNDS];
+    count(
+        "half-space",
+        allocations(|i| {
+            let (a, _) = pair_at(i);
+            black_box((wall.intersects(a, poses[i]), wall.distance(a, poses[i])));
+            black_box(on_wall[i].update_half_space(&wall, a, poses[i], &ManifoldSettings::default()));
+        }),
+    );
+    count(
+        "bounds_under",
+        allocations(|i| {
+            black_box(pair_at(i).0.bounds_under(poses[i]).to_f32());
+        }),
+    );
     let mut feature = Feature::new();
     count("feature", allocations(|i| pair_at(i).0.feature(dirs[i].as_dvec3(), &mut feature)));
     count(
@@ -175,7 +194,7 @@ fn queries_allocate_nothing() {
     println!("{counts:?}");
     let guilty: Vec<_> = counts.iter().filter(|(_, count)| *count > 0).collect();
     assert!(guilty.is_empty(), "allocations in {ROUNDS} calls: {guilty:?}");
-    assert_eq!(counts.len(), 8 + 2 * 6);
+    assert_eq!(counts.len(), 10 + 2 * 6);
 
     // A batch on a warm pool: rayon's queues may grow once, for any number of pairs.
     let pairs: Vec<_> = (0..4 * ROUNDS).map(|i| (pair_at(i), poses[i % ROUNDS])).collect();

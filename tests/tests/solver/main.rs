@@ -2,6 +2,7 @@
 //! contact manifolds.
 
 mod parry;
+mod primitives;
 mod properties;
 mod regressions;
 mod soak;

@@ -33,6 +33,7 @@
 #![forbid(unsafe_code)]
 
 mod clip;
+mod half_space;
 mod select;
 
 use crate::pose::Pose;

@@ -1,13 +1,14 @@
-//! Capsule: a segment along z and a radius.
+//! Capsule: a segment and a radius.
 
 use super::error::ShapeError;
-use super::feature::{Corner, Feature, TILT};
+use super::feature::Feature;
+use super::segment::Segment;
 use super::shape::Shape;
 use super::{direction, error::length};
 use crate::support::{SupportMap, SupportPoint};
 use glam::DVec3;
 
-/// A capsule about the origin of its frame, along z.
+/// A capsule: all points within a radius of a segment.
 ///
 /// # Examples
 /// ```
@@ -19,11 +20,16 @@ use glam::DVec3;
 /// assert_eq!((capsule.half_length(), capsule.radius()), (1.0, 0.25));
 /// assert_eq!(capsule.support_point(DVec3::Z).point, DVec3::new(0.0, 0.0, 1.25));
 /// assert!(matches!(Capsule::new(1.0, -0.25), Err(ShapeError::Length { .. })));
+///
+/// // Along y, as many engines have it, with its lower end at the origin.
+/// let standing = Capsule::between(DVec3::Y * 0.25, DVec3::Y * 2.25, 0.25)?;
+/// assert_eq!(standing.support_point(DVec3::NEG_Y).point, DVec3::ZERO);
+/// assert_eq!(standing.half_length(), capsule.half_length());
 /// # Ok::<(), ShapeError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capsule {
-    half_length: f64,
+    segment: Segment,
     radius: f64,
 }
 
@@ -34,12 +40,27 @@ impl Capsule {
     /// # Errors
     /// [`ShapeError::Length`] if a length is NaN, negative or above [`f32::MAX`].
     pub fn new(half_length: f64, radius: f64) -> Result<Self, ShapeError> {
-        Ok(Self { half_length: length("half length", half_length)?, radius: length("radius", radius)? })
+        let top = DVec3::Z * length("half length", half_length)?;
+        Ok(Self { segment: Segment::new(top, -top)?, radius: length("radius", radius)? })
+    }
+
+    /// All points within `radius` of the segment from `start` to `end`, which may be equal.
+    ///
+    /// # Errors
+    /// [`ShapeError::Point`] if a coordinate is NaN or beyond [`f32::MAX`]; [`ShapeError::Length`]
+    /// if `radius` is NaN, negative or above [`f32::MAX`].
+    pub fn between(start: DVec3, end: DVec3, radius: f64) -> Result<Self, ShapeError> {
+        Ok(Self { segment: Segment::new(start, end)?, radius: length("radius", radius)? })
+    }
+
+    /// The segment: the capsule without its radius.
+    pub fn segment(&self) -> &Segment {
+        &self.segment
     }
 
     /// Half the length of the segment, without the caps.
     pub fn half_length(&self) -> f64 {
-        self.half_length
+        self.segment.half_length()
     }
 
     /// Radius of the caps and of the side.
@@ -54,42 +75,33 @@ impl SupportMap for Capsule {
         SupportPoint { point: point + direction(dir) * self.radius, feature }
     }
     fn interior_point(&self) -> DVec3 {
-        DVec3::ZERO
+        self.segment.interior_point()
     }
     fn inner_radius(&self) -> f64 {
         self.radius
     }
     fn outer_radius(&self) -> f64 {
-        self.half_length + self.radius
+        self.half_length() + self.radius
     }
     fn convex_radius(&self) -> f64 {
         self.radius
     }
     fn core_support_point(&self, dir: DVec3) -> SupportPoint {
-        let lower = dir.z < 0.0;
-        let z = if lower { -self.half_length } else { self.half_length };
-        SupportPoint { point: DVec3::Z * z, feature: u32::from(lower) }
+        self.segment.support_point(dir)
     }
     fn core_radii(&self) -> [f64; 2] {
-        [0.0, self.half_length]
+        [0.0, self.half_length()]
     }
 }
 
 impl Shape for Capsule {
-    /// The line along the side if `dir` is within [`TILT`] of perpendicular to z, otherwise a point
-    /// of a cap.
+    /// The line along the side if `dir` is within [`TILT`](crate::shapes::TILT) of perpendicular to
+    /// the segment, otherwise a point of a cap.
     fn feature(&self, dir: DVec3, out: &mut Feature) {
-        out.clear();
-        let n = direction(dir);
-        let end = |vertex: u32| {
-            let z = if vertex == 0 { self.half_length } else { -self.half_length };
-            Corner { point: DVec3::Z * z + n * self.radius, vertex }
-        };
-        if n.z.abs() <= TILT && self.half_length > 0.0 {
-            out.push(end(0));
-            out.push(end(1));
-        } else {
-            out.push(end(self.core_support_point(n).feature));
+        self.segment.feature(dir, out);
+        let offset = direction(dir) * self.radius;
+        for corner in out.corners_mut() {
+            corner.point += offset;
         }
     }
 }

@@ -1,18 +1,23 @@
-//! Primitive shapes (sphere, box, capsule, cylinder, cone) and modifiers of shapes (scaled,
-//! rounded).
+//! Primitive shapes (sphere, box, capsule, cylinder, cone, segment, triangle, half-space) and
+//! modifiers of shapes (scaled, rounded).
 //!
-//! All of them mix with hulls and with each other in every query. To add a shape, follow the recipe
-//! in CONTRIBUTING.md; `cone.rs` is an example of all that it takes.
+//! All but the half-space mix with hulls and with each other in every query. To add a shape, follow
+//! the recipe in CONTRIBUTING.md; `cone.rs` is an example of all that it takes.
 //!
 //! | shape | position in its frame | core | convex radius |
 //! |---|---|---|---|
 //! | [`Sphere`] | about the origin | point | radius |
 //! | [`Cuboid`] | about the origin, edges along the axes | itself | 0 |
-//! | [`Capsule`] | about the origin, along z | segment | radius |
+//! | [`Capsule`] | about the origin, along z; or between any two points | segment | radius |
 //! | [`Cylinder`] | about the origin, along z | itself | 0 |
 //! | [`Cone`] | along z, apex up, the origin halfway up | itself | 0 |
+//! | [`Segment`] | between any two points | itself | 0 |
+//! | [`Triangle`] | between any three points | itself | 0 |
 //! | [`Scaled`] | inner shape, scaled or mirrored | scaled[^uniform] | scaled[^uniform] |
 //! | [`Rounded`] | Minkowski sum of an inner shape and a ball | inner core | sum of both |
+//!
+//! A [`HalfSpace`] is unbounded, so it has no support mapping. It has closed forms of the queries
+//! against every shape.
 //!
 //! Queries solve the core and then add the convex radius, which is exact and takes few steps. Other
 //! curved surfaces, such as the side of a cylinder, take more steps.
@@ -50,10 +55,13 @@ mod cuboid;
 mod cylinder;
 pub(crate) mod error;
 pub(crate) mod feature;
+mod half_space;
 mod rounded;
 mod scaled;
+mod segment;
 mod shape;
 mod sphere;
+mod triangle;
 
 pub use capsule::Capsule;
 pub use cone::Cone;
@@ -61,10 +69,13 @@ pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;
 pub use error::ShapeError;
 pub use feature::{Corner, Feature, MAX_CORNERS, TILT, ring};
+pub use half_space::HalfSpace;
 pub use rounded::Rounded;
 pub use scaled::Scaled;
+pub use segment::Segment;
 pub use shape::Shape;
 pub use sphere::Sphere;
+pub use triangle::Triangle;
 
 use crate::vector::unit;
 use feature::turn;

@@ -20,6 +20,7 @@
 
 use super::minkowski::Point;
 use super::scratch::{Lent, Scratch};
+use crate::vector::unit;
 use glam::DVec3;
 
 /// Maximum number of vertices of a cached polytope.
@@ -53,6 +54,8 @@ const MAX_FACES: usize = 2 * MAX_POINTS;
 pub struct Cache {
     /// The last separating axis, from A to B.
     axis: Option<DVec3>,
+    /// GJK starts from the support point along the axis, for want of a simplex.
+    starts_from_axis: bool,
     portal: Option<[[u32; 2]; 3]>,
     /// The first `simplex_count` entries are in use.
     simplex: [[u32; 2]; 3],
@@ -70,6 +73,7 @@ impl Default for Cache {
     fn default() -> Self {
         Self {
             axis: None,
+            starts_from_axis: false,
             portal: None,
             simplex: [[0; 2]; 3],
             simplex_count: 0,
@@ -109,8 +113,43 @@ impl Cache {
         Self::default()
     }
 
+    /// A cache that starts from a direction, for pairs that have no memory of their own, such as
+    /// the triangles of a mesh: three numbers kept from the last frame instead of a cache.
+    ///
+    /// `dir` points from A to B, in A's frame; it need not be of unit length. It is a guess, for
+    /// instance the last normal, and cannot make an answer wrong. If it is zero or not finite, the
+    /// cache is empty.
+    ///
+    /// # Complexity
+    /// If `dir` is still a separating axis, [`intersects`](crate::intersects()) and
+    /// [`contact`](crate::contact()) take one support call; if not, one call more than without it.
+    /// [`distance`](crate::distance()), and every query of rounded shapes, starts from the support
+    /// points along `dir`.
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::glam::DVec3;
+    /// use hullmap::shapes::Cuboid;
+    /// use hullmap::{Cache, Pose, Settings, contact};
+    ///
+    /// let cube = Cuboid::new(DVec3::ONE)?;
+    /// let b_in_a = Pose::from_translation(DVec3::new(1.5, 2.01, 1.5))?;
+    /// let first = contact(&cube, &cube, b_in_a, &Settings::default(), &mut Cache::new());
+    /// assert!(!first.hit && first.support_calls > 1);
+    ///
+    /// let mut cache = Cache::from_axis(first.normal);
+    /// let next = contact(&cube, &cube, b_in_a, &Settings::default(), &mut cache);
+    /// assert!(!next.hit && next.support_calls == 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn from_axis(dir: DVec3) -> Self {
+        let axis = unit(dir);
+        Self { axis, starts_from_axis: axis.is_some(), ..Self::default() }
+    }
+
     /// Empties the cache.
     pub fn clear(&mut self) {
+        self.starts_from_axis = false;
         self.forget_axis();
         self.portal = None;
         self.simplex_count = 0;
@@ -134,6 +173,11 @@ impl Cache {
 
     pub(crate) fn axis(&self) -> Option<DVec3> {
         self.axis
+    }
+
+    /// The axis, if GJK is to start from it.
+    pub(super) fn start(&self) -> Option<DVec3> {
+        self.axis.filter(|_| self.starts_from_axis)
     }
 
     pub(crate) fn set_axis(&mut self, axis: DVec3) {

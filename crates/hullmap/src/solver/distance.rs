@@ -7,7 +7,7 @@
 //! # Steps
 //! 1. If the balls inside the shapes overlap, the distance is 0. No support call.
 //! 2. Start from the last simplex under the new pose, from the points of an intersection test that
-//!    missed, or from the centre.
+//!    missed, from the axis of [`Cache::from_axis`], or from the centre.
 //! 3. Search the point closest to the origin (GJK).
 //! 4. If it is the origin within rounding error, decide by EPA whether the shapes overlap or touch.
 
@@ -101,7 +101,7 @@ pub(super) fn core_distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         return out;
     }
     let mut simplex = Simplex::empty();
-    restore_simplex(&m, cache, &mut simplex);
+    restore_simplex(&mut m, cache, &mut simplex);
     let found = closest(&mut m, &mut simplex, settings.relative_tolerance(), settings.max_iterations);
     cache.set_simplex(simplex.features());
     let (point_a, point_b, between) = simplex.witnesses(found.upper, m.noise());
@@ -131,11 +131,12 @@ pub(super) fn core_distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     out
 }
 
-/// Warm start: fills `simplex` with the last frame's cached vertices under the new pose, or with
-/// the centre if there are none.
+/// Warm start: fills `simplex` with the last frame's cached vertices under the new pose. If there
+/// are none, with the support point along the axis that the cache was started from, or else with
+/// the centre.
 #[inline(always)]
 fn restore_simplex<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &Minkowski<'_, A, B>,
+    m: &mut Minkowski<'_, A, B>,
     cache: &Cache,
     simplex: &mut Simplex,
 ) {
@@ -145,7 +146,10 @@ fn restore_simplex<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         }
     }
     if simplex.is_empty() {
-        simplex.push(m.center_point());
+        simplex.push(match cache.start() {
+            Some(axis) => m.point(axis),
+            None => m.center_point(),
+        });
     }
 }
 

@@ -6,6 +6,7 @@
 //! support vertex of the previous query is still the answer.
 
 pub(crate) mod best_candidate;
+mod bounds;
 pub(crate) mod candidate;
 pub(crate) mod direction;
 pub(crate) mod hint;
@@ -13,5 +14,6 @@ pub(crate) mod index;
 pub(crate) mod simd;
 mod support_map;
 
+pub use bounds::Bounds;
 pub use simd::Instructions;
 pub use support_map::{SupportMap, SupportPoint};

@@ -1,6 +1,16 @@
 //! Support mapping: the only interface between the solver and a shape.
 
+use super::bounds::Bounds;
+use crate::pose::Pose;
 use glam::DVec3;
+
+/// Rounding error of a bound, in units of `f64::EPSILON` times the length of the interior point,
+/// the outer radius and the length of the translation.
+///
+/// As in Lemma 4 of docs/intervals.md: the rotated direction costs 38 of the radius, the rotated
+/// point 19, comparing dot products 3, and the two sums half a unit each. The excess covers terms
+/// of second order.
+const BOUND_UNITS: [f64; 3] = [25.0, 64.0, 2.0];
 
 /// Support point of a shape: a point of the shape with the maximum dot product with the query
 /// direction.
@@ -23,7 +33,8 @@ pub struct SupportPoint {
     /// The point, in the shape's local frame.
     pub point: DVec3,
     /// Identifies the point among the shape's features: on a hull, the vertex index. Shapes with
-    /// vertices return equal points for equal features.
+    /// vertices return equal points for equal features, and other features for other points: a
+    /// manifold merges points on the same features. A shape without vertices returns 0.
     pub feature: u32,
 }
 
@@ -34,34 +45,61 @@ pub struct SupportPoint {
 /// batches require a [`Shape`](crate::Shape): a support mapping with features.
 ///
 /// # Examples
-/// A shape of your own, here an ellipsoid about the origin:
+/// A shape of your own, here a square pyramid. Every vertex has a feature of its own:
 /// ```
 /// use hullmap::glam::DVec3;
-/// use hullmap::{Cache, Pose, Settings, SupportMap, SupportPoint};
+/// use hullmap::{Cache, Manifold, ManifoldSettings, Pose, Settings, Shape, SupportMap, SupportPoint};
 ///
-/// struct Ellipsoid(DVec3);
+/// struct Pyramid;
 ///
-/// impl SupportMap for Ellipsoid {
+/// impl Pyramid {
+///     const VERTICES: [DVec3; 5] = [
+///         DVec3::new(1.0, 1.0, 0.0),
+///         DVec3::new(-1.0, 1.0, 0.0),
+///         DVec3::new(-1.0, -1.0, 0.0),
+///         DVec3::new(1.0, -1.0, 0.0),
+///         DVec3::new(0.0, 0.0, 2.0),
+///     ];
+/// }
+///
+/// impl SupportMap for Pyramid {
 ///     fn support_point(&self, dir: DVec3) -> SupportPoint {
-///         let unit = (dir * self.0).try_normalize().unwrap_or(DVec3::X);
-///         SupportPoint { point: unit * self.0, feature: 0 }
+///         let mut best = 0;
+///         for (i, vertex) in Self::VERTICES.iter().enumerate() {
+///             if (*vertex - Self::VERTICES[best]).dot(dir) > 0.0 {
+///                 best = i;
+///             }
+///         }
+///         SupportPoint { point: Self::VERTICES[best], feature: best as u32 }
+///     }
+///     fn point(&self, feature: u32) -> Option<DVec3> {
+///         Self::VERTICES.get(feature as usize).copied()
 ///     }
 ///     fn interior_point(&self) -> DVec3 {
-///         DVec3::ZERO
+///         DVec3::new(0.0, 0.0, 0.5)
 ///     }
 ///     fn inner_radius(&self) -> f64 {
-///         self.0.min_element()
+///         0.5
 ///     }
 ///     fn outer_radius(&self) -> f64 {
-///         self.0.max_element()
+///         1.5
 ///     }
 /// }
 ///
-/// let egg = Ellipsoid(DVec3::new(1.0, 1.0, 2.0));
-/// let b_in_a = Pose::from_translation(DVec3::new(0.0, 0.0, 5.0))?;
-/// let gap = hullmap::distance(&egg, &egg, b_in_a, &Settings::default(), &mut Cache::new());
-/// assert!((gap.distance - 1.0).abs() < 1e-9);
-/// # Ok::<(), hullmap::PoseError>(())
+/// let above = Pose::from_translation(DVec3::new(0.0, 0.0, 5.0))?;
+/// let gap = hullmap::distance(&Pyramid, &Pyramid, above, &Settings::default(), &mut Cache::new());
+/// assert!((gap.distance - 3.0).abs() < 1e-9);
+///
+/// // A manifold requires a `Shape`. It distinguishes points by their features: if all vertices had
+/// // the same feature, it would merge the four corners of the base into one, and the pyramid would
+/// // tip over.
+/// impl Shape for Pyramid {}
+/// let mut manifold = Manifold::new();
+/// let floor = hullmap::shapes::Cuboid::new(DVec3::new(9.0, 9.0, 1.0))?;
+/// let resting = Pose::from_translation(DVec3::Z)?;
+/// manifold.update(&floor, &Pyramid, resting, &ManifoldSettings::default(), &mut Cache::new());
+/// assert_eq!(manifold.points().len(), 4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait SupportMap {
     /// Support point in direction `dir`.
@@ -135,5 +173,40 @@ pub trait SupportMap {
     /// default that of the shape.
     fn core_point(&self, feature: u32) -> Option<DVec3> {
         self.point(feature)
+    }
+
+    /// Axis-aligned bounds of the shape, placed at `pose`, in the frame that the pose maps to.
+    ///
+    /// The box certainly contains the shape: it is larger than the tightest box by the rounding
+    /// error, about 1e-14 of the shape's size and of its distance from the origin, and by
+    /// [`support_error`](Self::support_error).
+    ///
+    /// # Complexity
+    /// Six support queries. No allocation.
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::glam::{DQuat, DVec3};
+    /// use hullmap::shapes::Cuboid;
+    /// use hullmap::{Pose, SupportMap};
+    ///
+    /// let plate = Cuboid::new(DVec3::new(2.0, 1.0, 0.0))?;
+    /// let upright = DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2);
+    /// let bounds = plate.bounds_under(Pose::new(DVec3::new(0.0, 0.0, 7.0), upright)?);
+    /// assert!(bounds.max.distance(DVec3::new(0.0, 1.0, 9.0)) < 1e-12);
+    /// assert!(bounds.max.cmpge(DVec3::new(0.0, 1.0, 9.0)).all());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    fn bounds_under(&self, pose: Pose) -> Bounds {
+        let (turn, shift) = (pose.rotation_matrix(), pose.translation());
+        let unturn = turn.transpose();
+        let extent = |axis: DVec3| (turn * self.support_point(unturn * axis).point + shift).dot(axis);
+        let max = DVec3::new(extent(DVec3::X), extent(DVec3::Y), extent(DVec3::Z));
+        let min = -DVec3::new(extent(DVec3::NEG_X), extent(DVec3::NEG_Y), extent(DVec3::NEG_Z));
+        let l1_norm = |v: DVec3| v.abs().element_sum();
+        let lengths = [l1_norm(self.interior_point()), self.outer_radius(), l1_norm(shift)];
+        let rounding: f64 = BOUND_UNITS.iter().zip(lengths).map(|(units, length)| units * f64::EPSILON * length).sum();
+        let margin = DVec3::splat(rounding + self.support_error());
+        Bounds { min: min - margin, max: max + margin }
     }
 }

@@ -1,0 +1,271 @@
+//! Half-space: everything below a plane. Its queries are closed forms with one support query.
+//!
+//! # Steps
+//! 1. Query the support point of the other shape against the normal: its point farthest below the
+//!    plane.
+//! 2. Its signed height above the plane is the distance or the negative depth.
+//!
+//! # Deviations
+//! - A half-space is unbounded, so it has no support mapping and is no
+//!   [`SupportMap`]. In the direction of the normal it acts as one point of its plane, and the
+//!   rounding error is that of the Minkowski difference of this point and the other shape.
+
+use super::error::{MAX_LENGTH, ShapeError, point};
+use crate::pose::Pose;
+use crate::solver::{Contact, Distance, Intersection, Minkowski, Overlap, Status};
+use crate::support::{SupportMap, SupportPoint};
+use crate::vector::unit;
+use glam::DVec3;
+
+/// Everything below a plane: the points p with `normal` · p ≤ `offset`. Unbounded, for floors and
+/// walls.
+///
+/// It is always A, the first shape of a pair: normals point out of it, and answers are in its
+/// frame. If the half-space is B in your program, pass the inverse pose. The queries need neither
+/// settings nor a cache. [`Manifold::update_half_space`](crate::Manifold::update_half_space) finds
+/// the contact points.
+///
+/// # Examples
+/// ```
+/// use hullmap::glam::{DQuat, DVec3};
+/// use hullmap::shapes::{Cuboid, HalfSpace};
+/// use hullmap::{Overlap, Pose, Status};
+///
+/// let floor = HalfSpace::new(DVec3::Z, 0.0)?;
+/// let cube = Cuboid::new(DVec3::ONE)?;
+/// // The cube stands on an edge, which reaches √2 below its centre.
+/// let tilted = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_4);
+/// let c = floor.contact(&cube, Pose::new(DVec3::new(5.0, 0.0, 1.0), tilted)?);
+/// assert!(c.hit && (c.depth - (2_f64.sqrt() - 1.0)).abs() < 1e-12);
+/// assert_eq!((c.normal, c.status), (DVec3::Z, Status::Exact));
+///
+/// let above = Pose::from_translation(DVec3::new(0.0, 0.0, 1.5))?;
+/// assert_eq!(floor.distance(&cube, above).distance, 0.5);
+/// assert_eq!(floor.intersects(&cube, above).status, Overlap::Separated);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HalfSpace {
+    normal: DVec3,
+    offset: f64,
+}
+
+/// Rounding error of the point `normal * offset` along the normal, in units of `f64::EPSILON` times
+/// the offset. The stored normal has a length within 5 units of 1, which counts twice; the product
+/// adds half a unit.
+const OFFSET_UNITS: f64 = 12.0;
+
+/// The point of the plane closest to the origin, as a shape.
+#[derive(Debug)]
+struct Foot(DVec3);
+
+impl SupportMap for Foot {
+    fn support_point(&self, _: DVec3) -> SupportPoint {
+        SupportPoint { point: self.0, feature: 0 }
+    }
+    fn interior_point(&self) -> DVec3 {
+        self.0
+    }
+    fn inner_radius(&self) -> f64 {
+        0.0
+    }
+    fn outer_radius(&self) -> f64 {
+        0.0
+    }
+}
+
+/// The lowest point of a shape, relative to the plane.
+struct Lowest {
+    /// Depth below the plane; negative above.
+    depth: f64,
+    lower: f64,
+    upper: f64,
+    overlap: Overlap,
+    /// The point, and its projection onto the plane.
+    point_b: DVec3,
+    point_a: DVec3,
+}
+
+impl HalfSpace {
+    /// The points p with `normal` · p ≤ `offset`, for `normal` normalised: the plane is `offset`
+    /// away from the origin, towards the normal.
+    ///
+    /// # Errors
+    /// [`ShapeError::Normal`] if `normal` is zero or not finite, [`ShapeError::Offset`] if `offset`
+    /// is NaN or beyond [`f32::MAX`].
+    pub fn new(normal: DVec3, offset: f64) -> Result<Self, ShapeError> {
+        let largest = normal.abs().max_element();
+        // Divided first: the square of a tiny or huge vector would underflow or overflow.
+        let unit = unit(normal / largest).filter(|_| normal.is_finite());
+        let normal = unit.ok_or(ShapeError::Normal { found: normal })?;
+        // NaN takes the failing branch.
+        if offset.abs() <= MAX_LENGTH { Ok(Self { normal, offset }) } else { Err(ShapeError::Offset { found: offset }) }
+    }
+
+    /// The half-space below the plane through `on_plane`, with this outward normal.
+    ///
+    /// # Errors
+    /// [`ShapeError::Normal`] if `normal` is zero or not finite, [`ShapeError::Point`] or
+    /// [`ShapeError::Offset`] if the point is not finite or too far from the origin.
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::glam::DVec3;
+    /// use hullmap::shapes::HalfSpace;
+    ///
+    /// let wall = HalfSpace::through(DVec3::new(3.0, 7.0, 0.0), DVec3::NEG_X)?;
+    /// assert_eq!((wall.normal(), wall.offset()), (DVec3::NEG_X, -3.0));
+    /// # Ok::<(), hullmap::ShapeError>(())
+    /// ```
+    pub fn through(on_plane: DVec3, normal: DVec3) -> Result<Self, ShapeError> {
+        let at_origin = Self::new(normal, 0.0)?;
+        Self::new(at_origin.normal, at_origin.normal.dot(point("point of the plane", on_plane)?))
+    }
+
+    /// Unit normal of the plane, out of the half-space.
+    pub fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
+    /// Distance of the plane from the origin along the normal.
+    pub fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    fn lowest<B: SupportMap + ?Sized>(&self, b: &B, b_in_a: Pose) -> Lowest {
+        let foot = Foot(self.normal * self.offset);
+        let mut m = Minkowski::new(&foot, b, b_in_a);
+        let vertex = m.point(self.normal);
+        let depth = vertex.w.dot(self.normal);
+        let offset_error = OFFSET_UNITS * f64::EPSILON * self.offset.abs();
+        // The point belongs to the shape. Only whether it is the lowest depends on the support
+        // error.
+        let (lower, upper) = (depth - m.noise() - offset_error, depth + m.rounding_error() + offset_error);
+        let overlap = match (lower > 0.0, upper < 0.0) {
+            (true, _) => Overlap::Overlapping,
+            (_, true) => Overlap::Separated,
+            _ if depth.is_finite() && upper.is_finite() => Overlap::Touching,
+            _ => Overlap::Undecided,
+        };
+        let point_b = vertex.b();
+        Lowest { depth, lower, upper, overlap, point_b, point_a: point_b + self.normal * depth }
+    }
+
+    /// Whether the half-space and `b`, placed at `b_in_a`, share a point.
+    ///
+    /// # Complexity
+    /// One support query. No allocation.
+    pub fn intersects<B: SupportMap + ?Sized>(&self, b: &B, b_in_a: Pose) -> Intersection {
+        Intersection { status: self.lowest(b, b_in_a).overlap, iterations: 1, support_calls: 1 }
+    }
+
+    /// Contact of the half-space and of `b`, placed at `b_in_a`. The normal is that of the plane.
+    ///
+    /// `point_b` is the deepest point of `b`, and `point_a` its projection onto the plane, also if
+    /// they are separated. The interval is as narrow as rounding error allows.
+    ///
+    /// # Complexity
+    /// One support query. No allocation.
+    pub fn contact<B: SupportMap + ?Sized>(&self, b: &B, b_in_a: Pose) -> Contact {
+        let Lowest { depth, lower, upper, overlap, point_a, point_b } = self.lowest(b, b_in_a);
+        let found = Contact {
+            hit: true,
+            status: Status::Exact,
+            depth,
+            depth_lower: lower,
+            depth_upper: upper,
+            normal: self.normal,
+            point_a,
+            point_b,
+            iterations: 1,
+            support_calls: 1,
+        };
+        let none = Contact { depth: 0.0, depth_lower: 0.0, ..found };
+        match overlap {
+            Overlap::Overlapping => found,
+            Overlap::Touching => Contact { status: Status::Touching, depth_upper: upper.max(0.0), ..none },
+            Overlap::Separated => Contact { hit: false, status: Status::Separated, depth_upper: 0.0, ..none },
+            Overlap::Undecided => Contact { status: Status::Stalled, depth_upper: f64::INFINITY, ..none },
+        }
+    }
+
+    /// Distance of the half-space and of `b`, placed at `b_in_a`; 0 if they overlap or touch. The
+    /// normal is that of the plane.
+    ///
+    /// # Complexity
+    /// One support query. No allocation.
+    pub fn distance<B: SupportMap + ?Sized>(&self, b: &B, b_in_a: Pose) -> Distance {
+        let Lowest { depth, lower, upper, overlap, point_a, point_b } = self.lowest(b, b_in_a);
+        let found = Distance {
+            status: Status::Exact,
+            distance: -depth,
+            lower: -upper,
+            upper: -lower,
+            normal: self.normal,
+            point_a,
+            point_b,
+            iterations: 1,
+            support_calls: 1,
+        };
+        let none = Distance { distance: 0.0, lower: 0.0, ..found };
+        match overlap {
+            Overlap::Separated => found,
+            Overlap::Touching => Distance { status: Status::Touching, upper: (-lower).max(0.0), ..none },
+            // The deepest point of the shape is in the half-space too.
+            Overlap::Overlapping => Distance { status: Status::Overlapping, upper: 0.0, point_a: point_b, ..none },
+            Overlap::Undecided => Distance { status: Status::Stalled, upper: f64::INFINITY, ..none },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes::{Cuboid, Sphere};
+    use glam::DQuat;
+
+    #[test]
+    fn invalid_numbers_are_errors() {
+        for bad in [DVec3::ZERO, DVec3::NAN, DVec3::INFINITY, DVec3::new(1.0, f64::NEG_INFINITY, 0.0)] {
+            assert!(matches!(HalfSpace::new(bad, 0.0), Err(ShapeError::Normal { .. })), "{bad}");
+        }
+        for bad in [f64::NAN, f64::INFINITY, 1e39, -1e39] {
+            assert!(matches!(HalfSpace::new(DVec3::Z, bad), Err(ShapeError::Offset { .. })), "{bad}");
+            assert!(HalfSpace::through(DVec3::X * bad, DVec3::Z).is_err());
+        }
+        for size in [1e-300, 1e-3, 1.0, 1e300] {
+            assert!((HalfSpace::new(DVec3::ONE * size, 1.0).unwrap().normal().length() - 1.0).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn touching_is_neither_separated_nor_overlapping() {
+        let turn = DQuat::from_xyzw(0.1, -0.3, 0.2, 0.9).normalize();
+        let (cube, ball) = (Cuboid::new(DVec3::new(0.3, 0.7, 0.9)).unwrap(), Sphere::new(0.8).unwrap());
+        for size in [1e-3, 1.0, 1e6] {
+            let normal = DVec3::new(1.0, 2.0, -0.5).normalize();
+            let plane = HalfSpace::new(normal, 3.0 * size).unwrap();
+            // The centre of the ball is its radius above the plane, up to rounding error.
+            let pose = Pose::new(normal * (3.0 * size + 0.8), turn).unwrap();
+            assert_eq!(plane.intersects(&ball, pose).status, Overlap::Touching);
+            let (c, d) = (plane.contact(&ball, pose), plane.distance(&ball, pose));
+            assert_eq!((c.status, c.hit, c.depth), (Status::Touching, true, 0.0));
+            assert_eq!((d.status, d.lower, d.distance), (Status::Touching, 0.0, 0.0));
+            assert!(d.upper < 1e-13 * (1.0 + size) && c.depth_upper < 1e-13 * (1.0 + size));
+            let raised = plane.distance(&cube, Pose::from_translation(normal * (3.0 * size + 5.0)).unwrap());
+            assert!(raised.status == Status::Exact && raised.lower > 0.0);
+            assert!((raised.point_b - raised.point_a).dot(normal) > 0.99 * raised.distance);
+        }
+    }
+
+    /// A shape whose support points are NaN gets an answer that claims nothing.
+    #[test]
+    fn nan_is_undecided() {
+        let half = HalfSpace::new(DVec3::Z, 0.0).unwrap();
+        let nan = Foot(DVec3::NAN);
+        assert_eq!(half.intersects(&nan, Pose::IDENTITY).status, Overlap::Undecided);
+        let (c, d) = (half.contact(&nan, Pose::IDENTITY), half.distance(&nan, Pose::IDENTITY));
+        assert!(c.hit && c.depth_lower == 0.0 && c.depth_upper == f64::INFINITY && c.status == Status::Stalled);
+        assert!(d.lower == 0.0 && d.upper == f64::INFINITY && d.status == Status::Stalled);
+    }
+}

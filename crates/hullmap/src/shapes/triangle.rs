@@ -1,0 +1,103 @@
+//! Triangle: a flat shape with three corners.
+
+use super::direction;
+use super::error::{ShapeError, point};
+use super::feature::{Corner, Feature, TILT};
+use super::shape::Shape;
+use crate::support::{SupportMap, SupportPoint};
+use glam::DVec3;
+
+/// A triangle, for instance of a triangle mesh. It is flat and has two sides.
+///
+/// The corners have the vertex ids 0, 1 and 2. They may be collinear, or equal: meshes have such
+/// triangles, and these are segments or points.
+///
+/// # Examples
+/// ```
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::Triangle;
+/// use hullmap::{Feature, Shape, ShapeError, SupportMap};
+///
+/// let triangle = Triangle::new([DVec3::ZERO, DVec3::X, DVec3::Y])?;
+/// assert_eq!(triangle.support_point(DVec3::new(1.0, 2.0, 5.0)).feature, 2);
+/// let mut feature = Feature::new();
+/// triangle.feature(DVec3::NEG_Z, &mut feature);
+/// assert_eq!(feature.corners().len(), 3);
+/// triangle.feature(DVec3::NEG_Y, &mut feature);
+/// assert_eq!(feature.corners().len(), 2);
+/// assert!(matches!(Triangle::new([DVec3::NAN; 3]), Err(ShapeError::Point { .. })));
+/// # Ok::<(), ShapeError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triangle {
+    corners: [DVec3; 3],
+    centroid: DVec3,
+    /// Distance of the farthest corner from the centroid.
+    outer_radius: f64,
+}
+
+impl Triangle {
+    /// The triangle with these corners.
+    ///
+    /// # Errors
+    /// [`ShapeError::Point`] if a coordinate is NaN or beyond [`f32::MAX`].
+    pub fn new(corners: [DVec3; 3]) -> Result<Self, ShapeError> {
+        for corner in corners {
+            point("corner of the triangle", corner)?;
+        }
+        let [a, b, c] = corners;
+        let centroid = a + ((b - a) + (c - a)) / 3.0;
+        let outer_radius = corners.map(|corner| corner.distance(centroid)).into_iter().fold(0.0, f64::max);
+        Ok(Self { corners, centroid, outer_radius })
+    }
+
+    /// The corners.
+    pub fn corners(&self) -> [DVec3; 3] {
+        self.corners
+    }
+}
+
+impl SupportMap for Triangle {
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
+        let [a, b, c] = self.corners;
+        // Differences keep the digits of a small triangle far from the origin. NaN takes the
+        // failing branches.
+        let (to_b, to_c) = ((b - a).dot(dir), (c - a).dot(dir));
+        if to_c > 0.0 && to_c > to_b {
+            SupportPoint { point: c, feature: 2 }
+        } else if to_b > 0.0 {
+            SupportPoint { point: b, feature: 1 }
+        } else {
+            SupportPoint { point: a, feature: 0 }
+        }
+    }
+    fn interior_point(&self) -> DVec3 {
+        self.centroid
+    }
+    fn inner_radius(&self) -> f64 {
+        0.0
+    }
+    fn outer_radius(&self) -> f64 {
+        self.outer_radius
+    }
+    fn point(&self, feature: u32) -> Option<DVec3> {
+        self.corners.get(feature as usize).copied()
+    }
+}
+
+impl Shape for Triangle {
+    /// The support corner, and the others that it reaches by edges within [`TILT`] of perpendicular
+    /// to `dir`: all three, an edge, or the corner alone.
+    fn feature(&self, dir: DVec3, out: &mut Feature) {
+        out.clear();
+        let n = direction(dir);
+        let SupportPoint { point: top, feature } = self.support_point(n);
+        for (corner, vertex) in self.corners.into_iter().zip(0..) {
+            let edge = corner - top;
+            // Equal corners count once.
+            if vertex == feature || corner != top && edge.dot(n).abs() <= TILT * edge.length() {
+                out.push(Corner { point: corner, vertex });
+            }
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! Axis-aligned bounds: the box that a broad phase sorts.
+
+use glam::{DVec3, Vec3};
+
+/// An axis-aligned box that contains a shape. [`SupportMap::bounds_under`] returns it.
+///
+/// [`SupportMap::bounds_under`]: crate::SupportMap::bounds_under
+///
+/// # Examples
+/// ```
+/// use hullmap::Bounds;
+/// use hullmap::glam::DVec3;
+///
+/// let bounds = Bounds { min: DVec3::splat(-0.1), max: DVec3::new(1.0, 2.0, 0.3) };
+/// let [min, max] = bounds.to_f32();
+/// // 0.3 is not an f32. The box grows to the next one.
+/// assert!(f64::from(max.z) > 0.3 && f64::from(min.x) < -0.1);
+/// assert_eq!(max.x, 1.0);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Minimum of each coordinate.
+    pub min: DVec3,
+    /// Maximum of each coordinate.
+    pub max: DVec3,
+}
+
+impl Bounds {
+    /// The smallest box of single precision that contains this one: minimum and maximum.
+    ///
+    /// Beyond the range of f32 a coordinate is infinite.
+    pub fn to_f32(&self) -> [Vec3; 2] {
+        let below = |c: f64| {
+            let nearest = c as f32;
+            if f64::from(nearest) > c { nearest.next_down() } else { nearest }
+        };
+        let above = |c: f64| -below(-c);
+        let [a, b] = [self.min.to_array().map(below), self.max.to_array().map(above)];
+        [Vec3::from_array(a), Vec3::from_array(b)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn single_precision_bounds_contain_and_are_the_smallest() {
+        for c in [0.0, 1.0, 0.1, -0.1, 1.0 / 3.0, 1e-46, -1e-46, 3.5e38, 1e300, 16_777_217.0, -16_777_217.0] {
+            let [min, max] = Bounds { min: DVec3::splat(c), max: DVec3::splat(c) }.to_f32();
+            assert!(f64::from(min.x) <= c && c <= f64::from(max.y), "{c}: {min} {max}");
+            assert!(max.z == min.z || max.z == min.z.next_up(), "{c}: {min} {max}");
+        }
+        let [min, max] = Bounds { min: DVec3::NAN, max: DVec3::NAN }.to_f32();
+        assert!(min.is_nan() && max.is_nan());
+    }
+}

@@ -1,0 +1,199 @@
+//! Triangles, segments and half-spaces against the truth in f64, and bounds of all shapes.
+
+use glam::{DMat3, DVec3};
+use hullmap::shapes::{HalfSpace, Segment, Triangle};
+use hullmap::{Bounds, Cache, Overlap, Pose, Settings, Shape, Status, SupportMap, contact, distance, intersects};
+use hullmap_bake::IndexKind;
+use hullmap_testkit::{
+    depth::signed_depth,
+    gap::gap,
+    packs::pack,
+    polytope::{Polytope, rounding_error},
+    random::RandomPoses,
+    reach::{Placed, Reach},
+};
+use hullmap_tests::soak::cast::{Cast, Stock};
+use shapes::{families::Family, rng::SplitMix64};
+
+const SEED: u64 = 20_261_122;
+
+/// Triangles and segments against hulls, and against each other: their truth is that of the polygon
+/// or segment with the same corners.
+#[test]
+fn triangles_and_segments_against_hulls() {
+    let mut rng = SplitMix64::new(SEED);
+    let solids = [(Family::Rock, 30), (Family::CubeGrid, 8), (Family::Prism, 12), (Family::Sphere, 60)];
+    let solids: Vec<_> = solids.map(|(family, n)| pack("solid", &family.points(n, 1), IndexKind::Tree)).into();
+    let (mut hits, mut sure) = (0, 0);
+    for i in 0..3_000 {
+        let size = [1.0, 0.1, 4.0][i % 3];
+        let corners = [(); 3].map(|()| (rng.unit_vector() * size).as_vec3());
+        let points = corners.map(|p| p.as_dvec3());
+        let is_triangle = i % 2 == 0;
+        let (flat, baked): (Box<dyn Shape>, _) = if is_triangle {
+            (Box::new(Triangle::new(points).unwrap()), pack("flat", &corners.map(|p| p.to_array()), IndexKind::Tree))
+        } else {
+            let ends = [corners[0].to_array(), corners[1].to_array()];
+            (Box::new(Segment::new(points[0], points[1]).unwrap()), pack("flat", &ends, IndexKind::Tree))
+        };
+        let solid = &solids[rng.below(solids.len())];
+        let hull = solid.hull(0).unwrap();
+        let pose = rng.pose(1.0 + 1.2 * size);
+        let settings = Settings::default();
+        let deep = contact(&hull, &*flat, pose, &settings, &mut Cache::new());
+        let near = distance(&hull, &*flat, pose, &settings, &mut Cache::new());
+        let yes = intersects(&hull, &*flat, pose, &mut Cache::new());
+        let at = format!("seed {SEED}, {i}: {deep:?} {near:?} {yes:?}");
+        assert!(!matches!(deep.status, Status::Stalled | Status::IterationLimit), "{at}");
+        hits += usize::from(deep.hit);
+        // The baked twin has the same corners.
+        let twin = baked.hull(0).unwrap();
+        let twins = [
+            contact(&hull, &twin, pose, &settings, &mut Cache::new()),
+            contact(&*flat, &hull, pose.inverse(), &settings, &mut Cache::new()),
+        ];
+        for twin in twins {
+            assert!(
+                deep.depth_lower <= twin.depth_upper + 1e-12 && twin.depth_lower <= deep.depth_upper + 1e-12,
+                "{at}"
+            );
+        }
+        if !is_triangle {
+            continue;
+        }
+        let (a, b) = (Polytope::new(&hull), Polytope::new(&twin).placed(pose));
+        let slack = rounding_error(&a, &b, pose.translation().length());
+        let (depth, _) = signed_depth(&a, &b, f64::NEG_INFINITY);
+        if depth.abs() > 2.0 * slack {
+            sure += 1;
+            assert_eq!((deep.hit, yes.is_hit()), (depth > 0.0, depth > 0.0), "{depth:e}, {at}");
+        }
+        let truth = depth.max(0.0);
+        assert!(deep.depth_lower <= truth + slack && truth - slack <= deep.depth_upper, "{depth:e}, {at}");
+        let far = gap(&a, &b);
+        let lower = far.lower.max(-depth).max(0.0);
+        assert!(near.lower <= far.upper + slack && lower - slack <= near.upper, "{far:?}, {at}");
+    }
+    assert!((800..2_200).contains(&hits) && sure > 1_000, "{hits} hits, {sure} sure");
+}
+
+/// Planes at and around the surfaces of all shapes of the soak, against the shapes' definitions.
+#[test]
+fn half_spaces_against_all_shapes() {
+    let stock = Stock::bake(&[], 1);
+    let cast = Cast::new(&stock);
+    let mut rng = SplitMix64::new(SEED + 1);
+    let mut counts = [0_usize; 3];
+    for index in 0..20_000 {
+        let pair = cast.pair(SEED, index);
+        let (body, pose) = (pair.bodies[1], pair.b_in_a);
+        let shape = body.shape();
+        let normal = if index % 5 == 0 { DVec3::AXES[rng.below(3)] } else { rng.unit_vector() };
+        let placed = Placed::new(&body.model, pose);
+        let lowest = -placed.reach(-normal);
+        let size = shape.outer_radius();
+        let offset = lowest + size * [0.0, 1e-12, 0.3, -1e-12, -0.3, 1.5][rng.below(6)];
+        let Ok(plane) = HalfSpace::new(normal, offset) else { continue };
+        let truth = plane.offset() + placed.reach(-plane.normal());
+        let (c, d, y) = (plane.contact(shape, pose), plane.distance(shape, pose), plane.intersects(shape, pose).status);
+        let reach = body.model.greatest + pose.translation().length() + offset.abs();
+        let slack = 64.0 * f64::EPSILON * reach;
+        let width = 200.0 * f64::EPSILON * (reach + size) + 2.0 * shape.support_error();
+        let at = format!("seed {SEED}, {index}, {}, truth {truth:e}: {plane:?} {pose:?} {c:?} {d:?} {y}", body.name);
+        assert!(c.depth_lower <= truth.max(0.0) + slack && truth.max(0.0) <= c.depth_upper + slack, "{at}");
+        assert!(d.lower <= (-truth).max(0.0) + slack && (-truth).max(0.0) <= d.upper + slack, "{at}");
+        assert!(c.depth_upper - c.depth_lower <= width && d.upper - d.lower <= width, "{at}");
+        let overlap = match (c.hit, c.status) {
+            (false, Status::Separated) => Overlap::Separated,
+            (true, Status::Touching) => Overlap::Touching,
+            (true, Status::Exact) => Overlap::Overlapping,
+            _ => panic!("{at}"),
+        };
+        assert_eq!(overlap, y, "{at}");
+        match y {
+            Overlap::Separated => assert!(truth < slack && d.status == Status::Exact && d.lower > 0.0, "{at}"),
+            Overlap::Touching => assert!(truth.abs() <= width && d.status == Status::Touching, "{at}"),
+            _ => assert!(truth > -slack && d.status == Status::Overlapping && c.depth_lower > 0.0, "{at}"),
+        }
+        counts[y as usize % 3] += 1;
+        // The points are on the plane and on the body, and differ along the normal.
+        let unturn = DMat3::from_quat(pose.rotation()).transpose();
+        let on_body = body.model.outside(unturn * (c.point_b - pose.translation()));
+        assert!(on_body <= slack, "{at}: {on_body:e}");
+        assert!((c.point_a.dot(plane.normal()) - plane.offset()).abs() <= slack, "{at}");
+        let between = (c.point_a - c.point_b).dot(plane.normal());
+        assert!((between - truth).abs() <= width, "{at}");
+    }
+    assert!(counts.iter().all(|count| *count > 2_000), "{counts:?}");
+}
+
+/// Bounds contain the shape, without any tolerance for the reference, and are hardly larger.
+#[test]
+fn bounds_of_all_shapes() {
+    let stock = Stock::bake(&[], 1);
+    let cast = Cast::new(&stock);
+    for index in 0..10_000 {
+        let pair = cast.pair(SEED + 1, index);
+        let (body, pose) = (pair.bodies[1], pair.b_in_a);
+        let placed = Placed::new(&body.model, pose);
+        let bounds: Bounds = body.shape().bounds_under(pose);
+        let reach = body.model.greatest + pose.translation().length() + body.shape().outer_radius();
+        let at = format!("seed {SEED}, {index}, {}, {pose:?}: {bounds:?}", body.name);
+        let slack = 200.0 * f64::EPSILON * reach + 2.0 * body.shape().support_error();
+        let [low, high] = bounds.to_f32();
+        for axis in 0..3 {
+            let (min, max) = (-placed.reach(-DVec3::AXES[axis]), placed.reach(DVec3::AXES[axis]));
+            assert!(bounds.min[axis] <= min && max <= bounds.max[axis], "{at}: {min:e} {max:e}");
+            assert!(min - bounds.min[axis] <= slack && bounds.max[axis] - max <= slack, "{at}: {min:e} {max:e}");
+            assert!(f64::from(low[axis]) <= min && max <= f64::from(high[axis]), "{at}");
+        }
+    }
+}
+
+/// A cache that starts from the axis of a nearby pose saves support calls in the first query.
+#[test]
+fn caches_started_from_an_axis_save_support_calls() {
+    let packs =
+        [Family::Rock, Family::Prism, Family::Cone].map(|family| pack("hull", &family.points(300, 1), IndexKind::Tree));
+    let mut rng = SplitMix64::new(SEED + 2);
+    let settings = Settings::default();
+    // Contact, intersects and distance of two hulls, and distance of a hull and a triangle.
+    let (mut fresh, mut started, mut apart) = ([0; 4], [0; 4], 0);
+    for _ in 0..2_000 {
+        let mut hull = || packs[rng.below(3)].hull(0).unwrap();
+        let (a, b) = (hull(), hull());
+        let size = a.outer_radius().min(b.outer_radius());
+        let before = rng.pose(2.2 * size);
+        let after = Pose::new(before.translation() + rng.unit_vector() * (0.01 * size), before.rotation()).unwrap();
+        let triangle = Triangle::new([(); 3].map(|()| rng.unit_vector() * size)).unwrap();
+        let axis = distance(&a, &b, before, &settings, &mut Cache::new());
+        let other = distance(&a, &triangle, before, &settings, &mut Cache::new());
+        if axis.distance < 0.02 * size || other.distance < 0.02 * size {
+            continue;
+        }
+        apart += 1;
+        for (calls, cache, beside) in [
+            (&mut fresh, Cache::new(), Cache::new()),
+            (&mut started, Cache::from_axis(axis.normal * 3.0), Cache::from_axis(other.normal)),
+        ] {
+            let cache = || cache.clone();
+            let deep = contact(&a, &b, after, &settings, &mut cache());
+            assert!(!deep.hit);
+            calls[0] += deep.support_calls;
+            calls[1] += intersects(&a, &b, after, &mut cache()).support_calls;
+            calls[2] += distance(&a, &b, after, &settings, &mut cache()).support_calls;
+            calls[3] += distance(&a, &triangle, after, &settings, &mut { beside }).support_calls;
+        }
+    }
+    println!("{apart} pairs: {fresh:?} support calls with empty caches, {started:?} with axes");
+    assert!(apart > 300, "{apart}");
+    for (fresh, started) in fresh.into_iter().zip(started) {
+        assert!(started < fresh, "{started} of {fresh}");
+    }
+    for bad in [DVec3::ZERO, DVec3::NAN, DVec3::INFINITY] {
+        assert_eq!(Cache::from_axis(bad), Cache::new());
+    }
+    let mut cleared = Cache::from_axis(DVec3::X);
+    cleared.clear();
+    assert_eq!(cleared, Cache::new());
+}
