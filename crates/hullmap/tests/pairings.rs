@@ -669,7 +669,8 @@ fn invalid_parameters_are_errors() {
     }
 }
 
-/// The features of a triangle: all corners, an edge or a corner, also if it is a segment or a point.
+/// The features of a triangle: all corners, an edge or a corner, also if it is a segment or a
+/// point.
 #[test]
 fn features_of_triangles() {
     let feature = |corners: [DVec3; 3], dir: DVec3| {
