@@ -166,7 +166,8 @@
 //! # Concave meshes: compounds
 //!
 //! `bake build --decompose` bakes a concave mesh as several convex parts. A [`Compound`] is their
-//! union, and the functions in [`compound`] query two compounds, or a compound and a hull.
+//! union, and the functions in [`compound`] query two compounds, or a compound and any shape.
+//! [`CompoundManifolds`] keeps a manifold for each pair of parts that touch.
 //!
 //! ```
 //! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
@@ -197,6 +198,7 @@
 //! - [`Pack`]: the constructors, and when to map a file instead of copying it
 //! - [`Hull`]: vertices, faces, neighbours and everything else that a pack records about a hull
 //! - [`shapes`]: primitives, scaled and rounded shapes; [`SupportMap`]: a shape of your own
+//! - [`SupportMap::bounds_under`]: the box of a shape for a broad phase
 //! - [`cascade`]: overlap tests in stages, for broad sweeps over many hulls
 //! - [`Settings`]: tolerance and iteration limit; [`Instructions`]: SIMD selection
 //! - [`solver`]: how queries work
@@ -221,7 +223,7 @@ pub mod solver;
 mod support;
 mod vector;
 
-pub use compound::{Compound, CompoundCache};
+pub use compound::{Compound, CompoundCache, CompoundManifolds};
 pub use glam;
 pub use hull::{Hull, MassProperties, SharedHull, SupportVertex};
 pub use hullmap_format::{IndexKind, header::Header, walk::Cost};

@@ -208,6 +208,9 @@ impl Pose {
 
     /// The composition `b_in_a.compose(c_in_b)`, which is `c_in_a`.
     ///
+    /// There is no operator `*`, because it could not return an error: the sum of two valid
+    /// translations may be out of range.
+    ///
     /// # Errors
     /// [`PoseError::Translation`] if C is more than [`MAX_TRANSLATION`] away from A.
     ///

@@ -1,9 +1,16 @@
 //! Queries between whole packs, compared with their slow twin: a query of each pair of hulls.
 
 use glam::{DQuat, DVec3};
-use hullmap::{Cache, Compound, CompoundCache, Contact, Overlap, Pack, Pose, Settings, Status, compound};
+use hullmap::compound::{CompoundManifolds, half_space};
+use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Segment, Sphere, Triangle};
+use hullmap::{
+    Cache, Compound, CompoundCache, Contact, Manifold, ManifoldSettings, Overlap, Pack, Pose, Prediction, Settings,
+    Shape, Status, compound,
+};
 use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
+use hullmap_testkit::random::RandomPoses;
 use shapes::{families::Family, rng::SplitMix64};
+use std::collections::BTreeMap;
 
 const SEED: u64 = 0xc0_11de;
 
@@ -191,4 +198,218 @@ fn a_stale_cache_never_changes_an_answer() {
         assert_eq!(found.answer.status, slow.answer.status);
         cache.clear();
     }
+}
+
+fn single_shapes(pack: &Pack) -> Vec<(&'static str, Box<dyn Shape + '_>)> {
+    let corners = [DVec3::new(0.8, -0.2, 0.1), DVec3::new(-0.3, 0.9, 0.2), DVec3::new(-0.2, -0.4, -0.7)];
+    vec![
+        ("sphere", Box::new(Sphere::new(0.5).unwrap())),
+        ("box", Box::new(Cuboid::new(DVec3::new(0.9, 0.2, 0.4)).unwrap())),
+        ("capsule", Box::new(Capsule::between(corners[0], corners[1], 0.2).unwrap())),
+        ("cylinder", Box::new(Cylinder::new(0.7, 0.3).unwrap())),
+        ("cone", Box::new(Cone::new(0.6, 0.4).unwrap())),
+        ("segment", Box::new(Segment::new(corners[0], corners[1]).unwrap())),
+        ("triangle", Box::new(Triangle::new(corners).unwrap())),
+        ("hull", Box::new(pack.hull(0).unwrap())),
+        ("rounded hull", Box::new(Rounded::new(pack.hull(1).unwrap(), 0.1).unwrap())),
+    ]
+}
+
+/// A compound against a single shape, on either side: the minimum or maximum over all parts.
+#[test]
+fn single_shapes_agree_with_all_parts() {
+    let settings = Settings::default();
+    let (many, own) = (pack(16, 1.2, 3), pack(2, 0.3, 4));
+    let whole = Compound::new(&many);
+    let (mut hits, mut tried, mut queried) = (0, 0, 0);
+    for (name, shape) in single_shapes(&own) {
+        let (mut cache, mut turned) = (CompoundCache::default(), CompoundCache::default());
+        for (number, pose) in poses(250, 2.0, SEED + 5).into_iter().enumerate() {
+            let at = format!("{name}: pose {number}, seed {SEED:#x}");
+            let inverse = pose.inverse();
+            let parts = || many.hulls().enumerate();
+            let (mut lower, mut upper) = (f64::INFINITY, f64::INFINITY);
+            let (mut depth_lower, mut depth_upper, mut contacts) = (0.0_f64, 0.0_f64, Vec::new());
+            let mut overlaps = false;
+            for (index, part) in parts() {
+                let near = hullmap::distance(&part, &*shape, pose, &settings, &mut Cache::new());
+                let deep = hullmap::contact(&part, &*shape, pose, &settings, &mut Cache::new());
+                (lower, upper) = (lower.min(near.lower), upper.min(near.upper));
+                (depth_lower, depth_upper) = (depth_lower.max(deep.depth_lower), depth_upper.max(deep.depth_upper));
+                overlaps |= hullmap::intersects(&part, &*shape, pose, &mut Cache::new()).status == Overlap::Overlapping;
+                if deep.hit {
+                    contacts.push(index);
+                }
+            }
+            let both = [
+                compound::intersects(&whole, &*shape, pose, &mut cache),
+                compound::intersects(&*shape, &whole, inverse, &mut turned),
+            ];
+            assert!(both.iter().all(|y| (y.answer.status == Overlap::Overlapping) == overlaps), "{at}: {both:?}");
+            let both = [
+                compound::distance(&whole, &*shape, pose, &settings, &mut cache),
+                compound::distance(&*shape, &whole, inverse, &settings, &mut turned),
+            ];
+            for (d, side) in both.iter().zip([1, 0]) {
+                let error = 1e-12;
+                assert!(d.answer.lower <= upper + error && lower <= d.answer.upper + error, "{at}: {d:?}");
+                assert_eq!((d.hulls[side], d.answer.status == Status::Overlapping), (0, upper == 0.0), "{at}: {d:?}");
+            }
+            queried += both[0].pairs as usize;
+            let both = [
+                compound::contact(&whole, &*shape, pose, &settings, &mut cache),
+                compound::contact(&*shape, &whole, inverse, &settings, &mut turned),
+            ];
+            for c in both {
+                assert_eq!(c.is_some(), !contacts.is_empty(), "{at}: {c:?}");
+                if let Some(c) = c {
+                    let error = 1e-12;
+                    assert!(
+                        c.answer.depth_lower <= depth_upper + error && depth_lower <= c.answer.depth_upper + error,
+                        "{at}"
+                    );
+                    assert!(contacts.contains(&c.hulls[0].max(c.hulls[1])), "{at}");
+                }
+            }
+            let mut visited = Vec::new();
+            compound::contacts(&whole, &*shape, pose, &settings, &mut cache, |pair, _| visited.push(pair[0]));
+            visited.sort_unstable();
+            assert_eq!(visited, contacts, "{at}");
+            hits += usize::from(!contacts.is_empty());
+            tried += 1;
+        }
+    }
+    println!("{hits} of {tried} in contact; {queried} of {} parts queried", tried * many.hull_count());
+    assert!((tried * 3 / 10..=tried * 7 / 10).contains(&hits), "{hits} of {tried}");
+    assert!(queried * 3 < tried * many.hull_count(), "{queried}");
+}
+
+/// A half-space against a compound: the lowest of all parts.
+#[test]
+fn half_spaces_agree_with_all_parts() {
+    let many = pack(24, 1.2, 3);
+    let whole = Compound::new(&many);
+    let mut rng = SplitMix64::new(SEED + 6);
+    let (mut hits, mut queried) = (0, 0);
+    for (number, pose) in poses(1_000, 2.0, SEED + 6).into_iter().enumerate() {
+        let plane = HalfSpace::new(rng.unit_vector(), rng.between(-2.0, 1.0)).unwrap();
+        let each: Vec<_> = many.hulls().map(|part| (plane.contact(&part, pose), plane.distance(&part, pose))).collect();
+        let greatest = |of: &dyn Fn(&Contact) -> f64| each.iter().map(|(c, _)| of(c)).fold(0.0, f64::max);
+        let (c, d) = (half_space::contact(&plane, &whole, pose), half_space::distance(&plane, &whole, pose));
+        let y = half_space::intersects(&plane, &whole, pose);
+        let at = format!("seed {SEED:#x}, {number}: {c:?} {d:?} {y:?}");
+        let hit = each.iter().any(|(c, _)| c.hit);
+        assert_eq!((c.answer.hit, y.answer.is_hit()), (hit, hit), "{at}");
+        assert_eq!(c.answer.depth, greatest(&|c| c.depth), "{at}");
+        assert_eq!(c.answer.depth_upper, greatest(&|c| c.depth_upper), "{at}");
+        assert_eq!(d.answer.distance, each.iter().map(|(_, d)| d.distance).fold(f64::INFINITY, f64::min), "{at}");
+        assert_eq!(each[c.hulls[1]].0.point_b, c.answer.point_b, "{at}");
+        let one = half_space::contact(&plane, &many.hull(c.hulls[1]).unwrap(), pose);
+        assert_eq!((one.answer.depth, one.hulls), (c.answer.depth, [0, 0]), "{at}");
+        hits += usize::from(hit);
+        queried += c.pairs as usize;
+    }
+    println!("{hits} of 1000 hit, {queried} parts queried");
+    assert!((300..700).contains(&hits) && queried < 5_000, "{hits} {queried}");
+}
+
+/// Frames of a slow motion of B.
+fn frames(count: usize, seed: u64) -> Vec<Pose> {
+    let mut rng = SplitMix64::new(seed);
+    let (start, way) = (rng.unit_vector() * 0.8, rng.unit_vector() * 0.004);
+    let (axis, turn) = (rng.unit_vector(), rng.rotation());
+    (0..count)
+        .map(|i| {
+            let spin = DQuat::from_axis_angle(axis, 0.006 * i as f64);
+            Pose::new(start + way * i as f64, spin * turn).unwrap()
+        })
+        .collect()
+}
+
+/// The manifolds of compounds are those of all pairs of parts, frame for frame, with their impulses.
+#[test]
+fn manifolds_agree_with_those_of_all_pairs() {
+    let (a, b) = (pack(20, 1.0, 3), pack(16, 1.0, 4));
+    let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
+    let predictions = [Prediction::default(), Prediction::Length(0.01), Prediction::Length(0.2)];
+    let (mut kept, mut points, mut most) = (0, 0, 0);
+    for run in 0..6 {
+        let prediction = predictions[run % 3];
+        let settings = ManifoldSettings { prediction, ..ManifoldSettings::default() };
+        let mut manifolds = CompoundManifolds::new(200);
+        let mut twins: BTreeMap<[usize; 2], (Manifold, Cache)> = BTreeMap::new();
+        for (frame, pose) in frames(60, SEED + run as u64).into_iter().enumerate() {
+            let counts = manifolds.update(&whole_a, &whole_b, pose, &settings);
+            for (pair, hull_a, hull_b) in pairs(&a, &b) {
+                let (twin, cache) = twins.entry(pair).or_default();
+                twin.update(&hull_a, &hull_b, pose, &settings, cache);
+            }
+            let expected: Vec<_> = twins.iter().filter(|(_, (twin, _))| !twin.points().is_empty()).collect();
+            assert_eq!((counts.touching as usize, counts.dropped), (expected.len(), 0), "run {run}, frame {frame}");
+            assert_eq!(manifolds.len(), expected.len());
+            assert_eq!(manifolds.iter().count(), expected.len());
+            for (pair, (twin, _)) in expected {
+                let found = manifolds.get(*pair).unwrap_or_else(|| panic!("run {run}, frame {frame}: no {pair:?}"));
+                // The caches differ, so the depths may, within the tolerance. Then other points may
+                // be chosen; most of them are the same.
+                let deepest = |m: &Manifold| m.points().iter().map(|p| p.depth).fold(f64::NEG_INFINITY, f64::max);
+                let depth = deepest(twin);
+                assert!((deepest(found) - depth).abs() <= 1e-4 * depth.abs() + 1e-9, "{run}, {frame}, {pair:?}");
+                points += found.points().len();
+                kept += found
+                    .points()
+                    .iter()
+                    .filter(|p| twin.points().iter().any(|q| (p.id, p.age, p.impulse) == (q.id, q.age, q.impulse)))
+                    .count();
+            }
+            most = most.max(manifolds.len());
+            let store = |m: &mut Manifold| m.points_mut().iter_mut().for_each(|p| p.impulse[0] += 1.0);
+            manifolds.iter_mut().for_each(|(_, manifold)| store(manifold));
+            twins.values_mut().for_each(|(manifold, _)| store(manifold));
+        }
+    }
+    println!("{kept} of {points} points agree; up to {most} pairs touch");
+    assert!(points > 1_000 && kept * 50 > points * 49 && most > 10, "{kept} of {points}, {most}");
+}
+
+/// With a single shape, a half-space, and more pairs than slots.
+#[test]
+fn manifolds_of_shapes_and_half_spaces() {
+    let many = pack(12, 1.0, 5);
+    let whole = Compound::new(&many);
+    let (slab, floor) = (Cuboid::new(DVec3::new(50.0, 50.0, 50.0)).unwrap(), HalfSpace::new(DVec3::Z, 50.0).unwrap());
+    let settings = ManifoldSettings { prediction: Prediction::Length(0.05), ..ManifoldSettings::default() };
+    let (mut on_slab, mut on_floor, mut few) =
+        (CompoundManifolds::new(16), CompoundManifolds::new(16), CompoundManifolds::new(2));
+    let mut dropped = 0;
+    for step in 0..40 {
+        let t = f64::from(step);
+        let pose = Pose::new(DVec3::new(0.0, 0.0, 50.9 - 0.03 * t), DQuat::from_rotation_x(0.01 * t)).unwrap();
+        let counts = on_slab.update(&slab, &whole, pose, &settings);
+        let below = on_floor.update_half_space(&floor, &whole, pose, &settings);
+        assert_eq!(counts.touching, below.touching, "{step}");
+        for ((pair, found), (twin_pair, twin)) in on_slab.iter().zip(on_floor.iter()) {
+            assert_eq!(pair, twin_pair);
+            let deepest = |m: &Manifold| m.points().iter().map(|p| p.depth).fold(f64::NEG_INFINITY, f64::max);
+            assert!((deepest(found) - deepest(twin)).abs() < 1e-4, "{step}, {pair:?}");
+            let lowest = floor.contact(&many.hull(pair[1]).unwrap(), pose);
+            assert!((deepest(twin) - (lowest.point_a - lowest.point_b).z).abs() < 1e-4, "{step}, {pair:?}");
+        }
+        let seen = few.update(&slab, &whole, pose, &settings);
+        assert_eq!(seen.touching + seen.dropped, counts.touching, "{step}");
+        assert_eq!(few.len(), 2.min(counts.touching as usize), "{step}");
+        // A pair that has a slot keeps it.
+        for (_, manifold) in few.iter_mut() {
+            for point in manifold.points_mut() {
+                assert_eq!(point.impulse[0] as u32, point.age, "{step}");
+                point.impulse[0] += 1.0;
+            }
+        }
+        dropped += seen.dropped;
+    }
+    assert!(dropped > 50, "{dropped}");
+    let gone = Pose::from_translation(DVec3::Z * 90.0).unwrap();
+    assert_eq!((on_slab.update(&slab, &whole, gone, &settings).touching, on_slab.is_empty()), (0, true));
+    on_floor.clear();
+    assert!(on_floor.is_empty() && on_floor.iter().next().is_none() && on_floor.get([0, 0]).is_none());
 }

@@ -6,7 +6,8 @@
 //!
 //! # Deviations
 //! - A query of two compounds takes time proportional to the product of their numbers of hulls, if
-//!   all of them overlap. So compounds are queried against one cube here.
+//!   all of them overlap, as the documentation of [`hullmap::compound`] states. So compounds are
+//!   queried against one cube here.
 
 use std::{
     fmt,

@@ -7,10 +7,10 @@ use hullmap::batch::{self, Pair};
 use hullmap::cascade::{self, OuterHulls, Stages};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Scaled, Segment, Sphere, Triangle};
 use hullmap::{
-    Cache, Feature, Hull, Manifold, ManifoldSettings, Minkowski, Pack, Pose, Settings, Shape, contact,
-    contact_lockstep, distance, intersects,
+    Cache, Compound, CompoundCache, CompoundManifolds, Feature, Hull, Manifold, ManifoldSettings, Minkowski, Pack,
+    Pose, Settings, Shape, compound, contact, contact_lockstep, distance, intersects,
 };
-use hullmap_bake::IndexKind;
+use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::packs::{self, pack};
 use shapes::{families::Family, rng::SplitMix64};
 use stats_alloc::Region;
@@ -57,6 +57,12 @@ fn queries_allocate_nothing() {
         .collect();
     let hulls: Vec<Hull<'_>> = opened.iter().map(|pack| pack.hull(0).unwrap()).collect();
     let hull = hulls[0];
+    let sets = [Family::Rock, Family::Cone, Family::CubeGrid].map(|family| {
+        let moved = |p: [f32; 3]| [p[0] + family as u32 as f32, p[1], p[2]];
+        packs::point_set("part", &family.points(40, 1).into_iter().map(moved).collect::<Vec<_>>())
+    });
+    let parts = packs::bytes(&sets, IndexKind::Tree, &SourceRecord::default()).unwrap();
+    let parts = Pack::from_bytes(&parts).unwrap();
     let mut shapes: Vec<Box<dyn Shape + Sync + '_>> = vec![
         Box::new(Sphere::new(0.8).unwrap()),
         Box::new(Cuboid::new(DVec3::new(0.5, 0.8, 1.0)).unwrap()),
@@ -191,10 +197,26 @@ fn queries_allocate_nothing() {
             black_box(manifolds[i].update(a, b, poses[i], &ManifoldSettings::default(), cache));
         });
     }
+    let whole = Compound::new(&parts);
+    let (mut cache, mut manifolds) = (CompoundCache::new(8), CompoundManifolds::new(4));
+    count(
+        "compound",
+        allocations(|i| {
+            let (shape, pose) = (pair_at(i).0, poses[i]);
+            black_box(compound::intersects(&whole, shape, pose, &mut cache));
+            black_box(compound::distance(&whole, &whole, pose, &settings, &mut cache));
+            black_box(compound::contact(shape, &whole, pose, &settings, &mut cache));
+            black_box(compound::half_space::contact(&wall, &whole, pose));
+            let settings = ManifoldSettings::default();
+            black_box(manifolds.update(&whole, shape, pose, &settings));
+            black_box(manifolds.update_half_space(&wall, &whole, pose, &settings));
+            black_box(manifolds.iter_mut().count());
+        }),
+    );
     println!("{counts:?}");
     let guilty: Vec<_> = counts.iter().filter(|(_, count)| *count > 0).collect();
     assert!(guilty.is_empty(), "allocations in {ROUNDS} calls: {guilty:?}");
-    assert_eq!(counts.len(), 10 + 2 * 6);
+    assert_eq!(counts.len(), 11 + 2 * 6);
 
     // A batch on a warm pool: rayon's queues may grow once, for any number of pairs.
     let pairs: Vec<_> = (0..4 * ROUNDS).map(|i| (pair_at(i), poses[i % ROUNDS])).collect();

@@ -2,7 +2,10 @@
 
 use glam::{DMat3, DVec3};
 use hullmap::shapes::{HalfSpace, Segment, Triangle};
-use hullmap::{Bounds, Cache, Overlap, Pose, Settings, Shape, Status, SupportMap, contact, distance, intersects};
+use hullmap::{
+    Bounds, Cache, CastSettings, Motion, Overlap, Pose, Ray, Settings, Shape, Status, SupportMap, contact, distance,
+    intersects,
+};
 use hullmap_bake::IndexKind;
 use hullmap_testkit::{
     depth::signed_depth,
@@ -125,6 +128,102 @@ fn half_spaces_against_all_shapes() {
         assert!((between - truth).abs() <= width, "{at}");
     }
     assert!(counts.iter().all(|count| *count > 2_000), "{counts:?}");
+}
+
+/// The time at which a moving shape meets a plane: its gap over its speed.
+#[test]
+fn half_spaces_and_moving_shapes() {
+    let stock = Stock::bake(&[], 1);
+    let cast = Cast::new(&stock);
+    let mut rng = SplitMix64::new(SEED + 3);
+    let mut hits = 0;
+    let pairs = 10_000;
+    for index in 0..pairs {
+        let pair = cast.pair(SEED + 2, index);
+        let (body, pose) = (pair.bodies[1], pair.b_in_a);
+        let placed = Placed::new(&body.model, pose);
+        let normal = rng.unit_vector();
+        let size = body.shape().outer_radius() + 1e-9;
+        let offset = -placed.reach(-normal) - size * rng.between(0.0, 3.0);
+        let Ok(plane) = HalfSpace::new(normal, offset) else { continue };
+        let velocity = match index % 4 {
+            0 => normal.cross(rng.unit_vector()),
+            1 => -normal,
+            _ => rng.unit_vector(),
+        } * (size * rng.between(0.1, 10.0));
+        let motion = Motion::new(velocity).unwrap();
+        let impact = plane.cast(body.shape(), pose, motion, &CastSettings { max_t: 2.0, ..CastSettings::default() });
+        let gap = -plane.offset() - placed.reach(-plane.normal());
+        let speed = -plane.normal().dot(velocity);
+        let t = gap / speed;
+        let reach = body.model.greatest + pose.translation().length() + offset.abs();
+        // At the start, rounding error decides.
+        if gap < 1e-12 * reach {
+            continue;
+        }
+        let slack = 64.0 * f64::EPSILON * (reach / speed.abs() + t.abs() * velocity.length() / speed.abs());
+        let at = format!("seed {SEED}, {index}, {}, {t:e}, gap {gap:e}: {plane:?} {pose:?} {impact:?}", body.name);
+        assert!(impact.normal == plane.normal() && impact.t_lower <= impact.t && impact.t <= impact.t_upper, "{at}");
+        if !impact.hit {
+            assert!(speed <= 1e-12 * velocity.length() || t >= 2.0 - slack, "{at}");
+            continue;
+        }
+        hits += 1;
+        assert!(impact.t_lower <= t.max(0.0) + slack && t.max(0.0) - slack <= impact.t_upper, "{at}");
+        let width = 400.0 * (f64::EPSILON * (reach + size) + body.shape().support_error()) / speed;
+        match impact.status {
+            Status::Exact => {
+                assert!(t <= 2.0 + slack && impact.t_upper - impact.t_lower <= width + 1e-12 * t, "{at}");
+                let height = impact.point_a.dot(plane.normal()) - plane.offset();
+                assert!(height.abs() <= 1e-11 * (reach + size), "{at}: {height:e}");
+                assert!(impact.point_a.distance(impact.point_b) <= 1e-11 * (reach + size), "{at}");
+            }
+            Status::Touching => {
+                assert!(speed.abs() <= 1e-12 * velocity.length() || gap <= width * speed || t >= 2.0 - width, "{at}");
+            }
+            status => assert!(status == Status::Overlapping && gap <= slack * speed.abs(), "{at}"),
+        }
+    }
+    assert!((pairs / 5..pairs * 4 / 5).contains(&hits), "{hits} of {pairs}");
+}
+
+#[test]
+fn half_spaces_and_rays() {
+    let mut rng = SplitMix64::new(SEED + 4);
+    let (mut hits, mut inside) = (0, 0);
+    for i in 0..5_000 {
+        let size = [1e-3, 1.0, 1e6][i % 3];
+        let plane = HalfSpace::new(rng.unit_vector(), rng.between(-1.0, 1.0) * size).unwrap();
+        let (origin, direction) = (rng.unit_vector() * (rng.between(0.0, 3.0) * size), rng.unit_vector() * size);
+        let height = origin.dot(plane.normal()) - plane.offset();
+        let t = -height / direction.dot(plane.normal());
+        let hit = plane.ray(&Ray::new(origin, direction).unwrap(), &CastSettings::default());
+        let at = format!("seed {SEED}, {i}: {height:e} {t:e} {hit:?}");
+        let signed = plane.signed_distance(origin).unwrap();
+        assert!(signed.lower <= height + 1e-15 * size && height - 1e-15 * size <= signed.upper, "{at} {signed:?}");
+        assert!(signed.upper - signed.lower < 1e-13 * size && (signed.distance - height).abs() < 1e-14 * size, "{at}");
+        assert!(signed.point.distance(origin - plane.normal() * height) < 1e-14 * size, "{at} {signed:?}");
+        if height.abs() < 1e-12 * size {
+            continue;
+        }
+        if height < 0.0 {
+            inside += 1;
+            assert_eq!((hit.status, hit.t, hit.point), (Status::Overlapping, 0.0, origin), "{at}");
+        } else if t > 0.0 && hit.hit {
+            hits += 1;
+            let slack = 1e-14 * (t + 1.0) * (t + 1.0);
+            assert!(hit.t_lower <= t + slack && t - slack <= hit.t_upper && (hit.t - t).abs() <= slack, "{at}");
+        } else {
+            assert!(t < 0.0 && hit.status == Status::Separated, "{at}");
+        }
+    }
+    assert!(hits > 1_000 && inside > 1_000, "{hits} {inside}");
+    let plane = HalfSpace::new(DVec3::Z, 0.0).unwrap();
+    let still = Ray::new(DVec3::Z, DVec3::ZERO).unwrap();
+    assert_eq!(plane.ray(&still, &CastSettings::default()).status, Status::Separated);
+    let within = Ray::new(-DVec3::Z, DVec3::ZERO).unwrap();
+    assert_eq!(plane.ray(&within, &CastSettings::default()).status, Status::Overlapping);
+    assert!(plane.signed_distance(DVec3::NAN).is_err());
 }
 
 /// Bounds contain the shape, without any tolerance for the reference, and are hardly larger.

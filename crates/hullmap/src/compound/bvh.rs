@@ -3,7 +3,6 @@
 use glam::{DMat3, DVec3};
 use hullmap_format::archive::ArchivedBvhNode;
 
-use super::{Compound, Members};
 use crate::pose::Pose;
 
 /// Rounding error of a distance between boxes, relative to the largest length, in units of
@@ -34,17 +33,6 @@ impl Node {
         Self { center: (low + high) * 0.5, half: (high - low) * 0.5, child }
     }
 
-    /// Node `index` of a compound; `None` if the index is out of range.
-    pub(super) fn of(compound: &Compound, index: u32) -> Option<Self> {
-        match compound.members {
-            Members::Pack(pack) => pack.nodes().get(index as usize).map(Self::archived),
-            Members::One(hull) => {
-                let [low, high] = hull.bounds().map(|corner| corner.as_dvec3());
-                (index == 0).then(|| Self::new(low, high, Child::Hull(0)))
-            }
-        }
-    }
-
     fn archived(node: &ArchivedBvhNode) -> Self {
         let [low, high] =
             [&node.bounds_min, &node.bounds_max].map(|c| DVec3::from_array(c.map(|c| c.to_native().into())));
@@ -53,17 +41,67 @@ impl Node {
         Self::new(low, high, child)
     }
 
+    /// Minimum and maximum of the dot product of `dir` with a point of the box.
+    pub(super) fn extent(&self, dir: DVec3) -> [f64; 2] {
+        let (center, reach) = (self.center.dot(dir), self.half.dot(dir.abs()));
+        [center - reach, center + reach]
+    }
+
     /// Square of half the diagonal of the box.
     pub(super) fn size_sq(&self) -> f64 {
         self.half.length_squared()
     }
 }
 
+/// The BVH of a compound or of a single shape.
+#[derive(Clone, Copy, Debug)]
+pub struct Nodes<'n> {
+    tree: Tree<'n>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Tree<'n> {
+    Pack(&'n [ArchivedBvhNode]),
+    One(Node),
+}
+
+impl<'n> Nodes<'n> {
+    pub(super) fn of_pack(nodes: &'n [ArchivedBvhNode]) -> Self {
+        Self { tree: Tree::Pack(nodes) }
+    }
+
+    /// The BVH of one part with this bounding box.
+    pub(super) fn one(low: DVec3, high: DVec3) -> Self {
+        Self { tree: Tree::One(Node::new(low, high, Child::Hull(0))) }
+    }
+
+    /// Node `index`; `None` if the index is out of range.
+    pub(super) fn get(&self, index: u32) -> Option<Node> {
+        match self.tree {
+            Tree::Pack(nodes) => nodes.get(index as usize).map(Node::archived),
+            Tree::One(node) => (index == 0).then_some(node),
+        }
+    }
+
+    /// Number of nodes.
+    pub(super) fn count(&self) -> usize {
+        match self.tree {
+            Tree::Pack(nodes) => nodes.len(),
+            Tree::One(_) => 1,
+        }
+    }
+
+    /// Length of the diagonal of the box around all parts: no part is longer.
+    pub(super) fn diagonal(&self) -> f64 {
+        self.get(0).map_or(0.0, |root| 2.0 * root.half.length())
+    }
+}
+
 /// Two compounds and their relative pose.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Placement<'q, 'a> {
-    pub(super) a: &'q Compound<'a>,
-    pub(super) b: &'q Compound<'a>,
+pub(super) struct Placement<'q> {
+    pub(super) a: Nodes<'q>,
+    pub(super) b: Nodes<'q>,
     b_in_a: Pose,
     rotation: DMat3,
     /// Absolute values of the entries of `rotation`.
@@ -72,11 +110,11 @@ pub(super) struct Placement<'q, 'a> {
     rounding_error: f64,
 }
 
-impl<'q, 'a> Placement<'q, 'a> {
-    pub(super) fn new(a: &'q Compound<'a>, b: &'q Compound<'a>, b_in_a: Pose) -> Self {
+impl<'q> Placement<'q> {
+    pub(super) fn new(a: Nodes<'q>, b: Nodes<'q>, b_in_a: Pose) -> Self {
         let rotation = b_in_a.rotation_matrix();
         let abs_rotation = DMat3::from_cols(rotation.x_axis.abs(), rotation.y_axis.abs(), rotation.z_axis.abs());
-        let reach = |compound| Node::of(compound, 0).map_or(0.0, |root| root.center.length() + root.half.length());
+        let reach = |nodes: Nodes| nodes.get(0).map_or(0.0, |root| root.center.length() + root.half.length());
         let largest = reach(a) + reach(b) + b_in_a.translation().length();
         // The center and the half diagonal of a descendant together are at most twice those of the
         // root.

@@ -1,6 +1,5 @@
 //! Temporal coherence of two compounds: solver caches of their recent pairs of hulls.
 
-use super::Compound;
 use crate::solver::{Cache, Scratch};
 
 /// Caller-owned memory of one ordered pair of compounds.
@@ -95,9 +94,9 @@ impl CompoundCache {
         &mut slot.cache
     }
 
-    /// The pair that decided the last query, if these compounds contain it.
-    pub(super) fn first(&self, a: &Compound, b: &Compound) -> Option<[usize; 2]> {
-        self.first.filter(|pair| pair[0] < a.hull_count() && pair[1] < b.hull_count())
+    /// The pair that decided the last query, if compounds of these numbers of parts contain it.
+    pub(super) fn first(&self, counts: [usize; 2]) -> Option<[usize; 2]> {
+        self.first.filter(|pair| pair[0] < counts[0] && pair[1] < counts[1])
     }
 
     pub(super) fn set_first(&mut self, pair: [usize; 2]) {

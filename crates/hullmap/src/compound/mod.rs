@@ -1,8 +1,19 @@
 //! Compound shapes: queries between the unions of the hulls of two packs, by dual-tree traversal of
-//! their BVHs.
+//! their BVHs. Either side may also be a single shape of any kind.
 //!
 //! A concave mesh is baked as convex parts, and the pack of its parts is a compound shape. The BVHs
 //! in the packs find the pairs of hulls to query. The answers equal those of querying every pair.
+//! [`CompoundManifolds`] keeps a contact manifold for every pair of parts that touch.
+//!
+//! # Complexity
+//! A query of compounds with G and H parts compares at most (2 G − 1) (2 H − 1) pairs of boxes, and
+//! queries each pair of parts at most once. If few boxes overlap, as on decomposed meshes that
+//! touch, that is about log G + log H pairs of boxes for each pair of parts that touch. If all boxes
+//! overlap, all G H pairs are queried: by [`contact`], [`contacts`] and manifolds because every pair
+//! may be in contact, by [`intersects`] unless a pair overlaps. No order of the tests avoids that.
+//! [`distance`] ends at the first pair that overlaps. Against a single shape the work is at most
+//! proportional to G. Bake with fewer parts (`--vhacd-max-parts`), or with less overlap, if that is too
+//! slow.
 //!
 //! # Examples
 //! A pack of two unit cubes, 3 apart, against a copy of itself:
@@ -33,6 +44,9 @@
 
 mod bvh;
 mod cache;
+pub mod half_space;
+mod manifolds;
+mod parts;
 mod traversal;
 
 use crate::cascade::{self, Stages};
@@ -40,8 +54,10 @@ use crate::hull::Hull;
 use crate::pack::Pack;
 use crate::pose::Pose;
 use crate::solver::{Contact, Distance, Intersection, Overlap, Settings, Status, queries};
-use bvh::Placement;
+use bvh::{Nodes, Placement};
 pub use cache::CompoundCache;
+pub use manifolds::{CompoundManifolds, ManifoldCounts};
+pub use parts::Parts;
 use traversal::Traversal;
 
 /// The union of the hulls of a pack, or a single hull. A cheap copy: it borrows the pack.
@@ -88,11 +104,14 @@ impl<'a> Compound<'a> {
         }
     }
 
-    /// Number of nodes in the BVH.
-    fn node_count(&self) -> usize {
+    /// The BVH.
+    fn nodes(&self) -> Nodes<'_> {
         match self.members {
-            Members::Pack(pack) => pack.nodes().len(),
-            Members::One(_) => 1,
+            Members::Pack(pack) => Nodes::of_pack(pack.nodes()),
+            Members::One(hull) => {
+                let [low, high] = hull.bounds().map(|corner| corner.as_dvec3());
+                Nodes::one(low, high)
+            }
         }
     }
 
@@ -132,13 +151,13 @@ const NOTHING_KNOWN: Distance = Distance {
     support_calls: 0,
 };
 
-/// Answer of a query between compounds. The [module's example](self) reads one.
+/// Answer of a query of compounds. The [module's example](self) reads one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CompoundAnswer<T> {
     /// Answer for the pair of hulls that decided the query. Its iterations and support calls are
     /// the sums over all pairs.
     pub answer: T,
-    /// Indices of these hulls in A and in B.
+    /// Indices of these hulls in A and in B; 0 on the side of a single shape.
     pub hulls: [usize; 2],
     /// Number of pairs of hulls queried.
     pub pairs: u32,
@@ -157,7 +176,7 @@ pub struct CompoundAnswer<T> {
 /// # Complexity
 /// Starts with the pair that decided the last query, and ends at the first pair that overlaps.
 /// Separated compounds cost all pairs of overlapping boxes, and the pairs of hulls in overlapping
-/// leaves. No allocation.
+/// leaves: at most G H pairs of hulls for compounds of G and H. No allocation.
 ///
 /// # Examples
 /// ```
@@ -176,12 +195,23 @@ pub struct CompoundAnswer<T> {
 /// # Ok(())
 /// # }
 /// ```
-pub fn intersects(a: &Compound, b: &Compound, b_in_a: Pose, cache: &mut CompoundCache) -> CompoundAnswer<Intersection> {
+pub fn intersects<A: Parts + ?Sized, B: Parts + ?Sized>(
+    a: &A,
+    b: &B,
+    b_in_a: Pose,
+    cache: &mut CompoundCache,
+) -> CompoundAnswer<Intersection> {
     let answer = Intersection { status: Overlap::Separated, iterations: 0, support_calls: 0 };
     let mut best = CompoundAnswer { answer, hulls: [0, 0], pairs: 0, boxes: 0 };
     let query = |best: &mut CompoundAnswer<Intersection>, pair: [usize; 2], cache: &mut CompoundCache| {
-        let [Some(hull_a), Some(hull_b)] = [a.hull(pair[0]), b.hull(pair[1])] else { return };
-        let found = cascade::intersects(&hull_a, &hull_b, b_in_a, Stages::default(), cache.pair(pair)).intersection;
+        let cache = cache.pair(pair);
+        let found = if let (Some(a), Some(b)) = (a.part_as_hull(pair[0]), b.part_as_hull(pair[1])) {
+            cascade::intersects(&a, &b, b_in_a, Stages::default(), cache).intersection
+        } else if let (Some(a), Some(b)) = (a.part(pair[0]), b.part(pair[1])) {
+            queries::intersects(&a, &b, b_in_a, cache)
+        } else {
+            return;
+        };
         best.pairs += 1;
         best.answer.iterations += found.iterations;
         best.answer.support_calls += found.support_calls;
@@ -189,14 +219,14 @@ pub fn intersects(a: &Compound, b: &Compound, b_in_a: Pose, cache: &mut Compound
             (best.answer.status, best.hulls) = (found.status, pair);
         }
     };
-    let first = cache.first(a, b);
+    let first = cache.first([a.part_count(), b.part_count()]);
     if let Some(pair) = first {
         query(&mut best, pair, cache);
         if best.answer.status == Overlap::Overlapping {
             return best;
         }
     }
-    let mut traversal = Traversal::new(Placement::new(a, b, b_in_a));
+    let mut traversal = Traversal::new(Placement::new(a.nodes(), b.nodes(), b_in_a));
     while let Some(pair) = traversal.next(0.0) {
         if Some(pair) == first {
             continue;
@@ -234,7 +264,8 @@ fn strength(status: Overlap) -> u8 {
 ///
 /// # Complexity
 /// Branch and bound. Starts with the nearest pair of the last query, and visits only boxes nearer
-/// than the nearest pair so far, nearest first. No allocation.
+/// than the nearest pair so far, nearest first: at most G H pairs of hulls for compounds of G and H.
+/// No allocation.
 ///
 /// # Examples
 /// ```
@@ -254,9 +285,9 @@ fn strength(status: Overlap) -> u8 {
 /// # Ok(())
 /// # }
 /// ```
-pub fn distance(
-    a: &Compound,
-    b: &Compound,
+pub fn distance<A: Parts + ?Sized, B: Parts + ?Sized>(
+    a: &A,
+    b: &B,
     b_in_a: Pose,
     settings: &Settings,
     cache: &mut CompoundCache,
@@ -264,16 +295,16 @@ pub fn distance(
     let mut search =
         Nearest { a, b, b_in_a, settings, best: None, lower: (f64::INFINITY, Status::Exact), upper: f64::INFINITY };
     let (mut pairs, mut iterations, mut support_calls) = (0, 0, 0);
-    let mut query = |search: &mut Nearest, pair: [usize; 2], cache: &mut CompoundCache| {
+    let mut query = |search: &mut Nearest<A, B>, pair: [usize; 2], cache: &mut CompoundCache| {
         if let Some(found) = search.query(pair, cache) {
             pairs += 1;
             iterations += found.iterations;
             support_calls += found.support_calls;
         }
     };
-    let first = cache.first(a, b).unwrap_or([0, 0]);
+    let first = cache.first([a.part_count(), b.part_count()]).unwrap_or([0, 0]);
     query(&mut search, first, cache);
-    let mut traversal = Traversal::new(Placement::new(a, b, b_in_a));
+    let mut traversal = Traversal::new(Placement::new(a.nodes(), b.nodes(), b_in_a));
     while search.upper > 0.0
         && let Some(pair) = traversal.next(search.upper)
     {
@@ -288,9 +319,9 @@ pub fn distance(
 }
 
 /// Branch-and-bound search for the nearest pair.
-struct Nearest<'q, 'a> {
-    a: &'q Compound<'a>,
-    b: &'q Compound<'a>,
+struct Nearest<'q, A: ?Sized, B: ?Sized> {
+    a: &'q A,
+    b: &'q B,
     b_in_a: Pose,
     settings: &'q Settings,
     best: Option<(Distance, [usize; 2])>,
@@ -300,10 +331,10 @@ struct Nearest<'q, 'a> {
     upper: f64,
 }
 
-impl Nearest<'_, '_> {
+impl<A: Parts + ?Sized, B: Parts + ?Sized> Nearest<'_, A, B> {
     fn query(&mut self, pair: [usize; 2], cache: &mut CompoundCache) -> Option<Distance> {
-        let (hull_a, hull_b) = (self.a.hull(pair[0])?, self.b.hull(pair[1])?);
-        let found = queries::distance(&hull_a, &hull_b, self.b_in_a, self.settings, cache.pair(pair));
+        let (part_a, part_b) = (self.a.part(pair[0])?, self.b.part(pair[1])?);
+        let found = queries::distance(&part_a, &part_b, self.b_in_a, self.settings, cache.pair(pair));
         // Overlapping ranks before touching, although both distances are 0.
         let rank = |found: &Distance| (found.distance, found.status != Status::Overlapping);
         if self.best.is_none_or(|(best, _)| rank(&found) < rank(&best)) {
@@ -341,7 +372,7 @@ impl Nearest<'_, '_> {
 ///
 /// # Complexity
 /// All pairs of overlapping boxes, and one contact query for each pair of hulls in overlapping
-/// leaves. No allocation.
+/// leaves: G H of them if all overlap, for compounds of G and H hulls. No allocation.
 ///
 /// # Examples
 /// ```
@@ -362,19 +393,19 @@ impl Nearest<'_, '_> {
 /// # Ok(())
 /// # }
 /// ```
-pub fn contacts(
-    a: &Compound,
-    b: &Compound,
+pub fn contacts<A: Parts + ?Sized, B: Parts + ?Sized>(
+    a: &A,
+    b: &B,
     b_in_a: Pose,
     settings: &Settings,
     cache: &mut CompoundCache,
     mut visit: impl FnMut([usize; 2], &Contact),
 ) -> ContactCounts {
-    let mut traversal = Traversal::new(Placement::new(a, b, b_in_a));
+    let mut traversal = Traversal::new(Placement::new(a.nodes(), b.nodes(), b_in_a));
     let mut sum = ContactCounts::default();
     while let Some(pair) = traversal.next(0.0) {
-        let [Some(hull_a), Some(hull_b)] = [a.hull(pair[0]), b.hull(pair[1])] else { continue };
-        let found = queries::contact(&hull_a, &hull_b, b_in_a, settings, cache.pair(pair));
+        let (Some(part_a), Some(part_b)) = (a.part(pair[0]), b.part(pair[1])) else { continue };
+        let found = queries::contact(&part_a, &part_b, b_in_a, settings, cache.pair(pair));
         sum.pairs += 1;
         sum.iterations += found.iterations;
         sum.support_calls += found.support_calls;
@@ -436,9 +467,9 @@ pub struct ContactCounts {
 /// # Ok(())
 /// # }
 /// ```
-pub fn contact(
-    a: &Compound,
-    b: &Compound,
+pub fn contact<A: Parts + ?Sized, B: Parts + ?Sized>(
+    a: &A,
+    b: &B,
     b_in_a: Pose,
     settings: &Settings,
     cache: &mut CompoundCache,

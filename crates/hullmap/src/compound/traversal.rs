@@ -6,25 +6,28 @@
 
 use hullmap_format::bvh::MAX_LEVELS;
 
-use super::bvh::{Child, Node, Placement};
+use super::bvh::{Child, Placement};
 
 /// Maximum number of pairs on the stack.
 const MAX_STACK: usize = 2 * MAX_LEVELS as usize + 1;
 
 /// Iterates over the pairs of hulls whose boxes are within a distance of each other.
-pub(super) struct Traversal<'q, 'a> {
-    placement: Placement<'q, 'a>,
+pub(super) struct Traversal<'q> {
+    placement: Placement<'q>,
     stack: [(u32, u32, f64); MAX_STACK],
     len: usize,
     boxes: u32,
+    /// Lower bound on the distance of the boxes of the last pair returned.
+    lower_bound: f64,
     /// Maximum of `boxes`: the number of pairs of nodes.
     max_boxes: u64,
 }
 
-impl<'q, 'a> Traversal<'q, 'a> {
-    pub(super) fn new(placement: Placement<'q, 'a>) -> Self {
-        let max_boxes = placement.a.node_count() as u64 * placement.b.node_count() as u64;
-        let mut this = Self { placement, stack: [(0, 0, 0.0); MAX_STACK], len: 0, boxes: 0, max_boxes };
+impl<'q> Traversal<'q> {
+    pub(super) fn new(placement: Placement<'q>) -> Self {
+        let max_boxes = placement.a.count() as u64 * placement.b.count() as u64;
+        let mut this =
+            Self { placement, stack: [(0, 0, 0.0); MAX_STACK], len: 0, boxes: 0, lower_bound: 0.0, max_boxes };
         if let Some((_, _, lower_bound, _)) = this.pair(0, 0) {
             this.push((0, 0, lower_bound));
         }
@@ -36,6 +39,11 @@ impl<'q, 'a> Traversal<'q, 'a> {
         self.boxes
     }
 
+    /// Lower bound on the distance of the pair of hulls that was returned last.
+    pub(super) fn lower_bound(&self) -> f64 {
+        self.lower_bound
+    }
+
     /// The next pair of hulls whose boxes are at most `reach` apart, by index.
     pub(super) fn next(&mut self, reach: f64) -> Option<[usize; 2]> {
         while let Some(top) = self.len.checked_sub(1) {
@@ -45,10 +53,13 @@ impl<'q, 'a> Traversal<'q, 'a> {
             if lower_bound > reach {
                 continue;
             }
-            let a = Node::of(self.placement.a, node_a)?;
-            let b = Node::of(self.placement.b, node_b)?;
+            let a = self.placement.a.get(node_a)?;
+            let b = self.placement.b.get(node_b)?;
             let opens_a = match (a.child, b.child) {
-                (Child::Hull(hull_a), Child::Hull(hull_b)) => return Some([hull_a, hull_b]),
+                (Child::Hull(hull_a), Child::Hull(hull_b)) => {
+                    self.lower_bound = lower_bound;
+                    return Some([hull_a, hull_b]);
+                }
                 (Child::Nodes(_), Child::Hull(_)) => true,
                 (Child::Hull(_), Child::Nodes(_)) => false,
                 (Child::Nodes(_), Child::Nodes(_)) => a.size_sq() > b.size_sq(),
@@ -93,7 +104,7 @@ impl<'q, 'a> Traversal<'q, 'a> {
         if u64::from(self.boxes) >= self.max_boxes {
             return None;
         }
-        let (node_a, node_b) = (Node::of(self.placement.a, a)?, Node::of(self.placement.b, b)?);
+        let (node_a, node_b) = (self.placement.a.get(a)?, self.placement.b.get(b)?);
         self.boxes += 1;
         let lower_bound = self.placement.distance_lower_bound(&node_a, &node_b);
         Some((a, b, lower_bound, self.placement.center_distance_sq(&node_a, &node_b)))

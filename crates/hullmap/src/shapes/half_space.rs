@@ -12,7 +12,11 @@
 
 use super::error::{MAX_LENGTH, ShapeError, point};
 use crate::pose::Pose;
-use crate::solver::{Contact, Distance, Intersection, Minkowski, Overlap, Status};
+use crate::solver::motion::checked;
+use crate::solver::{
+    CastSettings, Contact, Distance, Impact, Intersection, Minkowski, Motion, Overlap, Ray, RayHit, SignedDistance,
+    Status, VectorError,
+};
 use crate::support::{SupportMap, SupportPoint};
 use crate::vector::unit;
 use glam::DVec3;
@@ -55,7 +59,11 @@ pub struct HalfSpace {
 /// adds half a unit.
 const OFFSET_UNITS: f64 = 12.0;
 
-/// The point of the plane closest to the origin, as a shape.
+/// Rounding error of the speed towards the plane, in units of `f64::EPSILON` times the speed: a dot
+/// product, and the length of the normal.
+const SPEED_UNITS: f64 = 8.0;
+
+/// A point as a shape. In the direction of the normal, a half-space is one point of its plane.
 #[derive(Debug)]
 struct Foot(DVec3);
 
@@ -75,15 +83,134 @@ impl SupportMap for Foot {
 }
 
 /// The lowest point of a shape, relative to the plane.
-struct Lowest {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Lowest {
+    normal: DVec3,
     /// Depth below the plane; negative above.
-    depth: f64,
+    pub(crate) depth: f64,
     lower: f64,
     upper: f64,
-    overlap: Overlap,
-    /// The point, and its projection onto the plane.
     point_b: DVec3,
-    point_a: DVec3,
+    pub(crate) support_calls: u32,
+}
+
+impl Lowest {
+    /// Higher than the lowest point of any shape.
+    pub(crate) const NONE: Self = Self {
+        normal: DVec3::X,
+        depth: f64::NEG_INFINITY,
+        lower: f64::NEG_INFINITY,
+        upper: f64::NEG_INFINITY,
+        point_b: DVec3::ZERO,
+        support_calls: 0,
+    };
+
+    /// `lower`, with an interval that contains the depth of the deeper of two shapes.
+    pub(crate) fn wider(self, lower: Self) -> Self {
+        Self { lower: lower.lower.max(self.lower), upper: lower.upper.max(self.upper), ..lower }
+    }
+
+    fn overlap(&self) -> Overlap {
+        match (self.lower > 0.0, self.upper < 0.0) {
+            (true, _) => Overlap::Overlapping,
+            (_, true) => Overlap::Separated,
+            _ if self.depth.is_finite() && self.upper.is_finite() => Overlap::Touching,
+            _ => Overlap::Undecided,
+        }
+    }
+
+    /// The projection of the point onto the plane.
+    fn point_a(&self) -> DVec3 {
+        self.point_b + self.normal * self.depth
+    }
+
+    pub(crate) fn intersection(&self) -> Intersection {
+        Intersection { status: self.overlap(), iterations: self.support_calls, support_calls: self.support_calls }
+    }
+
+    pub(crate) fn contact(&self) -> Contact {
+        let found = Contact {
+            hit: true,
+            status: Status::Exact,
+            depth: self.depth,
+            depth_lower: self.lower,
+            depth_upper: self.upper,
+            normal: self.normal,
+            point_a: self.point_a(),
+            point_b: self.point_b,
+            iterations: self.support_calls,
+            support_calls: self.support_calls,
+        };
+        let none = Contact { depth: 0.0, depth_lower: 0.0, ..found };
+        match self.overlap() {
+            Overlap::Overlapping => found,
+            Overlap::Touching => Contact { status: Status::Touching, depth_upper: self.upper.max(0.0), ..none },
+            Overlap::Separated => Contact { hit: false, status: Status::Separated, depth_upper: 0.0, ..none },
+            Overlap::Undecided => Contact { status: Status::Stalled, depth_upper: f64::INFINITY, ..none },
+        }
+    }
+
+    /// When the shape reaches the plane, if it moves by `velocity`.
+    fn impact(&self, velocity: DVec3, settings: &CastSettings) -> Impact {
+        let limit = settings.max_t.max(0.0);
+        // Gap at the start, and the speed at which it closes, as intervals. Divisions add an error
+        // of one unit each.
+        let speed = -self.normal.dot(velocity);
+        let speed_error = SPEED_UNITS * f64::EPSILON * velocity.length();
+        let (slowest, fastest) = (speed - speed_error, speed + speed_error);
+        let overlap = self.overlap();
+        let t_lower = if self.upper < 0.0 { -self.upper / fastest * (1.0 - 2.0 * f64::EPSILON) } else { 0.0 };
+        let t_upper = (-self.lower).max(0.0) / slowest * (1.0 + 2.0 * f64::EPSILON);
+        let at = |t: f64, t_lower: f64, t_upper: f64, status: Status| {
+            let point_b = self.point_b + velocity * t;
+            let height = -self.depth - speed * t;
+            let (point_a, support_calls) = (point_b - self.normal * height, self.support_calls);
+            let normal = self.normal;
+            Impact { hit: true, status, t, t_lower, t_upper, normal, point_a, point_b, iterations: 1, support_calls }
+        };
+        let miss = Impact {
+            hit: false,
+            t: f64::INFINITY,
+            point_a: DVec3::ZERO,
+            point_b: DVec3::ZERO,
+            ..at(0.0, f64::INFINITY, f64::INFINITY, Status::Separated)
+        };
+        match overlap {
+            Overlap::Undecided => at(0.0, 0.0, f64::INFINITY, Status::Stalled),
+            Overlap::Overlapping => at(0.0, 0.0, 0.0, Status::Overlapping),
+            // Not moving towards the plane.
+            Overlap::Separated if !(fastest > 0.0) || t_lower > limit => miss,
+            Overlap::Touching if !(fastest > 0.0) => at(0.0, 0.0, 0.0, Status::Touching),
+            // Nearly parallel to the plane.
+            _ if !(slowest > 0.0) => at(t_lower, t_lower, f64::INFINITY, Status::Touching),
+            _ => {
+                let t = (-self.depth / speed).max(t_lower).min(t_upper);
+                at(t, t_lower, t_upper, if t_upper > limit { Status::Touching } else { Status::Exact })
+            }
+        }
+    }
+
+    pub(crate) fn distance(&self) -> Distance {
+        let found = Distance {
+            status: Status::Exact,
+            distance: -self.depth,
+            lower: -self.upper,
+            upper: -self.lower,
+            normal: self.normal,
+            point_a: self.point_a(),
+            point_b: self.point_b,
+            iterations: self.support_calls,
+            support_calls: self.support_calls,
+        };
+        let none = Distance { distance: 0.0, lower: 0.0, ..found };
+        match self.overlap() {
+            Overlap::Separated => found,
+            Overlap::Touching => Distance { status: Status::Touching, upper: (-self.lower).max(0.0), ..none },
+            // The deepest point of the shape is in the half-space too.
+            Overlap::Overlapping => Distance { status: Status::Overlapping, upper: 0.0, point_a: self.point_b, ..none },
+            Overlap::Undecided => Distance { status: Status::Stalled, upper: f64::INFINITY, ..none },
+        }
+    }
 }
 
 impl HalfSpace {
@@ -132,7 +259,8 @@ impl HalfSpace {
         self.offset
     }
 
-    fn lowest<B: SupportMap + ?Sized>(&self, b: &B, b_in_a: Pose) -> Lowest {
+    /// The lowest point of `b`, placed at `b_in_a`: one support query.
+    pub(crate) fn lowest<B: SupportMap + ?Sized>(&self, b: &B, b_in_a: Pose) -> Lowest {
         let foot = Foot(self.normal * self.offset);
         let mut m = Minkowski::new(&foot, b, b_in_a);
         let vertex = m.point(self.normal);
@@ -141,14 +269,7 @@ impl HalfSpace {
         // The point belongs to the shape. Only whether it is the lowest depends on the support
         // error.
         let (lower, upper) = (depth - m.noise() - offset_error, depth + m.rounding_error() + offset_error);
-        let overlap = match (lower > 0.0, upper < 0.0) {
-            (true, _) => Overlap::Overlapping,
-            (_, true) => Overlap::Separated,
-            _ if depth.is_finite() && upper.is_finite() => Overlap::Touching,
-            _ => Overlap::Undecided,
-        };
-        let point_b = vertex.b();
-        Lowest { depth, lower, upper, overlap, point_b, point_a: point_b + self.normal * depth }
+        Lowest { normal: self.normal, depth, lower, upper, point_b: vertex.b(), support_calls: 1 }
     }
 
     /// Whether the half-space and `b`, placed at `b_in_a`, share a point.
@@ -156,7 +277,7 @@ impl HalfSpace {
     /// # Complexity
     /// One support query. No allocation.
     pub fn intersects<B: SupportMap + ?Sized>(&self, b: &B, b_in_a: Pose) -> Intersection {
-        Intersection { status: self.lowest(b, b_in_a).overlap, iterations: 1, support_calls: 1 }
+        self.lowest(b, b_in_a).intersection()
     }
 
     /// Contact of the half-space and of `b`, placed at `b_in_a`. The normal is that of the plane.
@@ -167,26 +288,7 @@ impl HalfSpace {
     /// # Complexity
     /// One support query. No allocation.
     pub fn contact<B: SupportMap + ?Sized>(&self, b: &B, b_in_a: Pose) -> Contact {
-        let Lowest { depth, lower, upper, overlap, point_a, point_b } = self.lowest(b, b_in_a);
-        let found = Contact {
-            hit: true,
-            status: Status::Exact,
-            depth,
-            depth_lower: lower,
-            depth_upper: upper,
-            normal: self.normal,
-            point_a,
-            point_b,
-            iterations: 1,
-            support_calls: 1,
-        };
-        let none = Contact { depth: 0.0, depth_lower: 0.0, ..found };
-        match overlap {
-            Overlap::Overlapping => found,
-            Overlap::Touching => Contact { status: Status::Touching, depth_upper: upper.max(0.0), ..none },
-            Overlap::Separated => Contact { hit: false, status: Status::Separated, depth_upper: 0.0, ..none },
-            Overlap::Undecided => Contact { status: Status::Stalled, depth_upper: f64::INFINITY, ..none },
-        }
+        self.lowest(b, b_in_a).contact()
     }
 
     /// Distance of the half-space and of `b`, placed at `b_in_a`; 0 if they overlap or touch. The
@@ -195,26 +297,91 @@ impl HalfSpace {
     /// # Complexity
     /// One support query. No allocation.
     pub fn distance<B: SupportMap + ?Sized>(&self, b: &B, b_in_a: Pose) -> Distance {
-        let Lowest { depth, lower, upper, overlap, point_a, point_b } = self.lowest(b, b_in_a);
-        let found = Distance {
-            status: Status::Exact,
-            distance: -depth,
-            lower: -upper,
-            upper: -lower,
+        self.lowest(b, b_in_a).distance()
+    }
+}
+
+impl HalfSpace {
+    /// When `b`, which starts at `b_in_a` and translates by `motion`, first meets the half-space.
+    ///
+    /// As [`cast`](crate::cast()). The normal is always that of the plane. A hit so close to
+    /// `max_t` that rounding error decides has the status [`Touching`](Status::Touching).
+    ///
+    /// # Complexity
+    /// One support query. No allocation.
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::glam::DVec3;
+    /// use hullmap::shapes::{HalfSpace, Sphere};
+    /// use hullmap::{CastSettings, Motion, Pose};
+    ///
+    /// let (floor, ball) = (HalfSpace::new(DVec3::Z, 0.0)?, Sphere::new(0.5)?);
+    /// let start = Pose::from_translation(DVec3::new(0.0, 0.0, 2.5))?;
+    /// let falling = Motion::new(DVec3::new(1.0, 0.0, -4.0))?;
+    /// let impact = floor.cast(&ball, start, falling, &CastSettings::default());
+    /// assert!(impact.hit && (impact.t - 0.5).abs() < 1e-12);
+    /// assert!(impact.point_b.distance(DVec3::new(0.5, 0.0, 0.0)) < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn cast<B: SupportMap + ?Sized>(&self, b: &B, b_in_a: Pose, motion: Motion, settings: &CastSettings) -> Impact {
+        self.lowest(b, b_in_a).impact(motion.velocity(), settings)
+    }
+
+    /// Where `ray` first enters the half-space. As [`ray`](crate::ray()); the normal is always that
+    /// of the plane.
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::glam::DVec3;
+    /// use hullmap::shapes::HalfSpace;
+    /// use hullmap::{CastSettings, Ray, Status};
+    ///
+    /// let floor = HalfSpace::new(DVec3::Z, 1.0)?;
+    /// let down = Ray::new(DVec3::new(2.0, 3.0, 5.0), DVec3::new(0.0, 0.0, -2.0))?;
+    /// let hit = floor.ray(&down, &CastSettings::default());
+    /// assert_eq!((hit.t, hit.point), (2.0, DVec3::new(2.0, 3.0, 1.0)));
+    /// let level = Ray::new(DVec3::new(2.0, 3.0, 5.0), DVec3::X)?;
+    /// assert!(!floor.ray(&level, &CastSettings { max_t: 1e9, ..CastSettings::default() }).hit);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn ray(&self, ray: &Ray, settings: &CastSettings) -> RayHit {
+        let found = self.lowest(&Foot(DVec3::ZERO), Pose::at(ray.origin())).impact(ray.direction(), settings);
+        let Impact { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = found;
+        let point = if hit { ray.at(t) } else { ray.origin() };
+        RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls }
+    }
+
+    /// Signed distance of `point` from the plane: positive outside, negative inside. As
+    /// [`signed_distance`](crate::signed_distance()).
+    ///
+    /// # Errors
+    /// A component of `point` is NaN, infinite, or beyond
+    /// [`MAX_TRANSLATION`](crate::pose::MAX_TRANSLATION).
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::glam::DVec3;
+    /// use hullmap::shapes::HalfSpace;
+    ///
+    /// let floor = HalfSpace::new(DVec3::Z, 1.0)?;
+    /// let below = floor.signed_distance(DVec3::new(4.0, 0.0, -1.0))?;
+    /// assert_eq!((below.distance, below.point), (-2.0, DVec3::new(4.0, 0.0, 1.0)));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn signed_distance(&self, point: DVec3) -> Result<SignedDistance, VectorError> {
+        let found = self.lowest(&Foot(DVec3::ZERO), Pose::at(checked("point", point)?));
+        let status = if found.overlap() == Overlap::Touching { Status::Touching } else { Status::Exact };
+        Ok(SignedDistance {
+            status,
+            distance: -found.depth,
+            lower: -found.upper,
+            upper: -found.lower,
+            point: found.point_a(),
             normal: self.normal,
-            point_a,
-            point_b,
             iterations: 1,
             support_calls: 1,
-        };
-        let none = Distance { distance: 0.0, lower: 0.0, ..found };
-        match overlap {
-            Overlap::Separated => found,
-            Overlap::Touching => Distance { status: Status::Touching, upper: (-lower).max(0.0), ..none },
-            // The deepest point of the shape is in the half-space too.
-            Overlap::Overlapping => Distance { status: Status::Overlapping, upper: 0.0, point_a: point_b, ..none },
-            Overlap::Undecided => Distance { status: Status::Stalled, upper: f64::INFINITY, ..none },
-        }
+        })
     }
 }
 

@@ -55,7 +55,7 @@ mod cuboid;
 mod cylinder;
 pub(crate) mod error;
 pub(crate) mod feature;
-mod half_space;
+pub(crate) mod half_space;
 mod rounded;
 mod scaled;
 mod segment;

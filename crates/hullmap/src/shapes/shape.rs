@@ -37,3 +37,10 @@ pub trait Shape: SupportMap {
         ring(self, dir, out);
     }
 }
+
+/// A reference to a shape is the same shape.
+impl<S: Shape + ?Sized> Shape for &S {
+    fn feature(&self, dir: DVec3, out: &mut Feature) {
+        (**self).feature(dir, out);
+    }
+}

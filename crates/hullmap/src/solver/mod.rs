@@ -58,7 +58,7 @@ mod intersection;
 mod line;
 mod lockstep;
 pub(crate) mod minkowski;
-mod motion;
+pub(crate) mod motion;
 mod mpr;
 pub(crate) mod queries;
 pub(crate) mod ray;

@@ -30,7 +30,7 @@ pub struct VectorError {
 }
 
 /// Returns `found` if it is finite and within [`MAX_TRANSLATION`].
-pub(super) fn checked(what: &'static str, found: DVec3) -> Result<DVec3, VectorError> {
+pub(crate) fn checked(what: &'static str, found: DVec3) -> Result<DVec3, VectorError> {
     // NaN takes the failing branch.
     let is_within = found.to_array().into_iter().all(|c| c.abs() <= MAX_TRANSLATION);
     if is_within { Ok(found) } else { Err(VectorError { what, found }) }

@@ -210,3 +210,54 @@ pub trait SupportMap {
         Bounds { min: min - margin, max: max + margin }
     }
 }
+
+/// A reference to a shape is the same shape.
+impl<S: SupportMap + ?Sized> SupportMap for &S {
+    #[inline(always)]
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
+        (**self).support_point(dir)
+    }
+    #[inline(always)]
+    fn interior_point(&self) -> DVec3 {
+        (**self).interior_point()
+    }
+    #[inline(always)]
+    fn inner_radius(&self) -> f64 {
+        (**self).inner_radius()
+    }
+    #[inline(always)]
+    fn outer_radius(&self) -> f64 {
+        (**self).outer_radius()
+    }
+    #[inline(always)]
+    fn support_error(&self) -> f64 {
+        (**self).support_error()
+    }
+    #[inline(always)]
+    fn point(&self, feature: u32) -> Option<DVec3> {
+        (**self).point(feature)
+    }
+    #[inline(always)]
+    fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
+        (**self).support_point_from(dir, hint)
+    }
+    #[inline(always)]
+    fn convex_radius(&self) -> f64 {
+        (**self).convex_radius()
+    }
+    #[inline(always)]
+    fn core_support_point(&self, dir: DVec3) -> SupportPoint {
+        (**self).core_support_point(dir)
+    }
+    #[inline(always)]
+    fn core_radii(&self) -> [f64; 2] {
+        (**self).core_radii()
+    }
+    #[inline(always)]
+    fn core_point(&self, feature: u32) -> Option<DVec3> {
+        (**self).core_point(feature)
+    }
+    fn bounds_under(&self, pose: Pose) -> Bounds {
+        (**self).bounds_under(pose)
+    }
+}

@@ -1,0 +1,170 @@
+//! Queries of a half-space and a compound, by descent of one BVH.
+//!
+//! A plane is convex on both sides, so the part that reaches farthest below it decides all three
+//! queries.
+//!
+//! # Examples
+//! ```
+//! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let pack = two_cubes();
+//! use hullmap::compound::half_space;
+//! use hullmap::glam::{DQuat, DVec3};
+//! use hullmap::shapes::HalfSpace;
+//! use hullmap::{Compound, Pose};
+//!
+//! // Two unit cubes, at x from 0 to 1 and from 3 to 4. The wall is at x = 5.
+//! let wall = HalfSpace::new(DVec3::NEG_X, -5.0)?;
+//! let cubes = Compound::new(&pack);
+//! let near = half_space::contact(&wall, &cubes, Pose::from_translation(DVec3::X * 1.5)?);
+//! assert_eq!((near.answer.depth, near.hulls), (0.5, [0, 1]));
+//!
+//! let turned = Pose::new(DVec3::X * 4.0, DQuat::from_rotation_z(std::f64::consts::PI))?;
+//! let gap = half_space::distance(&wall, &cubes, turned);
+//! assert!((gap.answer.distance - 1.0).abs() < 1e-12 && gap.hulls == [0, 0]);
+//! # Ok(())
+//! # }
+//! ```
+
+use super::CompoundAnswer;
+use super::bvh::{Child, Nodes};
+use super::parts::Parts;
+use crate::pose::Pose;
+use crate::shapes::HalfSpace;
+use crate::shapes::half_space::Lowest;
+use crate::solver::{Contact, Distance, Intersection};
+use glam::DVec3;
+use hullmap_format::bvh::MAX_LEVELS;
+
+/// Maximum number of nodes on the stack: one for each level, and one.
+const MAX_STACK: usize = MAX_LEVELS as usize + 1;
+
+/// Rounding error of the depth of a box, relative to the largest length, in units of
+/// [`f64::EPSILON`]: as of a distance between boxes.
+const ROUNDING_UNITS: f64 = 128.0;
+
+/// Iterates over the parts whose boxes reach below a plane by some depth, deepest boxes first.
+pub(super) struct Descent<'q> {
+    nodes: Nodes<'q>,
+    /// The plane in the frame of the compound: its normal and its offset.
+    normal: DVec3,
+    offset: f64,
+    rounding_error: f64,
+    stack: [(u32, f64); MAX_STACK],
+    len: usize,
+    boxes: u32,
+}
+
+impl<'q> Descent<'q> {
+    pub(super) fn new(a: &HalfSpace, nodes: Nodes<'q>, b_in_a: Pose) -> Self {
+        let normal = b_in_a.inverse_transform_vector(a.normal());
+        let offset = a.offset() - a.normal().dot(b_in_a.translation());
+        let farthest = nodes.get(0).map_or(0.0, |root| {
+            DVec3::AXES.map(|axis| root.extent(axis)).into_iter().flatten().map(f64::abs).sum::<f64>()
+        });
+        let largest = farthest + a.offset().abs() + b_in_a.translation().length();
+        let rounding_error = ROUNDING_UNITS * f64::EPSILON * largest;
+        let stack = [(0, f64::INFINITY); MAX_STACK];
+        Self { nodes, normal, offset, rounding_error, stack, len: 1, boxes: 0 }
+    }
+
+    /// Number of boxes compared so far.
+    pub(super) fn boxes(&self) -> u32 {
+        self.boxes
+    }
+
+    /// The next part whose box reaches at least `depth` below the plane, by index. Negative depths
+    /// are above it.
+    pub(super) fn next(&mut self, depth: f64) -> Option<usize> {
+        while let Some(top) = self.len.checked_sub(1) {
+            let (index, upper_bound) = *self.stack.get(top)?;
+            self.len = top;
+            // Written so that a NaN would not skip the node.
+            if upper_bound < depth {
+                continue;
+            }
+            let first = match self.nodes.get(index)?.child {
+                Child::Hull(hull) => return Some(hull),
+                // Children follow their parents, except in a damaged pack that was opened unchecked.
+                // The descent must end there as well.
+                Child::Nodes(first) if first > index => first,
+                Child::Nodes(_) => return None,
+            };
+            let second = first.saturating_add(1);
+            let bounds = [self.upper_bound(first)?, self.upper_bound(second)?];
+            let children = [(first, bounds[0]), (second, bounds[1])];
+            for child in if bounds[0] < bounds[1] { children } else { [children[1], children[0]] } {
+                if let Some(slot) = self.stack.get_mut(self.len).filter(|_| !(child.1 < depth)) {
+                    *slot = child;
+                    self.len += 1;
+                }
+            }
+        }
+        None
+    }
+
+    /// Upper bound on the depth of the parts below a node. `None` if the node is missing, or if all
+    /// nodes have been compared: a longer descent is in a cycle.
+    fn upper_bound(&mut self, index: u32) -> Option<f64> {
+        let node = self.nodes.get(index).filter(|_| (self.boxes as usize) < self.nodes.count())?;
+        self.boxes += 1;
+        Some(self.offset - node.extent(self.normal)[0] + self.rounding_error)
+    }
+}
+
+/// Finds the part of `b` that reaches farthest below the plane, by branch and bound.
+fn lowest<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> CompoundAnswer<Lowest> {
+    let mut best = CompoundAnswer { answer: Lowest::NONE, hulls: [0, 0], pairs: 0, boxes: 0 };
+    let mut descent = Descent::new(a, b.nodes(), b_in_a);
+    while let Some(index) = descent.next(best.answer.depth) {
+        let Some(part) = b.part(index) else { continue };
+        let found = a.lowest(&part, b_in_a);
+        best.pairs += 1;
+        let (depth, deepest) = (found.depth, best.answer.depth);
+        // Ties go to the lowest index, so that the answer does not depend on the shape of the BVH.
+        // NaN is deeper than everything, because then nothing is known.
+        if !(depth <= deepest) || depth == deepest && index < best.hulls[1] {
+            best.hulls = [0, index];
+            best.answer = best.answer.wider(found);
+        } else {
+            best.answer = found.wider(best.answer);
+        }
+        if best.answer.depth.is_nan() {
+            break;
+        }
+    }
+    best.answer.support_calls = best.pairs;
+    best.boxes = descent.boxes();
+    best
+}
+
+/// Contact of the half-space and of `b`, placed at `b_in_a`: that of the part that reaches farthest
+/// into the half-space. If no part does, it is a miss.
+///
+/// Moving B by the depth along the normal separates all parts.
+///
+/// # Complexity
+/// Branch and bound: one support query for each part whose box reaches deeper than the deepest part
+/// so far, usually one or two parts, at most all. No allocation.
+pub fn contact<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> CompoundAnswer<Contact> {
+    let CompoundAnswer { answer, hulls, pairs, boxes } = lowest(a, b, b_in_a);
+    CompoundAnswer { answer: answer.contact(), hulls, pairs, boxes }
+}
+
+/// Distance of the half-space and of `b`, placed at `b_in_a`; 0 if they overlap or touch.
+///
+/// # Complexity
+/// As [`contact`](contact()).
+pub fn distance<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> CompoundAnswer<Distance> {
+    let CompoundAnswer { answer, hulls, pairs, boxes } = lowest(a, b, b_in_a);
+    CompoundAnswer { answer: answer.distance(), hulls, pairs, boxes }
+}
+
+/// Whether the half-space and `b`, placed at `b_in_a`, share a point.
+///
+/// # Complexity
+/// As [`contact`](contact()).
+pub fn intersects<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> CompoundAnswer<Intersection> {
+    let CompoundAnswer { answer, hulls, pairs, boxes } = lowest(a, b, b_in_a);
+    CompoundAnswer { answer: answer.intersection(), hulls, pairs, boxes }
+}

@@ -1,0 +1,295 @@
+//! Contact manifolds of compounds: one for each pair of parts that touch, kept from frame to frame.
+//!
+//! # Steps
+//! 1. Traverse the BVHs for the pairs of parts whose boxes are within the prediction of each other.
+//! 2. A pair of the last frame updates its manifold, with its solver cache. Another pair tries an
+//!    empty manifold, and gets a slot if it has points.
+//! 3. Pairs that no longer touch leave their slots.
+
+use super::bvh::Placement;
+use super::cache::CompoundCache;
+use super::half_space::Descent;
+use super::parts::Parts;
+use super::traversal::Traversal;
+use crate::manifold::{Manifold, ManifoldSettings};
+use crate::pose::Pose;
+use crate::shapes::HalfSpace;
+use crate::solver::{Cache, Contact};
+use crate::support::SupportMap;
+
+/// Contact manifolds of two compounds, or of a compound and a shape: caller-owned memory of one
+/// ordered pair (A, B).
+///
+/// It holds a [`Manifold`] and a [`Cache`] for each pair of parts that touch, about 2 KB, and a
+/// [`CompoundCache`] for the other pairs. All memory is allocated by [`new`](Self::new).
+///
+/// # Examples
+/// A step of an engine: update, then read and write all points.
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = two_cubes();
+/// use hullmap::compound::CompoundManifolds;
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::Cuboid;
+/// use hullmap::{Compound, ManifoldSettings, Pose};
+///
+/// // Two unit cubes, at x from 0 to 1 and from 3 to 4, on a floor whose top is at z = 0.
+/// let (floor, cubes) = (Cuboid::new(DVec3::new(9.0, 9.0, 1.0))?, Compound::new(&pack));
+/// let mut manifolds = CompoundManifolds::new(8);
+/// for step in 0..3 {
+///     let b_in_a = Pose::from_translation(DVec3::new(0.0, 0.01 * f64::from(step), 0.999))?;
+///     let counts = manifolds.update(&floor, &cubes, b_in_a, &ManifoldSettings::default());
+///     assert_eq!((counts.touching, counts.dropped), (2, 0));
+///     for (_pair, manifold) in manifolds.iter_mut() {
+///         for point in manifold.points_mut() {
+///             assert_eq!(point.impulse[0], f64::from(step));
+///             point.impulse[0] += 1.0;
+///         }
+///     }
+/// }
+/// // Part 0 of A, the floor, with part 1 of B.
+/// let right = manifolds.get([0, 1]).ok_or("no contact")?;
+/// assert_eq!(right.points().len(), 4);
+/// assert!(right.points().iter().all(|point| point.age == 2 && point.point_a.x >= 3.0));
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+pub struct CompoundManifolds {
+    slots: Box<[Slot]>,
+    /// Indices of all slots: first those in use, ordered by their pairs, then the free ones.
+    order: Box<[usize]>,
+    used: usize,
+    /// Solver caches of pairs without a slot.
+    others: CompoundCache,
+}
+
+/// A pair of parts that touch.
+#[derive(Clone, Debug, Default)]
+struct Slot {
+    pair: [usize; 2],
+    /// Whether the pair had points in the last update. Free slots have none.
+    touches: bool,
+    manifold: Manifold,
+    cache: Cache,
+}
+
+/// What [`CompoundManifolds::update`] found, and its cost. The example there reads one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ManifoldCounts {
+    /// Number of pairs of parts with manifold points, without those dropped.
+    pub touching: u32,
+    /// Number of pairs of parts that touch and have no manifold, because all slots are in use.
+    pub dropped: u32,
+    /// Number of pairs of parts queried.
+    pub pairs: u32,
+    /// Number of pairs of boxes compared.
+    pub boxes: u32,
+    /// Solver iterations, summed over all pairs of parts.
+    pub iterations: u32,
+    /// Pairs of support queries, summed over all pairs of parts.
+    pub support_calls: u32,
+}
+
+impl CompoundManifolds {
+    /// Memory for up to `pairs` pairs of parts that touch at a time, at least one.
+    ///
+    /// If more pairs touch, those of the last frame stay, and the others are counted as
+    /// [`dropped`](ManifoldCounts::dropped).
+    pub fn new(pairs: usize) -> Self {
+        let pairs = pairs.max(1);
+        Self {
+            slots: vec![Slot::default(); pairs].into_boxed_slice(),
+            order: (0..pairs).collect(),
+            used: 0,
+            others: CompoundCache::new(2 * pairs),
+        }
+    }
+
+    /// Updates the manifolds of all pairs of parts of `a` and of `b` placed at `b_in_a`.
+    ///
+    /// Afterwards every pair of parts that touches, or is separated by less than the prediction, has
+    /// a manifold, as from [`Manifold::update`]. Manifolds of the last frame keep what the caller
+    /// stored in their points.
+    ///
+    /// # Complexity
+    /// All pairs of boxes within the prediction of each other, and one [`Manifold::update`] for each
+    /// pair of parts in such leaves: G H of them if all overlap. Finding the slot of a pair takes
+    /// logarithmic time. No allocation.
+    pub fn update<A: Parts + ?Sized, B: Parts + ?Sized>(
+        &mut self,
+        a: &A,
+        b: &B,
+        b_in_a: Pose,
+        settings: &ManifoldSettings,
+    ) -> ManifoldCounts {
+        let mut frame = self.start();
+        let nodes = [a.nodes(), b.nodes()];
+        // A part is in its box, so the radius of a ball around an interior point is at most the
+        // diagonal.
+        let reach = settings.prediction.length(nodes[0].diagonal().min(nodes[1].diagonal()));
+        let mut traversal = Traversal::new(Placement::new(nodes[0], nodes[1], b_in_a));
+        while let Some(pair) = traversal.next(reach) {
+            let (Some(part_a), Some(part_b)) = (a.part(pair[0]), b.part(pair[1])) else { continue };
+            let prediction = settings.prediction.length(part_a.outer_radius().min(part_b.outer_radius()));
+            // NaN takes the branch that queries.
+            if traversal.lower_bound() > prediction {
+                continue;
+            }
+            self.visit(&mut frame, pair, |manifold, cache| manifold.update(&part_a, &part_b, b_in_a, settings, cache));
+        }
+        frame.counts.boxes = traversal.boxes();
+        self.finish(frame)
+    }
+
+    /// [`update`](Self::update) for a half-space as A, which has one part.
+    ///
+    /// # Complexity
+    /// One [`Manifold::update_half_space`] for each part of `b` whose box is within the prediction
+    /// of the half-space. No allocation.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let pack = two_cubes();
+    /// use hullmap::compound::CompoundManifolds;
+    /// use hullmap::glam::DVec3;
+    /// use hullmap::shapes::HalfSpace;
+    /// use hullmap::{Compound, ManifoldSettings, Pose};
+    ///
+    /// let (floor, cubes) = (HalfSpace::new(DVec3::Z, 0.0)?, Compound::new(&pack));
+    /// let mut manifolds = CompoundManifolds::new(8);
+    /// let b_in_a = Pose::from_translation(DVec3::new(0.0, 0.0, -0.001))?;
+    /// let settings = ManifoldSettings::default();
+    /// assert_eq!(manifolds.update_half_space(&floor, &cubes, b_in_a, &settings).touching, 2);
+    /// assert!(manifolds.iter().all(|(_, manifold)| manifold.points().len() == 4));
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn update_half_space<B: Parts + ?Sized>(
+        &mut self,
+        a: &HalfSpace,
+        b: &B,
+        b_in_a: Pose,
+        settings: &ManifoldSettings,
+    ) -> ManifoldCounts {
+        let mut frame = self.start();
+        let nodes = b.nodes();
+        let reach = settings.prediction.length(nodes.diagonal());
+        let mut descent = Descent::new(a, nodes, b_in_a);
+        while let Some(index) = descent.next(-reach) {
+            let Some(part) = b.part(index) else { continue };
+            self.visit(&mut frame, [0, index], |manifold, _| manifold.update_half_space(a, &part, b_in_a, settings));
+        }
+        frame.counts.boxes = descent.boxes();
+        self.finish(frame)
+    }
+
+    fn start(&mut self) -> Frame {
+        for slot in &mut self.slots {
+            slot.touches = false;
+        }
+        Frame { old: self.used, counts: ManifoldCounts::default() }
+    }
+
+    /// Updates the manifold of a pair, and assigns a slot to a new pair that touches.
+    #[expect(clippy::indexing_slicing, reason = "`order` is a permutation of the slots; `old` and `used` are within")]
+    fn visit(
+        &mut self,
+        frame: &mut Frame,
+        pair: [usize; 2],
+        update: impl FnOnce(&mut Manifold, &mut Cache) -> Contact,
+    ) {
+        let Self { slots, order, used, others } = self;
+        let known = order[..frame.old].binary_search_by_key(&pair, |slot| slots[*slot].pair);
+        let contact = match known.map(|at| order[at]) {
+            Ok(slot) => {
+                let Slot { manifold, cache, touches, .. } = &mut slots[slot];
+                let contact = update(manifold, cache);
+                *touches = !manifold.points().is_empty();
+                contact
+            }
+            Err(_) => {
+                let mut manifold = Manifold::new();
+                let cache = others.pair(pair);
+                let contact = update(&mut manifold, cache);
+                if !manifold.points().is_empty() {
+                    if let Some(free) = order.get(*used) {
+                        slots[*free] = Slot { pair, touches: true, manifold, cache: cache.clone() };
+                        *used += 1;
+                    } else {
+                        frame.counts.dropped += 1;
+                    }
+                }
+                contact
+            }
+        };
+        frame.counts.pairs += 1;
+        frame.counts.iterations += contact.iterations;
+        frame.counts.support_calls += contact.support_calls;
+    }
+
+    /// Frees the slots of pairs that do not touch.
+    #[expect(clippy::indexing_slicing, reason = "`order` is a permutation of the slots; `used` is within")]
+    fn finish(&mut self, frame: Frame) -> ManifoldCounts {
+        let Self { slots, order, used, .. } = self;
+        let mut kept = 0;
+        for at in 0..*used {
+            let slot = &mut slots[order[at]];
+            if slot.touches {
+                order.swap(kept, at);
+                kept += 1;
+            } else {
+                slot.manifold.clear();
+            }
+        }
+        order[..kept].sort_unstable_by_key(|slot| slots[*slot].pair);
+        *used = kept;
+        ManifoldCounts { touching: kept as u32, ..frame.counts }
+    }
+
+    /// Number of pairs of parts that touch.
+    pub fn len(&self) -> usize {
+        self.used
+    }
+
+    /// True if no pair of parts touches.
+    pub fn is_empty(&self) -> bool {
+        self.used == 0
+    }
+
+    /// The pairs of parts that touch, by their indices in A and in B, and their manifolds.
+    ///
+    /// A pair keeps its place in this order while it touches.
+    pub fn iter(&self) -> impl Iterator<Item = ([usize; 2], &Manifold)> {
+        self.slots.iter().filter(|slot| slot.touches).map(|slot| (slot.pair, &slot.manifold))
+    }
+
+    /// [`iter`](Self::iter), for storing impulses and user data.
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = ([usize; 2], &mut Manifold)> {
+        self.slots.iter_mut().filter(|slot| slot.touches).map(|slot| (slot.pair, &mut slot.manifold))
+    }
+
+    /// The manifold of a pair of parts; `None` if they do not touch.
+    #[expect(clippy::indexing_slicing, reason = "`order` is a permutation of the slots; `used` is within")]
+    pub fn get(&self, pair: [usize; 2]) -> Option<&Manifold> {
+        let at = self.order[..self.used].binary_search_by_key(&pair, |slot| self.slots[*slot].pair).ok()?;
+        Some(&self.slots[self.order[at]].manifold)
+    }
+
+    /// Removes all manifolds and clears the caches.
+    pub fn clear(&mut self) {
+        let frame = self.start();
+        self.finish(frame);
+        self.others.clear();
+    }
+}
+
+/// An update in progress.
+struct Frame {
+    /// Number of slots in use before it.
+    old: usize,
+    counts: ManifoldCounts,
+}

@@ -1,0 +1,99 @@
+//! What a query of compounds takes as A and B: a compound, or a single shape.
+
+use super::Compound;
+use super::bvh::Nodes;
+use crate::hull::Hull;
+use crate::pose::Pose;
+use crate::shapes::Shape;
+
+/// One side of a query: a [`Compound`], or any [`Shape`], which counts as a compound of one part.
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = two_cubes();
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::Sphere;
+/// use hullmap::{Compound, CompoundCache, Pose, Settings, compound};
+///
+/// // Two unit cubes, at x from 0 to 1 and from 3 to 4, and a ball between them.
+/// let (cubes, ball) = (Compound::new(&pack), Sphere::new(0.5)?);
+/// let b_in_a = Pose::from_translation(DVec3::new(2.25, 0.5, 0.5))?;
+/// let mut cache = CompoundCache::default();
+/// let gap = compound::distance(&cubes, &ball, b_in_a, &Settings::default(), &mut cache);
+/// assert!((gap.answer.distance - 0.25).abs() < 1e-12);
+/// assert_eq!(gap.hulls, [1, 0]);
+/// # Ok(())
+/// # }
+/// ```
+pub trait Parts: Tree {}
+
+impl<T: Tree + ?Sized> Parts for T {}
+
+/// Methods of [`Parts`]. In a private module, so that only this crate implements it.
+pub trait Tree {
+    /// A part.
+    type Part<'p>: Shape
+    where
+        Self: 'p;
+
+    /// Number of parts.
+    fn part_count(&self) -> usize;
+
+    /// The part with this index; `None` if the index is not below the number of parts.
+    fn part(&self, index: usize) -> Option<Self::Part<'_>>;
+
+    /// The same as a hull, if it is one of a pack: the cascade has more stages for hulls.
+    fn part_as_hull(&self, index: usize) -> Option<Hull<'_>>;
+
+    /// The BVH of the parts.
+    fn nodes(&self) -> Nodes<'_>;
+}
+
+impl Tree for Compound<'_> {
+    type Part<'p>
+        = Hull<'p>
+    where
+        Self: 'p;
+
+    fn part_count(&self) -> usize {
+        self.hull_count()
+    }
+
+    fn part(&self, index: usize) -> Option<Hull<'_>> {
+        self.hull(index)
+    }
+
+    fn part_as_hull(&self, index: usize) -> Option<Hull<'_>> {
+        self.hull(index)
+    }
+
+    fn nodes(&self) -> Nodes<'_> {
+        Compound::nodes(self)
+    }
+}
+
+impl<S: Shape + ?Sized> Tree for S {
+    type Part<'p>
+        = &'p S
+    where
+        Self: 'p;
+
+    fn part_count(&self) -> usize {
+        1
+    }
+
+    fn part(&self, index: usize) -> Option<&S> {
+        (index == 0).then_some(self)
+    }
+
+    fn part_as_hull(&self, _: usize) -> Option<Hull<'_>> {
+        None
+    }
+
+    fn nodes(&self) -> Nodes<'_> {
+        let bounds = self.bounds_under(Pose::IDENTITY);
+        Nodes::one(bounds.min, bounds.max)
+    }
+}
