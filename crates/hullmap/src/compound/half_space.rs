@@ -85,8 +85,8 @@ impl<'q> Descent<'q> {
             }
             let first = match self.nodes.get(index)?.child {
                 Child::Hull(hull) => return Some(hull),
-                // Children follow their parents, except in a damaged pack that was opened unchecked.
-                // The descent must end there as well.
+                // Children follow their parents, except in a damaged pack that was opened
+                // unchecked. The descent must end there as well.
                 Child::Nodes(first) if first > index => first,
                 Child::Nodes(_) => return None,
             };

@@ -109,14 +109,14 @@ impl CompoundManifolds {
 
     /// Updates the manifolds of all pairs of parts of `a` and of `b` placed at `b_in_a`.
     ///
-    /// Afterwards every pair of parts that touches, or is separated by less than the prediction, has
-    /// a manifold, as from [`Manifold::update`]. Manifolds of the last frame keep what the caller
-    /// stored in their points.
+    /// Afterwards every pair of parts that touches, or is separated by less than the prediction,
+    /// has a manifold, as from [`Manifold::update`]. Manifolds of the last frame keep what the
+    /// caller stored in their points.
     ///
     /// # Complexity
-    /// All pairs of boxes within the prediction of each other, and one [`Manifold::update`] for each
-    /// pair of parts in such leaves: G H of them if all overlap. Finding the slot of a pair takes
-    /// logarithmic time. No allocation.
+    /// All pairs of boxes within the prediction of each other, and one [`Manifold::update`] for
+    /// each pair of parts in such leaves: G H of them if all overlap. Finding the slot of a pair
+    /// takes logarithmic time. No allocation.
     pub fn update<A: Parts + ?Sized, B: Parts + ?Sized>(
         &mut self,
         a: &A,

@@ -8,12 +8,13 @@
 //! # Complexity
 //! A query of compounds with G and H parts compares at most (2 G − 1) (2 H − 1) pairs of boxes, and
 //! queries each pair of parts at most once. If few boxes overlap, as on decomposed meshes that
-//! touch, that is about log G + log H pairs of boxes for each pair of parts that touch. If all boxes
-//! overlap, all G H pairs are queried: by [`contact`], [`contacts`] and manifolds because every pair
-//! may be in contact, by [`intersects`] unless a pair overlaps. No order of the tests avoids that.
+//! touch, that is about log G + log H pairs of boxes for each pair of parts that touch. If all
+//! boxes overlap, all G H pairs are queried: by [`contact`], [`contacts`] and manifolds because
+//! every pair may be in contact, by [`intersects`] unless a pair overlaps. No order of the tests
+//! avoids that.
 //! [`distance`] ends at the first pair that overlaps. Against a single shape the work is at most
-//! proportional to G. Bake with fewer parts (`--vhacd-max-parts`), or with less overlap, if that is too
-//! slow.
+//! proportional to G. Bake with fewer parts (`--vhacd-max-parts`), or with less overlap, if that is
+//! too slow.
 //!
 //! # Examples
 //! A pack of two unit cubes, 3 apart, against a copy of itself:
@@ -264,8 +265,8 @@ fn strength(status: Overlap) -> u8 {
 ///
 /// # Complexity
 /// Branch and bound. Starts with the nearest pair of the last query, and visits only boxes nearer
-/// than the nearest pair so far, nearest first: at most G H pairs of hulls for compounds of G and H.
-/// No allocation.
+/// than the nearest pair so far, nearest first: at most G H pairs of hulls for compounds of G and
+/// H. No allocation.
 ///
 /// # Examples
 /// ```
