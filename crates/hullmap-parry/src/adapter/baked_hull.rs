@@ -1,0 +1,196 @@
+//! `BakedHull`: a hull of a pack, possibly scaled, with the constants that parry asks for often.
+
+use hullmap::glam::DVec3;
+use hullmap::shapes::Scaled;
+use hullmap::{Feature, Hull, ShapeError, SharedHull, SupportPoint};
+
+use super::convert::wide;
+use super::parry::math::Vector;
+use super::parry::shape::SharedShape;
+
+/// A baked hull as a parry shape.
+///
+/// It owns its hull: the pack lives as long as one of its shapes. Cloning shares the pack. Use it
+/// directly, or as a `SharedShape` by `into()`.
+///
+/// Points, directions and lengths are in the hull's local frame, which is that of the source mesh,
+/// times the [`scale`](Self::scale).
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/../hullmap/doc/rock.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = pack();
+/// use std::sync::Arc;
+/// use hullmap_parry::BakedHull;
+/// use parry3d::math::{Pose, Vector};
+/// use parry3d::query::{Ray, RayCast};
+/// use parry3d::shape::{Shape, SharedShape};
+///
+/// let pack: Arc<hullmap::Pack> = Arc::new(pack);
+/// let cube = BakedHull::new(pack.shared_hull_named("cube").ok_or("no cube")?);
+/// assert_eq!(cube.hull().vertex_count(), 8);
+///
+/// let ray = Ray::new(Vector::new(0.2, 0.3, 5.0), -Vector::Z);
+/// let hit = cube.cast_local_ray(&ray, 100.0, true).ok_or("no hit")?;
+/// assert!((hit - 4.0).abs() < 1e-5);
+///
+/// // Twice as high, and mirrored along x.
+/// let tower = cube.scaled(Vector::new(-1.0, 1.0, 2.0))?;
+/// assert_eq!(tower.compute_local_aabb().maxs, Vector::new(1.0, 1.0, 2.0));
+/// assert!((tower.mass_properties(1.0).mass() - 16.0).abs() < 1e-4);
+///
+/// let shape: SharedShape = tower.into();
+/// assert!(shape.as_shape::<BakedHull>().is_some());
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+pub struct BakedHull {
+    form: Form,
+}
+
+/// The shape that answers queries.
+#[derive(Clone, Debug)]
+pub(super) enum Form {
+    Plain(SharedHull),
+    Scaled(Scaled<SharedHull>),
+}
+
+/// Evaluates `$answer` with `$shape` bound to the form of `$hull`.
+macro_rules! on_form {
+    ($hull:expr, $shape:ident => $answer:expr) => {
+        match $hull.form() {
+            Form::Plain($shape) => $answer,
+            Form::Scaled($shape) => $answer,
+        }
+    };
+}
+
+impl BakedHull {
+    /// The shape of `hull`.
+    ///
+    /// # Complexity
+    /// O(1).
+    pub fn new(hull: SharedHull) -> Self {
+        Self { form: Form::Plain(hull) }
+    }
+
+    /// This shape, scaled along the axes of its frame in addition to its present scale. A negative
+    /// scale mirrors it.
+    ///
+    /// # Errors
+    /// [`ShapeError::Scale`] if a resulting scale is NaN, zero, or too small or large for f32.
+    ///
+    /// # Complexity
+    /// O(1): a scaled hull uses the index of the original.
+    pub fn scaled(&self, scale: Vector) -> Result<Self, ShapeError> {
+        let scale = wide(scale) * self.scale_factors();
+        let form = if scale == DVec3::ONE {
+            Form::Plain(self.shared_hull().clone())
+        } else {
+            Form::Scaled(Scaled::new(self.shared_hull().clone(), scale)?)
+        };
+        Ok(Self { form })
+    }
+
+    /// The hull, without the scale.
+    pub fn hull(&self) -> &Hull<'_> {
+        self.shared_hull().hull()
+    }
+
+    /// The hull with its handle to the pack, without the scale.
+    pub fn shared_hull(&self) -> &SharedHull {
+        match &self.form {
+            Form::Plain(hull) => hull,
+            Form::Scaled(scaled) => scaled.shape(),
+        }
+    }
+
+    /// The scale along each axis; ones if the hull is not scaled.
+    pub fn scale(&self) -> Vector {
+        super::convert::narrow(self.scale_factors())
+    }
+
+    pub(super) fn scale_factors(&self) -> DVec3 {
+        match &self.form {
+            Form::Plain(_) => DVec3::ONE,
+            Form::Scaled(scaled) => scaled.scale(),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn form(&self) -> &Form {
+        &self.form
+    }
+
+    /// Vertex `index` of the hull, scaled.
+    pub(super) fn vertex(&self, index: u32) -> Option<DVec3> {
+        self.hull().vertex(index).map(|v| v.as_dvec3() * self.scale_factors())
+    }
+
+    /// The face whose normal is closest to `dir`; `None` below rank 2.
+    ///
+    /// Normals of a scaled hull are those of the original divided by the scale, so the direction is
+    /// multiplied by it.
+    pub(super) fn face_towards(&self, dir: DVec3) -> Option<u32> {
+        self.hull().face_towards(dir * self.scale_factors())
+    }
+
+    /// Unit outward normal of face `face`.
+    pub(super) fn face_normal(&self, face: u32) -> Option<DVec3> {
+        let normal = self.hull().face_normal(face)? / self.scale_factors();
+        normal.try_normalize()
+    }
+}
+
+impl From<SharedHull> for BakedHull {
+    fn from(hull: SharedHull) -> Self {
+        Self::new(hull)
+    }
+}
+
+impl From<BakedHull> for SharedShape {
+    fn from(hull: BakedHull) -> Self {
+        SharedShape::new(hull)
+    }
+}
+
+impl hullmap::SupportMap for BakedHull {
+    #[inline(always)]
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
+        on_form!(self, shape => shape.support_point(dir))
+    }
+
+    fn interior_point(&self) -> DVec3 {
+        on_form!(self, shape => shape.interior_point())
+    }
+
+    fn inner_radius(&self) -> f64 {
+        on_form!(self, shape => shape.inner_radius())
+    }
+
+    fn outer_radius(&self) -> f64 {
+        on_form!(self, shape => shape.outer_radius())
+    }
+
+    fn support_error(&self) -> f64 {
+        on_form!(self, shape => shape.support_error())
+    }
+
+    #[inline]
+    fn point(&self, feature: u32) -> Option<DVec3> {
+        on_form!(self, shape => shape.point(feature))
+    }
+
+    #[inline]
+    fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
+        on_form!(self, shape => shape.support_point_from(dir, hint))
+    }
+}
+
+impl hullmap::Shape for BakedHull {
+    fn feature(&self, dir: DVec3, out: &mut Feature) {
+        on_form!(self, shape => shape.feature(dir, out));
+    }
+}

@@ -1,0 +1,26 @@
+//! Vectors and poses of parry and hullmap: hullmap computes in f64.
+
+// One of the two precisions makes each cast a no-op.
+#![allow(clippy::unnecessary_cast)]
+
+use hullmap::glam::DVec3;
+
+use super::parry::math::{Real, Vector};
+
+/// A vector in f64. Exact.
+#[inline]
+pub(super) fn wide(v: Vector) -> DVec3 {
+    DVec3::new(v.x as f64, v.y as f64, v.z as f64)
+}
+
+/// A vector in parry's precision, rounded.
+#[inline]
+pub(super) fn narrow(v: DVec3) -> Vector {
+    Vector::new(v.x as Real, v.y as Real, v.z as Real)
+}
+
+/// A number in parry's precision, rounded.
+#[inline]
+pub(super) fn real(x: f64) -> Real {
+    x as Real
+}

@@ -1,0 +1,71 @@
+//! Contact manifolds: hullmap's, written as parry's.
+//!
+//! # Steps
+//! 1. If the shapes have hardly moved, keep the points (parry's coherence test).
+//! 2. Update hullmap's manifold of the pair.
+//! 3. Write its points. A point that hullmap kept has the data that the engine stored in it.
+
+use hullmap::manifold::FeatureId;
+use hullmap::{Cache, Manifold, ManifoldSettings, Prediction};
+
+use super::super::convert::real;
+use super::super::parry::math::{Pose, Real};
+use super::super::parry::query::{ContactManifold, TrackedContact};
+use super::super::parry::shape::PackedFeatureId;
+use super::super::polygon::{edge_id, face_id, vertex_id};
+use super::BakedHull;
+use super::pair::{Pair, Placement, on_pair};
+
+/// Cosine of the angle (1°) up to which shapes have hardly turned, as in parry.
+const HARDLY_TURNED: Real = 0.999_847_7;
+
+/// Square of the distance (1 mm) up to which a point has hardly moved, as in parry.
+const HARDLY_MOVED_SQ: Real = 1e-6;
+
+/// Whether the points of `manifold` stay. If so, their distances are updated.
+pub(super) fn hardly_moved<M, C: Default + Copy>(pos12: &Pose, manifold: &mut ContactManifold<M, C>) -> bool {
+    manifold.try_update_contacts_eps(pos12, HARDLY_TURNED, HARDLY_MOVED_SQ)
+}
+
+/// Updates the manifold of a pair and writes it to `out`. `kept` and `cache` are the pair's; fresh
+/// ones will do, at the cost of a few support calls.
+pub(super) fn update<M, C: Default + Copy>(
+    (pair, placement): &(Pair<'_>, Placement),
+    prediction: Real,
+    (kept, cache): (&mut Manifold, &mut Cache),
+    out: &mut ContactManifold<M, C>,
+) {
+    // Points that the engine may have changed are not hullmap's any more.
+    let is_ours = kept.points().len() == out.points.len();
+    for (index, point) in kept.points_mut().iter_mut().enumerate() {
+        point.user_data = if is_ours { index as u64 + 1 } else { 0 };
+    }
+    let settings =
+        ManifoldSettings { prediction: Prediction::Length(f64::from(prediction)), ..ManifoldSettings::default() };
+    on_pair!(*pair, a, b => kept.update(a, b, placement.b_in_a, &settings, cache));
+    let old = std::mem::take(&mut out.points);
+    for point in kept.points() {
+        let [fid1, fid2] =
+            if placement.flipped { [point.id.on_b(), point.id.on_a()] } else { [point.id.on_a(), point.id.on_b()] };
+        let [local_p1, local_p2] = placement.order(point.point_a, point.local_b);
+        let mut contact = TrackedContact::new(local_p1, local_p2, packed(fid1), packed(fid2), real(-point.depth));
+        if let Some(stored) = (point.user_data as usize).checked_sub(1).and_then(|index| old.get(index)) {
+            contact.data = stored.data;
+        }
+        out.points.push(contact);
+    }
+    if !is_ours {
+        out.match_contacts(&old);
+    }
+    if !out.points.is_empty() {
+        [out.local_n1, out.local_n2] = placement.normals(kept.normal());
+    }
+}
+
+fn packed(feature: FeatureId) -> PackedFeatureId {
+    match feature {
+        FeatureId::Vertex(vertex) => vertex_id(vertex),
+        FeatureId::Edge(start, end) => edge_id(start, end),
+        FeatureId::Face => face_id(),
+    }
+}

@@ -1,0 +1,225 @@
+//! `HullDispatcher`: parry's queries, with hullmap for pairs that have a baked hull.
+
+mod contacts;
+mod manifolds;
+mod pair;
+mod partner;
+mod workspace;
+
+use hullmap::{Cache, Settings, Status};
+
+use super::BakedHull;
+use super::convert::real;
+use super::parry::math::{Pose, Real, Vector};
+use super::parry::query::details as default;
+use super::parry::query::{
+    ClosestPoints, Contact, DefaultQueryDispatcher, NonlinearRigidMotion, QueryDispatcher, ShapeCastHit,
+    ShapeCastOptions, ShapeDistance, ShapeIntersection, Unsupported,
+};
+use super::parry::shape::Shape;
+use pair::{Local, Pair, on_pair, pair};
+
+/// parry's query dispatcher, with hullmap's solver and manifolds for pairs that have a
+/// [`BakedHull`].
+///
+/// hullmap solves a hull against a hull, ball, capsule, cone, cuboid, cylinder, half-space, segment
+/// and triangle, rounded or not. Compounds, triangle meshes, heightfields and voxels are taken
+/// apart as in parry, and their parts come back here. Everything else goes to parry's
+/// [`DefaultQueryDispatcher`].
+///
+/// In Rapier, set it once:
+///
+/// ```ignore
+/// let narrow_phase = NarrowPhase::with_query_dispatcher(HullDispatcher);
+/// ```
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/../hullmap/doc/rock.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = std::sync::Arc::new(pack());
+/// use hullmap_parry::{BakedHull, HullDispatcher};
+/// use parry3d::math::{Pose, Vector};
+/// use parry3d::query::{ContactManifold, PersistentQueryDispatcher, QueryDispatcher};
+/// use parry3d::shape::Cuboid;
+///
+/// let cube = BakedHull::new(pack.shared_hull_named("cube").ok_or("no cube")?);
+/// let floor = Cuboid::new(Vector::new(5.0, 5.0, 1.0));
+/// let cube_in_floor = Pose::translation(0.0, 0.0, 1.99);
+///
+/// let contact = HullDispatcher.contact(&cube_in_floor, &floor, &cube, 0.0)?.ok_or("no contact")?;
+/// assert!((contact.dist + 0.01).abs() < 1e-6 && contact.normal1.z > 0.999);
+///
+/// let mut manifolds: Vec<ContactManifold<(), ()>> = Vec::new();
+/// let mut workspace = None;
+/// HullDispatcher.contact_manifolds(
+///     &cube_in_floor, &floor, &cube, 0.02, &mut manifolds, &mut workspace)?;
+/// assert_eq!(manifolds[0].points.len(), 4);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct HullDispatcher;
+
+impl QueryDispatcher for HullDispatcher {
+    fn intersection_test(
+        &self,
+        pos12: &Pose,
+        shape1: &dyn Shape,
+        shape2: &dyn Shape,
+    ) -> Result<ShapeIntersection, Unsupported> {
+        if let Some((pair, placement)) = pair(pos12, shape1, shape2) {
+            let found = on_pair!(pair, a, b => hullmap::intersects(a, b, placement.b_in_a, &mut Cache::new()));
+            return Ok(found.is_hit().into());
+        }
+        if let Some(composite) = shape1.as_composite_shape() {
+            return Ok(default::intersection_test_composite_shape_shape(self, pos12, composite, shape2));
+        }
+        if let Some(composite) = shape2.as_composite_shape() {
+            return Ok(default::intersection_test_shape_composite_shape(self, pos12, shape1, composite));
+        }
+        if let Some(voxels) = shape1.as_voxels() {
+            return Ok(default::intersection_test_voxels_shape(self, pos12, voxels, shape2));
+        }
+        if let Some(voxels) = shape2.as_voxels() {
+            return Ok(default::intersection_test_shape_voxels(self, pos12, shape1, voxels));
+        }
+        DefaultQueryDispatcher.intersection_test(pos12, shape1, shape2)
+    }
+
+    fn distance(&self, pos12: &Pose, shape1: &dyn Shape, shape2: &dyn Shape) -> Result<ShapeDistance, Unsupported> {
+        if let Some((pair, placement)) = pair(pos12, shape1, shape2) {
+            let settings = Settings::default();
+            let found = on_pair!(pair, a, b => hullmap::distance(a, b, placement.b_in_a, &settings, &mut Cache::new()));
+            return Ok(real(found.distance).into());
+        }
+        if let Some(composite) = shape1.as_composite_shape() {
+            return Ok(default::distance_composite_shape_shape(self, pos12, composite, shape2));
+        }
+        if let Some(composite) = shape2.as_composite_shape() {
+            return Ok(default::distance_shape_composite_shape(self, pos12, shape1, composite));
+        }
+        DefaultQueryDispatcher.distance(pos12, shape1, shape2)
+    }
+
+    fn contact(
+        &self,
+        pos12: &Pose,
+        shape1: &dyn Shape,
+        shape2: &dyn Shape,
+        prediction: Real,
+    ) -> Result<Option<Contact>, Unsupported> {
+        if let Some((pair, placement)) = pair(pos12, shape1, shape2) {
+            let (settings, cache) = (Settings::default(), &mut Cache::new());
+            let found = on_pair!(pair, a, b => hullmap::contact(a, b, placement.b_in_a, &settings, cache));
+            let (point_a, point_b, normal, dist) = if found.hit {
+                (found.point_a, found.point_b, found.normal, -found.depth)
+            } else {
+                let gap = on_pair!(pair, a, b => hullmap::distance(a, b, placement.b_in_a, &settings, cache));
+                (gap.point_a, gap.point_b, gap.normal, gap.distance)
+            };
+            // NaN takes the failing branch.
+            let near = real(dist) <= prediction;
+            let Local { points: [p1, p2], normals: [n1, n2] } = placement.local(point_a, point_b, normal);
+            return Ok(near.then(|| Contact::new(p1, p2, n1, n2, real(dist))));
+        }
+        if let Some(field) = shape1.as_heightfield() {
+            return Ok(default::contact_heightfield_shape(self, pos12, field, shape2, prediction));
+        }
+        if let Some(field) = shape2.as_heightfield() {
+            return Ok(default::contact_shape_heightfield(self, pos12, shape1, field, prediction));
+        }
+        if let Some(composite) = shape1.as_composite_shape() {
+            return Ok(default::contact_composite_shape_shape(self, pos12, composite, shape2, prediction));
+        }
+        if let Some(composite) = shape2.as_composite_shape() {
+            return Ok(default::contact_shape_composite_shape(self, pos12, shape1, composite, prediction));
+        }
+        DefaultQueryDispatcher.contact(pos12, shape1, shape2, prediction)
+    }
+
+    fn closest_points(
+        &self,
+        pos12: &Pose,
+        shape1: &dyn Shape,
+        shape2: &dyn Shape,
+        max_dist: Real,
+    ) -> Result<ClosestPoints, Unsupported> {
+        if let Some((pair, placement)) = pair(pos12, shape1, shape2) {
+            let settings = Settings::default();
+            let found = on_pair!(pair, a, b => hullmap::distance(a, b, placement.b_in_a, &settings, &mut Cache::new()));
+            if matches!(found.status, Status::Overlapping | Status::Touching) {
+                return Ok(ClosestPoints::Intersecting);
+            }
+            let Local { points: [p1, p2], .. } = placement.local(found.point_a, found.point_b, found.normal);
+            let near = real(found.distance) <= max_dist;
+            return Ok(if near { ClosestPoints::WithinMargin(p1, p2) } else { ClosestPoints::Disjoint });
+        }
+        if let Some(composite) = shape1.as_composite_shape() {
+            return Ok(default::closest_points_composite_shape_shape(self, pos12, composite, shape2, max_dist));
+        }
+        if let Some(composite) = shape2.as_composite_shape() {
+            return Ok(default::closest_points_shape_composite_shape(self, pos12, shape1, composite, max_dist));
+        }
+        DefaultQueryDispatcher.closest_points(pos12, shape1, shape2, max_dist)
+    }
+
+    fn cast_shapes(
+        &self,
+        pos12: &Pose,
+        local_vel12: Vector,
+        shape1: &dyn Shape,
+        shape2: &dyn Shape,
+        options: ShapeCastOptions,
+    ) -> Result<Option<ShapeCastHit>, Unsupported> {
+        if let Some(field) = shape1.as_heightfield() {
+            return default::cast_shapes_heightfield_shape(self, pos12, local_vel12, field, shape2, options);
+        }
+        if let Some(field) = shape2.as_heightfield() {
+            return default::cast_shapes_shape_heightfield(self, pos12, local_vel12, shape1, field, options);
+        }
+        if let Some(composite) = shape1.as_composite_shape() {
+            return Ok(default::cast_shapes_composite_shape_shape(
+                self,
+                pos12,
+                local_vel12,
+                composite,
+                shape2,
+                options,
+            ));
+        }
+        if let Some(composite) = shape2.as_composite_shape() {
+            return Ok(default::cast_shapes_shape_composite_shape(
+                self,
+                pos12,
+                local_vel12,
+                shape1,
+                composite,
+                options,
+            ));
+        }
+        DefaultQueryDispatcher.cast_shapes(pos12, local_vel12, shape1, shape2, options)
+    }
+
+    /// parry's, which uses the support maps of hulls.
+    fn cast_shapes_nonlinear(
+        &self,
+        motion1: &NonlinearRigidMotion,
+        shape1: &dyn Shape,
+        motion2: &NonlinearRigidMotion,
+        shape2: &dyn Shape,
+        start_time: Real,
+        end_time: Real,
+        stop_at_penetration: bool,
+    ) -> Result<Option<ShapeCastHit>, Unsupported> {
+        DefaultQueryDispatcher.cast_shapes_nonlinear(
+            motion1,
+            shape1,
+            motion2,
+            shape2,
+            start_time,
+            end_time,
+            stop_at_penetration,
+        )
+    }
+}

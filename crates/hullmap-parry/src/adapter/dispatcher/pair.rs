@@ -1,0 +1,89 @@
+//! A pair of parry's shapes that hullmap solves, and the way back to parry's frames.
+
+use hullmap::Pose;
+use hullmap::glam::{DQuat, DVec3};
+
+use super::super::convert::{narrow, wide};
+use super::super::parry;
+use super::super::parry::math::Vector;
+use super::super::parry::shape::Shape;
+use super::BakedHull;
+use super::partner::Partner;
+
+/// A pair with a baked hull. A is always a hull.
+pub(super) enum Pair<'s> {
+    Hulls(&'s BakedHull, &'s BakedHull),
+    Primitive(&'s BakedHull, Partner),
+}
+
+/// Evaluates `$answer` with the shapes of `$pair` bound to `$a` and `$b`.
+macro_rules! on_pair {
+    ($pair:expr, $a:ident, $b:ident => $answer:expr) => {
+        match &$pair {
+            Pair::Hulls($a, $b) => {
+                let ($a, $b): (&BakedHull, &BakedHull) = ($a, $b);
+                $answer
+            }
+            Pair::Primitive($a, partner) => {
+                let ($a, $b): (&BakedHull, &dyn hullmap::Shape) = ($a, partner.shape());
+                $answer
+            }
+        }
+    };
+}
+pub(super) use on_pair;
+
+/// How A and B are placed, and which of them is parry's first shape.
+#[derive(Clone, Copy)]
+pub(super) struct Placement {
+    /// B in A's frame.
+    pub(super) b_in_a: Pose,
+    /// A is parry's second shape.
+    pub(super) flipped: bool,
+}
+
+/// Points and normals in the local frames of parry's two shapes.
+pub(super) struct Local {
+    pub(super) points: [Vector; 2],
+    pub(super) normals: [Vector; 2],
+}
+
+/// The pair of two shapes at parry's relative pose; `None` if it is not for hullmap.
+pub(super) fn pair<'s>(
+    pos12: &parry::math::Pose,
+    shape1: &'s dyn Shape,
+    shape2: &'s dyn Shape,
+) -> Option<(Pair<'s>, Placement)> {
+    let (pair, flipped) = match (shape1.as_shape::<BakedHull>(), shape2.as_shape::<BakedHull>()) {
+        (Some(a), Some(b)) => (Pair::Hulls(a, b), false),
+        (Some(hull), None) => (Pair::Primitive(hull, Partner::of(shape2)?), false),
+        (None, Some(hull)) => (Pair::Primitive(hull, Partner::of(shape1)?), true),
+        (None, None) => return None,
+    };
+    let second_in_first = Pose::new(wide(pos12.translation), quaternion(pos12)).ok()?;
+    let b_in_a = if flipped { second_in_first.inverse() } else { second_in_first };
+    Some((pair, Placement { b_in_a, flipped }))
+}
+
+#[allow(clippy::unnecessary_cast, reason = "one of the two precisions makes the cast a no-op")]
+fn quaternion(pose: &parry::math::Pose) -> DQuat {
+    DQuat::from_array(pose.rotation.to_array().map(|component| component as f64))
+}
+
+impl Placement {
+    /// Points of A and B and the normal from A to B, all in A's frame, for parry.
+    pub(super) fn local(&self, point_a: DVec3, point_b: DVec3, normal: DVec3) -> Local {
+        let point_b = self.b_in_a.inverse().transform_point(point_b);
+        Local { points: self.order(point_a, point_b), normals: self.normals(normal) }
+    }
+
+    /// The normal from A to B for parry: outward of the first shape, and of the second.
+    pub(super) fn normals(&self, normal: DVec3) -> [Vector; 2] {
+        self.order(normal, self.b_in_a.inverse_transform_vector(-normal))
+    }
+
+    /// A vector of A's frame and one of B's in parry's order.
+    pub(super) fn order(&self, of_a: DVec3, of_b: DVec3) -> [Vector; 2] {
+        if self.flipped { [narrow(of_b), narrow(of_a)] } else { [narrow(of_a), narrow(of_b)] }
+    }
+}

@@ -1,0 +1,37 @@
+//! What a pair keeps from step to step: hullmap's manifold and cache.
+
+use hullmap::{Cache, Manifold};
+
+use super::super::parry::query::details::{
+    ContactManifoldsWorkspace, TypedWorkspaceData, VoxelsShapeContactManifoldsWorkspace, WorkspaceData,
+};
+
+/// The memory of a pair.
+#[derive(Clone, Default)]
+pub(super) struct Memory {
+    pub(super) manifold: Manifold,
+    pub(super) cache: Cache,
+    /// An empty workspace of parry's, as which this one is saved: parry cannot load custom ones.
+    /// The first step after loading replaces it.
+    saved_as: VoxelsShapeContactManifoldsWorkspace<2>,
+}
+
+impl WorkspaceData for Memory {
+    fn as_typed_workspace_data(&self) -> TypedWorkspaceData<'_> {
+        TypedWorkspaceData::VoxelsShapeContactManifoldsWorkspace(&self.saved_as)
+    }
+
+    fn clone_dyn(&self) -> Box<dyn WorkspaceData> {
+        Box::new(self.clone())
+    }
+}
+
+impl Memory {
+    /// The memory in `workspace`, which is created or replaced if it is another pair's.
+    pub(super) fn of(workspace: &mut Option<ContactManifoldsWorkspace>) -> Option<&mut Self> {
+        if !workspace.as_ref().is_some_and(|found| found.0.downcast_ref::<Self>().is_some()) {
+            *workspace = Some(ContactManifoldsWorkspace(Box::new(Self::default())));
+        }
+        workspace.as_mut()?.0.downcast_mut()
+    }
+}

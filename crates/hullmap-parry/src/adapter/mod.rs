@@ -1,0 +1,23 @@
+//! The adapter, compiled once for each precision: `parry` is `parry3d` or `parry3d-f64`, and `Real`
+//! is its scalar.
+
+use super::parry;
+
+mod baked_hull;
+mod bounds;
+mod convert;
+mod debug;
+#[cfg(feature = "dispatcher")]
+mod dispatcher;
+mod mass;
+mod objects;
+mod point;
+mod polygon;
+mod ray;
+mod shape;
+mod support;
+
+pub use baked_hull::BakedHull;
+#[cfg(feature = "dispatcher")]
+pub use dispatcher::HullDispatcher;
+pub use objects::{Object, compound, objects};

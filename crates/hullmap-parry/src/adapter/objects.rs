@@ -1,0 +1,86 @@
+//! Shapes of a whole pack: one for each object of the source, a compound where it has several
+//! convex parts.
+
+use std::sync::Arc;
+
+use hullmap::{Pack, SharedHull};
+
+use super::BakedHull;
+use super::parry::math::Pose;
+use super::parry::shape::{Compound, SharedShape};
+
+/// A source object of a pack, as one shape.
+#[derive(Clone)]
+pub struct Object {
+    /// Name of the object, see [`Hull::name`](hullmap::Hull::name).
+    pub name: String,
+    /// A [`BakedHull`], or a `Compound` of them if the object was baked as several convex parts.
+    pub shape: SharedShape,
+}
+
+/// One shape for each source object of a pack, in the order of the pack. All shapes have the frame
+/// of the pack.
+///
+/// # Complexity
+/// O(n log n) in the number of parts, for the trees of the compounds. The hulls are not copied.
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/../hullmap/doc/rock.rs"));
+/// # fn main() {
+/// # let pack = pack();
+/// use std::sync::Arc;
+///
+/// let pack: Arc<hullmap::Pack> = Arc::new(pack);
+/// let objects = hullmap_parry::objects(&pack);
+/// assert_eq!(objects[1].name, "cube");
+/// assert!(objects[1].shape.as_shape::<hullmap_parry::BakedHull>().is_some());
+/// # }
+/// ```
+pub fn objects(pack: &Arc<Pack>) -> Vec<Object> {
+    let mut objects: Vec<(String, Vec<SharedHull>)> = Vec::new();
+    for hull in hulls(pack) {
+        match objects.last_mut() {
+            // The parts of an object follow one another, counted from 0.
+            Some((_, parts)) if hull.hull().part() > 0 => parts.push(hull),
+            _ => objects.push((hull.hull().name().to_owned(), vec![hull])),
+        }
+    }
+    objects.into_iter().filter_map(|(name, parts)| Some(Object { name, shape: union(parts)? })).collect()
+}
+
+/// All hulls of a pack as one shape: their union. `None` for a pack without hulls.
+///
+/// # Complexity
+/// As [`objects`].
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/../hullmap/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = std::sync::Arc::new(two_cubes());
+/// use parry3d::math::Vector;
+///
+/// // Two unit cubes, at x from 0 to 1 and from 3 to 4.
+/// let cubes = hullmap_parry::compound(&pack).ok_or("no hulls")?;
+/// assert_eq!(cubes.as_compound().ok_or("one hull")?.shapes().len(), 2);
+/// assert_eq!(cubes.compute_local_aabb().maxs, Vector::new(4.0, 1.0, 1.0));
+/// # Ok(())
+/// # }
+/// ```
+pub fn compound(pack: &Arc<Pack>) -> Option<SharedShape> {
+    union(hulls(pack).collect())
+}
+
+fn hulls(pack: &Arc<Pack>) -> impl Iterator<Item = SharedHull> {
+    (0..pack.hull_count()).filter_map(|index| pack.shared_hull(index).ok())
+}
+
+/// The union of some hulls; `None` if there are none.
+fn union(mut parts: Vec<SharedHull>) -> Option<SharedShape> {
+    if parts.len() <= 1 {
+        return parts.pop().map(|hull| BakedHull::new(hull).into());
+    }
+    let parts = parts.into_iter().map(|hull| (Pose::identity(), BakedHull::new(hull).into()));
+    Some(SharedShape::new(Compound::new(parts.collect())))
+}

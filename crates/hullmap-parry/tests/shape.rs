@@ -1,0 +1,264 @@
+//! The shape traits of baked hulls against brute force over vertices and faces in f64, and against
+//! parry's own polyhedron of the same vertices.
+
+use std::sync::Arc;
+
+use hullmap::Pack;
+use hullmap::glam::{DQuat, DVec3};
+use hullmap_parry::BakedHull;
+use hullmap_random::SplitMix64;
+use hullmap_testkit::{packs, polytope::Polytope};
+use parry3d::bounding_volume::BoundingVolume;
+use parry3d::math::{Pose, Vector};
+use parry3d::query::{PointQuery, Ray, RayCast};
+use parry3d::shape::{ConvexPolyhedron, PolygonalFeature, PolygonalFeatureMap, Shape, SharedShape, SupportMap};
+use shapes::families;
+
+/// A baked hull, its vertices and outward normals in f64, and parry's polyhedron.
+struct Case {
+    name: &'static str,
+    hull: BakedHull,
+    solid: Polytope,
+    parry: ConvexPolyhedron,
+}
+
+fn pack(points: &[[f32; 3]]) -> Arc<Pack> {
+    Arc::new(packs::tree_pack(points))
+}
+
+fn case(name: &'static str, points: &[[f32; 3]], scale: Vector) -> Case {
+    let hull = BakedHull::new(pack(points).shared_hull(0).unwrap()).scaled(scale).unwrap();
+    let mut solid = Polytope::new(hull.hull());
+    let factors = wide(scale);
+    solid.points.iter_mut().for_each(|p| *p *= factors);
+    solid.normals.iter_mut().for_each(|n| *n = (*n / factors).normalize());
+    let parry = hull.to_convex_polyhedron().expect("a solid");
+    Case { name, hull, solid, parry }
+}
+
+fn cases() -> Vec<Case> {
+    let mirrored = Vector::new(-1.5, 0.5, 2.0);
+    let mut cases = Vec::new();
+    for scale in [Vector::ONE, mirrored, Vector::splat(0.1)] {
+        cases.push(case("rock", &families::rock(300, 1), scale));
+        cases.push(case("prism", &families::prism(64, 1), scale));
+        cases.push(case("sphere", &families::sphere(500, 2), scale));
+        cases.push(case("cube", &families::cube_grid(27, 1), scale));
+    }
+    cases
+}
+
+fn wide(v: Vector) -> DVec3 {
+    v.as_dvec3()
+}
+
+fn narrow(v: DVec3) -> Vector {
+    v.as_vec3()
+}
+
+fn pose(rng: &mut SplitMix64) -> Pose {
+    let rotation = DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize();
+    Pose::from_parts(narrow(DVec3::from_array(rng.direction()) * 3.0), rotation.as_quat())
+}
+
+impl Case {
+    fn size(&self) -> f64 {
+        self.solid.greatest()
+    }
+
+    /// Signed distance to the surface by planes, exact inside; outside a lower bound.
+    fn beyond_planes(&self, p: DVec3) -> f64 {
+        let reach = |n: DVec3| self.solid.points.iter().map(|v| v.dot(n)).fold(f64::NEG_INFINITY, f64::max);
+        self.solid.normals.iter().map(|n| p.dot(*n) - reach(*n)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Where a line enters and leaves, by clipping at all planes; `None` if it misses.
+    fn clip(&self, origin: DVec3, dir: DVec3) -> Option<[f64; 2]> {
+        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+        for n in &self.solid.normals {
+            let reach = self.solid.points.iter().map(|v| v.dot(*n)).fold(f64::NEG_INFINITY, f64::max);
+            let (height, speed) = (origin.dot(*n) - reach, dir.dot(*n));
+            if speed < 0.0 {
+                enter = enter.max(-height / speed);
+            } else if speed > 0.0 {
+                leave = leave.min(-height / speed);
+            } else if height > 0.0 {
+                return None;
+            }
+        }
+        (enter <= leave).then_some([enter, leave])
+    }
+}
+
+#[test]
+fn support_points_are_the_farthest_vertices() {
+    let mut rng = SplitMix64::new(1);
+    for case in cases() {
+        for _ in 0..500 {
+            let dir = DVec3::from_array(rng.direction());
+            let found = wide(case.hull.local_support_point(narrow(dir))).dot(wide(narrow(dir)));
+            let best = case.solid.points.iter().map(|v| v.dot(wide(narrow(dir)))).fold(f64::NEG_INFINITY, f64::max);
+            assert!((found - best).abs() < 1e-6 * case.size(), "{}: {found} of {best}", case.name);
+        }
+    }
+}
+
+#[test]
+fn boxes_are_tight_under_every_pose() {
+    let mut rng = SplitMix64::new(2);
+    for case in cases() {
+        for _ in 0..100 {
+            let pose = pose(&mut rng);
+            let found = case.hull.compute_aabb(&pose);
+            let placed = case.solid.points.iter().map(|p| pose.rotation.as_dquat() * *p + wide(pose.translation));
+            let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+            placed.for_each(|p| (low, high) = (low.min(p), high.max(p)));
+            let error = (wide(found.mins) - low).abs().max((wide(found.maxs) - high).abs()).max_element();
+            assert!(error < 2e-6 * (case.size() + 3.0), "{}: {error:e}", case.name);
+        }
+        let local = case.hull.compute_local_aabb();
+        assert!(local.contains(&case.parry.compute_local_aabb()) && case.parry.compute_local_aabb().contains(&local));
+        let ball = case.hull.compute_local_bounding_sphere();
+        let farthest = case.solid.points.iter().map(|p| p.distance(wide(ball.center))).fold(0.0, f64::max);
+        assert!(farthest <= f64::from(ball.radius) && f64::from(ball.radius) < 1.7 * case.size(), "{}", case.name);
+    }
+}
+
+#[test]
+fn mass_is_that_of_the_polyhedron() {
+    for case in cases() {
+        let (found, expected) = (case.hull.mass_properties(3.0), case.parry.mass_properties(3.0));
+        let size = case.size() as f32;
+        assert!((found.mass() / expected.mass() - 1.0).abs() < 1e-4, "{}", case.name);
+        assert!(found.local_com.distance(expected.local_com) < 1e-4 * size, "{}", case.name);
+        let (found_inertia, inertia) = (found.reconstruct_inertia_matrix(), expected.reconstruct_inertia_matrix());
+        let error = (found_inertia - inertia).to_cols_array().into_iter().fold(0.0_f32, |m, e| m.max(e.abs()));
+        assert!(error < 2e-3 * expected.mass() * size * size, "{}: {found_inertia} {inertia}", case.name);
+    }
+}
+
+#[test]
+fn rays_hit_where_planes_clip_them() {
+    let mut rng = SplitMix64::new(3);
+    let (mut hits, mut total) = (0, 0);
+    for case in cases() {
+        for inside in [false, true] {
+            for _ in 0..200 {
+                let out = DVec3::from_array(rng.direction()) * case.size() * if inside { 0.05 } else { 3.0 };
+                let target = DVec3::from_array(rng.direction()) * case.size() * 0.6;
+                let origin = wide(narrow(out));
+                let dir = wide(narrow(target - origin));
+                if inside && case.beyond_planes(origin) > 0.0 {
+                    continue;
+                }
+                let ray = Ray::new(narrow(origin), narrow(dir));
+                let expected = case.clip(origin, dir).filter(|[_, leave]| *leave >= 0.0);
+                let found = case.hull.cast_local_ray_and_get_normal(&ray, f32::MAX, !inside);
+                total += 1;
+                match (found, expected) {
+                    (Some(found), Some([enter, leave])) => {
+                        hits += 1;
+                        let truth = if inside { leave } else { enter };
+                        let error = (f64::from(found.time_of_impact) - truth).abs() * dir.length() / case.size();
+                        // A ray that grazes an edge is ill-conditioned.
+                        let grazing = (leave - enter) * dir.length() < 0.05 * case.size();
+                        assert!(error < 2e-3 || grazing, "{}: {} of {truth}", case.name, found.time_of_impact);
+                        let solid = case.hull.cast_local_ray(&ray, f32::MAX, true).unwrap();
+                        assert!(!inside || solid == 0.0);
+                    }
+                    (None, None) => {}
+                    (found, expected) => {
+                        let depth = expected.map_or(0.0, |[enter, leave]| (leave - enter) * dir.length());
+                        assert!(depth < 0.05 * case.size(), "{}: {found:?} {expected:?}", case.name);
+                    }
+                }
+            }
+        }
+    }
+    assert!((0.3..0.95).contains(&(f64::from(hits) / f64::from(total))), "{hits} of {total}");
+}
+
+#[test]
+fn points_project_to_the_surface() {
+    let mut rng = SplitMix64::new(4);
+    let mut inside = 0;
+    for case in cases() {
+        for _ in 0..200 {
+            let point = narrow(DVec3::from_array(rng.direction()) * case.size() * rng.between(0.0, 1.5));
+            let signed = case.beyond_planes(wide(point));
+            let found = case.hull.project_local_point(point, false);
+            let theirs = case.parry.project_local_point(point, false);
+            let slight = 2e-3 * case.size();
+            if signed.abs() > slight {
+                assert_eq!(found.is_inside, signed < 0.0, "{}", case.name);
+            }
+            inside += i32::from(found.is_inside);
+            let distance = f64::from((found.point - point).length());
+            let expected = if signed < 0.0 { -signed } else { f64::from((theirs.point - point).length()) };
+            assert!((distance - expected).abs() < slight, "{}: {distance} of {expected}", case.name);
+            assert!(case.beyond_planes(wide(found.point)).abs() < slight, "{}", case.name);
+            assert_eq!(case.hull.contains_local_point(point), found.is_inside);
+        }
+    }
+    assert!((300..2300).contains(&inside), "{inside}");
+}
+
+/// Of a prism of many sides, the four corners span the cap; of its side, all four are corners.
+#[test]
+fn features_of_a_prism() {
+    let hull = BakedHull::new(pack(&families::prism(1000, 1)).shared_hull(0).unwrap());
+    let mut feature = PolygonalFeature::default();
+    hull.local_support_feature(Vector::new(1e-4, -2e-4, 1.0), &mut feature);
+    assert_eq!(feature.num_vertices, 4);
+    let [a, b, c, d] = feature.vertices;
+    assert!(0.5 * (c - a).cross(d - b).length() > 1.9 && feature.vertices.iter().all(|v| v.z == 1.0));
+    let ids: std::collections::BTreeSet<u32> = feature.vids.iter().map(|id| id.0).collect();
+    assert_eq!(ids.len(), 4);
+
+    let four_sides = BakedHull::new(pack(&families::prism(8, 1)).shared_hull(0).unwrap());
+    // Towards an edge, the merged feature is the edge, and the face is returned instead.
+    four_sides.local_support_feature(Vector::new(1.0, 0.0, 1.1), &mut feature);
+    assert!(feature.num_vertices == 4);
+}
+
+#[test]
+fn scales_multiply_and_zero_is_refused() {
+    let hull = BakedHull::new(pack(&families::rock(50, 1)).shared_hull(0).unwrap());
+    let shape: SharedShape = hull.clone().into();
+    let twice = shape.scale_dyn(Vector::new(2.0, -1.0, 1.0), 0).unwrap();
+    let back = twice.scale_dyn(Vector::new(0.5, -1.0, 1.0), 0).unwrap();
+    assert_eq!(back.as_shape::<BakedHull>().unwrap().scale(), Vector::ONE);
+    assert_eq!(back.compute_local_aabb().maxs, hull.compute_local_aabb().maxs);
+    assert!(shape.scale_dyn(Vector::ZERO, 0).is_none() && shape.scale_dyn(Vector::NAN, 0).is_none());
+}
+
+/// A polygon and a segment have no mass and no polyhedron, and answer all queries.
+#[test]
+fn flat_hulls_are_shapes() {
+    let flat = families::flat_sheet(40, 1);
+    let segment: Vec<[f32; 3]> = (0..4).map(|i| [i as f32, 0.0, 0.0]).collect();
+    for points in [flat, segment] {
+        let hull = BakedHull::new(pack(&points).shared_hull(0).unwrap());
+        assert_eq!(hull.mass_properties(1.0).mass(), 0.0);
+        assert!(hull.to_convex_polyhedron().is_none());
+        let above = Vector::new(0.0, 0.0, 5.0) + hull.compute_local_aabb().center();
+        assert!((hull.distance_to_local_point(above, true) - 5.0).abs() < 0.1);
+        let mut feature = PolygonalFeature::default();
+        hull.local_support_feature(Vector::Z, &mut feature);
+        assert!(feature.num_vertices >= 1);
+        assert!(hull.cast_local_ray(&Ray::new(above, Vector::Z), 100.0, true).is_none());
+    }
+}
+
+/// No query hangs or panics on what is not a number.
+#[test]
+fn numbers_that_are_not_finite_are_harmless() {
+    let hull = BakedHull::new(pack(&families::rock(100, 1)).shared_hull(0).unwrap());
+    for bad in [f32::NAN, f32::INFINITY, -f32::INFINITY, 0.0] {
+        let v = Vector::new(bad, 1.0, 0.0) * bad;
+        let _ = hull.local_support_point(v);
+        let mut feature = PolygonalFeature::default();
+        hull.local_support_feature(v, &mut feature);
+        assert!(feature.num_vertices >= 1);
+    }
+}

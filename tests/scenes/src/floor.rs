@@ -1,0 +1,87 @@
+//! Floors of the scenes. The top of each is the plane y = 0.
+
+use std::sync::OnceLock;
+
+use hullmap_parry::BakedHull;
+use rapier3d::parry::shape::Compound;
+use rapier3d::prelude::*;
+
+use crate::model::{Model, prism};
+use crate::way::Way;
+
+/// A kind of floor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Floor {
+    /// A cuboid of 20 m × 20 m.
+    Cuboid,
+    /// A disc of 500 sides and 10 m radius: a baked hull, or parry's.
+    Hull,
+    /// A half-space.
+    HalfSpace,
+    /// A mesh of 800 triangles.
+    TriangleMesh,
+    /// Nine discs of 500 sides, which overlap.
+    Compound,
+}
+
+impl Floor {
+    /// All floors, in the order of the table.
+    pub const ALL: [Self; 5] = [Self::Cuboid, Self::Hull, Self::HalfSpace, Self::TriangleMesh, Self::Compound];
+
+    /// Name in a table.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cuboid => "cuboid",
+            Self::Hull => "hull",
+            Self::HalfSpace => "half-space",
+            Self::TriangleMesh => "triangle mesh",
+            Self::Compound => "compound",
+        }
+    }
+
+    /// The floor's collider.
+    ///
+    /// # Panics
+    /// If parry refuses the triangle mesh.
+    pub fn collider(self, way: Way) -> ColliderBuilder {
+        let down = Vector::new(0.0, -0.5, 0.0);
+        match self {
+            Self::Cuboid => ColliderBuilder::cuboid(10.0, 0.5, 10.0).translation(down),
+            Self::Hull => ColliderBuilder::new(disc(way)).translation(down),
+            Self::HalfSpace => ColliderBuilder::halfspace(Vector::Y),
+            Self::TriangleMesh => {
+                let (vertices, triangles) = grid(20, 1.0);
+                ColliderBuilder::trimesh(vertices, triangles).expect("a mesh")
+            }
+            Self::Compound => {
+                let place =
+                    |i: i32| (Pose::translation((i % 3 - 1) as f32 * 4.0, -0.5, (i / 3 - 1) as f32 * 4.0), disc(way));
+                ColliderBuilder::new(SharedShape::new(Compound::new((0..9).map(place).collect())))
+            }
+        }
+    }
+}
+
+/// The disc of 500 sides, 1 m thick. Its radius is 10 m.
+fn disc(way: Way) -> SharedShape {
+    static DISC: OnceLock<Model> = OnceLock::new();
+    let disc = DISC.get_or_init(|| prism(500, 10.0, 0.5));
+    match way {
+        Way::Parry => disc.shape(way),
+        Way::Shapes | Way::Dispatcher => BakedHull::new(disc.hull.clone()).into(),
+    }
+}
+
+/// A square grid of `cells` × `cells` squares of two triangles, facing up.
+fn grid(cells: u32, cell: f32) -> (Vec<Vector>, Vec<[u32; 3]>) {
+    let half = cells as f32 * cell * 0.5;
+    let row = cells + 1;
+    let vertices = (0..row * row)
+        .map(|i| Vector::new((i % row) as f32 * cell - half, 0.0, (i / row) as f32 * cell - half))
+        .collect();
+    let triangles = (0..cells * cells).flat_map(|i| {
+        let a = i / cells * row + i % cells;
+        [[a, a + row, a + 1], [a + 1, a + row, a + row + 1]]
+    });
+    (vertices, triangles.collect())
+}

@@ -1,0 +1,14 @@
+//! Scenes of Rapier with baked hulls, and the same scenes with parry's own convex polyhedra.
+//!
+//! - [`rest`]: one body falls on a floor. Does it come to rest, and is it lost?
+//! - [`stack`]: upright prisms, one or ten of them, that must stand.
+//! - [`steps`]: the time of a step with many bodies.
+//!
+//! The tests run few seeds. The programs `rest-table` and `step-table` print the whole tables.
+
+pub mod floor;
+pub mod model;
+pub mod rest;
+pub mod stack;
+pub mod steps;
+pub mod way;

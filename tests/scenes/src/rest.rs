@@ -1,0 +1,68 @@
+//! A single body that falls on a floor, in its own world.
+
+use hullmap::glam::DQuat;
+use hullmap_random::SplitMix64;
+use rapier3d::prelude::*;
+
+use crate::floor::Floor;
+use crate::model::Model;
+use crate::way::Way;
+
+/// Length of a step.
+pub const STEP_SECONDS: f32 = 1.0 / 60.0;
+
+/// How a body ended.
+#[derive(Clone, Copy, Debug)]
+pub struct Outcome {
+    /// Seconds until it slept for good; `None` if it was awake at the end.
+    pub asleep_after: Option<f32>,
+    /// Whether it fell through the floor, or off it.
+    pub lost: bool,
+    /// Maximum depth of a point of the body below the floor, over all steps.
+    pub deepest: f32,
+    /// Speed at the end.
+    pub speed: f32,
+}
+
+/// Drops `model` from half of `size` above the floor, rotated by `rotation`, and simulates
+/// `seconds`.
+pub fn drop(model: &Model, size: f32, rotation: Rotation, floor: Floor, way: Way, seconds: f32) -> Outcome {
+    let mut world = way.world();
+    world.insert_collider(floor.collider(way), None);
+    let height = model.depth_below_origin(rotation) + 0.5 * size;
+    // Off the edges of the triangle mesh and of the compound's parts.
+    let at = Vector::new(0.31, height, 0.17);
+    let body = RigidBodyBuilder::dynamic().pose(Pose::from_parts(at, rotation));
+    let (body, _) = world.insert(body, ColliderBuilder::new(model.shape(way)));
+    let mut deepest = 0.0_f32;
+    let mut slept_at = None;
+    let steps = (seconds / STEP_SECONDS).round() as u32;
+    for step in 0..steps {
+        world.step();
+        let body = &world.bodies[body];
+        let below = model.depth_below_origin(*body.rotation()) - body.translation().y;
+        deepest = deepest.max(below);
+        match (body.is_sleeping(), slept_at) {
+            (true, None) => slept_at = Some((step + 1) as f32 * STEP_SECONDS),
+            (false, Some(_)) => slept_at = None,
+            _ => {}
+        }
+    }
+    let body = &world.bodies[body];
+    let speed = body.linvel().length() + body.angvel().length() * size;
+    let lost = !(body.translation().y > -0.5 * size && deepest < 0.5 * size);
+    Outcome { asleep_after: slept_at, lost, deepest, speed }
+}
+
+/// `count` random rotations, the same for a seed.
+pub fn rotations(seed: u64, count: usize) -> Vec<Rotation> {
+    let mut rng = SplitMix64::new(seed);
+    let mut next = || loop {
+        // Uniform over the unit ball of quaternions, then normalised.
+        let q = DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0)));
+        if (0.01..1.0).contains(&q.length_squared()) {
+            return q.normalize().as_quat();
+        }
+    };
+    (0..count).map(|_| next()).collect()
+}
