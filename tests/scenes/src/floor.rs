@@ -48,7 +48,7 @@ impl Floor {
         match self {
             Self::Cuboid => ColliderBuilder::cuboid(10.0, 0.5, 10.0).translation(down),
             Self::Hull => ColliderBuilder::new(disc(way)).translation(down),
-            Self::HalfSpace => ColliderBuilder::halfspace(Vector::Y),
+            Self::HalfSpace => ColliderBuilder::new(SharedShape::halfspace(Vector::Y)),
             Self::TriangleMesh => {
                 let (vertices, triangles) = grid(20, 1.0);
                 ColliderBuilder::trimesh(vertices, triangles).expect("a mesh")

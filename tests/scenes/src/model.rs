@@ -92,7 +92,7 @@ pub fn meshes(folder: &Path, size: f32) -> Vec<Model> {
 pub fn mesh(path: &Path, size: f32) -> Option<Model> {
     let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or("mesh");
     let (file, limits) = (path.display().to_string(), Limits::DEFAULT);
-    let source = read(&file, path, &limits).unwrap_or_else(|error| panic!("{error}"));
+    let source = read(&file, path, &limits).unwrap_or_else(|error| panic!("{file}: {error:?}"));
     let imported =
         import(&file, name, path, &source, &ImportOptions::DEFAULT, &limits).unwrap_or_else(|error| panic!("{error}"));
     let points: Vec<[f32; 3]> = imported.point_sets.iter().flat_map(|set: &PointSet| set.positions.clone()).collect();

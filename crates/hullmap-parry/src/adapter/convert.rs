@@ -24,3 +24,9 @@ pub(super) fn narrow(v: DVec3) -> Vector {
 pub(super) fn real(x: f64) -> Real {
     x as Real
 }
+
+/// A number in f64. Exact.
+#[inline]
+pub(super) fn double(x: Real) -> f64 {
+    x as f64
+}

@@ -1,24 +1,48 @@
-//! Points against a baked hull.
+//! Points against a baked hull: exact, by hullmap.
+
+use hullmap::glam::DVec3;
+use hullmap::shapes::Sphere;
+use hullmap::{Cache, Settings, SignedDistance};
 
 use super::BakedHull;
-use super::convert::wide;
+use super::convert::{narrow, wide};
 use super::parry::math::Vector;
-use super::parry::query::details::local_point_projection_on_support_map;
-use super::parry::query::gjk::VoronoiSimplex;
 use super::parry::query::{PointProjection, PointQuery};
 use super::parry::shape::FeatureId;
 
 impl PointQuery for BakedHull {
     fn project_local_point(&self, point: Vector, solid: bool) -> PointProjection {
-        local_point_projection_on_support_map(self, &mut VoronoiSimplex::new(), point, solid)
+        if solid && self.contains_local_point(point) {
+            return PointProjection::new(true, point);
+        }
+        self.surface(point).map_or(PointProjection::new(false, point), |found| projection(&found))
     }
 
     /// The feature is the face towards the point.
     fn project_local_point_and_get_feature(&self, point: Vector) -> (PointProjection, FeatureId) {
-        let projection = self.project_local_point(point, false);
-        let away = wide(point) - wide(projection.point);
-        let normal = if projection.is_inside { -away } else { away };
-        let feature = self.face_towards(normal).map_or(FeatureId::Unknown, FeatureId::Face);
-        (projection, feature)
+        let Some(found) = self.surface(point) else {
+            return (PointProjection::new(false, point), FeatureId::Unknown);
+        };
+        let feature = self.face_towards(found.normal).map_or(FeatureId::Unknown, FeatureId::Face);
+        (projection(&found), feature)
     }
+
+    fn contains_local_point(&self, point: Vector) -> bool {
+        let place = hullmap::Pose::from_translation(wide(point));
+        let (Ok(place), Ok(dot)) = (place, Sphere::new(0.0)) else { return false };
+        // A few support calls decide for most points outside, fewer than their distance takes.
+        hullmap::intersects(self, &dot, place, &mut Cache::new()).is_hit()
+    }
+}
+
+impl BakedHull {
+    /// The closest point of the surface; `None` for a point that is not finite.
+    fn surface(&self, point: Vector) -> Option<SignedDistance> {
+        let point: DVec3 = wide(point);
+        hullmap::signed_distance(self, point, &Settings::default(), &mut Cache::new()).ok()
+    }
+}
+
+fn projection(found: &SignedDistance) -> PointProjection {
+    PointProjection::new(found.distance < 0.0, narrow(found.point))
 }

@@ -1,19 +1,62 @@
-//! Rays against a baked hull.
+//! Rays against a baked hull: exact, by hullmap.
+
+use hullmap::CastSettings;
+use hullmap::glam::DVec3;
 
 use super::BakedHull;
+use super::convert::{double, narrow, real, wide};
 use super::parry::math::Real;
-use super::parry::query::details::local_ray_intersection_with_support_map_with_params;
-use super::parry::query::gjk::VoronoiSimplex;
 use super::parry::query::{Ray, RayCast, RayIntersection};
+use super::parry::shape::FeatureId;
+
+/// Where a ray meets the surface.
+struct Meeting {
+    time: f64,
+    /// Outward where the ray enters, inward where it leaves from inside.
+    normal: DVec3,
+    /// Outward normal of the surface.
+    outward: DVec3,
+}
 
 impl RayCast for BakedHull {
+    fn cast_local_ray(&self, ray: &Ray, max_time_of_impact: Real, solid: bool) -> Option<Real> {
+        Some(real(self.meet(ray, max_time_of_impact, solid)?.time))
+    }
+
+    /// The feature is the face that the ray hits. If the ray starts inside and `solid` is set, the
+    /// time is 0 and the normal opposite to the direction; without `solid`, the ray hits the surface
+    /// from inside, and the normal points inward.
     fn cast_local_ray_and_get_normal(
         &self,
         ray: &Ray,
         max_time_of_impact: Real,
         solid: bool,
     ) -> Option<RayIntersection> {
-        let simplex = &mut VoronoiSimplex::new();
-        local_ray_intersection_with_support_map_with_params(self, simplex, ray, max_time_of_impact, solid)
+        let Meeting { time, normal, outward } = self.meet(ray, max_time_of_impact, solid)?;
+        let feature = self.face_towards(outward).map_or(FeatureId::Unknown, FeatureId::Face);
+        Some(RayIntersection::new(real(time), narrow(normal), feature))
+    }
+}
+
+impl BakedHull {
+    fn meet(&self, ray: &Ray, max_time_of_impact: Real, solid: bool) -> Option<Meeting> {
+        let (origin, dir) = (wide(ray.origin), wide(ray.dir));
+        let max_t = double(max_time_of_impact);
+        let settings = CastSettings { max_t, ..CastSettings::default() };
+        let hit = hullmap::ray(self, &hullmap::Ray::new(origin, dir).ok()?, &settings);
+        if !hit.hit {
+            return None;
+        }
+        let inside = hit.status == hullmap::Status::Overlapping;
+        if !inside || solid {
+            return Some(Meeting { time: hit.t, normal: hit.normal, outward: hit.normal });
+        }
+        // From beyond the hull back to it.
+        let reach = hullmap::SupportMap::support_point(self, dir).point.dot(dir) - origin.dot(dir);
+        let beyond = 2.0 * reach / dir.length_squared();
+        let back = hullmap::Ray::new(origin + dir * beyond, -dir).ok()?;
+        let hit = hullmap::ray(self, &back, &CastSettings::default());
+        let time = (beyond - hit.t).max(0.0);
+        (hit.hit && time <= max_t).then_some(Meeting { time, normal: -hit.normal, outward: hit.normal })
     }
 }

@@ -8,7 +8,7 @@
 use hullmap::manifold::FeatureId;
 use hullmap::{Cache, Manifold, ManifoldSettings, Prediction};
 
-use super::super::convert::real;
+use super::super::convert::{double, real};
 use super::super::parry::math::{Pose, Real};
 use super::super::parry::query::{ContactManifold, TrackedContact};
 use super::super::parry::shape::PackedFeatureId;
@@ -41,7 +41,7 @@ pub(super) fn update<M, C: Default + Copy>(
         point.user_data = if is_ours { index as u64 + 1 } else { 0 };
     }
     let settings =
-        ManifoldSettings { prediction: Prediction::Length(f64::from(prediction)), ..ManifoldSettings::default() };
+        ManifoldSettings { prediction: Prediction::Length(double(prediction)), ..ManifoldSettings::default() };
     on_pair!(*pair, a, b => kept.update(a, b, placement.b_in_a, &settings, cache));
     let old = std::mem::take(&mut out.points);
     for point in kept.points() {

@@ -1,11 +1,13 @@
 //! `HullDispatcher`: parry's queries, with hullmap for pairs that have a baked hull.
 
+mod cast;
 mod contacts;
 mod manifolds;
 mod pair;
 mod partner;
 mod workspace;
 
+use hullmap::glam::DVec3;
 use hullmap::{Cache, Settings, Status};
 
 use super::BakedHull;
@@ -17,7 +19,7 @@ use super::parry::query::{
     ShapeCastOptions, ShapeDistance, ShapeIntersection, Unsupported,
 };
 use super::parry::shape::Shape;
-use pair::{Local, Pair, on_pair, pair};
+use pair::{Local, Pair, Placement, on_pair, pair};
 
 /// parry's query dispatcher, with hullmap's solver and manifolds for pairs that have a
 /// [`BakedHull`].
@@ -110,18 +112,13 @@ impl QueryDispatcher for HullDispatcher {
         prediction: Real,
     ) -> Result<Option<Contact>, Unsupported> {
         if let Some((pair, placement)) = pair(pos12, shape1, shape2) {
-            let (settings, cache) = (Settings::default(), &mut Cache::new());
-            let found = on_pair!(pair, a, b => hullmap::contact(a, b, placement.b_in_a, &settings, cache));
-            let (point_a, point_b, normal, dist) = if found.hit {
-                (found.point_a, found.point_b, found.normal, -found.depth)
-            } else {
-                let gap = on_pair!(pair, a, b => hullmap::distance(a, b, placement.b_in_a, &settings, cache));
-                (gap.point_a, gap.point_b, gap.normal, gap.distance)
-            };
+            let found = contact_of(&pair, &placement, &Settings::default());
+            let dist = real(found.dist);
             // NaN takes the failing branch.
-            let near = real(dist) <= prediction;
-            let Local { points: [p1, p2], normals: [n1, n2] } = placement.local(point_a, point_b, normal);
-            return Ok(near.then(|| Contact::new(p1, p2, n1, n2, real(dist))));
+            let near = dist <= prediction;
+            let Local { points: [p1, p2], normals: [n1, n2] } =
+                placement.local(found.point_a, found.point_b, found.normal);
+            return Ok(near.then(|| Contact::new(p1, p2, n1, n2, dist)));
         }
         if let Some(field) = shape1.as_heightfield() {
             return Ok(default::contact_heightfield_shape(self, pos12, field, shape2, prediction));
@@ -172,6 +169,11 @@ impl QueryDispatcher for HullDispatcher {
         shape2: &dyn Shape,
         options: ShapeCastOptions,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
+        if let Some(found) = pair(pos12, shape1, shape2)
+            && let Some(answer) = cast::cast(&found, local_vel12, &options)
+        {
+            return Ok(answer);
+        }
         if let Some(field) = shape1.as_heightfield() {
             return default::cast_shapes_heightfield_shape(self, pos12, local_vel12, field, shape2, options);
         }
@@ -222,4 +224,25 @@ impl QueryDispatcher for HullDispatcher {
             stop_at_penetration,
         )
     }
+}
+
+/// Deepest or closest points of a pair, in A's frame.
+struct Nearest {
+    point_a: DVec3,
+    point_b: DVec3,
+    /// From A to B.
+    normal: DVec3,
+    /// Negative if the shapes overlap.
+    dist: f64,
+}
+
+fn contact_of(pair: &Pair<'_>, placement: &Placement, settings: &Settings) -> Nearest {
+    let cache = &mut Cache::new();
+    let found = on_pair!(*pair, a, b => hullmap::contact(a, b, placement.b_in_a, settings, cache));
+    if found.hit {
+        let (point_a, point_b) = (found.point_a, found.point_b);
+        return Nearest { point_a, point_b, normal: found.normal, dist: -found.depth };
+    }
+    let gap = on_pair!(*pair, a, b => hullmap::distance(a, b, placement.b_in_a, settings, cache));
+    Nearest { point_a: gap.point_a, point_b: gap.point_b, normal: gap.normal, dist: gap.distance }
 }

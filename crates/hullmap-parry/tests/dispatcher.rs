@@ -1,0 +1,281 @@
+//! `HullDispatcher` against brute force in f64, and against parry's dispatcher on polyhedra of the
+//! same vertices.
+#![cfg(feature = "dispatcher")]
+
+use std::sync::Arc;
+
+use hullmap::glam::{DQuat, DVec3};
+use hullmap_parry::{BakedHull, HullDispatcher};
+use hullmap_random::SplitMix64;
+use hullmap_testkit::depth::signed_depth;
+use hullmap_testkit::gap::gap;
+use hullmap_testkit::packs;
+use hullmap_testkit::polytope::Polytope;
+use parry3d::math::{Pose, Vector};
+use parry3d::query::details::ShapeCastOptions;
+use parry3d::query::{
+    ClosestPoints, ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, QueryDispatcher,
+};
+use parry3d::shape::{
+    Ball, Capsule, Compound, Cone, Cuboid, Cylinder, HalfSpace, HeightField, RoundCuboid, Segment, Shape, SharedShape,
+    TriMesh, Triangle,
+};
+use shapes::families;
+
+fn baked(points: &[[f32; 3]]) -> BakedHull {
+    BakedHull::new(Arc::new(packs::tree_pack(points)).shared_hull(0).unwrap())
+}
+
+fn rotation(rng: &mut SplitMix64) -> DQuat {
+    DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize()
+}
+
+fn pose(rng: &mut SplitMix64, distance: f64) -> Pose {
+    let turn = rotation(rng);
+    Pose::from_parts((DVec3::from_array(rng.direction()) * distance).as_vec3(), turn.as_quat())
+}
+
+fn wide_pose(pose: &Pose) -> hullmap::Pose {
+    hullmap::Pose::from_f32(pose.translation, pose.rotation).unwrap()
+}
+
+/// Every primitive that a hull can meet, about 1 in size, with its name.
+fn primitives() -> Vec<(&'static str, SharedShape)> {
+    let corners = [Vector::new(-1.0, 0.0, -0.5), Vector::new(1.0, 0.1, -0.5), Vector::new(0.0, -0.1, 1.0)];
+    let [a, b, c] = corners;
+    vec![
+        ("ball", SharedShape::new(Ball::new(0.8))),
+        ("capsule", SharedShape::new(Capsule::new(Vector::new(-0.5, 0.1, 0.0), Vector::new(0.4, 0.3, 0.2), 0.3))),
+        ("cone", SharedShape::new(Cone::new(0.7, 0.5))),
+        ("cuboid", SharedShape::new(Cuboid::new(Vector::new(0.5, 0.8, 0.3)))),
+        ("cylinder", SharedShape::new(Cylinder::new(0.6, 0.5))),
+        (
+            "round cuboid",
+            SharedShape::new(RoundCuboid { inner_shape: Cuboid::new(Vector::splat(0.4)), border_radius: 0.1 }),
+        ),
+        ("segment", SharedShape::new(Segment::new(a, b))),
+        ("triangle", SharedShape::new(Triangle::new(a, b, c))),
+    ]
+}
+
+/// Depth, distance and overlap of two hulls.
+#[test]
+fn two_hulls_agree_with_brute_force() {
+    let (a, b) = (baked(&families::rock(60, 1)), baked(&families::prism(16, 1)));
+    let solids = [&a, &b].map(|hull| Polytope::new(hull.hull()));
+    let mut rng = SplitMix64::new(1);
+    let mut hits = 0;
+    for _ in 0..400 {
+        let distance = rng.between(0.2, 2.6);
+        let pose = pose(&mut rng, distance);
+        let placed = solids[1].placed(wide_pose(&pose));
+        let apart = gap(&solids[0], &placed);
+        let overlapping = apart.upper < 1e-9;
+        hits += usize::from(overlapping);
+        let contact = HullDispatcher.contact(&pose, &a, &b, 100.0).unwrap().unwrap();
+        let test = HullDispatcher.intersection_test(&pose, &a, &b).unwrap().intersecting;
+        let found = HullDispatcher.distance(&pose, &a, &b).unwrap().distance;
+        assert_eq!(test, overlapping);
+        let truth = if overlapping { -signed_depth(&solids[0], &placed, 0.0).0 } else { apart.upper };
+        assert!((f64::from(contact.dist) - truth).abs() < 2e-5, "{} of {truth}", contact.dist);
+        assert!((f64::from(found) - truth.max(0.0)).abs() < 2e-5);
+        // The points are in the shapes' own frames, and differ by the distance along the normal.
+        let between = pose * contact.point2 - contact.point1;
+        assert!((between - contact.normal1 * contact.dist).length() < 1e-4);
+        assert!((pose.rotation * contact.normal2 + contact.normal1).length() < 1e-4);
+        let swapped = HullDispatcher.contact(&pose.inverse(), &b, &a, 100.0).unwrap().unwrap();
+        assert!((swapped.dist - contact.dist).abs() < 1e-4);
+        let theirs = DefaultQueryDispatcher
+            .contact(&pose, &a.to_convex_polyhedron().unwrap(), &b.to_convex_polyhedron().unwrap(), 100.0)
+            .unwrap()
+            .unwrap();
+        assert!(theirs.dist < contact.dist + 1e-3, "{} {}", theirs.dist, contact.dist);
+    }
+    assert!((100..300).contains(&hits), "{hits}");
+}
+
+/// In both orders, with points and normals of either shape.
+#[test]
+fn primitives_agree_with_parry() {
+    let hull = baked(&families::rock(200, 3));
+    let polyhedron = hull.to_convex_polyhedron().unwrap();
+    let mut rng = SplitMix64::new(2);
+    for (name, shape) in primitives() {
+        for _ in 0..100 {
+            let distance = rng.between(0.3, 3.0);
+            let pose = pose(&mut rng, distance);
+            let theirs = DefaultQueryDispatcher.contact(&pose, &polyhedron, &*shape, 100.0).unwrap().unwrap();
+            let ours = HullDispatcher.contact(&pose, &hull, &*shape, 100.0).unwrap().unwrap();
+            let swapped = HullDispatcher.contact(&pose.inverse(), &*shape, &hull, 100.0).unwrap().unwrap();
+            assert!((ours.dist - swapped.dist).abs() < 1e-4, "{name}: {} {}", ours.dist, swapped.dist);
+            // parry's depth is along the normal that its polytope ended with; ours is the minimum.
+            let slight = if ours.dist < 0.0 { 0.02 } else { 2e-3 };
+            assert!((ours.dist - theirs.dist).abs() < slight, "{name}: {} {}", ours.dist, theirs.dist);
+            for (contact, pose) in [(ours, pose), (swapped, pose.inverse())] {
+                let between = pose * contact.point2 - contact.point1;
+                assert!((between - contact.normal1 * contact.dist).length() < 1e-3, "{name}");
+                assert!((pose.rotation * contact.normal2 + contact.normal1).length() < 1e-4, "{name}");
+            }
+            let test = HullDispatcher.intersection_test(&pose, &hull, &*shape).unwrap().intersecting;
+            assert!(test == (ours.dist < 0.0) || ours.dist.abs() < 1e-4, "{name}");
+            let far = HullDispatcher.distance(&pose, &hull, &*shape).unwrap().distance;
+            assert!((far - ours.dist.max(0.0)).abs() < 1e-4, "{name}: {far} {}", ours.dist);
+            match HullDispatcher.closest_points(&pose, &hull, &*shape, 0.5).unwrap() {
+                ClosestPoints::Intersecting => assert!(ours.dist < 1e-4, "{name}"),
+                ClosestPoints::WithinMargin(p1, p2) => {
+                    assert!(((pose * p2 - p1).length() - far).abs() < 1e-4 && far <= 0.5, "{name}");
+                }
+                ClosestPoints::Disjoint => assert!(far > 0.4999, "{name}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn half_spaces_agree_with_the_lowest_vertex() {
+    let hull = baked(&families::rock(200, 3));
+    let plane = HalfSpace::new(Vector::Y);
+    let mut rng = SplitMix64::new(3);
+    for _ in 0..100 {
+        let pose = pose(&mut rng, 1.0);
+        let lowest = hull.hull().vertices().map(|v| (pose * v).y).fold(f32::INFINITY, f32::min);
+        let contact = HullDispatcher.contact(&pose, &plane, &hull, 100.0).unwrap().unwrap();
+        assert!((contact.dist - lowest).abs() < 1e-5 && contact.normal1 == Vector::Y);
+        let mut manifolds: Vec<ContactManifold<(), ()>> = Vec::new();
+        HullDispatcher.contact_manifolds(&pose, &plane, &hull, 0.05, &mut manifolds, &mut None).unwrap();
+        let deepest = manifolds[0].points.iter().map(|p| p.dist).fold(f32::INFINITY, f32::min);
+        assert!(lowest > 0.05 || (deepest - lowest).abs() < 1e-4, "{deepest} {lowest}");
+    }
+}
+
+#[test]
+fn casts_agree_with_parry() {
+    let hull = baked(&families::rock(200, 3));
+    let polyhedron = hull.to_convex_polyhedron().unwrap();
+    let mut rng = SplitMix64::new(4);
+    for target_distance in [0.0, 0.1] {
+        let options = ShapeCastOptions { max_time_of_impact: 10.0, target_distance, ..Default::default() };
+        let mut hits = 0;
+        for (name, shape) in primitives() {
+            for _ in 0..50 {
+                let pose = pose(&mut rng, 4.0);
+                let aim = (DVec3::from_array(rng.direction()) * 0.7).as_vec3();
+                let velocity = (aim - pose.translation) * 0.5;
+                let theirs =
+                    DefaultQueryDispatcher.cast_shapes(&pose, velocity, &polyhedron, &*shape, options).unwrap();
+                let ours = HullDispatcher.cast_shapes(&pose, velocity, &hull, &*shape, options).unwrap();
+                let turned = -(pose.rotation.inverse() * velocity);
+                let swapped = HullDispatcher.cast_shapes(&pose.inverse(), turned, &*shape, &hull, options).unwrap();
+                let (Some(ours), Some(swapped)) = (ours, swapped) else {
+                    assert!(ours.is_none() && swapped.is_none(), "{name}");
+                    continue;
+                };
+                hits += 1;
+                assert!((ours.time_of_impact - swapped.time_of_impact).abs() < 1e-4, "{name}");
+                // Where they first meet, they are at the target distance.
+                let met = Pose::from_parts(pose.translation + velocity * ours.time_of_impact, pose.rotation);
+                let apart = HullDispatcher.contact(&met, &hull, &*shape, 1.0).unwrap().unwrap();
+                assert!((apart.dist - target_distance).abs() < 1e-4, "{name}: {}", apart.dist);
+                if let Some(theirs) = theirs {
+                    assert!((ours.time_of_impact - theirs.time_of_impact).abs() < 0.02, "{name}");
+                }
+            }
+        }
+        assert!((100..400).contains(&hits), "{hits}");
+    }
+}
+
+/// A box on every kind of floor has four points at the right depth, in both orders, and the data of
+/// a point stays with it.
+#[test]
+fn manifolds_of_a_resting_cube() {
+    let cube = baked(&families::cube_grid(8, 1));
+    let half = cube.compute_local_aabb().half_extents().y;
+    let corners = [[-5.0, -5.0], [5.0, -5.0], [5.0, 5.0], [-5.0, 5.0]].map(|[x, z]| Vector::new(x, 0.0, z));
+    let down = Pose::translation(0.0, -1.0, 0.0);
+    let slab: SharedShape = SharedShape::new(Cuboid::new(Vector::new(5.0, 1.0, 5.0)));
+    let heights = parry3d::utils::Array2::repeat(4, 4, 0.0);
+    let floors: Vec<(&str, SharedShape, Pose)> = vec![
+        ("cuboid", slab.clone(), down),
+        ("hull", baked(&families::prism(64, 1)).scaled(Vector::new(5.0, 5.0, 1.0)).unwrap().into(), {
+            Pose::new(Vector::new(0.0, -1.0, 0.0), Vector::X * -std::f32::consts::FRAC_PI_2)
+        }),
+        ("half-space", SharedShape::new(HalfSpace::new(Vector::Y)), Pose::IDENTITY),
+        (
+            "triangle mesh",
+            SharedShape::new(TriMesh::new(corners.to_vec(), vec![[0, 2, 1], [0, 3, 2]]).unwrap()),
+            Pose::IDENTITY,
+        ),
+        ("heightfield", SharedShape::new(HeightField::new(heights, Vector::new(10.0, 1.0, 10.0))), Pose::IDENTITY),
+        ("compound", SharedShape::new(Compound::new(vec![(down, slab)])), Pose::IDENTITY),
+    ];
+    for (name, floor, at) in floors {
+        for flipped in [false, true] {
+            let mut manifolds: Vec<ContactManifold<(), u32>> = Vec::new();
+            let mut workspace = None;
+            let mut step = |x: f32, y: f32, manifolds: &mut Vec<_>| {
+                let pos12 = at.inverse() * Pose::translation(x, half + y, 0.7);
+                let answer = if flipped {
+                    HullDispatcher.contact_manifolds(&pos12.inverse(), &cube, &*floor, 0.05, manifolds, &mut workspace)
+                } else {
+                    HullDispatcher.contact_manifolds(&pos12, &*floor, &cube, 0.05, manifolds, &mut workspace)
+                };
+                answer.unwrap();
+            };
+            step(0.3, -0.01, &mut manifolds);
+            let points: Vec<_> = manifolds.iter().flat_map(|m| &m.points).collect();
+            assert!(points.len() >= 4, "{name} {flipped}: {}", points.len());
+            for point in points {
+                assert!((point.dist + 0.01).abs() < 1e-4, "{name} {flipped}: {}", point.dist);
+            }
+            let mut stamp = 0;
+            for point in manifolds.iter_mut().flat_map(|m| &mut m.points) {
+                stamp += 1;
+                point.data = stamp;
+            }
+            // Beyond what the coherence test lets pass.
+            step(0.32, -0.012, &mut manifolds);
+            let kept = manifolds.iter().flat_map(|m| &m.points).filter(|p| p.data > 0).count();
+            assert!(kept >= 4, "{name} {flipped}: {kept} points kept their data");
+            step(0.32, 1.0, &mut manifolds);
+            assert!(manifolds.iter().all(|m| m.points.is_empty()), "{name} {flipped}");
+        }
+    }
+}
+
+/// Queries of a compound are those of its nearest part.
+#[test]
+fn parts_of_compounds_come_back() {
+    let (hull, rock) = (baked(&families::rock(100, 1)), baked(&families::rock(100, 2)));
+    let places = [Pose::translation(-3.0, 0.0, 0.0), Pose::translation(3.0, 0.5, 0.0)];
+    let parts = places.map(|place| (place, SharedShape::new(hull.clone())));
+    let compound = Compound::new(parts.to_vec());
+    let mut rng = SplitMix64::new(5);
+    for _ in 0..100 {
+        let pose = pose(&mut rng, 4.0);
+        let of_parts = places
+            .map(|place| HullDispatcher.contact(&place.inv_mul(&pose), &hull, &rock, 100.0).unwrap().unwrap().dist);
+        let nearest = of_parts[0].min(of_parts[1]);
+        let found = HullDispatcher.contact(&pose, &compound, &rock, 100.0).unwrap().unwrap().dist;
+        assert!((found - nearest).abs() < 1e-4, "{found} {nearest}");
+        let distance = HullDispatcher.distance(&pose.inverse(), &rock, &compound).unwrap().distance;
+        assert!((distance - nearest.max(0.0)).abs() < 1e-4);
+        let test = HullDispatcher.intersection_test(&pose, &compound, &rock).unwrap().intersecting;
+        assert!(test == (nearest < 0.0) || nearest.abs() < 1e-4);
+    }
+}
+
+/// Numbers that are not finite and sizes of zero are answered, with no promise but an end.
+#[test]
+fn invalid_numbers_are_harmless() {
+    let hull = baked(&families::rock(50, 1));
+    for bad in [f32::NAN, f32::INFINITY, 0.0] {
+        for (_, shape) in primitives() {
+            let pose = Pose::translation(bad, 1.0, 0.0);
+            let mut manifolds: Vec<ContactManifold<(), ()>> = Vec::new();
+            let _ = HullDispatcher.contact_manifolds(&pose, &hull, &*shape, bad, &mut manifolds, &mut None);
+        }
+        let flat = Cuboid::new(Vector::new(1.0, 1.0, bad));
+        let _ = HullDispatcher.distance(&Pose::translation(0.0, 0.0, 3.0), &flat, &hull);
+    }
+}
