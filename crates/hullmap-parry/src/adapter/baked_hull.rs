@@ -2,7 +2,7 @@
 
 use hullmap::glam::DVec3;
 use hullmap::shapes::Scaled;
-use hullmap::{Feature, Hull, ShapeError, SharedHull, SupportPoint};
+use hullmap::{Hull, ShapeError, SharedHull, SupportPoint};
 
 use super::convert::wide;
 use super::parry::math::Vector;
@@ -66,6 +66,7 @@ macro_rules! on_form {
         }
     };
 }
+pub(super) use on_form;
 
 impl BakedHull {
     /// The shape of `hull`.
@@ -186,11 +187,5 @@ impl hullmap::SupportMap for BakedHull {
     #[inline]
     fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
         on_form!(self, shape => shape.support_point_from(dir, hint))
-    }
-}
-
-impl hullmap::Shape for BakedHull {
-    fn feature(&self, dir: DVec3, out: &mut Feature) {
-        on_form!(self, shape => shape.feature(dir, out));
     }
 }

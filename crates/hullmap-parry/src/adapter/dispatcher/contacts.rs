@@ -6,6 +6,7 @@
 //! 3. Write its points. A point that hullmap kept has the data that the engine stored in it.
 
 use hullmap::manifold::FeatureId;
+use hullmap::shapes::HalfSpace;
 use hullmap::{Cache, Manifold, ManifoldSettings, Prediction};
 
 use super::super::convert::{double, real};
@@ -35,27 +36,51 @@ pub(super) fn update<M, C: Default + Copy>(
     (kept, cache): (&mut Manifold, &mut Cache),
     out: &mut ContactManifold<M, C>,
 ) {
-    // Points that the engine may have changed are not hullmap's any more.
+    stamp(kept, out);
+    on_pair!(*pair, a, b => kept.update(a, b, placement.b_in_a, &settings(prediction), cache));
+    write(kept, placement, out);
+}
+
+/// As [`update`], for a half-space and a hull.
+pub(super) fn update_half_space<M, C: Default + Copy>(
+    (plane, hull, placement): &(HalfSpace, &BakedHull, Placement),
+    prediction: Real,
+    kept: &mut Manifold,
+    out: &mut ContactManifold<M, C>,
+) {
+    stamp(kept, out);
+    kept.update_half_space(plane, *hull, placement.b_in_a, &settings(prediction));
+    write(kept, placement, out);
+}
+
+fn settings(prediction: Real) -> ManifoldSettings {
+    ManifoldSettings { prediction: Prediction::Length(double(prediction)), ..ManifoldSettings::default() }
+}
+
+/// Marks the points of `kept` with their places in `out`, counted from 1. If the points of `out`
+/// are others, which the engine may have changed, all are marked with 0.
+fn stamp<M, C>(kept: &mut Manifold, out: &ContactManifold<M, C>) {
     let is_ours = kept.points().len() == out.points.len();
     for (index, point) in kept.points_mut().iter_mut().enumerate() {
         point.user_data = if is_ours { index as u64 + 1 } else { 0 };
     }
-    let settings =
-        ManifoldSettings { prediction: Prediction::Length(double(prediction)), ..ManifoldSettings::default() };
-    on_pair!(*pair, a, b => kept.update(a, b, placement.b_in_a, &settings, cache));
+}
+
+/// Replaces the points of `out`. The data of a point that hullmap kept, or else of the point on the
+/// same features, stays with it.
+fn write<M, C: Default + Copy>(kept: &Manifold, placement: &Placement, out: &mut ContactManifold<M, C>) {
     let old = std::mem::take(&mut out.points);
     for point in kept.points() {
-        let [fid1, fid2] =
-            if placement.flipped { [point.id.on_b(), point.id.on_a()] } else { [point.id.on_a(), point.id.on_b()] };
+        let (on_a, on_b) = (packed(point.id.on_a()), packed(point.id.on_b()));
+        let [fid1, fid2] = if placement.flipped { [on_b, on_a] } else { [on_a, on_b] };
         let [local_p1, local_p2] = placement.order(point.point_a, point.local_b);
-        let mut contact = TrackedContact::new(local_p1, local_p2, packed(fid1), packed(fid2), real(-point.depth));
-        if let Some(stored) = (point.user_data as usize).checked_sub(1).and_then(|index| old.get(index)) {
-            contact.data = stored.data;
+        let mut contact = TrackedContact::new(local_p1, local_p2, fid1, fid2, real(-point.depth));
+        let kept_from = (point.user_data as usize).checked_sub(1).and_then(|index| old.get(index));
+        let same_features = || old.iter().find(|old| old.fid1 == fid1 && old.fid2 == fid2);
+        if let Some(from) = kept_from.or_else(same_features) {
+            contact.data = from.data;
         }
         out.points.push(contact);
-    }
-    if !is_ours {
-        out.match_contacts(&old);
     }
     if !out.points.is_empty() {
         [out.local_n1, out.local_n2] = placement.normals(kept.normal());

@@ -2,14 +2,15 @@
 
 use hullmap::{Cache, Manifold};
 
+use super::super::convert::wide;
 use super::super::parry::math::{Pose, Real};
 use super::super::parry::query::details as default;
 use super::super::parry::query::details::{ContactManifoldsWorkspace, NormalConstraints};
 use super::super::parry::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, Unsupported};
 use super::super::parry::shape::{Shape, ShapeType};
 use super::HullDispatcher;
-use super::contacts::{hardly_moved, update};
-use super::pair::pair;
+use super::contacts::{hardly_moved, update, update_half_space};
+use super::pair::{half_space, pair};
 use super::workspace::Memory;
 
 impl<M, C> PersistentQueryDispatcher<M, C> for HullDispatcher
@@ -33,6 +34,16 @@ where
                 && let Some(memory) = Memory::of(workspace)
             {
                 update(&found, prediction, (&mut memory.manifold, &mut memory.cache), manifold);
+            }
+            return Ok(());
+        }
+        if let Some(found) = half_space(pos12, shape1, shape2) {
+            manifolds.resize_with(1, ContactManifold::new);
+            let Some(manifold) = manifolds.first_mut() else { return Err(Unsupported) };
+            if !hardly_moved(pos12, manifold)
+                && let Some(memory) = Memory::of(workspace)
+            {
+                update_half_space(&found, prediction, &mut memory.manifold, manifold);
             }
             return Ok(());
         }
@@ -143,7 +154,14 @@ where
             && let Some(found) = pair(pos12, shape1, shape2)
         {
             if !hardly_moved(pos12, manifold) {
-                update(&found, prediction, (&mut Manifold::new(), &mut Cache::new()), manifold);
+                let cache = &mut Cache::from_axis(found.1.axis(wide(manifold.local_n1)));
+                update(&found, prediction, (&mut Manifold::new(), cache), manifold);
+            }
+            return Ok(());
+        }
+        if let Some(found) = half_space(pos12, shape1, shape2) {
+            if !hardly_moved(pos12, manifold) {
+                update_half_space(&found, prediction, &mut Manifold::new(), manifold);
             }
             return Ok(());
         }

@@ -2,6 +2,7 @@
 
 use hullmap::Pose;
 use hullmap::glam::{DQuat, DVec3};
+use hullmap::shapes::HalfSpace;
 
 use super::super::convert::{narrow, wide};
 use super::super::parry;
@@ -60,9 +61,30 @@ pub(super) fn pair<'s>(
         (None, Some(hull)) => (Pair::Primitive(hull, Partner::of(shape1)?), true),
         (None, None) => return None,
     };
+    Some((pair, placement(pos12, flipped)?))
+}
+
+/// A half-space and a hull, with the half-space as A; `None` for other shapes. Only manifolds need
+/// it: for the other queries, parry's closed form on the support map is as exact.
+pub(super) fn half_space<'s>(
+    pos12: &parry::math::Pose,
+    shape1: &'s dyn Shape,
+    shape2: &'s dyn Shape,
+) -> Option<(HalfSpace, &'s BakedHull, Placement)> {
+    let (plane, hull, flipped) = match (shape1.as_halfspace(), shape2.as_halfspace()) {
+        (Some(plane), None) => (plane, shape2, false),
+        (None, Some(plane)) => (plane, shape1, true),
+        _ => return None,
+    };
+    let plane = HalfSpace::new(wide(plane.normal), 0.0).ok()?;
+    Some((plane, hull.as_shape()?, placement(pos12, flipped)?))
+}
+
+/// The placement of A and B for parry's relative pose.
+fn placement(pos12: &parry::math::Pose, flipped: bool) -> Option<Placement> {
     let second_in_first = Pose::new(wide(pos12.translation), quaternion(pos12)).ok()?;
     let b_in_a = if flipped { second_in_first.inverse() } else { second_in_first };
-    Some((pair, Placement { b_in_a, flipped }))
+    Some(Placement { b_in_a, flipped })
 }
 
 #[allow(clippy::unnecessary_cast, reason = "one of the two precisions makes the cast a no-op")]
@@ -85,5 +107,10 @@ impl Placement {
     /// A vector of A's frame and one of B's in parry's order.
     pub(super) fn order(&self, of_a: DVec3, of_b: DVec3) -> [Vector; 2] {
         if self.flipped { [narrow(of_b), narrow(of_a)] } else { [narrow(of_a), narrow(of_b)] }
+    }
+
+    /// The normal from A to B in A's frame, from parry's first normal in its first frame.
+    pub(super) fn axis(&self, normal1: DVec3) -> DVec3 {
+        if self.flipped { self.b_in_a.transform_vector(-normal1) } else { normal1 }
     }
 }

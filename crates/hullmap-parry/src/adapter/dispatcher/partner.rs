@@ -4,7 +4,7 @@
 #![allow(clippy::unnecessary_cast)]
 
 use hullmap::glam::DVec3;
-use hullmap::shapes::{Cone, Cuboid, Cylinder, Rounded, Sphere};
+use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Segment, Sphere, Triangle};
 use hullmap::{Feature, Shape, SupportMap, SupportPoint};
 
 use super::super::convert::wide;
@@ -13,12 +13,16 @@ use super::super::parry;
 /// A primitive that hullmap solves against a hull. Its frame is that of parry's shape.
 pub(super) enum Partner {
     Ball(Sphere),
+    Capsule(Capsule),
     Cone(Turned<Cone>),
     Cuboid(Cuboid),
     Cylinder(Turned<Cylinder>),
     RoundCone(Rounded<Turned<Cone>>),
     RoundCuboid(Rounded<Cuboid>),
     RoundCylinder(Rounded<Turned<Cylinder>>),
+    RoundTriangle(Rounded<Triangle>),
+    Segment(Segment),
+    Triangle(Triangle),
 }
 
 impl Partner {
@@ -27,6 +31,10 @@ impl Partner {
         use parry::shape::TypedShape;
         Some(match shape.as_typed_shape() {
             TypedShape::Ball(ball) => Self::Ball(Sphere::new(ball.radius as f64).ok()?),
+            TypedShape::Capsule(found) => {
+                let [a, b] = [found.segment.a, found.segment.b].map(wide);
+                Self::Capsule(Capsule::between(a, b, found.radius as f64).ok()?)
+            }
             TypedShape::Cone(found) => Self::Cone(cone(found)?),
             TypedShape::Cuboid(found) => Self::Cuboid(cuboid(found)?),
             TypedShape::Cylinder(found) => Self::Cylinder(cylinder(found)?),
@@ -39,6 +47,11 @@ impl Partner {
             TypedShape::RoundCylinder(found) => {
                 Self::RoundCylinder(Rounded::new(cylinder(&found.inner_shape)?, found.border_radius as f64).ok()?)
             }
+            TypedShape::RoundTriangle(found) => {
+                Self::RoundTriangle(Rounded::new(triangle(&found.inner_shape)?, found.border_radius as f64).ok()?)
+            }
+            TypedShape::Segment(found) => Self::Segment(Segment::new(wide(found.a), wide(found.b)).ok()?),
+            TypedShape::Triangle(found) => Self::Triangle(triangle(found)?),
             _ => return None,
         })
     }
@@ -46,18 +59,26 @@ impl Partner {
     pub(super) fn shape(&self) -> &dyn Shape {
         match self {
             Self::Ball(shape) => shape,
+            Self::Capsule(shape) => shape,
             Self::Cone(shape) => shape,
             Self::Cuboid(shape) => shape,
             Self::Cylinder(shape) => shape,
             Self::RoundCone(shape) => shape,
             Self::RoundCuboid(shape) => shape,
             Self::RoundCylinder(shape) => shape,
+            Self::RoundTriangle(shape) => shape,
+            Self::Segment(shape) => shape,
+            Self::Triangle(shape) => shape,
         }
     }
 }
 
 fn cuboid(cuboid: &parry::shape::Cuboid) -> Option<Cuboid> {
     Cuboid::new(wide(cuboid.half_extents)).ok()
+}
+
+fn triangle(triangle: &parry::shape::Triangle) -> Option<Triangle> {
+    Triangle::new([triangle.a, triangle.b, triangle.c].map(wide)).ok()
 }
 
 fn cylinder(cylinder: &parry::shape::Cylinder) -> Option<Turned<Cylinder>> {
