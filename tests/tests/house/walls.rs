@@ -51,7 +51,12 @@ fn tree(package: &str, edges: &str, more: &[&str]) -> BTreeSet<String> {
 }
 
 fn assert_unseen(package: &str, others: &[&str]) {
-    for more in [&[][..], &["--no-default-features"], &["--all-features"]] {
+    assert_unseen_with(package, others, &[&[][..], &["--no-default-features"], &["--all-features"]]);
+}
+
+/// As [`assert_unseen`], for each list of further words in `features`.
+fn assert_unseen_with(package: &str, others: &[&str], features: &[&[&str]]) {
+    for more in features {
         let seen = tree(package, "normal,build", more);
         for other in others {
             assert!(!seen.contains(*other), "{package} {more:?} sees {other}: {seen:?}");
@@ -99,6 +104,20 @@ fn the_report_sees_neither_the_baker_nor_the_command() {
     );
     let seen = tree("hullmap-report", "normal", &[]);
     assert!(seen.contains("hullmap") && seen.contains("hullmap-format"), "{seen:?}");
+}
+
+#[test]
+fn the_adapter_sees_neither_the_baker_nor_an_engine() {
+    assert_unseen_with(
+        "hullmap-parry",
+        &["hullmap-bake", "hullmap-import", "bake", "rapier3d", "shapes", "clap"],
+        &[&[][..], &["--no-default-features", "--features", "f64"], &["--all-features"]],
+    );
+    assert!(tree("hullmap-parry", "normal", &[]).contains("parry3d"));
+    assert!(
+        !tree("hullmap-parry", "normal", &[]).contains("parry3d-f64"),
+        "only the feature adds the second precision"
+    );
 }
 
 /// What two commands share lies outside `commands/`.

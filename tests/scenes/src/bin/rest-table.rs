@@ -102,7 +102,7 @@ fn main() {
     });
     if arguments.bodies {
         for (job, outcome) in jobs.iter().zip(&outcomes) {
-            if outcome.lost || outcome.asleep_after.is_none() {
+            if outcome.lost || outcome.asleep_after.is_none() || outcome.deepest > 0.06 * job.size.max(0.4) {
                 println!(
                     "{} | {} | {} orientation {} | {}speed {:.4} | deepest {:.1} mm",
                     rows[job.row].0,
