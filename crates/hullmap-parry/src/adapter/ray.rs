@@ -24,8 +24,8 @@ impl RayCast for BakedHull {
     }
 
     /// The feature is the face that the ray hits. If the ray starts inside and `solid` is set, the
-    /// time is 0 and the normal opposite to the direction; without `solid`, the ray hits the surface
-    /// from inside, and the normal points inward.
+    /// time is 0 and the normal opposite to the direction; without `solid`, the ray hits the
+    /// surface from inside, and the normal points inward.
     fn cast_local_ray_and_get_normal(
         &self,
         ray: &Ray,
