@@ -118,6 +118,16 @@ impl<'a> Hull<'a> {
         self.neighbour_faces.get(range).unwrap_or_default().iter().map(|f| f.to_native())
     }
 
+    /// The face to the left of the edge from `v` to `w`: the one in which `w` follows `v`. `None` if
+    /// there is no such edge, and below rank 2.
+    ///
+    /// # Complexity
+    /// A binary search in the neighbours of `v`.
+    pub(super) fn face_left_of(&self, v: u32, w: u32) -> Option<u32> {
+        let at = self.neighbour_run(v).binary_search_by_key(&w, |neighbour| neighbour.to_native()).ok()?;
+        self.faces_at(v).nth(at)
+    }
+
     /// Unit outward normal of face `face`; `None` if there is no such face.
     ///
     /// # Complexity

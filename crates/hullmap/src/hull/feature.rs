@@ -1,7 +1,7 @@
 //! The feature of a hull that faces a direction: a face, an edge or a vertex, found through the
 //! direction index.
 //!
-//! # Steps
+//! [`Shape::feature`] knows the direction alone:
 //! 1. Support queries in eight directions, tilted to all sides. If all answers are the same vertex,
 //!    the feature is that vertex.
 //! 2. Of the faces at the support vertex, the one whose normal is closest to the direction. If all
@@ -10,34 +10,167 @@
 //!    for several faces (f32 can break a flat cap into slivers), and for a face with more corners
 //!    than a feature holds.
 //!
+//! [`Shape::feature_within`] also knows which heights matter, and starts from the face:
+//! 1. Find the face at the support vertex whose normal n is closest to the direction. If fewer than
+//!    three of its corners are within reach of the support plane, and its tilt is above [`TILT`],
+//!    the feature is an edge or a vertex, found as above.
+//! 2. Otherwise the feature is that face, merged with the faces around it that are nearly in its
+//!    plane: the support points in directions tilted from n by [`TILT`]. If one of them is more
+//!    than [`MERGED_SHARE`] of the reach below the plane, tilt by less: a support point at the
+//!    distance l from the face, in a direction tilted by the tangent t, is at most t l below the
+//!    plane.
+//!
+//! So the tilt towards the *direction* is limited by the reach, and the tilt towards *each other*
+//! of merged faces by the flatness that a contact patch needs. Decision 34 has the measurements.
+//!
 //! No step scans all faces, and the cost does not grow with the number of a face's corners beyond
 //! [`MAX_CORNERS`].
 
 #![forbid(unsafe_code)]
 
 use super::Hull;
-use crate::shapes::feature::{COARSE, coarse_ring, refine};
+use crate::shapes::feature::{COARSE, Cone, coarse_ring, refine};
 use crate::shapes::{Corner, Feature, MAX_CORNERS, Shape, TILT};
-use crate::support::SupportPoint;
+use crate::support::{SupportMap, SupportPoint};
 use crate::vector::unit;
 use glam::DVec3;
 
+/// Faces are merged into the feature of [`Shape::feature_within`] if their corners are at most this
+/// fraction of the reach below the plane of the face closest to the direction.
+///
+/// A quarter: the height of a point that was found on the merged plane is then uncertain by a
+/// quarter of the prediction, which is of the order of the depth that engines leave uncorrected. A
+/// smaller share puts real meshes to sleep less often, a larger one makes no difference.
+const MERGED_SHARE: f64 = 0.25;
+
+/// A vertex with more faces than this, for instance the tip of a cone, is not searched for the face
+/// closest to a direction. Only the faces at the edges to support points nearby are considered, and
+/// a sample of this many others.
+const MAX_FACES: usize = 64;
+
 impl Shape for Hull<'_> {
-    /// A baked face, or an edge, or a vertex.
+    /// A baked face, or an edge, or a vertex. Faces within [`TILT`] of `dir` are merged.
+    ///
+    /// An engine that has a prediction passes it to [`feature_within`](Shape::feature_within). An
+    /// engine that has none, and wants a face in any case, passes [`f64::INFINITY`].
     ///
     /// # Complexity
     /// For a vertex, 8 support queries. For a face of at most [`MAX_CORNERS`] corners, 9 support
     /// queries and one normal for each face at the support vertex. Otherwise at most 33 support
     /// queries.
     fn feature(&self, dir: DVec3, out: &mut Feature) {
-        let around = coarse_ring(self, dir);
+        let cone = Cone::new(dir, TILT);
+        let around = coarse_ring(self, &cone);
         if !self.baked_face(dir, &around, out) {
-            refine(self, dir, around, out);
+            refine(self, &cone, around, out);
         }
+    }
+
+    /// The face closest to `dir` if three of its corners are at most `reach` below the support
+    /// plane, otherwise as [`feature`](Shape::feature).
+    ///
+    /// Faces around it are merged into it if their normals are within [`TILT`] of its normal, and
+    /// their corners at most a quarter of `reach` below its plane.
+    ///
+    /// With an infinite `reach` the answer for a solid or a polygon is always a face, merged with
+    /// those within [`TILT`] of it. Adapters of engines that do not pass a prediction use that.
+    ///
+    /// # Complexity
+    /// At most 49 support queries, and at most 80 normals: one for each face at the support vertex,
+    /// or for a sample of them.
+    fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
+        let facing = unit(dir).and_then(|n| self.face_within(n, reach));
+        let Some((face, normal)) = facing else { return self.feature(dir, out) };
+        let on_face = self.face(face).next().and_then(|vertex| self.vertex(vertex));
+        let Some(on_face) = on_face.map(|corner| corner.as_dvec3()) else { return self.feature(dir, out) };
+        let below = |point: DVec3| (on_face - point).dot(normal);
+        // NaN and negative values count as 0. The rounding error of the face's own corners is far
+        // below the second term.
+        let flat = (MERGED_SHARE * reach).max(ROUGHNESS * self.outer_radius());
+        let mut cone = Cone::new(normal, TILT);
+        let mut around = coarse_ring(self, &cone);
+        if around.iter().any(|support| below(support.point) > flat) {
+            let extent = around.iter().map(|support| support.point.distance(on_face)).fold(0.0, f64::max);
+            cone = Cone::new(normal, TILT.min(flat / extent));
+            around = coarse_ring(self, &cone);
+        }
+        let mut own = Feature::new();
+        let has_all = self.face_corners(face, &mut own);
+        if !(has_all && contains_all(&own, around.iter().map(|support| support.feature))) {
+            refine(self, &cone, around, out);
+            // Between the eight directions of `around`, a support point may be farther out.
+            out.retain(|corner| below(corner.point) <= flat);
+            // The directions may miss a corner of a needle, which is farthest in few of them.
+            if !has_all || area(out, normal) >= area(&own, normal) {
+                return;
+            }
+        }
+        *out = own;
     }
 }
 
+/// Corners of one face are in one plane up to this fraction of the outer radius: the rounding error
+/// of f32, and of the merging of coplanar triangles when the hull was built.
+const ROUGHNESS: f64 = 1e-6;
+
 impl Hull<'_> {
+    /// The face at the support vertex of `n` whose normal is closest to `n`, and its normal, if
+    /// three of its corners are at most `reach` below the support plane, or its normal is within
+    /// [`TILT`] of `n`.
+    fn face_within(&self, n: DVec3, reach: f64) -> Option<(u32, DVec3)> {
+        let top = SupportMap::support_point(self, n);
+        let faces = self.faces_at(top.feature);
+        let closest = |faces: &mut dyn Iterator<Item = u32>| {
+            let mut best = (f64::NEG_INFINITY, None);
+            for face in faces {
+                if let Some(normal) = self.face_normal(face)
+                    && normal.dot(n) > best.0
+                {
+                    best = (normal.dot(n), Some((face, normal)));
+                }
+            }
+            best.1
+        };
+        let (face, normal) = if faces.len() <= MAX_FACES {
+            closest(&mut faces.into_iter())
+        } else {
+            // As wide as is needed to find an edge that is within reach.
+            let wide = (reach / self.outer_radius()).max(TILT).min(1.0);
+            let around = coarse_ring(self, &Cone::new(n, wide));
+            let beside = around.iter().flat_map(|support| self.faces_beside(top.feature, support.feature)).flatten();
+            let step = faces.len().div_ceil(MAX_FACES);
+            closest(&mut beside.chain(faces.step_by(step)))
+        }?;
+        let height = top.point.dot(n);
+        let is_near = |vertex: u32| self.vertex(vertex).is_some_and(|p| height - p.as_dvec3().dot(n) <= reach);
+        let corners = self.face(face);
+        // Of a large face a sample.
+        let step = corners.len().div_ceil(MAX_CORNERS).max(1);
+        let near = || corners.step_by(step).filter(|vertex| is_near(*vertex)).count();
+        // NaN takes the failing branch.
+        (normal.cross(n).length() <= TILT || near() >= 3).then_some((face, normal))
+    }
+
+    /// The faces on both sides of the edge between two vertices; nothing if there is no such edge.
+    fn faces_beside(&self, v: u32, w: u32) -> [Option<u32>; 2] {
+        [self.face_left_of(v, w), self.face_left_of(w, v)]
+    }
+
+    /// Puts the corners of `face` into `out`. Returns false if there are more than
+    /// [`MAX_CORNERS`].
+    fn face_corners(&self, face: u32, out: &mut Feature) -> bool {
+        out.clear();
+        let corners = self.face(face);
+        if corners.len() > MAX_CORNERS {
+            return false;
+        }
+        for vertex in corners {
+            let Some(point) = self.vertex(vertex) else { return false };
+            out.push(Corner { point: point.as_dvec3(), vertex });
+        }
+        true
+    }
+
     /// Puts the corners of the face towards `dir` into `out`. Returns false if the support points
     /// `around` the direction are not all corners of that face.
     fn baked_face(&self, dir: DVec3, around: &[SupportPoint; COARSE], out: &mut Feature) -> bool {
@@ -45,17 +178,20 @@ impl Hull<'_> {
         if around.iter().all(|support| support.feature == around[0].feature) {
             return false;
         }
-        let Some((dir, face)) = unit(dir).and_then(|dir| Some((dir, self.face_towards(dir)?))) else { return false };
-        let corners = self.face(face);
-        let tilt = self.face_normal(face).map_or(f64::INFINITY, |normal| normal.cross(dir).length());
-        // NaN takes the failing branch.
-        if !(tilt <= TILT && corners.len() <= MAX_CORNERS) {
-            return false;
-        }
-        for vertex in corners {
-            let Some(point) = self.vertex(vertex) else { return false };
-            out.push(Corner { point: point.as_dvec3(), vertex });
-        }
-        around.iter().all(|support| out.corners().iter().any(|corner| corner.vertex == support.feature))
+        let facing = unit(dir).and_then(|n| self.face_within(n, f64::NEG_INFINITY));
+        let around = around.iter().map(|support| support.feature);
+        facing.is_some_and(|(face, _)| self.face_corners(face, out) && contains_all(out, around))
     }
+}
+
+/// Twice the area of the feature, projected along `normal`.
+fn area(feature: &Feature, normal: DVec3) -> f64 {
+    let [origin, rest @ ..] = feature.corners() else { return 0.0 };
+    let sides = rest.windows(2).filter_map(|pair| pair.first().zip(pair.last()));
+    sides.map(|(p, q)| (p.point - origin.point).cross(q.point - origin.point)).sum::<DVec3>().dot(normal).abs()
+}
+
+/// Whether all of `vertices` are corners of the feature.
+fn contains_all(feature: &Feature, mut vertices: impl Iterator<Item = u32>) -> bool {
+    vertices.all(|vertex| feature.corners().iter().any(|corner| corner.vertex == vertex))
 }

@@ -171,4 +171,7 @@ impl Shape for SharedHull {
     fn feature(&self, dir: DVec3, out: &mut Feature) {
         self.hull().feature(dir, out);
     }
+    fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
+        self.hull().feature_within(dir, reach, out);
+    }
 }

@@ -11,8 +11,8 @@
 //! # Steps
 //! 1. Compute the contact of the shapes; if they are separated by less than the prediction, their
 //!    closest points.
-//! 2. Find the feature of each shape that faces the other along the normal ([`Shape::feature`]; a
-//!    hull returns a baked face).
+//! 2. Find the feature of each shape that faces the other along the normal
+//!    ([`Shape::feature_within`], with the prediction as reach; a hull returns a baked face).
 //! 3. Clip the features against each other (`clip`). Drop points separated by more than the
 //!    prediction.
 //! 4. Add the contact point itself where it is deeper than all clipped points, as on curved
@@ -193,10 +193,10 @@ impl fmt::Display for PointId {
 /// A point of a [`Manifold`]. Lengths are in the shapes' units.
 ///
 /// The two points lie on the planes of the features that meet. If a shape's feature is one face,
-/// its plane is the surface. If faces within 1.15° of the normal were merged, the plane can be off
-/// the surface, along the normal, by [`TILT`](crate::shapes::TILT) times the extent of the feature:
-/// at most 0.04 of the shape's outer radius. The contact that [`update`](Manifold::update) returns
-/// has points on the surfaces.
+/// its plane is the surface. If a hull's faces were merged, the plane can be off the surface, along
+/// the normal, by a quarter of the prediction, and at most by [`TILT`](crate::shapes::TILT) times
+/// the extent of the feature. The contact that [`update`](Manifold::update) returns has points on
+/// the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManifoldPoint {
     /// The features it lies on.
@@ -339,8 +339,8 @@ impl Manifold {
         let frame = Frame { origin, x: side, y: normal.cross(side), normal };
         let mut features = [Feature::new(), Feature::new()];
         let [on_a, on_b] = &mut features;
-        a.feature(normal, on_a);
-        b.feature(b_in_a.inverse_transform_vector(-normal), on_b);
+        a.feature_within(normal, prediction, on_a);
+        b.feature_within(b_in_a.inverse_transform_vector(-normal), prediction, on_b);
         for corner in on_b.corners_mut() {
             corner.point = b_in_a.transform_point(corner.point);
         }

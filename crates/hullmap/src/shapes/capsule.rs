@@ -99,6 +99,18 @@ impl Shape for Capsule {
     /// the segment, otherwise a point of a cap.
     fn feature(&self, dir: DVec3, out: &mut Feature) {
         self.segment.feature(dir, out);
+        self.round(dir, out);
+    }
+
+    fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
+        self.segment.feature_within(dir, reach, out);
+        self.round(dir, out);
+    }
+}
+
+impl Capsule {
+    /// Moves the corners of the segment's feature outward along `dir`.
+    fn round(&self, dir: DVec3, out: &mut Feature) {
         let offset = direction(dir) * self.radius;
         for corner in out.corners_mut() {
             corner.point += offset;

@@ -1,7 +1,7 @@
 //! Cone along z, with its apex up.
 
 use super::error::ShapeError;
-use super::feature::{Corner, Feature, TILT};
+use super::feature::{Corner, Feature, NO_REACH, TILT};
 use super::shape::Shape;
 use super::{RIM, direction, error::length, length_of, push_rim, radial};
 use crate::support::{SupportMap, SupportPoint};
@@ -92,15 +92,23 @@ impl Shape for Cone {
     /// The base as [`MAX_CORNERS`](crate::shapes::MAX_CORNERS) points of its rim, a line on the
     /// side from the apex to the rim, the apex, or a point of the rim.
     fn feature(&self, dir: DVec3, out: &mut Feature) {
+        self.feature_within(dir, NO_REACH, out);
+    }
+
+    fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         out.clear();
         let n = direction(dir);
         let across = length_of(n.x, n.y);
         // Sine of the angle between `n` and the normal of the side: that normal rises by the radius
         // over the height.
         let off_side = (2.0 * self.half_height * n.z - self.radius * across) / self.slant();
-        if across <= TILT && n.z < 0.0 && self.radius > 0.0 {
+        // How much lower the far end of the base and of the side's line is.
+        let (base_drop, side_drop) = (2.0 * across * self.radius, off_side.abs() * self.slant());
+        // If both are within reach, the base has to be the closer one.
+        let is_base = across <= TILT || (base_drop <= reach && across <= off_side.abs());
+        if is_base && n.z < 0.0 && self.radius > 0.0 {
             push_rim(out, -self.half_height, self.radius, RIM);
-        } else if off_side.abs() <= TILT && n.z >= -TILT {
+        } else if (off_side.abs() <= TILT && n.z >= -TILT) || side_drop <= reach {
             out.push(Corner { point: DVec3::Z * self.half_height, vertex: APEX });
             out.push(Corner { point: self.rim_point(n), vertex: RIM_POINT });
         } else {

@@ -1,7 +1,7 @@
 //! Box (cuboid) about the origin, with its edges along the axes.
 
 use super::error::ShapeError;
-use super::feature::{Corner, Feature, TILT};
+use super::feature::{Corner, Feature, NO_REACH, TILT};
 use super::shape::Shape;
 use super::{direction, error::length};
 use crate::support::{SupportMap, SupportPoint};
@@ -72,14 +72,34 @@ impl SupportMap for Cuboid {
     }
 }
 
+/// Index of the axis closest to `dir`, which is the normal of the face closest to `dir`.
+fn steepest(dir: DVec3) -> u32 {
+    let size = dir.abs();
+    if size.x >= size.y && size.x >= size.z {
+        0
+    } else if size.y >= size.z {
+        1
+    } else {
+        2
+    }
+}
+
 impl Shape for Cuboid {
     fn feature(&self, dir: DVec3, out: &mut Feature) {
+        self.feature_within(dir, NO_REACH, out);
+    }
+
+    fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         out.clear();
         let dir = direction(dir);
         let sign = negative(dir);
-        // Axes that are perpendicular to `dir` within `TILT`: the feature extends over both of
-        // their ends.
-        let mut free = dir.to_array().into_iter().enumerate().filter(|(_, d)| d.abs() <= TILT).map(|(i, _)| 1 << i);
+        // Axes whose ends differ in height by at most `reach`, or that are perpendicular to `dir`
+        // within `TILT`. The feature extends over both of their ends.
+        let drop = (dir * self.half).abs() * 2.0;
+        let is_free = |(d, drop): (f64, f64)| d.abs() <= TILT || drop <= reach;
+        let free = dir.to_array().into_iter().zip(drop.to_array()).enumerate().filter(|(_, axis)| is_free(*axis));
+        // A face has two free axes. With more than two, it is the one closest to `dir`.
+        let mut free = free.map(|(i, _)| 1 << i).filter(|axis| *axis != 1 << steepest(dir));
         match (free.next(), free.next()) {
             (Some(u), Some(v)) => {
                 let base = sign & !(u | v);

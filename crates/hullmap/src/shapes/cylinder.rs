@@ -1,7 +1,7 @@
 //! Cylinder along z.
 
 use super::error::ShapeError;
-use super::feature::{Corner, Feature, MAX_CORNERS, TILT};
+use super::feature::{Corner, Feature, MAX_CORNERS, NO_REACH, TILT};
 use super::shape::Shape;
 use super::{RIM, direction, error::length, length_of, push_rim, radial};
 use crate::support::{SupportMap, SupportPoint};
@@ -67,14 +67,23 @@ impl SupportMap for Cylinder {
 impl Shape for Cylinder {
     /// A cap as [`MAX_CORNERS`] points of its rim, a line along the side, or a point of a rim.
     fn feature(&self, dir: DVec3, out: &mut Feature) {
+        self.feature_within(dir, NO_REACH, out);
+    }
+
+    fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         out.clear();
         let n = direction(dir);
         let across = length_of(n.x, n.y);
-        if across <= TILT && self.radius > 0.0 {
+        // How much lower the far end of the cap and of the side's line is.
+        let (cap_drop, side_drop) = (2.0 * across * self.radius, 2.0 * n.z.abs() * self.half_height);
+        // If both are within reach, the steeper one is the farther.
+        let is_cap = across <= TILT || (cap_drop <= reach && n.z.abs() >= across);
+        let is_side = n.z.abs() <= TILT || side_drop <= reach;
+        if is_cap && self.radius > 0.0 {
             let lower = n.z < 0.0;
             let z = if lower { -self.half_height } else { self.half_height };
             push_rim(out, z, self.radius, RIM + u32::from(lower) * MAX_CORNERS as u32);
-        } else if n.z.abs() <= TILT && self.half_height > 0.0 {
+        } else if is_side && self.half_height > 0.0 {
             let side = radial(n) * self.radius;
             out.push(Corner { point: side + DVec3::Z * self.half_height, vertex: 0 });
             out.push(Corner { point: side - DVec3::Z * self.half_height, vertex: 1 });

@@ -35,6 +35,12 @@ pub const MAX_CORNERS: usize = 32;
 /// between faces of a coarse round mesh.
 pub const TILT: f64 = 0.02;
 
+/// The reach with which [`Shape::feature_within`] is [`Shape::feature`]: no height is within it.
+///
+/// [`Shape::feature`]: super::Shape::feature
+/// [`Shape::feature_within`]: super::Shape::feature_within
+pub(crate) const NO_REACH: f64 = f64::NEG_INFINITY;
+
 /// Sines of 0, 1/32, … 8/32 of a full turn. A table, because the last digits of `sin` depend on the
 /// platform.
 const SINES: [f64; 9] = [
@@ -121,6 +127,13 @@ impl Feature {
         self.count = 0;
     }
 
+    /// Keeps the corners that satisfy `keep`, in order.
+    pub(crate) fn retain(&mut self, keep: impl Fn(&Corner) -> bool) {
+        let mut kept = Self::new();
+        self.corners().iter().filter(|corner| keep(corner)).for_each(|corner| kept.push(*corner));
+        *self = kept;
+    }
+
     /// Adds a corner. If there are [`MAX_CORNERS`] already, the new one is dropped.
     pub fn push(&mut self, corner: Corner) {
         if let Some(free) = self.corners.get_mut(self.count) {
@@ -161,20 +174,24 @@ impl Default for Feature {
 /// # Ok::<(), ShapeError>(())
 /// ```
 pub fn ring<S: SupportMap + ?Sized>(shape: &S, dir: DVec3, out: &mut Feature) {
-    refine(shape, dir, coarse_ring(shape, dir), out);
+    let cone = Cone::new(dir, TILT);
+    refine(shape, &cone, coarse_ring(shape, &cone), out);
 }
 
-/// Support points in every fourth direction of the ring.
-pub(crate) fn coarse_ring<S: SupportMap + ?Sized>(shape: &S, dir: DVec3) -> [SupportPoint; COARSE] {
-    let cone = Cone::new(dir);
+/// Support points in every fourth direction of the cone.
+pub(crate) fn coarse_ring<S: SupportMap + ?Sized>(shape: &S, cone: &Cone) -> [SupportPoint; COARSE] {
     std::array::from_fn(|i| shape.support_point(cone.tilted(i * STRIDE)))
 }
 
 /// Second stage of [`ring`]: queries the directions between those of `coarse` that have different
 /// support points.
 #[expect(clippy::indexing_slicing, reason = "the index is taken modulo the number of coarse directions")]
-pub(crate) fn refine<S: SupportMap + ?Sized>(shape: &S, dir: DVec3, coarse: [SupportPoint; COARSE], out: &mut Feature) {
-    let cone = Cone::new(dir);
+pub(crate) fn refine<S: SupportMap + ?Sized>(
+    shape: &S,
+    cone: &Cone,
+    coarse: [SupportPoint; COARSE],
+    out: &mut Feature,
+) {
     out.clear();
     for (i, start) in coarse.iter().enumerate() {
         let end = &coarse[(i + 1) % COARSE];
@@ -212,22 +229,23 @@ fn push_new(support: &SupportPoint, out: &mut Feature) {
     }
 }
 
-/// Directions tilted from a direction to all sides.
-struct Cone {
+/// Directions tilted from a direction to all sides, by an angle of the same tangent.
+pub(crate) struct Cone {
     n: DVec3,
     x: DVec3,
     y: DVec3,
 }
 
 impl Cone {
-    fn new(dir: DVec3) -> Self {
+    /// The directions tilted from `dir` by the angle whose tangent is `tilt`.
+    pub(crate) fn new(dir: DVec3, tilt: f64) -> Self {
         let n = unit(dir).unwrap_or(DVec3::X);
         let side = perpendicular(n);
-        Self { n, x: side * TILT, y: n.cross(side) * TILT }
+        Self { n, x: side * tilt, y: n.cross(side) * tilt }
     }
 
-    /// The direction tilted by [`TILT`] toward the side at `step`/32 of a full turn.
-    fn tilted(&self, step: usize) -> DVec3 {
+    /// The direction tilted toward the side at `step`/32 of a full turn.
+    pub(crate) fn tilted(&self, step: usize) -> DVec3 {
         let (cosine, sine) = turn(step);
         self.n + self.x * cosine + self.y * sine
     }

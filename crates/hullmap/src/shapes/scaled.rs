@@ -4,6 +4,7 @@
 //! inner shape in direction S d, because d · S p = S d · p. A scaled hull therefore uses the index
 //! of the original.
 
+use super::direction;
 use super::error::MAX_LENGTH;
 use super::error::ShapeError;
 use super::feature::{Feature, ring};
@@ -69,6 +70,12 @@ impl<S> Scaled<S> {
         SupportPoint { point: support.point * self.scale, ..support }
     }
 
+    fn scale_corners(&self, out: &mut Feature) {
+        for corner in out.corners_mut() {
+            corner.point *= self.scale;
+        }
+    }
+
     fn scaled_radii(&self, [inner, outer]: [f64; 2]) -> [f64; 2] {
         let size = self.scale.abs();
         [inner * size.min_element(), outer * size.max_element()]
@@ -123,8 +130,16 @@ impl<S: Shape> Shape for Scaled<S> {
             return ring(self, dir, out);
         }
         self.shape.feature(dir * self.scale, out);
-        for corner in out.corners_mut() {
-            corner.point *= self.scale;
-        }
+        self.scale_corners(out);
+    }
+
+    /// The inner shape's feature, for any scale. A height h above a plane perpendicular to the unit
+    /// vector n becomes |S n| h along S⁻¹ n, so heights map to heights where angles do not map to
+    /// angles.
+    fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
+        let inner_dir = direction(dir) * self.scale;
+        let inner_reach = reach / inner_dir.length();
+        self.shape.feature_within(dir * self.scale, inner_reach, out);
+        self.scale_corners(out);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::direction;
 use super::error::{ShapeError, point};
-use super::feature::{Corner, Feature, TILT};
+use super::feature::{Corner, Feature, NO_REACH, TILT};
 use super::shape::Shape;
 use crate::support::{SupportMap, SupportPoint};
 use glam::DVec3;
@@ -86,10 +86,14 @@ impl SupportMap for Segment {
 impl Shape for Segment {
     /// Both ends if `dir` is within [`TILT`] of perpendicular to the segment, otherwise one.
     fn feature(&self, dir: DVec3, out: &mut Feature) {
+        self.feature_within(dir, NO_REACH, out);
+    }
+
+    fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         out.clear();
         let n = direction(dir);
         let rise = (self.ends[1] - self.ends[0]).dot(n);
-        if self.half_length > 0.0 && rise.abs() <= TILT * (2.0 * self.half_length) {
+        if self.half_length > 0.0 && rise.abs() <= (TILT * (2.0 * self.half_length)).max(reach) {
             for (point, vertex) in self.ends.into_iter().zip(0..) {
                 out.push(Corner { point, vertex });
             }

@@ -36,6 +36,39 @@ pub trait Shape: SupportMap {
     fn feature(&self, dir: DVec3, out: &mut Feature) {
         ring(self, dir, out);
     }
+
+    /// Writes the feature that faces `dir` to `out`, if surfaces up to `reach` below the support
+    /// plane matter.
+    ///
+    /// The support plane is the plane perpendicular to `dir` through the support point, and `reach`
+    /// is a length: a contact manifold passes its prediction. A face counts as facing `dir` if three
+    /// of its corners are within `reach` of the support plane, an edge if both ends are, whatever
+    /// their angle. So a body that is small compared with the prediction keeps its face while it
+    /// rocks. Features within [`TILT`](crate::shapes::TILT) count in any case.
+    ///
+    /// The default ignores `reach` and calls [`feature`](Self::feature).
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::glam::DVec3;
+    /// use hullmap::shapes::Cuboid;
+    /// use hullmap::{Feature, Shape};
+    ///
+    /// let die = Cuboid::new(DVec3::splat(0.05))?;
+    /// let leaning = DVec3::new(0.1, 0.0, 1.0);
+    /// let mut feature = Feature::new();
+    /// die.feature(leaning, &mut feature);
+    /// assert_eq!(feature.corners().len(), 2);
+    /// // The other edge of the face is one centimetre lower.
+    /// die.feature_within(leaning, 0.02, &mut feature);
+    /// assert_eq!(feature.corners().len(), 4);
+    /// # Ok::<(), hullmap::shapes::ShapeError>(())
+    /// ```
+    fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
+        // The parameter has this name for the documentation.
+        let _ = reach;
+        self.feature(dir, out);
+    }
 }
 
 /// A reference to a shape is the same shape.

@@ -2,7 +2,7 @@
 
 use super::direction;
 use super::error::{ShapeError, point};
-use super::feature::{Corner, Feature, TILT};
+use super::feature::{Corner, Feature, NO_REACH, TILT};
 use super::shape::Shape;
 use crate::support::{SupportMap, SupportPoint};
 use glam::DVec3;
@@ -89,13 +89,17 @@ impl Shape for Triangle {
     /// The support corner, and the others that it reaches by edges within [`TILT`] of perpendicular
     /// to `dir`: all three, an edge, or the corner alone.
     fn feature(&self, dir: DVec3, out: &mut Feature) {
+        self.feature_within(dir, NO_REACH, out);
+    }
+
+    fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         out.clear();
         let n = direction(dir);
         let SupportPoint { point: top, feature } = self.support_point(n);
         for (corner, vertex) in self.corners.into_iter().zip(0..) {
             let edge = corner - top;
             // Equal corners count once.
-            if vertex == feature || corner != top && edge.dot(n).abs() <= TILT * edge.length() {
+            if vertex == feature || corner != top && edge.dot(n).abs() <= (TILT * edge.length()).max(reach) {
                 out.push(Corner { point: corner, vertex });
             }
         }
