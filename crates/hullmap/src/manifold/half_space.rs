@@ -65,7 +65,7 @@ impl Manifold {
         let side = perpendicular(normal);
         let frame = Frame { origin: (contact.point_a + contact.point_b) * 0.5, x: side, y: normal.cross(side), normal };
         let mut feature = Feature::new();
-        b.feature(b_in_a.inverse_transform_vector(-normal), &mut feature);
+        b.feature_within(b_in_a.inverse_transform_vector(-normal), prediction, &mut feature);
         let mut patch = Patch::new();
         for corner in feature.corners() {
             let p = b_in_a.transform_point(corner.point) - frame.origin;
