@@ -118,8 +118,8 @@ impl<'a> Hull<'a> {
         self.neighbour_faces.get(range).unwrap_or_default().iter().map(|f| f.to_native())
     }
 
-    /// The face to the left of the edge from `v` to `w`: the one in which `w` follows `v`. `None` if
-    /// there is no such edge, and below rank 2.
+    /// The face to the left of the edge from `v` to `w`: the one in which `w` follows `v`. `None`
+    /// if there is no such edge, and below rank 2.
     ///
     /// # Complexity
     /// A binary search in the neighbours of `v`.

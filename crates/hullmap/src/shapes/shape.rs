@@ -41,10 +41,10 @@ pub trait Shape: SupportMap {
     /// plane matter.
     ///
     /// The support plane is the plane perpendicular to `dir` through the support point, and `reach`
-    /// is a length: a contact manifold passes its prediction. A face counts as facing `dir` if three
-    /// of its corners are within `reach` of the support plane, an edge if both ends are, whatever
-    /// their angle. So a body that is small compared with the prediction keeps its face while it
-    /// rocks. Features within [`TILT`](crate::shapes::TILT) count in any case.
+    /// is a length: a contact manifold passes its prediction. A face counts as facing `dir` if
+    /// three of its corners are within `reach` of the support plane, an edge if both ends are,
+    /// whatever their angle. So a body that is small compared with the prediction keeps its face
+    /// while it rocks. Features within [`TILT`](crate::shapes::TILT) count in any case.
     ///
     /// The default ignores `reach` and calls [`feature`](Self::feature).
     ///
