@@ -101,7 +101,14 @@ impl Tally {
                 wrong.push("the start is not inside");
             }
             if matches!(status, Status::Exact | Status::Within) && truth.certainly_hits(limit) {
-                self.worst = self.worst.max((at - enter[0]).min((at - enter[1]).abs()).abs() / size);
+                let off = (enter[0] - at).max(at - enter[1]).max(0.0) / size;
+                if off > 1e-6 {
+                    println!("off {off:e} {status} {lower:e} {at:e} {upper:e} truth {truth:?} {}", details());
+                }
+                self.worst = self.worst.max(off);
+            }
+            if matches!(status, Status::Stalled | Status::IterationLimit) && rand_print() {
+                println!("{status} {lower:e} {at:e} {upper:e} truth {truth:?} {}", details());
             }
         } else if truth.certainly_hits(limit) {
             wrong.push("a certain miss hits");
@@ -210,6 +217,114 @@ fn points_at_hulls() {
             let p = hull.interior_point() + rng.unit_vector() * hull.outer_radius() * rng.between(0.0, 2.0);
             let found = signed_distance(&hull, p, &Settings::default(), &mut cache).unwrap();
             assert!(found.lower <= found.distance && found.distance <= found.upper, "{found:?}");
+        }
+    }
+}
+
+fn rand_print() -> bool {
+    use std::sync::atomic::{AtomicU32, Ordering};
+    static N: AtomicU32 = AtomicU32::new(0);
+    N.fetch_add(1, Ordering::Relaxed) < 12
+}
+
+#[test]
+#[ignore]
+fn speed() {
+    for n in [32, 128, 512, 2_048, 8_192] {
+        let pack = pack(&[(Family::Sphere, n), (Family::Rock, n)]);
+        let hulls = [pack.hull(0).unwrap(), pack.hull(1).unwrap()];
+        let mut rng = SplitMix64::new(SEED);
+        let settings = CastSettings::default();
+        let rays: Vec<Ray> = (0..4096)
+            .map(|_| {
+                let target = rng.unit_vector() * rng.between(0.0, 0.6);
+                let from = rng.unit_vector() * 4.0;
+                Ray::new(from, target - from).unwrap()
+            })
+            .collect();
+        for hull in &hulls {
+            let time = |what: &str, f: &mut dyn FnMut(usize) -> (u32, bool)| {
+                let mut best = f64::INFINITY;
+                let (mut calls, mut hits) = (0u64, 0u64);
+                for _ in 0..9 {
+                    let start = std::time::Instant::now();
+                    (calls, hits) = (0, 0);
+                    for i in 0..4096 {
+                        let (c, h) = f(i);
+                        calls += u64::from(c);
+                        hits += u64::from(h);
+                    }
+                    best = best.min(start.elapsed().as_secs_f64() / 4096.0);
+                }
+                println!(
+                    "{n} {} {what}: {:.0} ns, {:.1} calls, {hits} hits",
+                    hull.name(),
+                    best * 1e9,
+                    calls as f64 / 4096.0
+                );
+            };
+            time("ray", &mut |i| {
+                let r = ray(hull, &rays[i], &settings);
+                (r.support_calls, r.hit)
+            });
+            let poses: Vec<_> = rays
+                .iter()
+                .map(|r| (hullmap::Pose::new(r.origin(), rng.rotation()).unwrap(), Motion::new(r.direction()).unwrap()))
+                .collect();
+            time("cast", &mut |i| {
+                let r = cast(hull, &hulls[1], poses[i].0, poses[i].1, &settings, &mut Cache::new());
+                (r.support_calls, r.hit)
+            });
+            let mut cache = Cache::new();
+            time("cast cache", &mut |i| {
+                let r = cast(hull, &hulls[1], poses[i].0, poses[i].1, &settings, &mut cache);
+                (r.support_calls, r.hit)
+            });
+            let round = hullmap::shapes::Rounded::new(*hull, 0.1).unwrap();
+            time("ray rounded", &mut |i| {
+                let r = ray(&round, &rays[i], &settings);
+                (r.support_calls, r.hit)
+            });
+            time("point outside", &mut |i| {
+                let r = signed_distance(hull, rays[i].origin() * 0.4, &Settings::default(), &mut Cache::new()).unwrap();
+                (r.support_calls, r.distance > 0.0)
+            });
+            time("point inside", &mut |i| {
+                let r = signed_distance(hull, rays[i].at(1.0), &Settings::default(), &mut Cache::new()).unwrap();
+                (r.support_calls, r.distance > 0.0)
+            });
+        }
+    }
+    let egg =
+        hullmap::shapes::Scaled::new(hullmap::shapes::Sphere::new(1.0).unwrap(), DVec3::new(1.0, 0.5, 2.0)).unwrap();
+    let pill = hullmap::shapes::Cylinder::new(1.0, 0.5).unwrap();
+    let ball = hullmap::shapes::Sphere::new(1.0).unwrap();
+    let shapes: [(&str, &dyn SupportMap); 3] = [("egg", &egg), ("cylinder", &pill), ("ball", &ball)];
+    let mut rng = SplitMix64::new(SEED);
+    for (name, shape) in shapes {
+        for tolerance in [1e-6, 1e-12, 0.0] {
+            let (mut calls, mut most, mut hits, mut width) = (0, 0, 0, 0.0_f64);
+            let start = std::time::Instant::now();
+            for _ in 0..4096 {
+                let target = rng.unit_vector() * rng.between(0.0, 0.6);
+                let from = rng.unit_vector() * 4.0;
+                let r = ray(
+                    shape,
+                    &Ray::new(from, target - from).unwrap(),
+                    &CastSettings { tolerance, ..CastSettings::default() },
+                );
+                if r.hit {
+                    calls += r.support_calls;
+                    hits += 1;
+                    most = most.max(r.support_calls);
+                    width = width.max(r.t_upper - r.t_lower);
+                }
+            }
+            println!(
+                "{name} {tolerance:e}: {} ns, {:.1} calls, at most {most}, width {width:e}",
+                start.elapsed().as_nanos() / 4096,
+                f64::from(calls) / f64::from(hits)
+            );
         }
     }
 }

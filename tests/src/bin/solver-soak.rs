@@ -6,7 +6,8 @@ use clap::Parser;
 use hullmap_tests::{
     game_hulls,
     soak::{
-        cast::{Cast, Stock},
+        Queries,
+        bodies::{Bodies, Stock},
         soak,
         tally::Tally,
     },
@@ -22,7 +23,10 @@ use hullmap_tests::{
     after_help = "Example:\n  HULLMAP_HULLS=game_hulls.bin cargo run --release -p hullmap-tests --bin solver-soak -- --pairs 100000000"
 )]
 struct Arguments {
-    /// Number of pairs
+    /// What to query
+    #[arg(long, value_enum, default_value_t = Queries::Pairs)]
+    queries: Queries,
+    /// Number of pairs, or of rays, casts or points
     #[arg(long, default_value_t = 1_000_000)]
     pairs: u64,
     /// Index of the first pair: continues an interrupted run; with --pairs 1, that pair alone
@@ -46,7 +50,7 @@ struct Arguments {
 const BLOCK: u64 = 1_000_000;
 
 fn main() -> ExitCode {
-    let Arguments { pairs, first, seed, threads, stride, report } = Arguments::parse();
+    let Arguments { queries, pairs, first, seed, threads, stride, report } = Arguments::parse();
     let threads = threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let file = std::env::var_os(game_hulls::VARIABLE).filter(|value| !value.is_empty()).map(PathBuf::from);
     let clouds = match file.as_ref().map(std::fs::read) {
@@ -62,14 +66,14 @@ fn main() -> ExitCode {
     };
     let stock = Stock::bake(&clouds, stride);
     stock.refused.iter().for_each(|refused| eprintln!("refused by the baker: {refused}"));
-    let cast = Cast::new(&stock);
-    eprintln!("bodies: {:?}", cast.counts);
+    let bodies = Bodies::new(&stock);
+    eprintln!("bodies: {:?}", bodies.counts);
     let (start, end) = (Instant::now(), first.saturating_add(pairs));
     let mut tally = Tally::default();
     let (mut next, mut left) = (first, report);
     while next < end {
         let until = end.min(next + BLOCK);
-        let block = soak(&cast, seed, next..until, threads);
+        let block = soak(&bodies, queries, seed, next..until, threads);
         // Print immediately: a long run may be interrupted.
         for wrong in block.wrongs().take(left) {
             println!("{wrong}\n");
@@ -80,6 +84,6 @@ fn main() -> ExitCode {
         let (seconds, wrong) = (start.elapsed().as_secs_f64(), tally.wrong.values().sum::<u64>());
         eprintln!("{seconds:7.1} s  {} pairs, {wrong} wrong; continue with --first {next}", tally.pairs);
     }
-    println!("seed {seed}, pairs {first} to {next}, bodies {:?}\n{tally}", cast.counts);
+    println!("{queries:?}, seed {seed}, pairs {first} to {next}, bodies {:?}\n{tally}", bodies.counts);
     if tally.wrong.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) }
 }

@@ -30,7 +30,7 @@ use hullmap_testkit::{
 use twox_hash::XxHash3_64;
 
 use super::{
-    cast::{Body, Pair, Solid},
+    bodies::{Body, Pair, Solid},
     tally::{Tally, Wrong},
 };
 

@@ -9,16 +9,18 @@
 //! | module | what |
 //! |---|---|
 //! | [`model`] | a shape by its definition: extent in a direction, distance of a point from it |
-//! | [`cast`] | the shapes: game hulls, generated ones from slivers to points, shapes in closed form |
+//! | [`bodies`] | the shapes: game hulls, generated ones from slivers to points, shapes in closed form |
 //! | [`meeting`] | the pose of a pair: touching, face to face, edge to edge, concentric, anywhere |
-//! | [`judge`] | the certificates |
+//! | [`judge`] | the certificates of pairs |
+//! | [`lines`] | rays, shape casts and points, and their certificates |
 //! | [`tally`] | the counts, and the wrong answers |
 //!
 //! The pairs of a seed are indexed, and each is generated from its index alone. So a run gives the
 //! same results on any number of threads, can be split, and any pair can be reproduced.
 
-pub mod cast;
+pub mod bodies;
 pub mod judge;
+mod lines;
 pub mod meeting;
 pub mod model;
 pub mod tally;
@@ -32,16 +34,29 @@ use std::{
     },
 };
 
-use cast::Cast;
+use bodies::Bodies;
 use judge::judge_pair;
 use tally::{Tally, Wrong};
 
 /// Number of pairs that a thread takes at a time: about 20 ms of work.
 const BATCH: u64 = 2048;
 
+/// What the soak queries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Queries {
+    /// Intersection, contact and distance of pairs.
+    Pairs,
+    /// Rays at one shape.
+    Rays,
+    /// Shape casts of pairs.
+    Casts,
+    /// Signed distances of points from one shape.
+    Points,
+}
+
 /// Judges the pairs `indices` of `seed` on `threads` threads. The tally does not depend on the
 /// number of threads.
-pub fn soak(cast: &Cast<'_>, seed: u64, indices: Range<u64>, threads: usize) -> Tally {
+pub fn soak(bodies: &Bodies<'_>, queries: Queries, seed: u64, indices: Range<u64>, threads: usize) -> Tally {
     let next = AtomicU64::new(indices.start);
     let sum = Mutex::new(Tally::default());
     std::thread::scope(|scope| {
@@ -54,7 +69,7 @@ pub fn soak(cast: &Cast<'_>, seed: u64, indices: Range<u64>, threads: usize) -> 
                         break;
                     }
                     for index in start..indices.end.min(start + BATCH) {
-                        judge_one(cast, seed, index, &mut tally);
+                        judge_one(bodies, queries, seed, index, &mut tally);
                     }
                 }
                 sum.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).add(tally);
@@ -65,10 +80,13 @@ pub fn soak(cast: &Cast<'_>, seed: u64, indices: Range<u64>, threads: usize) -> 
 }
 
 /// Judges one pair; a panic counts as wrong.
-fn judge_one(cast: &Cast<'_>, seed: u64, index: u64, tally: &mut Tally) {
-    let pair = cast.pair(seed, index);
+fn judge_one(bodies: &Bodies<'_>, queries: Queries, seed: u64, index: u64, tally: &mut Tally) {
+    let pair = bodies.pair(seed, index);
     // A panic may leave counts incomplete, but then the run has failed.
-    let judged = catch_unwind(AssertUnwindSafe(|| judge_pair(&pair, tally)));
+    let judged = catch_unwind(AssertUnwindSafe(|| match queries {
+        Queries::Pairs => judge_pair(&pair, tally),
+        _ => lines::judge(queries, &pair, tally),
+    }));
     if judged.is_err() {
         tally.take_wrong(Wrong { index, what: "a panic", details: pair.to_string() });
     }

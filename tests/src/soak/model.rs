@@ -133,6 +133,19 @@ impl Model {
         core - self.radius
     }
 
+    /// Outward normals of all planes of a polytope; `None` for other shapes.
+    pub fn planes(&self) -> Option<Vec<DVec3>> {
+        match &self.core {
+            Core::Points { planes, .. } if !planes.is_empty() && self.radius == 0.0 => {
+                Some(self.face_normals().collect())
+            }
+            Core::Cuboid(_) if self.radius == 0.0 => {
+                Some(DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]).collect())
+            }
+            _ => None,
+        }
+    }
+
     /// Outward face normals; empty for shapes without faces.
     pub fn face_normals(&self) -> impl Iterator<Item = DVec3> {
         let planes = match &self.core {

@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, fmt};
 
 use hullmap::{Contact, Distance, Intersection};
 
-use super::{cast::Kind, meeting::Meeting};
+use super::{bodies::Kind, meeting::Meeting};
 
 /// Number of wrong answers of each kind that are kept in full.
 const KEPT: usize = 5;
@@ -43,6 +43,8 @@ pub struct Tally {
     pub kinds: BTreeMap<Kind, u64>,
     /// Statuses of `intersects`, `contact` and `distance`.
     pub statuses: [BTreeMap<&'static str, u64>; 3],
+    /// Statuses of rays, casts or points.
+    pub lines: BTreeMap<&'static str, u64>,
     /// Maximum number of iterations of each.
     pub iterations: [u32; 3],
     /// Maximum number of support calls of each.
@@ -75,6 +77,7 @@ impl Tally {
         for (into, from) in self.statuses.iter_mut().zip(other.statuses) {
             sum(into, from);
         }
+        sum(&mut self.lines, other.lines);
         for which in 0..3 {
             self.iterations[which] = self.iterations[which].max(other.iterations[which]);
             self.support_calls[which] = self.support_calls[which].max(other.support_calls[which]);
@@ -123,13 +126,8 @@ impl Tally {
     }
 }
 
-fn keep_first(kept: &mut Vec<(u64, String)>) {
-    kept.sort();
-    kept.truncate(KEPT);
-}
-
-impl fmt::Display for Tally {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Tally {
+    fn write_pairs(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
             "{} pairs, {:.1} % hit; {} triples of answers judged, {} of them against all face normals, {} against all facets",
@@ -146,6 +144,23 @@ impl fmt::Display for Tally {
         for (which, name) in ["intersects", "contact", "distance"].into_iter().enumerate() {
             let (iterations, calls) = (self.iterations[which], self.support_calls[which]);
             writeln!(f, "{name}: {:?}; maximum {iterations} iterations, {calls} support calls", self.statuses[which])?;
+        }
+        Ok(())
+    }
+}
+
+fn keep_first(kept: &mut Vec<(u64, String)>) {
+    kept.sort();
+    kept.truncate(KEPT);
+}
+
+impl fmt::Display for Tally {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.lines.is_empty() {
+            self.write_pairs(f)?;
+        } else {
+            let (answers, truths) = (self.judged, self.normals + self.facets);
+            writeln!(f, "{answers} answers judged, {truths} of them by all planes or facets: {:?}", self.lines)?;
         }
         writeln!(f, "tightest certificate: {:.3} of the tolerance", self.tightest)?;
         writeln!(f, "fingerprint: {:016x}", self.fingerprint)?;

@@ -4,7 +4,8 @@
 use hullmap_tests::{
     game_hulls,
     soak::{
-        cast::{Cast, Kind, Stock},
+        Queries,
+        bodies::{Bodies, Kind, Stock},
         soak,
         tally::Tally,
     },
@@ -25,10 +26,10 @@ const UNSETTLED: [f64; 3] = [2e-3, 5e-3, 2e-2];
 
 fn judged(clouds: &[Vec<[f32; 3]>], pairs: u64) -> Tally {
     let stock = Stock::bake(clouds, STRIDE);
-    let cast = Cast::new(&stock);
+    let bodies = Bodies::new(&stock);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let tally = soak(&cast, SEED, 0..pairs, threads);
-    println!("seed {SEED}, bodies {:?}, not baked {:?}\n{tally}", cast.counts, stock.refused);
+    let tally = soak(&bodies, Queries::Pairs, SEED, 0..pairs, threads);
+    println!("seed {SEED}, bodies {:?}, not baked {:?}\n{tally}", bodies.counts, stock.refused);
     let wrong: Vec<String> = tally.wrongs().take(3).map(|wrong| wrong.to_string()).collect();
     assert!(wrong.is_empty(), "seed {SEED}: {:?}\n{}", tally.wrong, wrong.join("\n"));
     tally
@@ -59,12 +60,38 @@ fn every_answer_has_a_certificate() {
 #[test]
 fn the_tally_does_not_depend_on_threads_or_pieces() {
     let stock = Stock::bake(&[], 1);
-    let cast = Cast::new(&stock);
-    let alone = soak(&cast, SEED, 0..10_000, 1);
+    let bodies = Bodies::new(&stock);
+    let alone = soak(&bodies, Queries::Pairs, SEED, 0..10_000, 1);
     for threads in [2, 16] {
-        assert_eq!(soak(&cast, SEED, 0..10_000, threads), alone, "{threads} threads");
+        assert_eq!(soak(&bodies, Queries::Pairs, SEED, 0..10_000, threads), alone, "{threads} threads");
     }
-    let mut pieces = soak(&cast, SEED, 0..3_333, 2);
-    pieces.add(soak(&cast, SEED, 3_333..10_000, 2));
+    let mut pieces = soak(&bodies, Queries::Pairs, SEED, 0..3_333, 2);
+    pieces.add(soak(&bodies, Queries::Pairs, SEED, 3_333..10_000, 2));
     assert_eq!(pieces, alone);
+}
+
+/// Rays, shape casts and signed distances, with certificates of their own. The program `solver-soak`
+/// does this for any number of them.
+#[test]
+fn every_ray_cast_and_point_has_a_certificate() {
+    let stock = Stock::bake(&[], 1);
+    let bodies = Bodies::new(&stock);
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    for queries in [Queries::Rays, Queries::Casts, Queries::Points] {
+        let tally = soak(&bodies, queries, SEED, 0..PAIRS / 4, threads);
+        println!("{queries:?}, seed {SEED}\n{tally}");
+        let wrong: Vec<String> = tally.wrongs().take(3).map(|wrong| wrong.to_string()).collect();
+        assert!(wrong.is_empty(), "{queries:?}, seed {SEED}: {:?}\n{}", tally.wrong, wrong.join("\n"));
+        assert_eq!(tally.judged, PAIRS / 4);
+        // The sample is representative: hits, misses and grazing paths, many of them with all planes.
+        assert!(tally.normals + tally.facets > PAIRS / 80, "{} {}", tally.normals, tally.facets);
+        let of = |status: &str| tally.lines.get(status).copied().unwrap_or(0);
+        let settled = of("exact") + of("within");
+        assert!(settled > PAIRS / 20, "{queries:?}: {settled}");
+        if queries != Queries::Points {
+            for status in ["separated", "overlapping", "touching"] {
+                assert!(of(status) > PAIRS / 200, "{queries:?}: {status} {}", of(status));
+            }
+        }
+    }
 }

@@ -49,6 +49,10 @@ const MAX_STEPS: u32 = 500;
 /// searched.
 const ERROR_SHARE: f64 = 0.25;
 
+/// An interval up to this many errors wide, measured along the normal, is as narrow as rounding
+/// error allows.
+const EXACT_ERRORS: f64 = 64.0;
+
 /// What to search for.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Query {
@@ -169,11 +173,13 @@ fn find<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(search: &mut Search<'_, 
     let clip = &search.clip;
     // The upper bound may be beyond the limit of the ray: then the hit may be as well.
     let upper = if is_certain { (pierced.at + error).max(clip.lower) } else { clip.upper };
+    let width = upper - clip.lower;
+    let exact = EXACT_ERRORS * clip.error / clip.normal.dot(clip.direction).abs();
     // NaN takes the last branch.
     let status = match end {
         _ if !is_certain => Status::Touching,
-        End::OnSurface => Status::Exact,
-        _ if upper - clip.lower <= query.tolerance => Status::Within,
+        End::OnSurface if width <= exact => Status::Exact,
+        _ if width <= query.tolerance => Status::Within,
         End::Limit => Status::IterationLimit,
         _ => Status::Stalled,
     };

@@ -228,14 +228,14 @@ fn turn(rng: &mut SplitMix64) -> [DVec3; 3] {
 }
 
 /// All bodies, by the decade of their size.
-pub struct Cast<'p> {
+pub struct Bodies<'p> {
     decades: BTreeMap<i32, Vec<Body<'p>>>,
     keys: Vec<i32>,
     /// Numbers of bodies by kind.
     pub counts: BTreeMap<Kind, usize>,
 }
 
-impl<'p> Cast<'p> {
+impl<'p> Bodies<'p> {
     /// All bodies that can be made from `stock`.
     ///
     /// # Panics

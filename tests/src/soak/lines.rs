@@ -1,0 +1,368 @@
+//! Rays, shape casts and signed distances of the soak's shapes, with a certificate for each answer.
+//!
+//! | claim | certificate |
+//! |---|---|
+//! | a miss | the planes or facets leave nothing of the path; no contact is deep on the path |
+//! | lower bound of the time | at that time, the reported normal still separates the shapes |
+//! | a hit | the reported point at time t is in both shapes |
+//! | both bounds | the path clipped by all planes of a shape, or by all facets of the pair |
+//! | lower bound of a signed distance | the plane of the reported normal; inside, all planes |
+//! | upper bound of a signed distance | the reported point is in the shape; all planes |
+//!
+//! The paths go through a pose or a point of the ordinary soak, where most pairs touch. So many of
+//! them graze the shapes, along a face, an edge or past a vertex.
+
+use glam::DVec3;
+use hullmap::{
+    Cache, CastSettings, Contact, Impact, Motion, Pose, Ray, Settings, Status, SupportMap, cast, contact, ray,
+    signed_distance,
+};
+use hullmap_testkit::{
+    entry::{Passage, passage},
+    polytope::Polytope,
+    reach::{Placed, Reach, way_out},
+};
+use shapes::rng::SplitMix64;
+
+use super::{
+    Queries,
+    bodies::{Body, Kind, Pair, Solid, size, support},
+    tally::{Tally, Wrong},
+};
+
+/// Rounding error of a certificate, in units of the greatest lengths times the f64 epsilon.
+const ROUNDING_UNITS: f64 = 64.0;
+
+/// Maximum distance, relative to the greatest length, of a reported point from one of the shapes.
+const COMMON_POINT: f64 = 1e-7;
+
+/// Maximum product of the numbers of edges for which all facets are tested.
+const MAX_EDGE_PAIRS: usize = 10_000;
+
+/// Maximum number of steps of a cast; rounded shapes need a search of its own at each step.
+const MAX_STEPS: u32 = 20_000;
+
+/// An answer about a path, in terms that rays and casts share.
+#[derive(Clone, Copy, Debug)]
+struct Answer {
+    hit: bool,
+    status: Status,
+    /// Lower bound, value and upper bound.
+    t: [f64; 3],
+    normal: DVec3,
+    steps: u32,
+}
+
+/// A path that B, or a point, takes in A's frame.
+struct Path {
+    start: Pose,
+    velocity: DVec3,
+    limit: f64,
+    /// A time at which the path goes through a chosen point.
+    through: f64,
+    /// Tolerance of a certificate: a length.
+    slack: f64,
+}
+
+/// Counts wrong claims about one answer.
+struct Judge<'t> {
+    wrong: Option<(&'static str, f64, f64)>,
+    tightest: f64,
+    tally: &'t mut Tally,
+}
+
+impl Judge<'_> {
+    fn at_most(&mut self, what: &'static str, found: f64, limit: f64, slack: f64) {
+        // NaN takes the failing branch.
+        if !(found <= limit + slack) {
+            self.wrong.get_or_insert((what, found, limit));
+        } else if slack > 0.0 {
+            self.tightest = self.tightest.max((found - limit) / slack);
+        }
+    }
+
+    fn demand(&mut self, what: &'static str, holds: bool) {
+        self.at_most(what, f64::from(u8::from(!holds)), 0.0, 0.0);
+    }
+
+    fn finish(self, pair: &Pair<'_, '_>, details: impl FnOnce() -> String) {
+        self.tally.judged += 1;
+        self.tally.tightest = self.tally.tightest.max(self.tightest);
+        if let Some((what, found, limit)) = self.wrong {
+            let details = format!("{pair}\n  {found:e} above {limit:e}\n  {}", details());
+            self.tally.take_wrong(Wrong { index: pair.index, what, details });
+        }
+    }
+}
+
+/// Judges one query about the pair.
+pub(super) fn judge(queries: Queries, pair: &Pair<'_, '_>, tally: &mut Tally) {
+    let mut rng = SplitMix64::new(pair.seed.rotate_left(17) ^ pair.index.wrapping_mul(0xd6e8_feb8_6659_fd93));
+    tally.pairs += 1;
+    match queries {
+        Queries::Pairs => {}
+        Queries::Rays => judge_ray(pair, &mut rng, tally),
+        Queries::Casts => judge_cast(pair, &mut rng, tally),
+        Queries::Points => judge_point(pair, &mut rng, tally),
+    }
+}
+
+/// A direction of which many graze the body.
+fn direction(rng: &mut SplitMix64, body: &Body<'_>) -> DVec3 {
+    let index = rng.below(64);
+    let found = match rng.below(8) {
+        0 => Some(DVec3::AXES[rng.below(3)]),
+        1 => body.model.face_normal(index).map(|n| -n),
+        2 => body.model.edge(index, 0.5).map(|(along, _)| along),
+        // Along a face.
+        3 => body.model.face_normal(index).map(|n| n.cross(DVec3::from_array(rng.direction()))),
+        _ => None,
+    };
+    let found = found.filter(|d| d.is_finite() && d.length() > 1e-3);
+    found.unwrap_or_else(|| DVec3::from_array(rng.direction()))
+}
+
+/// A point of the body, or near it.
+fn target(rng: &mut SplitMix64, body: &Body<'_>) -> DVec3 {
+    let corner = |rng: &mut SplitMix64| support(body, DVec3::from_array(rng.direction()));
+    match rng.below(8) {
+        0 => corner(rng),
+        1 => corner(rng).lerp(corner(rng), rng.between(0.0, 1.0)),
+        2 => (corner(rng) + corner(rng) + corner(rng)) / 3.0,
+        3 => body.shape().interior_point(),
+        4 => corner(rng) + DVec3::from_array(rng.direction()) * (size(body) * 1e-9),
+        _ => body.shape().interior_point() + DVec3::from_array(rng.direction()) * (size(body) * rng.between(0.0, 1.2)),
+    }
+}
+
+/// The path that leads through `middle` along `along`, for shapes of the given size.
+fn path(rng: &mut SplitMix64, middle: Pose, along: DVec3, size: f64, greatest: f64) -> Path {
+    let velocity = along * ([1.0, 1.0, 1.0, 1e-3, 1e3][rng.below(5)] * size.max(1e-9));
+    let duration = match rng.below(16) {
+        0 | 1 => 0.0,
+        2 => 1e-6,
+        3 => 1e3,
+        _ => rng.between(0.0, 4.0),
+    };
+    let through = duration * size.max(1e-9) / velocity.length();
+    let start = Pose::new(middle.translation() - velocity * through, middle.rotation()).expect("finite");
+    let limit = match rng.below(4) {
+        0 => through * rng.between(0.5, 1.5),
+        _ => f64::INFINITY,
+    };
+    let length = start.translation().length().max(middle.translation().length()) + velocity.length() * through;
+    Path { start, velocity, limit, through, slack: ROUNDING_UNITS * f64::EPSILON * (greatest + length) }
+}
+
+fn settings(rng: &mut SplitMix64, path: &Path) -> CastSettings {
+    let tolerance = if rng.below(8) == 0 { 0.0 } else { CastSettings::default().tolerance };
+    CastSettings { max_t: path.limit, tolerance, ..CastSettings::default() }
+}
+
+/// The claims that need no second shape.
+fn judge_form(judge: &mut Judge<'_>, answer: &Answer, path: &Path) {
+    let Answer { hit, status, t: [lower, t, upper], normal, steps } = *answer;
+    *judge.tally.lines.entry(status.as_str()).or_default() += 1;
+    judge.demand("the steps are not bounded", steps <= MAX_STEPS);
+    judge.at_most("the normal has no unit length", (normal.length() - 1.0).abs(), 0.0, 1e-14);
+    judge.demand("hit and status contradict each other", hit == (status != Status::Separated));
+    if hit {
+        judge.demand("t is not in its own interval", 0.0 <= lower && lower <= t && t <= upper);
+        judge.demand("the lower bound is beyond the limit", lower <= path.limit);
+        judge.demand("an interval without end", upper < f64::INFINITY);
+    } else {
+        judge.demand("a miss at a finite time", lower == f64::INFINITY);
+    }
+    if status == Status::Overlapping {
+        judge.demand("an overlap later than the start", upper == 0.0);
+    }
+}
+
+/// The path against a truth. Only where `is_complete` does the truth know all planes.
+fn judge_passage(judge: &mut Judge<'_>, answer: &Answer, path: &Path, truth: &Passage, is_complete: bool) {
+    let Answer { hit, status, t: [lower, _, upper], .. } = *answer;
+    let [earliest, latest] = truth.enter.map(|t| t.max(0.0));
+    if hit {
+        let is_certain = status != Status::Touching;
+        // An interval that ends beyond the limit leaves open whether the hit is within it.
+        judge.demand("a certain hit misses", !(is_certain && truth.certainly_misses(path.limit.max(upper))));
+        judge.demand("the entry is later than its interval", !is_certain || earliest <= upper);
+        judge.demand("the start is not inside", status != Status::Overlapping || truth.enter[0] <= 0.0);
+        if is_complete && truth.certainly_hits(path.limit) {
+            judge.demand("the entry is earlier than its interval", lower <= latest);
+            judge.demand("the entry is later than its interval", earliest <= upper);
+        }
+    } else if is_complete {
+        judge.demand("a certain miss hits", !truth.certainly_hits(path.limit));
+    }
+}
+
+fn judge_ray(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
+    let body = pair.bodies[0];
+    let middle = Pose::from_translation(target(rng, body)).expect("finite");
+    let along = direction(rng, body);
+    let path = path(rng, middle, along, size(body), body.model.greatest);
+    let settings = settings(rng, &path);
+    let (origin, shape) = (path.start.translation(), body.shape());
+    let line = Ray::new(origin, path.velocity).expect("finite");
+    let found = match &body.solid {
+        Solid::Hull(hull) => ray(hull, &line, &settings),
+        Solid::Shape(_) => ray(shape, &line, &settings),
+    };
+    let answer = Answer {
+        hit: found.hit,
+        status: found.status,
+        t: [found.t_lower, found.t, found.t_upper],
+        normal: found.normal,
+        steps: found.iterations.max(found.support_calls),
+    };
+    let mut judge = Judge { wrong: None, tightest: 0.0, tally };
+    judge_form(&mut judge, &answer, &path);
+    let model = &body.model;
+    let greatest = model.greatest + origin.length();
+    if found.hit {
+        if found.t_lower > 0.0 {
+            let at = line.at(found.t_lower);
+            judge.at_most(
+                "the normal does not separate",
+                model.reach(found.normal) - found.normal.dot(at),
+                0.0,
+                path.slack,
+            );
+        }
+        judge.at_most("the point is not on the shape", model.outside(found.point), COMMON_POINT * greatest, path.slack);
+    }
+    let mut truth = Passage::UNBOUNDED;
+    truth.clip(found.normal.dot(path.velocity), model.reach(found.normal) - found.normal.dot(origin), path.slack);
+    let planes = model.planes();
+    for n in planes.iter().flatten() {
+        truth.clip(n.dot(path.velocity), model.reach(*n) - n.dot(origin), path.slack);
+    }
+    let is_complete = planes.is_some() && body.kind != Kind::Sliver;
+    judge.tally.normals += u64::from(is_complete);
+    judge_passage(&mut judge, &answer, &path, &truth, is_complete);
+    judge.finish(pair, || format!("{line:?} {settings:?}\n  {found:?}\n  {truth:?}, slack {:e}", path.slack));
+}
+
+fn judge_cast(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
+    let [a, b] = pair.bodies;
+    let along = direction(rng, a);
+    let path = path(rng, pair.b_in_a, along, size(a).max(size(b)), a.model.greatest + b.model.greatest);
+    let settings = settings(rng, &path);
+    let motion = Motion::new(path.velocity).expect("finite");
+    let mut cache = Cache::new();
+    if rng.below(4) == 0 {
+        // Warm: a pose beside the start.
+        let beside = Pose::new(path.start.translation() * 1.001, path.start.rotation()).expect("finite");
+        contact(a.shape(), b.shape(), beside, &Settings::default(), &mut cache);
+        cast(a.shape(), b.shape(), beside, motion, &settings, &mut cache);
+    }
+    let found: Impact = match (&a.solid, &b.solid) {
+        (Solid::Hull(a), Solid::Hull(b)) => cast(a, b, path.start, motion, &settings, &mut cache),
+        _ => cast(a.shape(), b.shape(), path.start, motion, &settings, &mut cache),
+    };
+    let answer = Answer {
+        hit: found.hit,
+        status: found.status,
+        t: [found.t_lower, found.t, found.t_upper],
+        normal: found.normal,
+        steps: found.iterations.max(found.support_calls),
+    };
+    let mut judge = Judge { wrong: None, tightest: 0.0, tally };
+    judge_form(&mut judge, &answer, &path);
+    let at = |t: f64| Pose::new(path.start.translation() + path.velocity * t, path.start.rotation()).expect("finite");
+    let greatest = a.model.greatest + b.model.greatest + path.start.translation().length();
+    let way = |t: f64, n: DVec3| way_out(&a.model, &Placed::new(&b.model, at(t)), n);
+    if found.hit {
+        if found.t_lower > 0.0 {
+            judge.at_most("the normal does not separate", way(found.t_lower, found.normal), 0.0, path.slack);
+        }
+        let in_b = at(found.t).inverse().transform_point(found.point_b);
+        for (what, outside) in [
+            ("the point is not on A", a.model.outside(found.point_a)),
+            ("the point is not on B", b.model.outside(in_b)),
+        ] {
+            judge.at_most(what, outside, COMMON_POINT * greatest, path.slack);
+        }
+    }
+    // Where the pair certainly overlaps at some time, it was hit before.
+    let deep: Contact = contact(a.shape(), b.shape(), at(path.through), &Settings::default(), &mut Cache::new());
+    if deep.depth_lower > path.slack && path.through <= path.limit {
+        judge.demand("a certain miss hits", found.hit);
+        judge.demand(
+            "a contact is earlier than the interval",
+            !found.hit || found.t_lower <= path.through * (1.0 + 1e-15),
+        );
+    }
+    let start = |n: DVec3| way_out(&a.model, &Placed::new(&b.model, path.start), n);
+    let mut truth = Passage::UNBOUNDED;
+    for n in [found.normal, deep.normal] {
+        truth.clip(n.dot(path.velocity), start(n), path.slack);
+    }
+    let is_complete = clip_by_facets(a, b, &path, &mut truth);
+    judge.tally.facets += u64::from(is_complete);
+    judge_passage(&mut judge, &answer, &path, &truth, is_complete);
+    judge.finish(pair, || {
+        format!("from {:?} {motion:?} {settings:?}\n  {found:?}\n  {truth:?}, slack {:e}", path.start, path.slack)
+    });
+}
+
+/// Clips by all facets of the Minkowski difference, if there are not too many of them.
+fn clip_by_facets(a: &Body<'_>, b: &Body<'_>, path: &Path, truth: &mut Passage) -> bool {
+    let (Solid::Hull(hull_a), Solid::Hull(hull_b)) = (&a.solid, &b.solid) else { return false };
+    let is_solid = [(a, hull_a), (b, hull_b)].iter().all(|(body, hull)| hull.rank() == 3 && body.kind != Kind::Sliver);
+    if !is_solid || 9 * hull_a.vertex_count() * hull_b.vertex_count() > MAX_EDGE_PAIRS {
+        return false;
+    }
+    let (a, b) = (Polytope::new(hull_a), Polytope::new(hull_b).placed(path.start));
+    let found = passage(&a, &b, path.velocity, path.slack);
+    truth.enter = [0, 1].map(|i| truth.enter[i].max(found.enter[i]));
+    truth.exit = [0, 1].map(|i| truth.exit[i].min(found.exit[i]));
+    true
+}
+
+fn judge_point(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
+    let body = pair.bodies[0];
+    let offset = size(body) * [0.0, 0.0, 1e-15, 1e-9, 1e-3, 0.3, 3.0, 1e3][rng.below(8)];
+    let point = target(rng, body) + direction(rng, body) * offset;
+    let settings = Settings::default();
+    let mut cache = Cache::new();
+    if rng.below(2) == 0 {
+        let beside = point + DVec3::from_array(rng.direction()) * (0.01 * size(body));
+        signed_distance(body.shape(), beside, &settings, &mut cache).expect("finite");
+    }
+    let found = match &body.solid {
+        Solid::Hull(hull) => signed_distance(hull, point, &settings, &mut cache),
+        Solid::Shape(shape) => signed_distance(&**shape, point, &settings, &mut cache),
+    }
+    .expect("finite");
+    let model = &body.model;
+    let greatest = model.greatest + point.length();
+    let slack = ROUNDING_UNITS * f64::EPSILON * greatest;
+    let mut judge = Judge { wrong: None, tightest: 0.0, tally };
+    *judge.tally.lines.entry(found.status.as_str()).or_default() += 1;
+    judge.demand("the steps are not bounded", found.iterations.max(found.support_calls) <= MAX_STEPS);
+    judge.demand("a status about overlap", !matches!(found.status, Status::Separated | Status::Overlapping));
+    judge.demand("not in its own interval", found.lower <= found.distance && found.distance <= found.upper);
+    judge.at_most("the normal has no unit length", (found.normal.length() - 1.0).abs(), 0.0, 1e-14);
+    // The signed distance is the maximum over all planes of the height above the plane.
+    let height = |n: DVec3| n.dot(point) - model.reach(n);
+    if found.lower > 0.0 {
+        judge.at_most("the normal does not prove the lower bound", found.lower, height(found.normal), slack);
+    }
+    judge.at_most("the point is not in the shape", model.outside(found.point), COMMON_POINT * greatest, slack);
+    if found.upper > 0.0 && found.lower > 0.0 {
+        judge.at_most("a point is nearer than the bound", found.lower, found.point.distance(point), slack);
+    }
+    let mut highest = height(found.normal);
+    let planes = model.planes();
+    for n in planes.iter().flatten() {
+        highest = highest.max(height(*n));
+    }
+    judge.at_most("the distance is above its interval", highest, found.upper, slack);
+    if planes.is_some() && body.kind != Kind::Sliver && highest < 0.0 {
+        judge.tally.normals += 1;
+        judge.at_most("the distance is below its interval", found.lower, highest, slack);
+    }
+    judge.finish(pair, || format!("{point} {found:?}\n  highest plane {highest:e}, slack {slack:e}"));
+}
