@@ -16,7 +16,7 @@ use super::line::{Entry, Query, enter};
 use super::minkowski::Minkowski;
 use super::motion::{CastSettings, Motion};
 use super::queries::intersects;
-use super::rounded::{RoundedEntry, enter_rounded};
+use super::rounded::enter_rounded;
 use super::status::{Overlap, Status};
 use crate::pose::Pose;
 use crate::support::SupportMap;
@@ -128,9 +128,8 @@ pub fn cast<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let Some(path) = motion.unit() else { return at_rest(a, b, b_in_a, cache) };
     let radii = [a.convex_radius(), b.convex_radius()];
     let found = if radii[0] + radii[1] > 0.0 {
-        let RoundedEntry { entry, point_b, support_calls } =
-            enter_rounded((a, b, b_in_a), radii, &query(a, b, path, settings), cache);
-        impact(&entry, point_b, path.1, support_calls)
+        let (entry, support_calls) = enter_rounded((a, b, b_in_a), radii, &query(a, b, path, settings), cache);
+        impact(&entry, path.1, support_calls)
     } else {
         cast_sharp((a, b, b_in_a), path, settings, cache.axis())
     };
@@ -151,7 +150,7 @@ pub(super) fn cast_sharp<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 ) -> Impact {
     let mut m = Minkowski::new(a, b, b_in_a);
     let entry = enter(&mut m, &query(a, b, path, settings), axis);
-    impact(&entry, entry.point_a, path.1, m.support_calls())
+    impact(&entry, path.1, m.support_calls())
 }
 
 fn query<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
@@ -170,7 +169,7 @@ fn query<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 }
 
 /// The answer for an entry at a length along the motion.
-fn impact(entry: &Entry, point_b: DVec3, speed: f64, support_calls: u32) -> Impact {
+fn impact(entry: &Entry, speed: f64, support_calls: u32) -> Impact {
     // The speed and the quotient have an error of a few roundings.
     let time = |length: f64, roundings: f64| length / speed * (1.0 + roundings * f64::EPSILON);
     let (t_lower, t_upper) = (time(entry.lower, -4.0), time(entry.upper, 4.0));
@@ -181,8 +180,8 @@ fn impact(entry: &Entry, point_b: DVec3, speed: f64, support_calls: u32) -> Impa
         t_lower,
         t_upper,
         normal: entry.normal,
-        point_a: entry.point_a,
-        point_b,
+        point_a: entry.points[0],
+        point_b: entry.points[1],
         iterations: entry.iterations,
         support_calls,
     }

@@ -134,7 +134,7 @@ fn touching_length<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(a: &A, b: &B,
 /// Witness points moved along it have exactly the reported distance. `gap.normal`, which proves the
 /// lower bound, may differ slightly from it; it serves where the witness points are too close for a
 /// direction.
-fn outward(gap: &Distance, touching_length: f64) -> DVec3 {
+pub(super) fn outward(gap: &Distance, touching_length: f64) -> DVec3 {
     unit(gap.point_b - gap.point_a)
         .filter(|_| gap.point_a.distance(gap.point_b) > touching_length)
         .unwrap_or(gap.normal)

@@ -21,7 +21,7 @@ use glam::DVec3;
 use super::cache::Cache;
 use super::distance::{Distance, core_distance};
 use super::line::{Entry, Query};
-use super::queries::{Core, rounding};
+use super::queries::{Core, outward, rounding};
 use super::settings::Settings;
 use super::status::Status;
 use crate::pose::Pose;
@@ -69,6 +69,8 @@ struct Sample {
     along: f64,
     /// Rounding error in both bounds.
     error: f64,
+    /// Length of the path.
+    length: f64,
 }
 
 impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Cores<'_, A, B> {
@@ -85,15 +87,17 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Cores<'_, A, B> {
             upper: gap.upper - self.radius + error,
             along: gap.normal.dot(self.direction),
             error,
+            length,
             gap,
         }
     }
 
-    /// Steps 1 and 2: the length up to which the shapes are certainly separated, with the sample
-    /// that proves it. `Err` has the normal of a miss.
-    fn approach(&mut self, first: Sample, query: &Query, cache: &mut Cache) -> Result<(f64, Sample), DVec3> {
-        let (mut at, mut sample) = (0.0, first);
+    /// Steps 1 and 2: the length up to which the shapes are certainly separated. `Err` has the
+    /// normal of a miss.
+    fn approach(&mut self, first: Sample, query: &Query, cache: &mut Cache) -> Result<Progress, DVec3> {
+        let mut progress = Progress { lower: 0.0, normal: first.gap.normal, sample: first };
         for _ in 0..query.max_iterations.min(MAX_STEPS) {
+            let Progress { lower: at, sample, .. } = &progress;
             // NaN ends the search.
             if !(sample.lower > 0.0) {
                 break;
@@ -104,95 +108,97 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Cores<'_, A, B> {
             if slope <= 0.0 || next > self.end.min(query.limit) {
                 return Err(sample.gap.normal);
             }
-            if !(next > at) {
+            if !(next > *at) {
                 break;
             }
-            at = next;
+            progress.normal = sample.gap.normal;
+            progress.lower = next;
             if step <= SHARE * query.tolerance {
                 break;
             }
-            sample = self.sample(at, cache);
+            progress.sample = self.sample(next, cache);
         }
-        Ok((at, sample))
+        Ok(progress)
     }
 
-    /// Step 3: the interval of the entry, given that the shapes are separated up to `lower`, and
-    /// whether it is certain that they meet in it.
-    fn bracket(&mut self, mut lower: f64, sample: &mut Sample, query: &Query, cache: &mut Cache) -> ([f64; 2], bool) {
-        let mut trial = (SHARE * query.tolerance).max(4.0 * sample.error);
+    /// Step 3: the upper bound of the entry, and whether it is certain that the shapes meet up to
+    /// there.
+    fn bracket(&mut self, progress: &mut Progress, query: &Query, cache: &mut Cache) -> (f64, bool) {
+        let mut trial = (SHARE * query.tolerance).max(4.0 * progress.sample.error);
         for _ in 0..MAX_TRIALS {
-            let at = lower + trial;
+            let at = progress.lower + trial;
             if !(at < self.end) {
                 break;
             }
             let beyond = self.sample(at, cache);
             if beyond.upper <= 0.0 {
-                return ([lower, at], true);
+                return (at, true);
             }
             let is_separated = beyond.lower > PATH_ROUNDINGS * f64::EPSILON * trial;
             if is_separated && beyond.along >= 0.0 {
                 // From here on they move apart.
-                return ([lower, at], false);
+                return (at, false);
             }
             if is_separated {
                 // They still approach each other, and so did they before.
-                (lower, *sample) = (at, beyond);
+                *progress = Progress { lower: at, normal: beyond.gap.normal, sample: beyond };
             } else {
                 trial *= 8.0;
             }
         }
-        ([lower, self.end.max(lower)], false)
+        (self.end.max(progress.lower), false)
     }
 
-    fn find(&mut self, query: &Query, cache: &mut Cache) -> (Entry, Option<Distance>) {
+    fn find(&mut self, radii: [f64; 2], query: &Query, cache: &mut Cache) -> Entry {
         let first = self.sample(0.0, cache);
-        let entry = |status, [lower, upper]: [f64; 2], normal| Entry {
-            status,
-            at: lower,
-            lower,
-            upper,
-            normal,
-            point_a: DVec3::ZERO,
-            iterations: 0,
-        };
         if first.upper < 0.0 {
-            return (entry(Status::Overlapping, [0.0, 0.0], -self.direction), Some(first.gap));
+            let points = [first.gap.point_a, first.gap.point_b];
+            let (status, normal) = (Status::Overlapping, -self.direction);
+            return Entry { status, at: 0.0, lower: 0.0, upper: 0.0, normal, points, iterations: 0 };
         }
-        let (lower, mut sample) = match self.approach(first, query, cache) {
-            Ok(found) => found,
-            Err(normal) => return (Entry::miss(normal, 0), None),
+        let mut progress = match self.approach(first, query, cache) {
+            Ok(progress) => progress,
+            Err(normal) => return Entry::miss(normal, 0),
         };
-        let (interval, is_certain) = self.bracket(lower, &mut sample, query, cache);
-        if interval[0] > query.limit {
-            return (Entry::miss(sample.gap.normal, 0), None);
+        let (upper, is_certain) = self.bracket(&mut progress, query, cache);
+        let Progress { lower, normal, sample: Sample { gap, error, length, .. } } = progress;
+        if lower > query.limit {
+            return Entry::miss(normal, 0);
         }
-        let width = interval[1] - interval[0];
+        let width = upper - lower;
         // NaN takes the last branch.
         let status = match () {
             () if !is_certain => Status::Touching,
-            () if width <= EXACT_ERRORS * sample.error => Status::Exact,
+            () if width <= EXACT_ERRORS * error => Status::Exact,
             () if width <= query.tolerance => Status::Within,
             () => Status::Stalled,
         };
-        (entry(status, interval, sample.gap.normal), Some(sample.gap))
+        // B has moved on since the sample.
+        let out = outward(&gap, EXACT_ERRORS * error);
+        let point_b = gap.point_b - out * radii[1] + self.direction * (lower - length);
+        let points = [gap.point_a + out * radii[0], point_b];
+        Entry { status, at: lower, lower, upper, normal, points, iterations: 0 }
     }
 }
 
-/// An entry of rounded shapes.
-pub(super) struct RoundedEntry {
-    /// With the point of A.
-    pub(super) entry: Entry,
-    pub(super) point_b: DVec3,
-    pub(super) support_calls: u32,
+/// How far the search has come.
+struct Progress {
+    /// The shapes are certainly separated up to this length.
+    lower: f64,
+    /// Normal of the plane that proves it.
+    normal: DVec3,
+    /// The last sample at this length or before.
+    sample: Sample,
 }
 
-/// Where B, on its way in `query`, meets A, for convex radii of which one is positive.
+/// Where B, on its way in `query`, meets A, for convex radii of which one is positive; and the
+/// number of support calls.
 pub(super) fn enter_rounded<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
     radii: [f64; 2],
     query: &Query,
     cache: &mut Cache,
-) -> RoundedEntry {
+) -> (Entry, u32) {
     let radius = radii[0] + radii[1];
     // Where the shapes meet, the distance of the cores is the radius.
     let tolerance = (SHARE * query.tolerance / radius).min(Settings::DEFAULT_TOLERANCE);
@@ -209,12 +215,6 @@ pub(super) fn enter_rounded<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         iterations: 0,
         support_calls: 0,
     };
-    let (mut entry, gap) = cores.find(query, cache);
-    let mut point_b = DVec3::ZERO;
-    if let Some(gap) = gap {
-        entry.point_a = gap.point_a + gap.normal * radii[0];
-        point_b = gap.point_b - gap.normal * radii[1];
-    }
-    entry.iterations = cores.iterations;
-    RoundedEntry { entry, point_b, support_calls: cores.support_calls }
+    let entry = cores.find(radii, query, cache);
+    (Entry { iterations: cores.iterations, ..entry }, cores.support_calls)
 }

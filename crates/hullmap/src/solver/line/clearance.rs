@@ -7,12 +7,12 @@
 //! # Steps
 //! 1. Start from the corners of a portal, as a polygon.
 //! 2. Take the edge nearest to the line. Its distance bounds the clearance from below.
-//! 3. Query the support point across that edge. If it is farther out, insert it and repeat from
-//!    step 2.
+//! 3. Query the support point across that edge. If it is farther out, insert it, remove neighbours
+//!    that are no longer corners, and repeat from step 2.
 
 use glam::DVec3;
 
-use super::portal::{Portal, Search, edge_distance};
+use super::portal::{Portal, Search, edge_distance, turn};
 use crate::support::SupportMap;
 
 /// Maximum number of vertices of the polygon. Lines through the middle of a face need 4 to 6.
@@ -57,5 +57,21 @@ pub(super) fn clearance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         polygon.copy_within(nearest + 1..count, nearest + 2);
         polygon[nearest + 1] = new;
         count += 1;
+        remove_dents(&mut polygon, &mut count, nearest + 1);
+    }
+}
+
+/// Removes the neighbours of the new vertex that are no longer corners. The centre is the only vertex
+/// that is not a support point, so at most it is.
+fn remove_dents(polygon: &mut [DVec3; MAX_VERTICES], count: &mut usize, new: usize) {
+    let [before, after] = [(new + *count - 1) % *count, (new + 1) % *count];
+    for at in [before.max(after), before.min(after)] {
+        let [previous, next] = [(at + *count - 1) % *count, (at + 1) % *count];
+        let [p, q, r] = [polygon[previous], polygon[at], polygon[next]];
+        let is_corner = turn(q - p, r - q) > 0.0;
+        if *count > 3 && !is_corner {
+            polygon.copy_within(at + 1..*count, at);
+            *count -= 1;
+        }
     }
 }

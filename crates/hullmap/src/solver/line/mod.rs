@@ -35,7 +35,7 @@ use glam::DVec3;
 
 use self::clearance::clearance;
 use self::clip::Clip;
-use self::portal::{Discovery, End, Portal, Search, Sense};
+use self::portal::{Discovery, End, Pierced, Portal, Search, Sense};
 use super::barycentric::blend;
 use super::minkowski::Minkowski;
 use super::status::Status;
@@ -78,8 +78,8 @@ pub(super) struct Entry {
     /// Of unit length, from A to B: of the plane that bounds the entry from below, or that proves a
     /// miss.
     pub(super) normal: DVec3,
-    /// The point of A at the entry, in A's frame.
-    pub(super) point_a: DVec3,
+    /// The points of A and of B, which has moved to the entry, in A's frame.
+    pub(super) points: [DVec3; 2],
     pub(super) iterations: u32,
 }
 
@@ -92,7 +92,7 @@ impl Entry {
             lower: f64::INFINITY,
             upper: f64::INFINITY,
             normal,
-            point_a: DVec3::ZERO,
+            points: [DVec3::ZERO; 2],
             iterations,
         }
     }
@@ -134,16 +134,17 @@ fn find<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(search: &mut Search<'_, 
     // certainly behind it, or neither.
     let is_ahead = middle.at - error >= origin;
     let is_behind = middle.at + error <= origin;
-    let mut entry = start;
-    if is_behind || middle.at < origin {
+    let mut is_past = is_ahead;
+    if !is_ahead && middle.at < origin || is_behind {
         let mut exit = start;
         match search.refine(&mut exit, Sense::Exit, known, (0.0, limit)) {
             End::Missed => return Entry::miss(search.clip.last, 0),
             End::Passed if is_behind => return inside(search, [&start, &exit]),
             _ if is_behind => return leaving(search, &exit),
-            _ => {}
+            end => is_past = end == End::Passed,
         }
     }
+    let mut entry = start;
     let end = search.refine(&mut entry, Sense::Entry, known, (query.tolerance, limit));
     match end {
         End::Missed => return Entry::miss(search.clip.last, 0),
@@ -157,18 +158,31 @@ fn find<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(search: &mut Search<'_, 
         }
         End::OnSurface | End::Narrow | End::Limit => {}
     }
-    let pierced = entry.pierced();
-    known = known.max(entry.depth() - search.clip.noise);
-    if search.error(pierced.residual, known) > ERROR_SHARE * query.tolerance {
+    let mut pierced = entry.pierced();
+    let mut error = search.error_in(&entry, &pierced).min(search.error(pierced.residual, known));
+    if error > ERROR_SHARE * query.tolerance {
         // A clearance with which the error is small enough.
         let enough = 2.0 * search.clip.reach * (pierced.residual + search.clip.noise) / (ERROR_SHARE * query.tolerance);
         known = known.max(clearance(search, &entry, enough));
+        error = error.min(search.error(pierced.residual, known));
     }
-    let error = search.error(pierced.residual, known);
-    let is_certain = error < f64::INFINITY;
+    // A set that may contain the origin is ahead of it only if a point of it is.
+    is_past |= search.clip.entry > origin || pierced.at - error >= origin;
+    let is_certain = error < f64::INFINITY && is_past;
     if !is_certain {
         // The line leaves the set before this plane, if it hits it at all.
         search.probe(DVec3::Z);
+        // If the set is flat as seen along the line, refinement may have lost the part that the
+        // line grazes.
+        let end = search.clip.upper;
+        let off = |found: &Pierced| found.residual + (found.at - end).max(0.0);
+        if off(&pierced) > off(&middle) + search.clip.noise {
+            (entry, pierced) = (start, middle);
+        }
+    }
+    if search.clip.entry < search.clip.lower {
+        // The ball around the set is no plane, and it is farther out than this one.
+        search.probe(DVec3::NEG_Z);
     }
     let clip = &search.clip;
     // The upper bound may be beyond the limit of the ray: then the hit may be as well.
@@ -196,7 +210,11 @@ fn answer(clip: &Clip, status: Status, [lower, at, upper]: [f64; 3], portal: &Po
     // NaN becomes the lower bound.
     let at = if at >= lower { at.min(upper) } else { lower };
     let normal = if clip.normal == DVec3::ZERO { -clip.direction } else { clip.normal };
-    Entry { status, at, lower, upper, normal, point_a: point_of_a(portal), iterations: 0 }
+    let weights = portal.pierced().weights;
+    let corners = portal.corners.map(|corner| corner.point);
+    let point_b = blend(&weights, corners.map(|point| point.b())) + clip.direction * at;
+    let points = [blend(&weights, corners.map(|point| point.a)), point_b];
+    Entry { status, at, lower, upper, normal, points, iterations: 0 }
 }
 
 /// The origin is certainly inside, between two portals.
@@ -206,9 +224,10 @@ fn inside<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 ) -> Entry {
     let [from, to] = [behind, ahead].map(|portal| portal.pierced().at);
     let share = (search.clip.origin - from) / (to - from);
-    let point_a = point_of_a(behind).lerp(point_of_a(ahead), share);
-    let (status, normal) = (Status::Overlapping, -search.clip.direction);
-    Entry { status, at: 0.0, lower: 0.0, upper: 0.0, normal, point_a, iterations: 0 }
+    let [from, to] =
+        [behind, ahead].map(|portal| blend(&portal.pierced().weights, portal.corners.map(|corner| corner.point.a)));
+    let (status, normal, points) = (Status::Overlapping, -search.clip.direction, [from.lerp(to, share); 2]);
+    Entry { status, at: 0.0, lower: 0.0, upper: 0.0, normal, points, iterations: 0 }
 }
 
 /// The line leaves the set at its origin, within rounding error.
@@ -216,9 +235,4 @@ fn leaving<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(search: &Search<'_, '
     let clip = &search.clip;
     let found = answer(clip, Status::Touching, [clip.lower, clip.origin, clip.upper], exit);
     Entry { normal: -clip.direction, ..found }
-}
-
-/// The point of A where the line pierces a portal, in A's frame.
-fn point_of_a(portal: &Portal) -> DVec3 {
-    blend(&portal.pierced().weights, portal.corners.map(|corner| corner.point.a))
 }

@@ -25,6 +25,7 @@
 use glam::DVec3;
 
 use super::clip::Clip;
+use crate::solver::barycentric::on_triangle;
 use crate::solver::minkowski::{Minkowski, Point};
 use crate::support::SupportMap;
 
@@ -37,6 +38,15 @@ const FLAT_ERRORS: f64 = 2.0;
 /// Weights of the corners in the point towards which a line on an edge is moved. They differ, so
 /// that the point is on no symmetry of a symmetric triangle.
 const NUDGE: [f64; 3] = [0.41, 0.33, 0.26];
+
+/// The corner that the new one replaces. The index has a bit for each corner: whether the line is on
+/// the left of the edge from the new corner to it. By a table, since the branches of a choice would
+/// be mispredicted half of the time.
+const REPLACED: [usize; 8] = [1, 2, 0, 0, 1, 2, 1, 1];
+
+/// Maximum distance of the line from the point of the areas' weights, relative to the portal's
+/// extent. The areas of a sliver are rounding error, and so are their weights.
+const MAX_RESIDUAL: f64 = 1e-12;
 
 /// A point of the Minkowski difference in the line's frame.
 #[derive(Clone, Copy, Debug)]
@@ -75,16 +85,25 @@ pub(super) struct Pierced {
 }
 
 impl Portal {
-    /// Where the line pierces the portal.
+    /// Where the line pierces the portal. If it passes outside, its nearest point.
     #[inline(always)]
     pub(super) fn pierced(&self) -> Pierced {
         let [a, b, c] = self.corners.map(|corner| corner.at);
-        let areas = [turn(b, c).max(0.0), turn(c, a).max(0.0), turn(a, b).max(0.0)];
+        let areas = [turn(b, c), turn(c, a), turn(a, b)];
         let sum = areas[0] + areas[1] + areas[2];
-        // NaN and a portal without area take the first corner.
-        let weights = if sum > 0.0 { areas.map(|area| area / sum) } else { [1.0, 0.0, 0.0] };
-        let point = a * weights[0] + b * weights[1] + c * weights[2];
-        Pierced { weights, at: point.z, residual: across_sq(point).sqrt() }
+        // NaN and a portal without area take the slow path.
+        let is_inside = areas[0] >= 0.0 && areas[1] >= 0.0 && areas[2] >= 0.0 && sum > 0.0;
+        let blended = |weights: [f64; 3]| {
+            let point = a * weights[0] + b * weights[1] + c * weights[2];
+            Pierced { weights, at: point.z, residual: across_sq(point).sqrt() }
+        };
+        let found = blended(areas.map(|area| area / sum));
+        let size_sq = across_sq(a) + across_sq(b) + across_sq(c);
+        if is_inside && found.residual * found.residual <= MAX_RESIDUAL * MAX_RESIDUAL * size_sq {
+            found
+        } else {
+            blended(nearest_weights([a, b, c]))
+        }
     }
 
     /// Minimum distance of the line from an edge, seen along the line; negative if it passes
@@ -100,6 +119,13 @@ pub(super) fn edge_distance(a: DVec3, b: DVec3) -> f64 {
     let distance = turn(a, b) / across_sq(b - a).sqrt();
     // An edge without length is no edge.
     if distance.is_nan() { 0.0 } else { distance }
+}
+
+/// Weights of the point of a triangle that is nearest to the line.
+#[cold]
+fn nearest_weights(corners: [DVec3; 3]) -> [f64; 3] {
+    let [a, b, c] = corners.map(|corner| corner.with_z(0.0));
+    on_triangle(a, b, c).weights
 }
 
 /// Outcome of discovery.
@@ -246,6 +272,16 @@ impl<'m, 's, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'m, 's, A, B
         if clearance > 0.0 { off + off / (off + clearance) * 2.0 * self.clip.reach } else { f64::INFINITY }
     }
 
+    /// The same for a portal that the line pierces inside its edges by more than the corners'
+    /// errors: then the slope of the portal bounds the error. Infinite otherwise.
+    pub(super) fn error_in(&self, portal: &Portal, pierced: &Pierced) -> f64 {
+        let [a, b, c] = portal.corners.map(|corner| corner.at);
+        let n = (b - a).cross(c - a);
+        let off = pierced.residual + self.clip.noise;
+        // NaN takes the failing branch.
+        if portal.depth() > off { off * (1.0 + n.length() / n.z) } else { f64::INFINITY }
+    }
+
     /// Step 3: moves the portal to the surface, on the side of the entry or of the exit.
     ///
     /// It ends early if the portal is certainly beyond the line's origin, given the clearance.
@@ -279,12 +315,8 @@ impl<'m, 's, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'m, 's, A, B
                 return End::Narrow;
             }
             let [on_a, on_b, on_c] = [a, b, c].map(|corner| self.is_left(new.at, corner, nudge));
-            let replaced = match (on_a, on_b, on_c) {
-                (true, false, _) => 2,
-                (_, true, false) => 0,
-                _ => 1,
-            };
-            portal.corners[replaced] = new;
+            let sides = usize::from(on_a) | usize::from(on_b) << 1 | usize::from(on_c) << 2;
+            portal.corners[REPLACED[sides]] = new;
         }
     }
 
