@@ -422,8 +422,8 @@ fn rays_along_faces_edges_and_through_vertices() {
     let at = |origin: [f64; 3], direction: [f64; 3]| {
         ray(&cube, &Ray::new(origin.into(), direction.into()).unwrap(), &CastSettings::default())
     };
-    // In the plane of a face, along an edge, past a vertex: neither hit nor miss is certain, and the
-    // interval has the time of the closed cube.
+    // In the plane of a face, along an edge, past a vertex: neither hit nor miss is certain, and
+    // the interval has the time of the closed cube.
     for (origin, direction, t) in [
         ([-3.0, 0.0, 1.0], [1.0, 0.0, 0.0], 2.0),
         ([-3.0, 0.25, 1.0], [1.0, 0.0, 0.0], 2.0),

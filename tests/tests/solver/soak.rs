@@ -70,8 +70,8 @@ fn the_tally_does_not_depend_on_threads_or_pieces() {
     assert_eq!(pieces, alone);
 }
 
-/// Rays, shape casts and signed distances, with certificates of their own. The program `solver-soak`
-/// does this for any number of them.
+/// Rays, shape casts and signed distances, with certificates of their own. The program
+/// `solver-soak` does this for any number of them.
 #[test]
 fn every_ray_cast_and_point_has_a_certificate() {
     let stock = Stock::bake(&[], 1);
@@ -83,7 +83,8 @@ fn every_ray_cast_and_point_has_a_certificate() {
         let wrong: Vec<String> = tally.wrongs().take(3).map(|wrong| wrong.to_string()).collect();
         assert!(wrong.is_empty(), "{queries:?}, seed {SEED}: {:?}\n{}", tally.wrong, wrong.join("\n"));
         assert_eq!(tally.judged, PAIRS / 4);
-        // The sample is representative: hits, misses and grazing paths, many of them with all planes.
+        // The sample is representative: hits, misses and grazing paths, many of them with all
+        // planes.
         assert!(tally.normals + tally.facets > PAIRS / 80, "{} {}", tally.normals, tally.facets);
         let of = |status: &str| tally.lines.get(status).copied().unwrap_or(0);
         let settled = of("exact") + of("within");

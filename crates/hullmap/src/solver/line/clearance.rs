@@ -61,8 +61,8 @@ pub(super) fn clearance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
 }
 
-/// Removes the neighbours of the new vertex that are no longer corners. The centre is the only vertex
-/// that is not a support point, so at most it is.
+/// Removes the neighbours of the new vertex that are no longer corners. The centre is the only
+/// vertex that is not a support point, so at most it is.
 fn remove_dents(polygon: &mut [DVec3; MAX_VERTICES], count: &mut usize, new: usize) {
     let [before, after] = [(new + *count - 1) % *count, (new + 1) % *count];
     for at in [before.max(after), before.min(after)] {

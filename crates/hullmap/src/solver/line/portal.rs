@@ -39,9 +39,9 @@ const FLAT_ERRORS: f64 = 2.0;
 /// that the point is on no symmetry of a symmetric triangle.
 const NUDGE: [f64; 3] = [0.41, 0.33, 0.26];
 
-/// The corner that the new one replaces. The index has a bit for each corner: whether the line is on
-/// the left of the edge from the new corner to it. By a table, since the branches of a choice would
-/// be mispredicted half of the time.
+/// The corner that the new one replaces. The index has a bit for each corner: whether the line is
+/// on the left of the edge from the new corner to it. By a table, since the branches of a choice
+/// would be mispredicted half of the time.
 const REPLACED: [usize; 8] = [1, 2, 0, 0, 1, 2, 1, 1];
 
 /// Maximum distance of the line from the point of the areas' weights, relative to the portal's
