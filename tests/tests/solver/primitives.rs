@@ -15,7 +15,7 @@ use hullmap_testkit::{
     random::RandomPoses,
     reach::{Placed, Reach},
 };
-use hullmap_tests::soak::cast::{Cast, Stock};
+use hullmap_tests::soak::bodies::{Bodies, Stock};
 use shapes::{families::Family, rng::SplitMix64};
 
 const SEED: u64 = 20_261_122;
@@ -84,11 +84,11 @@ fn triangles_and_segments_against_hulls() {
 #[test]
 fn half_spaces_against_all_shapes() {
     let stock = Stock::bake(&[], 1);
-    let cast = Cast::new(&stock);
+    let bodies = Bodies::new(&stock);
     let mut rng = SplitMix64::new(SEED + 1);
     let mut counts = [0_usize; 3];
     for index in 0..20_000 {
-        let pair = cast.pair(SEED, index);
+        let pair = bodies.pair(SEED, index);
         let (body, pose) = (pair.bodies[1], pair.b_in_a);
         let shape = body.shape();
         let normal = if index % 5 == 0 { DVec3::AXES[rng.below(3)] } else { rng.unit_vector() };
@@ -134,12 +134,12 @@ fn half_spaces_against_all_shapes() {
 #[test]
 fn half_spaces_and_moving_shapes() {
     let stock = Stock::bake(&[], 1);
-    let cast = Cast::new(&stock);
+    let bodies = Bodies::new(&stock);
     let mut rng = SplitMix64::new(SEED + 3);
     let mut hits = 0;
     let pairs = 10_000;
     for index in 0..pairs {
-        let pair = cast.pair(SEED + 2, index);
+        let pair = bodies.pair(SEED + 2, index);
         let (body, pose) = (pair.bodies[1], pair.b_in_a);
         let placed = Placed::new(&body.model, pose);
         let normal = rng.unit_vector();
@@ -230,9 +230,9 @@ fn half_spaces_and_rays() {
 #[test]
 fn bounds_of_all_shapes() {
     let stock = Stock::bake(&[], 1);
-    let cast = Cast::new(&stock);
+    let bodies = Bodies::new(&stock);
     for index in 0..10_000 {
-        let pair = cast.pair(SEED + 1, index);
+        let pair = bodies.pair(SEED + 1, index);
         let (body, pose) = (pair.bodies[1], pair.b_in_a);
         let placed = Placed::new(&body.model, pose);
         let bounds: Bounds = body.shape().bounds_under(pose);
