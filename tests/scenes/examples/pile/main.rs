@@ -1,0 +1,156 @@
+//! A pile of 1,000 detailed bodies, and a stack of ten prisms, in Rapier.
+//!
+//! The same scene runs with parry's own convex polyhedra, with baked hulls, and with baked hulls
+//! and `HullDispatcher`. A table compares the time of a step and the bodies that come to rest. This
+//! is the dynamic scene of Kenwright, section 5.
+//!
+//! ```text
+//! cargo run --release --example pile
+//! cargo run --release --example pile -- --ways dispatcher --view frames
+//! ```
+//!
+//! `--view FOLDER` writes a sequence of PNG images for each way. Bodies that sleep turn grey.
+
+mod camera;
+mod pit;
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use clap::{Parser, ValueEnum};
+use hullmap_scenes::floor::Floor;
+use hullmap_scenes::model::{Model, mesh};
+use hullmap_scenes::stack::stand;
+use hullmap_scenes::way::Way;
+use shapes::families::Family;
+
+use camera::Camera;
+use pit::Pit;
+
+/// Steps a second.
+const RATE: usize = 60;
+
+/// A pile of detailed bodies, and a stack of ten prisms, with parry's hulls and with baked hulls.
+#[derive(Parser)]
+struct Arguments {
+    /// Number of bodies
+    #[arg(long, default_value_t = 1000)]
+    bodies: usize,
+    /// Vertices of each body
+    #[arg(long, default_value_t = 512)]
+    vertices: usize,
+    /// Mesh of all bodies instead of generated rocks: OBJ, glTF, STL or PLY
+    #[arg(long, value_name = "FILE")]
+    mesh: Option<PathBuf>,
+    /// Seconds to simulate
+    #[arg(long, default_value_t = 15)]
+    seconds: usize,
+    /// What to compare
+    #[arg(long, value_delimiter = ',', default_values_t = [Choice::Parry, Choice::Baked, Choice::Dispatcher])]
+    ways: Vec<Choice>,
+    /// Folder for PNG images of the pile
+    #[arg(long, value_name = "FOLDER")]
+    view: Option<PathBuf>,
+    /// Images a second, at most 60
+    #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=60))]
+    frame_rate: u32,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Choice {
+    /// parry's own convex polyhedra
+    Parry,
+    /// Baked hulls, parry's default dispatcher
+    Baked,
+    /// Baked hulls, `HullDispatcher`
+    Dispatcher,
+}
+
+impl Choice {
+    fn way(self) -> Way {
+        match self {
+            Self::Parry => Way::Parry,
+            Self::Baked => Way::Shapes,
+            Self::Dispatcher => Way::Dispatcher,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Parry => "parry",
+            Self::Baked => "baked",
+            Self::Dispatcher => "dispatcher",
+        }
+    }
+}
+
+impl std::fmt::Display for Choice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let arguments = Arguments::parse();
+    let models = match &arguments.mesh {
+        Some(path) => vec![mesh(path, 1.0).ok_or("the mesh is flat: a body needs a volume")?],
+        None => (0..4).map(|seed| rock(arguments.vertices, seed)).collect(),
+    };
+    let vertices = models.iter().map(|model| model.hull.hull().vertex_count()).max().unwrap_or(0);
+    println!("{} bodies of up to {vertices} vertices, {} seconds", arguments.bodies, arguments.seconds);
+    println!("{:12} {:>15} {:>15} {:>8} {:>6}", "", "falling ms/step", "settled ms/step", "asleep", "lost");
+    for &choice in &arguments.ways {
+        let outcome = pile(&arguments, &models, choice)?;
+        let [falling, settled] = [outcome.falling, outcome.settled].map(|time| time.as_secs_f64() * 1e3);
+        println!("{choice:12} {falling:>15.2} {settled:>15.2} {:>8} {:>6}", outcome.asleep, outcome.lost);
+    }
+    println!("\na stack of ten prisms with 64 sides, after 10 seconds");
+    println!("{:12} {:>15} {:>15} {:>8}", "", "tilt in degrees", "drift in mm", "asleep");
+    for &choice in &arguments.ways {
+        let stack = stand(64, 10, Floor::Cuboid, choice.way(), 10.0);
+        println!("{choice:12} {:>15.2} {:>15.1} {:>8}", stack.tilt_degrees, stack.drift * 1e3, stack.asleep);
+    }
+    Ok(())
+}
+
+/// A rock of `vertices` vertices, 1 m long.
+fn rock(vertices: usize, seed: u64) -> Model {
+    let points = Family::Rock.points(vertices.max(8), seed);
+    Model::sized("rock", &points, 1.0).expect("a rock is solid")
+}
+
+/// How the pile ended.
+struct Outcome {
+    /// Median time of a step in the first quarter of the time.
+    falling: Duration,
+    /// Median time of a step in the last second.
+    settled: Duration,
+    asleep: usize,
+    lost: usize,
+}
+
+fn pile(arguments: &Arguments, models: &[Model], choice: Choice) -> Result<Outcome, Box<dyn std::error::Error>> {
+    let mut pit = Pit::new(models, arguments.bodies, choice.way());
+    let camera = arguments.view.as_ref().map(|folder| Camera::new(folder.join(choice.name()), &pit)).transpose()?;
+    let steps = arguments.seconds.max(1) * RATE;
+    let between = RATE / arguments.frame_rate as usize;
+    let mut times = Vec::with_capacity(steps);
+    for step in 0..steps {
+        if let Some(camera) = &camera
+            && step % between == 0
+        {
+            camera.shoot(&pit, step / between)?;
+        }
+        let start = Instant::now();
+        pit.world.step();
+        times.push(start.elapsed());
+    }
+    let falling = median(&mut times[..steps / 4]);
+    let settled = median(&mut times[steps - RATE..]);
+    Ok(Outcome { falling, settled, asleep: pit.asleep(), lost: pit.lost() })
+}
+
+fn median(times: &mut [Duration]) -> Duration {
+    times.sort();
+    times[times.len() / 2]
+}
