@@ -2,29 +2,6 @@
 //!
 //! A plane is convex on both sides, so the part that reaches farthest below it decides all three
 //! queries.
-//!
-//! # Examples
-//! ```
-//! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! # let pack = two_cubes();
-//! use hullmap::compound::half_space;
-//! use hullmap::glam::{DQuat, DVec3};
-//! use hullmap::shapes::HalfSpace;
-//! use hullmap::{Compound, Pose};
-//!
-//! // Two unit cubes, at x from 0 to 1 and from 3 to 4. The wall is at x = 5.
-//! let wall = HalfSpace::new(DVec3::NEG_X, -5.0)?;
-//! let cubes = Compound::new(&pack);
-//! let near = half_space::contact(&wall, &cubes, Pose::from_translation(DVec3::X * 1.5)?);
-//! assert_eq!((near.answer.depth, near.hulls), (0.5, [0, 1]));
-//!
-//! let turned = Pose::new(DVec3::X * 4.0, DQuat::from_rotation_z(std::f64::consts::PI))?;
-//! let gap = half_space::distance(&wall, &cubes, turned);
-//! assert!((gap.answer.distance - 1.0).abs() < 1e-12 && gap.hulls == [0, 0]);
-//! # Ok(())
-//! # }
-//! ```
 
 use super::CompoundAnswer;
 use super::bvh::{Child, Nodes};
@@ -146,6 +123,25 @@ fn lowest<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> CompoundAnsw
 /// # Complexity
 /// Branch and bound: one support query for each part whose box reaches deeper than the deepest part
 /// so far, usually one or two parts, at most all. No allocation.
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = two_cubes();
+/// use hullmap::compound::half_space;
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::HalfSpace;
+/// use hullmap::{Compound, Pose};
+///
+/// // Two unit cubes, at x from 0 to 1 and from 3 to 4. The wall is at x = 5.
+/// let wall = HalfSpace::new(DVec3::NEG_X, -5.0)?;
+/// let cubes = Compound::new(&pack);
+/// let found = half_space::contact(&wall, &cubes, Pose::from_translation(DVec3::X * 1.5)?);
+/// assert_eq!((found.answer.depth, found.hulls), (0.5, [0, 1]));
+/// # Ok(())
+/// # }
+/// ```
 pub fn contact<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> CompoundAnswer<Contact> {
     let CompoundAnswer { answer, hulls, pairs, boxes } = lowest(a, b, b_in_a);
     CompoundAnswer { answer: answer.contact(), hulls, pairs, boxes }
@@ -155,6 +151,24 @@ pub fn contact<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> Compoun
 ///
 /// # Complexity
 /// As [`contact`](contact()).
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = two_cubes();
+/// use hullmap::compound::half_space;
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::HalfSpace;
+/// use hullmap::{Compound, Pose};
+///
+/// // Two unit cubes, at x from 0 to 1 and from 3 to 4. The wall is at x = -2.
+/// let wall = HalfSpace::new(DVec3::X, -2.0)?;
+/// let gap = half_space::distance(&wall, &Compound::new(&pack), Pose::IDENTITY);
+/// assert_eq!((gap.answer.distance, gap.hulls), (2.0, [0, 0]));
+/// # Ok(())
+/// # }
+/// ```
 pub fn distance<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> CompoundAnswer<Distance> {
     let CompoundAnswer { answer, hulls, pairs, boxes } = lowest(a, b, b_in_a);
     CompoundAnswer { answer: answer.distance(), hulls, pairs, boxes }
@@ -164,6 +178,23 @@ pub fn distance<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> Compou
 ///
 /// # Complexity
 /// As [`contact`](contact()).
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = two_cubes();
+/// use hullmap::compound::half_space;
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::HalfSpace;
+/// use hullmap::{Compound, Pose};
+///
+/// let floor = HalfSpace::new(DVec3::Z, 0.0)?;
+/// let above = Pose::from_translation(DVec3::Z)?;
+/// assert!(!half_space::intersects(&floor, &Compound::new(&pack), above).answer.is_hit());
+/// # Ok(())
+/// # }
+/// ```
 pub fn intersects<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> CompoundAnswer<Intersection> {
     let CompoundAnswer { answer, hulls, pairs, boxes } = lowest(a, b, b_in_a);
     CompoundAnswer { answer: answer.intersection(), hulls, pairs, boxes }
