@@ -19,8 +19,8 @@ impl Manifold {
     /// Updates the points for the half-space `a` and for `b` placed at `b_in_a`, and returns their
     /// contact.
     ///
-    /// As [`update`](Self::update), without a cache: the contact needs none. A prediction relative to
-    /// the smaller shape is relative to `b`.
+    /// As [`update`](Self::update), without a cache: the contact needs none. A prediction relative
+    /// to the smaller shape is relative to `b`.
     ///
     /// # Complexity
     /// One support query and one feature of `b`. No allocation.
