@@ -690,3 +690,32 @@ fn features_of_triangles() {
     assert_eq!(feature([DVec3::ZERO, DVec3::X, DVec3::ZERO], DVec3::Y), [0, 1]);
     assert_eq!(feature([DVec3::ONE; 3], DVec3::Y), [0]);
 }
+
+/// What a shape answers to every method.
+fn answers<S: Shape>(shape: S, dir: DVec3) -> String {
+    let mut features = [hullmap::Feature::new(), hullmap::Feature::new()];
+    let [near, within] = &mut features;
+    shape.feature(dir, near);
+    shape.feature_within(dir, 0.1, within);
+    let radii = [shape.inner_radius(), shape.outer_radius(), shape.convex_radius(), shape.support_error()];
+    let points = [shape.interior_point(), shape.support_point(dir).point, shape.core_support_point(dir).point];
+    let feature = shape.support_point(dir).feature;
+    let hinted = shape.support_point_from(dir, feature);
+    let known = [shape.point(feature), shape.core_point(feature)];
+    format!("{features:?} {radii:?} {:?} {points:?} {hinted:?} {known:?}", shape.core_radii())
+}
+
+/// A forgotten method of a reference would be the trait's default.
+#[test]
+fn a_reference_to_a_shape_is_the_same_shape() {
+    let mut rng = SplitMix64::new(SEED + 6);
+    let packs = packs();
+    let (hull, pose) = (packs[4].1.hull(0).unwrap(), Pose::new(DVec3::X, rng.rotation()).unwrap());
+    let rounded = Rounded::new(Cuboid::new(DVec3::new(0.5, 0.3, 0.7)).unwrap(), 0.2).unwrap();
+    for _ in 0..200 {
+        let dir = DVec3::Z + rng.unit_vector() * 0.1;
+        assert_eq!(answers(&hull, dir), answers(hull, dir));
+        assert_eq!(answers(&rounded, dir), answers(rounded, dir));
+    }
+    assert_eq!((&hull).bounds_under(pose), hull.bounds_under(pose));
+}

@@ -76,4 +76,7 @@ impl<S: Shape + ?Sized> Shape for &S {
     fn feature(&self, dir: DVec3, out: &mut Feature) {
         (**self).feature(dir, out);
     }
+    fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
+        (**self).feature_within(dir, reach, out);
+    }
 }
