@@ -1,0 +1,176 @@
+//! `BakedCollider`: an engine's collider that follows its pack.
+//!
+//! 1. When the component is inserted, an observer builds the collider at once if the pack is there.
+//! 2. When the pack arrives or changes, or the component is changed, a system in `PreUpdate` builds
+//!    it. All engines step later in the frame.
+//!
+//! The system is not in `PostUpdate`, where asset events are written, because parts of bevy_rapier
+//! must run before them and others after.
+
+use std::marker::PhantomData;
+
+use bevy_app::{App, Plugin, PreUpdate};
+use bevy_asset::{AssetEvent, AssetId, AssetTrackingSystems, Assets, Handle};
+use bevy_ecs::component::Mutable;
+use bevy_ecs::lifecycle::Insert;
+use bevy_ecs::prelude::*;
+use bevy_math::Vec3;
+use bevy_reflect::Reflect;
+use parry3d::shape::SharedShape;
+
+use crate::{PackAsset, Selection, ShapeError};
+
+/// Hulls of a pack as the collider of this entity.
+///
+/// [`ColliderPlugin`] inserts the engine's collider when the pack is loaded, and replaces it when
+/// the pack is reloaded or this component changes. Until then the entity has no collider: a body
+/// would fall through the floor. Insert the body with the collider, for instance in an observer of
+/// `On<Insert<Collider>>`, or spawn the entity when the pack is loaded.
+///
+/// Saved scenes hold this component (the path of the pack, and the selection) instead of the
+/// engine's collider, which cannot be serialised. Loading the scene builds the collider again.
+///
+/// # Examples
+/// ```
+/// use bevy_asset::Handle;
+/// use bevy_math::Vec3;
+/// use hullmap_bevy::{BakedCollider, PackAsset, Selection};
+///
+/// # let pack: Handle<PackAsset> = Handle::default();
+/// // let pack = asset_server.load("crate.hullmap");
+/// let whole = BakedCollider::new(pack.clone());
+/// assert_eq!((&whole.hulls, whole.scale), (&Selection::All, Vec3::ONE));
+///
+/// let wheel = BakedCollider::object(pack, "wheel").with_scale(Vec3::new(-1.0, 1.0, 1.0));
+/// assert_eq!(wheel.hulls, Selection::Object("wheel".into()));
+/// ```
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component, Clone, Debug, PartialEq)]
+pub struct BakedCollider {
+    /// The pack.
+    pub pack: Handle<PackAsset>,
+    /// Hulls of the pack.
+    pub hulls: Selection,
+    /// Scale of the hulls along each axis; negative factors mirror. The engine multiplies it by the
+    /// scale of the entity's transform (Avian by its absolute value).
+    pub scale: Vec3,
+}
+
+impl BakedCollider {
+    /// All hulls of a pack.
+    pub fn new(pack: Handle<PackAsset>) -> Self {
+        Self { pack, hulls: Selection::All, scale: Vec3::ONE }
+    }
+
+    /// One object of a pack, with all its convex parts.
+    pub fn object(pack: Handle<PackAsset>, name: impl Into<String>) -> Self {
+        Self { pack, hulls: Selection::Object(name.into()), scale: Vec3::ONE }
+    }
+
+    /// One hull of a pack.
+    pub fn hull(pack: Handle<PackAsset>, index: usize) -> Self {
+        Self { pack, hulls: Selection::Hull(index), scale: Vec3::ONE }
+    }
+
+    /// The same with a scale.
+    pub fn with_scale(mut self, scale: Vec3) -> Self {
+        self.scale = scale;
+        self
+    }
+}
+
+/// Why an entity with a [`BakedCollider`] has no collider, or still has that of an earlier pack.
+/// Removed when a collider is built. The message is also logged.
+#[derive(Component, Clone, Debug, PartialEq)]
+pub struct ColliderFailure(pub ShapeError);
+
+/// An engine's collider component.
+pub trait EngineCollider: Component<Mutability = Mutable> + From<SharedShape> {
+    /// Wakes all sleeping bodies: a collider has been replaced, and what lies on it may not notice.
+    fn wake_bodies(world: &mut World);
+}
+
+/// Builds the colliders `C` of all entities with a [`BakedCollider`].
+///
+/// The features `avian` and `rapier` have names for it: `AvianColliderPlugin` and
+/// `RapierColliderPlugin`. For another engine on parry3d, implement [`EngineCollider`] for its
+/// collider.
+#[derive(Clone, Copy, Debug)]
+pub struct ColliderPlugin<C>(PhantomData<C>);
+
+impl<C> Default for ColliderPlugin<C> {
+    fn default() -> Self {
+        Self(PhantomData)
+    }
+}
+
+/// The system that builds colliders when packs arrive or change; in `PreUpdate`.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ColliderSystems;
+
+impl<C: EngineCollider> Plugin for ColliderPlugin<C> {
+    fn build(&self, app: &mut App) {
+        app.add_plugins(crate::HullmapPlugin);
+        app.add_observer(build_inserted::<C>);
+        app.add_systems(PreUpdate, build_changed::<C>.in_set(ColliderSystems).after(AssetTrackingSystems));
+    }
+}
+
+/// Builds a collider at once if its pack is loaded.
+fn build_inserted<C: EngineCollider>(
+    event: On<Insert<BakedCollider>>,
+    colliders: Query<&BakedCollider>,
+    packs: Res<Assets<PackAsset>>,
+    mut commands: Commands,
+) {
+    let Ok(baked) = colliders.get(event.entity) else { return };
+    if let Some(pack) = packs.get(&baked.pack) {
+        build::<C>(&mut commands, event.entity, baked, pack);
+    }
+}
+
+/// Builds the colliders whose pack has arrived or changed, and those that were changed.
+fn build_changed<C: EngineCollider>(
+    mut events: MessageReader<AssetEvent<PackAsset>>,
+    colliders: Query<(Entity, Ref<BakedCollider>, Has<C>)>,
+    packs: Res<Assets<PackAsset>>,
+    mut commands: Commands,
+) {
+    let changed_packs: Vec<AssetId<PackAsset>> = events
+        .read()
+        .filter_map(|event| match event {
+            AssetEvent::Added { id } | AssetEvent::Modified { id } => Some(*id),
+            _ => None,
+        })
+        .collect();
+    let mut is_replaced = false;
+    for (entity, baked, has_collider) in &colliders {
+        // The observer has seen an inserted component.
+        let is_edited = baked.is_changed() && !(baked.is_added() && has_collider);
+        if !is_edited && !changed_packs.contains(&baked.pack.id()) {
+            continue;
+        }
+        if let Some(pack) = packs.get(&baked.pack) {
+            is_replaced |= build::<C>(&mut commands, entity, &baked, pack) && has_collider;
+        }
+    }
+    if is_replaced {
+        commands.queue(C::wake_bodies);
+    }
+}
+
+/// Gives `entity` its collider, or the reason why there is none. Returns whether it has one.
+fn build<C: EngineCollider>(commands: &mut Commands, entity: Entity, baked: &BakedCollider, pack: &PackAsset) -> bool {
+    let Ok(mut entity_commands) = commands.get_entity(entity) else { return false };
+    match pack.collider::<C>(&baked.hulls, baked.scale) {
+        Ok(collider) => {
+            entity_commands.try_insert(collider).try_remove::<ColliderFailure>();
+            true
+        }
+        Err(error) => {
+            tracing::error!("no collider for entity {entity}: {error}");
+            entity_commands.try_insert(ColliderFailure(error));
+            false
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Baked hulls in Bevy: packs as assets, and colliders of Avian and bevy_rapier made from them.
+//!
+//! - [`HullmapPlugin`] loads `.hullmap` files as [`PackAsset`]s.
+//! - [`BakedCollider`] is a component that names hulls of a pack. [`ColliderPlugin`] keeps the
+//!   engine's collider in step with it: it is built when the pack is loaded, and again when the
+//!   file changes (Cargo feature `file_watcher`).
+//! - `HullGizmosPlugin` (Cargo feature `gizmos`) draws the edges of hulls.
+//!
+//! With Avian (Cargo feature `avian`):
+//!
+//! ```ignore
+//! App::new()
+//!     .add_plugins((DefaultPlugins, PhysicsPlugins::default(), AvianColliderPlugin::default()))
+//!     .add_systems(Startup, |assets: Res<AssetServer>, mut commands: Commands| {
+//!         commands
+//!             .spawn((BakedCollider::new(assets.load("crate.hullmap")), Transform::from_xyz(0.0, 2.0, 0.0)))
+//!             // The body starts to fall when it can collide.
+//!             .observe(|event: On<Insert<Collider>>, mut commands: Commands| {
+//!                 commands.entity(event.entity).insert(RigidBody::Dynamic);
+//!             });
+//!     });
+//! ```
+//!
+//! With bevy_rapier (Cargo feature `rapier`), the plugins are `RapierColliderPlugin` and, for
+//! contacts by hullmap's solver, `RapierDispatcherPlugin`. `examples/drop.rs` runs both engines.
+//!
+//! # Frames and units
+//!
+//! A collider has the frame and units of its pack: those of the source mesh, or those chosen by
+//! `bake build --scale` and `--up`. Render mesh and collider agree if both come from one file.
+#![forbid(unsafe_code)]
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
+#![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]
+
+mod asset;
+#[cfg(feature = "avian")]
+mod avian;
+mod collider;
+#[cfg(feature = "gizmos")]
+mod gizmos;
+mod loader;
+#[cfg(feature = "rapier")]
+mod rapier;
+
+pub use self::asset::{NAMES_IN_ERRORS, PackAsset, Selection, ShapeError};
+#[cfg(feature = "avian")]
+pub use self::avian::AvianColliderPlugin;
+pub use self::collider::{BakedCollider, ColliderFailure, ColliderPlugin, ColliderSystems, EngineCollider};
+#[cfg(feature = "gizmos")]
+pub use self::gizmos::{HullGizmos, HullGizmosPlugin};
+pub use self::loader::{LoadError, PackLoader};
+#[cfg(feature = "rapier")]
+pub use self::rapier::{RapierColliderPlugin, RapierDispatcherPlugin};
+
+use bevy_app::{App, Plugin};
+use bevy_asset::{AssetApp, Assets};
+
+/// Registers [`PackAsset`], its loader and [`BakedCollider`].
+///
+/// Add it after Bevy's `AssetPlugin`. [`ColliderPlugin`] adds it too; adding it twice does nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct HullmapPlugin;
+
+impl Plugin for HullmapPlugin {
+    fn build(&self, app: &mut App) {
+        if app.world().contains_resource::<Assets<PackAsset>>() {
+            return;
+        }
+        app.init_asset::<PackAsset>()
+            .register_asset_reflect::<PackAsset>()
+            .init_asset_loader::<PackLoader>()
+            .register_type::<Selection>()
+            .register_type::<BakedCollider>();
+    }
+
+    fn is_unique(&self) -> bool {
+        false
+    }
+}

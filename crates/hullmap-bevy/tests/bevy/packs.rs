@@ -1,0 +1,35 @@
+//! Packs made in process.
+
+use bevy_math::Vec3;
+use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
+
+/// A pack with a hull for each named set of points.
+pub fn pack(sets: &[(&str, Vec<[f32; 3]>)]) -> Vec<u8> {
+    let hulls = sets.iter().map(|(name, positions)| {
+        let set = PointSet {
+            name: (*name).into(),
+            source_vertices: (0..positions.len() as u32).collect(),
+            positions: positions.clone(),
+            ..Default::default()
+        };
+        bake_hull(&set, IndexKind::Tree).expect("the points have a hull")
+    });
+    let hulls: Vec<_> = hulls.collect();
+    write_pack(&hulls, &SourceRecord::default()).expect("the hulls fit into a pack")
+}
+
+/// Corners of a box around `centre`.
+pub fn corners(centre: Vec3, half: Vec3) -> Vec<[f32; 3]> {
+    let sign = |i: u8, bit: u8| if i & bit == 0 { -1.0 } else { 1.0 };
+    (0..8).map(|i| (centre + half * Vec3::new(sign(i, 1), sign(i, 2), sign(i, 4))).to_array()).collect()
+}
+
+/// A pack with one box around the origin.
+pub fn cube(half: f32) -> Vec<u8> {
+    pack(&[("cube", corners(Vec3::ZERO, Vec3::splat(half)))])
+}
+
+/// Points of a rock of 512 vertices.
+pub fn rock() -> Vec<[f32; 3]> {
+    shapes::families::rock(512, 1)
+}
