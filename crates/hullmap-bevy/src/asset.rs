@@ -14,6 +14,27 @@ use parry3d::shape::{Compound, SharedShape};
 /// A `.hullmap` pack. The [`PackLoader`](crate::PackLoader) makes it, or [`PackAsset::new`].
 ///
 /// Colliders share the pack: it lives as long as one of them, even if the asset is dropped.
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/../hullmap/doc/rock.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = pack();
+/// use bevy_math::Vec3;
+/// use hullmap_bevy::{PackAsset, Selection};
+///
+/// // A pack of two hulls: "rock", and "cube", of edge length 2.
+/// let asset = PackAsset::new(pack.into());
+/// let cube = Selection::Object("cube".into());
+/// assert_eq!(asset.select(&cube)?, 1..2);
+///
+/// // In code that uses Avian or bevy_rapier: `let collider: Collider = asset.collider(..)?`.
+/// let shape = asset.shape(&cube, Vec3::new(1.0, 1.0, 3.0))?;
+/// assert_eq!(shape.compute_local_aabb().maxs, Vec3::new(1.0, 1.0, 3.0));
+/// assert!(asset.shape(&Selection::Hull(2), Vec3::ONE).is_err());
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Asset, Reflect, Clone, Debug)]
 #[reflect(opaque, Clone, Debug)]
 pub struct PackAsset {

@@ -86,8 +86,9 @@ pub struct ColliderFailure(pub ShapeError);
 
 /// An engine's collider component.
 pub trait EngineCollider: Component<Mutability = Mutable> + From<SharedShape> {
-    /// Wakes all sleeping bodies: a collider has been replaced, and what lies on it may not notice.
-    fn wake_bodies(world: &mut World);
+    /// Wakes all sleeping bodies and drops contacts that the engine has cached. Called after
+    /// colliders were replaced, which the engine may not notice by itself.
+    fn colliders_replaced(world: &mut World);
 }
 
 /// Builds the colliders `C` of all entities with a [`BakedCollider`].
@@ -101,6 +102,25 @@ pub struct ColliderPlugin<C>(PhantomData<C>);
 impl<C> Default for ColliderPlugin<C> {
     fn default() -> Self {
         Self(PhantomData)
+    }
+}
+
+/// What the collider `C` of an entity was built from.
+#[derive(Component)]
+struct BuiltFrom<C: EngineCollider> {
+    pack: AssetId<PackAsset>,
+    hulls: Selection,
+    scale: Vec3,
+    engine: PhantomData<C>,
+}
+
+impl<C: EngineCollider> BuiltFrom<C> {
+    fn new(baked: &BakedCollider) -> Self {
+        Self { pack: baked.pack.id(), hulls: baked.hulls.clone(), scale: baked.scale, engine: PhantomData }
+    }
+
+    fn is(&self, baked: &BakedCollider) -> bool {
+        self.pack == baked.pack.id() && self.hulls == baked.hulls && self.scale == baked.scale
     }
 }
 
@@ -132,7 +152,7 @@ fn build_inserted<C: EngineCollider>(
 /// Builds the colliders whose pack has arrived or changed, and those that were changed.
 fn build_changed<C: EngineCollider>(
     mut events: MessageReader<AssetEvent<PackAsset>>,
-    colliders: Query<(Entity, Ref<BakedCollider>, Has<C>)>,
+    colliders: Query<(Entity, Ref<BakedCollider>, Option<&BuiltFrom<C>>)>,
     packs: Res<Assets<PackAsset>>,
     mut commands: Commands,
 ) {
@@ -144,18 +164,18 @@ fn build_changed<C: EngineCollider>(
         })
         .collect();
     let mut is_replaced = false;
-    for (entity, baked, has_collider) in &colliders {
-        // The observer has seen an inserted component.
-        let is_edited = baked.is_changed() && !(baked.is_added() && has_collider);
+    for (entity, baked, built_from) in &colliders {
+        // The observer has seen components that were inserted when their pack was there.
+        let is_edited = baked.is_changed() && !built_from.is_some_and(|built| built.is(&baked));
         if !is_edited && !changed_packs.contains(&baked.pack.id()) {
             continue;
         }
         if let Some(pack) = packs.get(&baked.pack) {
-            is_replaced |= build::<C>(&mut commands, entity, &baked, pack) && has_collider;
+            is_replaced |= build::<C>(&mut commands, entity, &baked, pack) && built_from.is_some();
         }
     }
     if is_replaced {
-        commands.queue(C::wake_bodies);
+        commands.queue(C::colliders_replaced);
     }
 }
 
@@ -164,7 +184,7 @@ fn build<C: EngineCollider>(commands: &mut Commands, entity: Entity, baked: &Bak
     let Ok(mut entity_commands) = commands.get_entity(entity) else { return false };
     match pack.collider::<C>(&baked.hulls, baked.scale) {
         Ok(collider) => {
-            entity_commands.try_insert(collider).try_remove::<ColliderFailure>();
+            entity_commands.try_insert((collider, BuiltFrom::<C>::new(baked))).try_remove::<ColliderFailure>();
             true
         }
         Err(error) => {

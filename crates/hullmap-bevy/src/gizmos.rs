@@ -15,11 +15,28 @@ use crate::{BakedCollider, PackAsset};
 
 /// Draws the edges of all hulls of [`BakedCollider`]s, at the entity's transform.
 ///
-/// Needs Bevy's `GizmoPlugin`, which its default plugins have. Switch the drawing off and change
-/// line width or colour in the `GizmoConfigStore`, by [`HullGizmos`].
+/// Needs Bevy's `GizmoPlugin`, which its default plugins have.
 ///
 /// # Complexity
-/// O(edges) for each frame: for a few hulls that are looked at.
+/// O(edges) for each frame.
+///
+/// # Examples
+/// ```
+/// use bevy_app::App;
+/// use bevy_color::Color;
+/// use bevy_gizmos::config::{GizmoConfig, GizmoConfigStore};
+/// use bevy_gizmos::AppGizmoBuilder;
+/// use hullmap_bevy::{HullGizmos, HullGizmosPlugin};
+///
+/// let mut app = App::new();
+/// # app.add_plugins((bevy_asset::AssetPlugin::default(), bevy_gizmos::GizmoPlugin, hullmap_bevy::HullmapPlugin));
+/// app.add_plugins(HullGizmosPlugin);
+/// app.insert_gizmo_config(HullGizmos { color: Color::WHITE }, GizmoConfig::default());
+///
+/// // Later, to switch the drawing off:
+/// let mut store = app.world_mut().resource_mut::<GizmoConfigStore>();
+/// store.config_mut::<HullGizmos>().0.enabled = false;
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct HullGizmosPlugin;
 

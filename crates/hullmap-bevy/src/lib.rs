@@ -8,17 +8,31 @@
 //!
 //! With Avian (Cargo feature `avian`):
 //!
-//! ```ignore
+//! ```
+//! # #[cfg(feature = "avian")] {
+//! # use avian3d::prelude::{Collider, PhysicsPlugins, RigidBody};
+//! # use bevy_app::{App, Plugin, Startup, TaskPoolPlugin};
+//! # use bevy_asset::{AssetPlugin, AssetServer};
+//! # use bevy_ecs::{lifecycle::Insert, prelude::*};
+//! # use bevy_transform::{TransformPlugin, components::Transform};
+//! # use hullmap_bevy::{AvianColliderPlugin, BakedCollider};
+//! # struct DefaultPlugins;
+//! # impl Plugin for DefaultPlugins {
+//! #     fn build(&self, app: &mut App) {
+//! #         app.add_plugins((TaskPoolPlugin::default(), bevy_time::TimePlugin, TransformPlugin, AssetPlugin::default()));
+//! #     }
+//! # }
 //! App::new()
 //!     .add_plugins((DefaultPlugins, PhysicsPlugins::default(), AvianColliderPlugin::default()))
 //!     .add_systems(Startup, |assets: Res<AssetServer>, mut commands: Commands| {
-//!         commands
-//!             .spawn((BakedCollider::new(assets.load("crate.hullmap")), Transform::from_xyz(0.0, 2.0, 0.0)))
-//!             // The body starts to fall when it can collide.
-//!             .observe(|event: On<Insert<Collider>>, mut commands: Commands| {
-//!                 commands.entity(event.entity).insert(RigidBody::Dynamic);
-//!             });
+//!         let barrel = BakedCollider::new(assets.load("barrel.hullmap"));
+//!         let mut body = commands.spawn((barrel, Transform::from_xyz(0.0, 2.0, 0.0)));
+//!         // The body starts to fall when it can collide.
+//!         body.observe(|event: On<Insert<Collider>>, mut commands: Commands| {
+//!             commands.entity(event.entity).insert_if_new(RigidBody::Dynamic);
+//!         });
 //!     });
+//! # }
 //! ```
 //!
 //! With bevy_rapier (Cargo feature `rapier`), the plugins are `RapierColliderPlugin` and, for

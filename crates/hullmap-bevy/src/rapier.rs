@@ -13,7 +13,7 @@ use crate::{ColliderPlugin, EngineCollider};
 pub type RapierColliderPlugin = ColliderPlugin<Collider>;
 
 impl EngineCollider for Collider {
-    fn wake_bodies(world: &mut World) {
+    fn colliders_replaced(world: &mut World) {
         let mut contexts = world.query::<&mut RapierRigidBodySet>();
         for mut context in contexts.iter_mut(world) {
             for (_, body) in context.bodies.iter_mut() {
@@ -29,6 +29,18 @@ impl EngineCollider for Collider {
 /// parry. Scene queries use it too.
 ///
 /// The plugin may be added before or after bevy_rapier's, but before the app runs.
+///
+/// # Examples
+/// ```
+/// use bevy_app::App;
+/// use bevy_rapier3d::plugin::{NoUserData, RapierPhysicsPlugin};
+/// use hullmap_bevy::{RapierColliderPlugin, RapierDispatcherPlugin};
+///
+/// # let mut app = App::new();
+/// # app.add_plugins(bevy_asset::AssetPlugin::default());
+/// app.add_plugins((RapierPhysicsPlugin::<NoUserData>::default(), RapierColliderPlugin::default()));
+/// app.add_plugins(RapierDispatcherPlugin);
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RapierDispatcherPlugin;
 
@@ -39,10 +51,7 @@ impl Plugin for RapierDispatcherPlugin {
 }
 
 /// A context that was just inserted has no colliders, so none of its contacts are lost.
-fn install_dispatcher(
-    event: On<Insert<RapierContextSimulation>>,
-    mut contexts: Query<&mut RapierContextSimulation>,
-) {
+fn install_dispatcher(event: On<Insert<RapierContextSimulation>>, mut contexts: Query<&mut RapierContextSimulation>) {
     if let Ok(mut context) = contexts.get_mut(event.entity) {
         context.set_query_dispatcher(HullDispatcher);
     }

@@ -16,9 +16,9 @@ use crate::stage::{Folder, load, loaded, start, update_until};
 #[derive(Component, Clone)]
 pub struct Stored(pub SharedShape);
 
-/// Number of times that an engine woke its bodies.
+/// Number of times that the engine heard of replaced colliders.
 #[derive(Resource, Default)]
-pub struct Wakes(pub usize);
+pub struct Replacements(pub usize);
 
 impl From<SharedShape> for Stored {
     fn from(shape: SharedShape) -> Self {
@@ -27,8 +27,8 @@ impl From<SharedShape> for Stored {
 }
 
 impl EngineCollider for Stored {
-    fn wake_bodies(world: &mut World) {
-        world.get_resource_or_init::<Wakes>().0 += 1;
+    fn colliders_replaced(world: &mut World) {
+        world.get_resource_or_init::<Replacements>().0 += 1;
     }
 }
 
@@ -57,7 +57,8 @@ fn a_collider_is_built_when_its_pack_arrives() {
     app.world_mut().get_mut::<BakedCollider>(second).expect("it was just spawned").scale = Vec3::ONE;
     app.update();
     assert_eq!(maxs(app.world(), second), Some(Vec3::splat(0.5)));
-    assert_eq!(app.world().resource::<Wakes>().0, 1, "a replaced collider wakes bodies, a new one does not");
+    app.update();
+    assert_eq!(app.world().resource::<Replacements>().0, 1, "a new collider replaces nothing");
 }
 
 #[test]

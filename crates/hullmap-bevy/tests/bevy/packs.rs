@@ -29,6 +29,11 @@ pub fn cube(half: f32) -> Vec<u8> {
     pack(&[("cube", corners(Vec3::ZERO, Vec3::splat(half)))])
 }
 
+/// Corners of a prism of 256 sides, with its caps at z = ±1.
+pub fn prism() -> Vec<[f32; 3]> {
+    shapes::families::prism(512, 1)
+}
+
 /// Points of a rock of 512 vertices.
 pub fn rock() -> Vec<[f32; 3]> {
     shapes::families::rock(512, 1)

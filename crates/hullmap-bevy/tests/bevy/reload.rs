@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
 use hullmap_bevy::{BakedCollider, ColliderPlugin};
 
-use crate::colliders::{Stored, Wakes, maxs};
+use crate::colliders::{Replacements, Stored, maxs};
 use crate::packs::cube;
 use crate::stage::{Folder, load, start, update_until};
 
@@ -24,7 +24,7 @@ fn a_collider_follows_its_file() {
     update_until(&mut app, |app| has_half(app.world(), 1.0));
     folder.replace(&cube(2.0));
     update_until(&mut app, |app| has_half(app.world(), 2.0));
-    assert!(app.world().resource::<Wakes>().0 >= 2);
+    assert!(app.world().resource::<Replacements>().0 >= 2);
 
     // A damaged file changes nothing, and a good one afterwards is loaded.
     let mut damaged = cube(3.0);

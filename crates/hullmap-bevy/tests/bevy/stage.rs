@@ -96,12 +96,17 @@ pub fn transform(app: &App, entity: Entity) -> Transform {
     *app.world().get::<Transform>(entity).expect("the entity has a transform")
 }
 
-/// A tilt of 10° about no particular axis.
-pub fn tilt() -> Quat {
-    Quat::from_axis_angle(Vec3::new(1.0, 0.3, 0.5).normalize(), 10f32.to_radians())
+/// A place in the air at which a body's z axis points up, apart from a tilt of 10°.
+pub fn tilted(x: f32) -> Transform {
+    let tilt = Quat::from_axis_angle(Vec3::new(1.0, 0.3, 0.5).normalize(), 10f32.to_radians());
+    Transform::from_xyz(x, 2.0, 0.0).with_rotation(tilt * Quat::from_rotation_x(-90f32.to_radians()))
 }
 
-/// Height of the lowest of some points under a transform.
-pub fn lowest(points: &[[f32; 3]], transform: Transform) -> f32 {
-    points.iter().map(|p| transform.transform_point(Vec3::from_array(*p)).y).fold(f32::INFINITY, f32::min)
+/// Asserts that a body has come to rest on a floor at height 0, on the face opposite to its z axis.
+pub fn assert_at_rest(what: &str, points: &[[f32; 3]], place: Transform, speed: f32) {
+    let up = place.rotation * Vec3::Z;
+    assert!(up.angle_between(Vec3::Y) < 0.01, "{what}: z points to {up}");
+    let lowest = points.iter().map(|p| place.transform_point(Vec3::from_array(*p)).y).fold(f32::INFINITY, f32::min);
+    assert!(lowest.abs() < 0.01, "{what}: the lowest point is {lowest} above the floor");
+    assert!(speed < 0.01, "{what}: it moves at {speed}");
 }
