@@ -52,7 +52,8 @@ pub struct BakedCollider {
     /// Hulls of the pack.
     pub hulls: Selection,
     /// Scale of the hulls along each axis; negative factors mirror. The engine multiplies it by the
-    /// scale of the entity's transform (Avian by its absolute value).
+    /// scale of the entity's transform (Avian by its absolute value; bevy_rapier rounds it to
+    /// 0.0001).
     pub scale: Vec3,
 }
 
