@@ -4,8 +4,8 @@
 use std::hint::black_box;
 
 use hullmap::{
-    Cache, Compound, CompoundCache, Feature, Manifold, ManifoldSettings, Pack, Pose, Scratch, Settings, Shape, cascade,
-    compound, contact, contact_lockstep, distance,
+    Cache, Compound, CompoundCache, CompoundManifolds, Feature, Manifold, ManifoldSettings, Pack, Pose, Scratch,
+    Settings, Shape, cascade, compound, contact, contact_lockstep, distance,
     glam::{DQuat, DVec3, Vec3},
     intersects,
     shapes::{Capsule, Rounded, Sphere},
@@ -75,6 +75,7 @@ fn on_stack(size: usize, settings: Settings, with_scratch: bool) -> u32 {
             black_box((a.support(Vec3::X), a.support_from(Vec3::Y, 0), a.face_towards(DVec3::Z)));
         }
         let whole = Compound::new(&pack);
+        let mut manifolds = CompoundManifolds::new(9);
         for pose in poses() {
             let mut cache = CompoundCache::new(4);
             if let Some(scratch) = scratch.take() {
@@ -83,6 +84,17 @@ fn on_stack(size: usize, settings: Settings, with_scratch: bool) -> u32 {
             black_box(compound::intersects(&whole, &whole, pose, &mut cache));
             black_box(compound::distance(&whole, &whole, pose, &settings, &mut cache));
             black_box(compound::contact(&whole, &whole, pose, &settings, &mut cache));
+            if let Some(scratch) = cache.take_scratch() {
+                manifolds.set_scratch(scratch);
+            }
+            let manifold_settings = ManifoldSettings { contact: settings, ..Default::default() };
+            // The second update has slots for the pairs.
+            for _ in 0..2 {
+                black_box(manifolds.update(&whole, &whole, pose, &manifold_settings));
+            }
+            if let Some(scratch) = manifolds.take_scratch() {
+                cache.set_scratch(scratch);
+            }
             scratch = cache.take_scratch();
             assert_eq!(scratch.is_some(), with_scratch, "the scratch memory is lost");
             let stages = cascade::Stages::default();

@@ -14,7 +14,7 @@ use super::traversal::Traversal;
 use crate::manifold::{Manifold, ManifoldSettings};
 use crate::pose::Pose;
 use crate::shapes::HalfSpace;
-use crate::solver::{Cache, Contact};
+use crate::solver::{Cache, Contact, Scratch};
 use crate::support::SupportMap;
 
 /// Contact manifolds of two compounds, or of a compound and a shape: caller-owned memory of one
@@ -63,6 +63,8 @@ pub struct CompoundManifolds {
     used: usize,
     /// Solver caches of pairs without a slot.
     others: CompoundCache,
+    /// Lent by the caller, and passed to the cache in use.
+    scratch: Option<Box<Scratch>>,
 }
 
 /// A pair of parts that touch.
@@ -104,6 +106,7 @@ impl CompoundManifolds {
             order: (0..pairs).collect(),
             used: 0,
             others: CompoundCache::new(2 * pairs),
+            scratch: None,
         }
     }
 
@@ -200,9 +203,17 @@ impl CompoundManifolds {
         &mut self,
         frame: &mut Frame,
         pair: [usize; 2],
-        update: impl FnOnce(&mut Manifold, &mut Cache) -> Contact,
+        mut update: impl FnMut(&mut Manifold, &mut Cache) -> Contact,
     ) {
-        let Self { slots, order, used, others } = self;
+        let Self { slots, order, used, others, scratch } = self;
+        let mut update = |manifold: &mut Manifold, cache: &mut Cache| {
+            if let Some(scratch) = scratch.take() {
+                cache.set_scratch(scratch);
+            }
+            let contact = update(manifold, cache);
+            *scratch = cache.take_scratch();
+            contact
+        };
         let known = order[..frame.old].binary_search_by_key(&pair, |slot| slots[*slot].pair);
         let contact = match known.map(|at| order[at]) {
             Ok(slot) => {
@@ -277,6 +288,16 @@ impl CompoundManifolds {
     pub fn get(&self, pair: [usize; 2]) -> Option<&Manifold> {
         let at = self.order[..self.used].binary_search_by_key(&pair, |slot| self.slots[*slot].pair).ok()?;
         Some(&self.slots[self.order[at]].manifold)
+    }
+
+    /// Lends scratch memory to the queries of the updates, as [`Cache::set_scratch`] does.
+    pub fn set_scratch(&mut self, scratch: Box<Scratch>) {
+        self.scratch = Some(scratch);
+    }
+
+    /// Returns the scratch memory that was lent, if any.
+    pub fn take_scratch(&mut self) -> Option<Box<Scratch>> {
+        self.scratch.take()
     }
 
     /// Removes all manifolds and clears the caches.
