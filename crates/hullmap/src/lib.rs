@@ -2,7 +2,7 @@
 //! `.hullmap` packs.
 //!
 //! The command `bake` turns meshes into packs offline. This crate opens packs and answers queries:
-//! support points, overlap, distance, contact and contact manifolds. Answers are certified
+//! support points, overlap, distance, contact, rays, shape casts and contact manifolds. Answers are certified
 //! intervals in double precision. After a pack is open, no query allocates, locks, or performs I/O.
 //!
 //! # Open a pack and query a support point
@@ -66,6 +66,38 @@
 //! ```
 //!
 //! Numerical trouble is never silent: each answer has a [`Status`] or an [`Overlap`].
+//!
+//! # Rays, shape casts and points
+//!
+//! [`ray`] returns where a ray enters a shape, [`cast`] when a moving shape first meets another (the
+//! time of impact), and [`signed_distance`] how far a point is from the surface.
+//!
+//! ```
+//! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let pack = pack();
+//! use hullmap::glam::DVec3;
+//! use hullmap::shapes::Sphere;
+//! use hullmap::{Cache, CastSettings, Motion, Pose, Ray, Settings};
+//!
+//! let cube = pack.hull_named("cube").ok_or("no cube")?; // extends by 1 from its centre
+//! let down = Ray::new(DVec3::new(0.3, 0.2, 5.0), DVec3::NEG_Z)?;
+//! let hit = hullmap::ray(&cube, &down, &CastSettings::default());
+//! assert!(hit.hit && (hit.t - 4.0).abs() < 1e-9);
+//! assert!(hit.t_lower <= hit.t && hit.t <= hit.t_upper);
+//!
+//! let (ball, start) = (Sphere::new(0.5)?, Pose::from_translation(DVec3::new(0.0, 0.0, 5.0))?);
+//! let fall = Motion::new(DVec3::new(0.0, 0.0, -10.0))?;
+//! let mut cache = Cache::new();
+//! let impact = hullmap::cast(&cube, &ball, start, fall, &CastSettings::default(), &mut cache);
+//! assert!((impact.t - 0.35).abs() < 1e-6);
+//!
+//! let point = DVec3::new(0.0, 0.75, 0.0);
+//! let inside = hullmap::signed_distance(&cube, point, &Settings::default(), &mut cache)?;
+//! assert!((inside.distance + 0.25).abs() < 1e-9);
+//! # Ok(())
+//! # }
+//! ```
 //!
 //! # A falling body that comes to rest
 //!

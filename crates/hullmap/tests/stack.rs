@@ -4,11 +4,12 @@
 use std::hint::black_box;
 
 use hullmap::{
-    Cache, Compound, CompoundCache, CompoundManifolds, Feature, Manifold, ManifoldSettings, Pack, Pose, Scratch,
-    Settings, Shape, cascade, compound, contact, contact_lockstep, distance,
+    Cache, CastSettings, Compound, CompoundCache, CompoundManifolds, Feature, Manifold, ManifoldSettings, Motion, Pack,
+    Pose, Ray, Scratch, Settings, Shape, cascade, cast, compound, contact, contact_lockstep, distance,
     glam::{DQuat, DVec3, Vec3},
-    intersects,
+    intersects, ray,
     shapes::{Capsule, Rounded, Sphere},
+    signed_distance,
 };
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::packs::{self, point_set};
@@ -47,6 +48,12 @@ fn run_all<A: Shape, B: Shape>(a: &A, b: &B, settings: &Settings, scratch: &mut 
         let manifold_settings = ManifoldSettings { contact: *settings, ..Default::default() };
         black_box(Manifold::new().update(a, b, pose, &manifold_settings, &mut cache));
         black_box(contact_lockstep(a, b, pose, 24, &mut cache));
+        let cast_settings = CastSettings { tolerance: 0.0, ..CastSettings::default() };
+        for along in [DVec3::ZERO, DVec3::NEG_X, DVec3::new(0.3, -0.2, -1.0)] {
+            black_box(cast(a, b, pose, Motion::new(along).unwrap(), &cast_settings, &mut cache));
+            black_box(ray(a, &Ray::new(pose.translation(), along).unwrap(), &cast_settings));
+        }
+        black_box(signed_distance(a, pose.translation(), settings, &mut cache).unwrap());
         let mut feature = Feature::new();
         a.feature(DVec3::X, &mut feature);
         black_box(feature.corners().len());

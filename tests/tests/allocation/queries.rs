@@ -7,8 +7,9 @@ use hullmap::batch::{self, Pair};
 use hullmap::cascade::{self, OuterHulls, Stages};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Scaled, Segment, Sphere, Triangle};
 use hullmap::{
-    Cache, Compound, CompoundCache, CompoundManifolds, Feature, Hull, Manifold, ManifoldSettings, Minkowski, Pack,
-    Pose, Settings, Shape, compound, contact, contact_lockstep, distance, intersects,
+    Cache, CastSettings, Compound, CompoundCache, CompoundManifolds, Feature, Hull, Manifold, ManifoldSettings,
+    Minkowski, Motion, Pack, Pose, Ray, Settings, Shape, cast, compound, contact, contact_lockstep, distance,
+    intersects, ray, signed_distance,
 };
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::packs::{self, pack};
@@ -183,6 +184,17 @@ fn queries_allocate_nothing() {
             let (a, b) = pair_at(i);
             black_box(distance(a, b, poses[i], &settings, cache));
             black_box(distance(hull_at(i), hull_at(i / 2), poses[i], &exact, cache));
+        });
+        each("rays, casts and points", &mut |i, cache| {
+            let (a, b) = pair_at(i);
+            let along = dirs[i].as_dvec3();
+            let motion = Motion::new(along).unwrap();
+            for settings in [CastSettings::default(), CastSettings { tolerance: 0.0, ..CastSettings::default() }] {
+                black_box(cast(a, b, poses[i], motion, &settings, cache));
+                black_box(cast(hull_at(i), hull_at(i / 2), poses[i], motion, &settings, cache));
+                black_box(ray(a, &Ray::new(poses[i].translation(), along).unwrap(), &settings));
+            }
+            black_box(signed_distance(a, poses[i].translation(), &exact, cache).unwrap());
         });
         each("contact_lockstep", &mut |i, cache| {
             black_box(contact_lockstep(hull_at(i), hull_at(i / 2), poses[i], 12, cache));
