@@ -1,8 +1,8 @@
-//! Rays, shape casts and points against one hull, and the same for parry3d's convex polyhedron (f32).
-//! `cargo bench -p hullmap-bench --bench queries`.
+//! Rays, shape casts and points against one hull, and the same for parry3d's convex polyhedron
+//! (f32). `cargo bench -p hullmap-bench --bench queries`.
 //!
-//! A run of the closure is a batch of [`BATCH`] queries. The paths of rays and casts lead through the
-//! ball of 0.6 times the hull's radius, so that nearly all of them hit. Caches are empty.
+//! A run of the closure is a batch of [`BATCH`] queries. The paths of rays and casts lead through
+//! the ball of 0.6 times the hull's radius, so that nearly all of them hit. Caches are empty.
 
 use std::{cell::RefCell, fmt, rc::Rc};
 

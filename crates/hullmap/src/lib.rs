@@ -2,8 +2,9 @@
 //! `.hullmap` packs.
 //!
 //! The command `bake` turns meshes into packs offline. This crate opens packs and answers queries:
-//! support points, overlap, distance, contact, rays, shape casts and contact manifolds. Answers are certified
-//! intervals in double precision. After a pack is open, no query allocates, locks, or performs I/O.
+//! support points, overlap, distance, contact, rays, shape casts and contact manifolds. Answers are
+//! certified intervals in double precision. After a pack is open, no query allocates, locks, or
+//! performs I/O.
 //!
 //! # Open a pack and query a support point
 //!
