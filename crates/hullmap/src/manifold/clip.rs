@@ -279,6 +279,10 @@ fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut
         }
         // Positive inside: the reference is counter-clockwise.
         let inside = |c: &Clipped| along.perp_dot(c.at - start.at) / length;
+        // Most sides of a large face cut nothing off.
+        if from[..count].iter().all(|c| inside(c) >= -slack) {
+            continue;
+        }
         let side_part = pair(start.vertex, end.vertex);
         let mut kept = 0;
         for i in 0..count {

@@ -7,8 +7,7 @@
 //! 3. Select and match points as for two shapes.
 
 use super::clip::{FACE, Frame, Patch, PatchPoint};
-use super::select::choose;
-use super::{Manifold, ManifoldSettings, SAME_DEPTH, WITNESS_ADVANTAGE, part};
+use super::{Manifold, ManifoldSettings, WITNESS_ADVANTAGE, part};
 use crate::pose::Pose;
 use crate::shapes::{Feature, HalfSpace, Shape};
 use crate::solver::Contact;
@@ -82,8 +81,7 @@ impl Manifold {
             let parts = [FACE, part(&feature)];
             patch.push(PatchPoint { heights: [0.5 * signed, -0.5 * signed], parts, ..PatchPoint::default() });
         }
-        let choice =
-            self.keep(&patch, &frame, b_in_a, reach).unwrap_or_else(|| choose(patch.points(), SAME_DEPTH * reach));
+        let choice = self.select(&patch, &frame, b_in_a, reach);
         self.replace(&patch, choice, &frame, b_in_a, depth, reach);
         contact
     }

@@ -352,15 +352,20 @@ impl Manifold {
             let heights = [depth * 0.5, -depth * 0.5];
             patch.push(PatchPoint { heights, parts: features.each_ref().map(part), ..PatchPoint::default() });
         }
-        let choice =
-            self.keep(&patch, &frame, b_in_a, reach).unwrap_or_else(|| choose(patch.points(), SAME_DEPTH * reach));
+        let choice = self.select(&patch, &frame, b_in_a, reach);
         self.replace(&patch, choice, &frame, b_in_a, depth, reach);
         contact
     }
 
+    /// The best four points in `patch`, or last frame's if they span nearly as much area.
+    fn select(&self, patch: &Patch, frame: &Frame, b_in_a: Pose, reach: f64) -> Choice {
+        let best = choose(patch.points(), SAME_DEPTH * reach);
+        self.keep(patch, &best, frame, b_in_a, reach).unwrap_or(best)
+    }
+
     /// Last frame's four points in `patch`, or three of them and the deepest, if they span nearly
-    /// as much area as the best four.
-    fn keep(&self, patch: &Patch, frame: &Frame, b_in_a: Pose, reach: f64) -> Option<Choice> {
+    /// as much area as the `best` four.
+    fn keep(&self, patch: &Patch, best: &Choice, frame: &Frame, b_in_a: Pose, reach: f64) -> Option<Choice> {
         let points = patch.points();
         if self.count < MAX_POINTS || points.len() < MAX_POINTS {
             return None;
@@ -381,7 +386,6 @@ impl Manifold {
             kept.push(points.iter().position(|p| p.parts == old.id.parts).or_else(by_place)?);
         }
         let slight = SAME_DEPTH * reach;
-        let best = choose(points, slight);
         let (&[a, b, c, d], &[e, f, g, h]) = (kept.indices(), best.indices()) else { return None };
         let spanned = |indices: [usize; 4]| area(indices.map(|i| points[i].at));
         let mut old = [a, b, c, d];

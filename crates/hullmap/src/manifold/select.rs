@@ -14,7 +14,7 @@
 
 #![forbid(unsafe_code)]
 
-use super::clip::PatchPoint;
+use super::clip::{MAX_POINTS, PatchPoint};
 use glam::DVec2;
 
 /// Indices of up to four points.
@@ -56,9 +56,27 @@ pub(super) fn choose(points: &[PatchPoint], slight: f64) -> Choice {
         return choice;
     }
     let first = deepest(points, slight);
+    // Close together in memory: this loop is the most expensive one of a manifold of two large
+    // faces.
+    let mut offsets = [DVec2::ZERO; MAX_POINTS + 1];
+    for (offset, p) in offsets.iter_mut().zip(points) {
+        *offset = p.at - points[first].at;
+    }
+    let offsets = &offsets[..points.len().min(MAX_POINTS + 1)];
     let mut greatest = (-1.0, [first; 3]);
-    for across in 0..points.len() {
-        let (left, right) = (farthest(points, first, across, 1.0), farthest(points, first, across, -1.0));
+    for (across, along) in offsets.iter().enumerate() {
+        // Twice the area of the largest triangle on either side of the diagonal, and its third
+        // corner; 0 if no point is on that side.
+        let (mut left, mut right) = ((0.0, first), (0.0, first));
+        for (i, offset) in offsets.iter().enumerate() {
+            let area = along.perp_dot(*offset);
+            if area > left.0 {
+                left = (area, i);
+            }
+            if -area > right.0 {
+                right = (-area, i);
+            }
+        }
         let area = left.0 + right.0;
         if area > greatest.0 {
             greatest = (area, [left.1, across, right.1]);
@@ -67,20 +85,6 @@ pub(super) fn choose(points: &[PatchPoint], slight: f64) -> Choice {
     choice.push(first);
     greatest.1.into_iter().for_each(|i| choice.push(i));
     choice
-}
-
-/// Twice the area of the largest triangle on one side of a diagonal, and its third corner; 0 if no
-/// point is on that side.
-fn farthest(points: &[PatchPoint], from: usize, to: usize, side: f64) -> (f64, usize) {
-    let (origin, along) = (points[from].at, points[to].at - points[from].at);
-    let mut best = (0.0, from);
-    for (i, p) in points.iter().enumerate() {
-        let area = side * along.perp_dot(p.at - origin);
-        if area > best.0 {
-            best = (area, i);
-        }
-    }
-    best
 }
 
 /// Area of the quadrilateral of four points in any order: the largest of the three possible orders.
