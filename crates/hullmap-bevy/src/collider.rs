@@ -27,6 +27,8 @@ use crate::{PackAsset, Selection, ShapeError};
 /// would fall through the floor. Insert the body with the collider, for instance in an observer of
 /// `On<Insert<Collider>>`, or spawn the entity when the pack is loaded.
 ///
+/// If this component is removed, the collider stays.
+///
 /// Saved scenes hold this component (the path of the pack, and the selection) instead of the
 /// engine's collider, which cannot be serialised. Loading the scene builds the collider again.
 ///

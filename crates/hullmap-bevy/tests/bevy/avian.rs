@@ -10,7 +10,7 @@ use bevy_transform::components::Transform;
 use hullmap_bevy::{AvianColliderPlugin, BakedCollider};
 
 use crate::packs::{corners, cube, pack, prism};
-use crate::stage::{Folder, assert_at_rest, load, simulate, start, tilted, transform, update_until};
+use crate::stage::{Folder, assert_at_rest, load, loaded, simulate, start, tilted, transform, update_until};
 
 /// An app with a floor whose top is at height 0.
 fn app_with_floor(folder: &Folder) -> App {
@@ -69,6 +69,25 @@ fn a_sleeping_body_notices_that_its_pack_has_changed() {
     update_until(&mut app, |app| transform(app, body).translation.y < 0.4);
     simulate(&mut app, 2.0);
     assert!((transform(&app, body).translation.y - 0.25).abs() < 0.01);
+}
+
+#[test]
+fn a_sleeping_body_notices_that_its_floor_has_changed() {
+    let folder = Folder::new(&cube(10.0));
+    let mut app = folder.app();
+    app.add_plugins((PhysicsPlugins::default(), AvianColliderPlugin::default()));
+    start(&mut app);
+    let floor = (RigidBody::Static, BakedCollider::new(loaded(&mut app)), Transform::from_xyz(0.0, -10.0, 0.0));
+    app.world_mut().spawn(floor);
+    let body = (RigidBody::Dynamic, Collider::cuboid(1.0, 1.0, 1.0), Transform::from_xyz(0.0, 0.6, 0.0));
+    let body = app.world_mut().spawn(body).id();
+    update_until(&mut app, |app| app.world().get::<Sleeping>(body).is_some());
+    assert!((transform(&app, body).translation.y - 0.5).abs() < 0.01);
+
+    folder.replace(&cube(9.0));
+    update_until(&mut app, |app| transform(app, body).translation.y < 0.4);
+    simulate(&mut app, 2.0);
+    assert!((transform(&app, body).translation.y + 0.5).abs() < 0.01);
 }
 
 /// The scale of a transform multiplies that of the component, for one hull and for a compound.

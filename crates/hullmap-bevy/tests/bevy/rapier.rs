@@ -23,8 +23,7 @@ enum Contacts {
     Hullmap,
 }
 
-/// An app with a floor whose top is at height 0.
-fn app_with_floor(folder: &Folder, contacts: Contacts) -> App {
+fn app(folder: &Folder, contacts: Contacts) -> App {
     let mut app = folder.app();
     app.add_plugins((RapierPhysicsPlugin::<NoUserData>::default(), RapierColliderPlugin::default()));
     if contacts == Contacts::Hullmap {
@@ -32,6 +31,12 @@ fn app_with_floor(folder: &Folder, contacts: Contacts) -> App {
     }
     app.insert_resource(TimestepMode::Fixed { dt: FRAME.as_secs_f32(), substeps: 1 });
     start(&mut app);
+    app
+}
+
+/// An app with a floor whose top is at height 0.
+fn app_with_floor(folder: &Folder, contacts: Contacts) -> App {
+    let mut app = app(folder, contacts);
     app.world_mut().spawn((RigidBody::Fixed, Collider::cuboid(20.0, 0.5, 20.0), Transform::from_xyz(0.0, -0.5, 0.0)));
     app
 }
@@ -94,6 +99,23 @@ fn a_sleeping_body_notices_that_its_pack_has_changed() {
     update_until(&mut app, |app| transform(app, body).translation.y < 0.4);
     simulate(&mut app, 2.0);
     assert!((transform(&app, body).translation.y - 0.25).abs() < 0.01);
+}
+
+#[test]
+fn a_sleeping_body_notices_that_its_floor_has_changed() {
+    let folder = Folder::new(&cube(10.0));
+    let mut app = app(&folder, Contacts::Hullmap);
+    let floor = (RigidBody::Fixed, BakedCollider::new(loaded(&mut app)), Transform::from_xyz(0.0, -10.0, 0.0));
+    app.world_mut().spawn(floor);
+    let body = (RigidBody::Dynamic, Collider::cuboid(0.5, 0.5, 0.5), Transform::from_xyz(0.0, 0.6, 0.0));
+    let body = app.world_mut().spawn(body).id();
+    update_until(&mut app, |app| motion(app, body).is_some_and(|(is_sleeping, _)| is_sleeping));
+    assert!((transform(&app, body).translation.y - 0.5).abs() < 0.01);
+
+    folder.replace(&cube(9.0));
+    update_until(&mut app, |app| transform(app, body).translation.y < 0.4);
+    simulate(&mut app, 2.0);
+    assert!((transform(&app, body).translation.y + 0.5).abs() < 0.01);
 }
 
 /// The scale of a transform multiplies that of the component, for one hull and for a compound.

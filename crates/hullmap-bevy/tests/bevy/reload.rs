@@ -3,10 +3,10 @@
 use bevy_asset::AssetServer;
 use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
-use hullmap_bevy::{BakedCollider, ColliderPlugin};
+use hullmap_bevy::{BakedCollider, ColliderFailure, ColliderPlugin};
 
 use crate::colliders::{Replacements, Stored, maxs};
-use crate::packs::cube;
+use crate::packs::{corners, cube, pack};
 use crate::stage::{Folder, load, start, update_until};
 
 #[test]
@@ -16,7 +16,7 @@ fn a_collider_follows_its_file() {
     app.add_plugins(ColliderPlugin::<Stored>::default());
     start(&mut app);
     let handle = load(&app);
-    let entity = app.world_mut().spawn(BakedCollider::new(handle.clone())).id();
+    let entity = app.world_mut().spawn(BakedCollider::object(handle.clone(), "cube")).id();
     let has_half = |world: &World, half: f32| maxs(world, entity) == Some(Vec3::splat(half));
     update_until(&mut app, |app| has_half(app.world(), 0.5));
 
@@ -34,4 +34,12 @@ fn a_collider_follows_its_file() {
     assert!(has_half(app.world(), 2.0));
     folder.replace(&cube(4.0));
     update_until(&mut app, |app| has_half(app.world(), 4.0));
+
+    // A pack without the object leaves the collider, and says so.
+    folder.write(&pack(&[("ball", corners(Vec3::ZERO, Vec3::ONE))]));
+    update_until(&mut app, |app| app.world().get::<ColliderFailure>(entity).is_some());
+    assert!(has_half(app.world(), 4.0));
+    folder.write(&cube(1.0));
+    update_until(&mut app, |app| has_half(app.world(), 1.0));
+    assert!(app.world().get::<ColliderFailure>(entity).is_none());
 }
