@@ -89,9 +89,11 @@ pub struct ColliderFailure(pub ShapeError);
 
 /// An engine's collider component.
 pub trait EngineCollider: Component<Mutability = Mutable> + From<SharedShape> {
-    /// Wakes all sleeping bodies and drops contacts that the engine has cached. Called after
-    /// colliders were replaced, which the engine may not notice by itself.
-    fn colliders_replaced(world: &mut World);
+    /// Called after colliders were replaced, for an engine that does not notice it by itself: wakes
+    /// sleeping bodies, and drops cached contacts. Does nothing by default.
+    fn colliders_replaced(world: &mut World) {
+        let _ = world;
+    }
 }
 
 /// Builds the colliders `C` of all entities with a [`BakedCollider`].

@@ -4,7 +4,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::lifecycle::Insert;
 use bevy_ecs::prelude::*;
 use bevy_rapier3d::geometry::Collider;
-use bevy_rapier3d::plugin::context::{RapierContextSimulation, RapierRigidBodySet};
+use bevy_rapier3d::plugin::context::RapierContextSimulation;
 use hullmap_parry::HullDispatcher;
 
 use crate::{ColliderPlugin, EngineCollider};
@@ -12,18 +12,8 @@ use crate::{ColliderPlugin, EngineCollider};
 /// Builds bevy_rapier's colliders for entities with a [`BakedCollider`](crate::BakedCollider).
 pub type RapierColliderPlugin = ColliderPlugin<Collider>;
 
-impl EngineCollider for Collider {
-    fn colliders_replaced(world: &mut World) {
-        let mut contexts = world.query::<&mut RapierRigidBodySet>();
-        for mut context in contexts.iter_mut(world) {
-            for (_, body) in context.bodies.iter_mut() {
-                if body.is_sleeping() {
-                    body.wake_up(true);
-                }
-            }
-        }
-    }
-}
+/// Rapier wakes the bodies at a collider that is replaced.
+impl EngineCollider for Collider {}
 
 /// Makes hullmap solve the contacts of baked hulls, in every context of bevy_rapier, instead of
 /// parry. Scene queries use it too.
