@@ -5,7 +5,7 @@ use hullmap::glam::DMat3;
 use super::BakedHull;
 use super::convert::{narrow, real};
 use super::parry::mass_properties::MassProperties;
-use super::parry::math::Matrix;
+use super::parry::math::{Matrix, Vector};
 
 impl BakedHull {
     /// Mass properties at uniform `density`, O(1). Zero below rank 3.
@@ -18,7 +18,16 @@ impl BakedHull {
         let (xx, yy, zz) = (xx * scale.x * scale.x, yy * scale.y * scale.y, zz * scale.z * scale.z);
         let (yz, zx, xy) = (yz * scale.y * scale.z, zx * scale.z * scale.x, xy * scale.x * scale.y);
         let inertia = DMat3::from_cols_array(&[yy + zz, -xy, -zx, -xy, zz + xx, -yz, -zx, -yz, xx + yy]) * mass;
-        let columns = Matrix::from_cols_array(&inertia.to_cols_array().map(real));
-        MassProperties::with_inertia_matrix(narrow(hull.centroid() * scale), real(mass), columns)
+        let center = narrow(hull.centroid() * scale);
+        // parry's decomposition has an absolute tolerance, so it gets a tensor of size 1.
+        let size = inertia.to_cols_array().into_iter().fold(0.0, |size: f64, entry| size.max(entry.abs()));
+        // NaN takes the failing branch.
+        if !(size > 0.0 && size < f64::INFINITY) {
+            return MassProperties::new(center, real(mass), Vector::ZERO);
+        }
+        let unit = Matrix::from_cols_array(&inertia.to_cols_array().map(|entry| real(entry / size)));
+        let unit = MassProperties::with_inertia_matrix(center, 1.0, unit);
+        let principal = unit.principal_inertia() * real(size);
+        MassProperties::with_principal_inertia_frame(center, real(mass), principal, unit.principal_inertia_local_frame)
     }
 }
