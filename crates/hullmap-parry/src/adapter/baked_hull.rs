@@ -125,11 +125,6 @@ impl BakedHull {
         &self.form
     }
 
-    /// Vertex `index` of the hull, scaled.
-    pub(super) fn vertex(&self, index: u32) -> Option<DVec3> {
-        self.hull().vertex(index).map(|v| v.as_dvec3() * self.scale_factors())
-    }
-
     /// The face whose normal is closest to `dir`; `None` below rank 2.
     ///
     /// Normals of a scaled hull are those of the original divided by the scale, so the direction is

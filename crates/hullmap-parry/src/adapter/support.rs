@@ -1,20 +1,26 @@
 //! Support mapping and features: what solvers and manifolds are made of.
 //!
 //! # The feature towards a direction
-//! Two candidates, of which the one with the larger area is taken:
-//! 1. The merged feature of hullmap: all faces within 1.15° of the direction. f32 breaks the flat
-//!    caps of real meshes into slivers, and a body would tip over on one sliver.
-//! 2. The baked face that is closest to the direction, at any angle. Manifolds keep those of its
-//!    points that are near enough. Without the far ones, a small body that lands on the rim of a
-//!    face tips beyond the other rim within one step, and sinks into the floor while it rocks.
+//! - Where the prediction is known (`HullDispatcher`), hullmap's feature within it: the face closest
+//!   to the direction, merged with the faces that are nearly in its plane, if three of its corners
+//!   are near enough. Otherwise, the closest face at any angle.
+//! - parry's own narrow phase does not tell its prediction. It gets the larger of two features: the
+//!   faces within 1.15° of the direction, merged, and the closest face at any angle, merged with
+//!   those within 1.15° of it.
+//!
+//! Points that are too far apart are dropped after clipping, so a face at any angle does no harm.
+//! Without it, a body that lands on the rim of a face has the rim alone, tips beyond the other rim
+//! within one step, and sinks into the floor while it rocks. The merging is for real meshes, whose
+//! flat caps f32 breaks into slivers.
 //!
 //! # What did not work
-//! - Face if the merged feature has fewer than three corners: a disc on its rim of many corners
-//!   takes the rim. Of 102 bodies of 0.1 m, 20 sank into the floor.
+//! - The closest face only if the merged feature has fewer than three corners: a disc on its rim of
+//!   many corners takes the rim. Of 102 bodies of 0.1 m, 20 sank into the floor.
+//! - All vertices within the prediction of the support plane: the best four points are then the
+//!   ones that do not touch, and most bodies rock for ever.
 
 use hullmap::glam::DVec3;
-use hullmap::shapes::MAX_CORNERS;
-use hullmap::{Corner, Feature, Shape as _};
+use hullmap::{Feature, Shape as _};
 
 use super::BakedHull;
 use super::baked_hull::{Form, on_form};
@@ -46,23 +52,16 @@ impl hullmap::Shape for BakedHull {
     fn feature(&self, dir: DVec3, out: &mut Feature) {
         on_form!(self, shape => shape.feature(dir, out));
         let mut face = Feature::new();
-        self.face(dir, &mut face);
+        on_form!(self, shape => shape.feature_within(dir, f64::INFINITY, &mut face));
         if area(&face) > area(out) {
             *out = face;
         }
     }
-}
 
-impl BakedHull {
-    /// The baked face that is closest to `dir`; of more than [`MAX_CORNERS`] corners, some.
-    fn face(&self, dir: DVec3, out: &mut Feature) {
-        let Some(face) = self.face_towards(dir) else { return };
-        let corners = self.hull().face(face);
-        let stride = corners.len().div_ceil(MAX_CORNERS).max(1);
-        for vertex in corners.step_by(stride) {
-            if let Some(point) = self.vertex(vertex) {
-                out.push(Corner { point, vertex });
-            }
+    fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
+        on_form!(self, shape => shape.feature_within(dir, reach, out));
+        if out.corners().len() < 3 {
+            on_form!(self, shape => shape.feature_within(dir, f64::INFINITY, out));
         }
     }
 }

@@ -6,7 +6,6 @@
 //! 3. Write its points. A point that hullmap kept has the data that the engine stored in it.
 
 use hullmap::manifold::FeatureId;
-use hullmap::shapes::HalfSpace;
 use hullmap::{Cache, Manifold, ManifoldSettings, Prediction};
 
 use super::super::convert::{double, real};
@@ -17,8 +16,9 @@ use super::super::polygon::{edge_id, face_id, vertex_id};
 use super::BakedHull;
 use super::pair::{Pair, Placement, on_pair};
 
-/// Cosine of the angle (1°) up to which shapes have hardly turned, as in parry.
-const HARDLY_TURNED: Real = 0.999_847_7;
+/// Cosine of the angle (0.5°) up to which shapes have hardly turned. parry has 1°. Of 340 bodies,
+/// 320 came to rest with 0.5°, 318 with 1°, 304 with 2°, and 304 without the test.
+const HARDLY_TURNED: Real = 0.999_961_9;
 
 /// Square of the distance (1 mm) up to which a point has hardly moved, as in parry.
 const HARDLY_MOVED_SQ: Real = 1e-6;
@@ -38,18 +38,6 @@ pub(super) fn update<M, C: Default + Copy>(
 ) {
     stamp(kept, out);
     on_pair!(*pair, a, b => kept.update(a, b, placement.b_in_a, &settings(prediction), cache));
-    write(kept, placement, out);
-}
-
-/// As [`update`], for a half-space and a hull.
-pub(super) fn update_half_space<M, C: Default + Copy>(
-    (plane, hull, placement): &(HalfSpace, &BakedHull, Placement),
-    prediction: Real,
-    kept: &mut Manifold,
-    out: &mut ContactManifold<M, C>,
-) {
-    stamp(kept, out);
-    kept.update_half_space(plane, *hull, placement.b_in_a, &settings(prediction));
     write(kept, placement, out);
 }
 

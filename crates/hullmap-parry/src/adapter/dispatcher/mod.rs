@@ -24,8 +24,8 @@ use pair::{Local, Pair, Placement, on_pair, pair};
 /// parry's query dispatcher, with hullmap's solver and manifolds for pairs that have a
 /// [`BakedHull`].
 ///
-/// hullmap solves a hull against a hull, ball, capsule, cone, cuboid, cylinder, half-space, segment
-/// and triangle, rounded or not. Compounds, triangle meshes, heightfields and voxels are taken
+/// hullmap solves a hull against a hull, ball, capsule, cone, cuboid, cylinder, segment and
+/// triangle, rounded or not. Against a half-space, parry's closed form is exact. Compounds, triangle meshes, heightfields and voxels are taken
 /// apart as in parry, and their parts come back here. Everything else goes to parry's
 /// [`DefaultQueryDispatcher`].
 ///

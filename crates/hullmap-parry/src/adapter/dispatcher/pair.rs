@@ -2,7 +2,6 @@
 
 use hullmap::Pose;
 use hullmap::glam::{DQuat, DVec3};
-use hullmap::shapes::HalfSpace;
 
 use super::super::convert::{narrow, wide};
 use super::super::parry;
@@ -62,22 +61,6 @@ pub(super) fn pair<'s>(
         (None, None) => return None,
     };
     Some((pair, placement(pos12, flipped)?))
-}
-
-/// A half-space and a hull, with the half-space as A; `None` for other shapes. Only manifolds need
-/// it: for the other queries, parry's closed form on the support map is as exact.
-pub(super) fn half_space<'s>(
-    pos12: &parry::math::Pose,
-    shape1: &'s dyn Shape,
-    shape2: &'s dyn Shape,
-) -> Option<(HalfSpace, &'s BakedHull, Placement)> {
-    let (plane, hull, flipped) = match (shape1.as_halfspace(), shape2.as_halfspace()) {
-        (Some(plane), None) => (plane, shape2, false),
-        (None, Some(plane)) => (plane, shape1, true),
-        _ => return None,
-    };
-    let plane = HalfSpace::new(wide(plane.normal), 0.0).ok()?;
-    Some((plane, hull.as_shape()?, placement(pos12, flipped)?))
 }
 
 /// The placement of A and B for parry's relative pose.
