@@ -1,9 +1,9 @@
 //! Support mapping and features: what solvers and manifolds are made of.
 //!
 //! # The feature towards a direction
-//! - Where the prediction is known (`HullDispatcher`), hullmap's feature within it: the face closest
-//!   to the direction, merged with the faces that are nearly in its plane, if three of its corners
-//!   are near enough. Otherwise, the closest face at any angle.
+//! - Where the prediction is known (`HullDispatcher`), hullmap's feature within it: the face
+//!   closest to the direction, merged with the faces that are nearly in its plane, if three of its
+//!   corners are near enough. Otherwise, the closest face at any angle.
 //! - parry's own narrow phase does not tell its prediction. It gets the larger of two features: the
 //!   faces within 1.15° of the direction, merged, and the closest face at any angle, merged with
 //!   those within 1.15° of it.

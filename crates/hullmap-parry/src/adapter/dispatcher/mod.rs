@@ -25,8 +25,9 @@ use pair::{Local, Pair, Placement, on_pair, pair};
 /// [`BakedHull`].
 ///
 /// hullmap solves a hull against a hull, ball, capsule, cone, cuboid, cylinder, segment and
-/// triangle, rounded or not. Against a half-space, parry's closed form is exact. Compounds, triangle meshes, heightfields and voxels are taken
-/// apart as in parry, and their parts come back here. Everything else goes to parry's
+/// triangle, rounded or not. Against a half-space, parry's closed form is exact. Compounds,
+/// triangle meshes, heightfields and voxels are taken apart as in parry, and their parts come back
+/// here. Everything else goes to parry's
 /// [`DefaultQueryDispatcher`].
 ///
 /// In Rapier, set it once:
