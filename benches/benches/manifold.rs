@@ -1,8 +1,8 @@
 //! Everyday benchmark of contact manifolds: their cost must not grow with the number of vertices.
 //! `cargo bench -p hullmap-bench --bench manifold`.
 //!
-//! A run of the closure is [`STEPS`] updates of a pair in contact that slides and turns slowly, with
-//! one cache: divide by it, or read the updates per second. Compare 8,192 vertices with 128.
+//! A run of the closure is [`STEPS`] updates of a pair in contact that slides and turns slowly,
+//! with one cache: divide by it, or read the updates per second. Compare 8,192 vertices with 128.
 
 use std::fmt;
 
