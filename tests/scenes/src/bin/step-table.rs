@@ -24,13 +24,13 @@ struct Arguments {
     #[arg(long, default_value_t = 120)]
     settled: usize,
     /// Steps that a world takes before the next one does
-    #[arg(long, default_value_t = 10)]
+    #[arg(long, default_value_t = 30)]
     turn: usize,
 }
 
 fn main() {
     let arguments = Arguments::parse();
-    println!("milliseconds a step, median of turns: falling | settled\n");
+    println!("milliseconds of processor time a step, median of turns: falling | settled\n");
     println!("| bodies × vertices |{}", Way::ALL.map(|way| format!(" {} |", way.name())).concat());
     println!("|---|{}", "---|".repeat(Way::ALL.len()));
     for pile in &arguments.piles {
