@@ -70,8 +70,8 @@
 //!
 //! # Rays, shape casts and points
 //!
-//! [`ray`] returns where a ray enters a shape, [`cast`] when a moving shape first meets another (the
-//! time of impact), and [`signed_distance`] how far a point is from the surface.
+//! [`ray`] returns where a ray enters a shape, [`cast`] when a moving shape first meets another
+//! (the time of impact), and [`signed_distance`] how far a point is from the surface.
 //!
 //! ```
 //! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
