@@ -28,10 +28,22 @@
 //! A pack of convex parts (`bake build --decompose`) becomes one shape for each object of its
 //! source with [`objects`].
 //!
-//! # Features
+//! With the feature `dispatcher`, `HullDispatcher` solves pairs with a baked hull by hullmap's
+//! solver and manifolds. In Rapier:
+//! `NarrowPhase::with_query_dispatcher(HullDispatcher)`.
 //!
-//! - `f32` (default): for `parry3d`. The root of this crate re-exports the module [`f32`].
+//! # What an engine does not do with custom shapes
+//!
+//! - Debug rendering draws nothing. [`BakedHull::to_trimesh`] returns what to draw.
+//! - Serialising a shape or a collider fails: "TypedShape::Custom cannot be serialized".
+//! - A shape that is neither parry's nor a [`BakedHull`] is not solved by `HullDispatcher`.
+//! - Rapier's character controller always uses parry's default dispatcher. Baked hulls work with it.
+//!
+//! # Features of the crate
+//!
+//! - `f32` (default): for `parry3d`. The root of this crate re-exports the module [`f32`](mod@f32).
 //! - `f64`: for `parry3d-f64`. The same items are in the module `f64`.
+//! - `dispatcher`: `HullDispatcher`.
 //!
 //! # Frames and units
 //!

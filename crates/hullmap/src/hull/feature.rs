@@ -135,6 +135,7 @@ impl Hull<'_> {
             closest(&mut faces.into_iter())
         } else {
             // As wide as is needed to find an edge that is within reach.
+            #[expect(clippy::manual_clamp, reason = "NaN becomes the minimum; `clamp` would keep it")]
             let wide = (reach / self.outer_radius()).max(TILT).min(1.0);
             let around = coarse_ring(self, &Cone::new(n, wide));
             let beside = around.iter().flat_map(|support| self.faces_beside(top.feature, support.feature)).flatten();

@@ -29,7 +29,7 @@ impl WorkspaceData for Memory {
 impl Memory {
     /// The memory in `workspace`, which is created or replaced if it is another pair's.
     pub(super) fn of(workspace: &mut Option<ContactManifoldsWorkspace>) -> Option<&mut Self> {
-        if !workspace.as_ref().is_some_and(|found| found.0.downcast_ref::<Self>().is_some()) {
+        if workspace.as_ref().is_none_or(|found| found.0.downcast_ref::<Self>().is_none()) {
             *workspace = Some(ContactManifoldsWorkspace(Box::new(Self::default())));
         }
         workspace.as_mut()?.0.downcast_mut()

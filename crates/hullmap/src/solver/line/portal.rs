@@ -130,6 +130,7 @@ fn nearest_weights(corners: [DVec3; 3]) -> [f64; 3] {
 
 /// Outcome of discovery.
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "it lives on the stack, and a box would allocate")]
 pub(super) enum Discovery {
     /// A plane proves that the line misses the set.
     Missed,
