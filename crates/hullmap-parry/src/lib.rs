@@ -37,7 +37,8 @@
 //! - Debug rendering draws nothing. [`BakedHull::to_trimesh`] returns what to draw.
 //! - Serialising a shape or a collider fails: "TypedShape::Custom cannot be serialized".
 //! - A shape that is neither parry's nor a [`BakedHull`] is not solved by `HullDispatcher`.
-//! - Rapier's character controller always uses parry's default dispatcher. Baked hulls work with it.
+//! - Rapier's character controller always uses parry's default dispatcher. Baked hulls work with
+//!   it.
 //!
 //! # Features of the crate
 //!
