@@ -18,7 +18,7 @@
 //! let cube: SharedShape = BakedHull::new(pack.shared_hull_named("cube").ok_or("no cube")?).into();
 //! // The cube extends by 1 from its centre.
 //! let ball = Ball::new(0.5);
-//! let distance = query::distance(&Pose::IDENTITY, &*cube, &Pose::translation(3.0, 0.0, 0.0), &ball)?;
+//! let distance = query::distance(&Pose::IDENTITY, &*cube, &Pose::translation(3.0, 0.0, 0.0), &ball)?.distance;
 //! assert!((distance - 1.5).abs() < 1e-6);
 //! assert!((cube.mass_properties(1.0).mass() - 8.0).abs() < 1e-5);
 //! # Ok(())
