@@ -61,7 +61,8 @@ pub struct RayHit {
     /// Upper bound of t, with allowance for rounding error. It may exceed `max_t` if the interval
     /// does.
     pub t_upper: f64,
-    /// The point at t. The origin if there is no hit.
+    /// The point at t. If the ray grazes the shape, it need not be on it. The origin if there is no
+    /// hit.
     pub point: DVec3,
     /// Unit outward normal of a support plane of the shape, which the ray crosses at `t_lower`. On
     /// a polytope, it is the normal of the face at the point. If there is no hit, normal of a plane
