@@ -116,8 +116,8 @@ fn is_thin(body: &Body<'_>) -> bool {
     body.shape().inner_radius() < THIN * body.shape().outer_radius()
 }
 
-/// Whether the normals of the body's faces may be rounding error. Its planes still contain it, and do
-/// not describe it. Those of polygons do.
+/// Whether the normals of the body's faces may be rounding error. Its planes still contain it, and
+/// do not describe it. Those of polygons do.
 fn is_sliver(body: &Body<'_>) -> bool {
     is_thin(body) && body.kind != Kind::Flat
 }
