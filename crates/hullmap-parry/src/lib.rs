@@ -46,6 +46,9 @@
 //! - `f64`: for `parry3d-f64`. The same items are in the module `f64`.
 //! - `dispatcher`: `HullDispatcher`.
 //!
+//! - `dispatcher`: `HullDispatcher`, with which hullmap solves the pairs that have a baked hull.
+//! - `serde`: `SavedShape`, for saving and loading shapes with baked hulls.
+//!
 //! # Frames and units
 //!
 //! A shape has the frame and units of its hull, which are those of the source mesh. If the bake

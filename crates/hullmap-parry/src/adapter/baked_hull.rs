@@ -86,7 +86,11 @@ impl BakedHull {
     /// # Complexity
     /// O(1): a scaled hull uses the index of the original.
     pub fn scaled(&self, scale: Vector) -> Result<Self, ShapeError> {
-        let scale = wide(scale) * self.scale_factors();
+        self.scaled_by(wide(scale) * self.scale_factors())
+    }
+
+    /// The hull with this scale in place of its present one.
+    pub(super) fn scaled_by(&self, scale: DVec3) -> Result<Self, ShapeError> {
         let form = if scale == DVec3::ONE {
             Form::Plain(self.shared_hull().clone())
         } else {

@@ -14,6 +14,8 @@ mod objects;
 mod point;
 mod polygon;
 mod ray;
+#[cfg(feature = "serde")]
+mod saved;
 mod shape;
 mod support;
 
@@ -21,3 +23,5 @@ pub use baked_hull::BakedHull;
 #[cfg(feature = "dispatcher")]
 pub use dispatcher::HullDispatcher;
 pub use objects::{Object, compound, objects};
+#[cfg(feature = "serde")]
+pub use saved::{Packs, SavedHull, SavedShape, SavedShapeError, is_custom};
