@@ -707,6 +707,7 @@ fn answers<S: Shape>(shape: S, dir: DVec3) -> String {
 
 /// A forgotten method of a reference would be the trait's default.
 #[test]
+#[expect(clippy::needless_borrow, clippy::needless_borrows_for_generic_args, reason = "references are the subject")]
 fn a_reference_to_a_shape_is_the_same_shape() {
     let mut rng = SplitMix64::new(SEED + 6);
     let packs = packs();
