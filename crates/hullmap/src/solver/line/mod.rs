@@ -127,8 +127,8 @@ pub(super) fn enter<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 fn find<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(search: &mut Search<'_, '_, A, B>, query: &Query) -> Entry {
     let Discovery::Portal(start) = search.discover() else { return Entry::miss(search.clip.last, 0) };
     let limit = query.max_iterations.min(MAX_STEPS);
-    let mut known = search.first_clearance(&start);
     let (origin, middle) = (search.clip.origin, start.pierced());
+    let mut known = search.first_clearance(&start, &middle);
     let error = search.error(middle.residual, known);
     // The line pierces the first triangle somewhere in the set: certainly ahead of the origin,
     // certainly behind it, or neither.
@@ -159,7 +159,10 @@ fn find<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(search: &mut Search<'_, 
         End::OnSurface | End::Narrow | End::Limit => {}
     }
     let mut pierced = entry.pierced();
-    let mut error = search.error_in(&entry, &pierced).min(search.error(pierced.residual, known));
+    let mut error = search.error(pierced.residual, known);
+    if error > ERROR_SHARE * query.tolerance {
+        error = error.min(search.error_in(&entry, &pierced));
+    }
     if error > ERROR_SHARE * query.tolerance {
         // A clearance with which the error is small enough.
         let enough = 2.0 * search.clip.reach * (pierced.residual + search.clip.noise) / (ERROR_SHARE * query.tolerance);

@@ -48,6 +48,9 @@ const REPLACED: [usize; 8] = [1, 2, 0, 0, 1, 2, 1, 1];
 /// extent. The areas of a sliver are rounding error, and so are their weights.
 const MAX_RESIDUAL: f64 = 1e-12;
 
+/// A clearance that the ball around the centre proves is enough if it is this share of its radius.
+const ROOM: f64 = 1.0 / 16.0;
+
 /// A point of the Minkowski difference in the line's frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner {
@@ -252,14 +255,16 @@ impl<'m, 's, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'m, 's, A, B
 
     /// Lower bound of the distance of the line from the border of the set, seen along the line,
     /// from the first triangle and the ball around the centre. Negative if the line may miss.
-    pub(super) fn first_clearance(&self, start: &Portal) -> f64 {
+    pub(super) fn first_clearance(&self, start: &Portal, pierced: &Pierced) -> f64 {
         let radius = self.m.inner_radius();
-        let pierced = start.pierced();
+        let by_ball = radius - across_sq(start.corners[0].at).sqrt() - self.clip.noise;
+        if by_ball > ROOM * radius {
+            return by_ball;
+        }
         // The triangle with a ball around its first corner: its part at the line has a radius
         // proportional to that corner's weight.
         let by_weight = radius * pierced.weights[0] - pierced.residual;
-        let by_ball = radius - across_sq(start.corners[0].at).sqrt();
-        by_weight.max(by_ball).max(start.depth()) - self.clip.noise
+        by_ball.max(by_weight.max(start.depth()) - self.clip.noise)
     }
 
     /// Upper bound of the error of the parameter at which the line pierces a triangle.
@@ -291,22 +296,28 @@ impl<'m, 's, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'m, 's, A, B
         let nudge = (0..3).fold(DVec3::ZERO, |sum, i| sum + portal.corners[i].at * NUDGE[i]);
         let sign = if sense == Sense::Entry { -1.0 } else { 1.0 };
         loop {
-            let Pierced { at, residual, .. } = portal.pierced();
-            let beyond = sign * (at - self.clip.origin);
-            if beyond > 0.0 && beyond >= self.error(residual, clearance) {
-                return End::Passed;
+            let [a, b, c] = portal.corners.map(|corner| corner.at);
+            let normal = (b - a).cross(c - a);
+            // Where the line crosses the plane of the portal: near a sliver, a rough value.
+            let at = normal.dot(a) / normal.z;
+            if sign * (at - self.clip.origin) > 0.0 {
+                let Pierced { at, residual, .. } = portal.pierced();
+                if sign * (at - self.clip.origin) >= self.error(residual, clearance) {
+                    return End::Passed;
+                }
             }
             if self.steps >= limit {
                 return End::Limit;
             }
-            let [a, b, c] = portal.corners.map(|corner| corner.at);
-            let n = (b - a).cross(c - a) * sign;
+            let n = normal * sign;
             let new = self.probe(n);
             if self.clip.is_empty() {
                 return End::Missed;
             }
-            // NaN counts as the surface, since no point is known to be farther out.
-            if !(n.dot(new.at - a) > FLAT_ERRORS * self.clip.error * n.length()) {
+            // Compared by squares. NaN counts as the surface, since no point is known to be farther
+            // out.
+            let (gain, flat) = (n.dot(new.at - a), FLAT_ERRORS * self.clip.error);
+            if !(gain > 0.0 && gain * gain > flat * flat * n.length_squared()) {
                 return End::OnSurface;
             }
             // The plane may be behind the line's origin: then the origin may be inside, and the
