@@ -20,7 +20,7 @@
 
 pub mod bodies;
 pub mod judge;
-mod lines;
+pub mod lines;
 pub mod meeting;
 pub mod model;
 pub mod tally;
