@@ -35,7 +35,8 @@
 //! # What an engine does not do with custom shapes
 //!
 //! - Debug rendering draws nothing. [`BakedHull::to_trimesh`] returns what to draw.
-//! - Serialising a shape or a collider fails: "TypedShape::Custom cannot be serialized".
+//! - Serialising a shape or a collider fails: "TypedShape::Custom cannot be serialized". The
+//!   feature `serde` has a way around it, `SavedShape`.
 //! - A shape that is neither parry's nor a [`BakedHull`] is not solved by `HullDispatcher`.
 //! - Rapier's character controller always uses parry's default dispatcher. Baked hulls work with
 //!   it.
@@ -44,8 +45,6 @@
 //!
 //! - `f32` (default): for `parry3d`. The root of this crate re-exports the module [`f32`](mod@f32).
 //! - `f64`: for `parry3d-f64`. The same items are in the module `f64`.
-//! - `dispatcher`: `HullDispatcher`.
-//!
 //! - `dispatcher`: `HullDispatcher`, with which hullmap solves the pairs that have a baked hull.
 //! - `serde`: `SavedShape`, for saving and loading shapes with baked hulls.
 //!

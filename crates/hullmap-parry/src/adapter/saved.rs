@@ -1,8 +1,8 @@
 //! Saving shapes: a baked hull becomes the name of its pack, the hull and the scale.
 //!
 //! parry can serialise only the shapes that it knows. A collider with a [`BakedHull`] fails with
-//! "Cannot serialize custom shape". So an application saves a [`SavedShape`] for each such
-//! collider, and puts the shape back after loading.
+//! "TypedShape::Custom cannot be serialized". So an application saves a [`SavedShape`] for each
+//! such collider, and puts the shape back after loading.
 
 use std::collections::{BTreeMap, HashMap};
 use std::hash::BuildHasher;
