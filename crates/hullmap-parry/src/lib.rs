@@ -28,31 +28,31 @@
 //! A pack of convex parts (`bake build --decompose`) becomes one shape for each object of its
 //! source with [`objects`].
 //!
-//! With the feature `dispatcher`, `HullDispatcher` solves pairs with a baked hull by hullmap's
-//! solver and manifolds. In Rapier:
+//! With the feature `dispatcher`, `HullDispatcher` solves pairs that have a baked hull with
+//! hullmap's solver and manifolds. In Rapier:
 //! `NarrowPhase::with_query_dispatcher(HullDispatcher)`.
 //!
-//! # What an engine does not do with custom shapes
+//! # What engines cannot do with custom shapes
 //!
-//! - Debug rendering draws nothing. [`BakedHull::to_trimesh`] returns what to draw.
+//! - Debug rendering draws nothing. Draw the mesh of [`BakedHull::to_trimesh`].
 //! - Serialising a shape or a collider fails: "TypedShape::Custom cannot be serialized". The
-//!   feature `serde` has a way around it, `SavedShape`.
-//! - A shape that is neither parry's nor a [`BakedHull`] is not solved by `HullDispatcher`.
+//!   feature `serde` provides a workaround, `SavedShape`.
+//! - `HullDispatcher` passes pairs with other custom shapes to parry's default dispatcher.
 //! - Rapier's character controller always uses parry's default dispatcher. Baked hulls work with
 //!   it.
 //!
 //! # Features of the crate
 //!
 //! - `f32` (default): for `parry3d`. The root of this crate re-exports the module [`f32`](mod@f32).
-//! - `f64`: for `parry3d-f64`. The same items are in the module `f64`.
-//! - `dispatcher`: `HullDispatcher`, with which hullmap solves the pairs that have a baked hull.
+//! - `f64`: for `parry3d-f64`. The same items are in the module `f64`. Both may be on.
+//! - `dispatcher`: `HullDispatcher`, which solves pairs that have a baked hull with hullmap.
 //! - `serde`: `SavedShape`, for saving and loading shapes with baked hulls.
 //!
 //! # Frames and units
 //!
 //! A shape has the frame and units of its hull, which are those of the source mesh. If the bake
-//! recentred the source, [`Hull::origin`](hullmap::Hull::origin) tells where the frame's origin is
-//! in the source.
+//! recentred the source, [`Hull::origin`](hullmap::Hull::origin) is the frame's origin in
+//! coordinates of the source.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]

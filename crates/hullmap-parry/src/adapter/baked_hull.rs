@@ -1,4 +1,4 @@
-//! `BakedHull`: a hull of a pack, possibly scaled, with the constants that parry asks for often.
+//! `BakedHull`: a hull of a pack, possibly scaled, as the type that implements parry's traits.
 
 use hullmap::glam::DVec3;
 use hullmap::shapes::Scaled;
@@ -10,11 +10,11 @@ use super::parry::shape::SharedShape;
 
 /// A baked hull as a parry shape.
 ///
-/// It owns its hull: the pack lives as long as one of its shapes. Cloning shares the pack. Use it
-/// directly, or as a `SharedShape` by `into()`.
+/// It keeps its pack alive. Clones share the pack. Use it directly, or as a `SharedShape` by
+/// `into()`.
 ///
-/// Points, directions and lengths are in the hull's local frame, which is that of the source mesh,
-/// times the [`scale`](Self::scale).
+/// Points, directions and lengths are in the local frame of the shape: that of the hull, multiplied
+/// by the [`scale`](Self::scale).
 ///
 /// # Examples
 /// ```
@@ -77,8 +77,8 @@ impl BakedHull {
         Self { form: Form::Plain(hull) }
     }
 
-    /// This shape, scaled along the axes of its frame in addition to its present scale. A negative
-    /// scale mirrors it.
+    /// This shape, scaled along the axes of its frame in addition to its present scale.
+    /// Dimensionless; a negative scale mirrors the shape.
     ///
     /// # Errors
     /// [`ShapeError::Scale`] if a resulting scale is NaN, zero, or too small or large for f32.
@@ -131,8 +131,8 @@ impl BakedHull {
 
     /// The face whose normal is closest to `dir`; `None` below rank 2.
     ///
-    /// Normals of a scaled hull are those of the original divided by the scale, so the direction is
-    /// multiplied by it.
+    /// The normals of a scaled hull are those of the original, divided by the scale. So the
+    /// direction is multiplied by the scale.
     pub(super) fn face_towards(&self, dir: DVec3) -> Option<u32> {
         self.hull().face_towards(dir * self.scale_factors())
     }

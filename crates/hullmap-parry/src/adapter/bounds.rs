@@ -19,7 +19,7 @@ impl BakedHull {
         Aabb::new(narrow(a.min(b)), narrow(a.max(b)))
     }
 
-    /// The tight box in the frame that `pose` maps to: six support queries.
+    /// The tight box in the frame that `pose` maps to, plus the margin: six support queries.
     pub(super) fn box_under(&self, pose: &Pose) -> Aabb {
         let (mut mins, mut maxs) = (DVec3::ZERO, DVec3::ZERO);
         let shift = wide(pose.translation);
@@ -36,13 +36,13 @@ impl BakedHull {
         Aabb::new(narrow(mins), narrow(maxs))
     }
 
-    /// The ball about the interior point that contains the hull, O(1).
+    /// A ball around the interior point that contains the hull, O(1).
     pub(super) fn ball(&self) -> BoundingSphere {
         let radius = self.outer_radius();
         BoundingSphere::new(narrow(self.interior_point()), real(radius * (1.0 + MARGIN)))
     }
 
-    /// Radius of the ball that the hull contains.
+    /// Radius of the ball around the interior point that the hull contains.
     pub(super) fn thickness(&self) -> Real {
         real(self.inner_radius())
     }

@@ -1,4 +1,4 @@
-//! Vectors and poses of parry and hullmap: hullmap computes in f64.
+//! Vectors and numbers in parry's precision and in f64, in which hullmap computes.
 
 // One of the two precisions makes each cast a no-op.
 #![allow(clippy::unnecessary_cast)]

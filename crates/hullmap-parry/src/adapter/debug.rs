@@ -6,8 +6,9 @@ use super::parry::math::Vector;
 use super::parry::shape::ConvexPolyhedron;
 
 impl BakedHull {
-    /// Vertices and triangles of the surface, for debugging: faces are split into fans. Triangles
-    /// are counter-clockwise seen from outside, also on a mirrored hull.
+    /// Vertices and triangles of the surface, for debugging, in the local frame with the scale.
+    /// Faces are split into fans. Seen from outside, triangles are counter-clockwise, also on a
+    /// mirrored hull.
     ///
     /// # Complexity
     /// O(n), with allocations.
@@ -41,8 +42,8 @@ impl BakedHull {
         (vertices, triangles)
     }
 
-    /// The same hull as parry's own polyhedron, for debugging and comparisons; `None` for a flat
-    /// hull, and for one that parry's constructor refuses.
+    /// The scaled hull as parry's own polyhedron, for debugging and comparisons; `None` for a flat
+    /// hull, and for one that parry's constructor rejects.
     ///
     /// # Complexity
     /// O(n), with allocations.

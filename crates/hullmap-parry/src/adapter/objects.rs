@@ -1,5 +1,5 @@
-//! Shapes of a whole pack: one for each object of the source, a compound where it has several
-//! convex parts.
+//! Shapes of a whole pack: one for each object of the source. An object with several convex parts
+//! is a compound.
 
 use std::sync::Arc;
 

@@ -1,4 +1,5 @@
-//! Points against a baked hull: exact, by hullmap.
+//! parry's point queries of a baked hull, by hullmap's
+//! [`signed_distance`](hullmap::signed_distance()).
 
 use hullmap::glam::DVec3;
 use hullmap::shapes::Sphere;
@@ -18,7 +19,7 @@ impl PointQuery for BakedHull {
         self.surface(point).map_or(PointProjection::new(false, point), |found| projection(&found))
     }
 
-    /// The feature is the face towards the point.
+    /// The feature is the face at the projection.
     fn project_local_point_and_get_feature(&self, point: Vector) -> (PointProjection, FeatureId) {
         let Some(found) = self.surface(point) else {
             return (PointProjection::new(false, point), FeatureId::Unknown);
@@ -30,13 +31,13 @@ impl PointQuery for BakedHull {
     fn contains_local_point(&self, point: Vector) -> bool {
         let place = hullmap::Pose::from_translation(wide(point));
         let (Ok(place), Ok(dot)) = (place, Sphere::new(0.0)) else { return false };
-        // A few support calls decide for most points outside, fewer than their distance takes.
+        // For most points outside, this needs fewer support calls than the distance does.
         hullmap::intersects(self, &dot, place, &mut Cache::new()).is_hit()
     }
 }
 
 impl BakedHull {
-    /// The closest point of the surface; `None` for a point that is not finite.
+    /// The closest point of the surface; `None` for a point that is not finite or too far away.
     fn surface(&self, point: Vector) -> Option<SignedDistance> {
         let point: DVec3 = wide(point);
         hullmap::signed_distance(self, point, &Settings::default(), &mut Cache::new()).ok()

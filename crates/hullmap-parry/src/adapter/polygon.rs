@@ -6,11 +6,11 @@ use hullmap::{Corner, Feature};
 use super::convert::narrow;
 use super::parry::shape::{PackedFeatureId, PolygonalFeature};
 
-/// Bits that parry leaves for the number of a vertex, edge or face.
+/// Bits that parry leaves for the index of a vertex, edge or face.
 const CODE: u32 = 0x3fff_ffff;
 
 /// Writes `feature` with its best four corners: two that are far from each other, and the farthest
-/// on either side of the line through them. They span more than half of the polygon's area.
+/// on either side of the line through them. They span about half of the polygon's area or more.
 pub(super) fn write(feature: &Feature, out: &mut PolygonalFeature) {
     *out = PolygonalFeature::default();
     let mut chosen = [0; 4];
@@ -33,7 +33,7 @@ pub(super) fn vertex_id(vertex: u32) -> PackedFeatureId {
 }
 
 /// Id of the edge between two vertices, the same in both directions. Two edges may share an id, but
-/// hardly on one face.
+/// two edges of one face hardly ever do.
 pub(super) fn edge_id(a: u32, b: u32) -> PackedFeatureId {
     let (low, high) = (a.min(b), a.max(b));
     PackedFeatureId::edge((low.wrapping_mul(0x9e37_79b1).rotate_left(13) ^ high) & CODE)
@@ -44,8 +44,8 @@ pub(super) fn face_id() -> PackedFeatureId {
     PackedFeatureId::face(0)
 }
 
-/// Indices of the best four corners of a polygon, in its order. Returns their number, which is less
-/// if there are fewer.
+/// Indices of the best four corners of a polygon, in its order. Returns their number, which is
+/// below four if the polygon has fewer corners, or all corners are on one side of the line.
 fn four(corners: &[Corner], chosen: &mut [usize; 4]) -> usize {
     if corners.len() <= 4 {
         *chosen = [0, 1, 2, 3];

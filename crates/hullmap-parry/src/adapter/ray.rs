@@ -1,4 +1,4 @@
-//! Rays against a baked hull: exact, by hullmap.
+//! parry's ray casts of a baked hull, by hullmap's [`ray`](hullmap::ray()).
 
 use hullmap::CastSettings;
 use hullmap::glam::DVec3;
@@ -12,7 +12,8 @@ use super::parry::shape::FeatureId;
 /// Where a ray meets the surface.
 struct Meeting {
     time: f64,
-    /// Outward where the ray enters, inward where it leaves from inside.
+    /// Unit vector: outward where the ray enters the hull, inward where a ray from inside leaves
+    /// it.
     normal: DVec3,
     /// Outward normal of the surface.
     outward: DVec3,
@@ -23,9 +24,11 @@ impl RayCast for BakedHull {
         Some(real(self.meet(ray, max_time_of_impact, solid)?.time))
     }
 
-    /// The feature is the face that the ray hits. If the ray starts inside and `solid` is set, the
-    /// time is 0 and the normal opposite to the direction; without `solid`, the ray hits the
-    /// surface from inside, and the normal points inward.
+    /// The feature is the face that the ray hits.
+    ///
+    /// If the ray starts inside and `solid` is set, the time is 0, and the normal is opposite to
+    /// the direction. Without `solid`, the ray hits the surface from inside, and the normal points
+    /// inward.
     fn cast_local_ray_and_get_normal(
         &self,
         ray: &Ray,
@@ -51,7 +54,7 @@ impl BakedHull {
         if !inside || solid {
             return Some(Meeting { time: hit.t, normal: hit.normal, outward: hit.normal });
         }
-        // From beyond the hull back to it.
+        // Cast a ray back from a point beyond the hull: it enters where this ray leaves.
         let reach = hullmap::SupportMap::support_point(self, dir).point.dot(dir) - origin.dot(dir);
         let beyond = 2.0 * reach / dir.length_squared();
         let back = hullmap::Ray::new(origin + dir * beyond, -dir).ok()?;

@@ -1,8 +1,9 @@
-//! Saving shapes: a baked hull becomes the name of its pack, the hull and the scale.
+//! Saving shapes: a baked hull is saved as the name of its pack, its name in the pack, and its
+//! scale.
 //!
-//! parry can serialise only the shapes that it knows. A collider with a [`BakedHull`] fails with
-//! "TypedShape::Custom cannot be serialized". So an application saves a [`SavedShape`] for each
-//! such collider, and puts the shape back after loading.
+//! parry can serialise only the shapes that it knows. Serialising a collider with a [`BakedHull`]
+//! fails: "TypedShape::Custom cannot be serialized". So an application saves a [`SavedShape`] for
+//! each such collider, and puts the shape back after loading.
 
 use std::collections::{BTreeMap, HashMap};
 use std::hash::BuildHasher;
@@ -15,14 +16,15 @@ use super::BakedHull;
 use super::parry::math::Pose;
 use super::parry::shape::{Compound, SharedShape};
 
-/// The packs of an application, by name: the hook between saved shapes and assets.
+/// The packs of an application, by name: saved shapes find their packs through it.
 ///
-/// Maps from names to packs implement it. Implement it for an asset store of your own.
+/// `BTreeMap` and `HashMap` from names to packs implement it. Implement it for an asset store of
+/// your own.
 pub trait Packs {
     /// Name of a pack, for saving; `None` if it is unknown.
     fn name(&self, pack: &Arc<Pack>) -> Option<String>;
 
-    /// The pack of a name, for loading; `None` if it is unknown.
+    /// The pack with this name, for loading; `None` if the name is unknown.
     fn pack(&self, name: &str) -> Option<Arc<Pack>>;
 }
 
@@ -57,7 +59,7 @@ fn name_in<'a>(all: impl Iterator<Item = (&'a String, &'a Arc<Pack>)>, pack: &Ar
 /// its name and part.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SavedHull {
-    /// Name of the pack, as [`Packs`] states it.
+    /// Name of the pack, from [`Packs::name`].
     pub pack: String,
     /// Index of the hull in its pack.
     pub index: usize,
@@ -65,7 +67,7 @@ pub struct SavedHull {
     pub name: String,
     /// Part of the object, see [`Hull::part`](hullmap::Hull::part).
     pub part: u32,
-    /// Scale along each axis.
+    /// Scale along each axis; negative values mirror the hull.
     pub scale: [f64; 3],
 }
 
@@ -76,7 +78,7 @@ pub enum SavedShape {
     Hull(SavedHull),
     /// A compound with baked hulls: each part with its pose in the compound.
     Compound(Vec<(Pose, SavedShape)>),
-    /// Any other shape. parry serialises it, or fails if it does not know the shape.
+    /// Any other shape. parry serialises it; that fails for shapes that parry does not know.
     Other(SharedShape),
 }
 
@@ -94,7 +96,7 @@ pub enum SavedShapeError {
         /// Name in the file.
         pack: String,
     },
-    /// The pack has no such hull. It has been baked from another source.
+    /// The pack has no hull with this name and part: it was baked from another source.
     NoSuchHull {
         /// Name of the pack.
         pack: String,
@@ -230,7 +232,7 @@ impl SavedHull {
     }
 }
 
-/// Whether parry cannot serialise `shape`: it is a [`BakedHull`], or a compound of which a part is.
+/// Whether `shape` needs a [`SavedShape`]: it is a [`BakedHull`], or a compound that contains one.
 ///
 /// # Examples
 /// ```

@@ -23,12 +23,12 @@ impl Shape for BakedHull {
         Box::new(self.clone())
     }
 
-    /// `None` for a scale of zero; see [`BakedHull::scaled`].
+    /// `None` for an invalid scale; see [`BakedHull::scaled`].
     fn scale_dyn(&self, scale: Vector, _subdivisions: u32) -> Option<Box<dyn Shape>> {
         Some(Box::new(self.scaled(scale).ok()?))
     }
 
-    /// The tight box, by six support queries.
+    /// The tight box with a margin for rounding, by six support queries.
     fn compute_aabb(&self, position: &Pose) -> Aabb {
         self.box_under(position)
     }
@@ -49,7 +49,7 @@ impl Shape for BakedHull {
         self.thickness()
     }
 
-    /// As for parry's convex polyhedron.
+    /// In radians, as for parry's convex polyhedron.
     fn ccd_angular_thickness(&self) -> Real {
         std::f64::consts::FRAC_PI_4 as Real
     }
@@ -66,7 +66,7 @@ impl Shape for BakedHull {
         Some((self, 0.0))
     }
 
-    /// The normal of a face. Of an edge or a vertex, that of a face there.
+    /// The normal of a face. For a vertex, the normal of one of its faces; `None` for an edge.
     fn feature_normal_at_point(&self, _subshape: SubShapeId, feature: FeatureId, _point: Vector) -> Option<Vector> {
         match feature {
             FeatureId::Face(face) => self.face_normal(face).map(narrow),

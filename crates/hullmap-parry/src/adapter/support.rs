@@ -1,23 +1,24 @@
-//! Support mapping and features: what solvers and manifolds are made of.
+//! Support mapping and features of a baked hull, which solvers and manifolds query.
 //!
 //! # The feature towards a direction
 //! - Where the prediction is known (`HullDispatcher`), hullmap's feature within it: the face
 //!   closest to the direction, merged with the faces that are nearly in its plane, if three of its
 //!   corners are near enough. Otherwise, the closest face at any angle.
-//! - parry's own narrow phase does not tell its prediction. It gets the larger of two features: the
+//! - parry's own narrow phase does not pass its prediction. It gets the larger of two features: the
 //!   faces within 1.15° of the direction, merged, and the closest face at any angle, merged with
 //!   those within 1.15° of it.
 //!
 //! Points that are too far apart are dropped after clipping, so a face at any angle does no harm.
-//! Without it, a body that lands on the rim of a face has the rim alone, tips beyond the other rim
-//! within one step, and sinks into the floor while it rocks. The merging is for real meshes, whose
-//! flat caps f32 breaks into slivers.
+//! Without the face, a body that lands on a rim has contact points on that rim only. It tips beyond
+//! the other rim within one step, and sinks into the floor while it rocks. Faces are merged because
+//! in f32 the flat caps of real meshes break into slivers.
 //!
 //! # What did not work
-//! - The closest face only if the merged feature has fewer than three corners: a disc on its rim of
-//!   many corners takes the rim. Of 102 bodies of 0.1 m, 20 sank into the floor.
-//! - All vertices within the prediction of the support plane: the best four points are then the
-//!   ones that do not touch, and most bodies rock for ever.
+//! - The closest face only if the merged feature has fewer than three corners: for a disc that
+//!   stands on its rim, the feature is the rim, which has many corners. Of 102 bodies of 0.1 m, 20
+//!   sank into the floor.
+//! - All vertices within the prediction of the support plane: then the best four points are those
+//!   that do not touch, and most bodies rock for ever.
 
 use hullmap::glam::DVec3;
 use hullmap::{Feature, Shape as _};
@@ -66,7 +67,7 @@ impl hullmap::Shape for BakedHull {
     }
 }
 
-/// Area of a polygon, by Newell's sum; 0 for an edge or a vertex.
+/// Area of a polygon, as the sum over a fan of triangles; 0 for an edge or a vertex.
 fn area(feature: &Feature) -> f64 {
     let [first, rest @ ..] = feature.corners() else { return 0.0 };
     let mut sum = DVec3::ZERO;

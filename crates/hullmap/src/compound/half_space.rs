@@ -1,6 +1,6 @@
 //! Queries of a half-space and a compound, by descent of one BVH.
 //!
-//! A plane is convex on both sides, so the part that reaches farthest below it decides all three
+//! The lowest point of a compound is that of its lowest part, so this part decides all three
 //! queries.
 
 use super::CompoundAnswer;
@@ -13,11 +13,11 @@ use crate::solver::{Contact, Distance, Intersection};
 use glam::DVec3;
 use hullmap_format::bvh::MAX_LEVELS;
 
-/// Maximum number of nodes on the stack: one for each level, and one.
+/// Maximum number of nodes on the stack: one for each level, plus one.
 const MAX_STACK: usize = MAX_LEVELS as usize + 1;
 
 /// Rounding error of the depth of a box, relative to the largest length, in units of
-/// [`f64::EPSILON`]: as of a distance between boxes.
+/// [`f64::EPSILON`]. The same as for a distance between boxes.
 const ROUNDING_UNITS: f64 = 128.0;
 
 /// Iterates over the parts whose boxes reach below a plane by some depth, deepest boxes first.
@@ -115,14 +115,15 @@ fn lowest<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> CompoundAnsw
     best
 }
 
-/// Contact of the half-space and of `b`, placed at `b_in_a`: that of the part that reaches farthest
-/// into the half-space. If no part does, it is a miss.
+/// Contact of the half-space and `b`, placed at `b_in_a`: that of the part that reaches farthest
+/// into the half-space. If no part reaches into it, `hit` is false.
 ///
-/// Moving B by the depth along the normal separates all parts.
+/// Points and normal are in the frame of the half-space. Moving B by the depth along the normal
+/// separates all parts.
 ///
 /// # Complexity
 /// Branch and bound: one support query for each part whose box reaches deeper than the deepest part
-/// so far, usually one or two parts, at most all. No allocation.
+/// so far. Usually these are one or two parts; at most, all parts. No allocation.
 ///
 /// # Examples
 /// ```
@@ -147,7 +148,7 @@ pub fn contact<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> Compoun
     CompoundAnswer { answer: answer.contact(), hulls, pairs, boxes }
 }
 
-/// Distance of the half-space and of `b`, placed at `b_in_a`; 0 if they overlap or touch.
+/// Distance between the half-space and `b`, placed at `b_in_a`; 0 if they overlap or touch.
 ///
 /// # Complexity
 /// As [`contact`](contact()).

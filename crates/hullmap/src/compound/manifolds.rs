@@ -1,5 +1,8 @@
 //! Contact manifolds of compounds: one for each pair of parts that touch, kept from frame to frame.
 //!
+//! Here, parts touch if they have manifold points: they overlap, or are separated by at most the
+//! prediction.
+//!
 //! # Steps
 //! 1. Traverse the BVHs for the pairs of parts whose boxes are within the prediction of each other.
 //! 2. A pair of the last frame updates its manifold, with its solver cache. Another pair tries an
@@ -19,6 +22,9 @@ use crate::support::SupportMap;
 
 /// Contact manifolds of two compounds, or of a compound and a shape: caller-owned memory of one
 /// ordered pair (A, B).
+///
+/// Parts *touch* if they have manifold points: they overlap, or are separated by at most the
+/// prediction. Points and normals are in A's frame, as in [`Manifold`].
 ///
 /// It holds a [`Manifold`] and a [`Cache`] for each pair of parts that touch, about 2 KB, and a
 /// [`CompoundCache`] for the other pairs. All memory is allocated by [`new`](Self::new).
@@ -77,12 +83,12 @@ struct Slot {
     cache: Cache,
 }
 
-/// What [`CompoundManifolds::update`] found, and its cost. The example there reads one.
+/// Counts of a [`CompoundManifolds::update`]: pairs that touch, and the cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ManifoldCounts {
     /// Number of pairs of parts with manifold points, without those dropped.
     pub touching: u32,
-    /// Number of pairs of parts that touch and have no manifold, because all slots are in use.
+    /// Number of pairs of parts that touch but have no manifold, because all slots are in use.
     pub dropped: u32,
     /// Number of pairs of parts queried.
     pub pairs: u32,
@@ -95,7 +101,7 @@ pub struct ManifoldCounts {
 }
 
 impl CompoundManifolds {
-    /// Memory for up to `pairs` pairs of parts that touch at a time, at least one.
+    /// Memory for at most `pairs` pairs of parts that touch at the same time, at least one.
     ///
     /// If more pairs touch, those of the last frame stay, and the others are counted as
     /// [`dropped`](ManifoldCounts::dropped).
@@ -110,16 +116,16 @@ impl CompoundManifolds {
         }
     }
 
-    /// Updates the manifolds of all pairs of parts of `a` and of `b` placed at `b_in_a`.
+    /// Updates the manifolds of all pairs of parts of `a` and `b`, with `b` placed at `b_in_a`.
     ///
-    /// Afterwards every pair of parts that touches, or is separated by less than the prediction,
-    /// has a manifold, as from [`Manifold::update`]. Manifolds of the last frame keep what the
-    /// caller stored in their points.
+    /// Afterwards every pair of parts that touches has a manifold, as from [`Manifold::update`],
+    /// unless it was dropped. Manifolds of the last frame keep what the caller stored in their
+    /// points.
     ///
     /// # Complexity
-    /// All pairs of boxes within the prediction of each other, and one [`Manifold::update`] for
-    /// each pair of parts in such leaves: G H of them if all overlap. Finding the slot of a pair
-    /// takes logarithmic time. No allocation.
+    /// Compares all pairs of boxes within the prediction of each other, with one
+    /// [`Manifold::update`] for each pair of parts in such leaves: at most G H for G and H parts.
+    /// Finding the slot of a pair takes logarithmic time. No allocation.
     pub fn update<A: Parts + ?Sized, B: Parts + ?Sized>(
         &mut self,
         a: &A,
@@ -273,7 +279,7 @@ impl CompoundManifolds {
 
     /// The pairs of parts that touch, by their indices in A and in B, and their manifolds.
     ///
-    /// A pair keeps its place in this order while it touches.
+    /// A pair keeps its relative place in this order while it touches.
     pub fn iter(&self) -> impl Iterator<Item = ([usize; 2], &Manifold)> {
         self.slots.iter().filter(|slot| slot.touches).map(|slot| (slot.pair, &slot.manifold))
     }

@@ -8,13 +8,13 @@
 //! # Complexity
 //! A query of compounds with G and H parts compares at most (2 G − 1) (2 H − 1) pairs of boxes, and
 //! queries each pair of parts at most once. If few boxes overlap, as on decomposed meshes that
-//! touch, that is about log G + log H pairs of boxes for each pair of parts that touch. If all
-//! boxes overlap, all G H pairs are queried: by [`contact`], [`contacts`] and manifolds because
-//! every pair may be in contact, by [`intersects`] unless a pair overlaps. No order of the tests
-//! avoids that.
-//! [`distance`] ends at the first pair that overlaps. Against a single shape the work is at most
-//! proportional to G. Bake with fewer parts (`--vhacd-max-parts`), or with less overlap, if that is
-//! too slow.
+//! touch, that is about log G + log H pairs of boxes for each pair of parts that touch.
+//!
+//! If all boxes overlap, [`contact`], [`contacts`] and manifolds query all G H pairs, because every
+//! pair may be in contact. [`intersects`] and [`distance`] end at the first pair that overlaps. If
+//! no pair does, [`intersects`] queries them all. No order of the tests avoids that. Against a
+//! single shape the work is at most proportional to G. Bake with fewer parts (`--vhacd-max-parts`),
+//! or with less overlap, if that is too slow.
 //!
 //! # Examples
 //! A pack of two unit cubes, 3 apart, against a copy of itself:
@@ -152,7 +152,7 @@ const NOTHING_KNOWN: Distance = Distance {
     support_calls: 0,
 };
 
-/// Answer of a query of compounds. The [module's example](self) reads one.
+/// Answer of a query of compounds. See the [module's example](self).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CompoundAnswer<T> {
     /// Answer for the pair of hulls that decided the query. Its iterations and support calls are
@@ -419,7 +419,7 @@ pub fn contacts<A: Parts + ?Sized, B: Parts + ?Sized>(
     sum
 }
 
-/// Number of contacts that [`contacts`] visited, and the cost. The example there reads one.
+/// Number of contacts that [`contacts`] visited, and the cost. See the example there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ContactCounts {
     /// Number of pairs of hulls not proved separated: the calls of `visit`.

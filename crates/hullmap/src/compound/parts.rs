@@ -44,7 +44,8 @@ pub trait Tree {
     /// The part with this index; `None` if the index is not below the number of parts.
     fn part(&self, index: usize) -> Option<Self::Part<'_>>;
 
-    /// The same as a hull, if it is one of a pack: the cascade has more stages for hulls.
+    /// The part with this index as a hull, if it is a hull of a pack: the cascade has more stages
+    /// for hulls.
     fn part_as_hull(&self, index: usize) -> Option<Hull<'_>>;
 
     /// The BVH of the parts.

@@ -15,7 +15,7 @@ use crate::vector::perpendicular;
 use glam::DVec2;
 
 impl Manifold {
-    /// Updates the points for the half-space `a` and for `b` placed at `b_in_a`, and returns their
+    /// Updates the points for the half-space `a` and `b` placed at `b_in_a`, and returns their
     /// contact.
     ///
     /// As [`update`](Self::update), without a cache: the contact needs none. A prediction relative
@@ -70,7 +70,7 @@ impl Manifold {
             let p = b_in_a.transform_point(corner.point) - frame.origin;
             patch.push(PatchPoint {
                 at: DVec2::new(p.dot(frame.x), p.dot(frame.y)),
-                // The plane is above the middle of its lowest point and the plane.
+                // The origin is midway between the lowest point of B and the plane.
                 heights: [0.5 * signed, p.dot(normal)],
                 parts: [FACE, [corner.vertex; 2]],
             });

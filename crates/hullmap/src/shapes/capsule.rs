@@ -35,7 +35,7 @@ pub struct Capsule {
 
 impl Capsule {
     /// All points within `radius` of the segment on the z axis from −`half_length` to
-    /// `half_length`. Either may be 0.
+    /// `half_length`. Either length may be 0.
     ///
     /// # Errors
     /// [`ShapeError::Length`] if a length is NaN, negative or above [`f32::MAX`].

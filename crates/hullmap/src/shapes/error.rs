@@ -6,7 +6,7 @@ use glam::DVec3;
 /// lengths is finite in f64.
 pub(super) const MAX_LENGTH: f64 = f32::MAX as f64;
 
-/// A number is invalid, so that there is no such shape.
+/// A shape cannot be made, because a number is invalid.
 ///
 /// # Examples
 /// ```

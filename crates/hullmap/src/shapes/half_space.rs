@@ -1,12 +1,12 @@
 //! Half-space: everything below a plane. Its queries are closed forms with one support query.
 //!
 //! # Steps
-//! 1. Query the support point of the other shape against the normal: its point farthest below the
-//!    plane.
-//! 2. Its signed height above the plane is the distance or the negative depth.
+//! 1. Query the support point of the other shape in the direction opposite to the normal: its
+//!    lowest point.
+//! 2. The signed height of this point above the plane is the distance or the negative depth.
 //!
 //! # Deviations
-//! - A half-space is unbounded, so it has no support mapping and is no
+//! - A half-space is unbounded, so it has no support mapping and does not implement
 //!   [`SupportMap`]. In the direction of the normal it acts as one point of its plane, and the
 //!   rounding error is that of the Minkowski difference of this point and the other shape.
 
@@ -25,9 +25,9 @@ use glam::DVec3;
 /// walls.
 ///
 /// It is always A, the first shape of a pair: normals point out of it, and answers are in its
-/// frame. If the half-space is B in your program, pass the inverse pose. The queries need neither
-/// settings nor a cache. [`Manifold::update_half_space`](crate::Manifold::update_half_space) finds
-/// the contact points.
+/// frame. If the half-space is B in your program, pass the inverse pose. No query needs a cache. Of
+/// their settings, `cast` and `ray` use only [`max_t`](CastSettings::max_t).
+/// [`Manifold::update_half_space`](crate::Manifold::update_half_space) finds the contact points.
 ///
 /// # Examples
 /// ```
@@ -105,7 +105,7 @@ impl Lowest {
         support_calls: 0,
     };
 
-    /// `lower`, with an interval that contains the depth of the deeper of two shapes.
+    /// `lower`, with an interval that contains the depth of the lower of two shapes.
     pub(crate) fn wider(self, lower: Self) -> Self {
         Self { lower: lower.lower.max(self.lower), upper: lower.upper.max(self.upper), ..lower }
     }
@@ -214,8 +214,8 @@ impl Lowest {
 }
 
 impl HalfSpace {
-    /// The points p with `normal` · p ≤ `offset`, for `normal` normalised: the plane is `offset`
-    /// away from the origin, towards the normal.
+    /// The points p with `normal` · p ≤ `offset`, after `normal` is normalised. The plane is at the
+    /// signed distance `offset` from the origin, along the normal.
     ///
     /// # Errors
     /// [`ShapeError::Normal`] if `normal` is zero or not finite, [`ShapeError::Offset`] if `offset`
@@ -280,7 +280,7 @@ impl HalfSpace {
         self.lowest(b, b_in_a).intersection()
     }
 
-    /// Contact of the half-space and of `b`, placed at `b_in_a`. The normal is that of the plane.
+    /// Contact of the half-space and `b`, placed at `b_in_a`. The normal is that of the plane.
     ///
     /// `point_b` is the deepest point of `b`, and `point_a` its projection onto the plane, also if
     /// they are separated. The interval is as narrow as rounding error allows.
@@ -291,8 +291,8 @@ impl HalfSpace {
         self.lowest(b, b_in_a).contact()
     }
 
-    /// Distance of the half-space and of `b`, placed at `b_in_a`; 0 if they overlap or touch. The
-    /// normal is that of the plane.
+    /// Distance between the half-space and `b`, placed at `b_in_a`; 0 if they overlap or touch. The
+    /// normal is that of the plane. If they overlap, both points are the lowest point of `b`.
     ///
     /// # Complexity
     /// One support query. No allocation.

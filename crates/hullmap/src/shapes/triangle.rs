@@ -7,10 +7,10 @@ use super::shape::Shape;
 use crate::support::{SupportMap, SupportPoint};
 use glam::DVec3;
 
-/// A triangle, for instance of a triangle mesh. It is flat and has two sides.
+/// A triangle, for instance one of a triangle mesh. It is flat, and collides on both sides.
 ///
-/// The corners have the vertex ids 0, 1 and 2. They may be collinear, or equal: meshes have such
-/// triangles, and these are segments or points.
+/// The corners have the vertex ids 0, 1 and 2. They may be collinear or equal, as meshes have
+/// such triangles; the shape is then a segment or a point.
 ///
 /// # Examples
 /// ```
@@ -86,8 +86,8 @@ impl SupportMap for Triangle {
 }
 
 impl Shape for Triangle {
-    /// The support corner, and the others that it reaches by edges within [`TILT`] of perpendicular
-    /// to `dir`: all three, an edge, or the corner alone.
+    /// The support corner, and the corners whose edge to it is within [`TILT`] of perpendicular to
+    /// `dir`: all three corners, an edge, or the support corner alone.
     fn feature(&self, dir: DVec3, out: &mut Feature) {
         self.feature_within(dir, NO_REACH, out);
     }

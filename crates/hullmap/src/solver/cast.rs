@@ -5,7 +5,7 @@
 //! collision detection", 2004: a shape cast is a ray cast of the Minkowski difference.
 //!
 //! # Steps
-//! 1. The direction that separated the pair before: one support call decides most misses.
+//! 1. Try the direction that separated the pair before: one support call decides most misses.
 //! 2. Shapes without convex radius: portal refinement along the line of motion (`line`).
 //! 3. Rounded shapes: Newton's method on the distance of the cores (`rounded`).
 
@@ -23,7 +23,8 @@ use crate::support::SupportMap;
 
 /// Answer of [`cast`](crate::cast()): when and where a moving shape first meets another.
 ///
-/// Points and directions are in A's frame. Times are in the unit of the [`Motion`].
+/// Points and directions are in A's frame. Times are in the time unit of the [`Motion`]: at time t,
+/// B has moved by t times its velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
     /// False only if it is certain that the shapes do not meet up to
@@ -34,7 +35,7 @@ pub struct Impact {
     /// - [`Separated`](Status::Separated): certainly no hit. All times are infinite.
     /// - [`Overlapping`](Status::Overlapping): the shapes overlap at the start. All times are 0,
     ///   the normal is opposite to the motion, and [`contact`](crate::contact()) computes the
-    ///   depth.
+    ///   depth. Without motion, the normal is any unit vector.
     /// - [`Exact`](Status::Exact), [`Within`](Status::Within): a hit in the interval.
     /// - [`Touching`](Status::Touching): the shapes graze each other, and rounding error decides
     ///   between hit and miss. If they meet, they do so in the interval.
@@ -84,14 +85,14 @@ impl Default for Impact {
 
 /// When B, which starts at `b_in_a` and translates by `motion`, first meets A: the time of impact.
 ///
-/// Neither shape rotates. Points and directions are in A's frame; the time is in the unit of
+/// Neither shape rotates. Points and directions are in A's frame. The time is in the unit of
 /// `motion`, from 0 to `settings.max_t`. `cache` belongs to this ordered pair; the query reads and
 /// updates it.
 ///
 /// # Complexity
-/// No support call if the balls around the shapes miss each other, one if the last separating
-/// direction still does. 10 to 30 for most hits; bounded by `settings`. Rounded shapes cost 3 to 8
-/// distance queries of their cores. No allocation.
+/// No support call if the bounding balls of the shapes miss each other, one if the last separating
+/// direction still separates the shapes. 10 to 30 for most hits. Rounded shapes cost 3 to 8
+/// distance queries of their cores. The number of steps is bounded by `settings`. No allocation.
 ///
 /// # Reference
 /// van den Bergen 2004; Snethen, "XenoCollide". docs/intervals.md proves the interval.

@@ -1,4 +1,4 @@
-//! Rays and motions: checked vectors, so that no query has to test for NaN.
+//! Rays and motions: vectors that are checked once, so that no query has to test for NaN.
 
 use glam::DVec3;
 
@@ -38,8 +38,8 @@ pub(crate) fn checked(what: &'static str, found: DVec3) -> Result<DVec3, VectorE
 
 /// A ray: all points `origin + t direction` with t ≥ 0, in the frame and unit of a shape.
 ///
-/// The direction need not be of unit length. It is the unit of t: with a velocity as direction, t
-/// is a time. With the zero vector, the ray is a point.
+/// The direction need not be of unit length. t is a factor of it: if the direction is a velocity,
+/// t is a time. If the direction is zero, the ray is a point.
 ///
 /// # Examples
 /// ```
@@ -88,8 +88,8 @@ impl Ray {
 /// A translation of B in A's frame at constant velocity: at time t, B has moved by t times the
 /// velocity.
 ///
-/// Time has the unit that the velocity implies. With the displacement of a step as velocity, t is
-/// from 0 to 1.
+/// Time has the unit that the velocity implies. If the velocity is the displacement of a step, t
+/// goes from 0 to 1 during the step.
 ///
 /// # Examples
 /// ```
@@ -144,15 +144,16 @@ impl Motion {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CastSettings {
-    /// Maximum t. A shape that is reached later is not hit. NaN and negative values count as 0,
-    /// with which only a shape that is hit at the start is hit. The default is infinite.
+    /// Maximum t, in the unit of the ray or the motion. A shape that is reached later is not hit.
+    /// NaN and negative values count as 0: then only a hit at the start counts. The default is
+    /// infinite.
     pub max_t: f64,
-    /// Maximum width of the interval as a length along the ray, relative to the outer radius of the
-    /// shape, or to the sum of both. Dimensionless.
+    /// Maximum width of the interval as a length along the ray or the motion. It is relative to the
+    /// outer radius of the shape, or to the sum of both radii. Dimensionless. The default is 1e-6.
     ///
     /// NaN and negative values count as 0: the interval becomes as narrow as rounding error allows.
     pub tolerance: f64,
-    /// Maximum number of steps.
+    /// Maximum number of steps. The default is 1000.
     ///
     /// A query that reaches it returns [`Status::IterationLimit`](crate::Status::IterationLimit),
     /// and its interval still contains the true value. Larger values than the solver's own limits

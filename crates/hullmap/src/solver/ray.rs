@@ -1,4 +1,4 @@
-//! Ray cast: where a ray enters a shape. It is the cast of a point.
+//! Ray cast: where a ray enters a shape. It is the shape cast of a point.
 
 use glam::DVec3;
 
@@ -37,7 +37,8 @@ impl SupportMap for Dot {
 
 /// Answer of [`ray`](crate::ray()): where a ray first enters a shape.
 ///
-/// Points and directions are in the shape's frame. t is in units of the ray's direction.
+/// Points and directions are in the shape's frame. t is a factor of the ray's direction, which
+/// need not be of unit length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
     /// False only if it is certain that the ray misses the shape up to
@@ -47,10 +48,11 @@ pub struct RayHit {
     ///
     /// - [`Separated`](Status::Separated): certainly no hit. t and its interval are infinite.
     /// - [`Overlapping`](Status::Overlapping): the origin is inside the shape. t is 0, the point is
-    ///   the origin, and the normal is opposite to the direction.
+    ///   the origin, and the normal is opposite to the direction. If the direction is zero, the
+    ///   normal is any unit vector.
     /// - [`Exact`](Status::Exact), [`Within`](Status::Within): a hit in the interval.
     /// - [`Touching`](Status::Touching): the ray grazes the shape, and rounding error decides
-    ///   between hit and miss. If it hits, then in the interval.
+    ///   between hit and miss. If it hits, it does so in the interval.
     /// - [`IterationLimit`](Status::IterationLimit), [`Stalled`](Status::Stalled): a hit, in an
     ///   interval that is wider than the tolerance.
     pub status: Status,
@@ -61,8 +63,8 @@ pub struct RayHit {
     /// Upper bound of t, with allowance for rounding error. It may exceed `max_t` if the interval
     /// does.
     pub t_upper: f64,
-    /// The point at t. If the ray grazes the shape, it need not be on it. The origin if there is no
-    /// hit.
+    /// The point at t. If the ray grazes the shape, the point need not be on the shape. The origin
+    /// if there is no hit.
     pub point: DVec3,
     /// Unit outward normal of a support plane of the shape, which the ray crosses at `t_lower`. On
     /// a polytope, it is the normal of the face at the point. If there is no hit, normal of a plane
@@ -76,13 +78,13 @@ pub struct RayHit {
 
 /// Where `ray` first enters `shape`.
 ///
-/// Everything is in the shape's frame and unit. A ray that starts inside hits at t = 0, with the
-/// status [`Overlapping`](Status::Overlapping). A ray whose direction is zero hits only the shape
-/// that its origin is in.
+/// Points and directions are in the shape's frame and unit, and t is a factor of the direction. A
+/// ray that starts inside hits at t = 0, with the status [`Overlapping`](Status::Overlapping). A
+/// ray whose direction is zero hits only the shape that its origin is in.
 ///
 /// # Complexity
-/// No support call if the ray misses the ball around the shape, 10 to 20 for most hits; bounded by
-/// `settings`. No allocation.
+/// No support call if the ray misses the bounding ball of the shape, 10 to 20 for most hits. The
+/// number of steps is bounded by `settings`. No allocation.
 ///
 /// # Reference
 /// Snethen, "XenoCollide" (portal refinement along a ray). docs/intervals.md proves the interval.

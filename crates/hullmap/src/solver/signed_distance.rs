@@ -1,8 +1,8 @@
 //! Signed distance of a point from a shape, with the closest point of the surface.
 //!
 //! # Steps
-//! 1. The distance of the point as a shape (GJK).
-//! 2. If the point is not certainly outside, its penetration depth (EPA).
+//! 1. Compute the distance between the shape and the point (GJK).
+//! 2. If the point is not certainly outside, compute its penetration depth (EPA).
 
 use glam::DVec3;
 
@@ -32,7 +32,7 @@ pub struct SignedDistance {
     /// Upper bound of the distance, with allowance for rounding error. Negative only if the point
     /// is certainly inside.
     pub upper: f64,
-    /// The point of the surface that is closest.
+    /// The point of the surface that is closest to the query point.
     pub point: DVec3,
     /// Unit outward normal of the surface at `point`: the gradient of the distance.
     pub normal: DVec3,
@@ -53,8 +53,8 @@ pub struct SignedDistance {
 /// [`MAX_TRANSLATION`](crate::pose::MAX_TRANSLATION).
 ///
 /// # Complexity
-/// Outside, that of [`distance`](crate::distance()): 3 to 8 support calls. Inside, also that of
-/// [`contact`](crate::contact()): 20 to 60. No allocation.
+/// For a point outside, that of [`distance`](crate::distance()): 3 to 8 support calls. For a point
+/// inside, also that of [`contact`](crate::contact()): 20 to 60. No allocation.
 ///
 /// # Examples
 /// ```

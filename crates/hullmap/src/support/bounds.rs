@@ -1,8 +1,9 @@
-//! Axis-aligned bounds: the box that a broad phase sorts.
+//! Axis-aligned bounds: the box that a broad phase uses.
 
 use glam::{DVec3, Vec3};
 
-/// An axis-aligned box that contains a shape. [`SupportMap::bounds_under`] returns it.
+/// An axis-aligned box that contains a shape. [`SupportMap::bounds_under`] returns it, in the frame
+/// that its pose maps to and in the shape's unit.
 ///
 /// [`SupportMap::bounds_under`]: crate::SupportMap::bounds_under
 ///
@@ -26,9 +27,9 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The smallest box of single precision that contains this one: minimum and maximum.
+    /// The smallest box with f32 coordinates that contains this one: minimum and maximum.
     ///
-    /// Beyond the range of f32 a coordinate is infinite.
+    /// The box is infinite where this one extends beyond the range of f32.
     pub fn to_f32(&self) -> [Vec3; 2] {
         let below = |c: f64| {
             let nearest = c as f32;

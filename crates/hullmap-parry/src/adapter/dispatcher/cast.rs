@@ -1,4 +1,4 @@
-//! Linear shape casts: hullmap's, with parry's options.
+//! Linear shape casts by hullmap, with parry's options.
 
 use hullmap::glam::DVec3;
 use hullmap::shapes::Rounded;
@@ -10,17 +10,18 @@ use super::super::parry::query::{ShapeCastHit, ShapeCastOptions, ShapeCastStatus
 use super::BakedHull;
 use super::pair::{Local, Pair, Placement, on_pair};
 
-/// Below this time, the motion may be tangent to a contact, and its normal decides. As in parry.
+/// A hit before this time counts as a contact at the start: its normal decides whether the shapes
+/// move apart. In the unit of the motion, as in parry.
 const AT_START: f64 = 1e-4;
 
-/// The first meeting of a pair that moves at the relative velocity `velocity12`, which is in the
-/// frame of parry's first shape. `None` if the numbers are not valid.
+/// The first hit of a pair that moves at the relative velocity `velocity12`, which is in the frame
+/// of parry's first shape. The outer `None` is for invalid numbers, the inner one for a miss.
 pub(super) fn cast(
     (pair, placement): &(Pair<'_>, Placement),
     velocity12: Vector,
     options: &ShapeCastOptions,
 ) -> Option<Option<ShapeCastHit>> {
-    // Of B, in A's frame.
+    // Velocity of B, in A's frame.
     let velocity = match placement.flipped {
         false => wide(velocity12),
         true => placement.b_in_a.transform_vector(-wide(velocity12)),
@@ -31,7 +32,7 @@ pub(super) fn cast(
     let place = placement.b_in_a;
     let cache = &mut Cache::new();
     let impact = if target > 0.0 {
-        // The hull grows by the distance.
+        // The shapes are within the target distance if the hull, grown by it, meets B.
         on_pair!(*pair, a, b => {
             let grown: Rounded<BakedHull> = Rounded::new(a.clone(), target).ok()?;
             hullmap::cast(&grown, b, place, motion, &settings, cache)
@@ -49,7 +50,7 @@ pub(super) fn cast(
         return Some(start(pair, placement, velocity, target, impact.t, options));
     }
     let Impact { point_a, point_b, normal, t, status, .. } = impact;
-    // Back to the start of B, whose point moved with it.
+    // The point of B moved with it: subtract the motion.
     let Local { points: [witness1, witness2], normals: [normal1, normal2] } =
         placement.local(point_a - normal * target, point_b - velocity * t, normal);
     let status = match status {
@@ -70,8 +71,8 @@ pub(super) fn cast(
     }))
 }
 
-/// A hit at the start, described by the contact of the shapes there; `None` if they move apart and
-/// the options say that they may.
+/// A hit at the start, described by the contact of the shapes there. `None` if the shapes move
+/// apart and the options ignore such hits.
 fn start(
     pair: &Pair<'_>,
     placement: &Placement,

@@ -1,9 +1,9 @@
-//! Contact manifolds: hullmap's, written as parry's.
+//! Contact manifolds by hullmap, written to those of parry.
 //!
 //! # Steps
 //! 1. If the shapes have hardly moved, keep the points (parry's coherence test).
 //! 2. Update hullmap's manifold of the pair.
-//! 3. Write its points. A point that hullmap kept has the data that the engine stored in it.
+//! 3. Write its points. A point that hullmap kept retains the data that the engine stored in it.
 
 use hullmap::manifold::FeatureId;
 use hullmap::{Cache, Manifold, ManifoldSettings, Prediction};
@@ -23,13 +23,14 @@ const HARDLY_TURNED: Real = 0.999_847_7;
 /// Square of the distance (1 mm) up to which a point has hardly moved, as in parry.
 const HARDLY_MOVED_SQ: Real = 1e-6;
 
-/// Whether the points of `manifold` stay. If so, their distances are updated.
+/// Whether the shapes have hardly moved, so that the points of `manifold` stay. If so, updates
+/// their distances.
 pub(super) fn hardly_moved<M, C: Default + Copy>(pos12: &Pose, manifold: &mut ContactManifold<M, C>) -> bool {
     manifold.try_update_contacts_eps(pos12, HARDLY_TURNED, HARDLY_MOVED_SQ)
 }
 
-/// Updates the manifold of a pair and writes it to `out`. `kept` and `cache` are the pair's; fresh
-/// ones will do, at the cost of a few support calls.
+/// Updates the manifold of a pair and writes it to `out`. `kept` and `cache` belong to the pair.
+/// Empty ones cost a few more support calls.
 pub(super) fn update<M, C: Default + Copy>(
     (pair, placement): &(Pair<'_>, Placement),
     prediction: Real,
@@ -45,8 +46,8 @@ fn settings(prediction: Real) -> ManifoldSettings {
     ManifoldSettings { prediction: Prediction::Length(double(prediction)), ..ManifoldSettings::default() }
 }
 
-/// Marks the points of `kept` with their places in `out`, counted from 1. If the points of `out`
-/// are others, which the engine may have changed, all are marked with 0.
+/// Marks the points of `kept` with their places in `out`, counted from 1. If `out` has another
+/// number of points, the engine has changed them, and all are marked with 0.
 fn stamp<M, C>(kept: &mut Manifold, out: &ContactManifold<M, C>) {
     let is_ours = kept.points().len() == out.points.len();
     for (index, point) in kept.points_mut().iter_mut().enumerate() {
@@ -54,8 +55,8 @@ fn stamp<M, C>(kept: &mut Manifold, out: &ContactManifold<M, C>) {
     }
 }
 
-/// Replaces the points of `out`. The data of a point that hullmap kept, or else of the point on the
-/// same features, stays with it.
+/// Replaces the points of `out`. A new point takes the data of the old one that hullmap kept, or
+/// else of the old one on the same features.
 fn write<M, C: Default + Copy>(kept: &Manifold, placement: &Placement, out: &mut ContactManifold<M, C>) {
     let old = std::mem::take(&mut out.points);
     for point in kept.points() {

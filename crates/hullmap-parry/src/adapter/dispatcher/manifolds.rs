@@ -1,8 +1,8 @@
-//! Which manifold function a pair of shapes takes: parry's choice, with this dispatcher for parts.
+//! The manifold function for a pair of shapes, chosen as in parry, with this dispatcher for parts.
 //!
-//! A half-space takes parry's function on the hull's feature, whose four corners do not depend on
-//! their heights. hullmap's manifold of a half-space changes its points more often: of 340 bodies,
-//! 312 came to rest with it, and 320 with parry's.
+//! A half-space uses parry's function on the feature of the hull, whose four corners do not depend
+//! on their heights. hullmap's manifold of a half-space changes its points more often: of 340
+//! bodies, 312 came to rest with it, and 320 with parry's.
 
 use hullmap::{Cache, Manifold};
 
@@ -131,7 +131,8 @@ where
         Ok(())
     }
 
-    /// Also for the parts of composite shapes, which have no memory of their own.
+    /// Called for the parts of composite shapes too. These have no memory, so that each update
+    /// starts from the last normal only.
     fn contact_manifold_convex_convex(
         &self,
         pos12: &Pose,

@@ -1,4 +1,4 @@
-//! `HullDispatcher`: parry's queries, with hullmap for pairs that have a baked hull.
+//! `HullDispatcher`: parry's queries, solved by hullmap for pairs that have a baked hull.
 
 mod cast;
 mod contacts;
@@ -24,11 +24,11 @@ use pair::{Local, Pair, Placement, on_pair, pair};
 /// parry's query dispatcher, with hullmap's solver and manifolds for pairs that have a
 /// [`BakedHull`].
 ///
-/// hullmap solves a hull against a hull, ball, capsule, cone, cuboid, cylinder, segment and
-/// triangle, rounded or not. Against a half-space, parry's closed form is exact. Compounds,
-/// triangle meshes, heightfields and voxels are taken apart as in parry, and their parts come back
-/// here. Everything else goes to parry's
-/// [`DefaultQueryDispatcher`].
+/// hullmap solves a hull against a hull, ball, capsule, cone, cuboid, cylinder, segment or
+/// triangle, and against parry's rounded versions of these. parry splits compounds, triangle
+/// meshes, height fields and voxels into their parts, and hullmap solves the parts. All other pairs
+/// go to parry's [`DefaultQueryDispatcher`]. So do half-spaces, for which parry has a closed form.
+/// hullmap solves shape casts without rotation; parry solves those with rotation.
 ///
 /// In Rapier, set it once:
 ///
@@ -204,7 +204,7 @@ impl QueryDispatcher for HullDispatcher {
         DefaultQueryDispatcher.cast_shapes(pos12, local_vel12, shape1, shape2, options)
     }
 
-    /// parry's, which uses the support maps of hulls.
+    /// parry's algorithm, which uses the support mapping of hulls.
     fn cast_shapes_nonlinear(
         &self,
         motion1: &NonlinearRigidMotion,
@@ -227,7 +227,7 @@ impl QueryDispatcher for HullDispatcher {
     }
 }
 
-/// Deepest or closest points of a pair, in A's frame.
+/// Deepest or closest points of a pair, in A's frame. The normal has unit length.
 struct Nearest {
     point_a: DVec3,
     point_b: DVec3,

@@ -1,4 +1,4 @@
-//! A pair of parry's shapes that hullmap solves, and the way back to parry's frames.
+//! A pair of parry's shapes that hullmap solves, and the conversion of answers to parry's frames.
 
 use hullmap::Pose;
 use hullmap::glam::{DQuat, DVec3};
@@ -48,7 +48,8 @@ pub(super) struct Local {
     pub(super) normals: [Vector; 2],
 }
 
-/// The pair of two shapes at parry's relative pose; `None` if it is not for hullmap.
+/// The pair of two shapes at `pos12`, the pose of the second shape in the frame of the first.
+/// `None` if hullmap does not solve it.
 pub(super) fn pair<'s>(
     pos12: &parry::math::Pose,
     shape1: &'s dyn Shape,

@@ -89,8 +89,8 @@ fn cone(cone: &parry::shape::Cone) -> Option<Turned<Cone>> {
     Some(Turned(Cone::new(cone.half_height as f64, cone.radius as f64).ok()?))
 }
 
-/// A shape along z, turned so that it is along y as parry's shapes are. The axes are exchanged in a
-/// circle, which is an exact rotation.
+/// A shape along z, rotated to be along y as parry's shapes are. The coordinates are permuted
+/// cyclically, which is an exact rotation.
 pub(super) struct Turned<S>(S);
 
 /// From the frame of the turned shape to that of the inner one.

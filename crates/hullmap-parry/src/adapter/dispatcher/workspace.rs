@@ -11,8 +11,8 @@ use super::super::parry::query::details::{
 pub(super) struct Memory {
     pub(super) manifold: Manifold,
     pub(super) cache: Cache,
-    /// An empty workspace of parry's, as which this one is saved: parry cannot load custom ones.
-    /// The first step after loading replaces it.
+    /// An empty workspace of parry's. It is saved in place of this one, because parry cannot load
+    /// custom workspaces. The first step after loading replaces it.
     saved_as: VoxelsShapeContactManifoldsWorkspace<2>,
 }
 
@@ -27,7 +27,7 @@ impl WorkspaceData for Memory {
 }
 
 impl Memory {
-    /// The memory in `workspace`, which is created or replaced if it is another pair's.
+    /// The memory in `workspace`, which is replaced if it is missing or of another type.
     pub(super) fn of(workspace: &mut Option<ContactManifoldsWorkspace>) -> Option<&mut Self> {
         if workspace.as_ref().is_none_or(|found| found.0.downcast_ref::<Self>().is_none()) {
             *workspace = Some(ContactManifoldsWorkspace(Box::new(Self::default())));
