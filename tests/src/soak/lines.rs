@@ -9,8 +9,8 @@
 //! | lower bound of a signed distance | the plane of the reported normal; inside, all planes |
 //! | upper bound of a signed distance | the reported point is in the shape; all planes |
 //!
-//! The paths go through a pose or a point of the ordinary soak, where most pairs touch. So many of
-//! them graze the shapes, along a face, an edge or past a vertex.
+//! Each path passes through a pose or a point of the soak of pairs. Most of those pairs touch. So
+//! many paths graze the shapes along a face or an edge, or just pass a vertex.
 
 use glam::DVec3;
 use hullmap::{

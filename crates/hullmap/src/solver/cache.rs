@@ -54,7 +54,7 @@ const MAX_FACES: usize = 2 * MAX_POINTS;
 pub struct Cache {
     /// The last separating axis, from A to B.
     axis: Option<DVec3>,
-    /// GJK starts from the support point along the axis, for want of a simplex.
+    /// There is no simplex yet, so GJK starts from the support point along the axis.
     starts_from_axis: bool,
     portal: Option<[[u32; 2]; 3]>,
     /// The first `simplex_count` entries are in use.
