@@ -5,8 +5,8 @@ use std::hint::black_box;
 use glam::{DQuat, DVec3, Vec3};
 use hullmap::cascade::{self, OuterHulls, Stages};
 use hullmap::{
-    Cache, Compound, CompoundCache, Feature, Hull, Instructions, Manifold, ManifoldSettings, Pack, Pose, Settings,
-    Shape, SupportMap, compound, contact, distance, intersects,
+    Cache, CastSettings, Compound, CompoundCache, Feature, Hull, Instructions, Manifold, ManifoldSettings, Motion,
+    Pack, Pose, Ray, Settings, Shape, SupportMap, cast, compound, contact, distance, intersects, ray, signed_distance,
 };
 use hullmap_bake::IndexKind;
 use hullmap_testkit::packs;
@@ -208,6 +208,7 @@ impl Inquiry {
         let gap = black_box(distance(a, b, b_in_a, &settings, cache));
         let calls = found.support_calls.max(gap.support_calls);
         self.require(calls <= MAX_SUPPORT_CALLS, || format!("{calls} support calls"));
+        self.query_moving(a, b, b_in_a);
         if index.is_multiple_of(MANIFOLD_INTERVAL) {
             let mut manifold = Manifold::new();
             manifold.update(a, b, b_in_a, &ManifoldSettings::default(), cache);
@@ -215,5 +216,21 @@ impl Inquiry {
             let stages = Stages { boxes: true, outer: OuterHulls::Always };
             black_box(cascade::intersects(a, b, b_in_a, stages, &mut Cache::new()));
         }
+    }
+    /// Rays, shape casts and points from the place of B towards A.
+    fn query_moving(&self, a: &Hull, b: &Hull, b_in_a: Pose) {
+        let (settings, from) = (CastSettings::default(), b_in_a.translation() * 3.0);
+        let to = a.interior_point();
+        // The check of a pack requires a finite interior point, and paths a limited one.
+        let (Ok(towards), Ok(motion)) = (Ray::new(from, to - from), Motion::new(to - b_in_a.translation())) else {
+            return;
+        };
+        let entry = black_box(ray(a, &towards, &settings));
+        let impact = black_box(cast(a, b, b_in_a, motion, &settings, &mut Cache::new()));
+        black_box(signed_distance(a, from, &Settings::default(), &mut Cache::new()).expect("the point is finite"));
+        black_box(a.bounds_under(b_in_a));
+        a.feature_within(from, a.diameter() * 0.1, &mut Feature::new());
+        let calls = entry.support_calls.max(impact.support_calls);
+        self.require(calls <= MAX_SUPPORT_CALLS, || format!("{calls} support calls of a ray or a cast"));
     }
 }

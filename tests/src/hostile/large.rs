@@ -17,8 +17,8 @@ use std::{
 
 use glam::{DVec3, Vec3};
 use hullmap::{
-    Cache, Compound, CompoundCache, Feature, Hull, Manifold, ManifoldSettings, Pack, Pose, Settings, Shape, compound,
-    contact, distance, intersects,
+    Cache, CastSettings, Compound, CompoundCache, Feature, Hull, Manifold, ManifoldSettings, Motion, Pack, Pose, Ray,
+    Settings, Shape, SupportMap, cast, compound, contact, distance, intersects, ray, signed_distance,
 };
 use hullmap_bake::{
     BakedHull, IndexKind, PointSet, SourceRecord, bake_hull,
@@ -177,6 +177,15 @@ fn pair(hull: &Hull, block: &Hull, pose: Pose, clock: &mut Clock) {
         clock.time("intersects", || intersects(a, b, pose, &mut Cache::new()));
         clock.time("contact", || contact(a, b, pose, &settings, &mut Cache::new()));
         clock.time("distance", || distance(a, b, pose, &settings, &mut Cache::new()));
+        let to = a.interior_point() - pose.translation();
+        let (path, motion) = (Ray::new(pose.translation(), to).expect("finite"), Motion::new(to).expect("finite"));
+        let far = CastSettings::default();
+        clock.time("ray", || ray(a, &path, &far));
+        clock.time("cast", || cast(a, b, pose, motion, &far, &mut Cache::new()));
+        let point = pose.translation();
+        clock.time("signed distance", || signed_distance(a, point, &settings, &mut Cache::new()).is_ok());
+        clock.time("bounds_under", || a.bounds_under(pose));
+        clock.time("feature_within", || a.feature_within(to, f64::INFINITY, &mut Feature::new()));
         clock.time("manifold", || Manifold::new().update(a, b, pose, &ManifoldSettings::default(), &mut Cache::new()));
     }
 }
