@@ -258,7 +258,7 @@ mod vector;
 
 pub use compound::{Compound, CompoundCache, CompoundManifolds};
 pub use glam;
-pub use hull::{Hull, MassProperties, SharedHull, SupportVertex};
+pub use hull::{Hull, HullArrays, MassProperties, SharedHull, SupportVertex};
 pub use hullmap_format::{IndexKind, header::Header, walk::Cost};
 pub use manifold::{Manifold, ManifoldSettings, Prediction};
 pub use pack::{InvalidPack, NoSuchHull, OpenError, Pack};

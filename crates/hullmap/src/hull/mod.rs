@@ -1,5 +1,6 @@
 //! One hull of a pack: its facts, vertices and faces in place, and its support mapping.
 
+mod arrays;
 mod faces;
 mod facts;
 mod feature;
@@ -18,6 +19,7 @@ use rkyv::rend::{f32_le, i16_le, u32_le};
 use crate::support::index::Index;
 use crate::support::simd::Dispatch;
 
+pub use arrays::HullArrays;
 pub use mass::MassProperties;
 pub use shared::SharedHull;
 pub use support_mapping::SupportVertex;

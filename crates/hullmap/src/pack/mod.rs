@@ -14,6 +14,7 @@
 //! |---|---|---|---|
 //! | [`Pack::open`] | a copy on read-only pages | no effect | no effect |
 //! | [`Pack::from_bytes`] | a copy | no file | no file |
+//! | [`Pack::from_static`] | the caller's, in place | no file | no file |
 //! | [`Pack::map`], `unsafe` | the file's pages, shared by all processes | forbidden: wrong answers, SIGBUS | no effect |
 //!
 //! # Why mapping is `unsafe`
@@ -292,10 +293,93 @@ impl Pack {
     /// # }
     /// ```
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, InvalidPack> {
+        Self::copy_bytes(bytes, Checks::All)
+    }
+
+    /// Copies the bytes of a whole file and checks their structure. **Skips the contents**, as
+    /// [`open_skipping_contents`](Self::open_skipping_contents) does, under the same conditions.
+    ///
+    /// # Errors
+    /// As [`Pack::from_bytes`], for what is checked.
+    ///
+    /// # Complexity
+    /// One copy, then O(number of hulls).
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() -> Result<(), hullmap::InvalidPack> {
+    /// let file: Vec<u8> = rock_and_cube();
+    /// assert_eq!(hullmap::Pack::from_bytes_skipping_contents(&file)?.hull_count(), 2);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn from_bytes_skipping_contents(bytes: &[u8]) -> Result<Self, InvalidPack> {
+        Self::copy_bytes(bytes, Checks::Structure)
+    }
+
+    fn copy_bytes(bytes: &[u8], checks: Checks) -> Result<Self, InvalidPack> {
         let header = Header::read(bytes)?;
         let mut buffer = AlignedVec::with_capacity(bytes.len());
         buffer.extend_from_slice(bytes);
-        Self::from_storage_bytes(header, Bytes::Owned(buffer), Checks::All)
+        Self::from_storage_bytes(header, Bytes::Owned(buffer), checks)
+    }
+
+    /// Uses the bytes of a whole file in place, and checks all of them. No copy is made.
+    ///
+    /// For packs that are part of the program, or that stay in memory until it ends. The bytes must
+    /// start on a multiple of 64 bytes, which `include_bytes!` alone does not promise: put them
+    /// into a type with `#[repr(align(64))]`.
+    ///
+    /// # Errors
+    /// As [`Pack::from_bytes`], and if the bytes are not aligned.
+    ///
+    /// # Complexity
+    /// One pass.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() -> Result<(), hullmap::InvalidPack> {
+    /// use hullmap::Pack;
+    ///
+    /// /// In a program: `static ROCK: Aligned<[u8; N]> = Aligned(*include_bytes!("rock.hullmap"));`
+    /// #[repr(align(64))]
+    /// struct Aligned<T: ?Sized>(T);
+    ///
+    /// # let file: Vec<u8> = rock_and_cube();
+    /// # let mut memory = Aligned([0_u8; 1 << 16]);
+    /// # memory.0[..file.len()].copy_from_slice(&file);
+    /// # let memory: &'static Aligned<[u8; 1 << 16]> = Box::leak(Box::new(memory));
+    /// # let bytes: &'static [u8] = &memory.0[..file.len()];
+    /// let pack = Pack::from_static(bytes)?;
+    /// assert_eq!(pack.hull_count(), 2);
+    /// # let moved: &'static [u8] = Box::leak([&[0; 8][..], bytes].concat().into_boxed_slice());
+    /// # assert!(Pack::from_static(&moved[8..]).is_err());
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn from_static(bytes: &'static [u8]) -> Result<Self, InvalidPack> {
+        Self::from_storage_bytes(Header::read(bytes)?, Bytes::Static(bytes), Checks::All)
+    }
+
+    /// Uses the bytes of a whole file in place, as [`from_static`](Self::from_static) does, and
+    /// checks their structure. **Skips the contents**, as
+    /// [`open_skipping_contents`](Self::open_skipping_contents) does, under the same conditions.
+    ///
+    /// # Errors
+    /// As [`Pack::from_static`], for what is checked.
+    ///
+    /// # Complexity
+    /// O(number of hulls).
+    ///
+    /// # Examples
+    /// ```
+    /// let file: &'static [u8] = b"not a pack";
+    /// assert!(hullmap::Pack::from_static_skipping_contents(file).is_err());
+    /// ```
+    pub fn from_static_skipping_contents(bytes: &'static [u8]) -> Result<Self, InvalidPack> {
+        Self::from_storage_bytes(Header::read(bytes)?, Bytes::Static(bytes), Checks::Structure)
     }
 
     fn from_storage_bytes(header: Header, bytes: Bytes, checks: Checks) -> Result<Self, InvalidPack> {

@@ -28,6 +28,8 @@ pub(super) enum Bytes {
     Sealed(memmap2::Mmap),
     /// A copy, aligned as the archive requires.
     Owned(AlignedVec<HEADER_LEN>),
+    /// Memory of the caller that never changes, such as a static of the program.
+    Static(&'static [u8]),
 }
 
 impl Bytes {
@@ -36,6 +38,7 @@ impl Bytes {
             #[cfg(feature = "mmap")]
             Self::File(map) | Self::Sealed(map) => map,
             Self::Owned(buffer) => buffer,
+            Self::Static(bytes) => bytes,
         }
     }
 
@@ -51,7 +54,7 @@ impl Bytes {
             Self::File(_) => true,
             #[cfg(feature = "mmap")]
             Self::Sealed(_) => false,
-            Self::Owned(_) => false,
+            Self::Owned(_) | Self::Static(_) => false,
         }
     }
 }
