@@ -90,7 +90,8 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
     for (name, lines) in [
         ("build", ["build in --out o --json", "build in --out o --check --json", "build in --out p --json"].as_slice()),
         ("verify", &["verify o --json", "verify o in/a.obj --json"]),
-        ("inspect", &["inspect o --json"]),
+        ("inspect", &["inspect o --json", "inspect o --json --vertices"]),
+        ("export", &["export o/a.hullmap --format json"]),
         (
             "query",
             &[
@@ -161,6 +162,9 @@ fn exit_codes_are_those_of_the_page() {
         ("build a.obj --out a.obj", 2),
         ("build a.obj", 2),
         ("init nowhere", 2),
+        ("export a.hullmap --out hull.obj", 0),
+        ("export a.hullmap --out hull.obj", 2),
+        ("export bad.obj --out new.obj", 1),
     ] {
         bake_in(folder.path(), line.split_whitespace()).expect(code);
     }

@@ -2,6 +2,7 @@
 
 mod assets;
 mod document;
+mod export;
 #[cfg(target_os = "linux")]
 mod faults;
 #[cfg(unix)]

@@ -83,6 +83,20 @@ fn the_table_is_what_the_command_prints() {
     }
 }
 
+/// The exports that the README shows run as they are, after its first command.
+#[test]
+fn the_exports_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let rock = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/rock.obj");
+    bake_in(folder.path(), ["build", rock.to_str().unwrap(), "--out", "baked", "--quiet"]).expect(0);
+    let readme = read("README.md");
+    let lines: Vec<&str> = readme.lines().filter_map(|line| line.strip_prefix("    bake export ")).collect();
+    assert!(lines.len() >= 5, "{lines:?}");
+    for line in lines {
+        bake_in(folder.path(), ["export"].into_iter().chain(line.split_whitespace())).expect(0);
+    }
+}
+
 /// Markdown files of the project, apart from build outputs.
 fn documents(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {

@@ -12,7 +12,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 
-use hullmap_import::{EXTENSIONS, Limits};
+use hullmap_import::{EXTENSIONS, Limits, UpAxis};
 use hullmap_report::input::Up;
 
 use crate::glob::Glob;
@@ -55,6 +55,12 @@ pub enum Command {
     /// Describe the hulls in packs
     #[command(after_help = "Example:\n  bake inspect baked/gear.hullmap --json")]
     Inspect(InspectArgs),
+    /// Write hulls as meshes, also for Unreal, Godot, MuJoCo and URDF
+    #[command(after_help = "Examples:\n  \
+                      bake export baked/rock.hullmap --out rock.glb\n  \
+                      bake export baked/chair.hullmap --for unreal --name SM_Chair --out UCX_chair.glb\n  \
+                      bake export baked/arm.hullmap --for urdf --out arm")]
+    Export(ExportArgs),
     /// Compute intersection, distance or contact of two hulls or packs
     #[command(after_help = "Example:\n  bake query baked/rock.hullmap baked/cube.hullmap --pose \"0.5 0 0 0 0 0 1\"")]
     Query(QueryArgs),
@@ -222,9 +228,106 @@ pub struct InspectArgs {
     /// Packs, or folders to search for them
     #[arg(required = true, value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
+    /// Print the positions of vertices and the faces, too
+    #[arg(long, requires = "json")]
+    pub vertices: bool,
     /// Print one JSON object per pack
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `bake export`.
+#[derive(Debug, clap::Args)]
+pub struct ExportArgs {
+    /// The pack
+    #[arg(value_name = "PACK")]
+    pub pack: PathBuf,
+    /// File to write, or folder for several files [default: standard output]
+    #[arg(long, value_name = "PATH")]
+    pub out: Option<PathBuf>,
+    /// Format of the meshes [default: the extension of --out, or the usual one of the engine]
+    #[arg(long, value_enum, value_name = "obj|stl|glb|json", hide_possible_values = true)]
+    pub format: Option<Format>,
+    /// Use the names and files of an engine
+    #[arg(long = "for", value_enum, value_name = "unreal|godot|mjcf|urdf", hide_possible_values = true)]
+    pub target: Option<Target>,
+    /// Export only this hull, by name or index; repeatable
+    #[arg(long = "hull", value_name = "NAME")]
+    pub hulls: Vec<String>,
+    /// Write one file per hull, to the folder of --out
+    #[arg(long)]
+    pub parts: bool,
+    /// Name of the render mesh (Unreal), node (Godot), body (MJCF) or link (URDF)
+    #[arg(long, value_name = "NAME", requires = "target")]
+    pub name: Option<String>,
+    /// Keep the hulls visible in Godot, by the suffix -convcol
+    #[arg(long = "visible")]
+    pub is_visible: bool,
+    /// Prefix of file names in MJCF and URDF, for instance package://robot/meshes/
+    #[arg(long, value_name = "PREFIX")]
+    pub mesh_prefix: Option<String>,
+    /// Rotate about x: z-to-y turns a z-up hull into a y-up mesh
+    #[arg(
+        long,
+        value_enum,
+        default_value_t = UpAxis::Keep,
+        value_name = "keep|y-to-z|z-to-y",
+        hide_possible_values = true
+    )]
+    pub up_axis: UpAxis,
+    /// Replace existing files
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Formats of exported meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// Wavefront OBJ
+    Obj,
+    /// Binary STL
+    Stl,
+    /// Binary glTF 2.0
+    Glb,
+    /// JSON
+    Json,
+}
+
+impl Format {
+    /// Extension of its files.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Obj => "obj",
+            Self::Stl => "stl",
+            Self::Glb => "glb",
+            Self::Json => "json",
+        }
+    }
+}
+
+/// Engines and documents with rules of their own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Target {
+    /// Meshes named `UCX_<render mesh>_<nn>`
+    Unreal,
+    /// Nodes named `<name>-convcolonly`
+    Godot,
+    /// A MuJoCo model and its mesh files
+    Mjcf,
+    /// A link and its mesh files
+    Urdf,
+}
+
+impl Target {
+    /// Name for messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unreal => "Unreal",
+            Self::Godot => "Godot",
+            Self::Mjcf => "MuJoCo",
+            Self::Urdf => "URDF",
+        }
+    }
 }
 
 /// Arguments of `bake query`.

@@ -1,5 +1,5 @@
-//! The `bake` command: bakes meshes into `.hullmap` packs, and verifies, inspects, queries and
-//! reports on packs.
+//! The `bake` command: bakes meshes into `.hullmap` packs, and verifies, inspects, exports,
+//! queries and reports on packs.
 //!
 //! | module | concept |
 //! |---|---|
@@ -11,6 +11,7 @@
 //! | `baker` | all calls into `hullmap-bake` |
 //! | `verification` | how exact a pack is |
 //! | `advice` | warnings about hulls |
+//! | `geometry` | vertices and faces as lists |
 //! | `packs`, `selection` | packs and hulls named on the command line |
 //! | `source` | the way back from a pack to its source |
 //! | `project` | the folder that the way back must not leave |
@@ -27,6 +28,7 @@ mod baker;
 mod commands;
 mod config;
 mod depfile;
+mod geometry;
 mod glob;
 mod interrupt;
 mod open;
@@ -71,6 +73,7 @@ fn run(cli: &Cli, out: &mut Output) -> Result<Exit, Failure> {
         Command::Build(args) => commands::build::run(args, out),
         Command::Verify(args) => commands::verify::run(args, out),
         Command::Inspect(args) => commands::inspect::run(args, out),
+        Command::Export(args) => commands::export::run(args, out),
         Command::Query(args) => commands::query::run(args, out),
         Command::Report(args) => commands::report::run(args, out),
         Command::Init(args) => commands::init::run(args, out),

@@ -40,7 +40,7 @@ impl fmt::Write for Escaping<'_, '_> {
 }
 
 /// Whether a terminal would obey this character instead of showing it.
-fn is_escaped(letter: char) -> bool {
+pub fn is_escaped(letter: char) -> bool {
     // C0, DEL and C1.
     letter.is_control()
         || matches!(
@@ -85,7 +85,8 @@ impl<'a> Output<'a> {
         writeln!(self.writer)
     }
 
-    /// Writes a text of the program itself, without names from elsewhere, as it is.
+    /// Writes a text of the program itself, without names from elsewhere, or a whole file, as it
+    /// is.
     ///
     /// # Errors
     /// The writer's.

@@ -4,6 +4,7 @@ use hullmap::{Hull, IndexKind, Pack};
 use serde::Serialize;
 
 use crate::args::InspectArgs;
+use crate::geometry::{polygons, positions, rank_name};
 use crate::open::open_pack;
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
@@ -44,6 +45,10 @@ struct HullDescription {
     uncovered: f64,
     part: u32,
     origin: [f64; 3],
+    /// Vertices, with `--vertices`.
+    positions: Option<Vec<[f32; 3]>>,
+    /// Vertex indices of each face, with `--vertices`.
+    polygons: Option<Vec<Vec<u32>>>,
     index: IndexDescription,
 }
 
@@ -68,7 +73,7 @@ pub fn run(args: &InspectArgs, out: &mut Output) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     for (index, place) in find_packs(&args.inputs)?.iter().enumerate() {
         let report = match open_pack(&place.path) {
-            Ok(pack) => report(place.path.display().to_string(), &pack),
+            Ok(pack) => report(place.path.display().to_string(), &pack, args.vertices),
             Err(failure) => {
                 exit = exit.max(failure.exit);
                 terminal::error(failure);
@@ -87,7 +92,7 @@ pub fn run(args: &InspectArgs, out: &mut Output) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
-fn report(file: String, pack: &Pack) -> PackDescription {
+fn report(file: String, pack: &Pack, has_vertices: bool) -> PackDescription {
     let header = pack.header();
     PackDescription {
         file,
@@ -96,11 +101,11 @@ fn report(file: String, pack: &Pack) -> PackDescription {
         source: pack.source_path().to_owned(),
         options: pack.options().to_owned(),
         source_hash: format!("{:032x}", header.source_hash),
-        hulls: pack.hulls().map(|hull| describe(&hull)).collect(),
+        hulls: pack.hulls().map(|hull| describe(&hull, has_vertices)).collect(),
     }
 }
 
-fn describe(hull: &Hull) -> HullDescription {
+fn describe(hull: &Hull, has_vertices: bool) -> HullDescription {
     let worst = hull.worst_cost();
     let kind = hull.index_kind();
     HullDescription {
@@ -119,6 +124,8 @@ fn describe(hull: &Hull) -> HullDescription {
         uncovered: hull.uncovered(),
         part: hull.part(),
         origin: hull.origin().to_array(),
+        positions: has_vertices.then(|| positions(hull)),
+        polygons: has_vertices.then(|| polygons(hull)),
         index: IndexDescription {
             kind: kind.as_str().to_owned(),
             resolution: matches!(kind, IndexKind::CubeMap { .. }).then_some(kind.resolution()),
@@ -126,16 +133,6 @@ fn describe(hull: &Hull) -> HullDescription {
             max_nodes: worst.nodes,
             max_dots: worst.dots,
         },
-    }
-}
-
-/// The word for a rank.
-fn rank_name(rank: u32) -> &'static str {
-    match rank {
-        0 => "point",
-        1 => "segment",
-        2 => "flat polygon",
-        _ => "solid",
     }
 }
 
@@ -208,6 +205,8 @@ mod tests {
             uncovered: 0.0,
             part: 0,
             origin: [0.0; 3],
+            positions: None,
+            polygons: None,
             index,
         };
         PackDescription {

@@ -1,0 +1,90 @@
+//! A hull on its way out of a pack: name, vertices and faces, without its index.
+
+use hullmap::Hull;
+use hullmap_import::UpAxis;
+use serde::Serialize;
+
+use crate::geometry::{polygons, positions};
+
+/// A hull to be written. Field names are those of the JSON.
+#[derive(Clone, Debug, Serialize)]
+pub struct Body {
+    /// Name in the file.
+    pub name: String,
+    /// 3 solid, 2 polygon, 1 segment, 0 point.
+    pub rank: u32,
+    /// Index among the parts of its object.
+    pub part: u32,
+    /// Origin of the hull's frame in the frame of the source.
+    pub origin: [f64; 3],
+    /// Vertices, in the order of the hull.
+    pub positions: Vec<[f32; 3]>,
+    /// Vertex indices of each face, counter-clockwise seen from outside.
+    pub polygons: Vec<Vec<u32>>,
+}
+
+impl Body {
+    /// The hull, rotated. Rotations are exact: coordinates are swapped and negated.
+    pub fn new(hull: &Hull, up_axis: UpAxis) -> Self {
+        let mut positions = positions(hull);
+        for position in &mut positions {
+            *position = rotated(*position, up_axis);
+        }
+        Self {
+            name: hull.name().to_owned(),
+            rank: hull.rank(),
+            part: hull.part(),
+            origin: rotated(hull.origin().to_array(), up_axis),
+            positions,
+            polygons: polygons(hull),
+        }
+    }
+
+    /// All faces, each triangulated from its first vertex, since faces are planar and convex.
+    pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        self.polygons.iter().flat_map(|polygon| {
+            let first = polygon.first().copied().unwrap_or_default();
+            polygon.get(1..).unwrap_or_default().windows(2).map(move |pair| [first, pair[0], pair[1]])
+        })
+    }
+}
+
+/// The rotation of `bake build --up-axis`.
+fn rotated<T: Copy + std::ops::Neg<Output = T>>([x, y, z]: [T; 3], up_axis: UpAxis) -> [T; 3] {
+    match up_axis {
+        UpAxis::Keep => [x, y, z],
+        UpAxis::YToZ => [x, -z, y],
+        UpAxis::ZToY => [x, z, -y],
+    }
+}
+
+/// A cube for unit tests, centred, with edges of length 2.
+#[cfg(test)]
+pub fn cube(name: &str) -> Body {
+    let positions = (0..8_u8).map(|i| [0, 1, 2].map(|axis| f32::from(i >> axis & 1) * 2.0 - 1.0)).collect();
+    let polygons =
+        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]].map(Vec::from).into();
+    Body { name: name.to_owned(), rank: 3, part: 0, origin: [0.0; 3], positions, polygons }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_cover_faces() {
+        let cube = cube("cube");
+        assert_eq!(cube.triangles().count(), 12);
+        assert!(cube.triangles().take(2).eq([[0, 4, 6], [0, 6, 2]]));
+        for polygon in [vec![], vec![1], vec![1, 2]] {
+            assert_eq!(Body { polygons: vec![polygon], ..cube.clone() }.triangles().count(), 0);
+        }
+    }
+
+    #[test]
+    fn rotations_undo_each_other() {
+        let point = [1.0_f32, 2.0, -3.0];
+        assert_eq!(rotated(point, UpAxis::YToZ), [1.0, 3.0, 2.0]);
+        assert_eq!(rotated(rotated(point, UpAxis::YToZ), UpAxis::ZToY), point);
+    }
+}

@@ -1,0 +1,114 @@
+//! Hulls as binary glTF 2.0: a node and a mesh each, with triangles, or lines or points.
+//!
+//! The file is one object of JSON and one buffer, so it is written here with serde_json. The crate
+//! `gltf` writes the container as well, but its types for the JSON bring five more packages into
+//! the command; it reads the files in the tests instead.
+//!
+//! # Reference
+//! Khronos Group, "glTF 2.0 Specification", sections 3.6 (binary data), 3.7 (geometry) and 4 (GLB).
+
+use serde_json::{Value, json};
+
+use super::body::Body;
+
+/// `glTF` and the version.
+const MAGIC: [u32; 2] = [0x4654_6c67, 2];
+/// Types of the chunks.
+const JSON: u32 = 0x4e4f_534a;
+const BIN: u32 = 0x004e_4942;
+
+/// Modes of primitives.
+const POINTS: u32 = 0;
+const LINES: u32 = 1;
+const TRIANGLES: u32 = 4;
+
+/// Component types of accessors.
+const U32: u32 = 5125;
+const F32: u32 = 5126;
+
+/// Targets of buffer views.
+const VERTICES: u32 = 34962;
+const INDICES: u32 = 34963;
+
+/// The file.
+///
+/// # Errors
+/// It would be larger than the 4 GiB that its header can count.
+pub fn write(bodies: &[Body]) -> Result<Vec<u8>, String> {
+    let mut buffer = Vec::new();
+    let (mut views, mut accessors, mut meshes, mut nodes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for (index, body) in bodies.iter().enumerate() {
+        let positions = push(&mut buffer, body.positions.iter().flatten().map(|coordinate| coordinate.to_le_bytes()));
+        let (mode, indices): (u32, Vec<u32>) = match body.rank {
+            0 => (POINTS, vec![0]),
+            1 => (LINES, (0..body.positions.len() as u32).collect()),
+            _ => (TRIANGLES, body.triangles().flatten().collect()),
+        };
+        let index_count = indices.len();
+        let indices = push(&mut buffer, indices.into_iter().map(u32::to_le_bytes));
+        let [low, high] = bounds(&body.positions);
+        accessors.push(json!({
+            "bufferView": 2 * index, "componentType": F32, "count": body.positions.len(), "type": "VEC3",
+            "min": low, "max": high,
+        }));
+        accessors.push(json!({
+            "bufferView": 2 * index + 1, "componentType": U32, "count": index_count, "type": "SCALAR",
+        }));
+        views.push(view(positions, VERTICES));
+        views.push(view(indices, INDICES));
+        let primitive = json!({ "attributes": { "POSITION": 2 * index }, "indices": 2 * index + 1, "mode": mode });
+        meshes.push(json!({ "name": body.name, "primitives": [primitive] }));
+        nodes.push(json!({ "name": body.name, "mesh": index }));
+    }
+    let root = json!({
+        "asset": { "version": "2.0", "generator": "bake" },
+        "scene": 0,
+        "scenes": [{ "nodes": (0..bodies.len()).collect::<Vec<_>>() }],
+        "nodes": nodes,
+        "meshes": meshes,
+        "accessors": accessors,
+        "bufferViews": views,
+        "buffers": [{ "byteLength": buffer.len() }],
+    });
+    container(root.to_string().into_bytes(), buffer)
+}
+
+/// Appends numbers, and returns their offset and length in bytes.
+fn push(buffer: &mut Vec<u8>, numbers: impl Iterator<Item = [u8; 4]>) -> [usize; 2] {
+    let start = buffer.len();
+    buffer.extend(numbers.flatten());
+    [start, buffer.len() - start]
+}
+
+fn view([offset, length]: [usize; 2], target: u32) -> Value {
+    json!({ "buffer": 0, "byteOffset": offset, "byteLength": length, "target": target })
+}
+
+/// Minimum and maximum of each coordinate.
+fn bounds(positions: &[[f32; 3]]) -> [[f32; 3]; 2] {
+    let mut bounds = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+    for position in positions {
+        for (axis, coordinate) in position.iter().enumerate() {
+            bounds[0][axis] = bounds[0][axis].min(*coordinate);
+            bounds[1][axis] = bounds[1][axis].max(*coordinate);
+        }
+    }
+    bounds
+}
+
+/// Header and chunks. A chunk ends at a multiple of four bytes: JSON is padded by spaces.
+fn container(mut json: Vec<u8>, mut buffer: Vec<u8>) -> Result<Vec<u8>, String> {
+    json.resize(json.len().next_multiple_of(4), b' ');
+    buffer.resize(buffer.len().next_multiple_of(4), 0);
+    let length = 12 + 8 + json.len() + 8 + buffer.len();
+    let number = |length: usize| {
+        u32::try_from(length).map_err(|_| format!("the file would have {length} bytes, but GLB counts to 4 GiB"))
+    };
+    let mut file = Vec::with_capacity(length);
+    file.extend(MAGIC.into_iter().chain([number(length)?]).flat_map(u32::to_le_bytes));
+    for (kind, chunk) in [(JSON, json), (BIN, buffer)] {
+        file.extend([number(chunk.len())?, kind].into_iter().flat_map(u32::to_le_bytes));
+        file.extend(chunk);
+    }
+    Ok(file)
+}

@@ -1,0 +1,314 @@
+//! `bake export`: hulls out of a pack, as meshes that other programs read.
+//!
+//! 1. Hulls are selected and, for an engine, named by its rules (`names`).
+//! 2. Each file is written in memory (`obj`, `stl`, `glb`, JSON, `robot`).
+//! 3. If a target exists, nothing is written. Each file is written to a temporary file and renamed.
+//!
+//! Coordinates keep all bits of `f32`, so that what is exported bakes to the same hull.
+
+mod body;
+mod glb;
+mod names;
+mod obj;
+mod robot;
+mod stl;
+
+use std::fs;
+use std::io::{self, IsTerminal};
+use std::path::{Path, PathBuf};
+
+use hullmap::Pack;
+use serde::Serialize;
+
+use crate::args::{ExportArgs, Format, Target};
+use crate::geometry::rank_name;
+use crate::open::open_pack;
+use crate::outcome::{Exit, Failure, end};
+use crate::pack_file::{folder_of, make_folder, put_in_free_place, put_in_place, sweep, write_beside};
+use crate::packs::is_pack;
+use crate::selection::Selection;
+use crate::table::{grouped, rounded};
+use crate::terminal::{self, Output};
+use body::Body;
+use robot::Robot;
+
+/// Maximum number of hull names in a message.
+const NAMES_IN_MESSAGE: usize = 5;
+
+/// The hulls of a pack as JSON. Field names are those of the JSON.
+#[derive(Debug, Serialize)]
+struct ExportedPack<'a> {
+    /// Path of the source as the pack records it.
+    source: &'a str,
+    /// The recorded build options.
+    options: &'a str,
+    hulls: &'a [Body],
+}
+
+/// A file to be written.
+#[derive(Debug)]
+struct ExportedFile {
+    /// Name in the folder of the output.
+    name: String,
+    bytes: Vec<u8>,
+    /// Number of hulls, vertices and triangles in it; `None` for a document that names meshes.
+    counts: Option<[usize; 3]>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Usage: wrong flags, a pack that cannot be read, a target that exists or cannot be written.
+/// Rejected: the pack is damaged, or none of its hulls can be written in the format.
+pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
+    let format = format(args)?;
+    let is_folder = args.parts || matches!(args.target, Some(Target::Mjcf | Target::Urdf));
+    check_flags(args, format, is_folder)?;
+    let pack = open_pack(&args.pack)?;
+    let mut bodies = selected(args, &pack)?;
+    leave_out(args, format, &mut bodies)?;
+    if bodies.len() > 1 && format == Format::Stl && !is_folder {
+        return Err(Failure::usage(format!(
+            "{}: has {} hulls, and an STL file holds one; add --parts, select one with --hull, or use another format",
+            args.pack.display(),
+            bodies.len()
+        )));
+    }
+    rename(args, &mut bodies);
+    let files = files(args, &pack, format, is_folder, bodies)?;
+    let Some(target) = &args.out else {
+        let written = files.iter().try_for_each(|file| out.verbatim(&file.bytes));
+        return end(Exit::Done, written.map_err(Failure::from));
+    };
+    let targets: Vec<PathBuf> =
+        if is_folder { files.iter().map(|file| target.join(&file.name)).collect() } else { vec![target.clone()] };
+    write_all(args, &targets, &files)?;
+    let lines = targets.iter().zip(&files).try_for_each(|(target, file)| out.line(summary(target, file)));
+    end(Exit::Done, lines.map_err(Failure::from))
+}
+
+/// The format: as given, as the extension of the target says, or the one that the engine reads
+/// best.
+fn format(args: &ExportArgs) -> Result<Format, Failure> {
+    let allowed: &[Format] = match args.target {
+        None => &[Format::Obj, Format::Stl, Format::Glb, Format::Json],
+        Some(Target::Unreal) => &[Format::Glb, Format::Obj],
+        Some(Target::Godot) => &[Format::Glb],
+        Some(Target::Mjcf | Target::Urdf) => &[Format::Obj, Format::Stl],
+    };
+    let extension = args.out.as_deref().and_then(Path::extension).map(|extension| extension.to_ascii_lowercase());
+    let named = || allowed.iter().find(|format| extension.as_ref().is_some_and(|ending| ending == format.extension()));
+    let format = args.format.or_else(|| named().copied()).or(args.target.and(allowed.first().copied()));
+    let listed = || allowed.iter().map(|format| format.extension()).collect::<Vec<_>>().join(", ");
+    match format {
+        Some(format) if allowed.contains(&format) => Ok(format),
+        Some(format) => {
+            let target = args.target.map_or("", Target::name);
+            Err(Failure::usage(format!("--format {}: {target} takes {}", format.extension(), listed())))
+        }
+        None => Err(Failure::usage(format!(
+            "the format is unknown; add --format, or name a file in --out with one of these extensions: {}",
+            listed()
+        ))),
+    }
+}
+
+/// Checks what clap cannot express.
+fn check_flags(args: &ExportArgs, format: Format, is_folder: bool) -> Result<(), Failure> {
+    let usage = |message: String| Err(Failure::usage(message));
+    if args.is_visible && args.target != Some(Target::Godot) {
+        return usage("--visible: only for Godot; add --for godot".to_owned());
+    }
+    if args.mesh_prefix.is_some() && !matches!(args.target, Some(Target::Mjcf | Target::Urdf)) {
+        return usage("--mesh-prefix: only for documents that name files; add --for mjcf or --for urdf".to_owned());
+    }
+    let Some(target) = &args.out else {
+        if is_folder {
+            return usage("several files are written; name a folder with --out".to_owned());
+        }
+        if matches!(format, Format::Glb | Format::Stl) && io::stdout().is_terminal() {
+            return usage(format!("{} is binary; name a file with --out, or redirect the output", format.extension()));
+        }
+        return Ok(());
+    };
+    let shown = target.display();
+    if is_folder {
+        if target.exists() && !target.is_dir() {
+            return usage(format!("--out {shown}: is a file, but several files are written; name a folder"));
+        }
+        return Ok(());
+    }
+    if target.is_dir() || target.file_name().is_none() {
+        return usage(format!("--out {shown}: is a folder; name the file to write, or add --parts"));
+    }
+    if is_pack(target) {
+        return usage(format!("--out {shown}: has the extension of packs; name another file"));
+    }
+    Ok(())
+}
+
+/// The hulls that `--hull` names, in the order of the pack, or all.
+fn selected(args: &ExportArgs, pack: &Pack) -> Result<Vec<Body>, Failure> {
+    let names: Vec<&str> = pack.hulls().map(|hull| hull.name()).collect();
+    let mut is_chosen = vec![args.hulls.is_empty(); names.len()];
+    for hull in &args.hulls {
+        let selection = Selection { file: args.pack.clone(), hull: Some(hull.clone()) };
+        is_chosen[selection.choose(&names)?] = true;
+    }
+    let chosen = pack.hulls().zip(is_chosen).filter(|(_, is_chosen)| *is_chosen);
+    let bodies: Vec<Body> = chosen.map(|(hull, _)| Body::new(&hull, args.up_axis)).collect();
+    if let Some(body) = bodies.iter().find(|body| body.origin != [0.0; 3]) {
+        terminal::note(format_args!(
+            "{}: coordinates are relative to the recorded origin, {} in the source (--recentre)",
+            args.pack.display(),
+            body.origin.map(rounded).join(" ")
+        ));
+    }
+    Ok(bodies)
+}
+
+/// Removes hulls that the format or the engine cannot hold, with a warning.
+fn leave_out(args: &ExportArgs, format: Format, bodies: &mut Vec<Body>) -> Result<(), Failure> {
+    let (least_rank, holder, holds) = match (args.target, format) {
+        (Some(target), _) => (3, target.name(), "solids"),
+        (None, Format::Stl) => (2, "STL", "triangles"),
+        (None, _) => return Ok(()),
+    };
+    let unfit: Vec<&Body> = bodies.iter().filter(|body| body.rank < least_rank).collect();
+    if unfit.is_empty() {
+        return Ok(());
+    }
+    let described = |body: &&&Body| format!("{} ({})", body.name, rank_name(body.rank));
+    let listed: Vec<String> = unfit.iter().take(NAMES_IN_MESSAGE).map(|body| described(&body)).collect();
+    let more = if unfit.len() > NAMES_IN_MESSAGE { ", …" } else { "" };
+    let message = format!("{holder} takes {holds} only: {}{more}", listed.join(", "));
+    let (pack, count) = (args.pack.display(), unfit.len());
+    if count == bodies.len() {
+        return Err(Failure::rejected(format!("{pack}: nothing to export, because {message}; export as obj or json")));
+    }
+    let hulls = if count == 1 { "hull" } else { "hulls" };
+    terminal::warning(format_args!("{pack}: {count} {hulls} left out, because {message}; export as obj or json"));
+    bodies.retain(|body| body.rank >= least_rank);
+    Ok(())
+}
+
+/// Gives the hulls the names of the target.
+fn rename(args: &ExportArgs, bodies: &mut [Body]) {
+    let own: Vec<(&str, u32)> = bodies.iter().map(|body| (body.name.as_str(), body.part)).collect();
+    let name = args.name.as_deref();
+    let new = match args.target {
+        None => return,
+        Some(Target::Unreal) => names::unreal(&own, name),
+        Some(Target::Godot) => names::godot(&own, name, args.is_visible),
+        Some(Target::Mjcf | Target::Urdf) => names::unique(own.iter().map(|(name, _)| names::token(name)).collect()),
+    };
+    for (body, name) in bodies.iter_mut().zip(new) {
+        body.name = name;
+    }
+}
+
+/// All files, in memory.
+fn files(
+    args: &ExportArgs,
+    pack: &Pack,
+    format: Format,
+    is_folder: bool,
+    bodies: Vec<Body>,
+) -> Result<Vec<ExportedFile>, Failure> {
+    let fault = |message: String| Failure::rejected(format!("{}: {message}", args.pack.display()));
+    if !is_folder {
+        // The name is that of `--out`.
+        return Ok(vec![file(args, pack, format, String::new(), &bodies).map_err(fault)?]);
+    }
+    let stems = names::unique(bodies.iter().map(|body| names::token(&body.name)).collect());
+    let mut files = Vec::with_capacity(bodies.len() + 1);
+    for (body, stem) in bodies.iter().zip(stems) {
+        let name = format!("{stem}.{}", format.extension());
+        files.push(file(args, pack, format, name, std::slice::from_ref(body)).map_err(fault)?);
+    }
+    let meshes: Vec<(String, String)> =
+        bodies.into_iter().zip(&files).map(|(body, file)| (body.name, file.name.clone())).collect();
+    let stem = args.pack.file_stem().unwrap_or_default().to_string_lossy();
+    let name = names::token(args.name.as_deref().unwrap_or(&stem));
+    let robot = Robot { name: &name, prefix: args.mesh_prefix.as_deref().unwrap_or_default(), meshes: &meshes };
+    let document = match args.target {
+        Some(Target::Mjcf) => Some((format!("{name}.xml"), robot.mjcf())),
+        Some(Target::Urdf) => Some((format!("{name}.urdf"), robot.urdf())),
+        _ => None,
+    };
+    // Last, so that the files that it names are there when it is.
+    files.extend(document.map(|(name, text)| ExportedFile { name, bytes: text.into_bytes(), counts: None }));
+    Ok(files)
+}
+
+/// One file of `bodies`.
+fn file(args: &ExportArgs, pack: &Pack, format: Format, name: String, bodies: &[Body]) -> Result<ExportedFile, String> {
+    let bytes = match format {
+        Format::Obj => obj::write(bodies, args.target == Some(Target::Unreal)),
+        Format::Glb => glb::write(bodies)?,
+        Format::Json => {
+            let exported = ExportedPack { source: pack.source_path(), options: pack.options(), hulls: bodies };
+            let mut text = serde_json::to_vec(&exported).map_err(|error| error.to_string())?;
+            text.push(b'\n');
+            text
+        }
+        Format::Stl => bodies.first().map_or(Ok(Vec::new()), stl::write)?,
+    };
+    let vertices = bodies.iter().map(|body| body.positions.len()).sum();
+    let triangles = bodies.iter().map(|body| body.triangles().count()).sum();
+    Ok(ExportedFile { name, bytes, counts: Some([bodies.len(), vertices, triangles]) })
+}
+
+/// Writes all files. Existing files are kept, unless `--force` is given.
+fn write_all(args: &ExportArgs, targets: &[PathBuf], files: &[ExportedFile]) -> Result<(), Failure> {
+    let exists = |target: &Path| {
+        Failure::usage(format!(
+            "{}: already exists and was not changed; name another path in --out, or replace it with --force",
+            target.display()
+        ))
+    };
+    // Before anything is written. A link counts, also if it is broken.
+    let existing = targets.iter().find(|target| fs::symlink_metadata(target).is_ok());
+    if let Some(target) = existing.filter(|_| !args.force) {
+        return Err(exists(target));
+    }
+    for (target, file) in targets.iter().zip(files) {
+        let failure =
+            |error: io::Error| Failure::usage(format!("{}: cannot write: {error}; check the path", target.display()));
+        make_folder(folder_of(target)).map_err(failure)?;
+        sweep_once(target, targets);
+        let unplaced = write_beside(target, &file.bytes).map_err(failure)?;
+        if args.force {
+            put_in_place(unplaced, target).map_err(failure)?;
+        } else {
+            put_in_free_place(unplaced, target).map_err(|error| match error.kind() {
+                io::ErrorKind::AlreadyExists => exists(target),
+                _ => failure(error),
+            })?;
+        }
+    }
+    Ok(())
+}
+
+/// Removes temporary files of a killed export. All targets are in one folder.
+fn sweep_once(target: &Path, targets: &[PathBuf]) {
+    if targets.first().is_some_and(|first| first == target) {
+        sweep(folder_of(target));
+    }
+}
+
+/// What was written, as a line for people.
+fn summary(target: &Path, file: &ExportedFile) -> String {
+    let bytes = grouped(file.bytes.len() as u64);
+    let Some([hulls, vertices, triangles]) = file.counts.map(|counts| counts.map(|count| count as u64)) else {
+        return format!("{}: {bytes} bytes", target.display());
+    };
+    let noun = if hulls == 1 { "hull" } else { "hulls" };
+    format!(
+        "{}: {} {noun}, {} vertices, {} triangles, {bytes} bytes",
+        target.display(),
+        grouped(hulls),
+        grouped(vertices),
+        grouped(triangles)
+    )
+}

@@ -1,0 +1,97 @@
+//! Hulls as OBJ text: an object each, with triangles, or a line or a point element.
+//!
+//! Coordinates are the shortest decimals that give the same `f32` again, also to a reader that
+//! rounds to `f64` first.
+
+use std::fmt::Write as _;
+
+use super::body::Body;
+use super::names::line;
+
+/// The file. With `has_groups`, each object is also a group, because Unreal makes a mesh of each
+/// group.
+pub fn write(bodies: &[Body], has_groups: bool) -> Vec<u8> {
+    let mut text = String::from("# Convex hulls, exported by bake\n");
+    // OBJ counts from 1, over all objects.
+    let mut first = 1_u64;
+    for body in bodies {
+        let name = line(&body.name);
+        text += &format!("o {name}\n");
+        if has_groups {
+            text += &format!("g {name}\n");
+        }
+        for position in &body.positions {
+            text.push('v');
+            for coordinate in position {
+                text.push(' ');
+                push_decimal(&mut text, *coordinate);
+            }
+            text.push('\n');
+        }
+        match body.rank {
+            0 => push_element(&mut text, "p", first..first + 1),
+            1 => push_element(&mut text, "l", first..first + body.positions.len() as u64),
+            _ => {
+                for corners in body.triangles() {
+                    push_element(&mut text, "f", corners.into_iter().map(|corner| first + u64::from(corner)));
+                }
+            }
+        }
+        first += body.positions.len() as u64;
+    }
+    text.into_bytes()
+}
+
+fn push_element(text: &mut String, keyword: &str, vertices: impl Iterator<Item = u64>) {
+    text.push_str(keyword);
+    for vertex in vertices {
+        // Writing to a string cannot fail.
+        let _ = write!(text, " {vertex}");
+    }
+    text.push('\n');
+}
+
+/// Appends a number. The shortest decimal of 7.038531e-26 lies so close to the middle between two
+/// `f32` that rounding to `f64` first gives its neighbour; such numbers are written in full.
+fn push_decimal(text: &mut String, number: f32) {
+    let start = text.len();
+    let _ = write!(text, "{number}");
+    let is_same = text[start..].parse::<f64>().is_ok_and(|read| (read as f32).to_bits() == number.to_bits());
+    if !is_same {
+        text.truncate(start);
+        let _ = write!(text, "{}", f64::from(number));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::body::cube;
+    use super::*;
+
+    #[test]
+    fn decimals_keep_their_bits_on_both_ways() {
+        let special = [0.0, -0.0, 1.0, 0.1, f32::MAX, f32::MIN_POSITIVE, f32::from_bits(1), 7.038_531e-26, -1.0e-3];
+        let spread = (0..200_000_u32).map(|index| f32::from_bits(index.wrapping_mul(2_654_435_761)));
+        let mut long = 0;
+        for number in special.into_iter().chain(spread).filter(|number| number.is_finite()) {
+            let mut text = String::new();
+            push_decimal(&mut text, number);
+            assert_eq!(text.parse::<f32>().unwrap().to_bits(), number.to_bits(), "{text}");
+            assert_eq!((text.parse::<f64>().unwrap() as f32).to_bits(), number.to_bits(), "{text}");
+            long += usize::from(text != number.to_string());
+        }
+        assert!((1..10).contains(&long), "{long} numbers in full");
+    }
+
+    #[test]
+    fn objects_count_their_vertices_from_the_first_of_the_file() {
+        let segment =
+            Body { rank: 1, positions: vec![[0.0; 3], [0.5, 0.0, 1e-3]], polygons: Vec::new(), ..cube("a\nb") };
+        let point = Body { rank: 0, positions: vec![[1.0; 3]], polygons: Vec::new(), ..cube("p") };
+        let text = String::from_utf8(write(&[segment, point, cube("c")], true)).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        let expected = ["o a_b", "g a_b", "v 0 0 0", "v 0.5 0 0.001", "l 1 2", "o p", "g p", "v 1 1 1", "p 3", "o c"];
+        assert_eq!(lines[1..11], expected);
+        assert_eq!((lines[20], lines.len()), ("f 4 8 10", 20 + 12), "{text}");
+    }
+}

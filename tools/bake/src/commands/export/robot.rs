@@ -1,0 +1,87 @@
+//! Hulls as collision geometry of a robot or a scene: a document that names one mesh file per hull.
+//!
+//! | document | root | collision geometry |
+//! |---|---|---|
+//! | MJCF | `mujoco` | a `mesh` asset and a `geom` each, in one body without joints |
+//! | URDF | `robot` | a `collision` each, in one link |
+//!
+//! Both documents load as they are. Copy the elements from them into a model.
+//!
+//! # Reference
+//! MuJoCo, "XML Reference", elements `mesh` and `geom`; ROS, "URDF XML Specification", element
+//! `collision`.
+
+/// Collision meshes of one body.
+#[derive(Debug)]
+pub struct Robot<'a> {
+    /// Name of the body or the link.
+    pub name: &'a str,
+    /// Prefix of file names, for instance `package://robot/meshes/`.
+    pub prefix: &'a str,
+    /// Name and file of each hull.
+    pub meshes: &'a [(String, String)],
+}
+
+impl Robot<'_> {
+    /// The MJCF document.
+    pub fn mjcf(&self) -> String {
+        let (name, prefix) = (escaped(self.name), escaped(self.prefix));
+        let mut text = format!("<mujoco model=\"{name}\">\n  <asset>\n");
+        for (mesh, file) in self.meshes {
+            let (mesh, file) = (escaped(mesh), escaped(file));
+            text += &format!("    <mesh name=\"{mesh}\" file=\"{prefix}{file}\"/>\n");
+        }
+        text += &format!("  </asset>\n  <worldbody>\n    <body name=\"{name}\">\n");
+        for (mesh, _) in self.meshes {
+            let mesh = escaped(mesh);
+            text += &format!("      <geom name=\"{mesh}\" type=\"mesh\" mesh=\"{mesh}\"/>\n");
+        }
+        text + "    </body>\n  </worldbody>\n</mujoco>\n"
+    }
+
+    /// The URDF document.
+    pub fn urdf(&self) -> String {
+        let (name, prefix) = (escaped(self.name), escaped(self.prefix));
+        let mut text = format!("<?xml version=\"1.0\"?>\n<robot name=\"{name}\">\n  <link name=\"{name}\">\n");
+        for (mesh, file) in self.meshes {
+            let (mesh, file) = (escaped(mesh), escaped(file));
+            text += &format!("    <collision name=\"{mesh}\">\n      <geometry>\n");
+            text += &format!("        <mesh filename=\"{prefix}{file}\"/>\n");
+            text += "      </geometry>\n    </collision>\n";
+        }
+        text + "  </link>\n</robot>\n"
+    }
+}
+
+/// The text of an attribute. Characters that XML 1.0 does not allow are replaced.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '&' => escaped += "&amp;",
+            '<' => escaped += "&lt;",
+            '>' => escaped += "&gt;",
+            '"' => escaped += "&quot;",
+            '\'' => escaped += "&apos;",
+            '\u{fffe}' | '\u{ffff}' => escaped.push('_'),
+            letter if letter.is_control() => escaped.push('_'),
+            letter => escaped.push(letter),
+        }
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_stay_in_their_attributes() {
+        let meshes = [("a\"/><evil x='\n".to_owned(), "a&b.obj".to_owned())];
+        let robot = Robot { name: "r<1>", prefix: "package://p/", meshes: &meshes };
+        for text in [robot.mjcf(), robot.urdf()] {
+            assert!(!text.contains("<evil") && text.contains("package://p/a&amp;b.obj"), "{text}");
+            assert!(text.contains("\"r&lt;1&gt;\"") && text.contains("\"a&quot;/&gt;&lt;evil x=&apos;_\""), "{text}");
+        }
+    }
+}
