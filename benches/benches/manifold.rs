@@ -79,6 +79,23 @@ fn update(bencher: Bencher<'_, '_>, case: Case) {
     });
 }
 
+/// The contact inside of an update: what remains of the ratio is the manifold's own.
+#[divan::bench(args = cases())]
+fn contact(bencher: Bencher<'_, '_>, case: Case) {
+    let pack = pack(case);
+    let body = pack.hull(0).expect("the pack has a hull");
+    let cuboid = Cuboid::new(DVec3::new(5.0, 5.0, 1.0)).expect("finite");
+    let floor: &dyn Shape = if case.on_itself { &body } else { &cuboid };
+    let poses = poses(floor, &body);
+    let settings = ManifoldSettings::default();
+    let mut cache = Cache::new();
+    bencher.counter(ItemsCount::new(STEPS)).bench_local(|| {
+        for pose in &poses {
+            black_box(hullmap::contact(floor, &body, *pose, &settings.contact, &mut cache));
+        }
+    });
+}
+
 #[divan::bench(args = cases().filter(|case| !case.on_itself))]
 fn feature(bencher: Bencher<'_, '_>, case: Case) {
     let pack = pack(case);

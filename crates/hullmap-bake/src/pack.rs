@@ -8,7 +8,10 @@ use hullmap_format::{
 };
 use rkyv::{rancor, util::AlignedVec};
 
-use crate::{BakeError, BakedHull, SourceRecord, bvh, hull::Hull};
+use crate::{
+    BakeError, BakedHull, SourceRecord, bvh,
+    hull::{Hull, quads::quads},
+};
 
 /// The bytes of a pack that contains `hulls`: a pure function of the arguments.
 ///
@@ -51,7 +54,9 @@ fn append(pack: &mut Pack, baked: &BakedHull) -> Result<(), BakeError> {
     append_runs(&mut pack.face_starts, &mut pack.face_vertices, &hull.faces);
     let neighbours = hull.neighbours();
     append_runs(&mut pack.neighbour_starts, &mut pack.neighbours, &neighbours);
-    pack.neighbour_faces.extend(hull.neighbour_faces(&neighbours));
+    let neighbour_faces = hull.neighbour_faces(&neighbours);
+    pack.quads.extend(quads(hull, &neighbours, &neighbour_faces));
+    pack.neighbour_faces.extend_from_slice(&neighbour_faces);
     if hull.rank == 3 {
         append_edges(&mut pack.edges, hull, &neighbours);
     }
@@ -96,6 +101,7 @@ fn end_of(pack: &Pack) -> Result<Span, BakeError> {
         block: at(pack.blocks.len())?,
         edge: at(pack.edges.len())?,
         outer: at(pack.outer_vertices.len())?,
+        quad: at(pack.quads.len())?,
     })
 }
 

@@ -56,6 +56,8 @@ pub struct Pack {
     /// Vertices of the faces, as indices from the hull's first vertex, counter-clockwise seen from
     /// outside. Each face starts with its lowest index. Faces are in lexicographic order.
     pub face_vertices: Vec<u32>,
+    /// One entry for each face with more than four corners, in the order of the faces.
+    pub quads: Vec<Quad>,
     /// For each vertex, the position in its hull's run of `neighbours` at which its neighbours
     /// start.
     pub neighbour_starts: Vec<u32>,
@@ -98,6 +100,8 @@ pub struct Span {
     pub outer: u32,
     /// In [`Pack::edges`].
     pub edge: u32,
+    /// In [`Pack::quads`].
+    pub quad: u32,
 }
 
 /// Facts about one hull. Lengths are in source units, points in the hull's frame: the source's,
@@ -177,6 +181,19 @@ pub struct BvhNode {
     pub bounds_max: [f32; 3],
     /// Number of hulls below: 1 for a leaf, at least 2 for an inner node.
     pub hull_count: u32,
+}
+
+/// Four corners that stand for a face with more than four corners in a contact manifold.
+#[derive(Archive, Serialize, Clone, Copy, Debug, Default, PartialEq)]
+#[rkyv(derive(Clone, Copy, Debug, Pod, Zeroable))]
+pub struct Quad {
+    /// The face.
+    pub face: u32,
+    /// Positions among the corners of the face, ascending. Their quadrilateral has at least half of
+    /// the face's area.
+    pub corners: [u32; 4],
+    /// How steeply the surface falls away from the face: see [`crate::quad::fall`].
+    pub fall: f32,
 }
 
 /// Entry of [`Pack::source_vertices`] for a vertex that is not in the source.

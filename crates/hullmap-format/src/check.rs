@@ -58,6 +58,7 @@ pub(crate) fn gaps(pack: &Sections<'_>, payload: &[u8]) -> Result<(), CheckError
         extent("source_vertices", pack.source_vertices),
         extent("face_starts", pack.face_starts),
         extent("face_vertices", pack.face_vertices),
+        extent("quads", pack.quads),
         extent("neighbour_starts", pack.neighbour_starts),
         extent("neighbours", pack.neighbours),
         extent("neighbour_faces", pack.neighbour_faces),
@@ -81,11 +82,22 @@ pub(crate) fn gaps(pack: &Sections<'_>, payload: &[u8]) -> Result<(), CheckError
 /// Where a hull's runs start, in the order of [`SECTIONS`].
 fn starts(span: &ArchivedSpan) -> [u32; SECTIONS.len()] {
     let s = span;
-    [s.name, s.vertex, s.face, s.face_vertex, s.neighbour, s.edge, s.slot, s.block, s.outer].map(u32_le::to_native)
+    [s.name, s.vertex, s.face, s.face_vertex, s.quad, s.neighbour, s.edge, s.slot, s.block, s.outer]
+        .map(u32_le::to_native)
 }
 
-const SECTIONS: [&str; 9] =
-    ["names", "vertices", "faces", "face vertices", "neighbours", "edges", "slots", "blocks", "outer vertices"];
+const SECTIONS: [&str; 10] = [
+    "names",
+    "vertices",
+    "faces",
+    "face vertices",
+    "quads",
+    "neighbours",
+    "edges",
+    "slots",
+    "blocks",
+    "outer vertices",
+];
 
 /// Checks that the spans divide every section into one run per hull.
 fn spans(pack: &Sections<'_>) -> Result<(), CheckError> {
@@ -118,6 +130,7 @@ fn spans(pack: &Sections<'_>) -> Result<(), CheckError> {
         pack.vertices.len(),
         pack.face_starts.len(),
         pack.face_vertices.len(),
+        pack.quads.len(),
         pack.neighbours.len(),
         pack.edges.len(),
         pack.slots.len(),

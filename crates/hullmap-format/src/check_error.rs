@@ -251,6 +251,58 @@ pub enum HullError {
         /// Number of vertices of all faces: twice the number of edges.
         corners: usize,
     },
+    /// An entry of the quads does not name the next face with more than four corners.
+    #[error("quad {quad}: its face is {found} (expected {})", expected_face(*expected))]
+    QuadFace {
+        /// Position in the hull's quads.
+        quad: usize,
+        /// Its face.
+        found: u32,
+        /// The next face with more than four corners; `None` if there are no more.
+        expected: Option<u32>,
+    },
+    /// A face with more than four corners has no entry.
+    #[error("face {face} has more than four corners and no quad")]
+    QuadMissing {
+        /// The face.
+        face: usize,
+    },
+    /// The corners of a quad are not corners of its face, in ascending order.
+    #[error("quad {quad}: its corners are {found:?} (they must ascend below {corner_count}, the corners of its face)")]
+    QuadCorners {
+        /// Position in the hull's quads.
+        quad: usize,
+        /// Its corners.
+        found: [u32; 4],
+        /// Number of corners of the face.
+        corner_count: u32,
+    },
+    /// The fall of a quad is not the sine of an angle from 0 to a right angle.
+    #[error("quad {quad}: its fall is {found} (expected 0 to 1)")]
+    QuadFall {
+        /// Position in the hull's quads.
+        quad: usize,
+        /// Its fall.
+        found: f32,
+    },
+    /// The fall of a quad is not that of its face.
+    #[error("quad {quad}: its fall is {found} (expected {expected}, from the edges that leave its face)")]
+    QuadFallDiffers {
+        /// Position in the hull's quads.
+        quad: usize,
+        /// Its fall.
+        found: f32,
+        /// That of its face.
+        expected: f32,
+    },
+    /// A quad is smaller than half of its face.
+    #[error("quad {quad}: it has {share} of the area of its face (expected at least 0.5)")]
+    QuadArea {
+        /// Position in the hull's quads.
+        quad: usize,
+        /// Its area, relative to that of the face.
+        share: f64,
+    },
     /// A run of neighbours is out of order or out of range.
     #[error("vertex {vertex}: its neighbours are entries {start}..{end} of {count} (runs must be contiguous)")]
     NeighbourRun {
@@ -540,4 +592,8 @@ fn faces_of_rank(rank: u32) -> &'static str {
 
 fn or_next(before: Option<u32>) -> String {
     before.and_then(|before| before.checked_add(1)).map_or_else(String::new, |next| format!(" or {next}"))
+}
+
+fn expected_face(face: Option<u32>) -> String {
+    face.map_or_else(|| "no more faces with more than four corners".to_owned(), |face| face.to_string())
 }

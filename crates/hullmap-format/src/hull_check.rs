@@ -1,4 +1,4 @@
-//! Checks of one hull: record, vertices, faces, neighbours, edges, outer hull, index and blocks.
+//! Checks of one hull: record, vertices, faces, quads, neighbours, edges, outer hull, index and blocks.
 
 use rkyv::rend::{f32_le, f64_le, u32_le};
 
@@ -29,6 +29,7 @@ impl HullCheck<'_> {
         self.vertices()?;
         self.source_vertices()?;
         self.faces()?;
+        self.quads()?;
         self.neighbours()?;
         self.adjacency().check(scratch)?;
         self.edges()?;
@@ -182,6 +183,38 @@ impl HullCheck<'_> {
             Ok(())
         } else {
             Err(HullError::Euler { vertices: vertex_count, faces: starts.len(), corners: corners.len() })
+        }
+    }
+
+    /// Every face with more than four corners has an entry, in order, whose corners are its own and
+    /// ascend.
+    fn quads(&self) -> Result<(), HullError> {
+        let starts = run(self.pack.face_starts, self.start.face, self.end.face);
+        let corners = run(self.pack.face_vertices, self.start.face_vertex, self.end.face_vertex);
+        let ends = starts.iter().skip(1).map(|start| start.to_native()).chain([corners.len() as u32]);
+        let counts = starts.iter().zip(ends).map(|(start, end)| end.saturating_sub(start.to_native()));
+        let mut large = (0_u32..).zip(counts).filter(|(_, count)| *count > 4);
+        let quads = run(self.pack.quads, self.start.quad, self.end.quad);
+        for (index, quad) in quads.iter().enumerate() {
+            let found = quad.face.to_native();
+            let expected = large.next();
+            let Some((_, corner_count)) = expected.filter(|(face, _)| *face == found) else {
+                return Err(HullError::QuadFace { quad: index, found, expected: expected.map(|(face, _)| face) });
+            };
+            let corners = quad.corners.map(|corner| corner.to_native());
+            let [a, b, c, d] = corners;
+            if !(a < b && b < c && c < d && d < corner_count) {
+                return Err(HullError::QuadCorners { quad: index, found: corners, corner_count });
+            }
+            let fall = quad.fall.to_native();
+            // NaN is in no range.
+            if !(0.0..=1.0).contains(&fall) {
+                return Err(HullError::QuadFall { quad: index, found: fall });
+            }
+        }
+        match large.next() {
+            Some((face, _)) => Err(HullError::QuadMissing { face: face as usize }),
+            None => Ok(()),
         }
     }
 

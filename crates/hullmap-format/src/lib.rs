@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`header`] | the first 64 bytes: magic, version, length, hashes, checksum |
 //! | [`archive`] | the rkyv types after the header: vectors of plain numbers |
+//! | [`quad`] | the four corners that stand for a face of many corners |
 //! | [`cube`] | direction ↔ cell of the cube map |
 //! | [`index_kind`] | the kinds of direction index: names, codes, leaf sizes |
 //! | [`slot`] | the words of a direction index |
@@ -32,6 +33,7 @@ pub mod header;
 mod hull_check;
 pub mod index_kind;
 pub mod node;
+pub mod quad;
 pub mod repeats;
 pub mod sections;
 pub mod slot;
@@ -45,4 +47,4 @@ pub const EXTENSION: &str = "hullmap";
 /// Version of the format that this crate writes and reads.
 ///
 /// Any change to the bytes or to their meaning increments it. `docs/FORMAT.md` lists the history.
-pub const FORMAT_VERSION: u32 = 3;
+pub const FORMAT_VERSION: u32 = 4;

@@ -1,5 +1,5 @@
-//! Checks that redundant values of a file agree: blocks repeat the positions of their vertices, and
-//! edges are the directions between vertices.
+//! Checks that redundant values of a file agree: blocks repeat the positions of their vertices,
+//! edges are the directions between vertices, and quads follow from their faces.
 //!
 //! Queries are safe without this check. If it fails, answers are finite and in range, but wrong. A
 //! file with a correct checksum can contain many other wrong values. `bake verify` finds all of
@@ -10,21 +10,23 @@ use rkyv::rend::{f32_le, i16_le, u32_le};
 use crate::{
     archive::ArchivedSpan,
     check::{CheckError, HullError},
-    edge,
+    edge, quad,
     sections::Sections,
 };
 
 /// Compares the redundant values of an archive.
 ///
 /// # Errors
-/// The first lane or edge that contradicts its vertices. In an archive that has not passed
+/// The first lane, edge or quad that contradicts its vertices. In an archive that has not passed
 /// [`contents`](crate::check::contents), also a run or an index that is out of range.
 ///
 /// # Complexity
-/// O(archive): one square root per edge, one random read per lane.
+/// O(archive): one square root per edge, one random read per lane. One bit of memory per vertex.
 pub fn repeats(pack: &Sections<'_>) -> Result<(), CheckError> {
     for (hull, (start, end)) in pack.spans.iter().zip(pack.spans.iter().skip(1)).enumerate() {
-        let checked = blocks_agree(pack, start, end).and_then(|()| edges_agree(pack, start, end));
+        let checked = blocks_agree(pack, start, end)
+            .and_then(|()| edges_agree(pack, start, end))
+            .and_then(|()| quads_agree(pack, start, end));
         checked.map_err(|source| CheckError::Hull { hull, source })?;
     }
     Ok(())
@@ -82,4 +84,66 @@ fn edges_agree(pack: &Sections<'_>, start: &ArchivedSpan, end: &ArchivedSpan) ->
         }
     }
     Ok(())
+}
+
+/// Rounding error of a share of an area.
+const AREA_ERROR: f64 = 1e-6;
+
+fn quads_agree(pack: &Sections<'_>, start: &ArchivedSpan, end: &ArchivedSpan) -> Result<(), HullError> {
+    let quads = run("quads", pack.quads, start.quad, end.quad)?;
+    if quads.is_empty() {
+        return Ok(());
+    }
+    let vertices = run("vertices", pack.vertices, start.vertex, end.vertex)?;
+    let face_starts = run("face starts", pack.face_starts, start.face, end.face)?;
+    let face_vertices = run("face vertices", pack.face_vertices, start.face_vertex, end.face_vertex)?;
+    let neighbour_starts = run("neighbour starts", pack.neighbour_starts, start.vertex, end.vertex)?;
+    let neighbours = run("neighbours", pack.neighbours, start.neighbour, end.neighbour)?;
+    let neighbour_faces = run("neighbour faces", pack.neighbour_faces, start.neighbour, end.neighbour)?;
+    // Runs that overlap, and faces that repeat, would take quadratic time.
+    if !face_starts.is_sorted_by_key(|start| start.to_native()) {
+        return Err(HullError::OutOfRange { section: "face starts" });
+    }
+    if !quads.is_sorted_by(|a, b| a.face.to_native() < b.face.to_native()) {
+        return Err(HullError::OutOfRange { section: "quads" });
+    }
+    let positions: Vec<[f64; 3]> = vertices.iter().map(|v| v.map(|c| f64::from(c.to_native()))).collect();
+    let corners: Vec<u32> = face_vertices.iter().map(|v| v.to_native()).collect();
+    let faces: Vec<&[u32]> = (0..face_starts.len())
+        .map(|face| corners.get(range(face_starts, face, corners.len())).unwrap_or_default())
+        .collect();
+    let left_of = |v: u32, w: u32| {
+        let range = range(neighbour_starts, v as usize, neighbours.len());
+        let at = neighbours.get(range.clone())?.binary_search_by_key(&w, |w| w.to_native()).ok()?;
+        neighbour_faces.get(range)?.get(at).map(|face| face.to_native())
+    };
+    // Only solids have edges. A polygon has no edges that leave its face.
+    let is_solid = end.edge != start.edge;
+    let falls = if is_solid { quad::falls(&positions, &faces, left_of) } else { vec![quad::STEEPEST; faces.len()] };
+    for (index, entry) in quads.iter().enumerate() {
+        let of_face = faces.get(entry.face.to_native() as usize).zip(falls.get(entry.face.to_native() as usize));
+        let (face, expected) = of_face.ok_or(HullError::OutOfRange { section: "quads" })?;
+        let corner = |at: u32| positions.get(*face.get(at as usize)? as usize).copied();
+        let [Some(a), Some(b), Some(c), Some(d)] = entry.corners.map(|at| corner(at.to_native())) else {
+            return Err(HullError::OutOfRange { section: "quads" });
+        };
+        let outline: Vec<[f64; 3]> = face.iter().filter_map(|v| positions.get(*v as usize).copied()).collect();
+        let area = quad::double_area(&outline);
+        let share = quad::dot(quad::double_quad_area([a, b, c, d]), area) / quad::dot(area, area);
+        // NaN takes the failing branch.
+        if !(share >= 0.5 - AREA_ERROR) {
+            return Err(HullError::QuadArea { quad: index, share });
+        }
+        let found = entry.fall.to_native();
+        if found != *expected {
+            return Err(HullError::QuadFallDiffers { quad: index, found, expected: *expected });
+        }
+    }
+    Ok(())
+}
+
+/// The elements of run `index`, which end where the next run starts.
+fn range(starts: &[u32_le], index: usize, count: usize) -> std::ops::Range<usize> {
+    let at = |index: usize| starts.get(index).map_or(count, |start| start.to_native() as usize);
+    at(index)..at(index.saturating_add(1))
 }

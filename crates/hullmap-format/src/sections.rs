@@ -19,11 +19,11 @@ use bytemuck::Pod;
 use rkyv::rend::{f32_le, i16_le, u32_le};
 
 use crate::{
-    archive::{ArchivedBlock, ArchivedBvhNode, ArchivedHullRecord, ArchivedPack, ArchivedSpan},
+    archive::{ArchivedBlock, ArchivedBvhNode, ArchivedHullRecord, ArchivedPack, ArchivedQuad, ArchivedSpan},
     check_error::CheckError,
 };
 
-/// Length of the root in bytes: an offset and a count, four bytes each, for each of 17 sections.
+/// Length of the root in bytes: an offset and a count, four bytes each, for each of 18 sections.
 const ROOT_LEN: usize = size_of::<ArchivedPack>();
 
 /// The first section starts on a multiple of this many bytes in memory: a cache line.
@@ -45,6 +45,7 @@ pub struct Sections<'a> {
     pub source_vertices: &'a [u32_le],
     pub face_starts: &'a [u32_le],
     pub face_vertices: &'a [u32_le],
+    pub quads: &'a [ArchivedQuad],
     pub neighbour_starts: &'a [u32_le],
     pub neighbours: &'a [u32_le],
     pub neighbour_faces: &'a [u32_le],
@@ -79,6 +80,7 @@ impl<'a> Sections<'a> {
             source_vertices: cutter.cut("source_vertices", offset_of!(ArchivedPack, source_vertices))?,
             face_starts: cutter.cut("face_starts", offset_of!(ArchivedPack, face_starts))?,
             face_vertices: cutter.cut("face_vertices", offset_of!(ArchivedPack, face_vertices))?,
+            quads: cutter.cut("quads", offset_of!(ArchivedPack, quads))?,
             neighbour_starts: cutter.cut("neighbour_starts", offset_of!(ArchivedPack, neighbour_starts))?,
             neighbours: cutter.cut("neighbours", offset_of!(ArchivedPack, neighbours))?,
             neighbour_faces: cutter.cut("neighbour_faces", offset_of!(ArchivedPack, neighbour_faces))?,
@@ -156,7 +158,7 @@ impl<'a> Cutter<'a> {
     }
 }
 
-const _: () = assert!(ROOT_LEN == 17 * 8, "the root is 17 offsets and counts without padding");
+const _: () = assert!(ROOT_LEN == 18 * 8, "the root is 18 offsets and counts without padding");
 
 #[cfg(test)]
 mod tests {
@@ -164,7 +166,7 @@ mod tests {
 
     use super::*;
     use crate::{
-        archive::{Block, BvhNode, HullRecord, LANES, Pack, Span},
+        archive::{Block, BvhNode, HullRecord, LANES, Pack, Quad, Span},
         check,
     };
 
@@ -182,6 +184,7 @@ mod tests {
             source_vertices: vec![9; 5],
             face_starts: vec![1; 2],
             face_vertices: vec![],
+            quads: vec![Quad { face: 3, ..Quad::default() }; 2],
             neighbour_starts: vec![3; 5],
             neighbours: vec![4; 6],
             neighbour_faces: vec![5; 6],
@@ -214,6 +217,7 @@ mod tests {
         same(found.source_vertices, &expected.source_vertices);
         same(found.face_starts, &expected.face_starts);
         same(found.face_vertices, &expected.face_vertices);
+        same(found.quads, &expected.quads);
         same(found.neighbour_starts, &expected.neighbour_starts);
         same(found.neighbours, &expected.neighbours);
         same(found.neighbour_faces, &expected.neighbour_faces);

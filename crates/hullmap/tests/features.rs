@@ -2,7 +2,9 @@
 
 use glam::{DQuat, DVec2, DVec3};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere, TILT};
-use hullmap::{Cache, Feature, Hull, Manifold, ManifoldSettings, Pack, Pose, Prediction, Shape, SupportMap};
+use hullmap::{
+    Cache, Feature, Hull, Manifold, ManifoldSettings, Pack, Pose, Prediction, Shape, SupportMap, SupportPoint,
+};
 use hullmap_testkit::{packs::tree_pack, random::RandomPoses};
 use shapes::{families::Family, rng::SplitMix64, solids};
 
@@ -267,4 +269,181 @@ fn small_bodies_keep_their_points_while_they_lean() {
         }
         assert!(points > 1_500, "{points}");
     }
+}
+
+/// A prism whose sides are upright, or lean by `lean`, with random corners on a circle.
+fn prism(n: usize, lean: f64, rng: &mut SplitMix64) -> Vec<[f32; 3]> {
+    let mut angles: Vec<f64> = (0..n).map(|_| rng.between(0.0, std::f64::consts::TAU)).collect();
+    angles.sort_by(f64::total_cmp);
+    let ring = |radius: f64, z: f64| angles.iter().map(move |a| [radius * a.cos(), radius * a.sin(), z]);
+    let all = ring(1.0, -0.5).chain(ring(1.0 + lean, 0.5));
+    all.map(|p| p.map(|c| c as f32)).collect()
+}
+
+/// The four corners of a reduced face span the largest area, by trying all. No other feature is
+/// reduced: not below five corners, and not where faces are merged.
+#[test]
+fn reduced_features_are_the_best_four_corners() {
+    println!("seed {SEED:#x}");
+    let mut rng = SplitMix64::new(SEED + 4);
+    let (mut reduced, mut whole) = (0, 0);
+    for n in [3, 4, 5, 6, 7, 9, 12, 20] {
+        for lean in [0.0, 0.3, 0.01] {
+            let pack = tree_pack(&prism(n, lean, &mut rng));
+            let hull = pack.hull(0).unwrap();
+            for _ in 0..40 {
+                let side = rng.unit_vector() * 0.01;
+                let dir = if rng.below(2) == 0 { DVec3::Z } else { DVec3::NEG_Z } + side;
+                let mut found = Feature::new();
+                hull.reduced_feature_within(dir, 0.02, &mut found);
+                let all: Vec<DVec3> = feature_within(&hull, dir, 0.02).corners().iter().map(|c| c.point).collect();
+                let corners: Vec<DVec3> = found.corners().iter().map(|c| c.point).collect();
+                if !found.is_reduced() {
+                    assert!(corners == all, "{n} {lean} {dir}");
+                    whole += 1;
+                    continue;
+                }
+                reduced += 1;
+                assert!(all.len() > 4 && corners.len() == 4, "{n} {lean} {dir}: {corners:?}");
+                assert!(corners.iter().all(|c| all.contains(c)));
+                let mut best: f64 = 0.0;
+                for d in 3..all.len() {
+                    for c in 2..d {
+                        for b in 1..c {
+                            (0..b).for_each(|a| best = best.max(area(&[a, b, c, d].map(|i| all[i]), DVec3::Z)));
+                        }
+                    }
+                }
+                assert!(area(&corners, DVec3::Z) >= best * (1.0 - 1e-9), "{n} {lean} {dir}");
+            }
+        }
+    }
+    println!("{reduced} reduced, {whole} whole");
+    assert!(reduced > 200 && whole > 200, "not representative");
+}
+
+/// A face alone is the feature where the surface falls away steeply, and one step less of fall
+/// merges it with its neighbours: the stored fall decides as the ring of queries would.
+#[test]
+fn faces_are_merged_on_either_side_of_the_tilt() {
+    for (lean, merges) in [(0.05, false), (0.021, false), (0.015, true), (0.005, true)] {
+        for n in [4, 5, 12, 40] {
+            // A low pyramid frustum around the cap: its sides fall by the tangent `lean`.
+            let ring = |radius: f64, z: f64| {
+                (0..n).map(move |i| {
+                    let (sine, cosine) = (f64::from(i) / f64::from(n) * std::f64::consts::TAU).sin_cos();
+                    [(radius * cosine) as f32, (radius * sine) as f32, z as f32]
+                })
+            };
+            let points: Vec<[f32; 3]> = ring(1.0, 0.0).chain(ring(2.0, -lean)).chain(ring(1.5, -1.0)).collect();
+            let pack = tree_pack(&points);
+            let hull = pack.hull(0).unwrap();
+            for reach in [f64::INFINITY, 0.5] {
+                for reduced in [false, true] {
+                    let mut found = Feature::new();
+                    if reduced {
+                        hull.reduced_feature_within(DVec3::Z, reach, &mut found);
+                    } else {
+                        hull.feature_within(DVec3::Z, reach, &mut found);
+                    }
+                    let outer = found.corners().iter().any(|c| c.point.truncate().length() > 1.1);
+                    assert_eq!(outer, merges, "lean {lean}, {n} sides, reach {reach}, reduced {reduced}");
+                    assert_eq!(found.is_reduced(), reduced && n > 4 && !merges);
+                }
+            }
+        }
+    }
+}
+
+/// A shape that is never reduced: the twin.
+struct Whole<'a>(&'a dyn Shape);
+
+impl SupportMap for Whole<'_> {
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
+        self.0.support_point(dir)
+    }
+    fn interior_point(&self) -> DVec3 {
+        self.0.interior_point()
+    }
+    fn inner_radius(&self) -> f64 {
+        self.0.inner_radius()
+    }
+    fn outer_radius(&self) -> f64 {
+        self.0.outer_radius()
+    }
+    fn support_error(&self) -> f64 {
+        self.0.support_error()
+    }
+    fn point(&self, feature: u32) -> Option<DVec3> {
+        self.0.point(feature)
+    }
+    fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
+        self.0.support_point_from(dir, hint)
+    }
+}
+
+impl Shape for Whole<'_> {
+    fn feature(&self, dir: DVec3, out: &mut Feature) {
+        self.0.feature(dir, out);
+    }
+    fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
+        self.0.feature_within(dir, reach, out);
+    }
+}
+
+/// Manifolds from reduced features span nearly as much area as those from whole ones, at the same
+/// depths.
+#[test]
+fn reduced_features_support_as_well_as_whole_ones() {
+    println!("seed {SEED:#x}");
+    let mut rng = SplitMix64::new(SEED + 5);
+    let packs: Vec<Pack> = [6, 12, 30, 100].iter().map(|n| tree_pack(&prism(*n, 0.1, &mut rng))).collect();
+    let hulls: Vec<Hull> = packs.iter().map(|pack| pack.hull(0).unwrap()).collect();
+    let cuboid = Cuboid::new(DVec3::new(3.0, 3.0, 0.5)).unwrap();
+    let cylinder = Cylinder::new(0.5, 0.8).unwrap();
+    let mut shapes: Vec<&dyn Shape> = vec![&cuboid, &cylinder];
+    hulls.iter().for_each(|hull| shapes.push(hull));
+    let settings = ManifoldSettings::default();
+    let mut shares = Vec::new();
+    for a in &shapes {
+        for b in &shapes {
+            for _ in 0..30 {
+                let side = rng.unit_vector() * 0.002;
+                let turned = DQuat::from_rotation_z(rng.between(0.0, 6.0)) * DQuat::from_scaled_axis(side);
+                let [x, y] = [0, 1].map(|_| rng.between(-1.2, 1.2));
+                let pose = Pose::new(DVec3::new(x, y, 0.995), turned.normalize()).unwrap();
+                let spanned = |a: &dyn Shape, b: &dyn Shape| {
+                    let mut manifold = Manifold::new();
+                    let contact = manifold.update(a, b, pose, &settings, &mut Cache::new());
+                    let points: Vec<DVec3> = manifold.points().iter().map(|p| p.point_a).collect();
+                    let order = [[0, 1, 2, 3], [0, 2, 1, 3], [0, 1, 3, 2]];
+                    let n = manifold.normal();
+                    let area = match *points {
+                        [p, q, r, s] => {
+                            order.map(|i| area(&i.map(|i| [p, q, r, s][i]), n)).into_iter().fold(0.0, f64::max)
+                        }
+                        [p, q, r] => area(&[p, q, r], n),
+                        _ => 0.0,
+                    };
+                    let deepest = manifold.points().iter().map(|p| p.depth).fold(f64::NEG_INFINITY, f64::max);
+                    (contact, area, deepest)
+                };
+                let (contact, reduced, deepest) = spanned(a, b);
+                let (same, whole, depth) = spanned(&Whole(a), &Whole(b));
+                assert_eq!(contact, same);
+                // Of points that are equally deep within 1e-4 of the size, any may be taken.
+                assert!((deepest - depth).abs() <= 3e-4, "{deepest} {depth}");
+                // The deepest point is always among the four. If it is not one of the stored
+                // corners, it replaces one of them, where the whole face offers three others.
+                assert!(reduced >= 0.7 * whole, "{reduced} of {whole} at {pose:?}");
+                if whole > 0.0 {
+                    shares.push(reduced / whole);
+                }
+            }
+        }
+    }
+    let mean = shares.iter().sum::<f64>() / shares.len() as f64;
+    let least = shares.iter().copied().fold(f64::INFINITY, f64::min);
+    println!("{} pairs: mean {mean:.4}, least {least:.3}", shares.len());
+    assert!(shares.len() > 700 && mean > 0.98, "{} pairs, mean {mean}", shares.len());
 }

@@ -230,6 +230,7 @@ impl Inquiry {
         black_box(signed_distance(a, from, &Settings::default(), &mut Cache::new()).expect("the point is finite"));
         black_box(a.bounds_under(b_in_a));
         a.feature_within(from, a.diameter() * 0.1, &mut Feature::new());
+        a.reduced_feature_within(from, a.diameter() * 0.1, &mut Feature::new());
         let calls = entry.support_calls.max(impact.support_calls);
         self.require(calls <= MAX_SUPPORT_CALLS, || format!("{calls} support calls of a ray or a cast"));
     }

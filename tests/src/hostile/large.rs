@@ -186,6 +186,9 @@ fn pair(hull: &Hull, block: &Hull, pose: Pose, clock: &mut Clock) {
         clock.time("signed distance", || signed_distance(a, point, &settings, &mut Cache::new()).is_ok());
         clock.time("bounds_under", || a.bounds_under(pose));
         clock.time("feature_within", || a.feature_within(to, f64::INFINITY, &mut Feature::new()));
+        clock.time("reduced_feature_within", || {
+            a.reduced_feature_within(to, f64::INFINITY, &mut Feature::new());
+        });
         clock.time("manifold", || Manifold::new().update(a, b, pose, &ManifoldSettings::default(), &mut Cache::new()));
     }
 }

@@ -80,7 +80,7 @@ fn compare(hulls: &[BakedHull], source: &SourceRecord, count: usize, met: &mut M
 
     assert_eq!(file.count(section::HULLS), pack.hull_count());
     assert_eq!(file.count(section::SPANS), pack.hull_count() + 1);
-    assert_eq!(file.span(0), [0; 9]);
+    assert_eq!(file.span(0), [0; 10]);
     let counts = [
         section::NAMES,
         section::VERTICES,
@@ -91,6 +91,7 @@ fn compare(hulls: &[BakedHull], source: &SourceRecord, count: usize, met: &mut M
         section::BLOCKS,
         section::OUTER_VERTICES,
         section::EDGES,
+        section::QUADS,
     ];
     assert_eq!(file.span(hulls.len()), counts.map(|section| file.count(section)));
     assert_eq!(file.count(section::SOURCE_VERTICES), file.count(section::VERTICES));
@@ -219,6 +220,7 @@ fn shape(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
     assert_eq!(ours.record.max_neighbours as usize, neighbours.iter().map(|list| list.len()).max().unwrap());
     beside(ours, theirs, &neighbours, &faces);
     edges_of(ours, &neighbours);
+    quads(ours, &faces);
     outer(ours, theirs, baked);
     let (v, c, f) = (ours.vertices.len(), ours.face_vertices.len(), faces.len());
     match ours.record.rank {
@@ -250,6 +252,23 @@ fn beside(ours: &reader::Hull, theirs: &hullmap::Hull, neighbours: &[&[u32]], fa
             sorted.sort_unstable();
             assert!(at.eq(sorted));
         }
+    }
+}
+
+/// Each face with more than four corners has a quad of half of its area or more, and the fall that
+/// the document defines.
+fn quads(ours: &reader::Hull, faces: &[&[u32]]) {
+    let large = (0..faces.len()).filter(|face| faces[*face].len() > 4);
+    assert!(large.eq(ours.quads.iter().map(|quad| quad.face as usize)));
+    for quad in &ours.quads {
+        let face = faces[quad.face as usize];
+        assert!(quad.corners.is_sorted_by(|a, b| a < b) && (quad.corners[3] as usize) < face.len());
+        let share = ours.share(face, quad.corners);
+        assert!((0.5 - 1e-9..=1.0 + 1e-9).contains(&share), "{share}");
+        // The document takes two edges at each corner; here all edges are compared.
+        let fall = if ours.record.rank == 3 { ours.fall(face).max(0.0) } else { 1.0 };
+        let found = f64::from(quad.fall);
+        assert!(found <= fall + 1e-6 && found >= fall - 1e-6, "{found}, by all edges {fall}");
     }
 }
 
@@ -406,11 +425,15 @@ fn a_reader_written_from_the_document_agrees() {
 /// Files of earlier versions are refused because of their version. The error states the remedy.
 #[test]
 fn files_of_older_versions_are_refused_with_the_remedy() {
-    let files = [&include_bytes!("../../data/version-1.hullmap")[..], include_bytes!("../../data/version-2.hullmap")];
+    let files = [
+        &include_bytes!("../../data/version-1.hullmap")[..],
+        include_bytes!("../../data/version-2.hullmap"),
+        include_bytes!("../../data/version-3.hullmap"),
+    ];
     for (file, version) in files.into_iter().zip(1..) {
         let error = Pack::from_bytes(file).unwrap_err().to_string();
         println!("{error}");
-        let expected = format!("format version {version}, but this build reads version 3; bake the source again");
+        let expected = format!("format version {version}, but this build reads version 4; bake the source again");
         assert!(error.contains(&expected), "{error}");
         assert_eq!(u64_at(file, 16) as usize, file.len() - 64, "the file is complete");
         assert_eq!(
@@ -548,10 +571,11 @@ fn tables_have_no_gaps() {
     };
     for (heading, size) in [
         ("\n## 3. Header\n", 64),
-        ("\n### 6.1 Span\n", 36),
+        ("\n### 6.1 Span\n", 40),
         ("\n### 6.2 Hull record\n", 248),
         ("\n### 6.3 Block\n", 128),
         ("\n### 6.4 Node\n", 32),
+        ("\n### 6.5 Quad\n", 24),
     ] {
         let end = rows(heading).into_iter().fold(0, |end, (offset, size)| {
             assert_eq!(offset, end, "{heading}");

@@ -20,7 +20,7 @@ use hullmap_tests::hostile::{
     patch::{changed, offset_of, payload},
     samples,
 };
-use shapes::families::Family;
+use shapes::{families::Family, solids};
 
 /// The message with which a file is refused.
 fn message(file: &[u8]) -> String {
@@ -152,6 +152,16 @@ fn vertices_faces_and_neighbours() {
         refusal!(&pair, spans[1].neighbour = 23_u32),
         "hull 0: its vertices have 23 neighbours (expected 24, one per face vertex)"
     );
+    let prism = samples::named("prism, tree");
+    assert_eq!(refusal!(&prism, quads[0].face = 7_u32), "hull 0: quad 0: its face is 7 (expected 1)");
+    assert!(refusal!(&prism, quads[0].corners[1] = 0_u32).starts_with("hull 0: quad 0: its corners are ["));
+    assert_eq!(refusal!(&prism, quads[1].fall = f32::NAN), "hull 0: quad 1: its fall is NaN (expected 0 to 1)");
+    let prisms = two(["a", "b"], &solids::extrusion(&solids::regular_polygon(7, 1.0), -1.0, 1.0).vertices);
+    assert_eq!(refusal!(&prisms, spans[1].quad = 1_u32), "hull 0: face 6 has more than four corners and no quad");
+    assert_eq!(
+        refusal!(&prisms, spans[1].quad = 3_u32),
+        "hull 0: quad 2: its face is 1 (expected no more faces with more than four corners)"
+    );
     assert_eq!(refusal!(&pair, spans[1].edge = 71_u32), "hull 0: it has 71 edge coordinates (expected 72)");
 }
 
@@ -249,6 +259,15 @@ fn redundant_values_that_differ() {
         edge.starts_with("hull 0: the edge from vertex 0 to vertex 1 is [5, 0, 0] (expected [32767, 0, 0]"),
         "{edge}"
     );
+    let prism = samples::named("prism, tree");
+    let quad = compare(changed(&prism, |pack| &pack.quads[0].fall, &0.5_f32.to_le_bytes()));
+    assert_eq!(
+        quad,
+        "hull 0: quad 0: its fall is 0.5 (expected 1, from the edges that leave its face); bake the source again"
+    );
+    let quad =
+        compare(changed(&prism, |pack| &pack.quads[0].corners[0], &[0_u32, 1, 2, 3].map(u32::to_le_bytes).concat()));
+    assert!(quad.starts_with("hull 0: quad 0: it has ") && quad.contains(" of the area of its face"), "{quad}");
     let unchecked = compare(changed(&cube, |pack| &pack.neighbours[0], &u32::MAX.to_le_bytes()));
     assert!(unchecked.starts_with("hull 0: its neighbours are out of range"), "{unchecked}");
 }

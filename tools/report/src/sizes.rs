@@ -1,7 +1,7 @@
 //! Bytes of a file by section.
 
 use hullmap_format::{
-    archive::{ArchivedBlock, ArchivedBvhNode, ArchivedHullRecord, ArchivedSpan},
+    archive::{ArchivedBlock, ArchivedBvhNode, ArchivedHullRecord, ArchivedQuad, ArchivedSpan},
     header::HEADER_LEN,
     sections::Sections,
 };
@@ -35,6 +35,7 @@ pub fn sections(archive: &Sections<'_>, byte_len: usize) -> Vec<Section> {
         of("source_vertices", "source vertex of each vertex", archive.source_vertices.len(), 4),
         of("face_starts", "start of each face's corners", archive.face_starts.len(), 4),
         of("face_vertices", "corners of the faces", archive.face_vertices.len(), 4),
+        of("quads", "best four corners of large faces", archive.quads.len(), size_of::<ArchivedQuad>()),
         of("neighbour_starts", "start of each vertex's neighbours", archive.neighbour_starts.len(), 4),
         of("neighbours", "vertices that share an edge", archive.neighbours.len(), 4),
         of("neighbour_faces", "face beside each edge", archive.neighbour_faces.len(), 4),

@@ -8,6 +8,7 @@
 pub mod area;
 pub mod certify;
 pub mod polygon;
+pub mod quads;
 pub mod rank;
 pub mod solid;
 

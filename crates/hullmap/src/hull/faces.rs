@@ -93,7 +93,7 @@ impl<'a> Hull<'a> {
     }
 
     #[inline]
-    fn face_run(&self, face: u32) -> &'a [u32_le] {
+    pub(super) fn face_run(&self, face: u32) -> &'a [u32_le] {
         let at = face as usize;
         let end =
             self.face_starts.get(at.saturating_add(1)).map_or(self.face_vertices.len(), |s| s.to_native() as usize);

@@ -20,6 +20,10 @@
 //!    distance l from the face, in a direction tilted by the tangent t, is at most t l below the
 //!    plane.
 //!
+//! In both steps no ring of directions is needed if every edge that leaves the face falls by more
+//! than [`TILT`]: then the face alone is the feature. [`Shape::reduced_feature_within`] returns its
+//! best four corners, which the pack stores.
+//!
 //! So the tilt towards the *direction* is limited by the reach, and the tilt towards *each other*
 //! of merged faces by the flatness that a contact patch needs. Decision 34 has the measurements.
 //!
@@ -34,6 +38,7 @@ use crate::shapes::{Corner, Feature, MAX_CORNERS, Shape, TILT};
 use crate::support::{SupportMap, SupportPoint};
 use crate::vector::unit;
 use glam::DVec3;
+use hullmap_format::archive::ArchivedQuad;
 
 /// Faces are merged into the feature of [`Shape::feature_within`] if their corners are at most this
 /// fraction of the reach below the plane of the face closest to the direction.
@@ -79,8 +84,44 @@ impl Shape for Hull<'_> {
     /// At most 49 support queries, and at most 80 normals: one for each face at the support vertex,
     /// or for a sample of them.
     fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
+        self.facing(dir, reach, Corners::All, out);
+    }
+
+    /// The four corners of the face that span the largest area, which the pack stores, if it has more
+    /// than four and no faces are merged into it.
+    ///
+    /// # Complexity
+    /// If the surface falls away from the face by more than [`TILT`], one support query, and one
+    /// normal for each face at its vertex. Otherwise as
+    /// [`feature_within`](Shape::feature_within).
+    fn reduced_feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
+        self.facing(dir, reach, Corners::Four, out);
+    }
+}
+
+/// Which corners of a face are wanted.
+#[derive(Clone, Copy, PartialEq)]
+enum Corners {
+    /// Up to [`MAX_CORNERS`].
+    All,
+    /// The four that span the largest area.
+    Four,
+}
+
+/// Corners of one face are in one plane up to this fraction of the outer radius: the rounding error
+/// of f32, and of the merging of coplanar triangles when the hull was built.
+const ROUGHNESS: f64 = 1e-6;
+
+impl Hull<'_> {
+    /// [`Shape::feature_within`] and [`Shape::reduced_feature_within`].
+    fn facing(&self, dir: DVec3, reach: f64, wanted: Corners, out: &mut Feature) {
         let facing = unit(dir).and_then(|n| self.face_within(n, reach));
         let Some((face, normal)) = facing else { return self.feature(dir, out) };
+        // Support points in all directions near the normal are corners of the face.
+        let alone = self.stands_alone(face, normal);
+        if alone && self.own_corners(face, wanted, out) {
+            return;
+        }
         let on_face = self.face(face).next().and_then(|vertex| self.vertex(vertex));
         let Some(on_face) = on_face.map(|corner| corner.as_dvec3()) else { return self.feature(dir, out) };
         let below = |point: DVec3| (on_face - point).dot(normal);
@@ -94,26 +135,88 @@ impl Shape for Hull<'_> {
             cone = Cone::new(normal, TILT.min(flat / extent));
             around = coarse_ring(self, &cone);
         }
-        let mut own = Feature::new();
-        let has_all = self.face_corners(face, &mut own);
-        if !(has_all && contains_all(&own, around.iter().map(|support| support.feature))) {
-            refine(self, &cone, around, out);
-            // Between the eight directions of `around`, a support point may be farther out.
-            out.retain(|corner| below(corner.point) <= flat);
-            // The directions may miss a corner of a needle, which is farthest in few of them.
-            if !has_all || area(out, normal) >= area(&own, normal) {
-                return;
-            }
+        let is_own = around.iter().all(|support| self.has_corner(face, support.feature));
+        if is_own && self.own_corners(face, wanted, out) {
+            return;
         }
-        *out = own;
+        refine(self, &cone, around, out);
+        // Between the eight directions of `around`, a support point may be farther out.
+        out.retain(|corner| below(corner.point) <= flat);
+        // The directions may miss a corner of a needle, which is farthest in few of them.
+        let mut own = Feature::new();
+        if self.own_corners(face, wanted, &mut own) && area(out, normal) < area(&own, normal) {
+            *out = own;
+        }
     }
-}
 
-/// Corners of one face are in one plane up to this fraction of the outer radius: the rounding error
-/// of f32, and of the merging of coplanar triangles when the hull was built.
-const ROUGHNESS: f64 = 1e-6;
+    /// Whether every edge that leaves `face` falls by more than [`TILT`], so that in no direction
+    /// this close to its normal is the support point off the face.
+    ///
+    /// # Complexity
+    /// O(1): a binary search for a face with more than four corners. For another one, at most
+    /// [`MAX_FACES`] edges; with more edges than that the answer is `false`.
+    fn stands_alone(&self, face: u32, normal: DVec3) -> bool {
+        if let Some(quad) = self.quad(face) {
+            return f64::from(quad.fall.to_native()) > TILT;
+        }
+        let corners = self.face(face);
+        if corners.len() > 4 || corners.map(|corner| self.neighbours(corner).len()).sum::<usize>() > MAX_FACES {
+            return false;
+        }
+        // A polygon has no edges that leave its face.
+        self.face(face).all(|corner| {
+            let Some(v) = self.vertex(corner) else { return false };
+            let falls = |w: u32| {
+                let edge = self.vertex(w).map_or(DVec3::NAN, |w| (v - w).as_dvec3());
+                // NaN takes the failing branch.
+                edge.dot(normal) > TILT * edge.length()
+            };
+            self.neighbours(corner).all(|w| falls(w) || self.face(face).any(|own| own == w))
+        })
+    }
 
-impl Hull<'_> {
+    /// The stored four corners of a face with more than four, and its fall.
+    fn quad(&self, face: u32) -> Option<&ArchivedQuad> {
+        let at = self.quads.binary_search_by_key(&face, |quad| quad.face.to_native()).ok()?;
+        self.quads.get(at)
+    }
+
+    /// Puts all corners of `face` into `out`, or if four are wanted the stored four of a face that
+    /// has more. Returns false if there are too many.
+    fn own_corners(&self, face: u32, wanted: Corners, out: &mut Feature) -> bool {
+        match self.quad(face).filter(|_| wanted == Corners::Four) {
+            Some(quad) => self.quad_corners(face, quad, out),
+            None => self.face_corners(face, out),
+        }
+    }
+
+    /// Puts the stored four corners of `face` into `out`.
+    fn quad_corners(&self, face: u32, quad: &ArchivedQuad, out: &mut Feature) -> bool {
+        out.clear();
+        let corners = self.face_run(face);
+        for at in quad.corners {
+            let Some(vertex) = corners.get(at.to_native() as usize).map(|v| v.to_native()) else { return false };
+            let Some(point) = self.vertex(vertex) else { return false };
+            out.push(Corner { point: point.as_dvec3(), vertex });
+        }
+        out.set_reduced();
+        true
+    }
+
+    /// Whether `vertex` is a corner of `face`, by the faces at the vertex, or by the corners of the
+    /// face if these are fewer. Of a vertex and a face with more than [`MAX_FACES`] each, `false`.
+    fn has_corner(&self, face: u32, vertex: u32) -> bool {
+        let corners = self.face(face);
+        let at = self.faces_at(vertex);
+        if corners.len().min(at.len()) > MAX_FACES {
+            false
+        } else if corners.len() < at.len() {
+            corners.into_iter().any(|corner| corner == vertex)
+        } else {
+            at.into_iter().any(|other| other == face)
+        }
+    }
+
     /// The face at the support vertex of `n` whose normal is closest to `n`, and its normal, if
     /// three of its corners are at most `reach` below the support plane, or its normal is within
     /// [`TILT`] of `n`.

@@ -11,7 +11,7 @@ mod support_mapping;
 use glam::{DVec3, Vec3};
 use hullmap_format::{
     IndexKind,
-    archive::{ArchivedHullRecord, NO_SOURCE_VERTEX},
+    archive::{ArchivedHullRecord, ArchivedQuad, NO_SOURCE_VERTEX},
     sections::Sections,
 };
 use rkyv::rend::{f32_le, i16_le, u32_le};
@@ -36,6 +36,7 @@ pub struct Hull<'a> {
     source_vertices: &'a [u32_le],
     face_starts: &'a [u32_le],
     face_vertices: &'a [u32_le],
+    quads: &'a [ArchivedQuad],
     index: Index<'a>,
     neighbour_starts: &'a [u32_le],
     neighbours: &'a [u32_le],
@@ -61,6 +62,7 @@ impl<'a> Hull<'a> {
             source_vertices: pack.source_vertices.get(vertices.clone())?,
             face_starts: run(pack.face_starts, start.face, end.face)?,
             face_vertices: run(pack.face_vertices, start.face_vertex, end.face_vertex)?,
+            quads: run(pack.quads, start.quad, end.quad)?,
             index: Index {
                 kind,
                 slots: run(pack.slots, start.slot, end.slot)?,

@@ -174,4 +174,7 @@ impl Shape for SharedHull {
     fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         self.hull().feature_within(dir, reach, out);
     }
+    fn reduced_feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
+        self.hull().reduced_feature_within(dir, reach, out);
+    }
 }

@@ -13,6 +13,8 @@
 //! 1. Project both features onto the plane perpendicular to the normal.
 //! 2. Take the polygon with the larger area as the reference. Two parallel edges meet along their
 //!    common length; two other edges meet only at the contact point.
+//!    If a feature is reduced, and the incident one does not lie inside the reference, repeat with
+//!    the whole feature.
 //! 3. Clip the incident feature by each side of the reference. Every corner records the corners or
 //!    sides of both features that it lies on.
 //! 4. The depth of a corner is the height of A's surface above B's there, along the normal.
@@ -217,20 +219,52 @@ struct Clipped {
     edge: Part,
 }
 
+/// One of the two shapes of a manifold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Body {
+    A,
+    B,
+}
+
 /// Adds the points where features `a` and `b` (in one frame) meet to `out`. Adds nothing if only
 /// the contact point is common.
-pub(super) fn meet(a: &Feature, b: &Feature, frame: &Frame, out: &mut Patch) {
+///
+/// Returns a body whose feature is reduced if the whole one is needed, and then adds nothing.
+///
+/// If the corners of a reduced feature lie inside the other one, they are the points. The four of
+/// a reduced face span more area than any other four, hence more than any four of a common part.
+pub(super) fn meet(a: &Feature, b: &Feature, frame: &Frame, out: &mut Patch) -> Option<Body> {
     if a.corners().len() < 2 || b.corners().len() < 2 {
-        return;
+        return None;
     }
-    let (a, b) = (Outline::new(a, frame), Outline::new(b, frame));
-    if a.area == 0.0 && b.area == 0.0 {
-        edges(&a, &b, out);
-    } else if a.area >= b.area {
-        clip(&b, &a, true, out);
+    let (on_a, on_b) = (Outline::new(a, frame), Outline::new(b, frame));
+    let reference_is_a = on_a.area >= on_b.area;
+    let bodies = if reference_is_a { [Body::A, Body::B] } else { [Body::B, Body::A] };
+    let (reference, incident) = if reference_is_a { (&on_a, &on_b) } else { (&on_b, &on_a) };
+    let is_reduced = |body: &Body| if *body == Body::A { a.is_reduced() } else { b.is_reduced() };
+    // The reference first: often the reduced incident feature lies inside the whole reference.
+    if let Some(wanted) = bodies.into_iter().find(is_reduced)
+        && !(reference.area > 0.0 && is_inside(incident, reference))
+    {
+        return Some(wanted);
+    }
+    if reference.area == 0.0 {
+        edges(&on_a, &on_b, out);
     } else {
-        clip(&a, &b, false, out);
+        clip(incident, reference, reference_is_a, out);
     }
+    None
+}
+
+/// Whether all corners of `incident` lie inside `reference`, which is counter-clockwise.
+fn is_inside(incident: &Outline, reference: &Outline) -> bool {
+    let slack = SIDE_SLACK * reference.extent;
+    let corners = reference.corners();
+    corners.iter().enumerate().all(|(i, start)| {
+        let along = corners[(i + 1) % corners.len()].at - start.at;
+        let least = -slack * along.length();
+        incident.corners().iter().all(|c| along.perp_dot(c.at - start.at) >= least)
+    })
 }
 
 /// Adds the ends of the common length of two parallel edges.
@@ -277,8 +311,9 @@ fn clip(incident: &Outline, reference: &Outline, reference_is_a: bool, out: &mut
         if !(length > 0.0) {
             continue;
         }
-        // Positive inside: the reference is counter-clockwise.
-        let inside = |c: &Clipped| along.perp_dot(c.at - start.at) / length;
+        // Positive inside: the reference is counter-clockwise. A multiple of the distance.
+        let inside = |c: &Clipped| along.perp_dot(c.at - start.at);
+        let slack = slack * length;
         // Most sides of a large face cut nothing off.
         if from[..count].iter().all(|c| inside(c) >= -slack) {
             continue;

@@ -64,7 +64,8 @@ impl Manifold {
         let side = perpendicular(normal);
         let frame = Frame { origin: (contact.point_a + contact.point_b) * 0.5, x: side, y: normal.cross(side), normal };
         let mut feature = Feature::new();
-        b.feature_within(b_in_a.inverse_transform_vector(-normal), prediction, &mut feature);
+        // The plane has no sides: no corner of the whole feature is needed.
+        b.reduced_feature_within(b_in_a.inverse_transform_vector(-normal), prediction, &mut feature);
         let mut patch = Patch::new();
         for corner in feature.corners() {
             let p = b_in_a.transform_point(corner.point) - frame.origin;

@@ -12,9 +12,11 @@
 //! 1. Compute the contact of the shapes; if they are separated by less than the prediction, their
 //!    closest points.
 //! 2. Find the feature of each shape that faces the other along the normal
-//!    ([`Shape::feature_within`], with the prediction as reach; a hull returns a baked face).
-//! 3. Clip the features against each other (`clip`). Drop points separated by more than the
-//!    prediction.
+//!    ([`Shape::reduced_feature_within`], with the prediction as reach; a hull returns the best four
+//!    corners of a baked face).
+//! 3. Clip the features against each other (`clip`). If a corner of the smaller one lies outside
+//!    the larger one, replace reduced features by whole ones first ([`Shape::feature_within`]).
+//!    Drop points separated by more than the prediction.
 //! 4. Add the contact point itself where it is deeper than all clipped points, as on curved
 //!    surfaces and crossing edges.
 //! 5. Select four points (`select`): those that span the largest area, always with the deepest.
@@ -40,7 +42,7 @@ use crate::pose::Pose;
 use crate::shapes::{Feature, Shape};
 use crate::solver::{Cache, Contact, Distance, Minkowski, Settings, Status, queries};
 use crate::vector::perpendicular;
-use clip::{FACE, Frame, Part, Patch, PatchPoint, meet};
+use clip::{Body, FACE, Frame, Part, Patch, PatchPoint, meet};
 use glam::DVec3;
 use select::{Choice, area, choose};
 use std::fmt;
@@ -309,8 +311,8 @@ impl Manifold {
     ///
     /// # Complexity
     /// That of [`contact`](crate::contact()), of [`distance`](crate::distance()) if the shapes are
-    /// separated by less than the prediction, and of two features: for a hull 8 to 33 support
-    /// queries each, independent of its vertex count. No allocation.
+    /// separated by less than the prediction, and of two features: for a hull at most 33 support
+    /// queries each, independent of its vertex count, and often one. No allocation.
     pub fn update<A: Shape + ?Sized, B: Shape + ?Sized>(
         &mut self,
         a: &A,
@@ -339,13 +341,22 @@ impl Manifold {
         let frame = Frame { origin, x: side, y: normal.cross(side), normal };
         let mut features = [Feature::new(), Feature::new()];
         let [on_a, on_b] = &mut features;
-        a.feature_within(normal, prediction, on_a);
-        b.feature_within(b_in_a.inverse_transform_vector(-normal), prediction, on_b);
-        for corner in on_b.corners_mut() {
-            corner.point = b_in_a.transform_point(corner.point);
-        }
+        let dir_b = b_in_a.inverse_transform_vector(-normal);
+        a.reduced_feature_within(normal, prediction, on_a);
+        b.reduced_feature_within(dir_b, prediction, on_b);
+        place(on_b, b_in_a);
         let mut patch = Patch::new();
-        meet(on_a, on_b, &frame, &mut patch);
+        // Each round replaces a reduced feature by the whole one.
+        while let Some(wanted) = meet(on_a, on_b, &frame, &mut patch) {
+            if wanted == Body::A {
+                a.feature_within(normal, prediction, on_a);
+                on_a.set_whole();
+            } else {
+                b.feature_within(dir_b, prediction, on_b);
+                on_b.set_whole();
+                place(on_b, b_in_a);
+            }
+        }
         patch.retain(|p| p.depth() >= -prediction);
         let deep = patch.points().iter().map(PatchPoint::depth).fold(f64::NEG_INFINITY, f64::max);
         if depth > deep + WITNESS_ADVANTAGE * reach {
@@ -460,6 +471,13 @@ fn near<A: Shape + ?Sized, B: Shape + ?Sized>(
     }
     let gap = queries::distance(a, b, b_in_a, settings, cache);
     (gap.lower <= prediction && gap.status != Status::Overlapping).then_some(gap)
+}
+
+/// Moves a feature of B from B's frame to A's.
+fn place(on_b: &mut Feature, b_in_a: Pose) {
+    for corner in on_b.corners_mut() {
+        corner.point = b_in_a.transform_point(corner.point);
+    }
 }
 
 /// The part of a shape with this feature that the contact point lies on.

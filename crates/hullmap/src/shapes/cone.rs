@@ -3,7 +3,7 @@
 use super::error::ShapeError;
 use super::feature::{Corner, Feature, NO_REACH, TILT};
 use super::shape::Shape;
-use super::{RIM, direction, error::length, length_of, push_rim, radial};
+use super::{RIM, direction, error::length, length_of, push_rim, radial, reduce_rim};
 use crate::support::{SupportMap, SupportPoint};
 use glam::DVec3;
 
@@ -115,5 +115,12 @@ impl Shape for Cone {
             let SupportPoint { point, feature } = self.support_point(n);
             out.push(Corner { point, vertex: feature });
         }
+    }
+
+    /// The base as four points of its rim, or the feature of
+    /// [`feature_within`](Shape::feature_within).
+    fn reduced_feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
+        self.feature_within(dir, reach, out);
+        reduce_rim(out);
     }
 }

@@ -3,7 +3,7 @@
 use super::error::ShapeError;
 use super::feature::{Corner, Feature, MAX_CORNERS, NO_REACH, TILT};
 use super::shape::Shape;
-use super::{RIM, direction, error::length, length_of, push_rim, radial};
+use super::{RIM, direction, error::length, length_of, push_rim, radial, reduce_rim};
 use crate::support::{SupportMap, SupportPoint};
 use glam::DVec3;
 
@@ -91,5 +91,12 @@ impl Shape for Cylinder {
             let SupportPoint { point, feature } = self.support_point(n);
             out.push(Corner { point, vertex: feature });
         }
+    }
+
+    /// A cap as four points of its rim, or the feature of
+    /// [`feature_within`](Shape::feature_within).
+    fn reduced_feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
+        self.feature_within(dir, reach, out);
+        reduce_rim(out);
     }
 }

@@ -81,7 +81,10 @@ pub struct Corner {
 
 /// The vertex (one corner), edge (two corners) or face (three or more) that faces a direction.
 ///
-/// The corners of a face are in order around it, clockwise or counter-clockwise.
+/// The corners of a face are in order around it, clockwise or counter-clockwise. A *reduced* feature
+/// has a few corners of a larger one: see [`Shape::reduced_feature_within`].
+///
+/// [`Shape::reduced_feature_within`]: super::Shape::reduced_feature_within
 ///
 /// # Examples
 /// ```
@@ -96,18 +99,34 @@ pub struct Corner {
 /// }
 /// assert_eq!(edge.corners()[1], Corner { point: DVec3::new(1.0, 0.0, 1.0), vertex: 1 });
 /// edge.clear();
-/// assert!(edge.corners().is_empty());
+/// assert!(edge.corners().is_empty() && !edge.is_reduced());
 /// ```
 #[derive(Clone, Debug)]
 pub struct Feature {
     corners: [Corner; MAX_CORNERS],
     count: usize,
+    is_reduced: bool,
 }
 
 impl Feature {
     /// A feature without corners.
     pub const fn new() -> Self {
-        Self { corners: [Corner { point: DVec3::ZERO, vertex: 0 }; MAX_CORNERS], count: 0 }
+        Self { corners: [Corner { point: DVec3::ZERO, vertex: 0 }; MAX_CORNERS], count: 0, is_reduced: false }
+    }
+
+    /// Whether corners were left out to save time.
+    pub fn is_reduced(&self) -> bool {
+        self.is_reduced
+    }
+
+    /// Records that corners were left out, until the feature is cleared.
+    pub fn set_reduced(&mut self) {
+        self.is_reduced = true;
+    }
+
+    /// Forgets that corners were left out: whatever a shape returns as its whole feature is final.
+    pub(crate) fn set_whole(&mut self) {
+        self.is_reduced = false;
     }
 
     /// The corners, in order around the feature.
@@ -125,12 +144,14 @@ impl Feature {
     /// Removes all corners.
     pub fn clear(&mut self) {
         self.count = 0;
+        self.is_reduced = false;
     }
 
     /// Keeps the corners that satisfy `keep`, in order.
     pub(crate) fn retain(&mut self, keep: impl Fn(&Corner) -> bool) {
         let mut kept = Self::new();
         self.corners().iter().filter(|corner| keep(corner)).for_each(|corner| kept.push(*corner));
+        kept.is_reduced = self.is_reduced;
         *self = kept;
     }
 

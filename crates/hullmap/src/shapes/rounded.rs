@@ -89,6 +89,11 @@ impl<S: Shape> Shape for Rounded<S> {
         self.shape.feature_within(dir, reach, out);
         self.round(dir, out);
     }
+
+    fn reduced_feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
+        self.shape.reduced_feature_within(dir, reach, out);
+        self.round(dir, out);
+    }
 }
 
 impl<S> Rounded<S> {

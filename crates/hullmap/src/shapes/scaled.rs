@@ -142,4 +142,12 @@ impl<S: Shape> Shape for Scaled<S> {
         self.shape.feature_within(dir * self.scale, inner_reach, out);
         self.scale_corners(out);
     }
+
+    /// The inner shape's. Ratios of areas in one plane stay the same under any scale.
+    fn reduced_feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
+        let inner_dir = direction(dir) * self.scale;
+        let inner_reach = reach / inner_dir.length();
+        self.shape.reduced_feature_within(dir * self.scale, inner_reach, out);
+        self.scale_corners(out);
+    }
 }

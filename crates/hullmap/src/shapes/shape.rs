@@ -69,6 +69,34 @@ pub trait Shape: SupportMap {
         let _ = reach;
         self.feature(dir, out);
     }
+
+    /// As [`feature_within`](Self::feature_within), at less cost: a face may be represented by a few
+    /// of its corners, and [`Feature::is_reduced`] is true if it is.
+    ///
+    /// The corners that remain are in order, in the plane of the face, and span at least half of its
+    /// area. A contact manifold starts from reduced features, and needs the whole ones only if a
+    /// corner lies outside the other feature.
+    ///
+    /// The default calls [`feature_within`](Self::feature_within).
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// use hullmap::glam::DVec3;
+    /// use hullmap::{Feature, Shape};
+    ///
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// let mut face = Feature::new();
+    /// cube.reduced_feature_within(DVec3::Z, 0.02, &mut face);
+    /// // A face with four corners or fewer is never reduced.
+    /// assert_eq!((face.corners().len(), face.is_reduced()), (4, false));
+    /// # }
+    /// ```
+    fn reduced_feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
+        self.feature_within(dir, reach, out);
+    }
 }
 
 /// A reference to a shape is the same shape.
@@ -78,5 +106,8 @@ impl<S: Shape + ?Sized> Shape for &S {
     }
     fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         (**self).feature_within(dir, reach, out);
+    }
+    fn reduced_feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
+        (**self).reduced_feature_within(dir, reach, out);
     }
 }

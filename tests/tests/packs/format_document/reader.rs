@@ -6,19 +6,22 @@
 
 use std::{collections::VecDeque, ops::Range};
 
+use hullmap::glam::DVec3;
+
 /// Sections in the order of the root's entries (4): name, bytes per element, alignment.
-pub const SECTIONS: [(&str, usize, usize); 17] = [
+pub const SECTIONS: [(&str, usize, usize); 18] = [
     ("blocks", 128, 64),
     ("source_path", 1, 1),
     ("options", 1, 1),
     ("names", 1, 1),
-    ("spans", 36, 4),
+    ("spans", 40, 4),
     ("hulls", 248, 8),
     ("nodes", 32, 4),
     ("vertices", 12, 4),
     ("source_vertices", 4, 4),
     ("face_starts", 4, 4),
     ("face_vertices", 4, 4),
+    ("quads", 24, 4),
     ("neighbour_starts", 4, 4),
     ("neighbours", 4, 4),
     ("neighbour_faces", 4, 4),
@@ -28,7 +31,7 @@ pub const SECTIONS: [(&str, usize, usize); 17] = [
 ];
 
 const HEADER: usize = 64;
-pub const ROOT: usize = 136;
+pub const ROOT: usize = 144;
 
 /// Indices of the sections in [`SECTIONS`].
 pub mod section {
@@ -43,19 +46,20 @@ pub mod section {
     pub const SOURCE_VERTICES: usize = 8;
     pub const FACE_STARTS: usize = 9;
     pub const FACE_VERTICES: usize = 10;
-    pub const NEIGHBOUR_STARTS: usize = 11;
-    pub const NEIGHBOURS: usize = 12;
-    pub const NEIGHBOUR_FACES: usize = 13;
-    pub const OUTER_VERTICES: usize = 14;
-    pub const SLOTS: usize = 15;
-    pub const EDGES: usize = 16;
+    pub const QUADS: usize = 11;
+    pub const NEIGHBOUR_STARTS: usize = 12;
+    pub const NEIGHBOURS: usize = 13;
+    pub const NEIGHBOUR_FACES: usize = 14;
+    pub const OUTER_VERTICES: usize = 15;
+    pub const SLOTS: usize = 16;
+    pub const EDGES: usize = 17;
 }
 
 /// A whole file.
 pub struct File<'a> {
     bytes: &'a [u8],
     /// File offsets of each section's bytes.
-    pub sections: [Range<usize>; 17],
+    pub sections: [Range<usize>; 18],
 }
 
 /// The runs of one hull.
@@ -66,6 +70,7 @@ pub struct Hull<'a> {
     pub source_vertices: Vec<u32>,
     pub face_starts: Vec<u32>,
     pub face_vertices: Vec<u32>,
+    pub quads: Vec<Quad>,
     pub neighbour_starts: Vec<u32>,
     pub neighbours: Vec<u32>,
     pub neighbour_faces: Vec<u32>,
@@ -73,6 +78,13 @@ pub struct Hull<'a> {
     pub slots: Vec<u32>,
     pub edges: Vec<i16>,
     pub blocks: Vec<Block>,
+}
+
+/// 6.5.
+pub struct Quad {
+    pub face: u32,
+    pub corners: [u32; 4],
+    pub fall: f32,
 }
 
 /// 6.2.
@@ -146,7 +158,7 @@ impl<'a> File<'a> {
     /// 3 and 4: header, except for the hashes, and positions of the sections.
     pub fn new(bytes: &'a [u8]) -> Self {
         assert_eq!(&bytes[..8], b"hullmap\n");
-        assert_eq!(u32_at(bytes, 8), 3, "format version");
+        assert_eq!(u32_at(bytes, 8), 4, "format version");
         assert_eq!(u32_at(bytes, 12), 64, "header length");
         assert_eq!(u64_at(bytes, 16), bytes.len() as u64 - 64, "payload length");
         assert_eq!(u64_at(bytes, 48), 0, "reserved");
@@ -186,9 +198,9 @@ impl<'a> File<'a> {
         padding
     }
 
-    /// The nine numbers of span `hull` (6.1).
-    pub fn span(&self, hull: usize) -> [usize; 9] {
-        std::array::from_fn(|i| u32_at(self.section(section::SPANS), 36 * hull + 4 * i) as usize)
+    /// The ten numbers of span `hull` (6.1).
+    pub fn span(&self, hull: usize) -> [usize; 10] {
+        std::array::from_fn(|i| u32_at(self.section(section::SPANS), 40 * hull + 4 * i) as usize)
     }
 
     fn run(&self, section: usize, start: usize, end: usize) -> &'a [u8] {
@@ -217,6 +229,7 @@ impl<'a> File<'a> {
             source_vertices: words(run(section::SOURCE_VERTICES, 1)),
             face_starts: words(run(section::FACE_STARTS, 2)),
             face_vertices: words(run(section::FACE_VERTICES, 3)),
+            quads: run(section::QUADS, 9).chunks(24).map(Quad::new).collect(),
             neighbour_starts: words(run(section::NEIGHBOUR_STARTS, 1)),
             neighbours: words(run(section::NEIGHBOURS, 4)),
             neighbour_faces: words(run(section::NEIGHBOUR_FACES, 4)),
@@ -275,6 +288,13 @@ impl Record {
             leaf: u32_at(bytes, 240),
             part: u32_at(bytes, 244),
         }
+    }
+}
+
+impl Quad {
+    fn new(bytes: &[u8]) -> Self {
+        let corners = std::array::from_fn(|i| u32_at(bytes, 4 + 4 * i));
+        Self { face: u32_at(bytes, 0), corners, fall: f32::from_le_bytes(array(bytes, 20)) }
     }
 }
 
@@ -452,6 +472,32 @@ impl Hull<'_> {
     pub fn is_certain(edges: &[[i16; 3]], d: [f32; 3]) -> bool {
         let least = -0.52 * (d[0].abs() + d[1].abs() + d[2].abs());
         edges.iter().map(|q| q.map(f32::from)).all(|q| q[0] * d[0] + q[1] * d[1] + q[2] * d[2] < least)
+    }
+
+    /// 6.5: twice the vector area of a face.
+    fn double_area(&self, face: &[u32]) -> DVec3 {
+        let p = |i: usize| self.position(face[i]);
+        (1..face.len() - 1).map(|i| (p(i) - p(0)).cross(p(i + 1) - p(0))).sum()
+    }
+
+    /// 6.5: the fall of a face of a solid, by all edges that leave it, before it is rounded.
+    pub fn fall(&self, face: &[u32]) -> f64 {
+        let n = self.double_area(face).normalize();
+        let neighbours = self.neighbours();
+        let leaving = face.iter().flat_map(|v| neighbours[*v as usize].iter().map(move |w| (*v, *w)));
+        let leaving = leaving.filter(|(_, w)| !face.contains(w));
+        leaving.map(|(v, w)| (self.position(v) - self.position(w)).normalize().dot(n)).fold(1.0, f64::min)
+    }
+
+    /// 6.5: the share of a face's area that a quad has.
+    pub fn share(&self, face: &[u32], corners: [u32; 4]) -> f64 {
+        let area = self.double_area(face);
+        let [a, b, c, d] = corners.map(|at| self.position(face[at as usize]));
+        (c - a).cross(d - b).dot(area) / area.length_squared()
+    }
+
+    fn position(&self, vertex: u32) -> DVec3 {
+        DVec3::from_array(self.vertices[vertex as usize].map(f64::from))
     }
 
     /// The faces to the left of each vertex's edges, in its neighbours' order.
