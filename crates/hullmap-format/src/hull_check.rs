@@ -1,4 +1,5 @@
-//! Checks of one hull: record, vertices, faces, quads, neighbours, edges, outer hull, index and blocks.
+//! Checks of one hull: record, vertices, faces, quads, neighbours, edges, outer hull, index and
+//! blocks.
 
 use rkyv::rend::{f32_le, f64_le, u32_le};
 

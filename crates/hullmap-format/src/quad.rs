@@ -1,5 +1,5 @@
-//! Four corners that stand for a face with more than four corners, and how steeply the surface falls
-//! away from a face.
+//! Four corners that stand for a face with more than four corners, and how steeply the surface
+//! falls away from a face.
 //!
 //! A contact manifold has at most four points. If the four corners of a face that span the largest
 //! area lie inside the face of the other shape, no other four corners support the body better. So
@@ -24,13 +24,14 @@ pub fn double_area(corners: &[[f64; 3]]) -> [f64; 3] {
     rest.windows(2).fold([0.0; 3], |sum, pair| add(sum, cross(subtract(pair[0], *origin), subtract(pair[1], *origin))))
 }
 
-/// Twice the vector area of the quadrilateral a b c d, in order: the cross product of its diagonals.
+/// Twice the vector area of the quadrilateral a b c d, in order: the cross product of its
+/// diagonals.
 pub fn double_quad_area([a, b, c, d]: [[f64; 3]; 4]) -> [f64; 3] {
     cross(subtract(c, a), subtract(d, b))
 }
 
-/// The fall of each face with more than four corners, rounded down, from 0 to 1; [`STEEPEST`] for the
-/// other faces.
+/// The fall of each face with more than four corners, rounded down, from 0 to 1; [`STEEPEST`] for
+/// the other faces.
 ///
 /// The fall of a face is the least fall of the edges that leave it and are next to one of its own,
 /// around the vertex that they share. The fall of an edge from v to w is the sine of the angle by
@@ -42,9 +43,9 @@ pub fn double_quad_area([a, b, c, d]: [[f64; 3]; 4]) -> [f64; 3] {
 ///
 /// # Source
 /// Let s be the fall of a face. In each direction at an angle below asin s from its normal, the
-/// support point is a corner of the face. At one of its corners, the directions of the edges are the
-/// corners of a convex spherical polygon with one side, the face, on the equator. The part of it
-/// below any latitude is convex, so from one end of that side to the other, the latitudes first
+/// support point is a corner of the face. At one of its corners, the directions of the edges are
+/// the corners of a convex spherical polygon with one side, the face, on the equator. The part of
+/// it below any latitude is convex, so from one end of that side to the other, the latitudes first
 /// descend and then ascend. So no edge that leaves the face is closer to its plane than those next
 /// to its own edges. Hence all of them descend in the given direction too, and the corners of the
 /// face are a local maximum, which is the global one, since the hull is convex.

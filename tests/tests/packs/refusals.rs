@@ -157,7 +157,7 @@ fn vertices_faces_and_neighbours() {
     assert!(refusal!(&prism, quads[0].corners[1] = 0_u32).starts_with("hull 0: quad 0: its corners are ["));
     assert_eq!(refusal!(&prism, quads[1].fall = f32::NAN), "hull 0: quad 1: its fall is NaN (expected 0 to 1)");
     let prisms = two(["a", "b"], &solids::extrusion(&solids::regular_polygon(7, 1.0), -1.0, 1.0).vertices);
-    assert_eq!(refusal!(&prisms, spans[1].quad = 1_u32), "hull 0: face 6 has more than four corners and no quad");
+    assert_eq!(refusal!(&prisms, spans[1].quad = 1_u32), "hull 0: face 8 has more than four corners and no quad");
     assert_eq!(
         refusal!(&prisms, spans[1].quad = 3_u32),
         "hull 0: quad 2: its face is 1 (expected no more faces with more than four corners)"

@@ -1,5 +1,5 @@
-//! The four corners that stand for each face with more than four corners: those that span the largest
-//! area.
+//! The four corners that stand for each face with more than four corners: those that span the
+//! largest area.
 //!
 //! # Steps
 //! 1. Project the face along the axis that is closest to its normal. Ratios of areas in its plane
@@ -8,10 +8,10 @@
 //!    area: for each diagonal, the farthest corner on either side.
 //! 3. Exchange one of the four for any corner of the face, as long as the area grows.
 //!
-//! Up to [`MAX_CANDIDATES`] corners, the result is the largest quadrilateral. It always has at least
-//! half of the area of the face: each of its corners is the farthest from the diagonal between its
-//! neighbours. So the face lies in the parallelogram through the four corners whose sides are
-//! parallel to the diagonals, and that has twice the quadrilateral's area.
+//! Up to [`MAX_CANDIDATES`] corners, the result is the largest quadrilateral. It always has at
+//! least half of the area of the face: each of its corners is the farthest from the diagonal
+//! between its neighbours. So the face lies in the parallelogram through the four corners whose
+//! sides are parallel to the diagonals, and that has twice the quadrilateral's area.
 //!
 //! # Complexity
 //! O(n²) for n corners up to [`MAX_CANDIDATES`], and O(n) beyond.
@@ -86,8 +86,8 @@ fn largest(corners: &[DVec2]) -> [u32; 4] {
     best.map(|at| at as u32)
 }
 
-/// The four points that span the largest area, by trying all diagonals. While a diagonal turns about
-/// its first end, the farthest points on either side advance.
+/// The four points that span the largest area, by trying all diagonals. While a diagonal turns
+/// about its first end, the farthest points on either side advance.
 fn of_diagonals(points: &[DVec2]) -> [usize; 4] {
     let n = points.len();
     let mut best = (f64::NEG_INFINITY, [0, 1, 2, 3]);

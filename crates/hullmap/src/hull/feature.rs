@@ -87,8 +87,8 @@ impl Shape for Hull<'_> {
         self.facing(dir, reach, Corners::All, out);
     }
 
-    /// The four corners of the face that span the largest area, which the pack stores, if it has more
-    /// than four and no faces are merged into it.
+    /// The four corners of the face that span the largest area, which the pack stores, if it has
+    /// more than four and no faces are merged into it.
     ///
     /// # Complexity
     /// If the surface falls away from the face by more than [`TILT`], one support query, and one

@@ -12,8 +12,8 @@
 //! 1. Compute the contact of the shapes; if they are separated by less than the prediction, their
 //!    closest points.
 //! 2. Find the feature of each shape that faces the other along the normal
-//!    ([`Shape::reduced_feature_within`], with the prediction as reach; a hull returns the best four
-//!    corners of a baked face).
+//!    ([`Shape::reduced_feature_within`], with the prediction as reach; a hull returns the best
+//!    four corners of a baked face).
 //! 3. Clip the features against each other (`clip`). If a corner of the smaller one lies outside
 //!    the larger one, replace reduced features by whole ones first ([`Shape::feature_within`]).
 //!    Drop points separated by more than the prediction.

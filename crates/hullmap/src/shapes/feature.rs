@@ -81,8 +81,8 @@ pub struct Corner {
 
 /// The vertex (one corner), edge (two corners) or face (three or more) that faces a direction.
 ///
-/// The corners of a face are in order around it, clockwise or counter-clockwise. A *reduced* feature
-/// has a few corners of a larger one: see [`Shape::reduced_feature_within`].
+/// The corners of a face are in order around it, clockwise or counter-clockwise. A *reduced*
+/// feature has a few corners of a larger one: see [`Shape::reduced_feature_within`].
 ///
 /// [`Shape::reduced_feature_within`]: super::Shape::reduced_feature_within
 ///

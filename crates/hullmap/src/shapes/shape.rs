@@ -70,12 +70,12 @@ pub trait Shape: SupportMap {
         self.feature(dir, out);
     }
 
-    /// As [`feature_within`](Self::feature_within), at less cost: a face may be represented by a few
-    /// of its corners, and [`Feature::is_reduced`] is true if it is.
+    /// As [`feature_within`](Self::feature_within), at less cost: a face may be represented by a
+    /// few of its corners, and [`Feature::is_reduced`] is true if it is.
     ///
-    /// The corners that remain are in order, in the plane of the face, and span at least half of its
-    /// area. A contact manifold starts from reduced features, and needs the whole ones only if a
-    /// corner lies outside the other feature.
+    /// The corners that remain are in order, in the plane of the face, and span at least half of
+    /// its area. A contact manifold starts from reduced features, and needs the whole ones only if
+    /// a corner lies outside the other feature.
     ///
     /// The default calls [`feature_within`](Self::feature_within).
     ///
