@@ -81,7 +81,9 @@ mod tests {
             let pack = Pack::from_bytes(&hullmap_testkit::packs::tree_bytes(&positions)).unwrap();
             let hull = pack.hull(0).unwrap();
             let Some(arrays) = hull.arrays() else {
-                assert!(cfg!(target_endian = "big"));
+                if cfg!(target_endian = "little") {
+                    panic!("a little-endian processor has them in place");
+                }
                 return;
             };
             let run = |starts: &[u32], all: &'_ [u32], at: usize| {
