@@ -120,6 +120,12 @@ fn the_adapter_sees_neither_the_baker_nor_an_engine() {
     );
 }
 
+#[test]
+fn the_c_interface_sees_the_runtime_alone() {
+    assert_unseen("hullmap-c", &["hullmap-bake", "hullmap-import", "bake", "shapes", "clap", "serde", "parry3d"]);
+    assert!(tree("hullmap-c", "normal", &[]).contains("hullmap"));
+}
+
 /// What two commands share lies outside `commands/`.
 #[test]
 fn commands_do_not_import_from_each_other() {
@@ -179,7 +185,23 @@ fn unsafe_code_is_in_few_files() {
     let sources = sources();
     let text = |path: &PathBuf| fs::read_to_string(workspace().join(path)).unwrap();
     let found: Vec<&PathBuf> = sources.iter().filter(|path| uses(&text(path), word)).collect();
-    let allowed = ["crates/hullmap/src/pack/map.rs", "crates/hullmap/src/support/simd/avx2.rs"].map(Path::new);
+    let allowed = [
+        "crates/hullmap/src/pack/map.rs",
+        "crates/hullmap/src/support/simd/avx2.rs",
+        // The border to C: pointers come in.
+        "crates/hullmap-c/src/border.rs",
+        "crates/hullmap-c/src/exports/batch.rs",
+        "crates/hullmap-c/src/exports/cache.rs",
+        "crates/hullmap-c/src/exports/manifold.rs",
+        "crates/hullmap-c/src/exports/pack.rs",
+        "crates/hullmap-c/src/exports/pose.rs",
+        "crates/hullmap-c/src/exports/query.rs",
+        "crates/hullmap-c/src/exports/shape.rs",
+        "crates/hullmap-c/src/exports/version.rs",
+        // Calls of the exported functions.
+        "crates/hullmap-c/src/tests.rs",
+    ]
+    .map(Path::new);
     // A test that maps files and writes to them.
     let tests = [Path::new("tests/tests/packs/live_mapping.rs")];
     assert_eq!(found, [&allowed[..], &tests].concat(), "of {} files", sources.len());
@@ -193,7 +215,8 @@ fn unsafe_code_is_in_few_files() {
         .collect();
     assert!(roots.len() >= 5, "{roots:?}");
     for root in roots {
-        let level = if root.starts_with("crates/hullmap/") { "deny" } else { "forbid" };
+        let denies = ["crates/hullmap", "crates/hullmap-c"].iter().any(|package| root.starts_with(package));
+        let level = if denies { "deny" } else { "forbid" };
         assert!(text(root).contains(&format!("#![{level}({lint})]")), "{}: no {level}({lint})", root.display());
     }
     let allowing = sources.iter().filter(|path| text(path).contains(&format!("allow({lint})")));
@@ -206,7 +229,7 @@ fn crates_that_read_files_justify_their_indexing() {
     let deny = "#![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]";
     let sources = sources();
     let text = |path: &Path| fs::read_to_string(workspace().join(path)).unwrap();
-    for name in ["hullmap", "hullmap-format", "hullmap-import"] {
+    for name in ["hullmap", "hullmap-c", "hullmap-format", "hullmap-import"] {
         let folder = Path::new("crates").join(name).join("src");
         let root = folder.join("lib.rs");
         assert!(text(&root).lines().any(|line| line == deny), "{}: no {deny}", root.display());

@@ -1,0 +1,20 @@
+//! Gives the shared library the name that programs record (SONAME, install name). The file itself
+//! gets that name from the script `install`.
+
+fn main() {
+    println!("cargo:rerun-if-changed=build.rs");
+    // Before 1.0, minor versions may break the interface, so the name states both numbers.
+    let version = format!("{}.{}", variable("CARGO_PKG_VERSION_MAJOR"), variable("CARGO_PKG_VERSION_MINOR"));
+    match variable("CARGO_CFG_TARGET_OS").as_str() {
+        "linux" | "freebsd" | "netbsd" | "openbsd" | "dragonfly" | "android" => {
+            println!("cargo:rustc-cdylib-link-arg=-Wl,-soname,libhullmap.so.{version}");
+        }
+        "macos" => println!("cargo:rustc-cdylib-link-arg=-Wl,-install_name,@rpath/libhullmap.{version}.dylib"),
+        _ => {}
+    }
+}
+
+#[expect(clippy::disallowed_methods, reason = "Cargo passes its facts to a build script in this way")]
+fn variable(name: &str) -> String {
+    std::env::var(name).unwrap_or_default()
+}

@@ -1,0 +1,860 @@
+// hullmap: convex collision on baked hulls. C99 and later, C++11 and later.
+//
+// Generated from crates/hullmap-c by cbindgen: do not edit. Licence: MIT OR Apache-2.0.
+//
+// A pack is a .hullmap file with one or more hulls, made by the command `bake`. A shape is a hull, a
+// whole pack as a compound, or a primitive. Queries take one shape or an ordered pair (A, B).
+//
+// Frames and units. Every shape has a frame of its own. A pose b_in_a maps B's frame into A's.
+// Points, normals and directions of answers are in A's frame; a normal points from A to B, and is
+// of unit length. Lengths are in the unit of the shapes, which the library does not know. Numbers
+// are double precision.
+//
+// Errors. Functions return a HullmapResult, HULLMAP_RESULT_OK on success; hullmap_last_error() has
+// the message of the last failure on the calling thread. A call that fails writes nothing to its
+// answers, except that a function which makes a handle writes NULL, and that a batch which fails
+// while it is solved leaves its answers unspecified. No panic or exception crosses the border: a
+// bug in the library is HULLMAP_RESULT_PANIC, after a line on stderr. If memory runs out, the
+// process is aborted.
+//
+// Numerical trouble is no error: it is in the status of an answer, and never reads as "no contact".
+// NaN and infinity in poses, points and lengths are errors.
+//
+// Memory. A handle is made by a function with HullmapX **out, and is freed once by the function
+// that ends in _free. Freeing a handle twice, or using it after it was freed, is undefined, as for
+// free(). Handles may be freed in any order: a shape keeps its pack. Pointers into a pack (names,
+// arrays) are valid as long as the pack or a shape made from it exists. Queries do not allocate,
+// except batches, failures, and the first query of compounds with a cache or manifold.
+//
+// Threads. Packs and shapes never change: any number of threads may use them at the same time.
+// A cache or a manifold is for one thread at a time; a call that finds it in use by another call
+// returns HULLMAP_RESULT_BUSY. A handle must not be freed while another thread uses it. Batches run
+// on a pool of threads, one for each core (or as many as the environment variable
+// RAYON_NUM_THREADS says), which the first batch starts. Answers do not depend on their number.
+// A query needs at most 128 KiB of stack with default settings. A child process after fork()
+// without exec() must not call batches.
+//
+// Rules for callers, for every function: a pointer is NULL, where that is allowed, or points to
+// what its type says, is aligned for it, and stays valid and unchanged during the call. Structs
+// that start with struct_size state their own size. Arrays of answers do not overlap arguments.
+
+
+#ifndef HULLMAP_H
+#define HULLMAP_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+// Number of the binary interface. A program compares it with hullmap_abi_version() if it loads the
+// library at run time.
+#define HULLMAP_ABI_VERSION 1
+
+// Open a file by mapping it instead of copying it. No process may write to the file or truncate it
+// while the pack or a shape made from it exists; replacing it by renaming is allowed. If this rule
+// is broken, answers are wrong, or the process is ended by SIGBUS.
+#define HULLMAP_OPEN_MAP 1
+
+// Use the caller's memory in place instead of copying it.
+#define HULLMAP_OPEN_BORROW 2
+
+// Check the header, the length and the structure, but not the checksum and the contents. For files
+// that have passed the full check before. If the file is damaged, answers may be wrong, and
+// queries may return HULLMAP_RESULT_PANIC; they never read out of bounds.
+#define HULLMAP_OPEN_SKIP_CONTENTS 4
+
+// What a function returns. Everything but HULLMAP_RESULT_OK is a failure, and
+// hullmap_last_error() then has a message for people.
+enum HullmapResult
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Success.
+    HULLMAP_RESULT_OK = 0,
+    // A pointer is NULL that must not be.
+    HULLMAP_RESULT_NULL = 1,
+    // An argument is out of range, not a finite number, misaligned or of an unknown version.
+    HULLMAP_RESULT_INVALID_ARGUMENT = 2,
+    // The pack has no hull of this index or name.
+    HULLMAP_RESULT_NOT_FOUND = 3,
+    // The file cannot be read.
+    HULLMAP_RESULT_IO = 4,
+    // The file or the memory is not a sound pack that this version reads.
+    HULLMAP_RESULT_INVALID_PACK = 5,
+    // The query does not exist for shapes of this kind.
+    HULLMAP_RESULT_UNSUPPORTED = 6,
+    // A cache or manifold is in use by another call, or was passed twice to a batch.
+    HULLMAP_RESULT_BUSY = 7,
+    // A bug in the library. The call was ended; caches and manifolds in it were emptied.
+    HULLMAP_RESULT_PANIC = 8,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum HullmapResult HullmapResult;
+#else
+typedef uint32_t HullmapResult;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Whether two shapes share a point.
+enum HullmapOverlap
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // They share no point: a separating plane proves it.
+    HULLMAP_OVERLAP_SEPARATED = 0,
+    // Their interiors share points.
+    HULLMAP_OVERLAP_OVERLAPPING = 1,
+    // They touch: any gap or penetration is below rounding error.
+    HULLMAP_OVERLAP_TOUCHING = 2,
+    // Not known: an iteration limit was reached, or rounding error stopped all progress.
+    HULLMAP_OVERLAP_UNDECIDED = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum HullmapOverlap HullmapOverlap;
+#else
+typedef uint32_t HullmapOverlap;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// How a query ended, and thus how narrow its interval is. The interval contains the true value
+// whatever the status is.
+enum HullmapStatus
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // The interval is as narrow as rounding error allows.
+    HULLMAP_STATUS_EXACT = 0,
+    // The interval is within the tolerance.
+    HULLMAP_STATUS_WITHIN = 1,
+    // The shapes touch: any gap or penetration is below rounding error.
+    HULLMAP_STATUS_TOUCHING = 2,
+    // The shapes overlap.
+    HULLMAP_STATUS_OVERLAPPING = 3,
+    // The shapes are certainly separated; of a ray or a cast: certainly no hit.
+    HULLMAP_STATUS_SEPARATED = 4,
+    // The iteration limit was reached; the interval is wider than the tolerance.
+    HULLMAP_STATUS_ITERATION_LIMIT = 5,
+    // Rounding error stopped all progress; the interval is wider than the tolerance.
+    HULLMAP_STATUS_STALLED = 6,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum HullmapStatus HullmapStatus;
+#else
+typedef uint32_t HullmapStatus;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Kind of feature that a manifold point lies on.
+enum HullmapFeatureKind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // The interior of a face.
+    HULLMAP_FEATURE_KIND_FACE = 0,
+    // An edge: two vertices in ascending order.
+    HULLMAP_FEATURE_KIND_EDGE = 1,
+    // A vertex.
+    HULLMAP_FEATURE_KIND_VERTEX = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum HullmapFeatureKind HullmapFeatureKind;
+#else
+typedef uint32_t HullmapFeatureKind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Unit of HullmapManifoldSettings.prediction.
+enum HullmapPrediction
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // A fraction of the outer radius of the smaller shape.
+    HULLMAP_PREDICTION_RELATIVE = 0,
+    // A length in the shapes' unit.
+    HULLMAP_PREDICTION_LENGTH = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum HullmapPrediction HullmapPrediction;
+#else
+typedef uint32_t HullmapPrediction;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Memory of one ordered pair of shapes from query to query. It makes the next query cheaper, and
+// changes answers by no more than rounding error. One call at a time may use it.
+typedef struct HullmapCache HullmapCache;
+
+// The contact points of one ordered pair of shapes, kept from step to step. One call at a time may
+// use it.
+typedef struct HullmapManifold HullmapManifold;
+
+// An open pack: a file with one or more hulls. It never changes; threads may share it.
+typedef struct HullmapPack HullmapPack;
+
+// A shape: a hull, a whole pack as a compound, or a primitive. It never changes; threads may share
+// it. A hull and a compound keep their pack open.
+typedef struct HullmapShape HullmapShape;
+
+// Text in UTF-8. It is not terminated, and may hold any character.
+typedef struct {
+    // First byte; never NULL.
+    const char *data;
+    // Number of bytes.
+    size_t length;
+} HullmapText;
+
+// A point, a direction or a velocity.
+typedef struct {
+    // First coordinate.
+    double x;
+    // Second coordinate.
+    double y;
+    // Third coordinate.
+    double z;
+} HullmapVec3;
+
+// An axis-aligned box.
+typedef struct {
+    // Minimum of each coordinate.
+    HullmapVec3 min;
+    // Maximum of each coordinate.
+    HullmapVec3 max;
+} HullmapBounds;
+
+// What the bake recorded about a hull. Points are in the hull's frame, which is that of the source
+// mesh; lengths are in its unit.
+//
+// Set struct_size to sizeof(HullmapHullFacts) before the call. Later versions may add fields at
+// the end.
+typedef struct {
+    // Set by the caller.
+    size_t struct_size;
+    // Name; valid as long as the pack, or a shape made from it, exists.
+    HullmapText name;
+    // Number of vertices, at least 1.
+    size_t vertex_count;
+    // Number of faces: both sides of a polygon, 0 for a segment or a point.
+    size_t face_count;
+    // Dimension: 3 for a solid, 2 for a polygon, 1 for a segment, 0 for a point.
+    uint32_t rank;
+    // Index of the hull among the convex parts of its source object.
+    uint32_t part;
+    // Volume; 0 below rank 3.
+    double volume;
+    // Surface area: both sides of a polygon, 0 below rank 2.
+    double surface_area;
+    // Centre of mass at uniform density.
+    HullmapVec3 centroid;
+    // Inertia tensor about the centroid at density 1, row by row; symmetric. For a density d or a
+    // mass m, multiply it by d, or by m / volume.
+    double inertia[9];
+    // Box around the vertices.
+    HullmapBounds bounds;
+    // Maximum distance between two vertices.
+    double diameter;
+    // A point in the hull, far from its surface.
+    HullmapVec3 interior_point;
+    // Radius of a ball around interior_point that the hull contains; 0 for a flat hull.
+    double inner_radius;
+    // Radius of a ball around interior_point that contains the hull.
+    double outer_radius;
+    // Maximum distance of a source point from the hull, divided by the diameter; at most 1e-7.
+    double containment_error;
+    // Maximum distance by which the hull reaches beyond the convex hull of its source; 0 for an
+    // exact hull.
+    double outer_error;
+    // Origin of the hull's frame in that of the source file; zero unless the bake recentred.
+    HullmapVec3 origin;
+} HullmapHullFacts;
+
+// The arrays of a hull: pointers into the pack, for reading only. They are valid as long as the
+// pack, or a shape made from it, exists. All are aligned to 4 bytes.
+//
+// A run of face_vertices or neighbours ends where the next one starts, the last one at the end of
+// the array.
+typedef struct {
+    // Positions: three numbers x, y, z for each vertex.
+    const float *vertices;
+    // For each vertex, its index in the source file; UINT32_MAX for a vertex that the bake made.
+    const uint32_t *source_vertices;
+    // For each vertex, where its run of neighbours starts.
+    const uint32_t *neighbour_starts;
+    // Number of vertices.
+    size_t vertex_count;
+    // Indices of the vertices that share an edge with each vertex, ascending.
+    const uint32_t *neighbours;
+    // Length of neighbours.
+    size_t neighbour_count;
+    // For each face, where its run of face_vertices starts.
+    const uint32_t *face_starts;
+    // Number of faces.
+    size_t face_count;
+    // Indices of the vertices of the faces, counter-clockwise seen from outside.
+    const uint32_t *face_vertices;
+    // Length of face_vertices.
+    size_t face_vertex_count;
+} HullmapHullArrays;
+
+// A rotation. Any length but zero: it is normalised by each query. The identity is (0, 0, 0, 1).
+typedef struct {
+    // Vector part.
+    double x;
+    // Vector part.
+    double y;
+    // Vector part.
+    double z;
+    // Scalar part.
+    double w;
+} HullmapQuat;
+
+// A rigid motion: rotate, then translate. `b_in_a` maps points of B's frame into A's frame. From
+// the poses of both in a world, hullmap_pose_relative() computes it. A component of the
+// translation is at most 3.4e38.
+typedef struct {
+    // Where B's origin is in A's frame.
+    HullmapVec3 translation;
+    // How B is turned in A's frame.
+    HullmapQuat rotation;
+} HullmapPose;
+
+// A support point.
+typedef struct {
+    // A point of the shape with the maximum dot product with the direction.
+    HullmapVec3 point;
+    // On a hull, the index of the vertex.
+    uint32_t feature;
+} HullmapSupport;
+
+// Whether two shapes share a point.
+typedef struct {
+    // True unless the shapes are certainly separated.
+    bool hit;
+    // The answer.
+    HullmapOverlap status;
+    // Of a compound, the hull that decided the query; otherwise 0.
+    uint32_t hull_a;
+    // Of a compound, the hull that decided the query; otherwise 0.
+    uint32_t hull_b;
+    // Number of steps.
+    uint32_t iterations;
+    // Number of support calls. One call queries both shapes once.
+    uint32_t support_calls;
+} HullmapIntersection;
+
+// Accuracy and effort of a distance, contact or signed distance. Start from
+// HULLMAP_SETTINGS_DEFAULT.
+typedef struct {
+    // sizeof(HullmapSettings)
+    size_t struct_size;
+    // Maximum width of the interval, relative to its upper bound. The default is 1e-5. NaN and
+    // negative values count as 0: as narrow as rounding error allows.
+    double tolerance;
+    // Maximum number of steps of the last phase. The default is 1000.
+    uint32_t max_iterations;
+} HullmapSettings;
+
+// Distance of two shapes. Points and normal are in A's frame.
+typedef struct {
+    // How the query ended. HULLMAP_STATUS_OVERLAPPING: the distance is 0.
+    HullmapStatus status;
+    // Of a compound, the hull that decided the query; otherwise 0.
+    uint32_t hull_a;
+    // Of a compound, the hull that decided the query; otherwise 0.
+    uint32_t hull_b;
+    // Number of steps.
+    uint32_t iterations;
+    // Number of support calls.
+    uint32_t support_calls;
+    // Length of the segment from point_a to point_b; 0 if the shapes overlap or touch.
+    double distance;
+    // Lower bound of the distance, at least 0.
+    double lower;
+    // Upper bound of the distance.
+    double upper;
+    // Unit vector from A to B: the normal of the planes that prove the lower bound. Any unit
+    // vector if the shapes overlap.
+    HullmapVec3 normal;
+    // The point of A closest to B; if they overlap, a common point.
+    HullmapVec3 point_a;
+    // The point of B closest to A; if they overlap, a common point.
+    HullmapVec3 point_b;
+} HullmapDistance;
+
+// Contact of two shapes. Points and normal are in A's frame. Of compounds it is the deepest
+// contact of two hulls.
+typedef struct {
+    // False only if the shapes are certainly separated.
+    bool hit;
+    // How the query ended. HULLMAP_STATUS_SEPARATED: no contact.
+    HullmapStatus status;
+    // Of a compound, the hull that decided the query; otherwise 0.
+    uint32_t hull_a;
+    // Of a compound, the hull that decided the query; otherwise 0.
+    uint32_t hull_b;
+    // Number of steps.
+    uint32_t iterations;
+    // Number of support calls.
+    uint32_t support_calls;
+    // Penetration depth: moving B by it along the normal makes the shapes touch. 0 if they are
+    // separated or touch.
+    double depth;
+    // Lower bound of the depth, at least 0.
+    double depth_lower;
+    // Upper bound of the depth.
+    double depth_upper;
+    // Unit vector from A to B. Of separated convex shapes, a separating axis. Of separated
+    // compounds, normal, points and counts are 0.
+    HullmapVec3 normal;
+    // The point of A that is deepest in B; if they are separated, some point of A.
+    HullmapVec3 point_a;
+    // The point of B that is deepest in A; if they are separated, some point of B.
+    HullmapVec3 point_b;
+} HullmapContact;
+
+// Limits and accuracy of a ray or a cast. Start from HULLMAP_CAST_SETTINGS_DEFAULT.
+typedef struct {
+    // sizeof(HullmapCastSettings)
+    size_t struct_size;
+    // Maximum t, in the unit of the ray or the motion. The default is infinite. NaN and negative
+    // values count as 0.
+    double max_t;
+    // Maximum width of the interval as a length along the way, relative to the outer radius of the
+    // shape, or to the sum of both radii. The default is 1e-6.
+    double tolerance;
+    // Maximum number of steps. The default is 1000.
+    uint32_t max_iterations;
+} HullmapCastSettings;
+
+// When and where a moving shape B first meets A. Points and normal are in A's frame.
+typedef struct {
+    // False only if the shapes certainly do not meet up to max_t.
+    bool hit;
+    // How the query ended. HULLMAP_STATUS_OVERLAPPING: the shapes overlap at the start.
+    HullmapStatus status;
+    // Number of steps.
+    uint32_t iterations;
+    // Number of support calls.
+    uint32_t support_calls;
+    // Time of impact, in the unit that the velocity implies; infinite if there is no hit.
+    double t;
+    // Lower bound of the time, at least 0.
+    double t_lower;
+    // Upper bound of the time. It may exceed max_t if the interval does.
+    double t_upper;
+    // Unit vector from A to B where they meet.
+    HullmapVec3 normal;
+    // Point of A at which the shapes meet; zero if there is no hit.
+    HullmapVec3 point_a;
+    // Point of B at which the shapes meet, at time t.
+    HullmapVec3 point_b;
+} HullmapImpact;
+
+// Where a ray first enters a shape. Point and normal are in the shape's frame.
+typedef struct {
+    // False only if the ray certainly misses the shape up to max_t.
+    bool hit;
+    // How the query ended. HULLMAP_STATUS_OVERLAPPING: the origin is inside the shape.
+    HullmapStatus status;
+    // Number of steps.
+    uint32_t iterations;
+    // Number of support calls.
+    uint32_t support_calls;
+    // The ray enters at origin + t direction; infinite if there is no hit.
+    double t;
+    // Lower bound of t, at least 0.
+    double t_lower;
+    // Upper bound of t. It may exceed max_t if the interval does.
+    double t_upper;
+    // The point at t; the origin if there is no hit.
+    HullmapVec3 point;
+    // Unit outward normal where the ray enters.
+    HullmapVec3 normal;
+} HullmapRayHit;
+
+// Signed distance of a point from the surface of a shape, in the shape's frame.
+typedef struct {
+    // How the query ended.
+    HullmapStatus status;
+    // Number of steps.
+    uint32_t iterations;
+    // Number of support calls.
+    uint32_t support_calls;
+    // Distance from the surface: positive outside, negative inside.
+    double distance;
+    // Lower bound of the distance.
+    double lower;
+    // Upper bound of the distance.
+    double upper;
+    // The point of the surface closest to the query point.
+    HullmapVec3 point;
+    // Unit outward normal of the surface at that point.
+    HullmapVec3 normal;
+} HullmapSignedDistance;
+
+// Settings of a contact manifold. Start from HULLMAP_MANIFOLD_SETTINGS_DEFAULT.
+typedef struct {
+    // sizeof(HullmapManifoldSettings)
+    size_t struct_size;
+    // As in HullmapSettings.
+    double tolerance;
+    // As in HullmapSettings.
+    uint32_t max_iterations;
+    // A HullmapPrediction: the unit of prediction. The default is HULLMAP_PREDICTION_RELATIVE.
+    uint32_t prediction_kind;
+    // How far two surfaces may be separated and still have points, of negative depth. The default
+    // is 0.02. NaN and negative values count as 0.
+    double prediction;
+} HullmapManifoldSettings;
+
+// The feature of a shape that a manifold point lies on.
+typedef struct {
+    // Kind of the feature.
+    HullmapFeatureKind kind;
+    // One vertex, twice, or the two vertices of an edge. On a hull, their indices. 0 for a face.
+    uint32_t vertices[2];
+} HullmapFeature;
+
+// A point of a manifold. Points and normal are in A's frame unless stated otherwise.
+//
+// The caller may write impulse and user_data: the next update keeps them if it keeps the point.
+// What the caller writes into other fields is ignored.
+typedef struct {
+    // Unit vector from A to B; the same for all points of a pair of hulls.
+    HullmapVec3 normal;
+    // The point on A.
+    HullmapVec3 point_a;
+    // The point on B.
+    HullmapVec3 point_b;
+    // The point on B, in B's frame.
+    HullmapVec3 local_b;
+    // Penetration depth at this point; negative if the surfaces are separated there.
+    double depth;
+    // Owned by the caller; 0 in a new point. For the accumulated impulse along the normal and two
+    // tangents.
+    double impulse[3];
+    // Owned by the caller; 0 in a new point.
+    uint64_t user_data;
+    // Number of earlier updates in which the point was present.
+    uint32_t age;
+    // Of a compound, the hull of A; otherwise 0.
+    uint32_t hull_a;
+    // Of a compound, the hull of B; otherwise 0.
+    uint32_t hull_b;
+    // The feature of A.
+    HullmapFeature feature_a;
+    // The feature of B.
+    HullmapFeature feature_b;
+} HullmapManifoldPoint;
+
+// The points of a manifold after an update, and what the update cost.
+typedef struct {
+    // The points: memory of the manifold, valid until its next update, until it is cleared, or
+    // until it is freed. Never NULL.
+    HullmapManifoldPoint *points;
+    // Number of points: at most 4 for each pair of hulls.
+    size_t count;
+    // Number of pairs of hulls with points.
+    uint32_t touching;
+    // Number of pairs of hulls that touch but have no points, because the manifold has no room for
+    // more pairs.
+    uint32_t dropped;
+    // Number of pairs of hulls queried.
+    uint32_t pairs;
+    // Number of steps.
+    uint32_t iterations;
+    // Number of support calls.
+    uint32_t support_calls;
+} HullmapManifoldPoints;
+
+// Two shapes and the pose of B in A's frame.
+typedef struct {
+    // The first shape.
+    const HullmapShape *a;
+    // The second shape.
+    const HullmapShape *b;
+    // The pose of B in A's frame.
+    HullmapPose b_in_a;
+} HullmapPair;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+// The version of the library, for instance "0.1.0".
+const char *hullmap_version(void);
+
+// The number of the binary interface of the library: HULLMAP_ABI_VERSION of its own header.
+uint32_t hullmap_abi_version(void);
+
+// The version of the file format that the library reads.
+uint32_t hullmap_format_version(void);
+
+// What went wrong in the last call that failed on this thread: what, where, and what to do. In
+// UTF-8, at most 1023 bytes; "" if no call has failed. A call that succeeds does not change it.
+// Valid until the next failure on this thread.
+const char *hullmap_last_error(void);
+
+// The name of a HullmapResult in lower case, for instance "not_found"; "unknown" for any other
+// number.
+const char *hullmap_result_name(uint32_t result);
+
+// Opens a pack file. By default the file is copied into memory and checked completely, so that no
+// file whatever can harm a later query.
+//
+// path: in UTF-8 on Windows, in the system's bytes elsewhere. flags: 0, or HULLMAP_OPEN_MAP,
+// HULLMAP_OPEN_SKIP_CONTENTS or both.
+HullmapResult hullmap_pack_open(const char *path,
+                                uint32_t flags,
+                                HullmapPack **pack);
+
+// Opens a pack that is in memory: all bytes of a file.
+//
+// flags: 0, or HULLMAP_OPEN_BORROW, HULLMAP_OPEN_SKIP_CONTENTS or both. By default the bytes are
+// copied, and may be freed after the call; any alignment will do. With HULLMAP_OPEN_BORROW they
+// are used in place: they start on a multiple of 64 bytes, and nobody writes to them or frees them
+// while the pack or a shape made from it exists.
+HullmapResult hullmap_pack_from_memory(const uint8_t *bytes,
+                                       size_t length,
+                                       uint32_t flags,
+                                       HullmapPack **pack);
+
+// Frees a pack; NULL is allowed. Shapes made from it stay valid, and keep its memory.
+void hullmap_pack_free(HullmapPack *pack);
+
+// Number of hulls of a pack, at least 1; 0 for NULL.
+size_t hullmap_pack_hull_count(const HullmapPack *pack);
+
+// Index of the first hull with this name. O(number of hulls).
+HullmapResult hullmap_pack_find(const HullmapPack *pack,
+                                const char *name,
+                                size_t *index);
+
+// What the bake recorded about the hull of index `hull`, counted from 0. The caller sets
+// facts->struct_size first.
+HullmapResult hullmap_pack_hull_facts(const HullmapPack *pack,
+                                      size_t hull,
+                                      HullmapHullFacts *facts);
+
+// The vertices, faces and neighbours of the hull of index `hull`, in place.
+HullmapResult hullmap_pack_hull_arrays(const HullmapPack *pack,
+                                       size_t hull,
+                                       HullmapHullArrays *arrays);
+
+// The hull of index `hull`, counted from 0, in its own frame.
+HullmapResult hullmap_shape_hull(const HullmapPack *pack,
+                                 size_t hull,
+                                 HullmapShape **shape);
+
+// The hull of index `hull`, scaled along the axes of its frame; a negative scale mirrors it. The
+// magnitude of a scale is from 1e-38 to 3.4e38.
+HullmapResult hullmap_shape_scaled_hull(const HullmapPack *pack,
+                                        size_t hull,
+                                        HullmapVec3 scale,
+                                        HullmapShape **shape);
+
+// All hulls of a pack together: a concave mesh that was baked as convex parts.
+HullmapResult hullmap_shape_compound(const HullmapPack *pack,
+                                     HullmapShape **shape);
+
+// A sphere about the origin. Lengths of this and the following shapes are from 0 to 3.4e38.
+HullmapResult hullmap_shape_sphere(double radius,
+                                   HullmapShape **shape);
+
+// A box about the origin, with its edges along the axes: half their lengths.
+HullmapResult hullmap_shape_cuboid(HullmapVec3 half_edges,
+                                   HullmapShape **shape);
+
+// A capsule about the origin, along z: half the length of the segment, without the caps.
+HullmapResult hullmap_shape_capsule(double half_length,
+                                    double radius,
+                                    HullmapShape **shape);
+
+// A cylinder about the origin, along z.
+HullmapResult hullmap_shape_cylinder(double half_height,
+                                     double radius,
+                                     HullmapShape **shape);
+
+// A cone along z: its base at -half_height, its apex at half_height.
+HullmapResult hullmap_shape_cone(double half_height,
+                                 double radius,
+                                 HullmapShape **shape);
+
+// Everything below a plane: the points p with normal . p <= offset, after the normal is
+// normalised. For floors and walls. A half-space is always A, the first shape of a pair.
+HullmapResult hullmap_shape_half_space(HullmapVec3 normal,
+                                       double offset,
+                                       HullmapShape **shape);
+
+// Frees a shape; NULL is allowed.
+void hullmap_shape_free(HullmapShape *shape);
+
+// The pose of B in A, from the poses of both in a world. Bodies near each other keep their digits
+// however far they are from the origin.
+HullmapResult hullmap_pose_relative(const HullmapPose *a_in_world,
+                                    const HullmapPose *b_in_world,
+                                    HullmapPose *b_in_a);
+
+// Makes an empty cache: about 1.3 KB, and 90 KB more at the first query of a compound.
+HullmapResult hullmap_cache_new(HullmapCache **cache);
+
+// Empties a cache, for instance because its pair now consists of other shapes. Not required: a
+// stale cache costs time, and never makes an answer wrong.
+HullmapResult hullmap_cache_clear(HullmapCache *cache);
+
+// Frees a cache; NULL is allowed.
+void hullmap_cache_free(HullmapCache *cache);
+
+// Support points of a shape in `count` directions: points of the shape with the maximum dot
+// product.
+//
+// Directions are in the shape's frame and need not be of unit length. For a zero or non-finite
+// direction the answer is any point of the shape. Not for compounds and half-spaces.
+HullmapResult hullmap_support(const HullmapShape *shape,
+                              const HullmapVec3 *directions,
+                              size_t count,
+                              HullmapSupport *out);
+
+// The box around a shape at a pose, in the frame that the pose maps to. It certainly contains the
+// shape. Not for half-spaces.
+HullmapResult hullmap_bounds(const HullmapShape *shape,
+                             const HullmapPose *pose,
+                             HullmapBounds *out);
+
+// Whether two shapes share a point. cache may be NULL.
+HullmapResult hullmap_intersects(const HullmapShape *a,
+                                 const HullmapShape *b,
+                                 const HullmapPose *b_in_a,
+                                 HullmapCache *cache,
+                                 HullmapIntersection *out);
+
+// Distance of two shapes, and their closest points. settings and cache may be NULL.
+HullmapResult hullmap_distance(const HullmapShape *a,
+                               const HullmapShape *b,
+                               const HullmapPose *b_in_a,
+                               const HullmapSettings *settings,
+                               HullmapCache *cache,
+                               HullmapDistance *out);
+
+// Contact of two shapes: penetration depth, normal and deepest points. settings and cache may be
+// NULL.
+HullmapResult hullmap_contact(const HullmapShape *a,
+                              const HullmapShape *b,
+                              const HullmapPose *b_in_a,
+                              const HullmapSettings *settings,
+                              HullmapCache *cache,
+                              HullmapContact *out);
+
+// When B, which starts at b_in_a and moves by `velocity` per unit of time, first meets A. Neither
+// shape turns. The velocity is in A's frame. settings and cache may be NULL. Not for compounds.
+HullmapResult hullmap_cast(const HullmapShape *a,
+                           const HullmapShape *b,
+                           const HullmapPose *b_in_a,
+                           HullmapVec3 velocity,
+                           const HullmapCastSettings *settings,
+                           HullmapCache *cache,
+                           HullmapImpact *out);
+
+// Where the ray of all points origin + t direction, t >= 0, first enters a shape. Origin and
+// direction are in the shape's frame; t is a factor of the direction, which need not be of unit
+// length. settings may be NULL. Not for compounds.
+HullmapResult hullmap_ray(const HullmapShape *shape,
+                          HullmapVec3 origin,
+                          HullmapVec3 direction,
+                          const HullmapCastSettings *settings,
+                          HullmapRayHit *out);
+
+// Signed distance of a point from the surface of a shape, in the shape's frame: positive outside,
+// negative inside. The cache is for this shape and points near each other. settings and cache may
+// be NULL. Not for compounds.
+HullmapResult hullmap_signed_distance(const HullmapShape *shape,
+                                      HullmapVec3 point,
+                                      const HullmapSettings *settings,
+                                      HullmapCache *cache,
+                                      HullmapSignedDistance *out);
+
+// Makes a manifold without points, for one ordered pair of shapes. `max_pairs` is the maximum
+// number of pairs of hulls of two compounds that may touch at the same time; for convex shapes,
+// pass 1. At most 65,536. About 1 KB for each of them, and 5 KB more once compounds are updated.
+HullmapResult hullmap_manifold_new(uint32_t max_pairs,
+                                   HullmapManifold **manifold);
+
+// Finds up to four contact points of A and of B placed at b_in_a; of compounds, for each pair of
+// hulls that touch.
+//
+// Shapes touch if they overlap, or if they are separated by at most the prediction. A point that
+// was there before keeps its impulse and user data, and its age grows. settings may be NULL.
+HullmapResult hullmap_manifold_update(HullmapManifold *manifold,
+                                      const HullmapShape *a,
+                                      const HullmapShape *b,
+                                      const HullmapPose *b_in_a,
+                                      const HullmapManifoldSettings *settings,
+                                      HullmapManifoldPoints *out);
+
+// Removes all points, for instance because a body was moved by hand.
+HullmapResult hullmap_manifold_clear(HullmapManifold *manifold);
+
+// Frees a manifold; NULL is allowed.
+void hullmap_manifold_free(HullmapManifold *manifold);
+
+// hullmap_intersects() of `count` pairs, on all cores.
+//
+// Pair i uses `caches[i]` and writes `out[i]`. caches may be NULL; otherwise no cache may occur twice.
+// Answers have the same bits as those of single queries with the same caches. All pairs are
+// checked first: if one is wrong, the message has its index, and nothing is written.
+HullmapResult hullmap_batch_intersects(const HullmapPair *pairs,
+                                       size_t count,
+                                       HullmapCache *const *caches,
+                                       HullmapIntersection *out);
+
+// hullmap_distance() of `count` pairs, on all cores. As hullmap_batch_intersects(); settings may
+// be NULL.
+HullmapResult hullmap_batch_distance(const HullmapPair *pairs,
+                                     size_t count,
+                                     const HullmapSettings *settings,
+                                     HullmapCache *const *caches,
+                                     HullmapDistance *out);
+
+// hullmap_contact() of `count` pairs, on all cores. As hullmap_batch_intersects(); settings may be
+// NULL.
+HullmapResult hullmap_batch_contact(const HullmapPair *pairs,
+                                    size_t count,
+                                    const HullmapSettings *settings,
+                                    HullmapCache *const *caches,
+                                    HullmapContact *out);
+
+// hullmap_manifold_update() of `count` pairs, on all cores. As hullmap_batch_intersects(): pair i
+// updates `manifolds[i]`, and no manifold may occur twice. settings may be NULL.
+HullmapResult hullmap_batch_manifolds(const HullmapPair *pairs,
+                                      size_t count,
+                                      const HullmapManifoldSettings *settings,
+                                      HullmapManifold *const *manifolds,
+                                      HullmapManifoldPoints *out);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* HULLMAP_H */
+
+// Values to start from.
+
+// The pose that maps a frame to itself.
+#define HULLMAP_POSE_IDENTITY {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0, 1.0}}
+
+#define HULLMAP_SETTINGS_DEFAULT {sizeof(HullmapSettings), 1e-5, 1000}
+
+#define HULLMAP_CAST_SETTINGS_DEFAULT {sizeof(HullmapCastSettings), HUGE_VAL, 1e-6, 1000}
+
+#define HULLMAP_MANIFOLD_SETTINGS_DEFAULT \
+    {sizeof(HullmapManifoldSettings), 1e-5, 1000, HULLMAP_PREDICTION_RELATIVE, 0.02}

@@ -1,0 +1,313 @@
+// hullmap.hpp: hullmap.h for C++17. Handles are freed by their destructors, failures are exceptions,
+// and queries return their answers. The rules and units of hullmap.h hold.
+// Licence: MIT OR Apache-2.0.
+
+#ifndef HULLMAP_HPP
+#define HULLMAP_HPP
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "hullmap.h"
+
+namespace hullmap {
+
+using Vec3 = HullmapVec3;
+using Quat = HullmapQuat;
+using Pose = HullmapPose;
+using Bounds = HullmapBounds;
+using Settings = HullmapSettings;
+using CastSettings = HullmapCastSettings;
+using ManifoldSettings = HullmapManifoldSettings;
+using Support = HullmapSupport;
+using Intersection = HullmapIntersection;
+using Distance = HullmapDistance;
+using Contact = HullmapContact;
+using RayHit = HullmapRayHit;
+using Impact = HullmapImpact;
+using SignedDistance = HullmapSignedDistance;
+using ManifoldPoint = HullmapManifoldPoint;
+using ManifoldPoints = HullmapManifoldPoints;
+using HullFacts = HullmapHullFacts;
+using HullArrays = HullmapHullArrays;
+using Pair = HullmapPair;
+
+inline constexpr Pose identity = HULLMAP_POSE_IDENTITY;
+
+// A failure, with the message of the library.
+class Error : public std::runtime_error {
+public:
+    Error(HullmapResult result, const char *message) : std::runtime_error(message), result_(result) {}
+    HullmapResult result() const noexcept { return result_; }
+
+private:
+    HullmapResult result_;
+};
+
+// Throws if a call of hullmap.h has failed.
+inline void check(HullmapResult result) {
+    if (result != HULLMAP_RESULT_OK) {
+        throw Error(result, hullmap_last_error());
+    }
+}
+
+namespace detail {
+
+template <class T, void (*free)(T *)>
+struct Free {
+    void operator()(T *handle) const noexcept { free(handle); }
+};
+
+template <class T, void (*free)(T *)>
+using Handle = std::unique_ptr<T, Free<T, free>>;
+
+// Calls make(&handle).
+template <class H, class Make>
+H made(Make make) {
+    typename H::pointer handle = nullptr;
+    check(make(&handle));
+    return H(handle);
+}
+
+}  // namespace detail
+
+// An open pack. Shapes made from it keep its memory.
+class Pack {
+public:
+    // flags: 0, HULLMAP_OPEN_MAP, HULLMAP_OPEN_SKIP_CONTENTS
+    static Pack open(const std::string &path, std::uint32_t flags = 0) {
+        return Pack(detail::made<Handle>([&](auto out) { return hullmap_pack_open(path.c_str(), flags, out); }));
+    }
+
+    // flags: 0, HULLMAP_OPEN_BORROW, HULLMAP_OPEN_SKIP_CONTENTS
+    static Pack from_memory(const void *bytes, std::size_t length, std::uint32_t flags = 0) {
+        auto first = static_cast<const std::uint8_t *>(bytes);
+        return Pack(
+            detail::made<Handle>([&](auto out) { return hullmap_pack_from_memory(first, length, flags, out); }));
+    }
+
+    std::size_t hull_count() const { return hullmap_pack_hull_count(get()); }
+
+    // Index of the first hull with this name.
+    std::size_t find(const std::string &name) const {
+        std::size_t index = 0;
+        check(hullmap_pack_find(get(), name.c_str(), &index));
+        return index;
+    }
+
+    HullFacts facts(std::size_t hull) const {
+        HullFacts facts{};
+        facts.struct_size = sizeof facts;
+        check(hullmap_pack_hull_facts(get(), hull, &facts));
+        return facts;
+    }
+
+    HullArrays arrays(std::size_t hull) const {
+        HullArrays arrays{};
+        check(hullmap_pack_hull_arrays(get(), hull, &arrays));
+        return arrays;
+    }
+
+    const HullmapPack *get() const noexcept { return handle_.get(); }
+
+private:
+    using Handle = detail::Handle<HullmapPack, hullmap_pack_free>;
+    explicit Pack(Handle handle) : handle_(std::move(handle)) {}
+    Handle handle_;
+};
+
+inline std::string_view text(const HullmapText &text) { return {text.data, text.length}; }
+
+// A shape. Threads may share it.
+class Shape {
+public:
+    static Shape hull(const Pack &pack, std::size_t index = 0) {
+        return make([&](auto out) { return hullmap_shape_hull(pack.get(), index, out); });
+    }
+    static Shape scaled_hull(const Pack &pack, std::size_t index, Vec3 scale) {
+        return make([&](auto out) { return hullmap_shape_scaled_hull(pack.get(), index, scale, out); });
+    }
+    static Shape compound(const Pack &pack) {
+        return make([&](auto out) { return hullmap_shape_compound(pack.get(), out); });
+    }
+    static Shape sphere(double radius) {
+        return make([&](auto out) { return hullmap_shape_sphere(radius, out); });
+    }
+    static Shape cuboid(Vec3 half_edges) {
+        return make([&](auto out) { return hullmap_shape_cuboid(half_edges, out); });
+    }
+    static Shape capsule(double half_length, double radius) {
+        return make([&](auto out) { return hullmap_shape_capsule(half_length, radius, out); });
+    }
+    static Shape cylinder(double half_height, double radius) {
+        return make([&](auto out) { return hullmap_shape_cylinder(half_height, radius, out); });
+    }
+    static Shape cone(double half_height, double radius) {
+        return make([&](auto out) { return hullmap_shape_cone(half_height, radius, out); });
+    }
+    // Always the first shape of a pair.
+    static Shape half_space(Vec3 normal, double offset) {
+        return make([&](auto out) { return hullmap_shape_half_space(normal, offset, out); });
+    }
+
+    Support support(Vec3 direction) const {
+        Support found{};
+        check(hullmap_support(get(), &direction, 1, &found));
+        return found;
+    }
+    Bounds bounds(const Pose &pose = identity) const {
+        Bounds found{};
+        check(hullmap_bounds(get(), &pose, &found));
+        return found;
+    }
+    RayHit ray(Vec3 origin, Vec3 direction, const CastSettings *settings = nullptr) const {
+        RayHit found{};
+        check(hullmap_ray(get(), origin, direction, settings, &found));
+        return found;
+    }
+
+    const HullmapShape *get() const noexcept { return handle_.get(); }
+
+private:
+    using Handle = detail::Handle<HullmapShape, hullmap_shape_free>;
+    template <class Make>
+    static Shape make(Make make) {
+        return Shape(detail::made<Handle>(make));
+    }
+    explicit Shape(Handle handle) : handle_(std::move(handle)) {}
+    Handle handle_;
+};
+
+// Memory of one pair from query to query; one thread at a time may use it.
+class Cache {
+public:
+    Cache() : handle_(detail::made<Handle>(hullmap_cache_new)) {}
+    void clear() { check(hullmap_cache_clear(get())); }
+    HullmapCache *get() const noexcept { return handle_.get(); }
+
+private:
+    using Handle = detail::Handle<HullmapCache, hullmap_cache_free>;
+    Handle handle_;
+};
+
+inline Intersection intersects(const Shape &a, const Shape &b, const Pose &b_in_a, Cache *cache = nullptr) {
+    Intersection found{};
+    check(hullmap_intersects(a.get(), b.get(), &b_in_a, cache ? cache->get() : nullptr, &found));
+    return found;
+}
+
+inline Distance distance(const Shape &a, const Shape &b, const Pose &b_in_a, Cache *cache = nullptr,
+                         const Settings *settings = nullptr) {
+    Distance found{};
+    check(hullmap_distance(a.get(), b.get(), &b_in_a, settings, cache ? cache->get() : nullptr, &found));
+    return found;
+}
+
+inline Contact contact(const Shape &a, const Shape &b, const Pose &b_in_a, Cache *cache = nullptr,
+                       const Settings *settings = nullptr) {
+    Contact found{};
+    check(hullmap_contact(a.get(), b.get(), &b_in_a, settings, cache ? cache->get() : nullptr, &found));
+    return found;
+}
+
+inline Impact cast(const Shape &a, const Shape &b, const Pose &b_in_a, Vec3 velocity, Cache *cache = nullptr,
+                   const CastSettings *settings = nullptr) {
+    Impact found{};
+    check(hullmap_cast(a.get(), b.get(), &b_in_a, velocity, settings, cache ? cache->get() : nullptr, &found));
+    return found;
+}
+
+inline SignedDistance signed_distance(const Shape &shape, Vec3 point, Cache *cache = nullptr,
+                                      const Settings *settings = nullptr) {
+    SignedDistance found{};
+    check(hullmap_signed_distance(shape.get(), point, settings, cache ? cache->get() : nullptr, &found));
+    return found;
+}
+
+// The pose of B in A, from the poses of both in a world.
+inline Pose relative(const Pose &a_in_world, const Pose &b_in_world) {
+    Pose b_in_a{};
+    check(hullmap_pose_relative(&a_in_world, &b_in_world, &b_in_a));
+    return b_in_a;
+}
+
+// Contact points of one pair, kept from step to step. Iterate over it to read and write them.
+class Manifold {
+public:
+    explicit Manifold(std::uint32_t max_pairs = 1)
+        : handle_(detail::made<Handle>([&](auto out) { return hullmap_manifold_new(max_pairs, out); })) {}
+
+    const ManifoldPoints &update(const Shape &a, const Shape &b, const Pose &b_in_a,
+                                 const ManifoldSettings *settings = nullptr) {
+        check(hullmap_manifold_update(get(), a.get(), b.get(), &b_in_a, settings, &points_));
+        return points_;
+    }
+    void clear() {
+        check(hullmap_manifold_clear(get()));
+        points_ = {};
+    }
+
+    ManifoldPoint *begin() const noexcept { return points_.points; }
+    ManifoldPoint *end() const noexcept { return points_.count == 0 ? begin() : begin() + points_.count; }
+    std::size_t size() const noexcept { return points_.count; }
+    HullmapManifold *get() const noexcept { return handle_.get(); }
+
+private:
+    using Handle = detail::Handle<HullmapManifold, hullmap_manifold_free>;
+    Handle handle_;
+    ManifoldPoints points_{};
+};
+
+// Many pairs on all cores. caches is empty, or has one for each pair.
+namespace batch {
+
+inline HullmapCache *const *pointers(const std::vector<Cache> &caches, std::size_t count,
+                                     std::vector<HullmapCache *> &storage) {
+    if (caches.empty()) {
+        return nullptr;
+    }
+    if (caches.size() != count) {
+        throw std::invalid_argument("a batch requires one cache for each pair, or none");
+    }
+    for (const Cache &cache : caches) {
+        storage.push_back(cache.get());
+    }
+    return storage.data();
+}
+
+inline std::vector<Intersection> intersects(const std::vector<Pair> &pairs, const std::vector<Cache> &caches = {}) {
+    std::vector<Intersection> found(pairs.size());
+    std::vector<HullmapCache *> storage;
+    check(hullmap_batch_intersects(pairs.data(), pairs.size(), pointers(caches, pairs.size(), storage), found.data()));
+    return found;
+}
+
+inline std::vector<Distance> distance(const std::vector<Pair> &pairs, const std::vector<Cache> &caches = {},
+                                      const Settings *settings = nullptr) {
+    std::vector<Distance> found(pairs.size());
+    std::vector<HullmapCache *> storage;
+    check(hullmap_batch_distance(pairs.data(), pairs.size(), settings, pointers(caches, pairs.size(), storage),
+                                 found.data()));
+    return found;
+}
+
+inline std::vector<Contact> contact(const std::vector<Pair> &pairs, const std::vector<Cache> &caches = {},
+                                    const Settings *settings = nullptr) {
+    std::vector<Contact> found(pairs.size());
+    std::vector<HullmapCache *> storage;
+    check(hullmap_batch_contact(pairs.data(), pairs.size(), settings, pointers(caches, pairs.size(), storage),
+                                found.data()));
+    return found;
+}
+
+}  // namespace batch
+
+}  // namespace hullmap
+
+#endif  // HULLMAP_HPP

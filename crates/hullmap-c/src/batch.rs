@@ -1,0 +1,99 @@
+//! Many pairs on all cores: each pair is one query of its own, so answers do not depend on the
+//! number of threads.
+
+#![forbid(unsafe_code)]
+
+use std::mem::MaybeUninit;
+use std::ops::DerefMut;
+use std::sync::MutexGuard;
+
+use hullmap::{ManifoldSettings, Pose, Settings};
+use rayon::prelude::*;
+
+use crate::failure::Fallible;
+use crate::handles::{Cache, Empty, Manifold, Memory, Points, Shape};
+use crate::{query, types};
+
+/// Minimum number of pairs per task: about 20 µs of work, ten times the cost of handing a task to
+/// another thread. The same as in `hullmap::batch`.
+const MIN_PAIRS: usize = 32;
+
+/// A pair whose pointers and pose have been checked.
+pub(crate) struct Pair<'p> {
+    pub(crate) a: &'p Shape,
+    pub(crate) b: &'p Shape,
+    pub(crate) b_in_a: Pose,
+}
+
+/// Solves each pair, with its cache if there are caches, and writes the answers.
+fn each<T: Send>(
+    pairs: &[Pair<'_>],
+    caches: Option<&[&Cache]>,
+    out: &mut [MaybeUninit<T>],
+    solve: impl Fn(&Pair<'_>, &mut Memory) -> Fallible<T> + Sync,
+) -> Fallible<()> {
+    let jobs = pairs.par_iter().zip(out).with_min_len(MIN_PAIRS);
+    let Some(caches) = caches else {
+        // A task reuses one empty cache.
+        return jobs.try_for_each_init(Memory::default, |memory, (pair, out)| {
+            memory.empty();
+            out.write(solve(pair, memory)?);
+            Ok(())
+        });
+    };
+    let mut guards = Vec::with_capacity(caches.len());
+    for (index, cache) in caches.iter().enumerate() {
+        guards.push(cache.0.take(format_args!("caches[{index}]"))?);
+    }
+    let memories: Vec<&mut Memory> = guards.iter_mut().map(MutexGuard::deref_mut).collect();
+    jobs.zip(memories).try_for_each(|((pair, out), memory)| {
+        out.write(solve(pair, memory)?);
+        Ok(())
+    })
+}
+
+pub(crate) fn intersects(
+    pairs: &[Pair<'_>],
+    caches: Option<&[&Cache]>,
+    out: &mut [MaybeUninit<types::Intersection>],
+) -> Fallible<()> {
+    each(pairs, caches, out, |pair, memory| query::intersects(pair.a, pair.b, pair.b_in_a, memory))
+}
+
+pub(crate) fn distance(
+    pairs: &[Pair<'_>],
+    settings: &Settings,
+    caches: Option<&[&Cache]>,
+    out: &mut [MaybeUninit<types::Distance>],
+) -> Fallible<()> {
+    each(pairs, caches, out, |pair, memory| query::distance(pair.a, pair.b, pair.b_in_a, settings, memory))
+}
+
+pub(crate) fn contact(
+    pairs: &[Pair<'_>],
+    settings: &Settings,
+    caches: Option<&[&Cache]>,
+    out: &mut [MaybeUninit<types::Contact>],
+) -> Fallible<()> {
+    each(pairs, caches, out, |pair, memory| query::contact(pair.a, pair.b, pair.b_in_a, settings, memory))
+}
+
+pub(crate) fn manifolds(
+    pairs: &[Pair<'_>],
+    settings: &ManifoldSettings,
+    manifolds: &[&Manifold],
+    out: &mut [MaybeUninit<types::ManifoldPoints>],
+) -> Fallible<()> {
+    let mut guards = Vec::with_capacity(manifolds.len());
+    for (index, manifold) in manifolds.iter().enumerate() {
+        guards.push(manifold.0.take(format_args!("manifolds[{index}]"))?);
+    }
+    let mut points: Vec<&mut Points> = guards.iter_mut().map(MutexGuard::deref_mut).collect();
+    let jobs = pairs.par_iter().zip(&mut points).with_min_len(MIN_PAIRS);
+    jobs.try_for_each(|(pair, points)| query::update(pair.a, pair.b, pair.b_in_a, settings, points))?;
+    // The answers hold pointers, which threads do not pass on.
+    for (points, out) in points.into_iter().zip(out) {
+        out.write(points.answer());
+    }
+    Ok(())
+}

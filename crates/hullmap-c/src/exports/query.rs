@@ -1,0 +1,210 @@
+//! Queries of one shape, or of a pair.
+#![allow(unsafe_code)]
+
+use hullmap::Motion;
+
+use crate::border::{self, Out, call};
+use crate::failure::{Failure, Fallible};
+use crate::handles::{Cache, Memory, Shape};
+use crate::query;
+use crate::types::{
+    Bounds, CastSettings, Contact, Distance, Impact, Intersection, Pose, RayHit, Result, Settings, SignedDistance,
+    Support, Vec3,
+};
+
+/// Runs a query with the memory of a cache, or with an empty one.
+#[inline]
+fn with_memory<T>(cache: Option<&Cache>, query: impl FnOnce(&mut Memory) -> Fallible<T>) -> Fallible<T> {
+    match cache {
+        Some(cache) => query(&mut *cache.0.take("cache")?),
+        None => query(&mut Memory::default()),
+    }
+}
+
+/// A pair from C.
+struct Pair<'p> {
+    a: &'p Shape,
+    b: &'p Shape,
+    b_in_a: hullmap::Pose,
+}
+
+/// # Safety
+/// The pointers are as the rules at the head of the header require.
+#[inline]
+unsafe fn pair<'p>(a: *const Shape, b: *const Shape, b_in_a: *const Pose) -> Fallible<Pair<'p>> {
+    // SAFETY: this function's contract.
+    let (a, b, b_in_a) = unsafe { (border::handle("a", a)?, border::handle("b", b)?, border::read("b_in_a", b_in_a)?) };
+    Ok(Pair { a, b, b_in_a: super::pose("b_in_a", b_in_a)? })
+}
+
+/// Support points of a shape in `count` directions: points of the shape with the maximum dot
+/// product.
+///
+/// Directions are in the shape's frame and need not be of unit length. For a zero or non-finite
+/// direction the answer is any point of the shape. Not for compounds and half-spaces.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_support(
+    shape: *const Shape,
+    directions: *const Vec3,
+    count: usize,
+    out: *mut Support,
+) -> Result {
+    call(|| {
+        // SAFETY: the caller keeps the rules at the head of the header.
+        let (shape, directions, out) = unsafe {
+            let (shape, directions) =
+                (border::handle("shape", shape)?, border::array("directions", directions, count)?);
+            (shape, directions, border::answers("out", out, count)?)
+        };
+        query::support(shape, directions, out)
+    })
+}
+
+/// The box around a shape at a pose, in the frame that the pose maps to. It certainly contains the
+/// shape. Not for half-spaces.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_bounds(shape: *const Shape, pose: *const Pose, out: *mut Bounds) -> Result {
+    call(|| {
+        // SAFETY: the caller keeps the rules at the head of the header.
+        let (shape, pose, out) =
+            unsafe { (border::handle("shape", shape)?, border::read("pose", pose)?, Out::new("out", out)?) };
+        out.write(query::bounds(shape, super::pose("pose", pose)?)?);
+        Ok(())
+    })
+}
+
+/// Whether two shapes share a point. cache may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_intersects(
+    a: *const Shape,
+    b: *const Shape,
+    b_in_a: *const Pose,
+    cache: *mut Cache,
+    out: *mut Intersection,
+) -> Result {
+    call(|| {
+        // SAFETY: the caller keeps the rules at the head of the header.
+        let (pair, cache, out) =
+            unsafe { (pair(a, b, b_in_a)?, border::optional_handle("cache", cache)?, Out::new("out", out)?) };
+        out.write(with_memory(cache, |memory| query::intersects(pair.a, pair.b, pair.b_in_a, memory))?);
+        Ok(())
+    })
+}
+
+/// Distance of two shapes, and their closest points. settings and cache may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_distance(
+    a: *const Shape,
+    b: *const Shape,
+    b_in_a: *const Pose,
+    settings: *const Settings,
+    cache: *mut Cache,
+    out: *mut Distance,
+) -> Result {
+    call(|| {
+        // SAFETY: the caller keeps the rules at the head of the header.
+        let (pair, settings, cache, out) = unsafe {
+            let (pair, settings) = (pair(a, b, b_in_a)?, border::read_sized("settings", settings)?);
+            (pair, settings, border::optional_handle("cache", cache)?, Out::new("out", out)?)
+        };
+        let settings = super::settings(settings);
+        out.write(with_memory(cache, |memory| query::distance(pair.a, pair.b, pair.b_in_a, &settings, memory))?);
+        Ok(())
+    })
+}
+
+/// Contact of two shapes: penetration depth, normal and deepest points. settings and cache may be
+/// NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_contact(
+    a: *const Shape,
+    b: *const Shape,
+    b_in_a: *const Pose,
+    settings: *const Settings,
+    cache: *mut Cache,
+    out: *mut Contact,
+) -> Result {
+    call(|| {
+        // SAFETY: the caller keeps the rules at the head of the header.
+        let (pair, settings, cache, out) = unsafe {
+            let (pair, settings) = (pair(a, b, b_in_a)?, border::read_sized("settings", settings)?);
+            (pair, settings, border::optional_handle("cache", cache)?, Out::new("out", out)?)
+        };
+        let settings = super::settings(settings);
+        out.write(with_memory(cache, |memory| query::contact(pair.a, pair.b, pair.b_in_a, &settings, memory))?);
+        Ok(())
+    })
+}
+
+/// When B, which starts at b_in_a and moves by `velocity` per unit of time, first meets A. Neither
+/// shape turns. The velocity is in A's frame. settings and cache may be NULL. Not for compounds.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_cast(
+    a: *const Shape,
+    b: *const Shape,
+    b_in_a: *const Pose,
+    velocity: Vec3,
+    settings: *const CastSettings,
+    cache: *mut Cache,
+    out: *mut Impact,
+) -> Result {
+    call(|| {
+        // SAFETY: the caller keeps the rules at the head of the header.
+        let (pair, settings, cache, out) = unsafe {
+            let (pair, settings) = (pair(a, b, b_in_a)?, border::read_sized("settings", settings)?);
+            (pair, settings, border::optional_handle("cache", cache)?, Out::new("out", out)?)
+        };
+        let motion = Motion::new(velocity.into()).map_err(|error| Failure::new(Result::InvalidArgument, error))?;
+        let settings = super::cast_settings(settings);
+        let Pair { a, b, b_in_a } = pair;
+        out.write(with_memory(cache, |memory| query::cast(a, b, b_in_a, motion, &settings, memory))?);
+        Ok(())
+    })
+}
+
+/// Where the ray of all points origin + t direction, t >= 0, first enters a shape. Origin and
+/// direction are in the shape's frame; t is a factor of the direction, which need not be of unit
+/// length. settings may be NULL. Not for compounds.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_ray(
+    shape: *const Shape,
+    origin: Vec3,
+    direction: Vec3,
+    settings: *const CastSettings,
+    out: *mut RayHit,
+) -> Result {
+    call(|| {
+        // SAFETY: the caller keeps the rules at the head of the header.
+        let (shape, settings, out) = unsafe {
+            let (shape, settings) = (border::handle("shape", shape)?, border::read_sized("settings", settings)?);
+            (shape, settings, Out::new("out", out)?)
+        };
+        let ray = hullmap::Ray::new(origin.into(), direction.into());
+        let ray = ray.map_err(|error| Failure::new(Result::InvalidArgument, error))?;
+        out.write(query::ray(shape, &ray, &super::cast_settings(settings))?);
+        Ok(())
+    })
+}
+
+/// Signed distance of a point from the surface of a shape, in the shape's frame: positive outside,
+/// negative inside. The cache is for this shape and points near each other. settings and cache may
+/// be NULL. Not for compounds.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_signed_distance(
+    shape: *const Shape,
+    point: Vec3,
+    settings: *const Settings,
+    cache: *mut Cache,
+    out: *mut SignedDistance,
+) -> Result {
+    call(|| {
+        // SAFETY: the caller keeps the rules at the head of the header.
+        let (shape, settings, cache, out) = unsafe {
+            let (shape, settings) = (border::handle("shape", shape)?, border::read_sized("settings", settings)?);
+            (shape, settings, border::optional_handle("cache", cache)?, Out::new("out", out)?)
+        };
+        let settings = super::settings(settings);
+        out.write(with_memory(cache, |memory| query::signed_distance(shape, point.into(), &settings, memory))?);
+        Ok(())
+    })
+}

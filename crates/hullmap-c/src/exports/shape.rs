@@ -1,0 +1,97 @@
+//! Shapes: what queries take as A and B.
+#![allow(unsafe_code)]
+
+use crate::border::{self, Out, call};
+use crate::failure::Fallible;
+use crate::handles::{Pack, Shape};
+use crate::types::{Result, Vec3};
+
+/// Makes a shape and hands it out.
+///
+/// # Safety
+/// `shape` is as the rules at the head of the header require.
+unsafe fn make(shape: *mut *mut Shape, body: impl FnOnce() -> Fallible<Shape>) -> Result {
+    call(|| {
+        // SAFETY: this function's contract is that of `of_handle`.
+        let out = unsafe { Out::of_handle("shape", shape)? };
+        out.give(body()?);
+        Ok(())
+    })
+}
+
+/// The hull of index `hull`, counted from 0, in its own frame.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_shape_hull(pack: *const Pack, hull: usize, shape: *mut *mut Shape) -> Result {
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe { make(shape, || Shape::hull(border::handle("pack", pack)?, hull)) }
+}
+
+/// The hull of index `hull`, scaled along the axes of its frame; a negative scale mirrors it. The
+/// magnitude of a scale is from 1e-38 to 3.4e38.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_shape_scaled_hull(
+    pack: *const Pack,
+    hull: usize,
+    scale: Vec3,
+    shape: *mut *mut Shape,
+) -> Result {
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe { make(shape, || Shape::scaled_hull(border::handle("pack", pack)?, hull, scale.into())) }
+}
+
+/// All hulls of a pack together: a concave mesh that was baked as convex parts.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_shape_compound(pack: *const Pack, shape: *mut *mut Shape) -> Result {
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe { make(shape, || Ok(Shape::compound(border::handle("pack", pack)?))) }
+}
+
+/// A sphere about the origin. Lengths of this and the following shapes are from 0 to 3.4e38.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_shape_sphere(radius: f64, shape: *mut *mut Shape) -> Result {
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe { make(shape, || Shape::sphere(radius)) }
+}
+
+/// A box about the origin, with its edges along the axes: half their lengths.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_shape_cuboid(half_edges: Vec3, shape: *mut *mut Shape) -> Result {
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe { make(shape, || Shape::cuboid(half_edges.into())) }
+}
+
+/// A capsule about the origin, along z: half the length of the segment, without the caps.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_shape_capsule(half_length: f64, radius: f64, shape: *mut *mut Shape) -> Result {
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe { make(shape, || Shape::capsule(half_length, radius)) }
+}
+
+/// A cylinder about the origin, along z.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_shape_cylinder(half_height: f64, radius: f64, shape: *mut *mut Shape) -> Result {
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe { make(shape, || Shape::cylinder(half_height, radius)) }
+}
+
+/// A cone along z: its base at -half_height, its apex at half_height.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_shape_cone(half_height: f64, radius: f64, shape: *mut *mut Shape) -> Result {
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe { make(shape, || Shape::cone(half_height, radius)) }
+}
+
+/// Everything below a plane: the points p with normal . p <= offset, after the normal is
+/// normalised. For floors and walls. A half-space is always A, the first shape of a pair.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_shape_half_space(normal: Vec3, offset: f64, shape: *mut *mut Shape) -> Result {
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe { make(shape, || Shape::half_space(normal.into(), offset)) }
+}
+
+/// Frees a shape; NULL is allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_shape_free(shape: *mut Shape) {
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe { border::free(shape) }
+}

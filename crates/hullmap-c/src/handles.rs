@@ -1,0 +1,321 @@
+//! What is behind the opaque pointers.
+//!
+//! Packs and shapes never change, so threads share them. A cache or a manifold is written to by
+//! each query that takes it; it has a lock that is tried and never waited for, so that a program
+//! which breaks the rule gets an error instead of a data race.
+
+#![forbid(unsafe_code)]
+
+use std::fmt;
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+
+use hullmap::compound::ManifoldCounts;
+use hullmap::glam::DVec3;
+use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Scaled, Sphere};
+use hullmap::{CompoundCache, CompoundManifolds, SharedHull};
+
+use crate::failure::{Failure, Fallible};
+use crate::types::{ManifoldPoint, ManifoldPoints, Result as Code};
+
+/// An open pack: a file with one or more hulls. It never changes; threads may share it.
+#[derive(Debug)]
+pub struct Pack(Arc<hullmap::Pack>);
+
+impl Pack {
+    pub(crate) fn new(pack: hullmap::Pack) -> Self {
+        Self(Arc::new(pack))
+    }
+
+    pub(crate) fn pack(&self) -> &Arc<hullmap::Pack> {
+        &self.0
+    }
+
+    pub(crate) fn hull(&self, index: usize) -> Fallible<hullmap::Hull<'_>> {
+        self.0.hull(index).map_err(not_found)
+    }
+}
+
+fn not_found(error: hullmap::NoSuchHull) -> Failure {
+    Failure::new(Code::NotFound, error)
+}
+
+/// A shape: a hull, a whole pack as a compound, or a primitive. It never changes; threads may share
+/// it. A hull and a compound keep their pack open.
+#[derive(Debug)]
+pub struct Shape {
+    pub(crate) kind: Kind,
+}
+
+/// The kinds that queries distinguish.
+pub(crate) enum Kind {
+    Hull(SharedHull),
+    Convex(Box<dyn hullmap::Shape + Send + Sync>),
+    Compound(Arc<hullmap::Pack>),
+    HalfSpace(HalfSpace),
+}
+
+impl fmt::Debug for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl Kind {
+    pub(crate) fn name(&self) -> &'static str {
+        match self {
+            Self::Hull(_) => "a hull",
+            Self::Convex(_) => "a primitive",
+            Self::Compound(_) => "a compound",
+            Self::HalfSpace(_) => "a half-space",
+        }
+    }
+
+    /// The shape behind its support mapping, if it is convex and bounded.
+    #[inline]
+    pub(crate) fn convex(&self) -> Option<&dyn hullmap::Shape> {
+        match self {
+            Self::Hull(hull) => Some(hull.hull()),
+            Self::Convex(shape) => Some(&**shape),
+            Self::Compound(_) | Self::HalfSpace(_) => None,
+        }
+    }
+}
+
+impl Shape {
+    pub(crate) fn hull(pack: &Pack, index: usize) -> Fallible<Self> {
+        pack.0.shared_hull(index).map(|hull| Self { kind: Kind::Hull(hull) }).map_err(not_found)
+    }
+
+    pub(crate) fn scaled_hull(pack: &Pack, index: usize, scale: DVec3) -> Fallible<Self> {
+        let hull = pack.0.shared_hull(index).map_err(not_found)?;
+        Self::convex(Scaled::new(hull, scale))
+    }
+
+    pub(crate) fn compound(pack: &Pack) -> Self {
+        Self { kind: Kind::Compound(Arc::clone(&pack.0)) }
+    }
+
+    pub(crate) fn sphere(radius: f64) -> Fallible<Self> {
+        Self::convex(Sphere::new(radius))
+    }
+
+    pub(crate) fn cuboid(half_edges: DVec3) -> Fallible<Self> {
+        Self::convex(Cuboid::new(half_edges))
+    }
+
+    pub(crate) fn capsule(half_length: f64, radius: f64) -> Fallible<Self> {
+        Self::convex(Capsule::new(half_length, radius))
+    }
+
+    pub(crate) fn cylinder(half_height: f64, radius: f64) -> Fallible<Self> {
+        Self::convex(Cylinder::new(half_height, radius))
+    }
+
+    pub(crate) fn cone(half_height: f64, radius: f64) -> Fallible<Self> {
+        Self::convex(Cone::new(half_height, radius))
+    }
+
+    pub(crate) fn half_space(normal: DVec3, offset: f64) -> Fallible<Self> {
+        let half_space = HalfSpace::new(normal, offset).map_err(invalid)?;
+        Ok(Self { kind: Kind::HalfSpace(half_space) })
+    }
+
+    fn convex<S>(shape: Result<S, hullmap::ShapeError>) -> Fallible<Self>
+    where
+        S: hullmap::Shape + Send + Sync + 'static,
+    {
+        shape.map(|shape| Self { kind: Kind::Convex(Box::new(shape)) }).map_err(invalid)
+    }
+}
+
+fn invalid(error: hullmap::ShapeError) -> Failure {
+    Failure::new(Code::InvalidArgument, error)
+}
+
+/// A value that one call at a time may use.
+#[derive(Debug)]
+pub(crate) struct Exclusive<T>(Mutex<T>);
+
+/// What a panic may have left behind can be emptied.
+pub(crate) trait Empty {
+    fn empty(&mut self);
+}
+
+impl<T: Empty> Exclusive<T> {
+    pub(crate) fn new(value: T) -> Self {
+        Self(Mutex::new(value))
+    }
+
+    /// The value, if no other call uses it. `name` is that of the argument.
+    #[inline]
+    pub(crate) fn take(&self, name: impl fmt::Display) -> Fallible<MutexGuard<'_, T>> {
+        match self.0.try_lock() {
+            Ok(value) => Ok(value),
+            Err(TryLockError::Poisoned(poisoned)) => {
+                self.0.clear_poison();
+                let mut value = poisoned.into_inner();
+                value.empty();
+                Ok(value)
+            }
+            Err(TryLockError::WouldBlock) => Err(busy(name)),
+        }
+    }
+}
+
+#[cold]
+fn busy(name: impl fmt::Display) -> Failure {
+    let remedy = "use one for each pair of shapes, in one thread at a time";
+    Failure::new(Code::Busy, format_args!("{name} is in use by another call, or was passed twice: {remedy}"))
+}
+
+/// Memory of one ordered pair of shapes from query to query. It makes the next query cheaper, and
+/// changes answers by no more than rounding error. One call at a time may use it.
+#[derive(Debug)]
+pub struct Cache(pub(crate) Exclusive<Memory>);
+
+impl Cache {
+    pub(crate) fn new() -> Self {
+        Self(Exclusive::new(Memory::default()))
+    }
+}
+
+/// The caches of a pair: of convex shapes, and of compounds. The latter allocates, so it is made by
+/// the first query that needs it.
+#[derive(Debug, Default)]
+pub(crate) struct Memory {
+    pub(crate) convex: hullmap::Cache,
+    compound: Option<CompoundCache>,
+}
+
+impl Memory {
+    pub(crate) fn compound(&mut self) -> &mut CompoundCache {
+        self.compound.get_or_insert_default()
+    }
+}
+
+impl Empty for Memory {
+    fn empty(&mut self) {
+        self.convex.clear();
+        if let Some(compound) = &mut self.compound {
+            compound.clear();
+        }
+    }
+}
+
+/// Maximum number of pairs of hulls of a manifold: about 300 MB. A wrong number must not end the
+/// process by asking for more memory than there is.
+const MAX_PAIRS: u32 = 1 << 16;
+
+/// The contact points of one ordered pair of shapes, kept from step to step. One call at a time may
+/// use it.
+#[derive(Debug)]
+pub struct Manifold(pub(crate) Exclusive<Points>);
+
+impl Manifold {
+    pub(crate) fn new(pairs: u32) -> Fallible<Self> {
+        if pairs > MAX_PAIRS {
+            let message = format_args!("found {pairs}, but a manifold has room for at most {MAX_PAIRS} pairs of hulls");
+            return Err(Failure::argument("max_pairs", message));
+        }
+        let pairs = pairs.max(1) as usize;
+        // So that its memory never moves.
+        let shown = Vec::with_capacity(pairs * hullmap::manifold::MAX_POINTS);
+        Ok(Self(Exclusive::new(Points {
+            pairs,
+            convex: hullmap::Manifold::new(),
+            cache: hullmap::Cache::new(),
+            compound: None,
+            shown,
+            counts: ManifoldCounts::default(),
+        })))
+    }
+}
+
+/// A manifold, and its points as the caller sees them.
+#[derive(Debug)]
+pub(crate) struct Points {
+    /// Maximum number of pairs of hulls.
+    pairs: usize,
+    pub(crate) convex: hullmap::Manifold,
+    pub(crate) cache: hullmap::Cache,
+    /// Made by the first update of a compound.
+    compound: Option<CompoundManifolds>,
+    /// The caller writes impulses and user data here.
+    shown: Vec<ManifoldPoint>,
+    counts: ManifoldCounts,
+}
+
+impl Points {
+    /// What the last update found, with a pointer to the points.
+    pub(crate) fn answer(&mut self) -> ManifoldPoints {
+        let ManifoldCounts { touching, dropped, pairs, iterations, support_calls, .. } = self.counts;
+        let (points, count) = (self.shown.as_mut_ptr(), self.shown.len());
+        ManifoldPoints { points, count, touching, dropped, pairs, iterations, support_calls }
+    }
+
+    pub(crate) fn compound(&mut self) -> &mut CompoundManifolds {
+        self.convex.clear();
+        self.compound.get_or_insert_with(|| CompoundManifolds::new(self.pairs))
+    }
+
+    /// Takes over what the caller has written since the last update.
+    pub(crate) fn read_back(&mut self) {
+        let compound = self.compound.iter_mut().flat_map(CompoundManifolds::iter_mut);
+        let compound = compound.flat_map(|(_, manifold)| manifold.points_mut());
+        // Only one of the two has points.
+        for (point, shown) in self.convex.points_mut().iter_mut().chain(compound).zip(&self.shown) {
+            (point.impulse, point.user_data) = (shown.impulse, shown.user_data);
+        }
+    }
+
+    /// Shows the points of the convex manifold to the caller.
+    pub(crate) fn show_convex(&mut self, found: &hullmap::Contact) {
+        if let Some(compound) = &mut self.compound {
+            compound.clear();
+        }
+        self.shown.clear();
+        show(&self.convex, [0, 0], &mut self.shown);
+        let touching = u32::from(!self.shown.is_empty());
+        let (iterations, support_calls) = (found.iterations, found.support_calls);
+        self.counts = ManifoldCounts { touching, pairs: 1, iterations, support_calls, ..ManifoldCounts::default() };
+    }
+
+    /// Shows the points of the compound's manifolds to the caller.
+    pub(crate) fn show_compound(&mut self, counts: ManifoldCounts) {
+        self.counts = counts;
+        self.shown.clear();
+        for (hulls, manifold) in self.compound.iter().flat_map(CompoundManifolds::iter) {
+            show(manifold, hulls, &mut self.shown);
+        }
+    }
+}
+
+fn show(manifold: &hullmap::Manifold, hulls: [usize; 2], shown: &mut Vec<ManifoldPoint>) {
+    let [hull_a, hull_b] = hulls.map(|hull| hull as u32);
+    shown.extend(manifold.points().iter().map(|point| ManifoldPoint {
+        normal: manifold.normal().into(),
+        point_a: point.point_a.into(),
+        point_b: point.point_b.into(),
+        local_b: point.local_b.into(),
+        depth: point.depth,
+        impulse: point.impulse,
+        user_data: point.user_data,
+        age: point.age,
+        hull_a,
+        hull_b,
+        feature_a: point.id.on_a().into(),
+        feature_b: point.id.on_b().into(),
+    }));
+}
+
+impl Empty for Points {
+    fn empty(&mut self) {
+        self.convex.clear();
+        self.cache.clear();
+        self.counts = ManifoldCounts::default();
+        if let Some(compound) = &mut self.compound {
+            compound.clear();
+        }
+        self.shown.clear();
+    }
+}
