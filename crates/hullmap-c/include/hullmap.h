@@ -809,8 +809,8 @@ void hullmap_manifold_free(HullmapManifold *manifold);
 
 // hullmap_intersects() of `count` pairs, on all cores.
 //
-// Pair i uses `caches[i]` and writes `out[i]`. caches may be NULL; otherwise no cache may occur twice.
-// Answers have the same bits as those of single queries with the same caches. All pairs are
+// Pair i uses `caches[i]` and writes `out[i]`. caches may be NULL; otherwise no cache may occur
+// twice. Answers have the same bits as those of single queries with the same caches. All pairs are
 // checked first: if one is wrong, the message has its index, and nothing is written.
 HullmapResult hullmap_batch_intersects(const HullmapPair *pairs,
                                        size_t count,
