@@ -35,6 +35,7 @@
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]
 
+mod arrays;
 mod conventions;
 mod coordinate;
 mod ears;
@@ -62,6 +63,7 @@ use std::path::Path;
 use hullmap_bake::PointSet;
 use rayon::prelude::*;
 
+pub use arrays::{MeshArrays, import_arrays};
 pub use far::far_away;
 pub use fault::ImportError;
 pub use format::{EXTENSIONS, NAMES, is_buffer, is_source};
@@ -72,6 +74,7 @@ pub use read::{ReadError, SourceFile, buffers_of, read};
 
 use fault::{LineFault, counted};
 use format::Format;
+use mesh::SourceMesh;
 
 /// Result of an import.
 #[derive(Debug)]
@@ -150,7 +153,6 @@ impl Imported {
 ///
 /// # Complexity
 /// O(bytes) for a file that does not repeat vertices, plus a sort of the points.
-#[expect(clippy::indexing_slicing, reason = "readers reject references out of range")]
 pub fn import(
     file: &str,
     stem: &str,
@@ -162,14 +164,26 @@ pub fn import(
     let name = |LineFault { line, fault }| ImportError { file: file.to_owned(), line, fault };
     let is_double = placement::requires_double(options);
     let format = foreign::format_of(path, &source.bytes).map_err(|fault| name(fault.of_file()))?;
-    let mut mesh = match format {
+    let mesh = match format {
         Format::Obj => obj::read(&source.bytes, is_double, limits),
         Format::Gltf => gltf::read(&source.bytes, &source.beside, limits),
         Format::Stl => stl::read(&source.bytes, is_double, limits),
         Format::Ply => ply::read(&source.bytes, is_double),
     }
     .map_err(name)?;
+    imported(file, stem, mesh, options, limits)
+}
 
+/// The point sets of a mesh, with notes and warnings.
+#[expect(clippy::indexing_slicing, reason = "readers reject references out of range")]
+fn imported(
+    file: &str,
+    stem: &str,
+    mut mesh: SourceMesh,
+    options: &ImportOptions,
+    limits: &Limits,
+) -> Result<Imported, ImportError> {
+    let name = |LineFault { line, fault }| ImportError { file: file.to_owned(), line, fault };
     let vertex_count = mesh.positions.len();
     let has_elements = mesh.has_elements();
     let mut referenced = vec![false; vertex_count];

@@ -451,6 +451,21 @@ impl Pack {
         self.storage.file().len()
     }
 
+    /// Bytes of the whole file: header and payload.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let file: Vec<u8> = rock_and_cube();
+    /// assert_eq!(hullmap::Pack::from_bytes(&file)?.bytes(), file);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn bytes(&self) -> &[u8] {
+        self.storage.file()
+    }
+
     /// Path of the source relative to the pack's folder, with `/` between folders. Empty if none
     /// was recorded.
     ///

@@ -1,0 +1,109 @@
+"""Exact convex hulls of detailed meshes, and certified collision queries on arrays of poses.
+
+>>> import numpy as np, hullmap
+>>> corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+>>> cube = hullmap.bake(corners, name="cube")[0]
+>>> poses = hullmap.poses([[2.5, 0, 0], [1.5, 0, 0]])          # of B in A's frame
+>>> cube.distance(cube, poses).distance
+array([0.5, 0. ])
+>>> cube.contact(cube, poses).depth
+array([0. , 0.5])
+
+A pose is a row of seven numbers, ``x y z qx qy qz qw``, or a 4x4 matrix. ``b_in_a`` maps points of
+B's frame into A's frame. All answers are in A's frame. Every length is an interval that contains the
+true value, and a status says how narrow it is. Nothing converges silently.
+
+Queries run on all processors, without holding Python's global lock.
+"""
+
+from __future__ import annotations
+
+from ._bake import bake, bake_file, bake_parts
+from ._export import from_trimesh, to_mjcf, to_trimesh, to_urdf
+from ._hullmap import (
+    ArrayError,
+    BakeError,
+    BakeWarning,
+    Error,
+    InvalidPack,
+    PoseError,
+    ShapeError,
+    __version__,
+)
+from ._poses import poses, relative
+from ._results import (
+    Contact,
+    Distance,
+    Impact,
+    Intersection,
+    Manifold,
+    MassProperties,
+    Overlap,
+    RayHit,
+    SignedDistance,
+    Status,
+    Support,
+)
+from ._shapes import (
+    Box,
+    Capsule,
+    Cone,
+    ConvexShape,
+    Cylinder,
+    HalfSpace,
+    Hull,
+    Lists,
+    Pack,
+    Segment,
+    Shape,
+    Sphere,
+    Triangle,
+    from_bytes,
+    open,
+)
+
+__all__ = [
+    "ArrayError",
+    "BakeError",
+    "BakeWarning",
+    "Box",
+    "Capsule",
+    "Cone",
+    "Contact",
+    "ConvexShape",
+    "Cylinder",
+    "Distance",
+    "Error",
+    "HalfSpace",
+    "Hull",
+    "Impact",
+    "Intersection",
+    "InvalidPack",
+    "Lists",
+    "Manifold",
+    "MassProperties",
+    "Overlap",
+    "Pack",
+    "PoseError",
+    "RayHit",
+    "Segment",
+    "Shape",
+    "ShapeError",
+    "SignedDistance",
+    "Sphere",
+    "Status",
+    "Support",
+    "Triangle",
+    "__version__",
+    "bake",
+    "bake_file",
+    "bake_parts",
+    "from_bytes",
+    "from_trimesh",
+    "open",
+    "poses",
+    "relative",
+    "to_mjcf",
+    "to_trimesh",
+    "to_urdf",
+]

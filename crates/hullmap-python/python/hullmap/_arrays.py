@@ -1,0 +1,58 @@
+"""Arguments as contiguous arrays of doubles, checked."""
+
+from __future__ import annotations
+
+from typing import Any, Tuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ._hullmap import ArrayError
+
+Floats = npt.NDArray[np.float64]
+
+
+def floats(name: str, value: npt.ArrayLike) -> Floats:
+    """``value`` as an array of doubles, of any shape and layout."""
+    try:
+        array = np.asarray(value)
+    except ValueError as error:
+        raise ArrayError(f"{name}: the rows differ in length ({error}): pass a rectangular array") from None
+    if array.dtype.kind not in "fiu":
+        raise ArrayError(f"{name}: expected an array of real numbers, found one of type {array.dtype}: convert it")
+    return np.asarray(array, dtype=np.float64)
+
+
+def vectors(name: str, value: npt.ArrayLike) -> Tuple[Floats, Tuple[int, ...]]:
+    """``value`` as rows of three numbers, and the shape of the answer."""
+    array = floats(name, value)
+    if array.ndim == 0 or array.shape[-1] != 3:
+        raise ArrayError(f"{name}: expected the shape (..., 3), found {array.shape}: pass rows of x, y, z")
+    return np.ascontiguousarray(array.reshape(-1, 3)), array.shape[:-1]
+
+
+def vector(name: str, value: npt.ArrayLike) -> Tuple[float, float, float]:
+    """``value`` as three numbers."""
+    array = floats(name, value)
+    if array.shape != (3,):
+        raise ArrayError(f"{name}: expected three numbers x, y, z, found the shape {array.shape}")
+    return (float(array[0]), float(array[1]), float(array[2]))
+
+
+def transforms(name: str, value: npt.ArrayLike) -> Tuple[Floats, Tuple[int, ...]]:
+    """``value`` as rows of seven or sixteen numbers, and the shape of the answer."""
+    array = floats(name, value)
+    if array.ndim >= 2 and array.shape[-2:] == (4, 4):
+        return np.ascontiguousarray(array.reshape(-1, 16)), array.shape[:-2]
+    if array.ndim >= 1 and array.shape[-1] == 7:
+        return np.ascontiguousarray(array.reshape(-1, 7)), array.shape[:-1]
+    raise ArrayError(
+        f"{name}: expected the shape (..., 7), rows of x y z qx qy qz qw, or (..., 4, 4), found {array.shape}: "
+        "hullmap.poses makes such rows"
+    )
+
+
+def shaped(array: npt.NDArray[Any], lead: Tuple[int, ...], tail: Tuple[int, ...]) -> Any:
+    """``array`` with a row for each entry of ``lead``; a number if there is only one entry."""
+    result = array.reshape(lead + tail)
+    return result[()] if result.ndim == 0 else result

@@ -1,0 +1,160 @@
+"""Bakes: from arrays or a file to a pack."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, List, Optional, Sequence, Tuple, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _hullmap
+from ._arrays import Floats, floats
+from ._hullmap import ArrayError, BakeError
+from ._results import Counts
+from ._shapes import Pack
+
+Faces = Union[npt.ArrayLike, Sequence[Sequence[int]]]
+Mesh = Tuple[str, Floats, Counts, Counts]
+
+
+def _options(options: dict[str, Any]) -> List[Tuple[str, str]]:
+    """Options as the text that the command accepts. ``None`` is the default of each."""
+    pairs = []
+    for key, value in options.items():
+        if value is None:
+            continue
+        if isinstance(value, (bool, np.bool_)):
+            text = "true" if value else "false"
+        elif isinstance(value, (int, np.integer)):
+            text = str(int(value))
+        elif isinstance(value, (float, np.floating)):
+            text = repr(float(value))
+        elif isinstance(value, str):
+            text = value
+        else:
+            raise BakeError(f"option {key}: expected a word, a number or a truth value, found {value!r}")
+        pairs.append((key, text))
+    return pairs
+
+
+def _indices(what: str, array: npt.NDArray[Any]) -> Counts:
+    """``array`` as 32-bit indices."""
+    if array.size == 0:
+        return np.zeros(0, dtype=np.uint32)
+    if array.dtype.kind not in "iu":
+        raise ArrayError(f"{what}: expected whole numbers, found {array.dtype}: convert the array with astype(int)")
+    low, high = array.min(), array.max()
+    if low < 0 or high >= 2**32:
+        raise ArrayError(f"{what}: index {low if low < 0 else high} is out of range: vertices are counted from 0")
+    return np.ascontiguousarray(array.reshape(-1), dtype=np.uint32)
+
+
+def _mesh(name: str, what: str, vertices: npt.ArrayLike, faces: Optional[Faces]) -> Mesh:
+    points = floats(f"{what}vertices", vertices)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise ArrayError(f"{what}vertices: expected the shape (V, 3), found {points.shape}: pass rows of x, y, z")
+    if len(points) == 0:
+        raise ArrayError(f"{what}vertices: the array is empty, but a hull requires at least one point")
+    points = np.ascontiguousarray(points)
+    if faces is None:
+        none = np.zeros(0, dtype=np.uint32)
+        return (name, points, none, none)
+    try:
+        array = np.asarray(faces)
+        is_ragged = array.dtype == object
+    except ValueError:
+        is_ragged = True
+    if is_ragged:
+        rows = [np.asarray(row) for row in faces]  # type: ignore[union-attr]
+        lengths = np.array([row.size for row in rows])
+        corners = np.concatenate(rows) if rows else np.zeros(0, dtype=np.uint32)
+    else:
+        if array.ndim != 2 and array.size > 0:
+            raise ArrayError(f"{what}faces: expected the shape (F, 3), (F, 4) or a list of polygons, found {array.shape}")
+        lengths = np.full(len(array) if array.size else 0, array.shape[-1])
+        corners = array
+    ends = np.cumsum(lengths) if len(lengths) else lengths
+    return (name, points, _indices(f"{what}faces", corners), _indices(f"{what}faces", np.asarray(ends)))
+
+
+def bake(
+    vertices: npt.ArrayLike,
+    /,
+    faces: Optional[Faces] = None,
+    *,
+    name: str = "mesh",
+    threads: Optional[int] = None,
+    **options: Any,
+) -> Pack:
+    """Bakes a mesh or a point cloud into a pack of one hull, or of its convex parts.
+
+    ``vertices`` has the shape (V, 3); positions are rounded to 32-bit floats once. ``faces`` are
+    triangles (F, 3), quadrilaterals (F, 4) or a list of polygons; only ``decompose`` needs them, and
+    vertices that no face references are left out, unless the option ``vertices`` is "all".
+
+    The options are those of the command, with underscores (``docs/COMMAND.md``). The main ones:
+
+    - ``index``: the direction index, "tree" by default; "medium" and "compact" are smaller
+    - ``max_vertices`` or ``max_error``: an enclosing hull with fewer vertices instead of the exact one
+    - ``decompose=True``: convex parts of a concave mesh (V-HACD), with ``vhacd_concavity``,
+      ``vhacd_resolution``, ``vhacd_max_parts`` and others
+    - ``unit_scale``, ``up_axis``, ``recentre``: the frame of the hulls
+
+    The same arguments give the same bytes on every machine. Findings to act on are Python warnings.
+
+    Raises `ArrayError` for wrong arrays, and `BakeError` for wrong options and meshes.
+
+    >>> import numpy as np, hullmap
+    >>> points = np.random.default_rng(1).normal(size=(10_000, 3))
+    >>> ball = points / np.linalg.norm(points, axis=1, keepdims=True)
+    >>> len(hullmap.bake(ball)[0]) > 9_900
+    True
+    >>> len(hullmap.bake(ball, max_vertices=64)[0])
+    64
+    """
+    return Pack(_hullmap.bake_arrays(name, [_mesh(name, "", vertices, faces)], _options(options), threads))
+
+
+def bake_parts(
+    parts: Sequence[Tuple[npt.ArrayLike, Optional[Faces]]],
+    *,
+    names: Optional[Sequence[str]] = None,
+    name: str = "part",
+    threads: Optional[int] = None,
+    **options: Any,
+) -> Pack:
+    """Bakes several meshes into one pack, with a hull for each: for instance the parts of a convex
+    decomposition by another tool.
+
+    ``parts`` are pairs of vertices and faces, as in `bake`. As a shape, the pack is the union of the
+    hulls.
+
+    >>> import numpy as np, hullmap
+    >>> cube = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    >>> pack = hullmap.bake_parts([(cube, None), (cube + [3, 0, 0], None)], names=["left", "right"])
+    >>> pack.names, float(pack.distance(hullmap.Sphere(0.5), hullmap.poses([2, 0.5, 0.5])).distance)
+    (['left', 'right'], 0.5)
+    """
+    chosen = list(names) if names is not None else [f"{name}_{index:02}" for index in range(len(parts))]
+    if len(chosen) != len(parts):
+        raise ArrayError(f"names: expected {len(parts)}, one for each part, found {len(chosen)}")
+    if not parts:
+        raise ArrayError("parts: the list is empty, but a pack requires at least one hull")
+    meshes = [
+        _mesh(own, f"parts[{index}]: ", vertices, faces)
+        for index, (own, (vertices, faces)) in enumerate(zip(chosen, parts))
+    ]
+    pairs = _options({**options, "split": "object"})
+    return Pack(_hullmap.bake_arrays(name, meshes, pairs, threads))
+
+
+def bake_file(path: Union[str, os.PathLike[str]], *, threads: Optional[int] = None, **options: Any) -> Pack:
+    """Bakes a mesh file: OBJ, glTF, GLB, STL or PLY.
+
+    The options are those of `bake`, and ``split="object"`` for a hull for each object. Saved in the
+    folder of the mesh, the pack has the same bytes as that of the command.
+
+    Raises `BakeError` for a faulty mesh, and an `OSError` for a file that cannot be read.
+    """
+    return Pack(_hullmap.bake_file(os.fspath(path), _options(options), threads))

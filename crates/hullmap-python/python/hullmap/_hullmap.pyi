@@ -1,0 +1,124 @@
+"""The part of the package that is written in Rust. Use the classes of `hullmap` instead."""
+
+from typing import Any, Dict, List, Optional, Sequence, Tuple
+
+import numpy as np
+import numpy.typing as npt
+
+__version__: str
+
+_Floats = npt.NDArray[np.float64]
+_Indices = npt.NDArray[np.uint32]
+_Columns = Dict[str, npt.NDArray[Any]]
+_Poses = Tuple[_Floats, Optional[_Floats]]
+_Vector = Tuple[float, float, float]
+
+class Error(ValueError):
+    """Wrong input. The base of all exceptions of hullmap."""
+
+class ArrayError(Error):
+    """An array has a wrong shape, type or value."""
+
+class PoseError(Error):
+    """Numbers are not a rigid pose."""
+
+class ShapeError(Error):
+    """A shape cannot be made, or cannot be queried this way."""
+
+class BakeError(Error):
+    """A mesh cannot be baked, or an option is wrong."""
+
+class BakeWarning(UserWarning):
+    """A finding of a bake to act on."""
+
+class InvalidPack(Error):
+    """A file is not a pack, or is damaged."""
+
+class Shape:
+    @staticmethod
+    def sphere(radius: float) -> Shape: ...
+    @staticmethod
+    def cuboid(half_edges: _Vector) -> Shape: ...
+    @staticmethod
+    def capsule(half_length: float, radius: float) -> Shape: ...
+    @staticmethod
+    def cylinder(half_height: float, radius: float) -> Shape: ...
+    @staticmethod
+    def cone(half_height: float, radius: float) -> Shape: ...
+    @staticmethod
+    def segment(start: _Vector, end: _Vector) -> Shape: ...
+    @staticmethod
+    def triangle(a: _Vector, b: _Vector, c: _Vector) -> Shape: ...
+    @staticmethod
+    def half_space(normal: _Vector, offset: float) -> Shape: ...
+
+class Hull:
+    index: int
+    name: str
+    def shape(self) -> Shape: ...
+    def facts(self) -> Dict[str, Any]: ...
+    def array(self, name: str) -> npt.NDArray[Any]: ...
+
+class Pack:
+    path: Optional[str]
+    notes: List[str]
+    byte_len: int
+    source_path: str
+    options: str
+    @staticmethod
+    def open(path: str, mmap: bool) -> Pack: ...
+    @staticmethod
+    def from_bytes(bytes: bytes) -> Pack: ...
+    def bytes(self) -> bytes: ...
+    def __len__(self) -> int: ...
+    def names(self) -> List[str]: ...
+    def hull(self, index: int) -> Hull: ...
+    def hull_named(self, name: str) -> Hull: ...
+    def check_repeats(self) -> None: ...
+    def shape(self) -> Shape: ...
+
+def run_command(words: Sequence[str]) -> int: ...
+def bake_arrays(
+    name: str,
+    meshes: Sequence[Tuple[str, _Floats, _Indices, _Indices]],
+    options: Sequence[Tuple[str, str]],
+    threads: Optional[int],
+) -> Pack: ...
+def bake_file(path: str, options: Sequence[Tuple[str, str]], threads: Optional[int]) -> Pack: ...
+def relative(a_in_world: _Floats, b_in_world: _Floats) -> _Floats: ...
+def intersects(a: Shape, b: Shape, poses: _Poses, coherent: bool, threads: Optional[int]) -> _Columns: ...
+def distance(
+    a: Shape, b: Shape, poses: _Poses, settings: Tuple[float, int], coherent: bool, threads: Optional[int]
+) -> _Columns: ...
+def contact(
+    a: Shape, b: Shape, poses: _Poses, settings: Tuple[float, int], coherent: bool, threads: Optional[int]
+) -> _Columns: ...
+def manifold(
+    a: Shape,
+    b: Shape,
+    poses: _Poses,
+    settings: Tuple[float, int],
+    prediction: Optional[float],
+    coherent: bool,
+    threads: Optional[int],
+) -> _Columns: ...
+def cast(
+    a: Shape,
+    b: Shape,
+    poses: _Poses,
+    velocities: _Floats,
+    settings: Tuple[float, float, int],
+    coherent: bool,
+    threads: Optional[int],
+) -> _Columns: ...
+def ray(
+    shape: Shape,
+    origins: _Floats,
+    directions: _Floats,
+    settings: Tuple[float, float, int],
+    threads: Optional[int],
+) -> _Columns: ...
+def signed_distance(
+    shape: Shape, points: _Floats, settings: Tuple[float, int], coherent: bool, threads: Optional[int]
+) -> _Columns: ...
+def support(shape: Shape, directions: _Floats, threads: Optional[int]) -> _Columns: ...

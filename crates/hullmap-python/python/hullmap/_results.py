@@ -1,0 +1,264 @@
+"""Answers: a class for each query, with an array for each field."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from enum import IntEnum
+from typing import Any, Dict, List, Mapping, Optional, Tuple, Type, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from ._arrays import Floats, shaped
+
+Answer = TypeVar("Answer", bound="_Answer")
+Codes = npt.NDArray[np.uint8]
+Counts = npt.NDArray[np.uint32]
+Flags = npt.NDArray[np.bool_]
+
+
+class Status(IntEnum):
+    """How a query ended, and thus how narrow its interval is. Whatever it is, the interval contains
+    the true value.
+
+    >>> import hullmap
+    >>> ball = hullmap.Sphere(1.0)
+    >>> gap = ball.distance(ball, hullmap.poses([[3, 0, 0], [1, 0, 0]]))
+    >>> gap.status == hullmap.Status.OVERLAPPING
+    array([False,  True])
+    >>> hullmap.Status.words(gap.status)
+    ['exact', 'overlapping']
+    """
+
+    EXACT = 0
+    """The interval is as narrow as rounding error allows."""
+    WITHIN = 1
+    """The interval is within the tolerance."""
+    TOUCHING = 2
+    """The shapes touch: any gap or penetration is below rounding error."""
+    OVERLAPPING = 3
+    """The shapes overlap (distances, rays, casts)."""
+    SEPARATED = 4
+    """The shapes are certainly separated (contacts, rays, casts)."""
+    ITERATION_LIMIT = 5
+    """The iteration limit was reached; the interval is wider than the tolerance."""
+    STALLED = 6
+    """Rounding error stopped all progress; the interval is wider than the tolerance."""
+
+    @classmethod
+    def words(cls, codes: npt.ArrayLike) -> List[str]:
+        """The words of codes, as the command and Rust write them."""
+        return [cls(int(code)).name.lower() for code in np.ravel(codes)]
+
+
+class Overlap(IntEnum):
+    """Whether two shapes share a point."""
+
+    SEPARATED = 0
+    """They share no point: a separating plane proves it."""
+    OVERLAPPING = 1
+    """Their interiors share points."""
+    TOUCHING = 2
+    """They touch: any gap or penetration is below rounding error."""
+    UNDECIDED = 3
+    """Not known: a limit was reached, or rounding error stopped all progress."""
+
+    @classmethod
+    def words(cls, codes: npt.ArrayLike) -> List[str]:
+        """The words of codes, as the command and Rust write them."""
+        return [cls(int(code)).name.lower() for code in np.ravel(codes)]
+
+
+class _Answer:
+    """Base of all answers."""
+
+    @classmethod
+    def _of(
+        cls: Type[Answer],
+        columns: Mapping[str, npt.NDArray[Any]],
+        lead: Tuple[int, ...],
+        tails: Optional[Dict[str, Tuple[int, ...]]] = None,
+    ) -> Answer:
+        """The answer of these columns, in the shape ``lead`` of the arguments."""
+        tails = tails or {}
+        arrays = {
+            name: shaped(array, lead, tails.get(name, array.shape[1:])) for name, array in columns.items()
+        }
+        return cls(**arrays)
+
+    def __repr__(self) -> str:
+        shapes = []
+        for field in fields(self):  # type: ignore[arg-type]
+            value = getattr(self, field.name)
+            shapes.append(f"{field.name}: {value.shape if isinstance(value, np.ndarray) and value.size > 4 else value}")
+        return f"{type(self).__name__}({', '.join(shapes)})"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Intersection(_Answer):
+    """Whether shapes share a point."""
+
+    hit: Flags
+    """True unless the shapes are certainly separated: touching and undecided pairs count as hits."""
+    status: Codes
+    """Codes of `Overlap`."""
+    iterations: Counts
+    """Steps of the search."""
+    support_calls: Counts
+    """Support calls; one queries both shapes once."""
+    parts: Counts
+    """Indices of the hulls in A and in B that decided, for packs; (..., 2)."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Distance(_Answer):
+    """Distances of shapes, with the points that realise them. Points and directions are in A's
+    frame."""
+
+    distance: Floats
+    """Length from ``point_a`` to ``point_b``; 0 if the shapes overlap or touch."""
+    lower: Floats
+    """Lower bound, with allowance for rounding error."""
+    upper: Floats
+    """Upper bound, with allowance for rounding error."""
+    status: Codes
+    """Codes of `Status`."""
+    normal: Floats
+    """Unit vector from A to B, of the planes that prove ``lower``; (..., 3)."""
+    point_a: Floats
+    """The point of A closest to B; (..., 3)."""
+    point_b: Floats
+    """The point of B closest to A; (..., 3)."""
+    iterations: Counts
+    support_calls: Counts
+    parts: Counts
+    """Indices of the nearest hulls in A and in B, for packs; (..., 2)."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Contact(_Answer):
+    """Penetration depths of shapes. Points and directions are in A's frame."""
+
+    hit: Flags
+    """False only if a separating plane proves the shapes separated."""
+    depth: Floats
+    """Moving B by this length along ``normal`` makes the shapes touch; 0 if they do not overlap."""
+    depth_lower: Floats
+    """Lower bound, with allowance for rounding error."""
+    depth_upper: Floats
+    """Upper bound, with allowance for rounding error."""
+    status: Codes
+    """Codes of `Status`."""
+    normal: Floats
+    """Unit vector from A to B; (..., 3). NaN for packs that are separated."""
+    point_a: Floats
+    """The point of A deepest in B; (..., 3). NaN for packs that are separated."""
+    point_b: Floats
+    """The point of B deepest in A; (..., 3). NaN for packs that are separated."""
+    iterations: Counts
+    support_calls: Counts
+    parts: Counts
+    """Indices of the deepest hulls in A and in B, for packs; (..., 2)."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Manifold(_Answer):
+    """Contact manifolds: up to four points each. Unused points are NaN. Points and directions are in
+    A's frame."""
+
+    count: Codes
+    """Number of points."""
+    normal: Floats
+    """Unit vector from A to B; (..., 3)."""
+    point_a: Floats
+    """The points on A; (..., 4, 3)."""
+    point_b: Floats
+    """The points on B; (..., 4, 3)."""
+    local_b: Floats
+    """The points on B, in B's frame; (..., 4, 3)."""
+    depth: Floats
+    """Penetration depth at each point, negative where the surfaces are separated; (..., 4)."""
+    hit: Flags
+    """As in `Contact`."""
+    status: Codes
+    """Codes of `Status`, for the contact."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Impact(_Answer):
+    """When B, which translates, first meets A. Points and directions are in A's frame."""
+
+    hit: Flags
+    """False only if it is certain that B misses A up to ``max_t``."""
+    t: Floats
+    """Time of impact: B has moved by t times its velocity. Infinite if there is no hit."""
+    t_lower: Floats
+    t_upper: Floats
+    status: Codes
+    """Codes of `Status`."""
+    normal: Floats
+    point_a: Floats
+    point_b: Floats
+    iterations: Counts
+    support_calls: Counts
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RayHit(_Answer):
+    """Where rays first enter a shape. Points and directions are in its frame."""
+
+    hit: Flags
+    """False only if it is certain that the ray misses up to ``max_t``."""
+    t: Floats
+    """The ray enters at ``origin + t * direction``; infinite if there is no hit."""
+    t_lower: Floats
+    t_upper: Floats
+    status: Codes
+    """Codes of `Status`."""
+    normal: Floats
+    """Unit outward normal at the point; (..., 3)."""
+    point: Floats
+    """The point at t; (..., 3). The origin if there is no hit."""
+    iterations: Counts
+    support_calls: Counts
+    parts: Counts
+    """Index of the hull that is hit, for a pack."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SignedDistance(_Answer):
+    """Distances of points from the surface of a shape: positive outside, negative inside."""
+
+    distance: Floats
+    lower: Floats
+    upper: Floats
+    status: Codes
+    """Codes of `Status`."""
+    normal: Floats
+    """Unit outward normal at ``point``: the gradient of the distance; (..., 3)."""
+    point: Floats
+    """The closest point of the surface; (..., 3)."""
+    iterations: Counts
+    support_calls: Counts
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Support(_Answer):
+    """Support points: farthest points in given directions."""
+
+    point: Floats
+    """The points; (..., 3)."""
+    vertex: Counts
+    """Of a hull: the index of the vertex."""
+
+
+@dataclass(frozen=True, eq=False)
+class MassProperties:
+    """Mass properties of a solid hull of uniform density."""
+
+    mass: float
+    """Density times volume."""
+    center_of_mass: Floats
+    """In the hull's frame."""
+    inertia: Floats
+    """Inertia tensor about the centre of mass, along the axes of the hull's frame; (3, 3)."""

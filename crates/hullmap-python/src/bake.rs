@@ -1,0 +1,119 @@
+//! Bakes, on a thread of their own: the calling thread waits for signals, so that Ctrl-C ends the
+//! call. An interrupted bake runs on until it is done, and its result is dropped.
+
+use std::path::PathBuf;
+use std::sync::mpsc::{RecvTimeoutError, sync_channel};
+use std::time::Duration;
+
+use hullmap_cli::{BakedPack, InMemoryError};
+use hullmap_import::{MeshArrays, Polygons};
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::error::{self, ArrayError, BakeError, BakeWarning};
+use crate::pack::Pack;
+use crate::threads;
+
+/// How often a waiting thread looks for signals.
+const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
+
+/// Positions, corners of all faces, and the end of each face, with a name.
+type Mesh<'py> = (String, PyReadonlyArray2<'py, f64>, PyReadonlyArray1<'py, u32>, PyReadonlyArray1<'py, u32>);
+
+/// Bakes meshes in memory.
+#[pyfunction]
+pub fn bake_arrays(
+    py: Python<'_>,
+    name: String,
+    meshes: Vec<Mesh<'_>>,
+    options: Vec<(String, String)>,
+    threads: Option<usize>,
+) -> PyResult<Pack> {
+    let meshes = meshes.iter().map(copy).collect::<PyResult<Vec<MeshArrays>>>()?;
+    bake(py, threads, move || hullmap_cli::bake_arrays(&name, meshes, &borrowed(&options)))
+}
+
+/// Bakes a mesh file.
+#[pyfunction]
+pub fn bake_file(
+    py: Python<'_>,
+    path: PathBuf,
+    options: Vec<(String, String)>,
+    threads: Option<usize>,
+) -> PyResult<Pack> {
+    bake(py, threads, move || hullmap_cli::bake_file(&path, &borrowed(&options)))
+}
+
+fn borrowed(options: &[(String, String)]) -> Vec<(&str, &str)> {
+    options.iter().map(|(key, value)| (key.as_str(), value.as_str())).collect()
+}
+
+/// Copies the arrays while the GIL is held.
+fn copy((name, positions, corners, ends): &Mesh<'_>) -> PyResult<MeshArrays> {
+    let wrong = |error: &dyn std::fmt::Display| ArrayError::new_err(format!("mesh {name}: {error}"));
+    let numbers = positions.as_slice().map_err(|error| wrong(&error))?;
+    let (positions, rest) = numbers.as_chunks::<3>();
+    if !rest.is_empty() {
+        return Err(wrong(&"vertices must have three columns"));
+    }
+    let faces = Polygons {
+        corners: corners.as_slice().map_err(|error| wrong(&error))?.to_vec(),
+        ends: ends.as_slice().map_err(|error| wrong(&error))?.to_vec(),
+    };
+    Ok(MeshArrays { name: name.clone(), positions: positions.to_vec(), faces })
+}
+
+fn bake(
+    py: Python<'_>,
+    threads: Option<usize>,
+    work: impl FnOnce() -> Result<BakedPack, InMemoryError> + Send + 'static,
+) -> PyResult<Pack> {
+    let pool = threads::pool(threads)?;
+    let (sender, receiver) = sync_channel(1);
+    let run = move || {
+        // Nobody listens after an interrupt.
+        let _ = sender.send(pool.install(work));
+    };
+    std::thread::Builder::new()
+        .name("hullmap-bake".to_owned())
+        .spawn(run)
+        .map_err(|error| BakeError::new_err(format!("cannot start a thread: {error}; end other programs")))?;
+    let mut receiver = receiver;
+    let result = loop {
+        let (waited, returned) = py.detach(move || (receiver.recv_timeout(SIGNAL_INTERVAL), receiver));
+        receiver = returned;
+        match waited {
+            Ok(result) => break result,
+            Err(RecvTimeoutError::Timeout) => py.check_signals()?,
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(BakeError::new_err("internal error in the baker; please report it, with the mesh"));
+            }
+        }
+    };
+    let baked = result.map_err(|error| match &error {
+        InMemoryError::Io { source, .. } => error::of_io(source, error.to_string()),
+        _ => BakeError::new_err(in_python(&error.to_string())),
+    })?;
+    let category = py.get_type::<BakeWarning>();
+    for warning in &baked.warnings {
+        let text = std::ffi::CString::new(in_python(warning).replace('\0', " "))?;
+        PyErr::warn(py, &category, &text, 2)?;
+    }
+    Pack::baked(&baked.bytes, baked.notes.iter().map(|note| in_python(note)).collect())
+}
+
+/// A message of the command, with the options as keywords: `--max-vertices` becomes `max_vertices`.
+fn in_python(message: &str) -> String {
+    let mut words = message.split("--");
+    let mut text = words.next().unwrap_or_default().to_owned();
+    for word in words {
+        let end = word.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(word.len());
+        let (flag, rest) = word.split_at(end);
+        if flag.is_empty() {
+            text += "--";
+        }
+        text += &flag.replace('-', "_");
+        text += rest;
+    }
+    text
+}

@@ -1,0 +1,585 @@
+//! Queries over arrays, on all threads, with the GIL released.
+//!
+//! The rows are cut into pieces of a fixed size. Each piece has a cache of its own, so the answers
+//! are the same for any number of threads. `hullmap::batch` has a cache for every pair instead:
+//! for a million poses of one pair that would be more than a gigabyte.
+
+use std::sync::{Mutex, PoisonError};
+
+use hullmap::glam::DVec3;
+use hullmap::manifold::{MAX_POINTS, ManifoldSettings, Prediction};
+use hullmap::{self as core, Cache, CastSettings, Motion, Overlap, Ray, RayHit, Settings, Status, SupportMap};
+use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rayon::prelude::*;
+
+use crate::columns::{Columns, columns, put, put_all, put_vector};
+use crate::error::{ArrayError, PoseError, ShapeError};
+use crate::pose::Poses;
+use crate::query::{self, Caches, Query, answer, obstacle};
+use crate::shape::{Shape, Side};
+use crate::threads;
+
+/// Rows of a piece: about 300 µs of work, a hundred times the cost of handing it to a thread.
+const PIECE: usize = 256;
+
+/// Rows between two looks for signals: less than a second of work.
+const BLOCK: usize = 256 * PIECE;
+
+columns!(
+    /// Answers of `intersects`.
+    Intersections, IntersectionRows {
+        hit: bool = 1, status: u8 = 1, iterations: u32 = 1, support_calls: u32 = 1, parts: u32 = 2,
+    }
+);
+
+columns!(
+    /// Answers of `distance`.
+    Distances, DistanceRows {
+        distance: f64 = 1, lower: f64 = 1, upper: f64 = 1, status: u8 = 1, normal: f64 = 3, point_a: f64 = 3,
+        point_b: f64 = 3, iterations: u32 = 1, support_calls: u32 = 1, parts: u32 = 2,
+    }
+);
+
+columns!(
+    /// Answers of `contact`.
+    Contacts, ContactRows {
+        hit: bool = 1, depth: f64 = 1, depth_lower: f64 = 1, depth_upper: f64 = 1, status: u8 = 1, normal: f64 = 3,
+        point_a: f64 = 3, point_b: f64 = 3, iterations: u32 = 1, support_calls: u32 = 1, parts: u32 = 2,
+    }
+);
+
+columns!(
+    /// Answers of `manifold`: the contact, and up to four points.
+    Manifolds, ManifoldRows {
+        count: u8 = 1, normal: f64 = 3, point_a: f64 = 12, point_b: f64 = 12, local_b: f64 = 12, depth: f64 = 4,
+        hit: bool = 1, status: u8 = 1,
+    }
+);
+
+columns!(
+    /// Answers of `cast`.
+    Impacts, ImpactRows {
+        hit: bool = 1, t: f64 = 1, t_lower: f64 = 1, t_upper: f64 = 1, status: u8 = 1, normal: f64 = 3,
+        point_a: f64 = 3, point_b: f64 = 3, iterations: u32 = 1, support_calls: u32 = 1,
+    }
+);
+
+columns!(
+    /// Answers of `ray`.
+    RayHits, RayRows {
+        hit: bool = 1, t: f64 = 1, t_lower: f64 = 1, t_upper: f64 = 1, status: u8 = 1, normal: f64 = 3, point: f64 = 3,
+        iterations: u32 = 1, support_calls: u32 = 1, parts: u32 = 1,
+    }
+);
+
+columns!(
+    /// Answers of `signed_distance`.
+    SignedDistances, SignedRows {
+        distance: f64 = 1, lower: f64 = 1, upper: f64 = 1, status: u8 = 1, normal: f64 = 3, point: f64 = 3,
+        iterations: u32 = 1, support_calls: u32 = 1,
+    }
+);
+
+columns!(
+    /// Answers of `support`.
+    Supports, SupportRows { point: f64 = 3, vertex: u32 = 1 }
+);
+
+/// The code of a status, as in `hullmap.Status`.
+fn code(status: Status) -> u8 {
+    match status {
+        Status::Exact => 0,
+        Status::Within => 1,
+        Status::Touching => 2,
+        Status::Overlapping => 3,
+        Status::Separated => 4,
+        Status::IterationLimit => 5,
+        Status::Stalled => 6,
+    }
+}
+
+/// The code of an overlap, as in `hullmap.Overlap`.
+fn overlap_code(overlap: Overlap) -> u8 {
+    match overlap {
+        Overlap::Separated => 0,
+        Overlap::Overlapping => 1,
+        Overlap::Touching => 2,
+        Overlap::Undecided => 3,
+    }
+}
+
+/// Fills `count` rows of columns. `solve` fills the rows of a piece that starts at the given row,
+/// and returns the first row that it rejects, with the reason.
+fn fill<C: Columns>(
+    py: Python<'_>,
+    count: usize,
+    threads: Option<usize>,
+    solve: impl Fn(usize, usize, C::Rows<'_>) -> Result<(), (usize, String)> + Sync,
+    error: fn(String) -> PyErr,
+) -> PyResult<C> {
+    let mut columns = C::zeros(count)?;
+    let pool = if threads == Some(1) || count <= PIECE { None } else { Some(threads::pool(threads)?) };
+    // The number is checked even where no pool is needed.
+    if pool.is_none() && threads.is_some_and(|threads| threads != 1) {
+        threads::pool(threads)?;
+    }
+    for start in (0..count).step_by(BLOCK) {
+        let end = count.min(start + BLOCK);
+        // The first rejected row, whichever thread finds it.
+        let rejected: Mutex<Option<(usize, String)>> = Mutex::new(None);
+        let run = |(index, rows): (usize, C::Rows<'_>)| {
+            let first = start + index * PIECE;
+            if let Err(found) = solve(first, end.min(first + PIECE) - first, rows) {
+                let mut rejected = rejected.lock().unwrap_or_else(PoisonError::into_inner);
+                if rejected.as_ref().is_none_or(|earlier| found.0 < earlier.0) {
+                    *rejected = Some(found);
+                }
+            }
+        };
+        let columns = &mut columns;
+        py.detach(|| {
+            let pieces = columns.pieces(start..end, PIECE);
+            match &pool {
+                None => pieces.into_iter().enumerate().for_each(run),
+                Some(pool) => pool.install(|| pieces.into_par_iter().enumerate().for_each(run)),
+            }
+        });
+        if let Some((_, message)) = rejected.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            return Err(error(message));
+        }
+        py.check_signals()?;
+    }
+    Ok(columns)
+}
+
+/// Two shapes, the poses of the second in the frame of the first, and how to go through them.
+struct Pairs {
+    a: Side,
+    b: Side,
+    poses: Poses,
+    coherent: bool,
+    threads: Option<usize>,
+}
+
+/// Poses as Python passes them: those of B in A, or those of A and of B in the world.
+type PoseArrays<'py> = (PyReadonlyArray2<'py, f64>, Option<PyReadonlyArray2<'py, f64>>);
+
+impl Pairs {
+    fn new(a: &Shape, b: &Shape, poses: &PoseArrays<'_>, coherent: bool, threads: Option<usize>) -> PyResult<Self> {
+        let poses = Poses::new(&poses.0, poses.1.as_ref())?;
+        Ok(Self { a: a.0.clone(), b: b.0.clone(), poses, coherent, threads })
+    }
+
+    /// Answers `query` for all poses; `write` writes an answer to a row.
+    fn solve<'py, C: Columns, Q: Query>(
+        &self,
+        py: Python<'py>,
+        (name, takes_compounds): (&str, bool),
+        query: impl Fn(usize) -> Result<Q, String> + Sync,
+        write: impl Fn(&mut C::Rows<'_>, usize, &query::Found<Q::Answer>) + Sync,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        if let Some(obstacle) = obstacle(name, &self.a, &self.b, takes_compounds) {
+            return Err(ShapeError::new_err(obstacle));
+        }
+        let solve = |first: usize, count: usize, mut rows: C::Rows<'_>| {
+            let mut caches = Caches::new(&self.a, &self.b);
+            for row in 0..count {
+                let rejected = |message| (first + row, message);
+                let pose = self.poses.get(first + row).map_err(rejected)?;
+                let query = query(first + row).map_err(rejected)?;
+                if !self.coherent {
+                    caches.clear();
+                }
+                if let Some(found) = answer(&query, &self.a, &self.b, pose, &mut caches) {
+                    write(&mut rows, row, &found);
+                }
+            }
+            Ok(())
+        };
+        fill::<C>(py, self.poses.count(), self.threads, solve, PoseError::new_err)?.into_arrays(py)
+    }
+}
+
+/// Whether shapes share a point.
+#[pyfunction]
+#[pyo3(signature = (a, b, poses, coherent, threads))]
+pub fn intersects<'py>(
+    py: Python<'py>,
+    a: &Shape,
+    b: &Shape,
+    poses: PoseArrays<'py>,
+    coherent: bool,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyDict>> {
+    Pairs::new(a, b, &poses, coherent, threads)?.solve::<Intersections, _>(
+        py,
+        ("intersects", true),
+        |_| Ok(query::Intersects),
+        |rows, at, found| {
+            put(rows.hit, at, found.answer.is_hit());
+            put(rows.status, at, overlap_code(found.answer.status));
+            put(rows.iterations, at, found.answer.iterations);
+            put(rows.support_calls, at, found.answer.support_calls);
+            put_all(rows.parts, at, &found.parts);
+        },
+    )
+}
+
+/// Distances of shapes.
+#[pyfunction]
+#[pyo3(signature = (a, b, poses, settings, coherent, threads))]
+pub fn distance<'py>(
+    py: Python<'py>,
+    a: &Shape,
+    b: &Shape,
+    poses: PoseArrays<'py>,
+    settings: (f64, u32),
+    coherent: bool,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
+    Pairs::new(a, b, &poses, coherent, threads)?.solve::<Distances, _>(
+        py,
+        ("distance", true),
+        |_| Ok(query::Distances(settings)),
+        |rows, at, found| {
+            let answer = &found.answer;
+            put(rows.distance, at, answer.distance);
+            put(rows.lower, at, answer.lower);
+            put(rows.upper, at, answer.upper);
+            put(rows.status, at, code(answer.status));
+            put_vector(rows.normal, at, answer.normal);
+            put_vector(rows.point_a, at, answer.point_a);
+            put_vector(rows.point_b, at, answer.point_b);
+            put(rows.iterations, at, answer.iterations);
+            put(rows.support_calls, at, answer.support_calls);
+            put_all(rows.parts, at, &found.parts);
+        },
+    )
+}
+
+/// Contacts of shapes.
+#[pyfunction]
+#[pyo3(signature = (a, b, poses, settings, coherent, threads))]
+pub fn contact<'py>(
+    py: Python<'py>,
+    a: &Shape,
+    b: &Shape,
+    poses: PoseArrays<'py>,
+    settings: (f64, u32),
+    coherent: bool,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
+    Pairs::new(a, b, &poses, coherent, threads)?.solve::<Contacts, _>(
+        py,
+        ("contact", true),
+        |_| Ok(query::Contacts(settings)),
+        |rows, at, found| {
+            let answer = &found.answer;
+            put(rows.hit, at, answer.hit);
+            put(rows.depth, at, answer.depth);
+            put(rows.depth_lower, at, answer.depth_lower);
+            put(rows.depth_upper, at, answer.depth_upper);
+            put(rows.status, at, code(answer.status));
+            put_vector(rows.normal, at, answer.normal);
+            put_vector(rows.point_a, at, answer.point_a);
+            put_vector(rows.point_b, at, answer.point_b);
+            put(rows.iterations, at, answer.iterations);
+            put(rows.support_calls, at, answer.support_calls);
+            put_all(rows.parts, at, &found.parts);
+        },
+    )
+}
+
+/// Contact manifolds of convex shapes. `prediction` is a length, or relative to the smaller shape.
+#[pyfunction]
+#[pyo3(signature = (a, b, poses, settings, prediction, coherent, threads))]
+pub fn manifold<'py>(
+    py: Python<'py>,
+    a: &Shape,
+    b: &Shape,
+    poses: PoseArrays<'py>,
+    settings: (f64, u32),
+    prediction: Option<f64>,
+    coherent: bool,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let settings = ManifoldSettings {
+        contact: Settings { tolerance: settings.0, max_iterations: settings.1 },
+        prediction: prediction.map_or_else(Prediction::default, Prediction::Length),
+    };
+    Pairs::new(a, b, &poses, coherent, threads)?.solve::<Manifolds, _>(
+        py,
+        ("manifold", false),
+        |_| Ok(query::Manifolds(settings)),
+        |rows, at, found| {
+            let (manifold, contact) = &found.answer;
+            put(rows.count, at, u8::try_from(manifold.points().len()).unwrap_or(u8::MAX));
+            put_vector(rows.normal, at, contact.normal);
+            put(rows.hit, at, contact.hit);
+            put(rows.status, at, code(contact.status));
+            for slot in 0..MAX_POINTS {
+                let point = manifold.points().get(slot);
+                let vector = |pick: fn(&core::manifold::ManifoldPoint) -> DVec3| point.map_or(DVec3::NAN, pick);
+                let to = MAX_POINTS * at + slot;
+                put_vector(rows.point_a, to, vector(|point| point.point_a));
+                put_vector(rows.point_b, to, vector(|point| point.point_b));
+                put_vector(rows.local_b, to, vector(|point| point.local_b));
+                put(rows.depth, to, point.map_or(f64::NAN, |point| point.depth));
+            }
+        },
+    )
+}
+
+/// When convex shapes that translate first meet.
+#[pyfunction]
+#[pyo3(signature = (a, b, poses, velocities, settings, coherent, threads))]
+pub fn cast<'py>(
+    py: Python<'py>,
+    a: &Shape,
+    b: &Shape,
+    poses: PoseArrays<'py>,
+    velocities: PyReadonlyArray2<'py, f64>,
+    settings: (f64, f64, u32),
+    coherent: bool,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let settings = CastSettings { max_t: settings.0, tolerance: settings.1, max_iterations: settings.2 };
+    let velocities = Vectors::new("velocity", &velocities)?;
+    let pairs = Pairs::new(a, b, &poses, coherent, threads)?;
+    velocities.check_count(pairs.poses.count())?;
+    pairs.solve::<Impacts, _>(
+        py,
+        ("cast", false),
+        |row| {
+            let motion = Motion::new(velocities.get(row));
+            Ok(query::Cast(settings, motion.map_err(|error| format!("velocity[{row}]: {error}"))?))
+        },
+        |rows, at, found| {
+            let answer = &found.answer;
+            put(rows.hit, at, answer.hit);
+            put(rows.t, at, answer.t);
+            put(rows.t_lower, at, answer.t_lower);
+            put(rows.t_upper, at, answer.t_upper);
+            put(rows.status, at, code(answer.status));
+            put_vector(rows.normal, at, answer.normal);
+            put_vector(rows.point_a, at, answer.point_a);
+            put_vector(rows.point_b, at, answer.point_b);
+            put(rows.iterations, at, answer.iterations);
+            put(rows.support_calls, at, answer.support_calls);
+        },
+    )
+}
+
+/// Vectors of one argument, copied while the GIL was held.
+struct Vectors {
+    name: &'static str,
+    numbers: Vec<[f64; 3]>,
+}
+
+impl Vectors {
+    fn new(name: &'static str, array: &PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
+        let numbers = array.as_slice().map_err(|error| ArrayError::new_err(format!("{name}: {error}")))?;
+        if array.shape().last() != Some(&3) {
+            return Err(ArrayError::new_err(format!("{name}: a vector has 3 numbers, found {:?}", array.shape())));
+        }
+        Ok(Self { name, numbers: numbers.as_chunks().0.to_vec() })
+    }
+
+    /// Vector `index`; a single vector serves for every index.
+    fn get(&self, index: usize) -> DVec3 {
+        let index = if self.numbers.len() == 1 { 0 } else { index };
+        self.numbers.get(index).map_or(DVec3::NAN, |vector| DVec3::from_array(*vector))
+    }
+
+    fn check_count(&self, count: usize) -> PyResult<()> {
+        if self.numbers.len() == count || self.numbers.len() == 1 {
+            return Ok(());
+        }
+        let (name, found) = (self.name, self.numbers.len());
+        Err(ArrayError::new_err(format!("{name} has {found} rows, expected {count}, or one for all")))
+    }
+}
+
+/// Where rays enter a shape. For a pack, where they first enter one of its hulls.
+#[pyfunction]
+#[pyo3(signature = (shape, origins, directions, settings, threads))]
+pub fn ray<'py>(
+    py: Python<'py>,
+    shape: &Shape,
+    origins: PyReadonlyArray2<'py, f64>,
+    directions: PyReadonlyArray2<'py, f64>,
+    settings: (f64, f64, u32),
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let settings = CastSettings { max_t: settings.0, tolerance: settings.1, max_iterations: settings.2 };
+    let (origins, directions) = (Vectors::new("origins", &origins)?, Vectors::new("directions", &directions)?);
+    let count = if origins.numbers.len() == 1 { directions.numbers.len() } else { origins.numbers.len() };
+    directions.check_count(count)?;
+    let side = shape.0.clone();
+    let solve = |first: usize, count: usize, rows: RayRows<'_>| {
+        for at in 0..count {
+            let row = first + at;
+            let ray = Ray::new(origins.get(row), directions.get(row))
+                .map_err(|error| (row, format!("ray {row}: {error}")))?;
+            let (hit, part) = cast_ray(&side, &ray, &settings);
+            put(rows.hit, at, hit.hit);
+            put(rows.t, at, hit.t);
+            put(rows.t_lower, at, hit.t_lower);
+            put(rows.t_upper, at, hit.t_upper);
+            put(rows.status, at, code(hit.status));
+            put_vector(rows.normal, at, hit.normal);
+            put_vector(rows.point, at, hit.point);
+            put(rows.iterations, at, hit.iterations);
+            put(rows.support_calls, at, hit.support_calls);
+            put(rows.parts, at, part);
+        }
+        Ok(())
+    };
+    fill::<RayHits>(py, count, threads, solve, ArrayError::new_err)?.into_arrays(py)
+}
+
+/// The first hit of a ray, and the hull of a pack that it hits.
+fn cast_ray(side: &Side, ray: &Ray, settings: &CastSettings) -> (RayHit, u32) {
+    match side {
+        Side::Hull(hull) => (core::ray(hull.hull(), ray, settings), 0),
+        Side::Convex(shape) => (core::ray(&**shape, ray, settings), 0),
+        Side::HalfSpace(half) => (half.ray(ray, settings), 0),
+        Side::Compound(pack) => {
+            let mut best: Option<(RayHit, u32)> = None;
+            let (mut lower, mut upper) = (f64::INFINITY, f64::INFINITY);
+            let (mut iterations, mut support_calls) = (0, 0);
+            for (part, hull) in (0..).zip(pack.hulls()) {
+                let found = core::ray(&hull, ray, settings);
+                iterations += found.iterations;
+                support_calls += found.support_calls;
+                lower = found.t_lower.min(lower);
+                // A ray that grazes a hull need not hit it, so it bounds nothing from above.
+                if found.hit && found.status != Status::Touching {
+                    upper = found.t_upper.min(upper);
+                }
+                if best.is_none_or(|(best, _)| found.hit && (!best.hit || found.t < best.t)) {
+                    best = Some((found, part));
+                }
+            }
+            let nothing = RayHit {
+                hit: false,
+                status: Status::Separated,
+                t: f64::INFINITY,
+                t_lower: f64::INFINITY,
+                t_upper: f64::INFINITY,
+                point: ray.origin(),
+                normal: DVec3::X,
+                iterations,
+                support_calls,
+            };
+            let (found, part) = best.unwrap_or((nothing, 0));
+            let is_bounded = found.hit && upper.is_finite();
+            let (t_lower, t_upper) = (lower.min(found.t_lower), if is_bounded { upper } else { found.t_upper });
+            (RayHit { t_lower, t_upper, iterations, support_calls, ..found }, part)
+        }
+    }
+}
+
+/// Signed distances of points from a convex shape.
+#[pyfunction]
+#[pyo3(signature = (shape, points, settings, coherent, threads))]
+pub fn signed_distance<'py>(
+    py: Python<'py>,
+    shape: &Shape,
+    points: PyReadonlyArray2<'py, f64>,
+    settings: (f64, u32),
+    coherent: bool,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
+    let points = Vectors::new("points", &points)?;
+    let side = shape.0.clone();
+    if matches!(side, Side::Compound(_)) {
+        return Err(ShapeError::new_err(
+            "signed_distance takes convex shapes, found a pack: query its hulls, or the distance of the pack from a \
+             sphere of radius 0",
+        ));
+    }
+    let solve = |first: usize, count: usize, rows: SignedRows<'_>| {
+        let mut cache = Cache::new();
+        for at in 0..count {
+            let row = first + at;
+            if !coherent {
+                cache.clear();
+            }
+            let point = points.get(row);
+            let found = match &side {
+                Side::Hull(hull) => core::signed_distance(hull.hull(), point, &settings, &mut cache),
+                Side::Convex(shape) => core::signed_distance(&**shape, point, &settings, &mut cache),
+                Side::HalfSpace(half) => half.signed_distance(point),
+                // Rejected above.
+                Side::Compound(_) => continue,
+            };
+            let found = found.map_err(|error| (row, format!("points[{row}]: {error}")))?;
+            put(rows.distance, at, found.distance);
+            put(rows.lower, at, found.lower);
+            put(rows.upper, at, found.upper);
+            put(rows.status, at, code(found.status));
+            put_vector(rows.normal, at, found.normal);
+            put_vector(rows.point, at, found.point);
+            put(rows.iterations, at, found.iterations);
+            put(rows.support_calls, at, found.support_calls);
+        }
+        Ok(())
+    };
+    fill::<SignedDistances>(py, points.numbers.len(), threads, solve, ArrayError::new_err)?.into_arrays(py)
+}
+
+/// Support points of a convex shape.
+#[pyfunction]
+#[pyo3(signature = (shape, directions, threads))]
+pub fn support<'py>(
+    py: Python<'py>,
+    shape: &Shape,
+    directions: PyReadonlyArray2<'py, f64>,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let directions = Vectors::new("directions", &directions)?;
+    let side = shape.0.clone();
+    if query::convex(&side).is_none() {
+        return Err(ShapeError::new_err(
+            "support takes a bounded convex shape, found a pack or a half-space: query the hulls of the pack",
+        ));
+    }
+    let solve = |first: usize, count: usize, rows: SupportRows<'_>| {
+        for at in 0..count {
+            let row = first + at;
+            let direction = directions.get(row);
+            // The largest component decides: a zero or NaN direction has no support point.
+            let greatest = direction.abs().max_element();
+            if !(direction.is_finite() && greatest > 0.0) {
+                let DVec3 { x, y, z } = direction;
+                let remedy = "remove it, or check where it comes from";
+                return Err((
+                    row,
+                    format!(
+                        "directions[{row}]: a direction must be finite and not zero, found ({x}, {y}, {z}): {remedy}"
+                    ),
+                ));
+            }
+            let (point, vertex) = match &side {
+                Side::Hull(hull) => {
+                    let found = SupportMap::support_point(hull.hull(), direction);
+                    (found.point, found.feature)
+                }
+                _ => query::convex(&side).map_or((DVec3::NAN, 0), |shape| {
+                    let found = shape.support_point(direction);
+                    (found.point, found.feature)
+                }),
+            };
+            put_vector(rows.point, at, point);
+            put(rows.vertex, at, vertex);
+        }
+        Ok(())
+    };
+    fill::<Supports>(py, directions.numbers.len(), threads, solve, ArrayError::new_err)?.into_arrays(py)
+}

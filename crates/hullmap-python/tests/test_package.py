@@ -1,0 +1,196 @@
+"""The package: types, threads, forked processes, documents, examples."""
+
+from __future__ import annotations
+
+import ast
+import doctest
+import importlib
+import multiprocessing
+import os
+import re
+import subprocess
+import sys
+import threading
+import time
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import random_poses, rock
+
+import hullmap
+
+PACKAGE = Path(hullmap.__file__).parent
+PROJECT = Path(__file__).parent.parent
+ROOT = PROJECT.parent.parent
+
+
+def modules():
+    return sorted(PACKAGE.glob("*.py"))
+
+
+def test_the_tests_run_from_the_wheel():
+    assert "site-packages" in PACKAGE.parts, f"hullmap is imported from {PACKAGE}"
+    assert (PACKAGE / "py.typed").exists() and (PACKAGE / "_hullmap.pyi").exists()
+
+
+def test_examples_in_docstrings_run():
+    count = 0
+    for path in modules():
+        name = f"hullmap.{path.stem}" if path.stem != "__init__" else "hullmap"
+        if path.stem == "__main__":
+            continue
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", hullmap.BakeWarning)
+            result = doctest.testmod(importlib.import_module(name), verbose=False)
+        assert result.failed == 0, name
+        count += result.attempted
+    assert count > 60
+
+
+@pytest.mark.parametrize("path", [PROJECT / "README.md", ROOT / "docs" / "python.md"], ids=lambda path: path.name)
+def test_examples_in_documents_run(path, tmp_path, monkeypatch):
+    if not path.exists():
+        pytest.skip(f"{path} is not beside the tests")
+    monkeypatch.chdir(tmp_path)
+    text = path.read_text(encoding="utf-8")
+    blocks = re.findall(r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
+    assert blocks, path
+    names: dict[str, object] = {}
+    parser, runner = doctest.DocTestParser(), doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
+    for number, block in enumerate(blocks):
+        if "matplotlib" in block:
+            pytest.importorskip("matplotlib").use("Agg")
+        if ">>>" in block:
+            test = parser.get_doctest(block, names, f"{path.name}[{number}]", str(path), 0)
+            assert runner.run(test, clear_globs=False).failed == 0, block
+            names.update(test.globs)
+        else:
+            exec(compile(block, f"{path.name}[{number}]", "exec"), names)
+
+
+def test_every_public_name_is_documented():
+    for name in hullmap.__all__:
+        thing = getattr(hullmap, name)
+        assert name.startswith("__") or thing.__doc__, name
+    for cls in (hullmap.Shape, hullmap.ConvexShape, hullmap.Hull, hullmap.Pack, hullmap.Lists):
+        for name, member in vars(cls).items():
+            if not name.startswith("_") and (callable(member) or isinstance(member, property)):
+                assert member.__doc__, f"{cls.__name__}.{name}"
+
+
+def test_the_stub_has_the_names_of_the_module():
+    tree = ast.parse((PACKAGE / "_hullmap.pyi").read_text())
+    stub = {node.name: node for node in tree.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+    native = {name for name in dir(hullmap._hullmap) if not name.startswith("_")}
+    assert set(stub) == native
+    for name, node in stub.items():
+        thing = getattr(hullmap._hullmap, name)
+        if isinstance(node, ast.ClassDef) and not issubclass(thing, Exception):
+            members = {own.name for own in node.body if isinstance(own, ast.FunctionDef)}
+            fields = {own.target.id for own in node.body if isinstance(own, ast.AnnAssign)}
+            assert {own for own in vars(thing) if not own.startswith("_")} == {own for own in members | fields if not own.startswith("_")}
+
+
+def test_the_code_is_that_of_python_3_9():
+    for path in modules():
+        ast.parse(path.read_text(encoding="utf-8"), feature_version=(3, 9))
+
+
+def test_types_are_strict(tmp_path):
+    pytest.importorskip("mypy")
+    user = tmp_path / "user.py"
+    user.write_text(
+        "import numpy as np\nimport hullmap\n"
+        "pack: hullmap.Pack = hullmap.bake(np.zeros((4, 3)), max_vertices=8)\n"
+        "gap = pack[0].distance(hullmap.Sphere(1.0), hullmap.poses([1, 2, 3]))\n"
+        "reveal_type(gap.distance)\nreveal_type(pack['a'].vertices)\n"
+    )
+    words = [sys.executable, "-m", "mypy", "--strict", "--no-incremental", "--cache-dir", os.devnull]
+    run = subprocess.run([*words, str(user)], capture_output=True, text=True, cwd=tmp_path)
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert "float64" in run.stdout and re.search("float32|32Bit", run.stdout)
+    run = subprocess.run([*words, "-p", "hullmap"], capture_output=True, text=True, cwd=tmp_path)
+    assert run.returncode == 0, run.stdout + run.stderr
+
+
+def test_the_global_lock_is_released(large):
+    """Another thread counts while a query runs in this one."""
+    poses = random_poses(200_000, 1, 2.5)
+    count, done = 0, threading.Event()
+
+    def tick():
+        nonlocal count
+        while not done.is_set():
+            count += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    before, start = count, time.monotonic()
+    large.contact(large, poses, threads=1)
+    ticks, seconds = count - before, time.monotonic() - start
+    done.set()
+    thread.join()
+    assert seconds > 0.05 and ticks > 5
+
+
+def test_threads_share_a_hull(large):
+    poses = random_poses(20_000, 2, 2.5)
+    expected = large.distance(large, poses).distance
+    answers = [None] * 4
+
+    def query(index):
+        answers[index] = large.distance(large, poses).distance
+
+    threads = [threading.Thread(target=query, args=(index,)) for index in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(np.array_equal(answer, expected) for answer in answers)
+
+
+def _in_child(hull, poses):
+    return hull.distance(hull, poses).distance.sum()
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_forked_children_have_threads_of_their_own(large):
+    poses = random_poses(5000, 3, 2.5)
+    expected = _in_child(large, poses)
+    context = multiprocessing.get_context("fork")
+    with context.Pool(2) as pool:
+        answers = pool.starmap_async(_in_child, [(large, poses)] * 4).get(timeout=60)
+    assert answers == [expected] * 4
+
+
+def test_memory_is_freed():
+    resource = pytest.importorskip("resource")
+    hull = hullmap.bake(rock(200, 1))[0]
+    poses = random_poses(100_000, 1, 2.5)
+
+    def run():
+        for _ in range(10):
+            hull.contact(hull, poses)
+            hullmap.bake(rock(2000, 1))[0].vertices.sum()
+
+    run()
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    run()
+    run()
+    after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    assert after - before < 40_000, f"{after - before} KB more"
+
+
+@pytest.mark.parametrize("script", ["plots.py"])
+def test_examples_run(script, tmp_path):
+    pytest.importorskip("matplotlib")
+    path = PROJECT / "examples" / script
+    if not path.exists():
+        pytest.skip(f"{path} is not beside the tests")
+    run = subprocess.run([sys.executable, str(path), str(tmp_path)], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    assert list(tmp_path.glob("*.png"))

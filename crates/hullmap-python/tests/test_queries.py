@@ -1,0 +1,244 @@
+"""Answers against brute force in doubles."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from conftest import CUBE, Body, brute_depth, brute_distance, matrices, random_poses, rock
+
+import hullmap
+from hullmap import Overlap, Status
+
+
+@pytest.fixture(scope="module")
+def truth(rocks):
+    a, b = rocks
+    poses = random_poses(200, 5, 3.2)
+    body = Body(a)
+    depths = np.array([brute_depth(body, Body(b, pose)) for pose in poses])
+    gaps = np.array([brute_distance(body, Body(b, pose)) for pose in poses])
+    # Neither kind of pair is missing.
+    assert 0.3 < (depths > 0).mean() < 0.7
+    return poses, depths, gaps
+
+
+def test_hits_are_those_of_brute_force(rocks, truth):
+    poses, depths, _ = truth
+    found = rocks[0].intersects(rocks[1], poses)
+    assert (found.hit == (depths > 0)).all()
+    assert set(np.unique(found.status)) == {Overlap.SEPARATED, Overlap.OVERLAPPING}
+
+
+@pytest.mark.parametrize("coherent", [False, True])
+@pytest.mark.parametrize("threads", [1, 2, None])
+def test_distances_are_those_of_brute_force(rocks, truth, coherent, threads):
+    poses, _, gaps = truth
+    found = rocks[0].distance(rocks[1], poses, coherent=coherent, threads=threads)
+    assert (found.lower <= gaps + 1e-12).all() and (gaps <= found.upper + 1e-12).all()
+    assert np.allclose(found.distance, gaps, rtol=1e-5, atol=1e-12)
+    apart = np.linalg.norm(found.point_b - found.point_a, axis=1)
+    assert np.allclose(apart[gaps > 0], gaps[gaps > 0], rtol=1e-5)
+    assert np.allclose(np.linalg.norm(found.normal, axis=1), 1)
+    assert (found.status[gaps == 0] == Status.OVERLAPPING).all()
+
+
+def test_depths_are_those_of_brute_force(rocks, truth):
+    poses, depths, _ = truth
+    found = rocks[0].contact(rocks[1], poses)
+    depths = np.maximum(depths, 0)
+    assert (found.depth_lower <= depths + 1e-12).all() and (depths <= found.depth_upper + 1e-12).all()
+    assert np.allclose(found.depth, depths, rtol=1e-5, atol=1e-12)
+    # Moved out by the depth, the pairs no longer overlap by more than the tolerance.
+    out = poses.copy()
+    out[:, :3] += (found.depth * (1 + 2e-5))[:, None] * found.normal
+    assert not (rocks[0].contact(rocks[1], out).depth > 2e-5 * depths.max()).any()
+
+
+def test_zero_tolerance_is_exact(rocks, truth):
+    poses, _, gaps = truth
+    found = rocks[0].distance(rocks[1], poses, tolerance=0)
+    assert np.allclose(found.distance, gaps, rtol=1e-12, atol=1e-13)
+
+
+def test_support_points_maximise_the_dot_product(large):
+    dirs = np.random.default_rng(1).normal(size=(2000, 3))
+    found = large.support(dirs)
+    dots = large.vertices.astype(float) @ dirs.T
+    reached = (found.point * dirs).sum(1)
+    assert np.allclose(reached, dots.max(0), rtol=0, atol=1e-9)
+    assert (large.vertices[found.vertex] == found.point.astype(np.float32)).all()
+
+
+def test_rays_enter_where_the_planes_say(large):
+    rng = np.random.default_rng(2)
+    ways = rng.normal(size=(500, 3))
+    origins = -3 * ways / np.linalg.norm(ways, axis=1, keepdims=True) + rng.uniform(-1, 1, size=(500, 3))
+    body = Body(large)
+    heights = body.normals @ origins.T - (body.normals * body.triangles[:, 0]).sum(1)[:, None]
+    speeds = body.normals @ ways.T
+    with np.errstate(divide="ignore"):
+        times = -heights / speeds
+    enter = np.where(speeds < 0, times, -np.inf).max(0)
+    leave = np.where(speeds > 0, times, np.inf).min(0)
+    hits = (enter <= leave) & (enter >= 0)
+    assert 0.3 < hits.mean() < 0.95
+    found = large.ray(origins, ways)
+    assert (found.hit == hits).all()
+    assert np.allclose(found.t[hits], enter[hits], rtol=1e-6)
+    assert (found.t_lower[hits] <= enter[hits] + 1e-9).all() and (enter[hits] <= found.t_upper[hits] + 1e-9).all()
+    assert np.isinf(found.t[~hits]).all()
+    assert not large.ray(origins, ways, max_t=1e-3).hit.any()
+
+
+def test_signed_distances_inside_are_to_the_nearest_plane(rocks):
+    hull = rocks[0]
+    body = Body(hull)
+    points = np.random.default_rng(3).uniform(-1.2, 1.2, size=(400, 3))
+    planes = body.normals @ points.T - (body.normals * body.triangles[:, 0]).sum(1)[:, None]
+    inside = planes.max(0) < 0
+    assert 0.1 < inside.mean() < 0.9
+    found = hull.signed_distance(points)
+    assert np.allclose(found.distance[inside], planes.max(0)[inside], rtol=1e-5, atol=1e-9)
+    assert (found.distance[~inside] >= planes.max(0)[~inside] - 1e-9).all()
+    assert ((found.lower <= found.distance) & (found.distance <= found.upper)).all()
+    apart = np.linalg.norm(found.point - points, axis=1)
+    assert np.allclose(apart, abs(found.distance), rtol=1e-4, atol=1e-9)
+
+
+def test_both_forms_of_a_pose_agree(rocks):
+    poses = random_poses(100, 9, 3)
+    by_rows, by_matrices = (rocks[0].distance(rocks[1], form) for form in (poses, matrices(poses)))
+    assert np.allclose(by_rows.distance, by_matrices.distance, rtol=1e-6, atol=1e-12)
+
+
+def test_world_poses_are_relative_poses(rocks):
+    a, b = random_poses(50, 1, 2), random_poses(50, 2, 2)
+    expected = np.linalg.inv(matrices(a)) @ matrices(b)
+    assert np.allclose(matrices(hullmap.relative(a, b)), expected, atol=1e-12)
+    direct = rocks[0].distance(rocks[1], hullmap.relative(a, b)).distance
+    assert np.allclose(rocks[0].distance(rocks[1], a_in_world=a, b_in_world=b).distance, direct, rtol=1e-9, atol=1e-12)
+    one = rocks[0].distance(rocks[1], a_in_world=a[0], b_in_world=b)
+    assert one.distance.shape == (50,) and one.distance[0] == pytest.approx(direct[0])
+    assert rocks[0].distance(rocks[1], a_in_world=a, b_in_world=matrices(b[0])).distance.shape == (50,)
+
+
+def test_the_number_of_threads_changes_no_bit(rocks):
+    poses = random_poses(3000, 7, 3)
+    for coherent in (False, True):
+        one, two = (rocks[0].contact(rocks[1], poses, coherent=coherent, threads=n) for n in (1, 2))
+        for field in ("depth", "depth_lower", "depth_upper", "normal", "point_a", "status", "support_calls"):
+            assert np.array_equal(getattr(one, field), getattr(two, field)), field
+
+
+def test_shapes_of_answers_follow_the_poses(cube):
+    poses = random_poses(12, 1, 3).reshape(3, 4, 7)
+    found = cube.distance(cube, poses)
+    assert found.distance.shape == (3, 4) and found.normal.shape == (3, 4, 3) and found.parts.shape == (3, 4, 2)
+    single = cube.distance(cube, poses[0, 0])
+    assert single.distance == found.distance[0, 0] and single.normal.shape == (3,)
+    assert isinstance(single.distance, float)
+    assert cube.distance(cube, np.zeros((0, 7))).distance.shape == (0,)
+    assert cube.manifold(cube, poses).point_a.shape == (3, 4, 4, 3)
+    assert cube.manifold(cube, poses[0, 0]).point_a.shape == (4, 3)
+
+
+def test_a_manifold_carries_a_cube(cube):
+    floor = hullmap.Box([5, 5, 1])
+    found = floor.manifold(cube, hullmap.poses([[0, 0, 1.99], [0, 0, 2.02], [0, 0, 3]]))
+    assert found.count.tolist() == [4, 4, 0]
+    assert np.allclose(found.depth[0], 0.01) and np.allclose(found.depth[1], -0.02) and np.isnan(found.depth[2]).all()
+    assert np.allclose(found.normal[0], [0, 0, 1])
+    corners = np.unique(found.point_b[0].round(6), axis=0)
+    assert np.allclose(corners, [[-1, -1, 0.99], [-1, 1, 0.99], [1, -1, 0.99], [1, 1, 0.99]])
+    assert np.allclose(found.local_b[0][:, 2], -1)
+    assert floor.manifold(cube, hullmap.poses([0, 0, 2.02]), prediction=0.01).count == 0
+
+
+def test_casts_meet_at_the_time_of_impact(cube):
+    poses, velocity = hullmap.poses([[5, 0, 0], [0, 7, 0]]), [[-1, 0, 0], [0, -2, 0]]
+    found = cube.cast(cube, poses, velocity)
+    assert np.allclose(found.t, [3, 2.5]) and found.hit.all()
+    moved = poses.copy()
+    moved[:, :3] += found.t[:, None] * np.array(velocity)
+    assert np.allclose(cube.distance(cube, moved).distance, 0, atol=1e-5)
+    assert not cube.cast(cube, poses, [1, 1, 0]).hit.any()
+
+
+@pytest.mark.parametrize(
+    ("shape", "depth"),
+    [
+        (hullmap.Sphere(1.0), 0.5),
+        (hullmap.Box([1.0, 2.0, 3.0]), 0.5),
+        (hullmap.Capsule(2.0, 1.0), 0.5),
+        (hullmap.Cylinder(2.0, 1.0), 0.5),
+        (hullmap.Segment([-1, 0, 0], [1, 0, 0]), 0.5),
+        (hullmap.Triangle([-1, 0, 0], [1, 0, 0], [1, 1, 0]), None),
+        (hullmap.Cone(1.0, 1.0), None),
+    ],
+)
+def test_primitives_meet_hulls(cube, shape, depth):
+    pose = hullmap.poses([1.5, 0, 0])
+    found = cube.contact(shape, pose)
+    assert found.hit and found.depth > 0
+    if depth is not None:
+        assert found.depth == pytest.approx(depth, rel=1e-5) and found.depth_lower <= depth <= found.depth_upper
+    assert cube.distance(shape, hullmap.poses([9, 0, 0])).distance > 5
+    back = shape.contact(cube, hullmap.poses([-1.5, 0, 0]))
+    assert back.depth == pytest.approx(found.depth, rel=1e-4)
+    assert shape.support([1, 0, 0]).point.shape == (3,)
+
+
+def test_half_spaces_come_first(cube):
+    floor = hullmap.HalfSpace([0, 0, 2], 1.0)
+    found = floor.contact(cube, hullmap.poses([[0, 0, 1.75], [0, 0, 4]]))
+    assert found.depth.tolist() == [0.25, 0.0] and found.hit.tolist() == [True, False]
+    assert floor.manifold(cube, hullmap.poses([0, 0, 1.75])).count == 4
+    assert floor.ray([0, 0, 3], [0, 0, -1]).t == 2.0
+    assert floor.signed_distance([0, 0, -1]).distance == -2.0
+    with pytest.raises(hullmap.ShapeError, match="must be the first shape"):
+        cube.contact(floor, hullmap.poses([0, 0, 0]))
+
+
+@pytest.fixture(scope="module")
+def pair_of_cubes():
+    """Unit cubes at x from 0 to 1 and from 3 to 4."""
+    unit = (CUBE + 1) / 2
+    return hullmap.bake_parts([(unit, None), (unit + [3, 0, 0], None)], names=["left", "right"])
+
+
+def test_a_pack_is_the_union_of_its_hulls(pair_of_cubes):
+    pack, poses = pair_of_cubes, random_poses(200, 4, 5)
+    probe = hullmap.bake(rock(30, 8))[0]
+    each = [hull.distance(probe, poses).distance for hull in pack]
+    union = pack.distance(probe, poses)
+    assert np.allclose(union.distance, np.minimum(*each), rtol=1e-5, atol=1e-9)
+    assert set(union.parts[:, 0].tolist()) == {0, 1} and (union.parts[:, 1] == 0).all()
+    assert (pack.intersects(probe, poses).hit == (np.minimum(*each) == 0)).all()
+    depths = [hull.contact(probe, poses).depth for hull in pack]
+    assert np.allclose(pack.contact(probe, poses).depth, np.maximum(*depths), rtol=1e-5, atol=1e-9)
+    assert np.allclose(probe.distance(pack, hullmap.poses([9, 0, 0])).distance, 8, atol=0.5)
+
+
+def test_packs_meet_packs_planes_and_rays(pair_of_cubes):
+    pack = pair_of_cubes
+    between = hullmap.poses([1.5, 0, 0])
+    assert not pack.intersects(pack, between).hit
+    assert pack.distance(pack, hullmap.poses([6, 0, 0])).distance == pytest.approx(2)
+    separated = pack.contact(pack, between)
+    assert not separated.hit and separated.depth == 0 and separated.status == Status.SEPARATED
+    floor = hullmap.HalfSpace([1, 0, 0], 0.0)
+    assert floor.contact(pack, hullmap.poses([-3.5, 0, 0])).depth == pytest.approx(3.5)
+    hits = pack.ray([[-1, 0.5, 0.5], [9, 0.5, 0.5], [2, 0.5, 5]], [[1, 0, 0], [-1, 0, 0], [0, 0, -1]])
+    assert np.allclose(hits.t, [1, 5, np.inf]) and hits.parts.tolist()[:2] == [0, 1]
+    assert (hits.t_lower <= hits.t).all() and (hits.t <= hits.t_upper).all()
+    for query in (lambda: pack[0].manifold(pack, between), lambda: pack[0].cast(pack, between, [1, 0, 0])):
+        with pytest.raises(hullmap.ShapeError, match="takes convex shapes, found a pack"):
+            query()
+
+
+def test_limits_are_reported_and_intervals_hold(rocks, truth):
+    poses, depths, _ = truth
+    found = rocks[0].contact(rocks[1], poses, max_iterations=0)
+    inside = depths > 0
+    assert (found.status[inside] == Status.ITERATION_LIMIT).any()
+    assert (found.depth_lower[inside] <= depths[inside]).all() and (depths[inside] <= found.depth_upper[inside]).all()

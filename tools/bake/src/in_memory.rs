@@ -1,0 +1,138 @@
+//! Bakes of meshes in memory and of single files, without writing a pack to disk: for bindings to
+//! other languages. Options have the keys and values of `hullmap.toml`.
+
+use std::io;
+use std::path::Path;
+
+use hullmap_bake::SourceRecord;
+use hullmap_import::{self as import, ImportError, Imported, Limits, MeshArrays, ReadError};
+
+use crate::baker::{BakedPack, bake_pack};
+use crate::options::defaults::{OPTIONS, Record};
+use crate::options::{BuildOptions, OptionLayer};
+
+/// Why a mesh was not baked.
+#[derive(Debug, thiserror::Error)]
+pub enum InMemoryError {
+    /// An option is unknown, has an invalid value, or excludes another one.
+    #[error("{0}")]
+    Option(String),
+    /// The file cannot be read.
+    #[error("{file}: cannot read: {source}; check the file")]
+    Io {
+        /// The file.
+        file: String,
+        /// The system's error.
+        source: io::Error,
+    },
+    /// The mesh is faulty.
+    #[error("{0}")]
+    Import(#[from] ImportError),
+    /// A hull could not be baked.
+    #[error("{0}")]
+    Bake(String),
+}
+
+/// Bakes meshes in memory.
+///
+/// `name` is the name of meshes without one, and stands for the file in messages. `options` are
+/// pairs of a key of `hullmap.toml` and a value, such as `("max_vertices", "64")`. With
+/// `("split", "object")`, each mesh becomes a hull of its own. The pack records no source.
+///
+/// # Errors
+/// See [`InMemoryError`].
+///
+/// # Examples
+/// ```
+/// use hullmap_import::MeshArrays;
+///
+/// let corner = |i: usize| [0, 1, 2].map(|axis| f64::from((i >> axis & 1) as u8));
+/// let cube = MeshArrays { positions: (0..8).map(corner).collect(), ..MeshArrays::default() };
+/// let baked = hullmap_cli::bake_arrays("cube", vec![cube], &[("index", "compact")])?;
+/// let pack = hullmap::Pack::from_bytes(&baked.bytes)?;
+/// assert_eq!(pack.hull(0)?.vertex_count(), 8);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn bake_arrays(name: &str, meshes: Vec<MeshArrays>, options: &[(&str, &str)]) -> Result<BakedPack, InMemoryError> {
+    let options = resolve(options)?;
+    let imported = import::import_arrays(name, meshes, &options.import(), &Limits::DEFAULT)?;
+    bake(imported, &options, SourceRecord::default(), name)
+}
+
+/// Bakes a mesh file: OBJ, glTF, GLB, STL or PLY.
+///
+/// The pack has the same bytes as that of `bake build` with the same options, if it is saved in the
+/// folder of the mesh: it records the name of the file, its hash and the options.
+///
+/// # Errors
+/// See [`InMemoryError`].
+pub fn bake_file(path: &Path, options: &[(&str, &str)]) -> Result<BakedPack, InMemoryError> {
+    let options = resolve(options)?;
+    let (file, limits) = (path.display().to_string(), Limits::DEFAULT);
+    let source = import::read(&file, path, &limits).map_err(|error| match error {
+        ReadError::Io(source) => InMemoryError::Io { file: file.clone(), source },
+        ReadError::Import(error) => error.into(),
+    })?;
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let imported = import::import(&file, &stem, path, &source, &options.import(), &limits)?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let record = SourceRecord { path: name, hash: source.hash, options: String::new() };
+    bake(imported, &options, record, &file)
+}
+
+fn bake(
+    mut imported: Imported,
+    options: &BuildOptions,
+    record: SourceRecord,
+    file: &str,
+) -> Result<BakedPack, InMemoryError> {
+    if options.decompose().is_some() {
+        imported.give_triangles();
+    }
+    let record = SourceRecord { options: options.to_string(), ..record };
+    let mut pack = bake_pack(&imported.point_sets, options, &record)
+        .map_err(|error| InMemoryError::Bake(format!("{file}: {error}")))?;
+    pack.notes.splice(0..0, imported.notes);
+    pack.warnings.splice(0..0, imported.warnings);
+    Ok(pack)
+}
+
+/// The options, with their defaults for those that are not given.
+fn resolve(options: &[(&str, &str)]) -> Result<BuildOptions, InMemoryError> {
+    let accepted = || OPTIONS.iter().filter(|option| option.record != Record::Never).map(|option| option.key);
+    let mut layer = OptionLayer::default();
+    for (key, value) in options {
+        if !accepted().any(|known| known == *key) {
+            let known: Vec<&str> = accepted().collect();
+            return Err(InMemoryError::Option(format!("unknown option {key}: the options are {}", known.join(", "))));
+        }
+        layer
+            .set(key, value)
+            .map_err(|expected| InMemoryError::Option(format!("invalid value {value} of option {key}: {expected}")))?;
+    }
+    match layer.clash() {
+        Some(clash) => Err(InMemoryError::Option(clash.message(str::to_owned))),
+        None => Ok(layer.resolve()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrong_options_are_rejected() {
+        let error = |options: &[(&str, &str)]| resolve(options).unwrap_err().to_string();
+        assert!(error(&[("indx", "tree")]).starts_with("unknown option indx: the options are split, vertices, index"));
+        assert!(error(&[("pack_names", "full")]).starts_with("unknown option pack_names"));
+        assert!(error(&[("index", "oak")]).starts_with("invalid value oak of option index: expected one of tree,"));
+        assert!(error(&[("max_error", "1"), ("max_vertices", "8")]).contains("exclude each other"));
+    }
+
+    #[test]
+    fn a_missing_file_is_an_io_error() {
+        let error = bake_file(Path::new("missing.obj"), &[]).unwrap_err();
+        assert!(matches!(error, InMemoryError::Io { .. }), "{error}");
+        assert!(error.to_string().starts_with("missing.obj: cannot read: "));
+    }
+}

@@ -1,0 +1,105 @@
+//! The `bake` command as a library: bakes meshes into `.hullmap` packs, and verifies, inspects,
+//! exports, queries and reports on packs.
+//!
+//! [`run`] is the whole command. Bindings to other languages call it, and they bake meshes in
+//! memory with the options of the command: [`bake_arrays`] and [`bake_file`].
+//!
+//! | module | concept |
+//! |---|---|
+//! | `args` | subcommands and flags |
+//! | `commands` | one module per subcommand |
+//! | `options` | the options that shape a pack, in one table with their defaults |
+//! | `config` | `hullmap.toml` |
+//! | `glob` | globs that select meshes |
+//! | `baker` | all calls into `hullmap-bake` |
+//! | `verification` | how exact a pack is |
+//! | `in_memory` | bakes that write no file, for bindings |
+//! | `advice` | warnings about hulls |
+//! | `geometry` | vertices and faces as lists |
+//! | `packs`, `selection` | packs and hulls named on the command line |
+//! | `source` | the way back from a pack to its source |
+//! | `project` | the folder that the way back must not leave |
+//! | `terminal` | the only way out for text |
+//! | `pack_file`, `interrupt` | files that are complete or absent at every moment |
+
+#![forbid(unsafe_code)]
+// Text leaves through `terminal` alone.
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
+
+mod advice;
+mod args;
+mod baker;
+mod commands;
+mod config;
+mod depfile;
+mod geometry;
+mod glob;
+mod in_memory;
+mod interrupt;
+mod open;
+mod options;
+mod outcome;
+mod pack_file;
+mod packs;
+mod pair;
+mod pose;
+mod project;
+mod selection;
+mod source;
+mod table;
+mod terminal;
+mod verification;
+
+use std::ffi::OsString;
+
+use args::{Cli, Command};
+pub use baker::BakedPack;
+pub use in_memory::{InMemoryError, bake_arrays, bake_file};
+use outcome::{Exit, Failure, end};
+use terminal::Output;
+
+/// Runs the command with these words, the name of the program first, and returns its exit code.
+///
+/// Results go to standard output, messages to standard error. While meshes are baked, Ctrl-C ends
+/// the process with exit code 130, and unfinished packs are removed.
+///
+/// # Examples
+/// ```
+/// assert_eq!(hullmap_cli::run(["bake", "--version"]), 0);
+/// ```
+pub fn run<W: Into<OsString> + Clone>(words: impl IntoIterator<Item = W>) -> u8 {
+    let cli = match args::parse(words) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // A closed terminal is no reason to panic.
+            let _ = error.print();
+            return u8::try_from(error.exit_code()).unwrap_or(Exit::Usage as u8);
+        }
+    };
+    let mut out = Output::standard();
+    let result = dispatch(&cli, &mut out).and_then(|exit| end(exit, out.flush().map_err(Into::into)));
+    match result {
+        Ok(exit) => exit as u8,
+        Err(failure) => {
+            if !failure.message.is_empty() {
+                // Output written before the failure comes before its message.
+                let _ = out.flush();
+                terminal::error(&failure);
+            }
+            failure.exit as u8
+        }
+    }
+}
+
+fn dispatch(cli: &Cli, out: &mut Output) -> Result<Exit, Failure> {
+    match &cli.command {
+        Command::Build(args) => commands::build::run(args, out),
+        Command::Verify(args) => commands::verify::run(args, out),
+        Command::Inspect(args) => commands::inspect::run(args, out),
+        Command::Export(args) => commands::export::run(args, out),
+        Command::Query(args) => commands::query::run(args, out),
+        Command::Report(args) => commands::report::run(args, out),
+        Command::Init(args) => commands::init::run(args, out),
+        Command::Completions(args) => commands::completions::run(args, out),
+    }
+}
