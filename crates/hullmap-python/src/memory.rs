@@ -21,9 +21,9 @@ pub fn map(path: &Path) -> Result<Pack, OpenError> {
 /// unchanged. The array keeps `owner` alive.
 pub fn view<'py, T: Element, const N: usize>(owner: Bound<'py, PyAny>, numbers: &[[T; N]]) -> Bound<'py, PyArray2<T>> {
     let view = ArrayView2::from(numbers);
-    // SAFETY: `owner` is a hull of a pack. It is immutable and holds the memory until it is dropped,
-    // which is after the array. The array is made read-only before anyone else sees it, and NumPy
-    // does not let users undo that: the base object exports no writable buffer.
+    // SAFETY: `owner` is a hull of a pack. It is immutable and holds the memory until it is
+    // dropped, which is after the array. The array is made read-only before anyone else sees it,
+    // and NumPy does not let users undo that: the base object exports no writable buffer.
     let array = unsafe { PyArray2::borrow_from_array(&view, owner) };
     drop(array.readwrite().make_nonwriteable());
     array

@@ -23,7 +23,8 @@ impl Rows {
     /// Copies the rows of `array`.
     ///
     /// # Errors
-    /// The array is not contiguous or has another number of columns, which the Python code prevents.
+    /// The array is not contiguous or has another number of columns, which the Python code
+    /// prevents.
     pub fn new(name: &'static str, array: &PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
         let width = array.shape().last().copied().unwrap_or(0);
         let numbers = array.as_slice().map_err(|error| ArrayError::new_err(format!("{name}: {error}")))?;
