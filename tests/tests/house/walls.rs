@@ -217,7 +217,9 @@ fn unsafe_code_is_in_few_files() {
         .collect();
     assert!(roots.len() >= 5, "{roots:?}");
     for root in roots {
-        let denies = ["crates/hullmap", "crates/hullmap-c", "crates/hullmap-python"].iter().any(|package| root.starts_with(package));
+        let denies = ["crates/hullmap", "crates/hullmap-c", "crates/hullmap-python"]
+            .iter()
+            .any(|package| root.starts_with(package));
         let level = if denies { "deny" } else { "forbid" };
         assert!(text(root).contains(&format!("#![{level}({lint})]")), "{}: no {level}({lint})", root.display());
     }
