@@ -229,3 +229,8 @@ fn bake(points: &PointSet, hull: hull::Hull, outer_error: f64, index: IndexChoic
         index,
     })
 }
+
+/// The examples of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -244,3 +244,8 @@ fn count_duplicates(vertex_count: usize, sets: &[PointSet]) -> usize {
     keys.dedup();
     count - keys.len()
 }
+
+/// The examples of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

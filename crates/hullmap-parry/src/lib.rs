@@ -69,3 +69,8 @@ pub mod f64;
 
 #[cfg(feature = "f32")]
 pub use self::f32::*;
+
+/// The examples of the README.
+#[cfg(all(doctest, feature = "f32"))]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -273,3 +273,8 @@ pub use solver::{
     Settings, SignedDistance, Status, VectorError, Vertex, contact_lockstep,
 };
 pub use support::{Bounds, Instructions, SupportMap, SupportPoint};
+
+/// The examples of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

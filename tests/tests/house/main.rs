@@ -5,5 +5,6 @@ mod comments;
 mod dependencies;
 mod examples;
 mod names;
+mod packages;
 mod readme;
 mod walls;

@@ -66,7 +66,10 @@ fn assert_unseen_with(package: &str, others: &[&str], features: &[&[&str]]) {
 
 #[test]
 fn the_runtime_sees_neither_the_baker_nor_its_libraries() {
-    assert_unseen("hullmap", &["parry3d", "parry3d-f64", "tobj", "clap", "hullmap-bake", "bake", "shapes", "serde"]);
+    assert_unseen(
+        "hullmap",
+        &["parry3d", "parry3d-f64", "tobj", "clap", "hullmap-bake", "hullmap-cli", "shapes", "serde"],
+    );
     assert!(!tree("hullmap", "normal,build", &[]).contains("rayon"), "only the feature starts threads");
 }
 
@@ -81,18 +84,18 @@ fn the_runtime_has_few_dependencies() {
 
 #[test]
 fn the_format_sees_neither_reader_nor_writer() {
-    assert_unseen("hullmap-format", &["hullmap", "hullmap-bake", "bake", "parry3d", "rayon", "memmap2"]);
+    assert_unseen("hullmap-format", &["hullmap", "hullmap-bake", "hullmap-cli", "parry3d", "rayon", "memmap2"]);
 }
 
 #[test]
 fn the_baker_sees_neither_the_runtime_nor_the_command_line() {
-    assert_unseen("hullmap-bake", &["hullmap", "bake", "tobj", "clap", "indicatif", "memmap2", "serde_json"]);
+    assert_unseen("hullmap-bake", &["hullmap", "hullmap-cli", "tobj", "clap", "indicatif", "memmap2", "serde_json"]);
     assert!(tree("hullmap-bake", "normal", &[]).contains("hullmap-format"));
 }
 
 #[test]
 fn import_sees_neither_the_runtime_nor_the_command() {
-    assert_unseen("hullmap-import", &["hullmap", "bake", "indicatif", "memmap2", "png", "notify", "shapes"]);
+    assert_unseen("hullmap-import", &["hullmap", "hullmap-cli", "indicatif", "memmap2", "png", "notify", "shapes"]);
     assert!(!tree("hullmap-import", "normal", &[]).contains("clap"), "only the feature speaks of flags");
 }
 
@@ -100,7 +103,7 @@ fn import_sees_neither_the_runtime_nor_the_command() {
 fn the_report_sees_neither_the_baker_nor_the_command() {
     assert_unseen(
         "hullmap-report",
-        &["hullmap-bake", "hullmap-import", "bake", "clap", "parry3d-f64", "tobj", "notify"],
+        &["hullmap-bake", "hullmap-import", "hullmap-cli", "clap", "parry3d-f64", "tobj", "notify"],
     );
     let seen = tree("hullmap-report", "normal", &[]);
     assert!(seen.contains("hullmap") && seen.contains("hullmap-format"), "{seen:?}");
@@ -110,7 +113,7 @@ fn the_report_sees_neither_the_baker_nor_the_command() {
 fn the_adapter_sees_neither_the_baker_nor_an_engine() {
     assert_unseen_with(
         "hullmap-parry",
-        &["hullmap-bake", "hullmap-import", "bake", "rapier3d", "shapes", "clap"],
+        &["hullmap-bake", "hullmap-import", "hullmap-cli", "rapier3d", "shapes", "clap"],
         &[&[][..], &["--no-default-features", "--features", "f64"], &["--all-features"]],
     );
     assert!(tree("hullmap-parry", "normal", &[]).contains("parry3d"));
@@ -122,7 +125,10 @@ fn the_adapter_sees_neither_the_baker_nor_an_engine() {
 
 #[test]
 fn the_c_interface_sees_the_runtime_alone() {
-    assert_unseen("hullmap-c", &["hullmap-bake", "hullmap-import", "bake", "shapes", "clap", "serde", "parry3d"]);
+    assert_unseen(
+        "hullmap-c",
+        &["hullmap-bake", "hullmap-import", "hullmap-cli", "shapes", "clap", "serde", "parry3d"],
+    );
     assert!(tree("hullmap-c", "normal", &[]).contains("hullmap"));
 }
 
@@ -142,7 +148,7 @@ fn commands_do_not_import_from_each_other() {
 /// Control for the tests above: the command sees both sides.
 #[test]
 fn the_command_sees_both_sides() {
-    let seen = tree("bake", "normal", &[]);
+    let seen = tree("hullmap-cli", "normal", &[]);
     for name in ["hullmap", "hullmap-bake", "hullmap-format", "hullmap-report", "tobj", "clap"] {
         assert!(seen.contains(name), "{seen:?}");
     }

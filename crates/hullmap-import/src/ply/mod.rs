@@ -218,8 +218,10 @@ fn read_faces(
 
 /// Adds the triangles of a strip. Every second one has reversed winding.
 fn push_strip(faces: &mut Polygons, strip: &[u32]) {
-    for (index, &[a, b, c]) in strip.array_windows().enumerate() {
-        faces.push(&if index % 2 == 0 { [a, b, c] } else { [b, a, c] });
+    for (index, corners) in strip.windows(3).enumerate() {
+        if let &[a, b, c] = corners {
+            faces.push(&if index % 2 == 0 { [a, b, c] } else { [b, a, c] });
+        }
     }
 }
 

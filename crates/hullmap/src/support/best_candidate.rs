@@ -41,6 +41,12 @@ const MAX_RUNS: usize = 64;
 /// Minimum number of blocks in a run: the maximum over eight lanes costs as much as three blocks.
 const MIN_RUN_BLOCKS: usize = 16;
 
+/// The blocks as an array, if there are exactly `N`: `as_array` of Rust 1.93.
+#[inline(always)]
+pub(crate) fn exactly<const N: usize>(blocks: &[ArchivedBlock]) -> Option<&[ArchivedBlock; N]> {
+    blocks.try_into().ok()
+}
+
 /// Support vertex among the candidates in `blocks`, of which there is at least one.
 ///
 /// `reach` is the largest coordinate magnitude in any block.
@@ -49,13 +55,13 @@ pub(crate) fn best<S: Simd>(simd: S, blocks: &[ArchivedBlock], dir: impl Directi
     let narrow = dir.narrow();
     let Some(margin) = margin(narrow, reach) else { return exact_best(blocks, dir.exact()) };
     // Most leaves have one to four blocks. A constant count unrolls the loops.
-    if let Some(few) = blocks.as_array::<1>() {
+    if let Some(few) = exactly::<1>(blocks) {
         best_of_blocks(simd, few, dir, margin)
-    } else if let Some(few) = blocks.as_array::<2>() {
+    } else if let Some(few) = exactly::<2>(blocks) {
         best_of_blocks(simd, few, dir, margin)
-    } else if let Some(few) = blocks.as_array::<3>() {
+    } else if let Some(few) = exactly::<3>(blocks) {
         best_of_blocks(simd, few, dir, margin)
-    } else if let Some(few) = blocks.as_array::<4>() {
+    } else if let Some(few) = exactly::<4>(blocks) {
         best_of_blocks(simd, few, dir, margin)
     } else {
         best_of_many(simd, blocks, dir, margin)

@@ -24,7 +24,7 @@ use hullmap_format::{
 };
 use rkyv::rend::u32_le;
 
-use super::best_candidate::{self, best, best_of_blocks};
+use super::best_candidate::{self, best, best_of_blocks, exactly};
 use super::candidate::Candidate;
 use super::direction::Direction;
 use super::simd::{Dispatch, Kernel, Portable, Simd};
@@ -117,7 +117,7 @@ impl<'a> Index<'a> {
     {
         let [x, y, z] = dir;
         // Only hulls of one block are inlined here. Inlining more makes them slower.
-        let found = match (self.kind, self.blocks.as_array::<1>()) {
+        let found = match (self.kind, exactly::<1>(self.blocks)) {
             (IndexKind::None, Some(few)) => self.dispatch.run(Scan(few, self, PhantomData), [x, y, z]),
             _ => self.support_out_of_line(x, y, z),
         };
@@ -132,13 +132,13 @@ impl<'a> Index<'a> {
     {
         let dir = [x, y, z];
         if matches!(self.kind, IndexKind::None) {
-            if let Some(few) = self.blocks.as_array::<2>() {
+            if let Some(few) = exactly::<2>(self.blocks) {
                 return self.dispatch.run(Scan(few, self, PhantomData), dir);
             }
-            if let Some(few) = self.blocks.as_array::<3>() {
+            if let Some(few) = exactly::<3>(self.blocks) {
                 return self.dispatch.run(Scan(few, self, PhantomData), dir);
             }
-            if let Some(few) = self.blocks.as_array::<4>() {
+            if let Some(few) = exactly::<4>(self.blocks) {
                 return self.dispatch.run(Scan(few, self, PhantomData), dir);
             }
         }
