@@ -10,6 +10,7 @@ import os
 import re
 import subprocess
 import sys
+import textwrap
 import threading
 import time
 import warnings
@@ -49,19 +50,22 @@ def test_examples_in_docstrings_run():
     assert count > 60
 
 
-@pytest.mark.parametrize("path", [PROJECT / "README.md", ROOT / "docs" / "python.md"], ids=lambda path: path.name)
+@pytest.mark.parametrize("path", [PROJECT / "README.md", ROOT / "docs" / "python.md", ROOT / "README.md"], ids=lambda path: str(path.relative_to(ROOT)))
 def test_examples_in_documents_run(path, tmp_path, monkeypatch):
     if not path.exists():
         pytest.skip(f"{path} is not beside the tests")
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
     text = path.read_text(encoding="utf-8")
-    blocks = re.findall(r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
+    found = re.findall(r"^( *)```python\n(.*?)^ *```", text, re.DOTALL | re.MULTILINE)
+    blocks = [textwrap.dedent(block) for _, block in found]
     assert blocks, path
     names: dict[str, object] = {}
-    parser, runner = doctest.DocTestParser(), doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
+    parser, runner = doctest.DocTestParser(), doctest.DocTestRunner(optionflags=doctest.IGNORE_EXCEPTION_DETAIL)
     for number, block in enumerate(blocks):
-        if "matplotlib" in block:
-            pytest.importorskip("matplotlib").use("Agg")
+        for peer in ("matplotlib", "scipy"):
+            if peer in block:
+                pytest.importorskip(peer)
         if ">>>" in block:
             test = parser.get_doctest(block, names, f"{path.name}[{number}]", str(path), 0)
             assert runner.run(test, clear_globs=False).failed == 0, block
