@@ -21,6 +21,7 @@ use crate::{
 };
 
 /// Runs a call: a failure or a panic becomes a code and a message.
+#[inline(always)]
 pub(crate) fn call(body: impl FnOnce() -> Fallible<()>) -> Code {
     match catch_unwind(AssertUnwindSafe(body)) {
         Ok(Ok(())) => Code::Ok,
@@ -40,7 +41,7 @@ fn panicked(payload: Box<dyn Any + Send>) -> Failure {
 }
 
 /// Checks that `pointer` is neither NULL nor misaligned.
-#[inline]
+#[inline(always)]
 fn checked<T>(name: &str, pointer: *const T) -> Fallible<()> {
     if pointer.is_null() {
         return Err(null(name));
@@ -65,7 +66,7 @@ fn misaligned(name: &str, alignment: usize) -> Failure {
 ///
 /// # Safety
 /// If not NULL, `pointer` is a handle of this library that is not freed during `'a`.
-#[inline]
+#[inline(always)]
 pub(crate) unsafe fn handle<'a, T>(name: &str, pointer: *const T) -> Fallible<&'a T> {
     checked(name, pointer)?;
     // SAFETY: it is not NULL, and a live handle by this function's contract. Handles are shared
@@ -77,7 +78,7 @@ pub(crate) unsafe fn handle<'a, T>(name: &str, pointer: *const T) -> Fallible<&'
 ///
 /// # Safety
 /// As [`handle`].
-#[inline]
+#[inline(always)]
 pub(crate) unsafe fn optional_handle<'a, T>(name: &str, pointer: *const T) -> Fallible<Option<&'a T>> {
     if pointer.is_null() {
         return Ok(None);
@@ -91,7 +92,7 @@ pub(crate) unsafe fn optional_handle<'a, T>(name: &str, pointer: *const T) -> Fa
 /// # Safety
 /// If not NULL, `pointer` points to a `T` that is initialised, and that no thread writes to during
 /// the call.
-#[inline]
+#[inline(always)]
 pub(crate) unsafe fn read<T: Copy>(name: &str, pointer: *const T) -> Fallible<T> {
     checked(name, pointer)?;
     // SAFETY: it is not NULL and aligned, and readable by this function's contract.
@@ -102,7 +103,7 @@ pub(crate) unsafe fn read<T: Copy>(name: &str, pointer: *const T) -> Fallible<T>
 ///
 /// # Safety
 /// As [`read`], but only as many bytes need to be there as the struct states, at least a `usize`.
-#[inline]
+#[inline(always)]
 pub(crate) unsafe fn read_sized<T: Copy>(name: &str, pointer: *const T) -> Fallible<Option<T>> {
     if pointer.is_null() {
         return Ok(None);
@@ -145,7 +146,7 @@ fn wrong_size(name: &str, found: usize, expected: usize) -> Failure {
 /// # Safety
 /// If not empty, `pointer` points to `count` initialised elements that no thread writes to during
 /// `'a`.
-#[inline]
+#[inline(always)]
 pub(crate) unsafe fn array<'a, T>(name: &str, pointer: *const T, count: usize) -> Fallible<&'a [T]> {
     if count == 0 {
         return Ok(&[]);
@@ -162,7 +163,7 @@ pub(crate) unsafe fn array<'a, T>(name: &str, pointer: *const T, count: usize) -
 /// # Safety
 /// If not empty, `pointer` points to memory for `count` elements, which nothing else reads or
 /// writes during `'a`.
-#[inline]
+#[inline(always)]
 pub(crate) unsafe fn answers<'a, T>(name: &str, pointer: *mut T, count: usize) -> Fallible<&'a mut [MaybeUninit<T>]> {
     if count == 0 {
         return Ok(&mut []);
@@ -200,13 +201,13 @@ impl<T> Out<T> {
     /// # Safety
     /// If not NULL, `pointer` points to memory for a `T`, which no other thread accesses during the
     /// call.
-    #[inline]
+    #[inline(always)]
     pub(crate) unsafe fn new(name: &str, pointer: *mut T) -> Fallible<Self> {
         checked(name, pointer)?;
         Ok(Self(pointer))
     }
 
-    #[inline]
+    #[inline(always)]
     pub(crate) fn write(self, answer: T) {
         // SAFETY: `new` has checked the pointer, and its contract promises the memory. What was
         // there before is not dropped, since it may be uninitialised.

@@ -147,7 +147,7 @@ impl<T: Empty> Exclusive<T> {
     }
 
     /// The value, if no other call uses it. `name` is that of the argument.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn take(&self, name: impl fmt::Display) -> Fallible<MutexGuard<'_, T>> {
         match self.0.try_lock() {
             Ok(value) => Ok(value),

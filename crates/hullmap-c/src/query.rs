@@ -37,7 +37,7 @@ pub(crate) fn check_sides(b: &Shape) -> Fallible<()> {
     if matches!(b.kind, Kind::HalfSpace(_)) { Err(half_space_as_b()) } else { Ok(()) }
 }
 
-#[inline]
+#[inline(always)]
 fn run<Q: Query>(a: &Shape, b: &Shape, query: Q) -> Fallible<Q::Answer> {
     match (&a.kind, &b.kind) {
         (Kind::Hull(a), Kind::Hull(b)) => query.convex(a.hull(), b.hull()),
@@ -96,6 +96,7 @@ impl Query for Intersects<'_> {
 }
 
 /// Whether two shapes share a point.
+#[inline(always)]
 pub(crate) fn intersects(a: &Shape, b: &Shape, b_in_a: Pose, memory: &mut Memory) -> Fallible<types::Intersection> {
     run(a, b, Intersects(b_in_a, memory))
 }
@@ -129,6 +130,7 @@ impl Query for Distance<'_> {
 }
 
 /// Distance of two shapes.
+#[inline(always)]
 pub(crate) fn distance(
     a: &Shape,
     b: &Shape,
@@ -168,6 +170,7 @@ impl Query for Contact<'_> {
 }
 
 /// Contact of two shapes.
+#[inline(always)]
 pub(crate) fn contact(
     a: &Shape,
     b: &Shape,

@@ -143,12 +143,14 @@ pub struct Vec3 {
 }
 
 impl From<DVec3> for Vec3 {
+    #[inline(always)]
     fn from(v: DVec3) -> Self {
         Self { x: v.x, y: v.y, z: v.z }
     }
 }
 
 impl From<Vec3> for DVec3 {
+    #[inline(always)]
     fn from(v: Vec3) -> Self {
         Self::new(v.x, v.y, v.z)
     }
@@ -360,6 +362,7 @@ pub struct Intersection {
 }
 
 impl Intersection {
+    #[inline(always)]
     pub(crate) fn new(found: hullmap::Intersection, hulls: [usize; 2]) -> Self {
         let [hull_a, hull_b] = hulls.map(|hull| hull as u32);
         let hullmap::Intersection { status, iterations, support_calls } = found;
@@ -397,6 +400,7 @@ pub struct Distance {
 }
 
 impl Distance {
+    #[inline(always)]
     pub(crate) fn new(found: hullmap::Distance, hulls: [usize; 2]) -> Self {
         let [hull_a, hull_b] = hulls.map(|hull| hull as u32);
         Self {
@@ -449,6 +453,7 @@ pub struct Contact {
 }
 
 impl Contact {
+    #[inline(always)]
     pub(crate) fn new(found: hullmap::Contact, hulls: [usize; 2]) -> Self {
         let [hull_a, hull_b] = hulls.map(|hull| hull as u32);
         Self {

@@ -29,7 +29,7 @@ use crate::failure::{Failure, Fallible};
 use crate::types;
 
 /// A pose from C, checked and normalised.
-#[inline]
+#[inline(always)]
 fn pose(name: &str, pose: types::Pose) -> Fallible<Pose> {
     let types::Pose { translation, rotation: types::Quat { x, y, z, w } } = pose;
     let found = Pose::new(translation.into(), hullmap::glam::DQuat::from_xyzw(x, y, z, w));

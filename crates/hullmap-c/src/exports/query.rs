@@ -13,12 +13,20 @@ use crate::types::{
 };
 
 /// Runs a query with the memory of a cache, or with an empty one.
-#[inline]
+#[inline(always)]
 fn with_memory<T>(cache: Option<&Cache>, query: impl FnOnce(&mut Memory) -> Fallible<T>) -> Fallible<T> {
-    match cache {
-        Some(cache) => query(&mut *cache.0.take("cache")?),
-        None => query(&mut Memory::default()),
-    }
+    let (mut guard, mut empty);
+    let memory = match cache {
+        Some(cache) => {
+            guard = cache.0.take("cache")?;
+            &mut *guard
+        }
+        None => {
+            empty = Memory::default();
+            &mut empty
+        }
+    };
+    query(memory)
 }
 
 /// A pair from C.
@@ -30,7 +38,7 @@ struct Pair<'p> {
 
 /// # Safety
 /// The pointers are as the rules at the head of the header require.
-#[inline]
+#[inline(always)]
 unsafe fn pair<'p>(a: *const Shape, b: *const Shape, b_in_a: *const Pose) -> Fallible<Pair<'p>> {
     // SAFETY: this function's contract.
     let (a, b, b_in_a) = unsafe { (border::handle("a", a)?, border::handle("b", b)?, border::read("b_in_a", b_in_a)?) };
