@@ -35,8 +35,10 @@ fn panicked(payload: Box<dyn Any + Send>) -> Failure {
     let text = payload.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("no message");
     let failure = Failure::new(Code::Panic, format_args!("bug in hullmap: {text}; please report it"));
-    // Its destructor could panic in turn.
-    std::mem::forget(payload);
+    // The destructor of any other type could panic in turn.
+    if !payload.is::<String>() && !payload.is::<&str>() {
+        std::mem::forget(payload);
+    }
     failure
 }
 
