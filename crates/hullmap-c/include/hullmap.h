@@ -24,7 +24,8 @@
 // that ends in _free. Freeing a handle twice, or using it after it was freed, is undefined, as for
 // free(). Handles may be freed in any order: a shape keeps its pack. Pointers into a pack (names,
 // arrays) are valid as long as the pack or a shape made from it exists. Queries do not allocate,
-// except batches, failures, and the first query of compounds with a cache or manifold.
+// except batches, failures, and queries of compounds: with a cache or manifold the first one, and
+// without a cache each of them.
 //
 // Threads. Packs and shapes never change: any number of threads may use them at the same time.
 // A cache or a manifold is for one thread at a time; a call that finds it in use by another call

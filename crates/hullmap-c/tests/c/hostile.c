@@ -7,10 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int failures = 0;
+static unsigned failures = 0, checks = 0;
 
 #define EXPECT(condition)                                                           \
     do {                                                                            \
+        ++checks;                                                                   \
         if (!(condition)) {                                                         \
             printf("line %d: %s (%s)\n", __LINE__, #condition, hullmap_last_error()); \
             ++failures;                                                             \
@@ -476,6 +477,6 @@ int main(int count, char **arguments) {
     threads(pack);
     hullmap_pack_free(pack);
     free(file);
-    printf("%d failures\n", failures);
+    printf("%u checks, %u failures\n", checks, failures);
     return failures != 0;
 }
