@@ -1,12 +1,13 @@
 """Queries a second on two links of a robot: hullmap beside coal, MuJoCo and python-fcl.
 
-    python robot.py LINK_A.obj LINK_B.obj [--count 1000000] [--peer-count 50000]
+    python robot.py LINK_A.obj LINK_B.obj [--count 1000000] [--peer-count 50000] [--rounds 5]
 
 All engines get the vertices of the same two hulls and the same poses, about half of which overlap.
 Those that pip has not installed are left out. hullmap takes all poses in one call. The others are
 called once a pose from a Python loop, as their users have to; the row `call` is the same loop on two
 spheres of the engine, most of which is the cost of the call. Runs are interleaved, and the median
-counts. Answers are compared.
+counts. On one thread, time is processor time, which other programs disturb less. Answers are
+compared.
 """
 
 from __future__ import annotations
@@ -22,8 +23,6 @@ from pathlib import Path
 import numpy as np
 
 import hullmap
-
-ROUNDS = 5
 
 
 def random_poses(count, reach, seed):
@@ -209,10 +208,10 @@ class Fcl:
         return self._distance(self.balls, places)
 
 
-def timed(work):
-    start = time.perf_counter()
+def timed(work, clock=time.process_time):
+    start = clock()
     answer = work()
-    return time.perf_counter() - start, answer
+    return clock() - start, answer
 
 
 def main():
@@ -220,6 +219,7 @@ def main():
     parser.add_argument("links", nargs=2, type=Path)
     parser.add_argument("--count", type=int, default=1_000_000)
     parser.add_argument("--peer-count", type=int, default=50_000)
+    parser.add_argument("--rounds", type=int, default=5)
     arguments = parser.parse_args()
     a, b = (hullmap.bake_file(path)[0] for path in arguments.links)
     # Positions relative to the centres, up to the sum of the radii of the hulls.
@@ -239,7 +239,7 @@ def main():
     rows: dict[tuple[str, str], list[float]] = {}
     answers: dict[tuple[str, str], np.ndarray] = {}
     fields = {"intersects": "hit", "distance": "distance", "contact": "depth"}
-    for _ in range(ROUNDS):
+    for _ in range(arguments.rounds):
         for query in (*queries, "call"):
             for name, made, prepared in engines:
                 if hasattr(made, query):
@@ -254,7 +254,7 @@ def main():
             ):
                 if query in queries:
                     work = lambda: getattr(a, query)(b, places, threads=threads, coherent=coherent)  # noqa: B023, E731
-                    seconds, answer = timed(work)
+                    seconds, answer = timed(work, time.process_time if threads == 1 else time.perf_counter)
                     rows.setdefault((label, query), []).append(seconds / len(places))
                     if not coherent:
                         answers[label, query] = getattr(answer, fields[query])[: len(some)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Tuple
+from typing import Tuple
 
 import numpy as np
 import numpy.typing as npt
@@ -12,12 +12,22 @@ from ._hullmap import ArrayError
 Floats = npt.NDArray[np.float64]
 
 
+def is_ragged(value: object) -> bool:
+    """Whether ``value`` is a list of rows that differ in length."""
+    if not isinstance(value, (list, tuple)):
+        return False
+    return len({len(row) if hasattr(row, "__len__") else -1 for row in value}) > 1
+
+
 def floats(name: str, value: npt.ArrayLike) -> Floats:
     """``value`` as an array of doubles, of any shape and layout."""
+    # Old versions of NumPy make an array of lists.
+    if is_ragged(value):
+        raise ArrayError(f"{name}: the rows differ in length: pass a rectangular array")
     try:
         array = np.asarray(value)
     except ValueError as error:
-        raise ArrayError(f"{name}: the rows differ in length ({error}): pass a rectangular array") from None
+        raise ArrayError(f"{name}: this is no array ({error}): pass a rectangular array of numbers") from None
     if array.dtype.kind not in "fiu":
         raise ArrayError(f"{name}: expected an array of real numbers, found one of type {array.dtype}: convert it")
     return np.asarray(array, dtype=np.float64)
@@ -51,8 +61,3 @@ def transforms(name: str, value: npt.ArrayLike) -> Tuple[Floats, Tuple[int, ...]
         "hullmap.poses makes such rows"
     )
 
-
-def shaped(array: npt.NDArray[Any], lead: Tuple[int, ...], tail: Tuple[int, ...]) -> Any:
-    """``array`` with a row for each entry of ``lead``; a number if there is only one entry."""
-    result = array.reshape(lead + tail)
-    return result[()] if result.ndim == 0 else result

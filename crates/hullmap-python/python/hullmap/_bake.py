@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _hullmap
-from ._arrays import Floats, floats
+from ._arrays import Floats, floats, is_ragged
 from ._hullmap import ArrayError, BakeError
 from ._results import Counts
 from ._shapes import Pack
@@ -60,16 +60,15 @@ def _mesh(name: str, what: str, vertices: npt.ArrayLike, faces: Optional[Faces])
     if faces is None:
         none = np.zeros(0, dtype=np.uint32)
         return (name, points, none, none)
-    try:
-        array = np.asarray(faces)
-        is_ragged = array.dtype == object
-    except ValueError:
-        is_ragged = True
-    if is_ragged:
+    if is_ragged(faces):
         rows = [np.asarray(row) for row in faces]  # type: ignore[union-attr]
         lengths = np.array([row.size for row in rows])
         corners = np.concatenate(rows) if rows else np.zeros(0, dtype=np.uint32)
     else:
+        try:
+            array = np.asarray(faces)
+        except ValueError as error:
+            raise ArrayError(f"{what}faces: this is no array ({error}): pass triangles or a list of polygons") from None
         if array.ndim != 2 and array.size > 0:
             raise ArrayError(f"{what}faces: expected the shape (F, 3), (F, 4) or a list of polygons, found {array.shape}")
         lengths = np.full(len(array) if array.size else 0, array.shape[-1])

@@ -9,7 +9,7 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple, Type, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from ._arrays import Floats, shaped
+from ._arrays import Floats
 
 Answer = TypeVar("Answer", bound="_Answer")
 Codes = npt.NDArray[np.uint8]
@@ -80,10 +80,14 @@ class _Answer:
         tails: Optional[Dict[str, Tuple[int, ...]]] = None,
     ) -> Answer:
         """The answer of these columns, in the shape ``lead`` of the arguments."""
-        tails = tails or {}
-        arrays = {
-            name: shaped(array, lead, tails.get(name, array.shape[1:])) for name, array in columns.items()
-        }
+        arrays = dict(columns)
+        for name, tail in (tails or {}).items():
+            arrays[name] = arrays[name].reshape((-1, *tail))
+        # One row in one call is what users measure first, so it takes no detours.
+        if not lead:
+            arrays = {name: array[0] for name, array in arrays.items()}
+        elif len(lead) > 1:
+            arrays = {name: array.reshape(lead + array.shape[1:]) for name, array in arrays.items()}
         return cls(**arrays)
 
     def __repr__(self) -> str:
