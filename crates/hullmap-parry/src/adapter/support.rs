@@ -39,9 +39,9 @@ impl SupportMap for BakedHull {
 
 impl PolygonalFeatureMap for BakedHull {
     fn local_support_feature(&self, dir: Vector, out: &mut PolygonalFeature) {
-        let mut feature = Feature::new();
-        self.feature(wide(dir), &mut feature);
-        polygon::write(&feature, out);
+        let mut face = Feature::new();
+        on_form!(self, shape => shape.reduced_feature_within(wide(dir), f64::INFINITY, &mut face));
+        polygon::write(&face, out);
     }
 
     fn is_convex_polyhedron(&self) -> bool {
@@ -51,12 +51,7 @@ impl PolygonalFeatureMap for BakedHull {
 
 impl hullmap::Shape for BakedHull {
     fn feature(&self, dir: DVec3, out: &mut Feature) {
-        on_form!(self, shape => shape.feature(dir, out));
-        let mut face = Feature::new();
-        on_form!(self, shape => shape.feature_within(dir, f64::INFINITY, &mut face));
-        if area(&face) > area(out) {
-            *out = face;
-        }
+        self.feature_within(dir, f64::INFINITY, out);
     }
 
     fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
@@ -65,16 +60,11 @@ impl hullmap::Shape for BakedHull {
             on_form!(self, shape => shape.feature_within(dir, f64::INFINITY, out));
         }
     }
-}
 
-/// Area of a polygon, as the sum over a fan of triangles; 0 for an edge or a vertex.
-fn area(feature: &Feature) -> f64 {
-    let [first, rest @ ..] = feature.corners() else { return 0.0 };
-    let mut sum = DVec3::ZERO;
-    for pair in rest.windows(2) {
-        if let [a, b] = pair {
-            sum += (a.point - first.point).cross(b.point - first.point);
+    fn reduced_feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
+        on_form!(self, shape => shape.reduced_feature_within(dir, reach, out));
+        if out.corners().len() < 3 {
+            on_form!(self, shape => shape.reduced_feature_within(dir, f64::INFINITY, out));
         }
     }
-    0.5 * sum.length()
 }

@@ -26,30 +26,36 @@ struct Arguments {
     /// Steps that a world takes before the next one does
     #[arg(long, default_value_t = 30)]
     turn: usize,
+    /// Only these ways: parry, A, B
+    #[arg(long, num_args = 1.., default_values = ["parry", "A", "B"])]
+    ways: Vec<String>,
 }
 
 fn main() {
     let arguments = Arguments::parse();
     println!("milliseconds of processor time a step, median of turns: falling | settled\n");
-    println!("| bodies × vertices |{}", Way::ALL.map(|way| format!(" {} |", way.name())).concat());
-    println!("|---|{}", "---|".repeat(Way::ALL.len()));
+    let ways: Vec<Way> =
+        Way::ALL.into_iter().filter(|way| arguments.ways.iter().any(|name| name == way.name())).collect();
+    println!("| bodies × vertices |{}", ways.iter().map(|way| format!(" {} |", way.name())).collect::<String>());
+    println!("|---|{}", "---|".repeat(ways.len()));
     for pile in &arguments.piles {
         let (bodies, vertices) = pile.split_once('x').expect("BODIESxVERTICES");
         let (bodies, vertices): (usize, usize) = (bodies.parse().expect("bodies"), vertices.parse().expect("vertices"));
         let models: Vec<Model> =
             (0..4).map(|seed| Model::sized("rock", &rock(vertices, seed), 1.0).expect("a solid")).collect();
-        let mut piles = Way::ALL.map(|way| Pile::new(&models, bodies, way));
+        let mut piles: Vec<Pile> = ways.iter().map(|way| Pile::new(&models, bodies, *way)).collect();
         let mut phase = |steps: usize| {
-            let mut times = Way::ALL.map(|_| Vec::new());
+            let mut times = vec![Vec::new(); ways.len()];
             for _ in 0..steps.div_ceil(arguments.turn) {
                 for (pile, times) in piles.iter_mut().zip(&mut times) {
                     times.push(pile.step(arguments.turn).as_secs_f64() * 1e3 / arguments.turn as f64);
                 }
             }
-            times.map(|mut times| {
+            let median = |times: &mut Vec<f64>| {
                 times.sort_by(f64::total_cmp);
-                times[times.len() / 2]
-            })
+                times.get(times.len() / 2).copied().unwrap_or(f64::NAN)
+            };
+            times.iter_mut().map(median).collect::<Vec<f64>>()
         };
         let falling = phase(arguments.falling);
         phase(arguments.settling.saturating_sub(arguments.falling));
