@@ -326,7 +326,7 @@ fn reduced_features_are_the_best_four_corners() {
 /// merges it with its neighbours: the stored fall decides as the ring of queries would.
 #[test]
 fn faces_are_merged_on_either_side_of_the_tilt() {
-    for (lean, merges) in [(0.05, false), (0.021, false), (0.015, true), (0.005, true)] {
+    for (lean, merges) in [(2.5 * TILT, false), (1.05 * TILT, false), (0.75 * TILT, true), (0.25 * TILT, true)] {
         for n in [4, 5, 12, 40] {
             // A low pyramid frustum around the cap: its sides fall by the tangent `lean`.
             let ring = |radius: f64, z: f64| {
@@ -431,8 +431,9 @@ fn reduced_features_support_as_well_as_whole_ones() {
                 let (contact, reduced, deepest) = spanned(a, b);
                 let (same, whole, depth) = spanned(&Whole(a), &Whole(b));
                 assert_eq!(contact, same);
-                // Of points that are equally deep within 1e-4 of the size, any may be taken.
-                assert!(deepest == depth || (deepest - depth).abs() <= 3e-4, "{deepest} {depth}");
+                // Of points that are equally deep within a tenth of the prediction, any may be
+                // taken.
+                assert!(deepest == depth || (deepest - depth).abs() <= 0.1 * 0.02 * 1.2, "{deepest} {depth}");
                 // The deepest point is always among the four. If it is not one of the stored
                 // corners, it replaces one of them, where the whole face offers three others.
                 assert!(reduced >= 0.7 * whole, "{reduced} of {whole} at {pose:?}");

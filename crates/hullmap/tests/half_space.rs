@@ -82,12 +82,12 @@ fn a_half_space_is_a_large_box() {
             }
             several += usize::from(found.points().len() >= 3);
             // The points are corners of the body itself, with one that is about as deep as the
-            // deepest: depths within 1e-4 of the radius count as equal.
+            // deepest: depths within a tenth of the prediction count as equal.
             let deepest = (contact.point_a - contact.point_b).dot(contact.normal);
-            assert!((depths(&found) - deepest).abs() < 1.3e-4 * body.outer_radius(), "{at}");
+            assert!((depths(&found) - deepest).abs() <= 0.1 * 0.02 + 1e-9, "{at}");
             // On the box, the normal of a shallow contact of a curved shape is known within the
             // tolerance only, and points lie on the planes of merged faces.
-            assert!((depths(&found) - depths(&twin)).abs() < 1e-3, "{at}");
+            assert!((depths(&found) - depths(&twin)).abs() < 0.1 * 0.02 + 1e-3, "{at}");
             for point in found.points() {
                 assert!((point.depth - (point.point_a - point.point_b).z).abs() < 1e-15, "{at}");
                 assert!(point.point_a.z.abs() < 1e-9 && point.depth >= -0.02 - 1e-9, "{at}");

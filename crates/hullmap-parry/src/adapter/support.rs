@@ -4,9 +4,8 @@
 //! - Where the prediction is known (`HullDispatcher`), hullmap's feature within it: the face
 //!   closest to the direction, merged with the faces that are nearly in its plane, if three of its
 //!   corners are near enough. Otherwise, the closest face at any angle.
-//! - parry's own narrow phase does not pass its prediction. It gets the larger of two features: the
-//!   faces within 1.15° of the direction, merged, and the closest face at any angle, merged with
-//!   those within 1.15° of it.
+//! - parry's own narrow phase does not pass its prediction. It gets the closest face at any angle,
+//!   merged with those within 2.3° of it, and of a face that stands alone the best four corners.
 //!
 //! Points that are too far apart are dropped after clipping, so a face at any angle does no harm.
 //! Without the face, a body that lands on a rim has contact points on that rim only. It tips beyond
@@ -14,6 +13,8 @@
 //! in f32 the flat caps of real meshes break into slivers.
 //!
 //! # What did not work
+//! - The larger of this face and the faces merged around the direction: 176 of 2,448 bodies awake
+//!   instead of 197, within the noise, and 50 % more time while bodies of 8,192 vertices fall.
 //! - The closest face only if the merged feature has fewer than three corners: for a disc that
 //!   stands on its rim, the feature is the rim, which has many corners. Of 102 bodies of 0.1 m, 20
 //!   sank into the floor.

@@ -7,7 +7,7 @@
 //! 3. Select and match points as for two shapes.
 
 use super::clip::{FACE, Frame, Patch, PatchPoint};
-use super::{Manifold, ManifoldSettings, WITNESS_ADVANTAGE, part};
+use super::{Manifold, ManifoldSettings, part, slight};
 use crate::pose::Pose;
 use crate::shapes::{Feature, HalfSpace, Shape};
 use crate::solver::Contact;
@@ -78,11 +78,12 @@ impl Manifold {
         }
         patch.retain(|p| p.depth() >= -prediction);
         let deep = patch.points().iter().map(PatchPoint::depth).fold(f64::NEG_INFINITY, f64::max);
-        if depth > deep + WITNESS_ADVANTAGE * reach {
+        let slight = slight(prediction, reach);
+        if depth > deep + slight {
             let parts = [FACE, part(&feature)];
             patch.push(PatchPoint { heights: [0.5 * signed, -0.5 * signed], parts, ..PatchPoint::default() });
         }
-        let choice = self.select(&patch, &frame, b_in_a, reach);
+        let choice = self.select(&patch, &frame, b_in_a, reach, slight);
         self.replace(&patch, choice, &frame, b_in_a, depth, reach);
         contact
     }

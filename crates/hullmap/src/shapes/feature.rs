@@ -28,12 +28,12 @@ use glam::DVec3;
 /// deviates from their polygon by half a per cent of the radius.
 pub const MAX_CORNERS: usize = 32;
 
-/// Tangent of the maximum angle (1.15°) at which a face counts as facing a direction.
+/// Tangent of the maximum angle (2.3°) at which a face counts as facing a direction.
 ///
 /// Large compared with the deviation of a flat face through rounding of its coordinates to f32
 /// (1e-7), and with the rotation of a resting body in one step; small compared with the 5° to 10°
-/// between faces of a coarse round mesh.
-pub const TILT: f64 = 0.02;
+/// between faces of a coarse round mesh. Decision 37 compares values.
+pub const TILT: f64 = 0.04;
 
 /// The reach with which [`Shape::feature_within`] is [`Shape::feature`]: no height is within it.
 ///
