@@ -8,11 +8,15 @@
 //! 3. If the cross product is so short that rounding error matters, the corners are nearly
 //!    collinear. Compute it exactly, with expansions.
 //!
+//! Both need the fused multiply-add with a single rounding. `f64::mul_add` calls the C library of
+//! the target, and that of MinGW rounds twice: a pack had other bytes on Windows. libm has its own.
+//!
 //! # Reference
 //! Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates",
 //! 1997: expansions; Kahan's difference of products.
 
 use glam::DVec3;
+use libm::fma;
 
 /// Sine of the angle between two sides below which their cross product is computed exactly. Above
 /// it, rounding error turns a normal by less than 1e-9.
@@ -46,7 +50,7 @@ pub fn accurate_cross(a: DVec3, b: DVec3) -> DVec3 {
     // Kahan's difference of products.
     let minor = |a: f64, b: f64, c: f64, d: f64| {
         let bc = b * c;
-        a.mul_add(d, -bc) - b.mul_add(c, -bc)
+        fma(a, d, -bc) - fma(b, c, -bc)
     };
     DVec3::new(minor(a.y, a.z, b.y, b.z), minor(a.z, a.x, b.z, b.x), minor(a.x, a.y, b.x, b.y))
 }
@@ -101,7 +105,7 @@ impl Expansion {
         for x in a {
             for y in b {
                 let product = x * y;
-                self.add(sign * x.mul_add(y, -product));
+                self.add(sign * fma(x, y, -product));
                 self.add(sign * product);
             }
         }
