@@ -122,6 +122,18 @@ def test_world_poses_are_relative_poses(rocks):
     assert rocks[0].distance(rocks[1], a_in_world=a, b_in_world=matrices(b[0])).distance.shape == (50,)
 
 
+def test_one_pose_serves_for_all(cube):
+    many, one = random_poses(6, 1, 3), random_poses(1, 2, 3)
+    for a, b, lead in (
+        (one, many, (6,)), (one[0], many, (6,)), (many, one.reshape(1, 1, 7), (6,)), (one.reshape(1, 1, 7), many, (6,)),
+        (many.reshape(2, 3, 7), many, (2, 3)), (one[0], one, (1,)), (one[0], many[:0], (0,)), (one[0], one[0], ()),
+    ):  # fmt: skip
+        assert cube.distance(cube, a_in_world=a, b_in_world=b).distance.shape == lead
+        assert hullmap.relative(a, b).shape == (*lead, 7)
+    assert cube.ray(np.zeros((1, 3)), np.ones((2, 2, 3))).t.shape == (2, 2)
+    assert cube.ray(np.zeros((0, 3)), [1, 0, 0]).t.shape == (0,)
+
+
 def test_the_number_of_threads_changes_no_bit(rocks):
     poses = random_poses(3000, 7, 3)
     for coherent in (False, True):

@@ -61,3 +61,9 @@ def transforms(name: str, value: npt.ArrayLike) -> Tuple[Floats, Tuple[int, ...]
         "hullmap.poses makes such rows"
     )
 
+
+def joint(lead_a: Tuple[int, ...], count_a: int, lead_b: Tuple[int, ...], count_b: int) -> Tuple[int, ...]:
+    """The shape of the answer for two arguments, of which either may be one row for all."""
+    if count_a == count_b:
+        return lead_a if len(lead_a) > len(lead_b) else lead_b
+    return lead_b if count_a == 1 else lead_a

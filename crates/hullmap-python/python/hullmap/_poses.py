@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _hullmap
-from ._arrays import Floats, floats, transforms, vectors
+from ._arrays import Floats, floats, joint, transforms, vectors
 from ._hullmap import ArrayError
 
 
@@ -72,6 +72,5 @@ def relative(a_in_world: npt.ArrayLike, b_in_world: npt.ArrayLike) -> Floats:
            [0., 3., 0., 0., 0., 0., 1.]])
     """
     (a, lead_a), (b, lead_b) = transforms("a_in_world", a_in_world), transforms("b_in_world", b_in_world)
-    lead = lead_b if a.shape[0] == 1 and len(lead_a) <= len(lead_b) else lead_a
     rows: Floats = _hullmap.relative(a, b)
-    return rows.reshape(lead + (7,))
+    return rows.reshape(joint(lead_a, len(a), lead_b, len(b)) + (7,))

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _hullmap
-from ._arrays import Floats, floats, transforms, vector, vectors
+from ._arrays import Floats, floats, joint, transforms, vector, vectors
 from ._hullmap import ArrayError
 from ._results import (
     Contact,
@@ -55,8 +55,7 @@ def _poses(
         raise ArrayError("pass either b_in_a, or both a_in_world and b_in_world")
     a, lead_a = transforms("a_in_world", a_in_world)
     b, lead_b = transforms("b_in_world", b_in_world)
-    lead = lead_b if a.shape[0] == 1 and len(lead_a) <= len(lead_b) else lead_a
-    return (a, b), lead
+    return (a, b), joint(lead_a, len(a), lead_b, len(b))
 
 
 class Shape:
@@ -169,7 +168,7 @@ class Shape:
         array([ 2., inf])
         """
         (starts, lead_o), (ways, lead_d) = vectors("origins", origins), vectors("directions", directions)
-        lead = lead_d if starts.shape[0] == 1 and len(lead_o) <= len(lead_d) else lead_o
+        lead = joint(lead_o, len(starts), lead_d, len(ways))
         settings = (float(max_t), float(tolerance), _limit(max_iterations))
         return RayHit._of(_hullmap.ray(self._native, starts, ways, settings, threads), lead)
 
@@ -605,6 +604,12 @@ class Hull(ConvexShape):
     def __len__(self) -> int:
         return len(self.vertices)
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Hull) and self.pack is other.pack and self.index == other.index
+
+    def __hash__(self) -> int:
+        return hash((id(self.pack), self.index))
+
     def __repr__(self) -> str:
         return f"<Hull {self.name!r}: {len(self)} vertices, {len(self.faces)} faces, rank {self.rank}>"
 
@@ -654,7 +659,7 @@ class Pack(Shape, Sequence[Hull]):
         return (self[index] for index in range(len(self)))
 
     def __contains__(self, key: object) -> bool:
-        return key in self.names if isinstance(key, str) else any(hull is key for hull in self)
+        return key in self.names if isinstance(key, str) else isinstance(key, Hull) and key.pack is self
 
     @property
     def names(self) -> List[str]:
