@@ -8,14 +8,15 @@
 use std::collections::HashMap;
 
 use glam::Vec3;
-use hullmap::Hull;
+use hullmap::{Hull, Pack};
 use hullmap_format::cube;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::cells::{Cells, cells};
 use crate::encode::{fraction, runs, words};
-use crate::index_reader::{IndexReader, Leaf};
+use crate::html::json;
+use crate::index_reader::{Contents, IndexReader, Leaf};
 
 /// Maximum pixels along a face's edge: a fifth of a degree each, and as many as a screen shows.
 const MAX_RESOLUTION: u32 = 256;
@@ -150,6 +151,40 @@ pub fn gauss_map(hull: &Hull, index: &IndexReader, resolution: u32) -> GaussMap 
         line_depths,
         lines_are_cut,
     }
+}
+
+/// The Gauss map of hull `hull`, as JSON, with the layout of the cube's faces: what the script of
+/// the page draws, for pages that are not a report.
+///
+/// `resolution` is the number of pixels along a face's edge, limited to 32 to 256. `None` if there
+/// is no such hull.
+///
+/// # Complexity
+/// 6 · resolution² queries, and a copy of the pack.
+///
+/// # Examples
+/// ```
+/// # use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
+/// # let corner = |i: usize| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32];
+/// # let (positions, source_vertices) = ((0..8).map(corner).collect(), (0..8).collect());
+/// # let cube = PointSet { positions, source_vertices, ..PointSet::default() };
+/// # let bytes = write_pack(&[bake_hull(&cube, IndexKind::Tree)?], &SourceRecord::default())?;
+/// let pack = hullmap::Pack::from_bytes(&bytes)?;
+/// let map = hullmap_report::gauss_map_json(&pack, 0, 64).ok_or("no hull")?;
+/// assert!(map.starts_with(r#"{"faces":[{"name":"+x","#));
+/// assert!(hullmap_report::gauss_map_json(&pack, 1, 64).is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn gauss_map_json(pack: &Pack, hull: usize, resolution: u32) -> Option<String> {
+    #[derive(Serialize)]
+    struct Page {
+        faces: [Face; 6],
+        map: GaussMap,
+    }
+    let contents = Contents::of_pack(pack)?;
+    let index = contents.indices.get(hull)?;
+    let map = gauss_map(&pack.hull(hull).ok()?, index, resolution.clamp(MIN_RESOLUTION, MAX_RESOLUTION));
+    Some(json(&Page { faces: FACES, map }))
 }
 
 /// Lines as the page reads them, sorted by face and depth.

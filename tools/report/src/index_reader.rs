@@ -62,10 +62,22 @@ impl Contents {
         let cannot_read = |error| ReadError::Io { file: file(), error };
         let mut bytes = AlignedVec::<HEADER_LEN>::new();
         bytes.extend_from_reader(&mut File::open(path).map_err(cannot_read)?).map_err(cannot_read)?;
+        Self::parse(&bytes, pack).ok_or_else(|| ReadError::Changed { file: file() })
+    }
+
+    /// The contents of an open pack, from a copy of its bytes. `None` if they cannot be read, which
+    /// an open pack that was checked excludes.
+    pub fn of_pack(pack: &Pack) -> Option<Self> {
+        let mut bytes = AlignedVec::<HEADER_LEN>::new();
+        bytes.extend_from_slice(pack.bytes());
+        Self::parse(&bytes, pack)
+    }
+
+    /// Reads the bytes of a file, which are aligned.
+    fn parse(bytes: &[u8], pack: &Pack) -> Option<Self> {
         let payload = bytes.get(HEADER_LEN..).unwrap_or_default();
-        let archive = Sections::read(payload)
-            .and_then(|archive| check::structure(&archive, payload).map(|()| archive))
-            .map_err(|_| ReadError::Changed { file: file() })?;
+        let archive = Sections::read(payload).ok()?;
+        check::structure(&archive, payload).ok()?;
         let index = |(hull, ends): (usize, Vec<End>)| {
             let (start, end) = (&archive.spans[hull], &archive.spans[hull + 1]);
             let words = start.slot.to_native() as usize..end.slot.to_native() as usize;
@@ -80,10 +92,10 @@ impl Contents {
             }
         };
         if archive.hulls.len() != pack.hull_count() {
-            return Err(ReadError::Changed { file: file() });
+            return None;
         }
         let indices = pack.hulls().map(|hull| ends(&hull)).enumerate().map(index).collect();
-        Ok(Self { indices, sections: sections(&archive, bytes.len()) })
+        Some(Self { indices, sections: sections(&archive, bytes.len()) })
     }
 }
 

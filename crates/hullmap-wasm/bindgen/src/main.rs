@@ -1,0 +1,37 @@
+//! Writes JavaScript and TypeScript around a WebAssembly module, as the command `wasm-bindgen` does.
+//!
+//! A program of the workspace, so that its version is locked together with that of the crate.
+
+#![forbid(unsafe_code)]
+
+use std::env;
+use std::process::ExitCode;
+
+use wasm_bindgen_cli_support::Bindgen;
+
+const USAGE: &str = "usage: hullmap-bindgen MODULE.wasm FOLDER web|no-modules";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    let [module, folder, target] = arguments.as_slice() else {
+        eprintln!("{USAGE}");
+        return ExitCode::from(2);
+    };
+    let mut bindgen = Bindgen::new();
+    bindgen.input_path(module).out_name("hullmap").typescript(target == "web");
+    let chosen = match target.as_str() {
+        "web" => bindgen.web(true),
+        "no-modules" => bindgen.no_modules(true),
+        _ => {
+            eprintln!("{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    match chosen.and_then(|bindgen| bindgen.generate(folder)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{module}: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

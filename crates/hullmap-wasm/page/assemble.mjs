@@ -1,0 +1,41 @@
+// Writes dist/npm/package.json and dist/hullmap.html. Called by `./build`.
+
+import { readFileSync, writeFileSync } from "node:fs";
+
+const here = new URL("..", import.meta.url);
+const text = (path) => readFileSync(new URL(path, here), "utf8");
+const version = /^version = "(.*)"$/m.exec(text("Cargo.toml"))[1];
+
+const description = {
+  name: "hullmap",
+  version,
+  description: "Exact convex hulls and certified collision queries on detailed meshes, in WebAssembly",
+  license: "MIT OR Apache-2.0",
+  type: "module",
+  main: "hullmap.js",
+  types: "hullmap.d.ts",
+  files: ["hullmap.js", "hullmap.d.ts", "hullmap_bg.wasm", "hullmap_bg.wasm.d.ts", "LICENSE-APACHE", "LICENSE-MIT"],
+  sideEffects: false,
+  keywords: ["collision", "convex-hull", "gjk", "physics", "wasm"],
+};
+writeFileSync(new URL("dist/npm/package.json", here), JSON.stringify(description, null, 2) + "\n");
+
+// Scripts and style that the page shares with the report of `bake report`.
+const shared = (name) => text(`../../tools/report/src/page/${name}`);
+const script = [
+  shared("faults.js"),
+  shared("arrays.js"),
+  shared("gauss.js"),
+  ...["samples.js", "view.js", "page.js"].map((name) => text(`page/${name}`)),
+].join("\n");
+const wasm = readFileSync(new URL("dist/page/hullmap_bg.wasm", here)).toString("base64");
+const parts = {
+  style: shared("style.css") + text("page/style.css"),
+  // `</script` would end the element.
+  bindings: text("dist/page/hullmap.js").replaceAll("</script", "<\\/script"),
+  script,
+  wasm,
+  version,
+};
+const page = text("page/index.html").replace(/\{\{(\w+)\}\}/g, (_, name) => parts[name]);
+writeFileSync(new URL("dist/hullmap.html", here), page);

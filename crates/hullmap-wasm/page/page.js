@@ -1,0 +1,577 @@
+// The page: two bodies, their contact, and the Gauss map of body A.
+{
+  const get = (id) => document.getElementById(id);
+  const root = document.documentElement;
+  const wasm = get("wasm");
+  wasm_bindgen.initSync({ module: bytesOf(wasm.textContent) });
+  wasm.remove();
+
+  /** Bodies by name: file, pack, hull, and what the view draws. */
+  const bodies = { a: null, b: null };
+  let pair = null;
+  const pose = { at: [0, 0, 0], turn: [0, 0, 0] };
+  const camera = new Camera();
+  const view = openView(get("view"));
+  root.dataset.webgl = Boolean(view);
+
+  // Messages.
+
+  function fail(text) {
+    const place = get("error");
+    place.hidden = !text;
+    place.textContent = text;
+  }
+
+  /** A sentence for people. */
+  function inWords(error) {
+    if (error instanceof WebAssembly.RuntimeError || error instanceof RangeError) {
+      return "The baker failed on this file, or ran out of memory. Reload the page before you go on, and bake this file with the command bake.";
+    }
+    return error && error.message ? error.message : String(error);
+  }
+
+  const digits = (number, count = 9) => Number(number.toPrecision(count)).toString().replace("-", "−");
+  const triple = (vector) => [...vector].map((c) => digits(c, 5)).join(", ");
+
+  // Bodies.
+
+  /** Bakes a mesh and makes it body `which`. */
+  function bakeBody(which, file, bytes) {
+    const options = { split: get("split").value, index: get("index").value };
+    const most = get("max-vertices").value.trim();
+    if (most) options.maxVertices = Number(most);
+    const start = performance.now();
+    const baked = wasm_bindgen.bake(file, bytes, options);
+    const millis = performance.now() - start;
+    const body = {
+      file,
+      bytes,
+      pack: baked.pack,
+      open: new wasm_bindgen.Pack(baked.pack),
+      mesh: { points: baked.positions, triangles: baked.triangles },
+      notes: baked.notes,
+      warnings: baked.warnings,
+      millis,
+    };
+    baked.free();
+    const old = bodies[which];
+    bodies[which] = body;
+    chooseHull(which, 0);
+    if (view && old) for (const mesh of [old.mesh, old.shape]) view.forget(mesh);
+  }
+
+  function chooseHull(which, index) {
+    const body = bodies[which];
+    if (view && body.shape) view.forget(body.shape);
+    body.hull = body.open.hull(index);
+    body.index = index;
+    const bounds = body.hull.bounds;
+    body.centre = [0, 1, 2].map((axis) => (bounds[axis] + bounds[axis + 3]) / 2);
+    body.radius = Math.max(Math.hypot(...[0, 1, 2].map((axis) => bounds[axis + 3] - bounds[axis])) / 2, 1e-30);
+    body.shape = { points: body.hull.vertices(), triangles: body.hull.triangles(), edges: body.hull.edges() };
+  }
+
+  /** Bakes after the message is on the screen; the page stands still while it bakes. */
+  async function load(which, file, bytes) {
+    fail("");
+    get("busy").textContent = `Baking ${file} …`;
+    await new Promise((done) => setTimeout(done, 30));
+    try {
+      if (!bytes.length) throw new Error(`${file}: the file is empty; choose an OBJ, STL, PLY or GLB file`);
+      bakeBody(which, file, bytes);
+      // The first body A is also body B.
+      if (!bodies.b) bakeBody("b", file, bytes);
+      bodiesChanged(which);
+    } catch (error) {
+      fail(inWords(error));
+    }
+    get("busy").textContent = "";
+    root.dataset.loads = Number(root.dataset.loads || 0) + 1;
+  }
+
+  async function loadFile(which, file) {
+    if (!file) return;
+    try {
+      const bytes = new Uint8Array(await file.arrayBuffer());
+      get(`sample-${which}`).value = "";
+      await load(which, file.name, bytes);
+    } catch (error) {
+      fail(`${file.name}: the browser cannot read this file (${inWords(error)})`);
+    }
+  }
+
+  const loadSample = (which, key) => load(which, `${key}.obj`, new TextEncoder().encode(SAMPLES[key].make()));
+
+  function bodiesChanged(which) {
+    pair = new wasm_bindgen.Pair(bodies.a.hull, bodies.b.hull);
+    showFacts();
+    if (which === "a") {
+      showRemarks();
+      showMap();
+    }
+    placeBeside();
+    frameBoth();
+  }
+
+  function showFacts() {
+    const { a, b } = bodies;
+    const rows = [
+      ["Body A", a.file],
+      ["Source points", grouped(a.hull.sourcePointCount)],
+      ["Hull vertices", grouped(a.hull.vertexCount)],
+      ["Hull faces", grouped(a.hull.faceCount)],
+      ["Volume", digits(a.hull.volume, 6)],
+      ["Index, bytes per vertex", (a.hull.indexBytes / a.hull.vertexCount).toFixed(1)],
+      ["Pack", `${grouped(a.pack.length)} bytes`],
+      ["Bake time", `${a.millis.toFixed(0)} ms`],
+      ["Body B", b.file],
+      ["Hull vertices of B", grouped(b.hull.vertexCount)],
+    ];
+    const item = ([term, text]) => {
+      const [pairOf, dt, dd] = ["div", "dt", "dd"].map((name) => document.createElement(name));
+      [dt.textContent, dd.textContent] = [term, text];
+      pairOf.append(dt, dd);
+      return pairOf;
+    };
+    get("facts").replaceChildren(...rows.map(item));
+    const choice = get("hull"), count = a.open.hullCount;
+    get("hull-row").hidden = count < 2;
+    choice.replaceChildren(
+      ...Array.from({ length: Math.min(count, 500) }, (_, i) => new Option(`#${i} ${a.open.hull(i).name}`, i, false, i === a.index)),
+    );
+    get("download").disabled = false;
+  }
+
+  function showRemarks() {
+    const item = (kind, word) => (text) => {
+      const [li, strong] = ["li", "strong"].map((name) => document.createElement(name));
+      li.className = kind;
+      strong.textContent = `${word}: `;
+      li.append(strong, text);
+      return li;
+    };
+    get("remarks").replaceChildren(
+      ...bodies.a.warnings.map(item("odd", "Warning")),
+      ...bodies.a.notes.map(item("plain", "Note")),
+    );
+  }
+
+  // Pose.
+
+  const FIELDS = ["pose-x", "pose-y", "pose-z", "turn-x", "turn-y", "turn-z"];
+
+  function showPose() {
+    [...pose.at, ...pose.turn].forEach((number, i) => {
+      const field = get(FIELDS[i]);
+      if (document.activeElement !== field) field.value = String(Number(number.toPrecision(6)));
+    });
+  }
+
+  function placeBeside() {
+    const { a, b } = bodies;
+    pose.turn = [0, 0, 0];
+    pose.at = plus(a.centre, b.centre, -1);
+    // Where A and B overlap by a little, along x.
+    const reach = (a.hull.bounds[3] - a.hull.bounds[0] + b.hull.bounds[3] - b.hull.bounds[0]) / 2;
+    pose.at[0] += 0.9 * reach;
+    pair.forget();
+    showPose();
+    solve();
+    redraw();
+  }
+
+  const numbersOf = () => new Float64Array([...pose.at, ...quaternionOf(pose.turn)]);
+
+  // Queries.
+
+  let found = null;
+  const times = { query: [], frame: [] };
+  const remember = (list, value) => {
+    list.push(value);
+    if (list.length > 240) list.shift();
+  };
+  const median = (list) => (list.length ? [...list].sort((x, y) => x - y)[list.length >> 1] : 0);
+
+  function solve() {
+    if (!pair) return;
+    const numbers = numbersOf();
+    const start = performance.now();
+    try {
+      const contact = pair.contact(numbers);
+      const distance = contact.hit ? null : pair.distance(numbers);
+      const manifold = pair.manifold(numbers);
+      remember(times.query, performance.now() - start);
+      found = { numbers, contact, distance, manifold };
+    } catch (error) {
+      found = null;
+      fail(inWords(error));
+    }
+    showAnswer();
+  }
+
+  function showAnswer() {
+    if (!found) return;
+    const { contact, distance, manifold } = found;
+    const rows = [];
+    let verdict;
+    if (contact.hit) {
+      verdict = contact.status === "touching" ? "The bodies touch" : "The bodies overlap";
+      rows.push(["Depth", digits(contact.depth)], ["Interval", interval(contact.depthLower, contact.depthUpper)]);
+    } else {
+      verdict = "The bodies are separated";
+      rows.push(["Distance", digits(distance.distance)], ["Interval", interval(distance.lower, distance.upper)]);
+    }
+    const answer = distance || contact;
+    rows.push(
+      ["Status", answer.status.replace("_", " ")],
+      ["Normal, A to B", triple(answer.normal)],
+      ["Point of A", triple(answer.pointA)],
+      ["Point of B", triple(answer.pointB)],
+      ["Contact points", String(manifold.points.length)],
+      ["Depths there", manifold.points.map((point) => digits(point.depth, 4)).join(", ") || "–"],
+      ["Support calls", String(answer.supportCalls)],
+      ["Query time", `${median(times.query).toFixed(2)} ms`],
+      ["Frame time", times.frame.length ? `${median(times.frame).toFixed(1)} ms` : "–"],
+    );
+    get("verdict").textContent = verdict;
+    const place = get("answer");
+    if (place.children.length === 2 * rows.length) {
+      rows.forEach(([term, text], i) => {
+        place.children[2 * i].textContent = term;
+        place.children[2 * i + 1].textContent = text;
+      });
+    } else {
+      place.replaceChildren(
+        ...rows.flatMap(([term, text]) => {
+          const [dt, dd] = ["dt", "dd"].map((name) => document.createElement(name));
+          [dt.textContent, dd.textContent] = [term, text];
+          return [dt, dd];
+        }),
+      );
+    }
+    place.dataset.answer = JSON.stringify({
+      pose: [...found.numbers],
+      hit: contact.hit,
+      status: answer.status,
+      depth: contact.depth,
+      depth_lower: contact.depthLower,
+      depth_upper: contact.depthUpper,
+      distance: distance && distance.distance,
+      normal: [...answer.normal],
+      points: manifold.points.length,
+    });
+    speak(`${verdict}. ${rows[0][0]} ${rows[0][1]}.`);
+  }
+
+  /** The bounds, and the width of the interval, which their digits may not show. */
+  const interval = (lower, upper) => `${digits(lower, 10)} to ${digits(upper, 10)}, width ${(upper - lower).toExponential(1).replace("-", "−")}`;
+
+  let speech = 0;
+  /** For screen readers, once the body rests. */
+  function speak(text) {
+    clearTimeout(speech);
+    speech = setTimeout(() => (get("spoken").textContent = text), 700);
+  }
+
+  // Drawing.
+
+  function frameBoth() {
+    const { a, b } = bodies;
+    camera.centre = a.centre;
+    camera.radius = Math.max(a.radius, 0.6 * b.radius) * 1.25;
+    redraw();
+  }
+
+  const colours = {};
+  function readColours() {
+    for (const name of ["hull", "mesh", "edge", "mesh-edge", "mark", "good"]) colours[name] = cssColour(`--${name}`);
+  }
+
+  function draw() {
+    if (!view || !bodies.a) return;
+    const { a, b } = bodies;
+    const isOn = (id) => get(id).checked;
+    const model = matrixOf(numbersOf());
+    // Dense edges are drawn paler.
+    const pale = (shape) => Math.min(0.7, Math.max(0.07, Math.sqrt(400 / (shape.edges.length + 1))));
+    view.begin(camera);
+    if (isOn("show-mesh")) {
+      if (a.mesh.triangles.length) view.triangles(a.mesh, { colour: colours.mesh });
+      else view.cloud(a.mesh, { colour: colours["mesh-edge"], size: a.mesh.points.length > 3000 ? 2 : 4 });
+    }
+    view.triangles(b.shape, { model, colour: colours.good, opacity: 0.55 });
+    if (isOn("show-hull")) view.triangles(a.shape, { colour: colours.hull, opacity: 0.45 });
+    if (isOn("show-edges")) {
+      view.edges(a.shape, { colour: colours.edge, opacity: pale(a.shape) });
+      view.edges(b.shape, { model, colour: colours.edge, opacity: pale(b.shape) });
+    }
+    if (!found) return;
+    const { contact, distance, manifold } = found;
+    const answer = distance || contact, colour = colours.mark, size = 0.22 * Math.min(a.radius, b.radius);
+    const near = { colour, forward: 1 };
+    view.loose("lines", [[...answer.pointA], [...answer.pointB], [...answer.pointA], plus([...answer.pointA], answer.normal, size)], near);
+    view.loose("points", [[...answer.pointA], [...answer.pointB]], { ...near, size: 9 });
+    view.loose("points", manifold.points.map((point) => [...point.pointA]), { ...near, size: 6, colour: colours.edge });
+  }
+
+  let waits = false;
+  function redraw() {
+    if (waits) return;
+    waits = true;
+    requestAnimationFrame(() => {
+      waits = false;
+      draw();
+    });
+  }
+
+  // Motion.
+
+  function moved() {
+    showPose();
+    solve();
+    redraw();
+  }
+
+  let motion = null;
+  function step(now) {
+    if (!motion) return;
+    // A tab in the background gets no frames; the pause is no frame.
+    if (motion.last && now - motion.last < 1000) remember(times.frame, now - motion.last);
+    motion.last = now;
+    const seconds = (now - motion.start) / 1000;
+    const angle = 0.9 * seconds;
+    pose.at = plus(motion.centre, [Math.cos(angle), Math.sin(angle), 0.35 * Math.sin(0.7 * angle)], motion.reach * (1 + 0.18 * Math.sin(2.3 * angle)));
+    pose.turn = [20 * seconds, 33 * seconds, 47 * seconds].map((degrees) => degrees % 360);
+    showPose();
+    solve();
+    draw();
+    requestAnimationFrame(step);
+  }
+
+  get("moves").addEventListener("change", (event) => {
+    if (!event.target.checked || !bodies.a) {
+      motion = null;
+      return;
+    }
+    const { a, b } = bodies;
+    const extent = (body, axis) => body.hull.bounds[axis + 3] - body.hull.bounds[axis];
+    const mean = (body) => (extent(body, 0) + extent(body, 1) + extent(body, 2)) / 6;
+    times.frame.length = times.query.length = 0;
+    motion = { start: performance.now(), centre: plus(a.centre, b.centre, -1), reach: mean(a) + mean(b) };
+    requestAnimationFrame(step);
+  });
+
+  FIELDS.forEach((id, i) => {
+    get(id).addEventListener("input", (event) => {
+      const number = event.target.valueAsNumber;
+      if (!Number.isFinite(number) || !pair) return;
+      (i < 3 ? pose.at : pose.turn)[i % 3] = number;
+      // A typed pose has the answer of a first query, to the last bit.
+      pair.forget();
+      solve();
+      redraw();
+    });
+    get(id).addEventListener("change", showPose);
+  });
+  get("place").addEventListener("click", () => pair && placeBeside());
+  get("reset").addEventListener("click", () => (camera.reset(), redraw()));
+  for (const id of ["show-mesh", "show-hull", "show-edges"]) get(id).addEventListener("change", redraw);
+
+  // Mouse, touch and keys.
+
+  const canvas = get("view");
+  const aspect = () => canvas.clientWidth / Math.max(canvas.clientHeight, 1);
+  const place = (event) => {
+    const box = canvas.getBoundingClientRect();
+    return [(2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height];
+  };
+  const touches = new Map();
+  let grip = null, spread = 0;
+  const between = () => {
+    const [p, q] = [...touches.values()];
+    return Math.hypot(p[0] - q[0], p[1] - q[1]);
+  };
+
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    canvas.classList.add("dragging");
+    touches.set(event.pointerId, place(event));
+    grip = null;
+    if (touches.size === 2) spread = between();
+    if (touches.size > 1 || !bodies.b || motion) return;
+    const along = camera.ray(place(event), aspect());
+    const toB = rayTo(bodies.b.shape, matrixOf(numbersOf()), camera.eye, along);
+    const toA = rayTo(bodies.a.shape, IDENTITY, camera.eye, along);
+    if (toB <= toA && toB < Infinity) grip = { depth: toB, from: place(event), at: [...pose.at] };
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    const before = touches.get(event.pointerId);
+    if (!before) return;
+    const now = place(event);
+    touches.set(event.pointerId, now);
+    if (touches.size === 2 && spread > 0) {
+      camera.grow(between() / spread);
+      spread = between();
+    } else if (grip) {
+      // In the plane through the point that was gripped, parallel to the picture.
+      const shift = plus(camera.ray(now, aspect()), camera.ray(grip.from, aspect()), -1);
+      pose.at = plus(grip.at, shift, grip.depth);
+      return moved();
+    } else {
+      camera.turn((before[0] - now[0]) * 2.2 * Math.min(aspect(), 2), (before[1] - now[1]) * 2.2);
+    }
+    redraw();
+  });
+  for (const name of ["pointerup", "pointercancel"]) {
+    canvas.addEventListener(name, (event) => {
+      touches.delete(event.pointerId);
+      grip = null;
+      if (!touches.size) canvas.classList.remove("dragging");
+    });
+  }
+  canvas.addEventListener("wheel", (event) => {
+    // The wheel scrolls the page until the picture is chosen.
+    if (document.activeElement !== canvas && !event.ctrlKey) return;
+    event.preventDefault();
+    camera.grow(Math.exp(-event.deltaY * (event.deltaMode ? 0.03 : 0.001)));
+    redraw();
+  }, { passive: false });
+  canvas.addEventListener("keydown", (event) => {
+    if (event.altKey || event.metaKey || event.ctrlKey || !bodies.b) return;
+    const [right, up, back] = camera.axes, length = 0.02 * camera.radius;
+    const move = (axis, sign) => () => {
+      pose.at = plus(pose.at, axis, sign * length);
+      moved();
+    };
+    const turn = (yaw, pitch) => () => camera.turn(yaw, pitch);
+    const keys = event.shiftKey
+      ? { ArrowLeft: move(right, -1), ArrowRight: move(right, 1), ArrowUp: move(up, 1), ArrowDown: move(up, -1), "+": () => camera.grow(1.15) }
+      : {
+          ArrowLeft: turn(0.08, 0), ArrowRight: turn(-0.08, 0), ArrowUp: turn(0, 0.08), ArrowDown: turn(0, -0.08),
+          PageUp: move(back, -1), PageDown: move(back, 1),
+          "+": () => camera.grow(1.15), "=": () => camera.grow(1.15), "-": () => camera.grow(1 / 1.15), Home: () => camera.reset(),
+        };
+    if (!keys[event.key]) return;
+    event.preventDefault();
+    keys[event.key]();
+    redraw();
+  });
+
+  // Files and samples.
+
+  for (const which of ["a", "b"]) {
+    get(`file-${which}`).addEventListener("change", (event) => loadFile(which, event.target.files[0]));
+    const choice = get(`sample-${which}`);
+    choice.append(new Option("choose", ""), ...Object.entries(SAMPLES).map(([key, { name }]) => new Option(name, key)));
+    choice.addEventListener("change", () => {
+      if (!choice.value) return;
+      get(`file-${which}`).value = "";
+      loadSample(which, choice.value);
+    });
+  }
+  for (const id of ["split", "index", "max-vertices"]) {
+    get(id).addEventListener("change", () => bodies.a && load("a", bodies.a.file, bodies.a.bytes));
+  }
+  get("hull").addEventListener("change", (event) => {
+    chooseHull("a", Number(event.target.value));
+    bodiesChanged("a");
+  });
+  addEventListener("dragover", (event) => {
+    event.preventDefault();
+    document.body.classList.add("dropping");
+  });
+  addEventListener("dragleave", (event) => {
+    if (!event.relatedTarget) document.body.classList.remove("dropping");
+  });
+  addEventListener("drop", (event) => {
+    event.preventDefault();
+    document.body.classList.remove("dropping");
+    const [file] = event.dataTransfer.files;
+    if (!file) return fail("That was no file. Drop an OBJ, STL, PLY or GLB file.");
+    const which = event.shiftKey ? "b" : "a";
+    get(`file-${which}`).value = "";
+    loadFile(which, file);
+  });
+  get("download").addEventListener("click", () => {
+    const { pack, file } = bodies.a;
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([pack], { type: "application/octet-stream" }));
+    link.download = `${file.replace(/\.[^.]*$/, "")}.hullmap`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+  });
+
+  // Gauss map.
+
+  let gauss = null;
+  function showMap() {
+    const { faces, map } = bodies.a.hull.gaussMap(160);
+    gauss ??= new GaussView(get("gauss"), faces, tell);
+    gauss.show(map);
+    gauss.draw();
+    tell(null);
+  }
+  function tell(point) {
+    const readout = get("readout");
+    if (!point) {
+      readout.textContent = "Point at a direction to see its vertex, leaf and candidates.";
+      return;
+    }
+    const { dir, vertex, leaf } = point;
+    const at = bodies.a.hull.support(...dir).point;
+    readout.textContent = [
+      `direction (${triple(dir)})`,
+      `vertex ${grouped(vertex)} at (${triple(at)})`,
+      `depth ${leaf.nodes} ${leaf.nodes === 1 ? "node" : "nodes"}`,
+      `${grouped(leaf.candidates)} ${leaf.candidates === 1 ? "candidate" : "candidates"} in ${grouped(leaf.dots)} lanes`,
+    ].join(" · ");
+  }
+  get("colour-by").addEventListener("change", (event) => {
+    if (!gauss) return;
+    gauss.colourBy = event.target.value;
+    gauss.paint();
+    gauss.draw();
+  });
+  get("show-cells").addEventListener("change", (event) => {
+    if (!gauss) return;
+    gauss.showsCells = event.target.checked;
+    gauss.draw();
+  });
+  get("gauss-in").addEventListener("click", () => gauss && gauss.grow(1.6));
+  get("gauss-out").addEventListener("click", () => gauss && gauss.grow(1 / 1.6));
+  get("gauss-reset").addEventListener("click", () => {
+    if (!gauss) return;
+    gauss.reset();
+    gauss.grow(1);
+  });
+
+  // Start.
+
+  const again = () => {
+    readColours();
+    redraw();
+    if (gauss) gauss.draw();
+  };
+  new ResizeObserver(again).observe(canvas);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);
+  readColours();
+  if (!view) fail("This browser has no WebGL2, so the bodies are not drawn. The numbers and the Gauss map work.");
+  get("sample-a").value = "knot";
+  get("sample-b").value = "ellipsoid";
+  loadSample("a", "knot")
+    .then(() => loadSample("b", "ellipsoid"))
+    .then(() => (root.dataset.ready = "true"));
+  /** For tests: what is on the screen, and how long frames take. */
+  window.hullmapPage = {
+    drawn: () => (draw(), view ? view.share() : 0),
+    times: () => ({ query: [...times.query], frame: [...times.frame] }),
+    work() {
+      const start = performance.now();
+      solve();
+      draw();
+      if (view) view.finish();
+      return performance.now() - start;
+    },
+    pack: () => bodies.a.pack,
+  };
+}

@@ -1,0 +1,273 @@
+// A 3D view: matrices, a camera, and a small WebGL2 renderer.
+
+// Matrices are in column order, as WebGL takes them. Vectors are arrays of three.
+
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const plus = (a, b, factor = 1) => a.map((c, axis) => c + factor * b[axis]);
+const IDENTITY = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+
+/** Quaternion x y z w of rotations about x, then y, then z, in degrees. */
+function quaternionOf([x, y, z]) {
+  const half = (angle) => (angle * Math.PI) / 360;
+  const [sx, sy, sz] = [x, y, z].map((angle) => Math.sin(half(angle)));
+  const [cx, cy, cz] = [x, y, z].map((angle) => Math.cos(half(angle)));
+  return [
+    sx * cy * cz - cx * sy * sz,
+    cx * sy * cz + sx * cy * sz,
+    cx * cy * sz - sx * sy * cz,
+    cx * cy * cz + sx * sy * sz,
+  ];
+}
+
+/** Matrix of a pose: translation and unit quaternion. */
+function matrixOf([tx, ty, tz, x, y, z, w]) {
+  return new Float32Array([
+    1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0,
+    2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0,
+    2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0,
+    tx, ty, tz, 1,
+  ]);
+}
+
+const transform = (m, p) => [0, 1, 2].map((row) => m[row] * p[0] + m[4 + row] * p[1] + m[8 + row] * p[2] + m[12 + row]);
+
+/** Where the viewer stands; z is up. Angles in radians. */
+class Camera {
+  constructor() {
+    [this.centre, this.radius] = [[0, 0, 0], 1];
+    this.reset();
+  }
+
+  reset() {
+    [this.yaw, this.pitch, this.zoom] = [-0.9, 0.45, 1];
+  }
+
+  turn(yaw, pitch) {
+    this.yaw += yaw;
+    this.pitch = Math.min(Math.max(this.pitch + pitch, -1.55), 1.55);
+  }
+
+  grow(factor) {
+    this.zoom = Math.min(Math.max(this.zoom * factor, 0.2), 30);
+  }
+
+  /** Right, up and towards the viewer, in the world. */
+  get axes() {
+    const [sy, cy, sp, cp] = [Math.sin(this.yaw), Math.cos(this.yaw), Math.sin(this.pitch), Math.cos(this.pitch)];
+    return [[-sy, cy, 0], [-cy * sp, -sy * sp, cp], [cy * cp, sy * cp, sp]];
+  }
+
+  get away() {
+    return (3.4 * this.radius) / this.zoom;
+  }
+
+  get eye() {
+    return plus(this.centre, this.axes[2], this.away);
+  }
+
+  get toView() {
+    const [eye, axes] = [this.eye, this.axes];
+    return new Float32Array([0, 1, 2].flatMap((axis) => [...axes.map((row) => row[axis]), 0]).concat(axes.map((row) => -dot(row, eye)), 1));
+  }
+
+  /** Half the height of the picture at distance 1. */
+  lens(aspect) {
+    return 0.36 * Math.max(1, 1 / aspect);
+  }
+
+  toClip(aspect) {
+    const lens = 1 / this.lens(aspect);
+    const near = this.away / 50, far = this.away + 20 * this.radius;
+    const depth = near - far;
+    return new Float32Array([lens / aspect, 0, 0, 0, 0, lens, 0, 0, 0, 0, (far + near) / depth, -1, 0, 0, (2 * far * near) / depth, 0]);
+  }
+
+  /** Direction from the eye through a point of the picture, each coordinate −1 to 1. */
+  ray([x, y], aspect) {
+    const [right, up, back] = this.axes, lens = this.lens(aspect);
+    return plus(plus(back.map((c) => -c), right, x * lens * aspect), up, y * lens);
+  }
+}
+
+/** Distance along a ray to the nearest triangle of a mesh under a pose; infinite without a hit. */
+function rayTo(mesh, matrix, from, along) {
+  const points = [];
+  for (let i = 0; i < mesh.points.length; i += 3) points.push(transform(matrix, mesh.points.subarray(i, i + 3)));
+  let nearest = Infinity;
+  for (let i = 0; i < mesh.triangles.length; i += 3) {
+    const [a, b, c] = [0, 1, 2].map((corner) => points[mesh.triangles[i + corner]]);
+    const [u, v] = [plus(b, a, -1), plus(c, a, -1)];
+    const p = cross(along, v), volume = dot(u, p);
+    if (volume === 0) continue;
+    const s = plus(from, a, -1), share = dot(s, p) / volume;
+    const q = cross(s, u), other = dot(along, q) / volume, t = dot(v, q) / volume;
+    if (share >= 0 && other >= 0 && share + other <= 1 && t > 0) nearest = Math.min(nearest, t);
+  }
+  return nearest;
+}
+
+const SHADERS = {
+  // The normal is that of the flat triangle, from screen-space derivatives. Both sides are lit.
+  triangles: [
+    `#version 300 es
+    in vec3 corner; uniform mat4 model; uniform mat4 toView; uniform mat4 toClip; out vec3 seen;
+    void main() { vec4 at = toView * model * vec4(corner, 1.0); seen = at.xyz; gl_Position = toClip * at; }`,
+    `#version 300 es
+    precision highp float; in vec3 seen; uniform vec3 colour; uniform float opacity; out vec4 shown;
+    void main() {
+      vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
+      normal *= sign(normal.z + 1e-9);
+      float lit = 0.42 + 0.5 * max(dot(normal, normalize(vec3(-0.36, 0.6, 0.71))), 0.0) + 0.14 * normal.z;
+      shown = vec4(colour * min(lit, 1.06) * opacity, opacity);
+    }`,
+  ],
+  lines: [
+    `#version 300 es
+    in vec3 corner; uniform mat4 model; uniform mat4 toView; uniform mat4 toClip; uniform float forward; uniform float size;
+    void main() {
+      gl_Position = toClip * toView * model * vec4(corner, 1.0);
+      gl_Position.z -= forward * gl_Position.w;
+      gl_PointSize = size;
+    }`,
+    `#version 300 es
+    precision highp float; uniform vec3 colour; uniform float opacity; uniform bool round; out vec4 shown;
+    void main() {
+      if (round && length(gl_PointCoord - 0.5) > 0.5) discard;
+      shown = vec4(colour * opacity, opacity);
+    }`,
+  ],
+};
+
+/** A canvas that draws meshes; null where there is no WebGL2. */
+function openView(canvas) {
+  const gl = canvas.getContext("webgl2", { antialias: true, alpha: true, preserveDrawingBuffer: true });
+  if (!gl) return null;
+  const program = ([vertex, fragment]) => {
+    const made = gl.createProgram();
+    for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
+      gl.attachShader(made, shader);
+    }
+    gl.bindAttribLocation(made, 0, "corner");
+    gl.linkProgram(made);
+    const places = new Map();
+    return {
+      made,
+      at(name) {
+        if (!places.has(name)) places.set(name, gl.getUniformLocation(made, name));
+        return places.get(name);
+      },
+    };
+  };
+  const solid = program(SHADERS.triangles), thin = program(SHADERS.lines);
+  gl.enable(gl.DEPTH_TEST);
+  gl.enable(gl.BLEND);
+  gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+  gl.enableVertexAttribArray(0);
+
+  const known = new Map();
+  const buffer = (kind, data) => {
+    const made = gl.createBuffer();
+    gl.bindBuffer(kind, made);
+    gl.bufferData(kind, data, gl.STATIC_DRAW);
+    return made;
+  };
+  const uploaded = (mesh) => {
+    if (!known.has(mesh)) {
+      known.set(mesh, {
+        points: buffer(gl.ARRAY_BUFFER, mesh.points),
+        triangles: mesh.triangles && buffer(gl.ELEMENT_ARRAY_BUFFER, mesh.triangles),
+        edges: mesh.edges && buffer(gl.ELEMENT_ARRAY_BUFFER, mesh.edges),
+      });
+    }
+    return known.get(mesh);
+  };
+  const scratch = gl.createBuffer();
+  let camera;
+  const use = (of, { model = IDENTITY, colour, opacity = 1 }) => {
+    gl.useProgram(of.made);
+    gl.uniformMatrix4fv(of.at("model"), false, model);
+    gl.uniformMatrix4fv(of.at("toView"), false, camera.toView);
+    gl.uniformMatrix4fv(of.at("toClip"), false, camera.toClip(canvas.width / canvas.height));
+    gl.uniform3f(of.at("colour"), ...colour.map((c) => c / 255));
+    gl.uniform1f(of.at("opacity"), opacity);
+  };
+  const thinly = (look) => {
+    use(thin, look);
+    gl.uniform1f(thin.at("forward"), look.forward ?? 0.0004);
+    gl.uniform1f(thin.at("size"), (look.size ?? 1) * Math.max(1, devicePixelRatio || 1));
+    gl.uniform1i(thin.at("round"), look.size ? 1 : 0);
+  };
+  const corners = (made) => {
+    gl.bindBuffer(gl.ARRAY_BUFFER, made);
+    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
+  };
+
+  return {
+    canvas,
+    begin(seen) {
+      camera = seen;
+      const scale = Math.min(devicePixelRatio || 1, 2);
+      const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.max(1, Math.round(x * scale)));
+      if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+      gl.viewport(0, 0, width, height);
+      gl.clearColor(0, 0, 0, 0);
+      gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    },
+    /** Translucent triangles show their front sides only, and hide nothing. */
+    triangles(mesh, look) {
+      if (!mesh.triangles.length) return;
+      const made = uploaded(mesh), isClear = (look.opacity ?? 1) < 1;
+      use(solid, look);
+      corners(made.points);
+      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, made.triangles);
+      gl.depthMask(!isClear);
+      if (isClear) gl.enable(gl.CULL_FACE);
+      gl.drawElements(gl.TRIANGLES, mesh.triangles.length, gl.UNSIGNED_INT, 0);
+      gl.disable(gl.CULL_FACE);
+      gl.depthMask(true);
+    },
+    edges(mesh, look) {
+      if (!mesh.edges.length) return;
+      const made = uploaded(mesh);
+      thinly(look);
+      corners(made.points);
+      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, made.edges);
+      gl.drawElements(gl.LINES, mesh.edges.length, gl.UNSIGNED_INT, 0);
+    },
+    cloud(mesh, look) {
+      thinly(look);
+      corners(uploaded(mesh).points);
+      gl.drawArrays(gl.POINTS, 0, mesh.points.length / 3);
+    },
+    /** Points or lines that change with every frame. */
+    loose(kind, points, look) {
+      if (!points.length) return;
+      thinly(look);
+      gl.bindBuffer(gl.ARRAY_BUFFER, scratch);
+      gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(points.flat()), gl.STREAM_DRAW);
+      gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
+      gl.drawArrays(kind === "lines" ? gl.LINES : gl.POINTS, 0, points.length);
+    },
+    forget(mesh) {
+      for (const made of Object.values(known.get(mesh) || {})) if (made) gl.deleteBuffer(made);
+      known.delete(mesh);
+    },
+    /** Waits until everything is drawn, for measurements. */
+    finish() {
+      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    },
+    /** Share of the pixels that anything was drawn on. */
+    share() {
+      const pixels = new Uint8Array(4 * canvas.width * canvas.height);
+      gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+      let drawn = 0;
+      for (let i = 3; i < pixels.length; i += 4) drawn += pixels[i] > 0 ? 1 : 0;
+      return (4 * drawn) / pixels.length;
+    },
+  };
+}

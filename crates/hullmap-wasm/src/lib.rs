@@ -1,0 +1,48 @@
+//! hullmap for the browser: bakes meshes into packs, opens packs, and answers queries on hulls.
+//!
+//! This is the border to JavaScript. Numbers go in and out as typed arrays, answers as plain
+//! objects, errors as `Error` with the message of the Rust library. The npm package made of it
+//! (`./build`) has TypeScript types.
+//!
+//! | module | concept |
+//! |---|---|
+//! | `bake` | bytes of a mesh file to a pack |
+//! | `options` | options of a bake, from a JavaScript object to the record in the pack |
+//! | `pack` | packs and hulls |
+//! | `pair` | queries on two hulls |
+//! | `object` | plain JavaScript objects |
+
+#![forbid(unsafe_code)]
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
+mod bake;
+mod object;
+mod options;
+mod pack;
+mod pair;
+
+use wasm_bindgen::prelude::*;
+
+pub use bake::{Baked, bake};
+pub use pack::{Hull, Pack};
+pub use pair::Pair;
+
+#[wasm_bindgen]
+extern "C" {
+    #[wasm_bindgen(js_namespace = console, js_name = error)]
+    fn console_error(text: &str);
+}
+
+/// Writes the message of a panic to the console: the exception says only `unreachable`.
+#[wasm_bindgen(start)]
+pub fn start() {
+    std::panic::set_hook(Box::new(|panic| {
+        console_error(&format!("hullmap: internal error, please report it: {panic}"));
+    }));
+}
+
+/// Version of the package.
+#[wasm_bindgen]
+pub fn version() -> String {
+    env!("CARGO_PKG_VERSION").to_owned()
+}

@@ -1,0 +1,269 @@
+//! Packs and their hulls.
+
+use std::sync::Arc;
+
+use hullmap::SharedHull;
+use hullmap::glam::Vec3;
+use js_sys::JSON;
+use wasm_bindgen::prelude::*;
+
+use crate::object::{Plain, error};
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** A support vertex: the farthest vertex of a hull in a direction. */
+export interface SupportVertex {
+    /** Index of the vertex. */
+    index: number;
+    /** Its position, three numbers, in the hull's frame. */
+    point: Float64Array;
+}
+"#;
+
+#[wasm_bindgen]
+extern "C" {
+    /// See the TypeScript section.
+    #[wasm_bindgen(typescript_type = "SupportVertex")]
+    pub type SupportVertex;
+}
+
+/// An open pack.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct Pack(Arc<hullmap::Pack>);
+
+#[wasm_bindgen]
+impl Pack {
+    /// Opens the bytes of a `.hullmap` file, after all checks.
+    ///
+    /// # Errors
+    /// The bytes are not a pack, or are damaged. The message states the remedy.
+    #[wasm_bindgen(constructor)]
+    pub fn new(bytes: &[u8]) -> Result<Pack, JsError> {
+        hullmap::Pack::from_bytes(bytes).map(|pack| Self(Arc::new(pack))).map_err(error)
+    }
+
+    /// Number of hulls.
+    #[wasm_bindgen(getter, js_name = hullCount)]
+    pub fn hull_count(&self) -> usize {
+        self.0.hull_count()
+    }
+
+    /// Size in bytes.
+    #[wasm_bindgen(getter, js_name = byteLength)]
+    pub fn byte_len(&self) -> usize {
+        self.0.byte_len()
+    }
+
+    /// Version of the file format.
+    #[wasm_bindgen(getter, js_name = formatVersion)]
+    pub fn format_version(&self) -> u32 {
+        self.0.header().format_version
+    }
+
+    /// Recorded path of the source; empty if none was recorded.
+    #[wasm_bindgen(getter)]
+    pub fn source(&self) -> String {
+        self.0.source_path().to_owned()
+    }
+
+    /// Recorded options of the bake.
+    #[wasm_bindgen(getter)]
+    pub fn options(&self) -> String {
+        self.0.options().to_owned()
+    }
+
+    /// The hull with this index, from 0.
+    ///
+    /// # Errors
+    /// There is no such hull.
+    pub fn hull(&self, index: usize) -> Result<Hull, JsError> {
+        self.0.shared_hull(index).map(Hull).map_err(error)
+    }
+
+    /// The first hull with this name; undefined if there is none.
+    #[wasm_bindgen(js_name = hullNamed)]
+    pub fn hull_named(&self, name: &str) -> Option<Hull> {
+        self.0.shared_hull_named(name).map(Hull)
+    }
+}
+
+/// A hull of a pack. It keeps its pack alive.
+#[wasm_bindgen]
+#[derive(Clone, Debug)]
+pub struct Hull(pub(crate) SharedHull);
+
+#[wasm_bindgen]
+impl Hull {
+    /// Its name.
+    #[wasm_bindgen(getter)]
+    pub fn name(&self) -> String {
+        self.0.hull().name().to_owned()
+    }
+
+    /// 3 for a solid, 2 for a polygon, 1 for a segment, 0 for a point.
+    #[wasm_bindgen(getter)]
+    pub fn rank(&self) -> u32 {
+        self.0.hull().rank()
+    }
+
+    /// Number of vertices.
+    #[wasm_bindgen(getter, js_name = vertexCount)]
+    pub fn vertex_count(&self) -> usize {
+        self.0.hull().vertex_count()
+    }
+
+    /// Number of faces.
+    #[wasm_bindgen(getter, js_name = faceCount)]
+    pub fn face_count(&self) -> usize {
+        self.0.hull().face_count()
+    }
+
+    /// Number of source points that the hull was built from.
+    #[wasm_bindgen(getter, js_name = sourcePointCount)]
+    pub fn source_point_count(&self) -> u32 {
+        self.0.hull().source_point_count()
+    }
+
+    /// Volume; 0 below rank 3.
+    #[wasm_bindgen(getter)]
+    pub fn volume(&self) -> f64 {
+        self.0.hull().volume()
+    }
+
+    /// Surface area; 0 below rank 2.
+    #[wasm_bindgen(getter, js_name = surfaceArea)]
+    pub fn surface_area(&self) -> f64 {
+        self.0.hull().surface_area()
+    }
+
+    /// Maximum distance between two vertices.
+    #[wasm_bindgen(getter)]
+    pub fn diameter(&self) -> f64 {
+        self.0.hull().diameter()
+    }
+
+    /// Centre of mass at uniform density: three numbers.
+    #[wasm_bindgen(getter)]
+    pub fn centroid(&self) -> Vec<f64> {
+        self.0.hull().centroid().to_array().to_vec()
+    }
+
+    /// Inertia tensor about the centroid at density 1: nine numbers, column by column.
+    #[wasm_bindgen(getter)]
+    pub fn inertia(&self) -> Vec<f64> {
+        self.0.hull().inertia_tensor().to_cols_array().to_vec()
+    }
+
+    /// Minimum and maximum coordinates: six numbers.
+    #[wasm_bindgen(getter)]
+    pub fn bounds(&self) -> Vec<f32> {
+        self.0.hull().bounds().iter().flat_map(|corner| corner.to_array()).collect()
+    }
+
+    /// Maximum distance by which a simplified hull exceeds the exact one; 0 for an exact hull.
+    #[wasm_bindgen(getter, js_name = outerError)]
+    pub fn outer_error(&self) -> f64 {
+        self.0.hull().outer_error()
+    }
+
+    /// Kind of the direction index.
+    #[wasm_bindgen(getter, js_name = indexKind)]
+    pub fn index_kind(&self) -> String {
+        self.0.hull().index_kind().to_string()
+    }
+
+    /// Size of the direction index in bytes.
+    #[wasm_bindgen(getter, js_name = indexBytes)]
+    pub fn index_byte_len(&self) -> usize {
+        self.0.hull().index_byte_len()
+    }
+
+    /// Positions of the vertices, three numbers each, in the hull's frame.
+    pub fn vertices(&self) -> Vec<f32> {
+        self.0.hull().vertices().flat_map(|vertex| vertex.to_array()).collect()
+    }
+
+    /// For each vertex, its index in the source file; 4294967295 for a vertex that the bake made.
+    #[wasm_bindgen(js_name = sourceVertices)]
+    pub fn source_vertices(&self) -> Vec<u32> {
+        self.0.hull().arrays().map(|arrays| arrays.source_vertices.to_vec()).unwrap_or_default()
+    }
+
+    /// For each face, the position in `faceVertices` at which its vertices start.
+    #[wasm_bindgen(js_name = faceStarts)]
+    pub fn face_starts(&self) -> Vec<u32> {
+        self.0.hull().arrays().map(|arrays| arrays.face_starts.to_vec()).unwrap_or_default()
+    }
+
+    /// Vertices of the faces, counter-clockwise seen from outside.
+    #[wasm_bindgen(js_name = faceVertices)]
+    pub fn face_vertices(&self) -> Vec<u32> {
+        self.0.hull().arrays().map(|arrays| arrays.face_vertices.to_vec()).unwrap_or_default()
+    }
+
+    /// For each vertex, the position in `neighbours` at which its neighbours start.
+    #[wasm_bindgen(js_name = neighbourStarts)]
+    pub fn neighbour_starts(&self) -> Vec<u32> {
+        self.0.hull().arrays().map(|arrays| arrays.neighbour_starts.to_vec()).unwrap_or_default()
+    }
+
+    /// Vertices that share an edge with each vertex, ascending.
+    pub fn neighbours(&self) -> Vec<u32> {
+        self.0.hull().arrays().map(|arrays| arrays.neighbours.to_vec()).unwrap_or_default()
+    }
+
+    /// Triangles of the faces: three vertices each, to draw.
+    pub fn triangles(&self) -> Vec<u32> {
+        let mut out = Vec::new();
+        for mut face in self.0.hull().faces() {
+            let (Some(first), Some(mut last)) = (face.next(), face.next()) else { continue };
+            for next in face {
+                out.extend([first, last, next]);
+                last = next;
+            }
+        }
+        out
+    }
+
+    /// Edges: two vertices each, to draw.
+    pub fn edges(&self) -> Vec<u32> {
+        let hull = self.0.hull();
+        let count = u32::try_from(hull.vertex_count()).unwrap_or(u32::MAX);
+        (0..count)
+            .flat_map(|from| hull.neighbours(from).filter(move |&to| to > from).flat_map(move |to| [from, to]))
+            .collect()
+    }
+
+    /// Support vertex in the direction (x, y, z), which is in the hull's frame and of any length.
+    pub fn support(&self, x: f32, y: f32, z: f32) -> SupportVertex {
+        let found = self.0.hull().support(Vec3::new(x, y, z));
+        Plain::new().with("index", found.index).with_vector("point", found.point.as_dvec3()).done()
+    }
+
+    /// Index of the support vertex in each of many directions, three numbers each.
+    ///
+    /// # Errors
+    /// The length of `directions` is not a multiple of three.
+    pub fn supports(&self, directions: &[f32]) -> Result<Vec<u32>, JsError> {
+        let (directions, rest) = directions.as_chunks::<3>();
+        if !rest.is_empty() {
+            return Err(error("directions must have three numbers each"));
+        }
+        let hull = self.0.hull();
+        Ok(directions.iter().map(|&dir| hull.support(Vec3::from_array(dir)).index).collect())
+    }
+
+    /// The Gauss map with the cells of the index, as the script of hullmap's pages draws it:
+    /// `faces`, the layout of the cube's faces, and `map`. `resolution` is the number of pixels
+    /// along a face's edge, 32 to 256.
+    ///
+    /// # Errors
+    /// Does not occur with a pack that was opened.
+    #[wasm_bindgen(js_name = gaussMap)]
+    pub fn gauss_map(&self, resolution: u32) -> Result<JsValue, JsError> {
+        let text = hullmap_report::gauss_map_json(self.0.pack(), self.0.index(), resolution);
+        let text = text.ok_or_else(|| error("the pack has no such hull"))?;
+        JSON::parse(&text).map_err(|_| error("internal error: invalid JSON; please report it"))
+    }
+}
