@@ -1,4 +1,5 @@
-//! Writes JavaScript and TypeScript around a WebAssembly module, as the command `wasm-bindgen` does.
+//! Writes JavaScript and TypeScript around a WebAssembly module, as the command `wasm-bindgen`
+//! does.
 //!
 //! A program of the workspace, so that its version is locked together with that of the crate.
 
