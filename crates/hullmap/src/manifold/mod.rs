@@ -17,11 +17,11 @@
 //! 3. Clip the features against each other (`clip`). If a corner of the smaller one lies outside
 //!    the larger one, replace reduced features by whole ones first ([`Shape::feature_within`]).
 //!    Drop points separated by more than the prediction.
-//! 4. Add the contact point itself where it is deeper than all clipped points, as on curved
-//!    surfaces and crossing edges.
-//! 5. Select four points (`select`): those that span the largest area, always with the deepest.
-//!    Last frame's four stay while they span nearly as much; if the deepest point is a new one, it
-//!    replaces one of them.
+//! 4. Add the contact point itself where it is deeper than all clipped points by more than a tenth
+//!    of the prediction, as on curved surfaces and crossing edges.
+//! 5. Select four points (`select`): those that span the largest area, always with one that is as
+//!    deep as the deepest, within a tenth of the prediction. Last frame's four stay while they span
+//!    nearly as much; if none of them is that deep, the deepest replaces one of them.
 //! 6. Match each point with one of the last frame, by feature or else by position. A matched point
 //!    keeps what the caller stored in it.
 //!
@@ -308,8 +308,11 @@ impl Manifold {
     /// two.
     ///
     /// If the shapes are separated by less than the prediction, the contact's normal and points are
-    /// those of [`distance`](crate::distance()). A point that was there before keeps its impulse
-    /// and user data, and its age grows. The manifold and `cache` belong to this ordered pair.
+    /// those of [`distance`](crate::distance()). The contact is exact within its interval; the
+    /// deepest of the four points may be less deep, by up to a tenth of the prediction, since
+    /// points that stay support a body better than the deepest ones. A point that was there before
+    /// keeps its impulse and user data, and its age grows. The manifold and `cache` belong to this
+    /// ordered pair.
     ///
     /// # Complexity
     /// That of [`contact`](crate::contact()), of [`distance`](crate::distance()) if the shapes are
