@@ -192,7 +192,7 @@ pub struct Quad {
     /// Positions among the corners of the face, ascending. Their quadrilateral has at least half of
     /// the face's area.
     pub corners: [u32; 4],
-    /// How steeply the surface falls away from the face: see [`crate::quad::fall`].
+    /// How steeply the surface falls away from the face: see [`crate::quad::falls`].
     pub fall: f32,
 }
 
