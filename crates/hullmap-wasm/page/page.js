@@ -104,6 +104,7 @@
 
   function bodiesChanged(which) {
     pair = new wasm_bindgen.Pair(bodies.a.hull, bodies.b.hull);
+    times.frame.length = times.query.length = 0;
     showFacts();
     if (which === "a") {
       showRemarks();
@@ -230,7 +231,7 @@
       ["Contact points", String(manifold.points.length)],
       ["Depths there", manifold.points.map((point) => digits(point.depth, 4)).join(", ") || "–"],
       ["Support calls", String(answer.supportCalls)],
-      ["Query time", `${median(times.query).toFixed(2)} ms`],
+      ["Query time", times.query.length > 4 ? `${median(times.query).toFixed(2)} ms` : "–"],
       ["Frame time", times.frame.length ? `${median(times.frame).toFixed(1)} ms` : "–"],
     );
     get("verdict").textContent = verdict;
@@ -277,10 +278,14 @@
 
   function frameBoth() {
     const { a, b } = bodies;
-    camera.centre = a.centre;
-    camera.radius = Math.max(a.radius, 0.6 * b.radius) * 1.25;
+    const centreB = transform(matrixOf(numbersOf()), b.centre), apart = Math.hypot(...plus(centreB, a.centre, -1));
+    camera.centre = plus(a.centre, plus(centreB, a.centre, -1), 0.5);
+    camera.radius = Math.max(a.radius, b.radius, 0.5 * (apart + a.radius + b.radius));
     redraw();
   }
+
+  /** Maximum number of edges of a hull that are drawn. */
+  const MOST_EDGES = 10_000;
 
   const colours = {};
   function readColours() {
@@ -297,13 +302,15 @@
     view.begin(camera);
     if (isOn("show-mesh")) {
       if (a.mesh.triangles.length) view.triangles(a.mesh, { colour: colours.mesh });
-      else view.cloud(a.mesh, { colour: colours["mesh-edge"], size: a.mesh.points.length > 3000 ? 2 : 4 });
+      else view.cloud(a.mesh, { colour: colours["mesh-edge"], opacity: 0.6, size: a.mesh.points.length > 3000 ? 1.5 : 4 });
     }
     view.triangles(b.shape, { model, colour: colours.good, opacity: 0.55 });
     if (isOn("show-hull")) view.triangles(a.shape, { colour: colours.hull, opacity: 0.45 });
     if (isOn("show-edges")) {
-      view.edges(a.shape, { colour: colours.edge, opacity: pale(a.shape) });
-      view.edges(b.shape, { model, colour: colours.edge, opacity: pale(b.shape) });
+      // Denser edges only darken a body, and take most of the time of a frame.
+      const isClear = (shape) => shape.edges.length <= 2 * MOST_EDGES;
+      if (isClear(a.shape)) view.edges(a.shape, { colour: colours.edge, opacity: pale(a.shape) });
+      if (isClear(b.shape)) view.edges(b.shape, { model, colour: colours.edge, opacity: pale(b.shape) });
     }
     if (!found) return;
     const { contact, distance, manifold } = found;
@@ -460,6 +467,8 @@
   // Files and samples.
 
   for (const which of ["a", "b"]) {
+    // So that the same file can be chosen again after an edit.
+    get(`file-${which}`).addEventListener("click", (event) => (event.target.value = ""));
     get(`file-${which}`).addEventListener("change", (event) => loadFile(which, event.target.files[0]));
     const choice = get(`sample-${which}`);
     choice.append(new Option("choose", ""), ...Object.entries(SAMPLES).map(([key, { name }]) => new Option(name, key)));

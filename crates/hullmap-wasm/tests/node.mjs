@@ -6,7 +6,7 @@
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { readFileSync, readdirSync } from "node:fs";
+import { readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { basename, join } from "node:path";
 import { pathToFileURL } from "node:url";
 
@@ -17,6 +17,15 @@ const { bake, Pack, Pair, version } = module;
 const native = (...words) => execFileSync(command, words, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
 
 assert.equal(JSON.parse(readFileSync(join(folder, "package.json"))).version, version());
+
+// Each format: hulls as STL and GLB, written by the command, and a PLY file.
+native("build", join(meshes, "pawn.obj"), "--out", meshes, "--force");
+for (const format of ["stl", "glb"]) {
+  native("export", join(meshes, "pawn.hullmap"), "--out", join(meshes, `pawn_hull_${format}.${format}`), "--force");
+}
+const square = ["0 0 0", "1 0 0", "1 1 0", "0 1 0", "0.5 0.5 1"];
+const header = ["ply", "format ascii 1.0", `element vertex ${square.length}`, ...["x", "y", "z"].map((axis) => `property float ${axis}`), "end_header"];
+writeFileSync(join(meshes, "pyramid.ply"), [...header, ...square, ""].join("\n"));
 
 // Packs are equal to the last byte, with each option.
 const files = readdirSync(meshes).filter((name) => /\.(obj|stl|ply|glb)$/.test(name));
@@ -143,4 +152,17 @@ for (let i = 0; i < 3000; i++) {
 spent.sort((x, y) => x - y);
 const micros = (share) => (1000 * spent[Math.floor(share * (spent.length - 1))]).toFixed(0);
 console.log(`10 000 vertices: baked in ${bakeTime.toFixed(0)} ms; contact and manifold take ${micros(0.5)} µs (median), ${micros(0.99)} µs (99 %)`);
+// The examples of the documents, without the lines that load the module.
+let examples = 0;
+for (const document of ["../README.md", "../../../README.md", "../../../docs/browser.md"]) {
+  const text = readFileSync(new URL(document, import.meta.url), "utf8");
+  for (const [, block] of text.matchAll(/```js\n(.*?)```/gs)) {
+    const code = block.replace(/^(import init|await init).*$/gm, ""), shown = [];
+    new Function("bake", "Pack", "Pair", "bytes", "console", code)(bake, Pack, Pair, bytes, { log: (...values) => shown.push(values) });
+    assert.ok(shown.length > 0 && shown[0][0] > 0, `${document}: ${shown}`);
+    examples++;
+  }
+}
+assert.equal(examples, 3);
+
 console.log("node: passed");

@@ -1,0 +1,185 @@
+// Tests of the page in headless Chromium, beside the command `bake`.
+//
+//   node page.mjs PAGE BAKE FOLDER PLAYWRIGHT CHROMIUM [SCREENSHOT]
+//
+// FOLDER holds meshes. PLAYWRIGHT is the folder of playwright-core, CHROMIUM the browser's program.
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { basename, join } from "node:path";
+import { pathToFileURL } from "node:url";
+
+const [file, command, meshes, playwright, program, screenshot] = process.argv.slice(2);
+const { chromium } = createRequire(import.meta.url)(join(playwright, "index.js"));
+const native = (...words) => execFileSync(command, words, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+
+const profile = mkdtempSync(join(tmpdir(), "hullmap-page-"));
+const context = await chromium.launchPersistentContext(profile, {
+  executablePath: program,
+  headless: true,
+  viewport: { width: 1280, height: 900 },
+  acceptDownloads: true,
+  args: [
+    "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync",
+    // WebGL on the processor: there may be no GPU.
+    "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+  ],
+});
+const complaints = [];
+try {
+  await context.setOffline(true);
+  const page = await context.newPage();
+  page.on("console", (message) => {
+    if (["error", "warning"].includes(message.type()) && !/GPU stall due to ReadPixels/.test(message.text())) complaints.push(message.text());
+  });
+  page.on("pageerror", (error) => complaints.push(String(error)));
+  page.on("request", (request) => {
+    if (!/^(file|data|blob):/.test(request.url())) complaints.push(`request: ${request.url()}`);
+  });
+
+  // It opens from disk, with two bodies in contact.
+  let start = performance.now();
+  await page.goto(pathToFileURL(file).href);
+  await page.waitForFunction(() => document.documentElement.dataset.ready === "true", null, { timeout: 60_000 });
+  console.log(`opened from disk, two samples baked: ${(performance.now() - start).toFixed(0)} ms`);
+  assert.equal(await page.locator("#error").isVisible(), false, await page.locator("#error").textContent());
+  const hasGl = await page.evaluate(() => document.documentElement.dataset.webgl === "true");
+  if (hasGl) assert.ok((await page.evaluate(() => window.hullmapPage.drawn())) > 0.05, "the view is empty");
+  else console.log("skipped: this Chromium has no WebGL2, so nothing is drawn");
+  if (screenshot) {
+    await page.screenshot({ path: `${screenshot}.png`, fullPage: true });
+    await page.emulateMedia({ colorScheme: "dark" });
+    await page.waitForTimeout(300);
+    await page.screenshot({ path: `${screenshot}-dark.png`, fullPage: true });
+    await page.emulateMedia({ colorScheme: "light" });
+  }
+
+  // Bake files of each body.
+  const loaded = async (act) => {
+    const before = await page.evaluate(() => Number(document.documentElement.dataset.loads || 0));
+    await act();
+    await page.waitForFunction((count) => Number(document.documentElement.dataset.loads || 0) > count, before, { timeout: 60_000 });
+  };
+  const pawn = join(meshes, "pawn.obj"), rock = join(meshes, "rock.obj");
+  await loaded(() => page.setInputFiles("#file-a", pawn));
+  await loaded(() => page.setInputFiles("#file-b", rock));
+  assert.match(await page.locator("#facts").textContent(), /pawn\.obj.*Hull vertices257/s);
+
+  // The pack that the button downloads is that of the command.
+  const packs = {};
+  for (const mesh of [pawn, rock]) {
+    native("build", mesh, "--out", meshes, "--force");
+    packs[mesh] = mesh.replace(/\.obj$/, ".hullmap");
+  }
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click("#download")]);
+  assert.equal(download.suggestedFilename(), "pawn.hullmap");
+  const saved = join(profile, "saved.hullmap");
+  await download.saveAs(saved);
+  assert.deepEqual(readFileSync(saved), readFileSync(packs[pawn]));
+  console.log(`the downloaded pack has the bytes of the command's: ${readFileSync(saved).length}`);
+
+  // Body B, moved by its fields: what is shown is the command's answer.
+  const shown = () => page.evaluate(() => JSON.parse(document.getElementById("answer").dataset.answer));
+  const field = async (id, value) => {
+    await page.fill(id, String(value));
+  };
+  let compared = 0;
+  for (const [at, turn] of [[[0.4, 0.1, 0.5], [0, 0, 0]], [[0.5, -0.2, 0.6], [20, -35, 70]], [[3, 1, 0], [10, 0, 45]]]) {
+    for (const [i, axis] of ["x", "y", "z"].entries()) {
+      await field(`#pose-${axis}`, at[i]);
+      await field(`#turn-${axis}`, turn[i]);
+    }
+    const answer = await shown();
+    assert.deepEqual(answer.pose.slice(0, 3), at);
+    const mode = answer.hit ? "contact" : "distance";
+    const expected = JSON.parse(native("query", packs[pawn], packs[rock], "--mode", mode, "--json", "--pose", answer.pose.join(" ")));
+    const label = (name) => page.locator(`#answer dt:text-is("${name}") + dd`).textContent();
+    if (answer.hit) {
+      assert.deepEqual([answer.depth, answer.depth_lower, answer.depth_upper], [expected.depth, expected.depth_lower, expected.depth_upper]);
+      assert.equal(await label("Depth"), String(Number(expected.depth.toPrecision(9))));
+    } else {
+      assert.equal(answer.distance, expected.distance);
+      assert.equal(await label("Distance"), String(Number(expected.distance.toPrecision(9))));
+    }
+    assert.deepEqual(answer.normal, expected.normal);
+    compared++;
+  }
+  console.log(`${compared} poses: shown depth, distance, interval and normal equal the command's`);
+
+  // Dragged with the mouse, and moved by keys, the depth changes.
+  await page.click("#place");
+  const before = await shown();
+  const box = await page.locator("#view").boundingBox();
+  await page.focus("#view");
+  for (let i = 0; i < 5; i++) await page.keyboard.press("Shift+ArrowRight");
+  const keyed = await shown();
+  assert.notDeepEqual(keyed.pose, before.pose);
+  const dragged = await page.evaluate(async ([width, height]) => {
+    // Where on the picture is B? Try a grid of places, with real events.
+    const canvas = document.getElementById("view"), rect = canvas.getBoundingClientRect();
+    const fire = (type, x, y) => canvas.dispatchEvent(new PointerEvent(type, { pointerId: 1, clientX: rect.left + x, clientY: rect.top + y, bubbles: true }));
+    canvas.setPointerCapture = () => {};
+    const pose = () => JSON.parse(document.getElementById("answer").dataset.answer).pose.slice(0, 3).join();
+    const start = pose();
+    for (let row = 1; row < 10; row++) {
+      for (let column = 1; column < 20; column++) {
+        const [x, y] = [(width * column) / 20, (height * row) / 10];
+        fire("pointerdown", x, y);
+        fire("pointermove", x + 4, y + 2);
+        fire("pointerup", x + 4, y + 2);
+        if (pose() !== start) return [x, y];
+      }
+    }
+    return null;
+  }, [box.width, box.height]);
+  assert.ok(dragged, "body B cannot be gripped");
+
+  // Errors are sentences on the page; the bodies remain.
+  for (const [name, text, expected] of [
+    ["broken.obj", "v 0 0 0\nf 9\n", "broken.obj:2: vertex index 9 is out of range"],
+    ["empty.stl", "", "the file is empty"],
+    ["page.html", "<html></html>", "page.html"],
+  ]) {
+    const broken = join(profile, name);
+    writeFileSync(broken, text);
+    await loaded(() => page.setInputFiles("#file-a", broken));
+    assert.match(await page.locator("#error").textContent(), new RegExp(expected));
+  }
+  assert.equal((await shown()).hit !== undefined, true);
+
+  // Two hulls of 10 000 vertices, for three seconds.
+  for (const which of ["a", "b"]) await loaded(() => page.selectOption(`#sample-${which}`, "ellipsoid"));
+  assert.equal(await page.locator("#error").isVisible(), false);
+  assert.match(await page.locator("#facts").textContent(), /Hull vertices10.000/);
+  await page.check("#moves");
+  await page.waitForTimeout(3500);
+  if (screenshot) await page.screenshot({ path: `${screenshot}-moving.png` });
+  const times = await page.evaluate(() => window.hullmapPage.times());
+  await page.uncheck("#moves");
+  const rank = (list, share) => [...list].sort((x, y) => x - y)[Math.floor(share * (list.length - 1))];
+  assert.ok(times.frame.length > 10, `${times.frame.length} frames`);
+  const work = await page.evaluate(() => Array.from({ length: 40 }, () => window.hullmapPage.work()));
+  console.log(
+    `10 000 vertices against 10 000, WebGL on the processor: frame ${rank(times.frame, 0.5).toFixed(1)} ms (median), ` +
+      `${rank(times.frame, 0.95).toFixed(1)} ms (95 %), of ${times.frame.length}; queries ${rank(times.query, 0.5).toFixed(2)} ms, ` +
+      `${rank(times.query, 0.99).toFixed(2)} ms (99 %); queries and drawing ${rank(work, 0.5).toFixed(1)} ms`,
+  );
+  // A frame at 60 Hz is 16.7 ms long. The queries take a small part of it.
+  assert.ok(rank(times.query, 0.5) < 4, "queries take too long");
+
+  // Every control has a name.
+  const unnamed = await page.evaluate(() =>
+    [...document.querySelectorAll("input, select, button, canvas")].filter((e) => !(e.labels?.length || e.textContent.trim() || e.getAttribute("aria-label"))).map((e) => e.id),
+  );
+  assert.deepEqual(unnamed, []);
+  assert.deepEqual(complaints, []);
+  assert.equal(await page.evaluate(() => document.documentElement.dataset.errors ?? "0"), "0");
+  console.log(`page: passed in ${basename(program)} ${context.browser()?.version() ?? ""}`.trimEnd());
+} finally {
+  await context.close();
+  rmSync(profile, { recursive: true, force: true });
+}
