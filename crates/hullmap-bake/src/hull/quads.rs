@@ -4,17 +4,17 @@
 //! # Steps
 //! 1. Project the face along the axis that is closest to its normal. Ratios of areas in its plane
 //!    stay the same.
-//! 2. Of at most [`MAX_CANDIDATES`] corners, evenly chosen, find the four that span the largest
+//! 2. Of at most 1,024 corners, evenly chosen, find the four that span the largest
 //!    area: for each diagonal, the farthest corner on either side.
 //! 3. Exchange one of the four for any corner of the face, as long as the area grows.
 //!
-//! Up to [`MAX_CANDIDATES`] corners, the result is the largest quadrilateral. It always has at
+//! Up to 1,024 corners, the result is the largest quadrilateral. It always has at
 //! least half of the area of the face: each of its corners is the farthest from the diagonal
 //! between its neighbours. So the face lies in the parallelogram through the four corners whose
 //! sides are parallel to the diagonals, and that has twice the quadrilateral's area.
 //!
 //! # Complexity
-//! O(n²) for n corners up to [`MAX_CANDIDATES`], and O(n) beyond.
+//! O(n²) for n corners up to 1,024, and O(n) beyond.
 
 use glam::DVec2;
 use hullmap_format::{
