@@ -1,4 +1,6 @@
 // Drops a box on the first hull of a pack, and waits until it rests: settle PACK
+//
+// The hull must be flat on top, such as baked/cube.hullmap. From other hulls the box falls off.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -242,19 +242,19 @@ pub struct ExportArgs {
     /// The pack
     #[arg(value_name = "PACK")]
     pub pack: PathBuf,
-    /// File to write, or folder for several files [default: standard output]
+    /// File to write, or folder if several files are written [default: standard output]
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
     /// Format of the meshes [default: the extension of --out, or the usual one of the engine]
     #[arg(long, value_enum, value_name = "obj|stl|glb|json", hide_possible_values = true)]
     pub format: Option<Format>,
-    /// Use the names and files of an engine
+    /// Use the names and files that an engine expects
     #[arg(long = "for", value_enum, value_name = "unreal|godot|mjcf|urdf", hide_possible_values = true)]
     pub target: Option<Target>,
     /// Export only this hull, by name or index; repeatable
     #[arg(long = "hull", value_name = "NAME")]
     pub hulls: Vec<String>,
-    /// Write one file per hull, to the folder of --out
+    /// Write one file per hull to a folder, named after the hulls
     #[arg(long)]
     pub parts: bool,
     /// Name of the render mesh (Unreal), node (Godot), body (MJCF) or link (URDF)

@@ -33,7 +33,7 @@ const INDICES: u32 = 34963;
 /// The file.
 ///
 /// # Errors
-/// It would be larger than the 4 GiB that its header can count.
+/// It would be larger than 4 GiB, the limit of its header.
 pub fn write(bodies: &[Body]) -> Result<Vec<u8>, String> {
     let mut buffer = Vec::new();
     let (mut views, mut accessors, mut meshes, mut nodes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -102,7 +102,9 @@ fn container(mut json: Vec<u8>, mut buffer: Vec<u8>) -> Result<Vec<u8>, String> 
     buffer.resize(buffer.len().next_multiple_of(4), 0);
     let length = 12 + 8 + json.len() + 8 + buffer.len();
     let number = |length: usize| {
-        u32::try_from(length).map_err(|_| format!("the file would have {length} bytes, but GLB counts to 4 GiB"))
+        u32::try_from(length).map_err(|_| {
+            format!("the GLB file would have {length} bytes, and the limit is 4 GiB; select fewer hulls with --hull")
+        })
     };
     let mut file = Vec::with_capacity(length);
     file.extend(MAGIC.into_iter().chain([number(length)?]).flat_map(u32::to_le_bytes));

@@ -104,7 +104,11 @@ fn format(args: &ExportArgs) -> Result<Format, Failure> {
         Some(format) if allowed.contains(&format) => Ok(format),
         Some(format) => {
             let target = args.target.map_or("", Target::name);
-            Err(Failure::usage(format!("--format {}: {target} takes {}", format.extension(), listed())))
+            Err(Failure::usage(format!(
+                "--format {}: {target} takes {}; name one of these, or leave out --format",
+                format.extension(),
+                listed()
+            )))
         }
         None => Err(Failure::usage(format!(
             "the format is unknown; add --format, or name a file in --out with one of these extensions: {}",
