@@ -365,6 +365,8 @@
     const mean = (body) => (extent(body, 0) + extent(body, 1) + extent(body, 2)) / 6;
     times.frame.length = times.query.length = 0;
     motion = { start: performance.now(), centre: plus(a.centre, b.centre, -1), reach: mean(a) + mean(b) };
+    // All of its path is in the picture.
+    [camera.centre, camera.radius] = [a.centre, 1.1 * motion.reach + 0.6 * b.radius];
     requestAnimationFrame(step);
   });
 

@@ -59,7 +59,7 @@ class Camera {
   }
 
   get away() {
-    return (2.7 * this.radius) / this.zoom;
+    return (2.5 * this.radius) / this.zoom;
   }
 
   get eye() {
