@@ -6,7 +6,8 @@
 //!    stay the same.
 //! 2. Of at most 1,024 corners, evenly chosen, find the four that span the largest
 //!    area: for each diagonal, the farthest corner on either side.
-//! 3. Exchange one of the four for any corner of the face, as long as the area grows.
+//! 3. Exchange one of the four for any corner of the face, as long as the area grows. This mends
+//!    what rounding errors of nearly collinear corners may have missed.
 //!
 //! Up to 1,024 corners, the result is the largest quadrilateral. It always has at
 //! least half of the area of the face: each of its corners is the farthest from the diagonal
@@ -79,9 +80,7 @@ fn largest(corners: &[DVec2]) -> [u32; 4] {
     let candidates: Vec<usize> = (0..n).step_by(step).collect();
     let points: Vec<DVec2> = candidates.iter().map(|at| corners[*at]).collect();
     let mut best = of_diagonals(&points).map(|at| candidates[at]);
-    if step > 1 {
-        improve(corners, &mut best);
-    }
+    improve(corners, &mut best);
     best.sort_unstable();
     best.map(|at| at as u32)
 }
