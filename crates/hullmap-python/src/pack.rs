@@ -93,9 +93,10 @@ impl Pack {
     fn hull_named(&self, name: &str) -> PyResult<Hull> {
         let Some(hull) = self.pack.shared_hull_named(name) else {
             let names: Vec<String> = self.names().into_iter().take(20).collect();
+            let count = self.pack.hull_count();
+            let noun = if count == 1 { "hull" } else { "hulls" };
             return Err(PyKeyError::new_err(format!(
-                "no hull has the name {name:?}: the pack has {} hulls, among them {names:?}",
-                self.pack.hull_count()
+                "no hull has the name {name:?}: the pack has {count} {noun}, among them {names:?}"
             )));
         };
         Ok(Hull { hull })

@@ -652,7 +652,8 @@ class Pack(Shape, Sequence[Hull]):
         count = len(self)
         place = key + count if key < 0 else key
         if not 0 <= place < count:
-            raise IndexError(f"hull index {key} is out of range: the pack has {count} hulls, counted from 0")
+            hulls = "1 hull" if count == 1 else f"{count} hulls"
+            raise IndexError(f"hull index {key} is out of range: the pack has {hulls}, counted from 0")
         return Hull(self, self._pack.hull(place))
 
     def __iter__(self) -> Iterator[Hull]:
