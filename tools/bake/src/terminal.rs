@@ -123,6 +123,11 @@ pub fn say(line: impl Display) {
     let _ = writeln!(stderr(), "{}", Escaped(line));
 }
 
+/// Whether output goes to a terminal, on which binary data would be of no use.
+pub fn shows_output() -> bool {
+    stdout().is_terminal()
+}
+
 /// Where progress bars are drawn, if standard error is a terminal. Their texts must be [`Escaped`].
 pub fn screen() -> Option<ProgressDrawTarget> {
     stderr().is_terminal().then(ProgressDrawTarget::stderr)

@@ -14,7 +14,7 @@ mod robot;
 mod stl;
 
 use std::fs;
-use std::io::{self, IsTerminal};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use hullmap::Pack;
@@ -61,9 +61,9 @@ struct ExportedFile {
 /// Usage: wrong flags, a pack that cannot be read, a target that exists or cannot be written.
 /// Rejected: the pack is damaged, or none of its hulls can be written in the format.
 pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
-    let format = format(args)?;
     let is_folder = args.parts || matches!(args.target, Some(Target::Mjcf | Target::Urdf));
-    check_flags(args, format, is_folder)?;
+    check_flags(args, is_folder)?;
+    let format = format(args, is_folder)?;
     let pack = open_pack(&args.pack)?;
     let mut bodies = selected(args, &pack)?;
     leave_out(args, format, &mut bodies)?;
@@ -89,7 +89,7 @@ pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
 
 /// The format: as given, as the extension of the target says, or the one that the engine reads
 /// best.
-fn format(args: &ExportArgs) -> Result<Format, Failure> {
+fn format(args: &ExportArgs, is_folder: bool) -> Result<Format, Failure> {
     let allowed: &[Format] = match args.target {
         None => &[Format::Obj, Format::Stl, Format::Glb, Format::Json],
         Some(Target::Unreal) => &[Format::Glb, Format::Obj],
@@ -101,7 +101,10 @@ fn format(args: &ExportArgs) -> Result<Format, Failure> {
     let format = args.format.or_else(|| named().copied()).or(args.target.and(allowed.first().copied()));
     let listed = || allowed.iter().map(|format| format.extension()).collect::<Vec<_>>().join(", ");
     match format {
-        Some(format) if allowed.contains(&format) => Ok(format),
+        Some(format) if allowed.contains(&format) => {
+            check_output(args, format, is_folder)?;
+            Ok(format)
+        }
         Some(format) => {
             let target = args.target.map_or("", Target::name);
             Err(Failure::usage(format!(
@@ -117,8 +120,28 @@ fn format(args: &ExportArgs) -> Result<Format, Failure> {
     }
 }
 
+/// Checks that the output suits the format: no binary data for a terminal, and no file whose
+/// extension names another format, unless `--format` says so.
+fn check_output(args: &ExportArgs, format: Format, is_folder: bool) -> Result<(), Failure> {
+    let name = format.extension();
+    let Some(target) = &args.out else {
+        if matches!(format, Format::Glb | Format::Stl) && terminal::shows_output() {
+            return Err(Failure::usage(format!("{name} is binary; name a file with --out, or redirect the output")));
+        }
+        return Ok(());
+    };
+    let is_other = target.extension().is_some_and(|extension| !extension.eq_ignore_ascii_case(name));
+    if is_other && !is_folder && args.format.is_none() {
+        let shown = target.display();
+        return Err(Failure::usage(format!(
+            "--out {shown}: the format would be {name}; name a file with this extension, or add --format {name}"
+        )));
+    }
+    Ok(())
+}
+
 /// Checks what clap cannot express.
-fn check_flags(args: &ExportArgs, format: Format, is_folder: bool) -> Result<(), Failure> {
+fn check_flags(args: &ExportArgs, is_folder: bool) -> Result<(), Failure> {
     let usage = |message: String| Err(Failure::usage(message));
     if args.is_visible && args.target != Some(Target::Godot) {
         return usage("--visible: only for Godot; add --for godot".to_owned());
@@ -130,15 +153,17 @@ fn check_flags(args: &ExportArgs, format: Format, is_folder: bool) -> Result<(),
         if is_folder {
             return usage("several files are written; name a folder with --out".to_owned());
         }
-        if matches!(format, Format::Glb | Format::Stl) && io::stdout().is_terminal() {
-            return usage(format!("{} is binary; name a file with --out, or redirect the output", format.extension()));
-        }
         return Ok(());
     };
     let shown = target.display();
     if is_folder {
-        if target.exists() && !target.is_dir() {
-            return usage(format!("--out {shown}: is a file, but several files are written; name a folder"));
+        let names_a_file = target.extension().is_some_and(|extension| {
+            [Format::Obj, Format::Stl, Format::Glb, Format::Json]
+                .iter()
+                .any(|format| extension.eq_ignore_ascii_case(format.extension()))
+        });
+        if target.exists() && !target.is_dir() || !target.exists() && names_a_file {
+            return usage(format!("--out {shown}: names a file, but several files are written; name a folder"));
         }
         return Ok(());
     }
