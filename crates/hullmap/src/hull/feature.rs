@@ -153,7 +153,7 @@ impl Hull<'_> {
     /// this close to its normal is the support point off the face.
     ///
     /// # Complexity
-    /// O(1): a binary search for a face with more than four corners. For another one, at most
+    /// A binary search for a face with more than four corners. For another one, at most
     /// [`MAX_FACES`] edges; with more edges than that the answer is `false`.
     fn stands_alone(&self, face: u32, normal: DVec3) -> bool {
         if let Some(quad) = self.quad(face) {
