@@ -4,6 +4,7 @@
 //! | module | from | to |
 //! |---|---|---|
 //! | [`decompose`] | concave mesh | points of its convex parts |
+//! | [`parts`] | mesh and convex parts | bounds on what they leave out and how far they protrude |
 //! | [`hull`] | source points | certified convex hull of rank 3, 2, 1 or 0 |
 //! | [`mass`], [`interior`], [`diameter`] | hull | properties stored in the pack |
 //! | [`outer`] | hull | outer hull: a coarse polytope that contains the hull |
@@ -28,6 +29,7 @@ pub mod interior;
 pub mod mass;
 pub mod outer;
 pub mod pack;
+pub mod parts;
 pub mod simplify;
 
 pub use hullmap_format::{IndexKind, archive::NO_SOURCE_VERTEX};

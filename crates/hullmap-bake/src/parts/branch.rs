@@ -1,0 +1,144 @@
+//! Branch and bound: the maximum of a function over a set of cells.
+//!
+//! # Steps
+//! 1. Measure each cell: an upper bound over the cell, and the value at one of its points.
+//! 2. Split the cell with the greatest bound, and measure its halves.
+//! 3. Stop when the greatest bound is accurate enough, or after a number of measurements. The bound
+//!    holds at any time.
+
+use std::{cmp::Ordering, collections::BinaryHeap};
+
+use glam::DVec3;
+
+/// When a bound is accurate enough.
+///
+/// Whichever applies first ends the search. The bound holds in each case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accuracy {
+    /// A bound of at most this length is accurate enough. The search also ends when a greater value
+    /// has been reached, so that it decides whether the maximum is at most this length.
+    pub limit: Option<f64>,
+    /// A bound of at most this length is accurate enough.
+    pub floor: f64,
+    /// Maximum difference between the bound and the value reached, relative to the bound.
+    pub relative: f64,
+    /// Maximum difference between the bound and the value reached, as a length.
+    pub absolute: f64,
+    /// Maximum number of measurements.
+    pub measurements: usize,
+}
+
+impl Accuracy {
+    /// An accuracy of 0.5 %, or of 1e-6 of `diagonal`.
+    pub fn tight(diagonal: f64) -> Self {
+        Self { limit: None, floor: 0.0, relative: 0.005, absolute: 1e-6 * diagonal, measurements: 400_000 }
+    }
+
+    /// Decides whether the maximum is at most `limit`.
+    pub fn decide(limit: f64) -> Self {
+        Self { limit: Some(limit), floor: 0.0, relative: 0.0, absolute: 0.0, measurements: 100_000 }
+    }
+
+    /// Whether a bound is accurate enough, given the value reached. NaN is accurate enough, so that
+    /// the search ends.
+    fn is_enough(&self, bound: f64, reached: f64) -> bool {
+        let is_decided = self.limit.is_some_and(|limit| bound <= limit || reached > limit);
+        is_decided || bound <= self.floor || !(bound - reached > (self.relative * bound).max(self.absolute))
+    }
+}
+
+/// What is known of a cell.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured {
+    /// Upper bound over the cell.
+    pub bound: f64,
+    /// Value at a point of the cell, or a lower value.
+    pub reached: f64,
+    /// That point.
+    pub at: DVec3,
+}
+
+/// What is known of the maximum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Maximum {
+    /// Upper bound.
+    pub bound: f64,
+    /// Greatest value found; 0 if none is greater.
+    pub reached: f64,
+    /// Where it was found.
+    pub at: DVec3,
+    /// Number of measurements made.
+    pub measurements: usize,
+}
+
+struct Entry<C> {
+    bound: f64,
+    index: usize,
+    cell: C,
+}
+
+impl<C> PartialEq for Entry<C> {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl<C> Eq for Entry<C> {}
+
+impl<C> PartialOrd for Entry<C> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// Of equal bounds, the cell measured first is the greater one.
+impl<C> Ord for Entry<C> {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.bound.total_cmp(&other.bound).then(other.index.cmp(&self.index))
+    }
+}
+
+/// The maximum over `cells`.
+///
+/// `measure` receives a cell and the greatest value reached so far; smaller values need not be
+/// measured precisely. The halves of `split` must cover the cell. The result depends only on the
+/// arguments.
+///
+/// # Complexity
+/// One measurement per cell and two per split, O(log n) for the queue.
+pub fn maximum<C>(
+    cells: impl IntoIterator<Item = C>,
+    accuracy: &Accuracy,
+    mut measure: impl FnMut(&mut C, f64) -> Measured,
+    split: impl Fn(&C) -> [C; 2],
+) -> Maximum {
+    let mut queue = BinaryHeap::new();
+    let mut found = Maximum { bound: 0.0, reached: 0.0, at: DVec3::ZERO, measurements: 0 };
+    let mut add = |mut cell: C, parent: f64, queue: &mut BinaryHeap<Entry<C>>, found: &mut Maximum| {
+        let Measured { bound, reached, at } = measure(&mut cell, found.reached);
+        if reached > found.reached || found.measurements == 0 {
+            (found.reached, found.at) = (reached.max(found.reached), at);
+        }
+        found.measurements += 1;
+        // A half is bounded by its parent's bound as well.
+        let bound = bound.min(parent);
+        if bound > 0.0 {
+            queue.push(Entry { bound, index: found.measurements, cell });
+        }
+    };
+    for cell in cells {
+        add(cell, f64::INFINITY, &mut queue, &mut found);
+    }
+    while let Some(top) = queue.peek() {
+        found.bound = top.bound.max(found.reached);
+        if accuracy.is_enough(found.bound, found.reached) || found.measurements >= accuracy.measurements {
+            return found;
+        }
+        let Some(Entry { bound, cell, .. }) = queue.pop() else { break };
+        for half in split(&cell) {
+            add(half, bound, &mut queue, &mut found);
+        }
+    }
+    found.bound = found.reached;
+    found
+}

@@ -1,0 +1,146 @@
+//! Closes the holes of a mesh, so that every point off its surface has an integer winding number.
+//!
+//! # Steps
+//! 1. Count each directed edge of the triangles against its opposite. What remains is the boundary
+//!    of the mesh. It enters every vertex as often as it leaves it.
+//! 2. Split the boundary into loops: follow edges, and cut off a loop whenever a vertex is reached
+//!    again.
+//! 3. Close each loop by a cone over the mean of its vertices.
+//!
+//! The boundary of the triangles and the cones is empty, whatever the triangles are: watertight or
+//! open, consistently oriented or not. A triangle that faces the wrong way leaves a boundary of
+//! double edges, and the cones over it turn it round.
+//!
+//! # Complexity
+//! O(n log n) for n triangles.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+
+/// Triangles that close the mesh of `triangles`, which are indices of `positions`. Empty if the mesh
+/// is closed.
+///
+/// Two vertices are one if their indices are equal: vertices of equal position must have been
+/// merged.
+pub fn cones(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[DVec3; 3]> {
+    let mut cones = Vec::new();
+    for hole in loops(boundary(triangles)) {
+        let at = |v: u32| positions[v as usize];
+        let apex = hole.iter().map(|v| at(*v)).sum::<DVec3>() / hole.len() as f64;
+        let next = hole.iter().cycle().skip(1);
+        // The cone runs against the boundary.
+        cones.extend(hole.iter().zip(next).map(|(from, to)| [at(*to), at(*from), apex]));
+    }
+    cones
+}
+
+/// The edges at which a mesh ends, as the multiset of edges that leave each vertex, ascending.
+fn boundary(triangles: &[[u32; 3]]) -> BTreeMap<u32, Vec<u32>> {
+    let mut edges: Vec<([u32; 2], i32)> = Vec::with_capacity(3 * triangles.len());
+    for &[a, b, c] in triangles {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            if from != to {
+                edges.push(([from.min(to), from.max(to)], if from < to { 1 } else { -1 }));
+            }
+        }
+    }
+    edges.sort_unstable_by_key(|(edge, _)| *edge);
+    let mut leaving: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for same in edges.chunk_by(|a, b| a.0 == b.0) {
+        let [low, high] = same[0].0;
+        let net: i32 = same.iter().map(|(_, sign)| sign).sum();
+        let (from, to) = if net > 0 { (low, high) } else { (high, low) };
+        for _ in 0..net.unsigned_abs() {
+            leaving.entry(from).or_default().push(to);
+        }
+    }
+    for targets in leaving.values_mut() {
+        // The last is taken first.
+        targets.sort_unstable_by(|a, b| b.cmp(a));
+    }
+    leaving
+}
+
+/// Loops of a boundary, none of which visits a vertex twice.
+fn loops(mut leaving: BTreeMap<u32, Vec<u32>>) -> Vec<Vec<u32>> {
+    let mut loops = Vec::new();
+    let mut place: BTreeMap<u32, usize> = BTreeMap::new();
+    while let Some((&start, _)) = leaving.first_key_value() {
+        let mut path = vec![start];
+        place.insert(start, 0);
+        // The boundary leaves every vertex as often as it enters it, so the walk ends at `start`.
+        while let Some(next) = path.last().and_then(|at| take(&mut leaving, *at)) {
+            match place.get(&next) {
+                Some(&first) => {
+                    loops.push(path[first..].to_vec());
+                    for gone in path.drain(first + 1..) {
+                        place.remove(&gone);
+                    }
+                }
+                None => {
+                    place.insert(next, path.len());
+                    path.push(next);
+                }
+            }
+        }
+        place.clear();
+    }
+    loops
+}
+
+/// Removes the first edge that leaves `from`, and returns where it leads.
+fn take(leaving: &mut BTreeMap<u32, Vec<u32>>, from: u32) -> Option<u32> {
+    let targets = leaving.get_mut(&from)?;
+    let next = targets.pop();
+    if targets.is_empty() {
+        leaving.remove(&from);
+    }
+    next
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SQUARE: [[f64; 3]; 5] = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.5, 1.0]];
+    const PYRAMID: [[u32; 3]; 6] = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4], [2, 1, 0], [3, 2, 0]];
+
+    /// Six times the volume.
+    fn volume(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> f64 {
+        triangles.into_iter().map(|[a, b, c]| a.dot(b.cross(c))).sum()
+    }
+
+    fn solid(triangles: &[[u32; 3]]) -> f64 {
+        let positions = SQUARE.map(DVec3::from_array);
+        let mesh = triangles.iter().map(|t| t.map(|v| positions[v as usize]));
+        volume(mesh.chain(cones(&positions, triangles)))
+    }
+
+    #[test]
+    fn a_closed_mesh_needs_no_cone() {
+        assert!(cones(&SQUARE.map(DVec3::from_array), &PYRAMID).is_empty());
+        assert_eq!(solid(&PYRAMID), 2.0);
+    }
+
+    #[test]
+    fn a_missing_base_is_replaced() {
+        assert_eq!(solid(&PYRAMID[..4]), 2.0);
+    }
+
+    #[test]
+    fn a_reversed_triangle_is_turned_round() {
+        for reversed in 0..6 {
+            let mut triangles = PYRAMID;
+            triangles[reversed].swap(0, 1);
+            assert!((solid(&triangles) - 2.0).abs() < 1e-12, "{reversed}");
+        }
+    }
+
+    #[test]
+    fn loops_that_touch_are_closed_one_by_one() {
+        // Two triangles that share one corner.
+        let found = loops(boundary(&[[0, 1, 2], [0, 3, 4]]));
+        assert_eq!(found, [vec![0, 1, 2], vec![0, 3, 4]]);
+    }
+}

@@ -1,0 +1,29 @@
+//! How well convex parts stand for a mesh: whether they cover its surface, and how far they protrude
+//! from its solid. Both are certified upper bounds, for parts from any source.
+//!
+//! | file | concept |
+//! |---|---|
+//! | [`solid`] | the solid that a mesh bounds, for any set of triangles |
+//! | [`closing`] | cones that close the holes of a mesh |
+//! | [`protrusion`](mod@protrusion) | how far a part protrudes from the solid |
+//! | [`uncovered`](mod@uncovered) | how far the surface lies outside all parts |
+//! | [`branch`] | branch and bound, which both use |
+//! | [`triangle`], [`planes`] | distances from a triangle, half-spaces of a part |
+//!
+//! Lengths are in the unit of the positions, which are those of the mesh and of the parts alike.
+
+pub mod branch;
+pub mod closing;
+pub mod planes;
+pub mod protrusion;
+pub mod solid;
+pub mod triangle;
+pub mod uncovered;
+
+pub use branch::Accuracy;
+pub use protrusion::{Protrusion, protrusion};
+pub use solid::{Solid, SolidKind};
+pub use uncovered::{Uncovered, uncovered};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,141 @@
+//! Half-spaces of a part's faces, and polygons clipped by them.
+
+use glam::DVec3;
+
+use crate::hull::Hull;
+
+/// A half-space: the points p with `normal · p ≤ offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HalfSpace {
+    /// Unit normal, pointing out of the half-space.
+    pub normal: DVec3,
+    /// Offset along the normal.
+    pub offset: f64,
+}
+
+impl HalfSpace {
+    /// Signed distance of a point from the plane, positive outside.
+    pub fn height(&self, p: DVec3) -> f64 {
+        self.normal.dot(p) - self.offset
+    }
+}
+
+/// One half-space per face of a solid hull, each containing the whole face. Faces without area are
+/// left out.
+pub fn half_spaces(hull: &Hull) -> Vec<HalfSpace> {
+    let positions = hull.positions();
+    let at = |v: &u32| positions[*v as usize];
+    let of_face = |face: &Vec<u32>| {
+        let first = at(face.first()?);
+        let area: DVec3 = face.windows(2).map(|edge| (at(&edge[0]) - first).cross(at(&edge[1]) - first)).sum();
+        let normal = area.try_normalize()?;
+        let offset = face.iter().map(|v| normal.dot(at(v))).fold(f64::NEG_INFINITY, f64::max);
+        Some(HalfSpace { normal, offset })
+    };
+    hull.faces.iter().filter_map(of_face).collect()
+}
+
+/// The parts of a convex polygon on either side of a plane: inside, then outside. Either may be
+/// empty.
+///
+/// Corners within `tolerance` of the plane count as on it, and a polygon without corners outside as
+/// inside.
+pub fn cut(polygon: &[DVec3], plane: &HalfSpace, tolerance: f64) -> [Vec<DVec3>; 2] {
+    let heights: Vec<f64> = polygon.iter().map(|p| plane.height(*p)).collect();
+    if heights.iter().all(|height| *height <= tolerance) {
+        return [polygon.to_vec(), Vec::new()];
+    }
+    if heights.iter().all(|height| *height >= -tolerance) {
+        return [Vec::new(), polygon.to_vec()];
+    }
+    let mut sides = [Vec::with_capacity(polygon.len() + 1), Vec::with_capacity(polygon.len() + 1)];
+    for (index, (&p, &height)) in polygon.iter().zip(&heights).enumerate() {
+        let next = (index + 1) % polygon.len();
+        if height <= tolerance {
+            sides[0].push(p);
+        }
+        if height >= -tolerance {
+            sides[1].push(p);
+        }
+        let (low, high) = (height.min(heights[next]), height.max(heights[next]));
+        if low < -tolerance && high > tolerance {
+            let crossing = p + (polygon[next] - p) * (height / (height - heights[next]));
+            sides[0].push(crossing);
+            sides[1].push(crossing);
+        }
+    }
+    sides
+}
+
+/// The part of a convex polygon inside all `planes`, which may be empty, and convex polygons that
+/// cover the rest.
+pub fn divide(polygon: &[DVec3], planes: &[HalfSpace], tolerance: f64) -> (Vec<DVec3>, Vec<Vec<DVec3>>) {
+    let mut inside = polygon.to_vec();
+    let mut outside = Vec::new();
+    for plane in planes {
+        // Most planes of a part do not cut a small polygon.
+        if inside.iter().all(|p| plane.height(*p) <= tolerance) {
+            continue;
+        }
+        let [within, beyond] = cut(&inside, plane, tolerance);
+        if within.is_empty() {
+            return (within, vec![polygon.to_vec()]);
+        }
+        outside.push(beyond);
+        inside = within;
+    }
+    (inside, outside)
+}
+
+/// Triangles that cover a convex polygon. A polygon of fewer than three corners becomes a degenerate
+/// triangle.
+pub fn fan(polygon: &[DVec3]) -> Vec<[DVec3; 3]> {
+    match *polygon {
+        [] => Vec::new(),
+        [a] => vec![[a; 3]],
+        [a, b] => vec![[a, b, b]],
+        [a, ref rest @ ..] => rest.windows(2).map(|edge| [a, edge[0], edge[1]]).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square() -> Vec<DVec3> {
+        [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]].map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec()
+    }
+
+    fn area(polygon: &[DVec3]) -> f64 {
+        fan(polygon).iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).length() / 2.0).sum()
+    }
+
+    /// The half-spaces of an axis-aligned square prism.
+    fn prism(low: f64, high: f64) -> Vec<HalfSpace> {
+        [DVec3::X, DVec3::Y]
+            .into_iter()
+            .flat_map(|axis| [HalfSpace { normal: axis, offset: high }, HalfSpace { normal: -axis, offset: -low }])
+            .collect()
+    }
+
+    #[test]
+    fn pieces_cover_the_polygon() {
+        let (inside, outside) = divide(&square(), &prism(1.0, 2.0), 0.0);
+        assert_eq!(area(&inside), 1.0);
+        assert_eq!(outside.iter().map(|piece| area(piece)).sum::<f64>(), 15.0);
+        assert_eq!(outside.len(), 4);
+    }
+
+    #[test]
+    fn a_polygon_outside_stays_whole() {
+        let (inside, outside) = divide(&square(), &prism(5.0, 6.0), 0.0);
+        assert!(inside.is_empty());
+        assert_eq!(outside, [square()]);
+    }
+
+    #[test]
+    fn touching_within_the_tolerance_is_inside() {
+        let (inside, outside) = divide(&square(), &prism(1e-9, 4.0 - 1e-9), 1e-8);
+        assert_eq!((inside, outside.len()), (square(), 0));
+    }
+}

@@ -1,0 +1,306 @@
+//! Protrusion: the greatest distance of a point of a convex part from the solid of a mesh.
+//!
+//! # Steps
+//! 1. Subtract from each face the triangles of the mesh that lie in its plane.
+//! 2. Surface: branch and bound over triangles of what is left. A triangle is bounded by the
+//!    distance of its centroid plus its radius; by 0 if no triangle of the mesh is within the radius
+//!    and the centroid is inside; and by the distances of its corners from one triangle of the mesh.
+//! 3. Inside: a part may also hide a cavity of the mesh. Points of the part that are close to its
+//!    surface are bounded by step 2. Branch and bound over boxes covers the others. A box that no
+//!    triangle of the mesh enters is all inside or all outside.
+//!
+//! # Why the bounds hold
+//! - The distance from a set changes by at most the distance between two points.
+//! - The distance from a convex set, such as one triangle, is a convex function, so it is greatest at
+//!   a corner. The distance from the solid is at most that.
+//! - The winding number is constant between the triangles.
+//!
+//! # Complexity
+//! One nearest-triangle search per cell. The number of cells is bounded by the [`Accuracy`].
+
+use glam::DVec3;
+
+use super::{
+    branch::{Accuracy, Maximum, Measured, maximum},
+    planes::{self, HalfSpace},
+    solid::Solid,
+    triangle::{self, Triangle},
+};
+use crate::hull::Hull;
+
+/// How far a part protrudes from a solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Protrusion {
+    /// Upper bound, proven.
+    pub bound: f64,
+    /// Distance from the solid at [`at`](Self::at), less rounding errors; the protrusion is at least
+    /// this unless closing triangles are near.
+    pub reached: f64,
+    /// A point of the part.
+    pub at: DVec3,
+}
+
+/// Depth by which a cavity must exceed the protrusion of the surface, relative to the latter.
+const CAVITY_RELATIVE: f64 = 0.1;
+
+/// Depth by which a cavity must exceed the protrusion of the surface, relative to the diagonal.
+const CAVITY_ABSOLUTE: f64 = 1e-3;
+
+/// The same where a limit is given.
+const CAVITY_LIMITED: f64 = 1e-6;
+
+/// Distance from a face's plane up to which a triangle of the mesh counts as in it, relative to the
+/// diagonal. It only selects what is subtracted; what is subtracted is measured.
+const IN_PLANE: f64 = 1e-7;
+
+/// Maximum number of pieces into which a face is divided.
+const MAX_PIECES: usize = 4096;
+
+/// Number of steps in which a point deep inside a box is sought.
+const DEEP_STEPS: usize = 16;
+
+/// The greatest distance of a point of `part` from `solid`. Both are in the same frame.
+///
+/// Points inside the part count only where they are in a cavity: farther from the solid than any
+/// point of the part's surface by more than a tenth and a thousandth of the diagonal. If the
+/// accuracy has a limit, a bound within the limit holds for all points of the part, except for 1e-6
+/// of the diagonal.
+pub fn protrusion(solid: &Solid, part: &Hull, accuracy: &Accuracy) -> Protrusion {
+    let surface = on_surface(solid, part, accuracy);
+    let is_refuted = accuracy.limit.is_some_and(|limit| surface.bound > limit);
+    let found = if is_refuted || part.rank < 3 { surface } else { inside(solid, part, accuracy, surface) };
+    let slack = solid.tolerance();
+    Protrusion { bound: found.bound + slack, reached: (found.reached - 2.0 * slack).max(0.0), at: found.at }
+}
+
+/// A triangle of the part's surface, and an upper bound on the distance of its centroid.
+struct Facet {
+    corners: Triangle,
+    within: f64,
+}
+
+fn on_surface(solid: &Solid, part: &Hull, accuracy: &Accuracy) -> Maximum {
+    let measure = |facet: &mut Facet, best: f64| {
+        let centre = triangle::centroid(&facet.corners);
+        let radius = facet.corners.iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max);
+        // Room for the rounding error of the distance by which `within` was computed.
+        let Some(near) = solid.near(centre, facet.within * (1.0 + 1e-9) + solid.tolerance()) else {
+            return Measured { bound: facet.within + radius, reached: 0.0, at: centre };
+        };
+        facet.within = near.distance + 2.0 * radius;
+        let to_corners =
+            facet.corners.iter().map(|p| triangle::nearest(&near.triangle, *p).distance(*p)).fold(0.0, f64::max);
+        let mut bound = (near.distance + radius).min(to_corners.max(near.distance));
+        // What is inside lowers the bound, and the value that is reached.
+        let mut reached = near.distance;
+        let matters = bound > best && !accuracy.limit.is_some_and(|limit| bound <= limit) || reached > best;
+        if matters && solid.is_inside(centre) {
+            reached = 0.0;
+            bound = if near.gap > radius { 0.0 } else { bound.min(radius) };
+        }
+        Measured { bound, reached, at: centre }
+    };
+    let split = |facet: &Facet| triangle::halves(&facet.corners).map(|corners| Facet { corners, within: facet.within });
+    let (facets, on_mesh) = facets(solid, part);
+    let found = maximum(facets, accuracy, measure, split);
+    Maximum { bound: found.bound.max(on_mesh), ..found }
+}
+
+/// Triangles that cover the part's surface, except for what lies on the mesh, and the greatest
+/// distance of the latter from the mesh.
+fn facets(solid: &Solid, part: &Hull) -> (Vec<Facet>, f64) {
+    let positions = part.positions();
+    let tolerance = solid.tolerance();
+    let mut facets = Vec::new();
+    let mut on_mesh = 0.0_f64;
+    let mut add = |polygon: &[DVec3]| {
+        facets.extend(planes::fan(polygon).into_iter().map(|corners| Facet { corners, within: f64::INFINITY }));
+    };
+    if part.rank < 2 {
+        add(&positions);
+    }
+    for face in &part.faces {
+        let mut pieces = vec![face.iter().map(|v| positions[*v as usize]).collect::<Vec<_>>()];
+        for triangle in in_plane(solid, &pieces[0]) {
+            let edges = edge_planes(&triangle);
+            let mut left = Vec::with_capacity(pieces.len());
+            for piece in pieces {
+                let (inside, outside) = planes::divide(&piece, &edges, tolerance);
+                left.extend(outside);
+                for p in inside {
+                    on_mesh = on_mesh.max(triangle::nearest(&triangle, p).distance(p));
+                }
+            }
+            pieces = left;
+            if pieces.len() > MAX_PIECES {
+                break;
+            }
+        }
+        for piece in &pieces {
+            add(piece);
+        }
+    }
+    (facets, on_mesh)
+}
+
+/// The triangles of the mesh in the plane of a face that touch the box around it.
+fn in_plane(solid: &Solid, face: &[DVec3]) -> Vec<Triangle> {
+    let area: DVec3 = face.windows(2).map(|edge| (edge[0] - face[0]).cross(edge[1] - face[0])).sum();
+    let Some(normal) = area.try_normalize() else { return Vec::new() };
+    let margin = IN_PLANE * solid.diagonal();
+    let low = face.iter().copied().fold(DVec3::INFINITY, DVec3::min) - margin;
+    let high = face.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) + margin;
+    let mut indices = solid.surface_in(low, high);
+    indices.sort_unstable();
+    let triangles = indices.into_iter().map(|index| solid.triangles()[index as usize]);
+    triangles.filter(|corners| corners.iter().all(|p| normal.dot(*p - face[0]).abs() <= margin)).collect()
+}
+
+/// Half-spaces at the edges of a triangle, at right angles to it. None if it has no area.
+fn edge_planes(&[a, b, c]: &Triangle) -> Vec<HalfSpace> {
+    let normal = (b - a).cross(c - a);
+    let edge = |(from, to): (DVec3, DVec3)| {
+        let outward = (to - from).cross(normal).try_normalize()?;
+        Some(HalfSpace { normal: outward, offset: outward.dot(from).max(outward.dot(to)) })
+    };
+    let planes: Vec<HalfSpace> = [(a, b), (b, c), (c, a)].into_iter().filter_map(edge).collect();
+    // Without its edges, a triangle would contain everything.
+    if planes.len() == 3 { planes } else { vec![HalfSpace { normal: DVec3::X, offset: f64::NEG_INFINITY }] }
+}
+
+/// A box inside or across the part, and the polygons of the mesh that may enter it.
+struct Cell {
+    centre: DVec3,
+    half: DVec3,
+    /// Indices of polygons; the halves of a box have subsets of its polygons.
+    deep: Vec<u32>,
+    within: f64,
+}
+
+fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum) -> Maximum {
+    let planes = planes::half_spaces(part);
+    let diagonal = solid.diagonal();
+    let enough = match accuracy.limit {
+        Some(limit) => limit.max(surface.bound + CAVITY_LIMITED * diagonal),
+        None => surface.bound + (CAVITY_RELATIVE * surface.bound).max(CAVITY_ABSOLUTE * diagonal),
+    };
+    let depth = enough - surface.bound;
+    let positions = part.positions();
+    let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let deep = deep_polygons(solid, &planes, [low, high], depth);
+    let start = Cell {
+        centre: (low + high) * 0.5,
+        half: (high - low) * 0.5,
+        deep: (0..deep.len() as u32).collect(),
+        within: f64::INFINITY,
+    };
+    let measure = |cell: &mut Cell, _: f64| {
+        let nothing = Measured { bound: 0.0, reached: 0.0, at: cell.centre };
+        let mut below = f64::INFINITY;
+        let mut centre_depth = f64::INFINITY;
+        for plane in &planes {
+            let height = plane.height(cell.centre);
+            let reach = plane.normal.abs().dot(cell.half);
+            if height > reach {
+                return nothing;
+            }
+            below = below.min(reach - height);
+            centre_depth = centre_depth.min(-height);
+        }
+        // Close to the surface of the part.
+        let from_surface = surface.bound + below;
+        if from_surface <= enough {
+            return Measured { bound: from_surface, ..nothing };
+        }
+        let (centre, half) = (cell.centre, cell.half);
+        cell.deep.retain(|index| touches(deep[*index as usize], centre, half));
+        let radius = cell.half.length();
+        if cell.deep.is_empty() && deep_point(cell, &planes, depth).is_some_and(|p| solid.is_inside(p)) {
+            // All that is not close to the part's surface is inside.
+            return Measured { bound: enough, ..nothing };
+        }
+        let Some(near) = solid.near(cell.centre, cell.within * (1.0 + 1e-9) + solid.tolerance()) else {
+            return Measured { bound: from_surface.min(cell.within + radius), ..nothing };
+        };
+        cell.within = near.distance + radius;
+        let mut bound = from_surface.min(near.distance + radius);
+        let mut reached = if centre_depth >= 0.0 { near.distance } else { 0.0 };
+        if (bound > enough || reached > surface.reached) && solid.is_inside(cell.centre) {
+            reached = 0.0;
+            bound = if near.gap > radius { 0.0 } else { bound.min(radius) };
+        }
+        Measured { bound, reached, at: cell.centre }
+    };
+    let split = |cell: &Cell| {
+        let axis = (0..3).fold(0, |longest, axis| if cell.half[axis] > cell.half[longest] { axis } else { longest });
+        let mut half = cell.half;
+        half[axis] *= 0.5;
+        [-1.0, 1.0].map(|side| {
+            let mut centre = cell.centre;
+            centre[axis] += side * half[axis];
+            Cell { centre, half, deep: cell.deep.clone(), within: cell.within + half[axis] }
+        })
+    };
+    let accuracy = match accuracy.limit {
+        Some(_) => Accuracy { limit: Some(enough), ..*accuracy },
+        None => {
+            Accuracy { floor: enough, relative: CAVITY_RELATIVE, absolute: CAVITY_ABSOLUTE * diagonal, ..*accuracy }
+        }
+    };
+    let cavity = maximum([start], &accuracy, measure, split);
+    let measurements = surface.measurements + cavity.measurements;
+    if cavity.bound <= enough {
+        return Maximum { measurements, ..surface };
+    }
+    Maximum {
+        bound: cavity.bound.max(surface.bound),
+        measurements,
+        ..if cavity.reached > surface.reached { cavity } else { surface }
+    }
+}
+
+/// A point of the cell that is deeper than `depth` inside all planes, sought by projecting onto one
+/// violated plane after the other.
+fn deep_point(cell: &Cell, planes: &[HalfSpace], depth: f64) -> Option<DVec3> {
+    let mut p = cell.centre;
+    for _ in 0..DEEP_STEPS {
+        let worst = planes.iter().max_by(|a, b| a.height(p).total_cmp(&b.height(p)))?;
+        let excess = worst.height(p) + depth;
+        if excess < 0.0 {
+            return Some(p);
+        }
+        // A little farther than the plane, so that the next test succeeds.
+        let moved = p - worst.normal * (excess * 1.001 + 1e-3 * depth);
+        p = moved.clamp(cell.centre - cell.half, cell.centre + cell.half);
+    }
+    None
+}
+
+/// Bounds of the polygons of the mesh that lie deeper than `depth` inside the part, which has the
+/// given bounds.
+fn deep_polygons(solid: &Solid, planes: &[HalfSpace], [low, high]: [DVec3; 2], depth: f64) -> Vec<[DVec3; 2]> {
+    let mut indices = solid.triangles_in(low, high);
+    indices.sort_unstable();
+    let clipped = |index: &u32| {
+        let mut polygon = solid.triangles()[*index as usize].to_vec();
+        for plane in planes {
+            let deeper = HalfSpace { offset: plane.offset - depth, ..*plane };
+            if polygon.iter().all(|p| deeper.height(*p) <= 0.0) {
+                continue;
+            }
+            [polygon, _] = planes::cut(&polygon, &deeper, 0.0);
+            if polygon.is_empty() {
+                return None;
+            }
+        }
+        let low = polygon.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        Some([low, polygon.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max)])
+    };
+    indices.iter().filter_map(clipped).collect()
+}
+
+/// Whether a box touches a cell.
+fn touches([low, high]: [DVec3; 2], centre: DVec3, half: DVec3) -> bool {
+    (low - centre - half).max(centre - half - high).max_element() <= 0.0
+}

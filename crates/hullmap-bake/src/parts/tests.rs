@@ -1,0 +1,306 @@
+//! Bounds against samplers and slow twins, which share no code with them.
+
+use glam::DVec3;
+use shapes::rng::SplitMix64;
+
+use super::*;
+use crate::{
+    PointSet,
+    hull::{self, Hull},
+    simplify::nearest::Nearest,
+};
+
+fn mesh(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> PointSet {
+    PointSet {
+        positions: positions.to_vec(),
+        source_vertices: (0..positions.len() as u32).collect(),
+        triangles: triangles.to_vec(),
+        ..PointSet::default()
+    }
+}
+
+fn hull_of(positions: &[[f32; 3]]) -> Hull {
+    hull::build(&mesh(positions, &[])).unwrap()
+}
+
+/// A box as twelve triangles that face outward, or inward if `inside_out`.
+fn block(low: [f32; 3], high: [f32; 3], inside_out: bool) -> PointSet {
+    let corner = |i: usize| std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] });
+    let corners: Vec<[f32; 3]> = (0..8).map(corner).collect();
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let mut triangles: Vec<[u32; 3]> = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    if inside_out {
+        triangles.iter_mut().for_each(|t| t.swap(0, 1));
+    }
+    mesh(&corners, &triangles)
+}
+
+fn joined(meshes: &[PointSet]) -> PointSet {
+    let mut all = PointSet::default();
+    for part in meshes {
+        let first = all.positions.len() as u32;
+        all.positions.extend(&part.positions);
+        all.triangles.extend(part.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    all.source_vertices = (0..all.positions.len() as u32).collect();
+    all
+}
+
+/// An L of height 1 without inner faces: 2 by 2 with a corner of 1 by 1 left out.
+fn letter_l() -> PointSet {
+    let outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+    let positions: Vec<[f32; 3]> =
+        [0.0, 1.0].into_iter().flat_map(|z| outline.map(|[x, y]: [f32; 2]| [x, y, z])).collect();
+    let mut triangles = Vec::new();
+    for [a, b, c] in [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]] {
+        triangles.extend([[c, b, a], [a + 6, b + 6, c + 6]]);
+    }
+    for i in 0..6 {
+        let j = (i + 1) % 6;
+        triangles.extend([[i, j, j + 6], [i, j + 6, i + 6]]);
+    }
+    mesh(&positions, &triangles)
+}
+
+fn tight(solid: &Solid, part: &Hull) -> Protrusion {
+    protrusion(solid, part, &Accuracy::tight(solid.diagonal()))
+}
+
+#[test]
+fn a_box_does_not_protrude_from_itself() {
+    let cube = block([0.0; 3], [1.0, 2.0, 3.0], false);
+    let solid = Solid::new(&cube);
+    assert_eq!(solid.kind(), SolidKind::Watertight);
+    let found = tight(&solid, &hull_of(&cube.positions));
+    assert!(found.bound < 1e-9, "{found:?}");
+    let covered = uncovered(&cube, &[&hull_of(&cube.positions)]);
+    assert!(covered.bound < 1e-11, "{covered:?}");
+}
+
+#[test]
+fn a_larger_box_protrudes_by_its_corners() {
+    let cube = block([0.0; 3], [1.0; 3], false);
+    let part = hull_of(&block([-0.25; 3], [1.25; 3], false).positions);
+    let found = tight(&Solid::new(&cube), &part);
+    let truth = 0.25 * 3.0_f64.sqrt();
+    assert!(found.bound >= truth && found.bound < 1.006 * truth, "{found:?}");
+    assert!(found.reached > 0.98 * truth, "{found:?}");
+}
+
+#[test]
+fn the_hull_of_an_l_protrudes_by_a_half() {
+    let l = letter_l();
+    for inside_out in [false, true] {
+        let mut l = l.clone();
+        if inside_out {
+            l.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        }
+        let solid = Solid::new(&l);
+        assert_eq!(solid.kind(), SolidKind::Watertight);
+        let part = hull_of(&l.positions);
+        let found = tight(&solid, &part);
+        assert!(found.bound >= 0.5 && found.bound < 0.5026, "{found:?}");
+        assert!(protrusion(&solid, &part, &Accuracy::decide(0.501)).bound <= 0.501);
+        assert!(protrusion(&solid, &part, &Accuracy::decide(0.499)).bound > 0.499);
+    }
+}
+
+#[test]
+fn a_cavity_counts() {
+    let hollow = joined(&[block([-1.0; 3], [1.0; 3], false), block([-0.75; 3], [0.75; 3], true)]);
+    let solid = Solid::new(&hollow);
+    assert!(!solid.is_inside(DVec3::splat(0.1)) && solid.is_inside(DVec3::splat(0.9)));
+    let found = tight(&solid, &hull_of(&hollow.positions));
+    assert!(found.bound >= 0.75 && found.bound < 0.85, "{found:?}");
+    let decided = protrusion(&solid, &hull_of(&hollow.positions), &Accuracy::decide(0.7));
+    assert!(decided.bound > 0.7, "{decided:?}");
+}
+
+#[test]
+fn an_open_box_is_closed() {
+    let mut open = block([0.0; 3], [1.0; 3], false);
+    open.triangles.drain(2..4);
+    let solid = Solid::new(&open);
+    assert_eq!(solid.kind(), SolidKind::Closed);
+    let found = tight(&solid, &hull_of(&open.positions));
+    assert!(found.bound < 1e-5, "{found:?}");
+    let taller = hull_of(&block([0.0; 3], [1.0, 1.0, 1.1], false).positions);
+    let found = tight(&solid, &taller);
+    assert!(found.bound > 0.0999 && found.bound < 0.102, "{found:?}");
+}
+
+#[test]
+fn a_sheet_has_no_inside() {
+    let sheet = mesh(&[[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2], [0, 2, 3]]);
+    let solid = Solid::new(&sheet);
+    assert_eq!(solid.kind(), SolidKind::Sheet);
+    let found = tight(&solid, &hull_of(&block([0.0; 3], [1.0, 1.0, 0.25], false).positions));
+    assert!(found.bound >= 0.25 && found.bound < 0.2513, "{found:?}");
+    let flat = tight(&solid, &hull_of(&sheet.positions));
+    assert!(flat.bound < 1e-9, "{flat:?}");
+}
+
+#[test]
+fn opposite_boxes_are_both_solid() {
+    let pair = joined(&[block([0.0; 3], [1.0; 3], false), block([2.0; 3], [3.0; 3], true)]);
+    let solid = Solid::new(&pair);
+    assert_eq!(solid.kind(), SolidKind::Watertight);
+    assert!(solid.is_inside(DVec3::splat(0.5)) && solid.is_inside(DVec3::splat(2.5)));
+}
+
+#[test]
+fn double_faces_are_no_hole() {
+    let cube = block([0.0; 3], [1.0; 3], false);
+    let solid = Solid::new(&joined(&[cube.clone(), block([0.0; 3], [1.0; 3], true)]));
+    assert_eq!(solid.kind(), SolidKind::Watertight);
+    assert!(solid.is_inside(DVec3::splat(0.5)));
+}
+
+#[test]
+fn split_vertices_are_merged() {
+    // Each triangle has its own corners, which differ by rounding.
+    let cube = block([0.0; 3], [1.0; 3], false);
+    let mut rng = SplitMix64::new(5);
+    let jitter = |p: [f32; 3], rng: &mut SplitMix64| p.map(|c| c + (rng.unit() as f32 - 0.5) * 3e-7);
+    let positions: Vec<[f32; 3]> =
+        cube.triangles.iter().flatten().map(|v| jitter(cube.positions[*v as usize], &mut rng)).collect();
+    let triangles: Vec<[u32; 3]> = (0..12).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    let solid = Solid::new(&mesh(&positions, &triangles));
+    assert_eq!(solid.kind(), SolidKind::Watertight);
+    assert!(solid.is_inside(DVec3::splat(0.5)) && !solid.is_inside(DVec3::splat(1.1)));
+}
+
+fn random_soup(rng: &mut SplitMix64, count: usize) -> PointSet {
+    let positions: Vec<[f32; 3]> = (0..count).map(|_| std::array::from_fn(|_| rng.unit() as f32)).collect();
+    let mut index = || (rng.unit() * count as f64) as u32;
+    let triangles: Vec<[u32; 3]> = (0..2 * count).map(|_| [index(), index(), index()]).collect();
+    mesh(&positions, &triangles)
+}
+
+#[test]
+fn rays_agree_with_solid_angles() {
+    let mut rng = SplitMix64::new(7);
+    let (mut inside, mut all) = (0, 0);
+    for _ in 0..60 {
+        let solid = Solid::new(&random_soup(&mut rng, 12));
+        for _ in 0..50 {
+            let p = DVec3::from_array(std::array::from_fn(|_| rng.unit()));
+            let is_inside = solid.solid_angles(p) != 0;
+            assert_eq!(solid.is_inside(p), is_inside, "{p}");
+            inside += usize::from(is_inside);
+            all += 1;
+        }
+    }
+    assert!(inside > all / 40 && inside < all * 4 / 5, "{inside} of {all}");
+}
+
+/// Points on the surface of a hull, evenly over its triangles.
+fn samples(part: &Hull, rng: &mut SplitMix64, count: usize) -> Vec<DVec3> {
+    let positions = part.positions();
+    let fans: Vec<[DVec3; 3]> = part
+        .faces
+        .iter()
+        .flat_map(|face| face.windows(2).skip(1).map(|e| [face[0], e[0], e[1]].map(|v| positions[v as usize])))
+        .collect();
+    (0..count).map(|i| in_triangle(&fans[i % fans.len()], rng)).collect()
+}
+
+fn in_triangle(&[a, b, c]: &[DVec3; 3], rng: &mut SplitMix64) -> DVec3 {
+    let (mut u, mut v) = (rng.unit(), rng.unit());
+    if u + v > 1.0 {
+        (u, v) = (1.0 - u, 1.0 - v);
+    }
+    a + u * (b - a) + v * (c - a)
+}
+
+/// Distance from the solid by brute force over all triangles, with solid angles for the inside.
+fn slow_distance(solid: &Solid, mesh: &PointSet, p: DVec3) -> f64 {
+    if solid.kind() != SolidKind::Sheet && solid.solid_angles(p) != 0 {
+        return 0.0;
+    }
+    let at = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
+    let nearest = |t: &[u32; 3]| triangle::nearest(&t.map(at), p).distance(p);
+    mesh.triangles.iter().map(nearest).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn protrusion_is_never_below_a_sample() {
+    let mut rng = SplitMix64::new(11);
+    let mut close = 0;
+    for round in 0..40 {
+        let soup = if round % 2 == 0 { random_soup(&mut rng, 9) } else { letter_l() };
+        let solid = Solid::new(&soup);
+        let scale = 0.6 + rng.unit() as f32;
+        let points: Vec<[f32; 3]> = (0..7).map(|_| std::array::from_fn(|_| scale * rng.unit() as f32)).collect();
+        let part = hull_of(&points);
+        let found = tight(&solid, &part);
+        // Closing triangles make the bound larger than the slow distance, never smaller.
+        let sampled =
+            samples(&part, &mut rng, 4000).into_iter().map(|p| slow_distance(&solid, &soup, p)).fold(0.0, f64::max);
+        if solid.kind() == SolidKind::Watertight {
+            assert!(found.bound >= sampled, "round {round}: {found:?} below {sampled}");
+            close += usize::from(found.bound <= 1.1 * sampled + 2e-3);
+        }
+        assert!(found.reached <= found.bound, "{found:?}");
+    }
+    assert!(close >= 15, "{close}");
+}
+
+#[test]
+fn uncovered_is_never_below_a_sample() {
+    let mut rng = SplitMix64::new(13);
+    let (mut covered, mut missed) = (0, 0);
+    for round in 0..60 {
+        let soup = if round % 2 == 0 { random_soup(&mut rng, 7) } else { letter_l() };
+        let size = 0.7 + 1.6 * rng.unit() as f32;
+        let hulls: Vec<Hull> = (0..1 + round % 4)
+            .map(|_| {
+                let centre: [f32; 3] = std::array::from_fn(|_| rng.unit() as f32);
+                let points: Vec<[f32; 3]> = (0..10)
+                    .map(|_| std::array::from_fn(|axis| centre[axis] + size * (2.0 * rng.unit() as f32 - 1.0)))
+                    .collect();
+                hull_of(&points)
+            })
+            .collect();
+        let parts: Vec<&Hull> = hulls.iter().collect();
+        let found = uncovered(&soup, &parts);
+        let prepared: Vec<Nearest> = hulls.iter().map(Nearest::new).collect();
+        let at = |v: u32| DVec3::from_array(soup.positions[v as usize].map(f64::from));
+        let mut sampled = 0.0_f64;
+        for i in 0..3000 {
+            let corners = soup.triangles[i % soup.triangles.len()].map(at);
+            let p = in_triangle(&corners, &mut rng);
+            let distances = prepared.iter().map(|part| part.certain(p).point.distance(p));
+            sampled = sampled.max(distances.fold(f64::INFINITY, f64::min));
+        }
+        assert!(found.bound >= sampled - 1e-12, "round {round}: {found:?} below {sampled}");
+        assert!(found.bound <= 1.01 * found.reached + 1e-5, "round {round}: {found:?}");
+        if found.bound < 1e-9 {
+            covered += 1;
+        } else {
+            missed += 1;
+        }
+    }
+    assert!(covered >= 4 && missed >= 20, "{covered} covered, {missed} not");
+}
+
+#[test]
+fn a_gap_between_parts_is_found() {
+    // A plate covered by two boxes with a gap of 0.2 between them: the middle is 0.1 away.
+    let plate = block([0.0; 3], [2.0, 1.0, 0.1], false);
+    let left = hull_of(&block([0.0; 3], [0.9, 1.0, 0.1], false).positions);
+    let right = hull_of(&block([1.1, 0.0, 0.0], [2.0, 1.0, 0.1], false).positions);
+    let found = uncovered(&plate, &[&left, &right]);
+    assert!(found.bound > 0.0999 && found.bound < 0.101, "{found:?}");
+    assert_eq!(uncovered(&plate, &[]).bound, f64::INFINITY);
+}
+
+#[test]
+fn nothing_is_covered_and_nothing_protrudes() {
+    let nothing = PointSet::default();
+    assert_eq!(uncovered(&nothing, &[]).bound, 0.0);
+    let solid = Solid::new(&nothing);
+    assert_eq!(solid.kind(), SolidKind::Sheet);
+    let found = tight(&solid, &hull_of(&[[0.0; 3], [1.0; 3]]));
+    assert_eq!(found.bound, f64::INFINITY);
+}

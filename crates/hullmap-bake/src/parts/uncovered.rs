@@ -1,0 +1,172 @@
+//! Coverage: the greatest distance of a point of a mesh's surface from the nearest of its parts.
+//!
+//! # Steps
+//! 1. Measure each vertex against the parts near it. A triangle whose corners lie in one part is
+//!    covered.
+//! 2. Subtract the parts from each other triangle, one after the other. What is left are convex
+//!    polygons.
+//! 3. Branch and bound over triangles of these: a triangle is bounded by the distances of its corners
+//!    from one part.
+//!
+//! # Why the bound holds
+//! The distance from a convex set is a convex function, so over a triangle it is greatest at a
+//! corner. The distance from the union of the parts is at most that from one of them. Distances are
+//! measured to convex combinations of a part's vertices, so none is too small except for rounding.
+//!
+//! # Complexity
+//! One nearest-point search (GJK) per vertex and part near it, plus a bounded number of cells.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{
+    branch::{Accuracy, Maximum, Measured, maximum},
+    planes::{self, HalfSpace},
+    triangle::{self, Triangle},
+};
+use crate::{PointSet, hull::Hull, simplify::nearest::Nearest};
+
+/// How far a mesh's surface lies outside its parts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Uncovered {
+    /// Upper bound, proven; infinite if there are triangles but no parts.
+    pub bound: f64,
+    /// Distance from the parts at [`at`](Self::at).
+    pub reached: f64,
+    /// A point of the surface.
+    pub at: DVec3,
+}
+
+/// Distance from a part's surface up to which a point counts as inside while parts are subtracted,
+/// relative to the diagonal. What is subtracted is measured.
+const INSIDE: f64 = 1e-12;
+
+/// Maximum number of pieces of one triangle. Further parts are not subtracted from a triangle that
+/// has more.
+const MAX_PIECES: usize = 4096;
+
+/// The greatest distance of a point on the triangles of `mesh` from the nearest of `parts`. All are
+/// in the same frame.
+pub fn uncovered(mesh: &PointSet, parts: &[&Hull]) -> Uncovered {
+    let positions: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
+    let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let diagonal = if positions.is_empty() { 0.0 } else { low.distance(high) };
+    let parts: Vec<Part> = parts.iter().map(|hull| Part::new(hull)).collect();
+    uncovered_by(mesh, &positions, &parts, &Accuracy::tight(diagonal), INSIDE * diagonal)
+}
+
+fn uncovered_by(
+    mesh: &PointSet,
+    positions: &[DVec3],
+    parts: &[Part],
+    accuracy: &Accuracy,
+    tolerance: f64,
+) -> Uncovered {
+    // Points of a cloud are covered one by one.
+    let points = if mesh.triangles.is_empty() { positions } else { &[] };
+    let seeds: Vec<(Vec<Triangle>, f64)> = mesh
+        .triangles
+        .par_iter()
+        .map(|t| t.map(|v| positions[v as usize]))
+        .chain(points.par_iter().map(|p| [*p; 3]))
+        .map(|corners| left_over(&corners, parts, tolerance))
+        .collect();
+    let subtracted = seeds.iter().map(|(_, distance)| *distance).fold(0.0, f64::max);
+    let cells = seeds.into_iter().flat_map(|(cells, _)| cells);
+    let measure = |cell: &mut Triangle, _: f64| measured(cell, parts);
+    let Maximum { bound, reached, at, .. } = maximum(cells, accuracy, measure, triangle::halves);
+    Uncovered { bound: bound.max(subtracted), reached, at }
+}
+
+/// A part, prepared.
+struct Part {
+    nearest: Nearest,
+    planes: Vec<HalfSpace>,
+    bounds: [DVec3; 2],
+    is_solid: bool,
+}
+
+impl Part {
+    fn new(hull: &Hull) -> Self {
+        let positions = hull.positions();
+        let bounds = [
+            positions.iter().copied().fold(DVec3::INFINITY, DVec3::min),
+            positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max),
+        ];
+        let is_solid = hull.rank == 3;
+        let planes = if is_solid { planes::half_spaces(hull) } else { Vec::new() };
+        Self { nearest: Nearest::new(hull), planes, bounds, is_solid }
+    }
+
+    /// Distance of the box around the part.
+    fn box_distance(&self, p: DVec3) -> f64 {
+        (self.bounds[0] - p).max(p - self.bounds[1]).max(DVec3::ZERO).length()
+    }
+
+    /// Upper bound on the distance of a point, exact except for rounding. Each search starts at
+    /// vertex `start` and sets it to a vertex near the point.
+    fn distance(&self, p: DVec3, start: &mut u32) -> f64 {
+        let foot = if self.is_solid { self.nearest.from(p, *start) } else { self.nearest.certain(p) };
+        *start = foot.vertex;
+        foot.point.distance(p)
+    }
+
+    /// Greatest distance of a corner.
+    fn farthest(&self, corners: &[DVec3]) -> f64 {
+        let mut start = 0;
+        corners.iter().map(|p| self.distance(*p, &mut start)).fold(0.0, f64::max)
+    }
+}
+
+/// What the parts leave of a triangle, and the greatest distance of what was subtracted from the
+/// part that contains it.
+fn left_over(corners: &Triangle, parts: &[Part], tolerance: f64) -> (Vec<Triangle>, f64) {
+    let low = corners.iter().copied().fold(DVec3::INFINITY, DVec3::min) - tolerance;
+    let high = corners.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) + tolerance;
+    let is_near = |part: &&Part| (part.bounds[0] - high).max(low - part.bounds[1]).max_element() <= 0.0;
+    let near: Vec<&Part> = parts.iter().filter(is_near).collect();
+    let contains = |part: &&&Part| {
+        let is_within = |p: &DVec3| part.planes.iter().all(|plane| plane.height(*p) <= tolerance);
+        part.is_solid && corners.iter().all(is_within)
+    };
+    if let Some(whole) = near.iter().find(contains) {
+        let distance = whole.farthest(corners);
+        if distance <= 2.0 * tolerance {
+            return (Vec::new(), distance);
+        }
+    }
+    let mut pieces = vec![corners.to_vec()];
+    let mut subtracted = 0.0_f64;
+    for part in near.iter().filter(|part| part.is_solid) {
+        let mut left = Vec::with_capacity(pieces.len());
+        for piece in pieces {
+            let (inside, outside) = planes::divide(&piece, &part.planes, tolerance);
+            subtracted = subtracted.max(part.farthest(&inside));
+            left.extend(outside);
+        }
+        pieces = left;
+        if pieces.len() > MAX_PIECES {
+            break;
+        }
+    }
+    (pieces.iter().flat_map(|piece| planes::fan(piece)).collect(), subtracted)
+}
+
+fn measured(corners: &Triangle, parts: &[Part]) -> Measured {
+    let centre = triangle::centroid(corners);
+    let (mut bound, mut reached) = (f64::INFINITY, f64::INFINITY);
+    for part in parts {
+        let lower = part.box_distance(centre);
+        // Written so that NaN would not skip a part, although no position is NaN.
+        if !(lower >= reached) {
+            reached = reached.min(part.farthest(&[centre]));
+        }
+        let lower = corners.iter().map(|p| part.box_distance(*p)).fold(0.0, f64::max);
+        if !(lower >= bound) {
+            bound = bound.min(part.farthest(corners));
+        }
+    }
+    let radius = corners.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
+    Measured { bound: bound.min(reached + radius), reached: if parts.is_empty() { 0.0 } else { reached }, at: centre }
+}
