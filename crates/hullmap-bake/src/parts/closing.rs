@@ -18,8 +18,8 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-/// Triangles that close the mesh of `triangles`, which are indices of `positions`. Empty if the mesh
-/// is closed.
+/// Triangles that close the mesh of `triangles`, which are indices of `positions`. Empty if the
+/// mesh is closed.
 ///
 /// Two vertices are one if their indices are equal: vertices of equal position must have been
 /// merged.

@@ -1,5 +1,5 @@
-//! How well convex parts stand for a mesh: whether they cover its surface, and how far they protrude
-//! from its solid. Both are certified upper bounds, for parts from any source.
+//! How well convex parts stand for a mesh: whether they cover its surface, and how far they
+//! protrude from its solid. Both are certified upper bounds, for parts from any source.
 //!
 //! | file | concept |
 //! |---|---|

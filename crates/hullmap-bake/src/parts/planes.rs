@@ -87,8 +87,8 @@ pub fn divide(polygon: &[DVec3], planes: &[HalfSpace], tolerance: f64) -> (Vec<D
     (inside, outside)
 }
 
-/// Triangles that cover a convex polygon. A polygon of fewer than three corners becomes a degenerate
-/// triangle.
+/// Triangles that cover a convex polygon. A polygon of fewer than three corners becomes a
+/// degenerate triangle.
 pub fn fan(polygon: &[DVec3]) -> Vec<[DVec3; 3]> {
     match *polygon {
         [] => Vec::new(),

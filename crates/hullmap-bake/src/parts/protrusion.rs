@@ -3,16 +3,17 @@
 //! # Steps
 //! 1. Subtract from each face the triangles of the mesh that lie in its plane.
 //! 2. Surface: branch and bound over triangles of what is left. A triangle is bounded by the
-//!    distance of its centroid plus its radius; by 0 if no triangle of the mesh is within the radius
-//!    and the centroid is inside; and by the distances of its corners from one triangle of the mesh.
+//!    distance of its centroid plus its radius; by 0 if no triangle of the mesh is within the
+//!    radius and the centroid is inside; and by the distances of its corners from one triangle of
+//!    the mesh.
 //! 3. Inside: a part may also hide a cavity of the mesh. Points of the part that are close to its
 //!    surface are bounded by step 2. Branch and bound over boxes covers the others. A box that no
 //!    triangle of the mesh enters is all inside or all outside.
 //!
 //! # Why the bounds hold
 //! - The distance from a set changes by at most the distance between two points.
-//! - The distance from a convex set, such as one triangle, is a convex function, so it is greatest at
-//!   a corner. The distance from the solid is at most that.
+//! - The distance from a convex set, such as one triangle, is a convex function, so it is greatest
+//!   at a corner. The distance from the solid is at most that.
 //! - The winding number is constant between the triangles.
 //!
 //! # Complexity
@@ -33,8 +34,8 @@ use crate::hull::Hull;
 pub struct Protrusion {
     /// Upper bound, proven.
     pub bound: f64,
-    /// Distance from the solid at [`at`](Self::at), less rounding errors; the protrusion is at least
-    /// this unless closing triangles are near.
+    /// Distance from the solid at [`at`](Self::at), less rounding errors; the protrusion is at
+    /// least this unless closing triangles are near.
     pub reached: f64,
     /// A point of the part.
     pub at: DVec3,

@@ -1,19 +1,20 @@
-//! The solid that a mesh bounds, for any set of triangles: where its winding number is not zero, and
-//! its surface.
+//! The solid that a mesh bounds, for any set of triangles: where its winding number is not zero,
+//! and its surface.
 //!
 //! # Steps
 //! 1. Merge vertices of equal position, and drop triangles that repeat others. If the mesh is not
 //!    closed, merge vertices of its boundary that are closer than 1e-6 of the diagonal.
 //! 2. Close holes by cones ([`closing`]). Every point off the surface has an integer winding
 //!    number then.
-//! 3. A ray counts crossings of triangles by their orientation. If it passes too close to an edge to
-//!    be certain, another ray is cast. If all do, the solid angles of all triangles are added.
+//! 3. A ray counts crossings of triangles by their orientation. If it passes too close to an edge
+//!    to be certain, another ray is cast. If all do, the solid angles of all triangles are added.
 //!
-//! The sign of the winding number is ignored, so that a mesh turned inside out bounds the same solid.
+//! The sign of the winding number is ignored, so that a mesh turned inside out bounds the same
+//! solid.
 //!
 //! # Reference
-//! - Jacobson, Kavan, Sorkine-Hornung, "Robust inside-outside segmentation using generalized winding
-//!   numbers", 2013.
+//! - Jacobson, Kavan, Sorkine-Hornung, "Robust inside-outside segmentation using generalized
+//!   winding numbers", 2013.
 //! - Van Oosterom, Strackee, "The solid angle of a plane triangle", 1983.
 //!
 //! # Deviations
@@ -181,7 +182,8 @@ impl Solid {
         self.bounds
     }
 
-    /// All triangles that bound or may bound the solid: those of the mesh, then those that close it.
+    /// All triangles that bound or may bound the solid: those of the mesh, then those that close
+    /// it.
     pub fn triangles(&self) -> &[Triangle] {
         &self.triangles
     }
@@ -204,8 +206,8 @@ impl Solid {
         self.moved + self.rounding
     }
 
-    /// Whether a point is in the solid. A point within [`tolerance`](Self::tolerance) of its surface
-    /// may be either.
+    /// Whether a point is in the solid. A point within [`tolerance`](Self::tolerance) of its
+    /// surface may be either.
     pub fn is_inside(&self, p: DVec3) -> bool {
         if self.kind == SolidKind::Sheet || self.is_outside_bounds(p) {
             return false;
@@ -357,7 +359,8 @@ fn crossing(triangle: &Triangle, p: DVec3, direction: DVec3) -> Option<i32> {
     } else {
         let normal = (b - a).cross(c - a);
         let height = a.dot(normal);
-        // Edges may be much shorter than their distance, so the normal's error is that of the edges.
+        // Edges may be much shorter than their distance, so the normal's error is that of the
+        // edges.
         let error = UNCERTAIN * size * (b - a).length() * (c - a).length();
         if height.abs() <= error {
             return None;

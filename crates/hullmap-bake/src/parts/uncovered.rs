@@ -5,8 +5,8 @@
 //!    covered.
 //! 2. Subtract the parts from each other triangle, one after the other. What is left are convex
 //!    polygons.
-//! 3. Branch and bound over triangles of these: a triangle is bounded by the distances of its corners
-//!    from one part.
+//! 3. Branch and bound over triangles of these: a triangle is bounded by the distances of its
+//!    corners from one part.
 //!
 //! # Why the bound holds
 //! The distance from a convex set is a convex function, so over a triangle it is greatest at a
