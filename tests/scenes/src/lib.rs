@@ -1,6 +1,7 @@
 //! Scenes of Rapier with baked hulls, and the same scenes with parry's own convex polyhedra.
 //!
 //! - [`rest`]: one body falls on a floor. Does it come to rest, and is it lost?
+//! - [`slide`]: one body slides or rolls over a slab that is cut into parts. Does it stumble?
 //! - [`stack`]: upright prisms, one or ten of them, that must stand.
 //! - [`steps`]: the time of a step with many bodies.
 //!
@@ -9,6 +10,7 @@
 pub mod floor;
 pub mod model;
 pub mod rest;
+pub mod slide;
 pub mod stack;
 pub mod steps;
 pub mod way;
