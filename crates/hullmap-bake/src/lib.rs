@@ -32,7 +32,7 @@ pub mod pack;
 pub mod parts;
 pub mod simplify;
 
-pub use hullmap_format::{IndexKind, archive::NO_SOURCE_VERTEX};
+pub use hullmap_format::{IndexKind, SolidKind, archive::NO_SOURCE_VERTEX};
 pub use index::IndexChoice;
 pub use pack::write_pack;
 
@@ -120,12 +120,34 @@ pub enum BakeError {
     /// The hulls have different origins.
     #[error("the hulls of a pack have different origins: build them in one frame")]
     Origins,
+    /// The parts of an object are not consecutive or not complete, or state different kinds of
+    /// solid or uncovered distances; or a hull that is not a part was measured.
+    #[error("hull {hull} does not continue the parts before it: write the parts of an object one after the other")]
+    Parts {
+        /// Index of the hull.
+        hull: usize,
+    },
     /// The pack would be larger than 32-bit offsets can address.
     #[error("the pack would be larger than 2 GiB: split the source into several files")]
     PackTooLarge,
     /// The direction index is malformed. This is a bug.
     #[error("the direction index could not be certified: {0}; please report this mesh")]
     Index(#[from] hullmap_format::walk::IndexError),
+}
+
+/// How a convex part fits the mesh that it stands for, as proven bounds. Lengths are in source
+/// units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit {
+    /// What counts as the inside of the mesh.
+    pub solid: SolidKind,
+    /// Upper bound on how far a point of the mesh's surface lies outside all of its parts; the same
+    /// for all parts of the mesh.
+    pub uncovered: f64,
+    /// Upper bound on how far a point of this part lies outside the mesh's solid.
+    pub protrusion: f64,
+    /// A point of this part that protrudes by the protrusion or nearly so, in the hull's frame.
+    pub protrusion_at: [f64; 3],
 }
 
 /// A hull with its index, ready to be written.
@@ -140,12 +162,13 @@ pub struct BakedHull {
     /// Maximum distance by which the hull exceeds the convex hull of its source points; 0 for an
     /// exact hull.
     pub outer_error: f64,
-    /// Maximum distance of a vertex of the source object from the nearest of its parts; 0 for a
-    /// hull that is not a part.
-    pub uncovered: f64,
     /// Index among the convex parts of its source object; 0 for the first part, and for a hull that
     /// is not a part.
     pub part: u32,
+    /// Number of convex parts of its source object; 0 for a hull that is not a part.
+    pub part_count: u32,
+    /// How it fits the source object; `None` if that was not measured. Only parts are measured.
+    pub fit: Option<Fit>,
     /// The hull.
     pub hull: hull::Hull,
     /// Its mass properties.
@@ -222,8 +245,9 @@ fn bake(points: &PointSet, hull: hull::Hull, outer_error: f64, index: IndexChoic
         point_count: points.positions.len(),
         origin: points.origin,
         outer_error,
-        uncovered: 0.0,
         part: 0,
+        part_count: 0,
+        fit: None,
         hull,
         mass,
         interior,

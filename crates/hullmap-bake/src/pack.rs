@@ -18,6 +18,7 @@ use crate::{
 /// # Errors
 /// - [`BakeError::Empty`] if there are no hulls.
 /// - [`BakeError::Origins`] if the hulls have different origins.
+/// - [`BakeError::Parts`] if the parts of an object are not consecutive, or contradict each other.
 /// - [`BakeError::PackTooLarge`] if the pack exceeds 2 GiB.
 pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     if hulls.is_empty() {
@@ -35,6 +36,7 @@ pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>,
     if hulls.iter().any(|baked| baked.origin != hulls[0].origin) {
         return Err(BakeError::Origins);
     }
+    check_parts(hulls)?;
     pack.nodes = bvh::build(&mut pack.hulls);
     let payload = rkyv::api::high::to_bytes_in::<_, rancor::Error>(&pack, AlignedVec::<HEADER_LEN>::new())
         .map_err(|_| BakeError::PackTooLarge)?;
@@ -43,6 +45,26 @@ pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>,
     }
     let header = Header::for_payload(source.hash, options_hash(&source.options), &payload);
     Ok([&header.to_bytes()[..], &payload].concat())
+}
+
+/// Checks that each object's parts are consecutive, complete, and measured against one solid. A
+/// reader refuses other packs.
+fn check_parts(hulls: &[BakedHull]) -> Result<(), BakeError> {
+    let shared = |baked: &BakedHull| baked.fit.map(|fit| (fit.solid, fit.uncovered));
+    let mut rest = hulls;
+    while let Some(first) = rest.first() {
+        let count = first.part_count.max(1) as usize;
+        let own = rest.get(..count).unwrap_or(rest);
+        let continues = |(part, baked): (usize, &BakedHull)| {
+            (baked.part as usize, baked.part_count) == (part, first.part_count) && shared(baked) == shared(first)
+        };
+        let sound = own.iter().enumerate().take_while(|part| continues(*part)).count();
+        if sound < count || first.part_count == 0 && first.fit.is_some() {
+            return Err(BakeError::Parts { hull: hulls.len() - rest.len() + sound.min(count - 1) });
+        }
+        rest = &rest[count..];
+    }
+    Ok(())
 }
 
 /// Appends a hull to every section, and its record.
@@ -121,7 +143,9 @@ fn record(baked: &BakedHull, max_neighbours: u32) -> HullRecord {
         second_moments: mass.second_moments,
         containment_error: hull.containment_error,
         outer_error: baked.outer_error,
-        uncovered: baked.uncovered,
+        uncovered: baked.fit.map_or(0.0, |fit| fit.uncovered),
+        protrusion: baked.fit.map_or(0.0, |fit| fit.protrusion),
+        protrusion_at: baked.fit.map_or([0.0; 3], |fit| fit.protrusion_at),
         origin: baked.origin,
         bounds_min: component(f32::min),
         bounds_max: component(f32::max),
@@ -136,5 +160,7 @@ fn record(baked: &BakedHull, max_neighbours: u32) -> HullRecord {
         // Set by `bvh::build`.
         leaf: 0,
         part: baked.part,
+        part_count: baked.part_count,
+        solid: baked.fit.map_or(0, |fit| fit.solid.code()),
     }
 }

@@ -192,6 +192,29 @@ typedef uint32_t HullmapPrediction;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// What counts as the inside of the mesh that convex parts stand for: HullmapHullFacts.solid.
+enum HullmapSolid
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // The hull was not measured: it is not a part, or its mesh was not known.
+    HULLMAP_SOLID_UNMEASURED = 0,
+    // The mesh is closed.
+    HULLMAP_SOLID_WATERTIGHT = 1,
+    // The mesh has holes, which were closed.
+    HULLMAP_SOLID_CLOSED = 2,
+    // The mesh has no inside.
+    HULLMAP_SOLID_SHEET = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum HullmapSolid HullmapSolid;
+#else
+typedef uint32_t HullmapSolid;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // Memory of one ordered pair of shapes from query to query. It makes the next query cheaper, and
 // changes answers by no more than rounding error. One call at a time may use it.
 typedef struct HullmapCache HullmapCache;
@@ -277,6 +300,17 @@ typedef struct {
     double outer_error;
     // Origin of the hull's frame in that of the source file; zero unless the bake recentred.
     HullmapVec3 origin;
+    // Number of convex parts of its source object; 0 for a hull that is not a part.
+    uint32_t part_count;
+    // A HullmapSolid: what counts as the inside of the mesh that the part was measured against.
+    // With HULLMAP_SOLID_UNMEASURED, the next three fields are 0 and claim nothing.
+    uint32_t solid;
+    // Upper bound on how far a point of the mesh's surface lies outside all of its parts.
+    double uncovered;
+    // Upper bound on how far a point of the part lies outside the mesh's solid.
+    double protrusion;
+    // The point of the part that protrudes most, as far as the bake found.
+    HullmapVec3 protrusion_at;
 } HullmapHullFacts;
 
 // The arrays of a hull: pointers into the pack, for reading only. They are valid as long as the

@@ -416,6 +416,8 @@ fn facts_and_arrays_are_those_of_the_pack() {
         assert_eq!((facts.inertia[1], facts.inertia[8]), (tensor.y_axis.x, tensor.z_axis.z));
         assert_eq!((facts.inner_radius, facts.outer_radius), (hull.inner_radius(), hull.outer_radius()));
         assert_eq!(facts.bounds.max, hull.bounds()[1].as_dvec3().into());
+        let unmeasured = (facts.part_count, facts.solid, facts.uncovered, facts.protrusion);
+        assert_eq!(unmeasured, (0, types::Solid::Unmeasured as u32, 0.0, 0.0));
         let mut arrays = std::mem::zeroed::<types::HullArrays>();
         assert_eq!(hullmap_pack_hull_arrays(pack.0, 1, &raw mut arrays), Code::Ok);
         let vertices = std::slice::from_raw_parts(arrays.vertices, 3 * arrays.vertex_count);

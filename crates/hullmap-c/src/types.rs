@@ -118,6 +118,31 @@ pub enum Prediction {
     Length = 1,
 }
 
+/// What counts as the inside of the mesh that convex parts stand for: HullmapHullFacts.solid.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Solid {
+    /// The hull was not measured: it is not a part, or its mesh was not known.
+    Unmeasured = 0,
+    /// The mesh is closed.
+    Watertight = 1,
+    /// The mesh has holes, which were closed.
+    Closed = 2,
+    /// The mesh has no inside.
+    Sheet = 3,
+}
+
+impl From<Option<hullmap::SolidKind>> for Solid {
+    fn from(kind: Option<hullmap::SolidKind>) -> Self {
+        match kind {
+            None => Self::Unmeasured,
+            Some(hullmap::SolidKind::Watertight) => Self::Watertight,
+            Some(hullmap::SolidKind::Closed) => Self::Closed,
+            Some(hullmap::SolidKind::Sheet) => Self::Sheet,
+        }
+    }
+}
+
 /// Kind of feature that a manifold point lies on.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -248,6 +273,17 @@ pub struct HullFacts {
     pub outer_error: f64,
     /// Origin of the hull's frame in that of the source file; zero unless the bake recentred.
     pub origin: Vec3,
+    /// Number of convex parts of its source object; 0 for a hull that is not a part.
+    pub part_count: u32,
+    /// A HullmapSolid: what counts as the inside of the mesh that the part was measured against.
+    /// With HULLMAP_SOLID_UNMEASURED, the next three fields are 0 and claim nothing.
+    pub solid: u32,
+    /// Upper bound on how far a point of the mesh's surface lies outside all of its parts.
+    pub uncovered: f64,
+    /// Upper bound on how far a point of the part lies outside the mesh's solid.
+    pub protrusion: f64,
+    /// The point of the part that protrudes most, as far as the bake found.
+    pub protrusion_at: Vec3,
 }
 
 /// The arrays of a hull: pointers into the pack, for reading only. They are valid as long as the

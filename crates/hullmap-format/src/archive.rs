@@ -134,9 +134,21 @@ pub struct HullRecord {
     /// Maximum distance by which the hull exceeds the convex hull of its source points, in source
     /// units; 0 for an exact hull.
     pub outer_error: f64,
-    /// Maximum distance of a vertex of the source object from the nearest of its parts, in source
-    /// units; the same for all parts of an object, 0 for a hull that is not a part.
+    /// Upper bound on how far a point of the source object's surface lies outside all of its parts,
+    /// in source units; the same for all parts of an object. 0 if [`solid`] is 0: not measured.
+    ///
+    /// [`solid`]: HullRecord::solid
     pub uncovered: f64,
+    /// Upper bound on how far a point of the part lies outside the source object's solid, in source
+    /// units. 0 if [`solid`] is 0: not measured.
+    ///
+    /// [`solid`]: HullRecord::solid
+    pub protrusion: f64,
+    /// Where the part protrudes most, as far as the bake found: a point of the part. 0 if [`solid`]
+    /// is 0.
+    ///
+    /// [`solid`]: HullRecord::solid
+    pub protrusion_at: [f64; 3],
     /// Origin of the hull's frame in the source's: subtracted from the source's coordinates. The
     /// same for all hulls.
     pub origin: [f64; 3],
@@ -166,6 +178,11 @@ pub struct HullRecord {
     /// Index among the convex parts of the source object, which are stored consecutively. 0 for the
     /// first part, and for a hull that is not a part.
     pub part: u32,
+    /// Number of convex parts of the source object; 0 for a hull that is not a part.
+    pub part_count: u32,
+    /// Code of the kind of solid that the part was measured against: see
+    /// [`SolidKind::code`](crate::SolidKind::code). 0 if it was not measured.
+    pub solid: u32,
 }
 
 /// A node of the bounding volume hierarchy (BVH). Two `vec4` in a GPU buffer.

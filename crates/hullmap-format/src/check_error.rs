@@ -165,14 +165,40 @@ pub enum HullError {
         /// Outer radius.
         outer: f64,
     },
-    /// The index of its part is neither 0 nor the next one.
-    #[error("its part is {found} (expected 0{})", or_next(*before))]
+    /// The index of its part does not follow that of the hull before it.
+    #[error("its part is {found} (expected {expected})")]
     Part {
         /// Part in the record.
         found: u32,
-        /// Part of the hull before.
-        before: Option<u32>,
+        /// Index of the next part, or 0 if the hull before completes its object.
+        expected: u32,
     },
+    /// The number of parts of its object differs from that of the part before it, or fewer hulls
+    /// follow.
+    #[error("its object has {found} parts (expected {})", expected_parts(*expected, *left))]
+    PartCount {
+        /// Number in the record.
+        found: u32,
+        /// Number in the record of the part before it, if there is one.
+        expected: Option<u32>,
+        /// Number of hulls from this one on.
+        left: usize,
+    },
+    /// The kind of solid is not 0 to 3.
+    #[error("its kind of solid is {found} (expected 0 to 3)")]
+    Solid {
+        /// Code in the record.
+        found: u32,
+    },
+    /// A hull that was not measured states an uncovered distance or a protrusion.
+    #[error("its kind of solid states that it was not measured, but its uncovered distance or its protrusion is not 0")]
+    Unmeasured,
+    /// A hull that is not a part was measured.
+    #[error("it is not a part of an object, but states a kind of solid")]
+    MeasuredAlone,
+    /// Two parts of an object state different uncovered distances or kinds of solid.
+    #[error("its uncovered distance or its kind of solid is not that of the part before it")]
+    PartsDiffer,
     /// Its frame is not that of the other hulls.
     #[error("its origin is {found:?} (expected {expected:?}, the origin of the hull before it)")]
     Origin {
@@ -590,8 +616,8 @@ fn faces_of_rank(rank: u32) -> &'static str {
     if rank < 2 { "has no faces" } else { "has at least 2 faces" }
 }
 
-fn or_next(before: Option<u32>) -> String {
-    before.and_then(|before| before.checked_add(1)).map_or_else(String::new, |next| format!(" or {next}"))
+fn expected_parts(expected: Option<u32>, left: usize) -> String {
+    expected.map_or_else(|| format!("at most {left}"), |expected| format!("{expected}, as in the part before it"))
 }
 
 fn expected_face(face: Option<u32>) -> String {

@@ -9,6 +9,7 @@ use crate::{
     check_error::HullError,
     index_kind::IndexKind,
     sections::Sections,
+    solid_kind::SolidKind,
     walk::{Cost, Shape, walk},
 };
 
@@ -27,6 +28,7 @@ impl HullCheck<'_> {
         self.name()?;
         self.record()?;
         self.part()?;
+        self.solid()?;
         self.vertices()?;
         self.source_vertices()?;
         self.faces()?;
@@ -63,6 +65,7 @@ impl HullCheck<'_> {
             ("containment error", r.containment_error),
             ("outer error", r.outer_error),
             ("uncovered distance", r.uncovered),
+            ("protrusion", r.protrusion),
         ] {
             let found = length.to_native();
             // `>=` is false for NaN.
@@ -74,6 +77,7 @@ impl HullCheck<'_> {
         all_finite("interior point", &r.interior_point, f64_le::to_native)?;
         all_finite("second moments", &r.second_moments, f64_le::to_native)?;
         all_finite("origin", &r.origin, f64_le::to_native)?;
+        all_finite("point of greatest protrusion", &r.protrusion_at, f64_le::to_native)?;
         all_finite("lower bounds", &r.bounds_min, |c| f64::from(c.to_native()))?;
         all_finite("upper bounds", &r.bounds_max, |c| f64::from(c.to_native()))?;
         let (rank, found) = (r.rank.to_native(), self.vertex_count());
@@ -90,19 +94,63 @@ impl HullCheck<'_> {
         if inner <= outer { Ok(()) } else { Err(HullError::Radii { inner, outer }) }
     }
 
-    /// The parts of an object are consecutive and counted from 0. All hulls share one frame.
+    fn before(&self) -> Option<&ArchivedHullRecord> {
+        self.hull.checked_sub(1).and_then(|before| self.pack.hulls.get(before))
+    }
+
+    /// The parts of an object are consecutive, counted from 0, and complete. All hulls share one
+    /// frame.
     fn part(&self) -> Result<(), HullError> {
-        let before = self.hull.checked_sub(1).and_then(|before| self.pack.hulls.get(before));
-        let found = self.record.part.to_native();
-        let part_before = before.map(|before| before.part.to_native());
-        if found != 0 && part_before.and_then(|part| part.checked_add(1)) != Some(found) {
-            return Err(HullError::Part { found, before: part_before });
+        let before = self.before();
+        let [found, count] = [self.record.part, self.record.part_count].map(u32_le::to_native);
+        let next = before.map_or(0, |before| {
+            let next = before.part.to_native().saturating_add(1);
+            if next < before.part_count.to_native() { next } else { 0 }
+        });
+        if found != next {
+            return Err(HullError::Part { found, expected: next });
+        }
+        let expected = match before {
+            Some(before) if next > 0 => before.part_count.to_native(),
+            _ => count,
+        };
+        let left = self.pack.hulls.len() - self.hull;
+        // The first part states how many follow.
+        if count != expected || next == 0 && count as usize > left {
+            return Err(HullError::PartCount {
+                found: count,
+                expected: if next > 0 { Some(expected) } else { None },
+                left,
+            });
         }
         match before {
             Some(before) if before.origin != self.record.origin => Err(HullError::Origin {
                 found: self.record.origin.map(f64_le::to_native),
                 expected: before.origin.map(f64_le::to_native),
             }),
+            _ => Ok(()),
+        }
+    }
+
+    /// A hull that was not measured makes no claim. All parts of an object were measured against
+    /// one solid.
+    fn solid(&self) -> Result<(), HullError> {
+        let r = self.record;
+        let found = r.solid.to_native();
+        if found > 0 && SolidKind::from_code(found).is_none() {
+            return Err(HullError::Solid { found });
+        }
+        let measures = [r.uncovered, r.protrusion, r.protrusion_at[0], r.protrusion_at[1], r.protrusion_at[2]];
+        if found == 0 && measures.iter().any(|measure| measure.to_native() != 0.0) {
+            return Err(HullError::Unmeasured);
+        }
+        if found > 0 && r.part_count.to_native() == 0 {
+            return Err(HullError::MeasuredAlone);
+        }
+        match self.before() {
+            Some(before) if r.part.to_native() > 0 && (before.solid, before.uncovered) != (r.solid, r.uncovered) => {
+                Err(HullError::PartsDiffer)
+            }
             _ => Ok(()),
         }
     }

@@ -8,6 +8,7 @@
 //! | [`quad`] | the four corners that stand for a face of many corners |
 //! | [`cube`] | direction ↔ cell of the cube map |
 //! | [`index_kind`] | the kinds of direction index: names, codes, leaf sizes |
+//! | [`solid_kind`] | what counts as the inside of the mesh that parts stand for |
 //! | [`slot`] | the words of a direction index |
 //! | [`node`] | the nodes of a direction index: positions of their numbers and slots |
 //! | [`bvh`] | the tree of bounding boxes over a pack's hulls |
@@ -37,9 +38,11 @@ pub mod quad;
 pub mod repeats;
 pub mod sections;
 pub mod slot;
+pub mod solid_kind;
 pub mod walk;
 
 pub use index_kind::IndexKind;
+pub use solid_kind::SolidKind;
 
 /// File name extension of a pack, without the dot.
 pub const EXTENSION: &str = "hullmap";
@@ -47,4 +50,4 @@ pub const EXTENSION: &str = "hullmap";
 /// Version of the format that this crate writes and reads.
 ///
 /// Any change to the bytes or to their meaning increments it. `docs/FORMAT.md` lists the history.
-pub const FORMAT_VERSION: u32 = 4;
+pub const FORMAT_VERSION: u32 = 5;

@@ -150,9 +150,13 @@ impl Hull {
         facts.set_item("bounds", hull.bounds().map(|corner| corner.as_dvec3().to_array()))?;
         facts.set_item("containment_error", hull.containment_error())?;
         facts.set_item("outer_error", hull.outer_error())?;
+        facts.set_item("solid", hull.solid().map(hullmap::SolidKind::as_str))?;
         facts.set_item("uncovered", hull.uncovered())?;
+        facts.set_item("protrusion", hull.protrusion())?;
+        facts.set_item("protrusion_at", hull.protrusion_at().map(|at| at.to_array()))?;
         facts.set_item("origin", hull.origin().to_array())?;
         facts.set_item("part", hull.part())?;
+        facts.set_item("part_count", hull.part_count())?;
         facts.set_item("index_kind", hull.index_kind().to_string())?;
         facts.set_item("index_bytes", hull.index_byte_len())?;
         facts.set_item("source_point_count", hull.source_point_count())?;

@@ -167,6 +167,46 @@ impl Hull {
         self.0.hull().outer_error()
     }
 
+    /// Index among the convex parts of its mesh.
+    #[wasm_bindgen(getter)]
+    pub fn part(&self) -> u32 {
+        self.0.hull().part()
+    }
+
+    /// Number of convex parts of its mesh; 0 for a hull that is not a part.
+    #[wasm_bindgen(getter, js_name = partCount)]
+    pub fn part_count(&self) -> u32 {
+        self.0.hull().part_count()
+    }
+
+    /// What counts as the inside of the mesh of a part: `watertight`, `closed` (holes were closed)
+    /// or `sheet` (no inside); undefined if the part was not measured.
+    #[wasm_bindgen(getter)]
+    pub fn solid(&self) -> Option<String> {
+        self.0.hull().solid().map(|kind| kind.to_string())
+    }
+
+    /// Bound on how far a point of the mesh's surface lies outside all of its parts; undefined if
+    /// that was not measured.
+    #[wasm_bindgen(getter)]
+    pub fn uncovered(&self) -> Option<f64> {
+        self.0.hull().uncovered()
+    }
+
+    /// Bound on how far a point of this part lies outside the mesh's solid; undefined if that was
+    /// not measured.
+    #[wasm_bindgen(getter)]
+    pub fn protrusion(&self) -> Option<f64> {
+        self.0.hull().protrusion()
+    }
+
+    /// The point of this part that protrudes most: three numbers; undefined if that was not
+    /// measured.
+    #[wasm_bindgen(getter, js_name = protrusionAt)]
+    pub fn protrusion_at(&self) -> Option<Vec<f64>> {
+        self.0.hull().protrusion_at().map(|at| at.to_array().to_vec())
+    }
+
     /// Kind of the direction index.
     #[wasm_bindgen(getter, js_name = indexKind)]
     pub fn index_kind(&self) -> String {

@@ -157,7 +157,8 @@ impl Inquiry {
         }
         black_box((hull.name(), hull.bounds(), hull.volume(), hull.surface_area(), hull.second_moments()));
         black_box((hull.centroid(), hull.diameter(), hull.containment_error(), hull.source_point_count()));
-        black_box((hull.index_kind(), hull.index_byte_len(), hull.origin(), hull.part(), hull.uncovered()));
+        black_box((hull.index_kind(), hull.index_byte_len(), hull.origin(), hull.part(), hull.part_count()));
+        black_box((hull.solid(), hull.uncovered(), hull.protrusion(), hull.protrusion_at()));
         black_box((hull.outer_error(), hull.outer_vertices().map(|vertex| vertex.x).sum::<f32>()));
     }
 

@@ -1,6 +1,8 @@
 //! The packs to change.
 
-use hullmap_bake::{IndexChoice, IndexKind, NO_SOURCE_VERTEX, PointSet, SourceRecord, bake_hull, write_pack};
+use hullmap_bake::{
+    Fit, IndexChoice, IndexKind, NO_SOURCE_VERTEX, PointSet, SolidKind, SourceRecord, bake_hull, write_pack,
+};
 use hullmap_testkit::packs::{self, ALL_INDICES, point_set};
 use shapes::{families::Family, rng::SplitMix64};
 
@@ -141,7 +143,9 @@ fn parts() -> Sample {
         .map(|set| bake_hull(set, IndexKind::Tree).expect("a tetrahedron can be baked"))
         .collect();
     for (part, hull) in hulls[1..].iter_mut().enumerate() {
-        (hull.part, hull.uncovered, hull.outer_error) = (part as u32, 0.25, 0.01);
+        (hull.part, hull.part_count, hull.outer_error) = (part as u32, 3, 0.01);
+        let protrusion_at = hull.hull.vertices[0].map(f64::from);
+        hull.fit = Some(Fit { solid: SolidKind::Closed, uncovered: 0.25, protrusion: 0.125, protrusion_at });
     }
     let file = write_pack(&hulls, &source()).expect("a small pack can be written");
     Sample { name: "parts, tree".to_owned(), file }

@@ -394,7 +394,7 @@ fn simplified_hulls_are_reported_to_contain_their_source() {
         assert!(limit.contains(&(error / diameter)), "{more}: {error}");
         let shown: f64 = column(&page, OF_HULLS, "outer error")[0].replace('−', "-").parse().unwrap();
         assert!((shown - error).abs() < 0.01 * error, "{shown} {error}");
-        assert_eq!(column(&page, OF_HULLS, "uncovered"), ["0"]);
+        assert_eq!(column(&page, OF_HULLS, "uncovered"), ["–"]);
         assert_eq!(data(&page)["hulls"][0]["vertices"], hull["vertices"]);
         let list = if kind == "Note" { "notes" } else { "warnings" };
         let remark =

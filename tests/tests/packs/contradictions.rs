@@ -291,14 +291,24 @@ fn parts_frames_and_errors_that_contradict_each_other_are_refused() {
     let set_part = |hull: usize, to: u32| open_with(&file, |pack| &pack.hulls[hull].part, &to.to_le_bytes());
     let set_origin = |hull: usize, to: f64| open_with(&file, |pack| &pack.hulls[hull].origin[1], &to.to_le_bytes());
     let set_error = |to: f64| open_with(&file, |pack| &pack.hulls[3].outer_error, &to.to_le_bytes());
-    let set_uncovered = |to: f64| open_with(&file, |pack| &pack.hulls[3].uncovered, &to.to_le_bytes());
-    assert!(set_part(0, 1).is_err() && set_part(3, 1).is_ok() && set_part(3, 2).is_err());
-    assert!(set_part(3, u32::MAX).is_err());
+    assert!([(0, 1), (3, 1), (3, 2), (3, u32::MAX)].iter().all(|(hull, to)| set_part(*hull, *to).is_err()));
     assert!(set_origin(2, 1.0).is_err() && set_origin(0, f64::NAN).is_err() && set_origin(1, -0.0).is_ok());
-    for set in [&set_error as &dyn Fn(f64) -> _, &set_uncovered] {
+    // Hulls 1 to 3 are the parts of one object.
+    let cut = samples::named("parts, tree");
+    let set_protrusion = |to: f64| open_with(&cut, |pack| &pack.hulls[3].protrusion, &to.to_le_bytes());
+    for set in [&set_error as &dyn Fn(f64) -> _, &set_protrusion] {
         let fails = |to: f64| -> bool { Result::<Pack, InvalidPack>::is_err(&set(to)) };
         assert!(!fails(0.5) && fails(-0.5) && fails(f64::NAN) && fails(f64::INFINITY));
     }
+    let set_uncovered = |hull: usize| open_with(&cut, |pack| &pack.hulls[hull].uncovered, &0.5_f64.to_le_bytes());
+    assert!((0..4).all(|hull| set_uncovered(hull).is_err()), "the parts of an object have one bound");
+    let set_solid = |hull: usize, to: u32| open_with(&cut, |pack| &pack.hulls[hull].solid, &to.to_le_bytes());
+    assert!(
+        (0..4)
+            .all(|hull| [0, 1, 3, 4, u32::MAX].iter().all(|to| *to == 0 && hull == 0 || set_solid(hull, *to).is_err()))
+    );
+    let set_count = |hull: usize, to: u32| open_with(&cut, |pack| &pack.hulls[hull].part_count, &to.to_le_bytes());
+    assert!((1..4).all(|hull| [0, 1, 2, 4, u32::MAX].iter().all(|to| set_count(hull, *to).is_err())));
 }
 
 /// A pack with all sections empty is consistent, but must not open.
@@ -405,6 +415,8 @@ fn nan_is_refused_in_every_field() {
         in_record(|r| &r.containment_error);
         in_record(|r| &r.outer_error);
         in_record(|r| &r.uncovered);
+        in_record(|r| &r.protrusion);
+        in_record(|r| &r.protrusion_at[2]);
         in_record(|r| &r.origin[0]);
         // The normal of the first plane, or the axis of the first fan.
         let fan = samples::named("prism, tree");
@@ -476,7 +488,7 @@ fn wrong_neighbours_are_refused() {
 /// Files of older and newer versions are refused. The error states the remedy.
 #[test]
 fn packs_of_other_versions_are_refused() {
-    for version in [1, 2] {
+    for version in 1..hullmap_format::FORMAT_VERSION {
         let file = std::fs::read(workspace().join(format!("tests/data/version-{version}.hullmap"))).unwrap();
         let error = Pack::from_bytes(&file).unwrap_err().to_string();
         let reads = hullmap_format::FORMAT_VERSION;

@@ -7,8 +7,8 @@ mod reader;
 use std::hash::Hasher;
 
 use glam::{DVec3, Vec3};
-use hullmap::{IndexKind as Kind, Pack, SupportMap};
-use hullmap_bake::{BakedHull, IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
+use hullmap::{IndexKind as Kind, Pack, SolidKind, SupportMap};
+use hullmap_bake::{BakedHull, Fit, IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
 use hullmap_tests::directions;
 use reader::{File, section, u32_at, u64_at};
 use shapes::{families::Family, rng::SplitMix64};
@@ -158,8 +158,9 @@ fn record(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
     assert_eq!(r.surface_area, theirs.surface_area());
     assert_eq!(r.second_moments, theirs.second_moments());
     assert_eq!(r.containment_error, theirs.containment_error());
-    assert_eq!((r.outer_error, r.uncovered, r.part), (theirs.outer_error(), theirs.uncovered(), theirs.part()));
-    assert_eq!((r.outer_error, r.uncovered, r.part), (baked.outer_error, baked.uncovered, baked.part));
+    assert_eq!((r.outer_error, r.part, r.part_count), (theirs.outer_error(), theirs.part(), theirs.part_count()));
+    assert_eq!((r.outer_error, r.part, r.part_count), (baked.outer_error, baked.part, baked.part_count));
+    fit(r, theirs, baked);
     assert_eq!((r.origin, r.origin), (theirs.origin().to_array(), baked.origin));
     assert_eq!([r.bounds_min, r.bounds_max], theirs.bounds().map(|b| b.to_array()));
     assert_eq!(r.rank, theirs.rank());
@@ -186,6 +187,42 @@ fn record(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
     assert!(ours.vertices.iter().all(|v| from_point(v) <= r.outer_radius));
     assert!(r.rank == 3 || (r.volume == 0.0 && r.inner_radius == 0.0));
     assert!(r.rank >= 2 || r.surface_area == 0.0);
+}
+
+/// What a part claims about its mesh, by the table of kinds in the document.
+fn fit(r: &reader::Record, theirs: &hullmap::Hull, baked: &BakedHull) {
+    let Some(fit) = baked.fit else {
+        assert_eq!((r.solid, r.uncovered, r.protrusion, r.protrusion_at), (0, 0.0, 0.0, [0.0; 3]));
+        assert_eq!(
+            (theirs.solid(), theirs.uncovered(), theirs.protrusion(), theirs.protrusion_at()),
+            Default::default()
+        );
+        return;
+    };
+    let kinds = [None, Some(SolidKind::Watertight), Some(SolidKind::Closed), Some(SolidKind::Sheet)];
+    assert_eq!((kinds[r.solid as usize], Some(fit.solid)), (Some(fit.solid), theirs.solid()));
+    assert_eq!((Some(r.uncovered), Some(fit.uncovered)), (theirs.uncovered(), theirs.uncovered()));
+    assert_eq!((Some(r.protrusion), Some(fit.protrusion)), (theirs.protrusion(), theirs.protrusion()));
+    let at = theirs.protrusion_at().map(|at| at.to_array());
+    assert_eq!((Some(r.protrusion_at), Some(fit.protrusion_at)), (at, at));
+}
+
+/// Parts of an object between hulls that are no parts, of each kind of solid, and parts that were
+/// not measured.
+#[test]
+fn parts_and_their_fit_are_read_back() {
+    let shapes = shapes_of_all_ranks();
+    let fits = SolidKind::ALL.map(|solid| {
+        Some(Fit { solid, uncovered: 0.125, protrusion: solid.code().into(), protrusion_at: [1.0, -2.0, 0.5] })
+    });
+    let mut hulls = vec![bake(&shapes[5], IndexKind::Tree)];
+    for fit in fits.into_iter().chain([None]) {
+        for part in 0..3 {
+            hulls.push(BakedHull { part, part_count: 3, fit, ..bake(&shapes[4], IndexKind::Tree) });
+        }
+    }
+    hulls.push(bake(&shapes[6], IndexKind::None));
+    compare(&hulls, &source("parts", ""), 500, &mut Met::default());
 }
 
 /// Vertices and faces, and their order by the document.
@@ -429,11 +466,12 @@ fn files_of_older_versions_are_refused_with_the_remedy() {
         &include_bytes!("../../data/version-1.hullmap")[..],
         include_bytes!("../../data/version-2.hullmap"),
         include_bytes!("../../data/version-3.hullmap"),
+        include_bytes!("../../data/version-4.hullmap"),
     ];
     for (file, version) in files.into_iter().zip(1..) {
         let error = Pack::from_bytes(file).unwrap_err().to_string();
         println!("{error}");
-        let expected = format!("format version {version}, but this build reads version 4; bake the source again");
+        let expected = format!("format version {version}, but this build reads version 5; bake the source again");
         assert!(error.contains(&expected), "{error}");
         assert_eq!(u64_at(file, 16) as usize, file.len() - 64, "the file is complete");
         assert_eq!(
@@ -572,7 +610,7 @@ fn tables_have_no_gaps() {
     for (heading, size) in [
         ("\n## 3. Header\n", 64),
         ("\n### 6.1 Span\n", 40),
-        ("\n### 6.2 Hull record\n", 248),
+        ("\n### 6.2 Hull record\n", 288),
         ("\n### 6.3 Block\n", 128),
         ("\n### 6.4 Node\n", 32),
         ("\n### 6.5 Quad\n", 24),

@@ -88,8 +88,27 @@ fn records() {
     assert_eq!(refusal!(&cube, hulls[0].rank = 1_u32), "hull 0: it has 8 vertices (expected 2 for rank 1)");
     let radii = refusal!(&cube, hulls[0].inner_radius = 5.0_f64);
     assert!(radii.starts_with("hull 0: its inner radius 5 is greater than its outer radius 0.86"), "{radii}");
-    assert_eq!(refusal!(&five, hulls[3].part = 2_u32), "hull 3: its part is 2 (expected 0 or 1)");
-    assert_eq!(refusal!(&five, hulls[0].part = 1_u32), "hull 0: its part is 1 (expected 0)");
+    assert_eq!(refusal!(&five, hulls[3].part = 2_u32), "hull 3: its part is 2 (expected 0)");
+    assert_eq!(refusal!(&five, hulls[3].part_count = 3_u32), "hull 3: its object has 3 parts (expected at most 2)");
+    let parts = samples::named("parts, tree");
+    assert_eq!(refusal!(&parts, hulls[2].part = 0_u32), "hull 2: its part is 0 (expected 1)");
+    assert_eq!(
+        refusal!(&parts, hulls[2].part_count = 4_u32),
+        "hull 2: its object has 4 parts (expected 3, as in the part before it)"
+    );
+    assert_eq!(refusal!(&parts, hulls[1].solid = 4_u32), "hull 1: its kind of solid is 4 (expected 0 to 3)");
+    assert_eq!(
+        refusal!(&parts, hulls[1].solid = 0_u32),
+        "hull 1: its kind of solid states that it was not measured, but its uncovered distance or its protrusion is not 0"
+    );
+    assert_eq!(
+        refusal!(&five, hulls[1].solid = 1_u32),
+        "hull 1: it is not a part of an object, but states a kind of solid"
+    );
+    assert_eq!(
+        refusal!(&parts, hulls[3].uncovered = 0.5_f64),
+        "hull 3: its uncovered distance or its kind of solid is not that of the part before it"
+    );
     assert_eq!(
         refusal!(&five, hulls[2].origin[1] = 1.0_f64),
         "hull 2: its origin is [0.0, 1.0, 0.0] (expected [0.0, 0.0, 0.0], the origin of the hull before it)"

@@ -5,6 +5,9 @@
 
 use std::collections::HashMap;
 
+use hullmap::{Hull, SolidKind};
+use hullmap_bake::Fit;
+
 /// Diameter over width above which a hull is thin: of the seven digits of f32, three are left
 /// across it.
 const THIN: f64 = 1e4;
@@ -130,14 +133,59 @@ pub fn simplified(facts: &HullMeasures) -> Option<Remark> {
     Some(Remark::by_size("simplified", name, text, outer_error, diameter, remedy))
 }
 
-/// What the `count` parts of an object leave uncovered, a length; `size` is the diameter of the
+/// How the parts of an object fit its mesh, as proven bounds; lengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PartsFit {
+    /// What counts as the inside of the mesh.
+    pub solid: SolidKind,
+    /// Bound on how far a point of the surface lies outside all parts.
+    pub uncovered: f64,
+    /// Bound on how far a point of a part lies outside the solid.
+    pub protrusion: f64,
+}
+
+impl PartsFit {
+    /// The fit of all parts of one object together.
+    ///
+    /// # Panics
+    /// If there are no parts.
+    pub fn of(parts: &[Fit]) -> Self {
+        let protrusion = parts.iter().map(|part| part.protrusion).fold(0.0, f64::max);
+        Self { solid: parts[0].solid, uncovered: parts[0].uncovered, protrusion }
+    }
+
+    /// The fit of parts in a pack; `None` if they were not measured.
+    pub fn of_hulls(parts: &[Hull]) -> Option<Self> {
+        let first = parts.first()?;
+        let protrusion = parts.iter().filter_map(Hull::protrusion).fold(0.0, f64::max);
+        Some(Self { solid: first.solid()?, uncovered: first.uncovered()?, protrusion })
+    }
+}
+
+/// Uncovered distance, relative to the size, that counts as covered: the containment error that a
+/// hull may have, 1e-7, with room for rounding.
+const COVERED: f64 = 1.5e-7;
+
+/// How the `count` parts of an object fit it, if that was measured; `size` is the diameter of the
 /// largest part.
-pub fn parts(name: &str, count: usize, uncovered: f64, size: f64) -> Remark {
-    let text = if uncovered == 0.0 {
-        format!("{name}: {count} parts; all vertices covered")
-    } else {
-        format!("{name}: {count} parts; vertices lie at most {uncovered:.3e} outside all parts")
+pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64) -> Remark {
+    let noun = if count == 1 { "part" } else { "parts" };
+    let Some(PartsFit { solid, uncovered, protrusion }) = fit else {
+        let text = format!("{name}: {count} {noun}; not measured, because the mesh they stand for is not known");
+        return Remark::note("unmeasured parts", name, text);
     };
+    let covered = if uncovered <= COVERED * size {
+        "the whole surface is covered".to_owned()
+    } else {
+        format!("the surface lies at most {uncovered:.3e} outside all parts")
+    };
+    let from = match solid {
+        SolidKind::Watertight => "the solid",
+        SolidKind::Closed => "the solid, whose holes were closed",
+        SolidKind::Sheet => "the surface, which encloses no solid",
+    };
+    let text =
+        format!("{name}: {count} {noun}; {covered}, and no part protrudes more than {protrusion:.3e} from {from}");
     Remark::by_size(
         "parts",
         name,
@@ -275,9 +323,14 @@ mod tests {
             "{warning}"
         );
         assert!(simple(f64::NAN).unwrap().is_warning);
-        assert!(!parts("a", 3, 1e-3, 1.0).is_warning);
-        assert_eq!(texts(parts("a", 3, 0.0, 1.0)).0, "a: 3 parts; all vertices covered");
-        let (_, warning) = texts(parts("a", 3, 0.02, 1.0));
+        let fit = |uncovered| Some(PartsFit { solid: SolidKind::Watertight, uncovered, protrusion: 0.25 });
+        assert!(!parts("a", 3, fit(1e-3), 1.0).is_warning);
+        let covered =
+            "a: 3 parts; the whole surface is covered, and no part protrudes more than 2.500e-1 from the solid";
+        assert_eq!(texts(parts("a", 3, fit(0.0), 1.0)).0, covered);
+        assert!(texts(parts("a", 3, None, 1.0)).0.contains("not measured"));
+        assert!(parts("a", 3, fit(f64::NAN), 1.0).is_warning);
+        let (_, warning) = texts(parts("a", 3, fit(0.02), 1.0));
         assert!(warning.contains("a: 3 parts;") && warning.contains("--vhacd-resolution"), "{warning}");
     }
 
@@ -285,9 +338,16 @@ mod tests {
     fn one_sentence_a_topic() {
         let names: Vec<String> = (0..12).map(|index| format!("p{index}")).collect();
         let flat = names.iter().map(|name| Remark::warning("flat", name, format!("hull {name} is flat")));
-        let cover = [("a", 0.0), ("b", 1e-3), ("c", 1e-4), ("d", 0.5)].map(|(name, gap)| parts(name, 2, gap, 1.0));
+        let fit = |uncovered| Some(PartsFit { solid: SolidKind::Sheet, uncovered, protrusion: 0.25 });
+        let cover = [("a", 0.0), ("b", 1e-3), ("c", 1e-4), ("d", 0.5)].map(|(name, gap)| parts(name, 2, fit(gap), 1.0));
         let (notes, warnings) = summarise(flat.chain(cover));
-        assert_eq!(notes, ["b: 2 parts; vertices lie at most 1.000e-3 outside all parts (and 2 more like it: a, c)"]);
+        assert_eq!(
+            notes,
+            [
+                "b: 2 parts; the surface lies at most 1.000e-3 outside all parts, and no part protrudes more than 2.500e-1 \
+              from the surface, which encloses no solid (and 2 more like it: a, c)"
+            ]
+        );
         assert_eq!(warnings[0], "hull p0 is flat (and 11 more like it: p1, p2, p3, p4, p5, p6, p7, p8, …)");
         assert!(warnings.len() == 2 && warnings[1].starts_with("d: 2 parts;"), "{warnings:?}");
     }

@@ -2,12 +2,12 @@
 
 use std::borrow::Cow;
 
-use hullmap_bake::decompose::{self, Parameters, decompose};
-use hullmap_bake::hull::Hull;
+use hullmap_bake::decompose::{Parameters, decompose};
 use hullmap_bake::{BakedHull, IndexChoice, PointSet, SourceRecord, bake_hull, bake_simplified_hull, write_pack};
 use rayon::prelude::*;
 
 use crate::advice::{self, HullMeasures, Remark};
+use crate::measure;
 use crate::options::BuildOptions;
 
 /// A pack in memory.
@@ -79,8 +79,10 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
         let hull = hull.map_err(|error| format!("hull {}: {error}", part.points.name))?;
         hulls.push(BakedHull { part: part.index, ..hull });
     }
-    let mut remarks =
-        decompose.map_or(Vec::new(), |decompose| cover(point_sets, &parts, &mut hulls, decompose.max_parts == 1));
+    let mut remarks = Vec::new();
+    if let Some(decompose) = decompose {
+        remarks = measure::parts(point_sets, &parts, &mut hulls, decompose.max_parts == 1);
+    }
     remarks.extend(hulls.iter().filter_map(|baked| advice::simplified(&facts(baked))));
     if let IndexChoice::Budget { bytes_per_vertex } = index {
         remarks.extend(hulls.iter().map(|baked| budget_note(baked, bytes_per_vertex)));
@@ -91,35 +93,6 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
     let ranks = hulls.iter().map(|baked| baked.hull.rank).collect();
     let vertex_count = hulls.iter().map(|baked| baked.hull.vertices.len()).sum();
     Ok(BakedPack { bytes, ranks, vertex_count, notes, warnings })
-}
-
-/// Measures what the parts of each set leave uncovered, and records it in their hulls.
-fn cover(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], allows_one_part: bool) -> Vec<Remark> {
-    let mut remarks = Vec::new();
-    let mut start = 0;
-    for (set, points) in point_sets.iter().enumerate() {
-        let count = parts[start..].iter().take_while(|part| part.set == set).count();
-        let own = &mut hulls[start..start + count];
-        start += count;
-        let name = &points.name;
-        if count == 1 {
-            let why = if points.triangles.is_empty() {
-                "it has no faces"
-            } else if allows_one_part {
-                "--vhacd-max-parts is 1"
-            } else {
-                "it is convex or thin"
-            };
-            remarks.push(Remark::note(why, name, format!("{name}: not decomposed, because {why}")));
-            continue;
-        }
-        let whole: Vec<&Hull> = own.iter().map(|baked| &baked.hull).collect();
-        let uncovered = decompose::uncovered(points, &whole);
-        own.iter_mut().for_each(|baked| baked.uncovered = uncovered);
-        let size = own.iter().map(|baked| baked.hull.diameter).fold(0.0, f64::max);
-        remarks.push(advice::parts(name, count, uncovered, size));
-    }
-    remarks
 }
 
 /// The measures that warnings depend on.

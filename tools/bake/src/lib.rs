@@ -36,6 +36,7 @@ mod geometry;
 mod glob;
 mod in_memory;
 mod interrupt;
+mod measure;
 mod open;
 mod options;
 mod outcome;

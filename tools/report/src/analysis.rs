@@ -85,8 +85,11 @@ pub struct HullRow {
     pub containment_error: f64,
     /// Bound on how far the hull extends beyond its source, a length; 0 for an exact hull.
     pub outer_error: f64,
-    /// Bound on how far a vertex of the object lies outside all of its parts, a length.
-    pub uncovered: f64,
+    /// Bound on how far a point of the object's surface lies outside all of its parts, a length;
+    /// `None` if it was not measured.
+    pub uncovered: Option<f64>,
+    /// Bound on how far a point of the part lies outside the object's solid, a length.
+    pub protrusion: Option<f64>,
     /// Index kind, in words.
     pub index: String,
     /// Size of the index in bytes.
@@ -218,6 +221,7 @@ fn hull_row(hull: &Hull, census: Census) -> HullRow {
         containment_error: hull.containment_error(),
         outer_error: hull.outer_error(),
         uncovered: hull.uncovered(),
+        protrusion: hull.protrusion(),
         index: hull.index_kind().to_string(),
         index_bytes: hull.index_byte_len(),
         max_nodes: worst.nodes,

@@ -192,6 +192,7 @@ fn hulls(pack: &Analysis) -> String {
         ("error", false),
         ("outer error", false),
         ("uncovered", false),
+        ("protrusion", false),
         ("index", true),
         ("bytes", false),
         ("per vertex", false),
@@ -210,7 +211,8 @@ fn hulls(pack: &Analysis) -> String {
             short(hull.volume),
             short(hull.containment_error),
             short(hull.outer_error),
-            short(hull.uncovered),
+            hull.uncovered.map_or_else(|| "–".to_owned(), short),
+            hull.protrusion.map_or_else(|| "–".to_owned(), short),
             escape(&hull.index),
             count(hull.index_bytes as u64),
             format!("{:.1}", hull.index_bytes as f64 / hull.vertices.max(1) as f64),
@@ -220,8 +222,9 @@ fn hulls(pack: &Analysis) -> String {
     });
     table(
         "The hulls of the pack. Error: how far a source point lies outside, relative to the diameter. Outer error: bound on \
-         how far a simplified hull extends beyond its source, a length. Uncovered: bound on how far a vertex of the mesh lies \
-         outside all of its parts, a length. Nodes and candidates are means over all directions.",
+         how far a simplified hull extends beyond its source, a length. Uncovered: bound on how far a point of the mesh's surface \
+         lies outside all of its parts, a length. Protrusion: bound on how far a point of the part lies outside the mesh's \
+         solid, a length. Nodes and candidates are means over all directions.",
         &heads,
         rows,
         &[],

@@ -9,7 +9,7 @@ use hullmap::OpenError;
 use crate::border::{self, Out, call};
 use crate::failure::{Failure, Fallible};
 use crate::handles::Pack;
-use crate::types::{Bounds, HullArrays, HullFacts, OPEN_BORROW, OPEN_MAP, OPEN_SKIP_CONTENTS, Result, Text};
+use crate::types::{Bounds, HullArrays, HullFacts, OPEN_BORROW, OPEN_MAP, OPEN_SKIP_CONTENTS, Result, Solid, Text};
 
 /// Opens a pack file. By default the file is copied into memory and checked completely, so that no
 /// file whatever can harm a later query.
@@ -163,6 +163,11 @@ pub unsafe extern "C" fn hullmap_pack_hull_facts(pack: *const Pack, hull: usize,
             containment_error: hull.containment_error(),
             outer_error: hull.outer_error(),
             origin: hull.origin().into(),
+            part_count: hull.part_count(),
+            solid: Solid::from(hull.solid()) as u32,
+            uncovered: hull.uncovered().unwrap_or(0.0),
+            protrusion: hull.protrusion().unwrap_or(0.0),
+            protrusion_at: hull.protrusion_at().unwrap_or_default().into(),
         });
         Ok(())
     })

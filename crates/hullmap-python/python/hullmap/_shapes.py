@@ -588,9 +588,33 @@ class Hull(ConvexShape):
         return float(self._facts["outer_error"])
 
     @property
-    def uncovered(self) -> float:
-        """Of a decomposed mesh: largest distance of a source vertex from all parts."""
-        return float(self._facts["uncovered"])
+    def part_count(self) -> int:
+        """Number of convex parts of the mesh; 0 for a hull that is not a part."""
+        return int(self._facts["part_count"])
+
+    @property
+    def solid(self) -> str | None:
+        """What counts as the inside of the mesh of a part: ``watertight``, ``closed`` (holes were
+        closed) or ``sheet`` (no inside); ``None`` if the part was not measured."""
+        return self._facts["solid"]
+
+    @property
+    def uncovered(self) -> float | None:
+        """Of a part: bound on how far a point of the mesh's surface lies outside all parts.
+        ``None`` if that was not measured."""
+        return self._facts["uncovered"]
+
+    @property
+    def protrusion(self) -> float | None:
+        """Of a part: bound on how far a point of it lies outside the mesh's solid. ``None`` if that
+        was not measured."""
+        return self._facts["protrusion"]
+
+    @property
+    def protrusion_at(self) -> Floats | None:
+        """Of a part: the point of it that protrudes most; (3,)."""
+        at = self._facts["protrusion_at"]
+        return None if at is None else floats("protrusion_at", at)
 
     @property
     def index_kind(self) -> str:

@@ -1,6 +1,7 @@
 //! What the bake recorded about a hull: sizes, mass, bounds, errors.
 
 use glam::{DVec3, Vec3};
+use hullmap_format::SolidKind;
 
 use super::{Hull, vector};
 
@@ -197,9 +198,7 @@ impl Hull<'_> {
         self.record.part.to_native()
     }
 
-    /// Maximum distance of a vertex of the source object from the union of its convex parts, in
-    /// source units: what a decomposition lost. The same for all parts of an object; 0 for a hull
-    /// that is not a part.
+    /// Number of convex parts of the hull's source object; 0 for a hull that is not a part.
     ///
     /// # Examples
     /// ```
@@ -207,10 +206,75 @@ impl Hull<'_> {
     /// # fn main() {
     /// # let pack: hullmap::Pack = pack();
     /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.uncovered(), 0.0);
+    /// assert_eq!(cube.part_count(), 0);
     /// # }
     /// ```
-    pub fn uncovered(&self) -> f64 {
-        self.record.uncovered.to_native()
+    pub fn part_count(&self) -> u32 {
+        self.record.part_count.to_native()
+    }
+
+    /// What counts as the inside of the mesh that this part was measured against. `None` if it was
+    /// not measured: then [`uncovered`](Self::uncovered) and [`protrusion`](Self::protrusion) are
+    /// unknown. That is so for a hull that is not a part, and for parts without their mesh.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert_eq!(cube.solid(), None);
+    /// # }
+    /// ```
+    pub fn solid(&self) -> Option<SolidKind> {
+        SolidKind::from_code(self.record.solid.to_native())
+    }
+
+    /// Upper bound on how far a point of the source object's surface lies outside all of its convex
+    /// parts, in source units. The same for all parts of an object; `None` if it was not measured.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert_eq!(cube.uncovered(), None);
+    /// # }
+    /// ```
+    pub fn uncovered(&self) -> Option<f64> {
+        self.solid().map(|_| self.record.uncovered.to_native())
+    }
+
+    /// Upper bound on how far a point of this convex part lies outside the solid of the source
+    /// object, in source units; `None` if it was not measured.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert_eq!(cube.protrusion(), None);
+    /// # }
+    /// ```
+    pub fn protrusion(&self) -> Option<f64> {
+        self.solid().map(|_| self.record.protrusion.to_native())
+    }
+
+    /// The point of this convex part that protrudes most from the solid of the source object, as
+    /// far as the bake found, in the hull's local frame; `None` if it was not measured.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert_eq!(cube.protrusion_at(), None);
+    /// # }
+    /// ```
+    pub fn protrusion_at(&self) -> Option<DVec3> {
+        self.solid().map(|_| vector(&self.record.protrusion_at))
     }
 }

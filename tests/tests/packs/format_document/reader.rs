@@ -15,7 +15,7 @@ pub const SECTIONS: [(&str, usize, usize); 18] = [
     ("options", 1, 1),
     ("names", 1, 1),
     ("spans", 40, 4),
-    ("hulls", 248, 8),
+    ("hulls", 288, 8),
     ("nodes", 32, 4),
     ("vertices", 12, 4),
     ("source_vertices", 4, 4),
@@ -100,6 +100,8 @@ pub struct Record {
     pub containment_error: f64,
     pub outer_error: f64,
     pub uncovered: f64,
+    pub protrusion: f64,
+    pub protrusion_at: [f64; 3],
     pub origin: [f64; 3],
     pub bounds_min: [f32; 3],
     pub bounds_max: [f32; 3],
@@ -113,6 +115,8 @@ pub struct Record {
     pub source_points: u32,
     pub leaf: u32,
     pub part: u32,
+    pub part_count: u32,
+    pub solid: u32,
 }
 
 /// 6.4.
@@ -158,7 +162,7 @@ impl<'a> File<'a> {
     /// 3 and 4: header, except for the hashes, and positions of the sections.
     pub fn new(bytes: &'a [u8]) -> Self {
         assert_eq!(&bytes[..8], b"hullmap\n");
-        assert_eq!(u32_at(bytes, 8), 4, "format version");
+        assert_eq!(u32_at(bytes, 8), 5, "format version");
         assert_eq!(u32_at(bytes, 12), 64, "header length");
         assert_eq!(u64_at(bytes, 16), bytes.len() as u64 - 64, "payload length");
         assert_eq!(u64_at(bytes, 48), 0, "reserved");
@@ -261,7 +265,7 @@ fn doubles<const N: usize>(bytes: &[u8], at: usize) -> [f64; N] {
 
 impl Record {
     fn new(bytes: &[u8]) -> Self {
-        assert_eq!(bytes.len(), 248);
+        assert_eq!(bytes.len(), 288);
         Self {
             diameter: f64_at(bytes, 0),
             centroid: doubles(bytes, 8),
@@ -274,19 +278,23 @@ impl Record {
             containment_error: f64_at(bytes, 136),
             outer_error: f64_at(bytes, 144),
             uncovered: f64_at(bytes, 152),
-            origin: doubles(bytes, 160),
-            bounds_min: floats(bytes, 184),
-            bounds_max: floats(bytes, 196),
-            rank: u32_at(bytes, 208),
-            index_kind: u32_at(bytes, 212),
-            resolution: u32_at(bytes, 216),
-            leaf_blocks: u32_at(bytes, 220),
-            max_neighbours: u32_at(bytes, 224),
-            max_nodes: u32_at(bytes, 228),
-            max_dots: u32_at(bytes, 232),
-            source_points: u32_at(bytes, 236),
-            leaf: u32_at(bytes, 240),
-            part: u32_at(bytes, 244),
+            protrusion: f64_at(bytes, 160),
+            protrusion_at: doubles(bytes, 168),
+            origin: doubles(bytes, 192),
+            bounds_min: floats(bytes, 216),
+            bounds_max: floats(bytes, 228),
+            rank: u32_at(bytes, 240),
+            index_kind: u32_at(bytes, 244),
+            resolution: u32_at(bytes, 248),
+            leaf_blocks: u32_at(bytes, 252),
+            max_neighbours: u32_at(bytes, 256),
+            max_nodes: u32_at(bytes, 260),
+            max_dots: u32_at(bytes, 264),
+            source_points: u32_at(bytes, 268),
+            leaf: u32_at(bytes, 272),
+            part: u32_at(bytes, 276),
+            part_count: u32_at(bytes, 280),
+            solid: u32_at(bytes, 284),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! `bake inspect`: describes the hulls in packs.
 
-use hullmap::{Hull, IndexKind, Pack};
+use hullmap::{Hull, IndexKind, Pack, SolidKind};
 use serde::Serialize;
 
 use crate::args::InspectArgs;
@@ -42,8 +42,14 @@ struct HullDescription {
     diameter: f64,
     containment_error: f64,
     outer_error: f64,
-    uncovered: f64,
+    /// The measures of a part; `None` if it was not measured.
+    uncovered: Option<f64>,
+    protrusion: Option<f64>,
+    protrusion_at: Option<[f64; 3]>,
+    /// What counts as the inside of the mesh: `watertight`, `closed` or `sheet`.
+    solid: Option<&'static str>,
     part: u32,
+    part_count: u32,
     origin: [f64; 3],
     /// Vertices, with `--vertices`.
     positions: Option<Vec<[f32; 3]>>,
@@ -122,7 +128,11 @@ fn describe(hull: &Hull, has_vertices: bool) -> HullDescription {
         containment_error: hull.containment_error(),
         outer_error: hull.outer_error(),
         uncovered: hull.uncovered(),
+        protrusion: hull.protrusion(),
+        protrusion_at: hull.protrusion_at().map(|at| at.to_array()),
+        solid: hull.solid().map(SolidKind::as_str),
         part: hull.part(),
+        part_count: hull.part_count(),
         origin: hull.origin().to_array(),
         positions: has_vertices.then(|| positions(hull)),
         polygons: has_vertices.then(|| polygons(hull)),
@@ -163,9 +173,8 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
             let share = hull.outer_error / hull.diameter;
             out.line(format_args!("  outer error        {:.3e} ({share:.1e} of the diameter)", hull.outer_error))?;
         }
-        if hull.part > 0 || report.hulls.get(hull_index + 1).is_some_and(|next| next.part == 1) {
-            out.line(format_args!("  part               {} of its object", hull.part))?;
-            out.line(format_args!("  uncovered          {:.3e}", hull.uncovered))?;
+        if hull.part_count > 0 {
+            write_part(hull, out)?;
         }
         if hull.origin != [0.0; 3] {
             out.line(format_args!("  origin             {} in the source", hull.origin.map(rounded).join(" ")))?;
@@ -180,6 +189,20 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
         ))?;
     }
     Ok(())
+}
+
+/// What the pack records about a convex part.
+fn write_part(hull: &HullDescription, out: &mut Output) -> Result<(), Failure> {
+    out.line(format_args!("  part               {} of {} of its object", hull.part, hull.part_count))?;
+    let (Some(solid), Some(uncovered), Some(protrusion), Some(at)) =
+        (hull.solid, hull.uncovered, hull.protrusion, hull.protrusion_at)
+    else {
+        return Ok(out.line(format_args!("  fit                unmeasured: its mesh is not known"))?);
+    };
+    out.line(format_args!("  solid              {solid}"))?;
+    out.line(format_args!("  uncovered          at most {uncovered:.3e}, of the surface outside all parts"))?;
+    let at = at.map(rounded).join(" ");
+    Ok(out.line(format_args!("  protrusion         at most {protrusion:.3e}, greatest at {at}"))?)
 }
 
 #[cfg(test)]
@@ -202,8 +225,12 @@ mod tests {
             diameter: 12.0_f64.sqrt(),
             containment_error: 0.0,
             outer_error: 0.0,
-            uncovered: 0.0,
+            uncovered: None,
+            protrusion: None,
+            protrusion_at: None,
+            solid: None,
             part: 0,
+            part_count: 0,
             origin: [0.0; 3],
             positions: None,
             polygons: None,

@@ -10,7 +10,7 @@
 use std::collections::HashSet;
 
 use glam::Vec3;
-use hullmap::{Cost, Hull, Pack};
+use hullmap::{Cost, Hull, Pack, SolidKind};
 use hullmap_bake::{NO_SOURCE_VERTEX, PointSet};
 use serde::Serialize;
 
@@ -67,8 +67,15 @@ pub struct HullVerification {
     pub worst_direction: Option<[f32; 3]>,
     /// Recorded bound on how far the hull extends beyond its source; 0 for an exact hull.
     pub outer_error: Option<f64>,
-    /// Recorded bound on how far a vertex of the source object lies outside all of its parts.
+    /// Recorded bound on how far a point of the source object's surface lies outside all of its
+    /// parts; `None` for a hull that was not measured.
     pub uncovered: Option<f64>,
+    /// Recorded bound on how far a point of the part lies outside the source object's solid.
+    pub protrusion: Option<f64>,
+    /// Recorded point of greatest protrusion.
+    pub protrusion_at: Option<[f64; 3]>,
+    /// Recorded kind of solid: `watertight`, `closed` or `sheet`.
+    pub solid: Option<&'static str>,
     /// Maximum distance between two vertices.
     #[serde(skip)]
     pub diameter: Option<f64>,
@@ -147,8 +154,8 @@ pub fn verify_hulls(
 /// Checks that the parts of one point set cover its points up to the recorded `uncovered` length.
 fn verify_cover(pack: &Pack, hull_indices: &[usize], points: &PointSet, results: &mut [HullVerification]) {
     let hulls: Vec<Hull> = hull_indices.iter().filter_map(|&index| pack.hull(index).ok()).collect();
-    let recorded = hulls.iter().map(Hull::uncovered).fold(0.0, f64::max);
-    let found = if hulls.len() > 1 { uncovered(points, &hulls) } else { 0.0 };
+    let recorded = hulls.iter().filter_map(Hull::uncovered).fold(0.0, f64::max);
+    let found = if hulls.iter().any(|hull| hull.solid().is_some()) { uncovered(points, &hulls) } else { 0.0 };
     let size = hulls.iter().map(Hull::diameter).fold(0.0, f64::max);
     for (part, &index) in hull_indices.iter().enumerate() {
         let result = &mut results[index];
@@ -206,7 +213,10 @@ fn verify_hull(hull: &Hull, source: Option<&PointSet>, count: usize, seed: u64) 
         problems,
         worst_direction: worst_direction.map(|dir| dir.to_array()),
         outer_error: Some(hull.outer_error()),
-        uncovered: Some(hull.uncovered()),
+        uncovered: hull.uncovered(),
+        protrusion: hull.protrusion(),
+        protrusion_at: hull.protrusion_at().map(|at| at.to_array()),
+        solid: hull.solid().map(SolidKind::as_str),
         diameter: Some(hull.diameter()),
     }
 }

@@ -39,7 +39,7 @@ fn about_object(parts: &[Hull], has_source: bool, warnings: &mut Vec<String>) ->
         warnings.extend(hullmap_import::far_away(name, &vertices));
     }
     let size = parts.iter().map(Hull::diameter).fold(0.0, f64::max);
-    is_cut.then(|| advice::parts(name, parts.len(), first.uncovered(), size))
+    is_cut.then(|| advice::parts(name, parts.len(), advice::PartsFit::of_hulls(parts), size))
 }
 
 fn about_hull(hull: &Hull) -> Vec<Remark> {

@@ -1,0 +1,55 @@
+//! How the parts of each object fit its mesh: what they leave uncovered, and how far they protrude.
+
+use hullmap_bake::hull::Hull;
+use hullmap_bake::{BakedHull, Fit, PointSet};
+
+use crate::advice::{self, Remark};
+use crate::baker::Part;
+
+/// Counts and measures the parts of each point set, records both in their hulls, and returns remarks
+/// on them. The hulls of a set are consecutive, in the order of the sets.
+///
+/// A set without triangles has no surface to measure; its hull is no part.
+pub fn parts(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], allows_one_part: bool) -> Vec<Remark> {
+    let mut remarks = Vec::new();
+    let mut start = 0;
+    for (set, points) in point_sets.iter().enumerate() {
+        let count = parts[start..].iter().take_while(|part| part.set == set).count();
+        let own = &mut hulls[start..start + count];
+        start += count;
+        let name = &points.name;
+        if count == 1 {
+            let why = if points.triangles.is_empty() {
+                "it has no faces"
+            } else if allows_one_part {
+                "--vhacd-max-parts is 1"
+            } else {
+                "it is convex or thin"
+            };
+            remarks.push(Remark::note(why, name, format!("{name}: not decomposed, because {why}")));
+        }
+        if !points.triangles.is_empty() {
+            record(points, own);
+        }
+        if count > 1 {
+            let size = own.iter().map(|baked| baked.hull.diameter).fold(0.0, f64::max);
+            let fits: Option<Vec<Fit>> = own.iter().map(|baked| baked.fit).collect();
+            remarks.push(advice::parts(name, count, fits.as_deref().map(advice::PartsFit::of), size));
+        }
+    }
+    remarks
+}
+
+/// Counts and measures the parts of one mesh, and records both in their hulls.
+fn record(mesh: &PointSet, own: &mut [BakedHull]) {
+    let fits = fits(mesh, &own.iter().map(|baked| &baked.hull).collect::<Vec<_>>());
+    let count = own.len() as u32;
+    for (index, baked) in own.iter_mut().enumerate() {
+        baked.part_count = count;
+        baked.fit = fits.as_ref().and_then(|fits| fits.get(index)).copied();
+    }
+}
+
+fn fits(_: &PointSet, _: &[&Hull]) -> Option<Vec<Fit>> {
+    None
+}
