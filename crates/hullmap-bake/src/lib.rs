@@ -35,6 +35,7 @@ pub mod simplify;
 pub use hullmap_format::{IndexKind, SolidKind, archive::NO_SOURCE_VERTEX};
 pub use index::IndexChoice;
 pub use pack::write_pack;
+pub use parts::Fit;
 
 /// Maximum number of points of one hull. Point indices have 32 bits, and the upper values are
 /// reserved.
@@ -133,21 +134,6 @@ pub enum BakeError {
     /// The direction index is malformed. This is a bug.
     #[error("the direction index could not be certified: {0}; please report this mesh")]
     Index(#[from] hullmap_format::walk::IndexError),
-}
-
-/// How a convex part fits the mesh that it stands for, as proven bounds. Lengths are in source
-/// units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fit {
-    /// What counts as the inside of the mesh.
-    pub solid: SolidKind,
-    /// Upper bound on how far a point of the mesh's surface lies outside all of its parts; the same
-    /// for all parts of the mesh.
-    pub uncovered: f64,
-    /// Upper bound on how far a point of this part lies outside the mesh's solid.
-    pub protrusion: f64,
-    /// A point of this part that protrudes by the protrusion or nearly so, in the hull's frame.
-    pub protrusion_at: [f64; 3],
 }
 
 /// A hull with its index, ready to be written.

@@ -1,9 +1,8 @@
-//! What counts as the inside of the mesh that convex parts stand for.
+//! Kinds of solid that the parts of a mesh are measured against: `watertight`, `closed`, `sheet`.
 
 use std::fmt;
 
-/// What counts as the inside of the mesh that convex parts stand for. It decides from where a part's
-/// protrusion is measured.
+/// How the solid is known that a mesh bounds, and from which a part's protrusion is measured.
 ///
 /// # Examples
 /// ```
@@ -15,12 +14,11 @@ use std::fmt;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SolidKind {
-    /// The mesh is closed. Its winding number decides what is inside.
+    /// The triangles of the mesh bound it: where their winding number is not 0.
     Watertight,
-    /// The mesh has holes, and each was closed by a cone over its border before the winding number
-    /// was evaluated.
+    /// Holes were closed by cones over their loops, which decide what is inside near them.
     Closed,
-    /// The mesh has no inside: protrusion is the distance from its surface.
+    /// The mesh encloses no volume: the solid is its surface alone.
     Sheet,
 }
 

@@ -1,7 +1,7 @@
 //! How the parts of each object fit its mesh: what they leave uncovered, and how far they protrude.
 
-use hullmap_bake::hull::Hull;
-use hullmap_bake::{BakedHull, Fit, PointSet};
+use hullmap_bake::parts::{Fit, fits};
+use hullmap_bake::{BakedHull, PointSet};
 
 use crate::advice::{self, Remark};
 use crate::baker::Part;
@@ -48,8 +48,4 @@ fn record(mesh: &PointSet, own: &mut [BakedHull]) {
         baked.part_count = count;
         baked.fit = fits.as_ref().and_then(|fits| fits.get(index)).copied();
     }
-}
-
-fn fits(_: &PointSet, _: &[&Hull]) -> Option<Vec<Fit>> {
-    None
 }

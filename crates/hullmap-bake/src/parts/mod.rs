@@ -7,6 +7,7 @@
 //! | [`closing`] | cones that close the holes of a mesh |
 //! | [`protrusion`](mod@protrusion) | how far a part protrudes from the solid |
 //! | [`uncovered`](mod@uncovered) | how far the surface lies outside all parts |
+//! | [`fits`] | both measures of all parts of a mesh, as a pack records them |
 //! | [`branch`] | branch and bound, which both use |
 //! | [`triangle`], [`planes`] | distances from a triangle, half-spaces of a part |
 //!
@@ -14,6 +15,7 @@
 
 pub mod branch;
 pub mod closing;
+mod fit;
 pub mod planes;
 pub mod protrusion;
 pub mod solid;
@@ -21,6 +23,7 @@ pub mod triangle;
 pub mod uncovered;
 
 pub use branch::Accuracy;
+pub use fit::{Fit, fits};
 pub use protrusion::{Protrusion, protrusion};
 pub use solid::{Solid, SolidKind};
 pub use uncovered::{Uncovered, uncovered};

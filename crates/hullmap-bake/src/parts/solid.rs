@@ -24,6 +24,7 @@
 use std::collections::HashMap;
 
 use glam::DVec3;
+pub use hullmap_format::SolidKind;
 use parry3d_f64::{
     bounding_volume::Aabb,
     partitioning::{Bvh, BvhBuildStrategy, BvhNode},
@@ -56,17 +57,6 @@ const RAYS: usize = 12;
 
 /// Volume of a mesh without inside, relative to its area times its diagonal.
 const SHEET: f64 = 1e-9;
-
-/// How the solid of a mesh is known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SolidKind {
-    /// The triangles bound it.
-    Watertight,
-    /// Holes were closed by cones over their loops, which decide what is inside near them.
-    Closed,
-    /// The mesh encloses no volume: the solid is the surface alone.
-    Sheet,
-}
 
 /// The solid that a mesh bounds. Its frame is that of the mesh's positions.
 pub struct Solid {

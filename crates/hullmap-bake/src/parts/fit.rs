@@ -1,0 +1,62 @@
+//! How all parts of a mesh fit it, as a pack records it.
+
+use hullmap_format::SolidKind;
+use rayon::prelude::*;
+
+use super::{Accuracy, Solid, protrusion, uncovered};
+use crate::{PointSet, hull::Hull};
+
+/// How a convex part fits the mesh that it stands for, as proven bounds. Lengths are in the unit of
+/// the positions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit {
+    /// How the solid of the mesh is known.
+    pub solid: SolidKind,
+    /// Upper bound on how far a point of the mesh's surface lies outside all of its parts; the same
+    /// for all parts of the mesh.
+    pub uncovered: f64,
+    /// Upper bound on how far a point of this part lies outside the mesh's solid: see
+    /// [`protrusion`](super::protrusion()).
+    pub protrusion: f64,
+    /// The point of this part at which the greatest protrusion was found, in the frame of the
+    /// positions.
+    pub protrusion_at: [f64; 3],
+}
+
+/// The fit of each of `parts`, which together stand for `mesh`. `None` if the mesh has no triangles,
+/// there are no parts, or a bound is not finite: then nothing is known.
+///
+/// ```
+/// use hullmap_bake::{PointSet, SolidKind, hull, parts::fits};
+///
+/// let tetrahedron = PointSet {
+///     positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+///     source_vertices: vec![0, 1, 2, 3],
+///     triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+///     ..PointSet::default()
+/// };
+/// let hull = hull::build(&tetrahedron)?;
+/// let fit = fits(&tetrahedron, &[&hull]).unwrap()[0];
+/// assert_eq!(fit.solid, SolidKind::Watertight);
+/// assert!(fit.uncovered < 1e-9 && fit.protrusion < 1e-9);
+/// # Ok::<(), hullmap_bake::BakeError>(())
+/// ```
+///
+/// # Complexity
+/// That of [`uncovered`](super::uncovered()), plus that of [`protrusion`](super::protrusion()) for
+/// each part, on all threads of the pool.
+pub fn fits(mesh: &PointSet, parts: &[&Hull]) -> Option<Vec<Fit>> {
+    if mesh.triangles.is_empty() || parts.is_empty() {
+        return None;
+    }
+    let solid = Solid::new(mesh);
+    let uncovered = uncovered(mesh, parts).bound;
+    let accuracy = Accuracy::tight(solid.diagonal());
+    let fit = |part: &&Hull| {
+        let found = protrusion(&solid, part, &accuracy);
+        Fit { solid: solid.kind(), uncovered, protrusion: found.bound, protrusion_at: found.at.to_array() }
+    };
+    let fits: Vec<Fit> = parts.par_iter().map(fit).collect();
+    let is_finite = |fit: &Fit| fit.uncovered.is_finite() && fit.protrusion.is_finite();
+    fits.iter().all(is_finite).then_some(fits)
+}
