@@ -6,8 +6,8 @@ use hullmap_bake::{BakedHull, PointSet};
 use crate::advice::{self, Remark};
 use crate::baker::Part;
 
-/// Counts and measures the parts of each point set, records both in their hulls, and returns remarks
-/// on them. The hulls of a set are consecutive, in the order of the sets.
+/// Counts and measures the parts of each point set, records both in their hulls, and returns
+/// remarks on them. The hulls of a set are consecutive, in the order of the sets.
 ///
 /// A set without triangles has no surface to measure; its hull is no part.
 pub fn parts(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], allows_one_part: bool) -> Vec<Remark> {

@@ -23,8 +23,8 @@ pub struct Fit {
     pub protrusion_at: [f64; 3],
 }
 
-/// The fit of each of `parts`, which together stand for `mesh`. `None` if the mesh has no triangles,
-/// there are no parts, or a bound is not finite: then nothing is known.
+/// The fit of each of `parts`, which together stand for `mesh`. `None` if the mesh has no
+/// triangles, there are no parts, or a bound is not finite: then nothing is known.
 ///
 /// ```
 /// use hullmap_bake::{PointSet, SolidKind, hull, parts::fits};
