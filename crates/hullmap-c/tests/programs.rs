@@ -171,6 +171,15 @@ fn programs_run_against_the_installed_library() {
     let folder = tempfile::tempdir().unwrap();
     let (prefix, pack) = (folder.path().join("prefix"), folder.path().join("table.hullmap"));
     install(&prefix);
+    // Every copy of the libraries needs them.
+    let licences = prefix.join("share/licenses/hullmap");
+    for (file, words) in [
+        ("LICENSE-MIT", "Permission is hereby granted"),
+        ("LICENSE-APACHE", "Apache License"),
+        ("LICENSES-OF-DEPENDENCIES.txt", "==== rkyv "),
+    ] {
+        assert!(fs::read_to_string(licences.join(file)).expect(file).contains(words), "{file}");
+    }
     write_pack(&pack);
     let library_path = if cfg!(target_os = "macos") { "DYLD_LIBRARY_PATH" } else { "LD_LIBRARY_PATH" };
     let built = |compiler: &str, standard: &str, source: &str, link: &[&str]| {

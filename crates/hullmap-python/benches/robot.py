@@ -1,13 +1,14 @@
 """Queries a second on two links of a robot: hullmap beside coal, MuJoCo and python-fcl.
 
-    python robot.py LINK_A.obj LINK_B.obj [--count 1000000] [--peer-count 50000] [--rounds 5]
+    python robot.py LINK_A.obj LINK_B.obj [--count 1000000] [--peer-count 50000] [--rounds 5] [--judge 3]
 
 All engines get the vertices of the same two hulls and the same poses, about half of which overlap.
 Those that pip has not installed are left out. hullmap takes all poses in one call. The others are
 called once a pose from a Python loop, as their users have to; the row `call` is the same loop on two
 spheres of the engine, most of which is the cost of the call. Runs are interleaved, and the median
 counts. On one thread, time is processor time, which other programs disturb less. Answers are
-compared.
+compared. Where an engine differs most, and where it disagrees about a hit, separating axes judge:
+all normals of faces and all products of edges, in doubles.
 """
 
 from __future__ import annotations
@@ -208,6 +209,40 @@ class Fcl:
         return self._distance(self.balls, places)
 
 
+def overlap(a, b, pose):
+    """The least overlap over all separating axes, which is the depth; negative without contact."""
+    turn = frames(pose[None])[0]
+    points = [a.vertices.astype(float), b.vertices.astype(float) @ turn.T + pose[:3]]
+    edges, axes = [], []
+    for hull, own in zip((a, b), points):
+        corners = own[hull.triangles]
+        axes.append(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+        pairs = [(v, w) for v, near in enumerate(hull.neighbours) for w in near.tolist() if v < w]
+        ways = own[[w for _, w in pairs]] - own[[v for v, _ in pairs]]
+        edges.append(ways / np.linalg.norm(ways, axis=1, keepdims=True))
+    products = np.cross(edges[0][:, None], edges[1][None]).reshape(-1, 3)
+    least = np.inf
+    for piece in np.array_split(np.concatenate((*axes, products)), 1 + len(products) // 20_000):
+        lengths = np.linalg.norm(piece, axis=1)
+        # A product of nearly parallel edges has no direction.
+        piece = piece[lengths > 1e-12] / lengths[lengths > 1e-12, None]
+        first, second = points[0] @ piece.T, points[1] @ piece.T
+        both = np.minimum(first.max(0) - second.min(0), second.max(0) - first.min(0))
+        least = min(least, both.min())
+    return float(least)
+
+
+def judged(a, b, poses, reference, name, hits, depths, count):
+    """Lines of a table: poses in which an engine differs most, its answer, hullmap's, and the truth."""
+    overlapping = reference["intersects"]
+    rows = [] if hits is None else np.flatnonzero(hits != overlapping)[:count].tolist()
+    rows += np.argsort(np.where(overlapping, abs(depths - reference["contact"]), 0))[-count:].tolist()
+    for row in dict.fromkeys(rows):
+        hit = "-" if hits is None else hits[row]
+        answers = f"{hit} | {depths[row]:.9f} | {overlapping[row]} | {reference['contact'][row]:.9f}"
+        yield f"{name} | {row} | {answers} | {overlap(a, b, poses[row]):.9f}"
+
+
 def timed(work, clock=time.process_time):
     start = clock()
     answer = work()
@@ -220,6 +255,7 @@ def main():
     parser.add_argument("--count", type=int, default=1_000_000)
     parser.add_argument("--peer-count", type=int, default=50_000)
     parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--judge", type=int, default=3)
     arguments = parser.parse_args()
     a, b = (hullmap.bake_file(path)[0] for path in arguments.links)
     # Positions relative to the centres, up to the sum of the radii of the hulls.
@@ -279,6 +315,11 @@ def main():
         gap = abs(answers[name, "distance"] - reference["distance"])[apart].max()
         depth = abs(answers[name, "contact"] - reference["contact"])[overlapping].max()
         print(f"{name} | {differ} | {gap:.1e} | {depth:.1e}")
+    print("\nengine | pose | hit | depth | hit, hullmap | depth, hullmap | overlap by separating axes\n" + "---|" * 6 + "---")
+    for name, _, _ in engines:
+        own = answers.get((name, "intersects")), answers[name, "contact"]
+        for line in judged(a, b, some, reference, name, *own, arguments.judge):
+            print(line)
     print(f"\ndiameters: {a.diameter:.3g}, {b.diameter:.3g}")
 
 

@@ -24,8 +24,8 @@ pub fn of_open(error: OpenError) -> PyErr {
 /// The subclass of `OSError` for `error`, with this message.
 pub fn of_io(error: &std::io::Error, message: String) -> PyErr {
     match error.raw_os_error() {
-        // Python chooses the subclass by the number.
-        Some(number) => PyOSError::new_err((number, message)),
+        // Python chooses the subclass by the number, and prints it before the message.
+        Some(number) => PyOSError::new_err((number, message.replace(&format!(" (os error {number})"), ""))),
         None => PyErr::from(std::io::Error::new(error.kind(), message)),
     }
 }

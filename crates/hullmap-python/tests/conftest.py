@@ -67,7 +67,9 @@ def brute_depth(a: Body, b: Body) -> float:
     keep = lengths > 1e-9 * np.linalg.norm(da, axis=1).max() * np.linalg.norm(db, axis=1).max()
     crosses = crosses[keep] / lengths[keep, None]
     axes = np.concatenate((a.normals, -b.normals, crosses, -crosses))
-    return float(((a.points @ axes.T).max(0) - (b.points @ axes.T).min(0)).min())
+    # In pieces: all products of two large bodies would fill the memory.
+    pieces = np.array_split(axes, 1 + len(axes) // 20_000)
+    return float(min(((a.points @ piece.T).max(0) - (b.points @ piece.T).min(0)).min() for piece in pieces))
 
 
 def _points_to_triangles(points: np.ndarray, triangles: np.ndarray) -> float:

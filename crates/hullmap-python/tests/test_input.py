@@ -160,11 +160,12 @@ def test_wrong_options_are_rejected(options, words):
 
 
 def test_wrong_files_are_rejected(tmp_path, cube):
-    with pytest.raises(FileNotFoundError, match="cannot read the file"):
-        hullmap.open(tmp_path / "none.hullmap")
-    with pytest.raises(FileNotFoundError, match="cannot read"):
-        hullmap.bake_file(tmp_path / "none.obj")
-    with pytest.raises(OSError):
+    for read, name in ((hullmap.open, "none.hullmap"), (hullmap.bake_file, "none.obj")):
+        with pytest.raises(FileNotFoundError, match="cannot read.*; check the ") as caught:
+            read(tmp_path / name)
+        text = str(caught.value)
+        assert name in text and text.startswith("[Errno 2] ") and "os error" not in text, text
+    with pytest.raises(OSError, match="; "):
         hullmap.open(tmp_path)
     data = bytearray(cube.pack.to_bytes())
     path = tmp_path / "damaged.hullmap"

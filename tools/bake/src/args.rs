@@ -6,11 +6,11 @@
 mod tests;
 
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 use hullmap_import::{EXTENSIONS, Limits, UpAxis};
 use hullmap_report::input::Up;
@@ -434,6 +434,30 @@ fn size(text: &str) -> Result<u64, String> {
     bytes.filter(|&bytes| bytes > 0).ok_or_else(|| "expected a size above 0, such as 500M or 8G".to_owned())
 }
 
+/// The name under which the command was started, for help texts: `bake`, or that of another door,
+/// such as `python -m hullmap`.
+pub fn program(words: &[OsString]) -> String {
+    let name = words.first().and_then(|word| Path::new(word).file_name()).and_then(|name| name.to_str());
+    name.filter(|name| !name.is_empty()).unwrap_or("bake").to_owned()
+}
+
+/// The command line of a program with this name.
+pub fn command(program: &str) -> clap::Command {
+    let command = Cli::command().bin_name(program);
+    if program == "bake" {
+        return command;
+    }
+    let renamed = |command: clap::Command| {
+        let examples = command.get_after_help().map(|text| text.to_string().replace("bake ", &format!("{program} ")));
+        match examples {
+            Some(examples) => command.after_help(examples),
+            None => command,
+        }
+    };
+    let names: Vec<String> = command.get_subcommands().map(|own| own.get_name().to_owned()).collect();
+    names.into_iter().fold(renamed(command), |command, name| command.mut_subcommand(name, renamed))
+}
+
 /// Parses the command line.
 ///
 /// # Errors
@@ -452,18 +476,22 @@ where
 }
 
 fn parse_words(words: &[OsString]) -> Result<Cli, clap::Error> {
-    let cli = Cli::try_parse_from(words).map_err(|error| match unquoted_pose(words) {
+    let program = program(words);
+    let parsed = command(&program)
+        .try_get_matches_from(words)
+        .and_then(|found| Cli::from_arg_matches(&found).map_err(|error| error.format(&mut command(&program))));
+    let cli = parsed.map_err(|error| match unquoted_pose(words) {
         Some(pose) if error.kind() == ErrorKind::UnknownArgument => {
             let message = format!("--pose requires its seven numbers in quotes: --pose \"{pose}\"");
-            subcommand_error("query", ErrorKind::WrongNumberOfValues, message)
+            subcommand_error(&program, "query", ErrorKind::WrongNumberOfValues, message)
         }
-        _ => with_usage(error, words.get(1)),
+        _ => with_usage(&program, error, words.get(1)),
     })?;
     if let Command::Build(args) = &cli.command
         && let Some(clash) = args.options.clash()
     {
         let message = clash.message(|key| format!("--{}", flag(key)));
-        return Err(subcommand_error("build", ErrorKind::ArgumentConflict, message));
+        return Err(subcommand_error(&program, "build", ErrorKind::ArgumentConflict, message));
     }
     Ok(cli)
 }
@@ -477,8 +505,8 @@ fn unquoted_pose(words: &[OsString]) -> Option<String> {
 }
 
 /// The error with the usage of its subcommand, which clap leaves out for wrong values.
-fn with_usage(mut error: clap::Error, subcommand: Option<&OsString>) -> clap::Error {
-    let mut command = Cli::command();
+fn with_usage(program: &str, mut error: clap::Error, subcommand: Option<&OsString>) -> clap::Error {
+    let mut command = command(program);
     command.build();
     let subcommand = subcommand.and_then(|name| name.to_str()).and_then(|name| command.find_subcommand_mut(name));
     if let Some(subcommand) = subcommand
@@ -490,8 +518,8 @@ fn with_usage(mut error: clap::Error, subcommand: Option<&OsString>) -> clap::Er
 }
 
 /// An error of a subcommand, with its usage.
-fn subcommand_error(subcommand: &str, kind: ErrorKind, message: String) -> clap::Error {
-    let mut command = Cli::command();
+fn subcommand_error(program: &str, subcommand: &str, kind: ErrorKind, message: String) -> clap::Error {
+    let mut command = command(program);
     // A subcommand knows its full name only after this.
     command.build();
     match command.find_subcommand_mut(subcommand) {

@@ -61,6 +61,8 @@ use terminal::Output;
 
 /// Runs the command with these words, the name of the program first, and returns its exit code.
 ///
+/// Help texts call the program by that name.
+///
 /// Results go to standard output, messages to standard error. While meshes are baked, Ctrl-C ends
 /// the process with exit code 130, and unfinished packs are removed.
 ///
@@ -69,7 +71,8 @@ use terminal::Output;
 /// assert_eq!(hullmap_cli::run(["bake", "--version"]), 0);
 /// ```
 pub fn run<W: Into<OsString> + Clone>(words: impl IntoIterator<Item = W>) -> u8 {
-    let cli = match args::parse(words) {
+    let words: Vec<OsString> = words.into_iter().map(Into::into).collect();
+    let cli = match args::parse(&words) {
         Ok(cli) => cli,
         Err(error) => {
             // A closed terminal is no reason to panic.
@@ -78,7 +81,8 @@ pub fn run<W: Into<OsString> + Clone>(words: impl IntoIterator<Item = W>) -> u8 
         }
     };
     let mut out = Output::standard();
-    let result = dispatch(&cli, &mut out).and_then(|exit| end(exit, out.flush().map_err(Into::into)));
+    let result =
+        dispatch(&cli, &args::program(&words), &mut out).and_then(|exit| end(exit, out.flush().map_err(Into::into)));
     match result {
         Ok(exit) => exit as u8,
         Err(failure) => {
@@ -92,7 +96,7 @@ pub fn run<W: Into<OsString> + Clone>(words: impl IntoIterator<Item = W>) -> u8 
     }
 }
 
-fn dispatch(cli: &Cli, out: &mut Output) -> Result<Exit, Failure> {
+fn dispatch(cli: &Cli, program: &str, out: &mut Output) -> Result<Exit, Failure> {
     match &cli.command {
         Command::Build(args) => commands::build::run(args, out),
         Command::Verify(args) => commands::verify::run(args, out),
@@ -101,6 +105,6 @@ fn dispatch(cli: &Cli, out: &mut Output) -> Result<Exit, Failure> {
         Command::Query(args) => commands::query::run(args, out),
         Command::Report(args) => commands::report::run(args, out),
         Command::Init(args) => commands::init::run(args, out),
-        Command::Completions(args) => commands::completions::run(args, out),
+        Command::Completions(args) => commands::completions::run(args, program, out),
     }
 }

@@ -19,7 +19,7 @@ pub fn open_pack(path: &Path) -> Result<Pack, Failure> {
         )));
     }
     Pack::open(path).map_err(|error| match &error {
-        OpenError::Io { .. } => Failure::usage(format!("{error}; check the path")),
+        OpenError::Io { .. } => Failure::usage(error.to_string()),
         OpenError::Invalid { .. } => Failure::rejected(error.to_string()),
     })
 }

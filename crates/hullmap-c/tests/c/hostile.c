@@ -76,6 +76,9 @@ static void opening(const char *path) {
     FAILS(HULLMAP_RESULT_IO, "cannot read the file", hullmap_pack_open(name, 0, &pack));
     EXPECT(strlen(hullmap_last_error()) == 1023);
     free(name);
+    /* A missing file: the message has a remedy. */
+    FAILS(HULLMAP_RESULT_IO, "; check the path", hullmap_pack_open("missing.hullmap", 0, &pack));
+    FAILS(HULLMAP_RESULT_IO, "; check the path", hullmap_pack_open("missing.hullmap", HULLMAP_OPEN_MAP, &pack));
 }
 
 static void memory(void) {

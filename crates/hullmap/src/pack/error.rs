@@ -8,7 +8,7 @@ use hullmap_format::{check::CheckError, header::HeaderError};
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// The file could not be read.
-    #[error("{path}: cannot read the file: {source}")]
+    #[error("{path}: cannot read the file: {source}; {}", remedy(source))]
     Io {
         /// The file.
         path: PathBuf,
@@ -23,6 +23,16 @@ pub enum OpenError {
         /// What is wrong with it.
         source: InvalidPack,
     },
+}
+
+/// What to do about a file that the system does not read.
+fn remedy(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => "check the path, and the folder it starts from",
+        io::ErrorKind::IsADirectory => "name a pack in this folder",
+        io::ErrorKind::PermissionDenied => "check its permissions, and that it is a file",
+        _ => "check the path and the file system",
+    }
 }
 
 /// What is wrong with the bytes of a pack.

@@ -169,6 +169,24 @@ fn wrong_arguments_show_the_usage_of_their_subcommand() {
     }
 }
 
+/// `hullmap --help` of the Python package printed `Usage: bake`.
+#[test]
+fn help_has_the_name_under_which_the_command_was_started() {
+    let text = |words: &[&str]| parse(words).unwrap_err().to_string();
+    for (program, name) in [("bake", "bake"), ("/opt/bin/bake", "bake"), ("hullmap", "hullmap")] {
+        assert!(text(&[program, "--help"]).contains(&format!("Usage: {name} <COMMAND>")));
+        assert!(text(&[program, "--help"]).contains(&format!("`{name} build FOLDER --out DIR`")));
+        assert!(text(&[program, "inspect", "--help"]).contains(&format!("Example:\n  {name} inspect baked")));
+        assert!(text(&[program, "inspect"]).contains(&format!("Usage: {name} inspect")));
+        assert!(
+            text(&[program, "build", "a", "--out", "o", "--memory", "x"]).contains(&format!("Usage: {name} build"))
+        );
+    }
+    let module = "python -m hullmap";
+    assert!(text(&[module, "--help"]).contains("Usage: python -m hullmap <COMMAND>"));
+    assert!(!text(&[module, "build", "--help"]).contains("bake build"));
+}
+
 #[test]
 fn sizes() {
     for (text, bytes) in

@@ -1,18 +1,17 @@
 //! `bake completions`: completion scripts for shells.
 
-use clap::CommandFactory;
-
-use crate::args::{Cli, CompletionsArgs};
+use crate::args::{self, CompletionsArgs};
 use crate::outcome::{Exit, Failure, end};
 use crate::terminal::Output;
 
-/// Runs the command.
+/// Runs the command. The shell completes the last word of `program`.
 ///
 /// # Errors
 /// The script cannot be written.
-pub fn run(args: &CompletionsArgs, out: &mut Output) -> Result<Exit, Failure> {
+pub fn run(args: &CompletionsArgs, program: &str, out: &mut Output) -> Result<Exit, Failure> {
+    let program = program.rsplit(' ').next().unwrap_or(program);
     // Into memory first: the generator panics if it cannot write.
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "bake", &mut script);
+    clap_complete::generate(args.shell, &mut args::command(program), program, &mut script);
     end(Exit::Done, out.verbatim(&script).map_err(Into::into))
 }
