@@ -477,6 +477,10 @@ typedef struct {
     bool hit;
     // How the query ended. HULLMAP_STATUS_OVERLAPPING: the shapes overlap at the start.
     HullmapStatus status;
+    // Of a compound, the hull that decided the query; otherwise 0.
+    uint32_t hull_a;
+    // Of a compound, the hull that decided the query; otherwise 0.
+    uint32_t hull_b;
     // Number of steps.
     uint32_t iterations;
     // Number of support calls.
@@ -501,6 +505,8 @@ typedef struct {
     bool hit;
     // How the query ended. HULLMAP_STATUS_OVERLAPPING: the origin is inside the shape.
     HullmapStatus status;
+    // Of a compound, the hull that is hit; otherwise 0.
+    uint32_t hull;
     // Number of steps.
     uint32_t iterations;
     // Number of support calls.
@@ -791,7 +797,7 @@ HullmapResult hullmap_contact(const HullmapShape *a,
                               HullmapContact *out);
 
 // When B, which starts at b_in_a and moves by `velocity` per unit of time, first meets A. Neither
-// shape turns. The velocity is in A's frame. settings and cache may be NULL. Not for compounds.
+// shape turns. The velocity is in A's frame. settings and cache may be NULL.
 HullmapResult hullmap_cast(const HullmapShape *a,
                            const HullmapShape *b,
                            const HullmapPose *b_in_a,
@@ -802,7 +808,7 @@ HullmapResult hullmap_cast(const HullmapShape *a,
 
 // Where the ray of all points origin + t direction, t >= 0, first enters a shape. Origin and
 // direction are in the shape's frame; t is a factor of the direction, which need not be of unit
-// length. settings may be NULL. Not for compounds.
+// length. settings may be NULL.
 HullmapResult hullmap_ray(const HullmapShape *shape,
                           HullmapVec3 origin,
                           HullmapVec3 direction,

@@ -191,19 +191,21 @@ impl Query for Cast<'_> {
         A: hullmap::Shape + ?Sized,
         B: hullmap::Shape + ?Sized,
     {
-        Ok(hullmap::cast(a, b, self.0, self.1, self.2, &mut self.3.convex).into())
+        Ok(types::Impact::new(hullmap::cast(a, b, self.0, self.1, self.2, &mut self.3.convex), [0, 0]))
     }
 
-    fn parts<A: Parts + ?Sized, B: Parts + ?Sized>(self, _: &A, _: &B) -> Fallible<Self::Answer> {
-        Err(not_for("a compound", "cast"))
+    fn parts<A: Parts + ?Sized, B: Parts + ?Sized>(self, a: &A, b: &B) -> Fallible<Self::Answer> {
+        let CompoundAnswer { answer, hulls, .. } = compound::cast(a, b, self.0, self.1, self.2, self.3.compound());
+        Ok(types::Impact::new(answer, hulls))
     }
 
     fn plane<B: hullmap::Shape + ?Sized>(self, a: &HalfSpace, b: &B) -> Fallible<Self::Answer> {
-        Ok(a.cast(b, self.0, self.1, self.2).into())
+        Ok(types::Impact::new(a.cast(b, self.0, self.1, self.2), [0, 0]))
     }
 
-    fn plane_and_parts(self, _: &HalfSpace, _: &Compound<'_>) -> Fallible<Self::Answer> {
-        Err(not_for("a compound", "cast"))
+    fn plane_and_parts(self, a: &HalfSpace, b: &Compound<'_>) -> Fallible<Self::Answer> {
+        let CompoundAnswer { answer, hulls, .. } = half_space::cast(a, b, self.0, self.1, self.2);
+        Ok(types::Impact::new(answer, hulls))
     }
 }
 
@@ -304,9 +306,13 @@ pub(crate) fn ray(shape: &Shape, ray: &hullmap::Ray, settings: &CastSettings) ->
     let found = match &shape.kind {
         Kind::HalfSpace(half_space) => half_space.ray(ray, settings),
         Kind::Hull(hull) => hullmap::ray(hull.hull(), ray, settings),
-        _ => hullmap::ray(convex_for(shape, "ray")?, ray, settings),
+        Kind::Compound(pack) => {
+            let CompoundAnswer { answer, hulls, .. } = compound::ray(&Compound::new(pack), ray, settings);
+            return Ok(types::RayHit::new(answer, hulls[0]));
+        }
+        Kind::Convex(convex) => hullmap::ray(&**convex, ray, settings),
     };
-    Ok(found.into())
+    Ok(types::RayHit::new(found, 0))
 }
 
 /// Signed distance of a point.

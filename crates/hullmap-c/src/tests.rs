@@ -317,13 +317,10 @@ fn rays_casts_points_and_bounds_have_the_same_bits() {
                 rotation: types::Quat { x: by[0], y: by[1], z: by[2], w: by[3] },
             };
             let twin_pose = hullmap::Pose::new(origin, DQuat::from_array(by)).unwrap();
-            let mut hit: types::RayHit = hullmap::ray(
-                &twin_other,
-                &hullmap::Ray::new(DVec3::ZERO, DVec3::X).unwrap(),
-                &hullmap::CastSettings::default(),
-            )
-            .into();
-            let mut impact: types::Impact = hullmap::Impact::default().into();
+            let along_x = hullmap::Ray::new(DVec3::ZERO, DVec3::X).unwrap();
+            let any = hullmap::ray(&twin_other, &along_x, &hullmap::CastSettings::default());
+            let mut hit = types::RayHit::new(any, 9);
+            let mut impact = types::Impact::new(hullmap::Impact::default(), [9, 9]);
             let (mut bounds, mut support) = (types::Bounds::default(), [types::Support::default(); 2]);
             let mut point = hullmap::signed_distance(
                 &twin_other,
@@ -380,9 +377,20 @@ fn rays_casts_points_and_bounds_have_the_same_bits() {
                     let expected = twin.cast(&twin_other, twin_pose, motion, &cast_settings);
                     same!(impact, expected; t t_lower t_upper; normal point_a point_b; hit iterations support_calls);
                 }
-                Twin::Compound(_) => {
+                Twin::Compound(twin) => {
                     let none = Code::Unsupported;
-                    assert_eq!(codes, [none, none, none, Code::Ok, none]);
+                    assert_eq!(codes, [Code::Ok, none, Code::Ok, Code::Ok, none]);
+                    let expected = compound::ray(&**twin, &ray, &cast_settings);
+                    assert_eq!(hit.hull as usize, expected.hulls[0]);
+                    let expected = expected.answer;
+                    same!(hit, expected; t t_lower t_upper; point normal; hit iterations support_calls);
+                    let mut cache = hullmap::CompoundCache::default();
+                    let expected = compound::cast(&**twin, &twin_other, twin_pose, motion, &cast_settings, &mut cache);
+                    assert_eq!([impact.hull_a as usize, impact.hull_b as usize], expected.hulls);
+                    assert_eq!((impact.hit, impact.status), (expected.answer.hit, expected.answer.status.into()));
+                    // The other one has a warm cache.
+                    let same = |x: f64, y: f64| x == y || (x - y).abs() < 1e-5 * (1.0 + y.abs());
+                    assert!(same(impact.t, expected.answer.t), "{impact:?}, {expected:?}");
                     assert!(message().contains("hullmap_shape_hull"), "{}", message());
                     let all: Vec<_> = twin_pack.hulls().map(|hull| hull.bounds_under(twin_pose)).collect();
                     assert_eq!(bits(bounds.min), bits(vector(all[0].min.min(all[1].min))));

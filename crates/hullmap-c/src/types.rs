@@ -525,6 +525,8 @@ pub struct RayHit {
     pub hit: bool,
     /// How the query ended. HULLMAP_STATUS_OVERLAPPING: the origin is inside the shape.
     pub status: Status,
+    /// Of a compound, the hull that is hit; otherwise 0.
+    pub hull: u32,
     /// Number of steps.
     pub iterations: u32,
     /// Number of support calls.
@@ -541,11 +543,12 @@ pub struct RayHit {
     pub normal: Vec3,
 }
 
-impl From<hullmap::RayHit> for RayHit {
-    fn from(found: hullmap::RayHit) -> Self {
+impl RayHit {
+    pub(crate) fn new(found: hullmap::RayHit, hull: usize) -> Self {
         Self {
             hit: found.hit,
             status: found.status.into(),
+            hull: hull as u32,
             iterations: found.iterations,
             support_calls: found.support_calls,
             t: found.t,
@@ -565,6 +568,10 @@ pub struct Impact {
     pub hit: bool,
     /// How the query ended. HULLMAP_STATUS_OVERLAPPING: the shapes overlap at the start.
     pub status: Status,
+    /// Of a compound, the hull that decided the query; otherwise 0.
+    pub hull_a: u32,
+    /// Of a compound, the hull that decided the query; otherwise 0.
+    pub hull_b: u32,
     /// Number of steps.
     pub iterations: u32,
     /// Number of support calls.
@@ -583,11 +590,14 @@ pub struct Impact {
     pub point_b: Vec3,
 }
 
-impl From<hullmap::Impact> for Impact {
-    fn from(found: hullmap::Impact) -> Self {
+impl Impact {
+    pub(crate) fn new(found: hullmap::Impact, hulls: [usize; 2]) -> Self {
+        let [hull_a, hull_b] = hulls.map(|hull| hull as u32);
         Self {
             hit: found.hit,
             status: found.status.into(),
+            hull_a,
+            hull_b,
             iterations: found.iterations,
             support_calls: found.support_calls,
             t: found.t,

@@ -277,15 +277,15 @@ impl Query for Cast {
 
     fn compound<A: Parts + ?Sized, B: Parts + ?Sized>(
         &self,
-        _: &A,
-        _: &B,
-        _: Pose,
-        _: &mut CompoundCache,
+        a: &A,
+        b: &B,
+        pose: Pose,
+        cache: &mut CompoundCache,
     ) -> Option<Found<Impact>> {
-        None
+        Some(of_compound(compound::cast(a, b, pose, self.1, &self.0, cache)))
     }
 
-    fn half_space_compound<B: Parts + ?Sized>(&self, _: &HalfSpace, _: &B, _: Pose) -> Option<Found<Impact>> {
-        None
+    fn half_space_compound<B: Parts + ?Sized>(&self, a: &HalfSpace, b: &B, pose: Pose) -> Option<Found<Impact>> {
+        Some(of_compound(compound::half_space::cast(a, b, pose, self.1, &self.0)))
     }
 }

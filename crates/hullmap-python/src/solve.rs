@@ -6,9 +6,13 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use hullmap::compound::{self, CompoundAnswer};
 use hullmap::glam::DVec3;
 use hullmap::manifold::{MAX_POINTS, ManifoldSettings, Prediction};
-use hullmap::{self as core, Cache, CastSettings, Motion, Overlap, Ray, RayHit, Settings, Status, SupportMap};
+use hullmap::{
+    self as core, Cache, CastSettings, Compound, Motion, Overlap, Ray, RayHit, Settings, Status, SupportMap,
+    SupportPoint,
+};
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -62,7 +66,7 @@ columns!(
     /// Answers of `cast`.
     Impacts, ImpactRows {
         hit: bool = 1, t: f64 = 1, t_lower: f64 = 1, t_upper: f64 = 1, status: u8 = 1, normal: f64 = 3,
-        point_a: f64 = 3, point_b: f64 = 3, iterations: u32 = 1, support_calls: u32 = 1,
+        point_a: f64 = 3, point_b: f64 = 3, iterations: u32 = 1, support_calls: u32 = 1, parts: u32 = 2,
     }
 );
 
@@ -84,7 +88,7 @@ columns!(
 
 columns!(
     /// Answers of `support`.
-    Supports, SupportRows { point: f64 = 3, vertex: u32 = 1 }
+    Supports, SupportRows { point: f64 = 3, vertex: u32 = 1, parts: u32 = 1 }
 );
 
 /// The code of a status, as in `hullmap.Status`.
@@ -334,7 +338,7 @@ pub fn manifold<'py>(
     )
 }
 
-/// When convex shapes that translate first meet.
+/// When shapes that translate first meet.
 #[pyfunction]
 #[pyo3(signature = (a, b, poses, velocities, settings, coherent, threads))]
 pub fn cast<'py>(
@@ -353,7 +357,7 @@ pub fn cast<'py>(
     velocities.check_count(pairs.poses.count())?;
     pairs.solve::<Impacts, _>(
         py,
-        ("cast", false),
+        ("cast", true),
         |row| {
             let motion = Motion::new(velocities.get(row));
             Ok(query::Cast(settings, motion.map_err(|error| format!("velocity[{row}]: {error}"))?))
@@ -370,6 +374,7 @@ pub fn cast<'py>(
             put_vector(rows.point_b, at, answer.point_b);
             put(rows.iterations, at, answer.iterations);
             put(rows.support_calls, at, answer.support_calls);
+            put_all(rows.parts, at, &found.parts);
         },
     )
 }
@@ -449,37 +454,8 @@ fn cast_ray(side: &Side, ray: &Ray, settings: &CastSettings) -> (RayHit, u32) {
         Side::Convex(shape) => (core::ray(&**shape, ray, settings), 0),
         Side::HalfSpace(half) => (half.ray(ray, settings), 0),
         Side::Compound(pack) => {
-            let mut best: Option<(RayHit, u32)> = None;
-            let (mut lower, mut upper) = (f64::INFINITY, f64::INFINITY);
-            let (mut iterations, mut support_calls) = (0, 0);
-            for (part, hull) in (0..).zip(pack.hulls()) {
-                let found = core::ray(&hull, ray, settings);
-                iterations += found.iterations;
-                support_calls += found.support_calls;
-                lower = found.t_lower.min(lower);
-                // A ray that grazes a hull need not hit it, so it bounds nothing from above.
-                if found.hit && found.status != Status::Touching {
-                    upper = found.t_upper.min(upper);
-                }
-                if best.is_none_or(|(best, _)| found.hit && (!best.hit || found.t < best.t)) {
-                    best = Some((found, part));
-                }
-            }
-            let nothing = RayHit {
-                hit: false,
-                status: Status::Separated,
-                t: f64::INFINITY,
-                t_lower: f64::INFINITY,
-                t_upper: f64::INFINITY,
-                point: ray.origin(),
-                normal: DVec3::X,
-                iterations,
-                support_calls,
-            };
-            let (found, part) = best.unwrap_or((nothing, 0));
-            let is_bounded = found.hit && upper.is_finite();
-            let (t_lower, t_upper) = (lower.min(found.t_lower), if is_bounded { upper } else { found.t_upper });
-            (RayHit { t_lower, t_upper, iterations, support_calls, ..found }, part)
+            let CompoundAnswer { answer, hulls, .. } = compound::ray(&Compound::new(pack), ray, settings);
+            (answer, u32::try_from(hulls[0]).unwrap_or(u32::MAX))
         }
     }
 }
@@ -534,7 +510,7 @@ pub fn signed_distance<'py>(
     fill::<SignedDistances>(py, points.numbers.len(), threads, solve, ArrayError::new_err)?.into_arrays(py)
 }
 
-/// Support points of a convex shape.
+/// Support points of a bounded shape; of a pack, those of the hull that reaches farthest.
 #[pyfunction]
 #[pyo3(signature = (shape, directions, threads))]
 pub fn support<'py>(
@@ -545,9 +521,9 @@ pub fn support<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let directions = Vectors::new("directions", &directions)?;
     let side = shape.0.clone();
-    if query::convex(&side).is_none() {
+    if matches!(side, Side::HalfSpace(_)) {
         return Err(ShapeError::new_err(
-            "support takes a bounded convex shape, found a pack or a half-space: query the hulls of the pack",
+            "support takes a bounded shape, found a half-space: it reaches to infinity in all directions but one",
         ));
     }
     let solve = |first: usize, count: usize, rows: SupportRows<'_>| {
@@ -566,20 +542,33 @@ pub fn support<'py>(
                     ),
                 ));
             }
-            let (point, vertex) = match &side {
-                Side::Hull(hull) => {
-                    let found = SupportMap::support_point(hull.hull(), direction);
-                    (found.point, found.feature)
-                }
-                _ => query::convex(&side).map_or((DVec3::NAN, 0), |shape| {
-                    let found = shape.support_point(direction);
-                    (found.point, found.feature)
-                }),
+            let (found, part) = match &side {
+                Side::Hull(hull) => (SupportMap::support_point(hull.hull(), direction), 0),
+                Side::Convex(shape) => (shape.support_point(direction), 0),
+                Side::Compound(pack) => match farthest(pack, direction) {
+                    Some(found) => found,
+                    None => continue,
+                },
+                // Rejected above.
+                Side::HalfSpace(_) => continue,
             };
-            put_vector(rows.point, at, point);
-            put(rows.vertex, at, vertex);
+            put_vector(rows.point, at, found.point);
+            put(rows.vertex, at, found.feature);
+            put(rows.parts, at, part);
         }
         Ok(())
     };
     fill::<Supports>(py, directions.numbers.len(), threads, solve, ArrayError::new_err)?.into_arrays(py)
+}
+
+/// The farthest support point of all hulls, and the index of its hull: the first of equal ones.
+fn farthest(pack: &core::Pack, direction: DVec3) -> Option<(SupportPoint, u32)> {
+    let mut best: Option<(SupportPoint, u32)> = None;
+    for (part, hull) in (0..).zip(pack.hulls()) {
+        let found = SupportMap::support_point(&hull, direction);
+        if best.is_none_or(|(best, _)| found.point.dot(direction) > best.point.dot(direction)) {
+            best = Some((found, part));
+        }
+    }
+    best
 }

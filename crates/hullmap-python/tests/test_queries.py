@@ -243,9 +243,45 @@ def test_packs_meet_packs_planes_and_rays(pair_of_cubes):
     hits = pack.ray([[-1, 0.5, 0.5], [9, 0.5, 0.5], [2, 0.5, 5]], [[1, 0, 0], [-1, 0, 0], [0, 0, -1]])
     assert np.allclose(hits.t, [1, 5, np.inf]) and hits.parts.tolist()[:2] == [0, 1]
     assert (hits.t_lower <= hits.t).all() and (hits.t <= hits.t_upper).all()
-    for query in (lambda: pack[0].manifold(pack, between), lambda: pack[0].cast(pack, between, [1, 0, 0])):
-        with pytest.raises(hullmap.ShapeError, match="takes convex shapes, found a pack"):
-            query()
+    with pytest.raises(hullmap.ShapeError, match="takes convex shapes, found a pack"):
+        pack[0].manifold(pack, between)
+
+
+def test_packs_are_cast_and_have_support_points(pair_of_cubes):
+    pack, floor = pair_of_cubes, hullmap.HalfSpace([1, 0, 0], 0.0)
+    # Into the gap from above, and past it to the right cube.
+    ball, above = hullmap.Sphere(0.5), hullmap.poses([2.0, 0.5, 3.0])
+    found = pack.cast(ball, above, [[0, 0, -1], [1, 0, -2.5], [-1, 0, 0]])
+    assert found.hit.tolist() == [False, True, False] and found.parts[1].tolist() == [1, 0]
+    alone = pack[1].cast(ball, above, [1, 0, -2.5])
+    assert found.t_lower[1] <= alone.t_upper and alone.t_lower <= found.t_upper[1]
+    # Packs against each other, a hull against a pack, and a plane.
+    assert pack.cast(pack, hullmap.poses([8, 0, 0]), [-2, 0, 0]).t == pytest.approx(2.0, abs=1e-5)
+    assert pack[0].cast(pack, hullmap.poses([8, 0, 0]), [-1, 0, 0]).t == pytest.approx(7.0, abs=1e-5)
+    assert floor.cast(pack, hullmap.poses([1, 0, 0]), [-4, 0, 0]).t == pytest.approx(0.25)
+    poses, ways = random_poses(300, 6, 6.0), -random_poses(300, 7, 2.0)[:, :3]
+    probe = hullmap.bake(rock(30, 8))[0]
+    each = np.array([hull.cast(probe, poses, ways).t for hull in pack]).min(axis=0)
+    union = pack.cast(probe, poses, ways)
+    sure = union.status != Status.TOUCHING
+    assert 0.1 < np.isfinite(each).mean() < 0.9 and sure.mean() > 0.9
+    assert np.allclose(union.t[sure], each[sure], rtol=1e-5, atol=1e-5)
+    directions = np.random.default_rng(9).normal(size=(200, 3))
+    farthest = pack.support(directions)
+    dots = [(hull.support(directions).point * directions).sum(axis=1) for hull in pack]
+    assert np.array_equal((farthest.point * directions).sum(axis=1), np.maximum(*dots))
+    assert np.array_equal(farthest.parts, np.argmax(dots, axis=0)) and set(farthest.parts.tolist()) == {0, 1}
+    with pytest.raises(hullmap.ShapeError, match="takes a bounded shape"):
+        hullmap._hullmap.support(floor._native, directions, None)
+
+
+def test_points_outside_of_a_pack(pair_of_cubes):
+    """What the message of `signed_distance` recommends."""
+    pack, points = pair_of_cubes, np.array([[2, 0.5, 0.5], [-1, 0.5, 0.5], [0.5, 0.5, 0.5]])
+    with pytest.raises(hullmap.ShapeError, match="sphere of radius 0"):
+        hullmap._hullmap.signed_distance(pack._native, points, (1e-5, 100), False, None)
+    gap = pack.distance(hullmap.Sphere(0.0), hullmap.poses(points))
+    assert np.allclose(gap.distance, [1, 1, 0])
 
 
 def test_limits_are_reported_and_intervals_hold(rocks, truth):

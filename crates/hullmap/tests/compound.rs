@@ -4,8 +4,8 @@ use glam::{DQuat, DVec3};
 use hullmap::compound::{CompoundManifolds, half_space};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Segment, Sphere, Triangle};
 use hullmap::{
-    Cache, Compound, CompoundCache, Contact, Manifold, ManifoldSettings, Overlap, Pack, Pose, Prediction, Settings,
-    Shape, Status, compound,
+    Cache, CastSettings, Compound, CompoundCache, Contact, Impact, Manifold, ManifoldSettings, Motion, Overlap, Pack,
+    Pose, Prediction, Ray, Settings, Shape, Status, compound,
 };
 use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
 use hullmap_testkit::random::RandomPoses;
@@ -415,4 +415,126 @@ fn manifolds_of_shapes_and_half_spaces() {
     assert_eq!((on_slab.update(&slab, &whole, gone, &settings).touching, on_slab.is_empty()), (0, true));
     on_floor.clear();
     assert!(on_floor.is_empty() && on_floor.iter().next().is_none() && on_floor.get([0, 0]).is_none());
+}
+
+/// The answers of all pairs by themselves: whether one hits for certain, the first t of these, and
+/// the interval of the first hit.
+fn first_of(all: impl Iterator<Item = Impact>) -> (Option<f64>, [f64; 2]) {
+    let (mut t, mut lower, mut upper) = (None, f64::INFINITY, f64::INFINITY);
+    for found in all.filter(|found| found.hit) {
+        lower = lower.min(found.t_lower);
+        if found.status != Status::Touching {
+            t = Some(t.map_or(found.t, |best: f64| best.min(found.t)));
+            upper = upper.min(found.t_upper);
+        }
+    }
+    (t, [lower, upper])
+}
+
+#[test]
+fn casts_agree_with_all_pairs() {
+    let (mut hits, mut tried, mut queried, mut all) = (0, 0, 0, 0);
+    for (name, a, b) in pairings() {
+        let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
+        let mut cache = CompoundCache::default();
+        let mut rng = SplitMix64::new(SEED + 40);
+        for (number, pose) in poses(600, 4.0, SEED + 40).into_iter().enumerate() {
+            // Towards a point near A, at any speed; some are too short.
+            let aim = DVec3::from_array(rng.direction()) * rng.between(0.0, 4.0);
+            let motion = Motion::new((aim - pose.translation()) * rng.between(0.2, 2.0)).unwrap();
+            let settings = CastSettings { max_t: [1.0, f64::INFINITY][number % 2], ..CastSettings::default() };
+            let each = pairs(&a, &b).map(|(_, a, b)| hullmap::cast(&a, &b, pose, motion, &settings, &mut Cache::new()));
+            let (t, [lower, upper]) = first_of(each);
+            let found = compound::cast(&whole_a, &whole_b, pose, motion, &settings, &mut cache);
+            let (answer, at) = (found.answer, format!("{name}: pose {number}, seed {SEED:#x}: {:?}", found.answer));
+            assert_eq!(answer.hit, lower.is_finite(), "{at}");
+            tried += 1;
+            let Some(t) = t else { continue };
+            assert!(answer.status != Status::Touching, "{at}");
+            assert!(answer.t_lower <= upper && lower <= answer.t_upper, "{at}, {lower} to {upper}");
+            assert!(answer.t_lower <= answer.t && answer.t <= answer.t_upper, "{at}");
+            assert!((answer.t - t).abs() * motion.velocity().length() < 2e-5, "{at}: {t}");
+            let [hull_a, hull_b] = [a.hull(found.hulls[0]).unwrap(), b.hull(found.hulls[1]).unwrap()];
+            let alone = hullmap::cast(&hull_a, &hull_b, pose, motion, &settings, &mut Cache::new());
+            assert!(alone.hit && alone.t_lower <= answer.t_upper, "{at}: {alone:?}");
+            hits += 1;
+            queried += found.pairs as usize;
+            all += a.hull_count() * b.hull_count();
+        }
+    }
+    println!("{hits} of {tried} hit; {queried} of {all} pairs queried");
+    assert!((tried * 3 / 10..=tried * 7 / 10).contains(&hits), "{hits} of {tried} hit");
+    assert!(queried * 2 < all, "{queried} of {all}");
+}
+
+#[test]
+fn casts_at_rest_and_overlapping_ones() {
+    let (a, b) = (pack(6, 1.0, 50), pack(4, 1.0, 51));
+    let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
+    let (settings, mut hits) = (CastSettings::default(), 0);
+    let poses = poses(200, 2.0, SEED + 50);
+    for pose in &poses {
+        let overlaps = compound::intersects(&whole_a, &whole_b, *pose, &mut CompoundCache::default()).answer.is_hit();
+        for velocity in [DVec3::ZERO, DVec3::X * 1e-300, DVec3::Y, DVec3::Z * 1e30] {
+            let motion = Motion::new(velocity).unwrap();
+            let cache = &mut CompoundCache::default();
+            let found = compound::cast(&whole_a, &whole_b, *pose, motion, &settings, cache).answer;
+            if overlaps {
+                assert!(found.status == Status::Overlapping && found.t == 0.0 && found.t_upper == 0.0, "{found:?}");
+            } else if velocity == DVec3::ZERO {
+                assert!(!found.hit && found.t == f64::INFINITY, "{found:?}");
+            } else {
+                assert!(!found.hit || found.t_upper > 0.0, "{found:?}");
+            }
+        }
+        hits += usize::from(overlaps);
+    }
+    assert!((60..140).contains(&hits), "{hits} of {} overlap", poses.len());
+}
+
+#[test]
+fn rays_and_half_space_casts_agree_with_all_parts() {
+    let settings = CastSettings::default();
+    let (mut hits, mut tried, mut queried, mut all) = (0, 0, 0, 0);
+    for (name, pack) in [("three", pack(3, 1.0, 41)), ("forty", pack(40, 1.5, 42))] {
+        let whole = Compound::new(&pack);
+        let mut rng = SplitMix64::new(SEED + 41);
+        for number in 0..2_000 {
+            let origin = DVec3::from_array(rng.direction()) * rng.between(0.0, 5.0);
+            let aim = DVec3::from_array(rng.direction()) * rng.between(0.0, 2.0);
+            let ray = Ray::new(origin, (aim - origin) * rng.between(0.1, 3.0)).unwrap();
+            let each = pack.hulls().map(|hull| {
+                let found = hullmap::ray(&hull, &ray, &settings);
+                let (hit, status, t) = (found.hit, found.status, found.t);
+                Impact { hit, status, t, t_lower: found.t_lower, t_upper: found.t_upper, ..Impact::default() }
+            });
+            let (t, [lower, upper]) = first_of(each);
+            let found = compound::ray(&whole, &ray, &settings);
+            let (answer, at) = (found.answer, format!("{name}: ray {number}, seed {SEED:#x}: {:?}", found.answer));
+            assert_eq!(answer.hit, lower.is_finite(), "{at}");
+            tried += 1;
+            let Some(t) = t else { continue };
+            // No cache: the same bits as the part by itself.
+            assert_eq!(answer.t, t, "{at}");
+            assert_eq!([answer.t_lower, answer.t_upper], [lower, upper], "{at}");
+            let part = hullmap::ray(&pack.hull(found.hulls[0]).unwrap(), &ray, &settings);
+            assert_eq!((part.t, part.normal, part.point), (answer.t, answer.normal, answer.point), "{at}");
+            hits += 1;
+            queried += found.pairs as usize;
+            all += pack.hull_count();
+        }
+        let wall = HalfSpace::new(DVec3::new(0.3, -0.5, 0.8), 0.2).unwrap();
+        for pose in poses(300, 6.0, SEED + 42) {
+            let motion = Motion::new(DVec3::from_array(rng.direction())).unwrap();
+            let (t, [lower, upper]) = first_of(pack.hulls().map(|hull| wall.cast(&hull, pose, motion, &settings)));
+            let found = half_space::cast(&wall, &whole, pose, motion, &settings).answer;
+            assert_eq!(found.hit, lower.is_finite(), "{found:?}");
+            if let Some(t) = t {
+                assert_eq!((found.t, found.t_lower, found.t_upper), (t, lower, upper), "{found:?}");
+            }
+        }
+    }
+    println!("{hits} of {tried} hit; {queried} of {all} parts queried");
+    assert!((tried * 3 / 10..=tried * 7 / 10).contains(&hits), "{hits} of {tried} hit");
+    assert!(queried * 2 < all, "{queried} of {all}");
 }

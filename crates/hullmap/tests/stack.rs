@@ -91,6 +91,9 @@ fn on_stack(size: usize, settings: Settings, with_scratch: bool) -> u32 {
             black_box(compound::intersects(&whole, &whole, pose, &mut cache));
             black_box(compound::distance(&whole, &whole, pose, &settings, &mut cache));
             black_box(compound::contact(&whole, &whole, pose, &settings, &mut cache));
+            let (motion, limits) = (Motion::new(-pose.translation()).unwrap(), CastSettings::default());
+            black_box(compound::cast(&whole, &whole, pose, motion, &limits, &mut cache));
+            black_box(compound::ray(&whole, &Ray::new(pose.translation(), DVec3::X).unwrap(), &limits));
             if let Some(scratch) = cache.take_scratch() {
                 manifolds.set_scratch(scratch);
             }

@@ -219,6 +219,10 @@ fn queries_allocate_nothing() {
             black_box(compound::distance(&whole, &whole, pose, &settings, &mut cache));
             black_box(compound::contact(shape, &whole, pose, &settings, &mut cache));
             black_box(compound::half_space::contact(&wall, &whole, pose));
+            let (motion, limits) = (Motion::new(-pose.translation()).unwrap(), CastSettings::default());
+            black_box(compound::cast(&whole, shape, pose, motion, &limits, &mut cache));
+            black_box(compound::ray(&whole, &Ray::new(pose.translation(), DVec3::X).unwrap(), &limits));
+            black_box(compound::half_space::cast(&wall, &whole, pose, motion, &limits));
             let settings = ManifoldSettings::default();
             black_box(manifolds.update(&whole, shape, pose, &settings));
             black_box(manifolds.update_half_space(&wall, &whole, pose, &settings));

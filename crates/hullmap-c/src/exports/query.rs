@@ -145,7 +145,7 @@ pub unsafe extern "C" fn hullmap_contact(
 }
 
 /// When B, which starts at b_in_a and moves by `velocity` per unit of time, first meets A. Neither
-/// shape turns. The velocity is in A's frame. settings and cache may be NULL. Not for compounds.
+/// shape turns. The velocity is in A's frame. settings and cache may be NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_cast(
     a: *const Shape,
@@ -172,7 +172,7 @@ pub unsafe extern "C" fn hullmap_cast(
 
 /// Where the ray of all points origin + t direction, t >= 0, first enters a shape. Origin and
 /// direction are in the shape's frame; t is a factor of the direction, which need not be of unit
-/// length. settings may be NULL. Not for compounds.
+/// length. settings may be NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_ray(
     shape: *const Shape,

@@ -205,6 +205,8 @@ class Impact(_Answer):
     point_b: Floats
     iterations: Counts
     support_calls: Counts
+    parts: Counts
+    """Indices of the hulls in A and in B that meet first, for packs; (..., 2)."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -254,6 +256,8 @@ class Support(_Answer):
     """The points; (..., 3)."""
     vertex: Counts
     """Of a hull: the index of the vertex."""
+    parts: Counts
+    """Index of the hull that reaches farthest, for a pack."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -172,9 +172,37 @@ class Shape:
         settings = (float(max_t), float(tolerance), _limit(max_iterations))
         return RayHit._of(_hullmap.ray(self._native, starts, ways, settings, threads), lead)
 
+    def cast(
+        self,
+        other: Shape,
+        b_in_a: Poses = None,
+        velocity: npt.ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        a_in_world: Poses = None,
+        b_in_world: Poses = None,
+        max_t: float = float("inf"),
+        tolerance: float = RAY_TOLERANCE,
+        max_iterations: int = MAX_ITERATIONS,
+        coherent: bool = False,
+        threads: Optional[int] = None,
+    ) -> Impact:
+        """When ``other``, which starts at ``b_in_a`` and translates by ``velocity`` in this shape's
+        frame, first meets this shape.
+
+        >>> import hullmap
+        >>> floor = hullmap.HalfSpace([0, 0, 1], 0.0)
+        >>> float(floor.cast(hullmap.Sphere(0.5), hullmap.poses([0, 0, 2.5]), [1, 0, -4]).t)
+        0.5
+        """
+        poses, lead = _poses(b_in_a, a_in_world, b_in_world)
+        velocities, _ = vectors("velocity", velocity)
+        settings = (float(max_t), float(tolerance), _limit(max_iterations))
+        found = _hullmap.cast(self._native, _native(other), poses, velocities, settings, coherent, threads)
+        return Impact._of(found, lead)
+
 
 class _Solid(Shape):
-    """A shape with a manifold, casts and signed distances: everything but a `Pack`."""
+    """A shape with a manifold and signed distances: everything but a `Pack`."""
 
     __slots__ = ()
 
@@ -211,34 +239,6 @@ class _Solid(Shape):
         points = {"point_a": (4, 3), "point_b": (4, 3), "local_b": (4, 3)}
         return Manifold._of(found, lead, dict(points))
 
-    def cast(
-        self,
-        other: Union[ConvexShape, HalfSpace],
-        b_in_a: Poses = None,
-        velocity: npt.ArrayLike = (0.0, 0.0, 0.0),
-        *,
-        a_in_world: Poses = None,
-        b_in_world: Poses = None,
-        max_t: float = float("inf"),
-        tolerance: float = RAY_TOLERANCE,
-        max_iterations: int = MAX_ITERATIONS,
-        coherent: bool = False,
-        threads: Optional[int] = None,
-    ) -> Impact:
-        """When ``other``, which starts at ``b_in_a`` and translates by ``velocity`` in this shape's
-        frame, first meets this shape.
-
-        >>> import hullmap
-        >>> floor = hullmap.HalfSpace([0, 0, 1], 0.0)
-        >>> float(floor.cast(hullmap.Sphere(0.5), hullmap.poses([0, 0, 2.5]), [1, 0, -4]).t)
-        0.5
-        """
-        poses, lead = _poses(b_in_a, a_in_world, b_in_world)
-        velocities, _ = vectors("velocity", velocity)
-        settings = (float(max_t), float(tolerance), _limit(max_iterations))
-        found = _hullmap.cast(self._native, _native(other), poses, velocities, settings, coherent, threads)
-        return Impact._of(found, lead)
-
     def signed_distance(
         self,
         points: npt.ArrayLike,
@@ -260,8 +260,8 @@ class _Solid(Shape):
         return SignedDistance._of(found, lead)
 
 
-class ConvexShape(_Solid):
-    """A bounded convex shape."""
+class _Bounded(Shape):
+    """A shape with support points: everything but a `HalfSpace`."""
 
     __slots__ = ()
 
@@ -275,6 +275,12 @@ class ConvexShape(_Solid):
         """
         rows, lead = vectors("directions", directions)
         return Support._of(_hullmap.support(self._native, rows, threads), lead)
+
+
+class ConvexShape(_Solid, _Bounded):
+    """A bounded convex shape."""
+
+    __slots__ = ()
 
 
 def _native(shape: Shape) -> _hullmap.Shape:
@@ -645,7 +651,7 @@ def _hull_of(pack: Pack, index: int) -> Hull:
     return pack[index]
 
 
-class Pack(Shape, Sequence[Hull]):
+class Pack(_Bounded, Sequence[Hull]):
     """A pack: one or more hulls. As a shape, it is the union of its hulls.
 
     >>> import hullmap

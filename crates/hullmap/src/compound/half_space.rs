@@ -1,15 +1,16 @@
 //! Queries of a half-space and a compound, by descent of one BVH.
 //!
-//! The lowest point of a compound is that of its lowest part, so this part decides all three
-//! queries.
+//! The lowest point of a compound is that of its lowest part, so this part decides all queries but
+//! the cast, which tries each part.
 
 use super::CompoundAnswer;
 use super::bvh::{Child, Nodes};
+use super::motion::First;
 use super::parts::Parts;
 use crate::pose::Pose;
 use crate::shapes::HalfSpace;
 use crate::shapes::half_space::Lowest;
-use crate::solver::{Contact, Distance, Intersection};
+use crate::solver::{CastSettings, Contact, Distance, Impact, Intersection, Motion};
 use glam::DVec3;
 use hullmap_format::bvh::MAX_LEVELS;
 
@@ -199,4 +200,49 @@ pub fn distance<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> Compou
 pub fn intersects<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> CompoundAnswer<Intersection> {
     let CompoundAnswer { answer, hulls, pairs, boxes } = lowest(a, b, b_in_a);
     CompoundAnswer { answer: answer.intersection(), hulls, pairs, boxes }
+}
+
+/// When `b`, which starts at `b_in_a` and translates by `motion`, first meets the half-space.
+///
+/// Points and normal are in the frame of the half-space.
+///
+/// # Complexity
+/// One closed form and one support query for each part. No allocation.
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = two_cubes();
+/// use hullmap::compound::half_space;
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::HalfSpace;
+/// use hullmap::{CastSettings, Compound, Motion, Pose};
+///
+/// // Two unit cubes, at x from 0 to 1 and from 3 to 4. The wall is at x = 6.
+/// let (wall, cubes) = (HalfSpace::new(DVec3::NEG_X, -6.0)?, Compound::new(&pack));
+/// let right = Motion::new(DVec3::X)?;
+/// let impact = half_space::cast(&wall, &cubes, Pose::IDENTITY, right, &CastSettings::default());
+/// assert_eq!(impact.hulls, [0, 1]);
+/// assert!(impact.answer.hit && (impact.answer.t - 2.0).abs() < 1e-12);
+/// # Ok(())
+/// # }
+/// ```
+pub fn cast<B: Parts + ?Sized>(
+    a: &HalfSpace,
+    b: &B,
+    b_in_a: Pose,
+    motion: Motion,
+    settings: &CastSettings,
+) -> CompoundAnswer<Impact> {
+    let mut first = First::default();
+    for index in 0..b.part_count() {
+        if let Some(part) = b.part(index) {
+            first.add(&a.cast(&part, b_in_a, motion, settings), [0, index]);
+        }
+    }
+    let is_known = first.pairs > 0;
+    let (answer, hulls) = first.answer();
+    let answer = if is_known { answer } else { Impact::default() };
+    CompoundAnswer { answer, hulls, pairs: first.pairs, boxes: 0 }
 }

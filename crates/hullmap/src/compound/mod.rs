@@ -47,6 +47,7 @@ mod bvh;
 mod cache;
 pub mod half_space;
 mod manifolds;
+mod motion;
 mod parts;
 mod traversal;
 
@@ -58,6 +59,7 @@ use crate::solver::{Contact, Distance, Intersection, Overlap, Settings, Status, 
 use bvh::{Nodes, Placement};
 pub use cache::CompoundCache;
 pub use manifolds::{CompoundManifolds, ManifoldCounts};
+pub use motion::{cast, ray};
 pub use parts::Parts;
 use traversal::Traversal;
 

@@ -80,7 +80,7 @@ impl Ray {
         self.origin + self.motion.velocity * t
     }
 
-    pub(super) fn motion(&self) -> Motion {
+    pub(crate) fn motion(&self) -> Motion {
         self.motion
     }
 }
@@ -118,6 +118,11 @@ impl Motion {
     /// The velocity, in A's frame.
     pub fn velocity(&self) -> DVec3 {
         self.velocity
+    }
+
+    /// Length of the velocity. Tiny velocities do not underflow.
+    pub(crate) fn speed(&self) -> f64 {
+        self.unit().map_or(0.0, |(_, speed)| speed)
     }
 
     /// Unit direction and speed; `None` without motion.
@@ -169,7 +174,7 @@ impl Default for CastSettings {
 
 impl CastSettings {
     /// Maximum t, with 0 for NaN and for negative values.
-    pub(super) fn limit(&self) -> f64 {
+    pub(crate) fn limit(&self) -> f64 {
         self.max_t.max(0.0)
     }
 

@@ -1,0 +1,235 @@
+//! Rays and linear shape casts of compounds: the first hit over all pairs of parts.
+//!
+//! # Steps
+//! 1. Visit the pairs of parts, nearest boxes first. Parts whose boxes are a distance apart cannot
+//!    meet before they have moved that far, so pairs beyond the first certain hit are skipped.
+//! 2. Cast each pair by itself.
+//! 3. The first of all hits has the minimum of their lower bounds and the minimum of their upper
+//!    bounds. A pair that only grazes may miss, so its upper bound does not count.
+//!
+//! # Reference
+//! Branch and bound, as for [`distance`](super::distance()).
+
+use super::bvh::{Nodes, Placement};
+use super::parts::Parts;
+use super::traversal::Traversal;
+use super::{CompoundAnswer, CompoundCache};
+use crate::pose::Pose;
+use crate::solver::cast::cast as cast_pair;
+use crate::solver::ray::ray as cast_ray;
+use crate::solver::{CastSettings, Impact, Motion, Ray, RayHit, Status};
+use glam::DVec3;
+
+/// Relative rounding error of a length that follows from a time and a speed.
+const LENGTH_ERROR: f64 = 8.0 * f64::EPSILON;
+
+/// When `b`, which starts at `b_in_a` and translates by `motion`, first meets `a`.
+///
+/// The answer is that of the pair of parts that meet first, and its interval contains the time of
+/// impact of the compounds. If only grazing pairs were found, which rounding error decides, the
+/// interval contains those of all of them. If there is no hit, points and normal mean nothing.
+///
+/// `cache` belongs to this ordered pair of compounds; the query reads and updates it.
+///
+/// # Complexity
+/// Branch and bound: at most G H casts for compounds of G and H, and usually those of the few pairs
+/// that are as near as the distance covered until the hit. No allocation.
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = two_cubes();
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::Sphere;
+/// use hullmap::{CastSettings, Compound, CompoundCache, Motion, Pose, compound};
+///
+/// // Two unit cubes, at x from 0 to 1 and from 3 to 4. A ball falls into the gap, then to the right.
+/// let (cubes, ball) = (Compound::new(&pack), Sphere::new(0.5)?);
+/// let (settings, mut cache) = (CastSettings::default(), CompoundCache::default());
+/// let start = Pose::from_translation(DVec3::new(2.0, 0.5, 3.0))?;
+/// let down = Motion::new(DVec3::new(0.0, 0.0, -1.0))?;
+/// assert!(!compound::cast(&cubes, &ball, start, down, &settings, &mut cache).answer.hit);
+/// let right = Motion::new(DVec3::new(1.0, 0.0, -1.0))?;
+/// let impact = compound::cast(&cubes, &ball, start, right, &settings, &mut cache);
+/// assert_eq!(impact.hulls, [1, 0]);
+/// assert!(impact.answer.t_lower <= impact.answer.t && impact.answer.t <= impact.answer.t_upper);
+/// # Ok(())
+/// # }
+/// ```
+pub fn cast<A: Parts + ?Sized, B: Parts + ?Sized>(
+    a: &A,
+    b: &B,
+    b_in_a: Pose,
+    motion: Motion,
+    settings: &CastSettings,
+    cache: &mut CompoundCache,
+) -> CompoundAnswer<Impact> {
+    let placement = Placement::new(a.nodes(), b.nodes(), b_in_a);
+    let first = first_hit(placement, motion.speed(), settings, |pair| {
+        let (part_a, part_b) = (a.part(pair[0])?, b.part(pair[1])?);
+        Some(cast_pair(&part_a, &part_b, b_in_a, motion, settings, cache.pair(pair)))
+    });
+    if a.part_count() == 0 || b.part_count() == 0 {
+        // Only in a pack that was opened without checks: nothing is known.
+        return CompoundAnswer { answer: Impact::default(), ..first };
+    }
+    first
+}
+
+/// Where `ray` first enters `a`.
+///
+/// The ray is in the frame of the compound. The answer is that of the part that is hit first, and
+/// its interval contains the t of the whole compound. `hulls` has the index of the part first. If
+/// only grazing parts were found, which rounding error decides, the interval contains those of all
+/// of them. If there is no hit, the normal means nothing.
+///
+/// # Complexity
+/// Branch and bound: at most one ray cast for each part, and none for those that are farther away
+/// than the first hit. No allocation.
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = two_cubes();
+/// use hullmap::glam::DVec3;
+/// use hullmap::{CastSettings, Compound, Ray, compound};
+///
+/// // Two unit cubes, at x from 0 to 1 and from 3 to 4. The ray starts between them.
+/// let right = Ray::new(DVec3::new(2.0, 0.5, 0.5), DVec3::X)?;
+/// let hit = compound::ray(&Compound::new(&pack), &right, &CastSettings::default());
+/// assert_eq!(hit.hulls, [1, 0]);
+/// assert!(hit.answer.hit && (hit.answer.t - 1.0).abs() < 1e-9);
+/// # Ok(())
+/// # }
+/// ```
+pub fn ray<A: Parts + ?Sized>(a: &A, ray: &Ray, settings: &CastSettings) -> CompoundAnswer<RayHit> {
+    let origin = Nodes::one(DVec3::ZERO, DVec3::ZERO);
+    let placement = Placement::new(a.nodes(), origin, Pose::at(ray.origin()));
+    let CompoundAnswer { answer, hulls, pairs, boxes } = first_hit(placement, ray.motion().speed(), settings, |pair| {
+        let found = cast_ray(&a.part(pair[0])?, ray, settings);
+        let RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls } = found;
+        Some(Impact {
+            hit,
+            status,
+            t,
+            t_lower,
+            t_upper,
+            normal,
+            point_a: point,
+            point_b: point,
+            iterations,
+            support_calls,
+        })
+    });
+    let answer = if a.part_count() == 0 { Impact::default() } else { answer };
+    let Impact { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = answer;
+    let point = if hit { answer.point_a } else { ray.origin() };
+    let answer = RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls };
+    CompoundAnswer { answer, hulls, pairs, boxes }
+}
+
+/// The first hit of the pairs of a placement. `query` casts a pair.
+fn first_hit(
+    placement: Placement<'_>,
+    speed: f64,
+    settings: &CastSettings,
+    mut query: impl FnMut([usize; 2]) -> Option<Impact>,
+) -> CompoundAnswer<Impact> {
+    let mut first = First::default();
+    let mut traversal = Traversal::new(placement);
+    loop {
+        // How far B moves until the first certain hit. Without motion it stays where it is, however
+        // long that lasts.
+        let until = settings.limit().min(first.certain_upper);
+        let reach = if speed > 0.0 { until * speed * (1.0 + LENGTH_ERROR) } else { 0.0 };
+        let Some(pair) = traversal.next(reach) else { break };
+        if let Some(found) = query(pair) {
+            first.add(&found, pair);
+        }
+    }
+    let (answer, hulls) = first.answer();
+    CompoundAnswer { answer, hulls, pairs: first.pairs, boxes: traversal.boxes() }
+}
+
+/// The first of several hits.
+pub(super) struct First {
+    /// The first certain hit so far.
+    certain: Option<(Impact, [usize; 2])>,
+    /// The first grazing hit so far.
+    grazing: Option<(Impact, [usize; 2])>,
+    /// Minimum lower bound of all hits, and the status of that hit.
+    lower: (f64, Status),
+    /// Minimum upper bound of the certain hits.
+    certain_upper: f64,
+    /// Maximum upper bound of the grazing hits: which of them meet is not known.
+    grazing_upper: f64,
+    pub(super) pairs: u32,
+    iterations: u32,
+    support_calls: u32,
+}
+
+impl Default for First {
+    fn default() -> Self {
+        Self {
+            certain: None,
+            grazing: None,
+            lower: (f64::INFINITY, Status::Separated),
+            certain_upper: f64::INFINITY,
+            grazing_upper: 0.0,
+            pairs: 0,
+            iterations: 0,
+            support_calls: 0,
+        }
+    }
+}
+
+impl First {
+    pub(super) fn add(&mut self, found: &Impact, pair: [usize; 2]) {
+        self.pairs += 1;
+        self.iterations = self.iterations.saturating_add(found.iterations);
+        self.support_calls = self.support_calls.saturating_add(found.support_calls);
+        if !found.hit {
+            return;
+        }
+        if found.t_lower < self.lower.0 {
+            self.lower = (found.t_lower, found.status);
+        }
+        let slot = if found.status == Status::Touching {
+            self.grazing_upper = self.grazing_upper.max(found.t_upper);
+            &mut self.grazing
+        } else {
+            self.certain_upper = self.certain_upper.min(found.t_upper);
+            &mut self.certain
+        };
+        // Ties go to the lowest index, so that the answer does not depend on the order of visits.
+        if slot.is_none_or(|(best, of)| found.t < best.t || found.t == best.t && pair < of) {
+            *slot = Some((*found, pair));
+        }
+    }
+
+    pub(super) fn answer(&self) -> (Impact, [usize; 2]) {
+        let (iterations, support_calls) = (self.iterations, self.support_calls);
+        let (mut answer, pair) = match (self.certain, self.grazing) {
+            (Some((first, pair)), _) => (Impact { t_upper: self.certain_upper, ..first }, pair),
+            (None, Some((first, pair))) => (Impact { t_upper: self.grazing_upper, ..first }, pair),
+            (None, None) => {
+                let never = f64::INFINITY;
+                let miss =
+                    Impact { hit: false, status: Status::Separated, t: never, t_lower: never, ..Impact::default() };
+                (Impact { t_upper: never, ..miss }, [0, 0])
+            }
+        };
+        (answer.iterations, answer.support_calls) = (iterations, support_calls);
+        if self.lower.0 < answer.t_lower {
+            answer.t_lower = self.lower.0;
+            // The hit is certain, only its time is not.
+            answer.status = match self.lower.1 {
+                Status::Touching if self.certain.is_some() => Status::Stalled,
+                status => status,
+            };
+        }
+        (answer, pair)
+    }
+}
