@@ -338,6 +338,8 @@ fn manifolds_agree_with_those_of_all_pairs() {
         let prediction = predictions[run % 3];
         let settings = ManifoldSettings { prediction, ..ManifoldSettings::default() };
         let mut manifolds = CompoundManifolds::new(200);
+        // The twins know nothing of other parts.
+        manifolds.set_welding(false);
         let mut twins: BTreeMap<[usize; 2], (Manifold, Cache)> = BTreeMap::new();
         for (frame, pose) in frames(60, SEED + run as u64).into_iter().enumerate() {
             let counts = manifolds.update(&whole_a, &whole_b, pose, &settings);
@@ -382,6 +384,8 @@ fn manifolds_of_shapes_and_half_spaces() {
     let settings = ManifoldSettings { prediction: Prediction::Length(0.05), ..ManifoldSettings::default() };
     let (mut on_slab, mut on_floor, mut few) =
         (CompoundManifolds::new(16), CompoundManifolds::new(16), CompoundManifolds::new(2));
+    on_slab.set_welding(false);
+    few.set_welding(false);
     let mut dropped = 0;
     for step in 0..40 {
         let t = f64::from(step);
@@ -537,4 +541,69 @@ fn rays_and_half_space_casts_agree_with_all_parts() {
     println!("{hits} of {tried} hit; {queried} of {all} parts queried");
     assert!((tried * 3 / 10..=tried * 7 / 10).contains(&hits), "{hits} of {tried} hit");
     assert!(queried * 2 < all, "{queried} of {all}");
+}
+
+/// A sheet of `side` × `side` rocks, which overlap slightly.
+fn sheet(side: usize) -> Pack {
+    let hulls: Vec<_> = (0..side * side)
+        .map(|number| {
+            let place = [number % side, number / side].map(|at| at as f64 - (side as f64 - 1.0) * 0.5);
+            let place = [place[0], place[1], 0.0];
+            let points = Family::Rock.points(32, number as u64 % 16);
+            let positions: Vec<[f32; 3]> =
+                points.iter().map(|p| std::array::from_fn(|i| (f64::from(p[i]) * 0.6 + place[i]) as f32)).collect();
+            let source_vertices = (0..positions.len() as u32).collect();
+            bake_hull(&PointSet { positions, source_vertices, ..PointSet::default() }, IndexKind::Tree).unwrap()
+        })
+        .collect();
+    Pack::from_bytes(&write_pack(&hulls, &SourceRecord::default()).unwrap()).unwrap()
+}
+
+/// A rock touches as many parts of a large sheet as of a small one, and so does the corner of
+/// another sheet. So the pairs of parts stay few, and the pairs of boxes grow as the depth of the
+/// trees: the work is counted, not timed.
+#[test]
+fn work_grows_with_the_logarithm_of_the_number_of_parts() {
+    let rock = sheet(1);
+    let settings = Settings::default();
+    let mut counts: Vec<[[f64; 4]; 2]> = Vec::new();
+    for side in [4, 8, 16, 32] {
+        let large = sheet(side);
+        let whole = Compound::new(&large);
+        let half = (side as f64 - 1.0) * 0.5;
+        counts.push([false, true].map(|against_itself| {
+            let single = Compound::new(&rock);
+            let other = if against_itself { &whole } else { &single };
+            let mut rng = SplitMix64::new(SEED);
+            let mut work = [0.0; 4];
+            for _ in 0..100 {
+                let reach = half - 1.0;
+                let over = DVec3::new(rng.between(-reach, reach), rng.between(-reach, reach), 0.0);
+                let mut rotation = DQuat::from_rotation_z(rng.between(0.0, 6.0));
+                let mut corner = DVec3::ZERO;
+                if against_itself {
+                    rotation = rotation * DQuat::from_rotation_x(0.5) * DQuat::from_rotation_y(0.5);
+                    corner = rotation * DVec3::new(half, -half, 0.0);
+                }
+                let at = |height: f64| Pose::new(over + DVec3::Z * height - corner, rotation).unwrap();
+                let gap = compound::distance(&whole, other, at(1.3), &settings, &mut CompoundCache::default());
+                let apart = compound::intersects(&whole, other, at(1.3), &mut CompoundCache::default());
+                let manifolds =
+                    CompoundManifolds::new(64).update(&whole, other, at(0.85), &ManifoldSettings::default());
+                work[0] += f64::from(gap.pairs) / 100.0;
+                work[1] += f64::from(gap.boxes + apart.boxes) / 100.0;
+                work[2] += f64::from(manifolds.pairs) / 100.0;
+                work[3] += f64::from(manifolds.boxes) / 100.0;
+            }
+            work
+        }));
+    }
+    println!("pairs and boxes of distances, then of manifolds: {counts:.1?}");
+    for kind in 0..2 {
+        let [small, .., large] = counts.as_slice() else { panic!("several sizes") };
+        let (small, large) = (small[kind], large[kind]);
+        // Sixty-four times as many parts: ten levels of each tree instead of four.
+        assert!(large[0] <= 2.5 * small[0] && large[2] <= 1.5 * small[2], "{kind}: {counts:.1?}");
+        assert!(large[1] <= 3.5 * small[1] && large[3] <= 3.0 * small[3], "{kind}: {counts:.1?}");
+    }
 }

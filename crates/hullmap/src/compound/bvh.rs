@@ -47,6 +47,16 @@ impl Node {
         [center - reach, center + reach]
     }
 
+    /// Distance of a point from the box; 0 inside.
+    pub(super) fn distance(&self, point: DVec3) -> f64 {
+        ((point - self.center).abs() - self.half).max(DVec3::ZERO).length()
+    }
+
+    /// Length of the diagonal of the box: no part below the node is longer.
+    pub(super) fn diagonal(&self) -> f64 {
+        2.0 * self.half.length()
+    }
+
     /// Square of half the diagonal of the box.
     pub(super) fn size_sq(&self) -> f64 {
         self.half.length_squared()
@@ -93,7 +103,7 @@ impl<'n> Nodes<'n> {
 
     /// Length of the diagonal of the box around all parts: no part is longer.
     pub(super) fn diagonal(&self) -> f64 {
-        self.get(0).map_or(0.0, |root| 2.0 * root.half.length())
+        self.get(0).map_or(0.0, |root| root.diagonal())
     }
 }
 

@@ -7,12 +7,14 @@
 //! 1. Traverse the BVHs for the pairs of parts whose boxes are within the prediction of each other.
 //! 2. A pair of the last frame updates its manifold, with its solver cache. Another pair tries an
 //!    empty manifold, and gets a slot if it has points.
-//! 3. Pairs that no longer touch leave their slots.
+//! 3. Normals at edges between the parts of a compound are corrected ([`seams`](super::seams)).
+//! 4. Pairs that no longer touch leave their slots.
 
-use super::bvh::Placement;
+use super::bvh::{Node, Placement};
 use super::cache::CompoundCache;
 use super::half_space::Descent;
 use super::parts::Parts;
+use super::seams::{self, Side, Union};
 use super::traversal::Traversal;
 use crate::manifold::{Manifold, ManifoldSettings};
 use crate::pose::Pose;
@@ -71,6 +73,7 @@ pub struct CompoundManifolds {
     others: CompoundCache,
     /// Lent by the caller, and passed to the cache in use.
     scratch: Option<Box<Scratch>>,
+    welds: bool,
 }
 
 /// A pair of parts that touch.
@@ -113,7 +116,15 @@ impl CompoundManifolds {
             used: 0,
             others: CompoundCache::new(2 * pairs),
             scratch: None,
+            welds: true,
         }
+    }
+
+    /// Sets whether normals at edges between the parts of a compound are corrected, as
+    /// [`weld`](seams::weld) does. This is so by default. Otherwise each manifold is that of its
+    /// two parts alone, and bodies stumble over these edges.
+    pub fn set_welding(&mut self, welds: bool) {
+        self.welds = welds;
     }
 
     /// Updates the manifolds of all pairs of parts of `a` and `b`, with `b` placed at `b_in_a`.
@@ -134,19 +145,37 @@ impl CompoundManifolds {
         settings: &ManifoldSettings,
     ) -> ManifoldCounts {
         let mut frame = self.start();
+        let (union_a, union_b) = (seams::of(a), seams::of(b));
+        let [in_a, in_b]: [Option<&dyn Union>; 2] = [
+            (self.welds && a.part_count() > 1).then_some(&union_a as &dyn Union),
+            (self.welds && b.part_count() > 1).then_some(&union_b as &dyn Union),
+        ];
         let nodes = [a.nodes(), b.nodes()];
-        // A part is in its box, so the radius of a ball around an interior point is at most the
-        // diagonal.
-        let reach = settings.prediction.length(nodes[0].diagonal().min(nodes[1].diagonal()));
+        // A part is in its box and in those above, so the radius of a ball around an interior point
+        // is at most the diagonal of each.
+        let reach = |a: &Node, b: &Node| settings.prediction.length(a.diagonal().min(b.diagonal()));
         let mut traversal = Traversal::new(Placement::new(nodes[0], nodes[1], b_in_a));
-        while let Some(pair) = traversal.next(reach) {
+        while let Some(pair) = traversal.next_within(reach) {
             let (Some(part_a), Some(part_b)) = (a.part(pair[0]), b.part(pair[1])) else { continue };
             let prediction = settings.prediction.length(part_a.outer_radius().min(part_b.outer_radius()));
             // NaN takes the branch that queries.
             if traversal.lower_bound() > prediction {
                 continue;
             }
-            self.visit(&mut frame, pair, |manifold, cache| manifold.update(&part_a, &part_b, b_in_a, settings, cache));
+            if in_a.is_none() && in_b.is_none() {
+                self.visit(&mut frame, pair, |manifold, cache| {
+                    manifold.update(&part_a, &part_b, b_in_a, settings, cache)
+                });
+                continue;
+            }
+            let side_a = Side { shape: &part_a, union: in_a.map(|union| (union, pair[0], Pose::IDENTITY)) };
+            let side_b = Side { shape: &part_b, union: in_b.map(|union| (union, pair[1], Pose::IDENTITY)) };
+            self.visit(&mut frame, pair, |manifold, cache| {
+                let before = manifold.clone();
+                let contact = manifold.update(&part_a, &part_b, b_in_a, settings, cache);
+                seams::weld(manifold, &before, &side_a, &side_b, b_in_a, settings);
+                contact
+            });
         }
         frame.counts.boxes = traversal.boxes();
         self.finish(frame)
@@ -211,7 +240,7 @@ impl CompoundManifolds {
         pair: [usize; 2],
         mut update: impl FnMut(&mut Manifold, &mut Cache) -> Contact,
     ) {
-        let Self { slots, order, used, others, scratch } = self;
+        let Self { slots, order, used, others, scratch, .. } = self;
         let mut update = |manifold: &mut Manifold, cache: &mut Cache| {
             if let Some(scratch) = scratch.take() {
                 cache.set_scratch(scratch);

@@ -3,7 +3,9 @@
 //!
 //! A concave mesh is baked as convex parts, and the pack of its parts is a compound shape. The BVHs
 //! in the packs find the pairs of hulls to query. The answers equal those of querying every pair.
-//! [`CompoundManifolds`] keeps a contact manifold for every pair of parts that touch.
+//! [`CompoundManifolds`] keeps a contact manifold for every pair of parts that touch. Its normals
+//! are those of the union: [`seams`] corrects those at edges between parts, over which bodies would
+//! stumble.
 //!
 //! # Complexity
 //! A query of compounds with G and H parts compares at most (2 G − 1) (2 H − 1) pairs of boxes, and
@@ -49,6 +51,7 @@ pub mod half_space;
 mod manifolds;
 mod motion;
 mod parts;
+pub mod seams;
 mod traversal;
 
 use crate::cascade::{self, Stages};

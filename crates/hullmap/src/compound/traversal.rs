@@ -6,7 +6,7 @@
 
 use hullmap_format::bvh::MAX_LEVELS;
 
-use super::bvh::{Child, Placement};
+use super::bvh::{Child, Node, Placement};
 
 /// Maximum number of pairs on the stack.
 const MAX_STACK: usize = 2 * MAX_LEVELS as usize + 1;
@@ -46,15 +46,22 @@ impl<'q> Traversal<'q> {
 
     /// The next pair of hulls whose boxes are at most `reach` apart, by index.
     pub(super) fn next(&mut self, reach: f64) -> Option<[usize; 2]> {
+        self.next_within(|_, _| reach)
+    }
+
+    /// The next pair of hulls whose boxes are at most `reach` apart, which may depend on the boxes.
+    /// The reach of smaller boxes must not be greater.
+    pub(super) fn next_within(&mut self, reach: impl Fn(&Node, &Node) -> f64) -> Option<[usize; 2]> {
         while let Some(top) = self.len.checked_sub(1) {
             let (node_a, node_b, lower_bound) = *self.stack.get(top)?;
             self.len = top;
+            let a = self.placement.a.get(node_a)?;
+            let b = self.placement.b.get(node_b)?;
             // Written so that a NaN would not skip the pair.
+            let reach = reach(&a, &b);
             if lower_bound > reach {
                 continue;
             }
-            let a = self.placement.a.get(node_a)?;
-            let b = self.placement.b.get(node_b)?;
             let opens_a = match (a.child, b.child) {
                 (Child::Hull(hull_a), Child::Hull(hull_b)) => {
                     self.lower_bound = lower_bound;

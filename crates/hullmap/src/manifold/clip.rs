@@ -26,6 +26,7 @@
 #![forbid(unsafe_code)]
 
 use crate::shapes::{Corner, Feature, MAX_CORNERS};
+use crate::vector::perpendicular;
 use glam::{DVec2, DVec3};
 
 /// Maximum number of points of a patch: each side adds at most one corner.
@@ -186,6 +187,12 @@ pub(super) struct Frame {
 }
 
 impl Frame {
+    /// A frame about `origin` with the unit normal `normal`.
+    pub(super) fn new(origin: DVec3, normal: DVec3) -> Self {
+        let x = perpendicular(normal);
+        Self { origin, x, y: normal.cross(x), normal }
+    }
+
     fn flat(&self, corner: &Corner) -> Flat {
         let p = corner.point - self.origin;
         Flat { at: DVec2::new(p.dot(self.x), p.dot(self.y)), height: p.dot(self.normal), vertex: corner.vertex }
@@ -265,6 +272,25 @@ fn is_inside(incident: &Outline, reference: &Outline) -> bool {
         let least = -slack * along.length();
         incident.corners().iter().all(|c| along.perp_dot(c.at - start.at) >= least)
     })
+}
+
+/// Adds B's support point if it is over A's face, or else A's if it is over B's face.
+pub(super) fn deepest_over(a: &Feature, b: &Feature, [on_a, on_b]: [&Corner; 2], frame: &Frame, out: &mut Patch) {
+    let height_over = |feature: &Feature, point: &Flat| {
+        let face = Outline::new(feature, frame);
+        let mut vertex = face;
+        (vertex.corners[0], vertex.count) = (*point, 1);
+        let (origin, slope) = face.plane();
+        (face.area > 0.0 && is_inside(&vertex, &face)).then(|| origin.height + slope.dot(point.at - origin.at))
+    };
+    let (flat_a, flat_b) = (frame.flat(on_a), frame.flat(on_b));
+    if let Some(height) = (a.corners().len() > 2).then(|| height_over(a, &flat_b)).flatten() {
+        let parts = [FACE, pair(flat_b.vertex, flat_b.vertex)];
+        out.push(PatchPoint { at: flat_b.at, heights: [height, flat_b.height], parts });
+    } else if let Some(height) = (b.corners().len() > 2).then(|| height_over(b, &flat_a)).flatten() {
+        let parts = [pair(flat_a.vertex, flat_a.vertex), FACE];
+        out.push(PatchPoint { at: flat_a.at, heights: [flat_a.height, height], parts });
+    }
 }
 
 /// Adds the ends of the common length of two parallel edges.

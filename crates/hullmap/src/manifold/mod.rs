@@ -39,10 +39,9 @@ mod half_space;
 mod select;
 
 use crate::pose::Pose;
-use crate::shapes::{Feature, Shape};
+use crate::shapes::{Corner, Feature, Shape};
 use crate::solver::{Cache, Contact, Distance, Minkowski, Settings, Status, queries};
-use crate::vector::perpendicular;
-use clip::{Body, FACE, Frame, Part, Patch, PatchPoint, meet};
+use clip::{Body, FACE, Frame, Part, Patch, PatchPoint, deepest_over, meet};
 use glam::DVec3;
 use select::{Choice, area, choose};
 use std::fmt;
@@ -341,29 +340,9 @@ impl Manifold {
             contact.support_calls += gap.support_calls;
             depth = -gap.distance;
         }
-        let normal = contact.normal;
-        let side = perpendicular(normal);
-        let origin = (contact.point_a + contact.point_b) * 0.5;
-        let frame = Frame { origin, x: side, y: normal.cross(side), normal };
+        let frame = Frame::new((contact.point_a + contact.point_b) * 0.5, contact.normal);
         let mut features = [Feature::new(), Feature::new()];
-        let [on_a, on_b] = &mut features;
-        let dir_b = b_in_a.inverse_transform_vector(-normal);
-        a.reduced_feature_within(normal, prediction, on_a);
-        b.reduced_feature_within(dir_b, prediction, on_b);
-        place(on_b, b_in_a);
-        let mut patch = Patch::new();
-        // Each round replaces a reduced feature by the whole one.
-        while let Some(wanted) = meet(on_a, on_b, &frame, &mut patch) {
-            if wanted == Body::A {
-                a.feature_within(normal, prediction, on_a);
-                on_a.set_whole();
-            } else {
-                b.feature_within(dir_b, prediction, on_b);
-                on_b.set_whole();
-                place(on_b, b_in_a);
-            }
-        }
-        patch.retain(|p| p.depth() >= -prediction);
+        let mut patch = clipped((a, b, b_in_a), &frame, prediction, &mut features);
         let deep = patch.points().iter().map(PatchPoint::depth).fold(f64::NEG_INFINITY, f64::max);
         let slight = slight(prediction, reach);
         if depth > deep + slight {
@@ -373,6 +352,57 @@ impl Manifold {
         let choice = self.select(&patch, &frame, b_in_a, reach, slight);
         self.replace(&patch, choice, &frame, b_in_a, depth, reach);
         contact
+    }
+
+    /// Updates the points as [`update`](Self::update) does, along a given unit normal from A to B,
+    /// in A's frame. The points are where the features that face each other along it overlap; there
+    /// may be none, although the shapes touch.
+    ///
+    /// For a normal that is not that of the contact, the depths are those along it.
+    pub(crate) fn update_along<A: Shape + ?Sized, B: Shape + ?Sized>(
+        &mut self,
+        (a, b, b_in_a): (&A, &B, Pose),
+        normal: DVec3,
+        settings: &ManifoldSettings,
+    ) {
+        let reach = a.outer_radius().min(b.outer_radius());
+        let prediction = settings.prediction.length(reach);
+        let on_a = a.support_point(normal);
+        let on_b = b.support_point(b_in_a.inverse_transform_vector(-normal));
+        let [corner_a, corner_b] = [(on_a.point, on_a.feature), (b_in_a.transform_point(on_b.point), on_b.feature)]
+            .map(|(point, vertex)| Corner { point, vertex });
+        let depth = (corner_a.point - corner_b.point).dot(normal);
+        // NaN takes the branch that clears.
+        if !(depth >= -prediction) {
+            self.clear();
+            return;
+        }
+        let frame = Frame::new(corner_b.point, normal);
+        let mut features = [Feature::new(), Feature::new()];
+        let mut patch = clipped((a, b, b_in_a), &frame, prediction, &mut features);
+        let deep = patch.points().iter().map(PatchPoint::depth).fold(f64::NEG_INFINITY, f64::max);
+        let slight = slight(prediction, reach);
+        if depth > deep + slight {
+            // The support point of a curved surface may be over the other body's face, but no
+            // corner.
+            let [feature_a, feature_b] = &features;
+            deepest_over(feature_a, feature_b, [&corner_a, &corner_b], &frame, &mut patch);
+            patch.retain(|p| p.depth() >= -prediction);
+        }
+        let choice = self.select(&patch, &frame, b_in_a, reach, slight);
+        self.replace(&patch, choice, &frame, b_in_a, depth, reach);
+    }
+
+    /// Replaces the points by one, with a point of A and a point of B on a line along the unit
+    /// normal from A to B. All are in A's frame; `reach` is the smaller outer radius.
+    pub(crate) fn update_to(&mut self, [point_a, point_b]: [DVec3; 2], normal: DVec3, b_in_a: Pose, reach: f64) {
+        let frame = Frame::new(point_b, normal);
+        let depth = (point_a - point_b).dot(normal);
+        let mut patch = Patch::new();
+        patch.push(PatchPoint { heights: [depth, 0.0], parts: [FACE; 2], ..PatchPoint::default() });
+        let mut choice = Choice::default();
+        choice.push(0);
+        self.replace(&patch, choice, &frame, b_in_a, depth, reach);
     }
 
     /// The best four points in `patch`, or last frame's if they span nearly as much area.
@@ -470,6 +500,36 @@ impl Manifold {
             }
         }
     }
+}
+
+/// The points within the prediction where the features that face each other along the normal of
+/// `frame` overlap. Writes the features of A and of B, in A's frame.
+fn clipped<A: Shape + ?Sized, B: Shape + ?Sized>(
+    (a, b, b_in_a): (&A, &B, Pose),
+    frame: &Frame,
+    prediction: f64,
+    features: &mut [Feature; 2],
+) -> Patch {
+    let normal = frame.normal;
+    let [on_a, on_b] = features;
+    let dir_b = b_in_a.inverse_transform_vector(-normal);
+    a.reduced_feature_within(normal, prediction, on_a);
+    b.reduced_feature_within(dir_b, prediction, on_b);
+    place(on_b, b_in_a);
+    let mut patch = Patch::new();
+    // Each round replaces a reduced feature by the whole one.
+    while let Some(wanted) = meet(on_a, on_b, frame, &mut patch) {
+        if wanted == Body::A {
+            a.feature_within(normal, prediction, on_a);
+            on_a.set_whole();
+        } else {
+            b.feature_within(dir_b, prediction, on_b);
+            on_b.set_whole();
+            place(on_b, b_in_a);
+        }
+    }
+    patch.retain(|p| p.depth() >= -prediction);
+    patch
 }
 
 /// The distance of shapes that `axis` separates; `None` if it is above `prediction`.

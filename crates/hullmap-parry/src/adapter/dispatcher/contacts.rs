@@ -3,8 +3,10 @@
 //! # Steps
 //! 1. If the shapes have hardly moved, keep the points (parry's coherence test).
 //! 2. Update hullmap's manifold of the pair.
-//! 3. Write its points. A point that hullmap kept retains the data that the engine stored in it.
+//! 3. Correct its normal if it is that of an internal edge of a compound.
+//! 4. Write its points. A point that hullmap kept retains the data that the engine stored in it.
 
+use hullmap::compound::seams::{self, Side, Union};
 use hullmap::manifold::FeatureId;
 use hullmap::{Cache, Manifold, ManifoldSettings, Prediction};
 
@@ -29,16 +31,30 @@ pub(super) fn hardly_moved<M, C: Default + Copy>(pos12: &Pose, manifold: &mut Co
     manifold.try_update_contacts_eps(pos12, HARDLY_TURNED, HARDLY_MOVED_SQ)
 }
 
+/// A compound, the index of a shape in it, and the shape's pose.
+pub(super) type PartOf<'u> = (&'u dyn Union, usize, hullmap::Pose);
+
 /// Updates the manifold of a pair and writes it to `out`. `kept` and `cache` belong to the pair.
-/// Empty ones cost a few more support calls.
+/// Empty ones cost a few more support calls. `parts` are the compounds of parry's two shapes, if
+/// they are parts.
 pub(super) fn update<M, C: Default + Copy>(
     (pair, placement): &(Pair<'_>, Placement),
     prediction: Real,
     (kept, cache): (&mut Manifold, &mut Cache),
+    parts: [Option<PartOf<'_>>; 2],
     out: &mut ContactManifold<M, C>,
 ) {
     stamp(kept, out);
-    on_pair!(*pair, a, b => kept.update(a, b, placement.b_in_a, &settings(prediction), cache));
+    let (settings, b_in_a) = (settings(prediction), placement.b_in_a);
+    let [of_a, of_b] = if placement.flipped { [parts[1], parts[0]] } else { parts };
+    let before = (of_a.is_some() || of_b.is_some()).then(|| kept.clone());
+    on_pair!(*pair, a, b => {
+        kept.update(a, b, b_in_a, &settings, cache);
+        if let Some(before) = before {
+            let (side_a, side_b) = (Side { shape: a, union: of_a }, Side { shape: b, union: of_b });
+            seams::weld(kept, &before, &side_a, &side_b, b_in_a, &settings);
+        }
+    });
     write(kept, placement, out);
 }
 

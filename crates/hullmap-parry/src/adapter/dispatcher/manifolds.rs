@@ -13,8 +13,9 @@ use super::super::parry::query::details::{ContactManifoldsWorkspace, NormalConst
 use super::super::parry::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, Unsupported};
 use super::super::parry::shape::{Shape, ShapeType};
 use super::HullDispatcher;
-use super::contacts::{hardly_moved, update};
+use super::contacts::{PartOf, hardly_moved, update};
 use super::pair::pair;
+use super::welder::Welder;
 use super::workspace::Memory;
 
 impl<M, C> PersistentQueryDispatcher<M, C> for HullDispatcher
@@ -37,14 +38,15 @@ where
             if !hardly_moved(pos12, manifold)
                 && let Some(memory) = Memory::of(workspace)
             {
-                update(&found, prediction, (&mut memory.manifold, &mut memory.cache), manifold);
+                update(&found, prediction, (&mut memory.manifold, &mut memory.cache), [None, None], manifold);
             }
             return Ok(());
         }
         let (composite1, composite2) = (shape1.as_composite_shape(), shape2.as_composite_shape());
+        let welder = Welder::new(shape1, shape2);
         if let (Some(composite1), Some(composite2)) = (composite1, composite2) {
             default::contact_manifolds_composite_shape_composite_shape(
-                self, pos12, composite1, composite2, prediction, manifolds, workspace,
+                &welder, pos12, composite1, composite2, prediction, manifolds, workspace,
             );
             return Ok(());
         }
@@ -109,11 +111,11 @@ where
             _ => {
                 if let Some(composite1) = composite1 {
                     default::contact_manifolds_composite_shape_shape(
-                        self, pos12, composite1, shape2, prediction, manifolds, workspace, false,
+                        &welder, pos12, composite1, shape2, prediction, manifolds, workspace, false,
                     );
                 } else if let Some(composite2) = composite2 {
                     default::contact_manifolds_composite_shape_shape(
-                        self,
+                        &welder,
                         &pos12.inverse(),
                         composite2,
                         shape1,
@@ -146,12 +148,8 @@ where
         // Constraints change the normal between the contact and the features; only parry does that.
         if normal_constraints1.is_none()
             && normal_constraints2.is_none()
-            && let Some(found) = pair(pos12, shape1, shape2)
+            && solve(pos12, shape1, shape2, prediction, [None, None], manifold)
         {
-            if !hardly_moved(pos12, manifold) {
-                let cache = &mut Cache::from_axis(found.1.axis(wide(manifold.local_n1)));
-                update(&found, prediction, (&mut Manifold::new(), cache), manifold);
-            }
             return Ok(());
         }
         DefaultQueryDispatcher.contact_manifold_convex_convex(
@@ -164,4 +162,22 @@ where
             manifold,
         )
     }
+}
+
+/// Updates the manifold of two parts, or of a part and a shape, of which `parts` are the compounds.
+/// Returns false if hullmap does not solve the pair.
+pub(super) fn solve<M, C: Default + Copy>(
+    pos12: &Pose,
+    shape1: &dyn Shape,
+    shape2: &dyn Shape,
+    prediction: Real,
+    parts: [Option<PartOf<'_>>; 2],
+    manifold: &mut ContactManifold<M, C>,
+) -> bool {
+    let Some(found) = pair(pos12, shape1, shape2) else { return false };
+    if !hardly_moved(pos12, manifold) {
+        let cache = &mut Cache::from_axis(found.1.axis(wide(manifold.local_n1)));
+        update(&found, prediction, (&mut Manifold::new(), cache), parts, manifold);
+    }
+    true
 }

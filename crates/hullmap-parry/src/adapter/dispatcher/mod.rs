@@ -5,6 +5,7 @@ mod contacts;
 mod manifolds;
 mod pair;
 mod partner;
+mod welder;
 mod workspace;
 
 use hullmap::glam::DVec3;

@@ -66,9 +66,14 @@ pub(super) fn pair<'s>(
 
 /// The placement of A and B for parry's relative pose.
 fn placement(pos12: &parry::math::Pose, flipped: bool) -> Option<Placement> {
-    let second_in_first = Pose::new(wide(pos12.translation), quaternion(pos12)).ok()?;
+    let second_in_first = pose(pos12)?;
     let b_in_a = if flipped { second_in_first.inverse() } else { second_in_first };
     Some(Placement { b_in_a, flipped })
+}
+
+/// A pose in f64; `None` if it is not finite.
+pub(super) fn pose(pose: &parry::math::Pose) -> Option<Pose> {
+    Pose::new(wide(pose.translation), quaternion(pose)).ok()
 }
 
 #[allow(clippy::unnecessary_cast, reason = "one of the two precisions makes the cast a no-op")]

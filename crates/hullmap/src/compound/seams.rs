@@ -1,0 +1,564 @@
+//! Seams between the parts of a compound: the correction of contact normals at internal edges.
+//!
+//! Each part of a compound is a convex shape of its own, with edges and faces where it meets its
+//! neighbours. They are not on the surface of the union, but a query of the part alone finds them:
+//! a box that slides over a floor of tiles hits the side of the next tile, because that is the
+//! shortest way out of the tile. [`weld`] finds such normals and replaces them by those of exposed
+//! faces.
+//!
+//! # What is a normal of the union
+//! Let x be a contact point on part i, and n the normal there, outward. The normal is kept if, for
+//! one of the points,
+//! - no part that contains x extends beyond the plane through x with normal n. Then n is a proximal
+//!   normal of the union at x: a ball that touches the plane at x from outside touches the union
+//!   there only;
+//! - or n is the normal of a face of i, and a point slightly above that face, near x, is outside
+//!   all other parts. Then the face is exposed there, and x may be in a concave corner.
+//!
+//! # Steps
+//! 1. Test the normal. In most cases the first point passes, with one descent of the BVH.
+//! 2. Otherwise collect the faces of the part near the contact, ordered by the depth to which the
+//!    other body penetrates below them.
+//! 3. Take the least deep face that is exposed where the other body is over it, or at the contact.
+//! 4. Compute the manifold along its normal. Without points the part does not support the body:
+//!    the neighbour does, which has a manifold of its own.
+//!
+//! # Reference
+//! Rouwe, "Architecting Jolt Physics for Horizon Forbidden West", GDC 2022 (enhanced internal edge
+//! removal). Proximal normals: Clarke, Ledyaev, Stern, Wolenski, "Nonsmooth Analysis and Control
+//! Theory", 1998, section 1.1.
+//!
+//! # Deviations
+//! - Jolt drops contacts on features of triangles that another contact has used. That requires
+//!   neighbours that share edges and vertices. Convex parts overlap, and meet in parts of faces, so
+//!   here points are tested against the neighbours themselves.
+//! - Contacts are corrected, not dropped. The tip of a needle that stands on a seam is nearest to
+//!   the two internal faces, and no other contact would hold it.
+
+#![forbid(unsafe_code)]
+
+use super::bvh::Child;
+use super::parts::Parts;
+use crate::hull::Hull;
+use crate::manifold::{Manifold, ManifoldPoint, ManifoldSettings};
+use crate::pose::Pose;
+use crate::shapes::{Feature, Shape, Sphere};
+use crate::solver::{Cache, queries};
+use crate::vector::unit;
+use glam::DVec3;
+use hullmap_format::bvh::MAX_LEVELS;
+
+/// Gaps and steps between parts up to this fraction of the prediction are not felt. In Rapier 0.1
+/// mm: a tenth of the penetration that it allows, and far above the rounding of f32.
+const SEAM: f64 = 0.005;
+
+/// A seam is at least as wide as this fraction of the smaller outer radius, whatever the
+/// prediction.
+const LEAST_SEAM: f64 = 1e-5;
+
+/// It is at least as wide as the rounding of the parts' coordinates to f32, relative to a
+/// coordinate: half a unit for each of two parts, and as much for the planes through them.
+const ROUNDING: f64 = 2.0 * f32::EPSILON as f64;
+
+/// Height above a face at which a point is tested, in units of the seam's width.
+const ABOVE: f64 = 2.0;
+
+/// How far a point is moved towards the middle of its face before that, in units of the seam's
+/// width: the points of a contact are often on an edge of the face, and above an edge of an
+/// internal face that leans is the open.
+const INWARD: f64 = 16.0;
+
+/// Sine of the angle up to which a normal is that of a face. Normals of small gaps are less exact
+/// than those of depths; a body on a face whose normal is off by 1e-3 loses a thousandth of its
+/// speed.
+const FACE_ANGLE: f64 = 1e-3;
+
+/// Maximum number of faces of a part among which the replacement is searched for.
+const MAX_FACES: usize = 128;
+
+/// Maximum number of faces for which a manifold is computed. The first one nearly always decides.
+const MAX_TRIALS: usize = 8;
+
+/// A part of a [`Union`] near a point.
+pub struct Neighbour<'n> {
+    /// Index of the part.
+    pub index: usize,
+    /// The part.
+    pub shape: &'n dyn Shape,
+    /// Pose of the part in the frame of the union.
+    pub place: Pose,
+}
+
+/// A union of convex parts, as [`weld`] queries it. Points and directions are in its frame.
+///
+/// Implemented for every compound of this crate, by [`of`]. Implement it for the compounds of an
+/// engine.
+pub trait Union {
+    /// Whether `test` returns true for a part whose box is within `reach` of `point`. Calls it for
+    /// these parts, in any order, until it does. More parts do no harm.
+    fn any_near(&self, point: DVec3, reach: f64, test: &mut dyn FnMut(Neighbour<'_>) -> bool) -> bool;
+
+    /// Unit normal of the face of part `part` that is closest to `dir`; `None` if it has no faces.
+    fn face_towards(&self, part: usize, dir: DVec3) -> Option<DVec3>;
+
+    /// Calls `visit` with the outward unit normals of faces of part `part` and a point of each: all
+    /// faces if there are few, or those around the vertex `vertex`.
+    fn faces_near(&self, part: usize, vertex: u32, visit: &mut dyn FnMut(DVec3, DVec3));
+}
+
+/// One of two touching shapes, and the union that it is a part of.
+pub struct Side<'s, S: ?Sized> {
+    /// The shape.
+    pub shape: &'s S,
+    /// The union, the index of the shape in it, and the shape's pose in the frame of the union.
+    /// `None` for a single shape.
+    pub union: Option<(&'s dyn Union, usize, Pose)>,
+}
+
+/// Replaces the normal of `manifold` if it is not a normal of the union that A or B is a part of,
+/// and returns whether it was replaced. The points are those along the new normal; there may be
+/// none.
+///
+/// `manifold` has just been updated for the two shapes. `before` is the same manifold before that
+/// update: points that it had keep their impulses, user data and ages.
+///
+/// # Complexity
+/// One descent of the union's BVH for the first point, and a support query for each part whose box
+/// is there. A replacement costs at most 128 support queries and 8 manifolds. No allocation.
+///
+/// # Examples
+/// Two cubes side by side, and a small box that has sunk 1 mm into the left one, 0.5 mm from the
+/// seam. The shortest way out of the right one is sideways:
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/tiles.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = two_tiles();
+/// use hullmap::compound::seams::{self, Side};
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::Cuboid;
+/// use hullmap::{Cache, Compound, Manifold, ManifoldSettings, Pose};
+///
+/// // Unit cubes at x from −1 to 0 and from 0 to 1, below z = 0.
+/// let tiles = Compound::new(&pack);
+/// let right = tiles.hull(1).ok_or("no such hull")?;
+/// let die = Cuboid::new(DVec3::splat(0.1))?;
+/// let b_in_a = Pose::from_translation(DVec3::new(-0.0995, 0.0, 0.099))?;
+///
+/// let (mut manifold, settings) = (Manifold::new(), ManifoldSettings::default());
+/// manifold.update(&right, &die, b_in_a, &settings, &mut Cache::new());
+/// assert!(manifold.normal().x < -0.99);
+///
+/// let union = seams::of(&tiles);
+/// let a = Side { shape: &right, union: Some((&union, 1, Pose::IDENTITY)) };
+/// let b = Side { shape: &die, union: None };
+/// assert!(seams::weld(&mut manifold, &Manifold::new(), &a, &b, b_in_a, &settings));
+/// assert!(manifold.normal().z > 0.99);
+/// # Ok(())
+/// # }
+/// ```
+pub fn weld<A: Shape + ?Sized, B: Shape + ?Sized>(
+    manifold: &mut Manifold,
+    before: &Manifold,
+    a: &Side<'_, A>,
+    b: &Side<'_, B>,
+    b_in_a: Pose,
+    settings: &ManifoldSettings,
+) -> bool {
+    if manifold.points().is_empty() || a.union.is_none() && b.union.is_none() {
+        return false;
+    }
+    let reach = a.shape.outer_radius().min(b.shape.outer_radius());
+    let rounding = a.farthest(manifold, |p| p.point_a).max(b.farthest(manifold, |p| p.local_b)) * ROUNDING;
+    let seam = (SEAM * settings.prediction.length(reach)).max(LEAST_SEAM * reach).max(rounding);
+    let pair = Pair { a, b, b_in_a, seam };
+    if pair.a_allows(manifold) && pair.b_allows(manifold) {
+        return false;
+    }
+    pair.replace(manifold, before, settings)
+}
+
+/// A compound or a shape of this crate as a [`Union`].
+pub fn of<P: Parts + ?Sized>(parts: &P) -> impl Union + '_ {
+    OfParts(parts)
+}
+
+struct OfParts<'p, P: ?Sized>(&'p P);
+
+impl<P: Parts + ?Sized> Union for OfParts<'_, P> {
+    fn any_near(&self, point: DVec3, reach: f64, test: &mut dyn FnMut(Neighbour<'_>) -> bool) -> bool {
+        let nodes = self.0.nodes();
+        let mut stack = [0_u32; MAX_LEVELS as usize + 1];
+        let (mut len, mut visited) = (1_usize, 0_usize);
+        while let Some(top) = len.checked_sub(1) {
+            len = top;
+            // A cycle, which only a pack opened unchecked can have, ends as well.
+            visited += 1;
+            let Some(node) = stack.get(top).and_then(|index| nodes.get(*index)).filter(|_| visited <= nodes.count())
+            else {
+                return false;
+            };
+            // Written so that a NaN would not skip the node.
+            if node.distance(point) > reach {
+                continue;
+            }
+            match node.child {
+                Child::Hull(index) => {
+                    if let Some(part) = self.0.part(index)
+                        && test(Neighbour { index, shape: &part, place: Pose::IDENTITY })
+                    {
+                        return true;
+                    }
+                }
+                Child::Nodes(first) => {
+                    for child in [first, first.saturating_add(1)] {
+                        if let Some(slot) = stack.get_mut(len) {
+                            *slot = child;
+                            len += 1;
+                        }
+                    }
+                }
+            }
+        }
+        false
+    }
+
+    fn face_towards(&self, part: usize, dir: DVec3) -> Option<DVec3> {
+        match self.0.part_as_hull(part) {
+            Some(hull) => hull.face_normal(hull.face_towards(dir)?),
+            None => face_of(&self.0.part(part)?, dir).map(|(normal, _)| normal),
+        }
+    }
+
+    fn faces_near(&self, part: usize, vertex: u32, visit: &mut dyn FnMut(DVec3, DVec3)) {
+        if let Some(hull) = self.0.part_as_hull(part) {
+            faces_of_hull(&hull, vertex, visit);
+        } else if let Some(shape) = self.0.part(part) {
+            faces_of_shape(&shape, visit);
+        }
+    }
+}
+
+/// [`Union::faces_near`] of a hull.
+pub fn faces_of_hull(hull: &Hull<'_>, vertex: u32, visit: &mut dyn FnMut(DVec3, DVec3)) {
+    let mut give = |face: u32| {
+        if let (Some(normal), Some(corner)) = (hull.face_normal(face), hull.face(face).next()) {
+            visit(normal, hull.vertex(corner).unwrap_or_default().as_dvec3());
+        }
+    };
+    if hull.face_count() <= MAX_FACES {
+        (0..hull.face_count() as u32).for_each(give);
+    } else {
+        hull.faces_at(vertex).for_each(&mut give);
+        hull.neighbours(vertex).flat_map(|near| hull.faces_at(near)).for_each(give);
+    }
+}
+
+/// [`Union::faces_near`] of a shape whose faces cannot be listed: those closest to the axes.
+pub fn faces_of_shape<S: Shape + ?Sized>(shape: &S, visit: &mut dyn FnMut(DVec3, DVec3)) {
+    for axis in DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]) {
+        if let Some((normal, point)) = face_of(shape, axis) {
+            visit(normal, point);
+        }
+    }
+}
+
+/// Unit normal and a point of the face of `shape` that faces `dir`, if that is a face.
+pub fn face_of<S: Shape + ?Sized>(shape: &S, dir: DVec3) -> Option<(DVec3, DVec3)> {
+    let mut feature = Feature::new();
+    shape.feature(dir, &mut feature);
+    let [first, .., last] = feature.corners() else { return None };
+    let (corners, next) = (feature.corners().iter(), feature.corners().iter().skip(1));
+    let areas = corners.zip(next).map(|(p, q)| (p.point - first.point).cross(q.point - first.point));
+    let normal = unit(areas.sum::<DVec3>())?;
+    let outward = if normal.dot(dir) < 0.0 { -normal } else { normal };
+    (feature.corners().len() > 2).then_some((outward, last.point))
+}
+
+impl<S: Shape + ?Sized> Side<'_, S> {
+    /// Greatest coordinate of the points `on` the shape, in the frame of the union; 0 without one.
+    fn farthest(&self, manifold: &Manifold, on: impl Fn(&ManifoldPoint) -> DVec3) -> f64 {
+        let Some((_, _, place)) = self.union else { return 0.0 };
+        let coordinate = |p: &ManifoldPoint| place.transform_point(on(p)).abs().max_element();
+        manifold.points().iter().map(coordinate).fold(0.0, f64::max)
+    }
+
+    /// Whether `normal` is a normal of the union at one of the points `on`. All are in the shape's
+    /// frame; `normal` is outward. See the [module](self).
+    fn allows(&self, normal: DVec3, points: &[ManifoldPoint], on: impl Fn(&ManifoldPoint) -> DVec3, seam: f64) -> bool {
+        let Some((union, part, place)) = self.union else { return true };
+        // Of a face that is not quite perpendicular to the normal, only the highest points count.
+        let height = |p: &&ManifoldPoint| on(p).dot(normal);
+        let top = points.iter().map(|p| height(&p)).fold(f64::NEG_INFINITY, f64::max);
+        let highest = || points.iter().filter(|p| height(p) >= top - seam).map(|p| place.transform_point(on(p)));
+        let outward = place.transform_vector(normal);
+        if highest().any(|point| !self.is_topped(union, part, point, outward, seam)) {
+            return true;
+        }
+        let closest = union.face_towards(part, outward);
+        let is_face = closest.is_some_and(|face| face.cross(outward).length() <= FACE_ANGLE && face.dot(outward) > 0.0);
+        is_face && points.iter().any(|p| self.is_exposed(normal, on(p), seam))
+    }
+
+    /// Whether another part contains `point` and extends beyond the plane there. All are in the
+    /// frame of the union.
+    fn is_topped(&self, union: &dyn Union, part: usize, point: DVec3, outward: DVec3, seam: f64) -> bool {
+        union.any_near(point, seam, &mut |near| {
+            if near.index == part {
+                return false;
+            }
+            let dir = near.place.inverse_transform_vector(outward);
+            let highest = near.place.transform_point(near.shape.support_point(dir).point);
+            (highest - point).dot(outward) > seam && contains(&near, point, seam)
+        })
+    }
+
+    /// Whether the face with this normal is exposed near a point. All are in the shape's frame.
+    fn is_exposed(&self, normal: DVec3, point: DVec3, seam: f64) -> bool {
+        let Some((union, part, place)) = self.union else { return true };
+        let mut face = Feature::new();
+        self.shape.reduced_feature_within(normal, seam, &mut face);
+        let middle = face.corners().iter().map(|c| c.point).sum::<DVec3>() / face.corners().len().max(1) as f64;
+        let across = middle - point;
+        let above = point + (across * 0.5).clamp_length_max(INWARD * seam) + normal * (ABOVE * seam);
+        let above = place.transform_point(above);
+        !union.any_near(above, seam, &mut |near| near.index != part && contains(&near, above, seam))
+    }
+
+    /// Calls `visit` with the normals of faces near the vertex that is farthest along `normal`, and
+    /// a point of each. All are in the shape's frame.
+    fn faces(&self, normal: DVec3, visit: &mut dyn FnMut(DVec3, DVec3)) {
+        let Some((union, part, place)) = self.union else { return };
+        let back = place.inverse();
+        let vertex = self.shape.support_point(normal).feature;
+        union.faces_near(part, vertex, &mut |face, point| {
+            visit(place.inverse_transform_vector(face), back.transform_point(point));
+        });
+    }
+}
+
+/// Whether a part is within `seam` of `point`.
+fn contains(near: &Neighbour<'_>, point: DVec3, seam: f64) -> bool {
+    let place = Pose::from_translation(near.place.inverse().transform_point(point));
+    let (Ok(place), Ok(ball)) = (place, Sphere::new(seam)) else { return false };
+    queries::intersects(near.shape, &ball, place, &mut Cache::new()).is_hit()
+}
+
+/// Faces of a part.
+struct Faces {
+    found: [Face; MAX_FACES],
+    count: usize,
+}
+
+/// A face of a part, in the frame of the part.
+#[derive(Clone, Copy)]
+struct Face {
+    /// Depth of the other body below the face, a length.
+    depth: f64,
+    /// Outward unit normal.
+    normal: DVec3,
+    /// Height along the normal.
+    height: f64,
+}
+
+impl Faces {
+    const NONE: Self = Self { found: [Face { depth: 0.0, normal: DVec3::ZERO, height: 0.0 }; MAX_FACES], count: 0 };
+
+    fn push(&mut self, face: Face) {
+        // NaN takes the failing branch.
+        if let Some(free) = self.found.get_mut(self.count).filter(|_| face.depth > f64::NEG_INFINITY) {
+            *free = face;
+            self.count += 1;
+        }
+    }
+
+    /// Removes the face with the least depth.
+    fn pop(&mut self) -> Option<Face> {
+        let found = self.found.get_mut(..self.count)?;
+        let least = found.iter().enumerate().min_by(|(_, p), (_, q)| p.depth.total_cmp(&q.depth)).map(|(i, _)| i)?;
+        found.swap(least, self.count - 1);
+        self.count -= 1;
+        self.found.get(self.count).copied()
+    }
+}
+
+struct Pair<'p, A: ?Sized, B: ?Sized> {
+    a: &'p Side<'p, A>,
+    b: &'p Side<'p, B>,
+    b_in_a: Pose,
+    /// Width of a seam, a length.
+    seam: f64,
+}
+
+impl<A: Shape + ?Sized, B: Shape + ?Sized> Pair<'_, A, B> {
+    fn a_allows(&self, manifold: &Manifold) -> bool {
+        self.a.allows(manifold.normal(), manifold.points(), |p| p.point_a, self.seam)
+    }
+
+    fn b_allows(&self, manifold: &Manifold) -> bool {
+        let outward = self.b_in_a.inverse_transform_vector(-manifold.normal());
+        self.b.allows(outward, manifold.points(), |p| p.local_b, self.seam)
+    }
+
+    /// Computes the manifold along the normal of the least deep exposed face. Returns false, and
+    /// changes nothing, if the part has no faces.
+    #[inline(never)]
+    fn replace(&self, manifold: &mut Manifold, before: &Manifold, settings: &ManifoldSettings) -> bool {
+        let b_in_a = self.b_in_a;
+        let update = |trial: &mut Manifold, along: DVec3| {
+            trial.update_along((self.a.shape, self.b.shape, b_in_a), along, settings);
+        };
+        let prediction = settings.prediction.length(self.a.shape.outer_radius().min(self.b.shape.outer_radius()));
+        if !self.a_allows(manifold) {
+            let to_a = |normal: DVec3| normal;
+            let points = |p: &ManifoldPoint| [p.point_a, p.point_b];
+            let part = Part { own: self.a, other: self.b.shape, other_in_own: b_in_a, seam: self.seam, prediction };
+            let choice = part.choose(manifold, before, points, to_a, update, |trial| self.b_allows(trial));
+            self.take(choice, manifold, before, |[on_a, on_b]| [on_a, on_b], to_a)
+        } else {
+            let a_in_b = b_in_a.inverse();
+            let to_a = |normal: DVec3| b_in_a.transform_vector(-normal);
+            let points = |p: &ManifoldPoint| [p.local_b, a_in_b.transform_point(p.point_a)];
+            let part = Part { own: self.b, other: self.a.shape, other_in_own: a_in_b, seam: self.seam, prediction };
+            let choice = part.choose(manifold, before, points, to_a, update, |trial| self.a_allows(trial));
+            let order = |[own, other]: [DVec3; 2]| [b_in_a.transform_point(other), b_in_a.transform_point(own)];
+            self.take(choice, manifold, before, order, to_a)
+        }
+    }
+
+    /// Applies a choice. `order` converts a point of the part and one of the other body to points
+    /// of A and of B, in A's frame.
+    fn take(
+        &self,
+        choice: Choice,
+        manifold: &mut Manifold,
+        before: &Manifold,
+        order: impl Fn([DVec3; 2]) -> [DVec3; 2],
+        to_a: impl Fn(DVec3) -> DVec3,
+    ) -> bool {
+        match choice {
+            Choice::NoFaces => return false,
+            Choice::Nothing => manifold.clear(),
+            Choice::Manifold(chosen) => *manifold = chosen,
+            Choice::Point(points, normal) => {
+                let reach = self.a.shape.outer_radius().min(self.b.shape.outer_radius());
+                *manifold = before.clone();
+                manifold.update_to(order(points), to_a(normal), self.b_in_a, reach);
+            }
+        }
+        true
+    }
+}
+
+/// What replaces a manifold.
+#[expect(clippy::large_enum_variant, reason = "returned once, never stored")]
+enum Choice {
+    /// The part has no faces: it keeps its manifold.
+    NoFaces,
+    /// The part does not hold the body.
+    Nothing,
+    Manifold(Manifold),
+    /// A point of the part and one of the other body, and the normal of the face.
+    Point([DVec3; 2], DVec3),
+}
+
+/// The part whose normal is replaced, and the other body. All points and directions are in the
+/// frame of the part.
+struct Part<'p, S: ?Sized, T: ?Sized> {
+    own: &'p Side<'p, S>,
+    other: &'p T,
+    other_in_own: Pose,
+    seam: f64,
+    prediction: f64,
+}
+
+impl<S: Shape + ?Sized, T: Shape + ?Sized> Part<'_, S, T> {
+    /// The replacement of `manifold`. `points` returns a manifold point on the part and on the
+    /// other body, `to_a` converts an outward normal to one from A to B in A's frame, and
+    /// `other_allows` is the test of the other body's union.
+    fn choose(
+        &self,
+        manifold: &Manifold,
+        before: &Manifold,
+        points: impl Fn(&ManifoldPoint) -> [DVec3; 2],
+        to_a: impl Fn(DVec3) -> DVec3,
+        update: impl Fn(&mut Manifold, DVec3),
+        other_allows: impl Fn(&Manifold) -> bool,
+    ) -> Choice {
+        let Some(contact) = manifold.points().iter().max_by(|p, q| p.depth.total_cmp(&q.depth)) else {
+            return Choice::NoFaces;
+        };
+        let [point, witness] = points(contact);
+        let mut faces = Faces::NONE;
+        let outward = if contact.depth > 0.0 { point - witness } else { witness - point };
+        self.own.faces(outward, &mut |normal, corner| {
+            let height = corner.dot(normal);
+            faces.push(Face { depth: height - self.lowest(normal).dot(normal), normal, height });
+        });
+        if faces.count == 0 {
+            return Choice::NoFaces;
+        }
+        let mut beside: Option<(Face, f64)> = None;
+        for _ in 0..MAX_TRIALS {
+            let Some(face) = faces.pop() else { break };
+            if !self.is_plausible(&face, contact.depth) {
+                break;
+            }
+            let mut trial = before.clone();
+            update(&mut trial, to_a(face.normal));
+            if trial.points().is_empty() {
+                if beside.is_none() {
+                    let lift = face.height - point.dot(face.normal);
+                    beside = self.is_on(&face, point).then_some((face, lift));
+                }
+                // If the contact is on this face, no other one is less deep there.
+                if beside.is_some_and(|(_, lift)| lift <= self.seam) {
+                    break;
+                }
+            } else {
+                let is_exposed = |p: &ManifoldPoint| self.own.is_exposed(face.normal, points(p)[0], self.seam);
+                if trial.points().iter().any(is_exposed) && other_allows(&trial) {
+                    return Choice::Manifold(trial);
+                }
+            }
+        }
+        // The body has come through an exposed face, but its lowest point there is beside the part.
+        // If that is in another part, this part holds the body. Otherwise it is in the open, beyond
+        // an edge of the union.
+        match beside {
+            Some((face, _)) if contact.depth > self.seam && !self.is_held(self.lowest(face.normal)) => {
+                let height = face.normal * (face.height - witness.dot(face.normal));
+                Choice::Point([witness + height, witness], face.normal)
+            }
+            _ => Choice::Nothing,
+        }
+    }
+
+    /// The point of the other body that is lowest along `normal`.
+    fn lowest(&self, normal: DVec3) -> DVec3 {
+        let dir = self.other_in_own.inverse_transform_vector(-normal);
+        self.other_in_own.transform_point(self.other.support_point(dir).point)
+    }
+
+    /// Whether the other body may have come through this face: it is not below the middle of the
+    /// part, nor below the face by more than the prediction if the part is only near it.
+    fn is_plausible(&self, face: &Face, depth: f64) -> bool {
+        let thickness = face.height - self.own.shape.support_point(-face.normal).point.dot(face.normal);
+        // NaN takes the failing branch.
+        face.depth <= if depth > 0.0 { 0.5 * thickness } else { self.prediction }
+    }
+
+    /// Whether the point of this exposed face above `point` is on the part.
+    fn is_on(&self, face: &Face, point: DVec3) -> bool {
+        let lift = face.height - point.dot(face.normal);
+        let above = point + face.normal * lift;
+        let near = Neighbour { index: 0, shape: &self.own.shape, place: Pose::IDENTITY };
+        contains(&near, above, self.seam + 0.25 * lift.max(0.0)) && self.own.is_exposed(face.normal, above, self.seam)
+    }
+
+    /// Whether another part contains a point.
+    fn is_held(&self, point: DVec3) -> bool {
+        let Some((union, part, place)) = self.own.union else { return false };
+        let point = place.transform_point(point);
+        union.any_near(point, self.seam, &mut |near| near.index != part && contains(&near, point, self.seam))
+    }
+}
