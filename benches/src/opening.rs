@@ -50,7 +50,7 @@ impl Sample {
             let positions = self.family.points(self.points, seed as u64);
             let source_vertices = (0..positions.len() as u32).collect();
             let origin = [0.0; 3];
-            let set = PointSet { name: "hull".to_owned(), positions, source_vertices, origin, triangles: Vec::new() };
+            let set = PointSet { name: "hull".to_owned(), positions, source_vertices, origin, ..PointSet::default() };
             bake_hull(&set, IndexKind::Tree)
         });
         let hulls: Vec<_> = hulls.collect::<Result<_, _>>()?;

@@ -32,6 +32,8 @@ pub mod pack;
 pub mod parts;
 pub mod simplify;
 
+use std::sync::Arc;
+
 pub use hullmap_format::{IndexKind, SolidKind, archive::NO_SOURCE_VERTEX};
 pub use index::IndexChoice;
 pub use pack::write_pack;
@@ -55,8 +57,11 @@ pub struct PointSet {
     /// source's coordinates.
     pub origin: [f64; 3],
     /// Triangles of the mesh, as indices of positions; empty for a point cloud. Only [`decompose`]
-    /// reads them.
+    /// and [`parts`] read them.
     pub triangles: Vec<[u32; 3]>,
+    /// The mesh that this set stands for as a collision part, in the same frame; `None` for a set
+    /// that stands for itself. The parts of one mesh share it.
+    pub stands_for: Option<Arc<PointSet>>,
 }
 
 /// Source file and options, as stored in the pack.

@@ -121,6 +121,10 @@ impl PackAsset {
             Selection::Object(name) => {
                 let starts_with_name = |hull: &SharedHull| hull.hull().part() == 0 && hull.hull().name() == name;
                 let Some(start) = self.hulls.iter().position(starts_with_name) else {
+                    // One part of several that were modelled by hand, each with a name.
+                    if let Some(index) = self.hulls.iter().position(|hull| hull.hull().name() == name) {
+                        return Ok(index..index + 1);
+                    }
                     return Err(ShapeError::NoSuchObject { name: name.clone(), available: self.names() });
                 };
                 let more = self.hulls.iter().skip(start + 1).take_while(|hull| hull.hull().part() > 0).count();

@@ -8,6 +8,9 @@
 //! | Godot | `<name>-colonly`, `<name>-col` | a part, with a warning: Godot uses the triangles |
 //! | CoACD, V-HACD | `convex_<n>` for every object | a part each |
 //!
+//! A part stands for the object `<mesh>` or `<name>`, if the file has it; `-convcol` and `-col` are
+//! rendered themselves, and stand for themselves.
+//!
 //! Other objects are render meshes and are left out. A file without any of these names is not
 //! split.
 //!
@@ -18,6 +21,8 @@
 //! # Reference
 //! Unreal Engine, "FBX Static Mesh Pipeline"; Godot Engine, "Node type customization using name
 //! suffixes"; CoACD's `SaveOBJ`.
+
+use std::collections::HashMap;
 
 use crate::fault::excerpt;
 
@@ -39,6 +44,8 @@ enum PartName {
 pub struct Selection {
     /// For each name whether it is the name of a part.
     pub is_part: Vec<bool>,
+    /// For each name of a part the index of the object that it stands for, if there is one.
+    pub stands_for: Vec<Option<usize>>,
     /// Conventions that were recognised, a sentence each.
     pub notes: Vec<String>,
     /// Warnings about names with another meaning elsewhere, a sentence each.
@@ -49,7 +56,8 @@ pub struct Selection {
 pub fn select(names: &[&str]) -> Option<Selection> {
     if !names.is_empty() && names.iter().all(|name| is_convex_n(name)) {
         let notes = vec![format!("parts of a convex decomposition (convex_<n>), one hull each: {}", names.len())];
-        return Some(Selection { is_part: vec![true; names.len()], notes, warnings: Vec::new() });
+        let stands_for = vec![None; names.len()];
+        return Some(Selection { is_part: vec![true; names.len()], stands_for, notes, warnings: Vec::new() });
     }
     let parts: Vec<Option<PartName>> = names.iter().map(|name| part(name)).collect();
     let count = |kinds: &[PartName]| parts.iter().flatten().filter(|part| kinds.contains(part)).count();
@@ -82,12 +90,50 @@ pub fn select(names: &[&str]) -> Option<Selection> {
         let name = name.0;
         notes.push(format!("object {}: a sphere or capsule, treated as the hull of its vertices", excerpt(name)));
     }
-    Some(Selection { is_part: parts.iter().map(Option::is_some).collect(), notes, warnings })
+    let is_part: Vec<bool> = parts.iter().map(Option::is_some).collect();
+    let mut meshes: HashMap<&str, usize> = HashMap::new();
+    for (index, name) in names.iter().enumerate().filter(|(index, _)| is_part.get(*index) == Some(&false)) {
+        meshes.entry(name).or_insert(index);
+    }
+    let stands_for = names.iter().zip(&parts).enumerate().map(|(index, (name, part))| {
+        let part = part.as_ref()?;
+        let named = mesh_names(name, *part).into_iter().find_map(|mesh| meshes.get(mesh).copied());
+        named.or_else(|| is_rendered(name).then_some(index))
+    });
+    Some(Selection { stands_for: stands_for.collect(), is_part, notes, warnings })
 }
 
 /// Whether a name has the form `convex_<n>`, as CoACD and the examples of V-HACD write it.
 fn is_convex_n(name: &str) -> bool {
     name.strip_prefix("convex_").is_some_and(|rest| !rest.is_empty() && rest.bytes().all(|b| b.is_ascii_digit()))
+}
+
+/// Names of the objects that a part may stand for, the likeliest first.
+fn mesh_names(name: &str, part: PartName) -> Vec<&str> {
+    match part {
+        PartName::UnrealConvex | PartName::UnrealShape => {
+            let whole = name.get("UCX_".len()..).unwrap_or_default();
+            let numbered = whole.trim_end_matches(|c: char| c.is_ascii_digit()).strip_suffix('_');
+            std::iter::once(whole).chain(numbered.filter(|mesh| mesh.len() < whole.len())).collect()
+        }
+        PartName::GodotConvex | PartName::GodotTriangles => {
+            let at = name.rfind(['-', '$']).or_else(|| without_number(name).rfind('_'));
+            at.and_then(|at| name.get(..at)).into_iter().collect()
+        }
+    }
+}
+
+/// Whether Godot also renders an object with the name of a part.
+fn is_rendered(name: &str) -> bool {
+    let bare = without_number(name).to_lowercase();
+    ["convcol", "col"]
+        .iter()
+        .any(|suffix| bare.strip_suffix(suffix).is_some_and(|rest| rest.ends_with(['-', '_', '$'])))
+}
+
+/// The name without the number of a copy.
+fn without_number(name: &str) -> &str {
+    name.trim_end_matches(|c: char| c.is_ascii_digit() || c.is_whitespace() || c == '_' || c == '.')
 }
 
 fn part(name: &str) -> Option<PartName> {
@@ -99,8 +145,7 @@ fn part(name: &str) -> Option<PartName> {
             return Some(PartName::UnrealShape);
         }
     }
-    let bare = name.trim_end_matches(|c: char| c.is_ascii_digit() || c.is_whitespace() || c == '_' || c == '.');
-    let bare = bare.to_lowercase();
+    let bare = without_number(name).to_lowercase();
     let ends_with = |suffix: &str| bare.strip_suffix(suffix).is_some_and(|rest| rest.ends_with(['-', '_', '$']));
     if ends_with("convcolonly") || ends_with("convcol") {
         return Some(PartName::GodotConvex);
@@ -141,6 +186,16 @@ mod tests {
         for name in ["protocol", "Boxconvcol", "Box-convcollider", "col", "Box-noimp"] {
             assert_eq!(parts(&["Box", name]), None, "{name}");
         }
+    }
+
+    #[test]
+    fn parts_stand_for_the_mesh_of_their_name() {
+        let names = ["Chair", "UCX_Chair", "UCX_Chair_01", "Box_2", "UBX_Box_2_00", "USP_Box_2", "UCX_Lamp_00"];
+        let stands_for = |names: &[&str]| select(names).unwrap().stands_for;
+        assert_eq!(stands_for(&names), [None, Some(0), Some(0), None, Some(3), Some(3), None]);
+        let names = ["Box", "Box-convcolonly", "Box_colonly.001", "Lamp-convcol", "Box-convcol", "Door-colonly"];
+        assert_eq!(stands_for(&names), [None, Some(0), Some(0), Some(3), Some(0), None]);
+        assert_eq!(stands_for(&["convex_0", "convex_1"]), [None, None]);
     }
 
     #[test]

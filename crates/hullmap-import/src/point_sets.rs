@@ -7,6 +7,7 @@
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
+use std::sync::Arc;
 
 use hullmap_bake::PointSet;
 
@@ -55,7 +56,10 @@ pub fn point_sets(
     let mut sets = Sets::default();
     let chosen = match options.split {
         Split::None => None,
-        Split::Object => Some(all_objects(mesh, referenced, takes_all, stem, &mut sets)),
+        Split::Object => {
+            let objects = all_objects(mesh, referenced, takes_all, stem, &mut sets);
+            Some(objects.into_iter().map(|object| (object, None)).collect())
+        }
         Split::Auto => collision_parts(mesh, referenced, takes_all, stem, &mut sets),
     };
     let Some(objects) = chosen else {
@@ -65,11 +69,14 @@ pub fn point_sets(
         let mut vertices = Vec::with_capacity(all.clone().filter(is_chosen).count());
         vertices.extend(all.filter(is_chosen));
         let faces = std::mem::take(&mut mesh.faces);
-        build(&mut sets, &mut mesh.positions, options, vec![(stem.to_owned(), vertices, faces)])?;
+        let parts = vec![(stem.to_owned(), vertices, faces)];
+        let placement = placement_of(&mesh.positions, &parts, options);
+        build(&mut sets, &mut mesh.positions, &placement, parts)?;
         return Ok(sets);
     };
     let mut parts = Vec::with_capacity(objects.len());
-    for object in objects {
+    let stands_for: Vec<Option<usize>> = objects.iter().map(|(_, stands_for)| *stands_for).collect();
+    for (object, _) in objects {
         let name = name_of(mesh, object, stem).to_owned();
         let vertices = members(mesh, object, referenced, takes_all);
         parts.push((name, vertices, faces_of(mesh, object)));
@@ -83,8 +90,51 @@ pub fn point_sets(
     if renamed > 0 {
         sets.notes.push(format!("objects renamed because an earlier one has the same name: {renamed}"));
     }
-    build(&mut sets, &mut mesh.positions, options, parts)?;
+    let placement = placement_of(&mesh.positions, &parts, options);
+    // Before the positions of the parts are placed, which may take them out of the mesh.
+    let mut meshes: HashMap<usize, Option<Arc<PointSet>>> = HashMap::new();
+    let stands_for: Vec<Option<Arc<PointSet>>> = stands_for
+        .into_iter()
+        .map(|object| {
+            let object = object?;
+            let place = || place_mesh(mesh, object, referenced, takes_all, stem, &placement);
+            meshes.entry(object).or_insert_with(place).clone()
+        })
+        .collect();
+    build(&mut sets, &mut mesh.positions, &placement, parts)?;
+    for (set, stands_for) in sets.point_sets.iter_mut().zip(stands_for) {
+        set.stands_for = stands_for;
+    }
     Ok(sets)
+}
+
+/// The placement of the vertices of all parts.
+fn placement_of(positions: &Positions, parts: &[(String, Vec<u32>, Polygons)], options: &ImportOptions) -> Placement {
+    Placement::new(positions, parts.iter().flat_map(|(_, vertices, _)| vertices.iter().copied()), options)
+}
+
+/// The mesh that collision parts stand for, in their frame. `None` if it has no triangles, or
+/// coordinates that `f32` cannot hold: then nothing is known about its parts.
+fn place_mesh(
+    mesh: &SourceMesh,
+    object: usize,
+    referenced: &[bool],
+    takes_all: bool,
+    stem: &str,
+    placement: &Placement,
+) -> Option<Arc<PointSet>> {
+    let vertices = members(mesh, object, referenced, takes_all);
+    let place = |vertex: &u32| placement.place(&mesh.positions, *vertex).ok();
+    let positions: Vec<[f32; 3]> = vertices.iter().map(place).collect::<Option<_>>()?;
+    let mut faces = faces_of(mesh, object);
+    for corner in &mut faces.corners {
+        *corner = vertices.binary_search(corner).ok()? as u32;
+    }
+    let triangles = faces.triangles(&positions);
+    let name = name_of(mesh, object, stem).to_owned();
+    let set =
+        PointSet { name, positions, source_vertices: vertices, origin: placement.origin, triangles, stands_for: None };
+    (!set.triangles.is_empty()).then(|| Arc::new(set))
 }
 
 /// Indices of all objects with points.
@@ -110,14 +160,15 @@ fn all_objects(mesh: &SourceMesh, referenced: &[bool], takes_all: bool, stem: &s
     chosen
 }
 
-/// Indices of the objects whose names mark them as collision parts, or `None` if there are none.
+/// Indices of the objects whose names mark them as collision parts, each with the object that it
+/// stands for, or `None` if there are none. The parts of one object follow one another.
 fn collision_parts(
     mesh: &SourceMesh,
     referenced: &[bool],
     takes_all: bool,
     stem: &str,
     sets: &mut Sets,
-) -> Option<Vec<usize>> {
+) -> Option<Vec<(usize, Option<usize>)>> {
     let objects = (0..mesh.objects.len()).filter(|&object| has_members(mesh, object, referenced, takes_all));
     let objects: Vec<usize> = objects.collect();
     let names: Vec<&str> = objects.iter().map(|&object| name_of(mesh, object, stem)).collect();
@@ -130,7 +181,24 @@ fn collision_parts(
     };
     sets.notes.extend(selection.notes);
     sets.warnings.extend(selection.warnings);
-    Some(objects.into_iter().zip(selection.is_part).filter(|(_, is_part)| *is_part).map(|(object, _)| object).collect())
+    let stands_for = selection.stands_for.into_iter().map(|index| index.and_then(|index| objects.get(index).copied()));
+    let chosen = objects.iter().zip(stands_for).zip(selection.is_part).filter(|(_, is_part)| *is_part);
+    let mut chosen: Vec<(usize, Option<usize>)> = chosen.map(|((object, mesh), _)| (*object, mesh)).collect();
+    // The place of an object's parts is that of the first. A part that stands for none is alone.
+    let mut first = HashMap::new();
+    for (place, (_, stands_for)) in chosen.iter().enumerate() {
+        if let Some(mesh) = stands_for {
+            first.entry(*mesh).or_insert(place);
+        }
+    }
+    let places: Vec<usize> = chosen
+        .iter()
+        .enumerate()
+        .map(|(place, (_, mesh))| mesh.and_then(|mesh| first.get(&mesh).copied()).unwrap_or(place))
+        .collect();
+    let mut order: Vec<_> = places.into_iter().zip(std::mem::take(&mut chosen)).collect();
+    order.sort_by_key(|(place, _)| *place);
+    Some(order.into_iter().map(|(_, chosen)| chosen).collect())
 }
 
 #[expect(clippy::indexing_slicing, reason = "callers pass objects of the mesh")]
@@ -197,11 +265,9 @@ fn faces_of(mesh: &SourceMesh, object: usize) -> Polygons {
 fn build(
     sets: &mut Sets,
     positions: &mut Positions,
-    options: &ImportOptions,
+    placement: &Placement,
     parts: Vec<(String, Vec<u32>, Polygons)>,
 ) -> Result<(), Fault> {
-    let chosen = parts.iter().flat_map(|(_, vertices, _)| vertices.iter().copied());
-    let placement = Placement::new(positions, chosen, options);
     let is_only = parts.len() == 1;
     // Index of each vertex in the current set. Entries of earlier sets are stale and never read.
     let mut own_index: Vec<u32> = Vec::new();

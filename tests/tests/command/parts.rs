@@ -5,8 +5,14 @@ use std::fs;
 
 use glam::{DVec3, Vec3};
 use hullmap::{Cache, Compound, CompoundCache, Pack, Pose, Settings, compound};
+use hullmap_bake::{
+    BakedHull, IndexKind, NO_SOURCE_VERTEX, PointSet, SolidKind, SourceRecord, bake_hull, parts::fits, write_pack,
+};
+use hullmap_format::{archive::ArchivedHullRecord, header::source_hash};
 use hullmap_testkit::packs::reseal;
 use hullmap_tests::command::{Run, bake_in};
+use hullmap_tests::hostile::patch::{archive, changed, payload};
+use hullmap_tests::outside::workspace;
 use shapes::{families::Family, rng::SplitMix64};
 use tempfile::TempDir;
 
@@ -174,6 +180,184 @@ fn a_simplified_hull_with_too_small_a_recorded_error_fails_verify() {
         assert_eq!(row["pass"], exit == 0, "{share}: {row}");
         println!("{share}: {row}");
     }
+}
+
+/// Verifies a pack whose recorded lengths were multiplied by a factor, and returns the exit code's
+/// rows. `which` selects a field of the record.
+fn verify_edited(
+    folder: &TempDir,
+    file: &[u8],
+    factor: f64,
+    which: fn(&ArchivedHullRecord) -> &rkyv::rend::f64_le,
+    exit: i32,
+) -> Vec<serde_json::Value> {
+    let count = Pack::from_bytes(file).unwrap().hull_count();
+    let edited = (0..count).fold(file.to_vec(), |file, hull| {
+        let payload = payload(&file);
+        let length = which(&archive(&payload).hulls[hull]).to_native() * factor;
+        changed(&file, |pack| which(&pack.hulls[hull]), &length.to_le_bytes())
+    });
+    fs::create_dir_all(folder.path().join("false")).unwrap();
+    fs::write(folder.path().join("false/x.hullmap"), edited).unwrap();
+    let ran = bake(folder, "verify false --source x.obj --json --directions 200").expect(exit);
+    assert!(ran.json().iter().any(|row| row["pass"] == (exit == 0)));
+    ran.json()
+}
+
+/// What the problems of any row say.
+fn problems(rows: &[serde_json::Value]) -> String {
+    rows.iter().map(|row| row["problems"].to_string()).collect()
+}
+
+/// A recorded bound is at most 0.5 % above the truth, so 1.5 % less is at least 1 % below the truth.
+const OVERSTATED: f64 = 0.985;
+
+/// Asserts that a pack passes, and fails if it claims that its parts cover more, or protrude less,
+/// than they do.
+fn assert_claims_are_tight(folder: &TempDir, file: &[u8], has_gaps: bool) {
+    let pack = Pack::from_bytes(file).unwrap();
+    let hull = pack.hull(0).unwrap();
+    let largest = pack.hulls().filter_map(|hull| hull.protrusion()).fold(0.0, f64::max);
+    println!("{} parts, uncovered {:?}, protrusion {largest:e}", pack.hull_count(), hull.uncovered());
+    let rows = verify_edited(folder, file, 1.0, |record| &record.protrusion, 0);
+    assert_eq!(rows[0]["solid"], hull.solid().unwrap().as_str());
+    let rows = verify_edited(folder, file, OVERSTATED, |record| &record.protrusion, 1);
+    assert!(problems(&rows).contains("outside the solid of"), "{rows:?}");
+    if has_gaps {
+        let rows = verify_edited(folder, file, OVERSTATED, |record| &record.uncovered, 1);
+        assert!(problems(&rows).contains("outside all parts"), "{rows:?}");
+    }
+    // The recorded points may be elsewhere; the truth is found without them.
+    let moved = pack.hulls().enumerate().fold(file.to_vec(), |file, (index, hull)| {
+        let vertex = hull.vertex(0).unwrap().as_dvec3();
+        (0..3).fold(file, |file, axis| {
+            changed(&file, |pack| &pack.hulls[index].protrusion_at[axis], &vertex[axis].to_le_bytes())
+        })
+    });
+    verify_edited(folder, &moved, 1.0, |record| &record.protrusion, 0);
+    verify_edited(folder, &moved, OVERSTATED, |record| &record.protrusion, 1);
+    let far = changed(file, |pack| &pack.hulls[0].protrusion_at[1], &1e3_f64.to_le_bytes());
+    let rows = verify_edited(folder, &far, 1.0, |record| &record.protrusion, 1);
+    assert!(problems(&rows).contains("is not a point of the part"), "{rows:?}");
+}
+
+#[test]
+fn overstated_covers_and_protrusions_fail() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("x.obj"), horseshoe("u")).unwrap();
+    bake(&folder, "build x.obj --out baked --decompose --vhacd-max-parts 2").expect(0);
+    assert_claims_are_tight(&folder, &fs::read(folder.path().join("baked/x.hullmap")).unwrap(), false);
+    // Coarse voxels leave gaps in a knot.
+    fs::copy(workspace().join("assets/torus_knot.obj"), folder.path().join("x.obj")).unwrap();
+    bake(&folder, "build x.obj --out baked --decompose --vhacd-resolution 24").expect(0);
+    let file = fs::read(folder.path().join("baked/x.hullmap")).unwrap();
+    assert!(Pack::from_bytes(&file).unwrap().hull(0).unwrap().uncovered().unwrap() > 1e-4);
+    assert_claims_are_tight(&folder, &file, true);
+}
+
+/// Parts that another program cut: they are judged against the mesh, whatever made them.
+#[test]
+fn packs_made_by_hand_are_judged_as_well() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("x.obj"), horseshoe("u")).unwrap();
+    let positions: Vec<[f32; 3]> = HORSESHOE
+        .iter()
+        .flat_map(|bar| (0..8).map(|i| std::array::from_fn(|axis| bar[i >> axis & 1][axis] as f32)))
+        .collect();
+    let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6_u32]];
+    let triangles = (0..3).flat_map(|bar| {
+        quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).map(move |t| t.map(|v| v + 8 * bar))
+    });
+    let mesh = PointSet {
+        name: "x".into(),
+        source_vertices: (0..24).collect(),
+        triangles: triangles.collect(),
+        positions,
+        ..PointSet::default()
+    };
+    // The left arm with half of the base, and the right arm: what is left of the base is a gap.
+    let parts = [vec![0, 2, 4, 6, 8, 9, 10, 11, 12, 13, 14, 15], (16..24).collect::<Vec<usize>>()];
+    let mut hulls: Vec<BakedHull> = parts
+        .iter()
+        .map(|part| {
+            let points = PointSet {
+                positions: part.iter().map(|v| mesh.positions[*v]).collect(),
+                source_vertices: part.iter().map(|v| *v as u32).collect(),
+                triangles: Vec::new(),
+                ..mesh.clone()
+            };
+            bake_hull(&points, IndexKind::None).unwrap()
+        })
+        .collect();
+    // A point beyond the left arm, so that it protrudes by a known length.
+    let mut points = mesh.positions[8..16].to_vec();
+    points.push([0.5, 3.5, 0.5]);
+    let beyond = PointSet { source_vertices: vec![NO_SOURCE_VERTEX; 9], positions: points, ..PointSet::default() };
+    hulls.push(bake_hull(&beyond, IndexKind::None).unwrap());
+    let fits = fits(&mesh, &hulls.iter().map(|baked| &baked.hull).collect::<Vec<_>>()).unwrap();
+    for (index, (baked, fit)) in hulls.iter_mut().zip(fits).enumerate() {
+        (baked.part, baked.part_count, baked.fit) = (index as u32, 3, Some(fit));
+    }
+    let apex = hulls[2].fit.unwrap();
+    assert!((0.5..0.5026).contains(&apex.protrusion), "{apex:?}");
+    // At (x, 0), the edge from (0, 0) to (1, 1) is x / √2 away, and the right arm √((2 − x)² + 1).
+    // Both are equal at x = 4 − √6.
+    let truth = (4.0 - 6_f64.sqrt()) / 2_f64.sqrt();
+    assert!((truth..1.006 * truth).contains(&apex.uncovered), "{apex:?}");
+    let hash = source_hash(&fs::read(folder.path().join("x.obj")).unwrap());
+    let options = "split none, vertices referenced, index tree 8".to_owned();
+    let file = write_pack(&hulls, &SourceRecord { path: "x.obj".into(), hash, options }).unwrap();
+    assert_claims_are_tight(&folder, &file, true);
+    // A kind of solid that is not that of the mesh.
+    let sheet = SolidKind::Sheet.code().to_le_bytes();
+    let file = (0..3).fold(file, |file, hull| changed(&file, |pack| &pack.hulls[hull].solid, &sheet));
+    let rows = verify_edited(&folder, &file, 1.0, |record| &record.protrusion, 1);
+    assert!(problems(&rows).contains("is recorded as sheet, but it is watertight"), "{rows:?}");
+}
+
+/// Collision parts that come with their mesh are measured against it; without it they claim nothing.
+#[test]
+fn collision_parts_with_their_mesh_are_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let [base, left, right] = HORSESHOE.map(|bar| bar.map(|corner| corner.map(|c| c as f32)));
+    let mut text = horseshoe("Chair");
+    let mut count = 24;
+    // The left part is wider than the arm; a part of another mesh is between the two.
+    let wide = [left[0], [left[1][0] + 0.25, left[1][1], left[1][2]]];
+    for (name, [low, high]) in
+        [("UCX_Chair_00", base), ("UCX_Lamp", left), ("UCX_Chair_01", wide), ("UBX_Chair_02", right)]
+    {
+        text += &format!("o {name}\n");
+        for i in 0..8 {
+            let corner: [f32; 3] = std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] });
+            text += &format!("v {} {} {}\n", corner[0], corner[1], corner[2]);
+        }
+        for [a, b, c, d] in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
+            text += &format!("f {} {} {} {}\n", a + count + 1, b + count + 1, c + count + 1, d + count + 1);
+        }
+        count += 8;
+    }
+    fs::write(folder.path().join("x.obj"), text).unwrap();
+    bake(&folder, "build x.obj --out baked --split auto --recentre --verify").expect(0);
+    let file = fs::read(folder.path().join("baked/x.hullmap")).unwrap();
+    let pack = Pack::from_bytes(&file).unwrap();
+    let names: Vec<&str> = pack.hulls().map(|hull| hull.name()).collect();
+    assert_eq!(names, ["UCX_Chair_00", "UCX_Chair_01", "UBX_Chair_02", "UCX_Lamp"]);
+    let parts: Vec<_> = pack.hulls().map(|hull| (hull.part(), hull.part_count())).collect();
+    assert_eq!(parts, [(0, 3), (1, 3), (2, 3), (0, 0)]);
+    let chair = pack.hull(1).unwrap();
+    assert!(chair.uncovered().unwrap() < 1e-9 && (chair.protrusion().unwrap() - 0.25).abs() < 2e-3);
+    assert!(pack.hull(0).unwrap().protrusion().unwrap() < 1e-9);
+    assert_eq!(pack.hull(3).unwrap().protrusion(), None);
+    let text = bake(&folder, "inspect baked").expect(0).stdout;
+    assert!(
+        text.contains("  protrusion         at most 2.5") && text.contains("  part               1 of 3 of its"),
+        "{text}"
+    );
+    // 2 of 3 parts are the solid's own bars, and the lamp is no part.
+    let table = bake(&folder, "verify baked --hulls --source x.obj").expect(0).stdout;
+    assert!(table.contains("\n3 exact, 1 part within its bounds, 0 failed"), "{table}");
+    verify_edited(&folder, &file, OVERSTATED, |record| &record.protrusion, 1);
 }
 
 /// With a whole pack on one side or both, `bake query` answers for the deciding pair of hulls, and

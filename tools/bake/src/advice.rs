@@ -171,7 +171,7 @@ const COVERED: f64 = 1.5e-7;
 pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64) -> Remark {
     let noun = if count == 1 { "part" } else { "parts" };
     let Some(PartsFit { solid, uncovered, protrusion }) = fit else {
-        let text = format!("{name}: {count} {noun}; not measured, because the mesh they stand for is not known");
+        let text = format!("{name}: {count} {noun}; not measured, because a bound is not finite");
         return Remark::note("unmeasured parts", name, text);
     };
     let covered = if uncovered <= COVERED * size {

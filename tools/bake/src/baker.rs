@@ -82,6 +82,8 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
     let mut remarks = Vec::new();
     if let Some(decompose) = decompose {
         remarks = measure::parts(point_sets, &parts, &mut hulls, decompose.max_parts == 1);
+    } else {
+        remarks.extend(measure::collision_parts(point_sets, &mut hulls));
     }
     remarks.extend(hulls.iter().filter_map(|baked| advice::simplified(&facts(baked))));
     if let IndexChoice::Budget { bytes_per_vertex } = index {

@@ -1,5 +1,7 @@
 //! How the parts of each object fit its mesh: what they leave uncovered, and how far they protrude.
 
+use std::sync::Arc;
+
 use hullmap_bake::parts::{Fit, fits};
 use hullmap_bake::{BakedHull, PointSet};
 
@@ -38,6 +40,31 @@ pub fn parts(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], a
         }
     }
     remarks
+}
+
+/// Counts and measures hulls that are the collision parts of a mesh in the same file, and returns
+/// remarks on them. There is one hull for each point set, and the parts of one mesh are consecutive.
+pub fn collision_parts(point_sets: &[PointSet], hulls: &mut [BakedHull]) -> Vec<Remark> {
+    let mut remarks = Vec::new();
+    let mut start = 0;
+    for own in point_sets.chunk_by(stand_for_one) {
+        let hulls = &mut hulls[start..start + own.len()];
+        start += own.len();
+        let Some(mesh) = own.first().and_then(|points| points.stands_for.as_deref()) else { continue };
+        record(mesh, hulls);
+        (0..).zip(hulls.iter_mut()).for_each(|(part, baked)| baked.part = part);
+        let size = hulls.iter().map(|baked| baked.hull.diameter).fold(0.0, f64::max);
+        let fits: Option<Vec<Fit>> = hulls.iter().map(|baked| baked.fit).collect();
+        if hulls.len() > 1 {
+            remarks.push(advice::parts(&hulls[0].name, hulls.len(), fits.as_deref().map(advice::PartsFit::of), size));
+        }
+    }
+    remarks
+}
+
+/// Whether two point sets are collision parts of one mesh.
+pub fn stand_for_one(a: &PointSet, b: &PointSet) -> bool {
+    a.stands_for.as_ref().zip(b.stands_for.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
 }
 
 /// Counts and measures the parts of one mesh, and records both in their hulls.

@@ -36,12 +36,19 @@ pub struct Recorded<'a> {
     pub path: &'a str,
     /// The build options.
     pub options: &'a str,
+    /// Whether any of its hulls is a part of an object.
+    pub has_parts: bool,
 }
 
 impl<'a> Recorded<'a> {
     /// The record of `pack`.
     pub fn of(pack: &'a hullmap::Pack) -> Self {
-        Self { hash: pack.header().source_hash, path: pack.source_path(), options: pack.options() }
+        Self {
+            hash: pack.header().source_hash,
+            path: pack.source_path(),
+            options: pack.options(),
+            has_parts: pack.hulls().any(|hull| hull.part_count() > 0),
+        }
     }
 }
 
@@ -134,7 +141,7 @@ pub fn find_source(
             continue;
         }
         if source.hash == recorded.hash {
-            let imported = import(&path, &source, recorded.options, limits)?;
+            let imported = import(&path, &source, recorded, limits)?;
             let Imported { point_sets, faces, notes, warnings, .. } = imported;
             return Ok(Search::Found(Box::new(Source { path, point_sets, faces, notes, warnings })));
         }
@@ -222,9 +229,9 @@ fn with_stem(folder: &Path, pack: &Path) -> Vec<PathBuf> {
     paths
 }
 
-fn import(path: &Path, source: &SourceFile, recorded: &str, limits: &Limits) -> Result<Imported, Failure> {
+fn import(path: &Path, source: &SourceFile, recorded: Recorded, limits: &Limits) -> Result<Imported, Failure> {
     let name = path.display().to_string();
-    let options = BuildOptions::from_recorded(recorded).ok_or_else(|| {
+    let options = BuildOptions::from_recorded(recorded.options).ok_or_else(|| {
         Failure::rejected(format!(
             "{name}: its pack was baked with options that this version does not know; bake it again"
         ))
@@ -232,7 +239,7 @@ fn import(path: &Path, source: &SourceFile, recorded: &str, limits: &Limits) -> 
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let imported = import::import(&name, &stem, path, source, &options.import(), limits);
     let mut imported = imported.map_err(|error| Failure::rejected(error.to_string()))?;
-    if options.decompose().is_some() {
+    if options.decompose().is_some() || recorded.has_parts {
         imported.give_triangles();
     }
     Ok(imported)
@@ -248,7 +255,7 @@ mod tests {
 
     fn recorded(path: &str) -> Recorded<'_> {
         let options = "split object, vertices referenced, index cubemap 5";
-        Recorded { hash: source_hash(CLOUD.as_bytes()), path, options }
+        Recorded { hash: source_hash(CLOUD.as_bytes()), path, options, has_parts: false }
     }
 
     fn search(place: &PackPlace, recorded: Recorded, given: Option<&Path>) -> Result<Option<Source>, Failure> {

@@ -184,7 +184,7 @@ fn point_set(part: &[([f32; 3], u32)], mesh: &PointSet, name: String) -> PointSe
         positions: part.iter().map(|(p, _)| *p).collect(),
         source_vertices: part.iter().map(|(_, source_vertex)| *source_vertex).collect(),
         origin: mesh.origin,
-        triangles: Vec::new(),
+        ..PointSet::default()
     }
 }
 

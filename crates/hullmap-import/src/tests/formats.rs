@@ -1,6 +1,8 @@
 //! glTF, STL and PLY: one mesh in every format, comparison with other readers, and the errors of
 //! bad files.
 
+use std::sync::Arc;
+
 use shapes::mesh::Mesh;
 use shapes::{families::Family, gltf, ply, solids, stl};
 
@@ -602,6 +604,10 @@ fn auto_selects_collision_parts() {
     let imported = import_bytes("a.glb", &bytes, auto).unwrap();
     assert_eq!(names(&imported), ["Crate-convcolonly", "UCX_Crate_01"]);
     assert!(imported.notes.iter().any(|note| note.contains("left out: 1")), "{:?}", imported.notes);
+    // Both parts stand for the crate, which is the same mesh.
+    let crates: Vec<_> = imported.point_sets.iter().map(|set| set.stands_for.clone().unwrap()).collect();
+    assert!(Arc::ptr_eq(&crates[0], &crates[1]) && crates[0].name == "Crate");
+    assert_eq!(crates[0].triangles, imported.faces[0].triangles(&imported.point_sets[0].positions));
     let coacd: String = (0..3)
         .map(|part| {
             format!(

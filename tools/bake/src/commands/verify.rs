@@ -9,7 +9,9 @@ use crate::packs::{PackPlace, find_packs};
 use crate::source::{Recorded, Search, find_source, given_sources};
 use crate::table::{Align, Table, grouped, or_dash};
 use crate::terminal::{self, Output};
-use crate::verification::pack::{HullVerification, Reference, verify_hulls};
+use crate::verification::pack::{
+    BOUNDS_UNCHECKED, HullVerification, Reference, UNMEASURED, WITHIN_BOUNDS, verify_hulls,
+};
 
 /// Runs the command.
 ///
@@ -121,7 +123,8 @@ fn pack_table(results: &[HullVerification]) -> Table {
         let max = |of: &dyn Fn(&HullVerification) -> Option<u32>| hulls.iter().filter_map(of).max();
         let regret = hulls.iter().filter_map(|result| result.max_regret).max_by(f64::total_cmp);
         // The most cautious of the words, failures first.
-        let order = ["FAILED", "index exact", "contains its source", "exact"];
+        let order =
+            ["FAILED", UNMEASURED, BOUNDS_UNCHECKED, "index exact", WITHIN_BOUNDS, "contains its source", "exact"];
         let words = hulls.iter().map(HullVerification::result);
         let result = words.min_by_key(|word| order.iter().position(|known| known == word)).unwrap_or("-");
         let mut cells = vec![
@@ -205,10 +208,20 @@ fn outer_error(result: &HullVerification) -> String {
 /// a source.
 fn summary(results: &[HullVerification]) -> String {
     let passed: Vec<&HullVerification> = results.iter().filter(|result| result.pass).collect();
-    let simplified = passed.iter().filter(|result| result.is_simplified()).count();
-    let held = passed.iter().filter(|result| result.is_simplified() && result.is_against_source()).count();
+    let parts = passed.iter().filter(|result| result.result() == WITHIN_BOUNDS).count();
+    let unknown = passed.iter().filter(|result| [UNMEASURED, BOUNDS_UNCHECKED].contains(&result.result())).count();
+    let is_simplified = |result: &&&HullVerification| result.is_simplified() && !result.is_loose_part();
+    let simplified = passed.iter().filter(is_simplified).count();
+    let held = passed.iter().filter(is_simplified).filter(|result| result.is_against_source()).count();
     let unsourced = passed.iter().filter(|result| !result.is_against_source()).count();
-    let mut text = format!("{} exact", passed.len() - simplified);
+    let mut text = format!("{} exact", passed.len() - simplified - parts - unknown);
+    if parts > 0 {
+        let noun = if parts == 1 { "part within its bounds" } else { "parts within their bounds" };
+        text += &format!(", {parts} {noun}");
+    }
+    if unknown > 0 {
+        text += &format!(", {unknown} with unknown or unchecked bounds");
+    }
     if simplified > 0 {
         text += &format!(", {simplified} simplified");
     }
@@ -250,6 +263,29 @@ mod tests {
         let unsourced = HullVerification { against: Some("stored hull"), ..outer };
         assert_eq!(unsourced.result(), "index exact");
         assert!(!summary(&[unsourced]).contains("contains its source"));
+    }
+
+    #[test]
+    fn a_part_is_exact_only_if_its_bounds_are_0() {
+        let tight = HullVerification {
+            pass: true,
+            against: Some("source"),
+            outer_error: Some(0.0),
+            diameter: Some(2.0),
+            is_part: true,
+            uncovered: Some(1e-8),
+            protrusion: Some(1e-8),
+            solid: Some("watertight"),
+            ..HullVerification::default()
+        };
+        let loose = HullVerification { protrusion: Some(0.1), ..tight.clone() };
+        let open = HullVerification { uncovered: Some(f64::NAN), ..tight.clone() };
+        let unmeasured = HullVerification { solid: None, uncovered: None, protrusion: None, ..tight.clone() };
+        let unsourced = HullVerification { against: Some("stored hull"), ..loose.clone() };
+        let words = [&tight, &loose, &open, &unmeasured, &unsourced].map(HullVerification::result);
+        assert_eq!(words, ["exact", WITHIN_BOUNDS, WITHIN_BOUNDS, UNMEASURED, BOUNDS_UNCHECKED]);
+        assert_eq!(summary(&[tight, loose.clone(), open]), "1 exact, 2 parts within their bounds, 0 failed");
+        assert_eq!(summary(&[loose]), "0 exact, 1 part within its bounds, 0 failed");
     }
 
     #[test]

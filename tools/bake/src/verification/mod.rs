@@ -6,9 +6,11 @@
 //! mismatches.
 
 pub mod directions;
+pub mod fit;
 pub mod outside;
 pub mod pack;
 pub mod random;
+pub mod soup;
 pub mod truth;
 
 use glam::Vec3;

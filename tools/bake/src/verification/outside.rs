@@ -1,9 +1,7 @@
-//! Inexact hulls: how far a simplified hull extends beyond its source, and what convex parts leave
-//! uncovered.
+//! Inexact hulls: how far a simplified hull extends beyond its source; distances of points.
 
 use glam::{DVec3, Vec3};
-use hullmap::{Cache, Hull, Pose, Settings, distance};
-use hullmap_bake::PointSet;
+use hullmap::{Cache, Distance, Hull, Pose, Settings, distance};
 use rayon::prelude::*;
 
 use super::REGRET_LIMIT;
@@ -57,25 +55,14 @@ impl Outside {
     }
 }
 
-/// Distance from the worst point to the nearest hull; 0 if every point is inside a hull.
-///
-/// It is computed by the runtime's solver, as the distance of a point and each hull, independently
-/// of the baker.
-pub fn uncovered(points: &PointSet, hulls: &[Hull]) -> f64 {
-    let farthest = |p: &[f32; 3]| {
-        let p = DVec3::from_array(p.map(f64::from));
-        let Ok(pose) = Pose::from_translation(p) else { return f64::INFINITY };
-        let mut nearest = f64::INFINITY;
-        for hull in hulls {
-            let [low, high] = hull.bounds().map(Vec3::as_dvec3);
-            if (low - p).max(p - high).max(DVec3::ZERO).length() < nearest {
-                let found = distance(hull, &Dot, pose, &Settings::default(), &mut Cache::new());
-                nearest = nearest.min(found.distance);
-            }
-        }
-        nearest
-    };
-    points.positions.par_iter().map(farthest).reduce(|| 0.0, f64::max)
+/// Distance of a point from a hull, by the runtime's solver and so independently of the baker. The
+/// point is in the hull's frame.
+pub fn to_point(hull: &Hull, p: DVec3) -> Distance {
+    match Pose::from_translation(p) {
+        Ok(pose) => distance(hull, &Dot, pose, &Settings::default(), &mut Cache::new()),
+        // A point that is not finite is not known to be anywhere.
+        Err(_) => Distance { lower: 0.0, upper: f64::INFINITY, ..Distance::default() },
+    }
 }
 
 /// A point at the origin of its frame.

@@ -4,8 +4,8 @@
 //!    records.
 //! 2. An exact hull is measured against the points of its part; a simplified hull must contain them
 //!    and stay within its recorded outer error.
-//! 3. The parts of one object together must cover its vertices up to the recorded `uncovered`
-//!    length.
+//! 3. No point of an object's surface may lie farther outside its parts than recorded, and no part
+//!    may protrude farther from its solid than recorded.
 
 use std::collections::HashSet;
 
@@ -15,11 +15,22 @@ use hullmap_bake::{NO_SOURCE_VERTEX, PointSet};
 use serde::Serialize;
 
 use super::directions::directions;
-use super::outside::{measure_outside, uncovered};
+use super::fit::{Judge, Witness};
+use super::outside::measure_outside;
 use super::truth::Points;
 use super::{Measurement, REGRET_LIMIT, measure};
-use crate::baker::parts;
+use crate::baker::{Part, parts};
+use crate::measure::stand_for_one;
 use crate::options::BuildOptions;
+
+/// Result of a part that fits its mesh within its recorded bounds.
+pub const WITHIN_BOUNDS: &str = "within its bounds";
+
+/// Result of a part with recorded bounds whose mesh was not found.
+pub const BOUNDS_UNCHECKED: &str = "bounds unchecked";
+
+/// Result of a part without recorded bounds.
+pub const UNMEASURED: &str = "unmeasured";
 
 /// What the hulls of a pack are compared with.
 #[derive(Clone, Copy, Debug)]
@@ -79,6 +90,9 @@ pub struct HullVerification {
     /// Maximum distance between two vertices.
     #[serde(skip)]
     pub diameter: Option<f64>,
+    /// Whether the pack records it as a part of an object.
+    #[serde(skip)]
+    pub is_part: bool,
 }
 
 impl HullVerification {
@@ -105,10 +119,25 @@ impl HullVerification {
         self.against == Some("source")
     }
 
+    /// Whether this is a part that is not the solid itself: what the parts cover, or how far this
+    /// one protrudes, is only known within bounds, or not at all.
+    pub fn is_loose_part(&self) -> bool {
+        let limit = REGRET_LIMIT * self.diameter.unwrap_or(0.0);
+        // An unmeasured part, and NaN, are loose.
+        let is_tight = |bound: Option<f64>| bound.is_some_and(|bound| bound <= limit);
+        self.is_part && !(is_tight(self.uncovered) && is_tight(self.protrusion))
+    }
+
     /// The result in a few words. It claims no more than was shown.
     pub fn result(&self) -> &'static str {
+        let of_part = match (self.solid, self.is_against_source()) {
+            (Some(_), true) => WITHIN_BOUNDS,
+            (Some(_), false) => BOUNDS_UNCHECKED,
+            (None, _) => UNMEASURED,
+        };
         match (self.pass, self.is_simplified(), self.is_against_source()) {
             (false, _, _) => "FAILED",
+            (true, _, _) if self.is_loose_part() => of_part,
             (true, true, true) => "contains its source",
             (true, _, false) => "index exact",
             (true, false, true) => "exact",
@@ -136,6 +165,10 @@ pub fn verify_hulls(
         return Ok(pack.hulls().map(|hull| verify_hull(&hull, None, count, seed)).collect());
     };
     let decompose = BuildOptions::from_recorded(pack.options()).and_then(|options| options.decompose());
+    let has_collision_parts = sets.iter().any(|points| points.stands_for.is_some());
+    if decompose.is_none() && !has_collision_parts && pack.hulls().any(|hull| hull.part_count() > 0) {
+        return verify_parts_of_others(pack, sets, count, seed);
+    }
     let parts = parts(sets, decompose.as_ref())?;
     if parts.len() != pack.hull_count() {
         let (found, expected) = (pack.hull_count(), parts.len());
@@ -144,33 +177,98 @@ pub fn verify_hulls(
     let hulls = pack.hulls().zip(&parts);
     let mut results: Vec<HullVerification> =
         hulls.map(|(hull, part)| verify_hull(&hull, Some(&part.points), count, seed)).collect();
-    for (set, points) in sets.iter().enumerate() {
-        let of_set: Vec<usize> = (0..parts.len()).filter(|&index| parts[index].set == set).collect();
-        verify_cover(pack, &of_set, points, &mut results);
+    let hulls: Vec<Hull> = pack.hulls().collect();
+    let mut start = 0;
+    let is_same_object = |part: &Part, next: &Part| {
+        part.set == next.set || decompose.is_none() && stand_for_one(&sets[part.set], &sets[next.set])
+    };
+    for own in parts.chunk_by(is_same_object) {
+        let end = start + own.len();
+        let points = &sets[own[0].set];
+        let mesh = points.stands_for.as_deref().filter(|_| decompose.is_none()).unwrap_or(points);
+        verify_fit(&hulls[start..end], mesh, &mut results[start..end]);
+        start = end;
     }
     Ok(results)
 }
 
-/// Checks that the parts of one point set cover its points up to the recorded `uncovered` length.
-fn verify_cover(pack: &Pack, hull_indices: &[usize], points: &PointSet, results: &mut [HullVerification]) {
-    let hulls: Vec<Hull> = hull_indices.iter().filter_map(|&index| pack.hull(index).ok()).collect();
-    let recorded = hulls.iter().filter_map(Hull::uncovered).fold(0.0, f64::max);
-    let found = if hulls.iter().any(|hull| hull.solid().is_some()) { uncovered(points, &hulls) } else { 0.0 };
-    let size = hulls.iter().map(Hull::diameter).fold(0.0, f64::max);
-    for (part, &index) in hull_indices.iter().enumerate() {
-        let result = &mut results[index];
-        if hulls[part].part() as usize != part {
-            let recorded = hulls[part].part();
-            result.problems.push(format!("recorded as part {recorded} of {}, but it is part {part}", points.name));
+/// Verifies a pack whose parts were not cut by this program: each hull against its own vertices,
+/// and the fit of each object's parts against its mesh.
+fn verify_parts_of_others(
+    pack: &Pack,
+    sets: &[PointSet],
+    count: usize,
+    seed: u64,
+) -> Result<Vec<HullVerification>, String> {
+    let hulls: Vec<Hull> = pack.hulls().collect();
+    let objects: Vec<&[Hull]> = hulls.chunk_by(|_, next| next.part() > 0).collect();
+    if objects.len() != sets.len() {
+        let (found, expected) = (objects.len(), sets.len());
+        return Err(format!("the pack has the parts of {found} objects, but its source has {expected}; bake it again"));
+    }
+    let mut results = Vec::with_capacity(hulls.len());
+    let mut start = 0;
+    for (own, points) in objects.into_iter().zip(sets) {
+        let source = (own[0].part_count() == 0).then_some(points);
+        results.extend(own.iter().map(|hull| verify_hull(hull, source, count, seed)));
+        verify_fit(own, points, &mut results[start..]);
+        start += own.len();
+    }
+    Ok(results)
+}
+
+/// Checks what the parts of one object record about their fit against its mesh: see [`Judge`].
+fn verify_fit(hulls: &[Hull], mesh: &PointSet, results: &mut [HullVerification]) {
+    let count = hulls.len();
+    for (part, (hull, result)) in hulls.iter().zip(results.iter_mut()).enumerate() {
+        let is_part = hull.part_count() > 0 || count > 1;
+        if is_part && (hull.part() as usize, hull.part_count() as usize) != (part, count) {
+            let (recorded, of) = (hull.part(), hull.part_count());
+            let name = &mesh.name;
+            result
+                .problems
+                .push(format!("recorded as part {recorded} of {of} of {name}, but it is part {part} of {count}"));
         }
-        // NaN fails.
-        if !(found <= recorded + REGRET_LIMIT * size) {
+    }
+    let is_measured = hulls.iter().any(|hull| hull.solid().is_some());
+    if is_measured && mesh.triangles.is_empty() {
+        results[0].problems.push(format!("its parts record a fit, but {} has no faces", mesh.name));
+    } else if is_measured {
+        judge(hulls, mesh, results);
+    }
+    for result in results {
+        result.pass = result.pass && result.problems.is_empty();
+    }
+}
+
+/// Refutes recorded bounds, if a point refutes them.
+fn judge(hulls: &[Hull], mesh: &PointSet, results: &mut [HullVerification]) {
+    let judge = Judge::new(mesh);
+    let name = &mesh.name;
+    let uncovered = hulls.first().and_then(Hull::uncovered).unwrap_or(0.0);
+    if let Some(Witness { distance, at }) = judge.uncovered(hulls, uncovered) {
+        let text = format!(
+            "{at} on the surface of {name} is {distance:.6e} outside all parts, but the pack records at most {uncovered:.6e}"
+        );
+        results.iter_mut().for_each(|result| result.problems.push(text.clone()));
+    }
+    for (hull, result) in hulls.iter().zip(results) {
+        let (Some(solid), Some(claim), Some(at)) = (hull.solid(), hull.protrusion(), hull.protrusion_at()) else {
+            result.problems.push("its fit was not measured, but that of other parts was".to_owned());
+            continue;
+        };
+        if solid != judge.kind() {
+            let found = judge.kind();
+            result.problems.push(format!("the solid of {name} is recorded as {solid}, but it is {found}"));
+        }
+        if !judge.is_in(hull, at) {
+            result.problems.push(format!("its point of greatest protrusion, {at}, is not a point of the part"));
+        }
+        if let Some(Witness { distance, at }) = judge.protrusion(hull, claim, at) {
             result.problems.push(format!(
-                "a vertex of {} lies {found:.3e} outside all parts, but the pack records at most {recorded:.3e}",
-                points.name
+                "{at} of this part is {distance:.6e} outside the solid of {name}, but it records at most {claim:.6e}"
             ));
         }
-        result.pass = result.pass && result.problems.is_empty();
     }
 }
 
@@ -218,6 +316,7 @@ fn verify_hull(hull: &Hull, source: Option<&PointSet>, count: usize, seed: u64) 
         protrusion_at: hull.protrusion_at().map(|at| at.to_array()),
         solid: hull.solid().map(SolidKind::as_str),
         diameter: Some(hull.diameter()),
+        is_part: hull.part_count() > 0,
     }
 }
 

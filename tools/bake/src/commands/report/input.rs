@@ -91,6 +91,8 @@ fn verify(pack: &Pack, source: Option<&Source>, args: &ReportArgs, faults: &mut 
 fn verified_hull(result: HullVerification) -> VerifiedHull {
     VerifiedHull {
         is_simplified: result.is_simplified(),
+        is_loose_part: result.is_loose_part(),
+        is_measured: result.solid.is_some(),
         name: result.hull.unwrap_or_default(),
         passed: result.pass,
         max_regret: result.max_regret.unwrap_or(f64::NAN),

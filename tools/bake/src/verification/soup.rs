@@ -1,0 +1,288 @@
+//! The triangles that bound the solid of a mesh: nearest triangle, crossings of a ray, and winding
+//! number.
+//!
+//! Only the definition of the solid is the baker's: which triangles close its holes. Distances and
+//! winding numbers are computed by other means than the baker's: a tree of boxes of its own, and
+//! the sum of all solid angles.
+//!
+//! # Reference
+//! - Ericson, "Real-Time Collision Detection", 2005, section 5.1.5: closest point on a triangle.
+//! - Möller, Trumbore, "Fast, minimum storage ray-triangle intersection", 1997.
+//! - Van Oosterom, Strackee, "The solid angle of a plane triangle", 1983.
+
+use std::collections::HashSet;
+
+use glam::DVec3;
+use hullmap_bake::parts::{Solid, SolidKind};
+use rayon::prelude::*;
+
+/// Corners of a triangle.
+pub type Triangle = [DVec3; 3];
+
+/// Number of triangles in a leaf of the tree.
+const LEAF: usize = 4;
+
+/// Directions of the rays that guess on which side a point is: none along common edges.
+const RAYS: [DVec3; 2] = [DVec3::new(0.283, -0.617, 0.734), DVec3::new(-0.541, 0.327, 0.775)];
+
+/// Minimum length of an array of triangles that is summed on several threads.
+const PARALLEL: usize = 4096;
+
+/// A node of the tree: a box, and either a run of triangles or two nodes, of which the first
+/// follows.
+struct Node {
+    low: DVec3,
+    high: DVec3,
+    start: u32,
+    count: u32,
+    second: u32,
+}
+
+/// Triangles of a mesh, and those that close it.
+pub struct Soup {
+    kind: SolidKind,
+    /// In the order of the tree's leaves.
+    triangles: Vec<(Triangle, bool)>,
+    nodes: Vec<Node>,
+    /// The triangles that count for the winding number.
+    winding: Vec<Triangle>,
+    has_closing: bool,
+    bounds: [DVec3; 2],
+}
+
+impl Soup {
+    /// The soup of `solid`, which is that of a mesh of `mesh_count` triangles.
+    pub fn new(solid: &Solid, mesh_count: usize) -> Self {
+        let all = solid.triangles();
+        let bits = |p: &DVec3| (*p + 0.0).to_array().map(f64::to_bits);
+        let mut seen = HashSet::new();
+        let is_new = |triangle: &&Triangle| {
+            let mut key = triangle.each_ref().map(bits);
+            key.sort_unstable();
+            key[0] != key[1] && key[1] != key[2] && seen.insert(key)
+        };
+        // Closing triangles count even where they repeat one.
+        let (own, closing) = all.split_at(mesh_count.min(all.len()));
+        let winding: Vec<Triangle> = own.iter().filter(is_new).chain(closing).copied().collect();
+        let mut triangles: Vec<(Triangle, bool)> =
+            all.iter().enumerate().map(|(index, triangle)| (*triangle, index < mesh_count)).collect();
+        let mut nodes = Vec::new();
+        let end = triangles.len();
+        grow(&mut triangles, 0..end, &mut nodes);
+        Self { kind: solid.kind(), triangles, nodes, winding, has_closing: !closing.is_empty(), bounds: solid.bounds() }
+    }
+
+    /// Distance of the nearest triangle of the mesh, and that triangle.
+    pub fn to_mesh(&self, p: DVec3) -> Option<(f64, Triangle)> {
+        self.nearest(p, true)
+    }
+
+    /// Lower bound on the distance of a point outside from the solid: closing triangles may bound
+    /// it.
+    pub fn gap(&self, p: DVec3) -> f64 {
+        let is_mesh_only = !self.has_closing || self.kind == SolidKind::Sheet;
+        self.nearest(p, is_mesh_only).map_or(f64::INFINITY, |(distance, _)| distance)
+    }
+
+    /// Whether rays find the point inside. A guess: a ray may graze an edge.
+    pub fn seems_inside(&self, p: DVec3) -> bool {
+        let is_in_bounds = (self.bounds[0] - p).max(p - self.bounds[1]).max_element() <= 0.0;
+        self.kind != SolidKind::Sheet && is_in_bounds && RAYS.iter().all(|ray| self.crossings(p, *ray) != 0)
+    }
+
+    /// Whether the point is certainly outside, by the sum of all solid angles.
+    ///
+    /// # Complexity
+    /// O(triangles).
+    pub fn is_outside(&self, p: DVec3) -> bool {
+        if self.kind == SolidKind::Sheet {
+            return true;
+        }
+        let of = |triangle: &Triangle| solid_angle(triangle.map(|corner| corner - p));
+        let sum: f64 = if self.winding.len() < PARALLEL {
+            self.winding.iter().map(of).sum()
+        } else {
+            self.winding.par_iter().map(of).sum()
+        };
+        // The sum is a whole number of turns, except on the surface.
+        (sum / (4.0 * std::f64::consts::PI)).abs() < 0.25
+    }
+
+    fn nearest(&self, p: DVec3, is_mesh_only: bool) -> Option<(f64, Triangle)> {
+        let mut best: Option<(f64, Triangle)> = None;
+        let mut stack = vec![0_usize];
+        while let Some(index) = stack.pop() {
+            let Some(node) = self.nodes.get(index) else { continue };
+            if best.is_some_and(|(least, _)| to_box(node, p) >= least) {
+                continue;
+            }
+            if node.count == 0 {
+                // The nearer child is visited first.
+                let children = [index + 1, node.second as usize];
+                let far = usize::from(to_box(&self.nodes[children[0]], p) <= to_box(&self.nodes[children[1]], p));
+                stack.extend([children[far], children[1 - far]]);
+                continue;
+            }
+            for (triangle, is_mesh) in self.run(node) {
+                let distance = closest(triangle, p).distance(p);
+                if (*is_mesh || !is_mesh_only) && best.is_none_or(|(least, _)| distance < least) {
+                    best = Some((distance, *triangle));
+                }
+            }
+        }
+        best
+    }
+
+    fn run(&self, node: &Node) -> &[(Triangle, bool)] {
+        &self.triangles[node.start as usize..(node.start + node.count) as usize]
+    }
+
+    /// Winding number as the signed number of triangles that a ray crosses. Repeated triangles
+    /// count, so a mesh with such is left to the solid angles.
+    fn crossings(&self, p: DVec3, direction: DVec3) -> i32 {
+        let inverse = direction.recip();
+        let (mut sum, mut stack) = (0, vec![0_usize]);
+        while let Some(index) = stack.pop() {
+            let Some(node) = self.nodes.get(index) else { continue };
+            let (s, t) = ((node.low - p) * inverse, (node.high - p) * inverse);
+            let (enter, leave) = (s.min(t).max_element(), s.max(t).min_element());
+            if !(leave >= 0.0 && enter <= leave) {
+                continue;
+            }
+            if node.count == 0 {
+                stack.extend([index + 1, node.second as usize]);
+            }
+            sum += self.run(node).iter().map(|(triangle, _)| crossing(triangle, p, direction)).sum::<i32>();
+        }
+        sum
+    }
+}
+
+/// Builds the node over a range of triangles, and those below it.
+fn grow(triangles: &mut [(Triangle, bool)], range: std::ops::Range<usize>, nodes: &mut Vec<Node>) {
+    let own = &mut triangles[range.clone()];
+    let corners = || own.iter().flat_map(|(triangle, _)| triangle);
+    let low = corners().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = corners().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let index = nodes.len();
+    let is_leaf = own.len() <= LEAF;
+    let count = if is_leaf { own.len() as u32 } else { 0 };
+    nodes.push(Node { low, high, start: range.start as u32, count, second: 0 });
+    if is_leaf {
+        return;
+    }
+    let size = high - low;
+    let axis = (0..3).fold(0, |longest, axis| if size[axis] > size[longest] { axis } else { longest });
+    let key = |(triangle, _): &(Triangle, bool)| triangle.iter().map(|corner| corner[axis]).sum::<f64>();
+    let half = own.len() / 2;
+    own.select_nth_unstable_by(half, |a, b| key(a).total_cmp(&key(b)));
+    grow(triangles, range.start..range.start + half, nodes);
+    nodes[index].second = nodes.len() as u32;
+    grow(triangles, range.start + half..range.end, nodes);
+}
+
+fn to_box(node: &Node, p: DVec3) -> f64 {
+    (node.low - p).max(p - node.high).max(DVec3::ZERO).length()
+}
+
+/// The point of a triangle that is closest to `p`.
+pub fn closest(&[a, b, c]: &Triangle, p: DVec3) -> DVec3 {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return a;
+    }
+    let bp = p - b;
+    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return b;
+    }
+    let cp = p - c;
+    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return c;
+    }
+    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        return a + ab * (d1 / (d1 - d3));
+    }
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        return a + ac * (d2 / (d2 - d6));
+    }
+    if va <= 0.0 && d4 >= d3 && d5 >= d6 {
+        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+    }
+    let sum = va + vb + vc;
+    // A triangle without area has been handled by its edges, except for rounding.
+    if sum > 0.0 { a + ab * (vb / sum) + ac * (vc / sum) } else { a }
+}
+
+/// Solid angle of a triangle seen from the origin, signed by its orientation.
+fn solid_angle([a, b, c]: Triangle) -> f64 {
+    let [la, lb, lc] = [a.length(), b.length(), c.length()];
+    let scale = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+    2.0 * a.dot(b.cross(c)).atan2(scale)
+}
+
+/// −1, 0 or 1: how a ray crosses a triangle.
+fn crossing(&[a, b, c]: &Triangle, p: DVec3, direction: DVec3) -> i32 {
+    let (ab, ac) = (b - a, c - a);
+    let side = direction.cross(ac);
+    let volume = ab.dot(side);
+    if volume == 0.0 {
+        return 0;
+    }
+    let from = p - a;
+    let u = from.dot(side) / volume;
+    let turned = from.cross(ab);
+    let v = direction.dot(turned) / volume;
+    let is_hit = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && ac.dot(turned) / volume > 0.0;
+    if is_hit { volume.signum() as i32 } else { 0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::verification::random::SplitMix;
+    use hullmap_bake::PointSet;
+
+    /// Two boxes; the second has no lid.
+    fn boxes() -> PointSet {
+        let mut set = PointSet::default();
+        for (shift, faces) in [(0.0, 12), (3.0, 10)] {
+            let first = set.positions.len() as u32;
+            set.positions.extend((0..8).map(|i| [(i & 1) as f32 + shift, (i >> 1 & 1) as f32, (i >> 2) as f32]));
+            let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6_u32]];
+            let triangles = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]);
+            set.triangles.extend(triangles.take(faces).map(|triangle| triangle.map(|v| v + first)));
+        }
+        set.source_vertices = (0..set.positions.len() as u32).collect();
+        set
+    }
+
+    #[test]
+    fn distances_and_sides_are_those_of_boxes() {
+        let mesh = boxes();
+        let soup = Soup::new(&Solid::new(&mesh), mesh.triangles.len());
+        let mut random = SplitMix::new(5);
+        let mut inside = 0;
+        for _ in 0..2_000 {
+            let p = DVec3::new(2.0, 0.5, 0.5) + random.in_ball_f64() * 2.5;
+            let away = [0.0, 3.0].map(|x| {
+                let low = DVec3::new(x, 0.0, 0.0);
+                (low - p).max(p - low - 1.0)
+            });
+            let distance = away.map(|away| away.max(DVec3::ZERO).length()).into_iter().fold(f64::INFINITY, f64::min);
+            let is_inside = away.iter().any(|away| away.max_element() < 0.0);
+            assert_eq!((soup.is_outside(p), soup.seems_inside(p)), (!is_inside, is_inside), "{p}");
+            if !is_inside {
+                assert!(
+                    (soup.gap(p) - distance).abs() < 1e-12 && soup.to_mesh(p).unwrap().0 >= distance - 1e-12,
+                    "{p}"
+                );
+            }
+            inside += usize::from(is_inside);
+        }
+        assert!((50..500).contains(&inside), "{inside}");
+    }
+}
