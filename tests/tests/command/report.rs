@@ -337,6 +337,46 @@ fn column(page: &str, mark: &str, head: &str) -> Vec<String> {
 const OF_HULLS: &str = "The hulls of the pack.";
 const OF_VERIFICATION: &str = "Support queries of the runtime compared with every point of the source";
 
+/// The hulls of the only pack in the folder `packs`, as `bake inspect` describes them.
+fn hulls_of(folder: &TempDir) -> Vec<serde_json::Value> {
+    run(folder, &["inspect", "packs", "--json"]).expect(0).json()[0]["hulls"].as_array().unwrap().clone()
+}
+
+/// Parts are pulled apart by the slider, and the dot is at the part that protrudes most.
+#[test]
+fn parts_are_pulled_apart_and_the_greatest_protrusion_is_marked() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("u.obj"), concave_prism()).unwrap();
+    run(&folder, &["build", "u.obj", "--out", "packs", "--decompose"]).expect(0);
+    let page = page(&folder, "u");
+    let hulls = hulls_of(&folder);
+    let of = |hull: &serde_json::Value| hull["protrusion"].as_f64().unwrap();
+    let worst = (0..hulls.len()).fold(0, |worst, hull| if of(&hulls[hull]) > of(&hulls[worst]) { hull } else { worst });
+    let drawn = &data(&text(&page))["hulls"][worst];
+    assert_eq!(
+        (&drawn["protrusion"], &drawn["protrusion_at"]),
+        (&hulls[worst]["protrusion"], &hulls[worst]["protrusion_at"])
+    );
+    let Some(browser) = browser("parts_are_pulled_apart_and_the_greatest_protrusion_is_marked") else { return };
+    let still = load(browser, &page, &[]);
+    still.assert_sound();
+    let html = "html ";
+    let state = |loaded: &Loaded| {
+        [loaded.attribute(html, "data-spread").to_owned(), loaded.attribute(html, "data-spot").to_owned()]
+    };
+    assert_eq!(state(&still), ["0".to_owned(), worst.to_string()]);
+    let caption = format!("Protrusion of {}: at most ", hulls[worst]["name"].as_str().unwrap());
+    assert!(still.dom.contains(&caption), "{caption}");
+    let act = "<script>{ const act = (id, change, kind) => { change(document.getElementById(id)); \
+               document.getElementById(id).dispatchEvent(new Event(kind)); }; \
+               act(\"spread\", (slider) => { slider.value = 1; }, \"input\"); \
+               act(\"show-protrusion\", (box) => { box.checked = false; }, \"change\"); }</script></body>";
+    fs::write(folder.path().join("apart.html"), text(&page).replace("</body>", act)).unwrap();
+    let apart = load(browser, &folder.path().join("apart.html"), &[]);
+    apart.assert_sound();
+    assert_eq!(state(&apart), ["1", "none"]);
+}
+
 #[test]
 fn convex_parts_are_verified_against_the_source_cut_again() {
     let folder = tempfile::tempdir().unwrap();
@@ -353,8 +393,16 @@ fn convex_parts_are_verified_against_the_source_cut_again() {
     // one.
     assert_eq!((data["meshes"].as_array().unwrap().len(), data["meshes"][0]["whole"].as_u64()), (1, Some(29)));
     let verified = column(&page, OF_VERIFICATION, "result");
-    assert!(verified.len() == parts && verified.iter().all(|cell| cell.contains("good\">exact<")), "{verified:?}");
+    // Parts that protrude are not called exact.
+    let loose = hulls_of(&folder).iter().filter(|hull| hull["protrusion"].as_f64().unwrap() > 1e-5).count();
+    let within = verified.iter().filter(|cell| cell.contains("good\">within its bounds<")).count();
+    assert!(verified.len() == parts && loose > 0 && within >= loose, "{loose} {verified:?}");
+    assert!(page.contains("chip good\">within its bounds<") && !page.contains(">exact</span></div>"));
     assert_eq!(column(&page, OF_HULLS, "uncovered").len(), parts);
+    for (cell, hull) in column(&page, OF_HULLS, "protrusion").iter().zip(hulls_of(&folder)) {
+        let (shown, exact) = (cell.replace('−', "-").parse::<f64>().unwrap(), hull["protrusion"].as_f64().unwrap());
+        assert!((shown - exact).abs() <= 0.06 * exact, "{cell} {exact}");
+    }
     assert!(column(&page, OF_HULLS, "outer error").iter().all(|cell| cell == "0"));
     // The page shows all remarks of the bake, word for word.
     let remarks: Vec<&str> = ["notes", "warnings"]

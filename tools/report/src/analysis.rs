@@ -12,7 +12,7 @@ use crate::gauss_map::{FACES, Face, GaussMap, gauss_map, resolution};
 use crate::html;
 use crate::index_reader::{Contents, ReadError};
 use crate::input::{Input, Remarks, Up, Verification};
-use crate::picture::picture;
+use crate::picture::{picture, picture_of_parts};
 use crate::sizes::Section;
 
 /// Maximum number of hulls with a row and pictures. Failed hulls beyond it are still listed under
@@ -141,6 +141,12 @@ pub struct DrawnHull {
     faces: usize,
     /// Index kind.
     index: String,
+    /// Number of parts of its object; 0 for a hull that is not a part.
+    part_count: u32,
+    /// Bound on how far the part protrudes from the mesh's solid, a length; `None`: not measured.
+    protrusion: Option<f64>,
+    /// Where it protrudes most.
+    protrusion_at: Option<[f64; 3]>,
     /// The source mesh, if it was found and there is room.
     pub source: Option<EncodedMesh>,
     /// The hull, if there is room.
@@ -151,9 +157,19 @@ pub struct DrawnHull {
 }
 
 impl Analysis {
-    /// Whether every hull equals the hull of its source points: none was simplified.
+    /// Whether every hull equals the hull of its source points, and all parts equal their mesh.
     pub fn is_exact(&self) -> bool {
-        self.verification.hulls.iter().all(|hull| !hull.is_simplified)
+        self.verification.hulls.iter().all(|hull| !hull.is_simplified && !hull.is_loose_part)
+    }
+
+    /// Whether there are parts that do not equal their mesh.
+    pub fn has_loose_parts(&self) -> bool {
+        self.verification.hulls.iter().any(|hull| hull.is_loose_part)
+    }
+
+    /// Whether the fit of some parts is not known.
+    pub fn has_unmeasured_parts(&self) -> bool {
+        self.verification.hulls.iter().any(|hull| hull.is_loose_part && !hull.is_measured)
     }
 
     /// Number of hulls that have a row but are not drawn.
@@ -249,6 +265,9 @@ fn draw(pack: &Pack, contents: &Contents, meshes: Option<&[DisplayMesh]>, rows: 
             vertices: row.vertices,
             faces: row.faces,
             index: row.index.clone(),
+            part_count: hull.part_count(),
+            protrusion: hull.protrusion(),
+            protrusion_at: hull.protrusion_at().map(|at| at.to_array()),
             source: None,
             hull: None,
             gauss: None,
@@ -266,9 +285,14 @@ fn draw(pack: &Pack, contents: &Contents, meshes: Option<&[DisplayMesh]>, rows: 
     Drawn { faces: FACES, up, hull_count: pack.hull_count(), hulls: drawn, meshes }
 }
 
-/// The still picture: hulls around the meshes, or the hulls alone if there is no source.
+/// The still picture: hulls around the meshes, or the hulls alone if there is no source. Parts are
+/// drawn alone, each in a colour.
 fn still(pack: &Pack, meshes: &[DisplayMesh], up: Up) -> String {
     let cap = STILL_TRIANGLES.div_ceil(pack.hull_count());
     let hulls: Vec<DisplayMesh> = pack.hulls().map(|hull| DisplayMesh::of_hull(&hull).with_at_most(cap)).collect();
-    picture(&hulls, meshes, up)
+    if pack.hulls().any(|hull| hull.part_count() > 1) {
+        picture_of_parts(&hulls, up)
+    } else {
+        picture(&hulls, meshes, up)
+    }
 }

@@ -68,10 +68,16 @@ pub fn pack_page(pack: &Analysis, index: Option<&str>) -> String {
 pub fn verdict(pack: &Analysis) -> String {
     let (class, word) = if !pack.remarks.faults.is_empty() {
         ("bad", "failed")
+    } else if pack.has_unmeasured_parts() {
+        ("odd", "unmeasured")
+    } else if pack.source.is_none() && pack.has_loose_parts() {
+        ("odd", "bounds unchecked")
     } else if pack.source.is_none() {
         ("odd", "exact for the stored hull")
     } else if pack.is_exact() {
         ("good", "exact")
+    } else if pack.has_loose_parts() {
+        ("good", "within its bounds")
     } else {
         ("good", "contains its source")
     };
@@ -116,6 +122,11 @@ fn facts(pack: &Analysis) -> String {
     }
     if pack.hulls.len() == pack.hull_count {
         rows.push(("Index, bytes per vertex", share(total(|hull| hull.index_bytes))));
+    }
+    let bound = |pick: fn(&HullRow) -> Option<f64>| pack.hulls.iter().filter_map(pick).reduce(f64::max);
+    if let (Some(uncovered), Some(protrusion)) = (bound(|hull| hull.uncovered), bound(|hull| hull.protrusion)) {
+        rows.push(("Surface uncovered, at most", short(uncovered)));
+        rows.push(("Parts protrude, at most", short(protrusion)));
     }
     let average = |pick: fn(&HullRow) -> f64| pack.hulls.iter().map(pick).sum::<f64>() / pack.hulls.len().max(1) as f64;
     let worst = |pick: fn(&HullRow) -> u32| pack.hulls.iter().map(pick).max().unwrap_or(0);
@@ -238,15 +249,22 @@ fn verification(pack: &Analysis) -> String {
     }
     let reference =
         if verification.is_against_source { "every point of the source" } else { "the stored hull's own vertices" };
-    let simplified = if pack.is_exact() || pack.source.is_none() {
+    let has_simplified = verification.hulls.iter().any(|hull| hull.is_simplified);
+    let simplified = if !has_simplified || pack.source.is_none() {
         ""
     } else {
         " Each simplified hull contains every point of its source and extends beyond it by at most its outer error; \
          its queries are compared with its own vertices."
     };
+    let parts = if pack.has_loose_parts() && pack.source.is_some() {
+        " A part is within its bounds if no point of the mesh refutes how much the parts leave uncovered, and no point of \
+         the part how far it protrudes."
+    } else {
+        ""
+    };
     let caption = format!(
         "Support queries of the runtime compared with {reference}, by brute force in f64, in {} directions per hull. \
-         Regret is how far an answer falls short, relative to the diameter; exact means at most 2e−7.{simplified}",
+         Regret is how far an answer falls short, relative to the diameter; exact means at most 2e−7.{simplified}{parts}",
         count(verification.directions as u64),
     );
     let heads = [
@@ -262,6 +280,11 @@ fn verification(pack: &Analysis) -> String {
     let rows = verification.hulls.iter().enumerate().filter(is_listed).map(|(_, hull)| {
         let (class, word) = match (hull.passed, hull.is_simplified) {
             (false, _) => ("bad", "failed"),
+            (true, _) if hull.is_loose_part && hull.is_measured && verification.is_against_source => {
+                ("good", "within its bounds")
+            }
+            (true, _) if hull.is_loose_part && hull.is_measured => ("odd", "bounds unchecked"),
+            (true, _) if hull.is_loose_part => ("odd", "unmeasured"),
             (true, false) => ("good", "exact"),
             (true, true) if verification.is_against_source => ("good", "contains its source"),
             (true, true) => ("odd", "simplified"),

@@ -3,7 +3,8 @@
 //!
 //! Triangles are rasterised with a depth buffer, in an orthographic view from a corner, into a PNG
 //! with a palette of a few shades of two colours on a transparent background. It is rendered at
-//! twice its display size, which smooths its edges.
+//! twice its display size, which smooths its edges. The parts of a mesh are drawn without it, each
+//! in one of several colours.
 
 use crate::DisplayMesh;
 use crate::encode::base64;
@@ -32,6 +33,18 @@ const LIGHT: [f64; 3] = [-0.36, 0.6, 0.71];
 /// The darkest and lightest shade of hulls, then of meshes.
 const COLOURS: [[[u8; 3]; 2]; 2] = [[[60, 96, 150], [150, 190, 240]], [[92, 74, 52], [244, 212, 164]]];
 
+/// The darkest and lightest shade of parts, in turn.
+const PART_COLOURS: [[[u8; 3]; 2]; 8] = [
+    [[60, 96, 150], [150, 190, 240]],
+    [[138, 84, 24], [246, 196, 128]],
+    [[38, 110, 66], [142, 220, 166]],
+    [[140, 52, 60], [246, 160, 160]],
+    [[96, 74, 146], [200, 180, 244]],
+    [[112, 104, 30], [226, 216, 130]],
+    [[28, 108, 116], [132, 214, 220]],
+    [[134, 60, 116], [240, 168, 220]],
+];
+
 /// Radius of a dot, in pixels.
 const DOT: f64 = 1.5;
 
@@ -40,8 +53,23 @@ const HULL_ALPHA: u8 = 150;
 
 /// The picture as a `data:` URL: the hulls behind, the meshes in front.
 pub fn picture(hulls: &[DisplayMesh], meshes: &[DisplayMesh], up: Up) -> String {
+    let layer = |layer: usize| move |shape| (shape, layer);
+    let layers = [hulls.iter().map(layer(0)).collect(), meshes.iter().map(layer(1)).collect()];
+    let pixels = draw(&layers, up);
+    format!("data:image/png;base64,{}", base64(&png(&pixels, &COLOURS, HULL_ALPHA)))
+}
+
+/// The picture of parts as a `data:` URL, each in a colour.
+pub fn picture_of_parts(parts: &[DisplayMesh], up: Up) -> String {
+    let layer = parts.iter().enumerate().map(|(index, part)| (part, index % PART_COLOURS.len()));
+    let pixels = draw(&[layer.collect()], up);
+    format!("data:image/png;base64,{}", base64(&png(&pixels, &PART_COLOURS, u8::MAX)))
+}
+
+/// The pixels of shapes, each with its colour. A group of shapes is in front of those before it.
+fn draw(groups: &[Vec<(&DisplayMesh, usize)>], up: Up) -> Vec<u8> {
     let seen = |point: [f32; 3]| seen(point, up);
-    let all = || hulls.iter().chain(meshes);
+    let all = || groups.iter().flatten().map(|(shape, _)| *shape);
     let mut low = [f64::INFINITY; 2];
     let mut high = [f64::NEG_INFINITY; 2];
     for point in all().flat_map(|shape| &shape.points) {
@@ -62,9 +90,9 @@ pub fn picture(hulls: &[DisplayMesh], meshes: &[DisplayMesh], up: Up) -> String 
     };
 
     let mut pixels = vec![0_u8; SIZE[0] * SIZE[1]];
-    for (layer, shapes) in [hulls, meshes].into_iter().enumerate() {
+    for shapes in groups {
         let mut depths = vec![f64::NEG_INFINITY; pixels.len()];
-        for shape in shapes {
+        for &(shape, layer) in shapes {
             for triangle in &shape.triangles {
                 let corners = triangle.map(|corner| place(shape.points[corner as usize]));
                 fill(&mut pixels, &mut depths, corners, layer);
@@ -87,7 +115,7 @@ pub fn picture(hulls: &[DisplayMesh], meshes: &[DisplayMesh], up: Up) -> String 
             }
         }
     }
-    format!("data:image/png;base64,{}", base64(&png(&pixels)))
+    pixels
 }
 
 /// A point in the axes of the view.
@@ -145,17 +173,18 @@ fn dot(pixels: &mut [u8], [x, y]: [f64; 2], radius: f64, layer: usize) {
     }
 }
 
-/// The pixels as a PNG file. Palette: 0 is transparent, then the hulls' shades, then the meshes'.
-fn png(pixels: &[u8]) -> Vec<u8> {
+/// The pixels as a PNG file. Palette: 0 is transparent, then the shades of each colour. The first
+/// colour has an opacity.
+fn png(pixels: &[u8], colours: &[[[u8; 3]; 2]], first_alpha: u8) -> Vec<u8> {
     let (mut palette, mut alpha) = (vec![0; 3], vec![0]);
-    for (layer, [dark, light]) in COLOURS.into_iter().enumerate() {
+    for (layer, [dark, light]) in colours.iter().enumerate() {
         for shade in 0..SHADES {
             let blend = |i: usize| {
                 let (dark, light) = (usize::from(dark[i]), usize::from(light[i]));
                 ((dark * (SHADES - 1 - shade) + light * shade) / (SHADES - 1)) as u8
             };
             palette.extend([0, 1, 2].map(blend));
-            alpha.push(if layer == 0 { HULL_ALPHA } else { u8::MAX });
+            alpha.push(if layer == 0 { first_alpha } else { u8::MAX });
         }
     }
     let mut bytes = Vec::new();
@@ -204,6 +233,23 @@ mod tests {
         let mut large = tetrahedron();
         large.points.iter_mut().flatten().for_each(|c| *c *= 1024.0);
         assert_eq!(picture(&[large], &[], Up::Z), picture(&[tetrahedron()], &[], Up::Z));
+    }
+
+    #[test]
+    fn parts_have_colours_of_their_own() {
+        let parts: Vec<DisplayMesh> = (0..PART_COLOURS.len() + 1)
+            .map(|part| {
+                let mut part_mesh = tetrahedron();
+                part_mesh.points.iter_mut().for_each(|point| point[0] += 3.0 * part as f32);
+                part_mesh
+            })
+            .collect();
+        let drawn = pixels(&picture_of_parts(&parts, Up::Z));
+        for layer in 0..PART_COLOURS.len() {
+            let shades = 1 + layer * SHADES..1 + (layer + 1) * SHADES;
+            let count = drawn.iter().filter(|&&pixel| shades.contains(&usize::from(pixel))).count();
+            assert!(count > 50, "colour {layer}: {count} pixels");
+        }
     }
 
     #[test]

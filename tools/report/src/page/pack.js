@@ -28,6 +28,10 @@
   get("hull-choice-row").hidden = !isMany;
   get("source-figure").hidden = !hasSource;
   get("pair").classList.toggle("alone", !hasSource);
+  const hasParts = isMany && hulls.some((hull) => hull.part_count > 1);
+  const hasFit = hulls.some((hull) => hull.protrusion_at);
+  for (const label of document.querySelectorAll(".with-parts")) label.hidden = !hasParts;
+  for (const label of document.querySelectorAll(".with-fit")) label.hidden = !hasFit;
   for (const label of document.querySelectorAll(".with-source")) label.hidden = !hasSource;
 
   // Pictures in 3D.
@@ -52,23 +56,43 @@
     return { centre, radius: reach };
   }
 
+  // How far parts are pulled apart: each moves away from the middle by this share of its distance.
+  const spread = () => (hasParts && chosen === ALL ? Number(get("spread").value) : 0);
+  let whole3d = { centre: [0, 0, 0], radius: 1 };
+  function offsetOf({ hull }) {
+    const share = 1.5 * spread();
+    return [0, 1, 2].map((axis) => share * (hull.low[axis] + hull.size[axis] / 2 - whole3d.centre[axis]));
+  }
+
+  /** The part among these that protrudes most. */
+  function worstOf(list) {
+    const measured = list.filter((hull) => hull.protrusion_at);
+    return measured.reduce((worst, hull) => (worst && worst.protrusion >= hull.protrusion ? worst : hull), null);
+  }
+
   function draw3d() {
     if (!has3d) return;
     const list = current();
     if (!list.length) return;
     camera.up = get("up").value;
+    camera.look({ ...whole3d, radius: whole3d.radius * (1 + spread()) });
     const look = Object.fromEntries(["hull", "mesh", "edge", "mesh-edge", "mark"].map((name) => [name, cssColour(`--${name}`)]));
     const isOn = (id) => get(id).checked;
     views.hull.begin();
     for (const hull of list) {
       const shape = hull.hull;
+      const moved = movedBy(camera, offsetOf(hull));
       const colour = chosen === ALL ? hullColourOf(hull.number) : look.hull;
-      if (shape.triangles.length) views.hull.triangles(shape, camera, colour);
+      if (shape.triangles.length) views.hull.triangles(shape, moved, colour);
       // Dense edges are drawn paler.
       const opacity = Math.min(0.9, Math.max(0.12, Math.sqrt(900 / (shape.edges.length + 1))));
-      if (isOn("show-edges") || !shape.triangles.length) views.hull.edges(shape, camera, { colour: look.edge, opacity });
-      if (isOn("show-vertices") || hull.rank === 0) views.hull.dots(shape, camera, { size: hull.rank ? 5 : 12 });
+      if (isOn("show-edges") || !shape.triangles.length) views.hull.edges(shape, moved, { colour: look.edge, opacity });
+      if (isOn("show-vertices") || hull.rank === 0) views.hull.dots(shape, moved, { size: hull.rank ? 5 : 12 });
     }
+    const worst = hasFit && isOn("show-protrusion") ? worstOf(list) : null;
+    if (worst) views.hull.spot(movedBy(camera, offsetOf(worst)), worst.protrusion_at, look.mark);
+    root.dataset.spot = worst ? worst.number : "none";
+    root.dataset.spread = spread();
     if (marked && chosen !== ALL) {
       const hull = list[0];
       const vertex = hull.hull.vertex(marked.vertex);
@@ -87,6 +111,7 @@
       const opacity = Math.min(0.55, Math.max(0.06, Math.sqrt(250 / (hull.edges.length + 1))));
       if (isOn("show-around")) views.source.edges(hull, camera, { colour: look.edge, opacity, forward: 0 });
     }
+    if (worst) views.source.spot(camera, worst.protrusion_at, look.mark);
   }
 
   let waits = false;
@@ -160,6 +185,12 @@
     get("hull-caption").textContent = list.length
       ? `Hull: ${what}, ${grouped(sum((hull) => hull.vertices))} vertices, ${grouped(sum((hull) => hull.faces))} faces${shown < whole ? `, as triangles${part(shown, whole)}` : ""}`
       : "This hull is not drawn, to limit the size of the page.";
+    const worst = worstOf(list);
+    if (worst) {
+      const name = chosen === ALL ? ` of ${worst.name}` : "";
+      const at = worst.protrusion_at.map((c) => fixed(c, worst.hull.digits)).join(", ");
+      get("hull-caption").textContent += `. Protrusion${name}: at most ${short(worst.protrusion)}, greatest at the dot, (${at})`;
+    }
     const hull = mapped();
     const map = hull.gauss;
     const resolution = map ? `Hull ${hull.name}. One runtime query for each of 6 × ${map.resolution} × ${map.resolution} pixels` : "";
@@ -187,7 +218,8 @@
     marked = null;
     for (const view of Object.values(views)) if (view) view.forget();
     camera.reset();
-    if (current().length) camera.look(frame(current()));
+    if (current().length) camera.look((whole3d = frame(current())));
+    for (const label of document.querySelectorAll(".with-parts")) label.hidden = !hasParts || chosen !== ALL;
     gauss.show(mapped().gauss);
     captions();
     legend();
@@ -198,7 +230,10 @@
   }
 
   choice.addEventListener("change", () => choose(choice.value));
-  for (const id of ["show-edges", "show-vertices", "show-mesh-edges", "show-around", "up"]) get(id).addEventListener("change", redraw);
+  for (const id of ["show-edges", "show-vertices", "show-mesh-edges", "show-around", "show-protrusion", "up"]) {
+    get(id).addEventListener("change", redraw);
+  }
+  get("spread").addEventListener("input", redraw);
   get("reset").addEventListener("click", () => {
     camera.reset();
     redraw();

@@ -143,6 +143,14 @@ function openView(canvas) {
       }
       gl.drawArrays(gl.POINTS, 0, shape.points.length / 3);
     },
+    /** A dot that nothing hides. */
+    spot(camera, at, colour) {
+      const made = buffer(gl.ARRAY_BUFFER, new Float32Array(at));
+      thinly(camera, { colour, forward: 0.5, size: 11, round: true });
+      bindCorners(made);
+      gl.drawArrays(gl.POINTS, 0, 1);
+      gl.deleteBuffer(made);
+    },
     /** A ray with a dot: a direction and its support vertex. */
     mark(camera, from, to, vertex, colour) {
       const made = buffer(gl.ARRAY_BUFFER, new Float32Array([...from, ...to, ...vertex]));
@@ -217,6 +225,15 @@ class Camera {
       lens / aspect, 0, 0, 0, 0, lens, 0, 0, 0, 0, (far + near) / depth, -1, 0, 0, (2 * far * near) / depth, 0,
     ]);
   }
+}
+
+/** The camera for a shape that is moved by an offset, in source units. */
+function movedBy(camera, offset) {
+  const toView = camera.toView;
+  for (let row = 0; row < 3; row++) {
+    toView[12 + row] += offset.reduce((sum, c, axis) => sum + toView[4 * axis + row] * c, 0);
+  }
+  return { toView, toClip: (aspect) => camera.toClip(aspect) };
 }
 
 /** Mouse, touch and keys of a picture that turns. */
