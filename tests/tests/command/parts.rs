@@ -209,7 +209,8 @@ fn problems(rows: &[serde_json::Value]) -> String {
     rows.iter().map(|row| row["problems"].to_string()).collect()
 }
 
-/// A recorded bound is at most 0.5 % above the truth, so 1.5 % less is at least 1 % below the truth.
+/// A recorded bound is at most 0.5 % above the truth, so 1.5 % less is at least 1 % below the
+/// truth.
 const OVERSTATED: f64 = 0.985;
 
 /// Asserts that a pack passes, and fails if it claims that its parts cover more, or protrude less,
@@ -315,7 +316,8 @@ fn packs_made_by_hand_are_judged_as_well() {
     assert!(problems(&rows).contains("is recorded as sheet, but it is watertight"), "{rows:?}");
 }
 
-/// Collision parts that come with their mesh are measured against it; without it they claim nothing.
+/// Collision parts that come with their mesh are measured against it; without it they claim
+/// nothing.
 #[test]
 fn collision_parts_with_their_mesh_are_measured() {
     let folder = tempfile::tempdir().unwrap();

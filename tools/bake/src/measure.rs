@@ -43,7 +43,8 @@ pub fn parts(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], a
 }
 
 /// Counts and measures hulls that are the collision parts of a mesh in the same file, and returns
-/// remarks on them. There is one hull for each point set, and the parts of one mesh are consecutive.
+/// remarks on them. There is one hull for each point set, and the parts of one mesh are
+/// consecutive.
 pub fn collision_parts(point_sets: &[PointSet], hulls: &mut [BakedHull]) -> Vec<Remark> {
     let mut remarks = Vec::new();
     let mut start = 0;

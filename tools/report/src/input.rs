@@ -61,8 +61,8 @@ pub struct VerifiedHull {
     pub passed: bool,
     /// Whether it is a simplified hull.
     pub is_simplified: bool,
-    /// Whether it is a part that is not the solid itself: its fit is only known within bounds, or not
-    /// at all.
+    /// Whether it is a part that is not the solid itself: its fit is only known within bounds, or
+    /// not at all.
     pub is_loose_part: bool,
     /// Whether its fit to the mesh was measured.
     pub is_measured: bool,
