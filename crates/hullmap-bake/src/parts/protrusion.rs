@@ -52,7 +52,17 @@ const CAVITY_LIMITED: f64 = 1e-6;
 
 /// Distance from a face's plane up to which a triangle of the mesh counts as in it, relative to the
 /// diagonal. It only selects what is subtracted; what is subtracted is measured.
-const IN_PLANE: f64 = 1e-7;
+const IN_PLANE: f64 = 1e-6;
+
+/// Distance beyond a triangle of the mesh up to which a piece of a face counts as on it, relative to
+/// the diagonal. Slivers along the triangles' edges would be slow to bound.
+const BESIDE: f64 = 5e-7;
+
+/// Widths of the rim of a facet that is bounded by its width, relative to the accuracy.
+const RIMS: [f64; 2] = [0.01, 0.5];
+
+/// Maximum number of triangles of the mesh that are tested against a facet.
+const MAX_TESTED: usize = 64;
 
 /// Maximum number of pieces into which a face is divided.
 const MAX_PIECES: usize = 4096;
@@ -81,6 +91,8 @@ struct Facet {
 }
 
 fn on_surface(solid: &Solid, part: &Hull, accuracy: &Accuracy) -> Maximum {
+    // Widths of the rim of a facet that the mesh may cross.
+    let rims = RIMS.map(|rim| rim * accuracy.absolute.max(accuracy.limit.unwrap_or(0.0)));
     let measure = |facet: &mut Facet, best: f64| {
         let centre = triangle::centroid(&facet.corners);
         let radius = facet.corners.iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max);
@@ -97,7 +109,13 @@ fn on_surface(solid: &Solid, part: &Hull, accuracy: &Accuracy) -> Maximum {
         let matters = bound > best && !accuracy.limit.is_some_and(|limit| bound <= limit) || reached > best;
         if matters && solid.is_inside(centre) {
             reached = 0.0;
-            bound = if near.gap > radius { 0.0 } else { bound.min(radius) };
+            bound = bound.min(radius);
+            let is_free = |rim: &f64| is_free(solid, &facet.corners, rim / radius);
+            if near.gap > radius {
+                bound = 0.0;
+            } else if let Some(rim) = rims.into_iter().filter(|rim| *rim < bound).find(is_free) {
+                bound = rim;
+            }
         }
         Measured { bound, reached, at: centre }
     };
@@ -107,11 +125,33 @@ fn on_surface(solid: &Solid, part: &Hull, accuracy: &Accuracy) -> Maximum {
     Maximum { bound: found.bound.max(on_mesh), ..found }
 }
 
+/// Whether no triangle of the mesh meets a facet, except for a rim whose width is `rim` times the
+/// facet's radius. The rest of such a facet is all inside or all outside.
+fn is_free(solid: &Solid, corners: &Triangle, rim: f64) -> bool {
+    let centre = triangle::centroid(corners);
+    let inner = corners.map(|corner| corner + (centre - corner) * rim);
+    let edges = edge_planes(&inner);
+    let Some(normal) = (inner[1] - inner[0]).cross(inner[2] - inner[0]).try_normalize() else { return false };
+    let offset = normal.dot(centre);
+    let thickness = solid.tolerance();
+    let slab =
+        [HalfSpace { normal, offset: offset + thickness }, HalfSpace { normal: -normal, offset: thickness - offset }];
+    let low = inner[0].min(inner[1]).min(inner[2]) - thickness;
+    let high = inner[0].max(inner[1]).max(inner[2]) + thickness;
+    let near = solid.triangles_in(low, high);
+    let meets = |index: &u32| {
+        let polygon = solid.triangles()[*index as usize];
+        let (within, _) = planes::divide(&polygon, &slab, 0.0);
+        !within.is_empty() && !planes::divide(&within, &edges, 0.0).0.is_empty()
+    };
+    near.len() <= MAX_TESTED && !near.iter().any(meets)
+}
+
 /// Triangles that cover the part's surface, except for what lies on the mesh, and the greatest
 /// distance of the latter from the mesh.
 fn facets(solid: &Solid, part: &Hull) -> (Vec<Facet>, f64) {
     let positions = part.positions();
-    let tolerance = solid.tolerance();
+    let tolerance = BESIDE * solid.diagonal();
     let mut facets = Vec::new();
     let mut on_mesh = 0.0_f64;
     let mut add = |polygon: &[DVec3]| {
