@@ -54,8 +54,8 @@ const CAVITY_LIMITED: f64 = 1e-6;
 /// diagonal. It only selects what is subtracted; what is subtracted is measured.
 const IN_PLANE: f64 = 1e-6;
 
-/// Distance beyond a triangle of the mesh up to which a piece of a face counts as on it, relative to
-/// the diagonal. Slivers along the triangles' edges would be slow to bound.
+/// Distance beyond a triangle of the mesh up to which a piece of a face counts as on it, relative
+/// to the diagonal. Slivers along the triangles' edges would be slow to bound.
 const BESIDE: f64 = 5e-7;
 
 /// Widths of the rim of a facet that is bounded by its width, relative to the accuracy.
