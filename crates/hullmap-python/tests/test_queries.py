@@ -251,7 +251,7 @@ def test_packs_are_cast_and_have_support_points(pair_of_cubes):
     pack, floor = pair_of_cubes, hullmap.HalfSpace([1, 0, 0], 0.0)
     # Into the gap from above, and past it to the right cube.
     ball, above = hullmap.Sphere(0.5), hullmap.poses([2.0, 0.5, 3.0])
-    found = pack.cast(ball, above, [[0, 0, -1], [1, 0, -2.5], [-1, 0, 0]])
+    found = pack.cast(ball, np.tile(above, (3, 1)), [[0, 0, -1], [1, 0, -2.5], [-1, 0, 0]])
     assert found.hit.tolist() == [False, True, False] and found.parts[1].tolist() == [1, 0]
     alone = pack[1].cast(ball, above, [1, 0, -2.5])
     assert found.t_lower[1] <= alone.t_upper and alone.t_lower <= found.t_upper[1]

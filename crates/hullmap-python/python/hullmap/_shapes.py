@@ -599,25 +599,28 @@ class Hull(ConvexShape):
         return int(self._facts["part_count"])
 
     @property
-    def solid(self) -> str | None:
+    def solid(self) -> Optional[str]:
         """What counts as the inside of the mesh of a part: ``watertight``, ``closed`` (holes were
         closed) or ``sheet`` (no inside); ``None`` if the part was not measured."""
-        return self._facts["solid"]
+        found: Optional[str] = self._facts["solid"]
+        return found
 
     @property
-    def uncovered(self) -> float | None:
+    def uncovered(self) -> Optional[float]:
         """Of a part: bound on how far a point of the mesh's surface lies outside all parts.
         ``None`` if that was not measured."""
-        return self._facts["uncovered"]
+        found: Optional[float] = self._facts["uncovered"]
+        return found
 
     @property
-    def protrusion(self) -> float | None:
+    def protrusion(self) -> Optional[float]:
         """Of a part: bound on how far a point of it lies outside the mesh's solid. ``None`` if that
         was not measured."""
-        return self._facts["protrusion"]
+        found: Optional[float] = self._facts["protrusion"]
+        return found
 
     @property
-    def protrusion_at(self) -> Floats | None:
+    def protrusion_at(self) -> Optional[Floats]:
         """Of a part: the point of it that protrudes most; (3,)."""
         at = self._facts["protrusion_at"]
         return None if at is None else floats("protrusion_at", at)

@@ -77,3 +77,25 @@ pub struct NoSuchHull {
     /// Number of hulls in the pack.
     pub hull_count: usize,
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::Pack;
+
+    /// Python printed only "No such file or directory", and "No such device" for a folder.
+    #[test]
+    fn files_that_cannot_be_read_have_a_remedy() {
+        let message = Pack::open("missing.hullmap").unwrap_err().to_string();
+        assert!(message.starts_with("missing.hullmap: cannot read the file: "), "{message}");
+        assert!(message.ends_with("; check the path, and the folder it starts from"), "{message}");
+        #[cfg(unix)]
+        assert!(Pack::open("/").unwrap_err().to_string().ends_with("; name a pack in this folder"));
+        #[cfg(all(unix, feature = "mmap"))]
+        {
+            // SAFETY: a folder cannot be mapped.
+            #[expect(unsafe_code, reason = "mapping is unsafe")]
+            let error = unsafe { Pack::map("/") }.unwrap_err();
+            assert!(error.to_string().ends_with("; name a pack in this folder"));
+        }
+    }
+}

@@ -132,7 +132,12 @@ unsafe fn map_file(path: &Path, checks: Checks) -> Result<Pack, OpenError> {
     let io_error = |source| OpenError::Io { path: path.to_owned(), source };
     let invalid = |source| OpenError::Invalid { path: path.to_owned(), source };
     let file = File::open(path).map_err(io_error)?;
-    if file.metadata().map_err(io_error)?.len() == 0 {
+    let metadata = file.metadata().map_err(io_error)?;
+    if metadata.is_dir() {
+        // The system's own message is "no such device".
+        return Err(io_error(std::io::ErrorKind::IsADirectory.into()));
+    }
+    if metadata.len() == 0 {
         // An empty file cannot be mapped.
         return Err(invalid(HeaderError::TooShort { found: 0 }.into()));
     }
