@@ -38,7 +38,7 @@ pub struct Fit {
 /// let hull = hull::build(&tetrahedron)?;
 /// let fit = fits(&tetrahedron, &[&hull]).unwrap()[0];
 /// assert_eq!(fit.solid, SolidKind::Watertight);
-/// assert!(fit.uncovered < 1e-9 && fit.protrusion < 1e-9);
+/// assert!(fit.uncovered < 1e-9 && fit.protrusion < 1e-9 && fit.protrusion_at == [0.0; 3]);
 /// # Ok::<(), hullmap_bake::BakeError>(())
 /// ```
 ///
@@ -54,7 +54,10 @@ pub fn fits(mesh: &PointSet, parts: &[&Hull]) -> Option<Vec<Fit>> {
     let accuracy = Accuracy::tight(solid.diagonal());
     let fit = |part: &&Hull| {
         let found = protrusion(&solid, part, &accuracy);
-        Fit { solid: solid.kind(), uncovered, protrusion: found.bound, protrusion_at: found.at.to_array() }
+        // Where nothing protrudes, any point of the part is the one.
+        let first = part.positions().first().copied().unwrap_or_default();
+        let at = if found.reached > 0.0 { found.at } else { first };
+        Fit { solid: solid.kind(), uncovered, protrusion: found.bound, protrusion_at: at.to_array() }
     };
     let fits: Vec<Fit> = parts.par_iter().map(fit).collect();
     let is_finite = |fit: &Fit| fit.uncovered.is_finite() && fit.protrusion.is_finite();

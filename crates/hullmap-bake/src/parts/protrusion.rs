@@ -44,6 +44,10 @@ pub struct Protrusion {
 /// Depth by which a cavity must exceed the protrusion of the surface, relative to the latter.
 const CAVITY_RELATIVE: f64 = 0.1;
 
+/// Accuracy to which cavities are measured, as a share of that depth. At a half or more, the bound
+/// over the inside could exceed the depth although no point does.
+const CAVITY_ACCURACY: f64 = 0.4;
+
 /// Depth by which a cavity must exceed the protrusion of the surface, relative to the diagonal.
 const CAVITY_ABSOLUTE: f64 = 1e-3;
 
@@ -286,7 +290,9 @@ fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum) -> 
     let accuracy = match accuracy.limit {
         Some(_) => Accuracy { limit: Some(enough), ..*accuracy },
         None => {
-            Accuracy { floor: enough, relative: CAVITY_RELATIVE, absolute: CAVITY_ABSOLUTE * diagonal, ..*accuracy }
+            let relative = CAVITY_ACCURACY * CAVITY_RELATIVE;
+            let absolute = CAVITY_ACCURACY * CAVITY_ABSOLUTE * diagonal;
+            Accuracy { floor: enough, relative, absolute, ..*accuracy }
         }
     };
     let cavity = maximum([start], &accuracy, measure, split);

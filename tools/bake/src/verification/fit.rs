@@ -156,11 +156,11 @@ impl Judge {
     }
 
     /// A point of `hull` that is farther than `claim` from the solid, starting from the recorded
-    /// point `at`.
+    /// point `at`, which must be in the hull.
     ///
     /// Points inside the hull count only in a cavity, as the file format says: if they are farther
     /// by more than a tenth and a thousandth of the diagonal.
-    pub fn protrusion(&self, hull: &Hull, claim: f64, at: DVec3) -> Option<Witness> {
+    pub fn protrusion(&self, hull: &Hull, claim: f64, at: Option<DVec3>) -> Option<Witness> {
         let value = |p: DVec3| if self.soup.seems_inside(p) { 0.0 } else { self.soup.gap(p) - self.rounding };
         let confirm = |p: DVec3| self.soup.is_outside(p);
         let measure = |corners: &Triangle| {
@@ -182,8 +182,7 @@ impl Judge {
         };
         let vertices: Vec<DVec3> = hull.vertices().map(|vertex| vertex.as_dvec3()).collect();
         let surface = surface(hull, &vertices);
-        let mut points = vec![at];
-        points.extend(&vertices);
+        let mut points: Vec<DVec3> = at.into_iter().chain(vertices.iter().copied()).collect();
         points.extend(sample(&surface));
         let cavity = claim * (1.0 + CAVITY[0]) + CAVITY[1] * self.diagonal;
         sampled(&points, claim, value, confirm)
@@ -388,9 +387,9 @@ mod tests {
         let (claimed, at) = (hull.protrusion().unwrap(), hull.protrusion_at().unwrap());
         assert!((truth..1.006 * truth).contains(&claimed), "{claimed}");
         assert!(judge.is_in(&hull, at) && !judge.is_in(&hull, DVec3::splat(9.0)));
-        assert_eq!(judge.protrusion(&hull, claimed, at), None);
+        assert_eq!(judge.protrusion(&hull, claimed, Some(at)), None);
         // One percent too little, with and without the recorded point.
-        for start in [at, DVec3::ZERO] {
+        for start in [Some(at), None] {
             let found = judge.protrusion(&hull, 0.99 * truth, start).unwrap();
             assert!((0.99 * truth..=truth).contains(&found.distance), "{found:?}");
         }

@@ -261,10 +261,11 @@ fn judge(hulls: &[Hull], mesh: &PointSet, results: &mut [HullVerification]) {
             let found = judge.kind();
             result.problems.push(format!("the solid of {name} is recorded as {solid}, but it is {found}"));
         }
-        if !judge.is_in(hull, at) {
+        let is_in = judge.is_in(hull, at);
+        if !is_in {
             result.problems.push(format!("its point of greatest protrusion, {at}, is not a point of the part"));
         }
-        if let Some(Witness { distance, at }) = judge.protrusion(hull, claim, at) {
+        if let Some(Witness { distance, at }) = judge.protrusion(hull, claim, is_in.then_some(at)) {
             result.problems.push(format!(
                 "{at} of this part is {distance:.6e} outside the solid of {name}, but it records at most {claim:.6e}"
             ));
