@@ -79,6 +79,10 @@ def test_concave_meshes_become_parts(mesh):
     whole, parts = hullmap.bake_file(mesh), hullmap.bake_file(mesh, decompose=True)
     assert len(whole) == 1 and len(parts) == 2
     assert sum(hull.volume for hull in parts) == pytest.approx(3, rel=0.03)
+    assert whole[0].protrusion is None and whole[0].uncovered is None and whole[0].part_count == 0
+    assert all(hull.part_count == 2 and hull.solid in ("watertight", "closed") for hull in parts)
+    assert all(0 <= hull.protrusion < 0.2 and hull.uncovered < 0.1 for hull in parts)
+    assert all(hull.protrusion_at.shape == (3,) for hull in parts)
     notch = hullmap.poses([1.4, 1.4, 0.5])
     ball = hullmap.Sphere(0.01)
     assert whole.intersects(ball, notch).hit and not parts.intersects(ball, notch).hit
