@@ -115,7 +115,7 @@ fn main() {
 fn row(name: &str, a: &Sheet, b: &Sheet) {
     let height = match name {
         "distance" | "intersects, apart" => 0.3,
-        _ => -0.15,
+        _ => -0.4,
     };
     let poses = a.poses(b, height, 7);
     // The second query of a warm pair is a step later.
@@ -168,7 +168,7 @@ fn row(name: &str, a: &Sheet, b: &Sheet) {
     let warm = time(|i| {
         let (cache, manifolds) = &mut warm[i];
         step += 1;
-        black_box(query(if step / POSES % 2 == 0 { &poses[i] } else { &next[i] }, cache, manifolds));
+        black_box(query(if (step / POSES).is_multiple_of(2) { &poses[i] } else { &next[i] }, cache, manifolds));
     });
     let [of_parry, later]: [Vec<math::Pose>; 2] = [&poses, &next].map(|poses| poses.iter().map(for_parry).collect());
     let (shape_a, shape_b) = (&*a.parry, &*b.parry);
@@ -196,7 +196,7 @@ fn row(name: &str, a: &Sheet, b: &Sheet) {
     let parry_warm = time(|i| {
         let (manifolds, workspace) = &mut memory[i];
         step += 1;
-        theirs(if step / POSES % 2 == 0 { &of_parry[i] } else { &later[i] }, manifolds, workspace);
+        theirs(if (step / POSES).is_multiple_of(2) { &of_parry[i] } else { &later[i] }, manifolds, workspace);
     });
     let count = |sheet: &Sheet| sheet.side * sheet.side;
     println!(
