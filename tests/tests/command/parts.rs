@@ -248,12 +248,11 @@ fn overstated_covers_and_protrusions_fail() {
     fs::write(folder.path().join("x.obj"), horseshoe("u")).unwrap();
     bake(&folder, "build x.obj --out baked --decompose --vhacd-max-parts 2").expect(0);
     assert_claims_are_tight(&folder, &fs::read(folder.path().join("baked/x.hullmap")).unwrap(), false);
-    // Coarse voxels leave gaps in a knot.
+    // Coarse voxels leave no gap in a knot, but parts that protrude far.
     fs::copy(workspace().join("assets/torus_knot.obj"), folder.path().join("x.obj")).unwrap();
     bake(&folder, "build x.obj --out baked --decompose --vhacd-resolution 24").expect(0);
     let file = fs::read(folder.path().join("baked/x.hullmap")).unwrap();
-    assert!(Pack::from_bytes(&file).unwrap().hull(0).unwrap().uncovered().unwrap() > 1e-4);
-    assert_claims_are_tight(&folder, &file, true);
+    assert_claims_are_tight(&folder, &file, false);
 }
 
 /// Parts that another program cut: they are judged against the mesh, whatever made them.

@@ -4,7 +4,9 @@
 //! from the solid are those of [`Soup`]. The claim is refuted by one point, which is reported.
 //!
 //! # Steps
-//! 1. The point that the pack records as the worst.
+//! 1. The point that the pack records as the worst. For what parts leave uncovered, the point that
+//!    the baker finds: gaps may be too small for samples. Wherever a point comes from, it refutes a
+//!    claim only by its distance.
 //! 2. Vertices, and a seeded sample of the surface.
 //! 3. Branch and bound over the surface, greatest bound first: cells that can hold no point beyond
 //!    the claim are dropped. A cell with the greatest value so far is halved towards greater values
@@ -18,8 +20,8 @@ use std::collections::BinaryHeap;
 
 use glam::DVec3;
 use hullmap::{Hull, SolidKind};
-use hullmap_bake::PointSet;
-use hullmap_bake::parts::Solid;
+use hullmap_bake::parts::{Solid, uncovered};
+use hullmap_bake::{PointSet, hull};
 use rayon::prelude::*;
 
 use super::outside::to_point;
@@ -119,8 +121,9 @@ impl Judge {
         self.kind
     }
 
-    /// A point of the mesh's surface that is farther than `claim` from all `hulls`.
-    pub fn uncovered(&self, hulls: &[Hull], claim: f64) -> Option<Witness> {
+    /// A point of the surface of `mesh`, for which this is the judge, that is farther than `claim`
+    /// from all `hulls`.
+    pub fn uncovered(&self, mesh: &PointSet, hulls: &[Hull], claim: f64) -> Option<Witness> {
         let boxes: Vec<[DVec3; 2]> = hulls.iter().map(|hull| hull.bounds().map(|corner| corner.as_dvec3())).collect();
         let to_box = |p: DVec3, [low, high]: [DVec3; 2]| (low - p).max(p - high).max(DVec3::ZERO).length();
         // Lower bound on the distance from the nearest part, and that part.
@@ -150,9 +153,23 @@ impl Judge {
             Measured { bound, value: distance - self.rounding, at: centre }
         };
         let confirm = |_: DVec3| true;
-        let points = sample(&self.triangles);
+        let mut points = sample(&self.triangles);
+        points.extend(self.least_covered(mesh, hulls));
         let value = |p: DVec3| nearest(p).0 - self.rounding;
         sampled(&points, claim, value, confirm).or_else(|| search(&self.triangles, claim, measure, confirm))
+    }
+
+    /// The point of the surface that the baker finds to be farthest from all hulls, if it is on the
+    /// surface.
+    fn least_covered(&self, mesh: &PointSet, hulls: &[Hull]) -> Option<DVec3> {
+        let rebuild = |hull: &Hull| {
+            let positions: Vec<[f32; 3]> = hull.vertices().map(|vertex| vertex.to_array()).collect();
+            let source_vertices = (0..positions.len() as u32).collect();
+            hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).ok()
+        };
+        let parts = hulls.par_iter().map(rebuild).collect::<Option<Vec<_>>>()?;
+        let at = uncovered(mesh, &parts.iter().collect::<Vec<_>>()).at;
+        self.soup.to_mesh(at).filter(|(distance, _)| *distance <= self.rounding).map(|_| at)
     }
 
     /// A point of `hull` that is farther than `claim` from the solid, starting from the recorded
@@ -393,7 +410,7 @@ mod tests {
             let found = judge.protrusion(&hull, 0.99 * truth, start).unwrap();
             assert!((0.99 * truth..=truth).contains(&found.distance), "{found:?}");
         }
-        assert_eq!(judge.uncovered(&[hull], 1e-9), None);
+        assert_eq!(judge.uncovered(&mesh, &[hull], 1e-9), None);
     }
 
     #[test]
@@ -410,9 +427,9 @@ mod tests {
         // The vertex (1, 1) is covered by the upper arm. The edge from there to (3, 1) is outside
         // of both parts between its ends.
         assert!(claimed > 0.1, "{claimed}");
-        assert_eq!(judge.uncovered(&hulls, claimed), None);
-        let found = judge.uncovered(&hulls, 0.985 * claimed).unwrap();
+        assert_eq!(judge.uncovered(&mesh, &hulls, claimed), None);
+        let found = judge.uncovered(&mesh, &hulls, 0.985 * claimed).unwrap();
         assert!(found.distance > 0.985 * claimed && found.distance <= claimed);
-        assert_eq!(judge.uncovered(&hulls[..1], 1.5).map(|found| found.distance > 1.5), Some(true));
+        assert_eq!(judge.uncovered(&mesh, &hulls[..1], 1.5).map(|found| found.distance > 1.5), Some(true));
     }
 }

@@ -246,7 +246,7 @@ fn judge(hulls: &[Hull], mesh: &PointSet, results: &mut [HullVerification]) {
     let judge = Judge::new(mesh);
     let name = &mesh.name;
     let uncovered = hulls.first().and_then(Hull::uncovered).unwrap_or(0.0);
-    if let Some(Witness { distance, at }) = judge.uncovered(hulls, uncovered) {
+    if let Some(Witness { distance, at }) = judge.uncovered(mesh, hulls, uncovered) {
         let text = format!(
             "{at} on the surface of {name} is {distance:.6e} outside all parts, but the pack records at most {uncovered:.6e}"
         );
