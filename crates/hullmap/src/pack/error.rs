@@ -90,12 +90,5 @@ mod tests {
         assert!(message.ends_with("; check the path, and the folder it starts from"), "{message}");
         #[cfg(unix)]
         assert!(Pack::open("/").unwrap_err().to_string().ends_with("; name a pack in this folder"));
-        #[cfg(all(unix, feature = "mmap"))]
-        {
-            // SAFETY: a folder cannot be mapped.
-            #[expect(unsafe_code, reason = "mapping is unsafe")]
-            let error = unsafe { Pack::map("/") }.unwrap_err();
-            assert!(error.to_string().ends_with("; name a pack in this folder"));
-        }
     }
 }

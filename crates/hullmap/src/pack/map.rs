@@ -147,3 +147,17 @@ unsafe fn map_file(path: &Path, checks: Checks) -> Result<Pack, OpenError> {
     let header = Header::read(&map).map_err(|error| invalid(error.into()))?;
     Pack::from_storage_bytes(header, Bytes::File(map), checks).map_err(invalid)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The system's message for a folder was "no such device".
+    #[test]
+    #[cfg(unix)]
+    fn a_folder_is_named_as_such() {
+        // SAFETY: a folder cannot be mapped.
+        let error = unsafe { Pack::map("/") }.unwrap_err();
+        assert!(error.to_string().ends_with("is a directory; name a pack in this folder"), "{error}");
+    }
+}
