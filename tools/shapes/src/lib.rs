@@ -9,6 +9,7 @@
 //! - [`families`]: `fn(n, seed) -> Vec<[f32; 3]>`, and [`families::Family`] to iterate over them by
 //!   name.
 //! - [`mesh`] and [`solids`]: an indexed polygon mesh and the ways to build one.
+//! - [`concave`]: concave solids, for convex decomposition.
 //! - [`obj`]: OBJ text, in the dialects of real files.
 //! - [`gltf`], [`stl`], [`ply`]: the other mesh formats.
 //! - [`models`] and [`assets`]: the committed models, and the files they become.
@@ -24,6 +25,7 @@
 #![forbid(unsafe_code)]
 
 pub mod assets;
+pub mod concave;
 pub mod families;
 pub mod gltf;
 pub mod mesh;

@@ -1,0 +1,249 @@
+//! A convex body of few points, for trials: the hull of points in f64, with the planes of its
+//! faces.
+//!
+//! Flat sets have no volume. Their body is thickened by a length that no measure notices, so that
+//! every body has planes all around.
+
+use glam::DVec3;
+
+use crate::hull::{
+    polygon,
+    rank::{Simplex, spanning_simplex},
+    solid,
+};
+
+/// A half-space: all x with `normal` · x ≤ `offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// Unit normal, outward.
+    pub normal: DVec3,
+    /// Distance from the origin along the normal.
+    pub offset: f64,
+}
+
+impl Plane {
+    /// Height of a point above the plane.
+    pub fn height(&self, p: DVec3) -> f64 {
+        self.normal.dot(p) - self.offset
+    }
+}
+
+/// A convex body.
+#[derive(Clone, Debug, Default)]
+pub struct Body {
+    /// Its extreme points.
+    pub points: Vec<DVec3>,
+    /// The planes of its faces.
+    pub planes: Vec<Plane>,
+    /// Its surface, as triangles.
+    pub triangles: Vec<[DVec3; 3]>,
+    /// Minimum of the points.
+    pub low: DVec3,
+    /// Maximum of the points.
+    pub high: DVec3,
+}
+
+impl Body {
+    /// The hull of finite points. A flat one is thickened by `thickness`. Without points, the body
+    /// is empty.
+    pub fn new(points: &[DVec3], thickness: f64) -> Self {
+        let points = distinct(points);
+        let (low, high) = bounds(&points);
+        let (extreme, around) = match points.as_slice() {
+            [] => return Self { low, high, ..Self::default() },
+            _ => match spanning_simplex(&points) {
+                Simplex::Tetrahedron(simplex) => {
+                    let mut body = Self { low, high, ..Self::default() };
+                    body.add_faces(&points, simplex);
+                    return body;
+                }
+                Simplex::Triangle(corners) => {
+                    let [a, b, c] = corners.map(|i| points[i]);
+                    let outline = polygon::hull_along_own_axis(&points, (b - a).cross(c - a));
+                    (outline.iter().map(|i| points[*i as usize]).collect(), points)
+                }
+                _ => (vec![points[0], points[points.len() - 1]], points),
+            },
+        };
+        let steps = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * thickness);
+        let thick: Vec<DVec3> = around.iter().flat_map(|p| steps.iter().flat_map(|s| [*p + *s, *p - *s])).collect();
+        let thick = distinct(&thick);
+        let mut body = Self { low: low - DVec3::splat(thickness), high: high + DVec3::splat(thickness), ..Self::default() };
+        if let Simplex::Tetrahedron(simplex) = spanning_simplex(&thick) {
+            body.add_faces(&thick, simplex);
+        }
+        body.points = extreme;
+        body
+    }
+
+    fn add_faces(&mut self, points: &[DVec3], simplex: [usize; 4]) {
+        let facets = solid::hull(points, simplex);
+        let mut used = vec![false; points.len()];
+        for facet in &facets {
+            let at = |i: usize| points[facet[i] as usize];
+            let mut area = DVec3::ZERO;
+            for i in 1..facet.len() - 1 {
+                area += (at(i) - at(0)).cross(at(i + 1) - at(0));
+                self.triangles.push([at(0), at(i), at(i + 1)]);
+            }
+            let normal = area.normalize_or_zero();
+            if normal != DVec3::ZERO {
+                let offset = (0..facet.len()).map(|i| normal.dot(at(i))).fold(f64::NEG_INFINITY, f64::max);
+                self.planes.push(Plane { normal, offset });
+            }
+            for v in facet {
+                used[*v as usize] = true;
+            }
+        }
+        self.points = points.iter().zip(&used).filter(|(_, used)| **used).map(|(p, _)| *p).collect();
+    }
+
+    /// Whether a point lies in the body, or at most `slack` outside of its planes.
+    pub fn holds(&self, p: DVec3, slack: f64) -> bool {
+        let step = DVec3::splat(slack);
+        p.cmpge(self.low - step).all()
+            && p.cmple(self.high + step).all()
+            && !self.planes.is_empty()
+            && self.planes.iter().all(|plane| plane.height(p) <= slack)
+    }
+
+    /// Volume, by the tetrahedra from the first point.
+    pub fn volume(&self) -> f64 {
+        let Some(&o) = self.points.first() else { return 0.0 };
+        self.triangles.iter().map(|[a, b, c]| (*a - o).cross(*b - o).dot(*c - o)).sum::<f64>() / 6.0
+    }
+
+    /// Length of the way from `p` along `direction` until it leaves the body; 0 if `p` is outside.
+    pub fn exit(&self, p: DVec3, direction: DVec3) -> f64 {
+        let mut exit = f64::INFINITY;
+        for plane in &self.planes {
+            let speed = plane.normal.dot(direction);
+            if speed > 1e-12 {
+                exit = exit.min(-plane.height(p) / speed);
+            }
+        }
+        if exit.is_finite() { exit.max(0.0) } else { 0.0 }
+    }
+
+    /// Length of the box's diagonal.
+    pub fn diagonal(&self) -> f64 {
+        if self.points.is_empty() { 0.0 } else { self.high.distance(self.low) }
+    }
+}
+
+/// Minimum and maximum of points.
+pub fn bounds(points: &[DVec3]) -> (DVec3, DVec3) {
+    (
+        points.iter().copied().fold(DVec3::INFINITY, DVec3::min),
+        points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max),
+    )
+}
+
+/// The points in ascending order, each once. Negative zeros become positive.
+fn distinct(points: &[DVec3]) -> Vec<DVec3> {
+    let mut all: Vec<DVec3> = points.iter().filter(|p| p.is_finite()).map(|p| *p + DVec3::ZERO).collect();
+    all.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)));
+    all.dedup();
+    all
+}
+
+/// A direction along which all `points` lie behind `p`; `None` if `p` is in their hull, or so near
+/// to it that rounding error decides.
+///
+/// GJK, which ends as soon as a direction separates.
+pub fn separation(points: &[DVec3], p: DVec3, towards: DVec3, margin: f64) -> Option<Plane> {
+    let mut simplex = [DVec3::ZERO; 4];
+    let mut count = 0;
+    let mut direction = towards;
+    let mut last = f64::INFINITY;
+    for _ in 0..MAX_STEPS {
+        let length = direction.length();
+        if !(length > margin) {
+            return None;
+        }
+        let unit = direction / length;
+        let (mut reach, mut support) = (f64::NEG_INFINITY, DVec3::ZERO);
+        for q in points {
+            let along = q.dot(unit);
+            if along > reach {
+                (reach, support) = (along, *q);
+            }
+        }
+        if unit.dot(p) > reach + margin {
+            return Some(Plane { normal: unit, offset: reach });
+        }
+        if simplex[..count].contains(&support) {
+            return None;
+        }
+        simplex[count] = support;
+        count += 1;
+        let (nearest, kept, kept_count) = nearest_in_simplex(p, &simplex[..count]);
+        if kept_count == 4 || kept_count == 0 {
+            return None;
+        }
+        direction = p - nearest;
+        let distance = direction.length_squared();
+        // The first step starts from a guess, not from a point.
+        if !(distance < last) {
+            return None;
+        }
+        last = distance;
+        (simplex, count) = (kept, kept_count);
+    }
+    None
+}
+
+/// Maximum number of steps of [`separation`].
+const MAX_STEPS: usize = 40;
+
+/// The point of the simplex nearest to `p`, and the corners of the smallest face that holds it.
+fn nearest_in_simplex(p: DVec3, corners: &[DVec3]) -> (DVec3, [DVec3; 4], usize) {
+    let mut best = (f64::INFINITY, DVec3::ZERO, [DVec3::ZERO; 4], 0);
+    let Some((new, others)) = corners.split_last() else { return (p, best.2, 0) };
+    for choice in 0..1_u32 << others.len() {
+        let mut chosen = [DVec3::ZERO; 4];
+        let mut count = 0;
+        for (index, corner) in others.iter().enumerate() {
+            if choice >> index & 1 == 1 {
+                chosen[count] = *corner;
+                count += 1;
+            }
+        }
+        chosen[count] = *new;
+        count += 1;
+        let Some(nearest) = inside_face(p, &chosen[..count]) else { continue };
+        let distance = nearest.distance_squared(p);
+        if distance < best.0 {
+            best = (distance, nearest, chosen, count);
+        }
+    }
+    (best.1, best.2, best.3)
+}
+
+/// The point nearest to `p` in the plane or line of the corners, if it lies between them.
+fn inside_face(p: DVec3, corners: &[DVec3]) -> Option<DVec3> {
+    match *corners {
+        [a] => Some(a),
+        [a, b] => {
+            let along = b - a;
+            let t = (p - a).dot(along) / along.length_squared();
+            (0.0..=1.0).contains(&t).then(|| a + along * t)
+        }
+        [a, b, c] => {
+            let (a0, b0, c0) = (a - p, b - p, c - p);
+            let normal = (b - a).cross(c - a);
+            let area = normal.length_squared();
+            let weights =
+                DVec3::new(b0.cross(c0).dot(normal), c0.cross(a0).dot(normal), a0.cross(b0).dot(normal)) / area;
+            (weights.min_element() >= 0.0).then(|| p + normal * (a0.dot(normal) / area))
+        }
+        [a, b, c, d] => {
+            let [a, b, c, d] = [a - p, b - p, c - p, d - p];
+            let volume = (b - a).cross(c - a).dot(d - a);
+            let part = |x: DVec3, y: DVec3, z: DVec3| x.cross(y).dot(z) / volume;
+            let weights = [part(b, c, d), part(a, d, c), part(a, b, d), part(a, c, b)];
+            weights.iter().all(|w| *w >= 0.0).then_some(p)
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,449 @@
+//! Cells: small pieces of the mesh's surface, of which parts are made.
+//!
+//! # Steps
+//! 1. Start with all triangles as one piece. Find the concave edges: those whose faces lie in front
+//!    of each other.
+//! 2. A piece whose hull stays near the solid is a cell.
+//! 3. Any other piece is split into its connected components. If it is connected, a plane cuts it:
+//!    of a face at a concave edge, or across the piece's box. Of a few candidates, the plane that
+//!    leaves the least volume in the hulls of both sides.
+//! 4. A piece that cannot be cut any more is split into its polygons, which protrude nowhere.
+//!
+//! Triangles are clipped, never replaced: the cells' polygons are the mesh's surface, and the hull
+//! of a cell's corners contains its polygons. A hull of whole cells therefore covers them.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::body::{Body, Plane};
+use super::field::Field;
+
+/// Maximum number of cuts that lead to a cell.
+const MAX_DEPTH: u32 = 40;
+
+/// Maximum number of polygons of which a trial cut is judged.
+const TRIAL_POLYGONS: usize = 200;
+
+/// Maximum number of corners of a piece whose hull is built. A larger piece is cut unseen.
+const MAX_CORNERS: usize = 20_000;
+
+/// Sine of the angle at which faces must lie in front of each other for their edge to be concave.
+const CONCAVE: f64 = 0.02;
+
+/// Share of the concave edges that a plane must hold to be taken without a trial.
+const DECISIVE: f64 = 0.3;
+
+/// Distance from a plane up to which a corner lies in it, relative to the diagonal.
+const IN_PLANE: f64 = 1e-9;
+
+/// A piece of the surface.
+#[derive(Clone, Debug)]
+pub struct Cell {
+    /// Extreme points of its corners.
+    pub points: Vec<DVec3>,
+    /// Middle of its box.
+    pub centre: DVec3,
+    /// Radius of the ball around the centre that holds it.
+    pub radius: f64,
+    /// Area of its polygons.
+    pub area: f64,
+    /// Minimum of the points.
+    pub low: DVec3,
+    /// Maximum of the points.
+    pub high: DVec3,
+}
+
+#[derive(Clone, Debug)]
+struct Edge {
+    ends: [DVec3; 2],
+    planes: [Plane; 2],
+    sine: f64,
+}
+
+/// Polygons of the surface, flat in memory.
+#[derive(Clone, Debug, Default)]
+struct Piece {
+    corners: Vec<DVec3>,
+    /// Where each polygon's corners end.
+    ends: Vec<u32>,
+    /// Unit normal of each polygon.
+    normals: Vec<DVec3>,
+    edges: Vec<Edge>,
+}
+
+impl Piece {
+    fn polygons(&self) -> impl Iterator<Item = (&[DVec3], DVec3)> {
+        (0..self.ends.len()).map(|i| self.polygon(i))
+    }
+
+    fn polygon(&self, i: usize) -> (&[DVec3], DVec3) {
+        let start = if i == 0 { 0 } else { self.ends[i - 1] as usize };
+        (&self.corners[start..self.ends[i] as usize], self.normals[i])
+    }
+
+    fn push(&mut self, corners: &[DVec3], normal: DVec3) {
+        self.corners.extend_from_slice(corners);
+        self.ends.push(self.corners.len() as u32);
+        self.normals.push(normal);
+    }
+
+    fn area(&self) -> f64 {
+        self.polygons()
+            .map(|(c, _)| (1..c.len().max(2) - 1).map(|i| (c[i] - c[0]).cross(c[i + 1] - c[0]).length()).sum::<f64>())
+            .sum::<f64>()
+            * 0.5
+    }
+
+    /// The polygons on both sides of a plane.
+    fn split(&self, plane: &Plane, slack: f64, stride: usize) -> [Self; 2] {
+        let mut sides = [Self::default(), Self::default()];
+        let mut halves = [Vec::new(), Vec::new()];
+        for (corners, normal) in (0..self.ends.len()).step_by(stride).map(|i| self.polygon(i)) {
+            clip(corners, plane, slack, &mut halves);
+            match [halves[0].len() >= 3, halves[1].len() >= 3] {
+                [true, true] => (0..2).for_each(|k| sides[k].push(&halves[k], normal)),
+                [true, false] => sides[0].push(corners, normal),
+                [false, true] => sides[1].push(corners, normal),
+                // In the plane: the solid is behind the polygon.
+                [false, false] => sides[usize::from(normal.dot(plane.normal) < 0.0)].push(corners, normal),
+            }
+        }
+        for edge in &self.edges {
+            let heights = edge.ends.map(|p| plane.height(p));
+            for (k, sign) in [(0, 1.0), (1, -1.0)] {
+                let h = heights.map(|h| h * sign);
+                if h[0].max(h[1]) <= slack && h[0].min(h[1]) < -slack {
+                    sides[k].edges.push(edge.clone());
+                } else if h[0].min(h[1]) < -slack {
+                    let t = h[0] / (h[0] - h[1]);
+                    let cut = edge.ends[0].lerp(edge.ends[1], t);
+                    let ends = if h[0] < 0.0 { [edge.ends[0], cut] } else { [cut, edge.ends[1]] };
+                    sides[k].edges.push(Edge { ends, ..edge.clone() });
+                }
+            }
+        }
+        sides
+    }
+
+    /// The connected components: polygons that share edges.
+    fn components(&self) -> Vec<Self> {
+        let count = self.ends.len();
+        let key = |p: DVec3| (p + DVec3::ZERO).to_array().map(f64::to_bits);
+        let mut sides: Vec<([[u64; 3]; 2], u32)> = Vec::with_capacity(self.corners.len());
+        for (i, (corners, _)) in self.polygons().enumerate() {
+            for (k, p) in corners.iter().enumerate() {
+                let (a, b) = (key(*p), key(corners[(k + 1) % corners.len()]));
+                sides.push((if a < b { [a, b] } else { [b, a] }, i as u32));
+            }
+        }
+        sides.sort_unstable();
+        let mut root: Vec<u32> = (0..count as u32).collect();
+        for pair in sides.windows(2) {
+            if pair[0].0 == pair[1].0 {
+                let (a, b) = (find(&mut root, pair[0].1), find(&mut root, pair[1].1));
+                let (low, high) = (a.min(b), a.max(b));
+                root[high as usize] = low;
+            }
+        }
+        let mut piece_of = vec![u32::MAX; count];
+        let mut pieces: Vec<Self> = Vec::new();
+        for i in 0..count {
+            let r = find(&mut root, i as u32) as usize;
+            if piece_of[r] == u32::MAX {
+                piece_of[r] = pieces.len() as u32;
+                pieces.push(Self::default());
+            }
+            let (corners, normal) = self.polygon(i);
+            pieces[piece_of[r] as usize].push(corners, normal);
+        }
+        if pieces.len() == 1 {
+            pieces[0].edges.clone_from(&self.edges);
+        } else {
+            let boxes: Vec<_> = pieces.iter().map(|piece| super::body::bounds(&piece.corners)).collect();
+            for edge in &self.edges {
+                for (piece, (low, high)) in pieces.iter_mut().zip(&boxes) {
+                    if edge.ends.iter().all(|p| p.cmpge(*low).all() && p.cmple(*high).all()) {
+                        piece.edges.push(edge.clone());
+                    }
+                }
+            }
+        }
+        pieces
+    }
+}
+
+fn find(root: &mut [u32], mut i: u32) -> u32 {
+    while root[i as usize] != i {
+        let above = root[root[i as usize] as usize];
+        root[i as usize] = above;
+        i = above;
+    }
+    i
+}
+
+/// Both sides of a convex polygon. A side without area has fewer than three corners.
+fn clip(corners: &[DVec3], plane: &Plane, slack: f64, halves: &mut [Vec<DVec3>; 2]) {
+    let [below, above] = halves;
+    below.clear();
+    above.clear();
+    let (mut is_below, mut is_above) = (false, false);
+    for (k, p) in corners.iter().enumerate() {
+        let q = corners[(k + 1) % corners.len()];
+        let (h, g) = (plane.height(*p), plane.height(q));
+        if h <= slack {
+            below.push(*p);
+            is_below |= h < -slack;
+        }
+        if h >= -slack {
+            above.push(*p);
+            is_above |= h > slack;
+        }
+        if h.abs() > slack && g.abs() > slack && (h < 0.0) != (g < 0.0) {
+            // From below, so that both polygons of an edge are cut at the same point.
+            let cut = if h < 0.0 { p.lerp(q, h / (h - g)) } else { q.lerp(*p, g / (g - h)) };
+            below.push(cut);
+            above.push(cut);
+        }
+    }
+    if !is_below {
+        below.clear();
+    }
+    if !is_above {
+        above.clear();
+    }
+}
+
+/// How to cut.
+#[derive(Clone, Copy, Debug)]
+pub struct Cutting {
+    /// Distance from the solid that a cell's hull may have.
+    pub limit: f64,
+    /// Diagonal of the mesh.
+    pub diagonal: f64,
+    /// Number of cells above which nothing but what protrudes beyond `hard` is cut.
+    pub max_cells: usize,
+    /// Whether corners are rounded to f32: only near the origin is that exact enough.
+    pub is_far: bool,
+}
+
+/// The cells of a surface.
+pub fn cells(triangles: &[[DVec3; 3]], field: &Field, cutting: &Cutting) -> Vec<Cell> {
+    let mut root = Piece::default();
+    for t in triangles {
+        let normal = (t[1] - t[0]).cross(t[2] - t[0]).normalize_or_zero();
+        root.push(t, normal);
+    }
+    root.edges = concave_edges(triangles, cutting.diagonal);
+    // Level by level, so that pieces are independent of each other.
+    let mut level = vec![(root, 0_u32)];
+    let mut cells = Vec::new();
+    while !level.is_empty() {
+        let budget = cutting.max_cells.saturating_sub(cells.len() + level.len());
+        let next: Vec<Result<Vec<(Piece, u32)>, Vec<Cell>>> =
+            level.into_par_iter().map(|(piece, depth)| step(piece, depth, field, cutting, budget > 0)).collect();
+        level = Vec::new();
+        for outcome in next {
+            match outcome {
+                Ok(pieces) => level.extend(pieces),
+                Err(found) => cells.extend(found),
+            }
+        }
+    }
+    cells
+}
+
+/// Cells of a piece, or the pieces it is cut into.
+fn step(piece: Piece, depth: u32, field: &Field, cutting: &Cutting, may_cut: bool) -> Result<Vec<(Piece, u32)>, Vec<Cell>> {
+    let thickness = cutting.diagonal * super::THICKNESS;
+    let is_large = piece.corners.len() > MAX_CORNERS;
+    if !is_large {
+        let body = Body::new(&piece.corners, thickness);
+        if !protrudes(&piece, &body, field, cutting.limit) {
+            return Err(vec![cell(&piece, &body, cutting)]);
+        }
+    }
+    if piece.ends.len() == 1 || depth >= MAX_DEPTH || !may_cut {
+        return Err(polygons(&piece, cutting));
+    }
+    let components = piece.components();
+    if components.len() > 1 {
+        return Ok(components.into_iter().map(|piece| (piece, depth)).collect());
+    }
+    let slack = IN_PLANE * cutting.diagonal;
+    match plane(&piece, slack, thickness) {
+        Some(plane) => {
+            let [below, above] = piece.split(&plane, slack, 1);
+            if below.ends.is_empty() || above.ends.is_empty() {
+                return Err(polygons(&piece, cutting));
+            }
+            Ok(vec![(below, depth + 1), (above, depth + 1)])
+        }
+        None => Err(polygons(&piece, cutting)),
+    }
+}
+
+fn cell(piece: &Piece, body: &Body, cutting: &Cutting) -> Cell {
+    let points: Vec<DVec3> = if cutting.is_far {
+        let mut all: Vec<DVec3> = body.points.iter().flat_map(|p| around(*p)).collect();
+        all.dedup();
+        Body::new(&all, 0.0_f64.max(cutting.diagonal * super::THICKNESS)).points
+    } else {
+        body.points.iter().map(|p| p.as_vec3().as_dvec3()).collect()
+    };
+    let (low, high) = super::body::bounds(&points);
+    let centre = (low + high) * 0.5;
+    let radius = points.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
+    Cell { points, centre, radius, area: piece.area(), low, high }
+}
+
+/// The f32 points of the box around a point: their hull contains it.
+fn around(p: DVec3) -> Vec<DVec3> {
+    let sides = p.to_array().map(|x| {
+        let near = x as f32;
+        if f64::from(near) == x {
+            [near, near]
+        } else if f64::from(near) < x {
+            [near, near.next_up()]
+        } else {
+            [near.next_down(), near]
+        }
+    });
+    let mut all: Vec<DVec3> = (0..8)
+        .map(|i| DVec3::new(sides[0][i & 1].into(), sides[1][i >> 1 & 1].into(), sides[2][i >> 2].into()))
+        .collect();
+    all.dedup();
+    all
+}
+
+fn polygons(piece: &Piece, cutting: &Cutting) -> Vec<Cell> {
+    let one = |(corners, normal): (&[DVec3], DVec3)| {
+        let mut single = Piece::default();
+        single.push(corners, normal);
+        cell(&single, &Body::new(corners, cutting.diagonal * super::THICKNESS), cutting)
+    };
+    piece.polygons().map(one).collect()
+}
+
+/// Number of polygons from which a piece is judged.
+const RAYS: usize = 64;
+
+/// Whether the hull of a piece is found farther than `limit` from the solid: in front of its
+/// polygons, or on the largest of its faces.
+fn protrudes(piece: &Piece, body: &Body, field: &Field, limit: f64) -> bool {
+    let stride = piece.ends.len().div_ceil(RAYS).max(1);
+    for (corners, normal) in (0..piece.ends.len()).step_by(stride).map(|i| piece.polygon(i)) {
+        let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+        for direction in [normal, -normal] {
+            let exit = body.exit(middle, direction);
+            if exit > limit && [0.5, 1.0].iter().any(|t| field.is_beyond(middle + direction * (exit * t), limit)) {
+                return true;
+            }
+        }
+    }
+    super::sample::face_points(body, 96, limit).into_iter().any(|p| field.is_beyond(p, limit))
+}
+
+/// The plane that cuts a connected piece.
+fn plane(piece: &Piece, slack: f64, thickness: f64) -> Option<Plane> {
+    let (low, high) = super::body::bounds(&piece.corners);
+    let size = high - low;
+    let diagonal = size.length();
+    let mut groups: BTreeMap<[i32; 4], (f64, Plane)> = BTreeMap::new();
+    let mut total = 0.0;
+    for edge in &piece.edges {
+        let weight = edge.ends[0].distance(edge.ends[1]) * edge.sine;
+        total += weight;
+        for plane in edge.planes {
+            let p = edge.ends[0] - low;
+            // One sign for both sides of a plane.
+            let sign = if plane.normal.dot(DVec3::new(1.0, 0.618, 0.381)) < 0.0 { -1.0 } else { 1.0 };
+            let n = plane.normal * sign;
+            let key = [n.x * 64.0, n.y * 64.0, n.z * 64.0, n.dot(p) / diagonal * 512.0].map(|x| x.round() as i32);
+            let offset = n.dot(edge.ends[0]);
+            groups.entry(key).or_insert((0.0, Plane { normal: n, offset })).0 += weight;
+        }
+    }
+    // A plane at the border of the piece cuts nothing.
+    let is_inner = |plane: &Plane| {
+        let heights = || piece.corners.iter().map(|p| plane.height(*p));
+        heights().fold(f64::INFINITY, f64::min) < -1e-4 * diagonal && heights().fold(f64::NEG_INFINITY, f64::max) > 1e-4 * diagonal
+    };
+    let mut ranked: Vec<(f64, Plane)> = groups.into_values().collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut candidates: Vec<(f64, Plane)> = ranked.into_iter().take(24).filter(|(_, plane)| is_inner(plane)).take(4).collect();
+    if let Some((weight, plane)) = candidates.first()
+        && *weight >= DECISIVE * total
+    {
+        return Some(*plane);
+    }
+    candidates.truncate(3);
+    let mut axes: Vec<(f64, DVec3)> = vec![(size.x, DVec3::X), (size.y, DVec3::Y), (size.z, DVec3::Z)];
+    axes.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let middle = (low + high) * 0.5;
+    for (extent, normal) in axes {
+        if extent > 0.3 * size.max_element() {
+            candidates.push((0.0, Plane { normal, offset: normal.dot(middle) }));
+        }
+    }
+    let stride = piece.ends.len().div_ceil(TRIAL_POLYGONS).max(1);
+    let cost = |plane: &Plane| -> f64 {
+        let sides = piece.split(plane, slack, stride);
+        if sides.iter().any(|side| side.ends.is_empty()) {
+            return f64::INFINITY;
+        }
+        sides.iter().map(|side| Body::new(&side.corners, thickness).volume()).sum()
+    };
+    let mut best: Option<(f64, Plane)> = None;
+    for (_, plane) in candidates {
+        let cost = cost(&plane);
+        if cost.is_finite() && best.is_none_or(|(least, _)| cost < least) {
+            best = Some((cost, plane));
+        }
+    }
+    best.map(|(_, plane)| plane)
+}
+
+/// Edges whose faces lie in front of each other.
+fn concave_edges(triangles: &[[DVec3; 3]], diagonal: f64) -> Vec<Edge> {
+    let volume: f64 = triangles.iter().map(|[a, b, c]| a.cross(*b).dot(*c)).sum();
+    let outward = if volume < 0.0 { -1.0 } else { 1.0 };
+    let key = |p: DVec3| (p + DVec3::ZERO).to_array().map(f64::to_bits);
+    let mut sides: Vec<([[u64; 3]; 2], u32, u32)> = Vec::with_capacity(3 * triangles.len());
+    for (i, t) in triangles.iter().enumerate() {
+        for k in 0..3 {
+            let (a, b) = (key(t[k]), key(t[(k + 1) % 3]));
+            if a != b {
+                sides.push((if a < b { [a, b] } else { [b, a] }, i as u32, k as u32));
+            }
+        }
+    }
+    sides.sort_unstable();
+    let mut edges = Vec::new();
+    for run in sides.chunk_by(|a, b| a.0 == b.0) {
+        // An edge of many faces is no edge of a solid.
+        if run.len() < 2 || run.len() > 8 {
+            continue;
+        }
+        for (i, first) in run.iter().enumerate() {
+            for second in &run[i + 1..] {
+                let (t, u) = (triangles[first.1 as usize], triangles[second.1 as usize]);
+                let normal = |t: [DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]).normalize_or_zero() * outward;
+                let (n, m) = (normal(t), normal(u));
+                let (a, b) = (t[first.2 as usize], t[(first.2 as usize + 1) % 3]);
+                let apex = u[(second.2 as usize + 2) % 3];
+                let away = (apex - a).reject_from_normalized((b - a).normalize_or_zero());
+                let sine = n.dot(away) / away.length();
+                // Written so that NaN is not concave.
+                if !(sine > CONCAVE) || a.distance(b) <= 1e-9 * diagonal {
+                    continue;
+                }
+                let plane = |n: DVec3| Plane { normal: n, offset: n.dot(a) };
+                edges.push(Edge { ends: [a, b], planes: [plane(n), plane(m)], sine });
+            }
+        }
+    }
+    edges.retain(|edge| edge.planes.iter().all(|plane| plane.normal != DVec3::ZERO));
+    edges
+}

@@ -1,0 +1,45 @@
+//! Points on the faces of a body, those of large faces first.
+
+use glam::DVec3;
+
+use super::body::Body;
+
+/// Up to `count` points on the faces of a body: middles of triangles, which are halved along their
+/// longest edges, the largest first, down to edges of length `spacing`.
+pub fn face_points(body: &Body, count: usize, spacing: f64) -> Vec<DVec3> {
+    let size = |t: &[DVec3; 3]| t[0].distance_squared(t[1]).max(t[1].distance_squared(t[2])).max(t[2].distance_squared(t[0]));
+    let mut level: Vec<[DVec3; 3]> = body.triangles.clone();
+    let area = |t: &[DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]).length_squared();
+    let mut found = Vec::with_capacity(count);
+    let enough = spacing * spacing;
+    while !level.is_empty() && found.len() < count {
+        level.sort_by(|a, b| area(b).total_cmp(&area(a)));
+        let mut next = Vec::new();
+        for t in &level {
+            if found.len() >= count {
+                break;
+            }
+            found.push((t[0] + t[1] + t[2]) / 3.0);
+            if size(t) > enough {
+                next.extend(halves(*t).into_iter().flat_map(halves));
+            }
+        }
+        level = next;
+    }
+    found
+}
+
+/// Halves of a triangle, cut at the middle of its longest edge.
+pub fn halves([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 2] {
+    let (ab, bc, ca) = (a.distance_squared(b), b.distance_squared(c), c.distance_squared(a));
+    if ab >= bc && ab >= ca {
+        let m = (a + b) * 0.5;
+        [[a, m, c], [m, b, c]]
+    } else if bc >= ca {
+        let m = (b + c) * 0.5;
+        [[b, m, a], [m, c, a]]
+    } else {
+        let m = (c + a) * 0.5;
+        [[c, m, b], [m, a, b]]
+    }
+}
