@@ -35,6 +35,8 @@ pub struct Body {
     pub points: Vec<DVec3>,
     /// The planes of its faces.
     pub planes: Vec<Plane>,
+    /// The areas of its faces.
+    pub areas: Vec<f64>,
     /// Its surface, as triangles.
     pub triangles: Vec<[DVec3; 3]>,
     /// Minimum of the points.
@@ -90,6 +92,7 @@ impl Body {
             if normal != DVec3::ZERO {
                 let offset = (0..facet.len()).map(|i| normal.dot(at(i))).fold(f64::NEG_INFINITY, f64::max);
                 self.planes.push(Plane { normal, offset });
+                self.areas.push(0.5 * area.length());
             }
             for v in facet {
                 used[*v as usize] = true;

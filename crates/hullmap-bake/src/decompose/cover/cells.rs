@@ -35,6 +35,9 @@ const CONCAVE: f64 = 0.02;
 /// Share of the concave edges that a plane must hold to be taken without a trial.
 const DECISIVE: f64 = 0.3;
 
+/// Share of the least volume so far that a later candidate must leave at most.
+const BETTER: f64 = 0.97;
+
 /// Distance from a plane up to which a corner lies in it, relative to the diagonal.
 const IN_PLANE: f64 = 1e-9;
 
@@ -53,6 +56,8 @@ pub struct Cell {
     pub low: DVec3,
     /// Maximum of the points.
     pub high: DVec3,
+    /// Its polygons.
+    pub polygons: Vec<Vec<DVec3>>,
 }
 
 #[derive(Clone, Debug)]
@@ -96,6 +101,21 @@ impl Piece {
             * 0.5
     }
 
+    /// Standard deviation of the normals along each axis.
+    fn spread(&self) -> DVec3 {
+        let (mut sum, mut squares, mut total) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+        for (corners, normal) in self.polygons() {
+            let area: f64 =
+                (1..corners.len() - 1).map(|i| (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]).length()).sum();
+            sum += normal * area;
+            squares += normal * normal * area;
+            total += area;
+        }
+        let mean = sum / total;
+        let variance = (squares / total - mean * mean).max(DVec3::ZERO);
+        DVec3::new(variance.x.sqrt(), variance.y.sqrt(), variance.z.sqrt())
+    }
+
     /// The polygons on both sides of a plane.
     fn split(&self, plane: &Plane, slack: f64, stride: usize) -> [Self; 2] {
         let mut sides = [Self::default(), Self::default()];
@@ -128,7 +148,7 @@ impl Piece {
     }
 
     /// The connected components: polygons that share edges.
-    fn components(&self) -> Vec<Self> {
+    fn components(&self, slack: f64) -> Vec<Self> {
         let count = self.ends.len();
         let key = |p: DVec3| (p + DVec3::ZERO).to_array().map(f64::to_bits);
         let mut sides: Vec<([[u64; 3]; 2], u32)> = Vec::with_capacity(self.corners.len());
@@ -161,7 +181,12 @@ impl Piece {
         if pieces.len() == 1 {
             pieces[0].edges.clone_from(&self.edges);
         } else {
-            let boxes: Vec<_> = pieces.iter().map(|piece| super::body::bounds(&piece.corners)).collect();
+            // Cuts of edges and of polygons differ by rounding.
+            let boxes: Vec<_> = pieces
+                .iter()
+                .map(|piece| super::body::bounds(&piece.corners))
+                .map(|(low, high)| (low - DVec3::splat(slack), high + DVec3::splat(slack)))
+                .collect();
             for edge in &self.edges {
                 for (piece, (low, high)) in pieces.iter_mut().zip(&boxes) {
                     if edge.ends.iter().all(|p| p.cmpge(*low).all() && p.cmple(*high).all()) {
@@ -222,10 +247,10 @@ pub struct Cutting {
     pub limit: f64,
     /// Diagonal of the mesh.
     pub diagonal: f64,
-    /// Number of cells above which nothing but what protrudes beyond `hard` is cut.
+    /// Distance from the solid that no cell's hull may have.
+    pub hard: f64,
+    /// Number of cells above which only what protrudes beyond `hard` is cut.
     pub max_cells: usize,
-    /// Whether corners are rounded to f32: only near the origin is that exact enough.
-    pub is_far: bool,
 }
 
 /// The cells of a surface.
@@ -260,18 +285,19 @@ fn step(piece: Piece, depth: u32, field: &Field, cutting: &Cutting, may_cut: boo
     let is_large = piece.corners.len() > MAX_CORNERS;
     if !is_large {
         let body = Body::new(&piece.corners, thickness);
-        if !protrudes(&piece, &body, field, cutting.limit) {
-            return Err(vec![cell(&piece, &body, cutting)]);
+        let limit = if may_cut { cutting.limit } else { cutting.hard };
+        if !protrudes(&piece, &body, field, limit) {
+            return Err(vec![cell(&piece, &body)]);
         }
     }
-    if piece.ends.len() == 1 || depth >= MAX_DEPTH || !may_cut {
+    if piece.ends.len() == 1 || depth >= if may_cut { MAX_DEPTH } else { MAX_DEPTH / 2 } {
         return Err(polygons(&piece, cutting));
     }
-    let components = piece.components();
+    let slack = IN_PLANE * cutting.diagonal;
+    let components = piece.components(slack);
     if components.len() > 1 {
         return Ok(components.into_iter().map(|piece| (piece, depth)).collect());
     }
-    let slack = IN_PLANE * cutting.diagonal;
     match plane(&piece, slack, thickness) {
         Some(plane) => {
             let [below, above] = piece.split(&plane, slack, 1);
@@ -284,44 +310,20 @@ fn step(piece: Piece, depth: u32, field: &Field, cutting: &Cutting, may_cut: boo
     }
 }
 
-fn cell(piece: &Piece, body: &Body, cutting: &Cutting) -> Cell {
-    let points: Vec<DVec3> = if cutting.is_far {
-        let mut all: Vec<DVec3> = body.points.iter().flat_map(|p| around(*p)).collect();
-        all.dedup();
-        Body::new(&all, 0.0_f64.max(cutting.diagonal * super::THICKNESS)).points
-    } else {
-        body.points.iter().map(|p| p.as_vec3().as_dvec3()).collect()
-    };
+fn cell(piece: &Piece, body: &Body) -> Cell {
+    let points = body.points.clone();
     let (low, high) = super::body::bounds(&points);
     let centre = (low + high) * 0.5;
     let radius = points.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
-    Cell { points, centre, radius, area: piece.area(), low, high }
-}
-
-/// The f32 points of the box around a point: their hull contains it.
-fn around(p: DVec3) -> Vec<DVec3> {
-    let sides = p.to_array().map(|x| {
-        let near = x as f32;
-        if f64::from(near) == x {
-            [near, near]
-        } else if f64::from(near) < x {
-            [near, near.next_up()]
-        } else {
-            [near.next_down(), near]
-        }
-    });
-    let mut all: Vec<DVec3> = (0..8)
-        .map(|i| DVec3::new(sides[0][i & 1].into(), sides[1][i >> 1 & 1].into(), sides[2][i >> 2].into()))
-        .collect();
-    all.dedup();
-    all
+    let polygons = piece.polygons().map(|(corners, _)| corners.to_vec()).collect();
+    Cell { points, centre, radius, area: piece.area(), low, high, polygons }
 }
 
 fn polygons(piece: &Piece, cutting: &Cutting) -> Vec<Cell> {
     let one = |(corners, normal): (&[DVec3], DVec3)| {
         let mut single = Piece::default();
         single.push(corners, normal);
-        cell(&single, &Body::new(corners, cutting.diagonal * super::THICKNESS), cutting)
+        cell(&single, &Body::new(corners, cutting.diagonal * super::THICKNESS))
     };
     piece.polygons().map(one).collect()
 }
@@ -379,14 +381,30 @@ fn plane(piece: &Piece, slack: f64, thickness: f64) -> Option<Plane> {
         return Some(*plane);
     }
     candidates.truncate(3);
-    let mut axes: Vec<(f64, DVec3)> = vec![(size.x, DVec3::X), (size.y, DVec3::Y), (size.z, DVec3::Z)];
-    axes.sort_by(|a, b| b.0.total_cmp(&a.0));
     let middle = (low + high) * 0.5;
-    for (extent, normal) in axes {
-        if extent > 0.3 * size.max_element() {
-            candidates.push((0.0, Plane { normal, offset: normal.dot(middle) }));
+    let mut first: Vec<(f64, Plane)> = Vec::new();
+    // Between the faces at the edge in the middle.
+    let from_middle = |edge: &&Edge| edge.ends.iter().map(|p| p.distance_squared(middle)).fold(f64::INFINITY, f64::min);
+    let central = piece.edges.iter().min_by(|a, b| from_middle(a).total_cmp(&from_middle(b)));
+    if let Some(Edge { ends, planes, .. }) = central {
+        let normal = (planes[0].normal - planes[1].normal).normalize_or_zero();
+        let plane = Plane { normal, offset: normal.dot(ends[0]) };
+        if normal != DVec3::ZERO && is_inner(&plane) {
+            first.push((0.0, plane));
         }
     }
+    // Across the axes along which the piece bends most.
+    let bends = (piece.spread() * size).to_array();
+    let mut axes: Vec<(f64, DVec3)> = bends.into_iter().zip([DVec3::X, DVec3::Y, DVec3::Z]).collect();
+    axes.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let most = axes.first().map_or(0.0, |axis| axis.0);
+    for (bend, normal) in axes {
+        if bend >= 0.4 * most && normal.dot(size) > 1e-3 * diagonal {
+            first.push((0.0, Plane { normal, offset: normal.dot(middle) }));
+        }
+    }
+    first.append(&mut candidates);
+    let candidates = first;
     let stride = piece.ends.len().div_ceil(TRIAL_POLYGONS).max(1);
     let cost = |plane: &Plane| -> f64 {
         let sides = piece.split(plane, slack, stride);
@@ -398,7 +416,7 @@ fn plane(piece: &Piece, slack: f64, thickness: f64) -> Option<Plane> {
     let mut best: Option<(f64, Plane)> = None;
     for (_, plane) in candidates {
         let cost = cost(&plane);
-        if cost.is_finite() && best.is_none_or(|(least, _)| cost < least) {
+        if cost.is_finite() && best.is_none_or(|(least, _)| cost < BETTER * least) {
             best = Some((cost, plane));
         }
     }

@@ -1,0 +1,135 @@
+//! Whether points are farther from the solid than a limit: a grid answers for most of them.
+//!
+//! # Steps
+//! 1. Voxels that a triangle may enter are mixed.
+//! 2. The other voxels form connected components, each all inside or all outside. One query of the
+//!    solid labels each component.
+
+use glam::DVec3;
+
+use crate::parts::solid::Solid;
+
+/// Number of voxels along the longest side of the box.
+const VOXELS: usize = 48;
+
+const MIXED: u8 = 0;
+const OUTSIDE: u8 = 1;
+const INSIDE: u8 = 2;
+const UNKNOWN: u8 = 3;
+
+/// A solid with a grid of labels.
+pub struct Field<'a> {
+    solid: &'a Solid,
+    low: DVec3,
+    step: f64,
+    size: [usize; 3],
+    labels: Vec<u8>,
+}
+
+impl<'a> Field<'a> {
+    /// The field of a solid.
+    ///
+    /// # Complexity
+    /// O(voxels + triangles × voxels of their boxes).
+    pub fn new(solid: &'a Solid) -> Self {
+        let [low, high] = solid.bounds();
+        let extent = (high - low).max_element();
+        let step = extent / VOXELS as f64;
+        if !(step > 0.0) || !step.is_finite() {
+            return Self { solid, low, step: 1.0, size: [0; 3], labels: Vec::new() };
+        }
+        // A voxel of margin on every side.
+        let low = low - DVec3::splat(step);
+        let size = (high - low).to_array().map(|x| (x / step) as usize + 2);
+        let mut field = Self { solid, low, step, size, labels: vec![UNKNOWN; size[0] * size[1] * size[2]] };
+        for triangle in solid.triangles() {
+            field.mark(triangle);
+        }
+        field.label();
+        field
+    }
+
+    fn mark(&mut self, [a, b, c]: &[DVec3; 3]) {
+        let (low, high) = (a.min(*b).min(*c), a.max(*b).max(*c));
+        let slack = DVec3::splat(1e-6 * self.step);
+        let [first, last] = [low - slack, high + slack].map(|p| self.cell(p));
+        let normal = (*b - *a).cross(*c - *a).normalize_or_zero();
+        let reach = normal.abs().element_sum() * 0.5 * self.step * (1.0 + 1e-6);
+        for z in first[2]..=last[2] {
+            for y in first[1]..=last[1] {
+                for x in first[0]..=last[0] {
+                    let centre = self.low + (DVec3::new(x as f64, y as f64, z as f64) + 0.5) * self.step;
+                    if normal.dot(centre - *a).abs() <= reach {
+                        let at = self.at([x, y, z]);
+                        self.labels[at] = MIXED;
+                    }
+                }
+            }
+        }
+    }
+
+    fn label(&mut self) {
+        let mut stack = Vec::new();
+        for z in 0..self.size[2] {
+            for y in 0..self.size[1] {
+                for x in 0..self.size[0] {
+                    if self.labels[self.at([x, y, z])] != UNKNOWN {
+                        continue;
+                    }
+                    let centre = self.low + (DVec3::new(x as f64, y as f64, z as f64) + 0.5) * self.step;
+                    let label = if self.solid.is_inside(centre) { INSIDE } else { OUTSIDE };
+                    let at = self.at([x, y, z]);
+                    self.labels[at] = label;
+                    stack.push([x, y, z]);
+                    while let Some(cell) = stack.pop() {
+                        for axis in 0..3 {
+                            for other in [cell[axis].wrapping_sub(1), cell[axis] + 1] {
+                                if other >= self.size[axis] {
+                                    continue;
+                                }
+                                let mut next = cell;
+                                next[axis] = other;
+                                let at = self.at(next);
+                                if self.labels[at] == UNKNOWN {
+                                    self.labels[at] = label;
+                                    stack.push(next);
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn cell(&self, p: DVec3) -> [usize; 3] {
+        let q = ((p - self.low) / self.step).to_array();
+        [0, 1, 2].map(|axis| (q[axis].max(0.0) as usize).min(self.size[axis] - 1))
+    }
+
+    fn at(&self, [x, y, z]: [usize; 3]) -> usize {
+        (z * self.size[1] + y) * self.size[0] + x
+    }
+
+    /// Whether a point is farther than `limit` from the solid.
+    pub fn is_beyond(&self, p: DVec3, limit: f64) -> bool {
+        if self.labels.is_empty() {
+            return self.solid.distance(p) > limit;
+        }
+        let q = (p - self.low) / self.step;
+        let is_in_grid = q.min_element() >= 0.0 && (0..3).all(|axis| q[axis] < self.size[axis] as f64);
+        let label = if is_in_grid { self.labels[self.at(self.cell(p))] } else { OUTSIDE };
+        if label == INSIDE {
+            return false;
+        }
+        if self.solid.near(p, limit).is_some_and(|near| near.distance <= limit) {
+            return false;
+        }
+        label == OUTSIDE || !self.solid.is_inside(p)
+    }
+
+    /// The solid.
+    pub fn solid(&self) -> &'a Solid {
+        self.solid
+    }
+}

@@ -1,0 +1,297 @@
+//! Hulls of few vertices around a part: few of its faces' planes, which keep every point that is
+//! too far from the solid outside.
+//!
+//! # Steps
+//! 1. Start with the planes of the largest faces.
+//! 2. Find a point of the polytope that is too far from the solid: a vertex, a point of a face, or
+//!    what the proof found. Add the plane of a large face that cuts it off. Repeat.
+//! 3. Drop planes, those of small faces first, as long as nothing becomes too far.
+//!
+//! All planes are moved outward by more than rounding to f32 moves a vertex, so that the hull of
+//! the rounded vertices contains the part.
+
+use glam::DVec3;
+
+use super::body::{Body, Plane};
+use super::field::Field;
+use super::sample::face_points;
+use crate::hull::{
+    self, Hull,
+    rank::{Simplex, spanning_simplex},
+    solid,
+};
+use crate::parts::{branch::Accuracy, protrusion::protrusion};
+use crate::{NO_SOURCE_VERTEX, PointSet};
+
+/// Maximum number of planes that are added.
+const MAX_STEPS: usize = 96;
+
+/// Maximum number of measurements of a proof.
+const MEASUREMENTS: usize = 200_000;
+
+/// Share of the limit that measured points may use; the rest is for the proof.
+const PLANNED: f64 = 0.975;
+
+/// Share of all faces' area from which a face's plane is used from the start.
+const LARGE: f64 = 0.04;
+
+/// Cosine of the angle between planes that are used from the start.
+const ALIKE: f64 = 0.94;
+
+/// Number of points of the faces that are measured.
+const MEASURED: usize = 160;
+
+/// Maximum rounding error of a point, relative to its greatest coordinate.
+const ROUNDING: f64 = 1.1e-7;
+
+/// What a hull must keep.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    /// Maximum distance from the solid.
+    pub limit: f64,
+    /// Maximum number of vertices.
+    pub max_vertices: usize,
+    /// Diagonal of the mesh.
+    pub diagonal: f64,
+}
+
+/// Whether a hull is proven to be within the limit, or else a point of it that may be too far.
+pub fn prove(field: &Field, hull: &Hull, bounds: &Bounds) -> Result<f64, DVec3> {
+    let found = protrusion(field.solid(), hull, &Accuracy { measurements: MEASUREMENTS, ..Accuracy::decide(bounds.limit) });
+    // Written so that NaN fails.
+    if found.bound <= bounds.limit { Ok(found.bound) } else { Err(found.at) }
+}
+
+/// The hull of f32 points.
+pub fn hull_of(positions: Vec<[f32; 3]>) -> Option<Hull> {
+    let source_vertices = vec![NO_SOURCE_VERTEX; positions.len()];
+    hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).ok()
+}
+
+/// The hull of `points`, rounded to f32 so that it contains all of them.
+pub fn tight(points: &[DVec3], diagonal: f64) -> Option<Hull> {
+    let middle = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
+    let outward = |p: &DVec3| {
+        let [p, m] = [p.to_array(), middle.to_array()];
+        [0, 1, 2].map(|axis| {
+            let near = p[axis] as f32;
+            let rounded = f64::from(near);
+            let is_up = p[axis] > m[axis];
+            (if rounded < p[axis] && is_up {
+                near.next_up()
+            } else if rounded > p[axis] && !is_up {
+                near.next_down()
+            } else {
+                near
+            }) + 0.0
+        })
+    };
+    let mut rounded: Vec<[f32; 3]> = points.iter().map(outward).collect();
+    let to_f64 = |list: &[[f32; 3]]| list.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect::<Vec<_>>();
+    let body = Body::new(&to_f64(&rounded), 0.0);
+    let slack = 2e-13 * diagonal;
+    let is_flat = body.planes.is_empty();
+    let lost = points.iter().filter(|p| p.as_vec3().as_dvec3() != **p && (is_flat || !body.holds(**p, slack)));
+    let around: Vec<[f32; 3]> = lost.flat_map(|p| around(*p)).collect();
+    rounded.extend(around);
+    hull_of(rounded)
+}
+
+/// The f32 points of the box around a point: their hull contains it.
+fn around(p: DVec3) -> Vec<[f32; 3]> {
+    let sides = p.to_array().map(|x| {
+        let near = x as f32;
+        if f64::from(near) == x {
+            [near, near]
+        } else if f64::from(near) < x {
+            [near, near.next_up()]
+        } else {
+            [near.next_down(), near]
+        }
+    });
+    (0..8).map(|i| [sides[0][i & 1], sides[1][i >> 1 & 1], sides[2][i >> 2]]).collect()
+}
+
+/// A proven hull around `body` with fewer vertices than the body, and at most the allowed number.
+///
+/// # Errors
+/// A point of the body that may be too far from the solid; nothing if there is no such hull.
+pub fn wrap(field: &Field, body: &Body, bounds: &Bounds) -> Result<(Hull, f64), Option<DVec3>> {
+    let middle = body.points.iter().sum::<DVec3>() / body.points.len().max(1) as f64;
+    let greatest = body.low.abs().max(body.high.abs()).max_element() + bounds.limit;
+    let room = (1e-3 * bounds.limit).clamp(3e-7 * bounds.diagonal, 2e-6 * bounds.diagonal) + 2.0 * ROUNDING * greatest;
+    let depth = body.planes.iter().map(|plane| -plane.height(middle)).fold(f64::INFINITY, f64::min);
+    // Written so that NaN fails.
+    if !(depth > 20.0 * room) {
+        return Err(None);
+    }
+    let cap = bounds.max_vertices.min(body.points.len().saturating_sub(1));
+    let mut faces = Faces { field, body, bounds, middle, room, refuted: Vec::new() };
+    let mut planes = faces.largest();
+    for _ in 0..MAX_STEPS {
+        let Some(vertices) = faces.vertices(&planes) else {
+            if !faces.close(&mut planes) {
+                return Err(None);
+            }
+            continue;
+        };
+        let point = match faces.too_far(&planes, &vertices) {
+            Some(point) => point,
+            None => {
+                let (left, fewer) = faces.fewer(planes.clone(), vertices.clone());
+                let hull = faces.rounded(&fewer).ok_or(None)?;
+                if hull.vertices.len() > cap {
+                    return Err(None);
+                }
+                match prove(field, &hull, bounds) {
+                    Ok(bound) => return Ok((hull, bound)),
+                    Err(point) => {
+                        planes = left;
+                        faces.refuted.push(point);
+                        point
+                    }
+                }
+            }
+        };
+        if body.holds(point, 1.5 * room) {
+            return Err(Some(point));
+        }
+        // Room for a later removal of planes.
+        if vertices.len() > 4 * cap + 16 || !faces.cut_off(&mut planes, point) {
+            return Err(None);
+        }
+    }
+    Err(None)
+}
+
+struct Faces<'a> {
+    field: &'a Field<'a>,
+    body: &'a Body,
+    bounds: &'a Bounds,
+    middle: DVec3,
+    room: f64,
+    /// Points that a proof found to be too far.
+    refuted: Vec<DVec3>,
+}
+
+impl Faces<'_> {
+    fn plane(&self, face: usize) -> Plane {
+        self.body.planes[face]
+    }
+
+    fn largest(&self) -> Vec<Plane> {
+        let total: f64 = self.body.areas.iter().sum();
+        let mut order: Vec<usize> = (0..self.body.planes.len()).collect();
+        order.sort_by(|a, b| self.body.areas[*b].total_cmp(&self.body.areas[*a]).then(a.cmp(b)));
+        let mut chosen: Vec<Plane> = Vec::new();
+        for face in order {
+            let plane = self.plane(face);
+            if self.body.areas[face] >= LARGE * total && chosen.iter().all(|other| other.normal.dot(plane.normal) < ALIKE) {
+                chosen.push(plane);
+            }
+        }
+        self.close(&mut chosen);
+        chosen
+    }
+
+    /// Adds the sides of the box, unless a plane is like them. Whether it added any.
+    fn close(&self, planes: &mut Vec<Plane>) -> bool {
+        let before = planes.len();
+        for normal in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z] {
+            if planes.iter().all(|plane| plane.normal.dot(normal) < 0.8) {
+                let offset = self.body.points.iter().map(|p| normal.dot(*p)).fold(f64::NEG_INFINITY, f64::max);
+                planes.push(Plane { normal, offset });
+            }
+        }
+        planes.len() > before
+    }
+
+    /// The vertices of the polytope of the planes, each moved outward; `None` if it is unbounded.
+    fn vertices(&self, planes: &[Plane]) -> Option<Vec<DVec3>> {
+        let dual: Vec<DVec3> = planes
+            .iter()
+            .map(|plane| plane.normal / (plane.offset + self.room - plane.normal.dot(self.middle)))
+            .collect();
+        let mut distinct = dual.clone();
+        distinct.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)));
+        distinct.dedup();
+        let Simplex::Tetrahedron(simplex) = spanning_simplex(&distinct) else { return None };
+        let reach = 2.0 * self.bounds.diagonal + self.body.diagonal();
+        let mut vertices: Vec<DVec3> = Vec::new();
+        for facet in solid::hull(&distinct, simplex) {
+            let at = |i: usize| distinct[facet[i] as usize];
+            let area: DVec3 = (1..facet.len() - 1).map(|i| (at(i) - at(0)).cross(at(i + 1) - at(0))).sum();
+            let offset = area.dot(at(0));
+            let vertex = area / offset;
+            // Written so that NaN and an origin outside are unbounded.
+            if !(offset > 0.0) || !(vertex.length() < reach) {
+                return None;
+            }
+            let vertex = self.middle + vertex;
+            if vertices.iter().all(|other| other.distance(vertex) > 0.4 * self.room) {
+                vertices.push(vertex);
+            }
+        }
+        Some(vertices)
+    }
+
+    /// A point of the polytope that is too far from the solid, the farthest from the body.
+    fn too_far(&self, planes: &[Plane], vertices: &[DVec3]) -> Option<DVec3> {
+        let is_in = |p: &&DVec3| planes.iter().all(|plane| plane.height(**p) <= self.room);
+        if let Some(point) = self.refuted.iter().find(is_in) {
+            return Some(*point);
+        }
+        let limit = PLANNED * self.bounds.limit;
+        let height = |p: &DVec3| self.body.planes.iter().map(|plane| plane.height(*p)).fold(f64::NEG_INFINITY, f64::max);
+        let worst = |points: Vec<DVec3>| {
+            let mut ranked: Vec<(f64, DVec3)> = points.into_iter().map(|p| (height(&p), p)).collect();
+            ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+            // What is in the body cannot be cut off.
+            ranked.into_iter().filter(|(h, _)| *h > 2.0 * self.room).find(|(_, p)| self.field.is_beyond(*p, limit))
+        };
+        if let Some((_, point)) = worst(vertices.to_vec()) {
+            return Some(point);
+        }
+        let polytope = Body::new(vertices, 0.0);
+        worst(face_points(&polytope, MEASURED, self.bounds.limit)).map(|(_, point)| point)
+    }
+
+    /// Adds a plane that has `point` above; whether there is one.
+    fn cut_off(&self, planes: &mut Vec<Plane>, point: DVec3) -> bool {
+        let heights: Vec<f64> = self.body.planes.iter().map(|plane| plane.height(point)).collect();
+        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if !(highest > 1.5 * self.room) {
+            return false;
+        }
+        let high = (0..heights.len()).filter(|face| heights[*face] >= 0.7 * highest);
+        let best = high.max_by(|a, b| self.body.areas[*a].total_cmp(&self.body.areas[*b]).then(b.cmp(a)));
+        let Some(face) = best else { return false };
+        let plane = self.plane(face);
+        if planes.contains(&plane) {
+            return false;
+        }
+        planes.push(plane);
+        true
+    }
+
+    fn rounded(&self, vertices: &[DVec3]) -> Option<Hull> {
+        hull_of(vertices.iter().map(|p| p.as_vec3().to_array().map(|c| c + 0.0)).collect())
+    }
+
+    /// Fewer planes, and the vertices of their polytope.
+    fn fewer(&self, planes: Vec<Plane>, vertices: Vec<DVec3>) -> (Vec<Plane>, Vec<DVec3>) {
+        let (mut left, mut best) = (planes, vertices);
+        // The first planes are of large faces.
+        let mut at = left.len();
+        while at > 0 && left.len() > 4 {
+            at -= 1;
+            let mut fewer = left.clone();
+            fewer.remove(at);
+            let Some(vertices) = self.vertices(&fewer) else { continue };
+            if vertices.len() < best.len() && self.too_far(&fewer, &vertices).is_none() {
+                (left, best) = (fewer, vertices);
+            }
+        }
+        (left, best)
+    }
+}
