@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use hullmap_bake::decompose::{Parameters, decompose};
+use hullmap_bake::decompose::{Method, decompose};
 use hullmap_bake::{BakedHull, IndexChoice, PointSet, SourceRecord, bake_hull, bake_simplified_hull, write_pack};
 use rayon::prelude::*;
 
@@ -38,15 +38,15 @@ pub struct Part<'a> {
 
 /// The points of each hull that point sets become: the sets themselves, or their convex parts.
 ///
-/// The result depends on the sets and the parameters only, so that `bake verify` can compute it
+/// The result depends on the sets and the method only, so that `bake verify` can compute it
 /// again.
 ///
 /// # Errors
 /// A point set has no hull; the error names the first one.
-pub fn parts<'a>(point_sets: &'a [PointSet], parameters: Option<&Parameters>) -> Result<Vec<Part<'a>>, String> {
+pub fn parts<'a>(point_sets: &'a [PointSet], method: Option<&Method>) -> Result<Vec<Part<'a>>, String> {
     let cut: Vec<_> = point_sets
         .par_iter()
-        .map(|points| parameters.map_or(Ok(None), |parameters| decompose(points, parameters)))
+        .map(|points| method.map_or(Ok(None), |method| decompose(points, method)))
         .collect();
     let mut parts = Vec::with_capacity(point_sets.len());
     for (set, (found, points)) in cut.into_iter().zip(point_sets).enumerate() {
@@ -69,7 +69,7 @@ pub fn parts<'a>(point_sets: &'a [PointSet], parameters: Option<&Parameters>) ->
 pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &SourceRecord) -> Result<BakedPack, String> {
     let (decompose, index) = (options.decompose(), options.index());
     let parts = parts(point_sets, decompose.as_ref())?;
-    let bake = |part: &Part| match options.simplify() {
+    let bake = |part: &Part| match options.simplify(diagonal(&part.points)) {
         None => bake_hull(&part.points, index),
         Some(limit) => bake_simplified_hull(&part.points, limit, index),
     };
@@ -81,7 +81,7 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
     }
     let mut remarks = Vec::new();
     if let Some(decompose) = decompose {
-        remarks = measure::parts(point_sets, &parts, &mut hulls, decompose.max_parts == 1);
+        remarks = measure::parts(point_sets, &parts, &mut hulls, decompose.allows_one_part());
     } else {
         remarks.extend(measure::collision_parts(point_sets, &mut hulls));
     }
@@ -95,6 +95,15 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
     let ranks = hulls.iter().map(|baked| baked.hull.rank).collect();
     let vertex_count = hulls.iter().map(|baked| baked.hull.vertices.len()).sum();
     Ok(BakedPack { bytes, ranks, vertex_count, notes, warnings })
+}
+
+/// Diagonal of the box around points.
+fn diagonal(points: &PointSet) -> f64 {
+    let sides = [0, 1, 2].map(|axis| {
+        let along = || points.positions.iter().map(|p| f64::from(p[axis]));
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    });
+    sides.iter().map(|side| side * side).sum::<f64>().sqrt()
 }
 
 /// The measures that warnings depend on.

@@ -24,7 +24,7 @@ pub fn parts(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], a
             let why = if points.triangles.is_empty() {
                 "it has no faces"
             } else if allows_one_part {
-                "--vhacd-max-parts is 1"
+                "at most one part is allowed"
             } else {
                 "it is convex or thin"
             };

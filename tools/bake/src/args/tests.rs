@@ -1,5 +1,6 @@
 //! Command lines: those that are accepted, those that are rejected, and the help.
 
+use hullmap_bake::decompose::Method;
 use hullmap_bake::simplify::Limit;
 use hullmap_bake::{IndexChoice, IndexKind};
 use hullmap_import::{ImportOptions, Split, UpAxis, Vertices};
@@ -40,10 +41,10 @@ fn flags_set_build_options() {
     let import = ImportOptions { unit_scale: 0.01, up_axis: UpAxis::YToZ, recentre: true, ..ImportOptions::DEFAULT };
     assert_eq!(build("--unit-scale 0.01 --up-axis y-to-z --recentre").unwrap().import(), import);
     assert!(!build("--recentre=false").unwrap().import().recentre);
-    assert_eq!(build("--max-vertices 64").unwrap().simplify(), Some(Limit::Vertices(64)));
-    assert_eq!(build("--max-error 1e-3").unwrap().simplify(), Some(Limit::Distance(1e-3)));
+    assert_eq!(build("--max-vertices 64").unwrap().simplify(1.0), Some(Limit::Vertices(64)));
+    assert_eq!(build("--max-error 1e-3").unwrap().simplify(1.0), Some(Limit::Distance(1e-3)));
     let words = "--decompose --vhacd-max-parts 8 --vhacd-hull-approximation false";
-    let parts = build(words).unwrap().decompose().unwrap();
+    let Some(Method::Vhacd(parts)) = build(words).unwrap().decompose() else { panic!("V-HACD") };
     assert_eq!((parts.max_parts, parts.hull_approximation), (8, false));
     assert_eq!(build("--vhacd-max-parts 8"), Ok(usual), "hullmap.toml may switch decomposition on");
 }

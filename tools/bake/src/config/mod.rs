@@ -139,16 +139,16 @@ resolution = 8
         let config = parse::parse(Path::new("hullmap.toml"), TEXT).unwrap();
         let plain = options(&config, "rock.obj");
         assert_eq!((plain.index(), plain.import().split), (IndexKind::Compact.into(), Split::Object));
-        assert_eq!((plain.import().unit_scale, plain.simplify()), (1.0, None));
+        assert_eq!((plain.import().unit_scale, plain.simplify(1.0)), (1.0, None));
         assert_eq!(options(&config, "props/deep/er/x.obj").import().unit_scale, 0.01);
         assert_eq!(options(&config, "other/props/x.obj").import().unit_scale, 1.0, "globs are relative to the file");
         let collider = options(&config, "a/b/x_col.obj");
-        assert_eq!((collider.import().split, collider.simplify()), (Split::None, Some(Limit::Vertices(64))));
+        assert_eq!((collider.import().split, collider.simplify(1.0)), (Split::None, Some(Limit::Vertices(64))));
         assert_eq!(options(&config, "a/b/X_COL.OBJ"), collider, "case is ignored");
-        assert_eq!(options(&config, "props/big/x.glb").simplify(), Some(Limit::Vertices(64)));
-        assert_eq!(options(&config, "props/big/deep/x.glb").simplify(), None, "a star stays within its folder");
+        assert_eq!(options(&config, "props/big/x.glb").simplify(1.0), Some(Limit::Vertices(64)));
+        assert_eq!(options(&config, "props/big/deep/x.glb").simplify(1.0), None, "a star stays within its folder");
         let exact = options(&config, "props/big/exact_col.obj");
-        assert_eq!((exact.simplify(), exact.import().unit_scale), (None, 0.01));
+        assert_eq!((exact.simplify(1.0), exact.import().unit_scale), (None, 0.01));
         assert_eq!((exact.index(), exact.import().split), (IndexKind::CubeMap { resolution: 8 }.into(), Split::None));
     }
 
@@ -156,8 +156,8 @@ resolution = 8
     fn only_globs_of_names_match_meshes_outside_the_folder() {
         let config = parse::parse(Path::new("hullmap.toml"), TEXT).unwrap();
         let layer = |name: &str| config.layer(None, Path::new(name)).resolve();
-        assert_eq!(layer("x_col.obj").simplify(), Some(Limit::Vertices(64)));
-        assert_eq!(layer("exact_col.obj").simplify(), Some(Limit::Vertices(64)));
+        assert_eq!(layer("x_col.obj").simplify(1.0), Some(Limit::Vertices(64)));
+        assert_eq!(layer("exact_col.obj").simplify(1.0), Some(Limit::Vertices(64)));
     }
 
     #[test]

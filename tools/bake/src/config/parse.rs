@@ -170,17 +170,19 @@ fn in_order<'t>(table: &'t DeTable) -> Vec<(Range<usize>, &'t str, &'t Spanned<D
 
 /// The value as text for [`Syntax::parse`], if its TOML type is right.
 fn text_of(value: &DeValue, syntax: Syntax) -> Option<String> {
-    let accepts_none = matches!(syntax, Syntax::CountOrNone { .. } | Syntax::PositiveOrNone);
-    let accepts_float = matches!(syntax, Syntax::Fraction | Syntax::Positive | Syntax::PositiveOrNone);
+    let accepts_none = matches!(syntax, Syntax::CountOrNone { .. } | Syntax::PositiveOrNone | Syntax::LengthOrNone);
+    let accepts_float = matches!(syntax, Syntax::Fraction | Syntax::Positive | Syntax::PositiveOrNone | Syntax::LengthOrNone);
     let accepts_integer = accepts_float || matches!(syntax, Syntax::Count { .. } | Syntax::CountOrNone { .. });
     match value {
-        DeValue::String(text) if matches!(syntax, Syntax::Words(_)) => Some(text.to_string()),
+        DeValue::String(text) if matches!(syntax, Syntax::Words(_) | Syntax::SwitchOr(_) | Syntax::LengthOrNone) => {
+            Some(text.to_string())
+        }
         DeValue::String(text) if accepts_none && text == "none" => Some(text.to_string()),
         DeValue::Integer(number) if accepts_integer => {
             i64::from_str_radix(number.as_str(), number.radix()).ok().map(|number| number.to_string())
         }
         DeValue::Float(number) if accepts_float => Some(number.as_str().to_owned()),
-        DeValue::Boolean(is_on) if syntax == Syntax::Switch => Some(is_on.to_string()),
+        DeValue::Boolean(is_on) if matches!(syntax, Syntax::Switch | Syntax::SwitchOr(_)) => Some(is_on.to_string()),
         _ => None,
     }
 }
@@ -190,6 +192,8 @@ fn toml_type(syntax: Syntax) -> &'static str {
     match syntax {
         Syntax::Words(_) => "a string",
         Syntax::Switch => "true or false",
+        Syntax::SwitchOr(_) => "true, false or a string",
+        Syntax::LengthOrNone => "a number, or a string such as \"2%\" or \"none\"",
         Syntax::Count { .. } => "a whole number",
         Syntax::Fraction | Syntax::Positive => "a number",
         Syntax::CountOrNone { .. } => "a whole number or \"none\"",

@@ -4,7 +4,9 @@
 //! come from this table. Every option in it changes the bytes of packs, except those that are never
 //! recorded; flags that no mesh can choose for itself (`--jobs`, `--verify`, …) are in `args.rs`.
 
-use super::value::Syntax::{self, Count, CountOrNone, Fraction, Positive, PositiveOrNone, Switch, Words};
+use super::value::Syntax::{
+    self, Count, CountOrNone, Fraction, LengthOrNone, Positive, PositiveOrNone, Switch, SwitchOr, Words,
+};
 
 /// One option.
 #[derive(Debug)]
@@ -194,10 +196,10 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     },
     BuildOption {
         key: "decompose",
-        syntax: Switch,
+        syntax: SwitchOr(&["cover", "vhacd"]),
         default: DefaultValue::Value("false"),
-        value_name: "BOOL",
-        help: "Decompose concave meshes into convex parts (V-HACD)",
+        value_name: "METHOD",
+        help: "Decompose concave meshes into convex parts: cover (proven bounds; used without METHOD) or vhacd",
         section: Section::Decomposition,
         ..OPTION
     },
@@ -278,17 +280,18 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: CountOrNone { min: MIN_VERTICES },
         default: DefaultValue::Value("none"),
         value_name: "N",
-        help: "Replace each hull by an enclosing one with at most N vertices, 4 or more; none: exact hull",
+        help: "Replace each hull by an enclosing one with at most N vertices, 4 or more; none: exact hull, with cover 64",
         section: Section::Simplification,
         group: Group::Limit,
         ..OPTION
     },
     BuildOption {
         key: "max_error",
-        syntax: PositiveOrNone,
+        syntax: LengthOrNone,
         default: DefaultValue::Value("none"),
-        value_name: "E",
-        help: "Replace each hull by an enclosing one that extends at most E units beyond it; none: exact hull",
+        value_name: "E|E%",
+        help: "Replace each hull by an enclosing one that extends at most E units beyond it, or E% of the diagonal; \
+               with cover: how far parts may protrude from the mesh, 2% if none; none: exact hull",
         section: Section::Simplification,
         group: Group::Limit,
         ..OPTION
@@ -303,10 +306,31 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         record: Record::Never,
         ..OPTION
     },
+    BuildOption {
+        key: "max_parts",
+        syntax: CountOrNone { min: 1 },
+        default: DefaultValue::Value("none"),
+        value_name: "N",
+        help: "Maximum number of parts; the smallest error that the search reaches with them",
+        section: Section::Decomposition,
+        applies_with: Some(("decompose", "cover")),
+        ..OPTION
+    },
+    BuildOption {
+        key: "decompose_seconds",
+        syntax: PositiveOrNone,
+        default: DefaultValue::Value("none"),
+        value_name: "S",
+        help: "Stop improving the parts of a mesh after S seconds; packs may then differ from run to run",
+        section: Section::Decomposition,
+        is_advanced: true,
+        applies_with: Some(("decompose", "cover")),
+        ..OPTION
+    },
 ];
 
 /// Number of options.
-pub const OPTION_COUNT: usize = 21;
+pub const OPTION_COUNT: usize = 23;
 
 /// Values that most options share.
 const OPTION: BuildOption = BuildOption {
@@ -326,7 +350,7 @@ const OPTION: BuildOption = BuildOption {
 const VHACD_OPTION: BuildOption = BuildOption {
     section: Section::Decomposition,
     is_advanced: true,
-    applies_with: Some(("decompose", "true")),
+    applies_with: Some(("decompose", "vhacd")),
     ..OPTION
 };
 

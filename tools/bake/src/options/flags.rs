@@ -63,7 +63,7 @@ fn arg(option: &BuildOption, flag: &'static str) -> Arg {
     match (option.syntax, option.default) {
         // `--recentre` alone switches it on. What is on by default can only be switched off, with a
         // value.
-        (Syntax::Switch, DefaultValue::Value("false")) => {
+        (Syntax::Switch | Syntax::SwitchOr(_), DefaultValue::Value("false")) => {
             arg.num_args(0..=1).require_equals(true).default_missing_value("true")
         }
         _ => arg,

@@ -78,13 +78,29 @@ impl OptionLayer {
     pub fn decompose(&self) -> Option<bool> {
         match self.get("decompose") {
             Some(Value::Switch(is_on)) => Some(is_on),
+            Some(Value::Word(_)) => Some(true),
+            _ => None,
+        }
+    }
+
+    /// The method of the decomposition, by its name. Without a name, a parameter of V-HACD chooses
+    /// V-HACD.
+    fn method(&self) -> Option<&'static str> {
+        match self.get("decompose")? {
+            Value::Word(word) => Some(word),
+            Value::Switch(true) => {
+                let is_vhacd = |index: &usize| OPTIONS[*index].applies_with == Some(("decompose", "vhacd"));
+                let is_given = (0..OPTION_COUNT).filter(is_vhacd).any(|index| self.values[index].is_some());
+                Some(if is_given { "vhacd" } else { "cover" })
+            }
             _ => None,
         }
     }
 
     /// The first parameter of the decomposition that the layer gives.
     pub fn first_decomposition_parameter(&self) -> Option<&'static str> {
-        let is_parameter = |index: &usize| OPTIONS[*index].applies_with == Some(("decompose", "true"));
+        let is_parameter =
+            |index: &usize| OPTIONS[*index].applies_with.is_some_and(|(key, _)| key == "decompose");
         (0..OPTION_COUNT).filter(is_parameter).find(|&index| self.values[index].is_some()).map(|i| OPTIONS[i].key)
     }
 
@@ -97,7 +113,7 @@ impl OptionLayer {
             clash("resolution", "index", ClashKind::RequiresCubemap)
         } else if is_set("index_budget") && is_set("index") {
             clash("index_budget", "index", ClashKind::Exclusive)
-        } else if is_set("max_vertices") && is_set("max_error") {
+        } else if is_set("max_vertices") && is_set("max_error") && self.method() != Some("cover") {
             clash("max_error", "max_vertices", ClashKind::Exclusive)
         } else if self.decompose() == Some(false) {
             let parameter = self.first_decomposition_parameter()?;
@@ -129,10 +145,15 @@ impl OptionLayer {
     /// apply.
     pub fn resolve(&self) -> BuildOptions {
         let mut resolved = self.clone();
+        let method = self.method();
+        if let (Some(word), Some(index)) = (method, position("decompose")) {
+            resolved.values[index] = Some(Value::Word(word));
+        }
+        let given = resolved.clone();
         for (value, option) in resolved.values.iter_mut().zip(&OPTIONS) {
             let applies = option
                 .applies_with
-                .is_none_or(|(key, expected)| self.get(key).is_some_and(|value| value.to_string() == expected));
+                .is_none_or(|(key, expected)| given.get(key).is_some_and(|value| value.to_string() == expected));
             if value.is_none() || !applies {
                 *value = match option.default {
                     DefaultValue::Value(text) => {
@@ -210,9 +231,9 @@ pub mod tests {
         assert_eq!(cubemap.resolve().index(), IndexKind::CubeMap { resolution }.into());
         let few = layer(&[("max_vertices", "8")]);
         let near = layer(&[("max_error", "0.5")]).over(&few);
-        assert_eq!(near.resolve().simplify(), Some(Limit::Distance(0.5)));
+        assert_eq!(near.resolve().simplify(1.0), Some(Limit::Distance(0.5)));
         for limit in ["max_vertices", "max_error"] {
-            assert_eq!(layer(&[(limit, "none")]).over(&near).resolve().simplify(), None);
+            assert_eq!(layer(&[(limit, "none")]).over(&near).resolve().simplify(1.0), None);
         }
         let parts = layer(&[("vhacd_resolution", "32")]);
         assert_eq!(parts.resolve().decompose(), None, "parameters alone do not decompose");

@@ -21,7 +21,7 @@ mod template;
 pub mod value;
 
 use clap::ValueEnum;
-use hullmap_bake::decompose::{Fill, Parameters};
+use hullmap_bake::decompose::{Cover, Fill, Length, Method, Parameters};
 use hullmap_bake::simplify::Limit;
 use hullmap_bake::{IndexChoice, IndexKind};
 use hullmap_import::ImportOptions;
@@ -70,8 +70,24 @@ impl BuildOptions {
     }
 
     /// How meshes are decomposed into convex parts; `None` if they are not.
-    pub fn decompose(&self) -> Option<Parameters> {
-        self.switch("decompose").then(|| Parameters {
+    pub fn decompose(&self) -> Option<Method> {
+        match self.0.get("decompose") {
+            Some(Value::Word("cover")) => Some(Method::Cover(Cover {
+                max_error: self.max_error().unwrap_or(Cover::default().max_error),
+                max_parts: self.optional_count("max_parts"),
+                max_vertices: self.optional_count("max_vertices").unwrap_or(Cover::default().max_vertices),
+                seconds: match self.0.get("decompose_seconds") {
+                    Some(Value::Number(seconds)) => Some(seconds),
+                    _ => None,
+                },
+            })),
+            Some(Value::Word("vhacd")) => Some(Method::Vhacd(self.vhacd())),
+            _ => None,
+        }
+    }
+
+    fn vhacd(&self) -> Parameters {
+        Parameters {
             concavity: self.fraction("vhacd_concavity"),
             resolution: self.count("vhacd_resolution"),
             max_parts: self.count("vhacd_max_parts"),
@@ -85,14 +101,31 @@ impl BuildOptions {
                 "surface" => Fill::Surface,
                 _ => Fill::Flood,
             },
-        })
+        }
     }
 
-    /// How far hulls are simplified; `None` if they are not.
-    pub fn simplify(&self) -> Option<Limit> {
-        match (self.0.get("max_vertices"), self.0.get("max_error")) {
-            (Some(Value::Count(count)), _) => Some(Limit::Vertices(count as usize)),
-            (_, Some(Value::Number(error))) => Some(Limit::Distance(error)),
+    /// How far the hull of points with this diagonal is simplified; `None` if it is not. The parts
+    /// of a cover are as simple as its limits allow.
+    pub fn simplify(&self, diagonal: f64) -> Option<Limit> {
+        match (self.0.get("decompose"), self.optional_count("max_vertices"), self.max_error()) {
+            (Some(Value::Word("cover")), ..) => None,
+            (_, Some(count), _) => Some(Limit::Vertices(count as usize)),
+            (_, _, Some(error)) => Some(Limit::Distance(error.of(diagonal))),
+            _ => None,
+        }
+    }
+
+    fn max_error(&self) -> Option<Length> {
+        match self.0.get("max_error") {
+            Some(Value::Number(error)) => Some(Length::Absolute(error)),
+            Some(Value::Percent(percent)) => Some(Length::Relative(percent / 100.0)),
+            _ => None,
+        }
+    }
+
+    fn optional_count(&self, key: &str) -> Option<u32> {
+        match self.0.get(key) {
+            Some(Value::Count(count)) => Some(count),
             _ => None,
         }
     }
@@ -162,13 +195,23 @@ pub mod tests {
         layer::tests::layer(pairs).resolve()
     }
 
+    fn vhacd(pairs: &[(&str, &str)]) -> Parameters {
+        match options(pairs).decompose() {
+            Some(Method::Vhacd(parameters)) => parameters,
+            other => panic!("{other:?}"),
+        }
+    }
+
     #[test]
     fn defaults_are_those_of_the_libraries() {
         let usual = BuildOptions::default();
         assert_eq!(usual.import(), ImportOptions::DEFAULT);
         assert_eq!(usual.index(), IndexChoice::default());
-        assert_eq!((usual.decompose(), usual.simplify()), (None, None));
-        let parts = options(&[("decompose", "true")]).decompose().unwrap();
+        assert_eq!((usual.decompose(), usual.simplify(1.0)), (None, None));
+        let cover = Some(Method::Cover(Cover::default()));
+        assert_eq!(options(&[("decompose", "true")]).decompose(), cover);
+        assert_eq!(options(&[("decompose", "cover")]).decompose(), cover);
+        let parts = vhacd(&[("decompose", "vhacd")]);
         let library = Parameters::default();
         // Fractions are f32 in records.
         let rounded = |x: f64| f64::from(x as f32);
@@ -198,12 +241,23 @@ pub mod tests {
         let cubemap = options(&[("index", "cubemap"), ("resolution", "5")]);
         assert_eq!(cubemap.index(), IndexKind::CubeMap { resolution: 5 }.into());
         assert_eq!(options(&[("index_budget", "40")]).index(), IndexChoice::Budget { bytes_per_vertex: 40 });
-        assert_eq!(options(&[("max_vertices", "64")]).simplify(), Some(Limit::Vertices(64)));
-        assert_eq!(options(&[("max_error", "1e-3")]).simplify(), Some(Limit::Distance(1e-3)));
+        assert_eq!(options(&[("max_vertices", "64")]).simplify(3.0), Some(Limit::Vertices(64)));
+        assert_eq!(options(&[("max_error", "1e-3")]).simplify(3.0), Some(Limit::Distance(1e-3)));
         let names = ["auto", "stem", "full"].map(|names| options(&[("pack_names", names)]).keeps_extension());
         assert_eq!(names, [None, Some(false), Some(true)]);
-        let usual = options(&[("decompose", "true")]).decompose().unwrap();
-        let parts = |key, value| options(&[("decompose", "true"), (key, value)]).decompose().unwrap();
+        assert_eq!(options(&[("max_error", "1%")]).simplify(3.0), Some(Limit::Distance(0.03)));
+        let cover = |key, value| options(&[("decompose", "true"), (key, value)]).decompose();
+        let usual = Cover::default();
+        let is = |cover| Some(Method::Cover(cover));
+        assert_eq!(cover("max_error", "0.5"), is(Cover { max_error: Length::Absolute(0.5), ..usual }));
+        assert_eq!(cover("max_error", "1%"), is(Cover { max_error: Length::Relative(0.01), ..usual }));
+        assert_eq!(cover("max_vertices", "32"), is(Cover { max_vertices: 32, ..usual }));
+        assert_eq!(cover("max_parts", "7"), is(Cover { max_parts: Some(7), ..usual }));
+        assert_eq!(cover("decompose_seconds", "1.5"), is(Cover { seconds: Some(1.5), ..usual }));
+        assert_eq!(options(&[("decompose", "true"), ("max_vertices", "32")]).simplify(1.0), None);
+        let usual = vhacd(&[("decompose", "vhacd")]);
+        // A parameter of V-HACD chooses it.
+        let parts = |key, value| vhacd(&[("decompose", "true"), (key, value)]);
         assert_eq!(parts("vhacd_concavity", "0.5"), Parameters { concavity: 0.5, ..usual });
         assert_eq!(parts("vhacd_resolution", "32"), Parameters { resolution: 32, ..usual });
         assert_eq!(parts("vhacd_max_parts", "8"), Parameters { max_parts: 8, ..usual });

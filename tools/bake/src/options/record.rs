@@ -10,6 +10,7 @@ use std::fmt;
 use hullmap_bake::{IndexChoice, IndexKind};
 
 use super::defaults::{DefaultValue, OPTIONS, Record, position};
+use super::value::Value;
 use super::{BuildOptions, OptionLayer};
 
 impl fmt::Display for BuildOptions {
@@ -25,6 +26,8 @@ impl fmt::Display for BuildOptions {
                 {
                     continue;
                 }
+                // The first packs with parts had V-HACD's, and no other word than `true`.
+                (Record::IfChanged, Some(Value::Word("vhacd")), _) if option.key == "decompose" => "true".to_owned(),
                 (Record::IfChanged, Some(value), _) => value.to_string(),
             };
             write!(f, "{separator}{} {text}", option.key)?;
@@ -65,6 +68,7 @@ impl BuildOptions {
             if position(key).is_some_and(|index| OPTIONS[index].record == Record::Never) {
                 return None;
             }
+            let value = if (key, value) == ("decompose", "true") { "vhacd" } else { value };
             if key == "index" { set_index(&mut layer, value)? } else { layer.set(key, value).ok()? }
         }
         // The first packs had these two already.

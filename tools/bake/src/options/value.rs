@@ -11,6 +11,8 @@ pub enum Syntax {
     Words(&'static [&'static str]),
     /// `true` or `false`.
     Switch,
+    /// `true`, `false` or one of these words.
+    SwitchOr(&'static [&'static str]),
     /// A whole number in this range.
     Count {
         /// Minimum.
@@ -29,6 +31,8 @@ pub enum Syntax {
     },
     /// A finite number above 0, or `none`.
     PositiveOrNone,
+    /// A finite number above 0, the same followed by `%`, or `none`.
+    LengthOrNone,
 }
 
 /// Value of an option.
@@ -44,6 +48,8 @@ pub enum Value {
     Fraction(f32),
     /// A finite number.
     Number(f64),
+    /// A finite number of hundredths.
+    Percent(f64),
     /// `none`: no limit, even if a lower layer sets one.
     None,
 }
@@ -57,6 +63,7 @@ impl fmt::Display for Value {
             Self::Count(count) => count.fmt(f),
             Self::Fraction(fraction) => fraction.fmt(f),
             Self::Number(number) => number.fmt(f),
+            Self::Percent(number) => write!(f, "{number}%"),
             Self::None => f.write_str("none"),
         }
     }
@@ -69,14 +76,20 @@ impl Syntax {
     /// `text` is not an accepted value. The error states what was expected.
     pub fn parse(self, text: &str) -> Result<Value, String> {
         let value = match self {
-            Self::CountOrNone { .. } | Self::PositiveOrNone if text == "none" => Some(Value::None),
+            Self::CountOrNone { .. } | Self::PositiveOrNone | Self::LengthOrNone if text == "none" => Some(Value::None),
             Self::Words(words) => words.iter().find(|word| **word == text).map(|word| Value::Word(word)),
-            Self::Switch => text.parse().ok().map(Value::Switch),
+            Self::SwitchOr(words) if words.contains(&text) => {
+                words.iter().find(|word| **word == text).map(|word| Value::Word(word))
+            }
+            Self::Switch | Self::SwitchOr(_) => text.parse().ok().map(Value::Switch),
             Self::Count { min, max } => number(text, |count| (min..=max).contains(count)).map(Value::Count),
             Self::CountOrNone { min } => number(text, |&count| count >= min).map(Value::Count),
             // Adding +0 turns −0 into +0: equal options have equal records.
             Self::Fraction => number(text, |x| (0.0..=1.0).contains(x)).map(|x: f32| Value::Fraction(x + 0.0)),
-            Self::Positive | Self::PositiveOrNone => {
+            Self::LengthOrNone if text.ends_with('%') => {
+                number(text.get(..text.len() - 1).unwrap_or_default(), |&x: &f64| x > 0.0 && x.is_finite()).map(Value::Percent)
+            }
+            Self::Positive | Self::PositiveOrNone | Self::LengthOrNone => {
                 number(text, |&x: &f64| x > 0.0 && x.is_finite()).map(Value::Number)
             }
         };
@@ -88,12 +101,14 @@ impl Syntax {
         match self {
             Self::Words(words) => format!("one of {}", words.join(", ")),
             Self::Switch => "true or false".to_owned(),
+            Self::SwitchOr(words) => format!("true, false or {}", words.join(" or ")),
             Self::Count { min, max: u32::MAX } => format!("a whole number of at least {min}"),
             Self::Count { min, max } => format!("a whole number from {min} to {max}"),
             Self::Fraction => "a number from 0 to 1".to_owned(),
             Self::Positive => "a finite number above 0".to_owned(),
             Self::CountOrNone { min } => format!("a whole number of at least {min}, or none"),
             Self::PositiveOrNone => "a finite number above 0, or none".to_owned(),
+            Self::LengthOrNone => "a finite number above 0, the same with %, or none".to_owned(),
         }
     }
 }

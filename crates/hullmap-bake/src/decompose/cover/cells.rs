@@ -286,7 +286,7 @@ fn step(piece: Piece, depth: u32, field: &Field, cutting: &Cutting, may_cut: boo
     if !is_large {
         let body = Body::new(&piece.corners, thickness);
         let limit = if may_cut { cutting.limit } else { cutting.hard };
-        if !protrudes(&piece, &body, field, limit) {
+        if !protrudes(&piece, &body, field, limit) && (piece.ends.len() == 1 || is_proven(&body, field, cutting)) {
             return Err(vec![cell(&piece, &body)]);
         }
     }
@@ -345,6 +345,13 @@ fn protrudes(piece: &Piece, body: &Body, field: &Field, limit: f64) -> bool {
         }
     }
     super::sample::face_points(body, 96, limit).into_iter().any(|p| field.is_beyond(p, limit))
+}
+
+/// Whether the hull of a piece is proven to be near enough to the solid.
+fn is_proven(body: &Body, field: &Field, cutting: &Cutting) -> bool {
+    let rounded = body.points.iter().map(|p| p.as_vec3().to_array().map(|c| c + 0.0)).collect();
+    let bounds = super::wrap::Bounds { limit: cutting.hard, max_vertices: usize::MAX, diagonal: cutting.diagonal };
+    super::wrap::hull_of(rounded).is_some_and(|hull| super::wrap::prove(field, &hull, &bounds, 4_000).is_ok())
 }
 
 /// The plane that cuts a connected piece.

@@ -48,6 +48,9 @@ pub struct Candidate {
 /// Number of points of a hull's faces that are measured.
 const MEASURED: usize = 240;
 
+/// The same at the end of a growth.
+const MEASURED_LAST: usize = 1200;
+
 /// Number of times that a growth goes back.
 const MAX_REPAIRS: usize = 12;
 
@@ -135,7 +138,7 @@ impl<'a> Ground<'a> {
                 }
             }
             let body = growth.body();
-            let found = self.too_far(&body, MEASURED);
+            let found = self.too_far(&body, if frontier.is_empty() { MEASURED_LAST } else { MEASURED });
             if found.is_empty() {
                 good = growth.members.len();
                 if frontier.is_empty() {

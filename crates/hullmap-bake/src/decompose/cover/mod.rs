@@ -1,4 +1,34 @@
-//! Convex decomposition as a cover, with proven bounds.
+//! Convex decomposition as a cover: few convex parts that contain the whole surface of a mesh, none
+//! of which protrudes from its solid by more than a limit. Both are proven.
+//!
+//! | file | concept |
+//! |---|---|
+//! | [`cells`] | small pieces of the surface, of which parts are made |
+//! | [`field`] | which points are too far from the solid |
+//! | [`grow`](mod@grow) | parts, cell after cell |
+//! | [`choose`](mod@choose) | the fewest parts that cover all cells |
+//! | [`wrap`](mod@wrap) | hulls of few vertices around a part, proven |
+//! | [`body`], [`bits`], [`sample`] | trial hulls, sets of cells, points of faces |
+//!
+//! # Steps
+//! 1. Clip the mesh's triangles into cells whose hulls stay near the solid.
+//! 2. Sweep over the cells in several directions. Each sweep grows parts as large as they get, one
+//!    after the other, until all cells are covered. Parts may overlap each other and the solid.
+//! 3. Choose the fewest of all parts that cover all cells. Grow parts that could replace two of
+//!    them, and choose again.
+//! 4. Take from each part the cells that others cover, and wrap it in a hull of few vertices.
+//! 5. Prove each hull's protrusion. Where a proof fails, forbid the point that refutes it, and grow
+//!    other parts.
+//!
+//! # Why the bounds hold
+//! - Cells are clipped triangles, and together they are the whole surface. A hull of all corners of
+//!   a cell contains the cell. Hulls are rounded outward, and tests check that they contain all
+//!   corners.
+//! - Each hull's protrusion is bounded by [`protrusion`](crate::parts::protrusion), of the very f32
+//!   vertices that are stored.
+//!
+//! # Complexity
+//! O(n log n) for the cells of n triangles. Growth depends on the number of cells, which is bounded.
 
 pub mod bits;
 pub mod body;
@@ -10,7 +40,7 @@ pub mod sample;
 pub mod wrap;
 
 use std::collections::BTreeMap;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -20,21 +50,46 @@ use body::Body;
 use cells::Cutting;
 use field::Field;
 use grow::{Candidate, Ground};
+use wrap::Bounds;
 
 use crate::{PointSet, hull::Hull, parts::solid::Solid, simplify};
-use wrap::Bounds;
 
 /// Thickness of flat trial bodies, relative to the diagonal.
 const THICKNESS: f64 = 2e-7;
 
-/// Share of the limit that a cell's hull may protrude.
-const CELL_SHARE: f64 = 0.12;
+/// Share of the limit that a cell's hull may protrude, as far as samples show. Smaller cells fit
+/// together better and take longer.
+const CELL_SHARE: f64 = 0.08;
+
+/// Share of the limit that no cell's hull may exceed, proven.
+const HARD_SHARE: f64 = 0.8;
 
 /// Share of the limit that parts use while they grow; the rest is for the proof.
 const RESERVE: f64 = 0.96;
 
+/// Number of cells above which cells are only cut where they must be.
+const MAX_CELLS: usize = 3000;
+
+/// Number of steps of the set cover.
+const COVER_STEPS: usize = 3000;
+
+/// Number of rounds in which parts are grown to replace others.
+const MAX_ROUNDS: usize = 3;
+
 /// Number of times that parts which could not be proven are replaced.
 const MAX_REPAIRS: usize = 4;
+
+/// Number of cells of which parts are grown to replace others. With more, that takes too long.
+const MAX_REGROWN: usize = 4000;
+
+/// Number of forbidden points at the start.
+const FORBIDDEN: f64 = 3000.0;
+
+/// Number of times that a part is grown again before it is halved.
+const MAX_SPLITS: usize = 6;
+
+/// Distance by which a refuted point is moved into its part, relative to the diagonal.
+const INTO: f64 = 1e-5;
 
 /// Directions in which covers start.
 const SWEEPS: [[f64; 3]; 8] = [
@@ -51,89 +106,120 @@ const SWEEPS: [[f64; 3]; 8] = [
 /// What to search for.
 #[derive(Clone, Copy, Debug)]
 pub struct Search {
+    /// Maximum protrusion of a part, above 0.
     pub limit: f64,
+    /// Maximum number of vertices of a part.
     pub max_vertices: usize,
-    pub rounds: usize,
-    pub share: f64,
-    pub verbose: bool,
+    /// When to stop improving; a cover is found in any case.
+    pub deadline: Option<Deadline>,
 }
 
-pub struct Found {
-    pub parts: Vec<(Hull, f64)>,
-    pub cells: usize,
-    pub pool: usize,
+/// When a search stops improving.
+#[derive(Clone, Copy, Debug)]
+pub struct Deadline {
+    start: Instant,
+    limit: Duration,
 }
 
-pub fn search(mesh: &PointSet, solid: &Solid, what: &Search) -> Found {
-    let started = Instant::now();
-    let say = |text: String| {
-        if what.verbose {
-            eprintln!("  {:.3} {text}", started.elapsed().as_secs_f64());
-        }
-    };
-    let at = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
-    let triangles: Vec<[DVec3; 3]> = mesh.triangles.iter().map(|t| t.map(at)).collect();
+impl Deadline {
+    /// The time in `seconds`, from now.
+    pub fn after(seconds: f64) -> Self {
+        let limit = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+        Self { start: Instant::now(), limit }
+    }
+
+    /// Whether that time has come.
+    pub fn is_over(&self) -> bool {
+        self.start.elapsed() >= self.limit
+    }
+}
+
+impl Search {
+    fn is_over(&self) -> bool {
+        self.deadline.is_some_and(|deadline| deadline.is_over())
+    }
+}
+
+/// Hulls that together contain the surface of `mesh`, each with the proven bound on its protrusion
+/// from `solid`, the mesh's own.
+///
+/// Without a deadline, the result depends on the mesh and the parameters only.
+pub fn search(mesh: &PointSet, solid: &Solid, what: &Search) -> Vec<(Hull, f64)> {
+    let at = |v: &u32| mesh.positions.get(*v as usize).map(|p| DVec3::from_array(p.map(f64::from)));
+    let corners = |[a, b, c]: &[u32; 3]| Some([at(a)?, at(b)?, at(c)?]);
+    let triangles: Vec<[DVec3; 3]> = mesh.triangles.iter().filter_map(corners).collect();
     let field = Field::new(solid);
-    say(format!("field"));
     let diagonal = solid.diagonal();
-    let cutting = Cutting { limit: what.limit * what.share, hard: what.limit * 0.8, diagonal, max_cells: 3000 };
+    let cutting = Cutting {
+        limit: what.limit * CELL_SHARE,
+        hard: what.limit * HARD_SHARE,
+        diagonal,
+        max_cells: MAX_CELLS,
+    };
     let cells = cells::cells(&triangles, &field, &cutting);
-    say(format!("{} cells", cells.len()));
     let ground = Ground::new(&cells, &field, what.limit * RESERVE, diagonal);
     let mut forbidden = forbidden(&triangles, &ground);
-    say(format!("{} forbidden, {} near", forbidden.len(), ground.near.iter().map(Vec::len).sum::<usize>()));
-    let swept: Vec<(Vec<Candidate>, Vec<DVec3>)> =
-        SWEEPS.par_iter().map(|direction| sweep(&ground, DVec3::from_array(*direction), forbidden.clone())).collect();
     let known = forbidden.len();
     let mut pool: Vec<Candidate> = Vec::new();
-    let mut lengths = Vec::new();
+    let swept: Vec<(Vec<Candidate>, Vec<DVec3>)> = SWEEPS
+        .par_iter()
+        .enumerate()
+        .filter(|(index, _)| *index == 0 || !what.is_over())
+        .map(|(_, direction)| sweep(&ground, DVec3::from_array(*direction), forbidden.clone()))
+        .collect();
     for (found, points) in swept {
-        lengths.push(found.len());
-        forbidden.extend(&points[known..]);
-        for candidate in found {
-            add(&mut pool, candidate);
-        }
+        forbidden.extend(points.get(known..).unwrap_or_default());
+        found.into_iter().for_each(|candidate| add(&mut pool, candidate));
     }
-    say(format!("sweeps {lengths:?}, pool {}, forbidden {}", pool.len(), forbidden.len()));
-    let mut chosen = choose(&ground, &pool, 3000);
-    say(format!("chosen {}", chosen.len()));
-    for round in 0..what.rounds {
-        let before = pool.len();
-        let grown = regrow(&ground, &pool, &chosen, &forbidden, round);
-        for (candidate, points) in grown {
+    let mut chosen = choose(&ground, &pool);
+    for round in 0..MAX_ROUNDS {
+        if what.is_over() || cells.len() > MAX_REGROWN {
+            break;
+        }
+        for (candidate, points) in regrow(&ground, &pool, &chosen, &forbidden) {
             forbidden.extend(points);
             add(&mut pool, candidate);
         }
-        let better = choose(&ground, &pool, 3000);
-        say(format!("round {round}: pool {} -> {}, chosen {}", before, pool.len(), better.len()));
-        if better.len() >= chosen.len() && round >= 1 {
-            if better.len() == chosen.len() { chosen = better; }
+        let better = choose(&ground, &pool);
+        let is_done = better.len() >= chosen.len() && round > 0;
+        if better.len() <= chosen.len() {
+            chosen = better;
+        }
+        if is_done {
             break;
         }
-        chosen = better;
     }
+    prove(&ground, pool, chosen, forbidden, what)
+}
+
+/// Proven hulls of the chosen parts, or of others where a proof fails.
+fn prove(
+    ground: &Ground,
+    mut pool: Vec<Candidate>,
+    mut chosen: Vec<usize>,
+    mut forbidden: Vec<DVec3>,
+    what: &Search,
+) -> Vec<(Hull, f64)> {
+    let diagonal = ground.diagonal;
     let bounds = Bounds { limit: what.limit, max_vertices: what.max_vertices, diagonal };
-    let mut parts = Vec::new();
     let mut known: BTreeMap<Vec<u32>, Outcome> = BTreeMap::new();
-    for repair in 0..=MAX_REPAIRS {
-        let members = shrink(&ground, &pool, &chosen);
+    for repair in 0.. {
+        let members = shrink(ground, &pool, &chosen);
         let outcomes: Vec<Outcome> = members
             .par_iter()
-            .map(|members| known.get(members).cloned().unwrap_or_else(|| finish(&ground, members, &bounds)))
+            .map(|members| known.get(members).cloned().unwrap_or_else(|| finish(ground, members, &bounds)))
             .collect();
         known.extend(members.iter().cloned().zip(outcomes.iter().cloned()));
-        let failed = outcomes.iter().filter(|outcome| outcome.is_err()).count();
-        say(format!("{} parts, {failed} not proven", members.len()));
-        if failed == 0 || repair == MAX_REPAIRS {
-            for (outcome, members) in outcomes.into_iter().zip(&members) {
-                match outcome {
-                    Ok(part) => parts.push(part),
-                    Err(_) => split(&ground, members, &bounds, &mut parts),
-                }
-            }
-            break;
+        if outcomes.iter().all(Result::is_ok) || repair >= MAX_REPAIRS || what.is_over() {
+            let finished: Vec<Vec<(Hull, f64)>> = outcomes
+                .into_par_iter()
+                .zip(members)
+                .map(|(outcome, members)| outcome.map_or_else(|_| split(ground, members, &bounds, forbidden.clone()), |part| vec![part]))
+                .collect();
+            return finished.concat();
         }
-        let points: Vec<DVec3> = outcomes.iter().filter_map(|outcome| outcome.as_ref().err().copied().flatten()).collect();
+        let failed = || outcomes.iter().zip(&members).filter_map(|(outcome, members)| Some((outcome.as_ref().err()?, members)));
+        let points: Vec<DVec3> = failed().filter_map(|(point, members)| Some(into(ground, members, (*point)?))).collect();
         let mut lost: Vec<Vec<u32>> = Vec::new();
         pool.retain(|candidate| {
             let body = Body::new(&candidate.points, diagonal * THICKNESS);
@@ -144,32 +230,29 @@ pub fn search(mesh: &PointSet, solid: &Solid, what: &Search) -> Found {
             is_kept
         });
         // A part of too many vertices is halved.
-        for (outcome, members) in outcomes.iter().zip(&members) {
-            if matches!(outcome, Err(None)) {
-                let all = Bits::of(cells.len(), members);
-                pool.retain(|candidate| !all.is_within(&candidate.covers) || candidate.members.len() <= 1);
-                for half in halves(&ground, members) {
-                    pool.push(ground.part(half));
-                }
-            }
+        for (_, members) in failed().filter(|(point, _)| point.is_none()) {
+            let all = Bits::of(ground.cells.len(), members);
+            pool.retain(|candidate| candidate.members.len() <= 1 || !all.is_within(&candidate.covers));
+            pool.extend(halves(ground, members).map(|half| ground.part(half)));
         }
         forbidden.extend(points);
-        let grown: Vec<Vec<Candidate>> = lost.par_iter().map(|members| within(&ground, members, forbidden.clone())).collect();
-        for candidate in grown.into_iter().flatten() {
-            add(&mut pool, candidate);
-        }
+        let grown: Vec<Vec<Candidate>> =
+            lost.par_iter().map(|members| within(ground, members, &mut forbidden.clone())).collect();
+        grown.into_iter().flatten().for_each(|candidate| add(&mut pool, candidate));
         // Every cell stays covered.
-        let mut covered = Bits::new(cells.len());
+        let mut covered = Bits::new(ground.cells.len());
         pool.iter().for_each(|candidate| covered.join(&candidate.covers));
-        for cell in 0..cells.len() {
-            if !covered.has(cell) {
-                pool.push(ground.part(vec![cell as u32]));
-            }
-        }
-        chosen = choose(&ground, &pool, 3000);
+        let missing = (0..ground.cells.len()).filter(|cell| !covered.has(*cell));
+        pool.extend(missing.map(|cell| ground.part(vec![cell as u32])));
+        chosen = choose(ground, &pool);
     }
-    say(format!("{} parts proven", parts.len()));
-    Found { parts, cells: cells.len(), pool: pool.len() }
+    Vec::new()
+}
+
+/// A point that refutes a part, moved into it if it is at its border.
+fn into(ground: &Ground, members: &[u32], point: DVec3) -> DVec3 {
+    let middle = members.iter().map(|cell| ground.cells[*cell as usize].centre).sum::<DVec3>() / members.len() as f64;
+    point + (middle - point).normalize_or_zero() * (INTO * ground.diagonal)
 }
 
 /// A proven hull with its protrusion; else a point that is too far, or nothing if it has too many
@@ -185,44 +268,71 @@ fn finish(ground: &Ground, members: &[u32], bounds: &Bounds) -> Outcome {
         Err(Some(point)) => return Err(Some(point)),
         other => other,
     };
-    let Some(tight) = wrap::tight(&body.points, ground.diagonal) else { return wrapped };
+    let Some(tight) = wrap::tight(&body.points, ground.diagonal, flat(bounds)) else { return wrapped };
     match wrapped {
         Ok(wrapped) if wrapped.0.vertices.len() < tight.vertices.len() => return Ok(wrapped),
         _ => {}
     }
     if tight.vertices.len() <= bounds.max_vertices {
-        return wrap::prove(ground.field, &tight, bounds).map(|bound| (tight, bound)).map_err(Some);
+        return wrap::prove(ground.field, &tight, bounds, wrap::MEASUREMENTS).map(|bound| (tight, bound)).map_err(Some);
     }
     let simplified = simplify::simplify(&tight, simplify::Limit::Vertices(bounds.max_vertices));
     if let Ok(Some(simplified)) = simplified
-        && let Ok(bound) = wrap::prove(ground.field, &simplified.hull, bounds)
+        && let Ok(bound) = wrap::prove(ground.field, &simplified.hull, bounds, wrap::MEASUREMENTS)
     {
         return Ok((simplified.hull, bound));
     }
     if members.len() > 1 {
         return Err(None);
     }
-    wrap::prove(ground.field, &tight, bounds).map(|bound| (tight, bound)).map_err(Some)
+    wrap::prove(ground.field, &tight, bounds, wrap::MEASUREMENTS).map(|bound| (tight, bound)).map_err(Some)
+}
+
+/// Half the thickness of a flat part.
+fn flat(bounds: &Bounds) -> f64 {
+    (0.25 * bounds.limit).min(1e-4 * bounds.diagonal)
 }
 
 /// Proven parts of cells that are no proven part together.
-fn split(ground: &Ground, members: &[u32], bounds: &Bounds, parts: &mut Vec<(Hull, f64)>) {
-    let mut stack = vec![members.to_vec()];
-    while let Some(members) = stack.pop() {
-        if let Ok(part) = finish(ground, &members, bounds) {
-            parts.push(part);
-        } else if members.len() > 1 {
-            stack.extend(halves(ground, &members));
-        } else {
+fn split(ground: &Ground, members: Vec<u32>, bounds: &Bounds, mut forbidden: Vec<DVec3>) -> Vec<(Hull, f64)> {
+    let size = ground.cells.len();
+    // What lies in the part's hull may lie in none of its pieces.
+    let all: Vec<u32> = ground.part(members).covers.iter().map(|i| i as u32).collect();
+    let mut parts = Vec::new();
+    let mut stack = vec![(all, 0)];
+    while let Some((members, depth)) = stack.pop() {
+        match finish(ground, &members, bounds) {
+            Ok(part) => parts.push(part),
+            Err(Some(point)) if members.len() > 1 && depth < MAX_SPLITS => {
+                forbidden.push(into(ground, &members, point));
+                let pieces = within(ground, &members, &mut forbidden);
+                if pieces.len() > 1 {
+                    let mut left = Bits::of(size, &members);
+                    for piece in pieces {
+                        // Each cell in one piece.
+                        let own: Vec<u32> = piece.covers.iter().filter(|i| left.has(*i)).map(|i| i as u32).collect();
+                        own.iter().for_each(|i| left.remove(*i as usize));
+                        if !own.is_empty() {
+                            stack.push((own, depth + 1));
+                        }
+                    }
+                } else {
+                    stack.extend(halves(ground, &members).map(|half| (half, depth + 1)));
+                }
+            }
+            Err(_) if members.len() > 1 => stack.extend(halves(ground, &members).map(|half| (half, depth))),
             // Polygons of the surface protrude nowhere.
-            for polygon in members.iter().flat_map(|cell| &ground.cells[*cell as usize].polygons) {
-                if let Some(hull) = wrap::tight(polygon, ground.diagonal) {
-                    let bound = wrap::prove(ground.field, &hull, bounds).unwrap_or(0.0);
-                    parts.push((hull, bound));
+            Err(_) => {
+                for polygon in members.iter().flat_map(|cell| &ground.cells[*cell as usize].polygons) {
+                    if let Some(hull) = wrap::tight(polygon, ground.diagonal, flat(bounds)) {
+                        let bound = wrap::prove(ground.field, &hull, bounds, wrap::MEASUREMENTS).unwrap_or(f64::INFINITY);
+                        parts.push((hull, bound));
+                    }
                 }
             }
         }
     }
+    parts
 }
 
 /// Cells on both sides of the middle of their box.
@@ -239,7 +349,7 @@ fn halves(ground: &Ground, members: &[u32]) -> [Vec<u32>; 2] {
 }
 
 /// Parts of some cells that cover them.
-fn within(ground: &Ground, members: &[u32], mut forbidden: Vec<DVec3>) -> Vec<Candidate> {
+fn within(ground: &Ground, members: &[u32], forbidden: &mut Vec<DVec3>) -> Vec<Candidate> {
     let all = Bits::of(ground.cells.len(), members);
     let mut covered = Bits::new(ground.cells.len());
     let mut found = Vec::new();
@@ -252,17 +362,17 @@ fn within(ground: &Ground, members: &[u32], mut forbidden: Vec<DVec3>) -> Vec<Ca
             let far = if covered.has(i as usize) { 4.0 * ground.diagonal } else { 0.0 };
             all.has(i as usize).then(|| ground.cells[i as usize].centre.distance(centre) + far)
         };
-        let candidate = ground.grow(&[*seed], &key, &mut forbidden).unwrap_or_else(|| ground.part(vec![*seed]));
+        let candidate = ground.grow(&[*seed], &key, forbidden).unwrap_or_else(|| ground.part(vec![*seed]));
         covered.join(&candidate.covers);
         found.push(candidate);
     }
     found
 }
 
-fn choose(ground: &Ground, pool: &[Candidate], steps: usize) -> Vec<usize> {
+fn choose(ground: &Ground, pool: &[Candidate]) -> Vec<usize> {
     let sets: Vec<&Bits> = pool.iter().map(|candidate| &candidate.covers).collect();
     let cost: Vec<f64> = pool.iter().map(|candidate| candidate.points.len() as f64).collect();
-    choose::choose(&sets, &cost, ground.cells.len(), steps)
+    choose::choose(&sets, &cost, ground.cells.len(), COVER_STEPS)
 }
 
 /// Adds a candidate, unless another covers the same cells.
@@ -277,7 +387,7 @@ fn forbidden(triangles: &[[DVec3; 3]], ground: &Ground) -> Vec<DVec3> {
     let all: Vec<DVec3> = ground.cells.iter().flat_map(|cell| cell.points.iter().copied()).collect();
     let hull = Body::new(&all, ground.diagonal * THICKNESS);
     let area: f64 = triangles.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).length() * 0.5).sum();
-    let spacing = ground.limit.max((area / 3000.0).sqrt());
+    let spacing = ground.limit.max((area / FORBIDDEN).sqrt());
     let mut found = Vec::new();
     let mut owed = 0.5;
     let step = ground.limit * 1.02;
@@ -332,7 +442,7 @@ fn sweep(ground: &Ground, direction: DVec3, mut forbidden: Vec<DVec3>) -> (Vec<C
 
 /// Parts that replace a chosen one each: what only the chosen part covers, and what only one of its
 /// neighbours covers.
-fn regrow(ground: &Ground, pool: &[Candidate], chosen: &[usize], forbidden: &[DVec3], _round: usize) -> Vec<(Candidate, Vec<DVec3>)> {
+fn regrow(ground: &Ground, pool: &[Candidate], chosen: &[usize], forbidden: &[DVec3]) -> Vec<(Candidate, Vec<DVec3>)> {
     let cells = ground.cells;
     let mut count = vec![0_u32; cells.len()];
     for part in chosen {

@@ -24,10 +24,10 @@ use crate::parts::{branch::Accuracy, protrusion::protrusion};
 use crate::{NO_SOURCE_VERTEX, PointSet};
 
 /// Maximum number of planes that are added.
-const MAX_STEPS: usize = 96;
+const MAX_STEPS: usize = 200;
 
 /// Maximum number of measurements of a proof.
-const MEASUREMENTS: usize = 200_000;
+pub const MEASUREMENTS: usize = 200_000;
 
 /// Share of the limit that measured points may use; the rest is for the proof.
 const PLANNED: f64 = 0.975;
@@ -39,7 +39,7 @@ const LARGE: f64 = 0.04;
 const ALIKE: f64 = 0.94;
 
 /// Number of points of the faces that are measured.
-const MEASURED: usize = 160;
+const MEASURED: usize = 400;
 
 /// Maximum rounding error of a point, relative to its greatest coordinate.
 const ROUNDING: f64 = 1.1e-7;
@@ -56,8 +56,8 @@ pub struct Bounds {
 }
 
 /// Whether a hull is proven to be within the limit, or else a point of it that may be too far.
-pub fn prove(field: &Field, hull: &Hull, bounds: &Bounds) -> Result<f64, DVec3> {
-    let found = protrusion(field.solid(), hull, &Accuracy { measurements: MEASUREMENTS, ..Accuracy::decide(bounds.limit) });
+pub fn prove(field: &Field, hull: &Hull, bounds: &Bounds, measurements: usize) -> Result<f64, DVec3> {
+    let found = protrusion(field.solid(), hull, &Accuracy { measurements, ..Accuracy::decide(bounds.limit) });
     // Written so that NaN fails.
     if found.bound <= bounds.limit { Ok(found.bound) } else { Err(found.at) }
 }
@@ -68,10 +68,28 @@ pub fn hull_of(positions: Vec<[f32; 3]>) -> Option<Hull> {
     hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).ok()
 }
 
-/// The hull of `points`, rounded to f32 so that it contains all of them.
-pub fn tight(points: &[DVec3], diagonal: f64) -> Option<Hull> {
+/// The hull of `points`, rounded to f32 so that it contains all of them. Flat parts are thickened by
+/// `thickness` on both sides, since only a solid has an inside.
+pub fn tight(points: &[DVec3], diagonal: f64, thickness: f64) -> Option<Hull> {
     let middle = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
-    let outward = |p: &DVec3| {
+    let steps = match spanning_simplex(points.get(..).filter(|list| !list.is_empty())?) {
+        Simplex::Tetrahedron(_) => vec![DVec3::ZERO],
+        Simplex::Triangle([a, b, c]) => {
+            let normal = (points[b] - points[a]).cross(points[c] - points[a]).normalize_or_zero() * thickness;
+            vec![normal, -normal]
+        }
+        Simplex::Segment([a, b]) => {
+            let (u, v) = (points[b] - points[a]).normalize_or_zero().any_orthonormal_pair();
+            [u, v, -u, -v].map(|step| step * thickness).to_vec()
+        }
+        Simplex::Point(_) => [DVec3::X, DVec3::Y, DVec3::Z].iter().flat_map(|x| [*x * thickness, *x * -thickness]).collect(),
+    };
+    let room = if steps.len() > 1 { 4.0 * ROUNDING * (middle.abs().max_element() + diagonal) } else { 0.0 };
+    let moved = points.iter().flat_map(|p| {
+        let aside = (*p - middle).normalize_or_zero() * room;
+        steps.iter().map(move |step| *p + *step + aside)
+    });
+    let outward = |p: DVec3| {
         let [p, m] = [p.to_array(), middle.to_array()];
         [0, 1, 2].map(|axis| {
             let near = p[axis] as f32;
@@ -86,13 +104,10 @@ pub fn tight(points: &[DVec3], diagonal: f64) -> Option<Hull> {
             }) + 0.0
         })
     };
-    let mut rounded: Vec<[f32; 3]> = points.iter().map(outward).collect();
-    let to_f64 = |list: &[[f32; 3]]| list.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect::<Vec<_>>();
-    let body = Body::new(&to_f64(&rounded), 0.0);
+    let mut rounded: Vec<[f32; 3]> = moved.map(outward).collect();
+    let body = Body::new(&rounded.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect::<Vec<_>>(), 0.0);
     let slack = 2e-13 * diagonal;
-    let is_flat = body.planes.is_empty();
-    let lost = points.iter().filter(|p| p.as_vec3().as_dvec3() != **p && (is_flat || !body.holds(**p, slack)));
-    let around: Vec<[f32; 3]> = lost.flat_map(|p| around(*p)).collect();
+    let around: Vec<[f32; 3]> = points.iter().filter(|p| !body.holds(**p, slack)).flat_map(|p| around(*p)).collect();
     rounded.extend(around);
     hull_of(rounded)
 }
@@ -138,12 +153,12 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds) -> Result<(Hull, f64), 
         let point = match faces.too_far(&planes, &vertices) {
             Some(point) => point,
             None => {
-                let (left, fewer) = faces.fewer(planes.clone(), vertices.clone());
+                let (left, fewer) = faces.fewer(planes.clone(), vertices);
                 let hull = faces.rounded(&fewer).ok_or(None)?;
                 if hull.vertices.len() > cap {
                     return Err(None);
                 }
-                match prove(field, &hull, bounds) {
+                match prove(field, &hull, bounds, MEASUREMENTS) {
                     Ok(bound) => return Ok((hull, bound)),
                     Err(point) => {
                         planes = left;
@@ -153,11 +168,10 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds) -> Result<(Hull, f64), 
                 }
             }
         };
-        if body.holds(point, 1.5 * room) {
+        if body.holds(point, 3.5 * room) {
             return Err(Some(point));
         }
-        // Room for a later removal of planes.
-        if vertices.len() > 4 * cap + 16 || !faces.cut_off(&mut planes, point) {
+        if !faces.cut_off(&mut planes, point) {
             return Err(None);
         }
     }
@@ -237,7 +251,8 @@ impl Faces<'_> {
 
     /// A point of the polytope that is too far from the solid, the farthest from the body.
     fn too_far(&self, planes: &[Plane], vertices: &[DVec3]) -> Option<DVec3> {
-        let is_in = |p: &&DVec3| planes.iter().all(|plane| plane.height(**p) <= self.room);
+        // A point on a face is in, whatever the rounding error.
+        let is_in = |p: &&DVec3| planes.iter().all(|plane| plane.height(**p) <= 2.0 * self.room);
         if let Some(point) = self.refuted.iter().find(is_in) {
             return Some(*point);
         }
@@ -247,7 +262,7 @@ impl Faces<'_> {
             let mut ranked: Vec<(f64, DVec3)> = points.into_iter().map(|p| (height(&p), p)).collect();
             ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
             // What is in the body cannot be cut off.
-            ranked.into_iter().filter(|(h, _)| *h > 2.0 * self.room).find(|(_, p)| self.field.is_beyond(*p, limit))
+            ranked.into_iter().filter(|(h, _)| *h > 3.5 * self.room).find(|(_, p)| self.field.is_beyond(*p, limit))
         };
         if let Some((_, point)) = worst(vertices.to_vec()) {
             return Some(point);
@@ -260,7 +275,7 @@ impl Faces<'_> {
     fn cut_off(&self, planes: &mut Vec<Plane>, point: DVec3) -> bool {
         let heights: Vec<f64> = self.body.planes.iter().map(|plane| plane.height(point)).collect();
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if !(highest > 1.5 * self.room) {
+        if !(highest > 3.0 * self.room) {
             return false;
         }
         let high = (0..heights.len()).filter(|face| heights[*face] >= 0.7 * highest);

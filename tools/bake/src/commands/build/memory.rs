@@ -7,6 +7,7 @@
 use std::fs::metadata;
 use std::path::Path;
 
+use hullmap_bake::decompose::Method;
 use hullmap_bake::{IndexChoice, IndexKind};
 
 use super::job::Job;
@@ -40,7 +41,10 @@ pub fn estimate(job: &Job) -> u64 {
     let is_gltf = job.source.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gltf"));
     let buffers = if is_gltf { hullmap_import::buffers_of(&job.source).unwrap_or_default() } else { Vec::new() };
     let bytes: u64 = length(&job.source) + buffers.iter().map(|path| length(path)).sum::<u64>();
-    let voxels = job.options.decompose().map_or(0, |parts| u64::from(parts.resolution).pow(3));
+    let voxels = match job.options.decompose() {
+        Some(Method::Vhacd(parameters)) => u64::from(parameters.resolution).pow(3),
+        _ => 0,
+    };
     let cells = match job.options.index() {
         IndexChoice::Kind(kind @ IndexKind::CubeMap { .. }) => kind.root_count(),
         _ => 0,
