@@ -80,8 +80,7 @@ fn from_file(name: &str, path: &Path) -> PointSet {
     let (file, limits) = (path.display().to_string(), Limits::DEFAULT);
     let source = read(&file, path, &limits).unwrap_or_else(|error| panic!("{file}: {error:?}"));
     let options = ImportOptions::DEFAULT;
-    let mut imported =
-        import(&file, name, path, &source, &options, &limits).unwrap_or_else(|error| panic!("{error}"));
+    let mut imported = import(&file, name, path, &source, &options, &limits).unwrap_or_else(|error| panic!("{error}"));
     imported.give_triangles();
     imported.point_sets.into_iter().next().unwrap_or_else(|| panic!("{file}: no mesh"))
 }

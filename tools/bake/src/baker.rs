@@ -44,10 +44,8 @@ pub struct Part<'a> {
 /// # Errors
 /// A point set has no hull; the error names the first one.
 pub fn parts<'a>(point_sets: &'a [PointSet], method: Option<&Method>) -> Result<Vec<Part<'a>>, String> {
-    let cut: Vec<_> = point_sets
-        .par_iter()
-        .map(|points| method.map_or(Ok(None), |method| decompose(points, method)))
-        .collect();
+    let cut: Vec<_> =
+        point_sets.par_iter().map(|points| method.map_or(Ok(None), |method| decompose(points, method))).collect();
     let mut parts = Vec::with_capacity(point_sets.len());
     for (set, (found, points)) in cut.into_iter().zip(point_sets).enumerate() {
         match found.map_err(|error| format!("hull {}: {error}", points.name))? {

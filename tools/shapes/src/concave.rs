@@ -50,8 +50,7 @@ fn append(mesh: &mut Mesh, other: Mesh) {
 }
 
 fn block(low: [f64; 3], high: [f64; 3]) -> Mesh {
-    let ring =
-        |z: f64| vec![[low[0], low[1], z], [high[0], low[1], z], [high[0], high[1], z], [low[0], high[1], z]];
+    let ring = |z: f64| vec![[low[0], low[1], z], [high[0], low[1], z], [high[0], high[1], z], [low[0], high[1], z]];
     sweep(&[ring(low[2]), ring(high[2])], false)
 }
 
@@ -111,8 +110,7 @@ pub fn pipe(segments: usize) -> Mesh {
 
 /// A mug of `segments` sides, with a handle that is a shell of its own.
 pub fn mug(segments: u32) -> Mesh {
-    let mut mesh =
-        lathe(&[[0.0, 0.0], [0.4, 0.0], [0.4, 1.0], [0.35, 1.0], [0.35, 0.06], [0.0, 0.06]], segments);
+    let mut mesh = lathe(&[[0.0, 0.0], [0.4, 0.0], [0.4, 1.0], [0.35, 1.0], [0.35, 0.06], [0.0, 0.06]], segments);
     let ring = |i: usize| {
         let (c, s) = cos_sin(i, 32);
         let (c, s) = (s, -c);

@@ -171,7 +171,8 @@ fn in_order<'t>(table: &'t DeTable) -> Vec<(Range<usize>, &'t str, &'t Spanned<D
 /// The value as text for [`Syntax::parse`], if its TOML type is right.
 fn text_of(value: &DeValue, syntax: Syntax) -> Option<String> {
     let accepts_none = matches!(syntax, Syntax::CountOrNone { .. } | Syntax::PositiveOrNone | Syntax::LengthOrNone);
-    let accepts_float = matches!(syntax, Syntax::Fraction | Syntax::Positive | Syntax::PositiveOrNone | Syntax::LengthOrNone);
+    let accepts_float =
+        matches!(syntax, Syntax::Fraction | Syntax::Positive | Syntax::PositiveOrNone | Syntax::LengthOrNone);
     let accepts_integer = accepts_float || matches!(syntax, Syntax::Count { .. } | Syntax::CountOrNone { .. });
     match value {
         DeValue::String(text) if matches!(syntax, Syntax::Words(_) | Syntax::SwitchOr(_) | Syntax::LengthOrNone) => {

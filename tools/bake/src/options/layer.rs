@@ -99,8 +99,7 @@ impl OptionLayer {
 
     /// The first parameter of the decomposition that the layer gives.
     pub fn first_decomposition_parameter(&self) -> Option<&'static str> {
-        let is_parameter =
-            |index: &usize| OPTIONS[*index].applies_with.is_some_and(|(key, _)| key == "decompose");
+        let is_parameter = |index: &usize| OPTIONS[*index].applies_with.is_some_and(|(key, _)| key == "decompose");
         (0..OPTION_COUNT).filter(is_parameter).find(|&index| self.values[index].is_some()).map(|i| OPTIONS[i].key)
     }
 
@@ -169,6 +168,7 @@ impl OptionLayer {
 
 #[cfg(test)]
 pub mod tests {
+    use hullmap_bake::decompose::Method;
     use hullmap_bake::simplify::Limit;
     use hullmap_bake::{IndexChoice, IndexKind};
 
@@ -197,6 +197,8 @@ pub mod tests {
         ("max_vertices", "64"),
         ("max_error", "0.5"),
         ("pack_names", "full"),
+        ("max_parts", "9"),
+        ("decompose_seconds", "2.5"),
     ];
 
     /// A layer with these values.
@@ -238,6 +240,7 @@ pub mod tests {
         let parts = layer(&[("vhacd_resolution", "32")]);
         assert_eq!(parts.resolve().decompose(), None, "parameters alone do not decompose");
         let parts = layer(&[("decompose", "true")]).over(&parts).resolve().decompose().unwrap();
+        let Method::Vhacd(parts) = parts else { panic!("V-HACD") };
         assert_eq!(parts.resolution, 32);
     }
 
@@ -275,9 +278,11 @@ pub mod tests {
         for (key, value) in VALUES.into_iter().filter(|(key, _)| key.starts_with("vhacd_")) {
             assert_eq!(clash(&[("decompose", "false"), (key, value)]), Some(key));
             assert_eq!(clash(&[("decompose", "true"), (key, value)]), None);
+            assert_eq!(clash(&[("decompose", "vhacd"), (key, value)]), None);
             // Another layer may decompose.
             assert_eq!(clash(&[(key, value)]), None);
         }
+        assert_eq!(clash(&[("decompose", "true"), ("max_error", "2%"), ("max_vertices", "8")]), None);
         let message = layer(&[("max_error", "5"), ("max_vertices", "5")]).clash().unwrap().message(str::to_owned);
         assert_eq!(message, "max_error and max_vertices exclude each other; remove one of them");
     }

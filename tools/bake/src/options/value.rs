@@ -87,7 +87,8 @@ impl Syntax {
             // Adding +0 turns −0 into +0: equal options have equal records.
             Self::Fraction => number(text, |x| (0.0..=1.0).contains(x)).map(|x: f32| Value::Fraction(x + 0.0)),
             Self::LengthOrNone if text.ends_with('%') => {
-                number(text.get(..text.len() - 1).unwrap_or_default(), |&x: &f64| x > 0.0 && x.is_finite()).map(Value::Percent)
+                number(text.get(..text.len() - 1).unwrap_or_default(), |&x: &f64| x > 0.0 && x.is_finite())
+                    .map(Value::Percent)
             }
             Self::Positive | Self::PositiveOrNone | Self::LengthOrNone => {
                 number(text, |&x: &f64| x > 0.0 && x.is_finite()).map(Value::Number)

@@ -70,7 +70,8 @@ impl Body {
         let steps = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * thickness);
         let thick: Vec<DVec3> = around.iter().flat_map(|p| steps.iter().flat_map(|s| [*p + *s, *p - *s])).collect();
         let thick = distinct(&thick);
-        let mut body = Self { low: low - DVec3::splat(thickness), high: high + DVec3::splat(thickness), ..Self::default() };
+        let mut body =
+            Self { low: low - DVec3::splat(thickness), high: high + DVec3::splat(thickness), ..Self::default() };
         if let Simplex::Tetrahedron(simplex) = spanning_simplex(&thick) {
             body.add_faces(&thick, simplex);
         }

@@ -105,8 +105,9 @@ impl Piece {
     fn spread(&self) -> DVec3 {
         let (mut sum, mut squares, mut total) = (DVec3::ZERO, DVec3::ZERO, 0.0);
         for (corners, normal) in self.polygons() {
-            let area: f64 =
-                (1..corners.len() - 1).map(|i| (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]).length()).sum();
+            let area: f64 = (1..corners.len() - 1)
+                .map(|i| (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]).length())
+                .sum();
             sum += normal * area;
             squares += normal * normal * area;
             total += area;
@@ -280,7 +281,13 @@ pub fn cells(triangles: &[[DVec3; 3]], field: &Field, cutting: &Cutting) -> Vec<
 }
 
 /// Cells of a piece, or the pieces it is cut into.
-fn step(piece: Piece, depth: u32, field: &Field, cutting: &Cutting, may_cut: bool) -> Result<Vec<(Piece, u32)>, Vec<Cell>> {
+fn step(
+    piece: Piece,
+    depth: u32,
+    field: &Field,
+    cutting: &Cutting,
+    may_cut: bool,
+) -> Result<Vec<(Piece, u32)>, Vec<Cell>> {
     let thickness = cutting.diagonal * super::THICKNESS;
     let is_large = piece.corners.len() > MAX_CORNERS;
     if !is_large {
@@ -377,11 +384,13 @@ fn plane(piece: &Piece, slack: f64, thickness: f64) -> Option<Plane> {
     // A plane at the border of the piece cuts nothing.
     let is_inner = |plane: &Plane| {
         let heights = || piece.corners.iter().map(|p| plane.height(*p));
-        heights().fold(f64::INFINITY, f64::min) < -1e-4 * diagonal && heights().fold(f64::NEG_INFINITY, f64::max) > 1e-4 * diagonal
+        heights().fold(f64::INFINITY, f64::min) < -1e-4 * diagonal
+            && heights().fold(f64::NEG_INFINITY, f64::max) > 1e-4 * diagonal
     };
     let mut ranked: Vec<(f64, Plane)> = groups.into_values().collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut candidates: Vec<(f64, Plane)> = ranked.into_iter().take(24).filter(|(_, plane)| is_inner(plane)).take(4).collect();
+    let mut candidates: Vec<(f64, Plane)> =
+        ranked.into_iter().take(24).filter(|(_, plane)| is_inner(plane)).take(4).collect();
     if let Some((weight, plane)) = candidates.first()
         && *weight >= DECISIVE * total
     {

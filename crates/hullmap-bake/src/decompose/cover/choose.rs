@@ -26,7 +26,8 @@ pub fn choose(sets: &[&Bits], cost: &[f64], size: usize, steps: usize) -> Vec<us
     // Greedy start.
     while search.uncovered > 0 {
         let gains = (0..sets.len()).filter(|s| !search.is_in[*s]).map(|s| (search.gain(s), s));
-        let Some((gain, best)) = gains.max_by(|a, b| a.0.cmp(&b.0).then(cost[b.1].total_cmp(&cost[a.1])).then(b.1.cmp(&a.1)))
+        let Some((gain, best)) =
+            gains.max_by(|a, b| a.0.cmp(&b.0).then(cost[b.1].total_cmp(&cost[a.1])).then(b.1.cmp(&a.1)))
         else {
             break;
         };

@@ -49,7 +49,7 @@ pub struct Candidate {
 const MEASURED: usize = 240;
 
 /// The same at the end of a growth.
-const MEASURED_LAST: usize = 1200;
+const MEASURED_LAST: usize = 4000;
 
 /// Number of times that a growth goes back.
 const MAX_REPAIRS: usize = 12;
@@ -97,7 +97,12 @@ impl<'a> Ground<'a> {
 
     /// Grows a part from `start`. Cells join in the order of `key`, those of the least first; cells
     /// without a key do not. `forbidden` receives points that are found to be too far.
-    pub fn grow(&self, start: &[u32], key: &dyn Fn(u32) -> Option<f64>, forbidden: &mut Vec<DVec3>) -> Option<Candidate> {
+    pub fn grow(
+        &self,
+        start: &[u32],
+        key: &dyn Fn(u32) -> Option<f64>,
+        forbidden: &mut Vec<DVec3>,
+    ) -> Option<Candidate> {
         let mut growth = Growth::new(self);
         for cell in start {
             if !growth.join(*cell, forbidden) {
@@ -185,7 +190,8 @@ impl<'a> Ground<'a> {
 
     /// The part of these cells, without growth.
     pub fn part(&self, members: Vec<u32>) -> Candidate {
-        let points: Vec<DVec3> = members.iter().flat_map(|cell| self.cells[*cell as usize].points.iter().copied()).collect();
+        let points: Vec<DVec3> =
+            members.iter().flat_map(|cell| self.cells[*cell as usize].points.iter().copied()).collect();
         let body = self.body(&points);
         self.candidate(members, &body)
     }
@@ -245,7 +251,8 @@ impl<'a> Growth<'a> {
             }
             if let Some(plane) = self.apart[i] {
                 let room = plane.offset - margin;
-                if plane.normal.dot(new.centre) + new.radius < room || new.points.iter().all(|p| plane.normal.dot(*p) < room)
+                if plane.normal.dot(new.centre) + new.radius < room
+                    || new.points.iter().all(|p| plane.normal.dot(*p) < room)
                 {
                     continue;
                 }

@@ -64,8 +64,12 @@ const CELL_SHARE: f64 = 0.08;
 /// Share of the limit that no cell's hull may exceed, proven.
 const HARD_SHARE: f64 = 0.8;
 
-/// Share of the limit that parts use while they grow; the rest is for the proof.
-const RESERVE: f64 = 0.96;
+/// Shares of the limit that parts use while they grow; the rest is for the proof. The next share is
+/// tried where proofs fail and parts have to be split.
+const RESERVES: [f64; 3] = [0.96, 0.86, 0.72];
+
+/// Number of parts that is accepted, relative to the number before proofs.
+const ACCEPTED: f64 = 1.1;
 
 /// Number of cells above which cells are only cut where they must be.
 const MAX_CELLS: usize = 3000;
@@ -77,7 +81,7 @@ const COVER_STEPS: usize = 3000;
 const MAX_ROUNDS: usize = 3;
 
 /// Number of times that parts which could not be proven are replaced.
-const MAX_REPAIRS: usize = 4;
+const MAX_REPAIRS: usize = 2;
 
 /// Number of cells of which parts are grown to replace others. With more, that takes too long.
 const MAX_REGROWN: usize = 4000;
@@ -150,37 +154,49 @@ pub fn search(mesh: &PointSet, solid: &Solid, what: &Search) -> Vec<(Hull, f64)>
     let triangles: Vec<[DVec3; 3]> = mesh.triangles.iter().filter_map(corners).collect();
     let field = Field::new(solid);
     let diagonal = solid.diagonal();
-    let cutting = Cutting {
-        limit: what.limit * CELL_SHARE,
-        hard: what.limit * HARD_SHARE,
-        diagonal,
-        max_cells: MAX_CELLS,
-    };
+    let cutting =
+        Cutting { limit: what.limit * CELL_SHARE, hard: what.limit * HARD_SHARE, diagonal, max_cells: MAX_CELLS };
     let cells = cells::cells(&triangles, &field, &cutting);
-    let ground = Ground::new(&cells, &field, what.limit * RESERVE, diagonal);
-    let mut forbidden = forbidden(&triangles, &ground);
+    let mut best: Vec<(Hull, f64)> = Vec::new();
+    for reserve in RESERVES {
+        let ground = Ground::new(&cells, &field, what.limit * reserve, diagonal);
+        let (hoped, found) = cover(&ground, &triangles, what);
+        if best.is_empty() || found.len() < best.len() {
+            best = found;
+        }
+        if best.len() as f64 <= ACCEPTED * hoped as f64 || what.is_over() {
+            break;
+        }
+    }
+    best
+}
+
+/// The number of parts chosen before proofs, and the proven hulls.
+fn cover(ground: &Ground, triangles: &[[DVec3; 3]], what: &Search) -> (usize, Vec<(Hull, f64)>) {
+    let cells = ground.cells;
+    let mut forbidden = forbidden(triangles, ground);
     let known = forbidden.len();
     let mut pool: Vec<Candidate> = Vec::new();
     let swept: Vec<(Vec<Candidate>, Vec<DVec3>)> = SWEEPS
         .par_iter()
         .enumerate()
         .filter(|(index, _)| *index == 0 || !what.is_over())
-        .map(|(_, direction)| sweep(&ground, DVec3::from_array(*direction), forbidden.clone()))
+        .map(|(_, direction)| sweep(ground, DVec3::from_array(*direction), forbidden.clone()))
         .collect();
     for (found, points) in swept {
         forbidden.extend(points.get(known..).unwrap_or_default());
         found.into_iter().for_each(|candidate| add(&mut pool, candidate));
     }
-    let mut chosen = choose(&ground, &pool);
+    let mut chosen = choose(ground, &pool);
     for round in 0..MAX_ROUNDS {
         if what.is_over() || cells.len() > MAX_REGROWN {
             break;
         }
-        for (candidate, points) in regrow(&ground, &pool, &chosen, &forbidden) {
+        for (candidate, points) in regrow(ground, &pool, &chosen, &forbidden) {
             forbidden.extend(points);
             add(&mut pool, candidate);
         }
-        let better = choose(&ground, &pool);
+        let better = choose(ground, &pool);
         let is_done = better.len() >= chosen.len() && round > 0;
         if better.len() <= chosen.len() {
             chosen = better;
@@ -189,7 +205,7 @@ pub fn search(mesh: &PointSet, solid: &Solid, what: &Search) -> Vec<(Hull, f64)>
             break;
         }
     }
-    prove(&ground, pool, chosen, forbidden, what)
+    (chosen.len(), prove(ground, pool, chosen, forbidden, what))
 }
 
 /// Proven hulls of the chosen parts, or of others where a proof fails.
@@ -214,12 +230,16 @@ fn prove(
             let finished: Vec<Vec<(Hull, f64)>> = outcomes
                 .into_par_iter()
                 .zip(members)
-                .map(|(outcome, members)| outcome.map_or_else(|_| split(ground, members, &bounds, forbidden.clone()), |part| vec![part]))
+                .map(|(outcome, members)| {
+                    outcome.map_or_else(|_| split(ground, members, &bounds, forbidden.clone()), |part| vec![part])
+                })
                 .collect();
             return finished.concat();
         }
-        let failed = || outcomes.iter().zip(&members).filter_map(|(outcome, members)| Some((outcome.as_ref().err()?, members)));
-        let points: Vec<DVec3> = failed().filter_map(|(point, members)| Some(into(ground, members, (*point)?))).collect();
+        let failed =
+            || outcomes.iter().zip(&members).filter_map(|(outcome, members)| Some((outcome.as_ref().err()?, members)));
+        let points: Vec<DVec3> =
+            failed().filter_map(|(point, members)| Some(into(ground, members, (*point)?))).collect();
         let mut lost: Vec<Vec<u32>> = Vec::new();
         pool.retain(|candidate| {
             let body = Body::new(&candidate.points, diagonal * THICKNESS);
@@ -261,7 +281,8 @@ type Outcome = Result<(Hull, f64), Option<DVec3>>;
 
 /// The proven hull of a part; else a point that is too far, or nothing if it has too many vertices.
 fn finish(ground: &Ground, members: &[u32], bounds: &Bounds) -> Outcome {
-    let points: Vec<DVec3> = members.iter().flat_map(|cell| ground.cells[*cell as usize].points.iter().copied()).collect();
+    let points: Vec<DVec3> =
+        members.iter().flat_map(|cell| ground.cells[*cell as usize].points.iter().copied()).collect();
     let body = Body::new(&points, ground.diagonal * THICKNESS);
     // A point of the part itself.
     let wrapped = match wrap::wrap(ground.field, &body, bounds) {
@@ -325,7 +346,8 @@ fn split(ground: &Ground, members: Vec<u32>, bounds: &Bounds, mut forbidden: Vec
             Err(_) => {
                 for polygon in members.iter().flat_map(|cell| &ground.cells[*cell as usize].polygons) {
                     if let Some(hull) = wrap::tight(polygon, ground.diagonal, flat(bounds)) {
-                        let bound = wrap::prove(ground.field, &hull, bounds, wrap::MEASUREMENTS).unwrap_or(f64::INFINITY);
+                        let bound =
+                            wrap::prove(ground.field, &hull, bounds, wrap::MEASUREMENTS).unwrap_or(f64::INFINITY);
                         parts.push((hull, bound));
                     }
                 }
@@ -516,3 +538,6 @@ fn shrink(ground: &Ground, pool: &[Candidate], chosen: &[usize]) -> Vec<Vec<u32>
     }
     kept.into_iter().map(|part| part.members).filter(|members| !members.is_empty()).collect()
 }
+
+#[cfg(test)]
+mod tests;

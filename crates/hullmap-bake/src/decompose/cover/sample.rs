@@ -7,7 +7,8 @@ use super::body::Body;
 /// Up to `count` points on the faces of a body: middles of triangles, which are halved along their
 /// longest edges, the largest first, down to edges of length `spacing`.
 pub fn face_points(body: &Body, count: usize, spacing: f64) -> Vec<DVec3> {
-    let size = |t: &[DVec3; 3]| t[0].distance_squared(t[1]).max(t[1].distance_squared(t[2])).max(t[2].distance_squared(t[0]));
+    let size =
+        |t: &[DVec3; 3]| t[0].distance_squared(t[1]).max(t[1].distance_squared(t[2])).max(t[2].distance_squared(t[0]));
     let mut level: Vec<[DVec3; 3]> = body.triangles.clone();
     let area = |t: &[DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]).length_squared();
     let mut found = Vec::with_capacity(count);

@@ -27,7 +27,7 @@ use crate::{NO_SOURCE_VERTEX, PointSet};
 const MAX_STEPS: usize = 200;
 
 /// Maximum number of measurements of a proof.
-pub const MEASUREMENTS: usize = 200_000;
+pub const MEASUREMENTS: usize = 100_000;
 
 /// Share of the limit that measured points may use; the rest is for the proof.
 const PLANNED: f64 = 0.975;
@@ -57,7 +57,9 @@ pub struct Bounds {
 
 /// Whether a hull is proven to be within the limit, or else a point of it that may be too far.
 pub fn prove(field: &Field, hull: &Hull, bounds: &Bounds, measurements: usize) -> Result<f64, DVec3> {
-    let found = protrusion(field.solid(), hull, &Accuracy { measurements, ..Accuracy::decide(bounds.limit) });
+    let usual = Accuracy::decide(bounds.limit);
+    let accuracy = Accuracy { measurements: measurements.min(usual.measurements), ..usual };
+    let found = protrusion(field.solid(), hull, &accuracy);
     // Written so that NaN fails.
     if found.bound <= bounds.limit { Ok(found.bound) } else { Err(found.at) }
 }
@@ -82,7 +84,9 @@ pub fn tight(points: &[DVec3], diagonal: f64, thickness: f64) -> Option<Hull> {
             let (u, v) = (points[b] - points[a]).normalize_or_zero().any_orthonormal_pair();
             [u, v, -u, -v].map(|step| step * thickness).to_vec()
         }
-        Simplex::Point(_) => [DVec3::X, DVec3::Y, DVec3::Z].iter().flat_map(|x| [*x * thickness, *x * -thickness]).collect(),
+        Simplex::Point(_) => {
+            [DVec3::X, DVec3::Y, DVec3::Z].iter().flat_map(|x| [*x * thickness, *x * -thickness]).collect()
+        }
     };
     let room = if steps.len() > 1 { 4.0 * ROUNDING * (middle.abs().max_element() + diagonal) } else { 0.0 };
     let moved = points.iter().flat_map(|p| {
@@ -200,7 +204,9 @@ impl Faces<'_> {
         let mut chosen: Vec<Plane> = Vec::new();
         for face in order {
             let plane = self.plane(face);
-            if self.body.areas[face] >= LARGE * total && chosen.iter().all(|other| other.normal.dot(plane.normal) < ALIKE) {
+            if self.body.areas[face] >= LARGE * total
+                && chosen.iter().all(|other| other.normal.dot(plane.normal) < ALIKE)
+            {
                 chosen.push(plane);
             }
         }
@@ -257,7 +263,8 @@ impl Faces<'_> {
             return Some(*point);
         }
         let limit = PLANNED * self.bounds.limit;
-        let height = |p: &DVec3| self.body.planes.iter().map(|plane| plane.height(*p)).fold(f64::NEG_INFINITY, f64::max);
+        let height =
+            |p: &DVec3| self.body.planes.iter().map(|plane| plane.height(*p)).fold(f64::NEG_INFINITY, f64::max);
         let worst = |points: Vec<DVec3>| {
             let mut ranked: Vec<(f64, DVec3)> = points.into_iter().map(|p| (height(&p), p)).collect();
             ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
