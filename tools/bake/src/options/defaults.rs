@@ -199,7 +199,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: SwitchOr(&["cover", "vhacd"]),
         default: DefaultValue::Value("false"),
         value_name: "METHOD",
-        help: "Decompose concave meshes into convex parts: cover (proven bounds; used without METHOD) or vhacd",
+        help: "Decompose concave meshes into convex parts: vhacd (used without METHOD) or cover, with proven bounds",
         section: Section::Decomposition,
         ..OPTION
     },

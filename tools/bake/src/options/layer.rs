@@ -12,6 +12,9 @@ pub struct OptionLayer {
     values: [Option<Value>; OPTION_COUNT],
 }
 
+/// The method of a decomposition that is switched on without a name, as in the first versions.
+const UNNAMED: &str = "vhacd";
+
 /// Two options of one layer that contradict each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Clash {
@@ -83,16 +86,11 @@ impl OptionLayer {
         }
     }
 
-    /// The method of the decomposition, by its name. Without a name, a parameter of V-HACD chooses
-    /// V-HACD.
+    /// The method of the decomposition, by its name.
     fn method(&self) -> Option<&'static str> {
         match self.get("decompose")? {
             Value::Word(word) => Some(word),
-            Value::Switch(true) => {
-                let is_vhacd = |index: &usize| OPTIONS[*index].applies_with == Some(("decompose", "vhacd"));
-                let is_given = (0..OPTION_COUNT).filter(is_vhacd).any(|index| self.values[index].is_some());
-                Some(if is_given { "vhacd" } else { "cover" })
-            }
+            Value::Switch(true) => Some(UNNAMED),
             _ => None,
         }
     }
@@ -282,7 +280,7 @@ pub mod tests {
             // Another layer may decompose.
             assert_eq!(clash(&[(key, value)]), None);
         }
-        assert_eq!(clash(&[("decompose", "true"), ("max_error", "2%"), ("max_vertices", "8")]), None);
+        assert_eq!(clash(&[("decompose", "cover"), ("max_error", "2%"), ("max_vertices", "8")]), None);
         let message = layer(&[("max_error", "5"), ("max_vertices", "5")]).clash().unwrap().message(str::to_owned);
         assert_eq!(message, "max_error and max_vertices exclude each other; remove one of them");
     }

@@ -209,7 +209,6 @@ pub mod tests {
         assert_eq!(usual.index(), IndexChoice::default());
         assert_eq!((usual.decompose(), usual.simplify(1.0)), (None, None));
         let cover = Some(Method::Cover(Cover::default()));
-        assert_eq!(options(&[("decompose", "true")]).decompose(), cover);
         assert_eq!(options(&[("decompose", "cover")]).decompose(), cover);
         let parts = vhacd(&[("decompose", "vhacd")]);
         let library = Parameters::default();
@@ -246,7 +245,7 @@ pub mod tests {
         let names = ["auto", "stem", "full"].map(|names| options(&[("pack_names", names)]).keeps_extension());
         assert_eq!(names, [None, Some(false), Some(true)]);
         assert_eq!(options(&[("max_error", "1%")]).simplify(3.0), Some(Limit::Distance(0.03)));
-        let cover = |key, value| options(&[("decompose", "true"), (key, value)]).decompose();
+        let cover = |key, value| options(&[("decompose", "cover"), (key, value)]).decompose();
         let usual = Cover::default();
         let is = |cover| Some(Method::Cover(cover));
         assert_eq!(cover("max_error", "0.5"), is(Cover { max_error: Length::Absolute(0.5), ..usual }));
@@ -254,9 +253,9 @@ pub mod tests {
         assert_eq!(cover("max_vertices", "32"), is(Cover { max_vertices: 32, ..usual }));
         assert_eq!(cover("max_parts", "7"), is(Cover { max_parts: Some(7), ..usual }));
         assert_eq!(cover("decompose_seconds", "1.5"), is(Cover { seconds: Some(1.5), ..usual }));
-        assert_eq!(options(&[("decompose", "true"), ("max_vertices", "32")]).simplify(1.0), None);
+        assert_eq!(options(&[("decompose", "cover"), ("max_vertices", "32")]).simplify(1.0), None);
         let usual = vhacd(&[("decompose", "vhacd")]);
-        // A parameter of V-HACD chooses it.
+        // Without a name, it is V-HACD.
         let parts = |key, value| vhacd(&[("decompose", "true"), (key, value)]);
         assert_eq!(parts("vhacd_concavity", "0.5"), Parameters { concavity: 0.5, ..usual });
         assert_eq!(parts("vhacd_resolution", "32"), Parameters { resolution: 32, ..usual });

@@ -32,7 +32,7 @@ fn checked(mesh: &PointSet, share: f64) -> Vec<(Hull, f64)> {
             let total: f64 = weights.iter().sum();
             let p: DVec3 = points.iter().zip(&weights).map(|(p, w)| *p * (w / total)).sum();
             // Near the border, too.
-            let q = p + (points[rng.below(points.len() as u64) as usize] - p) * rng.between(0.0, 1.0);
+            let q = p + (points[rng.below(points.len())] - p) * rng.between(0.0, 1.0);
             assert!([p, q].iter().all(|p| solid.distance(*p) <= limit * (1.0 + 1e-9)));
         }
     }
