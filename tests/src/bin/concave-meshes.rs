@@ -1,11 +1,10 @@
-//! Prints parts, vertices, protrusion and processor time of the convex decomposition of concave
-//! meshes, beside the figures of CoACD.
+//! Writes the concave meshes on which decompositions are compared as OBJ files, so that any tool can
+//! decompose them.
 //!
 //! ```text
-//! cargo run --release -p hullmap-tests --bin decompose-table -- --meshes FOLDER --coacd FILE
+//! cargo run --release -p hullmap-tests --bin concave-meshes -- --meshes FOLDER --write FOLDER
 //! ```
 //!
-//! `--write FOLDER` writes the meshes as OBJ files instead, so that other tools can decompose them.
 //! Each is scaled to a diagonal of 1, about the origin.
 
 use std::path::{Path, PathBuf};
@@ -20,9 +19,9 @@ struct Arguments {
     /// Folder of the meshes that cannot be generated
     #[arg(long)]
     meshes: Option<PathBuf>,
-    /// Write the meshes to this folder, and do nothing else
+    /// Folder to write the meshes to
     #[arg(long)]
-    write: Option<PathBuf>,
+    write: PathBuf,
     /// Only meshes whose name contains this
     #[arg(long, default_value = "")]
     only: String,
@@ -46,17 +45,14 @@ fn main() {
     let arguments = Arguments::parse();
     let meshes: Vec<PointSet> =
         meshes(arguments.meshes.as_deref()).into_iter().filter(|mesh| mesh.name.contains(&arguments.only)).collect();
-    if let Some(folder) = &arguments.write {
-        for mesh in &meshes {
-            let vertices = mesh.positions.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n"));
-            let faces = mesh.triangles.iter().map(|t| {
-                let [a, b, c] = t.map(|v| v + 1);
-                format!("f {a} {b} {c}\n")
-            });
-            let text: String = vertices.chain(faces).collect();
-            std::fs::write(folder.join(format!("{}.obj", mesh.name)), text).expect("the folder can be written");
-        }
-        return;
+    for mesh in &meshes {
+        let vertices = mesh.positions.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n"));
+        let faces = mesh.triangles.iter().map(|t| {
+            let [a, b, c] = t.map(|v| v + 1);
+            format!("f {a} {b} {c}\n")
+        });
+        let text: String = vertices.chain(faces).collect();
+        std::fs::write(arguments.write.join(format!("{}.obj", mesh.name)), text).expect("the folder can be written");
     }
 }
 
