@@ -1,5 +1,5 @@
-//! Writes the concave meshes on which decompositions are compared as OBJ files, so that any tool can
-//! decompose them.
+//! Writes the concave meshes on which decompositions are compared as OBJ files, so that any tool
+//! can decompose them.
 //!
 //! ```text
 //! cargo run --release -p hullmap-tests --bin concave-meshes -- --meshes FOLDER --write FOLDER

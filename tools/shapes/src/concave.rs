@@ -1,7 +1,7 @@
 //! Concave solids, on which convex decompositions are compared.
 //!
-//! All are closed and wound counter-clockwise seen from outside. Some consist of several shells that
-//! touch or overlap, as modelled furniture does.
+//! All are closed and wound counter-clockwise seen from outside. Some consist of several shells
+//! that touch or overlap, as modelled furniture does.
 
 use crate::mesh::Mesh;
 use crate::solids::lathe;

@@ -84,7 +84,8 @@ pub struct Cover {
     pub max_error: Length,
     /// Maximum number of parts, at least 1. Where `max_error` takes more, it is exceeded.
     pub max_parts: Option<u32>,
-    /// Maximum number of vertices of a part, at least [`MIN_VERTICES`](crate::simplify::MIN_VERTICES).
+    /// Maximum number of vertices of a part, at least
+    /// [`MIN_VERTICES`](crate::simplify::MIN_VERTICES).
     pub max_vertices: u32,
     /// Time after which the best result so far is returned, in seconds. The result then depends on
     /// the machine.

@@ -28,7 +28,8 @@
 //!   vertices that are stored.
 //!
 //! # Complexity
-//! O(n log n) for the cells of n triangles. Growth depends on the number of cells, which is bounded.
+//! O(n log n) for the cells of n triangles. Growth depends on the number of cells, which is
+//! bounded.
 
 pub mod bits;
 pub mod body;

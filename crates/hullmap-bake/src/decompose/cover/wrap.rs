@@ -70,8 +70,8 @@ pub fn hull_of(positions: Vec<[f32; 3]>) -> Option<Hull> {
     hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).ok()
 }
 
-/// The hull of `points`, rounded to f32 so that it contains all of them. Flat parts are thickened by
-/// `thickness` on both sides, since only a solid has an inside.
+/// The hull of `points`, rounded to f32 so that it contains all of them. Flat parts are thickened
+/// by `thickness` on both sides, since only a solid has an inside.
 pub fn tight(points: &[DVec3], diagonal: f64, thickness: f64) -> Option<Hull> {
     let middle = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
     let steps = match spanning_simplex(points.get(..).filter(|list| !list.is_empty())?) {
