@@ -199,7 +199,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: SwitchOr(&["cover", "vhacd"]),
         default: DefaultValue::Value("false"),
         value_name: "METHOD",
-        help: "Decompose concave meshes into convex parts: vhacd (used without METHOD) or cover, with proven bounds",
+        help: "Decompose concave meshes into convex parts: vhacd (default) or cover",
         section: Section::Decomposition,
         ..OPTION
     },
@@ -280,7 +280,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: CountOrNone { min: MIN_VERTICES },
         default: DefaultValue::Value("none"),
         value_name: "N",
-        help: "Replace each hull by an enclosing one with at most N vertices, 4 or more; none: exact hull, with cover 64",
+        help: "Replace each hull by an enclosing one with at most N vertices, 4 or more; none: exact hull",
         section: Section::Simplification,
         group: Group::Limit,
         ..OPTION
@@ -289,9 +289,8 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         key: "max_error",
         syntax: LengthOrNone,
         default: DefaultValue::Value("none"),
-        value_name: "E|E%",
-        help: "Replace each hull by an enclosing one that extends at most E units beyond it, or E% of the diagonal; \
-               with cover: how far parts may protrude from the mesh, 2% if none; none: exact hull",
+        value_name: "E",
+        help: "Replace each hull by an enclosing one that extends at most E units beyond it; none: exact hull",
         section: Section::Simplification,
         group: Group::Limit,
         ..OPTION
@@ -313,6 +312,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         value_name: "N",
         help: "Maximum number of parts; the smallest error that the search reaches with them",
         section: Section::Decomposition,
+        is_advanced: true,
         applies_with: Some(("decompose", "cover")),
         ..OPTION
     },
