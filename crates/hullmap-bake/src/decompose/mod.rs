@@ -79,16 +79,17 @@ impl Length {
 /// Parameters of a cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cover {
-    /// Maximum distance of a part's points from the mesh's solid, above 0. With `max_parts`, the
-    /// smallest that the search reaches.
+    /// Maximum protrusion of a part from the mesh's solid, above 0. With `max_parts`, the search
+    /// starts with this limit, and finds the smallest one that suffices.
     pub max_error: Length,
-    /// Maximum number of parts, at least 1. Where `max_error` takes more, it is exceeded.
+    /// Maximum number of parts, at least 1. If `max_error` takes more parts, `max_error` is
+    /// exceeded.
     pub max_parts: Option<u32>,
     /// Maximum number of vertices of a part, at least
     /// [`MIN_VERTICES`](crate::simplify::MIN_VERTICES).
     pub max_vertices: u32,
-    /// Time after which the best result so far is returned, in seconds. The result then depends on
-    /// the machine.
+    /// Time after which the search stops improving the parts, in seconds. A first cover is
+    /// completed in any case, which may take longer. The result then depends on the machine.
     pub seconds: Option<f64>,
 }
 

@@ -15,7 +15,7 @@
 //! If all boxes overlap, [`contact`], [`contacts`] and manifolds query all G H pairs, because every
 //! pair may be in contact. [`intersects`] and [`distance`] end at the first pair that overlaps. If
 //! no pair does, [`intersects`] queries them all. No order of the tests avoids that. Against a
-//! single shape the work is at most proportional to G. Bake with fewer parts (`--vhacd-max-parts`),
+//! single shape the work is at most proportional to G. Bake with fewer parts (`--max-parts`),
 //! or with less overlap, if that is too slow.
 //!
 //! # Examples

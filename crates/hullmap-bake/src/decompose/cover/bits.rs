@@ -1,4 +1,4 @@
-//! Sets of small numbers.
+//! Bit sets: sets of numbers below a fixed size.
 
 /// A set of numbers below a fixed size.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
@@ -10,7 +10,7 @@ impl Bits {
         Self(vec![0; size.div_ceil(64)])
     }
 
-    /// The set of some numbers below `size`.
+    /// The set of `numbers`, which are below `size`.
     pub fn of(size: usize, numbers: &[u32]) -> Self {
         let mut bits = Self::new(size);
         numbers.iter().for_each(|i| bits.insert(*i as usize));
@@ -31,7 +31,7 @@ impl Bits {
         }
     }
 
-    /// Whether the set has a number.
+    /// Whether the set contains a number.
     pub fn has(&self, i: usize) -> bool {
         self.0.get(i / 64).is_some_and(|word| word >> (i % 64) & 1 == 1)
     }
@@ -55,7 +55,7 @@ impl Bits {
         })
     }
 
-    /// How many numbers the set has.
+    /// Number of elements.
     pub fn count(&self) -> usize {
         self.0.iter().map(|word| word.count_ones() as usize).sum()
     }

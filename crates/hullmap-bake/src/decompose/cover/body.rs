@@ -1,8 +1,7 @@
-//! A convex body of few points, for trials: the hull of points in f64, with the planes of its
-//! faces.
+//! Trial hulls: convex bodies of few points in f64, with the planes of their faces.
 //!
-//! Flat sets have no volume. Their body is thickened by a length that no measure notices, so that
-//! every body has planes all around.
+//! A flat set has no volume. Its body is thickened by a length far below any limit, so that every
+//! body has planes on all sides.
 
 use glam::DVec3;
 
@@ -117,7 +116,8 @@ impl Body {
         self.triangles.iter().map(|[a, b, c]| (*a - o).cross(*b - o).dot(*c - o)).sum::<f64>() / 6.0
     }
 
-    /// Length of the way from `p` along `direction` until it leaves the body; 0 if `p` is outside.
+    /// Distance from `p` along the unit vector `direction` to where it leaves the body; 0 if `p` is
+    /// outside.
     pub fn exit(&self, p: DVec3, direction: DVec3) -> f64 {
         let mut exit = f64::INFINITY;
         for plane in &self.planes {
@@ -151,10 +151,10 @@ fn distinct(points: &[DVec3]) -> Vec<DVec3> {
     all
 }
 
-/// A direction along which all `points` lie behind `p`; `None` if `p` is in their hull, or so near
-/// to it that rounding error decides.
+/// A plane with all `points` behind it and `p` in front of it; `None` if `p` is in their hull, or
+/// so close to it that rounding error decides.
 ///
-/// GJK, which ends as soon as a direction separates.
+/// This is GJK. It starts in the direction `towards`, and ends as soon as a direction separates.
 pub fn separation(points: &[DVec3], p: DVec3, towards: DVec3, margin: f64) -> Option<Plane> {
     let mut simplex = [DVec3::ZERO; 4];
     let mut count = 0;
@@ -200,7 +200,7 @@ pub fn separation(points: &[DVec3], p: DVec3, towards: DVec3, margin: f64) -> Op
 /// Maximum number of steps of [`separation`].
 const MAX_STEPS: usize = 40;
 
-/// The point of the simplex nearest to `p`, and the corners of the smallest face that holds it.
+/// The point of the simplex nearest to `p`, and the corners of the smallest face that contains it.
 fn nearest_in_simplex(p: DVec3, corners: &[DVec3]) -> (DVec3, [DVec3; 4], usize) {
     let mut best = (f64::INFINITY, DVec3::ZERO, [DVec3::ZERO; 4], 0);
     let Some((new, others)) = corners.split_last() else { return (p, best.2, 0) };

@@ -4,10 +4,10 @@
 //! 1. Start with all triangles as one piece. Find the concave edges: those whose faces lie in front
 //!    of each other.
 //! 2. A piece whose hull stays near the solid is a cell.
-//! 3. Any other piece is split into its connected components. If it is connected, a plane cuts it:
-//!    of a face at a concave edge, or across the piece's box. Of a few candidates, the plane that
-//!    leaves the least volume in the hulls of both sides.
-//! 4. A piece that cannot be cut any more is split into its polygons, which protrude nowhere.
+//! 3. Split any other piece into its connected components. If it is connected, cut it by a plane:
+//!    of a face at a concave edge, between two such faces, or across the piece's box. Of a few
+//!    candidates, choose the plane that leaves the least volume in the hulls of both sides.
+//! 4. Split a piece that cannot be cut any more into its polygons, which protrude nowhere.
 //!
 //! Triangles are clipped, never replaced: the cells' polygons are the mesh's surface, and the hull
 //! of a cell's corners contains its polygons. A hull of whole cells therefore covers them.
@@ -23,19 +23,19 @@ use super::field::Field;
 /// Maximum number of cuts that lead to a cell.
 const MAX_DEPTH: u32 = 40;
 
-/// Maximum number of polygons of which a trial cut is judged.
+/// Maximum number of polygons by which a trial cut is judged.
 const TRIAL_POLYGONS: usize = 200;
 
-/// Maximum number of corners of a piece whose hull is built. A larger piece is cut unseen.
+/// Maximum number of corners of a piece whose hull is built. A larger piece is cut without a test.
 const MAX_CORNERS: usize = 20_000;
 
 /// Sine of the angle at which faces must lie in front of each other for their edge to be concave.
 const CONCAVE: f64 = 0.02;
 
-/// Share of the concave edges that a plane must hold to be taken without a trial.
+/// Share of the concave edges that must lie in a plane for it to be chosen without a trial.
 const DECISIVE: f64 = 0.3;
 
-/// Share of the least volume so far that a later candidate must leave at most.
+/// A later candidate is better if it leaves less than this share of the least volume so far.
 const BETTER: f64 = 0.97;
 
 /// Distance from a plane up to which a corner lies in it, relative to the diagonal.
@@ -48,7 +48,7 @@ pub struct Cell {
     pub points: Vec<DVec3>,
     /// Middle of its box.
     pub centre: DVec3,
-    /// Radius of the ball around the centre that holds it.
+    /// Radius of a ball around the centre that contains it.
     pub radius: f64,
     /// Area of its polygons.
     pub area: f64,
@@ -241,14 +241,14 @@ fn clip(corners: &[DVec3], plane: &Plane, slack: f64, halves: &mut [Vec<DVec3>; 
     }
 }
 
-/// How to cut.
+/// Limits of the cells.
 #[derive(Clone, Copy, Debug)]
 pub struct Cutting {
-    /// Distance from the solid that a cell's hull may have.
+    /// Maximum distance of a cell's hull from the solid, as far as samples show.
     pub limit: f64,
     /// Diagonal of the mesh.
     pub diagonal: f64,
-    /// Distance from the solid that no cell's hull may have.
+    /// Maximum distance of a cell's hull from the solid, proven.
     pub hard: f64,
     /// Number of cells above which only what protrudes beyond `hard` is cut.
     pub max_cells: usize,
@@ -335,11 +335,11 @@ fn polygons(piece: &Piece, cutting: &Cutting) -> Vec<Cell> {
     piece.polygons().map(one).collect()
 }
 
-/// Number of polygons from which a piece is judged.
+/// Maximum number of polygons in front of which a piece's hull is sampled.
 const RAYS: usize = 64;
 
-/// Whether the hull of a piece is found farther than `limit` from the solid: in front of its
-/// polygons, or on the largest of its faces.
+/// Whether a sample of a piece's hull is farther than `limit` from the solid. Samples are in front
+/// of the piece's polygons, and on the largest faces of the hull.
 fn protrudes(piece: &Piece, body: &Body, field: &Field, limit: f64) -> bool {
     let stride = piece.ends.len().div_ceil(RAYS).max(1);
     for (corners, normal) in (0..piece.ends.len()).step_by(stride).map(|i| piece.polygon(i)) {

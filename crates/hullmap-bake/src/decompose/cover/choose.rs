@@ -80,7 +80,7 @@ pub fn choose(sets: &[&Bits], cost: &[f64], size: usize, steps: usize) -> Vec<us
 struct Search<'a> {
     lists: &'a [Vec<u32>],
     is_in: Vec<bool>,
-    /// How many chosen sets cover each number.
+    /// Number of chosen sets that cover each number.
     count: Vec<u32>,
     weight: Vec<u64>,
     /// The step in which a set was last added or removed.
@@ -101,7 +101,7 @@ impl Search<'_> {
         (0..self.is_in.len()).filter(|s| self.is_in[*s]).collect()
     }
 
-    /// The chosen set that is missed least, other than `kept`.
+    /// The chosen set whose removal uncovers the least weight, except `kept`.
     fn cheapest(&self, kept: usize) -> Option<usize> {
         let chosen = (0..self.is_in.len()).filter(|s| self.is_in[*s] && *s != kept);
         chosen.min_by_key(|s| (self.loss(*s), self.changed[*s], *s))

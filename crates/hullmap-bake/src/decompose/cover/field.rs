@@ -1,9 +1,10 @@
-//! Whether points are farther from the solid than a limit: a grid answers for most of them.
+//! Tests whether points are farther from the solid than a limit. A grid of voxels states for most
+//! points whether they are inside.
 //!
 //! # Steps
-//! 1. Voxels that a triangle may enter are mixed.
-//! 2. The other voxels form connected components, each all inside or all outside. One query of the
-//!    solid labels each component.
+//! 1. Label voxels that a triangle may enter as mixed.
+//! 2. The other voxels form connected components, each all inside or all outside. Label each
+//!    component by one query of the solid.
 
 use glam::DVec3;
 

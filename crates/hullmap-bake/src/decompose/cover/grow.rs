@@ -1,7 +1,7 @@
 //! Growth of parts: cell after cell, while the hull of the cells stays near the solid.
 //!
 //! # Steps
-//! 1. Start with the given cells. Candidates are cells whose boxes touch a member's.
+//! 1. Start with the given cells. Candidates are cells whose boxes are close to a member's.
 //! 2. Take the candidates in a given order. A candidate joins if the hull of all members then
 //!    contains no forbidden point: a point that is known to be too far from the solid. For each
 //!    forbidden point, a plane that separates it is kept, so that most are settled by one dot
@@ -20,15 +20,15 @@ use super::cells::Cell;
 use super::field::Field;
 use super::sample::face_points;
 
-/// What parts grow on.
+/// What all growths share: the cells, their neighbours, and the solid.
 pub struct Ground<'a> {
     /// The cells.
     pub cells: &'a [Cell],
-    /// For each cell, the cells whose boxes touch its box.
+    /// For each cell, the cells whose boxes are within the limit of its box, along each axis.
     pub near: Vec<Vec<u32>>,
-    /// Distances.
+    /// The solid.
     pub field: &'a Field<'a>,
-    /// Distance from the solid that parts may have.
+    /// Maximum distance of a part from the solid.
     pub limit: f64,
     /// Diagonal of the mesh.
     pub diagonal: f64,
@@ -51,14 +51,14 @@ const MEASURED: usize = 240;
 /// The same at the end of a growth.
 const MEASURED_LAST: usize = 4000;
 
-/// Number of times that a growth goes back.
+/// Maximum number of times that a growth goes back.
 const MAX_REPAIRS: usize = 12;
 
 /// Number of points after which those inside the hull are dropped.
 const CROWD: usize = 96;
 
 impl<'a> Ground<'a> {
-    /// The ground of cells.
+    /// Finds the neighbours of all cells.
     pub fn new(cells: &'a [Cell], field: &'a Field<'a>, limit: f64, diagonal: f64) -> Self {
         let mut order: Vec<u32> = (0..cells.len() as u32).collect();
         order.sort_by(|a, b| cells[*a as usize].low.x.total_cmp(&cells[*b as usize].low.x).then(a.cmp(b)));
@@ -95,8 +95,10 @@ impl<'a> Ground<'a> {
         points.into_iter().filter(|p| self.field.is_beyond(*p, self.limit)).take(8).collect()
     }
 
-    /// Grows a part from `start`. Cells join in the order of `key`, those of the least first; cells
-    /// without a key do not. `forbidden` receives points that are found to be too far.
+    /// Grows a part from the cells of `start`; `None` if their own hull is too far from the solid.
+    ///
+    /// Cells join in ascending order of `key`, which is not negative. Cells without a key do not
+    /// join. Points that are found to be too far from the solid are added to `forbidden`.
     pub fn grow(
         &self,
         start: &[u32],
@@ -208,7 +210,7 @@ struct Growth<'a> {
     high: DVec3,
     /// For each forbidden point, a plane through it that has all points below.
     apart: Vec<Option<Plane>>,
-    /// Forbidden points that rejected a cell.
+    /// Forbidden points that rejected the last cells. They are tested first.
     hot: Vec<u32>,
 }
 

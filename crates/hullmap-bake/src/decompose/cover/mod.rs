@@ -8,7 +8,7 @@
 //! | [`grow`](mod@grow) | parts, cell after cell |
 //! | [`choose`](mod@choose) | the fewest parts that cover all cells |
 //! | [`wrap`](mod@wrap) | hulls of few vertices around a part, proven |
-//! | [`body`], [`bits`], [`sample`] | trial hulls, sets of cells, points of faces |
+//! | [`body`], [`bits`], [`sample`] | trial hulls, sets of cells, points on faces |
 //!
 //! # Steps
 //! 1. Clip the mesh's triangles into cells whose hulls stay near the solid.
@@ -24,12 +24,12 @@
 //! - Cells are clipped triangles, and together they are the whole surface. A hull of all corners of
 //!   a cell contains the cell. Hulls are rounded outward, and tests check that they contain all
 //!   corners.
-//! - Each hull's protrusion is bounded by [`protrusion`](crate::parts::protrusion), of the very f32
-//!   vertices that are stored.
+//! - Each hull's protrusion is bounded by [`protrusion`](crate::parts::protrusion). It measures the
+//!   f32 vertices that are stored.
 //!
 //! # Complexity
-//! O(n log n) for the cells of n triangles. Growth depends on the number of cells, which is
-//! bounded.
+//! O(n log n) for the cells of n triangles. The time of the growth depends on the number of cells,
+//! which exceeds 3,000 only where larger cells would protrude too far.
 
 pub mod bits;
 pub mod body;
@@ -66,10 +66,10 @@ const CELL_SHARE: f64 = 0.08;
 const HARD_SHARE: f64 = 0.8;
 
 /// Shares of the limit that parts use while they grow; the rest is for the proof. The next share is
-/// tried where proofs fail and parts have to be split.
+/// tried if proofs fail and the parts that replace the failed ones are too many.
 const RESERVES: [f64; 3] = [0.96, 0.86, 0.72];
 
-/// Number of parts that is accepted, relative to the number before proofs.
+/// Maximum number of proven parts that is accepted, relative to the number before proofs.
 const ACCEPTED: f64 = 1.1;
 
 /// Number of cells above which cells are only cut where they must be.
@@ -78,25 +78,27 @@ const MAX_CELLS: usize = 3000;
 /// Number of steps of the set cover.
 const COVER_STEPS: usize = 3000;
 
-/// Number of rounds in which parts are grown to replace others.
+/// Maximum number of rounds in which parts are grown to replace others.
 const MAX_ROUNDS: usize = 3;
 
-/// Number of times that parts which could not be proven are replaced.
+/// Maximum number of times that parts which could not be proven are replaced.
 const MAX_REPAIRS: usize = 2;
 
-/// Number of cells of which parts are grown to replace others. With more, that takes too long.
+/// Maximum number of cells for which parts are grown to replace others. With more, that takes too
+/// long.
 const MAX_REGROWN: usize = 4000;
 
-/// Number of forbidden points at the start.
+/// Approximate number of places on the surface beside which forbidden points are sought at the
+/// start.
 const FORBIDDEN: f64 = 3000.0;
 
-/// Number of times that a part is grown again before it is halved.
+/// Maximum number of times that a part is grown again before it is halved.
 const MAX_SPLITS: usize = 6;
 
 /// Distance by which a refuted point is moved into its part, relative to the diagonal.
 const INTO: f64 = 1e-5;
 
-/// Directions in which covers start.
+/// Directions of the sweeps, none along an axis, so that few cells are at the same height.
 const SWEEPS: [[f64; 3]; 8] = [
     [1.0, 0.13, 0.07],
     [-1.0, -0.11, 0.05],
@@ -108,7 +110,7 @@ const SWEEPS: [[f64; 3]; 8] = [
     [-0.7, 0.6, -0.5],
 ];
 
-/// What to search for.
+/// Limits of a search.
 #[derive(Clone, Copy, Debug)]
 pub struct Search {
     /// Maximum protrusion of a part, above 0.
@@ -127,13 +129,13 @@ pub struct Deadline {
 }
 
 impl Deadline {
-    /// The time in `seconds`, from now.
+    /// The deadline `seconds` from now.
     pub fn after(seconds: f64) -> Self {
         let limit = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
         Self { start: Instant::now(), limit }
     }
 
-    /// Whether that time has come.
+    /// Whether the deadline has passed.
     pub fn is_over(&self) -> bool {
         self.start.elapsed() >= self.limit
     }
@@ -148,7 +150,8 @@ impl Search {
 /// Hulls that together contain the surface of `mesh`, each with the proven bound on its protrusion
 /// from `solid`, the mesh's own.
 ///
-/// Without a deadline, the result depends on the mesh and the parameters only.
+/// Without a deadline, the result depends on the mesh and the limits only. In the worst case, a
+/// part is one thickened polygon of the surface.
 pub fn search(mesh: &PointSet, solid: &Solid, what: &Search) -> Vec<(Hull, f64)> {
     let at = |v: &u32| mesh.positions.get(*v as usize).map(|p| DVec3::from_array(p.map(f64::from)));
     let corners = |[a, b, c]: &[u32; 3]| Some([at(a)?, at(b)?, at(c)?]);
@@ -250,7 +253,7 @@ fn prove(
             }
             is_kept
         });
-        // A part of too many vertices is halved.
+        // A part with too many vertices is halved.
         for (_, members) in failed().filter(|(point, _)| point.is_none()) {
             let all = Bits::of(ground.cells.len(), members);
             pool.retain(|candidate| candidate.members.len() <= 1 || !all.is_within(&candidate.covers));
@@ -276,11 +279,11 @@ fn into(ground: &Ground, members: &[u32], point: DVec3) -> DVec3 {
     point + (middle - point).normalize_or_zero() * (INTO * ground.diagonal)
 }
 
-/// A proven hull with its protrusion; else a point that is too far, or nothing if it has too many
-/// vertices.
+/// A proven hull with its protrusion; otherwise a point that is too far, or `None` if the hull has
+/// too many vertices.
 type Outcome = Result<(Hull, f64), Option<DVec3>>;
 
-/// The proven hull of a part; else a point that is too far, or nothing if it has too many vertices.
+/// Builds and proves the hull of a part.
 fn finish(ground: &Ground, members: &[u32], bounds: &Bounds) -> Outcome {
     let points: Vec<DVec3> =
         members.iter().flat_map(|cell| ground.cells[*cell as usize].points.iter().copied()).collect();
@@ -315,7 +318,7 @@ fn flat(bounds: &Bounds) -> f64 {
     (0.25 * bounds.limit).min(1e-4 * bounds.diagonal)
 }
 
-/// Proven parts of cells that are no proven part together.
+/// Proven parts that replace a part that could not be proven: together they contain its cells.
 fn split(ground: &Ground, members: Vec<u32>, bounds: &Bounds, mut forbidden: Vec<DVec3>) -> Vec<(Hull, f64)> {
     let size = ground.cells.len();
     // What lies in the part's hull may lie in none of its pieces.
@@ -331,7 +334,7 @@ fn split(ground: &Ground, members: Vec<u32>, bounds: &Bounds, mut forbidden: Vec
                 if pieces.len() > 1 {
                     let mut left = Bits::of(size, &members);
                     for piece in pieces {
-                        // Each cell in one piece.
+                        // Each cell goes to one piece.
                         let own: Vec<u32> = piece.covers.iter().filter(|i| left.has(*i)).map(|i| i as u32).collect();
                         own.iter().for_each(|i| left.remove(*i as usize));
                         if !own.is_empty() {
@@ -358,7 +361,7 @@ fn split(ground: &Ground, members: Vec<u32>, bounds: &Bounds, mut forbidden: Vec
     parts
 }
 
-/// Cells on both sides of the middle of their box.
+/// Two halves of some cells, by their order along the longest side of their box.
 fn halves(ground: &Ground, members: &[u32]) -> [Vec<u32>; 2] {
     let centres: Vec<DVec3> = members.iter().map(|cell| ground.cells[*cell as usize].centre).collect();
     let (low, high) = body::bounds(&centres);
@@ -371,7 +374,7 @@ fn halves(ground: &Ground, members: &[u32]) -> [Vec<u32>; 2] {
     [order, second]
 }
 
-/// Parts of some cells that cover them.
+/// Parts that are grown from the cells of `members` alone, and cover all of them.
 fn within(ground: &Ground, members: &[u32], forbidden: &mut Vec<DVec3>) -> Vec<Candidate> {
     let all = Bits::of(ground.cells.len(), members);
     let mut covered = Bits::new(ground.cells.len());
@@ -463,8 +466,8 @@ fn sweep(ground: &Ground, direction: DVec3, mut forbidden: Vec<DVec3>) -> (Vec<C
     (found, forbidden)
 }
 
-/// Parts that replace a chosen one each: what only the chosen part covers, and what only one of its
-/// neighbours covers.
+/// Parts that may replace two chosen neighbours: each starts with the cells that only one of them
+/// covers, and grows first into those that only the other one covers.
 fn regrow(ground: &Ground, pool: &[Candidate], chosen: &[usize], forbidden: &[DVec3]) -> Vec<(Candidate, Vec<DVec3>)> {
     let cells = ground.cells;
     let mut count = vec![0_u32; cells.len()];
@@ -510,7 +513,8 @@ fn regrow(ground: &Ground, pool: &[Candidate], chosen: &[usize], forbidden: &[DV
         .collect()
 }
 
-/// The points of the chosen parts, each cell in one of them.
+/// The cells of the chosen parts, as few as possible: a cell that several parts contain is left to
+/// one of them.
 fn shrink(ground: &Ground, pool: &[Candidate], chosen: &[usize]) -> Vec<Vec<u32>> {
     let mut count = vec![0_u32; ground.cells.len()];
     for part in chosen {

@@ -1,5 +1,5 @@
-//! Hulls of few vertices around a part: few of its faces' planes, which keep every point that is
-//! too far from the solid outside.
+//! Hulls of few vertices around a part. They are made of few planes of the part's faces: those that
+//! keep every point that is too far from the solid outside.
 //!
 //! # Steps
 //! 1. Start with the planes of the largest faces.
@@ -44,7 +44,7 @@ const MEASURED: usize = 400;
 /// Maximum rounding error of a point, relative to its greatest coordinate.
 const ROUNDING: f64 = 1.1e-7;
 
-/// What a hull must keep.
+/// Limits of a hull.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
     /// Maximum distance from the solid.
@@ -55,7 +55,10 @@ pub struct Bounds {
     pub diagonal: f64,
 }
 
-/// Whether a hull is proven to be within the limit, or else a point of it that may be too far.
+/// Proves that a hull is within the limit by at most `measurements`, and returns the bound.
+///
+/// # Errors
+/// A point of the hull that may be too far from the solid.
 pub fn prove(field: &Field, hull: &Hull, bounds: &Bounds, measurements: usize) -> Result<f64, DVec3> {
     let usual = Accuracy::decide(bounds.limit);
     let accuracy = Accuracy { measurements: measurements.min(usual.measurements), ..usual };
@@ -64,14 +67,14 @@ pub fn prove(field: &Field, hull: &Hull, bounds: &Bounds, measurements: usize) -
     if found.bound <= bounds.limit { Ok(found.bound) } else { Err(found.at) }
 }
 
-/// The hull of f32 points.
+/// The hull of f32 points; `None` if it cannot be built.
 pub fn hull_of(positions: Vec<[f32; 3]>) -> Option<Hull> {
     let source_vertices = vec![NO_SOURCE_VERTEX; positions.len()];
     hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).ok()
 }
 
-/// The hull of `points`, rounded to f32 so that it contains all of them. Flat parts are thickened
-/// by `thickness` on both sides, since only a solid has an inside.
+/// The hull of `points`, rounded to f32 so that it contains all of them. A flat part is thickened
+/// by `thickness` on both sides, because only a solid has an inside.
 pub fn tight(points: &[DVec3], diagonal: f64, thickness: f64) -> Option<Hull> {
     let middle = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
     let steps = match spanning_simplex(points.get(..).filter(|list| !list.is_empty())?) {
@@ -134,7 +137,7 @@ fn around(p: DVec3) -> Vec<[f32; 3]> {
 /// A proven hull around `body` with fewer vertices than the body, and at most the allowed number.
 ///
 /// # Errors
-/// A point of the body that may be too far from the solid; nothing if there is no such hull.
+/// A point of the body that may be too far from the solid; `None` if no such hull was found.
 pub fn wrap(field: &Field, body: &Body, bounds: &Bounds) -> Result<(Hull, f64), Option<DVec3>> {
     let middle = body.points.iter().sum::<DVec3>() / body.points.len().max(1) as f64;
     let greatest = body.low.abs().max(body.high.abs()).max_element() + bounds.limit;
@@ -214,7 +217,8 @@ impl Faces<'_> {
         chosen
     }
 
-    /// Adds the sides of the box, unless a plane is like them. Whether it added any.
+    /// Adds the sides of the body's box, except those to which a plane is nearly parallel. Returns
+    /// whether it added any.
     fn close(&self, planes: &mut Vec<Plane>) -> bool {
         let before = planes.len();
         for normal in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z] {
@@ -255,7 +259,7 @@ impl Faces<'_> {
         Some(vertices)
     }
 
-    /// A point of the polytope that is too far from the solid, the farthest from the body.
+    /// Of the points of the polytope that are too far from the solid, the farthest from the body.
     fn too_far(&self, planes: &[Plane], vertices: &[DVec3]) -> Option<DVec3> {
         // A point on a face is in, whatever the rounding error.
         let is_in = |p: &&DVec3| planes.iter().all(|plane| plane.height(**p) <= 2.0 * self.room);
@@ -268,7 +272,7 @@ impl Faces<'_> {
         let worst = |points: Vec<DVec3>| {
             let mut ranked: Vec<(f64, DVec3)> = points.into_iter().map(|p| (height(&p), p)).collect();
             ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-            // What is in the body cannot be cut off.
+            // Points of the body cannot be cut off.
             ranked.into_iter().filter(|(h, _)| *h > 3.5 * self.room).find(|(_, p)| self.field.is_beyond(*p, limit))
         };
         if let Some((_, point)) = worst(vertices.to_vec()) {
@@ -278,7 +282,7 @@ impl Faces<'_> {
         worst(face_points(&polytope, MEASURED, self.bounds.limit)).map(|(_, point)| point)
     }
 
-    /// Adds a plane that has `point` above; whether there is one.
+    /// Adds a plane below `point`. Returns whether there is one.
     fn cut_off(&self, planes: &mut Vec<Plane>, point: DVec3) -> bool {
         let heights: Vec<f64> = self.body.planes.iter().map(|plane| plane.height(point)).collect();
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -300,7 +304,7 @@ impl Faces<'_> {
         hull_of(vertices.iter().map(|p| p.as_vec3().to_array().map(|c| c + 0.0)).collect())
     }
 
-    /// Fewer planes, and the vertices of their polytope.
+    /// Drops planes that are not needed. Returns the others, and the vertices of their polytope.
     fn fewer(&self, planes: Vec<Plane>, vertices: Vec<DVec3>) -> (Vec<Plane>, Vec<DVec3>) {
         let (mut left, mut best) = (planes, vertices);
         // The first planes are of large faces.
