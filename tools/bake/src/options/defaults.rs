@@ -199,7 +199,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: SwitchOr(&["cover", "vhacd"]),
         default: DefaultValue::Value("false"),
         value_name: "METHOD",
-        help: "Decompose concave meshes into convex parts: vhacd (default) or cover",
+        help: "Decompose concave meshes into convex parts: cover (default) or vhacd",
         section: Section::Decomposition,
         ..OPTION
     },
