@@ -79,7 +79,7 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
     }
     let mut remarks = Vec::new();
     if let Some(decompose) = decompose {
-        remarks = measure::parts(point_sets, &parts, &mut hulls, decompose.allows_one_part());
+        remarks = measure::parts(point_sets, &parts, &mut hulls, &decompose);
     } else {
         remarks.extend(measure::collision_parts(point_sets, &mut hulls));
     }
@@ -96,7 +96,7 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
 }
 
 /// Diagonal of the box around points.
-fn diagonal(points: &PointSet) -> f64 {
+pub fn diagonal(points: &PointSet) -> f64 {
     let sides = [0, 1, 2].map(|axis| {
         let along = || points.positions.iter().map(|p| f64::from(p[axis]));
         along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)

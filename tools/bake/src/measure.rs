@@ -2,17 +2,18 @@
 
 use std::sync::Arc;
 
+use hullmap_bake::decompose::Method;
 use hullmap_bake::parts::{Fit, fits};
 use hullmap_bake::{BakedHull, PointSet};
 
 use crate::advice::{self, Remark};
-use crate::baker::Part;
+use crate::baker::{Part, diagonal};
 
 /// Counts and measures the parts of each point set, records both in their hulls, and returns
 /// remarks on them. The hulls of a set are consecutive, in the order of the sets.
 ///
 /// A set without triangles has no surface to measure; its hull is no part.
-pub fn parts(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], allows_one_part: bool) -> Vec<Remark> {
+pub fn parts(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], method: &Method) -> Vec<Remark> {
     let mut remarks = Vec::new();
     let mut start = 0;
     for (set, points) in point_sets.iter().enumerate() {
@@ -23,7 +24,7 @@ pub fn parts(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], a
         if count == 1 {
             let why = if points.triangles.is_empty() {
                 "it has no faces"
-            } else if allows_one_part {
+            } else if method.allows_one_part() {
                 "at most one part is allowed"
             } else {
                 "it is convex or thin"
@@ -31,7 +32,7 @@ pub fn parts(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], a
             remarks.push(Remark::note(why, name, format!("{name}: not decomposed, because {why}")));
         }
         if !points.triangles.is_empty() {
-            record(points, own);
+            record(points, own, limit(method, points));
         }
         if count > 1 {
             let size = own.iter().map(|baked| baked.hull.diameter).fold(0.0, f64::max);
@@ -52,7 +53,7 @@ pub fn collision_parts(point_sets: &[PointSet], hulls: &mut [BakedHull]) -> Vec<
         let hulls = &mut hulls[start..start + own.len()];
         start += own.len();
         let Some(mesh) = own.first().and_then(|points| points.stands_for.as_deref()) else { continue };
-        record(mesh, hulls);
+        record(mesh, hulls, None);
         (0..).zip(hulls.iter_mut()).for_each(|(part, baked)| baked.part = part);
         let size = hulls.iter().map(|baked| baked.hull.diameter).fold(0.0, f64::max);
         let fits: Option<Vec<Fit>> = hulls.iter().map(|baked| baked.fit).collect();
@@ -68,9 +69,17 @@ pub fn stand_for_one(a: &PointSet, b: &PointSet) -> bool {
     a.stands_for.as_ref().zip(b.stands_for.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
 }
 
+/// The protrusion that the parts of a mesh were proven not to exceed; `None` if there is no proof.
+fn limit(method: &Method, points: &PointSet) -> Option<f64> {
+    match method {
+        Method::Cover(cover) if cover.max_parts.is_none() => Some(cover.max_error.of(diagonal(points))),
+        _ => None,
+    }
+}
+
 /// Counts and measures the parts of one mesh, and records both in their hulls.
-fn record(mesh: &PointSet, own: &mut [BakedHull]) {
-    let fits = fits(mesh, &own.iter().map(|baked| &baked.hull).collect::<Vec<_>>());
+fn record(mesh: &PointSet, own: &mut [BakedHull], limit: Option<f64>) {
+    let fits = fits(mesh, &own.iter().map(|baked| &baked.hull).collect::<Vec<_>>(), limit);
     let count = own.len() as u32;
     for (index, baked) in own.iter_mut().enumerate() {
         baked.part_count = count;

@@ -30,12 +30,14 @@ mod merge;
 pub mod vhacd;
 
 use cover::{Deadline, Search};
+use glam::DVec3;
+use rayon::prelude::*;
 pub use vhacd::{Fill, Parameters};
 
 use crate::{
     BakeError, PointSet,
     hull::{self, Hull},
-    parts::solid::Solid,
+    parts::{solid::Solid, uncovered_triangles},
 };
 
 /// How a mesh is decomposed.
@@ -103,6 +105,9 @@ impl Default for Cover {
 /// rounded and moved outward by up to a tenth of that.
 const LEAST_ERROR: f64 = 2e-5;
 
+/// Distance from the parts up to which the surface counts as covered, relative to the diagonal.
+const COVERED: f64 = 1e-7;
+
 /// Number of times that the limit is doubled to reach a number of parts. The hull of a mesh
 /// protrudes by less than its diagonal.
 const MAX_DOUBLINGS: usize = 17;
@@ -134,7 +139,8 @@ fn covered(mesh: &PointSet, parameters: &Cover) -> Result<Option<Vec<PointSet>>,
         return Ok(None);
     }
     let solid = Solid::new(mesh);
-    let parts = cover_within(mesh, &solid, parameters);
+    let mut parts = cover_within(mesh, &solid, parameters);
+    add_uncovered(mesh, &mut parts, solid.diagonal(), parameters.max_error.of(solid.diagonal()));
     if parts.is_empty() {
         return Ok(None);
     }
@@ -147,6 +153,19 @@ fn covered(mesh: &PointSet, parameters: &Cover) -> Result<Option<Vec<PointSet>>,
         ..PointSet::default()
     };
     Ok(Some(parts.iter().enumerate().map(point_set).collect()))
+}
+
+/// Adds a thin part for each triangle that is not proven to be covered, for instance one without
+/// area, of which no cell is made. A triangle of the mesh protrudes nowhere.
+fn add_uncovered(mesh: &PointSet, parts: &mut Vec<Hull>, diagonal: f64, limit: f64) {
+    let missing = uncovered_triangles(mesh, &parts.iter().collect::<Vec<_>>(), COVERED * diagonal);
+    let thin = missing.into_par_iter().filter_map(|triangle| {
+        let corner = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
+        let corners = mesh.triangles[triangle].map(corner);
+        cover::wrap::tight(&corners, diagonal, (0.25 * limit).min(1e-6 * diagonal))
+    });
+    let thin: Vec<Hull> = thin.collect();
+    parts.extend(thin);
 }
 
 /// The hulls of a cover, within the maximum number of parts.

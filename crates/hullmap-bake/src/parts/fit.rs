@@ -26,6 +26,8 @@ pub struct Fit {
 /// The fit of each of `parts`, which together stand for `mesh`. `None` if the mesh has no
 /// triangles, there are no parts, or a bound is not finite: then nothing is known.
 ///
+/// Protrusions are proven to be within `limit`, if one is given and it holds.
+///
 /// ```
 /// use hullmap_bake::{PointSet, SolidKind, hull, parts::fits};
 ///
@@ -36,7 +38,7 @@ pub struct Fit {
 ///     ..PointSet::default()
 /// };
 /// let hull = hull::build(&tetrahedron)?;
-/// let fit = fits(&tetrahedron, &[&hull]).unwrap()[0];
+/// let fit = fits(&tetrahedron, &[&hull], None).unwrap()[0];
 /// assert_eq!(fit.solid, SolidKind::Watertight);
 /// assert!(fit.uncovered < 1e-9 && fit.protrusion < 1e-9 && fit.protrusion_at == [0.0; 3]);
 /// # Ok::<(), hullmap_bake::BakeError>(())
@@ -45,7 +47,7 @@ pub struct Fit {
 /// # Complexity
 /// That of [`uncovered`](super::uncovered()), plus that of [`protrusion`](super::protrusion()) for
 /// each part, on all threads of the pool.
-pub fn fits(mesh: &PointSet, parts: &[&Hull]) -> Option<Vec<Fit>> {
+pub fn fits(mesh: &PointSet, parts: &[&Hull], limit: Option<f64>) -> Option<Vec<Fit>> {
     if mesh.triangles.is_empty() || parts.is_empty() {
         return None;
     }
@@ -53,7 +55,12 @@ pub fn fits(mesh: &PointSet, parts: &[&Hull]) -> Option<Vec<Fit>> {
     let uncovered = uncovered(mesh, parts).bound;
     let accuracy = Accuracy::tight(solid.diagonal());
     let fit = |part: &&Hull| {
-        let found = protrusion(&solid, part, &accuracy);
+        let mut found = protrusion(&solid, part, &accuracy);
+        // A bound may exceed a limit that holds by the accuracy of the bound.
+        if let Some(limit) = limit.filter(|limit| found.bound > *limit && found.reached <= *limit) {
+            let decided = protrusion(&solid, part, &Accuracy::decide(limit));
+            found.bound = found.bound.min(decided.bound);
+        }
         // Where nothing protrudes, any point of the part is the one.
         let first = part.positions().first().copied().unwrap_or_default();
         let at = if found.reached > 0.0 { found.at } else { first };

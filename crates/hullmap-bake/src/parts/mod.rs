@@ -26,7 +26,7 @@ pub use branch::Accuracy;
 pub use fit::{Fit, fits};
 pub use protrusion::{Protrusion, protrusion};
 pub use solid::{Solid, SolidKind};
-pub use uncovered::{Uncovered, uncovered};
+pub use uncovered::{Uncovered, uncovered, uncovered_triangles};
 
 #[cfg(test)]
 mod tests;

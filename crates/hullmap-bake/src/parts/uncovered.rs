@@ -85,6 +85,24 @@ pub fn uncovered(mesh: &PointSet, parts: &[&Hull]) -> Uncovered {
     Uncovered { bound: bound.max(subtracted), reached, at }
 }
 
+/// Indices of the triangles that are not proven to lie within `limit` of the parts, ascending.
+///
+/// # Complexity
+/// That of [`uncovered()`], without branch and bound.
+pub fn uncovered_triangles(mesh: &PointSet, parts: &[&Hull], limit: f64) -> Vec<usize> {
+    let at = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
+    let corners = || mesh.triangles.iter().flatten().map(|v| at(*v));
+    let (low, high) = (corners().fold(DVec3::INFINITY, DVec3::min), corners().fold(DVec3::NEG_INFINITY, DVec3::max));
+    let parts: Vec<Part> = parts.iter().map(|hull| Part::new(hull)).collect();
+    let is_uncovered = |triangle: &[u32; 3]| {
+        let (pieces, subtracted) = left_over(&triangle.map(at), &parts, low.distance(high));
+        // Written so that NaN counts as uncovered.
+        !(subtracted <= limit) || pieces.iter().any(|piece| !(measured(piece, &parts).bound <= limit))
+    };
+    let found: Vec<bool> = mesh.triangles.par_iter().map(is_uncovered).collect();
+    (0..found.len()).filter(|index| found[*index]).collect()
+}
+
 /// A part, prepared.
 struct Part {
     nearest: Nearest,

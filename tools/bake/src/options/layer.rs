@@ -12,8 +12,11 @@ pub struct OptionLayer {
     values: [Option<Value>; OPTION_COUNT],
 }
 
-/// The method of a decomposition that is switched on without a name, as in the first versions.
-const UNNAMED: &str = "vhacd";
+/// The method of a decomposition that is switched on without a name.
+const UNNAMED: &str = "cover";
+
+/// The method that is meant if a parameter of it is given as well.
+const PARAMETRISED: &str = "vhacd";
 
 /// Two options of one layer that contradict each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,14 +93,15 @@ impl OptionLayer {
     fn method(&self) -> Option<&'static str> {
         match self.get("decompose")? {
             Value::Word(word) => Some(word),
+            Value::Switch(true) if self.first_decomposition_parameter().is_some() => Some(PARAMETRISED),
             Value::Switch(true) => Some(UNNAMED),
             _ => None,
         }
     }
 
-    /// The first parameter of the decomposition that the layer gives.
+    /// The first parameter of V-HACD that the layer gives.
     pub fn first_decomposition_parameter(&self) -> Option<&'static str> {
-        let is_parameter = |index: &usize| OPTIONS[*index].applies_with.is_some_and(|(key, _)| key == "decompose");
+        let is_parameter = |index: &usize| OPTIONS[*index].applies_with == Some(("decompose", PARAMETRISED));
         (0..OPTION_COUNT).filter(is_parameter).find(|&index| self.values[index].is_some()).map(|i| OPTIONS[i].key)
     }
 

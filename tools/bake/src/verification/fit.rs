@@ -383,7 +383,7 @@ mod tests {
     }
 
     fn pack(mut parts: Vec<BakedHull>, mesh: &PointSet) -> Pack {
-        let fits = fits(mesh, &parts.iter().map(|part| &part.hull).collect::<Vec<_>>()).unwrap();
+        let fits = fits(mesh, &parts.iter().map(|part| &part.hull).collect::<Vec<_>>(), None).unwrap();
         let count = parts.len() as u32;
         for (index, (part, fit)) in parts.iter_mut().zip(fits).enumerate() {
             (part.part, part.part_count, part.fit) = (index as u32, count, Some(fit));

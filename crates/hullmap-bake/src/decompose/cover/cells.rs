@@ -267,7 +267,7 @@ pub fn cells(triangles: &[[DVec3; 3]], field: &Field, cutting: &Cutting) -> Vec<
     let mut cells = Vec::new();
     while !level.is_empty() {
         let budget = cutting.max_cells.saturating_sub(cells.len() + level.len());
-        let next: Vec<Result<Vec<(Piece, u32)>, Vec<Cell>>> =
+        let next: Vec<Step> =
             level.into_par_iter().map(|(piece, depth)| step(piece, depth, field, cutting, budget > 0)).collect();
         level = Vec::new();
         for outcome in next {
@@ -280,14 +280,11 @@ pub fn cells(triangles: &[[DVec3; 3]], field: &Field, cutting: &Cutting) -> Vec<
     cells
 }
 
+/// The pieces that a piece is cut into, each with its number of cuts, or else its cells.
+type Step = Result<Vec<(Piece, u32)>, Vec<Cell>>;
+
 /// Cells of a piece, or the pieces it is cut into.
-fn step(
-    piece: Piece,
-    depth: u32,
-    field: &Field,
-    cutting: &Cutting,
-    may_cut: bool,
-) -> Result<Vec<(Piece, u32)>, Vec<Cell>> {
+fn step(piece: Piece, depth: u32, field: &Field, cutting: &Cutting, may_cut: bool) -> Step {
     let thickness = cutting.diagonal * super::THICKNESS;
     let is_large = piece.corners.len() > MAX_CORNERS;
     if !is_large {

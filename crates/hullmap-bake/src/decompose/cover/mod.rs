@@ -24,8 +24,8 @@
 //! - Cells are clipped triangles, and together they are the whole surface. A hull of all corners of
 //!   a cell contains the cell. Hulls are rounded outward, and tests check that they contain all
 //!   corners.
-//! - Each hull's protrusion is bounded by [`protrusion`](crate::parts::protrusion). It measures the
-//!   f32 vertices that are stored.
+//! - Each hull's protrusion is bounded by [`protrusion`](mod@crate::parts::protrusion). It measures
+//!   the f32 vertices that are stored.
 //!
 //! # Complexity
 //! O(n log n) for the cells of n triangles. The time of the growth depends on the number of cells,
