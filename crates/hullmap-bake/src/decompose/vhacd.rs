@@ -9,8 +9,9 @@
 //!    positions; other points are rounded to a fine grid.
 //! 4. Merge parts whose union is convex, and further parts until at most the requested number is
 //!    left (`merge`).
-//! 5. [`uncovered`] measures, vertex by vertex, what the parts leave out. V-HACD itself gives no
-//!    guarantee.
+//!
+//! V-HACD itself promises nothing about what its parts cover. [`parts`](crate::parts) measures
+//! them.
 //!
 //! # Reference
 //! Mamou, Ghorbel, "A simple and efficient approach for 3D mesh approximate convex decomposition",
@@ -188,7 +189,8 @@ fn point_set(part: &[([f32; 3], u32)], mesh: &PointSet, name: String) -> PointSe
 
 /// Maximum distance of a mesh vertex from the nearest part; 0 if every vertex is in a part.
 ///
-/// The unit is that of the positions.
+/// The unit is that of the positions. [`parts::uncovered`](crate::parts::uncovered()) bounds the
+/// whole surface.
 ///
 /// # Complexity
 /// One nearest-point search for each vertex and each part whose box contains the vertex or is close
