@@ -4,9 +4,10 @@
 //! cargo run --release -p hullmap-tests --bin decompose-soak -- --meshes 10000 --seed 1
 //! ```
 //!
-//! The judge shares no code with the bounds: winding numbers are sums of solid angles, distances
-//! are brute force over all triangles, and points are compared with all planes of a part. Ends with
-//! status 1 if a claim is false or a mesh takes longer than `--seconds`.
+//! The judge measures by other code than the bounds: winding numbers are sums of solid angles,
+//! distances are brute force over all triangles, and points are compared with all planes of a part.
+//! Only the inside of a mesh that is not watertight is that of [`Solid`], since it is a convention.
+//! Ends with status 1 if a claim is false or a mesh takes longer than `--seconds`.
 
 use std::{process::ExitCode, time::Instant};
 
