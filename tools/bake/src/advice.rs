@@ -192,7 +192,7 @@ pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64) -> Rema
         text,
         uncovered,
         size,
-        "to cover more, increase --vhacd-resolution or --vhacd-max-parts",
+        "to cover all of it, use --decompose=cover, or parts that meet",
     )
 }
 
