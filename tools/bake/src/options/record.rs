@@ -126,7 +126,8 @@ mod tests {
         (&[("up_axis", "y-to-z")], "split none, vertices referenced, index tree 8, up_axis y-to-z"),
         (&[("up_axis", "z-to-y")], "split none, vertices referenced, index tree 8, up_axis z-to-y"),
         (&[("recentre", "true")], "split none, vertices referenced, index tree 8, recentre true"),
-        (&[("decompose", "true")], "split none, vertices referenced, index tree 8, decompose true"),
+        (&[("decompose", "true")], "split none, vertices referenced, index tree 8, decompose cover"),
+        (&[("decompose", "vhacd")], "split none, vertices referenced, index tree 8, decompose true"),
         (&[("decompose", "false")], "split none, vertices referenced, index tree 8"),
         (&[("vhacd_max_parts", "7")], "split none, vertices referenced, index tree 8"),
         (
