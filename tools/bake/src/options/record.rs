@@ -105,7 +105,7 @@ mod tests {
     /// The texts of options that differ from the defaults in one thing each, and some in several.
     ///
     /// Packs are fresh by these texts: a change here makes every pack in the world stale.
-    const RECORDS: [(&[(&str, &str)], &str); 35] = [
+    const RECORDS: [(&[(&str, &str)], &str); 36] = [
         (&[], "split none, vertices referenced, index tree 8"),
         (&[("split", "object")], "split object, vertices referenced, index tree 8"),
         (&[("split", "auto")], "split auto, vertices referenced, index tree 8"),
