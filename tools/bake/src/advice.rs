@@ -192,7 +192,7 @@ pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64) -> Rema
         text,
         uncovered,
         size,
-        "to cover all of it, use --decompose=cover, or parts that meet",
+        "to cover more, use --decompose=cover, or increase --vhacd-resolution or --vhacd-max-parts",
     )
 }
 

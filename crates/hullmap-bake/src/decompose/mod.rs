@@ -145,12 +145,11 @@ fn covered(mesh: &PointSet, parameters: &Cover) -> Result<Option<Vec<PointSet>>,
         return Ok(None);
     }
     let order = vhacd::by_position(mesh);
-    let point_set = |(index, hull): (usize, &Hull)| PointSet {
-        name: format!("{}_part_{index:02}", mesh.name),
-        positions: hull.vertices.clone(),
-        source_vertices: hull.vertices.iter().map(|p| vhacd::source_vertex_at(mesh, &order, *p)).collect(),
-        origin: mesh.origin,
-        ..PointSet::default()
+    let point_set = |(index, hull): (usize, &Hull)| {
+        let located = |p: &[f32; 3]| (*p, vhacd::source_vertex_at(mesh, &order, *p));
+        let mut points: vhacd::Part = hull.vertices.iter().map(located).collect();
+        vhacd::in_order(&mut points);
+        vhacd::point_set(&points, mesh, format!("{}_part_{index:02}", mesh.name))
     };
     Ok(Some(parts.iter().enumerate().map(point_set).collect()))
 }

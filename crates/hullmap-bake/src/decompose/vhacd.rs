@@ -134,7 +134,7 @@ pub fn decompose(mesh: &PointSet, parameters: &Parameters) -> Result<Option<Vec<
 }
 
 /// Points of a convex part, each with its source vertex.
-type Part = Vec<([f32; 3], u32)>;
+pub(super) type Part = Vec<([f32; 3], u32)>;
 
 /// The parts that V-HACD cuts a mesh into.
 fn cut(mesh: &PointSet, parameters: &Parameters) -> Vec<Part> {
@@ -172,12 +172,12 @@ fn extremes(mesh: &PointSet) -> [DVec3; 2] {
 }
 
 /// Sorts points by source index, then by position, and removes duplicates.
-fn in_order(part: &mut Part) {
+pub(super) fn in_order(part: &mut Part) {
     part.sort_unstable_by_key(|(p, source_vertex)| (*source_vertex, p.map(f32::to_bits)));
     part.dedup();
 }
 
-fn point_set(part: &[([f32; 3], u32)], mesh: &PointSet, name: String) -> PointSet {
+pub(super) fn point_set(part: &[([f32; 3], u32)], mesh: &PointSet, name: String) -> PointSet {
     PointSet {
         name,
         positions: part.iter().map(|(p, _)| *p).collect(),
