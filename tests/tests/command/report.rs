@@ -381,7 +381,7 @@ fn parts_are_pulled_apart_and_the_greatest_protrusion_is_marked() {
 fn convex_parts_are_verified_against_the_source_cut_again() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("u.obj"), concave_prism()).unwrap();
-    let built = run(&folder, &["build", "u.obj", "--out", "packs", "--decompose", "--json"]).expect(0).json();
+    let built = run(&folder, &["build", "u.obj", "--out", "packs", "--decompose=vhacd", "--json"]).expect(0).json();
     run(&folder, &["report", "packs/u.hullmap", "--out", "page.html"]).expect(0);
     let page = text(folder.path().join("page.html"));
     let parts = built[0]["hulls"].as_u64().unwrap() as usize;
