@@ -28,7 +28,7 @@ fn checked(mesh: &PointSet, share: f64) -> Vec<(Hull, f64)> {
         assert!(*bound <= limit && hull.vertices.len() <= 64, "{bound} {}", hull.vertices.len());
         let points = hull.positions();
         for _ in 0..2_000 {
-            let weights: Vec<f64> = points.iter().map(|_| -(rng.between(1e-9, 1.0)).ln()).collect();
+            let weights: Vec<f64> = points.iter().map(|_| -libm::log(rng.between(1e-9, 1.0))).collect();
             let total: f64 = weights.iter().sum();
             let p: DVec3 = points.iter().zip(&weights).map(|(p, w)| *p * (w / total)).sum();
             // Near the border, too.
