@@ -187,41 +187,6 @@ pub(super) fn point_set(part: &[([f32; 3], u32)], mesh: &PointSet, name: String)
     }
 }
 
-/// Maximum distance of a mesh vertex from the nearest part; 0 if every vertex is in a part.
-///
-/// The unit is that of the positions. [`parts::uncovered`](crate::parts::uncovered()) bounds the
-/// whole surface.
-///
-/// # Complexity
-/// One nearest-point search for each vertex and each part whose box contains the vertex or is close
-/// to it.
-pub fn uncovered(mesh: &PointSet, parts: &[&Hull]) -> f64 {
-    let parts: Vec<(Nearest, [DVec3; 2])> = parts.iter().map(|hull| (Nearest::new(hull), bounds(hull))).collect();
-    let mut worst = 0.0_f64;
-    for p in &mesh.positions {
-        let p = DVec3::from_array(p.map(f64::from));
-        let mut least = f64::INFINITY;
-        for (nearest, [low, high]) in &parts {
-            let outside_box = (*low - p).max(p - *high).max(DVec3::ZERO).length();
-            // Written so that NaN would not skip a part, although no position is NaN. A vertex that
-            // is no farther than the worst so far cannot change the result.
-            if !(outside_box >= least) && least > worst {
-                least = least.min(nearest.certain(p).point.distance(p));
-            }
-        }
-        worst = worst.max(least);
-    }
-    worst
-}
-
-fn bounds(hull: &Hull) -> [DVec3; 2] {
-    let positions = hull.positions();
-    [
-        positions.iter().copied().fold(DVec3::INFINITY, DVec3::min),
-        positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max),
-    ]
-}
-
 /// Whether the mesh is the surface of its own hull.
 pub(super) fn is_convex(mesh: &PointSet, hull: &Hull) -> bool {
     let nearest = Nearest::new(hull);
@@ -296,6 +261,7 @@ fn power_of_two_from(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parts::uncovered;
 
     #[test]
     fn power_of_two_from_rounds_up() {
@@ -351,7 +317,7 @@ mod tests {
         let volume: f64 = hulls.iter().map(|hull| crate::mass::mass(hull).volume).sum();
         println!("{} parts of volume {volume}, where the bars have 7 and their hull 9", parts.len());
         assert!((6.0..8.0).contains(&volume), "{volume}");
-        let lost = uncovered(&mesh, &hulls.iter().collect::<Vec<_>>());
+        let lost = uncovered(&mesh, &hulls.iter().collect::<Vec<_>>()).bound;
         assert!(lost <= 1e-6, "{lost}");
         // Corners that are source vertices keep their indices.
         let known = parts.iter().flat_map(|part| part.source_vertices.iter().zip(&part.positions));
@@ -385,11 +351,11 @@ mod tests {
     }
 
     #[test]
-    fn vertices_of_a_missing_part_are_uncovered() {
+    fn a_missing_part_is_uncovered() {
         let mesh = horseshoe();
         let parts = decompose(&mesh, &Parameters::default()).unwrap().unwrap();
         let hulls: Vec<Hull> = parts.iter().map(|part| hull::build(part).unwrap()).collect();
-        let lost = uncovered(&mesh, &hulls[..1].iter().collect::<Vec<_>>());
+        let lost = uncovered(&mesh, &hulls[..1].iter().collect::<Vec<_>>()).reached;
         assert!(lost > 1.0, "{lost}");
     }
 
