@@ -49,8 +49,8 @@ impl Default for Eviction {
     }
 }
 
-/// The largest cache of processor 0, in bytes.
-fn last_level_bytes() -> Option<usize> {
+/// Size of the largest cache of processor 0, in bytes; `None` if the system does not report it.
+pub fn last_level_bytes() -> Option<usize> {
     let caches = fs::read_dir("/sys/devices/system/cpu/cpu0/cache").ok()?;
     caches
         .filter_map(|cache| {

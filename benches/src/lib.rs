@@ -12,6 +12,7 @@
 //! | [`regret`] | error of the answers, in f64 |
 //! | [`matrix`], [`report`], [`csv`] | the tables |
 //! | [`solver`] | contact, intersects and distance beside parry3d |
+//! | [`scene`] | scenes of many different hulls |
 //! | [`comparison`] | the chart of the README, from a committed result |
 //! | [`collision`], [`fit`], [`chart`] | the paper's figures |
 //! | [`machine`], [`output`] | machine, compiler and commit; atomic writing of files |
@@ -35,5 +36,6 @@ pub mod query;
 pub mod regret;
 pub mod report;
 pub mod rivals;
+pub mod scene;
 pub mod solver;
 pub mod subject;

@@ -8,6 +8,8 @@ mod mass;
 mod shared;
 mod support_mapping;
 
+use std::mem::offset_of;
+
 use glam::{DVec3, Vec3};
 use hullmap_format::{
     IndexKind,
@@ -29,22 +31,33 @@ pub use support_mapping::SupportVertex;
 /// Points, directions and lengths are in the hull's local frame: the frame and units of the source
 /// mesh. [`SharedHull`] is a hull without a lifetime.
 #[derive(Clone, Copy, Debug)]
+// The fields that a query reads first fill the first two cache lines, so that a query on a hull that
+// is in no cache does not wait for the record, too.
+#[repr(C, align(64))]
 pub struct Hull<'a> {
-    name: &'a [u8],
-    record: &'a ArchivedHullRecord,
+    interior_point: DVec3,
+    inner_radius: f64,
+    outer_radius: f64,
+    index: Index<'a>,
     vertices: &'a [[f32_le; 3]],
+    // From here on: hints, manifolds and facts.
+    neighbour_starts: &'a [u32_le],
+    edges: &'a [i16_le],
+    neighbours: &'a [u32_le],
+    neighbour_faces: &'a [u32_le],
+    record: &'a ArchivedHullRecord,
+    name: &'a [u8],
     source_vertices: &'a [u32_le],
     face_starts: &'a [u32_le],
     face_vertices: &'a [u32_le],
     quads: &'a [ArchivedQuad],
-    index: Index<'a>,
-    neighbour_starts: &'a [u32_le],
-    neighbours: &'a [u32_le],
-    neighbour_faces: &'a [u32_le],
-    edges: &'a [i16_le],
     outer_vertices: &'a [[f32_le; 3]],
-    interior_point: DVec3,
 }
+
+/// Bytes of a [`Hull`] that support queries and the solver read.
+const HOT_BYTES: usize = 128;
+
+const _: () = assert!(offset_of!(Hull<'_>, neighbour_starts) <= HOT_BYTES);
 
 impl<'a> Hull<'a> {
     /// Hull `index` of `pack`, whose spans have been checked.
@@ -81,6 +94,8 @@ impl<'a> Hull<'a> {
             edges: run(pack.edges, start.edge, end.edge)?,
             outer_vertices: run(pack.outer_vertices, start.outer, end.outer)?,
             interior_point: vector(&record.interior_point),
+            inner_radius: record.inner_radius.to_native(),
+            outer_radius: record.outer_radius.to_native(),
         })
     }
 

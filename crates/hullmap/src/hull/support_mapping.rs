@@ -226,17 +226,17 @@ impl SupportMap for Hull<'_> {
 
     #[inline]
     fn inner_radius(&self) -> f64 {
-        self.record.inner_radius.to_native()
+        self.inner_radius
     }
 
     #[inline]
     fn outer_radius(&self) -> f64 {
-        self.record.outer_radius.to_native()
+        self.outer_radius
     }
 
     #[inline]
     fn support_error(&self) -> f64 {
-        SUPPORT_ERROR * self.record.outer_radius.to_native()
+        SUPPORT_ERROR * self.outer_radius
     }
 
     #[inline]

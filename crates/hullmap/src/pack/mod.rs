@@ -320,9 +320,7 @@ impl Pack {
 
     fn copy_bytes(bytes: &[u8], checks: Checks) -> Result<Self, InvalidPack> {
         let header = Header::read(bytes)?;
-        let mut buffer = AlignedVec::with_capacity(bytes.len());
-        buffer.extend_from_slice(bytes);
-        Self::from_storage_bytes(header, Bytes::Owned(buffer), checks)
+        Self::from_storage_bytes(header, storage::copy_of(bytes), checks)
     }
 
     /// Uses the bytes of a whole file in place, and checks all of them. No copy is made.

@@ -1,0 +1,115 @@
+//! Scenes of many different hulls: queries whose working set is larger than the caches.
+//!
+//! A benchmark that asks one hull again and again finds everything in the first-level cache. Games
+//! and robots ask another hull each time.
+//!
+//! | module | what |
+//! |---|---|
+//! | this one | the hulls of a scene, for hullmap, parry3d and a SIMD scan |
+//! | [`pairs`] | random pairs, and the neighbours in a moving crowd |
+//! | [`race`] | interleaved timing |
+//! | [`tables`] | the tables |
+
+pub mod pairs;
+pub mod race;
+pub mod tables;
+
+use glam::Vec3;
+use hullmap::{Hull, Pack};
+use hullmap_bake::{IndexChoice, SourceRecord};
+use hullmap_testkit::packs::{bytes, point_set};
+use parry3d::shape::ConvexPolyhedron;
+use rayon::prelude::*;
+use shapes::{families::Family, rng::SplitMix64};
+
+use crate::{rivals::simd_scan, subject::SEED};
+
+/// Hulls in a pack: sections of a pack hold at most 2 GiB.
+const HULLS_OF_A_PACK: usize = 1000;
+
+/// Minimum and maximum semi-axis of a hull.
+const SEMI_AXES: [f64; 2] = [0.7, 1.3];
+
+/// Different hulls with the same number of vertices, for each engine.
+pub struct Scene {
+    packs: Vec<Pack>,
+    /// As parry's polyhedra.
+    pub polyhedra: Vec<ConvexPolyhedron>,
+    /// As blocks for a SIMD scan.
+    pub scans: Vec<Vec<simd_scan::Block>>,
+}
+
+impl Scene {
+    /// Bakes `count` ellipsoids of `vertices` random points each.
+    ///
+    /// # Panics
+    /// If one of them cannot be baked: a bug. If parry3d rejects one.
+    pub fn bake(count: usize, vertices: usize, index: IndexChoice) -> Self {
+        let numbers: Vec<usize> = (0..count).collect();
+        let packs: Vec<Pack> = numbers
+            .chunks(HULLS_OF_A_PACK)
+            .map(|numbers| {
+                let sets: Vec<_> =
+                    numbers.iter().map(|number| point_set("hull", &ellipsoid(vertices, *number))).collect();
+                let files: Vec<u8> = bytes(&sets, index, &SourceRecord::default()).expect("ellipsoids can be baked");
+                Pack::from_bytes(&files).expect("a new pack opens")
+            })
+            .collect();
+        let hulls: Vec<Hull<'_>> = packs.iter().flat_map(Pack::hulls).collect();
+        let polyhedra = hulls.par_iter().map(polyhedron).collect();
+        let scans = hulls.par_iter().map(|hull| simd_scan::blocks(&hull.vertices().collect::<Vec<_>>())).collect();
+        Self { packs, polyhedra, scans }
+    }
+
+    /// All hulls.
+    pub fn hulls(&self) -> Vec<Hull<'_>> {
+        self.packs.iter().flat_map(Pack::hulls).collect()
+    }
+
+    /// Bytes of all packs.
+    pub fn byte_len(&self) -> usize {
+        self.packs.iter().map(Pack::byte_len).sum()
+    }
+}
+
+/// Points on an ellipsoid, all of which are vertices of their hull.
+fn ellipsoid(vertices: usize, number: usize) -> Vec<[f32; 3]> {
+    let seed = SEED + number as u64;
+    let mut rng = SplitMix64::new(seed);
+    let axes = [(); 3].map(|()| rng.between(SEMI_AXES[0], SEMI_AXES[1]) as f32);
+    Family::Sphere.points(vertices, seed).iter().map(|p| std::array::from_fn(|i| p[i] * axes[i])).collect()
+}
+
+fn polyhedron(hull: &Hull<'_>) -> ConvexPolyhedron {
+    let vertices: Vec<Vec3> = hull.vertices().collect();
+    let triangles: Vec<[u32; 3]> = hull
+        .faces()
+        .flat_map(|face| {
+            let face: Vec<u32> = face.collect();
+            (2..face.len()).map(|i| [face[0], face[i - 1], face[i]]).collect::<Vec<_>>()
+        })
+        .collect();
+    ConvexPolyhedron::from_convex_mesh(vertices.clone(), &triangles)
+        .or_else(|| ConvexPolyhedron::from_convex_hull(&vertices))
+        .expect("parry accepts ellipsoids")
+}
+
+#[cfg(test)]
+mod tests {
+    use hullmap_bake::IndexKind;
+
+    use super::*;
+
+    #[test]
+    fn hulls_differ_and_have_all_vertices() {
+        let scene = Scene::bake(20, 40, IndexKind::Tree.into());
+        let hulls = scene.hulls();
+        assert_eq!((hulls.len(), scene.polyhedra.len(), scene.scans.len()), (20, 20, 20));
+        assert!(hulls.iter().all(|hull| hull.vertex_count() == 40));
+        assert!(scene.polyhedra.iter().all(|polyhedron| polyhedron.points().len() == 40));
+        let mut diameters: Vec<f64> = hulls.iter().map(Hull::diameter).collect();
+        diameters.sort_by(f64::total_cmp);
+        diameters.dedup();
+        assert_eq!(diameters.len(), 20, "seed {SEED}");
+    }
+}
