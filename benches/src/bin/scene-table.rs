@@ -46,8 +46,8 @@ struct Arguments {
     /// Kinds of direction index [default: tree]
     #[arg(long, value_delimiter = ',')]
     index: Vec<IndexKind>,
-    /// Skip scenes whose packs would be larger than this, in MiB; parry3d and the scan need twice as
-    /// much memory on top
+    /// Skip scenes whose packs would be larger than this, in MiB; parry3d and the scan need twice
+    /// as much memory on top
     #[arg(long, default_value_t = 2048, value_name = "MIB")]
     max_mib: usize,
     /// Also write the tables as markdown, with facts about the machine, and as CSV beside it

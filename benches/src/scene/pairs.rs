@@ -35,8 +35,8 @@ fn random_rotation(rng: &mut SplitMix64) -> DQuat {
     DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize()
 }
 
-/// `count` pairs of random hulls. A third penetrate, a third are within 2 % of touching, a third are
-/// separated, in turn.
+/// `count` pairs of random hulls. A third penetrate, a third are within 2 % of touching, a third
+/// are separated, in turn.
 pub fn random(hulls: &[Hull<'_>], count: usize) -> Vec<Placed> {
     let mut rng = SplitMix64::new(SEED);
     let index = |rng: &mut SplitMix64| (rng.between(0.0, hulls.len() as f64) as usize).min(hulls.len() - 1);

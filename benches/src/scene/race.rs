@@ -1,8 +1,9 @@
 //! Interleaved timing of the engines in one scene, in one thread.
 //!
 //! In each round every engine answers one *window* of the pairs: of all random pairs, or of the
-//! neighbours in one frame of the crowd. Windows of parry3d are shorter, since a long one would take
-//! minutes, but move through all pairs as well. So hulls are as cold for one engine as for another.
+//! neighbours in one frame of the crowd. Windows of parry3d are shorter, since a long one would
+//! take minutes, but move through all pairs as well. So hulls are as cold for one engine as for
+//! another.
 //!
 //! A window is timed in pieces of a few queries, which are short compared with a time slice of the
 //! operating system. The result is the median over the pieces of all rounds.

@@ -31,8 +31,8 @@ impl Record {
     }
 }
 
-/// A table for each query and order, in nanoseconds, one row for each scene. A star marks packs that
-/// are larger than the last-level cache.
+/// A table for each query and order, in nanoseconds, one row for each scene. A star marks packs
+/// that are larger than the last-level cache.
 pub fn all(records: &[Record]) -> Vec<Matrix> {
     let orders = [Order::Random, Order::Crowd];
     let kinds = orders.into_iter().flat_map(|order| Query::ALL.map(|query| (order, query)));

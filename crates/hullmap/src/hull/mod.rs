@@ -31,8 +31,8 @@ pub use support_mapping::SupportVertex;
 /// Points, directions and lengths are in the hull's local frame: the frame and units of the source
 /// mesh. [`SharedHull`] is a hull without a lifetime.
 #[derive(Clone, Copy, Debug)]
-// The fields that a query reads first fill the first two cache lines, so that a query on a hull that
-// is in no cache does not wait for the record, too.
+// The fields that a query reads first fill the first two cache lines, so that a query on a hull
+// that is in no cache does not wait for the record, too.
 #[repr(C, align(64))]
 pub struct Hull<'a> {
     interior_point: DVec3,
