@@ -45,6 +45,24 @@ fn points(points: &[[f32; 3]]) -> String {
     points.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect()
 }
 
+/// The error that a number of parts allows is stated, as is an error that time did not allow.
+#[test]
+fn decomposed_meshes_state_the_error_that_was_reached() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("u.obj"), horseshoe("u")).unwrap();
+    let row =
+        bake(&folder, "build u.obj --out few --decompose --max-parts 2 --verify --json").expect(0).json()[0].clone();
+    assert!((1..=2).contains(&row["hulls"].as_u64().unwrap()), "{row}");
+    assert!(row["notes"].to_string().contains("with at most 2 parts"), "{row}");
+    let line = "build u.obj --out late --decompose --decompose-seconds 1e-9 --verify --json";
+    let row = bake(&folder, line).expect(0).json()[0].clone();
+    assert_eq!(row["hulls"], 1, "{row}");
+    assert!(row["warnings"].to_string().contains("--decompose-seconds; increase it"), "{row}");
+    for report in bake(&folder, "verify few late --json").expect(0).json() {
+        assert_eq!(report["pass"], true, "{report}");
+    }
+}
+
 #[test]
 fn a_decomposed_mesh_has_its_gaps_and_is_verified() {
     let folder = tempfile::tempdir().unwrap();

@@ -196,6 +196,33 @@ pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64) -> Rema
     )
 }
 
+/// Parts that protrude more than requested: by the length `reached`, instead of `requested`; `size`
+/// is the mesh's diagonal. With a maximum number of parts that is a note, since the error was to be
+/// found; a search that ended early is a warning.
+pub fn beyond(name: &str, max_parts: Option<u32>, is_timed: bool, [reached, requested, size]: [f64; 3]) -> Remark {
+    let share = 100.0 * reached / size;
+    let shares = format!("{reached:.3e} ({share:.3} % of the diagonal) instead of {requested:.3e}");
+    match max_parts {
+        Some(count) => {
+            let until = if is_timed { "in the time of --decompose-seconds" } else { "by the search" };
+            let noun = if count == 1 { "part" } else { "parts" };
+            let text = format!(
+                "{name}: with at most {count} {noun}, the smallest error reached {until} is {shares}; \
+                 to lower it, increase --max-parts or --max-vertices"
+            );
+            Remark::note("error of parts", name, text)
+        }
+        None => {
+            let remedy = if is_timed {
+                "the search ended by --decompose-seconds; increase it"
+            } else {
+                "the search did not prove less; increase --max-error or --max-vertices"
+            };
+            Remark::warning("excess of parts", name, format!("{name}: parts protrude by {shares}: {remedy}"))
+        }
+    }
+}
+
 /// Warnings about flat, thin and huge hulls.
 pub fn of_hull(facts: &HullMeasures) -> Vec<Remark> {
     let name = facts.name;
@@ -332,6 +359,14 @@ mod tests {
         assert!(parts("a", 3, fit(f64::NAN), 1.0).is_warning);
         let (_, warning) = texts(parts("a", 3, fit(0.02), 1.0));
         assert!(warning.contains("a: 3 parts;") && warning.contains("--vhacd-resolution"), "{warning}");
+    }
+
+    #[test]
+    fn parts_that_protrude_too_far_are_explained() {
+        let few = beyond("a", Some(3), false, [0.25, 0.1, 2.0]);
+        assert!(!few.is_warning && few.text.contains("at most 3 parts") && few.text.contains("12.500 %"), "{few:?}");
+        let late = beyond("a", None, true, [0.25, 0.1, 2.0]);
+        assert!(late.is_warning && late.text.contains("--decompose-seconds; increase it"), "{late:?}");
     }
 
     #[test]

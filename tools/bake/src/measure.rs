@@ -1,5 +1,6 @@
 //! How the parts of each object fit its mesh: what they leave uncovered, and how far they protrude.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use hullmap_bake::decompose::Method;
@@ -8,6 +9,9 @@ use hullmap_bake::{BakedHull, PointSet};
 
 use crate::advice::{self, Remark};
 use crate::baker::{Part, diagonal};
+
+/// Ratio of a protrusion to the requested one up to which rounding may explain the difference.
+const ROOM: f64 = 1.0 + 1e-6;
 
 /// Counts and measures the parts of each point set, records both in their hulls, and returns
 /// remarks on them. The hulls of a set are consecutive, in the order of the sets.
@@ -21,7 +25,8 @@ pub fn parts(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], m
         let own = &mut hulls[start..start + count];
         start += count;
         let name = &points.name;
-        if count == 1 {
+        let is_whole = matches!(parts[start - count].points, Cow::Borrowed(_)) || method.allows_one_part();
+        if count == 1 && is_whole {
             let why = if points.triangles.is_empty() {
                 "it has no faces"
             } else if method.allows_one_part() {
@@ -33,8 +38,9 @@ pub fn parts(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], m
         }
         if !points.triangles.is_empty() {
             record(points, own, limit(method, points));
+            remarks.extend(beyond(method, points, own));
         }
-        if count > 1 {
+        if count > 1 || !is_whole {
             let size = own.iter().map(|baked| baked.hull.diameter).fold(0.0, f64::max);
             let fits: Option<Vec<Fit>> = own.iter().map(|baked| baked.fit).collect();
             remarks.push(advice::parts(name, count, fits.as_deref().map(advice::PartsFit::of), size));
@@ -75,6 +81,18 @@ fn limit(method: &Method, points: &PointSet) -> Option<f64> {
         Method::Cover(cover) if cover.max_parts.is_none() => Some(cover.max_error.of(diagonal(points))),
         _ => None,
     }
+}
+
+/// What to say about parts that protrude more than the maximum error of a cover.
+fn beyond(method: &Method, points: &PointSet, own: &[BakedHull]) -> Option<Remark> {
+    let Method::Cover(cover) = method else { return None };
+    let fits: Option<Vec<Fit>> = own.iter().map(|baked| baked.fit).collect();
+    let reached = advice::PartsFit::of(fits.as_deref().filter(|fits| !fits.is_empty())?).protrusion;
+    let size = diagonal(points);
+    let requested = cover.max_error.of(size);
+    let is_timed = cover.seconds.is_some();
+    (reached > requested * ROOM)
+        .then(|| advice::beyond(&points.name, cover.max_parts, is_timed, [reached, requested, size]))
 }
 
 /// Counts and measures the parts of one mesh, and records both in their hulls.

@@ -37,7 +37,7 @@ pub use vhacd::{Fill, Parameters};
 use crate::{
     BakeError, PointSet,
     hull::{self, Hull},
-    parts::{solid::Solid, uncovered_triangles},
+    parts::{Accuracy, protrusion, solid::Solid, uncovered_triangles},
 };
 
 /// How a mesh is decomposed.
@@ -84,14 +84,15 @@ pub struct Cover {
     /// Maximum protrusion of a part from the mesh's solid, above 0. With `max_parts`, the search
     /// starts with this limit, and finds the smallest one that suffices.
     pub max_error: Length,
-    /// Maximum number of parts, at least 1. If `max_error` takes more parts, `max_error` is
-    /// exceeded.
+    /// Maximum number of parts, at least 1. It is never exceeded: if `max_error` takes more parts,
+    /// `max_error` is exceeded.
     pub max_parts: Option<u32>,
     /// Maximum number of vertices of a part, at least
     /// [`MIN_VERTICES`](crate::simplify::MIN_VERTICES).
     pub max_vertices: u32,
-    /// Time after which the search stops improving the parts, in seconds. A first cover is
-    /// completed in any case, which may take longer. The result then depends on the machine.
+    /// Time after which the search stops, in seconds. The result then depends on the machine, and
+    /// its parts may exceed `max_error`. If no cover was found in time, the result is the mesh's
+    /// hull.
     pub seconds: Option<f64>,
 }
 
@@ -108,12 +109,14 @@ const LEAST_ERROR: f64 = 2e-5;
 /// Distance from the parts up to which the surface counts as covered, relative to the diagonal.
 const COVERED: f64 = 1e-7;
 
-/// Number of times that the limit is doubled to reach a number of parts. The hull of a mesh
-/// protrudes by less than its diagonal.
-const MAX_DOUBLINGS: usize = 17;
-
-/// Number of bisections of the range of limits.
+/// Maximum number of further searches for the smallest limit at which there are few enough parts.
 const BISECTIONS: usize = 5;
+
+/// Ratio of the limit that is reached to one that is too small, at which the search ends.
+const CLOSE_ENOUGH: f64 = 1.05;
+
+/// Number of parts above which neighbours are joined before the best mergers are sought.
+const MANY_PARTS: usize = 256;
 
 /// The convex parts of a mesh; `None` if the mesh is convex, or has no triangles or no extent.
 ///
@@ -138,12 +141,7 @@ fn covered(mesh: &PointSet, parameters: &Cover) -> Result<Option<Vec<PointSet>>,
     if hull.rank < 3 || mesh.triangles.is_empty() || vhacd::is_convex(mesh, &hull) {
         return Ok(None);
     }
-    let solid = Solid::new(mesh);
-    let mut parts = cover_within(mesh, &solid, parameters);
-    add_uncovered(mesh, &mut parts, solid.diagonal(), parameters.max_error.of(solid.diagonal()));
-    if parts.is_empty() {
-        return Ok(None);
-    }
+    let parts = cover_within(mesh, hull, parameters)?;
     let order = vhacd::by_position(mesh);
     let point_set = |(index, hull): (usize, &Hull)| {
         let located = |p: &[f32; 3]| (*p, vhacd::source_vertex_at(mesh, &order, *p));
@@ -154,50 +152,130 @@ fn covered(mesh: &PointSet, parameters: &Cover) -> Result<Option<Vec<PointSet>>,
     Ok(Some(parts.iter().enumerate().map(point_set).collect()))
 }
 
-/// Adds a thin part for each triangle that is not proven to be covered, for instance one without
+/// Adds thin parts for each triangle that is not proven to be covered, for instance one without
 /// area, of which no cell is made. A triangle of the mesh protrudes nowhere.
-fn add_uncovered(mesh: &PointSet, parts: &mut Vec<Hull>, diagonal: f64, limit: f64) {
+fn add_uncovered(mesh: &PointSet, parts: &mut Vec<Hull>, diagonal: f64, what: &Search) {
     let missing = uncovered_triangles(mesh, &parts.iter().collect::<Vec<_>>(), COVERED * diagonal);
-    let thin = missing.into_par_iter().filter_map(|triangle| {
+    let thickness = (0.25 * what.limit).min(1e-6 * diagonal);
+    let thin = missing.into_par_iter().flat_map_iter(|triangle| {
         let corner = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
         let corners = mesh.triangles[triangle].map(corner);
-        cover::wrap::tight(&corners, diagonal, (0.25 * limit).min(1e-6 * diagonal))
+        cover::wrap::of_polygon(&corners, diagonal, thickness, what.max_vertices)
     });
     let thin: Vec<Hull> = thin.collect();
     parts.extend(thin);
 }
 
-/// The hulls of a cover, within the maximum number of parts.
-fn cover_within(mesh: &PointSet, solid: &Solid, parameters: &Cover) -> Vec<Hull> {
-    let diagonal = solid.diagonal();
+/// The hulls of a cover, within the maximum number of parts. `hull` is that of the mesh, and is the
+/// result if nothing better is found in time.
+fn cover_within(mesh: &PointSet, hull: Hull, parameters: &Cover) -> Result<Vec<Hull>, BakeError> {
     let deadline = parameters.seconds.map(Deadline::after);
+    let max_vertices = (parameters.max_vertices as usize).max(crate::simplify::MIN_VERTICES);
+    let max_parts = parameters.max_parts.map(|count| count.max(1) as usize);
     let is_over = || deadline.is_some_and(|deadline| deadline.is_over());
+    let whole = |hull| Ok(vec![cover::wrap::within_vertices(hull, max_vertices)]);
+    if max_parts == Some(1) {
+        return whole(hull);
+    }
+    let solid = Solid::new(mesh);
+    let diagonal = solid.diagonal();
     let least = LEAST_ERROR * diagonal;
-    let search = |limit: f64| -> Vec<Hull> {
-        let max_vertices = (parameters.max_vertices as usize).max(crate::simplify::MIN_VERTICES);
+    let search = |limit: f64| -> Option<Vec<Hull>> {
         let what = Search { limit: limit.max(least), max_vertices, deadline };
-        cover::search(mesh, solid, &what).into_iter().map(|(hull, _)| hull).collect()
+        let found = cover::search(mesh, &solid, &what)?;
+        let mut hulls: Vec<Hull> = found.into_iter().map(|(hull, _)| hull).collect();
+        add_uncovered(mesh, &mut hulls, diagonal, &what);
+        (!hulls.is_empty()).then_some(hulls)
     };
-    let mut limit = parameters.max_error.of(diagonal).max(least);
-    let mut best = search(limit);
-    let Some(max_parts) = parameters.max_parts.map(|count| count.max(1) as usize) else { return best };
-    // The smallest limit that is known to suffice, and the greatest that is known not to.
-    let mut low = 0.0;
-    for _ in 0..MAX_DOUBLINGS {
-        if best.len() <= max_parts {
-            break;
-        }
+    let limit = parameters.max_error.of(diagonal).max(least);
+    let Some(mut best) = search(limit) else { return whole(hull) };
+    let Some(max_parts) = max_parts else { return Ok(best) };
+    // The greatest limit that is known not to suffice, and what the best parts reach.
+    let (mut low, mut reached) = (0.0, limit);
+    if best.len() > max_parts {
         low = limit;
-        limit *= 2.0;
-        best = search(limit);
+        (best, reached) = merged(best, &solid, max_parts, max_vertices)?;
     }
     for _ in 0..BISECTIONS {
-        if is_over() || limit <= least {
+        if is_over() || !(reached > least.max(CLOSE_ENOUGH * low)) {
             break;
         }
-        let middle = if low > 0.0 { (low * limit).sqrt() } else { 0.25 * limit };
-        let found = search(middle);
-        if found.len() <= max_parts { (best, limit) = (found, middle) } else { low = middle }
+        let middle = if low > 0.0 { (low * reached).sqrt() } else { 0.25 * reached };
+        let Some(found) = search(middle) else { break };
+        if is_over() {
+            // These parts may not be proven.
+            break;
+        }
+        if found.len() <= max_parts {
+            (best, reached) = (found, middle);
+            continue;
+        }
+        low = middle;
+        if found.len() <= 2 * max_parts {
+            let (merged, bound) = merged(found, &solid, max_parts, max_vertices)?;
+            if bound < reached {
+                (best, reached) = (merged, bound);
+            }
+        }
     }
-    best
+    Ok(best)
+}
+
+/// Hulls of groups of `parts`, at most `max_parts`, and the greatest bound on their protrusions.
+/// Groups grow by the mergers that add the least volume.
+fn merged(
+    parts: Vec<Hull>,
+    solid: &Solid,
+    max_parts: usize,
+    max_vertices: usize,
+) -> Result<(Vec<Hull>, f64), BakeError> {
+    let mut sets: Vec<PointSet> = parts.iter().map(|hull| points_of(&hull.vertices)).collect();
+    if sets.len() > MANY_PARTS.max(max_parts) {
+        sets = clustered(sets, MANY_PARTS.max(max_parts));
+    }
+    let until = merge::Until { free: f64::NEG_INFINITY, max_parts, size: solid.diagonal() };
+    let groups = merge::merge(&sets, until)?;
+    let hull_of = |group: &Vec<usize>| -> Result<(Hull, f64), BakeError> {
+        let points: Vec<[f32; 3]> = group.iter().flat_map(|part| sets[*part].positions.iter().copied()).collect();
+        let hull = cover::wrap::within_vertices(hull::build(&points_of(&points))?, max_vertices);
+        let bound = protrusion(solid, &hull, &Accuracy::tight(solid.diagonal())).bound;
+        Ok((hull, bound))
+    };
+    let found: Result<Vec<(Hull, f64)>, BakeError> = groups.par_iter().map(hull_of).collect();
+    let (hulls, bounds): (Vec<Hull>, Vec<f64>) = found?.into_iter().unzip();
+    Ok((hulls, bounds.into_iter().fold(0.0, f64::max)))
+}
+
+fn points_of(positions: &[[f32; 3]]) -> PointSet {
+    let source_vertices = (0..positions.len() as u32).collect();
+    PointSet { positions: positions.to_vec(), source_vertices, ..PointSet::default() }
+}
+
+/// Sets of points joined to at most `count` sets: the largest group is halved along the longest
+/// side of its box, until there are that many groups.
+fn clustered(sets: Vec<PointSet>, count: usize) -> Vec<PointSet> {
+    let centres: Vec<DVec3> = sets
+        .iter()
+        .map(|set| {
+            set.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).sum::<DVec3>()
+                / set.positions.len() as f64
+        })
+        .collect();
+    let mut groups: Vec<Vec<usize>> = vec![(0..sets.len()).collect()];
+    while groups.len() < count {
+        let Some(largest) = (0..groups.len()).max_by_key(|group| (groups[*group].len(), usize::MAX - group)) else {
+            break;
+        };
+        let mut group = groups.swap_remove(largest);
+        let (low, high) = cover::body::bounds(&group.iter().map(|set| centres[*set]).collect::<Vec<_>>());
+        let axis = cover::body::longest(high - low);
+        group.sort_by(|a, b| centres[*a][axis].total_cmp(&centres[*b][axis]).then(a.cmp(b)));
+        let second = group.split_off(group.len() / 2);
+        groups.extend([group, second]);
+    }
+    groups
+        .iter()
+        .filter(|group| !group.is_empty())
+        .map(|group| points_of(&group.iter().flat_map(|set| sets[*set].positions.iter().copied()).collect::<Vec<_>>()))
+        .collect()
 }

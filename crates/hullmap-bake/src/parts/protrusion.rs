@@ -15,6 +15,8 @@
 //! - The distance from a convex set, such as one triangle, is a convex function, so it is greatest
 //!   at a corner. The distance from the solid is at most that.
 //! - The winding number is constant between the triangles.
+//! - Where a point inside is farther from the solid than all points of the part's surface, the
+//!   distance has a local maximum inside. Boxes that are proven to contain none are left out.
 //!
 //! # Complexity
 //! One nearest-triangle search per cell. The number of cells is bounded by the [`Accuracy`].
@@ -24,7 +26,7 @@ use glam::DVec3;
 use super::{
     branch::{Accuracy, Maximum, Measured, maximum},
     planes::{self, HalfSpace},
-    solid::Solid,
+    solid::{Near, Solid},
     triangle::{self, Triangle},
 };
 use crate::hull::Hull;
@@ -71,6 +73,9 @@ const MAX_TESTED: usize = 64;
 /// Maximum number of pieces into which a face is divided.
 const MAX_PIECES: usize = 4096;
 
+/// Number of planes that are tried between a box and what is near.
+const TURNS: usize = 4;
+
 /// Number of steps in which a point deep inside a box is sought.
 const DEEP_STEPS: usize = 16;
 
@@ -81,9 +86,14 @@ const DEEP_STEPS: usize = 16;
 /// accuracy has a limit, a bound within the limit holds for all points of the part, except for 1e-6
 /// of the diagonal.
 pub fn protrusion(solid: &Solid, part: &Hull, accuracy: &Accuracy) -> Protrusion {
+    protrusion_beside(solid, part, accuracy, None)
+}
+
+/// The same as [`protrusion()`], given where the distance from the solid has local maxima.
+pub fn protrusion_beside(solid: &Solid, part: &Hull, accuracy: &Accuracy, peaks: Option<&Peaks>) -> Protrusion {
     let surface = on_surface(solid, part, accuracy);
     let is_refuted = accuracy.limit.is_some_and(|limit| surface.bound > limit);
-    let found = if is_refuted || part.rank < 3 { surface } else { inside(solid, part, accuracy, surface) };
+    let found = if is_refuted || part.rank < 3 { surface } else { inside(solid, part, accuracy, surface, peaks) };
     let slack = solid.tolerance();
     Protrusion { bound: found.bound + slack, reached: (found.reached - 2.0 * slack).max(0.0), at: found.at }
 }
@@ -222,8 +232,7 @@ struct Cell {
     within: f64,
 }
 
-fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum) -> Maximum {
-    let planes = planes::half_spaces(part);
+fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum, peaks: Option<&Peaks>) -> Maximum {
     let diagonal = solid.diagonal();
     let enough = match accuracy.limit {
         Some(limit) => limit.max(surface.bound + CAVITY_LIMITED * diagonal),
@@ -233,8 +242,20 @@ fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum) -> 
     let positions = part.positions();
     let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
     let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let boxes: Vec<[DVec3; 2]> = match peaks {
+        // Where the distance has no local maximum above `enough`, none is greater than at the
+        // surface.
+        Some(peaks) if peaks.above <= enough => {
+            peaks.boxes.iter().filter(|[l, h]| (*l - high).max(low - *h).max_element() <= 0.0).copied().collect()
+        }
+        _ => vec![[low, high]],
+    };
+    if boxes.is_empty() {
+        return surface;
+    }
+    let planes = planes::half_spaces(part);
     let deep = deep_polygons(solid, &planes, [low, high], depth);
-    let start = Cell {
+    let start = |[low, high]: [DVec3; 2]| Cell {
         centre: (low + high) * 0.5,
         half: (high - low) * 0.5,
         deep: (0..deep.len() as u32).collect(),
@@ -270,6 +291,9 @@ fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum) -> 
         };
         cell.within = near.distance + radius;
         let mut bound = from_surface.min(near.distance + radius);
+        if bound > enough && has_no_peak(solid, centre, half, &near) {
+            return Measured { bound: enough, ..nothing };
+        }
         let mut reached = if centre_depth >= 0.0 { near.distance } else { 0.0 };
         if (bound > enough || reached > surface.reached) && solid.is_inside(cell.centre) {
             reached = 0.0;
@@ -295,7 +319,7 @@ fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum) -> 
             Accuracy { floor: enough, relative, absolute, ..*accuracy }
         }
     };
-    let cavity = maximum([start], &accuracy, measure, split);
+    let cavity = maximum(boxes.into_iter().map(start), &accuracy, measure, split);
     let measurements = surface.measurements + cavity.measurements;
     if cavity.bound <= enough {
         return Maximum { measurements, ..surface };
@@ -305,6 +329,89 @@ fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum) -> 
         measurements,
         ..if cavity.reached > surface.reached { cavity } else { surface }
     }
+}
+
+/// Where the distance from a solid has local maxima, which is in its cavities, holes and grooves.
+#[derive(Clone, Debug)]
+pub struct Peaks {
+    /// Lower local maxima are left out.
+    above: f64,
+    /// All other local maxima are in these boxes.
+    boxes: Vec<[DVec3; 2]>,
+}
+
+impl Peaks {
+    /// The local maxima greater than `above`, which is positive; `None` if they are not found by
+    /// `measurements`.
+    ///
+    /// # Complexity
+    /// One nearest-triangle search per measurement.
+    pub fn new(solid: &Solid, above: f64, measurements: usize) -> Option<Self> {
+        let area: f64 = solid.triangles().iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).length() * 0.5).sum();
+        // Written so that NaN gives up.
+        if !(PEAK_BOXES * area <= above * above * measurements as f64) {
+            return None;
+        }
+        let [low, high] = solid.bounds();
+        let mut boxes = Vec::new();
+        let mut stack = vec![((low + high) * 0.5, (high - low) * 0.5, f64::INFINITY)];
+        for _ in 0..measurements {
+            let Some((centre, half, within)) = stack.pop() else { return Some(Self { above, boxes }) };
+            let radius = half.length();
+            let near = solid.near(centre, within * (1.0 + 1e-9) + solid.tolerance())?;
+            // The maximum may be higher than it is measured.
+            if near.distance + radius <= above * (1.0 - 1e-9)
+                || near.gap > radius && solid.is_inside(centre)
+                || has_no_peak(solid, centre, half, &near)
+            {
+                continue;
+            }
+            if radius <= SMALLEST_PEAK * above {
+                boxes.push([centre - half, centre + half]);
+                continue;
+            }
+            let axis = (0..3).fold(0, |longest, axis| if half[axis] > half[longest] { axis } else { longest });
+            let mut smaller = half;
+            smaller[axis] *= 0.5;
+            for side in [-1.0, 1.0] {
+                let mut middle = centre;
+                middle[axis] += side * smaller[axis];
+                stack.push((middle, smaller, near.distance + smaller[axis]));
+            }
+        }
+        None
+    }
+}
+
+/// Approximate number of boxes next to a square of the surface whose sides are the least distance.
+const PEAK_BOXES: f64 = 18.0;
+
+/// Radius of the boxes in which peaks are sought, relative to their least distance.
+const SMALLEST_PEAK: f64 = 0.25;
+
+/// Whether the distance from the solid has no local maximum in a box around `centre`.
+///
+/// At a local maximum, no plane separates a point from all points of the solid that are nearest to
+/// it: away from the plane, the distance would grow. Those of any point of the box are within the
+/// distance of its centre plus twice its radius. A plane that has the box on one side and all such
+/// triangles on the other rules out all points of the box. It is sought as a perceptron learns:
+/// each triangle in the way turns it.
+fn has_no_peak(solid: &Solid, centre: DVec3, half: DVec3, near: &Near) -> bool {
+    let slack = solid.tolerance();
+    let radius = near.distance + 2.0 * half.length() + slack;
+    let mut away = centre - triangle::nearest(&near.triangle, centre);
+    for _ in 0..TURNS {
+        let Some(normal) = away.try_normalize() else { return false };
+        let plane = HalfSpace { normal, offset: normal.dot(centre) - normal.abs().dot(half) - slack };
+        match solid.triangle_above(&plane, centre, radius) {
+            None => return true,
+            Some(triangle) => {
+                let Some(push) = (centre - triangle::nearest(&triangle, centre)).try_normalize() else { return false };
+                away = normal + push;
+            }
+        }
+    }
+    false
 }
 
 /// A point of the cell that is deeper than `depth` inside all planes, sought by projecting onto one

@@ -32,6 +32,7 @@ use parry3d_f64::{
 
 use super::{
     closing,
+    planes::HalfSpace,
     triangle::{self, Triangle},
 };
 use crate::PointSet;
@@ -189,6 +190,23 @@ impl Solid {
     pub fn triangles_in(&self, low: DVec3, high: DVec3) -> Vec<u32> {
         let query = Aabb::new(low, high);
         self.bvh.intersect_aabb(&query).collect()
+    }
+
+    /// A triangle with a corner in or above a plane, within `radius` of a point; `None` if there is
+    /// none. Triangles a little farther away may be found, too.
+    pub fn triangle_above(&self, plane: &HalfSpace, p: DVec3, radius: f64) -> Option<Triangle> {
+        let is_high = plane.normal.cmpge(DVec3::ZERO);
+        let is_near = |node: &BvhNode| {
+            let (low, high) = (node.mins(), node.maxs());
+            // Written so that NaN is near.
+            !((low - p).max(p - high).max(DVec3::ZERO).length_squared() > radius * radius)
+                && !(plane.height(DVec3::select(is_high, high, low)) < 0.0)
+        };
+        let triangles = self.bvh.leaves(is_near).map(|index| self.triangles[index as usize]);
+        triangles.into_iter().find(|corners| {
+            corners.iter().any(|corner| !(plane.height(*corner) < 0.0))
+                && !(triangle::nearest(corners, p).distance(p) > radius)
+        })
     }
 
     /// Maximum error of distances: vertices that were moved together, and rounding.

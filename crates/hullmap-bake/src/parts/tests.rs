@@ -3,6 +3,7 @@
 use glam::DVec3;
 use shapes::rng::SplitMix64;
 
+use super::protrusion::{Peaks, protrusion_beside};
 use super::*;
 use crate::{
     PointSet,
@@ -114,6 +115,33 @@ fn a_cavity_counts() {
     assert!(found.bound >= 0.75 && found.bound < 0.85, "{found:?}");
     let decided = protrusion(&solid, &hull_of(&hollow.positions), &Accuracy::decide(0.7));
     assert!(decided.bound > 0.7, "{decided:?}");
+}
+
+/// Known local maxima change no decision, and a cavity is one.
+#[test]
+fn local_maxima_change_no_decision() {
+    let hollow = |size: f32| joined(&[block([0.0; 3], [4.0; 3], false), block([2.0 - size; 3], [2.0 + size; 3], true)]);
+    let mut rng = SplitMix64::new(9);
+    let mut decided = [0, 0];
+    for mesh in [block([0.0; 3], [4.0; 3], false), hollow(0.5), hollow(1.5), letter_l()] {
+        let solid = Solid::new(&mesh);
+        for limit in [0.3, 0.49, 0.51, 1.0, 1.6] {
+            let peaks = Peaks::new(&solid, 0.8 * limit, 1_000_000).expect("the maxima are found");
+            for _ in 0..12 {
+                let [a, b] = [0, 1].map(|_| [0; 3].map(|_: i32| rng.between(-0.3, 4.3) as f32));
+                let part = [0, 1, 2].map(|i| [a[i].min(b[i]), a[i].max(b[i]) + 0.1]);
+                let part = hull_of(&block(part.map(|p| p[0]), part.map(|p| p[1]), false).positions);
+                for part in [&part, &hull_of(&mesh.positions)] {
+                    let accuracy = Accuracy::decide(limit);
+                    let without = protrusion(&solid, part, &accuracy).bound <= limit;
+                    let with = protrusion_beside(&solid, part, &accuracy, Some(&peaks)).bound <= limit;
+                    assert_eq!(with, without, "limit {limit}");
+                    decided[usize::from(with)] += 1;
+                }
+            }
+        }
+    }
+    assert!(decided.iter().all(|count| *count > 60), "{decided:?}");
 }
 
 #[test]

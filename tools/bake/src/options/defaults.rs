@@ -321,7 +321,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: PositiveOrNone,
         default: DefaultValue::Value("none"),
         value_name: "S",
-        help: "Stop improving the parts of a mesh after S seconds; packs may then differ from run to run",
+        help: "Stop the search for the parts of a mesh after S seconds; the error may then exceed the limit, and packs may differ from run to run",
         section: Section::Decomposition,
         is_advanced: true,
         applies_with: Some(("decompose", "cover")),

@@ -135,6 +135,11 @@ impl Body {
     }
 }
 
+/// The axis along which a size is greatest.
+pub fn longest(size: DVec3) -> usize {
+    (0..3).fold(0, |longest, axis| if size[axis] > size[longest] { axis } else { longest })
+}
+
 /// Minimum and maximum of points.
 pub fn bounds(points: &[DVec3]) -> (DVec3, DVec3) {
     (

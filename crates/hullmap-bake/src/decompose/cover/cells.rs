@@ -254,8 +254,13 @@ pub struct Cutting {
     pub max_cells: usize,
 }
 
-/// The cells of a surface.
-pub fn cells(triangles: &[[DVec3; 3]], field: &Field, cutting: &Cutting) -> Vec<Cell> {
+/// The cells of a surface; `None` if `is_over` before they are found.
+pub fn cells(
+    triangles: &[[DVec3; 3]],
+    field: &Field,
+    cutting: &Cutting,
+    is_over: &(dyn Fn() -> bool + Sync),
+) -> Option<Vec<Cell>> {
     let mut root = Piece::default();
     for t in triangles {
         let normal = (t[1] - t[0]).cross(t[2] - t[0]).normalize_or_zero();
@@ -266,6 +271,9 @@ pub fn cells(triangles: &[[DVec3; 3]], field: &Field, cutting: &Cutting) -> Vec<
     let mut level = vec![(root, 0_u32)];
     let mut cells = Vec::new();
     while !level.is_empty() {
+        if is_over() {
+            return None;
+        }
         let budget = cutting.max_cells.saturating_sub(cells.len() + level.len());
         let next: Vec<Step> =
             level.into_par_iter().map(|(piece, depth)| step(piece, depth, field, cutting, budget > 0)).collect();
@@ -277,7 +285,7 @@ pub fn cells(triangles: &[[DVec3; 3]], field: &Field, cutting: &Cutting) -> Vec<
             }
         }
     }
-    cells
+    Some(cells)
 }
 
 /// The pieces that a piece is cut into, each with its number of cuts, or else its cells.
@@ -354,7 +362,12 @@ fn protrudes(piece: &Piece, body: &Body, field: &Field, limit: f64) -> bool {
 /// Whether the hull of a piece is proven to be near enough to the solid.
 fn is_proven(body: &Body, field: &Field, cutting: &Cutting) -> bool {
     let rounded = body.points.iter().map(|p| p.as_vec3().to_array().map(|c| c + 0.0)).collect();
-    let bounds = super::wrap::Bounds { limit: cutting.hard, max_vertices: usize::MAX, diagonal: cutting.diagonal };
+    let bounds = super::wrap::Bounds {
+        limit: cutting.hard,
+        max_vertices: usize::MAX,
+        diagonal: cutting.diagonal,
+        deadline: None,
+    };
     super::wrap::hull_of(rounded).is_some_and(|hull| super::wrap::prove(field, &hull, &bounds, 4_000).is_ok())
 }
 

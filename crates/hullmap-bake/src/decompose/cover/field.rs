@@ -6,12 +6,18 @@
 //! 2. The other voxels form connected components, each all inside or all outside. Label each
 //!    component by one query of the solid.
 
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
 use glam::DVec3;
 
-use crate::parts::solid::Solid;
+use crate::parts::{protrusion::Peaks, solid::Solid, triangle};
 
 /// Number of voxels along the longest side of the box.
 const VOXELS: usize = 48;
+
+/// Maximum number of measurements by which local maxima are sought.
+const PEAK_MEASUREMENTS: usize = 60_000;
 
 const MIXED: u8 = 0;
 const OUTSIDE: u8 = 1;
@@ -25,6 +31,7 @@ pub struct Field<'a> {
     step: f64,
     size: [usize; 3],
     labels: Vec<u8>,
+    peaks: Option<Peaks>,
 }
 
 impl<'a> Field<'a> {
@@ -37,16 +44,17 @@ impl<'a> Field<'a> {
         let extent = (high - low).max_element();
         let step = extent / VOXELS as f64;
         if !(step > 0.0) || !step.is_finite() {
-            return Self { solid, low, step: 1.0, size: [0; 3], labels: Vec::new() };
+            return Self { solid, low, step: 1.0, size: [0; 3], labels: Vec::new(), peaks: None };
         }
         // A voxel of margin on every side.
         let low = low - DVec3::splat(step);
         let size = (high - low).to_array().map(|x| (x / step) as usize + 2);
-        let mut field = Self { solid, low, step, size, labels: vec![UNKNOWN; size[0] * size[1] * size[2]] };
+        let mut field =
+            Self { solid, low, step, size, labels: vec![UNKNOWN; size[0] * size[1] * size[2]], peaks: None };
         for triangle in solid.triangles() {
             field.mark(triangle);
         }
-        field.label();
+        field.fill();
         field
     }
 
@@ -69,7 +77,7 @@ impl<'a> Field<'a> {
         }
     }
 
-    fn label(&mut self) {
+    fn fill(&mut self) {
         let mut stack = Vec::new();
         for z in 0..self.size[2] {
             for y in 0..self.size[1] {
@@ -114,12 +122,7 @@ impl<'a> Field<'a> {
 
     /// Whether a point is farther than `limit` from the solid.
     pub fn is_beyond(&self, p: DVec3, limit: f64) -> bool {
-        if self.labels.is_empty() {
-            return self.solid.distance(p) > limit;
-        }
-        let q = (p - self.low) / self.step;
-        let is_in_grid = q.min_element() >= 0.0 && (0..3).all(|axis| q[axis] < self.size[axis] as f64);
-        let label = if is_in_grid { self.labels[self.at(self.cell(p))] } else { OUTSIDE };
+        let label = self.label(p);
         if label == INSIDE {
             return false;
         }
@@ -129,8 +132,115 @@ impl<'a> Field<'a> {
         label == OUTSIDE || !self.solid.is_inside(p)
     }
 
+    /// Finds the local maxima of the distance above a length, which makes proofs for greater lengths
+    /// faster.
+    pub fn find_peaks(&mut self, above: f64) {
+        self.peaks = Peaks::new(self.solid, above, PEAK_MEASUREMENTS);
+    }
+
+    /// The local maxima of the distance, if they are known.
+    pub fn peaks(&self) -> Option<&Peaks> {
+        self.peaks.as_ref()
+    }
+
+    /// Points of triangles that are farther than `limit` from the solid, at most `count`, sought by
+    /// at most `measurements` distances.
+    ///
+    /// This is branch and bound, as in [`protrusion`](mod@crate::parts::protrusion). The pieces of a
+    /// triangle whose middle is found are not searched, so that points are far apart.
+    pub fn points_beyond(&self, triangles: &[[DVec3; 3]], limit: f64, count: usize, measurements: usize) -> Vec<DVec3> {
+        let mut queue = BinaryHeap::new();
+        let mut found = Vec::new();
+        for corners in triangles {
+            let centre = triangle::centroid(corners);
+            let radius = corners.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
+            queue.push(Piece { bound: radius, within: f64::INFINITY, corners: *corners });
+        }
+        for _ in 0..measurements {
+            let Some(piece) = queue.pop() else { break };
+            let centre = triangle::centroid(&piece.corners);
+            let radius = piece.corners.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
+            let Some(near) = self.solid.near(centre, piece.within) else { continue };
+            let to_corners =
+                piece.corners.iter().map(|p| triangle::nearest(&near.triangle, *p).distance(*p)).fold(0.0, f64::max);
+            if (near.distance + radius).min(to_corners.max(near.distance)) <= limit {
+                continue;
+            }
+            if near.distance > limit || near.gap > radius {
+                if self.is_inside(centre) {
+                    if near.gap > radius {
+                        continue;
+                    }
+                } else if near.distance > limit {
+                    found.push(centre);
+                    if found.len() >= count {
+                        break;
+                    }
+                    continue;
+                }
+            }
+            let within = (near.distance + 2.0 * radius) * (1.0 + 1e-9);
+            for corners in triangle::halves(&piece.corners) {
+                let middle = triangle::centroid(&corners);
+                let radius = corners.iter().map(|p| p.distance(middle)).fold(0.0, f64::max);
+                let distance = near.distance + middle.distance(centre);
+                if distance + radius > limit {
+                    queue.push(Piece { bound: distance + radius, within, corners });
+                }
+            }
+        }
+        found
+    }
+
+    /// Whether a point is inside the solid.
+    fn is_inside(&self, p: DVec3) -> bool {
+        match self.label(p) {
+            INSIDE => true,
+            OUTSIDE => false,
+            _ => self.solid.is_inside(p),
+        }
+    }
+
+    /// The label of the voxel around a point.
+    fn label(&self, p: DVec3) -> u8 {
+        if self.labels.is_empty() {
+            return MIXED;
+        }
+        let q = (p - self.low) / self.step;
+        let is_in_grid = q.min_element() >= 0.0 && (0..3).all(|axis| q[axis] < self.size[axis] as f64);
+        if is_in_grid { self.labels[self.at(self.cell(p))] } else { OUTSIDE }
+    }
+
     /// The solid.
     pub fn solid(&self) -> &'a Solid {
         self.solid
+    }
+}
+
+/// A triangle in the queue of a search.
+struct Piece {
+    bound: f64,
+    /// A distance that exceeds that of its middle.
+    within: f64,
+    corners: [DVec3; 3],
+}
+
+impl PartialEq for Piece {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Piece {}
+
+impl PartialOrd for Piece {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Piece {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.bound.total_cmp(&other.bound)
     }
 }

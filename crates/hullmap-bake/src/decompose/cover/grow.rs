@@ -15,10 +15,9 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 
 use super::bits::Bits;
-use super::body::{Body, Plane, separation};
+use super::body::{Body, separation};
 use super::cells::Cell;
 use super::field::Field;
-use super::sample::face_points;
 
 /// What all growths share: the cells, their neighbours, and the solid.
 pub struct Ground<'a> {
@@ -45,11 +44,14 @@ pub struct Candidate {
     pub points: Vec<DVec3>,
 }
 
-/// Number of points of a hull's faces that are measured.
-const MEASURED: usize = 240;
+/// Maximum number of distances by which points of a hull's faces that are too far are sought.
+const MEASURED: usize = 200;
 
 /// The same at the end of a growth.
-const MEASURED_LAST: usize = 4000;
+const MEASURED_LAST: usize = 800;
+
+/// Number of points after which no more are sought.
+const FOUND: usize = 8;
 
 /// Maximum number of times that a growth goes back.
 const MAX_REPAIRS: usize = 12;
@@ -91,25 +93,23 @@ impl<'a> Ground<'a> {
 
     /// Points of a body's surface that are too far from the solid.
     pub fn too_far(&self, body: &Body, count: usize) -> Vec<DVec3> {
-        let points = face_points(body, count, self.limit);
-        points.into_iter().filter(|p| self.field.is_beyond(*p, self.limit)).take(8).collect()
+        self.field.points_beyond(&body.triangles, self.limit, FOUND, count)
     }
 
     /// Grows a part from the cells of `start`; `None` if their own hull is too far from the solid.
     ///
     /// Cells join in ascending order of `key`, which is not negative. Cells without a key do not
-    /// join. Points that are found to be too far from the solid are added to `forbidden`.
+    /// join. If a cell of `wanted` cannot join, there is no part. Points that are found to be too far from the solid are added to `forbidden`.
     pub fn grow(
         &self,
         start: &[u32],
         key: &dyn Fn(u32) -> Option<f64>,
+        wanted: Option<&Bits>,
         forbidden: &mut Vec<DVec3>,
     ) -> Option<Candidate> {
         let mut growth = Growth::new(self);
-        for cell in start {
-            if !growth.join(*cell, forbidden) {
-                return None;
-            }
+        if !growth.start(start, forbidden) {
+            return None;
         }
         let mut good = growth.members.len();
         let mut repairs = 0;
@@ -142,14 +142,16 @@ impl<'a> Ground<'a> {
                     if growth.members.len() >= 2 * good + 2 {
                         break;
                     }
+                } else if wanted.is_some_and(|wanted| wanted.has(cell as usize)) {
+                    return None;
                 }
             }
-            let body = growth.body();
-            let found = self.too_far(&body, if frontier.is_empty() { MEASURED_LAST } else { MEASURED });
+            growth.tighten();
+            let found = self.too_far(&growth.shell, if frontier.is_empty() { MEASURED_LAST } else { MEASURED });
             if found.is_empty() {
                 good = growth.members.len();
                 if frontier.is_empty() {
-                    return Some(self.candidate(growth.members, &body));
+                    return Some(self.candidate(growth.members, &growth.shell));
                 }
                 continue;
             }
@@ -160,8 +162,8 @@ impl<'a> Ground<'a> {
                     return None;
                 }
                 growth.go_back(good, forbidden);
-                let body = growth.body();
-                return Some(self.candidate(growth.members, &body));
+                growth.tighten();
+                return Some(self.candidate(growth.members, &growth.shell));
             }
             let again = growth.go_back(good, forbidden);
             for cell in again {
@@ -181,9 +183,15 @@ impl<'a> Ground<'a> {
         let mut covers = Bits::new(self.cells.len());
         members.iter().for_each(|cell| covers.insert(*cell as usize));
         let slack = self.margin();
+        let holds = |cell: &Cell| {
+            body.planes.iter().all(|plane| {
+                plane.height(cell.centre) + cell.radius <= slack
+                    || cell.points.iter().all(|p| plane.height(*p) <= slack)
+            })
+        };
         for (i, cell) in self.cells.iter().enumerate() {
-            let is_near = cell.centre.cmpge(body.low).all() && cell.centre.cmple(body.high).all();
-            if is_near && !covers.has(i) && cell.points.iter().all(|p| body.holds(*p, slack)) {
+            let is_near = cell.low.cmpge(body.low - slack).all() && cell.high.cmple(body.high + slack).all();
+            if is_near && !covers.has(i) && holds(cell) {
                 covers.insert(i);
             }
         }
@@ -197,6 +205,13 @@ impl<'a> Ground<'a> {
         let body = self.body(&points);
         self.candidate(members, &body)
     }
+
+    /// A part with one more cell.
+    pub fn with(&self, part: &Candidate, cell: u32) -> Candidate {
+        let body = self.body(&[part.points.as_slice(), &self.cells[cell as usize].points].concat());
+        let members = part.members.iter().copied().chain([cell]).collect();
+        self.candidate(members, &body)
+    }
 }
 
 /// A part while it grows.
@@ -205,13 +220,17 @@ struct Growth<'a> {
     members: Vec<u32>,
     rejected: Vec<u32>,
     points: Vec<DVec3>,
+    /// The hull of some of the points.
+    shell: Body,
     crowd: usize,
     low: DVec3,
     high: DVec3,
     /// For each forbidden point, a plane through it that has all points below.
-    apart: Vec<Option<Plane>>,
+    apart: Planes,
     /// Forbidden points that rejected the last cells. They are tested first.
     hot: Vec<u32>,
+    /// Forbidden points whose planes may not have a new cell below. Scratch space.
+    close: Vec<u32>,
 }
 
 impl<'a> Growth<'a> {
@@ -221,64 +240,107 @@ impl<'a> Growth<'a> {
             members: Vec::new(),
             rejected: Vec::new(),
             points: Vec::new(),
+            shell: Body::default(),
             crowd: CROWD,
             low: DVec3::INFINITY,
             high: DVec3::NEG_INFINITY,
-            apart: Vec::new(),
+            apart: Planes::default(),
             hot: Vec::new(),
+            close: Vec::new(),
         }
     }
 
-    fn body(&self) -> Body {
-        self.ground.body(&self.points)
+    /// The hull of all points. Points inside are dropped.
+    fn tighten(&mut self) {
+        self.shell = self.ground.body(&self.points);
+        self.points.clone_from(&self.shell.points);
+        self.crowd = CROWD.max(2 * self.points.len());
+    }
+
+    /// Adds the first cells, unless their hull contains a forbidden point.
+    fn start(&mut self, cells: &[u32], forbidden: &[DVec3]) -> bool {
+        self.collect(cells);
+        if self.points.len() > self.crowd {
+            self.tighten();
+        }
+        self.members.extend_from_slice(cells);
+        self.apart.resize(forbidden.len());
+        let (low, high) = (self.low, self.high);
+        (0..forbidden.len()).all(|i| self.separate(i, forbidden[i], low, high))
+    }
+
+    /// Adds points of cells, and extends the box.
+    fn collect(&mut self, cells: &[u32]) {
+        for cell in cells {
+            let cell = &self.ground.cells[*cell as usize];
+            self.points.extend_from_slice(&cell.points);
+            (self.low, self.high) = (self.low.min(cell.low), self.high.max(cell.high));
+        }
+    }
+
+    /// Finds a plane between all points, which lie in a box, and a forbidden point. Returns whether
+    /// there is one.
+    fn separate(&mut self, i: usize, f: DVec3, low: DVec3, high: DVec3) -> bool {
+        let margin = self.ground.margin();
+        // A side of the box.
+        let (below, above) = (low - f, f - high);
+        if below.max(above).max_element() > 2.0 * margin {
+            let mut best = (0.0, DVec3::ZERO);
+            for axis in 0..3 {
+                for (gap, sign) in [(below[axis], -1.0), (above[axis], 1.0)] {
+                    if gap > best.0 {
+                        let mut normal = DVec3::ZERO;
+                        normal[axis] = sign;
+                        best = (gap, normal);
+                    }
+                }
+            }
+            self.apart.set(i, best.1, best.1.dot(f) - margin);
+            return true;
+        }
+        let towards = self.apart.normal(i).unwrap_or(f - (low + high) * 0.5);
+        let Some(plane) = separation(&self.points, f, towards, margin) else { return false };
+        // The plane through the forbidden point leaves the most room.
+        self.apart.set(i, plane.normal, plane.normal.dot(f) - margin);
+        true
     }
 
     /// Adds a cell, unless the hull would contain a forbidden point.
     fn join(&mut self, cell: u32, forbidden: &[DVec3]) -> bool {
-        self.apart.resize(forbidden.len(), None);
-        let new = &self.ground.cells[cell as usize];
+        self.apart.resize(forbidden.len());
+        let ground = self.ground;
+        let new = &ground.cells[cell as usize];
         let (low, high) = (self.low.min(new.low), self.high.max(new.high));
         let count = self.points.len();
-        self.points.extend_from_slice(&new.points);
-        let margin = self.ground.margin();
-        let middle = (low + high) * 0.5;
-        for step in 0..self.hot.len() + forbidden.len() {
-            let i = match step.checked_sub(self.hot.len()) {
-                Some(i) => i,
-                None => self.hot[step] as usize,
-            };
-            let f = forbidden[i];
-            if f.cmplt(low).any() || f.cmpgt(high).any() {
-                continue;
+        self.points.extend(new.points.iter().filter(|p| !self.shell.holds(**p, 0.0)));
+        if self.points.len() == count {
+            self.members.push(cell);
+            return true;
+        }
+        let mut close = std::mem::take(&mut self.close);
+        close.clear();
+        close.extend_from_slice(&self.hot);
+        self.apart.not_below(new.centre, new.radius, &mut close);
+        let is_free = close.iter().all(|i| {
+            let at = *i as usize;
+            let is_joined = self.apart.has_below(at, &new.points) || self.separate(at, forbidden[at], low, high);
+            if !is_joined {
+                self.points.truncate(count);
+                self.rejected.push(cell);
+                self.hot.retain(|other| other != i);
+                self.hot.insert(0, *i);
+                self.hot.truncate(8);
             }
-            if let Some(plane) = self.apart[i] {
-                let room = plane.offset - margin;
-                if plane.normal.dot(new.centre) + new.radius < room
-                    || new.points.iter().all(|p| plane.normal.dot(*p) < room)
-                {
-                    continue;
-                }
-            }
-            let towards = self.apart[i].map_or(f - middle, |plane| plane.normal);
-            match separation(&self.points, f, towards, margin) {
-                // The plane through the forbidden point leaves the most room.
-                Some(plane) => self.apart[i] = Some(Plane { offset: plane.normal.dot(f), ..plane }),
-                None => {
-                    self.points.truncate(count);
-                    self.rejected.push(cell);
-                    let i = i as u32;
-                    self.hot.retain(|other| *other != i);
-                    self.hot.insert(0, i);
-                    self.hot.truncate(8);
-                    return false;
-                }
-            }
+            is_joined
+        });
+        self.close = close;
+        if !is_free {
+            return false;
         }
         (self.low, self.high) = (low, high);
         self.members.push(cell);
         if self.points.len() > self.crowd {
-            self.points = self.body().points;
-            self.crowd = CROWD.max(2 * self.points.len());
+            self.tighten();
         }
         true
     }
@@ -287,16 +349,69 @@ impl<'a> Growth<'a> {
     fn go_back(&mut self, count: usize, forbidden: &[DVec3]) -> Vec<u32> {
         let dropped = self.members.split_off(count);
         self.points.clear();
+        self.shell = Body::default();
         (self.low, self.high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for cell in &self.members {
-            let cell = &self.ground.cells[*cell as usize];
-            self.points.extend_from_slice(&cell.points);
-            (self.low, self.high) = (self.low.min(cell.low), self.high.max(cell.high));
-        }
+        let members = std::mem::take(&mut self.members);
+        self.collect(&members);
+        self.members = members;
         self.crowd = CROWD;
-        self.apart.resize(forbidden.len(), None);
+        self.apart.resize(forbidden.len());
         // A cell that was rejected beside dropped members may fit now.
         self.rejected.clear();
         dropped
+    }
+}
+
+/// Planes, one array for each coordinate, so that many are tested at once.
+#[derive(Default)]
+struct Planes {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    z: Vec<f64>,
+    /// What is below has a lower dot product with the normal. Without a plane, nothing is below.
+    offset: Vec<f64>,
+}
+
+/// Number of planes that are tested at once.
+const LANES: usize = 8;
+
+impl Planes {
+    fn resize(&mut self, count: usize) {
+        [&mut self.x, &mut self.y, &mut self.z].into_iter().for_each(|list| list.resize(count, 0.0));
+        self.offset.resize(count, f64::NEG_INFINITY);
+    }
+
+    fn set(&mut self, i: usize, normal: DVec3, offset: f64) {
+        (self.x[i], self.y[i], self.z[i], self.offset[i]) = (normal.x, normal.y, normal.z, offset);
+    }
+
+    /// The normal of a plane; `None` without one.
+    fn normal(&self, i: usize) -> Option<DVec3> {
+        (self.offset[i] > f64::NEG_INFINITY).then(|| DVec3::new(self.x[i], self.y[i], self.z[i]))
+    }
+
+    fn has_below(&self, i: usize, points: &[DVec3]) -> bool {
+        let normal = DVec3::new(self.x[i], self.y[i], self.z[i]);
+        points.iter().all(|p| normal.dot(*p) < self.offset[i])
+    }
+
+    /// Adds the planes that may not have all of a ball below them.
+    fn not_below(&self, centre: DVec3, radius: f64, found: &mut Vec<u32>) {
+        let is_below =
+            |i: usize| self.x[i] * centre.x + self.y[i] * centre.y + self.z[i] * centre.z + radius < self.offset[i];
+        let count = self.offset.len();
+        let whole = count - count % LANES;
+        for first in (0..whole).step_by(LANES) {
+            let (x, y) = (&self.x[first..first + LANES], &self.y[first..first + LANES]);
+            let (z, offset) = (&self.z[first..first + LANES], &self.offset[first..first + LANES]);
+            let mut least = [0.0; LANES];
+            for k in 0..LANES {
+                least[k] = offset[k] - (x[k] * centre.x + y[k] * centre.y + z[k] * centre.z + radius);
+            }
+            if least.iter().any(|room| !(*room > 0.0)) {
+                found.extend((first..first + LANES).filter(|i| !is_below(*i)).map(|i| i as u32));
+            }
+        }
+        found.extend((whole..count).filter(|i| !is_below(*i)).map(|i| i as u32));
     }
 }

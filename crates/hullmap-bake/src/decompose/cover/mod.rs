@@ -40,7 +40,7 @@ pub mod grow;
 pub mod sample;
 pub mod wrap;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
@@ -84,6 +84,18 @@ const MAX_ROUNDS: usize = 3;
 /// Maximum number of times that parts which could not be proven are replaced.
 const MAX_REPAIRS: usize = 2;
 
+/// Share of the parts whose proofs may fail before more reserve is tried.
+const HOPELESS: f64 = 0.3;
+
+/// Number of sweeps after which a few parts are proven, to see whether there is enough reserve.
+const PROBED: usize = 2;
+
+/// Number of parts that are proven then.
+const PROBES: usize = 6;
+
+/// Distance between forbidden points that count as close, relative to the limit.
+const CLOSE: f64 = 0.25;
+
 /// Maximum number of cells for which parts are grown to replace others. With more, that takes too
 /// long.
 const MAX_REGROWN: usize = 4000;
@@ -117,7 +129,7 @@ pub struct Search {
     pub limit: f64,
     /// Maximum number of vertices of a part.
     pub max_vertices: usize,
-    /// When to stop improving; a cover is found in any case.
+    /// When to stop.
     pub deadline: Option<Deadline>,
 }
 
@@ -142,6 +154,10 @@ impl Deadline {
 }
 
 impl Search {
+    fn bounds(&self, diagonal: f64) -> Bounds {
+        Bounds { limit: self.limit, max_vertices: self.max_vertices, diagonal, deadline: self.deadline }
+    }
+
     fn is_over(&self) -> bool {
         self.deadline.is_some_and(|deadline| deadline.is_over())
     }
@@ -151,53 +167,143 @@ impl Search {
 /// from `solid`, the mesh's own.
 ///
 /// Without a deadline, the result depends on the mesh and the limits only. In the worst case, a
-/// part is one thickened polygon of the surface.
-pub fn search(mesh: &PointSet, solid: &Solid, what: &Search) -> Vec<(Hull, f64)> {
+/// part is one thickened polygon of the surface. When the deadline passes, the parts chosen so far
+/// are returned, and the bound of those that are not proven is infinite; `None` if they do not
+/// contain the surface yet.
+pub fn search(mesh: &PointSet, solid: &Solid, what: &Search) -> Option<Vec<(Hull, f64)>> {
     let at = |v: &u32| mesh.positions.get(*v as usize).map(|p| DVec3::from_array(p.map(f64::from)));
     let corners = |[a, b, c]: &[u32; 3]| Some([at(a)?, at(b)?, at(c)?]);
     let triangles: Vec<[DVec3; 3]> = mesh.triangles.iter().filter_map(corners).collect();
-    let field = Field::new(solid);
+    let mut field = Field::new(solid);
+    field.find_peaks(what.limit * HARD_SHARE);
     let diagonal = solid.diagonal();
     let cutting =
         Cutting { limit: what.limit * CELL_SHARE, hard: what.limit * HARD_SHARE, diagonal, max_cells: MAX_CELLS };
-    let cells = cells::cells(&triangles, &field, &cutting);
-    let mut best: Vec<(Hull, f64)> = Vec::new();
-    for reserve in RESERVES {
+    let cells = cells::cells(&triangles, &field, &cutting, &|| what.is_over())?;
+    let mut best: Option<Vec<(Hull, f64)>> = None;
+    let mut failed: Vec<(usize, f64, Attempt)> = Vec::new();
+    // What is too far for one attempt is too far for the next, which is stricter.
+    let mut known: Vec<DVec3> = Vec::new();
+    for (index, reserve) in RESERVES.into_iter().enumerate() {
         let ground = Ground::new(&cells, &field, what.limit * reserve, diagonal);
-        let (hoped, found) = cover(&ground, &triangles, what);
-        if best.is_empty() || found.len() < best.len() {
-            best = found;
+        let is_last = index + 1 == RESERVES.len();
+        let Some(attempt) = cover(&ground, &triangles, what, is_last, &mut known) else { break };
+        let accepted = ((ACCEPTED * attempt.hoped as f64) as usize).max(attempt.hoped + 1);
+        if attempt.is_probe {
+            continue;
         }
-        if best.len() as f64 <= ACCEPTED * hoped as f64 || what.is_over() {
+        if attempt.fails() > 0 && attempt.least() > accepted && !what.is_over() {
+            failed.push((attempt.least(), reserve, attempt));
+            continue;
+        }
+        let found = attempt.finished(&ground, what);
+        let is_good = found.len() <= accepted;
+        if best.as_ref().is_none_or(|best| found.len() < best.len()) {
+            best = Some(found);
+        }
+        if is_good || what.is_over() {
             break;
+        }
+    }
+    // What failed is worth more work only if it may become better.
+    failed.sort_by_key(|(least, ..)| *least);
+    for (least, reserve, attempt) in failed {
+        if best.as_ref().is_none_or(|best| least < best.len() && !what.is_over()) {
+            let ground = Ground::new(&cells, &field, what.limit * reserve, diagonal);
+            let found = attempt.finished(&ground, what);
+            if best.as_ref().is_none_or(|best| found.len() < best.len()) {
+                best = Some(found);
+            }
         }
     }
     best
 }
 
-/// The number of parts chosen before proofs, and the proven hulls.
-fn cover(ground: &Ground, triangles: &[[DVec3; 3]], what: &Search) -> (usize, Vec<(Hull, f64)>) {
+/// Chosen parts, and what became of their proofs.
+struct Attempt {
+    /// Number of parts chosen before the proofs.
+    hoped: usize,
+    /// Whether the attempt ended because proofs of its first parts failed.
+    is_probe: bool,
+    /// The cells of each part, and its proof.
+    parts: Vec<(Vec<u32>, Outcome)>,
+    /// Points that are known to be too far from the solid.
+    forbidden: Vec<DVec3>,
+}
+
+impl Attempt {
+    /// Number of parts whose proofs failed.
+    fn fails(&self) -> usize {
+        self.parts.iter().filter(|(_, outcome)| outcome.is_err()).count()
+    }
+
+    /// Minimum number of parts once failed parts are split.
+    fn least(&self) -> usize {
+        self.parts.len() + self.fails()
+    }
+
+    /// Proven hulls: a part whose proof failed is split.
+    fn finished(self, ground: &Ground, what: &Search) -> Vec<(Hull, f64)> {
+        let bounds = what.bounds(ground.diagonal);
+        let finished: Vec<Vec<(Hull, f64)>> = self
+            .parts
+            .into_par_iter()
+            .map(|(members, outcome)| {
+                outcome.map_or_else(|_| split(ground, members, &bounds, self.forbidden.clone()), |part| vec![part])
+            })
+            .collect();
+        finished.concat()
+    }
+}
+
+/// Parts that cover all cells; `None` if the deadline passed before. Unless this is the last
+/// attempt, it ends when many proofs fail.
+///
+/// Forbidden points that are `known` are used, and those that are found are added to them.
+fn cover(
+    ground: &Ground,
+    triangles: &[[DVec3; 3]],
+    what: &Search,
+    is_last: bool,
+    known: &mut Vec<DVec3>,
+) -> Option<Attempt> {
     let cells = ground.cells;
     let mut forbidden = forbidden(triangles, ground);
-    let known = forbidden.len();
+    let start = forbidden.len();
+    forbid(&mut forbidden, known, ground);
     let mut pool: Vec<Candidate> = Vec::new();
-    let swept: Vec<(Vec<Candidate>, Vec<DVec3>)> = SWEEPS
-        .par_iter()
-        .enumerate()
-        .filter(|(index, _)| *index == 0 || !what.is_over())
-        .map(|(_, direction)| sweep(ground, DVec3::from_array(*direction), forbidden.clone()))
-        .collect();
-    for (found, points) in swept {
-        forbidden.extend(points.get(known..).unwrap_or_default());
-        found.into_iter().for_each(|candidate| add(&mut pool, candidate));
+    for (phase, sweeps) in [&SWEEPS[..PROBED], &SWEEPS[PROBED..]].into_iter().enumerate() {
+        if phase > 0 && what.is_over() {
+            break;
+        }
+        let count = forbidden.len();
+        let swept: Vec<Swept> = sweeps
+            .par_iter()
+            .map(|direction| sweep(ground, DVec3::from_array(*direction), forbidden.clone(), what))
+            .collect();
+        if phase == 0 && !swept.iter().any(|swept| swept.is_complete) {
+            return None;
+        }
+        for Swept { found, forbidden: points, .. } in swept {
+            forbid(&mut forbidden, points.get(count..).unwrap_or_default(), ground);
+            found.into_iter().for_each(|candidate| add(&mut pool, candidate));
+        }
+        if phase == 0 && !is_last && !what.is_over() {
+            let attempt = probe(ground, &pool, what);
+            if attempt.fails() as f64 > HOPELESS * attempt.parts.len() as f64 && !what.is_over() {
+                known.clear();
+                known.extend_from_slice(forbidden.get(start..).unwrap_or_default());
+                return Some(attempt);
+            }
+        }
     }
     let mut chosen = choose(ground, &pool);
     for round in 0..MAX_ROUNDS {
         if what.is_over() || cells.len() > MAX_REGROWN {
             break;
         }
-        for (candidate, points) in regrow(ground, &pool, &chosen, &forbidden) {
-            forbidden.extend(points);
+        for (candidate, points) in regrow(ground, &pool, &chosen, &forbidden, what) {
+            forbid(&mut forbidden, &points, ground);
             add(&mut pool, candidate);
         }
         let better = choose(ground, &pool);
@@ -209,7 +315,37 @@ fn cover(ground: &Ground, triangles: &[[DVec3; 3]], what: &Search) -> (usize, Ve
             break;
         }
     }
-    (chosen.len(), prove(ground, pool, chosen, forbidden, what))
+    let attempt = prove(ground, pool, chosen, forbidden, what, is_last);
+    known.clear();
+    known.extend_from_slice(attempt.forbidden.get(start..).unwrap_or_default());
+    Some(attempt)
+}
+
+/// The largest of the parts that a few sweeps found, and their proofs.
+fn probe(ground: &Ground, pool: &[Candidate], what: &Search) -> Attempt {
+    let chosen = choose(ground, pool);
+    let mut parts = shrink(ground, pool, &chosen);
+    parts.sort_by_key(|part| std::cmp::Reverse(part.members.len()));
+    parts.truncate(PROBES);
+    let bounds = what.bounds(ground.diagonal);
+    let proven = |part: Candidate| {
+        let outcome = finish(ground, &part.points, &bounds);
+        (part.members, outcome)
+    };
+    Attempt {
+        hoped: chosen.len(),
+        is_probe: true,
+        parts: parts.into_par_iter().map(proven).collect(),
+        forbidden: Vec::new(),
+    }
+}
+
+/// Adds forbidden points, unless others are close.
+fn forbid(forbidden: &mut Vec<DVec3>, points: &[DVec3], ground: &Ground) {
+    let step = CLOSE * ground.limit;
+    let key = |p: &DVec3| (*p / step).floor().to_array().map(|x| x as i64);
+    let mut taken: BTreeSet<[i64; 3]> = forbidden.iter().map(key).collect();
+    forbidden.extend(points.iter().filter(|p| taken.insert(key(p))));
 }
 
 /// Proven hulls of the chosen parts, or of others where a proof fails.
@@ -219,27 +355,27 @@ fn prove(
     mut chosen: Vec<usize>,
     mut forbidden: Vec<DVec3>,
     what: &Search,
-) -> Vec<(Hull, f64)> {
+    is_last: bool,
+) -> Attempt {
     let diagonal = ground.diagonal;
-    let bounds = Bounds { limit: what.limit, max_vertices: what.max_vertices, diagonal };
+    let bounds = what.bounds(diagonal);
+    let hoped = chosen.len();
     let mut known: BTreeMap<Vec<u32>, Outcome> = BTreeMap::new();
-    for repair in 0.. {
-        let members = shrink(ground, &pool, &chosen);
-        let outcomes: Vec<Outcome> = members
+    let mut repair = 0;
+    loop {
+        let parts = shrink(ground, &pool, &chosen);
+        let outcomes: Vec<Outcome> = parts
             .par_iter()
-            .map(|members| known.get(members).cloned().unwrap_or_else(|| finish(ground, members, &bounds)))
+            .map(|part| known.get(&part.members).cloned().unwrap_or_else(|| finish(ground, &part.points, &bounds)))
             .collect();
+        let members: Vec<Vec<u32>> = parts.into_iter().map(|part| part.members).collect();
         known.extend(members.iter().cloned().zip(outcomes.iter().cloned()));
-        if outcomes.iter().all(Result::is_ok) || repair >= MAX_REPAIRS || what.is_over() {
-            let finished: Vec<Vec<(Hull, f64)>> = outcomes
-                .into_par_iter()
-                .zip(members)
-                .map(|(outcome, members)| {
-                    outcome.map_or_else(|_| split(ground, members, &bounds, forbidden.clone()), |part| vec![part])
-                })
-                .collect();
-            return finished.concat();
+        let fails = outcomes.iter().filter(|outcome| outcome.is_err()).count();
+        let is_hopeless = !is_last && fails as f64 > HOPELESS * members.len() as f64;
+        if fails == 0 || is_hopeless || repair >= MAX_REPAIRS || what.is_over() {
+            return Attempt { hoped, is_probe: false, parts: members.into_iter().zip(outcomes).collect(), forbidden };
         }
+        repair += 1;
         let failed =
             || outcomes.iter().zip(&members).filter_map(|(outcome, members)| Some((outcome.as_ref().err()?, members)));
         let points: Vec<DVec3> =
@@ -270,7 +406,6 @@ fn prove(
         pool.extend(missing.map(|cell| ground.part(vec![cell as u32])));
         chosen = choose(ground, &pool);
     }
-    Vec::new()
 }
 
 /// A point that refutes a part, moved into it if it is at its border.
@@ -283,34 +418,40 @@ fn into(ground: &Ground, members: &[u32], point: DVec3) -> DVec3 {
 /// too many vertices.
 type Outcome = Result<(Hull, f64), Option<DVec3>>;
 
-/// Builds and proves the hull of a part.
-fn finish(ground: &Ground, members: &[u32], bounds: &Bounds) -> Outcome {
-    let points: Vec<DVec3> =
-        members.iter().flat_map(|cell| ground.cells[*cell as usize].points.iter().copied()).collect();
-    let body = Body::new(&points, ground.diagonal * THICKNESS);
-    // A point of the part itself.
-    let wrapped = match wrap::wrap(ground.field, &body, bounds) {
-        Err(Some(point)) => return Err(Some(point)),
-        other => other,
-    };
-    let Some(tight) = wrap::tight(&body.points, ground.diagonal, flat(bounds)) else { return wrapped };
-    match wrapped {
-        Ok(wrapped) if wrapped.0.vertices.len() < tight.vertices.len() => return Ok(wrapped),
-        _ => {}
+/// Builds and proves the hull of points of the surface. It has at most the allowed number of
+/// vertices. After the deadline, nothing is proven.
+fn finish(ground: &Ground, points: &[DVec3], bounds: &Bounds) -> Outcome {
+    let body = Body::new(points, ground.diagonal * THICKNESS);
+    let mut least = None;
+    if !bounds.is_over() {
+        match wrap::wrap(ground.field, &body, bounds) {
+            // A point of the part itself.
+            Err(Some(point)) => return Err(Some(point)),
+            Err(None) => {}
+            Ok(wrapped) => least = Some(wrapped),
+        }
+    }
+    let Some(tight) = wrap::tight(&body.points, ground.diagonal, flat(bounds)) else { return least.ok_or(None) };
+    if let Some(wrapped) = least.filter(|(wrapped, _)| wrapped.vertices.len() < tight.vertices.len()) {
+        return Ok(wrapped);
     }
     if tight.vertices.len() <= bounds.max_vertices {
-        return wrap::prove(ground.field, &tight, bounds, wrap::MEASUREMENTS).map(|bound| (tight, bound)).map_err(Some);
+        return proven(ground, tight, bounds);
     }
+    // The point that refutes a simplified hull may lie outside the part.
     let simplified = simplify::simplify(&tight, simplify::Limit::Vertices(bounds.max_vertices));
-    if let Ok(Some(simplified)) = simplified
-        && let Ok(bound) = wrap::prove(ground.field, &simplified.hull, bounds, wrap::MEASUREMENTS)
-    {
-        return Ok((simplified.hull, bound));
+    match simplified {
+        Ok(Some(simplified)) => proven(ground, simplified.hull, bounds).map_err(|_| None),
+        _ => Err(None),
     }
-    if members.len() > 1 {
-        return Err(None);
+}
+
+/// A hull and its proof.
+fn proven(ground: &Ground, hull: Hull, bounds: &Bounds) -> Outcome {
+    if bounds.is_over() {
+        return Ok((hull, f64::INFINITY));
     }
-    wrap::prove(ground.field, &tight, bounds, wrap::MEASUREMENTS).map(|bound| (tight, bound)).map_err(Some)
+    wrap::prove(ground.field, &hull, bounds, wrap::MEASUREMENTS).map(|bound| (hull, bound)).map_err(Some)
 }
 
 /// Half the thickness of a flat part.
@@ -326,7 +467,7 @@ fn split(ground: &Ground, members: Vec<u32>, bounds: &Bounds, mut forbidden: Vec
     let mut parts = Vec::new();
     let mut stack = vec![(all, 0)];
     while let Some((members, depth)) = stack.pop() {
-        match finish(ground, &members, bounds) {
+        match finish(ground, &ground.part(members.clone()).points, bounds) {
             Ok(part) => parts.push(part),
             Err(Some(point)) if members.len() > 1 && depth < MAX_SPLITS => {
                 forbidden.push(into(ground, &members, point));
@@ -346,15 +487,41 @@ fn split(ground: &Ground, members: Vec<u32>, bounds: &Bounds, mut forbidden: Vec
                 }
             }
             Err(_) if members.len() > 1 => stack.extend(halves(ground, &members).map(|half| (half, depth))),
-            // Polygons of the surface protrude nowhere.
             Err(_) => {
-                for polygon in members.iter().flat_map(|cell| &ground.cells[*cell as usize].polygons) {
-                    if let Some(hull) = wrap::tight(polygon, ground.diagonal, flat(bounds)) {
-                        let bound =
-                            wrap::prove(ground.field, &hull, bounds, wrap::MEASUREMENTS).unwrap_or(f64::INFINITY);
-                        parts.push((hull, bound));
-                    }
+                for cell in members {
+                    let polygons: Vec<&[DVec3]> =
+                        ground.cells[cell as usize].polygons.iter().map(Vec::as_slice).collect();
+                    parts.extend(of_polygons(ground, polygons, bounds));
                 }
+            }
+        }
+    }
+    parts
+}
+
+/// Proven parts of a cell that cannot be one part: of halves of its polygons, of halves of those,
+/// and so on. A single polygon protrudes nowhere.
+fn of_polygons(ground: &Ground, polygons: Vec<&[DVec3]>, bounds: &Bounds) -> Vec<(Hull, f64)> {
+    let mut parts = Vec::new();
+    let mut stack = vec![polygons];
+    while let Some(polygons) = stack.pop() {
+        if let [polygon] = polygons.as_slice() {
+            for hull in wrap::of_polygon(polygon, ground.diagonal, flat(bounds), bounds.max_vertices) {
+                let bound = wrap::prove(ground.field, &hull, bounds, wrap::MEASUREMENTS).unwrap_or(f64::INFINITY);
+                parts.push((hull, bound));
+            }
+            continue;
+        }
+        match finish(ground, &polygons.concat(), bounds) {
+            Ok(part) => parts.push(part),
+            Err(_) => {
+                let centre = |polygon: &[DVec3]| polygon.iter().sum::<DVec3>() / polygon.len() as f64;
+                let (low, high) = body::bounds(&polygons.concat());
+                let axis = body::longest(high - low);
+                let mut order = polygons;
+                order.sort_by(|a, b| centre(a)[axis].total_cmp(&centre(b)[axis]));
+                let second = order.split_off(order.len() / 2);
+                stack.extend([order, second]);
             }
         }
     }
@@ -365,8 +532,7 @@ fn split(ground: &Ground, members: Vec<u32>, bounds: &Bounds, mut forbidden: Vec
 fn halves(ground: &Ground, members: &[u32]) -> [Vec<u32>; 2] {
     let centres: Vec<DVec3> = members.iter().map(|cell| ground.cells[*cell as usize].centre).collect();
     let (low, high) = body::bounds(&centres);
-    let size = high - low;
-    let axis = (0..3).fold(0, |longest, axis| if size[axis] > size[longest] { axis } else { longest });
+    let axis = body::longest(high - low);
     let mut order: Vec<u32> = members.to_vec();
     let at = |cell: u32| ground.cells[cell as usize].centre[axis];
     order.sort_by(|a, b| at(*a).total_cmp(&at(*b)).then(a.cmp(b)));
@@ -388,7 +554,7 @@ fn within(ground: &Ground, members: &[u32], forbidden: &mut Vec<DVec3>) -> Vec<C
             let far = if covered.has(i as usize) { 4.0 * ground.diagonal } else { 0.0 };
             all.has(i as usize).then(|| ground.cells[i as usize].centre.distance(centre) + far)
         };
-        let candidate = ground.grow(&[*seed], &key, forbidden).unwrap_or_else(|| ground.part(vec![*seed]));
+        let candidate = ground.grow(&[*seed], &key, None, forbidden).unwrap_or_else(|| ground.part(vec![*seed]));
         covered.join(&candidate.covers);
         found.push(candidate);
     }
@@ -442,8 +608,18 @@ fn forbidden(triangles: &[[DVec3; 3]], ground: &Ground) -> Vec<DVec3> {
     found.into_par_iter().filter(|p| field.is_beyond(*p, ground.limit)).collect()
 }
 
+/// What a sweep found.
+struct Swept {
+    /// The parts.
+    found: Vec<Candidate>,
+    /// All points that are known to be too far from the solid.
+    forbidden: Vec<DVec3>,
+    /// Whether the parts cover all cells; otherwise the deadline passed.
+    is_complete: bool,
+}
+
 /// A cover, part after part in one direction.
-fn sweep(ground: &Ground, direction: DVec3, mut forbidden: Vec<DVec3>) -> (Vec<Candidate>, Vec<DVec3>) {
+fn sweep(ground: &Ground, direction: DVec3, mut forbidden: Vec<DVec3>, what: &Search) -> Swept {
     let cells = ground.cells;
     let mut order: Vec<u32> = (0..cells.len() as u32).collect();
     let height = |i: u32| cells[i as usize].centre.dot(direction);
@@ -454,21 +630,30 @@ fn sweep(ground: &Ground, direction: DVec3, mut forbidden: Vec<DVec3>) -> (Vec<C
         if covered.has(seed as usize) {
             continue;
         }
+        if what.is_over() {
+            return Swept { found, forbidden, is_complete: false };
+        }
         let centre = cells[seed as usize].centre;
         let key = |i: u32| {
             let far = if covered.has(i as usize) { 4.0 * ground.diagonal } else { 0.0 };
             Some(cells[i as usize].centre.distance(centre) + far)
         };
-        let candidate = ground.grow(&[seed], &key, &mut forbidden).unwrap_or_else(|| ground.part(vec![seed]));
+        let candidate = ground.grow(&[seed], &key, None, &mut forbidden).unwrap_or_else(|| ground.part(vec![seed]));
         covered.join(&candidate.covers);
         found.push(candidate);
     }
-    (found, forbidden)
+    Swept { found, forbidden, is_complete: true }
 }
 
 /// Parts that may replace two chosen neighbours: each starts with the cells that only one of them
 /// covers, and grows first into those that only the other one covers.
-fn regrow(ground: &Ground, pool: &[Candidate], chosen: &[usize], forbidden: &[DVec3]) -> Vec<(Candidate, Vec<DVec3>)> {
+fn regrow(
+    ground: &Ground,
+    pool: &[Candidate],
+    chosen: &[usize],
+    forbidden: &[DVec3],
+    what: &Search,
+) -> Vec<(Candidate, Vec<DVec3>)> {
     let cells = ground.cells;
     let mut count = vec![0_u32; cells.len()];
     for part in chosen {
@@ -495,7 +680,7 @@ fn regrow(ground: &Ground, pool: &[Candidate], chosen: &[usize], forbidden: &[DV
         .par_iter()
         .filter_map(|(p, q)| {
             let start = &own[*q];
-            if start.is_empty() {
+            if start.is_empty() || what.is_over() {
                 return None;
             }
             let mut wanted = Bits::new(cells.len());
@@ -507,7 +692,7 @@ fn regrow(ground: &Ground, pool: &[Candidate], chosen: &[usize], forbidden: &[DV
             };
             let mut points = forbidden.to_vec();
             let known = points.len();
-            let grown = ground.grow(start, &key, &mut points)?;
+            let grown = ground.grow(start, &key, Some(&wanted), &mut points)?;
             Some((grown, points.split_off(known)))
         })
         .collect()
@@ -515,7 +700,7 @@ fn regrow(ground: &Ground, pool: &[Candidate], chosen: &[usize], forbidden: &[DV
 
 /// The cells of the chosen parts, as few as possible: a cell that several parts contain is left to
 /// one of them.
-fn shrink(ground: &Ground, pool: &[Candidate], chosen: &[usize]) -> Vec<Vec<u32>> {
+fn shrink(ground: &Ground, pool: &[Candidate], chosen: &[usize]) -> Vec<Candidate> {
     let mut count = vec![0_u32; ground.cells.len()];
     for part in chosen {
         pool[*part].covers.iter().for_each(|i| count[i] += 1);
@@ -536,12 +721,11 @@ fn shrink(ground: &Ground, pool: &[Candidate], chosen: &[usize]) -> Vec<Vec<u32>
         }
         let holders = (0..chosen.len()).filter(|k| pool[chosen[*k]].covers.has(cell));
         if let Some(k) = holders.max_by_key(|k| (kept[*k].members.len(), usize::MAX - *k)) {
-            let mut members = kept[k].members.clone();
-            members.push(cell as u32);
-            kept[k] = ground.part(members);
+            kept[k] = ground.with(&kept[k], cell as u32);
         }
     }
-    kept.into_iter().map(|part| part.members).filter(|members| !members.is_empty()).collect()
+    kept.retain(|part| !part.members.is_empty());
+    kept
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@ fn point_set(mesh: &Mesh) -> PointSet {
 fn checked(mesh: &PointSet, share: f64) -> Vec<(Hull, f64)> {
     let solid = Solid::new(mesh);
     let limit = share * solid.diagonal();
-    let found = search(mesh, &solid, &Search { limit, max_vertices: 64, deadline: None });
+    let found = search(mesh, &solid, &Search { limit, max_vertices: 64, deadline: None }).unwrap();
     let hulls: Vec<&Hull> = found.iter().map(|(hull, _)| hull).collect();
     let bound = uncovered(mesh, &hulls).bound;
     assert!(bound <= 1e-7 * solid.diagonal(), "{bound}");
@@ -66,21 +66,114 @@ fn parts_are_the_same_at_any_number_of_threads() {
     assert!([2, 16].into_iter().all(|threads| of_threads(threads) == one));
 }
 
-#[test]
-fn limits_of_parts_and_time_hold() {
-    let mesh = point_set(&concave::horseshoe(12));
-    let parts = |cover: Cover| decompose(&mesh, &Method::Cover(cover)).unwrap().unwrap();
-    for max_parts in [1, 3] {
-        let found = parts(Cover { max_parts: Some(max_parts), ..Cover::default() });
-        assert!((1..=max_parts as usize).contains(&found.len()), "{}", found.len());
+/// The parts of a mesh, which cover it.
+fn covering(mesh: &PointSet, cover: Cover) -> Vec<Hull> {
+    let parts = decompose(mesh, &Method::Cover(cover)).unwrap().unwrap();
+    let hulls: Vec<Hull> = parts.iter().map(|part| crate::hull::build(part).unwrap()).collect();
+    let bound = uncovered(mesh, &hulls.iter().collect::<Vec<_>>()).bound;
+    assert!(bound <= 1e-7 * Solid::new(mesh).diagonal(), "{bound}");
+    hulls
+}
+
+/// Five boxes in a row, of which the last is a triangle without area.
+fn blocks() -> PointSet {
+    let block = point_set(&concave::l());
+    let mut all = PointSet::default();
+    for i in 0..5 {
+        let first = all.positions.len() as u32;
+        all.positions.extend(block.positions.iter().map(|p| [p[0] + 5.0 * i as f32, p[1], p[2]]));
+        all.triangles.extend(block.triangles.iter().map(|t| t.map(|v| v + first)));
     }
-    // Without time, the first cover is returned, and is proven all the same.
+    all.positions.extend([[30.0, 0.0, 0.0], [31.0, 0.0, 0.0], [32.0, 0.0, 0.0]]);
+    let count = all.positions.len() as u32;
+    all.triangles.push([count - 3, count - 2, count - 1]);
+    all.source_vertices = (0..count).collect();
+    all
+}
+
+#[test]
+fn any_number_of_parts_is_reached() {
+    let horseshoe = point_set(&concave::horseshoe(12));
+    let protrusion = |mesh: &PointSet, hulls: &[Hull]| {
+        let solid = Solid::new(mesh);
+        let accuracy = crate::parts::Accuracy::tight(solid.diagonal());
+        let bound = |hull| crate::parts::protrusion(&solid, hull, &accuracy).bound;
+        hulls.iter().map(bound).fold(0.0, f64::max)
+    };
+    for mesh in [&horseshoe, &blocks()] {
+        let mut least = f64::INFINITY;
+        for max_parts in [1, 2, 3, 6] {
+            let found = covering(mesh, Cover { max_parts: Some(max_parts), ..Cover::default() });
+            assert!((1..=max_parts as usize).contains(&found.len()), "{} of {max_parts}", found.len());
+            // More parts are not much worse.
+            let reached = protrusion(mesh, &found);
+            assert!(reached <= 1.1 * least, "{max_parts} parts: {reached}, fewer: {least}");
+            least = least.min(reached);
+        }
+    }
+}
+
+#[test]
+fn a_search_without_time_ends_with_the_hull() {
+    let mesh = point_set(&concave::horseshoe(48));
     let solid = Solid::new(&mesh);
     let limit = 0.02 * solid.diagonal();
     let what = Search { limit, max_vertices: 64, deadline: Some(Deadline::after(0.0)) };
-    let found = search(&mesh, &solid, &what);
-    assert!(found.iter().all(|(_, bound)| *bound <= limit));
-    assert!(uncovered(&mesh, &found.iter().map(|(hull, _)| hull).collect::<Vec<_>>()).bound <= 1e-7 * solid.diagonal());
+    assert!(search(&mesh, &solid, &what).is_none());
+    let found = covering(&mesh, Cover { seconds: Some(1e-9), max_vertices: 12, ..Cover::default() });
+    assert!(found.len() == 1 && found[0].vertices.len() <= 12, "{} {}", found.len(), found[0].vertices.len());
+}
+
+/// Whenever the time ends, there are parts, and they cover the mesh.
+#[test]
+fn a_search_may_end_at_any_time() {
+    let mesh = point_set(&concave::mug(24));
+    for milliseconds in [1, 3, 10, 30, 100, 300, 1000] {
+        for max_parts in [None, Some(4)] {
+            let seconds = Some(f64::from(milliseconds) * 1e-3);
+            let found = covering(&mesh, Cover { seconds, max_parts, max_vertices: 20, ..Cover::default() });
+            assert!(found.iter().all(|hull| hull.vertices.len() <= 20), "{milliseconds}");
+            assert!(max_parts.is_none_or(|count| found.len() <= count as usize), "{milliseconds}: {}", found.len());
+        }
+    }
+}
+
+#[test]
+fn no_part_has_more_vertices_than_allowed() {
+    let ball = Mesh { vertices: shapes::families::Family::Sphere.points(300, 1), ..Mesh::default() };
+    let hull = crate::hull::build(&point_set(&ball)).unwrap();
+    // A ball and a smaller one beside it: cells with many vertices.
+    let mut mesh = PointSet { positions: hull.vertices.clone(), ..PointSet::default() };
+    let count = mesh.positions.len() as u32;
+    let fan = |face: &Vec<u32>| (1..face.len() - 1).map(|i| [face[0], face[i], face[i + 1]]).collect::<Vec<_>>();
+    mesh.triangles = hull.faces.iter().flat_map(fan).collect();
+    mesh.positions.extend(hull.vertices.iter().map(|p| [p[0] * 0.3 + 3.0, p[1] * 0.3, p[2] * 0.3]));
+    mesh.triangles.extend(mesh.triangles.clone().into_iter().map(|t| t.map(|v| v + count)));
+    mesh.source_vertices = (0..mesh.positions.len() as u32).collect();
+    for (max_vertices, share) in [(4, 0.2), (4, 0.02), (6, 0.05), (12, 0.02), (64, 0.002)] {
+        let found = covering(&mesh, Cover { max_vertices, max_error: Length::Relative(share), ..Cover::default() });
+        let most = found.iter().map(|hull| hull.vertices.len()).max().unwrap();
+        assert!(most <= max_vertices as usize, "{most} of {max_vertices} at {share}");
+    }
+}
+
+#[test]
+fn a_polygon_of_many_corners_is_divided() {
+    let corner = |i: u32| {
+        let angle = f64::from(i) * std::f64::consts::TAU / 50.0;
+        DVec3::new(libm::cos(angle), libm::sin(angle), 0.1)
+    };
+    let polygon: Vec<DVec3> = (0..50).map(corner).collect();
+    for max_vertices in [4, 6, 9, 30, 200] {
+        let found = wrap::of_polygon(&polygon, 2.0, 1e-4, max_vertices);
+        assert!(found.iter().all(|hull| hull.vertices.len() <= max_vertices), "{max_vertices}");
+        let bodies: Vec<Body> = found.iter().map(|hull| Body::new(&hull.positions(), 0.0)).collect();
+        let mut rng = SplitMix64::new(2);
+        for _ in 0..500 {
+            let p = polygon[rng.below(50)].lerp(polygon[rng.below(50)], rng.between(0.0, 1.0));
+            assert!(bodies.iter().any(|body| body.holds(p, 1e-12)), "{p}");
+        }
+    }
 }
 
 /// Random triangles, open, crossing each other, with duplicates and degenerate ones.
@@ -95,7 +188,7 @@ fn triangle_soups_are_covered() {
         let mesh = PointSet { source_vertices: (0..12).collect(), positions, triangles, ..PointSet::default() };
         let solid = Solid::new(&mesh);
         let limit = 0.05 * solid.diagonal();
-        let found = search(&mesh, &solid, &Search { limit, max_vertices: 64, deadline: None });
+        let found = search(&mesh, &solid, &Search { limit, max_vertices: 64, deadline: None }).unwrap();
         let bound = uncovered(&mesh, &found.iter().map(|(hull, _)| hull).collect::<Vec<_>>()).bound;
         assert!(bound <= 1e-6 * solid.diagonal(), "seed {seed}: {bound}");
         assert!(found.iter().all(|(_, bound)| *bound <= limit), "seed {seed}");

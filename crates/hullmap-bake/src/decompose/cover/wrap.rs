@@ -12,6 +12,7 @@
 
 use glam::DVec3;
 
+use super::Deadline;
 use super::body::{Body, Plane};
 use super::field::Field;
 use super::sample::face_points;
@@ -20,8 +21,8 @@ use crate::hull::{
     rank::{Simplex, spanning_simplex},
     solid,
 };
-use crate::parts::{branch::Accuracy, protrusion::protrusion};
-use crate::{NO_SOURCE_VERTEX, PointSet};
+use crate::parts::{branch::Accuracy, protrusion::protrusion_beside};
+use crate::{NO_SOURCE_VERTEX, PointSet, simplify};
 
 /// Maximum number of planes that are added.
 const MAX_STEPS: usize = 200;
@@ -31,6 +32,9 @@ pub const MEASUREMENTS: usize = 100_000;
 
 /// Share of the limit that measured points may use; the rest is for the proof.
 const PLANNED: f64 = 0.975;
+
+/// Number of vertices above which a hull is not simplified, relative to the allowed number.
+const MANY: f64 = 1.5;
 
 /// Share of all faces' area from which a face's plane is used from the start.
 const LARGE: f64 = 0.04;
@@ -53,6 +57,15 @@ pub struct Bounds {
     pub max_vertices: usize,
     /// Diagonal of the mesh.
     pub diagonal: f64,
+    /// When to stop.
+    pub deadline: Option<Deadline>,
+}
+
+impl Bounds {
+    /// Whether the deadline has passed.
+    pub fn is_over(&self) -> bool {
+        self.deadline.is_some_and(|deadline| deadline.is_over())
+    }
 }
 
 /// Proves that a hull is within the limit by at most `measurements`, and returns the bound.
@@ -62,7 +75,7 @@ pub struct Bounds {
 pub fn prove(field: &Field, hull: &Hull, bounds: &Bounds, measurements: usize) -> Result<f64, DVec3> {
     let usual = Accuracy::decide(bounds.limit);
     let accuracy = Accuracy { measurements: measurements.min(usual.measurements), ..usual };
-    let found = protrusion(field.solid(), hull, &accuracy);
+    let found = protrusion_beside(field.solid(), hull, &accuracy, field.peaks());
     // Written so that NaN fails.
     if found.bound <= bounds.limit { Ok(found.bound) } else { Err(found.at) }
 }
@@ -151,6 +164,9 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds) -> Result<(Hull, f64), 
     let mut faces = Faces { field, body, bounds, middle, room, refuted: Vec::new() };
     let mut planes = faces.largest();
     for _ in 0..MAX_STEPS {
+        if bounds.is_over() {
+            return Err(None);
+        }
         let Some(vertices) = faces.vertices(&planes) else {
             if !faces.close(&mut planes) {
                 return Err(None);
@@ -163,7 +179,7 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds) -> Result<(Hull, f64), 
                 let (left, fewer) = faces.fewer(planes.clone(), vertices);
                 let hull = faces.rounded(&fewer).ok_or(None)?;
                 if hull.vertices.len() > cap {
-                    return Err(None);
+                    return simplified(field, &hull, bounds, cap);
                 }
                 match prove(field, &hull, bounds, MEASUREMENTS) {
                     Ok(bound) => return Ok((hull, bound)),
@@ -183,6 +199,48 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds) -> Result<(Hull, f64), 
         }
     }
     Err(None)
+}
+
+/// A hull with at most `cap` vertices around a hull that has a few more.
+fn simplified(field: &Field, hull: &Hull, bounds: &Bounds, cap: usize) -> Result<(Hull, f64), Option<DVec3>> {
+    if hull.vertices.len() as f64 > MANY * cap as f64 || cap < simplify::MIN_VERTICES {
+        return Err(None);
+    }
+    let simplified = simplify::simplify(hull, simplify::Limit::Vertices(cap));
+    let Ok(Some(simplified)) = simplified else { return Err(None) };
+    match prove(field, &simplified.hull, bounds, MEASUREMENTS) {
+        Ok(bound) => Ok((simplified.hull, bound)),
+        Err(_) => Err(None),
+    }
+}
+
+/// A hull around `hull` with at most `max_vertices` vertices; the hull itself if there is none.
+pub fn within_vertices(hull: Hull, max_vertices: usize) -> Hull {
+    if hull.vertices.len() <= max_vertices {
+        return hull;
+    }
+    match simplify::simplify(&hull, simplify::Limit::Vertices(max_vertices.max(simplify::MIN_VERTICES))) {
+        Ok(Some(simplified)) => simplified.hull,
+        _ => hull,
+    }
+}
+
+/// Thin hulls that together contain a convex polygon, each with at most `max_vertices` vertices.
+pub fn of_polygon(polygon: &[DVec3], diagonal: f64, thickness: f64, max_vertices: usize) -> Vec<Hull> {
+    let mut found = Vec::new();
+    let mut stack = vec![polygon.to_vec()];
+    while let Some(corners) = stack.pop() {
+        let Some(hull) = tight(&corners, diagonal, thickness) else { continue };
+        if hull.vertices.len() > max_vertices && corners.len() > 3 {
+            // Both halves have the diagonal between them.
+            let half = corners.len() / 2;
+            stack.push(corners[..=half].to_vec());
+            stack.push([&corners[half..], &corners[..1]].concat());
+        } else {
+            found.push(within_vertices(hull, max_vertices));
+        }
+    }
+    found
 }
 
 struct Faces<'a> {
