@@ -10,7 +10,8 @@
 //! parts, vertices of all parts, protrusion, seconds of processor time. The protrusion is the limit
 //! that is requested here, but at least 5e-4 of the diagonal. Without the file it is 2 %.
 //!
-//! One thread decomposes. Seconds are its processor time, where the system states it. The parts are measured afterwards.
+//! One thread decomposes. Seconds are its processor time, where the system states it. The parts are
+//! measured afterwards.
 
 use std::{collections::BTreeMap, path::PathBuf, time::Instant};
 

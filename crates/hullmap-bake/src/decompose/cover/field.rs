@@ -132,8 +132,8 @@ impl<'a> Field<'a> {
         label == OUTSIDE || !self.solid.is_inside(p)
     }
 
-    /// Finds the local maxima of the distance above a length, which makes proofs for greater lengths
-    /// faster.
+    /// Finds the local maxima of the distance above a length, which makes proofs for greater
+    /// lengths faster.
     pub fn find_peaks(&mut self, above: f64) {
         self.peaks = Peaks::new(self.solid, above, PEAK_MEASUREMENTS);
     }
@@ -146,8 +146,8 @@ impl<'a> Field<'a> {
     /// Points of triangles that are farther than `limit` from the solid, at most `count`, sought by
     /// at most `measurements` distances.
     ///
-    /// This is branch and bound, as in [`protrusion`](mod@crate::parts::protrusion). The pieces of a
-    /// triangle whose middle is found are not searched, so that points are far apart.
+    /// This is branch and bound, as in [`protrusion`](mod@crate::parts::protrusion). The pieces of
+    /// a triangle whose middle is found are not searched, so that points are far apart.
     pub fn points_beyond(&self, triangles: &[[DVec3; 3]], limit: f64, count: usize, measurements: usize) -> Vec<DVec3> {
         let mut queue = BinaryHeap::new();
         let mut found = Vec::new();

@@ -99,7 +99,8 @@ impl<'a> Ground<'a> {
     /// Grows a part from the cells of `start`; `None` if their own hull is too far from the solid.
     ///
     /// Cells join in ascending order of `key`, which is not negative. Cells without a key do not
-    /// join. If a cell of `wanted` cannot join, there is no part. Points that are found to be too far from the solid are added to `forbidden`.
+    /// join. If a cell of `wanted` cannot join, there is no part. Points that are found to be too
+    /// far from the solid are added to `forbidden`.
     pub fn grow(
         &self,
         start: &[u32],
