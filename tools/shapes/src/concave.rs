@@ -22,7 +22,7 @@ pub fn all() -> Vec<(&'static str, Mesh)> {
 }
 
 /// Rings of equal length, joined by quads. Closed: the last ring is joined to the first. Otherwise
-/// both ends have a cap, and must be convex.
+/// both ends have a cap, and must be convex. Faces are wound outward whichever way the rings run.
 fn sweep(rings: &[Vec<[f64; 3]>], is_closed: bool) -> Mesh {
     let mut mesh = Mesh::default();
     for p in rings.iter().flatten() {
@@ -39,6 +39,9 @@ fn sweep(rings: &[Vec<[f64; 3]>], is_closed: bool) -> Mesh {
     if !is_closed {
         mesh.faces.push((0..sides).rev().map(|side| at(0, side)).collect());
         mesh.faces.push((0..sides).map(|side| at(count - 1, side)).collect());
+    }
+    if mesh.signed_volume() < 0.0 {
+        mesh.faces.iter_mut().for_each(|face| face.reverse());
     }
     mesh
 }
@@ -173,7 +176,7 @@ mod tests {
     fn all_are_closed_and_wound_outward() {
         for (name, mesh) in all() {
             assert_eq!(mesh.check_closed(), Ok(()), "{name}");
-            assert!(mesh.signed_volume() > 0.0, "{name}");
+            assert!(mesh.signed_volume() > 0.0, "{name}: {}", mesh.signed_volume());
         }
     }
 }
