@@ -10,8 +10,10 @@
 
 use std::{hint::black_box, time::Instant};
 
-use glam::Vec3;
-use hullmap::{Cache, Contact, Distance, Hull, Intersection, Manifold, ManifoldSettings, Prediction, Settings, batch};
+use glam::{DVec3, Vec3};
+use hullmap::{
+    Cache, Contact, Distance, Hull, Intersection, Manifold, ManifoldSettings, Prediction, Settings, SupportPoint, batch,
+};
 use parry3d::{
     math,
     query::{self, ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher},
@@ -156,6 +158,9 @@ pub fn run(scene: &Scene, vertices: usize, effort: Effort) -> Vec<Cell> {
 /// Number of queries of hullmap in a piece.
 const PIECE: usize = 96;
 
+/// Number of queries of a batch in a piece. A batch decides by its size how it works.
+const BATCH_PIECE: usize = 1024;
+
 /// Number of queries of parry3d in a piece: one of each class.
 const PARRY_PIECE: usize = 3;
 
@@ -176,6 +181,9 @@ fn supports(scene: &Scene, hulls: &[Hull<'_>], effort: Effort, cells: &mut Vec<C
     let picks = random(hulls, count);
     let queries: Vec<(usize, Vec3)> =
         picks.iter().zip(directions::random(count, SEED)).map(|(pair, dir)| (pair.a, dir)).collect();
+    let batched: Vec<_> =
+        queries.iter().map(|(hull, dir)| batch::SupportQuery { shape: &hulls[*hull], dir: dir.as_dvec3() }).collect();
+    let mut found = vec![SupportPoint { point: DVec3::ZERO, feature: 0 }; count];
     let mut times = [const { Vec::new() }; Engine::ALL.len()];
     for _ in 0..effort.rounds {
         for piece in queries.chunks(PIECE) {
@@ -185,6 +193,12 @@ fn supports(scene: &Scene, hulls: &[Hull<'_>], effort: Effort, cells: &mut Vec<C
                 }
             });
         }
+        for (piece, found) in batched.chunks(BATCH_PIECE).zip(found.chunks_mut(BATCH_PIECE)) {
+            record(&mut times[Engine::Batch as usize], piece.len(), || {
+                batch::support_points(piece, found).expect(EQUAL_LENGTHS);
+            });
+        }
+        black_box(&mut found);
         for piece in queries.chunks(PIECE) {
             record(&mut times[Engine::Parry as usize], piece.len(), || {
                 for (hull, dir) in piece {
@@ -307,8 +321,8 @@ impl<'s> Bench<'s> {
         let pair = |pair: &Placed| batch::Pair { a: &self.hulls[pair.a], b: &self.hulls[pair.b], b_in_a: pair.b_in_a };
         let pairs: Vec<batch::Pair<'_, Hull<'_>, Hull<'_>>> = pairs.iter().map(pair).collect();
         let (settings, manifold_settings) = (Settings::default(), manifold_settings());
-        for (number, piece) in pairs.chunks(PIECE).enumerate() {
-            let at = number * PIECE..number * PIECE + piece.len();
+        for (number, piece) in pairs.chunks(BATCH_PIECE).enumerate() {
+            let at = number * BATCH_PIECE..number * BATCH_PIECE + piece.len();
             let caches = &mut answers.caches[at.clone()];
             record(&mut self.times[Engine::Batch as usize], piece.len(), || {
                 let done = match self.query {

@@ -5,20 +5,36 @@
 //! answers are bit-identical to those of single queries, for any number of threads. They are
 //! written to a slice of the caller, in the order of the pairs, without allocation per pair.
 //!
+//! If the shapes of a batch are larger than the second-level cache, each thread keeps several support
+//! queries or intersection tests in flight, so that they wait for memory at the same time.
+//!
 //! # Reference
 //! Kenwright, section 4.6 (threading) and 4.7 (data per pair).
 
 #![forbid(unsafe_code)]
 
+mod in_flight;
+
+use glam::DVec3;
+
 use crate::manifold::{Manifold, ManifoldSettings};
 use crate::pose::Pose;
 use crate::shapes::Shape;
 use crate::solver::{Cache, Contact, Distance, Intersection, Settings, queries};
+use crate::support::SupportPoint;
 
 /// Minimum number of pairs per task: about 20 µs of work, ten times the cost of handing a task to
 /// another thread.
 #[cfg(feature = "parallel")]
 const MIN_PAIRS: usize = 32;
+
+/// Number of intersection tests per task, of which several are in flight.
+#[cfg(feature = "parallel")]
+const MIN_TESTS: usize = 128;
+
+/// Number of support queries per task: about 20 µs of work.
+#[cfg(feature = "parallel")]
+const MIN_SUPPORT_QUERIES: usize = 512;
 
 /// Two shapes and their relative pose. For a batch of shapes of several types, use `dyn Shape +
 /// Sync`.
@@ -54,6 +70,36 @@ impl<A: ?Sized, B: ?Sized> Clone for Pair<'_, A, B> {
 
 impl<A: ?Sized, B: ?Sized> Copy for Pair<'_, A, B> {}
 
+/// A shape and a direction, for [`support_points`].
+///
+/// # Examples
+/// ```
+/// use hullmap::batch::SupportQuery;
+/// use hullmap::glam::DVec3;
+/// use hullmap::{SupportMap, shapes::Sphere};
+///
+/// let ball = Sphere::new(2.0)?;
+/// let query = SupportQuery { shape: &ball, dir: DVec3::Y };
+/// assert_eq!(query.shape.support_point(query.dir).point, DVec3::new(0.0, 2.0, 0.0));
+/// # Ok::<(), hullmap::ShapeError>(())
+/// ```
+#[derive(Debug)]
+pub struct SupportQuery<'s, S: ?Sized> {
+    /// The shape.
+    pub shape: &'s S,
+    /// Direction in the shape's frame, as for
+    /// [`SupportMap::support_point`](crate::SupportMap::support_point).
+    pub dir: DVec3,
+}
+
+impl<S: ?Sized> Clone for SupportQuery<'_, S> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S: ?Sized> Copy for SupportQuery<'_, S> {}
+
 /// The slices of a batch differ in length.
 ///
 /// # Examples
@@ -81,6 +127,57 @@ pub struct BatchError {
     pub caches: usize,
     /// Number of answers, or of manifolds.
     pub answers: usize,
+}
+
+/// Writes the [support point](crate::SupportMap::support_point) of `queries[i]` to `out[i]`.
+///
+/// # Errors
+/// [`BatchError`] if the slices differ in length. Nothing is written in that case.
+///
+/// # Complexity
+/// The sum over the single queries, divided among the threads. No allocation. On thousands of
+/// different hulls, half of the time of single queries or less.
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack: hullmap::Pack = pack();
+/// use hullmap::batch::{self, SupportQuery};
+/// use hullmap::{SupportPoint, glam::DVec3};
+///
+/// let hulls: Vec<hullmap::Hull> = pack.hulls().collect();
+/// let queries: Vec<_> = hulls.iter().map(|shape| SupportQuery { shape, dir: DVec3::new(1.0, 2.0, 3.0) }).collect();
+/// let mut found = vec![SupportPoint { point: DVec3::ZERO, feature: 0 }; hulls.len()];
+/// batch::support_points(&queries, &mut found)?;
+/// assert_eq!(found[1].point, DVec3::ONE);
+/// # Ok(())
+/// # }
+/// ```
+pub fn support_points<S>(queries: &[SupportQuery<'_, S>], out: &mut [SupportPoint]) -> Result<(), BatchError>
+where
+    S: Shape + Sync + ?Sized,
+{
+    check_lengths(queries.len(), queries.len(), out.len())?;
+    let is_worthwhile = in_flight::is_worthwhile(queries.len(), |at| queries.get(at).map(|query| query.shape));
+    let solve = |queries: &[SupportQuery<'_, S>], out: &mut [SupportPoint]| {
+        if is_worthwhile {
+            in_flight::support_points(queries, out);
+        } else {
+            queries.iter().zip(out).for_each(|(query, out)| *out = query.shape.support_point(query.dir));
+        }
+    };
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::prelude::*;
+        queries
+            .par_chunks(MIN_SUPPORT_QUERIES)
+            .zip(out.par_chunks_mut(MIN_SUPPORT_QUERIES))
+            .for_each(|(queries, out)| solve(queries, out));
+    }
+    #[cfg(not(feature = "parallel"))]
+    solve(queries, out);
+    Ok(())
 }
 
 /// Writes the [`contact`](crate::contact()) of each `pairs[i]` to `out[i]`, using `caches[i]`.
@@ -201,7 +298,24 @@ where
     A: Shape + Sync + ?Sized,
     B: Shape + Sync + ?Sized,
 {
-    each(pairs, caches, out, |pair, cache, out| *out = queries::intersects(pair.a, pair.b, pair.b_in_a, cache))
+    let a = |at: usize| pairs.get(at).map(|pair| pair.a);
+    let b = |at: usize| pairs.get(at).map(|pair| pair.b);
+    if !in_flight::is_worthwhile(pairs.len(), a) && !in_flight::is_worthwhile(pairs.len(), b) {
+        return each(pairs, caches, out, |pair, cache, out| {
+            *out = queries::intersects(pair.a, pair.b, pair.b_in_a, cache);
+        });
+    }
+    check_lengths(pairs.len(), caches.len(), out.len())?;
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::prelude::*;
+        let slots = caches.par_chunks_mut(MIN_TESTS).zip(out.par_chunks_mut(MIN_TESTS));
+        let jobs = pairs.par_chunks(MIN_TESTS).zip(slots);
+        jobs.for_each(|(pairs, (caches, out))| in_flight::intersects(pairs, caches, out));
+    }
+    #[cfg(not(feature = "parallel"))]
+    in_flight::intersects(pairs, caches, out);
+    Ok(())
 }
 
 /// Calls [`Manifold::update`] on each `manifolds[i]` for `pairs[i]`, using `caches[i]`.
@@ -244,6 +358,10 @@ where
     })
 }
 
+fn check_lengths(pairs: usize, caches: usize, answers: usize) -> Result<(), BatchError> {
+    if pairs == caches && pairs == answers { Ok(()) } else { Err(BatchError { pairs, caches, answers }) }
+}
+
 /// Calls `solve` with each pair, its cache and its answer.
 fn each<A, B, T, F>(pairs: &[Pair<'_, A, B>], caches: &mut [Cache], out: &mut [T], solve: F) -> Result<(), BatchError>
 where
@@ -252,9 +370,7 @@ where
     T: Send,
     F: Fn(&Pair<'_, A, B>, &mut Cache, &mut T) + Sync,
 {
-    if pairs.len() != caches.len() || pairs.len() != out.len() {
-        return Err(BatchError { pairs: pairs.len(), caches: caches.len(), answers: out.len() });
-    }
+    check_lengths(pairs.len(), caches.len(), out.len())?;
     #[cfg(feature = "parallel")]
     {
         use rayon::prelude::*;

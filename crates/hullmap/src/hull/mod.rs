@@ -55,7 +55,7 @@ pub struct Hull<'a> {
 }
 
 /// Bytes of a [`Hull`] that support queries and the solver read.
-const HOT_BYTES: usize = 128;
+pub(crate) const HOT_BYTES: usize = 128;
 
 const _: () = assert!(offset_of!(Hull<'_>, neighbour_starts) <= HOT_BYTES);
 

@@ -8,7 +8,7 @@ use super::Hull;
 use crate::{
     pack::{NoSuchHull, Pack},
     shapes::{Feature, Shape},
-    support::{SupportMap, SupportPoint},
+    support::{PlaceOfSupport, SupportMap, SupportPoint},
 };
 
 self_cell::self_cell!(
@@ -161,6 +161,18 @@ impl SupportMap for SharedHull {
         self.hull().point(feature)
     }
 
+    #[inline(always)]
+    fn locate_support(&self, dir: DVec3) -> PlaceOfSupport {
+        self.hull().locate_support(dir)
+    }
+    #[inline(always)]
+    fn support_point_at(&self, dir: DVec3, place: PlaceOfSupport) -> SupportPoint {
+        self.hull().support_point_at(dir, place)
+    }
+    #[inline(always)]
+    fn working_set_len(&self) -> usize {
+        self.hull().working_set_len()
+    }
     #[inline]
     fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
         SupportMap::support_point_from(self.hull(), dir, hint)

@@ -7,7 +7,7 @@ use rkyv::rend::f32_le;
 use super::Hull;
 use crate::support::hint::{Edges, IsLocalMaximum};
 use crate::support::simd::{Dispatch, Instructions};
-use crate::support::{SupportMap, SupportPoint};
+use crate::support::{PlaceOfSupport, SupportMap, SupportPoint};
 
 /// Maximum difference between the maximum dot product and that of the support point, divided by the
 /// outer radius. Measured, not proved: a cut of the index may omit a vertex whose normal cone
@@ -217,6 +217,22 @@ impl SupportMap for Hull<'_> {
         // By name, not as arrays: a round trip through memory would stall the processor here.
         let (feature, [x, y, z]) = self.index.support([dir.x, dir.y, dir.z]);
         SupportPoint { point: DVec3::new(x.into(), y.into(), z.into()), feature }
+    }
+
+    #[inline]
+    fn locate_support(&self, dir: DVec3) -> PlaceOfSupport {
+        self.index.locate([dir.x, dir.y, dir.z])
+    }
+
+    #[inline]
+    fn support_point_at(&self, dir: DVec3, place: PlaceOfSupport) -> SupportPoint {
+        let (feature, [x, y, z]) = self.index.support_at([dir.x, dir.y, dir.z], place);
+        SupportPoint { point: DVec3::new(x.into(), y.into(), z.into()), feature }
+    }
+
+    #[inline]
+    fn working_set_len(&self) -> usize {
+        size_of::<Self>() + self.index_byte_len()
     }
 
     #[inline]

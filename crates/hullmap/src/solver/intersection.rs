@@ -15,9 +15,9 @@
 use super::bound::Bound;
 use super::cache::Cache;
 use super::epa::{self, Expansion, Goal, expand};
-use super::minkowski::{Minkowski, Point};
+use super::minkowski::{Located, Minkowski, Point};
 use super::mpr::{Discovery, Portal, discover_portal, is_clearly_negative};
-use super::mpr::{Side, Until, refine_portal};
+use super::mpr::{Found, Search, Side, Until, refine_portal};
 use super::status::Overlap;
 use crate::pose::Pose;
 use crate::support::SupportMap;
@@ -111,38 +111,140 @@ fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         cache.forget_axis();
         return (Overlap::Overlapping, 0);
     }
+    let (found, iterations) = search(m);
+    conclude(m, cache, found, iterations)
+}
+
+/// Portal discovery and refinement, until the answer is known. Also returns the number of steps.
+fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &mut Minkowski<'_, A, B>) -> (Found, u32) {
     let mut portal = Portal::EMPTY;
-    let (found, mut iterations) = discover_portal(m, &mut portal);
-    let mut start = None;
+    let (found, iterations) = discover_portal(m, &mut portal);
     match found {
-        Discovery::Separated { axis } => {
-            store_separation(cache, axis, &portal.vertices);
-            return (Overlap::Separated, iterations);
-        }
+        Discovery::Separated { axis } => (Found::Separated { axis, seen: portal.vertices }, iterations),
         Discovery::Portal => {
             let refined = refine_portal(m, &mut portal, Until::Decided, &mut Bound::none());
-            iterations += refined.iterations;
-            match refined.side {
-                Side::Separated => {
-                    store_separation(cache, refined.axis, &portal.vertices);
-                    return (Overlap::Separated, iterations);
-                }
-                Side::Overlapping if is_certainly_inside(m, &portal) => {
-                    cache.forget_axis();
-                    cache.set_portal(&portal.vertices);
-                    return (Overlap::Overlapping, iterations);
-                }
-                Side::Touching | Side::Undecided | Side::Overlapping => start = Some(portal_tetrahedron(m, &portal)),
-            }
+            let found = match refined.side {
+                Side::Separated => Found::Separated { axis: refined.axis, seen: portal.vertices },
+                side => Found::Portal { side, portal },
+            };
+            (found, iterations + refined.iterations)
         }
-        Discovery::Flat | Discovery::Limit => {}
+        Discovery::Flat | Discovery::Limit => (Found::Nothing, iterations),
     }
+}
+
+/// The answer that follows from what the search found, after `iterations` steps. EPA settles what is
+/// open.
+fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    cache: &mut Cache,
+    found: Found,
+    iterations: u32,
+) -> (Overlap, u32) {
+    let start = match found {
+        Found::Separated { axis, seen } => {
+            store_separation(cache, axis, &seen);
+            return (Overlap::Separated, iterations);
+        }
+        Found::Portal { side: Side::Overlapping, portal } if is_certainly_inside(m, &portal) => {
+            cache.forget_axis();
+            cache.set_portal(&portal.vertices);
+            return (Overlap::Overlapping, iterations);
+        }
+        Found::Portal { portal, .. } => Some(portal_tetrahedron(m, &portal)),
+        Found::Nothing => None,
+    };
     let (status, Bound { normal, .. }, steps) = decide_by_expansion(m, start, cache);
     match status {
         Overlap::Separated => cache.set_axis(normal),
         _ => cache.forget_axis(),
     }
     (status, iterations + steps)
+}
+
+/// An intersection test that can be suspended before each support query, so that a batch can keep
+/// several tests in flight. The answer has the bits of [`core_intersects`].
+#[derive(Debug)]
+pub(crate) struct Suspended<'s, A: ?Sized, B: ?Sized> {
+    m: Minkowski<'s, A, B>,
+    stage: Stage,
+    /// The support query that comes next.
+    next: Located,
+}
+
+/// What the next support point is for.
+#[derive(Debug)]
+enum Stage {
+    /// To test the separating axis of the cache.
+    Axis,
+    /// For the search.
+    Search(Search),
+}
+
+impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> {
+    /// Starts a test of shapes without convex radii.
+    ///
+    /// # Errors
+    /// The answer, if it takes no support query.
+    pub(crate) fn start(a: &'s A, b: &'s B, b_in_a: Pose, cache: &mut Cache) -> Result<Self, Intersection> {
+        let m = Minkowski::new(a, b, b_in_a);
+        let mut test = Self { m, stage: Stage::Axis, next: Located::NOTHING };
+        if test.m.inner_balls_overlap() {
+            cache.forget_axis();
+            return Err(test.answer(Overlap::Overlapping, 0));
+        }
+        let are_balls_separated = test.m.outer_balls_separated();
+        if are_balls_separated && let Some(axis) = unit(-test.m.center_point().w) {
+            cache.set_axis(axis);
+            return Err(test.answer(Overlap::Separated, 0));
+        }
+        match cache.axis().filter(|_| !are_balls_separated) {
+            Some(axis) => test.next = test.m.locate(axis),
+            None => test.search(cache).map_or(Ok(()), Err)?,
+        }
+        Ok(test)
+    }
+
+    /// Computes the support point that was located, and locates the next one. Returns the answer as
+    /// soon as it is known.
+    pub(crate) fn step(&mut self, cache: &mut Cache) -> Option<Intersection> {
+        let dir = self.next.dir;
+        let point = self.m.point_at(&self.next);
+        match &mut self.stage {
+            Stage::Axis if point.w.dot(dir) < -self.m.rounding_error() => {
+                cache.set_axis(dir);
+                Some(self.answer(Overlap::Separated, 0))
+            }
+            Stage::Axis => self.search(cache),
+            Stage::Search(search) => match search.continue_with(point) {
+                None => {
+                    self.next = self.m.locate(search.direction());
+                    None
+                }
+                Some(found) => {
+                    let iterations = search.iterations();
+                    let (status, iterations) = conclude(&mut self.m, cache, found, iterations);
+                    Some(self.answer(status, iterations))
+                }
+            },
+        }
+    }
+
+    /// Tests the portal of the cache, then starts the search.
+    fn search(&mut self, cache: &mut Cache) -> Option<Intersection> {
+        if cache.portal().is_some_and(|features| cached_portal_encloses(&self.m, features)) {
+            cache.forget_axis();
+            return Some(self.answer(Overlap::Overlapping, 0));
+        }
+        let search = Search::new(&self.m);
+        self.next = self.m.locate(search.direction());
+        self.stage = Stage::Search(search);
+        None
+    }
+
+    fn answer(&self, status: Overlap, iterations: u32) -> Intersection {
+        Intersection { status, iterations, support_calls: self.m.support_calls() }
+    }
 }
 
 /// Stores what a miss found: the axis, for the next miss, and the points seen, for a distance

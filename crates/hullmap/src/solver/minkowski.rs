@@ -22,7 +22,7 @@
 #![forbid(unsafe_code)]
 
 use crate::pose::Pose;
-use crate::support::SupportMap;
+use crate::support::{PlaceOfSupport, SupportMap};
 use glam::{DMat3, DVec3};
 
 /// Coefficients of the bound on the error of a support value or of a plane's offset, in units of
@@ -84,6 +84,23 @@ impl Point {
     pub(crate) fn b(&self) -> DVec3 {
         self.a - self.w
     }
+}
+
+/// A support query whose answer the processor is fetching.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Located {
+    /// The direction, in A's frame.
+    pub(crate) dir: DVec3,
+    /// The negated direction, in B's frame.
+    dir_in_b: DVec3,
+    on_a: PlaceOfSupport,
+    on_b: PlaceOfSupport,
+}
+
+impl Located {
+    /// Before the first query.
+    pub(crate) const NOTHING: Self =
+        Self { dir: DVec3::ZERO, dir_in_b: DVec3::ZERO, on_a: PlaceOfSupport::UNKNOWN, on_b: PlaceOfSupport::UNKNOWN };
 }
 
 /// The Minkowski difference A − B of two shapes, with B at a pose.
@@ -187,6 +204,22 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
         self.support_calls += 1;
         let on_a = self.a.support_point(dir);
         let on_b = self.b.support_point(self.unrotation * -dir);
+        self.point_of(on_a.point, on_b.point, [on_a.feature, on_b.feature])
+    }
+
+    /// Locates the support points in direction `dir`, and starts fetching them.
+    #[inline]
+    pub(crate) fn locate(&self, dir: DVec3) -> Located {
+        let dir_in_b = self.unrotation * -dir;
+        Located { dir, dir_in_b, on_a: self.a.locate_support(dir), on_b: self.b.locate_support(dir_in_b) }
+    }
+
+    /// The point of [`point`](Self::point) in a located direction.
+    #[inline]
+    pub(crate) fn point_at(&mut self, at: &Located) -> Point {
+        self.support_calls += 1;
+        let on_a = self.a.support_point_at(at.dir, at.on_a);
+        let on_b = self.b.support_point_at(at.dir_in_b, at.on_b);
         self.point_of(on_a.point, on_b.point, [on_a.feature, on_b.feature])
     }
 

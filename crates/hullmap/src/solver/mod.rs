@@ -73,6 +73,7 @@ pub use cast::Impact;
 pub use contact::Contact;
 pub use distance::Distance;
 pub use intersection::Intersection;
+pub(crate) use intersection::Suspended;
 pub use lockstep::contact_lockstep;
 pub use minkowski::{Minkowski, Vertex};
 pub use motion::{CastSettings, Motion, Ray, VectorError};

@@ -27,7 +27,12 @@ use rkyv::rend::u32_le;
 use super::best_candidate::{self, best, best_of_blocks, exactly};
 use super::candidate::Candidate;
 use super::direction::Direction;
-use super::simd::{Dispatch, Kernel, Portable, Simd};
+use super::simd::{self, Dispatch, Kernel, Portable, Simd};
+use super::support_map::PlaceOfSupport;
+
+/// Maximum number of blocks of a leaf that are fetched ahead. The processor itself fetches what
+/// follows when it reads them.
+const FETCHED_BLOCKS: usize = 4;
 
 /// A hull's direction index, read in place.
 #[derive(Clone, Copy, Debug)]
@@ -82,6 +87,24 @@ where
             return index.support_out_of_range(dir.exact());
         }
         best(simd, index.leaf(dir).blocks, dir, index.reach)
+    }
+}
+
+/// Kernel of a support query whose leaf is known.
+#[derive(Clone, Copy)]
+struct Pick<'a, T>(&'a [ArchivedBlock], f32, PhantomData<T>);
+
+impl<'a, T> Kernel for Pick<'a, T>
+where
+    T: Copy,
+    [T; 3]: Direction,
+{
+    type Scalar = T;
+    type Output = Candidate<'a>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S, dir: [T; 3]) -> Candidate<'a> {
+        best(simd, self.0, dir, self.1)
     }
 }
 
@@ -143,6 +166,30 @@ impl<'a> Index<'a> {
             }
         }
         self.dispatch.run(Lookup(self, PhantomData), dir)
+    }
+
+    /// The leaf of direction `dir`, whose first blocks the processor then fetches. Unknown for
+    /// directions that need more than one look at a leaf.
+    pub(crate) fn locate(&self, dir: [f64; 3]) -> PlaceOfSupport {
+        let narrow = Direction::narrow(dir);
+        let in_range = cube::IN_RANGE.contains(&cube::largest(narrow));
+        if !in_range || best_candidate::margin(narrow, self.reach).is_none() {
+            return PlaceOfSupport::UNKNOWN;
+        }
+        let blocks = self.leaf(dir).blocks;
+        blocks.iter().take(FETCHED_BLOCKS).for_each(simd::fetch);
+        let first = (blocks.as_ptr().addr() - self.blocks.as_ptr().addr()) / size_of::<ArchivedBlock>();
+        PlaceOfSupport { first: first as u32, count: blocks.len() as u32 }
+    }
+
+    /// [`support`](Self::support) in direction `dir`, whose leaf is at `place`.
+    #[inline]
+    pub(crate) fn support_at(&self, dir: [f64; 3], place: PlaceOfSupport) -> (u32, [f32; 3]) {
+        let PlaceOfSupport { first, count } = place;
+        match self.blocks.get(first as usize..first as usize + count as usize) {
+            Some(blocks) if !blocks.is_empty() => self.dispatch.run(Pick(blocks, self.reach, PhantomData), dir).read(),
+            _ => self.support(dir),
+        }
     }
 
     /// Support query for directions that would overflow or underflow in f32, and for zero and

@@ -16,4 +16,5 @@ mod support_map;
 
 pub use bounds::Bounds;
 pub use simd::Instructions;
+pub(crate) use support_map::PlaceOfSupport;
 pub use support_map::{SupportMap, SupportPoint};

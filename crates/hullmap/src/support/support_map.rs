@@ -38,6 +38,19 @@ pub struct SupportPoint {
     pub feature: u32,
 }
 
+/// Where the answer of a support query is, for shapes that know it before they compute it.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PlaceOfSupport {
+    pub(crate) first: u32,
+    /// 0 if the place is unknown.
+    pub(crate) count: u32,
+}
+
+impl PlaceOfSupport {
+    pub(crate) const UNKNOWN: Self = Self { first: 0, count: 0 };
+}
+
 /// A convex shape, described by its support mapping.
 ///
 /// All points, directions and lengths are in the shape's local frame and units. Four methods are
@@ -148,6 +161,29 @@ pub trait SupportMap {
         self.support_point(dir)
     }
 
+    /// Finds where the answer of [`support_point`](Self::support_point) is, and tells the processor
+    /// to fetch it. Returns without waiting for it. Batches use it to keep several queries in
+    /// flight.
+    #[doc(hidden)]
+    fn locate_support(&self, dir: DVec3) -> PlaceOfSupport {
+        let _ = dir;
+        PlaceOfSupport::UNKNOWN
+    }
+
+    /// The answer of [`support_point`](Self::support_point) for the same direction that `place` was
+    /// found for. For any other place, some point of the shape.
+    #[doc(hidden)]
+    fn support_point_at(&self, dir: DVec3, place: PlaceOfSupport) -> SupportPoint {
+        let _ = place;
+        self.support_point(dir)
+    }
+
+    /// Number of bytes that support queries read over all directions; 0 if it is small.
+    #[doc(hidden)]
+    fn working_set_len(&self) -> usize {
+        0
+    }
+
     /// Convex radius: the shape is the Minkowski sum of its core and a ball of this radius. The
     /// default is 0: the shape is its own core.
     ///
@@ -240,6 +276,18 @@ impl<S: SupportMap + ?Sized> SupportMap for &S {
     #[inline(always)]
     fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
         (**self).support_point_from(dir, hint)
+    }
+    #[inline(always)]
+    fn locate_support(&self, dir: DVec3) -> PlaceOfSupport {
+        (**self).locate_support(dir)
+    }
+    #[inline(always)]
+    fn support_point_at(&self, dir: DVec3, place: PlaceOfSupport) -> SupportPoint {
+        (**self).support_point_at(dir, place)
+    }
+    #[inline(always)]
+    fn working_set_len(&self) -> usize {
+        (**self).working_set_len()
     }
     #[inline(always)]
     fn convex_radius(&self) -> f64 {

@@ -32,7 +32,7 @@ use crate::vector::{perpendicular, unit};
 use glam::DVec3;
 
 /// Maximum number of replacements. Most pairs need 2 to 3; the worst pair found needed 19.
-const MAX_DISCOVERY_STEPS: u32 = 64;
+pub(super) const MAX_DISCOVERY_STEPS: u32 = 64;
 
 /// Minimum height of a tetrahedron relative to the outer radius, and minimum sine of the angle
 /// between two edges of a portal. Below it the signs of volumes, which decide where the ray goes,
@@ -96,7 +96,7 @@ impl Portal {
 
     /// Whether the normal points away from `v0`.
     #[inline(always)]
-    fn faces_away(&self, v0: DVec3) -> bool {
+    pub(super) fn faces_away(&self, v0: DVec3) -> bool {
         let [v1, v2, v3] = self.vertices.map(|v| v.w);
         (v2 - v1).cross(v3 - v1).dot(v1 - v0) > 0.0
     }

@@ -34,7 +34,7 @@ use glam::DVec3;
 
 /// Maximum number of portals. Polytopes need 2 to 20. Smooth shapes that touch halve their error in
 /// each step, so 60 steps would exhaust the digits of an f64.
-const MAX_REFINEMENT_STEPS: u32 = 100;
+pub(super) const MAX_REFINEMENT_STEPS: u32 = 100;
 
 /// When to stop refining.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,11 +5,12 @@
 #![allow(unsafe_code)]
 
 use std::arch::x86_64::{
-    __m256, __m256d, _CMP_EQ_OQ, _CMP_LT_OQ, _CMP_NLT_UQ, _mm_loadu_si128, _mm256_add_pd, _mm256_castps256_ps128,
-    _mm256_cmp_pd, _mm256_cmp_ps, _mm256_cvtepi16_epi32, _mm256_cvtepi32_ps, _mm256_cvtps_pd, _mm256_cvtss_f32,
-    _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_loadu_pd, _mm256_loadu_ps, _mm256_max_pd, _mm256_max_ps,
-    _mm256_min_pd, _mm256_movemask_pd, _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_permute_pd,
-    _mm256_permute_ps, _mm256_permute2f128_pd, _mm256_permute2f128_ps, _mm256_set1_pd, _mm256_set1_ps, _mm256_sub_ps,
+    __m256, __m256d, _CMP_EQ_OQ, _CMP_LT_OQ, _CMP_NLT_UQ, _MM_HINT_T0, _mm_loadu_si128, _mm_prefetch, _mm256_add_pd,
+    _mm256_castps256_ps128, _mm256_cmp_pd, _mm256_cmp_ps, _mm256_cvtepi16_epi32, _mm256_cvtepi32_ps, _mm256_cvtps_pd,
+    _mm256_cvtss_f32, _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_loadu_pd, _mm256_loadu_ps, _mm256_max_pd,
+    _mm256_max_ps, _mm256_min_pd, _mm256_movemask_pd, _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps,
+    _mm256_permute_pd, _mm256_permute_ps, _mm256_permute2f128_pd, _mm256_permute2f128_ps, _mm256_set1_pd,
+    _mm256_set1_ps, _mm256_sub_ps,
 };
 
 use hullmap_format::archive::{ArchivedBlock, LANES};
@@ -44,6 +45,25 @@ impl Avx2 {
     pub(super) fn argmin(self, values: &[[f64; LANES]]) -> usize {
         // SAFETY: `self` proves that the processor has the features.
         unsafe { argmin(values) }
+    }
+}
+
+/// Bytes of a cache line.
+const LINE: usize = 64;
+
+/// Tells the processor to fetch all cache lines of `value`.
+#[inline(always)]
+pub(super) fn fetch<T>(value: &T) {
+    fetch_bytes(std::ptr::from_ref(value).cast(), size_of::<T>());
+}
+
+/// Tells the processor to fetch `len` bytes from `start` on. SSE suffices, which every x86-64 has.
+#[inline(always)]
+pub(super) fn fetch_bytes(start: *const i8, len: usize) {
+    for offset in (0..len).step_by(LINE) {
+        // SAFETY: SSE is part of x86-64. The instruction changes nothing that the program can see,
+        // and ignores addresses that are not mapped.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset)) };
     }
 }
 

@@ -172,6 +172,28 @@ impl Dispatch {
     }
 }
 
+/// Tells the processor to fetch `value` into its caches, and does not wait. No effect on processors
+/// other than x86-64.
+#[inline(always)]
+pub(crate) fn fetch<T>(value: &T) {
+    #[cfg(target_arch = "x86_64")]
+    avx2::fetch(value);
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = value;
+}
+
+/// As [`fetch`], for the first [`START_BYTES`] of a value of any type.
+#[inline(always)]
+pub(crate) fn fetch_start<T: ?Sized>(value: &T) {
+    #[cfg(target_arch = "x86_64")]
+    avx2::fetch_bytes(std::ptr::from_ref(value).cast(), size_of_val(value).min(START_BYTES));
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = value;
+}
+
+/// What queries read first of a hull.
+const START_BYTES: usize = crate::hull::HOT_BYTES;
+
 /// A function of its own, so that only the other path is inlined into the caller.
 #[inline(never)]
 fn portable<K: Kernel>(kernel: K, x: K::Scalar, y: K::Scalar, z: K::Scalar) -> K::Output {
