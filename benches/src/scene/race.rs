@@ -11,6 +11,7 @@
 use std::{hint::black_box, time::Instant};
 
 use glam::{DVec3, Vec3};
+use hullmap::SupportMap as _;
 use hullmap::{
     Cache, Contact, Distance, Hull, Intersection, Manifold, ManifoldSettings, Prediction, Settings, SupportPoint, batch,
 };
@@ -186,10 +187,10 @@ fn supports(scene: &Scene, hulls: &[Hull<'_>], effort: Effort, cells: &mut Vec<C
     let mut found = vec![SupportPoint { point: DVec3::ZERO, feature: 0 }; count];
     let mut times = [const { Vec::new() }; Engine::ALL.len()];
     for _ in 0..effort.rounds {
-        for piece in queries.chunks(PIECE) {
+        for piece in batched.chunks(PIECE) {
             record(&mut times[Engine::Loop as usize], piece.len(), || {
-                for (hull, dir) in piece {
-                    black_box(hulls[*hull].support(*dir));
+                for query in piece {
+                    black_box(query.shape.support_point(query.dir));
                 }
             });
         }

@@ -5,22 +5,25 @@
 //! needs the answer before it can state its next direction, so it waits for each of them. The
 //! queries of a batch do not depend on each other.
 //!
-//! 1. Each of [`LANES`] lanes holds a suspended test, which has located its next support point and
-//!    told the processor to fetch it.
-//! 2. The lanes take turns: compute the support point, then locate the next one.
+//! 1. Each of [`LANES`] lanes holds a suspended test, which has told the processor what to fetch: a
+//!    word of a direction index, or the blocks of a leaf.
+//! 2. The lanes take turns. Each continues up to the next memory that it reads, by when the others
+//!    have given its turn some 100 ns.
 //! 3. A lane that is done takes the next pair, whose shapes have been fetched in the meantime.
 //!
 //! The bits of the answers are those of single queries. Suspending costs time when everything is in
 //! the first caches, so a batch does it only if its shapes are larger ([`is_worthwhile`]).
 //!
 //! # Tried and rejected
-//! SPEED of the lanes has a flat optimum between 4 and 12.
+//! Fetching only the blocks of a leaf, with the words above it read at once, saved nothing: a branch
+//! that is predicted wrongly keeps the processor from starting on the next lane until the word has
+//! come.
 
 use super::{Pair, SupportQuery};
 use crate::shapes::Shape;
 use crate::solver::{Cache, Intersection, Suspended, queries};
-use crate::support::SupportPoint;
 use crate::support::simd::fetch_start;
+use crate::support::{Lookup, SupportPoint};
 
 /// Number of queries in flight. A processor core can wait for 10 to 16 cache lines at a time.
 const LANES: usize = 8;
@@ -37,7 +40,8 @@ const SEEN_BITS: usize = 4096;
 
 /// Whether the shapes are so large together that queries wait for memory.
 ///
-/// Looks at up to [`SAMPLES`] of `count` shapes. If most of them differ, all of them probably do.
+/// Looks at s ≤ [`SAMPLES`] of `count` shapes. Of s samples from many shapes N, about s² / 2N are the
+/// same as an earlier one, which gives an estimate of N. Few shapes have all been seen.
 ///
 /// # Complexity
 /// O(1).
@@ -58,8 +62,12 @@ pub(super) fn is_worthwhile<'s, S: Shape + ?Sized + 's>(count: usize, shape: imp
             bytes = bytes.saturating_add(shape.working_set_len());
         }
     }
-    let mostly_different = 2 * different > samples;
-    let estimate = if mostly_different { bytes.saturating_mul(count) / samples.max(1) } else { bytes };
+    let shapes = if 2 * different <= samples {
+        different
+    } else {
+        (samples * samples).checked_div(2 * (samples - different)).unwrap_or(count).min(count)
+    };
+    let estimate = bytes.saturating_mul(shapes) / different.max(1);
     estimate >= LARGE
 }
 
@@ -115,12 +123,17 @@ pub(super) fn support_points<S: Shape + ?Sized>(queries: &[SupportQuery<'_, S>],
     let mut ahead = queries.chunks(LANES).skip(1);
     for (queries, out) in queries.chunks(LANES).zip(out.chunks_mut(LANES)) {
         ahead.next().unwrap_or_default().iter().for_each(|query| fetch_start(query.shape));
-        let mut places = [None; LANES];
-        for (place, query) in places.iter_mut().zip(queries) {
-            *place = Some(query.shape.locate_support(query.dir));
+        let mut lookups = [Lookup::Whole; LANES];
+        for (lookup, query) in lookups.iter_mut().zip(queries) {
+            *lookup = query.shape.start_lookup(query.dir);
         }
-        for ((query, place), out) in queries.iter().zip(places.into_iter().flatten()).zip(out) {
-            *out = query.shape.support_point_at(query.dir, place);
+        while lookups.iter().any(|lookup| matches!(lookup, Lookup::Word { .. })) {
+            for (lookup, query) in lookups.iter_mut().zip(queries) {
+                *lookup = query.shape.continue_lookup(query.dir, *lookup);
+            }
+        }
+        for ((query, lookup), out) in queries.iter().zip(lookups).zip(out) {
+            *out = query.shape.finish_lookup(query.dir, lookup);
         }
     }
 }
@@ -239,13 +252,17 @@ mod tests {
         }
         impl Shape for Sized {}
         let verdict = |different: usize, bytes: usize, count: usize| {
+            let mut rng = SplitMix64::new(9);
             let shapes: Vec<Sized> = (0..different).map(|_| Sized(bytes)).collect();
-            is_worthwhile(count, |at| shapes.get(at * 7 % different.max(1)))
+            let chosen: Vec<_> = (0..count).map(|_| shapes.get(rng.between(0.0, different as f64) as usize)).collect();
+            is_worthwhile(count, |at| chosen.get(at).copied().flatten())
         };
         assert!(!verdict(1, 60_000, 100_000));
         assert!(!verdict(16, 8_000, 100_000));
         assert!(!verdict(10_000, 0, 10_000));
         assert!(!verdict(100, 8_000, 100));
+        assert!(!verdict(100, 8_000, 8_192));
+        assert!(verdict(1_000, 8_000, 8_192));
         assert!(verdict(8_000, 8_000, 8_192));
         assert!(verdict(3, LARGE, 3));
         assert!(!verdict(0, 8_000, 0));

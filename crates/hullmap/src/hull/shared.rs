@@ -8,7 +8,7 @@ use super::Hull;
 use crate::{
     pack::{NoSuchHull, Pack},
     shapes::{Feature, Shape},
-    support::{PlaceOfSupport, SupportMap, SupportPoint},
+    support::{Lookup, SupportMap, SupportPoint},
 };
 
 self_cell::self_cell!(
@@ -162,17 +162,25 @@ impl SupportMap for SharedHull {
     }
 
     #[inline(always)]
-    fn locate_support(&self, dir: DVec3) -> PlaceOfSupport {
-        self.hull().locate_support(dir)
+    fn start_lookup(&self, dir: DVec3) -> Lookup {
+        self.hull().start_lookup(dir)
     }
+
     #[inline(always)]
-    fn support_point_at(&self, dir: DVec3, place: PlaceOfSupport) -> SupportPoint {
-        self.hull().support_point_at(dir, place)
+    fn continue_lookup(&self, dir: DVec3, lookup: Lookup) -> Lookup {
+        self.hull().continue_lookup(dir, lookup)
     }
+
+    #[inline(always)]
+    fn finish_lookup(&self, dir: DVec3, lookup: Lookup) -> SupportPoint {
+        self.hull().finish_lookup(dir, lookup)
+    }
+
     #[inline(always)]
     fn working_set_len(&self) -> usize {
         self.hull().working_set_len()
     }
+
     #[inline]
     fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
         SupportMap::support_point_from(self.hull(), dir, hint)

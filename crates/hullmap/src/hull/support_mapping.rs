@@ -7,7 +7,7 @@ use rkyv::rend::f32_le;
 use super::Hull;
 use crate::support::hint::{Edges, IsLocalMaximum};
 use crate::support::simd::{Dispatch, Instructions};
-use crate::support::{PlaceOfSupport, SupportMap, SupportPoint};
+use crate::support::{Lookup, SupportMap, SupportPoint};
 
 /// Maximum difference between the maximum dot product and that of the support point, divided by the
 /// outer radius. Measured, not proved: a cut of the index may omit a vertex whose normal cone
@@ -220,13 +220,18 @@ impl SupportMap for Hull<'_> {
     }
 
     #[inline]
-    fn locate_support(&self, dir: DVec3) -> PlaceOfSupport {
-        self.index.locate([dir.x, dir.y, dir.z])
+    fn start_lookup(&self, dir: DVec3) -> Lookup {
+        self.index.start_lookup([dir.x, dir.y, dir.z])
     }
 
     #[inline]
-    fn support_point_at(&self, dir: DVec3, place: PlaceOfSupport) -> SupportPoint {
-        let (feature, [x, y, z]) = self.index.support_at([dir.x, dir.y, dir.z], place);
+    fn continue_lookup(&self, dir: DVec3, lookup: Lookup) -> Lookup {
+        self.index.continue_lookup([dir.x, dir.y, dir.z], lookup)
+    }
+
+    #[inline]
+    fn finish_lookup(&self, dir: DVec3, lookup: Lookup) -> SupportPoint {
+        let (feature, [x, y, z]) = self.index.finish_lookup([dir.x, dir.y, dir.z], lookup);
         SupportPoint { point: DVec3::new(x.into(), y.into(), z.into()), feature }
     }
 

@@ -15,7 +15,7 @@
 use super::bound::Bound;
 use super::cache::Cache;
 use super::epa::{self, Expansion, Goal, expand};
-use super::minkowski::{Located, Minkowski, Point};
+use super::minkowski::{Interrupted, Minkowski, Point};
 use super::mpr::{Discovery, Portal, discover_portal, is_clearly_negative};
 use super::mpr::{Found, Search, Side, Until, refine_portal};
 use super::status::Overlap;
@@ -162,14 +162,14 @@ fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     (status, iterations + steps)
 }
 
-/// An intersection test that can be suspended before each support query, so that a batch can keep
+/// An intersection test that is suspended wherever it waits for memory, so that a batch can keep
 /// several tests in flight. The answer has the bits of [`core_intersects`].
 #[derive(Debug)]
 pub(crate) struct Suspended<'s, A: ?Sized, B: ?Sized> {
     m: Minkowski<'s, A, B>,
     stage: Stage,
     /// The support query that comes next.
-    next: Located,
+    next: Interrupted,
 }
 
 /// What the next support point is for.
@@ -188,7 +188,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> {
     /// The answer, if it takes no support query.
     pub(crate) fn start(a: &'s A, b: &'s B, b_in_a: Pose, cache: &mut Cache) -> Result<Self, Intersection> {
         let m = Minkowski::new(a, b, b_in_a);
-        let mut test = Self { m, stage: Stage::Axis, next: Located::NOTHING };
+        let mut test = Self { m, stage: Stage::Axis, next: Interrupted::NOTHING };
         if test.m.inner_balls_overlap() {
             cache.forget_axis();
             return Err(test.answer(Overlap::Overlapping, 0));
@@ -199,17 +199,21 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> {
             return Err(test.answer(Overlap::Separated, 0));
         }
         match cache.axis().filter(|_| !are_balls_separated) {
-            Some(axis) => test.next = test.m.locate(axis),
+            Some(axis) => test.next = test.m.start(axis),
             None => test.search(cache).map_or(Ok(()), Err)?,
         }
         Ok(test)
     }
 
-    /// Computes the support point that was located, and locates the next one. Returns the answer as
-    /// soon as it is known.
+    /// Continues up to the next memory that the test reads. Returns the answer as soon as it is
+    /// known.
     pub(crate) fn step(&mut self, cache: &mut Cache) -> Option<Intersection> {
+        if !self.next.is_ready() {
+            self.m.resume(&mut self.next);
+            return None;
+        }
         let dir = self.next.dir;
-        let point = self.m.point_at(&self.next);
+        let point = self.m.finish(&self.next);
         match &mut self.stage {
             Stage::Axis if point.w.dot(dir) < -self.m.rounding_error() => {
                 cache.set_axis(dir);
@@ -218,7 +222,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> {
             Stage::Axis => self.search(cache),
             Stage::Search(search) => match search.continue_with(point) {
                 None => {
-                    self.next = self.m.locate(search.direction());
+                    self.next = self.m.start(search.direction());
                     None
                 }
                 Some(found) => {
@@ -237,7 +241,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> {
             return Some(self.answer(Overlap::Overlapping, 0));
         }
         let search = Search::new(&self.m);
-        self.next = self.m.locate(search.direction());
+        self.next = self.m.start(search.direction());
         self.stage = Stage::Search(search);
         None
     }

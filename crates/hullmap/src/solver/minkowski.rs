@@ -22,7 +22,7 @@
 #![forbid(unsafe_code)]
 
 use crate::pose::Pose;
-use crate::support::{PlaceOfSupport, SupportMap};
+use crate::support::{Lookup, SupportMap};
 use glam::{DMat3, DVec3};
 
 /// Coefficients of the bound on the error of a support value or of a plane's offset, in units of
@@ -86,21 +86,27 @@ impl Point {
     }
 }
 
-/// A support query whose answer the processor is fetching.
+/// A support query that is interrupted wherever it waits for memory.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Located {
+pub(crate) struct Interrupted {
     /// The direction, in A's frame.
     pub(crate) dir: DVec3,
     /// The negated direction, in B's frame.
     dir_in_b: DVec3,
-    on_a: PlaceOfSupport,
-    on_b: PlaceOfSupport,
+    on_a: Lookup,
+    on_b: Lookup,
 }
 
-impl Located {
+impl Interrupted {
     /// Before the first query.
     pub(crate) const NOTHING: Self =
-        Self { dir: DVec3::ZERO, dir_in_b: DVec3::ZERO, on_a: PlaceOfSupport::UNKNOWN, on_b: PlaceOfSupport::UNKNOWN };
+        Self { dir: DVec3::ZERO, dir_in_b: DVec3::ZERO, on_a: Lookup::Whole, on_b: Lookup::Whole };
+
+    /// Whether the answer can be computed.
+    #[inline]
+    pub(crate) fn is_ready(&self) -> bool {
+        !matches!((self.on_a, self.on_b), (Lookup::Word { .. }, _) | (_, Lookup::Word { .. }))
+    }
 }
 
 /// The Minkowski difference A − B of two shapes, with B at a pose.
@@ -207,19 +213,26 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
         self.point_of(on_a.point, on_b.point, [on_a.feature, on_b.feature])
     }
 
-    /// Locates the support points in direction `dir`, and starts fetching them.
+    /// Starts a support query in direction `dir`.
     #[inline]
-    pub(crate) fn locate(&self, dir: DVec3) -> Located {
+    pub(crate) fn start(&self, dir: DVec3) -> Interrupted {
         let dir_in_b = self.unrotation * -dir;
-        Located { dir, dir_in_b, on_a: self.a.locate_support(dir), on_b: self.b.locate_support(dir_in_b) }
+        Interrupted { dir, dir_in_b, on_a: self.a.start_lookup(dir), on_b: self.b.start_lookup(dir_in_b) }
     }
 
-    /// The point of [`point`](Self::point) in a located direction.
+    /// Continues a support query up to the next memory that it reads.
     #[inline]
-    pub(crate) fn point_at(&mut self, at: &Located) -> Point {
+    pub(crate) fn resume(&self, query: &mut Interrupted) {
+        query.on_a = self.a.continue_lookup(query.dir, query.on_a);
+        query.on_b = self.b.continue_lookup(query.dir_in_b, query.on_b);
+    }
+
+    /// The point of [`point`](Self::point), from a query that is ready.
+    #[inline]
+    pub(crate) fn finish(&mut self, query: &Interrupted) -> Point {
         self.support_calls += 1;
-        let on_a = self.a.support_point_at(at.dir, at.on_a);
-        let on_b = self.b.support_point_at(at.dir_in_b, at.on_b);
+        let on_a = self.a.finish_lookup(query.dir, query.on_a);
+        let on_b = self.b.finish_lookup(query.dir_in_b, query.on_b);
         self.point_of(on_a.point, on_b.point, [on_a.feature, on_b.feature])
     }
 

@@ -28,7 +28,7 @@ use super::best_candidate::{self, best, best_of_blocks, exactly};
 use super::candidate::Candidate;
 use super::direction::Direction;
 use super::simd::{self, Dispatch, Kernel, Portable, Simd};
-use super::support_map::PlaceOfSupport;
+use super::support_map::Lookup;
 
 /// Maximum number of blocks of a leaf that are fetched ahead. The processor itself fetches what
 /// follows when it reads them.
@@ -61,17 +61,17 @@ impl Leaf<'_> {
 }
 
 /// Kernel of a support query that goes through the index.
-struct Lookup<'i, 'a, T>(&'i Index<'a>, PhantomData<T>);
+struct WholeLookup<'i, 'a, T>(&'i Index<'a>, PhantomData<T>);
 
-impl<T> Clone for Lookup<'_, '_, T> {
+impl<T> Clone for WholeLookup<'_, '_, T> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<T> Copy for Lookup<'_, '_, T> {}
+impl<T> Copy for WholeLookup<'_, '_, T> {}
 
-impl<'a, T> Kernel for Lookup<'_, 'a, T>
+impl<'a, T> Kernel for WholeLookup<'_, 'a, T>
 where
     [T; 3]: Direction,
 {
@@ -130,6 +130,14 @@ where
     }
 }
 
+/// The word to which a branch of a quadtree leads, and the bits of the direction that remain.
+#[inline(always)]
+fn child(payload: u32, [u, v]: [u32; 2]) -> (u32, [u32; 2]) {
+    let Branch { at, bits } = Branch::decode(payload);
+    let top = |path: u32| (u64::from(path) << bits >> 32) as u32;
+    (at + (top(v) << bits | top(u)), [u << bits, v << bits])
+}
+
 impl<'a> Index<'a> {
     /// Index and position of the support vertex in direction `dir`.
     #[inline(always)]
@@ -165,31 +173,66 @@ impl<'a> Index<'a> {
                 return self.dispatch.run(Scan(few, self, PhantomData), dir);
             }
         }
-        self.dispatch.run(Lookup(self, PhantomData), dir)
+        self.dispatch.run(WholeLookup(self, PhantomData), dir)
     }
 
-    /// The leaf of direction `dir`, whose first blocks the processor then fetches. Unknown for
-    /// directions that need more than one look at a leaf.
-    pub(crate) fn locate(&self, dir: [f64; 3]) -> PlaceOfSupport {
+    /// Starts a look-up of direction `dir`, and fetches the word of the index that it reads first.
+    pub(crate) fn start_lookup(&self, dir: [f64; 3]) -> Lookup {
         let narrow = Direction::narrow(dir);
         let in_range = cube::IN_RANGE.contains(&cube::largest(narrow));
         if !in_range || best_candidate::margin(narrow, self.reach).is_none() {
-            return PlaceOfSupport::UNKNOWN;
+            return Lookup::Whole;
         }
-        let blocks = self.leaf(dir).blocks;
-        blocks.iter().take(FETCHED_BLOCKS).for_each(simd::fetch);
-        let first = (blocks.as_ptr().addr() - self.blocks.as_ptr().addr()) / size_of::<ArchivedBlock>();
-        PlaceOfSupport { first: first as u32, count: blocks.len() as u32 }
+        let (at, path) = match self.kind {
+            IndexKind::Tree | IndexKind::Medium | IndexKind::Compact => {
+                let cell = cube::locate(narrow);
+                (cell.face, [cell.u, cell.v].map(|path| path << (32 - GRID_BITS)))
+            }
+            IndexKind::CubeMap { resolution } => (cube::uniform_cell(cube::locate(narrow), resolution) as u32, [0; 2]),
+            IndexKind::None => return self.fetch_leaf(self.blocks),
+            IndexKind::Binary => return self.fetch_leaf(self.leaf(dir).blocks),
+        };
+        self.await_word(at, path, 0)
     }
 
-    /// [`support`](Self::support) in direction `dir`, whose leaf is at `place`.
-    #[inline]
-    pub(crate) fn support_at(&self, dir: [f64; 3], place: PlaceOfSupport) -> (u32, [f32; 3]) {
-        let PlaceOfSupport { first, count } = place;
-        match self.blocks.get(first as usize..first as usize + count as usize) {
-            Some(blocks) if !blocks.is_empty() => self.dispatch.run(Pick(blocks, self.reach, PhantomData), dir).read(),
-            _ => self.support(dir),
+    /// Reads the word that a look-up waits for, and fetches the word or the leaf to which it leads.
+    pub(crate) fn continue_lookup(&self, dir: [f64; 3], lookup: Lookup) -> Lookup {
+        let Lookup::Word { at, path, nodes } = lookup else { return lookup };
+        if nodes == MAX_NODES {
+            // Unreachable in a checked pack.
+            return Lookup::Whole;
         }
+        let slot = self.word(at as usize);
+        match Slot::branch(slot).filter(|_| self.kind.is_tree()) {
+            Some(payload) => {
+                let (at, path) = child(payload, path);
+                self.await_word(at, path, nodes + 1)
+            }
+            None => self.fetch_leaf(self.past_branches(slot, 0, dir).blocks),
+        }
+    }
+
+    /// [`support`](Self::support) in direction `dir`, from a look-up that has come to its leaf.
+    #[inline]
+    pub(crate) fn finish_lookup(&self, dir: [f64; 3], lookup: Lookup) -> (u32, [f32; 3]) {
+        if let Lookup::Leaf { first, count } = lookup
+            && let Some(blocks) = self.blocks.get(first as usize..first as usize + count as usize)
+            && !blocks.is_empty()
+        {
+            return self.dispatch.run(Pick(blocks, self.reach, PhantomData), dir).read();
+        }
+        self.support(dir)
+    }
+
+    fn await_word(&self, at: u32, path: [u32; 2], nodes: u32) -> Lookup {
+        self.slots.get(at as usize).into_iter().for_each(simd::fetch);
+        Lookup::Word { at, path, nodes }
+    }
+
+    fn fetch_leaf(&self, blocks: &[ArchivedBlock]) -> Lookup {
+        blocks.iter().take(FETCHED_BLOCKS).for_each(simd::fetch);
+        let first = (blocks.as_ptr().addr() - self.blocks.as_ptr().addr()) / size_of::<ArchivedBlock>();
+        Lookup::Leaf { first: first as u32, count: blocks.len() as u32 }
     }
 
     /// Support query for directions that would overflow or underflow in f32, and for zero and
@@ -234,10 +277,9 @@ impl<'a> Index<'a> {
         for nodes in 0..MAX_NODES {
             // Tested without decoding the other kinds of slot, since nearly all queries end here.
             let Some(payload) = Slot::branch(slot) else { return self.past_branches(slot, nodes, dir) };
-            let Branch { at, bits } = Branch::decode(payload);
-            let top = |path: u32| (u64::from(path) << bits >> 32) as u32;
-            slot = self.word((at + (top(v) << bits | top(u))) as usize);
-            (u, v) = (u << bits, v << bits);
+            let (at, path) = child(payload, [u, v]);
+            slot = self.word(at as usize);
+            [u, v] = path;
         }
         self.leaf_at(Slot::decode(slot), MAX_NODES)
     }

@@ -16,5 +16,6 @@ mod support_map;
 
 pub use bounds::Bounds;
 pub use simd::Instructions;
-pub(crate) use support_map::PlaceOfSupport;
+#[doc(hidden)]
+pub use support_map::Lookup;
 pub use support_map::{SupportMap, SupportPoint};

@@ -38,17 +38,29 @@ pub struct SupportPoint {
     pub feature: u32,
 }
 
-/// Where the answer of a support query is, for shapes that know it before they compute it.
+/// How far the look-up of a support query has come, for shapes that can interrupt it wherever it
+/// waits for memory.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PlaceOfSupport {
-    pub(crate) first: u32,
-    /// 0 if the place is unknown.
-    pub(crate) count: u32,
-}
-
-impl PlaceOfSupport {
-    pub(crate) const UNKNOWN: Self = Self { first: 0, count: 0 };
+pub enum Lookup {
+    /// At a word of the direction index, with the bits of the direction that are still to be read.
+    Word {
+        /// Index of the word.
+        at: u32,
+        /// Remaining bits, the next one on top.
+        path: [u32; 2],
+        /// Number of nodes above.
+        nodes: u32,
+    },
+    /// The leaf is known: its first block and the number of its blocks.
+    Leaf {
+        /// Index of the first block.
+        first: u32,
+        /// Number of blocks.
+        count: u32,
+    },
+    /// Not interrupted. The whole look-up is still to be done.
+    Whole,
 }
 
 /// A convex shape, described by its support mapping.
@@ -161,20 +173,26 @@ pub trait SupportMap {
         self.support_point(dir)
     }
 
-    /// Finds where the answer of [`support_point`](Self::support_point) is, and tells the processor
-    /// to fetch it. Returns without waiting for it. Batches use it to keep several queries in
-    /// flight.
+    /// Starts the look-up of [`support_point`](Self::support_point) in direction `dir`, and tells the
+    /// processor to fetch what it reads first. Batches use it to keep several queries in flight.
     #[doc(hidden)]
-    fn locate_support(&self, dir: DVec3) -> PlaceOfSupport {
+    fn start_lookup(&self, dir: DVec3) -> Lookup {
         let _ = dir;
-        PlaceOfSupport::UNKNOWN
+        Lookup::Whole
     }
 
-    /// The answer of [`support_point`](Self::support_point) for the same direction that `place` was
-    /// found for. For any other place, some point of the shape.
+    /// Continues a look-up up to the next memory that it reads.
     #[doc(hidden)]
-    fn support_point_at(&self, dir: DVec3, place: PlaceOfSupport) -> SupportPoint {
-        let _ = place;
+    fn continue_lookup(&self, dir: DVec3, lookup: Lookup) -> Lookup {
+        let _ = (dir, lookup);
+        Lookup::Whole
+    }
+
+    /// The answer of [`support_point`](Self::support_point), from a look-up in the same direction
+    /// that has come to a leaf, or that is whole. From any other look-up, some point of the shape.
+    #[doc(hidden)]
+    fn finish_lookup(&self, dir: DVec3, lookup: Lookup) -> SupportPoint {
+        let _ = lookup;
         self.support_point(dir)
     }
 
@@ -278,12 +296,16 @@ impl<S: SupportMap + ?Sized> SupportMap for &S {
         (**self).support_point_from(dir, hint)
     }
     #[inline(always)]
-    fn locate_support(&self, dir: DVec3) -> PlaceOfSupport {
-        (**self).locate_support(dir)
+    fn start_lookup(&self, dir: DVec3) -> Lookup {
+        (**self).start_lookup(dir)
     }
     #[inline(always)]
-    fn support_point_at(&self, dir: DVec3, place: PlaceOfSupport) -> SupportPoint {
-        (**self).support_point_at(dir, place)
+    fn continue_lookup(&self, dir: DVec3, lookup: Lookup) -> Lookup {
+        (**self).continue_lookup(dir, lookup)
+    }
+    #[inline(always)]
+    fn finish_lookup(&self, dir: DVec3, lookup: Lookup) -> SupportPoint {
+        (**self).finish_lookup(dir, lookup)
     }
     #[inline(always)]
     fn working_set_len(&self) -> usize {
