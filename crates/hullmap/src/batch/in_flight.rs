@@ -1,5 +1,5 @@
-//! Several queries in flight in one thread: while the memory that one query needs is on its way, the
-//! others compute.
+//! Several queries in flight in one thread: while the memory that one query needs is on its way,
+//! the others compute.
 //!
 //! A look-up in a hull that is in no cache waits for two or three dependent cache misses. One query
 //! needs the answer before it can state its next direction, so it waits for each of them. The
@@ -15,9 +15,9 @@
 //! the first caches, so a batch does it only if its shapes are larger ([`is_worthwhile`]).
 //!
 //! # Tried and rejected
-//! Fetching only the blocks of a leaf, with the words above it read at once, saved nothing: a branch
-//! that is predicted wrongly keeps the processor from starting on the next lane until the word has
-//! come.
+//! Fetching only the blocks of a leaf, with the words above it read at once, saved nothing: a
+//! branch that is predicted wrongly keeps the processor from starting on the next lane until the
+//! word has come.
 
 use super::{Pair, SupportQuery};
 use crate::shapes::Shape;
@@ -40,8 +40,8 @@ const SEEN_BITS: usize = 4096;
 
 /// Whether the shapes are so large together that queries wait for memory.
 ///
-/// Looks at s ≤ [`SAMPLES`] of `count` shapes. Of s samples from many shapes N, about s² / 2N are the
-/// same as an earlier one, which gives an estimate of N. Few shapes have all been seen.
+/// Looks at s ≤ [`SAMPLES`] of `count` shapes. Of s samples from many shapes N, about s² / 2N are
+/// the same as an earlier one, which gives an estimate of N. Few shapes have all been seen.
 ///
 /// # Complexity
 /// O(1).

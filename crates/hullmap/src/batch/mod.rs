@@ -5,8 +5,8 @@
 //! answers are bit-identical to those of single queries, for any number of threads. They are
 //! written to a slice of the caller, in the order of the pairs, without allocation per pair.
 //!
-//! If the shapes of a batch are larger than the second-level cache, each thread keeps several support
-//! queries or intersection tests in flight, so that they wait for memory at the same time.
+//! If the shapes of a batch are larger than the second-level cache, each thread keeps several
+//! support queries or intersection tests in flight, so that they wait for memory at the same time.
 //!
 //! # Reference
 //! Kenwright, section 4.6 (threading) and 4.7 (data per pair).

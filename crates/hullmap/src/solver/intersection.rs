@@ -133,8 +133,8 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &mut Minkowski<'_, 
     }
 }
 
-/// The answer that follows from what the search found, after `iterations` steps. EPA settles what is
-/// open.
+/// The answer that follows from what the search found, after `iterations` steps. EPA settles what
+/// is open.
 fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     cache: &mut Cache,

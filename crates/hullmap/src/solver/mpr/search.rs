@@ -1,5 +1,5 @@
-//! Both phases of MPR as a state machine: it states a direction, and continues with the support point
-//! in that direction.
+//! Both phases of MPR as a state machine: it states a direction, and continues with the support
+//! point in that direction.
 //!
 //! A batch keeps several searches in flight: while the memory that one of them needs is on its way,
 //! the others compute. The steps and the arithmetic are those of [`discover_portal`] and of
