@@ -6,9 +6,11 @@
 //! 3. No source point lies farther than [`CONTAINMENT`] in front of any face, or from the polygon,
 //!    segment or point.
 //!
-//! Testing every point against every face in step 3 would be too slow. The bounding box of a group
-//! of points lies entirely behind most faces. The points are therefore halved recursively, and each
-//! half keeps only the faces that its box is not behind.
+//! Testing every point against every face in step 3 would be too slow. A group of points lies
+//! entirely behind most faces. The points are therefore halved recursively, and each half keeps only
+//! the faces that it may not be behind. A box around the group shows that, or a slice along the
+//! surface: the boxes of small groups stick out of a curved surface, and with boxes alone the work
+//! grows as n^1.5.
 
 use glam::DVec3;
 
@@ -80,11 +82,16 @@ fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
 }
 
 fn euler(hull: &Hull) -> Result<(), CertificateError> {
-    let mut directed: Vec<(u32, u32)> = hull.faces.iter().flat_map(|face| edges(face)).collect();
-    directed.sort_unstable();
-    let once = directed.windows(2).all(|w| w[0] != w[1]);
-    let paired = directed.iter().all(|&(a, b)| directed.binary_search(&(b, a)).is_ok());
-    let euler = hull.vertices.len() as i64 - directed.len() as i64 / 2 + hull.faces.len() as i64;
+    // Each edge with its smaller vertex first, then the larger one, then whether it was turned. The
+    // two directions of an edge follow each other once they are sorted.
+    let ordered = |(a, b): (u32, u32)| (u64::from(a.min(b)) << 32 | u64::from(a.max(b)), a > b);
+    let mut sides: Vec<(u64, bool)> = Vec::with_capacity(hull.faces.iter().map(Vec::len).sum());
+    sides.extend(hull.faces.iter().flat_map(|face| edges(face)).map(ordered));
+    sides.sort_unstable();
+    let (pairs, rest) = sides.as_chunks::<2>();
+    let paired = rest.is_empty() && pairs.iter().all(|[one, other]| one.0 == other.0 && !one.1 && other.1);
+    let once = pairs.windows(2).all(|pair| pair[0][0].0 != pair[1][0].0);
+    let euler = hull.vertices.len() as i64 - sides.len() as i64 / 2 + hull.faces.len() as i64;
     if once && paired && euler == 2 { Ok(()) } else { Err(CertificateError::Surface { euler }) }
 }
 
@@ -126,59 +133,177 @@ fn side_planes(hull: &Hull, vertices: &[DVec3], normal: DVec3) -> Vec<HalfSpace>
 }
 
 /// Maximum number of points in a group that is not halved further. Each of its points is tested
-/// against each of its half-spaces.
+/// against each half-space that is left.
 const GROUP: usize = 32;
+
+/// Maximum number of points in a group that gets slices. On a larger part of the surface they are no
+/// better than the box.
+const WITH_SLICES: usize = 1 << 14;
+
+/// Half-spaces are dropped on every level whose number is a multiple of this.
+const EVERY: usize = 2;
+
+/// How far a group must be behind a half-space, relative to the largest coordinate, for the
+/// half-space to be dropped. It is a hundred times the rounding error of that distance, so the
+/// computed distance of every point is negative.
+const BEHIND: f64 = 1e-13;
 
 /// Maximum distance of a point outside any half-space; 0 if no point is outside.
 fn worst_outside(points: &[DVec3], half_spaces: &[HalfSpace]) -> f64 {
-    let mut points = points.to_vec();
-    let mut worst = 0.0;
-    descend(&mut points, half_spaces, &mut worst);
-    worst
+    search(points, half_spaces).worst
 }
 
-fn descend(points: &mut [DVec3], half_spaces: &[HalfSpace], worst: &mut f64) {
-    let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-    let (centre, half) = ((low + high) * 0.5, (high - low) * 0.5);
-    // Written so that a half-space whose distance is NaN is kept.
-    let near: Vec<HalfSpace> = half_spaces
-        .iter()
-        .filter(|h| !(h.normal.dot(centre) + h.normal.abs().dot(half) - h.offset <= *worst))
-        .copied()
-        .collect();
-    if near.is_empty() {
-        return;
+/// Moves the half-spaces that are kept to the front, and returns them.
+fn keep(half_spaces: &mut [HalfSpace], is_kept: impl Fn(&HalfSpace) -> bool) -> &mut [HalfSpace] {
+    let mut count = 0;
+    for at in 0..half_spaces.len() {
+        if is_kept(&half_spaces[at]) {
+            half_spaces.swap(count, at);
+            count += 1;
+        }
     }
-    if points.len() <= GROUP {
-        for h in &near {
-            for p in points.iter() {
-                let outside = h.normal.dot(*p) - h.offset;
-                if !(outside <= *worst) {
-                    *worst = outside;
-                }
+    &mut half_spaces[..count]
+}
+
+fn search(points: &[DVec3], half_spaces: &[HalfSpace]) -> Search {
+    let scale = points.iter().fold(0.0, |scale: f64, p| scale.max(p.abs().max_element()));
+    let scale = half_spaces.iter().fold(scale, |scale: f64, h| scale.max(h.offset.abs()));
+    let mut search = Search { worst: 0.0, margin: BEHIND * scale, path: Vec::new(), work: 0 };
+    search.descend(&mut points.to_vec(), &mut half_spaces.to_vec());
+    search
+}
+
+struct Search {
+    worst: f64,
+    margin: f64,
+    /// The boxes around the current group, each with the worst distance when it was entered.
+    path: Vec<(Box3, f64)>,
+    /// Comparisons of a half-space with a group or with a point.
+    work: usize,
+}
+
+/// An axis-aligned box.
+#[derive(Clone, Copy)]
+struct Box3 {
+    centre: DVec3,
+    half: DVec3,
+}
+
+impl Box3 {
+    fn new(points: &[DVec3]) -> Self {
+        let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        Self { centre: (low + high) * 0.5, half: (high - low) * 0.5 }
+    }
+
+    /// How far the box reaches in front of a half-space.
+    fn outside(&self, h: &HalfSpace) -> f64 {
+        h.normal.dot(self.centre) + h.normal.abs().dot(self.half) - h.offset
+    }
+}
+
+/// A round slice that contains a group of points: everything below one plane, and within a radius
+/// of an axis at right angles to it.
+struct Slice {
+    centre: DVec3,
+    axis: DVec3,
+    /// Height of the plane above the centre.
+    top: f64,
+    radius: f64,
+}
+
+impl Slice {
+    /// The slice of `points` whose axis is the mean normal of half-spaces.
+    fn new(points: &[DVec3], centre: DVec3, normals: DVec3) -> Self {
+        // Zero if there are none: then the slice reaches everywhere.
+        let axis = normals.normalize_or_zero();
+        let top = points.iter().map(|p| axis.dot(*p - centre)).fold(f64::NEG_INFINITY, f64::max);
+        let radius = points.iter().map(|p| axis.cross(*p - centre).length_squared()).fold(0.0, f64::max).sqrt();
+        Self { centre, axis, top, radius }
+    }
+
+    /// How far the slice reaches in front of a half-space.
+    fn outside(&self, h: &HalfSpace) -> f64 {
+        let along = h.normal.dot(self.axis);
+        // Written so that NaN fails.
+        if !(along > 0.0) {
+            return f64::INFINITY;
+        }
+        h.normal.dot(self.centre) - h.offset + along * self.top + h.normal.cross(self.axis).length() * self.radius
+    }
+}
+
+impl Search {
+    fn descend(&mut self, points: &mut [DVec3], half_spaces: &mut [HalfSpace]) {
+        let around = Box3::new(points);
+        self.path.push((around, self.worst));
+        let is_leaf = points.len() <= GROUP;
+        let near = if is_leaf || self.path.len().is_multiple_of(EVERY) {
+            self.keep_near(points, &around, half_spaces)
+        } else {
+            half_spaces
+        };
+        if near.is_empty() {
+        } else if is_leaf {
+            self.compare(points, near);
+        } else {
+            let half = around.half;
+            let axis = if half.x >= half.y && half.x >= half.z {
+                0
+            } else if half.y >= half.z {
+                1
+            } else {
+                2
+            };
+            let middle = points.len() / 2;
+            points.select_nth_unstable_by(middle, |a, b| a[axis].total_cmp(&b[axis]));
+            let (left, right) = points.split_at_mut(middle);
+            self.descend(left, near);
+            self.descend(right, near);
+        }
+        self.path.pop();
+    }
+
+    /// Moves the half-spaces that some point may be outside of to the front, and returns them.
+    fn keep_near<'h>(
+        &mut self,
+        points: &[DVec3],
+        around: &Box3,
+        half_spaces: &'h mut [HalfSpace],
+    ) -> &'h mut [HalfSpace] {
+        let margin = self.margin;
+        self.work += half_spaces.len();
+        let near = keep(half_spaces, |h| !(around.outside(h) < -margin));
+        let Some(first) = near.first().filter(|_| points.len() <= WITH_SLICES) else { return near };
+        // Two slices, because a group of a thin body has points on both sides.
+        let is_front = |h: &HalfSpace| h.normal.dot(first.normal) >= 0.0;
+        let sum = |front: bool| near.iter().filter(|h| is_front(h) == front).map(|h| h.normal).sum::<DVec3>();
+        let slices = [true, false].map(|front| Slice::new(points, around.centre, sum(front)));
+        self.work += near.len();
+        keep(near, |h| !slices.iter().any(|slice| slice.outside(h) < -margin))
+    }
+
+    fn compare(&mut self, points: &[DVec3], near: &[HalfSpace]) {
+        self.work += points.len() * near.len();
+        for h in near {
+            let mut outside = f64::NEG_INFINITY;
+            for p in points {
+                outside = outside.max(h.normal.dot(*p) - h.offset);
+            }
+            // The boxes decide which of the distances within rounding error count: packs record
+            // the worst one.
+            if outside > self.worst && self.path.iter().all(|(around, worst)| !(around.outside(h) <= *worst)) {
+                self.worst = outside;
             }
         }
-        return;
     }
-    let axis = if half.x >= half.y && half.x >= half.z {
-        0
-    } else if half.y >= half.z {
-        1
-    } else {
-        2
-    };
-    let middle = points.len() / 2;
-    points.select_nth_unstable_by(middle, |a, b| a[axis].total_cmp(&b[axis]));
-    let (left, right) = points.split_at_mut(middle);
-    descend(left, &near, worst);
-    descend(right, &near, worst);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{PointSet, hull::build};
+    use shapes::families::Family;
 
     fn cube() -> (Hull, Vec<DVec3>) {
         let corners: Vec<[f32; 3]> = (0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect();
@@ -220,7 +345,73 @@ mod tests {
         assert_eq!(certify(&hull, &points), Err(CertificateError::Inward { face: 0 }));
     }
 
-    /// The slow, obvious twin of `descend`.
+    fn planes(family: Family, n: usize) -> (Vec<DVec3>, Vec<HalfSpace>) {
+        let positions = family.points(n, 5);
+        let set = PointSet { source_vertices: (0..positions.len() as u32).collect(), positions, ..PointSet::default() };
+        let hull = build(&set).unwrap();
+        let points = hull.positions();
+        let half_spaces = face_planes(&hull, &points);
+        (points, half_spaces)
+    }
+
+    /// The slow twin, with boxes alone. Of distances within rounding error, it skips those whose
+    /// boxes are behind within rounding error.
+    fn boxes_only(points: &mut [DVec3], half_spaces: &[HalfSpace], worst: &mut f64) {
+        let around = Box3::new(points);
+        let near: Vec<HalfSpace> = half_spaces.iter().filter(|h| !(around.outside(h) <= *worst)).copied().collect();
+        if near.is_empty() {
+            return;
+        }
+        if points.len() <= GROUP {
+            let outside = |h: &HalfSpace| points.iter().map(|p| h.normal.dot(*p) - h.offset).fold(0.0, f64::max);
+            *worst = near.iter().map(outside).fold(*worst, f64::max);
+            return;
+        }
+        let half = around.half;
+        let axis = if half.x >= half.y && half.x >= half.z {
+            0
+        } else if half.y >= half.z {
+            1
+        } else {
+            2
+        };
+        let middle = points.len() / 2;
+        points.select_nth_unstable_by(middle, |a, b| a[axis].total_cmp(&b[axis]));
+        let (left, right) = points.split_at_mut(middle);
+        boxes_only(left, &near, worst);
+        boxes_only(right, &near, worst);
+    }
+
+    #[test]
+    fn slices_change_no_bit() {
+        let mut positive = 0;
+        for family in Family::ALL {
+            for (n, shrink) in [(300, 1.0), (3000, 1.0), (3000, 1.0 - 1e-9), (3000, 0.999)] {
+                let (points, mut half_spaces) = planes(family, n);
+                half_spaces.iter_mut().for_each(|h| h.offset *= shrink);
+                let mut slow = 0.0;
+                boxes_only(&mut points.clone(), &half_spaces, &mut slow);
+                assert_eq!(worst_outside(&points, &half_spaces).to_bits(), slow.to_bits(), "{family:?} {n} {shrink}");
+                positive += usize::from(slow > 0.0);
+            }
+        }
+        assert!(positive > 20, "{positive}");
+    }
+
+    #[test]
+    fn the_work_is_not_quadratic() {
+        for family in [Family::Sphere, Family::Rock, Family::UvSphere, Family::Lens] {
+            let [small, large] = [4_000, 32_000].map(|n| {
+                let (points, half_spaces) = planes(family, n);
+                search(&points, &half_spaces).work
+            });
+            let exponent = (large as f64 / small as f64).log(8.0);
+            println!("{family:?}: {small} and {large} comparisons, exponent {exponent:.2}");
+            assert!(exponent < 1.25, "{family:?}: {exponent}");
+        }
+    }
+
+    /// The slow, obvious twin: every point against every half-space.
     #[test]
     fn grouping_changes_nothing() {
         let points: Vec<DVec3> =

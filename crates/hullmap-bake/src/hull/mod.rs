@@ -102,39 +102,43 @@ pub fn build(points: &PointSet) -> Result<Hull, BakeError> {
     let distinct = distinct(points)?;
     let positions: Vec<DVec3> = distinct.iter().map(|(p, _)| DVec3::from_array(p.map(f64::from))).collect();
     let simplex = rank::spanning_simplex(&positions);
-    let (rank, chosen, faces) = match simplex {
-        Simplex::Point(p) => (0, vec![p as u32], Vec::new()),
-        Simplex::Segment(ends) => (1, segment_ends(&positions, ends), Vec::new()),
+    let (rank, faces) = match simplex {
+        Simplex::Point(p) => (0, vec![vec![p as u32]]),
+        Simplex::Segment(ends) => (1, vec![segment_ends(&positions, ends)]),
         Simplex::Triangle(corners) => {
             let [a, b, c] = corners.map(|i| positions[i]);
             let front = polygon::hull_along_own_axis(&positions, (b - a).cross(c - a));
             let back = front[..1].iter().chain(front[1..].iter().rev()).copied().collect();
-            (2, front.clone(), vec![front, back])
+            (2, vec![front, back])
         }
-        Simplex::Tetrahedron(corners) => {
-            let facets = solid::hull(&positions, corners);
-            (3, facets.iter().flatten().copied().collect(), facets)
-        }
+        Simplex::Tetrahedron(corners) => (3, solid::hull(&positions, corners)),
     };
-    let mut chosen = chosen;
+    const UNUSED: u32 = u32::MAX;
+    let mut vertex_of = vec![UNUSED; distinct.len()];
+    faces.iter().flatten().for_each(|p| vertex_of[*p as usize] = 0);
     // Points that are not source vertices share one index; order them by position.
-    chosen.sort_unstable_by_key(|&p| (distinct[p as usize].1, p));
-    chosen.dedup();
-    let mut vertex_of = vec![u32::MAX; distinct.len()];
-    for (vertex, &p) in chosen.iter().enumerate() {
-        vertex_of[p as usize] = vertex as u32;
+    let used = (0..distinct.len() as u32).filter(|p| vertex_of[*p as usize] != UNUSED);
+    let mut chosen: Vec<(u32, u32)> = used.map(|p| (distinct[p as usize].1, p)).collect();
+    chosen.sort_unstable();
+    for (vertex, (_, p)) in (0..).zip(&chosen) {
+        vertex_of[*p as usize] = vertex;
     }
-    let mut faces: Vec<Vec<u32>> =
-        faces.into_iter().map(|face| from_least(face.into_iter().map(|p| vertex_of[p as usize]).collect())).collect();
-    faces.sort_unstable();
-    let mut hull = Hull {
-        rank,
-        vertices: chosen.iter().map(|&p| distinct[p as usize].0).collect(),
-        source_vertices: chosen.iter().map(|&p| distinct[p as usize].1).collect(),
-        faces,
-        diameter: 0.0,
-        containment_error: 0.0,
-    };
+    let vertices = chosen.iter().map(|(_, p)| distinct[*p as usize].0).collect();
+    drop(distinct);
+    let source_vertices = chosen.into_iter().map(|(source, _)| source).collect();
+    let mut faces = if rank < 2 { Vec::new() } else { faces };
+    for face in &mut faces {
+        face.iter_mut().for_each(|p| *p = vertex_of[*p as usize]);
+        let least = face.iter().enumerate().min_by_key(|(_, v)| **v).map_or(0, |(at, _)| at);
+        face.rotate_left(least);
+    }
+    drop(vertex_of);
+    if rank == 3 {
+        solid::sort(&mut faces);
+    } else {
+        faces.sort_unstable();
+    }
+    let mut hull = Hull { rank, vertices, source_vertices, faces, diameter: 0.0, containment_error: 0.0 };
     hull.diameter = crate::diameter::diameter(&hull.positions());
     hull.containment_error = certify::certify(&hull, &positions)?;
     Ok(hull)
@@ -155,13 +159,6 @@ fn segment_ends(positions: &[DVec3], ends: [usize; 2]) -> Vec<u32> {
     let by_reach = |a: &u32, b: &u32| positions[*a as usize].dot(along).total_cmp(&positions[*b as usize].dot(along));
     let all = 0..positions.len() as u32;
     all.clone().min_by(by_reach).into_iter().chain(all.max_by(by_reach)).collect()
-}
-
-/// The same polygon, starting at its smallest vertex index.
-fn from_least(mut face: Vec<u32>) -> Vec<u32> {
-    let least = face.iter().enumerate().min_by_key(|(_, v)| **v).map_or(0, |(at, _)| at);
-    face.rotate_left(least);
-    face
 }
 
 /// Distinct positions in ascending order, each with its smallest source vertex index. Negative

@@ -17,6 +17,11 @@
 //! points are above a face. The faces removed in step 2 therefore always form a disc, no face is
 //! degenerate, and no point is lost, however flat or thin the set is.
 
+//!
+//! # Memory
+//! Slots of deleted faces are reused, so there are hardly more than 2n faces, of 72 bytes each. The
+//! facets of a solid depend neither on the order of insertion nor on the slots.
+
 use glam::DVec3;
 
 /// Maximum error of the filter's determinant, relative to the sum of its terms' magnitudes. Three
@@ -38,25 +43,41 @@ pub type Facet = Vec<u32>;
 /// O(n log n) on all families tried; quadratic at worst.
 pub fn hull(points: &[DVec3], simplex: [usize; 4]) -> Vec<Facet> {
     let everything: Vec<u32> = (0..points.len() as u32).collect();
-    let mut builder = Builder::new(points);
-    builder.build(&everything, simplex.map(|i| i as u32));
-    loop {
-        let (facets, flat) = builder.facets();
-        if flat == 0 {
-            return facets;
-        }
-        let extreme = extreme_vertices(&facets);
-        let simplex = spanning(points, &extreme);
-        builder = Builder::new(points);
-        builder.build(&extreme, simplex);
+    let (mut facets, mut flat) = build(points, &everything, simplex.map(|i| i as u32));
+    drop(everything);
+    while flat > 0 {
+        let extreme = extreme_vertices(&facets, points.len());
+        drop(facets);
+        (facets, flat) = build(points, &extreme, spanning(points, &extreme));
     }
+    facets
+}
+
+/// Facets of the `chosen` points, and the number of vertices at which fewer than three facets meet.
+fn build(points: &[DVec3], chosen: &[u32], simplex: [u32; 4]) -> (Vec<Facet>, usize) {
+    let mut builder = Builder::new(points, chosen);
+    builder.build(chosen, simplex);
+    let facets = builder.facets();
+    let mut used = vec![false; points.len()];
+    builder.faces.iter().filter(|face| face.alive).flat_map(|face| face.vertices).for_each(|v| used[v as usize] = true);
+    let used = used.iter().filter(|used| **used).count();
+    let flat = used - extreme_vertices(&facets, points.len()).len();
+    (facets, flat)
 }
 
 /// Vertices at which three or more facets meet, ascending.
-fn extreme_vertices(facets: &[Facet]) -> Vec<u32> {
-    let mut all: Vec<u32> = facets.iter().flatten().copied().collect();
-    all.sort_unstable();
-    all.chunk_by(|a, b| a == b).filter(|run| run.len() >= 3).map(|run| run[0]).collect()
+fn extreme_vertices(facets: &[Facet], point_count: usize) -> Vec<u32> {
+    let mut counts = vec![0_u8; point_count];
+    facets.iter().flatten().for_each(|v| counts[*v as usize] = counts[*v as usize].saturating_add(1));
+    (0..point_count as u32).filter(|v| counts[*v as usize] >= 3).collect()
+}
+
+/// Sorts facets. No two of them have the same first edge, so that two vertices decide.
+pub(super) fn sort(facets: &mut Vec<Facet>) {
+    let mut order: Vec<(u64, u32)> =
+        (0..).zip(facets.iter()).map(|(at, facet)| (u64::from(facet[0]) << 32 | u64::from(facet[1]), at)).collect();
+    order.sort_unstable();
+    *facets = order.into_iter().map(|(_, at)| std::mem::take(&mut facets[at as usize])).collect();
 }
 
 /// Indices of four of the `chosen` points that span space.
@@ -74,27 +95,51 @@ struct Face {
     /// Face across the edge from vertex `i` to vertex `i + 1`.
     across: [u32; 3],
     normal: DVec3,
-    /// Sum of the magnitudes of the terms in each component of the normal, for the filter.
-    magnitude: DVec3,
-    /// First of the points assigned to this face, and the farthest of them with its distance.
+    /// Maximum rounding error of the height of any point.
+    error: f64,
+    /// First of the points assigned to this face, and the farthest of them with its height in units
+    /// of the error, so that it fits into an f32 at any scale.
     points: u32,
-    farthest: (u32, f64),
+    farthest: u32,
+    height: f32,
     alive: bool,
 }
 
 struct Builder<'a> {
     points: &'a [DVec3],
+    /// Sides of the box around the chosen points: no two of them are farther from each other along
+    /// any axis.
+    size: DVec3,
     faces: Vec<Face>,
+    /// Slots of deleted faces.
+    free: Vec<u32>,
     /// For each point, the next point of the same face.
     next_point: Vec<u32>,
     /// For each rim vertex, the new face that starts there. Scratch space of one insertion.
     fan_at: Vec<u32>,
+    /// The visible faces, the edges around them (from, to, face outside), and the faces that replace
+    /// them. Scratch space of one insertion.
+    disc: Vec<u32>,
+    rim: Vec<(u32, u32, u32)>,
+    fan: Vec<u32>,
 }
 
 impl<'a> Builder<'a> {
-    fn new(points: &'a [DVec3]) -> Self {
+    fn new(points: &'a [DVec3], chosen: &[u32]) -> Self {
         let n = points.len();
-        Self { points, faces: Vec::new(), next_point: vec![NONE; n], fan_at: vec![NONE; n] }
+        let chosen = || chosen.iter().map(|p| points[*p as usize]);
+        let (low, high) = (chosen().fold(DVec3::INFINITY, DVec3::min), chosen().fold(DVec3::NEG_INFINITY, DVec3::max));
+        Self {
+            points,
+            size: high - low,
+            faces: Vec::new(),
+            free: Vec::new(),
+            next_point: vec![NONE; n],
+            fan_at: vec![NONE; n],
+            disc: Vec::new(),
+            rim: Vec::new(),
+            fan: Vec::new(),
+        }
     }
 
     fn point(&self, i: u32) -> DVec3 {
@@ -112,57 +157,69 @@ impl<'a> Builder<'a> {
         }
         for &p in chosen {
             if ![a, b, c, d].contains(&p) {
-                self.give(p, 0..4);
+                self.give(p, &[0, 1, 2, 3]);
             }
         }
         let mut work: Vec<u32> = (0..4).collect();
         while let Some(face) = work.pop() {
-            if self.faces[face as usize].alive && self.faces[face as usize].points != NONE {
-                let first = self.faces.len() as u32;
+            let Face { alive, points, .. } = self.faces[face as usize];
+            if alive && points != NONE {
                 self.insert(face);
-                work.extend(first..self.faces.len() as u32);
+                work.extend(self.fan.iter().filter(|new| self.faces[**new as usize].points != NONE));
             }
         }
     }
 
+    /// Puts a face into a free slot, or appends it.
     fn push_face(&mut self, vertices: [u32; 3], across: [u32; 3]) -> u32 {
         let [a, b, c] = vertices.map(|i| self.point(i));
-        let (e, f) = (b - a, c - a);
-        let (s, t) = (e.abs(), f.abs());
-        let magnitude = DVec3::new(s.y * t.z + s.z * t.y, s.z * t.x + s.x * t.z, s.x * t.y + s.y * t.x);
-        let (points, farthest) = (NONE, (NONE, f64::NEG_INFINITY));
-        self.faces.push(Face { vertices, across, normal: e.cross(f), magnitude, points, farthest, alive: true });
-        (self.faces.len() - 1) as u32
-    }
-
-    /// Whether point `p` lies strictly above the face, and its approximate height.
-    fn above(&self, face: u32, p: u32) -> (bool, f64) {
-        let face = &self.faces[face as usize];
-        let p = self.point(p);
-        let offset = p - self.point(face.vertices[0]);
-        let height = face.normal.dot(offset);
-        let error = FILTER * face.magnitude.dot(offset.abs());
-        if height.abs() > error {
-            (height > 0.0, height)
-        } else {
-            let [a, b, c] = face.vertices.map(|i| self.point(i));
-            let exact = exact_above(a, b, c, p);
-            (exact > 0.0, exact)
+        let normal = (b - a).cross(c - a);
+        let error = FILTER * magnitude(a, b, c).dot(self.size);
+        let (points, farthest, height, alive) = (NONE, NONE, f32::NEG_INFINITY, true);
+        let face = Face { vertices, across, normal, error, points, farthest, height, alive };
+        match self.free.pop() {
+            Some(slot) => {
+                self.faces[slot as usize] = face;
+                slot
+            }
+            None => {
+                self.faces.push(face);
+                (self.faces.len() - 1) as u32
+            }
         }
     }
 
+    /// Whether point `p` lies strictly above the face, and its approximate height times twice the
+    /// area of the face. The height is exactly 0 only in the plane.
+    fn above(&self, face: u32, p: u32) -> (bool, f64) {
+        let face = &self.faces[face as usize];
+        let p = self.point(p);
+        let [a, b, c] = face.vertices;
+        let a = self.point(a);
+        let height = face.normal.dot(p - a);
+        if height.abs() > face.error {
+            return (height > 0.0, height);
+        }
+        // The error depends on the distance: the filter of this point accepts more.
+        let (b, c) = (self.point(b), self.point(c));
+        if height.abs() > FILTER * magnitude(a, b, c).dot((p - a).abs()) {
+            return (height > 0.0, height);
+        }
+        let exact = exact_above(a, b, c, p);
+        (exact > 0.0, exact)
+    }
+
     /// Assigns `p` to the first of `faces` that it lies above. A point above no face is inside.
-    fn give(&mut self, p: u32, faces: std::ops::Range<u32>) {
-        for face in faces {
+    fn give(&mut self, p: u32, faces: &[u32]) {
+        for &face in faces {
             let (above, height) = self.above(face, p);
             if above {
-                let length = self.faces[face as usize].normal.length();
                 let face = &mut self.faces[face as usize];
                 self.next_point[p as usize] = face.points;
                 face.points = p;
-                let distance = height / length;
-                if face.farthest.0 == NONE || distance > face.farthest.1 {
-                    face.farthest = (p, distance);
+                let height = (height / face.error) as f32;
+                if face.farthest == NONE || height > face.height {
+                    (face.farthest, face.height) = (p, height);
                 }
                 return;
             }
@@ -171,43 +228,48 @@ impl<'a> Builder<'a> {
 
     /// Makes the farthest point of `face` a vertex of the hull.
     fn insert(&mut self, face: u32) {
-        let apex = self.faces[face as usize].farthest.0;
-        let (disc, rim) = self.visible(face, apex);
-        let first = self.faces.len() as u32;
+        let apex = self.faces[face as usize].farthest;
+        self.find_visible(face, apex);
+        let (disc, rim) = (std::mem::take(&mut self.disc), std::mem::take(&mut self.rim));
+        let mut fan = std::mem::take(&mut self.fan);
+        fan.clear();
         for &(a, b, outside) in &rim {
             let new = self.push_face([a, b, apex], [outside, NONE, NONE]);
+            fan.push(new);
             self.fan_at[a as usize] = new;
             let outside = &mut self.faces[outside as usize];
             let edge = (0..3).find(|&i| outside.vertices[i] == b && outside.vertices[(i + 1) % 3] == a);
             outside.across[edge.expect("a rim edge belongs to the face outside it")] = new;
         }
-        for new in first..self.faces.len() as u32 {
+        for &new in &fan {
             let next = self.fan_at[self.faces[new as usize].vertices[1] as usize];
             self.faces[new as usize].across[1] = next;
             self.faces[next as usize].across[2] = new;
         }
-        let fan = first..self.faces.len() as u32;
-        for dead in disc {
+        for &dead in &disc {
             let mut p = self.faces[dead as usize].points;
             while p != NONE {
                 let next = self.next_point[p as usize];
                 if p != apex {
-                    self.give(p, fan.clone());
+                    self.give(p, &fan);
                 }
                 p = next;
             }
         }
+        self.free.extend_from_slice(&disc);
+        (self.disc, self.rim, self.fan) = (disc, rim, fan);
     }
 
-    /// Deletes the faces that `apex` lies strictly above. Returns them, and the horizon around them
-    /// as edges (from, to, face outside).
-    fn visible(&mut self, face: u32, apex: u32) -> (Vec<u32>, Vec<(u32, u32, u32)>) {
-        let mut disc = vec![face];
-        let mut rim = Vec::new();
+    /// Deletes the faces that `apex` lies strictly above, and lists them and the horizon around
+    /// them. Their slots are not free yet, because their points remain to be assigned.
+    fn find_visible(&mut self, face: u32, apex: u32) {
+        self.disc.clear();
+        self.rim.clear();
+        self.disc.push(face);
         self.faces[face as usize].alive = false;
         let mut read = 0;
-        while read < disc.len() {
-            let Face { vertices, across, .. } = self.faces[disc[read] as usize];
+        while read < self.disc.len() {
+            let Face { vertices, across, .. } = self.faces[self.disc[read] as usize];
             read += 1;
             for i in 0..3 {
                 let other = across[i];
@@ -216,57 +278,51 @@ impl<'a> Builder<'a> {
                 }
                 if self.above(other, apex).0 {
                     self.faces[other as usize].alive = false;
-                    disc.push(other);
+                    self.disc.push(other);
                 } else {
-                    rim.push((vertices[i], vertices[(i + 1) % 3], other));
+                    self.rim.push((vertices[i], vertices[(i + 1) % 3], other));
                 }
             }
         }
-        (disc, rim)
     }
 
-    /// Merges exactly coplanar faces into facets. Also returns the number of vertices at which
-    /// fewer than three facets meet.
-    fn facets(&self) -> (Vec<Facet>, usize) {
+    /// Merges exactly coplanar faces into facets.
+    fn facets(&self) -> Vec<Facet> {
         let mut group = vec![NONE; self.faces.len()];
         let mut facets = Vec::new();
-        let mut seen = vec![false; self.points.len()];
+        let mut members = Vec::new();
         for start in 0..self.faces.len() {
             if !self.faces[start].alive || group[start] != NONE {
                 continue;
             }
             let name = facets.len() as u32;
             group[start] = name;
-            let mut members = vec![start as u32];
+            members.clear();
+            members.push(start as u32);
             let mut read = 0;
             while read < members.len() {
-                let face = &self.faces[members[read] as usize];
+                let face = members[read];
                 read += 1;
-                for i in 0..3 {
-                    let other = face.across[i];
-                    if group[other as usize] == NONE && self.coplanar(face, &self.faces[other as usize]) {
+                for other in self.faces[face as usize].across {
+                    if group[other as usize] == NONE && self.coplanar(face, other) {
                         group[other as usize] = name;
                         members.push(other);
                     }
                 }
             }
-            facets.push(self.outline(&members, &group, name));
+            facets.push(match members.as_slice() {
+                [single] => triangle(self.faces[*single as usize].vertices),
+                _ => self.outline(&members, &group, name),
+            });
         }
-        for face in self.faces.iter().filter(|f| f.alive) {
-            for v in face.vertices {
-                seen[v as usize] = true;
-            }
-        }
-        facets.sort_unstable();
-        let used = seen.iter().filter(|s| **s).count();
-        let flat = used - extreme_vertices(&facets).len();
-        (facets, flat)
+        sort(&mut facets);
+        facets
     }
 
     /// Whether all vertices of `other` lie exactly in the plane of `face`.
-    fn coplanar(&self, face: &Face, other: &Face) -> bool {
-        let [a, b, c] = face.vertices.map(|i| self.point(i));
-        other.vertices.iter().all(|v| face.vertices.contains(v) || exact_above(a, b, c, self.point(*v)) == 0.0)
+    fn coplanar(&self, face: u32, other: u32) -> bool {
+        let own = self.faces[face as usize].vertices;
+        self.faces[other as usize].vertices.iter().all(|v| own.contains(v) || self.above(face, *v).1 == 0.0)
     }
 
     /// The polygon around a group of coplanar faces: the edges whose other side is outside the
@@ -293,6 +349,23 @@ impl<'a> Builder<'a> {
     }
 }
 
+/// A facet with three vertices.
+fn triangle([a, b, c]: [u32; 3]) -> Facet {
+    if a < b && a < c {
+        vec![a, b, c]
+    } else if b < c {
+        vec![b, c, a]
+    } else {
+        vec![c, a, b]
+    }
+}
+
+/// Sum of the magnitudes of the terms in each component of a triangle's normal, for the filter.
+fn magnitude(a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
+    let (s, t) = ((b - a).abs(), (c - a).abs());
+    DVec3::new(s.y * t.z + s.z * t.y, s.z * t.x + s.x * t.z, s.x * t.y + s.y * t.x)
+}
+
 /// Positive if `p` lies above the plane of a, b, c (counter-clockwise seen from above), zero if it
 /// lies in the plane. The sign is exact.
 fn exact_above(a: DVec3, b: DVec3, c: DVec3, p: DVec3) -> f64 {
@@ -316,7 +389,8 @@ mod tests {
             let everything: Vec<u32> = (0..points.len() as u32).collect();
             let facets = hull(&points, spanning(&points, &everything).map(|i| i as usize));
             let bits = |p: DVec3| p.to_array().map(f64::to_bits);
-            let mut ours: Vec<_> = extreme_vertices(&facets).iter().map(|v| bits(points[*v as usize])).collect();
+            let mut ours: Vec<_> =
+                extreme_vertices(&facets, points.len()).iter().map(|v| bits(points[*v as usize])).collect();
             let (theirs, _) = parry3d_f64::transformation::try_convex_hull(&points).expect("parry builds a hull");
             let mut theirs: Vec<_> = theirs.into_iter().map(bits).collect();
             ours.sort_unstable();
