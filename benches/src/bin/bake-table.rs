@@ -19,7 +19,7 @@ use hullmap::Pack;
 use hullmap_bake::{
     BakedHull, IndexKind, PointSet, SourceRecord, hull, index, interior, mass, outer,
     simplify::{Limit, simplify},
-    write_pack,
+    write_owned_pack,
 };
 use hullmap_bench::{csv::Csv, machine::Machine, output};
 use shapes::families::Family;
@@ -193,7 +193,7 @@ fn bake(family: Family, points: usize) -> Result<Vec<Figure>, Box<dyn Error>> {
         (mass, interior::interior(&hull, &mass), outer::outer(&hull))
     });
     let index = stages.measure("index", || index::build(&hull, IndexKind::Tree))?;
-    let baked = [BakedHull {
+    let baked = vec![BakedHull {
         name: set.name,
         point_count: set.positions.len(),
         origin: [0.0; 3],
@@ -207,8 +207,7 @@ fn bake(family: Family, points: usize) -> Result<Vec<Figure>, Box<dyn Error>> {
         outer,
         index,
     }];
-    let bytes = stages.measure("write", || write_pack(&baked, &SourceRecord::default()))?;
-    drop(baked);
+    let bytes = stages.measure("write", || write_owned_pack(baked, &SourceRecord::default()))?;
     let pack = stages.measure("open", || Pack::from_bytes(&bytes))?;
     stages.measure("check repeats", || pack.check_repeats())?;
     let all = Figure {

@@ -25,9 +25,12 @@ use crate::hull::{
 /// hemisphere.
 pub struct GaussMap {
     /// For each piece of a cone, its vertex (ascending) and the end of its corners.
-    pieces: Vec<(u32, usize)>,
-    corners: Vec<DVec3>,
-    neighbour_starts: Vec<usize>,
+    pieces: Vec<(u32, u32)>,
+    /// Indices of directions.
+    corners: Vec<u32>,
+    /// The normals of the faces, then the additional corners.
+    directions: Vec<DVec3>,
+    neighbour_starts: Vec<u32>,
     neighbours: Vec<u32>,
     positions: Vec<DVec3>,
 }
@@ -47,39 +50,46 @@ impl GaussMap {
     /// O(n log n).
     pub fn new(hull: &Hull) -> Self {
         let positions = hull.positions();
-        let normals: Vec<DVec3> = hull.faces.iter().map(|face| facet_normal(face, &positions)).collect();
-        let mut all: Vec<Corner> = Vec::new();
+        let mut all: Vec<Corner> = Vec::with_capacity(hull.faces.iter().map(Vec::len).sum());
         for (face, outline) in hull.faces.iter().enumerate() {
             let before = outline.iter().cycle().skip(outline.len() - 1);
             for ((at, after), &before) in edges(outline).zip(before) {
                 all.push(Corner { at, after, before, face: face as u32 });
             }
         }
-        all.sort_unstable_by_key(|c| (c.at, c.after));
+        all.sort_unstable_by_key(|c| u64::from(c.at) << 32 | u64::from(c.after));
         let mut map = Self {
-            pieces: Vec::new(),
-            corners: Vec::new(),
-            neighbour_starts: vec![0],
-            neighbours: Vec::new(),
+            pieces: Vec::with_capacity(positions.len()),
+            corners: Vec::with_capacity(all.len()),
+            directions: hull.faces.iter().map(|face| facet_normal(face, &positions)).collect(),
+            neighbour_starts: Vec::with_capacity(positions.len() + 1),
+            neighbours: Vec::with_capacity(all.len()),
             positions,
         };
+        map.neighbour_starts.push(0);
         for around in all.chunk_by(|a, b| a.at == b.at) {
             if hull.rank == 2 {
-                map.push_lune(around, &normals);
+                map.push_lune(around);
             } else {
-                map.push_cone(around, &normals);
+                map.push_cone(around);
             }
             map.neighbours.extend(around.iter().map(|c| c.after));
-            map.neighbour_starts.push(map.neighbours.len());
+            map.neighbour_starts.push(map.neighbours.len() as u32);
         }
         map
     }
 
+    /// Adds a corner that is not the normal of a face.
+    fn push_direction(&mut self, direction: DVec3) {
+        self.corners.push(self.directions.len() as u32);
+        self.directions.push(direction);
+    }
+
     /// Adds the two pieces of the cone at a polygon's corner. Each piece spans one side's normal
     /// and the outward normals of both edges.
-    fn push_lune(&mut self, around: &[Corner], normals: &[DVec3]) {
+    fn push_lune(&mut self, around: &[Corner]) {
         for corner in around {
-            let up = normals[corner.face as usize];
+            let up = self.directions[corner.face as usize];
             let at = self.positions[corner.at as usize];
             let outward = |edge: DVec3| side_normal(edge, up);
             let before = outward(at - self.positions[corner.before as usize]);
@@ -87,29 +97,30 @@ impl GaussMap {
             // The outward normal may turn by almost half a circle from one edge to the next.
             let between = up.cross(before);
             let middle = (before.dot(after) < 0.0).then_some(between);
-            self.corners.extend([up, before].into_iter().chain(middle).chain([after]));
-            self.pieces.push((corner.at, self.corners.len()));
+            self.corners.push(corner.face);
+            [before].into_iter().chain(middle).chain([after]).for_each(|direction| self.push_direction(direction));
+            self.pieces.push((corner.at, self.corners.len() as u32));
         }
     }
 
     /// Adds the cone of a vertex. `around` lists the face corners at it, sorted by the vertex after
     /// each.
-    fn push_cone(&mut self, around: &[Corner], normals: &[DVec3]) {
+    fn push_cone(&mut self, around: &[Corner]) {
         let mut corner = &around[0];
         for _ in 0..around.len() {
             // Counter-clockwise, the next face lies across the edge to the vertex before this one.
             let across = corner.before;
             let next = around.binary_search_by_key(&across, |c| c.after).map_or(corner, |i| &around[i]);
-            let (from, to) = (normals[corner.face as usize], normals[next.face as usize]);
-            self.corners.push(from);
+            let (from, to) = (self.directions[corner.face as usize], self.directions[next.face as usize]);
+            self.corners.push(corner.face);
             if from.dot(to) < 0.0 {
                 // Points out of the face, across its edge from `across` to this vertex.
                 let edge = self.positions[corner.at as usize] - self.positions[across as usize];
-                self.corners.push(accurate_cross(edge, from).normalize());
+                self.push_direction(accurate_cross(edge, from).normalize());
             }
             corner = next;
         }
-        self.pieces.push((around[0].at, self.corners.len()));
+        self.pieces.push((around[0].at, self.corners.len() as u32));
     }
 
     /// Number of vertices. Each has a cone.
@@ -117,16 +128,23 @@ impl GaussMap {
         self.positions.len()
     }
 
-    /// The pieces of the cones in ascending order of their vertices: the vertex, and the piece's
-    /// corners in order, as unit vectors.
-    pub fn pieces(&self) -> impl Iterator<Item = (u32, &[DVec3])> {
-        let starts = std::iter::once(0).chain(self.pieces.iter().map(|p| p.1));
-        self.pieces.iter().zip(starts).map(|(&(vertex, end), start)| (vertex, &self.corners[start..end]))
+    /// Calls `visit` with each piece of a cone, in ascending order of their vertices: the vertex, and
+    /// the piece's corners in order, as unit vectors.
+    pub fn for_each_piece(&self, mut visit: impl FnMut(u32, &[DVec3])) {
+        let mut piece = Vec::new();
+        let mut start = 0;
+        for &(vertex, end) in &self.pieces {
+            piece.clear();
+            piece.extend(self.corners[start..end as usize].iter().map(|corner| self.directions[*corner as usize]));
+            visit(vertex, &piece);
+            start = end as usize;
+        }
     }
 
     /// Vertices that share an edge with `vertex`, ascending.
     pub fn neighbours(&self, vertex: u32) -> &[u32] {
-        &self.neighbours[self.neighbour_starts[vertex as usize]..self.neighbour_starts[vertex as usize + 1]]
+        let [start, end] = [0, 1].map(|next| self.neighbour_starts[vertex as usize + next] as usize);
+        &self.neighbours[start..end]
     }
 
     /// Normal of the plane between the cones of two vertices that share an edge. The cone of
@@ -162,13 +180,20 @@ mod tests {
     fn check(hull: &Hull, map: &GaussMap) {
         let positions = hull.positions();
         assert_eq!(map.vertex_count(), positions.len());
-        for (v, piece) in map.pieces() {
+        map.for_each_piece(|v, piece| {
             assert!(piece.len() >= 3);
             for corner in piece {
                 let best = positions.iter().map(|p| p.dot(*corner)).fold(f64::NEG_INFINITY, f64::max);
                 assert!(best - positions[v as usize].dot(*corner) <= 1e-13 * hull.diameter, "vertex {v}");
             }
-        }
+        });
+    }
+
+    /// Number of corners of each piece.
+    fn sizes(map: &GaussMap) -> Vec<usize> {
+        let mut sizes = Vec::new();
+        map.for_each_piece(|_, piece| sizes.push(piece.len()));
+        sizes
     }
 
     #[test]
@@ -176,7 +201,7 @@ mod tests {
         for family in [shapes::families::sphere, shapes::families::lens, shapes::families::prism] {
             let (hull, map) = map(family(200, 3));
             check(&hull, &map);
-            assert_eq!(map.pieces().count(), hull.vertices.len());
+            assert_eq!(sizes(&map).len(), hull.vertices.len());
             let joined = |v: u32, w: u32| hull.faces.iter().flat_map(|f| edges(f)).any(|e| e == (v, w));
             for v in 0..hull.vertices.len() as u32 {
                 assert!(map.neighbours(v).iter().all(|&w| joined(v, w)) && map.neighbours(v).len() >= 3);
@@ -189,8 +214,8 @@ mod tests {
         let (hull, map) = map(vec![[0., 0., 1.], [1., 0., 1.], [0., 1., 1.], [1., 1., 1.], [0.5, 1.25, 1.]]);
         assert_eq!(hull.rank, 2);
         check(&hull, &map);
-        assert_eq!(map.pieces().count(), 10);
+        assert_eq!(sizes(&map).len(), 10);
         let (_, sharp) = super::tests::map(vec![[0., 0., 0.], [9., 0.1, 0.], [9., -0.1, 0.]]);
-        assert_eq!(sharp.pieces().next().map(|p| p.1.len()), Some(4), "up, side, between, side");
+        assert_eq!(sizes(&sharp).first(), Some(&4), "up, side, between, side");
     }
 }

@@ -6,11 +6,11 @@ use hullmap_format::{
     edge,
     header::{HEADER_LEN, Header, options_hash},
 };
-use rkyv::{rancor, util::AlignedVec};
+use rkyv::rancor;
 
 use crate::{
     BakeError, BakedHull, SourceRecord, bvh,
-    hull::{Hull, quads::quads},
+    hull::{Hull, adjacency::Adjacency, quads::quads},
 };
 
 /// The bytes of a pack that contains `hulls`: a pure function of the arguments.
@@ -21,9 +21,31 @@ use crate::{
 /// - [`BakeError::Parts`] if the parts of an object are not consecutive, or contradict each other.
 /// - [`BakeError::PackTooLarge`] if the pack exceeds 2 GiB.
 pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
+    check(hulls)?;
+    write(hulls.iter().cloned(), source)
+}
+
+/// Like [`write_pack`], but takes the hulls, and frees the memory of each as soon as it is written.
+/// A pack of one large hull then takes half as much memory.
+///
+/// # Errors
+/// Those of [`write_pack`].
+pub fn write_owned_pack(hulls: Vec<BakedHull>, source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
+    check(&hulls)?;
+    write(hulls.into_iter(), source)
+}
+
+fn check(hulls: &[BakedHull]) -> Result<(), BakeError> {
     if hulls.is_empty() {
         return Err(BakeError::Empty);
     }
+    if hulls.iter().any(|baked| baked.origin != hulls[0].origin) {
+        return Err(BakeError::Origins);
+    }
+    check_parts(hulls)
+}
+
+fn write(hulls: impl Iterator<Item = BakedHull>, source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     let mut pack = Pack {
         source_path: source.path.clone().into_bytes(),
         options: source.options.clone().into_bytes(),
@@ -33,18 +55,17 @@ pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>,
     for baked in hulls {
         append(&mut pack, baked)?;
     }
-    if hulls.iter().any(|baked| baked.origin != hulls[0].origin) {
-        return Err(BakeError::Origins);
-    }
-    check_parts(hulls)?;
     pack.nodes = bvh::build(&mut pack.hulls);
-    let payload = rkyv::api::high::to_bytes_in::<_, rancor::Error>(&pack, AlignedVec::<HEADER_LEN>::new())
-        .map_err(|_| BakeError::PackTooLarge)?;
-    if payload.len() + HEADER_LEN > MAX_PACK_LEN {
+    // The header is written last, in front of the payload. Offsets in the payload are relative, and
+    // the header's length is a multiple of every alignment.
+    let bytes = rkyv::api::high::to_bytes_in::<_, rancor::Error>(&pack, vec![0; HEADER_LEN]);
+    let mut bytes = bytes.map_err(|_| BakeError::PackTooLarge)?;
+    if bytes.len() > MAX_PACK_LEN {
         return Err(BakeError::PackTooLarge);
     }
-    let header = Header::for_payload(source.hash, options_hash(&source.options), &payload);
-    Ok([&header.to_bytes()[..], &payload].concat())
+    let header = Header::for_payload(source.hash, options_hash(&source.options), &bytes[HEADER_LEN..]);
+    bytes[..HEADER_LEN].copy_from_slice(&header.to_bytes());
+    Ok(bytes)
 }
 
 /// Checks that each object's parts are consecutive, complete, and measured against one solid. A
@@ -68,44 +89,58 @@ fn check_parts(hulls: &[BakedHull]) -> Result<(), BakeError> {
 }
 
 /// Appends a hull to every section, and its record.
-fn append(pack: &mut Pack, baked: &BakedHull) -> Result<(), BakeError> {
-    let hull = &baked.hull;
+fn append(pack: &mut Pack, mut baked: BakedHull) -> Result<(), BakeError> {
+    let adjacency = Adjacency::new(&baked.hull);
+    pack.hulls.push(record(&baked, adjacency.max_neighbours()));
     pack.names.extend_from_slice(baked.name.as_bytes());
-    pack.vertices.extend_from_slice(&hull.vertices);
-    pack.source_vertices.extend_from_slice(&hull.source_vertices);
-    append_runs(&mut pack.face_starts, &mut pack.face_vertices, &hull.faces);
-    let neighbours = hull.neighbours();
-    append_runs(&mut pack.neighbour_starts, &mut pack.neighbours, &neighbours);
-    let neighbour_faces = hull.neighbour_faces(&neighbours);
-    pack.quads.extend(quads(hull, &neighbours, &neighbour_faces));
-    pack.neighbour_faces.extend_from_slice(&neighbour_faces);
-    if hull.rank == 3 {
-        append_edges(&mut pack.edges, hull, &neighbours);
+    pack.quads.extend(quads(&baked.hull, &adjacency));
+    append_faces(pack, std::mem::take(&mut baked.hull.faces));
+    if baked.hull.rank == 3 {
+        append_edges(&mut pack.edges, &baked.hull, &adjacency);
     }
-    pack.outer_vertices.extend_from_slice(&baked.outer);
-    pack.slots.extend_from_slice(&baked.index.encoded.slots);
-    pack.blocks.extend_from_slice(&baked.index.encoded.blocks);
-    let max_neighbours = neighbours.iter().map(|list| list.len() as u32).max().unwrap_or(0);
-    pack.hulls.push(record(baked, max_neighbours));
+    let Adjacency { mut starts, neighbours, faces } = adjacency;
+    starts.pop();
+    append_all(&mut pack.vertices, baked.hull.vertices);
+    append_all(&mut pack.source_vertices, baked.hull.source_vertices);
+    append_all(&mut pack.neighbour_starts, starts);
+    append_all(&mut pack.neighbours, neighbours);
+    append_all(&mut pack.neighbour_faces, faces);
+    append_all(&mut pack.outer_vertices, baked.outer);
+    append_all(&mut pack.slots, baked.index.encoded.slots);
+    append_all(&mut pack.blocks, baked.index.encoded.blocks);
     pack.spans.push(end_of(pack)?);
     Ok(())
 }
 
-/// Appends lists of one hull: their starts, counted from the first, and their elements.
-fn append_runs(starts: &mut Vec<u32>, elements: &mut Vec<u32>, lists: &[Vec<u32>]) {
+/// Appends a list, without a copy if it is the first.
+fn append_all<T>(to: &mut Vec<T>, mut list: Vec<T>) {
+    if to.is_empty() {
+        *to = list;
+    } else {
+        to.append(&mut list);
+    }
+}
+
+/// Appends the faces of one hull: their starts, counted from the first, and their corners.
+fn append_faces(pack: &mut Pack, faces: Vec<Vec<u32>>) {
     let mut start = 0;
-    for list in lists {
-        starts.push(start);
-        start += list.len() as u32;
-        elements.extend_from_slice(list);
+    pack.face_starts.reserve(faces.len());
+    pack.face_vertices.reserve(faces.iter().map(Vec::len).sum());
+    for face in faces {
+        pack.face_starts.push(start);
+        start += face.len() as u32;
+        pack.face_vertices.extend_from_slice(&face);
     }
 }
 
 /// Appends the directions to each vertex's neighbours, by component.
-fn append_edges(edges: &mut Vec<i16>, hull: &Hull, neighbours: &[Vec<u32>]) {
-    for (vertex, list) in hull.vertices.iter().zip(neighbours) {
-        let directions: Vec<[i16; 3]> =
-            list.iter().map(|&w| edge::quantise(*vertex, hull.vertices[w as usize])).collect();
+fn append_edges(edges: &mut Vec<i16>, hull: &Hull, adjacency: &Adjacency) {
+    edges.reserve(3 * adjacency.neighbours.len());
+    let mut directions = Vec::new();
+    for (v, vertex) in (0..).zip(&hull.vertices) {
+        let to = |w: &u32| edge::quantise(*vertex, hull.vertices[*w as usize]);
+        directions.clear();
+        directions.extend(adjacency.neighbours(v).iter().map(to));
         (0..3).for_each(|axis| edges.extend(directions.iter().map(|direction| direction[axis])));
     }
 }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use hullmap_bake::decompose::{Method, decompose};
-use hullmap_bake::{BakedHull, IndexChoice, PointSet, SourceRecord, bake_hull, bake_simplified_hull, write_pack};
+use hullmap_bake::{BakedHull, IndexChoice, PointSet, SourceRecord, bake_hull, bake_simplified_hull, write_owned_pack};
 use rayon::prelude::*;
 
 use crate::advice::{self, HullMeasures, Remark};
@@ -89,9 +89,9 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
     }
     remarks.extend(hulls.iter().flat_map(|baked| advice::of_hull(&facts(baked))));
     let (notes, warnings) = advice::summarise(remarks);
-    let bytes = write_pack(&hulls, source).map_err(|error| error.to_string())?;
     let ranks = hulls.iter().map(|baked| baked.hull.rank).collect();
     let vertex_count = hulls.iter().map(|baked| baked.hull.vertices.len()).sum();
+    let bytes = write_owned_pack(hulls, source).map_err(|error| error.to_string())?;
     Ok(BakedPack { bytes, ranks, vertex_count, notes, warnings })
 }
 

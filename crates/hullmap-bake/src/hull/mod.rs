@@ -5,6 +5,7 @@
 //!    rank 2, the two ends for rank 1, the single point for rank 0.
 //! 3. Measure how far any source point lies outside, independently of step 2 ([`certify`]).
 
+pub mod adjacency;
 pub mod area;
 pub mod certify;
 pub mod polygon;

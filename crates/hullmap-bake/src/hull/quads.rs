@@ -23,7 +23,7 @@ use hullmap_format::{
     quad::{STEEPEST, double_area, falls},
 };
 
-use super::Hull;
+use super::{Hull, adjacency::Adjacency};
 
 /// Maximum number of corners among which the four are searched exhaustively.
 const MAX_CANDIDATES: usize = 1024;
@@ -31,25 +31,14 @@ const MAX_CANDIDATES: usize = 1024;
 /// Maximum number of rounds of exchanges. One or two are usual.
 const MAX_ROUNDS: usize = 64;
 
-/// The entry of each face with more than four corners, in order of the faces. `neighbours` and
-/// `neighbour_faces` are those of `hull`, see [`Hull::neighbour_faces`].
-pub fn quads(hull: &Hull, neighbours: &[Vec<u32>], neighbour_faces: &[u32]) -> Vec<Quad> {
+/// The entry of each face with more than four corners, in order of the faces. `adjacency` is that of
+/// `hull`.
+pub fn quads(hull: &Hull, adjacency: &Adjacency) -> Vec<Quad> {
     if hull.faces.iter().all(|face| face.len() <= 4) {
         return Vec::new();
     }
     let positions: Vec<[f64; 3]> = hull.vertices.iter().map(|v| v.map(f64::from)).collect();
-    let starts: Vec<usize> = neighbours
-        .iter()
-        .scan(0, |end, list| {
-            let start = *end;
-            *end += list.len();
-            Some(start)
-        })
-        .collect();
-    let left_of = |v: u32, w: u32| {
-        let at = neighbours[v as usize].binary_search(&w).ok()?;
-        Some(neighbour_faces[starts[v as usize] + at])
-    };
+    let left_of = |v: u32, w: u32| adjacency.left_of(v, w);
     let faces: Vec<&[u32]> = hull.faces.iter().map(Vec::as_slice).collect();
     let falls = if hull.rank == 3 { falls(&positions, &faces, left_of) } else { vec![STEEPEST; faces.len()] };
     let large = (0..faces.len()).filter(|face| faces[*face].len() > 4);

@@ -74,7 +74,7 @@ impl Cones {
         let towards = DVec3::from_array(cube::direction(face, 0.0, 0.0));
         let sides = [(axis + 1) % 3, (axis + 2) % 3].map(|i| DVec3::AXES[i]);
         let planes = [-sides[0], sides[0], -sides[1], sides[1]].map(|side| towards * (1.0 + CELL_SLACK) + side);
-        for (vertex, piece) in map.pieces() {
+        map.for_each_piece(|vertex, piece| {
             polygon.clear();
             polygon.extend_from_slice(piece);
             for plane in planes {
@@ -89,7 +89,7 @@ impl Cones {
             if cones.corners.len() > start {
                 cones.end(vertex);
             }
-        }
+        });
         cones
     }
 

@@ -29,6 +29,10 @@ use subdivide::{Cuts, Tree};
 /// requested. Four blocks cost no more than a descent.
 pub const SCAN_UP_TO: usize = 32;
 
+/// Maximum number of vertices of a hull with an index other than a scan: the corners of all normal
+/// cones are counted in 32 bits.
+const MAX_INDEXED: usize = 1 << 28;
+
 /// How the direction index of a hull is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IndexChoice {
@@ -105,6 +109,9 @@ pub fn build(hull: &Hull, choice: impl Into<IndexChoice>) -> Result<Index, BakeE
 
 fn build_kind(hull: &Hull, kind: IndexKind) -> Result<Index, BakeError> {
     let vertices = &hull.vertices;
+    if kind != IndexKind::None && vertices.len() > MAX_INDEXED {
+        return Err(BakeError::IndexTooLarge);
+    }
     let tree = |leaf: usize, cuts: Cuts| -> Vec<Tree> {
         if vertices.len() <= leaf {
             return (0..6).map(|_| Tree::Leaf((0..vertices.len() as u32).collect())).collect();

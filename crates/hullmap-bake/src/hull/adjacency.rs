@@ -1,0 +1,131 @@
+//! Adjacency of a hull: for each vertex, its neighbours and the faces between them, in one array.
+
+use super::{Hull, edges};
+
+/// For each vertex, the vertices that share an edge with it, ascending, and the faces to the left of
+/// these edges.
+///
+/// ```
+/// use hullmap_bake::hull::adjacency::Adjacency;
+/// # use hullmap_bake::{PointSet, hull};
+/// # let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// # let tetrahedron = PointSet { positions, source_vertices: (0..4).collect(), ..PointSet::default() };
+/// let hull = hull::build(&tetrahedron)?;
+/// let adjacency = Adjacency::new(&hull);
+/// assert_eq!(adjacency.neighbours(2), [0, 1, 3]);
+/// let face = adjacency.left_of(2, 0).expect("they share an edge");
+/// assert!(hull.faces[face as usize].windows(2).any(|edge| edge == [2, 0]) || hull.faces[face as usize][0] == 0);
+/// # Ok::<(), hullmap_bake::BakeError>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Adjacency {
+    /// For each vertex, the start of its run; then the end of the last one.
+    pub starts: Vec<u32>,
+    /// Neighbours of each vertex, ascending.
+    pub neighbours: Vec<u32>,
+    /// For each neighbour w of v, the index of the face in which w follows v; 0 if there are no
+    /// faces.
+    pub faces: Vec<u32>,
+}
+
+impl Adjacency {
+    /// The adjacency of `hull`.
+    ///
+    /// # Complexity
+    /// O(number of face corners), plus sorting the neighbours of each vertex.
+    pub fn new(hull: &Hull) -> Self {
+        let count = hull.vertices.len();
+        if hull.rank == 1 {
+            return Self { starts: vec![0, 1, 2], neighbours: vec![1, 0], faces: vec![0, 0] };
+        }
+        // Next free place in the run of each vertex.
+        let mut next = vec![0_u32; count + 1];
+        hull.faces.iter().flatten().for_each(|v| next[*v as usize + 1] += 1);
+        (0..count).for_each(|v| next[v + 1] += next[v]);
+        let ends = next.clone();
+        let mut around = vec![(0, 0); next[count] as usize];
+        for (face, outline) in (0..).zip(&hull.faces) {
+            for (a, b) in edges(outline) {
+                around[next[a as usize] as usize] = (b, face);
+                next[a as usize] += 1;
+            }
+        }
+        drop(next);
+        let mut adjacency = Self {
+            starts: Vec::with_capacity(count + 1),
+            neighbours: Vec::with_capacity(around.len()),
+            faces: Vec::with_capacity(around.len()),
+        };
+        for run in ends.windows(2) {
+            let start = adjacency.neighbours.len();
+            adjacency.starts.push(start as u32);
+            let run = &mut around[run[0] as usize..run[1] as usize];
+            run.sort_unstable();
+            for &(neighbour, face) in run.iter() {
+                // An edge that is in several faces the same way, which no certified hull has.
+                if adjacency.neighbours[start..].last() == Some(&neighbour) {
+                    adjacency.faces.pop();
+                } else {
+                    adjacency.neighbours.push(neighbour);
+                }
+                adjacency.faces.push(face);
+            }
+        }
+        adjacency.starts.push(adjacency.neighbours.len() as u32);
+        adjacency
+    }
+
+    /// Neighbours of a vertex, ascending.
+    pub fn neighbours(&self, vertex: u32) -> &[u32] {
+        &self.neighbours[self.run(vertex)]
+    }
+
+    /// The face in which `to` follows `from`; `None` if they do not share an edge.
+    pub fn left_of(&self, from: u32, to: u32) -> Option<u32> {
+        let run = self.run(from);
+        let at = self.neighbours[run.clone()].binary_search(&to).ok()?;
+        self.faces.get(run.start + at).copied()
+    }
+
+    /// Maximum number of neighbours of a vertex.
+    pub fn max_neighbours(&self) -> u32 {
+        self.starts.windows(2).map(|run| run[1] - run[0]).max().unwrap_or(0)
+    }
+
+    fn run(&self, vertex: u32) -> std::ops::Range<usize> {
+        self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use shapes::families::Family;
+
+    use super::*;
+    use crate::{PointSet, hull::build};
+
+    fn agrees(positions: Vec<[f32; 3]>, name: &str) -> u32 {
+        let source_vertices = (0..positions.len() as u32).collect();
+        let hull = build(&PointSet { positions, source_vertices, ..PointSet::default() }).unwrap();
+        let adjacency = Adjacency::new(&hull);
+        // The slow, obvious twin.
+        let lists = hull.neighbours();
+        assert_eq!(adjacency.neighbours, lists.concat(), "{name}");
+        assert_eq!(adjacency.faces, hull.neighbour_faces(&lists), "{name}");
+        for (v, list) in (0..).zip(&lists) {
+            assert_eq!(adjacency.neighbours(v), list, "{name}");
+        }
+        assert_eq!(adjacency.max_neighbours() as usize, lists.iter().map(Vec::len).max().unwrap(), "{name}");
+        hull.rank
+    }
+
+    #[test]
+    fn agrees_with_lists_of_each_vertex() {
+        for family in Family::ALL {
+            agrees(family.points(300, 2), family.name());
+        }
+        let line = |n: usize| (0..n).map(|i| [i as f32, 0.0, 1.0]).collect::<Vec<_>>();
+        assert_eq!([agrees(line(1), "point"), agrees(line(3), "segment")], [0, 1]);
+        assert_eq!(agrees([line(3), vec![[1.0, 2.0, 1.0]]].concat(), "polygon"), 2);
+    }
+}
