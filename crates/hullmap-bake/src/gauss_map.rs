@@ -21,11 +21,17 @@ use crate::hull::{
     polygon::side_normal,
 };
 
+/// How far beyond the border of a cube's face a piece may be to count as near. It is far more than
+/// the overlap of cells, which is far more than rounding error.
+const FAR: f64 = 1e-3;
+
 /// The normal cones of a hull of rank 2 or 3, as convex spherical polygons smaller than a
 /// hemisphere.
 pub struct GaussMap {
     /// For each piece of a cone, its vertex (ascending) and the end of its corners.
     pieces: Vec<(u32, u32)>,
+    /// For each piece, a bit for each face of the cube that it may meet.
+    near: Vec<u8>,
     /// Indices of directions.
     corners: Vec<u32>,
     /// The normals of the faces, then the additional corners.
@@ -60,6 +66,7 @@ impl GaussMap {
         all.sort_unstable_by_key(|c| u64::from(c.at) << 32 | u64::from(c.after));
         let mut map = Self {
             pieces: Vec::with_capacity(positions.len()),
+            near: Vec::with_capacity(positions.len()),
             corners: Vec::with_capacity(all.len()),
             directions: hull.faces.iter().map(|face| facet_normal(face, &positions)).collect(),
             neighbour_starts: Vec::with_capacity(positions.len() + 1),
@@ -99,7 +106,7 @@ impl GaussMap {
             let middle = (before.dot(after) < 0.0).then_some(between);
             self.corners.push(corner.face);
             [before].into_iter().chain(middle).chain([after]).for_each(|direction| self.push_direction(direction));
-            self.pieces.push((corner.at, self.corners.len() as u32));
+            self.end_piece(corner.at);
         }
     }
 
@@ -120,7 +127,29 @@ impl GaussMap {
             }
             corner = next;
         }
-        self.pieces.push((around[0].at, self.corners.len() as u32));
+        self.end_piece(around[0].at);
+    }
+
+    /// Ends the piece of `vertex`. Its corners are the ones pushed last.
+    fn end_piece(&mut self, vertex: u32) {
+        let start = self.pieces.last().map_or(0, |(_, end)| *end as usize);
+        let corners = self.corners[start..].iter().map(|corner| self.directions[*corner as usize]);
+        // For each axis, the maximum of the coordinate minus, and plus, each of the two others: the
+        // heights over the planes between the cube's faces.
+        let mut heights = [[f64::NEG_INFINITY; 4]; 6];
+        for d in corners {
+            for (face, heights) in heights.iter_mut().enumerate() {
+                let axis = face / 2;
+                let towards = if face % 2 == 0 { d[axis] } else { -d[axis] };
+                let [u, v] = [d[(axis + 1) % 3], d[(axis + 2) % 3]];
+                for (height, side) in heights.iter_mut().zip([-u, u, -v, v]) {
+                    *height = height.max(towards + side);
+                }
+            }
+        }
+        let meets = |heights: &[f64; 4]| heights.iter().all(|height| *height > -FAR);
+        self.near.push((0..6).filter(|face| meets(&heights[*face])).map(|face| 1 << face).sum());
+        self.pieces.push((vertex, self.corners.len() as u32));
     }
 
     /// Number of vertices. Each has a cone.
@@ -128,15 +157,18 @@ impl GaussMap {
         self.positions.len()
     }
 
-    /// Calls `visit` with each piece of a cone, in ascending order of their vertices: the vertex, and
-    /// the piece's corners in order, as unit vectors.
-    pub fn for_each_piece(&self, mut visit: impl FnMut(u32, &[DVec3])) {
+    /// Calls `visit` with each piece of a cone that may meet a face of the cube, in ascending order
+    /// of their vertices: the vertex, and the piece's corners in order, as unit vectors.
+    pub fn for_each_piece_near(&self, face: u32, mut visit: impl FnMut(u32, &[DVec3])) {
         let mut piece = Vec::new();
         let mut start = 0;
-        for &(vertex, end) in &self.pieces {
-            piece.clear();
-            piece.extend(self.corners[start..end as usize].iter().map(|corner| self.directions[*corner as usize]));
-            visit(vertex, &piece);
+        for (&(vertex, end), near) in self.pieces.iter().zip(&self.near) {
+            if near >> face & 1 == 1 {
+                piece.clear();
+                let corners = &self.corners[start..end as usize];
+                piece.extend(corners.iter().map(|corner| self.directions[*corner as usize]));
+                visit(vertex, &piece);
+            }
             start = end as usize;
         }
     }
@@ -180,7 +212,7 @@ mod tests {
     fn check(hull: &Hull, map: &GaussMap) {
         let positions = hull.positions();
         assert_eq!(map.vertex_count(), positions.len());
-        map.for_each_piece(|v, piece| {
+        for_each_piece(map, |v, piece| {
             assert!(piece.len() >= 3);
             for corner in piece {
                 let best = positions.iter().map(|p| p.dot(*corner)).fold(f64::NEG_INFINITY, f64::max);
@@ -189,11 +221,52 @@ mod tests {
         });
     }
 
+    fn for_each_piece(map: &GaussMap, mut visit: impl FnMut(u32, &[DVec3])) {
+        let mut start = 0;
+        for &(vertex, end) in &map.pieces {
+            let corners = &map.corners[start..end as usize];
+            visit(vertex, &corners.iter().map(|corner| map.directions[*corner as usize]).collect::<Vec<_>>());
+            start = end as usize;
+        }
+    }
+
     /// Number of corners of each piece.
     fn sizes(map: &GaussMap) -> Vec<usize> {
         let mut sizes = Vec::new();
-        map.for_each_piece(|_, piece| sizes.push(piece.len()));
+        for_each_piece(map, |_, piece| sizes.push(piece.len()));
         sizes
+    }
+
+    /// A piece that is skipped has no direction near the cube's face.
+    #[test]
+    fn pieces_near_a_face_are_all_that_meet_it() {
+        for family in shapes::families::Family::ALL {
+            let (hull, map) = map(family.points(300, 4));
+            if hull.rank < 2 {
+                continue;
+            }
+            for face in 0..6 {
+                let axis = face as usize / 2;
+                let sign = if face % 2 == 0 { 1.0 } else { -1.0 };
+                let mut near = Vec::new();
+                map.for_each_piece_near(face, |v, piece| near.push((v, piece.to_vec())));
+                let mut all = Vec::new();
+                for_each_piece(&map, |v, piece| all.push((v, piece.to_vec())));
+                assert!(near.iter().all(|piece| all.contains(piece)));
+                all.retain(|piece| !near.contains(piece));
+                // A mean of the corners with any weights lies in the piece.
+                for (v, piece) in all {
+                    for at in 0..piece.len() {
+                        for share in [0.0, 0.1, 0.5] {
+                            let mean = piece.iter().sum::<DVec3>() / piece.len() as f64;
+                            let d = piece[at].lerp(piece[(at + 1) % piece.len()], share).lerp(mean, share);
+                            let others = [1, 2].map(|next| d[(axis + next) % 3].abs());
+                            assert!(sign * d[axis] < others[0].max(others[1]), "{family:?} {face} {v}");
+                        }
+                    }
+                }
+            }
+        }
     }
 
     #[test]

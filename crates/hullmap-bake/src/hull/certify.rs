@@ -158,7 +158,9 @@ fn keep(half_spaces: &mut [HalfSpace], is_kept: impl Fn(&HalfSpace) -> bool) -> 
     let mut count = 0;
     for at in 0..half_spaces.len() {
         if is_kept(&half_spaces[at]) {
-            half_spaces.swap(count, at);
+            if count < at {
+                half_spaces.swap(count, at);
+            }
             count += 1;
         }
     }
@@ -202,34 +204,33 @@ impl Box3 {
     }
 }
 
-/// A round slice that contains a group of points: everything below one plane, and within a radius
-/// of an axis at right angles to it.
+/// A round slice that contains a group of points: everything below a plane, and within a radius of
+/// an axis at right angles to it.
 struct Slice {
-    centre: DVec3,
+    /// Where the axis meets the plane.
+    top: DVec3,
     axis: DVec3,
-    /// Height of the plane above the centre.
-    top: f64,
     radius: f64,
 }
 
 impl Slice {
     /// The slice of `points` whose axis is the mean normal of half-spaces.
     fn new(points: &[DVec3], centre: DVec3, normals: DVec3) -> Self {
-        // Zero if there are none: then the slice reaches everywhere.
+        // Zero if there are none: then the slice is behind nothing.
         let axis = normals.normalize_or_zero();
-        let top = points.iter().map(|p| axis.dot(*p - centre)).fold(f64::NEG_INFINITY, f64::max);
+        let height = points.iter().map(|p| axis.dot(*p - centre)).fold(f64::NEG_INFINITY, f64::max);
         let radius = points.iter().map(|p| axis.cross(*p - centre).length_squared()).fold(0.0, f64::max).sqrt();
-        Self { centre, axis, top, radius }
+        Self { top: centre + axis * height, axis, radius }
     }
 
-    /// How far the slice reaches in front of a half-space.
-    fn outside(&self, h: &HalfSpace) -> f64 {
+    /// Whether the slice is behind a half-space by more than `margin`.
+    fn is_behind(&self, h: &HalfSpace, margin: f64) -> bool {
         let along = h.normal.dot(self.axis);
-        // Written so that NaN fails.
-        if !(along > 0.0) {
-            return f64::INFINITY;
-        }
-        h.normal.dot(self.centre) - h.offset + along * self.top + h.normal.cross(self.axis).length() * self.radius
+        let behind = h.offset - h.normal.dot(self.top) - margin;
+        // The slice turns by the angle between the axis and the normal. Written so that NaN fails.
+        along > 0.0
+            && behind > 0.0
+            && h.normal.cross(self.axis).length_squared() * self.radius * self.radius < behind * behind
     }
 }
 
@@ -280,7 +281,7 @@ impl Search {
         let sum = |front: bool| near.iter().filter(|h| is_front(h) == front).map(|h| h.normal).sum::<DVec3>();
         let slices = [true, false].map(|front| Slice::new(points, around.centre, sum(front)));
         self.work += near.len();
-        keep(near, |h| !slices.iter().any(|slice| slice.outside(h) < -margin))
+        keep(near, |h| !slices.iter().any(|slice| slice.is_behind(h, margin)))
     }
 
     fn compare(&mut self, points: &[DVec3], near: &[HalfSpace]) {

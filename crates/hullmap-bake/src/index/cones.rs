@@ -74,7 +74,7 @@ impl Cones {
         let towards = DVec3::from_array(cube::direction(face, 0.0, 0.0));
         let sides = [(axis + 1) % 3, (axis + 2) % 3].map(|i| DVec3::AXES[i]);
         let planes = [-sides[0], sides[0], -sides[1], sides[1]].map(|side| towards * (1.0 + CELL_SLACK) + side);
-        map.for_each_piece(|vertex, piece| {
+        map.for_each_piece_near(face, |vertex, piece| {
             polygon.clear();
             polygon.extend_from_slice(piece);
             for plane in planes {
@@ -153,9 +153,9 @@ impl Cones {
     }
 
     /// The cones behind `line` and those in front of it. A cone that crosses the line is cut in
-    /// two.
-    pub fn split(&self, line: Line) -> [Self; 2] {
-        let [mut behind, mut front] = [Self::default(), Self::default()];
+    /// two. `counts` is the result of [`Self::count`].
+    pub fn split(&self, line: Line, counts: [usize; 2]) -> [Self; 2] {
+        let [mut behind, mut front] = counts.map(|count| self.with_room(count));
         for (vertex, polygon) in self.iter() {
             match reach(polygon, line) {
                 [true, false] => behind.push(vertex, polygon),
@@ -167,6 +167,16 @@ impl Cones {
             }
         }
         [behind, front]
+    }
+
+    /// No cones, with room for `count` of them that have as many corners as these on average.
+    fn with_room(&self, count: usize) -> Self {
+        let corners = (self.corners.len() * count).div_ceil(self.len().max(1));
+        Self {
+            vertices: Vec::with_capacity(count),
+            ends: Vec::with_capacity(count),
+            corners: Vec::with_capacity(corners + corners / 8 + 4),
+        }
     }
 
     /// Adds the part of a polygon on one side of a line, or the whole polygon if rounding error

@@ -68,10 +68,10 @@ pub fn trees(
             Tree::Axis(halves) if branches == Branches::Halves => encoder.halving(halves, &mut queue)?,
             Tree::Axis(_) => encoder.branch(tree, &mut queue)?,
             Tree::Plane(normal, halves) if part_count(tree, 3) < BUNDLE_FROM => {
-                encoder.plane(*normal, halves, &mut queue)?
+                encoder.plane(**normal, halves, &mut queue)?
             }
             Tree::Plane(..) => encoder.bundle(tree, &mut queue)?,
-            Tree::Fan(frame, wedges) => encoder.fan(*frame, wedges, &mut queue)?,
+            Tree::Fan(frame, wedges) => encoder.fan(**frame, wedges, &mut queue)?,
             Tree::Wedges(_) => encoder.fan(frame.expect("wedges stand below a fan"), tree, &mut queue)?,
         };
         for target in targets {
@@ -183,7 +183,7 @@ fn bundle(tree: &Tree) -> ([[f64; 3]; BUNDLE_PLANES], [&Tree; BUNDLE_PARTS]) {
         for (index, &cell) in level.iter().enumerate() {
             match cell {
                 Tree::Plane(normal, halves) => {
-                    normals[first + index] = *normal;
+                    normals[first + index] = **normal;
                     below.extend([&halves[0], &halves[1]]);
                 }
                 // No direction lies in front of a missing plane. The slot there repeats the one

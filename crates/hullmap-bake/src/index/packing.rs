@@ -25,65 +25,105 @@ const NEARLY_FULL: usize = 8;
 /// # Complexity
 /// O(leaves) if each vertex is in few groups, O(leaves · window) if a vertex is in all of them.
 pub fn share(trees: &mut [Tree], capacity: usize) {
-    let mut lists = Vec::new();
+    let mut lists: Vec<&[u32]> = Vec::new();
     for tree in trees.iter() {
-        leaves(tree, &mut |list| lists.push(list.to_vec()));
+        leaves(tree, &mut |list| lists.push(list));
     }
-    let (of_leaf, groups) = join_overlapping(lists, capacity);
+    let (of_leaf, groups) = join_overlapping(&lists, capacity);
+    drop(lists);
     let (of_group, groups) = join_any(groups, capacity);
     let mut of_leaf = of_leaf.into_iter();
     for tree in trees {
         leaves_mut(tree, &mut |list| {
             if let Some(group) = of_leaf.next() {
-                list.clone_from(&groups[of_group[group]]);
+                list.clone_from(&groups[of_group[group as usize] as usize]);
             }
         });
     }
 }
 
 /// Result of joining lists: the group of each list, and the groups.
-type Joined = (Vec<usize>, Vec<Vec<u32>>);
+type Joined = (Vec<u32>, Vec<Vec<u32>>);
+
+/// A group in the first pass.
+#[derive(Default)]
+struct Overlap {
+    vertices: Vec<u32>,
+    /// Number of vertices it shares with the current list.
+    shared: u32,
+    /// Time of its last change.
+    joined_at: u32,
+}
+
+/// For each vertex, the groups that contain it, most recent first: linked lists in one array.
+struct GroupsOf {
+    /// The last entry of each vertex.
+    last: Vec<u32>,
+    /// A group, and the entry before it.
+    entries: Vec<(u32, u32)>,
+}
+
+/// End of a linked list.
+const END: u32 = u32::MAX;
+
+impl GroupsOf {
+    fn push(&mut self, vertex: u32, group: u32) {
+        let entry = self.entries.len() as u32;
+        self.entries.push((group, self.last[vertex as usize]));
+        self.last[vertex as usize] = entry;
+    }
+
+    fn of(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
+        let mut next = self.last[vertex as usize];
+        std::iter::from_fn(move || {
+            let (group, before) = *self.entries.get(next as usize)?;
+            next = before;
+            Some(group)
+        })
+    }
+}
 
 /// Joins lists that share a vertex into groups of at most `capacity` vertices. A longer list stays
 /// alone.
-fn join_overlapping(lists: Vec<Vec<u32>>, capacity: usize) -> Joined {
-    let mut groups: Vec<Vec<u32>> = Vec::new();
-    // For each group: the number of vertices it shares with the current list, and the time of its
-    // last change.
-    let (mut shared, mut joined_at) = (Vec::<usize>::new(), Vec::<usize>::new());
-    let vertex_count = lists.iter().flatten().max().map_or(0, |max| *max as usize + 1);
-    let mut groups_of: Vec<Vec<usize>> = vec![Vec::new(); vertex_count];
+fn join_overlapping<L: AsRef<[u32]>>(lists: &[L], capacity: usize) -> Joined {
+    let mut groups: Vec<Overlap> = Vec::new();
+    let vertices = lists.iter().flat_map(|list| list.as_ref());
+    let vertex_count = vertices.max().map_or(0, |max| *max as usize + 1);
+    let mut groups_of = GroupsOf { last: vec![END; vertex_count], entries: Vec::new() };
     let mut joined = Vec::with_capacity(lists.len());
-    let mut partners = Vec::new();
-    for (time, list) in lists.into_iter().enumerate() {
+    let mut partners: Vec<u32> = Vec::new();
+    for (time, list) in (0..).zip(lists) {
+        let list = list.as_ref();
         partners.clear();
-        for vertex in &list {
-            for &group in groups_of[*vertex as usize].iter().rev().take(WINDOW) {
-                if shared[group] == 0 {
+        for vertex in list {
+            for group in groups_of.of(*vertex).take(WINDOW) {
+                let overlap = &mut groups[group as usize];
+                if overlap.shared == 0 {
                     partners.push(group);
                 }
-                shared[group] += 1;
+                overlap.shared += 1;
             }
         }
-        let fits = |group: &usize| groups[*group].len() + list.len() - shared[*group] <= capacity;
-        let best = partners.iter().copied().filter(fits).max_by_key(|group| (shared[*group], joined_at[*group]));
-        partners.iter().for_each(|group| shared[*group] = 0);
-        let group = best.unwrap_or(groups.len());
+        let of = |group: &u32| &groups[*group as usize];
+        let fits = |group: &u32| of(group).vertices.len() + list.len() - of(group).shared as usize <= capacity;
+        let key = |group: &u32| (of(group).shared, of(group).joined_at);
+        let best = partners.iter().copied().filter(fits).max_by_key(key);
+        partners.iter().for_each(|group| groups[*group as usize].shared = 0);
+        let group = best.unwrap_or(groups.len() as u32);
         if best.is_none() {
-            groups.push(Vec::new());
-            shared.push(0);
-            joined_at.push(0);
+            groups.push(Overlap::default());
         }
+        let overlap = &mut groups[group as usize];
         if list.len() <= capacity {
-            for vertex in list.iter().filter(|v| groups[group].binary_search(v).is_err()) {
-                groups_of[*vertex as usize].push(group);
+            for vertex in list.iter().filter(|v| overlap.vertices.binary_search(v).is_err()) {
+                groups_of.push(*vertex, group);
             }
         }
-        merge(&mut groups[group], &list);
-        joined_at[group] = time;
+        merge(&mut overlap.vertices, list);
+        overlap.joined_at = time;
         joined.push(group);
     }
-    (joined, groups)
+    (joined, groups.into_iter().map(|group| group.vertices).collect())
 }
 
 /// Joins groups that have room left, whether or not they share a vertex.
@@ -91,20 +131,27 @@ fn join_any(lists: Vec<Vec<u32>>, capacity: usize) -> Joined {
     let closed = capacity - capacity / NEARLY_FULL;
     let mut groups: Vec<Vec<u32>> = Vec::new();
     // Groups that may still grow, most recent first.
-    let mut open: VecDeque<usize> = VecDeque::new();
+    let mut open: VecDeque<u32> = VecDeque::new();
     let mut joined = Vec::with_capacity(lists.len());
     for list in lists {
-        let grown = |group: usize| groups[group].len() + missing(&groups[group], &list);
-        let fitting = open.iter().enumerate().filter(|(_, group)| grown(**group) <= capacity);
-        let best = fitting.min_by_key(|(_, group)| missing(&groups[**group], &list)).map(|(index, _)| index);
+        // The first of the open groups that lack the fewest of the vertices, and have room for them.
+        let mut best: Option<(usize, usize)> = None;
+        for (index, &group) in open.iter().enumerate() {
+            let group = &groups[group as usize];
+            let lacking = missing(group, &list);
+            if group.len() + lacking <= capacity && best.is_none_or(|(fewest, _)| lacking < fewest) {
+                best = Some((lacking, index));
+            }
+        }
         let best = best.filter(|_| list.len() < closed);
-        let group = best.and_then(|index| open.remove(index)).unwrap_or(groups.len());
-        if group == groups.len() {
+        let group = best.and_then(|(_, index)| open.remove(index)).unwrap_or(groups.len() as u32);
+        if group as usize == groups.len() {
             groups.push(Vec::new());
             open.truncate(WINDOW - 1);
         }
-        merge(&mut groups[group], &list);
-        if groups[group].len() < closed {
+        let grown = &mut groups[group as usize];
+        merge(grown, &list);
+        if grown.len() < closed {
             open.push_front(group);
         }
         joined.push(group);
@@ -114,13 +161,15 @@ fn join_any(lists: Vec<Vec<u32>>, capacity: usize) -> Joined {
 
 /// Number of entries of `list` that are not in `group`. Both must be ascending.
 fn missing(group: &[u32], list: &[u32]) -> usize {
-    let mut group = group.iter().peekable();
-    list.iter()
-        .filter(|v| {
-            while group.next_if(|g| g < v).is_some() {}
-            group.peek() != Some(v)
-        })
-        .count()
+    let mut at = 0;
+    let mut found = 0;
+    for v in list {
+        while at < group.len() && group[at] < *v {
+            at += 1;
+        }
+        found += usize::from(at < group.len() && group[at] == *v);
+    }
+    list.len() - found
 }
 
 fn merge(group: &mut Vec<u32>, list: &[u32]) {
@@ -129,7 +178,7 @@ fn merge(group: &mut Vec<u32>, list: &[u32]) {
     group.dedup();
 }
 
-fn leaves(tree: &Tree, visit: &mut impl FnMut(&[u32])) {
+fn leaves<'a>(tree: &'a Tree, visit: &mut impl FnMut(&'a [u32])) {
     match tree {
         Tree::Leaf(list) => visit(list),
         Tree::Axis(halves) | Tree::Wedges(halves) | Tree::Plane(_, halves) => {
@@ -175,7 +224,7 @@ mod tests {
     #[test]
     fn the_second_pass_joins_disjoint_lists() {
         let lists = vec![vec![0, 1, 2], vec![10, 11, 12], vec![20, 21], (30..37).collect(), vec![40], vec![50, 51, 52]];
-        let (of_list, groups) = join_overlapping(lists.clone(), 8);
+        let (of_list, groups) = join_overlapping(&lists, 8);
         assert_eq!((of_list, groups.len()), ((0..6).collect(), 6), "the first pass finds nothing in common");
         let (of_list, groups) = join_any(lists.clone(), 8);
         assert_eq!(of_list, [0, 0, 0, 1, 2, 2]);
@@ -185,7 +234,7 @@ mod tests {
         share(std::slice::from_mut(&mut tree), 8);
         let mut at = 0;
         leaves(&tree, &mut |list| {
-            assert_eq!(list, groups[of_list[at]]);
+            assert_eq!(list, groups[of_list[at] as usize]);
             at += 1;
         });
         assert_eq!(at, lists.len());
@@ -194,8 +243,7 @@ mod tests {
     #[test]
     fn lists_longer_than_a_leaf_are_kept() {
         let lists = vec![(0..9).collect::<Vec<u32>>(), vec![0, 1], (0..9).collect(), vec![1, 2]];
-        for join in [join_overlapping, join_any] {
-            let (of_list, groups) = join(lists.clone(), 8);
+        for (of_list, groups) in [join_overlapping(&lists, 8), join_any(lists.clone(), 8)] {
             assert_eq!(of_list, [0, 1, 2, 1]);
             assert_eq!(groups, [(0..9).collect(), vec![0, 1, 2], (0..9).collect::<Vec<u32>>()]);
         }

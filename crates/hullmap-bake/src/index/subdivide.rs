@@ -68,7 +68,7 @@ const FUTILE_WEDGES: u32 = 5;
 /// Cells with more cones than this are subdivided in parallel.
 const PARALLEL_FROM: usize = 512;
 
-/// A subdivided cell.
+/// A subdivided cell. A large hull has millions of them, so that all but the leaves are boxed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Tree {
     /// Every vertex whose cone meets the cell, ascending.
@@ -76,9 +76,9 @@ pub enum Tree {
     /// Lower and upper half along u or v.
     Axis(Box<[Tree; 2]>),
     /// The parts behind and in front of a plane through the origin.
-    Plane([f64; 3], Box<[Tree; 2]>),
+    Plane(Box<[f64; 3]>, Box<[Tree; 2]>),
     /// A fan: cones side by side around an axis, at positions 0 to 1 of this frame.
-    Fan(Frame, Box<Tree>),
+    Fan(Box<Frame>, Box<Tree>),
     /// Lower and upper half of a range of positions in a fan.
     Wedges(Box<[Tree; 2]>),
 }
@@ -141,7 +141,8 @@ impl Subdivision<'_> {
         upper[axis] += half;
         let line = Line::axis(axis, grid_to_uv(upper[axis]));
         let count = cones.len() as f64;
-        let twice = (cones.count(line).iter().sum::<usize>() - cones.len()) as f64;
+        let counts = cones.count(line);
+        let twice = (counts.iter().sum::<usize>() - cones.len()) as f64;
         if twice > GOOD_HALVING * count.sqrt() + 1.0
             && let Some((_, by_plane)) = self.best_plane(&cones)
             && (by_plane as f64) <= GOOD_PLANE * twice
@@ -149,7 +150,7 @@ impl Subdivision<'_> {
             return self.planes(cones);
         }
         let futile = futile + u32::from(twice > FUTILE * count);
-        let (parallel, [behind, front]) = (cones.len() > PARALLEL_FROM, cones.split(line));
+        let (parallel, [behind, front]) = (cones.len() > PARALLEL_FROM, cones.split(line, counts));
         drop(cones);
         let lower = || self.cell(behind, at, depth + 1, futile);
         let upper = || self.cell(front, upper, depth + 1, futile);
@@ -168,12 +169,14 @@ impl Subdivision<'_> {
         let Some((normal, _)) = self.best_plane(&cones) else {
             return Tree::Leaf(cones.into_vertices());
         };
-        let (parallel, [behind, front]) = (cones.len() > PARALLEL_FROM, cones.split(Line::plane(self.face, normal)));
+        let line = Line::plane(self.face, normal);
+        let (parallel, counts) = (cones.len() > PARALLEL_FROM, cones.count(line));
+        let [behind, front] = cones.split(line, counts);
         drop(cones);
         let behind = || self.planes(behind);
         let front = || self.planes(front);
         let halves = if parallel { rayon::join(behind, front) } else { (behind(), front()) };
-        Tree::Plane(normal.to_array(), Box::new(halves.into()))
+        Tree::Plane(Box::new(normal.to_array()), Box::new(halves.into()))
     }
 
     /// The cell as a fan, if its cones lie side by side.
@@ -185,7 +188,7 @@ impl Subdivision<'_> {
         let fan = Fan::new(self.face, cones, axis)?;
         let wedges = Wedges { cones, frame: fan.frame, full: fan.layers as usize + self.leaf / 3 };
         let root = self.wedges(&wedges, &fan.intervals, [0.0, 1.0], 0);
-        Some(if matches!(root, Tree::Wedges(_)) { Tree::Fan(fan.frame, Box::new(root)) } else { root })
+        Some(if matches!(root, Tree::Wedges(_)) { Tree::Fan(Box::new(fan.frame), Box::new(root)) } else { root })
     }
 
     /// Halves a range of a fan's positions until few enough cones are left. `intervals` are those
@@ -199,8 +202,8 @@ impl Subdivision<'_> {
         if futile == FUTILE_WEDGES {
             let part = fan.cones.select(intervals.iter().map(|i| i.polygon as usize));
             let [start, end] = positions.map(|t| Line::plane(self.face, fan.frame.plane(t)));
-            let [_, part] = part.split(start);
-            let [part, _] = part.split(end);
+            let [_, part] = part.split(start, part.count(start));
+            let [part, _] = part.split(end, part.count(end));
             return self.planes(part);
         }
         let middle = 0.5 * (positions[0] + positions[1]);

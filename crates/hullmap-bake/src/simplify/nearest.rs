@@ -19,7 +19,7 @@
 
 use glam::DVec3;
 
-use crate::hull::Hull;
+use crate::hull::{Hull, adjacency::Adjacency};
 
 /// Maximum number of steps, after which the best point so far is returned. Three to eight are
 /// common.
@@ -32,11 +32,31 @@ const PROGRESS: f64 = 1e-14;
 /// Number of climbing steps after which a sample of the vertices is searched. Ten are common.
 const LONG_WAY: usize = 24;
 
+/// Difference between two heights, relative to the largest coordinate and the sum of the direction's
+/// coordinates, that is certainly not rounding error. It is ten times the bound on that.
+const CERTAIN: f64 = 1e-14;
+
+/// Number of sampled vertices whose heights are computed together.
+const TOGETHER: usize = 8;
+
 /// A hull prepared for nearest-point searches.
 pub struct Nearest {
     points: Vec<DVec3>,
-    neighbours: Vec<Vec<u32>>,
+    /// For each vertex, the start of its run in `around`; then the end of the last one.
+    starts: Vec<u32>,
+    /// Neighbours of each vertex with their positions, so that a step reads one run of memory.
+    around: Vec<Neighbour>,
+    /// Coordinates of every `stride`-th vertex by axis.
+    samples: [Vec<f64>; 3],
+    stride: usize,
     scale: f64,
+    is_solid: bool,
+}
+
+#[derive(Clone, Copy)]
+struct Neighbour {
+    position: [f32; 3],
+    vertex: u32,
 }
 
 /// A point of the hull, and a hull vertex near it.
@@ -53,7 +73,12 @@ impl Nearest {
     pub fn new(hull: &Hull) -> Self {
         let points = hull.positions();
         let scale = points.iter().fold(0.0, |scale: f64, p| scale.max(p.abs().max_element()));
-        Self { points, neighbours: hull.neighbours(), scale }
+        let Adjacency { starts, neighbours, .. } = Adjacency::new(hull);
+        let around =
+            neighbours.iter().map(|w| Neighbour { position: hull.vertices[*w as usize], vertex: *w }).collect();
+        let stride = points.len().isqrt().max(1);
+        let samples = [0, 1, 2].map(|axis| points.iter().step_by(stride).map(|p| p[axis]).collect());
+        Self { points, starts, around, samples, stride, scale, is_solid: hull.rank == 3 }
     }
 
     /// The nearest point to `target`. The search starts at vertex `start`.
@@ -74,34 +99,58 @@ impl Nearest {
     /// that are close together.
     pub fn climb(&self, direction: DVec3, from: u32) -> u32 {
         let mut best = (self.points[from as usize].dot(direction), from);
+        let doubt = CERTAIN * self.scale * direction.abs().element_sum();
         let mut is_sampled = false;
         for step in 0.. {
-            let before = best.1;
-            for &next in &self.neighbours[before as usize] {
-                let height = self.points[next as usize].dot(direction);
-                if height > best.0 {
-                    best = (height, next);
+            let before = best;
+            let run = self.starts[before.1 as usize] as usize..self.starts[before.1 as usize + 1] as usize;
+            let mut highest = f64::NEG_INFINITY;
+            for next in &self.around[run] {
+                let height = DVec3::from_array(next.position.map(f64::from)).dot(direction);
+                if height > highest {
+                    highest = height;
+                    if height > best.0 {
+                        best = (height, next.vertex);
+                    }
                 }
             }
-            if best.1 == before || step == LONG_WAY {
-                if is_sampled && best.1 == before {
+            let is_highest = best.1 == before.1;
+            if is_highest || step == LONG_WAY {
+                // The second highest vertex of a convex polytope is a neighbour of the highest. If
+                // all neighbours are certainly lower, so are all other vertices, and the sample has
+                // none to continue from. Written so that NaN samples.
+                if is_highest && (is_sampled || self.is_solid && before.0 - highest > doubt) {
                     break;
                 }
                 if !is_sampled {
                     is_sampled = true;
-                    for index in (0..self.points.len()).step_by(self.points.len().isqrt().max(1)) {
-                        let height = self.points[index].dot(direction);
-                        if height > best.0 {
-                            best = (height, index as u32);
-                        }
-                    }
-                    if best.1 == before {
+                    self.sample(direction, &mut best);
+                    if best.1 == before.1 {
                         break;
                     }
                 }
             }
         }
         best.1
+    }
+
+    /// Replaces `best` by the first of the highest sampled vertices, if that is higher.
+    fn sample(&self, direction: DVec3, best: &mut (f64, u32)) {
+        let [x, y, z] = self.samples.each_ref().map(|samples| samples.chunks(TOGETHER));
+        for (chunk, ((x, y), z)) in x.zip(y).zip(z).enumerate() {
+            let mut heights = [f64::NEG_INFINITY; TOGETHER];
+            // With the operations of `DVec3::dot`, in their order.
+            for (height, ((x, y), z)) in heights.iter_mut().zip(x.iter().zip(y).zip(z)) {
+                *height = x * direction.x + y * direction.y + z * direction.z;
+            }
+            if heights.iter().any(|height| *height > best.0) {
+                for (at, height) in heights.into_iter().enumerate() {
+                    if height > best.0 {
+                        *best = (height, ((chunk * TOGETHER + at) * self.stride) as u32);
+                    }
+                }
+            }
+        }
     }
 
     fn farthest(&self, direction: DVec3) -> u32 {
@@ -240,6 +289,70 @@ mod tests {
             let [a, b, c] = [0, 1, 2].map(|i| points[face[i] as usize]);
             (b - a).cross(c - a).dot(target - a) <= 0.0
         })
+    }
+
+    /// The slow twin of `climb`: one vertex after the other, and the sample whenever a climb ends.
+    fn slow_climb(hull: &Hull, neighbours: &[Vec<u32>], direction: DVec3, from: u32) -> u32 {
+        let points = hull.positions();
+        let mut best = (points[from as usize].dot(direction), from);
+        let mut is_sampled = false;
+        for step in 0.. {
+            let before = best.1;
+            for &next in &neighbours[before as usize] {
+                let height = points[next as usize].dot(direction);
+                if height > best.0 {
+                    best = (height, next);
+                }
+            }
+            if best.1 == before || step == LONG_WAY {
+                if is_sampled && best.1 == before {
+                    break;
+                }
+                if !is_sampled {
+                    is_sampled = true;
+                    for index in (0..points.len()).step_by(points.len().isqrt().max(1)) {
+                        let height = points[index].dot(direction);
+                        if height > best.0 {
+                            best = (height, index as u32);
+                        }
+                    }
+                    if best.1 == before {
+                        break;
+                    }
+                }
+            }
+        }
+        best.1
+    }
+
+    #[test]
+    fn climbs_end_where_slow_ones_do() {
+        const SEED: u64 = 8;
+        let mut rng = SplitMix64::new(SEED);
+        for family in Family::ALL {
+            for far in [0.0_f32, 300.0] {
+                let positions: Vec<[f32; 3]> = family.points(900, 3).iter().map(|p| p.map(|c| c + far)).collect();
+                let source_vertices = (0..positions.len() as u32).collect();
+                let hull = hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).unwrap();
+                if hull.rank < 2 {
+                    continue;
+                }
+                let (nearest, neighbours) = (Nearest::new(&hull), hull.neighbours());
+                let points = hull.positions();
+                for round in 0..600 {
+                    let mut any = || points[rng.below(points.len())];
+                    // Random directions, normals and edges: the latter have ties.
+                    let direction = match round % 3 {
+                        0 => DVec3::from_array(rng.direction()),
+                        1 => (any() - any()).cross(any() - any()),
+                        _ => any() - any(),
+                    };
+                    let from = rng.below(points.len()) as u32;
+                    let slow = slow_climb(&hull, &neighbours, direction, from);
+                    assert_eq!(nearest.climb(direction, from), slow, "{family:?} {far} {round}, seed {SEED}");
+                }
+            }
+        }
     }
 
     /// A vertex of the hull in a random direction.

@@ -42,16 +42,17 @@ pub fn wrap(nearest: &Nearest, diameter: f64, distance: f64, max_vertices: usize
     let surface = Surface::tetrahedron(corners.map(|p| p + (p - middle).normalize() * distance));
     let feet = simplex.iter().map(|_| simplex[0] as u32).collect();
     let mut wrapped = Wrapped { surface, feet };
-    let mut queue = BinaryHeap::new();
-    let look = |wrapped: &Wrapped, triangle: u32, queue: &mut BinaryHeap<(u64, u32, [u32; 3])>| {
-        let (height, _, _) = wrapped.stands_out(nearest, triangle);
+    // Positive heights have the same order as their bits. The hull vertex comes last, because it is
+    // the same for equal corners.
+    let mut queue: BinaryHeap<(u64, u32, [u32; 3], u32)> = BinaryHeap::new();
+    let look = |wrapped: &Wrapped, triangle: u32, queue: &mut BinaryHeap<_>| {
+        let (height, foot) = wrapped.stands_out(nearest, triangle);
         if height > BEHIND * diameter {
-            // Positive heights have the same order as their bits.
-            queue.push((height.to_bits(), triangle, wrapped.surface.corners(triangle)));
+            queue.push((height.to_bits(), triangle, wrapped.surface.corners(triangle), foot));
         }
     };
     (0..4).for_each(|triangle| look(&wrapped, triangle, &mut queue));
-    while let Some((_, triangle, corners)) = queue.pop() {
+    while let Some((_, triangle, corners, foot)) = queue.pop() {
         if wrapped.surface.corners(triangle) != corners {
             // The triangle was deleted, and its slot reused.
             continue;
@@ -60,7 +61,7 @@ pub fn wrap(nearest: &Nearest, diameter: f64, distance: f64, max_vertices: usize
         if wrapped.feet.len() >= 2 * max_vertices {
             return None;
         }
-        let (_, foot, normal) = wrapped.stands_out(nearest, triangle);
+        let normal = wrapped.surface.normal(corners);
         let new = wrapped.surface.insert(nearest.vertex(foot) + normal * distance, triangle)?;
         wrapped.feet.push(foot);
         wrapped.surface.triangles_at(new).into_iter().for_each(|triangle| look(&wrapped, triangle, &mut queue));
@@ -69,12 +70,11 @@ pub fn wrap(nearest: &Nearest, diameter: f64, distance: f64, max_vertices: usize
 }
 
 impl Wrapped {
-    /// The protrusion of the hull beyond a triangle, the hull vertex that protrudes most, and the
-    /// triangle's normal.
-    fn stands_out(&self, nearest: &Nearest, triangle: u32) -> (f64, u32, DVec3) {
+    /// The protrusion of the hull beyond a triangle, and the hull vertex that protrudes most.
+    fn stands_out(&self, nearest: &Nearest, triangle: u32) -> (f64, u32) {
         let corners = self.surface.corners(triangle);
         let normal = self.surface.normal(corners);
         let farthest = nearest.climb(normal, self.feet[corners[0] as usize]);
-        (normal.dot(nearest.vertex(farthest) - self.surface.point(corners[0])), farthest, normal)
+        (normal.dot(nearest.vertex(farthest) - self.surface.point(corners[0])), farthest)
     }
 }
