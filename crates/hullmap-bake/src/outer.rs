@@ -25,7 +25,10 @@ use glam::{DMat3, DVec3};
 
 use crate::{
     PointSet,
-    hull::{self, Hull},
+    hull::{
+        self, Hull,
+        solid::{FILTER, exact_above, magnitude},
+    },
 };
 
 /// Hulls with at most this many vertices have no outer hull, because it would be no simpler.
@@ -122,12 +125,21 @@ pub(crate) fn holds(outer: &[[f32; 3]], positions: &[DVec3]) -> bool {
         ..PointSet::default()
     };
     let Ok(solid) = hull::build(&points) else { return false };
-    let coord = |v: DVec3| robust::Coord3D { x: v.x, y: v.y, z: v.z };
     let corners = solid.positions();
-    let planes: Vec<[robust::Coord3D<f64>; 3]> =
-        solid.faces.iter().map(|face| [0, 1, 2].map(|i| coord(corners[face[i] as usize]))).collect();
-    let behind = |p: &DVec3| planes.iter().all(|[a, b, c]| robust::orient3d(*a, *b, *c, coord(*p)) >= 0.0);
-    solid.rank == 3 && positions.iter().all(behind)
+    let low = positions.iter().chain(&corners).copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = positions.iter().chain(&corners).copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let is_behind = |face: &Vec<u32>| {
+        let [a, b, c] = [0, 1, 2].map(|i| corners[face[i] as usize]);
+        let normal = (b - a).cross(c - a);
+        // No point is farther from a corner along any axis than the box is wide.
+        let error = FILTER * magnitude(a, b, c).dot(high - low);
+        positions.iter().all(|p| {
+            let height = normal.dot(*p - a);
+            // Written so that NaN is decided exactly.
+            if height.abs() > error { height < 0.0 } else { exact_above(a, b, c, *p) <= 0.0 }
+        })
+    };
+    solid.rank == 3 && solid.faces.iter().all(is_behind)
 }
 
 #[cfg(test)]

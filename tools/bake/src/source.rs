@@ -1,5 +1,8 @@
 //! From a pack back to the mesh it was baked from.
 
+use std::cell::RefCell;
+use std::collections::{BTreeSet, HashMap};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use hullmap_bake::PointSet;
@@ -61,7 +64,39 @@ pub enum Search {
     Absent(Option<String>),
 }
 
-/// Finds and imports the source of a pack, within `limits`.
+/// Meshes in folders, by the name of their pack. A folder is read once: reading it again for each of
+/// its packs would take time that grows with the square of their number.
+#[derive(Debug, Default)]
+pub struct Folders(RefCell<HashMap<PathBuf, HashMap<OsString, BTreeSet<PathBuf>>>>);
+
+impl Folders {
+    /// The mesh files in `folder` with the stem of `pack`, sorted. The case of extensions is ignored.
+    fn with_stem(&self, folder: &Path, pack: &Path) -> Vec<PathBuf> {
+        let Some(stem) = pack.file_stem() else { return Vec::new() };
+        let mut folders = self.0.borrow_mut();
+        let meshes = match folders.get(folder) {
+            Some(meshes) => meshes,
+            None => folders.entry(folder.to_owned()).or_insert(meshes_by_name(folder)),
+        };
+        meshes.get(stem).into_iter().flatten().cloned().collect()
+    }
+}
+
+/// The mesh files in a folder, by the stems that their packs may have: with and without the
+/// extension of the mesh.
+fn meshes_by_name(folder: &Path) -> HashMap<OsString, BTreeSet<PathBuf>> {
+    let mut meshes: HashMap<OsString, BTreeSet<PathBuf>> = HashMap::new();
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    for path in entries.map(|entry| entry.path()).filter(|path| import::is_source(path)) {
+        for name in [path.file_stem(), path.file_name()].into_iter().flatten() {
+            meshes.entry(name.to_owned()).or_default().insert(path.clone());
+        }
+    }
+    meshes
+}
+
+/// Finds and imports the source of a pack, within `limits`. `folders` remembers the folders that
+/// were read for other packs.
 ///
 /// `given` is the path that `--source` gives: the file, or a folder that holds it, mirrored or
 /// flat. Without it, the files beside the pack with the pack's stem and the extension of a mesh are
@@ -76,15 +111,16 @@ pub fn find_source(
     recorded: Recorded,
     given: Option<&Path>,
     limits: &Limits,
+    folders: &Folders,
 ) -> Result<Search, Failure> {
     let folder = folder_of(&place.path);
     let project = Project::of(place, Path::new(".")).filter(|_| given.is_none());
     // Without `..`, which the system would resolve after links and the project before them.
     let followed = resolve_recorded(recorded.path, folder).map(|path| plain(&path));
     let candidates = match given {
-        Some(given) if given.is_dir() => in_folder(place, recorded.path, given),
+        Some(given) if given.is_dir() => in_folder(place, recorded.path, given, folders),
         Some(given) => vec![given.to_owned()],
-        None => with_stem(folder, &place.path).into_iter().chain(followed.clone()).collect(),
+        None => folders.with_stem(folder, &place.path).into_iter().chain(followed.clone()).collect(),
     };
     // A recorded path is absolute here, because it starts from the pack's canonical folder.
     let shown = |path: &Path| {
@@ -203,11 +239,11 @@ pub fn given_sources<'a>(given: Option<&'a Path>, places: &[PackPlace]) -> Resul
 
 /// Where the source may lie in a folder: at the same relative path as the pack, or directly in the
 /// folder; with the pack's stem or with the recorded name.
-fn in_folder(place: &PackPlace, recorded: &str, folder: &Path) -> Vec<PathBuf> {
+fn in_folder(place: &PackPlace, recorded: &str, folder: &Path, folders: &Folders) -> Vec<PathBuf> {
     let recorded_name = recorded.rsplit('/').next().filter(|name| !name.is_empty() && *name != "..");
     let mut paths = Vec::new();
     for folder in [folder.join(&place.below), folder.to_owned()] {
-        paths.extend(with_stem(&folder, &place.path));
+        paths.extend(folders.with_stem(&folder, &place.path));
         paths.extend(recorded_name.map(|name| folder.join(name)));
     }
     paths
@@ -216,17 +252,6 @@ fn in_folder(place: &PackPlace, recorded: &str, folder: &Path) -> Vec<PathBuf> {
 /// Whether the pack has the name of the mesh, with or without the extension of the mesh.
 fn has_name_of(mesh: &Path, pack: &Path) -> bool {
     [mesh.file_stem(), mesh.file_name()].contains(&pack.file_stem())
-}
-
-/// The mesh files in `folder` with the stem of `pack`, sorted. The case of extensions is ignored.
-fn with_stem(folder: &Path, pack: &Path) -> Vec<PathBuf> {
-    let Ok(entries) = std::fs::read_dir(folder) else {
-        return Vec::new();
-    };
-    let is_candidate = |path: &PathBuf| has_name_of(path, pack) && import::is_source(path);
-    let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_candidate).collect();
-    paths.sort_unstable();
-    paths
 }
 
 fn import(path: &Path, source: &SourceFile, recorded: Recorded, limits: &Limits) -> Result<Imported, Failure> {
@@ -259,7 +284,7 @@ mod tests {
     }
 
     fn search(place: &PackPlace, recorded: Recorded, given: Option<&Path>) -> Result<Option<Source>, Failure> {
-        find_source(place, recorded, given, &Limits::DEFAULT).map(|search| match search {
+        find_source(place, recorded, given, &Limits::DEFAULT, &Folders::default()).map(|search| match search {
             Search::Found(source) => Some(*source),
             Search::Absent(_) => None,
         })
@@ -296,6 +321,23 @@ mod tests {
             let names: Vec<_> = source.point_sets.iter().map(|set| set.name.as_str()).collect();
             assert_eq!(names, ["a", "b"], "imported with the pack's options");
         }
+    }
+
+    /// The slow, obvious twin: every file of the folder is compared with the pack.
+    #[test]
+    fn meshes_are_found_as_by_a_search_of_the_folder() {
+        let names = ["x.obj", "x.OBJ", "x.obj.stl", "x.stl", "x", "x.obj.obj", "y.gltf", "x.hullmap", "x.txt", ".obj"];
+        let (folder, _) = folder(&names.map(|name| (name, "")));
+        let folders = Folders::default();
+        for name in names {
+            let pack = folder.path().join(name).with_extension("hullmap");
+            let entries = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
+            let is_candidate = |path: &PathBuf| has_name_of(path, &pack) && import::is_source(path);
+            let mut slow: Vec<PathBuf> = entries.filter(is_candidate).collect();
+            slow.sort_unstable();
+            assert_eq!(folders.with_stem(folder.path(), &pack), slow, "{name}");
+        }
+        assert!(folders.with_stem(&folder.path().join("gone"), Path::new("x.hullmap")).is_empty());
     }
 
     #[test]

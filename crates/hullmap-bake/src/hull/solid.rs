@@ -26,7 +26,7 @@ use glam::DVec3;
 
 /// Maximum error of the filter's determinant, relative to the sum of its terms' magnitudes. Three
 /// differences, two products and four sums of f64 round at most ten times.
-const FILTER: f64 = 10.0 * f64::EPSILON / 2.0;
+pub(crate) const FILTER: f64 = 10.0 * f64::EPSILON / 2.0;
 
 const NONE: u32 = u32::MAX;
 
@@ -361,14 +361,14 @@ fn triangle([a, b, c]: [u32; 3]) -> Facet {
 }
 
 /// Sum of the magnitudes of the terms in each component of a triangle's normal, for the filter.
-fn magnitude(a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
+pub(crate) fn magnitude(a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
     let (s, t) = ((b - a).abs(), (c - a).abs());
     DVec3::new(s.y * t.z + s.z * t.y, s.z * t.x + s.x * t.z, s.x * t.y + s.y * t.x)
 }
 
 /// Positive if `p` lies above the plane of a, b, c (counter-clockwise seen from above), zero if it
 /// lies in the plane. The sign is exact.
-fn exact_above(a: DVec3, b: DVec3, c: DVec3, p: DVec3) -> f64 {
+pub(crate) fn exact_above(a: DVec3, b: DVec3, c: DVec3, p: DVec3) -> f64 {
     let coord = |v: DVec3| robust::Coord3D { x: v.x, y: v.y, z: v.z };
     -robust::orient3d(coord(a), coord(b), coord(c), coord(p))
 }

@@ -15,7 +15,7 @@
 //! - Support vertices are found by hill climbing over the edges, starting at the previous support
 //!   vertex. Climbing may stop at a plateau caused by rounding error. The answer is then still a
 //!   point of the hull, and is nearest except in the last digits. [`Nearest::certain`] searches all
-//!   vertices instead.
+//!   vertices instead, unless one of them is certainly the farthest.
 
 use glam::DVec3;
 
@@ -36,6 +36,22 @@ const LONG_WAY: usize = 24;
 /// coordinates, that is certainly not rounding error. It is ten times the bound on that.
 const CERTAIN: f64 = 1e-14;
 
+/// Bound on the rounding error of a height, in the same unit, with a margin.
+const ROUNDING: f64 = 4e-15;
+
+/// Minimum number of vertices of a hull with a guide. Climbs of a smaller one are short.
+const GUIDED_FROM: usize = 256;
+
+/// Maximum number of cells along the edge of a guide's cube.
+const MAX_CELLS: usize = 128;
+
+/// Maximum number of steps of a guided climb. One or two are common.
+const GUIDED_STEPS: usize = 16;
+
+/// Minimum depth of a hull's flattest vertex, relative to the largest coordinate, for the hull to
+/// have a guide.
+const LEAST_DEPTH: f64 = 1e-11;
+
 /// Number of sampled vertices whose heights are computed together.
 const TOGETHER: usize = 8;
 
@@ -51,6 +67,27 @@ pub struct Nearest {
     stride: usize,
     scale: f64,
     is_solid: bool,
+    guide: Option<Guide>,
+}
+
+/// A vertex near the support vertex of each cell of a cube of directions.
+///
+/// A climb depends on where it starts only because of rounding error: it may end at a vertex x whose
+/// neighbours are higher by less than that error. If a vertex v is higher than all its neighbours
+/// by D, that cannot happen for a large D, and every climb ends at v:
+///
+/// - v − x is a sum of edges at x with weights that are not negative. They add up to at most L / η,
+///   where L is the diameter, and η is the depth of x: the least distance by which an edge at x
+///   descends from some plane through x.
+/// - No edge at x ascends by more than twice the error E, so v is higher than x by at most
+///   2 E L / η. But it is higher by at least D.
+struct Guide {
+    /// Cells along the edge of the cube.
+    resolution: usize,
+    starts: Vec<u32>,
+    /// Value of D, relative to the largest coordinate and the sum of the direction's coordinates,
+    /// above which every climb ends at the same vertex.
+    certain: f64,
 }
 
 #[derive(Clone, Copy)]
@@ -78,7 +115,104 @@ impl Nearest {
             neighbours.iter().map(|w| Neighbour { position: hull.vertices[*w as usize], vertex: *w }).collect();
         let stride = points.len().isqrt().max(1);
         let samples = [0, 1, 2].map(|axis| points.iter().step_by(stride).map(|p| p[axis]).collect());
-        Self { points, starts, around, samples, stride, scale, is_solid: hull.rank == 3 }
+        let is_solid = hull.rank == 3;
+        let mut nearest = Self { points, starts, around, samples, stride, scale, is_solid, guide: None };
+        if is_solid && hull.vertices.len() >= GUIDED_FROM {
+            nearest.guide = nearest.make_guide(hull);
+        }
+        nearest
+    }
+
+    /// `None` if a vertex is so flat that no difference is certain.
+    fn make_guide(&self, hull: &Hull) -> Option<Guide> {
+        let depth = self.least_depth(hull);
+        // Written so that NaN fails.
+        if !(depth > LEAST_DEPTH * self.scale) {
+            return None;
+        }
+        let resolution = (hull.vertices.len() / 6).isqrt().clamp(1, MAX_CELLS);
+        let mut starts = Vec::with_capacity(6 * resolution * resolution);
+        let mut vertex = 0;
+        for cell in 0..6 * resolution * resolution {
+            let (face, row, column) =
+                (cell / (resolution * resolution), cell / resolution % resolution, cell % resolution);
+            let middle = |step: usize| (2 * step + 1) as f64 / resolution as f64 - 1.0;
+            let mut direction = DVec3::ZERO;
+            let axis = face / 2;
+            direction[axis] = if face % 2 == 0 { 1.0 } else { -1.0 };
+            direction[(axis + 1) % 3] = middle(column);
+            direction[(axis + 2) % 3] = middle(row);
+            if column == 0 && row > 0 {
+                vertex = starts[cell - resolution];
+            }
+            while let Some(next) = self.step(direction, vertex).0 {
+                vertex = next;
+            }
+            starts.push(vertex);
+        }
+        Some(Guide { resolution, starts, certain: ROUNDING * (1.0 + hull.diameter / depth) })
+    }
+
+    /// Minimum over all vertices of the least distance by which an edge descends from the plane
+    /// through the vertex whose normal is the mean of the normals of the faces around it.
+    fn least_depth(&self, hull: &Hull) -> f64 {
+        let mut normals = vec![DVec3::ZERO; self.points.len()];
+        for face in &hull.faces {
+            let [a, b, c] = [0, 1, 2].map(|corner| self.points[face[corner] as usize]);
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            face.iter().for_each(|v| normals[*v as usize] += normal);
+        }
+        let depth = |v: usize| {
+            let (point, normal) = (self.points[v], normals[v].normalize_or_zero());
+            let below = |w: &Neighbour| normal.dot(point - DVec3::from_array(w.position.map(f64::from)));
+            self.neighbours(v as u32).iter().map(below).fold(f64::INFINITY, f64::min)
+        };
+        (0..self.points.len()).map(depth).fold(f64::INFINITY, f64::min)
+    }
+
+    fn neighbours(&self, vertex: u32) -> &[Neighbour] {
+        &self.around[self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize]
+    }
+
+    /// The highest neighbour of a vertex, if it is higher; and by how much the vertex is higher than
+    /// it otherwise.
+    fn step(&self, direction: DVec3, from: u32) -> (Option<u32>, f64) {
+        let height = self.points[from as usize].dot(direction);
+        let mut highest = (f64::NEG_INFINITY, from);
+        for next in self.neighbours(from) {
+            let height = DVec3::from_array(next.position.map(f64::from)).dot(direction);
+            highest = if height > highest.0 { (height, next.vertex) } else { highest };
+        }
+        ((highest.0 > height).then_some(highest.1), height - highest.0)
+    }
+
+    /// The vertex at which every climb ends; `None` if that is not certain.
+    fn guided(&self, direction: DVec3) -> Option<u32> {
+        let guide = self.guide.as_ref()?;
+        let size = direction.abs();
+        let axis = if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        };
+        let face = 2 * axis + usize::from(direction[axis] < 0.0);
+        let cell = |axis: usize| {
+            let at = (direction[axis % 3] / size.max_element() + 1.0) * 0.5;
+            // Casts saturate, and turn NaN into 0.
+            ((at * guide.resolution as f64) as usize).min(guide.resolution - 1)
+        };
+        let (column, row) = (cell(axis + 1), cell(axis + 2));
+        let mut vertex = guide.starts[(face * guide.resolution + row) * guide.resolution + column];
+        for _ in 0..GUIDED_STEPS {
+            match self.step(direction, vertex) {
+                (Some(next), _) => vertex = next,
+                // Written so that NaN fails.
+                (None, lower) => return (lower > guide.certain * self.scale * size.element_sum()).then_some(vertex),
+            }
+        }
+        None
     }
 
     /// The nearest point to `target`. The search starts at vertex `start`.
@@ -98,14 +232,16 @@ impl Nearest {
     /// continued once from the sample, because rounding error can hide the ascent among vertices
     /// that are close together.
     pub fn climb(&self, direction: DVec3, from: u32) -> u32 {
+        if let Some(vertex) = self.guided(direction) {
+            return vertex;
+        }
         let mut best = (self.points[from as usize].dot(direction), from);
         let doubt = CERTAIN * self.scale * direction.abs().element_sum();
         let mut is_sampled = false;
         for step in 0.. {
             let before = best;
-            let run = self.starts[before.1 as usize] as usize..self.starts[before.1 as usize + 1] as usize;
             let mut highest = f64::NEG_INFINITY;
-            for next in &self.around[run] {
+            for next in self.neighbours(before.1) {
                 let height = DVec3::from_array(next.position.map(f64::from)).dot(direction);
                 if height > highest {
                     highest = height;
@@ -153,7 +289,12 @@ impl Nearest {
         }
     }
 
+    /// The first of the vertices that are farthest in `direction`.
     fn farthest(&self, direction: DVec3) -> u32 {
+        self.guided(direction).unwrap_or_else(|| self.scan(direction))
+    }
+
+    fn scan(&self, direction: DVec3) -> u32 {
         let heights = self.points.iter().map(|p| p.dot(direction));
         let best = heights.enumerate().fold(
             (f64::NEG_INFINITY, 0),
@@ -213,17 +354,18 @@ impl Nearest {
         // The newest corner is farther in the search direction than all others, so the face always
         // contains it.
         let (new, others) = corners.split_last().expect("a simplex has a corner");
+        let mut places = [DVec3::ZERO; 4];
+        places.iter_mut().zip(corners).for_each(|(place, corner)| *place = self.vertex(*corner) - target);
         for choice in 0..1_u32 << others.len() {
-            let mut chosen = [0; 4];
+            let (mut chosen, mut positions) = ([0; 4], [DVec3::ZERO; 4]);
             let mut count = 0;
             for (index, corner) in others.iter().enumerate() {
                 if choice >> index & 1 == 1 {
-                    chosen[count] = *corner;
+                    (chosen[count], positions[count]) = (*corner, places[index]);
                     count += 1;
                 }
             }
-            chosen[count] = *new;
-            let positions = chosen.map(|corner| self.vertex(corner) - target);
+            (chosen[count], positions[count]) = (*new, places[others.len()]);
             let Some(nearest) = inside_face(&positions[..=count]) else { continue };
             let distance = nearest.length_squared();
             if distance < best.0 {
@@ -329,6 +471,7 @@ mod tests {
     fn climbs_end_where_slow_ones_do() {
         const SEED: u64 = 8;
         let mut rng = SplitMix64::new(SEED);
+        let mut guided = 0;
         for family in Family::ALL {
             for far in [0.0_f32, 300.0] {
                 let positions: Vec<[f32; 3]> = family.points(900, 3).iter().map(|p| p.map(|c| c + far)).collect();
@@ -350,9 +493,13 @@ mod tests {
                     let from = rng.below(points.len()) as u32;
                     let slow = slow_climb(&hull, &neighbours, direction, from);
                     assert_eq!(nearest.climb(direction, from), slow, "{family:?} {far} {round}, seed {SEED}");
+                    assert_eq!(nearest.farthest(direction), nearest.scan(direction), "{family:?} {far} {round}");
+                    guided += usize::from(nearest.guided(direction).is_some());
                 }
             }
         }
+        println!("{guided} guided climbs");
+        assert!(guided > 2_000, "{guided}");
     }
 
     /// A vertex of the hull in a random direction.

@@ -6,7 +6,7 @@ use crate::args::VerifyArgs;
 use crate::open::open_pack;
 use crate::outcome::{Exit, Failure, end};
 use crate::packs::{PackPlace, find_packs};
-use crate::source::{Recorded, Search, find_source, given_sources};
+use crate::source::{Folders, Recorded, Search, find_source, given_sources};
 use crate::table::{Align, Table, grouped, or_dash};
 use crate::terminal::{self, Output};
 use crate::verification::pack::{
@@ -23,8 +23,9 @@ pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
     let mut results = Vec::new();
     let places = find_packs(&args.inputs)?;
     let sources = given_sources(args.source.as_deref(), &places)?;
+    let folders = Folders::default();
     for (place, given) in places.iter().zip(sources) {
-        match verify_pack(place, given, args) {
+        match verify_pack(place, given, args, &folders) {
             Ok(mut hulls) => {
                 if hulls.iter().any(|result| !result.pass) {
                     exit = exit.max(Exit::Rejected);
@@ -47,9 +48,14 @@ pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
     if args.json { Ok(exit) } else { end(exit, write_text(&results, args.hulls, out)) }
 }
 
-fn verify_pack(place: &PackPlace, given: Option<&Path>, args: &VerifyArgs) -> Result<Vec<HullVerification>, Failure> {
+fn verify_pack(
+    place: &PackPlace,
+    given: Option<&Path>,
+    args: &VerifyArgs,
+    folders: &Folders,
+) -> Result<Vec<HullVerification>, Failure> {
     let pack = open_pack(&place.path)?;
-    let search = find_source(place, Recorded::of(&pack), given, &args.limits.limits())?;
+    let search = find_source(place, Recorded::of(&pack), given, &args.limits.limits(), folders)?;
     let file = place.path.display().to_string();
     let (reference, source) = match &search {
         Search::Found(source) => (Reference::Source(&source.point_sets), Some(&source.path)),

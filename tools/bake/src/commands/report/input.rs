@@ -14,21 +14,27 @@ use crate::open::open_pack;
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::packs::PackPlace;
-use crate::source::{Recorded, Search, Source, find_source};
+use crate::source::{Folders, Recorded, Search, Source, find_source};
 use crate::verification::pack::{HullVerification, Reference, verify_hulls};
 
-/// Opens, verifies and analyses a pack; `given` is the path that `--source` gives for it.
+/// Opens, verifies and analyses a pack; `given` is the path that `--source` gives for it. `folders`
+/// remembers the folders that were read for other packs.
 ///
 /// # Errors
 /// The pack cannot be read or is invalid, or `--source` leads to no file. Faults of a pack that
 /// opens are part of the analysis.
-pub fn analyse_pack(place: &PackPlace, given: Option<&Path>, args: &ReportArgs) -> Result<Analysis, Failure> {
+pub fn analyse_pack(
+    place: &PackPlace,
+    given: Option<&Path>,
+    args: &ReportArgs,
+    folders: &Folders,
+) -> Result<Analysis, Failure> {
     let start = Instant::now();
     let pack = open_pack(&place.path)?;
     let open_time = start.elapsed();
     let mut faults = Vec::new();
     let mut absent = "the source cannot be used, so".to_owned();
-    let source = match find_source(place, Recorded::of(&pack), given, &args.limits.limits()) {
+    let source = match find_source(place, Recorded::of(&pack), given, &args.limits.limits(), folders) {
         Ok(Search::Found(source)) => Some(*source),
         Ok(Search::Absent(why)) => {
             absent = why.map_or_else(|| "the source was not found, so".to_owned(), |why| format!("{why};"));

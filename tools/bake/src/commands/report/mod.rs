@@ -19,7 +19,7 @@ use crate::args::ReportArgs;
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, sweep, through_link, write_beside};
 use crate::packs::{PackPlace, find_packs};
-use crate::source::given_sources;
+use crate::source::{Folders, given_sources};
 use crate::table::grouped;
 use crate::terminal::{self, Output};
 use input::analyse_pack;
@@ -45,7 +45,7 @@ pub fn run(args: &ReportArgs, out: &mut Output) -> Result<Exit, Failure> {
     }
     let mut exit = Exit::Done;
     for (place, given) in places.iter().zip(sources) {
-        let pack = analyse_pack(place, given, args)?;
+        let pack = analyse_pack(place, given, args, &Folders::default())?;
         let page = pack_page(&pack, None);
         write_page(&args.out, &page)?;
         print_faults(&pack);
@@ -65,10 +65,11 @@ fn report_folder(
     let mut exit = Exit::Done;
     let mut bytes = 0;
     let mut cards = Vec::new();
+    let folders = Folders::default();
     for (place, given) in places.iter().zip(sources) {
         let below = place.path.strip_prefix(&args.input).unwrap_or(&place.path);
         let name = slashed(&below.with_extension(""));
-        match analyse_pack(place, *given, args) {
+        match analyse_pack(place, *given, args, &folders) {
             Ok(pack) => {
                 let (link, page) = page_in_folder(&pack, below, &args.out);
                 let target = folder_of(&args.out).join(&link);
