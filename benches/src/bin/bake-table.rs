@@ -1,9 +1,9 @@
 //! Prints processor time, peak memory and exponents of a bake, stage by stage, for 1,000 to
 //! 1,000,000 points.
 //!
-//! Each bake runs in a process of its own, on two threads, so that no bake finds memory that another
-//! one left. An exponent is that of the time between two sizes ten times apart: 1 for linear work, 2
-//! for quadratic work.
+//! Each bake runs in a process of its own, on two threads, so that no bake finds memory that
+//! another one left. An exponent is that of the time between two sizes ten times apart: 1 for
+//! linear work, 2 for quadratic work.
 
 use std::{
     error::Error,

@@ -64,13 +64,14 @@ pub enum Search {
     Absent(Option<String>),
 }
 
-/// Meshes in folders, by the name of their pack. A folder is read once: reading it again for each of
-/// its packs would take time that grows with the square of their number.
+/// Meshes in folders, by the name of their pack. A folder is read once: reading it again for each
+/// of its packs would take time that grows with the square of their number.
 #[derive(Debug, Default)]
 pub struct Folders(RefCell<HashMap<PathBuf, HashMap<OsString, BTreeSet<PathBuf>>>>);
 
 impl Folders {
-    /// The mesh files in `folder` with the stem of `pack`, sorted. The case of extensions is ignored.
+    /// The mesh files in `folder` with the stem of `pack`, sorted. The case of extensions is
+    /// ignored.
     fn with_stem(&self, folder: &Path, pack: &Path) -> Vec<PathBuf> {
         let Some(stem) = pack.file_stem() else { return Vec::new() };
         let mut folders = self.0.borrow_mut();

@@ -2,8 +2,8 @@
 
 use super::{Hull, edges};
 
-/// For each vertex, the vertices that share an edge with it, ascending, and the faces to the left of
-/// these edges.
+/// For each vertex, the vertices that share an edge with it, ascending, and the faces to the left
+/// of these edges.
 ///
 /// ```
 /// use hullmap_bake::hull::adjacency::Adjacency;

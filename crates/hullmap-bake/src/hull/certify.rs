@@ -7,10 +7,10 @@
 //!    segment or point.
 //!
 //! Testing every point against every face in step 3 would be too slow. A group of points lies
-//! entirely behind most faces. The points are therefore halved recursively, and each half keeps only
-//! the faces that it may not be behind. A box around the group shows that, or a slice along the
-//! surface: the boxes of small groups stick out of a curved surface, and with boxes alone the work
-//! grows as n^1.5.
+//! entirely behind most faces. The points are therefore halved recursively, and each half keeps
+//! only the faces that it may not be behind. A box around the group shows that, or a slice along
+//! the surface: the boxes of small groups stick out of a curved surface, and with boxes alone the
+//! work grows as n^1.5.
 
 use glam::DVec3;
 
@@ -136,8 +136,8 @@ fn side_planes(hull: &Hull, vertices: &[DVec3], normal: DVec3) -> Vec<HalfSpace>
 /// against each half-space that is left.
 const GROUP: usize = 32;
 
-/// Maximum number of points in a group that gets slices. On a larger part of the surface they are no
-/// better than the box.
+/// Maximum number of points in a group that gets slices. On a larger part of the surface they are
+/// no better than the box.
 const WITH_SLICES: usize = 1 << 14;
 
 /// Half-spaces are dropped on every level whose number is a multiple of this.

@@ -117,8 +117,8 @@ struct Builder<'a> {
     next_point: Vec<u32>,
     /// For each rim vertex, the new face that starts there. Scratch space of one insertion.
     fan_at: Vec<u32>,
-    /// The visible faces, the edges around them (from, to, face outside), and the faces that replace
-    /// them. Scratch space of one insertion.
+    /// The visible faces, the edges around them (from, to, face outside), and the faces that
+    /// replace them. Scratch space of one insertion.
     disc: Vec<u32>,
     rim: Vec<(u32, u32, u32)>,
     fan: Vec<u32>,

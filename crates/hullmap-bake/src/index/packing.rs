@@ -134,7 +134,8 @@ fn join_any(lists: Vec<Vec<u32>>, capacity: usize) -> Joined {
     let mut open: VecDeque<u32> = VecDeque::new();
     let mut joined = Vec::with_capacity(lists.len());
     for list in lists {
-        // The first of the open groups that lack the fewest of the vertices, and have room for them.
+        // The first of the open groups that lack the fewest of the vertices, and have room for
+        // them.
         let mut best: Option<(usize, usize)> = None;
         for (index, &group) in open.iter().enumerate() {
             let group = &groups[group as usize];

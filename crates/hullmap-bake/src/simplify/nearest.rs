@@ -32,8 +32,9 @@ const PROGRESS: f64 = 1e-14;
 /// Number of climbing steps after which a sample of the vertices is searched. Ten are common.
 const LONG_WAY: usize = 24;
 
-/// Difference between two heights, relative to the largest coordinate and the sum of the direction's
-/// coordinates, that is certainly not rounding error. It is ten times the bound on that.
+/// Difference between two heights, relative to the largest coordinate and the sum of the
+/// direction's coordinates, that is certainly not rounding error. It is ten times the bound on
+/// that.
 const CERTAIN: f64 = 1e-14;
 
 /// Bound on the rounding error of a height, in the same unit, with a margin.
@@ -72,9 +73,9 @@ pub struct Nearest {
 
 /// A vertex near the support vertex of each cell of a cube of directions.
 ///
-/// A climb depends on where it starts only because of rounding error: it may end at a vertex x whose
-/// neighbours are higher by less than that error. If a vertex v is higher than all its neighbours
-/// by D, that cannot happen for a large D, and every climb ends at v:
+/// A climb depends on where it starts only because of rounding error: it may end at a vertex x
+/// whose neighbours are higher by less than that error. If a vertex v is higher than all its
+/// neighbours by D, that cannot happen for a large D, and every climb ends at v:
 ///
 /// - v − x is a sum of edges at x with weights that are not negative. They add up to at most L / η,
 ///   where L is the diameter, and η is the depth of x: the least distance by which an edge at x
@@ -174,8 +175,8 @@ impl Nearest {
         &self.around[self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize]
     }
 
-    /// The highest neighbour of a vertex, if it is higher; and by how much the vertex is higher than
-    /// it otherwise.
+    /// The highest neighbour of a vertex, if it is higher; and by how much the vertex is higher
+    /// than it otherwise.
     fn step(&self, direction: DVec3, from: u32) -> (Option<u32>, f64) {
         let height = self.points[from as usize].dot(direction);
         let mut highest = (f64::NEG_INFINITY, from);
