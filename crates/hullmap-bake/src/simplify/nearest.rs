@@ -37,8 +37,12 @@ const LONG_WAY: usize = 24;
 /// that.
 const CERTAIN: f64 = 1e-14;
 
-/// Bound on the rounding error of a height, in the same unit, with a margin.
-const ROUNDING: f64 = 4e-15;
+/// Twice the rounding error of a height, in the same unit, with a margin of a half: three products and
+/// two sums round at most three times each.
+const ROUNDING: f64 = 1e-15;
+
+/// Number of times the plane through a flat vertex is tilted.
+const TILTS: usize = 24;
 
 /// Minimum number of vertices of a hull with a guide. Climbs of a smaller one are short.
 const GUIDED_FROM: usize = 256;
@@ -154,8 +158,12 @@ impl Nearest {
         Some(Guide { resolution, starts, certain: ROUNDING * (1.0 + hull.diameter / depth) })
     }
 
-    /// Minimum over all vertices of the least distance by which an edge descends from the plane
-    /// through the vertex whose normal is the mean of the normals of the faces around it.
+    /// Minimum over all vertices of the least distance by which an edge descends from a plane through
+    /// the vertex.
+    ///
+    /// Any plane will do. It starts at right angles to the mean of the normals of the faces around
+    /// the vertex, and is tilted away from the edge that descends the least: next to a short edge,
+    /// that makes the vertex a hundred times as deep.
     fn least_depth(&self, hull: &Hull) -> f64 {
         let mut normals = vec![DVec3::ZERO; self.points.len()];
         for face in &hull.faces {
@@ -163,12 +171,32 @@ impl Nearest {
             let normal = (b - a).cross(c - a).normalize_or_zero();
             face.iter().for_each(|v| normals[*v as usize] += normal);
         }
-        let depth = |v: usize| {
-            let (point, normal) = (self.points[v], normals[v].normalize_or_zero());
-            let below = |w: &Neighbour| normal.dot(point - DVec3::from_array(w.position.map(f64::from)));
-            self.neighbours(v as u32).iter().map(below).fold(f64::INFINITY, f64::min)
+        let depth_of = |v: usize| {
+            let point = self.points[v];
+            // The least depth, and the direction of its edge.
+            let least = |normal: DVec3| {
+                let edges =
+                    self.neighbours(v as u32).iter().map(|w| DVec3::from_array(w.position.map(f64::from)) - point);
+                edges.fold((f64::INFINITY, DVec3::ZERO), |least, edge| {
+                    let depth = -normal.dot(edge);
+                    if depth < least.0 { (depth, edge) } else { least }
+                })
+            };
+            let mut normal = normals[v].normalize_or_zero();
+            let mut best = least(normal);
+            let mut tilt = 0.25;
+            for _ in 0..TILTS {
+                let tilted = (normal - best.1.normalize_or_zero() * tilt).normalize_or_zero();
+                let next = least(tilted);
+                if next.0 > best.0 {
+                    (normal, best) = (tilted, next);
+                } else {
+                    tilt *= 0.5;
+                }
+            }
+            best.0
         };
-        (0..self.points.len()).map(depth).fold(f64::INFINITY, f64::min)
+        (0..self.points.len()).map(depth_of).fold(f64::INFINITY, f64::min)
     }
 
     fn neighbours(&self, vertex: u32) -> &[Neighbour] {
