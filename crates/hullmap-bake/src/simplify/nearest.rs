@@ -37,8 +37,8 @@ const LONG_WAY: usize = 24;
 /// that.
 const CERTAIN: f64 = 1e-14;
 
-/// Twice the rounding error of a height, in the same unit, with a margin of a half: three products and
-/// two sums round at most three times each.
+/// Twice the rounding error of a height, in the same unit, with a margin of a half: three products
+/// and two sums round at most three times each.
 const ROUNDING: f64 = 1e-15;
 
 /// Number of times the plane through a flat vertex is tilted.
@@ -158,8 +158,8 @@ impl Nearest {
         Some(Guide { resolution, starts, certain: ROUNDING * (1.0 + hull.diameter / depth) })
     }
 
-    /// Minimum over all vertices of the least distance by which an edge descends from a plane through
-    /// the vertex.
+    /// Minimum over all vertices of the least distance by which an edge descends from a plane
+    /// through the vertex.
     ///
     /// Any plane will do. It starts at right angles to the mean of the normals of the faces around
     /// the vertex, and is tilted away from the edge that descends the least: next to a short edge,

@@ -1,6 +1,6 @@
 //! Estimate of the peak memory of a file before it is read, from its length, format and options.
 //!
-//! Hulls dominate: a vertex on the hull takes about 940 bytes at the peak, other vertices about
+//! Hulls dominate: a vertex on the hull takes about 620 bytes at the peak, other vertices about
 //! 100. So the estimate depends on the minimum bytes of source per hull vertex. A test in
 //! `interruptions.rs` measures that the bound holds for clouds whose points all lie on the hull.
 
@@ -12,9 +12,9 @@ use hullmap_bake::{IndexChoice, IndexKind};
 
 use super::job::Job;
 
-/// Memory per byte of an OBJ file. Measured: 25 to 31 for 100,000 points that all lie on the hull;
-/// including memory that the allocator retains from files of other threads, up to 59, and up to 105
-/// for 15,000 points.
+/// Memory per byte of an OBJ file. Measured: 17 to 20 for 100,000 and more points that all lie on
+/// the hull. When it was 25 to 31, memory that the allocator retains from files of other threads
+/// made it up to 59, and up to 105 for 15,000 points.
 const PER_TEXT_BYTE: u64 = 128;
 
 /// Memory per byte of the other formats and their buffers, where a point takes as little as 12
