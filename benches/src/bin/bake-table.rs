@@ -54,6 +54,10 @@ const FAMILIES: [Family; 3] = [Family::Sphere, Family::Ball, Family::CubeGrid];
 
 const SIZES: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
 
+/// Processor time that is certainly measured, in seconds: the system counts it in steps of 4 ms.
+/// Shorter times are printed as such, and have no exponent.
+const STEP: f64 = 0.004;
+
 /// Sizes of hulls that are simplified.
 const SIMPLIFIED: [usize; 3] = [2_000, 20_000, 200_000];
 
@@ -118,8 +122,11 @@ fn table(
             .collect();
         let _ = write!(text, "| {stage} |");
         seconds.iter().for_each(|seconds| text += &format!(" {} |", shown(*seconds)));
-        let exponents = seconds.windows(2).map(|pair| (pair[1] / pair[0]).log10());
-        let exponents: Vec<String> = exponents.map(|exponent| format!("{exponent:.2}")).collect();
+        let exponent = |pair: &[f64]| {
+            let is_measured = pair.iter().all(|seconds| *seconds >= STEP);
+            if is_measured { format!("{:.2}", (pair[1] / pair[0]).log10()) } else { "–".to_owned() }
+        };
+        let exponents: Vec<String> = seconds.windows(2).map(exponent).collect();
         let _ = writeln!(text, " {} | {megabytes:.0} |", exponents.join(", "));
     }
     for (points, figures) in sizes.iter().zip(&measured) {
@@ -138,6 +145,9 @@ fn table(
 
 /// Seconds with three significant digits.
 fn shown(seconds: f64) -> String {
+    if seconds < STEP {
+        return format!("< {STEP}");
+    }
     let decimals = (2.0 - seconds.max(1e-9).log10().floor()).clamp(0.0, 6.0) as usize;
     format!("{seconds:.decimals$}")
 }
