@@ -38,6 +38,16 @@ const DECISIVE: f64 = 0.3;
 /// A later candidate is better if it leaves less than this share of the least volume so far.
 const BETTER: f64 = 0.97;
 
+/// Distance of a cell's points from the hull of those with which parts grow, relative to the proven
+/// limit of a cell.
+pub const COARSE: f64 = 0.0125;
+
+/// Number of points up to which all are used.
+const FEW: usize = 12;
+
+/// Number of rounds after which all points are used.
+const FEW_ROUNDS: usize = 8;
+
 /// Distance from a plane up to which a corner lies in it, relative to the diagonal.
 const IN_PLANE: f64 = 1e-9;
 
@@ -46,6 +56,9 @@ const IN_PLANE: f64 = 1e-9;
 pub struct Cell {
     /// Extreme points of its corners.
     pub points: Vec<DVec3>,
+    /// Some of the points: no other is farther from their hull than [`COARSE`] of the limit. Parts
+    /// grow with them, and are finished with all.
+    pub few: Vec<DVec3>,
     /// Middle of its box.
     pub centre: DVec3,
     /// Radius of a ball around the centre that contains it.
@@ -299,7 +312,7 @@ fn step(piece: Piece, depth: u32, field: &Field, cutting: &Cutting, may_cut: boo
         let body = Body::new(&piece.corners, thickness);
         let limit = if may_cut { cutting.limit } else { cutting.hard };
         if !protrudes(&piece, &body, field, limit) && (piece.ends.len() == 1 || is_proven(&body, field, cutting)) {
-            return Err(vec![cell(&piece, &body)]);
+            return Err(vec![cell(&piece, &body, cutting)]);
         }
     }
     if piece.ends.len() == 1 || depth >= if may_cut { MAX_DEPTH } else { MAX_DEPTH / 2 } {
@@ -322,20 +335,55 @@ fn step(piece: Piece, depth: u32, field: &Field, cutting: &Cutting, may_cut: boo
     }
 }
 
-fn cell(piece: &Piece, body: &Body) -> Cell {
+fn cell(piece: &Piece, body: &Body, cutting: &Cutting) -> Cell {
     let points = body.points.clone();
+    let few = few(&points, COARSE * cutting.hard, cutting.diagonal * super::THICKNESS);
     let (low, high) = super::body::bounds(&points);
     let centre = (low + high) * 0.5;
     let radius = points.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
     let polygons = piece.polygons().map(|(corners, _)| corners.to_vec()).collect();
-    Cell { points, centre, radius, area: piece.area(), low, high, polygons }
+    Cell { points, few, centre, radius, area: piece.area(), low, high, polygons }
+}
+
+/// Some of the points, such that no other is farther from their hull than `distance`.
+fn few(points: &[DVec3], distance: f64, thickness: f64) -> Vec<DVec3> {
+    if points.len() <= FEW {
+        return points.to_vec();
+    }
+    let mut chosen = vec![false; points.len()];
+    for axis in 0..3 {
+        let along = |a: &usize, b: &usize| points[*a][axis].total_cmp(&points[*b][axis]);
+        (0..points.len())
+            .min_by(along)
+            .into_iter()
+            .chain((0..points.len()).max_by(along))
+            .for_each(|i| chosen[i] = true);
+    }
+    // Each round adds the farthest point of each face.
+    for _ in 0..FEW_ROUNDS {
+        let list: Vec<DVec3> = points.iter().zip(&chosen).filter(|(_, is)| **is).map(|(p, _)| *p).collect();
+        let body = Body::new(&list, thickness);
+        let mut is_done = true;
+        for plane in &body.planes {
+            let farthest =
+                (0..points.len()).max_by(|a, b| plane.height(points[*a]).total_cmp(&plane.height(points[*b])));
+            if let Some(farthest) = farthest.filter(|i| plane.height(points[*i]) > distance && !chosen[*i]) {
+                chosen[farthest] = true;
+                is_done = false;
+            }
+        }
+        if is_done {
+            return list;
+        }
+    }
+    points.to_vec()
 }
 
 fn polygons(piece: &Piece, cutting: &Cutting) -> Vec<Cell> {
     let one = |(corners, normal): (&[DVec3], DVec3)| {
         let mut single = Piece::default();
         single.push(corners, normal);
-        cell(&single, &Body::new(corners, cutting.diagonal * super::THICKNESS))
+        cell(&single, &Body::new(corners, cutting.diagonal * super::THICKNESS), cutting)
     };
     piece.polygons().map(one).collect()
 }

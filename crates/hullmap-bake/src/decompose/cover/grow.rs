@@ -16,7 +16,7 @@ use glam::DVec3;
 
 use super::bits::Bits;
 use super::body::{Body, separation};
-use super::cells::Cell;
+use super::cells::{self, Cell};
 use super::field::Field;
 
 /// What all growths share: the cells, their neighbours, and the solid.
@@ -152,7 +152,7 @@ impl<'a> Ground<'a> {
             if found.is_empty() {
                 good = growth.members.len();
                 if frontier.is_empty() {
-                    return Some(self.candidate(growth.members, &growth.shell));
+                    return Some(self.candidate(growth.members, &growth.shell, self.margin() + self.coarse()));
                 }
                 continue;
             }
@@ -164,7 +164,7 @@ impl<'a> Ground<'a> {
                 }
                 growth.go_back(good, forbidden);
                 growth.tighten();
-                return Some(self.candidate(growth.members, &growth.shell));
+                return Some(self.candidate(growth.members, &growth.shell, self.margin() + self.coarse()));
             }
             let again = growth.go_back(good, forbidden);
             for cell in again {
@@ -179,11 +179,15 @@ impl<'a> Ground<'a> {
         }
     }
 
-    /// A part of these cells, with all cells in its hull.
-    pub fn candidate(&self, members: Vec<u32>, body: &Body) -> Candidate {
+    /// Distance up to which a part that grew with few points of its cells may miss others.
+    pub fn coarse(&self) -> f64 {
+        cells::COARSE * self.limit
+    }
+
+    /// A part of these cells, with all cells in its hull, or at most `slack` outside.
+    fn candidate(&self, members: Vec<u32>, body: &Body, slack: f64) -> Candidate {
         let mut covers = Bits::new(self.cells.len());
         members.iter().for_each(|cell| covers.insert(*cell as usize));
-        let slack = self.margin();
         let holds = |cell: &Cell| {
             body.planes.iter().all(|plane| {
                 plane.height(cell.centre) + cell.radius <= slack
@@ -204,14 +208,14 @@ impl<'a> Ground<'a> {
         let points: Vec<DVec3> =
             members.iter().flat_map(|cell| self.cells[*cell as usize].points.iter().copied()).collect();
         let body = self.body(&points);
-        self.candidate(members, &body)
+        self.candidate(members, &body, self.margin())
     }
 
-    /// A part with one more cell.
-    pub fn with(&self, part: &Candidate, cell: u32) -> Candidate {
-        let body = self.body(&[part.points.as_slice(), &self.cells[cell as usize].points].concat());
-        let members = part.members.iter().copied().chain([cell]).collect();
-        self.candidate(members, &body)
+    /// A part with more cells.
+    pub fn with(&self, part: &Candidate, cells: &[u32]) -> Candidate {
+        let more = cells.iter().flat_map(|cell| self.cells[*cell as usize].points.iter().copied());
+        let body = self.body(&part.points.iter().copied().chain(more).collect::<Vec<_>>());
+        self.candidate([part.members.as_slice(), cells].concat(), &body, self.margin())
     }
 }
 
@@ -274,7 +278,7 @@ impl<'a> Growth<'a> {
     fn collect(&mut self, cells: &[u32]) {
         for cell in cells {
             let cell = &self.ground.cells[*cell as usize];
-            self.points.extend_from_slice(&cell.points);
+            self.points.extend_from_slice(&cell.few);
             (self.low, self.high) = (self.low.min(cell.low), self.high.max(cell.high));
         }
     }
@@ -313,7 +317,7 @@ impl<'a> Growth<'a> {
         let new = &ground.cells[cell as usize];
         let (low, high) = (self.low.min(new.low), self.high.max(new.high));
         let count = self.points.len();
-        self.points.extend(new.points.iter().filter(|p| !self.shell.holds(**p, 0.0)));
+        self.points.extend(new.few.iter().filter(|p| !self.shell.holds(**p, 0.0)));
         if self.points.len() == count {
             self.members.push(cell);
             return true;
@@ -324,7 +328,7 @@ impl<'a> Growth<'a> {
         self.apart.not_below(new.centre, new.radius, &mut close);
         let is_free = close.iter().all(|i| {
             let at = *i as usize;
-            let is_joined = self.apart.has_below(at, &new.points) || self.separate(at, forbidden[at], low, high);
+            let is_joined = self.apart.has_below(at, &new.few) || self.separate(at, forbidden[at], low, high);
             if !is_joined {
                 self.points.truncate(count);
                 self.rejected.push(cell);

@@ -67,7 +67,7 @@ const HARD_SHARE: f64 = 0.8;
 
 /// Shares of the limit that parts use while they grow; the rest is for the proof. The next share is
 /// tried if proofs fail and the parts that replace the failed ones are too many.
-const RESERVES: [f64; 3] = [0.96, 0.86, 0.72];
+const RESERVES: [f64; 2] = [0.96, 0.8];
 
 /// Maximum number of proven parts that is accepted, relative to the number before proofs.
 const ACCEPTED: f64 = 1.1;
@@ -383,7 +383,7 @@ fn prove(
         let mut lost: Vec<Vec<u32>> = Vec::new();
         pool.retain(|candidate| {
             let body = Body::new(&candidate.points, diagonal * THICKNESS);
-            let is_kept = !points.iter().any(|p| body.holds(*p, 0.0));
+            let is_kept = !points.iter().any(|p| body.holds(*p, ground.coarse()));
             if !is_kept {
                 lost.push(candidate.members.clone());
             }
@@ -715,14 +715,21 @@ fn shrink(ground: &Ground, pool: &[Candidate], chosen: &[usize]) -> Vec<Candidat
     }
     let mut left: Vec<usize> = (0..ground.cells.len()).filter(|i| !taken.has(*i)).collect();
     left.sort_by(|a, b| ground.cells[*b].area.total_cmp(&ground.cells[*a].area).then(a.cmp(b)));
-    for cell in left {
-        if kept.iter().any(|part| part.covers.has(cell)) {
-            continue;
+    // Twice as many each time, because each time costs a hull of all points.
+    let mut count = 1;
+    while !left.is_empty() {
+        let mut added: Vec<Vec<u32>> = vec![Vec::new(); kept.len()];
+        for cell in left.drain(..count.min(left.len())) {
+            let holders = (0..chosen.len()).filter(|k| pool[chosen[*k]].covers.has(cell));
+            if let Some(k) = holders.max_by_key(|k| (kept[*k].members.len(), usize::MAX - *k)) {
+                added[k].push(cell as u32);
+            }
         }
-        let holders = (0..chosen.len()).filter(|k| pool[chosen[*k]].covers.has(cell));
-        if let Some(k) = holders.max_by_key(|k| (kept[*k].members.len(), usize::MAX - *k)) {
-            kept[k] = ground.with(&kept[k], cell as u32);
+        for (part, cells) in kept.iter_mut().zip(&added).filter(|(_, cells)| !cells.is_empty()) {
+            *part = ground.with(part, cells);
         }
+        left.retain(|cell| !kept.iter().any(|part| part.covers.has(*cell)));
+        count *= 2;
     }
     kept.retain(|part| !part.members.is_empty());
     kept

@@ -33,6 +33,12 @@ pub const MEASUREMENTS: usize = 100_000;
 /// Share of the limit that measured points may use; the rest is for the proof.
 const PLANNED: f64 = 0.975;
 
+/// Maximum number of points that are sought after a proof has failed.
+const REFUTED: usize = 12;
+
+/// Maximum number of distances by which they are sought.
+const REFUTING: usize = 400;
+
 /// Number of vertices above which a hull is not simplified, relative to the allowed number.
 const MANY: f64 = 1.5;
 
@@ -186,6 +192,10 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds) -> Result<(Hull, f64), 
                     Err(point) => {
                         planes = left;
                         faces.refuted.push(point);
+                        // The proof ends at the first point. Others save further proofs.
+                        let polytope = Body::new(&fewer, 0.0);
+                        let others = field.points_beyond(&polytope.triangles, bounds.limit, REFUTED, REFUTING);
+                        faces.refuted.extend(others.into_iter().filter(|p| !body.holds(*p, 3.5 * room)));
                         point
                     }
                 }
