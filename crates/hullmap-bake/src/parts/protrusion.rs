@@ -102,6 +102,8 @@ pub fn protrusion_beside(solid: &Solid, part: &Hull, accuracy: &Accuracy, peaks:
 struct Facet {
     corners: Triangle,
     within: f64,
+    /// A triangle of the mesh that is near the facet of which this is a half.
+    hint: Option<Triangle>,
 }
 
 fn on_surface(solid: &Solid, part: &Hull, accuracy: &Accuracy) -> Maximum {
@@ -110,10 +112,10 @@ fn on_surface(solid: &Solid, part: &Hull, accuracy: &Accuracy) -> Maximum {
     let measure = |facet: &mut Facet, best: f64| {
         let centre = triangle::centroid(&facet.corners);
         let radius = facet.corners.iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max);
-        // Room for the rounding error of the distance by which `within` was computed.
-        let Some(near) = solid.near(centre, facet.within * (1.0 + 1e-9) + solid.tolerance()) else {
+        let Some(near) = solid.near_beside(centre, facet.within, facet.hint.as_ref()) else {
             return Measured { bound: facet.within + radius, reached: 0.0, at: centre };
         };
+        facet.hint = Some(near.triangle);
         facet.within = near.distance + 2.0 * radius;
         let to_corners =
             facet.corners.iter().map(|p| triangle::nearest(&near.triangle, *p).distance(*p)).fold(0.0, f64::max);
@@ -133,7 +135,9 @@ fn on_surface(solid: &Solid, part: &Hull, accuracy: &Accuracy) -> Maximum {
         }
         Measured { bound, reached, at: centre }
     };
-    let split = |facet: &Facet| triangle::halves(&facet.corners).map(|corners| Facet { corners, within: facet.within });
+    let split = |facet: &Facet| {
+        triangle::halves(&facet.corners).map(|corners| Facet { corners, within: facet.within, hint: facet.hint })
+    };
     let (facets, on_mesh) = facets(solid, part);
     let found = maximum(facets, accuracy, measure, split);
     Maximum { bound: found.bound.max(on_mesh), ..found }
@@ -169,7 +173,11 @@ fn facets(solid: &Solid, part: &Hull) -> (Vec<Facet>, f64) {
     let mut facets = Vec::new();
     let mut on_mesh = 0.0_f64;
     let mut add = |polygon: &[DVec3]| {
-        facets.extend(planes::fan(polygon).into_iter().map(|corners| Facet { corners, within: f64::INFINITY }));
+        facets.extend(planes::fan(polygon).into_iter().map(|corners| Facet {
+            corners,
+            within: f64::INFINITY,
+            hint: None,
+        }));
     };
     if part.rank < 2 {
         add(&positions);
@@ -230,6 +238,8 @@ struct Cell {
     /// Indices of polygons; the halves of a box have subsets of its polygons.
     deep: Vec<u32>,
     within: f64,
+    /// A triangle of the mesh that is near the box of which this is a half.
+    hint: Option<Triangle>,
 }
 
 fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum, peaks: Option<&Peaks>) -> Maximum {
@@ -260,6 +270,7 @@ fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum, pea
         half: (high - low) * 0.5,
         deep: (0..deep.len() as u32).collect(),
         within: f64::INFINITY,
+        hint: None,
     };
     let measure = |cell: &mut Cell, _: f64| {
         let nothing = Measured { bound: 0.0, reached: 0.0, at: cell.centre };
@@ -286,9 +297,10 @@ fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum, pea
             // All that is not close to the part's surface is inside.
             return Measured { bound: enough, ..nothing };
         }
-        let Some(near) = solid.near(cell.centre, cell.within * (1.0 + 1e-9) + solid.tolerance()) else {
+        let Some(near) = solid.near_beside(cell.centre, cell.within, cell.hint.as_ref()) else {
             return Measured { bound: from_surface.min(cell.within + radius), ..nothing };
         };
+        cell.hint = Some(near.triangle);
         cell.within = near.distance + radius;
         let mut bound = from_surface.min(near.distance + radius);
         if bound > enough && has_no_peak(solid, centre, half, &near) {
@@ -308,7 +320,7 @@ fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum, pea
         [-1.0, 1.0].map(|side| {
             let mut centre = cell.centre;
             centre[axis] += side * half[axis];
-            Cell { centre, half, deep: cell.deep.clone(), within: cell.within + half[axis] }
+            Cell { centre, half, deep: cell.deep.clone(), within: cell.within + half[axis], hint: cell.hint }
         })
     };
     let accuracy = match accuracy.limit {
@@ -354,11 +366,11 @@ impl Peaks {
         }
         let [low, high] = solid.bounds();
         let mut boxes = Vec::new();
-        let mut stack = vec![((low + high) * 0.5, (high - low) * 0.5, f64::INFINITY)];
+        let mut stack = vec![((low + high) * 0.5, (high - low) * 0.5, f64::INFINITY, None)];
         for _ in 0..measurements {
-            let Some((centre, half, within)) = stack.pop() else { return Some(Self { above, boxes }) };
+            let Some((centre, half, within, hint)) = stack.pop() else { return Some(Self { above, boxes }) };
             let radius = half.length();
-            let near = solid.near(centre, within * (1.0 + 1e-9) + solid.tolerance())?;
+            let near = solid.near_beside(centre, within, hint.as_ref())?;
             // The maximum may be higher than it is measured.
             if near.distance + radius <= above * (1.0 - 1e-9)
                 || near.gap > radius && solid.is_inside(centre)
@@ -376,7 +388,7 @@ impl Peaks {
             for side in [-1.0, 1.0] {
                 let mut middle = centre;
                 middle[axis] += side * smaller[axis];
-                stack.push((middle, smaller, near.distance + smaller[axis]));
+                stack.push((middle, smaller, near.distance + smaller[axis], Some(near.triangle)));
             }
         }
         None

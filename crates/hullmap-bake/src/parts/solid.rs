@@ -261,15 +261,24 @@ impl Solid {
         Some(near)
     }
 
+    /// What is near a point, given a triangle that is probably close, and a length that exceeds the
+    /// distance from the solid.
+    pub fn near_beside(&self, p: DVec3, within: f64, hint: Option<&Triangle>) -> Option<Near> {
+        let to_hint = hint.map_or(f64::INFINITY, |hint| triangle::nearest(hint, p).distance(p));
+        // Room for the rounding error of both lengths.
+        self.near(p, within.min(to_hint) * (1.0 + 1e-9) + self.tolerance())
+    }
+
     /// The nearest of the first `count` triangles, with its distance.
     fn nearest(&self, p: DVec3, within: f64, count: usize) -> Option<(f64, usize)> {
-        let to_box = |node: &BvhNode, _: f64| (node.mins() - p).max(p - node.maxs()).max(DVec3::ZERO).length();
+        // Squares, because roots take time.
+        let to_box = |node: &BvhNode, _: f64| (node.mins() - p).max(p - node.maxs()).max(DVec3::ZERO).length_squared();
         let to_triangle = |index: u32, _: f64| {
             let index = index as usize;
-            (index < count).then(|| triangle::nearest(&self.triangles[index], p).distance(p))
+            (index < count).then(|| triangle::nearest(&self.triangles[index], p).distance_squared(p))
         };
-        let (index, distance) = self.bvh.find_best(within.min(f64::MAX), to_box, to_triangle)?;
-        Some((distance, index as usize))
+        let (index, square) = self.bvh.find_best((within * within).min(f64::MAX), to_box, to_triangle)?;
+        Some((square.sqrt(), index as usize))
     }
 
     /// Whether the point of a closing triangle nearest to `p` is next to the inside.

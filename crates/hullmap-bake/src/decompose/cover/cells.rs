@@ -26,6 +26,9 @@ const MAX_DEPTH: u32 = 40;
 /// Maximum number of polygons by which a trial cut is judged.
 const TRIAL_POLYGONS: usize = 200;
 
+/// Maximum number of corners by which a large piece is tested before its hull is built.
+const MAX_SAMPLED: usize = 200;
+
 /// Maximum number of corners of a piece whose hull is built. A larger piece is cut without a test.
 const MAX_CORNERS: usize = 20_000;
 
@@ -308,9 +311,16 @@ type Step = Result<Vec<(Piece, u32)>, Vec<Cell>>;
 fn step(piece: Piece, depth: u32, field: &Field, cutting: &Cutting, may_cut: bool) -> Step {
     let thickness = cutting.diagonal * super::THICKNESS;
     let is_large = piece.corners.len() > MAX_CORNERS;
-    if !is_large {
+    let limit = if may_cut { cutting.limit } else { cutting.hard };
+    // What some of the corners show is true of all.
+    let is_refuted = piece.corners.len() > 2 * MAX_SAMPLED && {
+        let stride = piece.corners.len().div_ceil(MAX_SAMPLED);
+        let some: Vec<DVec3> = piece.corners.iter().step_by(stride).copied().collect();
+        let body = Body::new(&some, thickness);
+        super::sample::face_points(&body, 96, limit).into_iter().any(|p| field.is_beyond(p, limit))
+    };
+    if !is_large && !is_refuted {
         let body = Body::new(&piece.corners, thickness);
-        let limit = if may_cut { cutting.limit } else { cutting.hard };
         if !protrudes(&piece, &body, field, limit) && (piece.ends.len() == 1 || is_proven(&body, field, cutting)) {
             return Err(vec![cell(&piece, &body, cutting)]);
         }

@@ -154,13 +154,13 @@ impl<'a> Field<'a> {
         for corners in triangles {
             let centre = triangle::centroid(corners);
             let radius = corners.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
-            queue.push(Piece { bound: radius, within: f64::INFINITY, corners: *corners });
+            queue.push(Piece { bound: radius, within: f64::INFINITY, hint: None, corners: *corners });
         }
         for _ in 0..measurements {
             let Some(piece) = queue.pop() else { break };
             let centre = triangle::centroid(&piece.corners);
             let radius = piece.corners.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
-            let Some(near) = self.solid.near(centre, piece.within) else { continue };
+            let Some(near) = self.solid.near_beside(centre, piece.within, piece.hint.as_ref()) else { continue };
             let to_corners =
                 piece.corners.iter().map(|p| triangle::nearest(&near.triangle, *p).distance(*p)).fold(0.0, f64::max);
             if (near.distance + radius).min(to_corners.max(near.distance)) <= limit {
@@ -179,13 +179,13 @@ impl<'a> Field<'a> {
                     continue;
                 }
             }
-            let within = (near.distance + 2.0 * radius) * (1.0 + 1e-9);
+            let within = near.distance + 2.0 * radius;
             for corners in triangle::halves(&piece.corners) {
                 let middle = triangle::centroid(&corners);
                 let radius = corners.iter().map(|p| p.distance(middle)).fold(0.0, f64::max);
                 let distance = near.distance + middle.distance(centre);
                 if distance + radius > limit {
-                    queue.push(Piece { bound: distance + radius, within, corners });
+                    queue.push(Piece { bound: distance + radius, within, hint: Some(near.triangle), corners });
                 }
             }
         }
@@ -222,6 +222,8 @@ struct Piece {
     bound: f64,
     /// A distance that exceeds that of its middle.
     within: f64,
+    /// A triangle of the mesh that is near.
+    hint: Option<[DVec3; 3]>,
     corners: [DVec3; 3],
 }
 
