@@ -25,7 +25,8 @@ pub fn parts(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], m
         let own = &mut hulls[start..start + count];
         start += count;
         let name = &points.name;
-        let is_whole = matches!(parts[start - count].points, Cow::Borrowed(_)) || method.allows_one_part();
+        let is_cut = |part: &Part| matches!(part.points, Cow::Owned(_));
+        let is_whole = !parts.get(start - count).is_some_and(is_cut) || method.allows_one_part();
         if count == 1 && is_whole {
             let why = if points.triangles.is_empty() {
                 "it has no faces"

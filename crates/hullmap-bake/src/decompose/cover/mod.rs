@@ -14,6 +14,7 @@
 //! 1. Clip the mesh's triangles into cells whose hulls stay near the solid.
 //! 2. Sweep over the cells in several directions. Each sweep grows parts as large as they get, one
 //!    after the other, until all cells are covered. Parts may overlap each other and the solid.
+//!    After two sweeps, a few parts are proven. If many proofs fail, start again with more reserve.
 //! 3. Choose the fewest of all parts that cover all cells. Grow parts that could replace two of
 //!    them, and choose again.
 //! 4. Take from each part the cells that others cover, and wrap it in a hull of few vertices.
@@ -111,16 +112,8 @@ const MAX_SPLITS: usize = 6;
 const INTO: f64 = 1e-5;
 
 /// Directions of the sweeps, none along an axis, so that few cells are at the same height.
-const SWEEPS: [[f64; 3]; 8] = [
-    [1.0, 0.13, 0.07],
-    [-1.0, -0.11, 0.05],
-    [0.09, 1.0, 0.12],
-    [-0.06, -1.0, 0.1],
-    [0.11, -0.05, 1.0],
-    [0.07, 0.12, -1.0],
-    [0.6, 0.7, 0.8],
-    [-0.7, 0.6, -0.5],
-];
+const SWEEPS: [[f64; 3]; 5] =
+    [[1.0, 0.13, 0.07], [-1.0, -0.11, 0.05], [0.09, 1.0, 0.12], [-0.06, -1.0, 0.1], [0.11, -0.05, 1.0]];
 
 /// Limits of a search.
 #[derive(Clone, Copy, Debug)]
@@ -133,7 +126,7 @@ pub struct Search {
     pub deadline: Option<Deadline>,
 }
 
-/// When a search stops improving.
+/// When a search stops.
 #[derive(Clone, Copy, Debug)]
 pub struct Deadline {
     start: Instant,

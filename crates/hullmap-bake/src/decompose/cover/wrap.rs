@@ -49,7 +49,7 @@ const LARGE: f64 = 0.04;
 const ALIKE: f64 = 0.94;
 
 /// Number of points of the faces that are measured.
-const MEASURED: usize = 400;
+const MEASURED: usize = 150;
 
 /// Maximum rounding error of a point, relative to its greatest coordinate.
 const ROUNDING: f64 = 1.1e-7;
