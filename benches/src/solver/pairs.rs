@@ -72,6 +72,11 @@ pub struct Placed {
 }
 
 impl Placed {
+    /// A pose for hullmap, and parry's rounding of it.
+    pub fn of(class: Class, b_in_a: Pose) -> Self {
+        Self::new(class, b_in_a.translation(), b_in_a.rotation())
+    }
+
     fn new(class: Class, translation: DVec3, rotation: DQuat) -> Self {
         let (translation, rotation): (Vec3, Quat) = (translation.as_vec3(), rotation.as_quat());
         Self {

@@ -272,6 +272,8 @@ pub use solver::{
     Cache, CastSettings, Contact, Distance, Impact, Intersection, Minkowski, Motion, Overlap, Ray, RayHit, Scratch,
     Settings, SignedDistance, Status, VectorError, Vertex, contact_lockstep,
 };
+#[doc(hidden)]
+pub use support::Facets;
 pub use support::{Bounds, Instructions, SupportMap, SupportPoint};
 
 /// The examples of the README.

@@ -2,6 +2,7 @@
 
 mod arrays;
 mod faces;
+pub(crate) mod facets;
 mod facts;
 mod feature;
 mod mass;
@@ -18,6 +19,7 @@ use hullmap_format::{
 };
 use rkyv::rend::{f32_le, i16_le, u32_le};
 
+use crate::support::facets::FacetTable;
 use crate::support::index::Index;
 use crate::support::simd::Dispatch;
 
@@ -52,6 +54,8 @@ pub struct Hull<'a> {
     face_vertices: &'a [u32_le],
     quads: &'a [ArchivedQuad],
     outer_vertices: &'a [[f32_le; 3]],
+    /// The face table of a small hull.
+    facets: Option<&'a FacetTable>,
 }
 
 /// Bytes of a [`Hull`] that support queries and the solver read.
@@ -61,7 +65,7 @@ const _: () = assert!(offset_of!(Hull<'_>, neighbour_starts) <= HOT_BYTES);
 
 impl<'a> Hull<'a> {
     /// Hull `index` of `pack`, whose spans have been checked.
-    pub(crate) fn new(pack: &Sections<'a>, index: usize) -> Option<Self> {
+    pub(crate) fn new(pack: &Sections<'a>, facets: Option<&'a FacetTable>, index: usize) -> Option<Self> {
         let record = pack.hulls.get(index)?;
         let (start, end) = (pack.spans.get(index)?, pack.spans.get(index + 1)?);
         let vertices = start.vertex.to_native() as usize..end.vertex.to_native() as usize;
@@ -96,6 +100,7 @@ impl<'a> Hull<'a> {
             interior_point: vector(&record.interior_point),
             inner_radius: record.inner_radius.to_native(),
             outer_radius: record.outer_radius.to_native(),
+            facets,
         })
     }
 

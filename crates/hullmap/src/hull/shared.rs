@@ -8,7 +8,7 @@ use super::Hull;
 use crate::{
     pack::{NoSuchHull, Pack},
     shapes::{Feature, Shape},
-    support::{Lookup, SupportMap, SupportPoint},
+    support::{Lookup, SupportMap, SupportPoint, facets::Facets},
 };
 
 self_cell::self_cell!(
@@ -179,6 +179,11 @@ impl SupportMap for SharedHull {
     #[inline(always)]
     fn working_set_len(&self) -> usize {
         self.hull().working_set_len()
+    }
+
+    #[inline(always)]
+    fn facets(&self) -> Option<Facets<'_>> {
+        self.hull().facets()
     }
 
     #[inline]

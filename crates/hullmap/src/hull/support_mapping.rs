@@ -5,6 +5,7 @@ use hullmap_format::{IndexKind, archive::ArchivedBlock, walk::Cost};
 use rkyv::rend::f32_le;
 
 use super::Hull;
+use crate::support::facets::Facets;
 use crate::support::hint::{Edges, IsLocalMaximum};
 use crate::support::simd::{Dispatch, Instructions};
 use crate::support::{Lookup, SupportMap, SupportPoint};
@@ -123,6 +124,11 @@ impl Hull<'_> {
     /// ```
     pub fn instructions(&self) -> Instructions {
         self.index.dispatch.instructions()
+    }
+
+    #[inline(always)]
+    pub(crate) fn dispatch(&self) -> Dispatch {
+        self.index.dispatch
     }
 
     /// The same hull, queried with `instructions`; `None` if the processor does not have them. The
@@ -264,6 +270,11 @@ impl SupportMap for Hull<'_> {
     fn point(&self, feature: u32) -> Option<DVec3> {
         let [x, y, z] = self.vertices.get(feature as usize)?;
         Some(DVec3::new(x.to_native().into(), y.to_native().into(), z.to_native().into()))
+    }
+
+    #[inline(always)]
+    fn facets(&self) -> Option<Facets<'_>> {
+        Some(Facets::of_hull(self.facets?, self))
     }
 
     #[inline]

@@ -60,6 +60,7 @@ use hullmap_format::{
 use rkyv::util::AlignedVec;
 
 use crate::hull::{Hull, SharedHull};
+use crate::support::facets::FacetTable;
 pub use error::{InvalidPack, NoSuchHull, OpenError};
 use storage::{Bytes, Storage};
 
@@ -106,6 +107,8 @@ use storage::{Bytes, Storage};
 pub struct Pack {
     storage: Storage,
     header: Header,
+    /// The face table of each hull that has one.
+    facets: Box<[Option<FacetTable>]>,
 }
 
 /// Payloads of at least this many bytes are checked by two threads. Smaller ones take at most about
@@ -393,7 +396,10 @@ impl Pack {
             Checks::Structure => check::structure(storage.sections(), storage.payload())?,
             Checks::All => check_all(&header, &storage)?,
         }
-        Ok(Self { storage, header })
+        let sections = storage.sections();
+        let table = |index: usize| FacetTable::of(&Hull::new(sections, None, index)?);
+        let facets = (0..sections.hulls.len()).map(table).collect();
+        Ok(Self { storage, header, facets })
     }
 
     /// Compares the data that the file holds twice: index blocks repeat vertices, and edges are the
@@ -528,7 +534,8 @@ impl Pack {
     /// # }
     /// ```
     pub fn hull(&self, index: usize) -> Result<Hull<'_>, NoSuchHull> {
-        Hull::new(self.storage.sections(), index).ok_or(NoSuchHull { index, hull_count: self.hull_count() })
+        let facets = self.facets.get(index).and_then(Option::as_ref);
+        Hull::new(self.storage.sections(), facets, index).ok_or(NoSuchHull { index, hull_count: self.hull_count() })
     }
 
     /// Nodes of the BVH over the hulls.

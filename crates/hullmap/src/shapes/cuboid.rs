@@ -4,7 +4,7 @@ use super::error::ShapeError;
 use super::feature::{Corner, Feature, NO_REACH, TILT};
 use super::shape::Shape;
 use super::{direction, error::length};
-use crate::support::{SupportMap, SupportPoint};
+use crate::support::{SupportMap, SupportPoint, facets::Facets};
 use glam::DVec3;
 
 /// A box about the origin of its frame, with its edges along the axes.
@@ -69,6 +69,10 @@ impl SupportMap for Cuboid {
     }
     fn outer_radius(&self) -> f64 {
         self.half.length()
+    }
+    #[inline(always)]
+    fn facets(&self) -> Option<Facets<'_>> {
+        Facets::of_box(self.half)
     }
 }
 

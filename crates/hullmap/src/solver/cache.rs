@@ -56,6 +56,9 @@ pub struct Cache {
     axis: Option<DVec3>,
     /// There is no simplex yet, so GJK starts from the support point along the axis.
     starts_from_axis: bool,
+    /// The last query was a contact of small polytopes that kept nothing. If the cache is used
+    /// again, a polytope pays.
+    is_used: bool,
     portal: Option<[[u32; 2]; 3]>,
     /// The first `simplex_count` entries are in use.
     simplex: [[u32; 2]; 3],
@@ -74,6 +77,7 @@ impl Default for Cache {
         Self {
             axis: None,
             starts_from_axis: false,
+            is_used: false,
             portal: None,
             simplex: [[0; 2]; 3],
             simplex_count: 0,
@@ -150,6 +154,7 @@ impl Cache {
     /// Empties the cache.
     pub fn clear(&mut self) {
         self.starts_from_axis = false;
+        self.is_used = false;
         self.forget_axis();
         self.portal = None;
         self.simplex_count = 0;
@@ -186,6 +191,15 @@ impl Cache {
 
     pub(crate) fn forget_axis(&mut self) {
         self.axis = None;
+    }
+
+    /// Whether a contact of this pair was found before without a polytope to keep.
+    pub(super) fn is_used(&self) -> bool {
+        self.is_used
+    }
+
+    pub(super) fn set_used(&mut self) {
+        self.is_used = true;
     }
 
     pub(crate) fn portal(&self) -> Option<[[u32; 2]; 3]> {

@@ -29,10 +29,11 @@ use super::intersection::{portal_tetrahedron, separated_early, store_separation}
 use super::minkowski::Minkowski;
 use super::mpr::{Discovery, Portal, discover_portal};
 use super::mpr::{Side, Until, refine_portal};
+use super::sat;
 use super::settings::Settings;
 use super::status::Status;
 use crate::pose::Pose;
-use crate::support::SupportMap;
+use crate::support::{SupportMap, facets::Facets};
 use crate::vector::unit;
 use glam::DVec3;
 
@@ -98,13 +99,30 @@ pub(super) fn core_contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     cache: &mut Cache,
 ) -> Contact {
     let mut m = Minkowski::new(a, b, b_in_a);
-    let mut out = solve(&mut m, settings, cache);
+    let facets = a.facets().zip(b.facets()).map(|(a, b)| [a, b]);
+    let mut out = solve(&mut m, facets, settings, cache);
     out.support_calls = m.support_calls();
     out
 }
 
+/// Contact by the separating axis test alone, whether it pays or not; `None` if it does not decide,
+/// or if a shape has no facets. For tests and benchmarks.
+#[doc(hidden)]
+pub fn contact_by_facets<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    a: &A,
+    b: &B,
+    b_in_a: Pose,
+    settings: &Settings,
+) -> Option<Contact> {
+    let mut m = Minkowski::new(a, b, b_in_a);
+    let mut out = sat::contact(&mut m, [a.facets()?, b.facets()?], settings.relative_tolerance(), &mut Cache::new())?;
+    out.support_calls = m.support_calls();
+    Some(out)
+}
+
 fn solve<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
+    facets: Option<[Facets<'_>; 2]>,
     settings: &Settings,
     cache: &mut Cache,
 ) -> Contact {
@@ -114,6 +132,15 @@ fn solve<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
     if let Some(found) = contact_of_balls(m, tolerance) {
         cache.forget_axis();
+        return found;
+    }
+    if settings.max_iterations > 0
+        && let Some(facets) = facets
+        && !cache.is_used()
+        && cache.polytope().is_none()
+        && sat::pays(m, &facets)
+        && let Some(found) = sat::contact(m, facets, tolerance, cache)
+    {
         return found;
     }
     if settings.max_iterations > 0

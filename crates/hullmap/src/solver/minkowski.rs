@@ -249,7 +249,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
 
     /// The point of the difference for a point of A in A's frame and a point of B in B's frame.
     #[inline(always)]
-    fn point_of(&self, a: DVec3, b_local: DVec3, features: [u32; 2]) -> Point {
+    pub(super) fn point_of(&self, a: DVec3, b_local: DVec3, features: [u32; 2]) -> Point {
         let offset_b = self.rotation * (b_local - self.center_b_local);
         Point { w: (self.center_a - self.center_b) + ((a - self.center_a) - offset_b), a, features }
     }
@@ -314,6 +314,16 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
     pub(crate) fn outer_balls_separated(&self) -> bool {
         let radius = self.outer_radius + self.rounding_error;
         self.center_point().w.length_squared() > radius * radius
+    }
+
+    /// Radius of a ball around B's interior point that contains B.
+    pub(super) fn outer_radius_b(&self) -> f64 {
+        self.b.outer_radius()
+    }
+
+    /// Rotates from B's frame to A's.
+    pub(super) fn rotation(&self) -> DMat3 {
+        self.rotation
     }
 
     /// A common point of A and B, provided that [`inner_balls_overlap`](Self::inner_balls_overlap).

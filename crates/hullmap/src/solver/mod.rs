@@ -63,6 +63,7 @@ mod mpr;
 pub(crate) mod queries;
 pub(crate) mod ray;
 mod rounded;
+mod sat;
 mod scratch;
 mod settings;
 pub(crate) mod signed_distance;
@@ -71,6 +72,8 @@ mod status;
 pub use cache::Cache;
 pub use cast::Impact;
 pub use contact::Contact;
+#[doc(hidden)]
+pub use contact::contact_by_facets;
 pub use distance::Distance;
 pub use intersection::Intersection;
 pub(crate) use intersection::Suspended;

@@ -9,12 +9,14 @@ pub(crate) mod best_candidate;
 mod bounds;
 pub(crate) mod candidate;
 pub(crate) mod direction;
+pub(crate) mod facets;
 pub(crate) mod hint;
 pub(crate) mod index;
 pub(crate) mod simd;
 mod support_map;
 
 pub use bounds::Bounds;
+pub use facets::Facets;
 pub use simd::Instructions;
 #[doc(hidden)]
 pub use support_map::Lookup;

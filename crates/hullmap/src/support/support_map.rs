@@ -1,6 +1,7 @@
 //! Support mapping: the only interface between the solver and a shape.
 
 use super::bounds::Bounds;
+use super::facets::Facets;
 use crate::pose::Pose;
 use glam::DVec3;
 
@@ -230,6 +231,15 @@ pub trait SupportMap {
         self.point(feature)
     }
 
+    /// The faces of a small hull or of a box, from which [`contact`](crate::contact()) computes
+    /// depths faster. The default is `None`: depths come from support points.
+    ///
+    /// A wrapper may forward this method if it forwards all others.
+    #[doc(hidden)]
+    fn facets(&self) -> Option<Facets<'_>> {
+        None
+    }
+
     /// Axis-aligned bounds of the shape, placed at `pose`, in the frame that the pose maps to.
     ///
     /// The box certainly contains the shape: it is larger than the tightest box by the rounding
@@ -327,6 +337,10 @@ impl<S: SupportMap + ?Sized> SupportMap for &S {
     #[inline(always)]
     fn core_point(&self, feature: u32) -> Option<DVec3> {
         (**self).core_point(feature)
+    }
+    #[inline(always)]
+    fn facets(&self) -> Option<Facets<'_>> {
+        (**self).facets()
     }
     fn bounds_under(&self, pose: Pose) -> Bounds {
         (**self).bounds_under(pose)

@@ -5,18 +5,14 @@
 #![allow(unsafe_code)]
 
 use std::arch::x86_64::{
-    __m256, __m256d, _CMP_EQ_OQ, _CMP_LT_OQ, _CMP_NLT_UQ, _MM_HINT_T0, _mm_loadu_si128, _mm_prefetch, _mm256_add_pd,
-    _mm256_castps256_ps128, _mm256_cmp_pd, _mm256_cmp_ps, _mm256_cvtepi16_epi32, _mm256_cvtepi32_ps, _mm256_cvtps_pd,
-    _mm256_cvtss_f32, _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_loadu_pd, _mm256_loadu_ps, _mm256_max_pd,
-    _mm256_max_ps, _mm256_min_pd, _mm256_movemask_pd, _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps,
-    _mm256_permute_pd, _mm256_permute_ps, _mm256_permute2f128_pd, _mm256_permute2f128_ps, _mm256_set1_pd,
-    _mm256_set1_ps, _mm256_sub_ps,
+    _CMP_EQ_OQ, _CMP_LT_OQ, _CMP_NLT_UQ, _MM_HINT_T0, __m256, __m256d, _mm256_add_epi32, _mm256_add_pd, _mm256_add_ps, _mm256_blendv_epi8, _mm256_castps256_ps128, _mm256_castps_si256, _mm256_cmp_pd, _mm256_cmp_ps, _mm256_cvtepi16_epi32, _mm256_cvtepi32_ps, _mm256_cvtps_pd, _mm256_cvtss_f32, _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_loadu_pd, _mm256_loadu_ps, _mm256_max_pd, _mm256_max_ps, _mm256_min_pd, _mm256_movemask_pd, _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_permute2f128_pd, _mm256_permute2f128_ps, _mm256_permute_pd, _mm256_permute_ps, _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps, _mm256_setzero_si256, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps, _mm_loadu_si128, _mm_prefetch,
 };
 
 use hullmap_format::archive::{ArchivedBlock, LANES};
 use rkyv::rend::{f32_le, i16_le};
 
 use super::{Kernel, Simd};
+use crate::support::facets::{NormalBlock, PointBlock};
 
 /// Proof that the processor has AVX2, FMA, BMI1 and BMI2.
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +34,24 @@ impl Avx2 {
         // SAFETY: `self` proves that the processor has the features that `compiled` is compiled
         // for.
         unsafe { compiled(self, kernel, x, y, z) }
+    }
+
+    /// See [`Dispatch::farthest`](super::Dispatch::farthest).
+    #[inline(always)]
+    pub(super) fn farthest(
+        self,
+        normals: &[NormalBlock],
+        points: &[PointBlock],
+        count: usize,
+        value: &mut [[f32; LANES]],
+        index: Option<&mut [[u32; LANES]]>,
+    ) {
+        match index {
+            // SAFETY: `self` proves that the processor has the features.
+            Some(index) => unsafe { farthest::<true>(normals, points, count, value, index) },
+            // SAFETY: as above.
+            None => unsafe { farthest::<false>(normals, points, count, value, &mut []) },
+        }
     }
 
     /// See [`Dispatch::argmin`](super::Dispatch::argmin).
@@ -64,6 +78,81 @@ pub(super) fn fetch_bytes(start: *const i8, len: usize) {
         // SAFETY: SSE is part of x86-64. The instruction changes nothing that the program can see,
         // and ignores addresses that are not mapped.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset)) };
+    }
+}
+
+/// Two blocks of normals at a time, as their maxima do not depend on each other.
+#[target_feature(enable = "avx2")]
+fn farthest<const INDEX: bool>(
+    normals: &[NormalBlock],
+    points: &[PointBlock],
+    count: usize,
+    value: &mut [[f32; LANES]],
+    index: &mut [[u32; LANES]],
+) {
+    let (pairs, rest) = normals.as_chunks::<2>();
+    let (mut values, mut indices) = (value.chunks_mut(2), index.chunks_mut(2));
+    let mut unused = [[0; LANES]; 2];
+    for pair in pairs {
+        let Some(Ok(value)) = values.next().map(TryInto::try_into) else { return };
+        let index = indices.next().and_then(|chunk| chunk.try_into().ok()).unwrap_or(&mut unused);
+        farthest_of::<2, INDEX>(pair, points, count, value, index);
+    }
+    if let [last] = rest {
+        let Some(value) = values.next().and_then(<[_]>::first_mut) else { return };
+        let [unused, _] = &mut unused;
+        let index = indices.next().and_then(<[_]>::first_mut).unwrap_or(unused);
+        farthest_of::<1, INDEX>(
+            std::array::from_ref(last),
+            points,
+            count,
+            std::array::from_mut(value),
+            std::array::from_mut(index),
+        );
+    }
+}
+
+#[inline]
+#[target_feature(enable = "avx2")]
+fn farthest_of<const K: usize, const INDEX: bool>(
+    normals: &[NormalBlock; K],
+    points: &[PointBlock],
+    count: usize,
+    value: &mut [[f32; LANES]; K],
+    index: &mut [[u32; LANES]; K],
+) {
+    // SAFETY: every load reads the 32 bytes of an array of eight f32, at any alignment.
+    let load = |from: &[f32; LANES]| unsafe { _mm256_loadu_ps(from.as_ptr()) };
+    let n = normals.each_ref().map(|block| block.normal.each_ref().map(load));
+    let mut best = [_mm256_set1_ps(f32::NEG_INFINITY); K];
+    let mut at = [_mm256_setzero_si256(); K];
+    let mut number = _mm256_setzero_si256();
+    let one = _mm256_set1_epi32(1);
+    for (p, PointBlock([px, py, pz])) in points.iter().enumerate() {
+        let inside = count.saturating_sub(LANES * p).min(LANES);
+        for ((px, py), pz) in px.iter().zip(py).zip(pz).take(inside) {
+            let (px, py, pz) = (_mm256_set1_ps(*px), _mm256_set1_ps(*py), _mm256_set1_ps(*pz));
+            for (([x, y, z], best), at) in n.iter().zip(&mut best).zip(&mut at) {
+                let dot =
+                    _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(*x, px), _mm256_mul_ps(*y, py)), _mm256_mul_ps(*z, pz));
+                if INDEX {
+                    let farther = _mm256_castps_si256(_mm256_cmp_ps::<_CMP_LT_OQ>(*best, dot));
+                    *at = _mm256_blendv_epi8(*at, number, farther);
+                }
+                *best = _mm256_max_ps(dot, *best);
+            }
+            if INDEX {
+                number = _mm256_add_epi32(number, one);
+            }
+        }
+    }
+    for ((((block, best), at), value), index) in normals.iter().zip(best).zip(at).zip(value).zip(index) {
+        // SAFETY: each store writes the 32 bytes of an array of eight f32, at any alignment.
+        unsafe { _mm256_storeu_ps(value.as_mut_ptr(), _mm256_add_ps(best, load(&block.offset))) };
+        if INDEX {
+            // SAFETY: as above.
+            unsafe { _mm256_storeu_si256(index.as_mut_ptr().cast(), at) };
+        }
     }
 }
 

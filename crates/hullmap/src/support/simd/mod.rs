@@ -22,6 +22,7 @@ use std::sync::{
 use hullmap_format::archive::{ArchivedBlock, LANES};
 use rkyv::rend::i16_le;
 
+use super::facets::{NormalBlock, PointBlock};
 pub(crate) use portable::Portable;
 
 /// Environment variable that selects the instruction set of a process: `portable` or `avx2`.
@@ -152,6 +153,25 @@ impl Dispatch {
         }
     }
 
+    /// For each of the `normals`, its offset plus the maximum dot product with the first `count` of
+    /// `points`; if `index` is given, also the lowest point with that maximum. Each product and each
+    /// sum is rounded once, in the order x, y, z.
+    #[inline(always)]
+    pub(crate) fn farthest(
+        self,
+        normals: &[NormalBlock],
+        points: &[PointBlock],
+        count: usize,
+        value: &mut [[f32; LANES]],
+        index: Option<&mut [[u32; LANES]]>,
+    ) {
+        match self {
+            Self::Portable => portable::farthest(normals, points, count, value, index),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(avx2) => avx2.farthest(normals, points, count, value, index),
+        }
+    }
+
     pub(crate) fn instructions(self) -> Instructions {
         match self {
             Self::Portable => Instructions::Portable,
@@ -204,6 +224,37 @@ fn portable<K: Kernel>(kernel: K, x: K::Scalar, y: K::Scalar, z: K::Scalar) -> K
 mod tests {
     use super::*;
     use shapes::rng::SplitMix64;
+
+    #[test]
+    fn farthest_is_the_same_on_every_instruction_set() {
+        let mut rng = SplitMix64::new(5);
+        for (normals, count) in [(1, 8), (2, 5), (3, 17), (8, 32), (16, 64)] {
+            let mut lanes = || [(); LANES].map(|()| rng.between(-1.0, 1.0) as f32);
+            let normals: Vec<NormalBlock> =
+                (0..normals).map(|_| NormalBlock { normal: [lanes(), lanes(), lanes()], offset: lanes() }).collect();
+            let mut points: Vec<PointBlock> = (0..8).map(|_| PointBlock([lanes(), lanes(), lanes()])).collect();
+            // Ties: the first two points are equal.
+            points[0].0.iter_mut().for_each(|c| c[1] = c[0]);
+            let at = |i: usize| points[i / LANES].0.map(|c| c[i % LANES]);
+            for dispatch in [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Dispatch::of) {
+                let mut value = vec![[0.0; LANES]; normals.len()];
+                let mut index = vec![[0; LANES]; normals.len()];
+                dispatch.farthest(&normals, &points, count, &mut value, Some(&mut index));
+                let mut alone = vec![[0.0; LANES]; normals.len()];
+                dispatch.farthest(&normals, &points, count, &mut alone, None);
+                assert_eq!(alone, value);
+                for (b, block) in normals.iter().enumerate() {
+                    for lane in 0..LANES {
+                        let n = block.normal.map(|c| c[lane]);
+                        let dots = (0..count).map(at).map(|p| n[0] * p[0] + n[1] * p[1] + n[2] * p[2]);
+                        let best = dots.enumerate().fold((0, f32::NEG_INFINITY), |m, d| if d.1 > m.1 { d } else { m });
+                        assert_eq!(value[b][lane], best.1 + block.offset[lane]);
+                        assert_eq!(index[b][lane], best.0 as u32);
+                    }
+                }
+            }
+        }
+    }
 
     #[test]
     fn argmin_returns_the_first_minimum() {

@@ -7,6 +7,7 @@ use rkyv::rend::{f32_le, i16_le};
 
 use super::Simd;
 use crate::support::candidate::exact_dot;
+use crate::support::facets::{NormalBlock, PointBlock};
 
 /// The instruction set that every processor has.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +53,50 @@ pub(super) fn argmin(values: &[[f64; LANES]]) -> usize {
         }
     }
     0
+}
+
+/// See [`Dispatch::farthest`](super::Dispatch::farthest).
+#[inline(never)]
+pub(super) fn farthest(
+    normals: &[NormalBlock],
+    points: &[PointBlock],
+    count: usize,
+    value: &mut [[f32; LANES]],
+    mut index: Option<&mut [[u32; LANES]]>,
+) {
+    for (b, (block, value)) in normals.iter().zip(value).enumerate() {
+        let [x, y, z] = block.normal.each_ref().map(halves);
+        let offset = halves(&block.offset);
+        for half in 0..2 {
+            let (mut best, mut at) = (Vec4::NEG_INFINITY, Vec4::ZERO);
+            let mut number = 0;
+            for (p, PointBlock([px, py, pz])) in points.iter().enumerate() {
+                let inside = count.saturating_sub(LANES * p).min(LANES);
+                for ((px, py), pz) in px.iter().zip(py).zip(pz).take(inside) {
+                    let [Some(x), Some(y), Some(z)] = [&x, &y, &z].map(|c| c.get(half)) else { continue };
+                    let dot = *x * Vec4::splat(*px) + *y * Vec4::splat(*py) + *z * Vec4::splat(*pz);
+                    let farther = dot.cmpgt(best);
+                    best = Vec4::select(farther, dot, best);
+                    // As bits: a number that is only moved.
+                    at = Vec4::select(farther, Vec4::splat(f32::from_bits(number)), at);
+                    number += 1;
+                }
+            }
+            let Some(offset) = offset.get(half) else { continue };
+            if let Some(to) = value.get_mut(4 * half..4 * half + 4) {
+                to.copy_from_slice(&(best + *offset).to_array());
+            }
+            let to = index.as_mut().and_then(|index| index.get_mut(b)?.get_mut(4 * half..4 * half + 4));
+            if let Some(to) = to {
+                to.copy_from_slice(&at.to_array().map(f32::to_bits));
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn halves([a, b, c, d, e, f, g, h]: &[f32; LANES]) -> [Vec4; 2] {
+    [Vec4::new(*a, *b, *c, *d), Vec4::new(*e, *f, *g, *h)]
 }
 
 impl Simd for Portable {

@@ -1,0 +1,161 @@
+//! Contact of small hulls by the separating axis test beside the general path (MPR and EPA), on the
+//! same pairs, interleaved in one run.
+
+use std::{hint::black_box, time::Instant};
+
+use clap::Parser;
+use hullmap::{Cache, Contact, Hull, Pack, Pose, Settings, SupportMap, SupportPoint, contact, glam::DVec3, intersects};
+use hullmap_bench::{
+    solver::pairs::{Class, FAMILIES, Pair, Placed},
+    subject::SEED,
+};
+use hullmap_testkit::packs;
+use shapes::rng::SplitMix64;
+
+/// Compares contact with and without the separating axis test for small hulls.
+#[derive(Parser)]
+struct Arguments {
+    /// Point counts, separated by commas
+    #[arg(long, value_delimiter = ',', default_value = "8,12,16,24,32,48,64")]
+    n: Vec<usize>,
+    /// Poses of each class
+    #[arg(long, default_value_t = 200)]
+    poses: usize,
+    /// Rounds; the median counts
+    #[arg(long, default_value_t = 15)]
+    rounds: usize,
+}
+
+/// A hull without its faces: the solver takes the general path.
+struct General<'a>(Hull<'a>);
+
+impl SupportMap for General<'_> {
+    #[inline(always)]
+    fn support_point(&self, dir: DVec3) -> SupportPoint {
+        self.0.support_point(dir)
+    }
+    fn interior_point(&self) -> DVec3 {
+        self.0.interior_point()
+    }
+    fn inner_radius(&self) -> f64 {
+        self.0.inner_radius()
+    }
+    fn outer_radius(&self) -> f64 {
+        self.0.outer_radius()
+    }
+    fn support_error(&self) -> f64 {
+        self.0.support_error()
+    }
+    fn point(&self, feature: u32) -> Option<DVec3> {
+        self.0.point(feature)
+    }
+}
+
+fn time<A: SupportMap, B: SupportMap>(a: &A, b: &B, poses: &[Placed], warm: bool) -> f64 {
+    let mut caches = vec![Cache::new(); if warm { poses.len() } else { 0 }];
+    let settings = Settings::default();
+    if warm {
+        for _ in 0..2 {
+            for (placed, cache) in poses.iter().zip(&mut caches) {
+                contact(a, b, placed.b_in_a, &settings, cache);
+            }
+        }
+    }
+    let start = Instant::now();
+    for (index, placed) in poses.iter().enumerate() {
+        match caches.get_mut(index) {
+            Some(cache) => black_box(contact(a, b, placed.b_in_a, &settings, cache)),
+            None => black_box(contact(a, b, placed.b_in_a, &settings, &mut Cache::new())),
+        };
+    }
+    start.elapsed().as_secs_f64() * 1e9 / poses.len() as f64
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+fn row(name: &str, [a, b]: [Hull<'_>; 2], poses: &[Placed], rounds: usize) {
+    let [general_a, general_b] = [General(a), General(b)];
+    print!("{name:<24}");
+    for class in Class::ALL {
+        let poses: Vec<Placed> = poses.iter().filter(|placed| placed.class == class).copied().collect();
+        let mut times = [(); 4].map(|()| Vec::new());
+        for _ in 0..rounds {
+            times[0].push(time(&general_a, &general_b, &poses, false));
+            times[1].push(time(&a, &b, &poses, false));
+            times[2].push(time(&general_a, &general_b, &poses, true));
+            times[3].push(time(&a, &b, &poses, true));
+        }
+        let [general, sat, general_warm, sat_warm] = times.map(median);
+        let calls: u32 = poses
+            .iter()
+            .map(|p| contact(&a, &b, p.b_in_a, &Settings::default(), &mut Cache::new()).support_calls)
+            .sum();
+        if std::env::var_os("SAT_ONLY").is_some() {
+            for _ in 0..20000 {
+                time(&a, &b, &poses, false);
+            }
+        }
+        print!(" | calls {:.1}", f64::from(calls) / poses.len() as f64);
+        print!(" | {general:5.0} {sat:5.0} {:4.2}  warm {general_warm:5.0} {sat_warm:5.0}", sat / general);
+    }
+    // How often the test left the answer to the general path: it alone keeps a polytope.
+    let fell_back = |placed: &&Placed| {
+        let settings = Settings::default();
+        let general: Contact = contact(&general_a, &general_b, placed.b_in_a, &settings, &mut Cache::new());
+        let (mut fresh, none) = (Cache::new(), Cache::new());
+        let found = contact(&a, &b, placed.b_in_a, &settings, &mut fresh);
+        assert!((found.depth - general.depth).abs() <= 2e-5 * general.depth + 1e-11, "{found:?} {general:?}");
+        found.hit && fresh != none
+    };
+    let count = poses.iter().filter(fell_back).count();
+    println!(" | {:.1} % general", 100.0 * count as f64 / poses.len() as f64);
+}
+
+fn bevelled_box(bevels: usize) -> Vec<[f32; 3]> {
+    // 8, 16, 24 or 32 vertices: bevels along one axis, along two, at the corners.
+    let mut points = Vec::new();
+    for corner in 0..8 {
+        let sign = |axis: usize| if corner >> axis & 1 == 0 { 1.0_f32 } else { -1.0 };
+        let full = [1.0_f32, 0.8, 0.6];
+        let at = |cut: [f32; 3]| std::array::from_fn(|axis| sign(axis) * (full[axis] - cut[axis]));
+        match bevels {
+            0 => points.push(at([0.0; 3])),
+            1 => points.extend([at([0.2, 0.0, 0.0]), at([0.0, 0.2, 0.0])]),
+            _ => points.extend([at([0.2, 0.2, 0.0]), at([0.2, 0.0, 0.2]), at([0.0, 0.2, 0.2])]),
+        }
+    }
+    points
+}
+
+fn main() {
+    let arguments = Arguments::parse();
+    println!("ns: general, SAT, ratio; penetrating | near touching | separated");
+    let mut rng = SplitMix64::new(SEED);
+    for n in &arguments.n {
+        for family in FAMILIES {
+            let Some(pair) = Pair::bake(family, *n, SEED) else { continue };
+            let poses = pair.poses(arguments.poses, &mut rng);
+            row(&format!("{} {n}", family.name()), pair.hulls(), &poses, arguments.rounds);
+        }
+    }
+    for bevels in 0..3 {
+        let pack: Pack = packs::tree_pack(&bevelled_box(bevels));
+        let hull = pack.hull(0).expect("a hull");
+        let mut placed = Vec::new();
+        while placed.len() < 3 * arguments.poses {
+            let class = Class::ALL[placed.len() % 3];
+            let rotation = hullmap::glam::DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize();
+            let direction = DVec3::from_array(rng.direction());
+            let [low, high] = class.shares();
+            let reach = hullmap_bench::solver::pairs::touching_distance(&hull, &hull, rotation, direction);
+            let pose = Pose::new(direction * reach * rng.between(low, high), rotation).expect("finite");
+            assert!(class != Class::Separated || !intersects(&hull, &hull, pose, &mut Cache::new()).is_hit());
+            let parry = hullmap_bench::solver::pairs::Placed::of(class, pose);
+            placed.push(parry);
+        }
+        row(&format!("bevelled box {}", hull.vertex_count()), [hull, hull], &placed, arguments.rounds);
+    }
+}

@@ -1,0 +1,320 @@
+//! Builds the face table of a small hull, and proves that the separating axis test may rely on it.
+//!
+//! # Steps
+//! 1. Normals in f64. A normal is the number that was computed, not the true normal: no later step
+//!    depends on its error, except through the slack.
+//! 2. Order the faces around each vertex.
+//! 3. Prove that the cones of the vertices, each spanned by the normals of the vertex's faces, are
+//!    convex and cover all directions (docs/intervals.md, section 12).
+//! 4. Bound the height by which the hull extends beyond a vertex in a direction of its cone: the
+//!    slack.
+//!
+//! # Deviations
+//! - A hull that fails a proof has no table, and its queries take the general path.
+
+#![forbid(unsafe_code)]
+
+use glam::DVec3;
+
+use super::Hull;
+use crate::support::SupportMap;
+use crate::support::facets::{
+    Arc, FacetTable, LANES, MAX_FACES, MAX_VERTICES, NormalBlock, PointBlock, triangle_normal,
+};
+
+/// Rounding error of the height of a vertex over a plane, in units of `f64::EPSILON` times the outer
+/// radius.
+const HEIGHT_ROUNDINGS: f64 = 4.0;
+
+/// A triple product is positive for certain above this many units of `f64::EPSILON` times the
+/// lengths of its factors. Two rounded differences, a cross product and a dot product have an error
+/// of at most 10 half units.
+const CERTAIN: f64 = 8.0;
+
+/// Maximum slack over the outer radius. A hull with more takes the general path, whose intervals
+/// are narrower.
+const MAX_SLACK: f64 = 1e-11;
+
+/// Minimum distance of the origin from the convex hull of a vertex's normals. It is small at the
+/// tip of a needle, where normals are nearly opposite.
+const MIN_HEIGHT: f64 = 1e-6;
+
+/// No face: the value of an unused entry.
+const NO_FACE: u8 = u8::MAX;
+
+impl FacetTable {
+    /// The table of `hull`; `None` if the hull is flat, has more than [`MAX_VERTICES`] vertices, or
+    /// if a proof fails.
+    ///
+    /// # Complexity
+    /// O(n): about 10 µs for 32 vertices.
+    pub(crate) fn of(hull: &Hull<'_>) -> Option<Self> {
+        let count = hull.vertex_count();
+        if hull.rank() != 3 || !(4..=MAX_VERTICES).contains(&count) || hull.face_count() > MAX_FACES {
+            return None;
+        }
+        let center = hull.interior_point();
+        let radius = hull.outer_radius();
+        let points: Vec<DVec3> = hull.vertices().map(|v| v.as_dvec3()).collect();
+        // 1.
+        let mut faces: Vec<Face> = Vec::with_capacity(2 * count);
+        for face in hull.faces() {
+            let vertices: Vec<u8> = face.map(|v| u8::try_from(v).ok()).collect::<Option<_>>()?;
+            if vertices.len() < 3 || vertices.len() > count || vertices.iter().any(|v| usize::from(*v) >= count) {
+                return None;
+            }
+            faces.push(Face::new(vertices, &points, center)?);
+        }
+        // 2.
+        let map = Edges::new(&faces, count)?;
+        // 3. and 4.
+        let mut slack = 0.0_f64;
+        for vertex in 0..count {
+            let ring = map.ring(vertex, &faces)?;
+            slack = slack.max(cone_slack(&ring, vertex, &faces, &points, center)?);
+        }
+        // NaN takes the failing branch.
+        if !(slack <= MAX_SLACK * radius) {
+            return None;
+        }
+        Some(Self {
+            normals: blocks(&faces),
+            exact: faces.iter().map(|face| face.normal).collect(),
+            points: point_blocks(&points, center),
+            arcs: map.arcs(&faces),
+            slack,
+        })
+    }
+}
+
+/// A face with its computed normal.
+struct Face {
+    /// Counter-clockwise, seen from outside.
+    vertices: Vec<u8>,
+    normal: DVec3,
+    /// Maximum height of the hull along the normal, over the interior point.
+    offset: f64,
+    /// Height of the hull over the face's lowest vertex.
+    sag: f64,
+}
+
+impl Face {
+    fn new(vertices: Vec<u8>, points: &[DVec3], center: DVec3) -> Option<Self> {
+        let third = (vertices.len() / 3).max(1);
+        let corners = [*vertices.first()?, *vertices.get(third)?, *vertices.get(2 * third)?];
+        let [p, q, r] = corners.map(|v| points.get(usize::from(v)).copied());
+        let normal = triangle_normal(p?, q?, r?)?;
+        let height = |point: DVec3| (point - center).dot(normal);
+        let offset = points.iter().fold(f64::NEG_INFINITY, |max, point| max.max(height(*point)));
+        let own = vertices.iter().filter_map(|v| points.get(usize::from(*v)));
+        let lowest = own.fold(f64::INFINITY, |min, point| min.min(height(*point)));
+        Some(Self { vertices, normal, offset, sag: offset - lowest })
+    }
+}
+
+/// The face to the left of each directed edge.
+struct Edges {
+    left: Vec<[u8; MAX_VERTICES]>,
+    vertices: usize,
+    half_edges: usize,
+}
+
+impl Edges {
+    /// `None` if an edge does not have exactly two faces.
+    fn new(faces: &[Face], vertices: usize) -> Option<Self> {
+        let mut left = vec![[NO_FACE; MAX_VERTICES]; vertices];
+        let mut half_edges = 0;
+        for (index, face) in faces.iter().enumerate() {
+            let ends = face.vertices.iter().zip(face.vertices.iter().cycle().skip(1));
+            for (v, w) in ends {
+                let entry = left.get_mut(usize::from(*v))?.get_mut(usize::from(*w))?;
+                if *entry != NO_FACE || v == w {
+                    return None;
+                }
+                *entry = u8::try_from(index).ok()?;
+                half_edges += 1;
+            }
+        }
+        let found = Self { left, vertices, half_edges };
+        // Euler's formula: the surface is a sphere.
+        (2 * vertices + 2 * faces.len() == half_edges + 4).then_some(found)
+    }
+
+    fn left_of(&self, v: usize, w: usize) -> Option<usize> {
+        self.left.get(v)?.get(w).filter(|face| **face != NO_FACE).map(|face| usize::from(*face))
+    }
+
+    /// The faces around a vertex, clockwise seen from outside. `None` if they are not one ring.
+    fn ring(&self, vertex: usize, faces: &[Face]) -> Option<Vec<usize>> {
+        let degree = self.left.get(vertex)?.iter().filter(|face| **face != NO_FACE).count();
+        let first = self.left.get(vertex)?.iter().find(|face| **face != NO_FACE).map(|face| usize::from(*face))?;
+        let mut ring = Vec::with_capacity(degree);
+        let mut face = first;
+        loop {
+            ring.push(face);
+            let corners = &faces.get(face)?.vertices;
+            let at = corners.iter().position(|v| usize::from(*v) == vertex)?;
+            let next = usize::from(*corners.get((at + 1) % corners.len())?);
+            face = self.left_of(next, vertex)?;
+            if face == first {
+                break;
+            }
+            if ring.len() >= degree {
+                return None;
+            }
+        }
+        (ring.len() == degree && degree >= 3).then_some(ring)
+    }
+
+    fn arcs(&self, faces: &[Face]) -> Box<[Arc]> {
+        let mut arcs = Vec::with_capacity(self.half_edges / 2);
+        for v in 0..self.vertices {
+            for w in v + 1..self.vertices {
+                let sides = (self.left_of(v, w), self.left_of(w, v));
+                let (Some(left), Some(right)) = sides else { continue };
+                let (Some(from), Some(to)) = (faces.get(left), faces.get(right)) else { continue };
+                // 1e-6 exceeds the rounding to f32.
+                let chord = (from.normal.distance(to.normal) * (1.0 + 1e-6)) as f32;
+                arcs.push(Arc { faces: [left as u8, right as u8], vertices: [v as u8, w as u8], chord });
+            }
+        }
+        arcs.into()
+    }
+}
+
+/// Proves that the cone of a vertex is convex, with consecutive normals of the ring as its edges,
+/// and returns its slack: the maximum height by which the hull extends beyond the vertex in a
+/// direction of the cone.
+fn cone_slack(ring: &[usize], vertex: usize, faces: &[Face], points: &[DVec3], center: DVec3) -> Option<f64> {
+    let normals: Vec<DVec3> = ring.iter().filter_map(|face| faces.get(*face)).map(|face| face.normal).collect();
+    for (i, c) in normals.iter().enumerate() {
+        let next_index = (i + 1) % normals.len();
+        let next = normals.get(next_index)?;
+        let to_next = *next - *c;
+        for (j, other) in normals.iter().enumerate() {
+            if j == i || j == next_index {
+                continue;
+            }
+            let to_other = *other - *c;
+            // Clockwise. NaN takes the failing branch.
+            let volume = c.dot(to_other.cross(to_next));
+            let certain = CERTAIN * f64::EPSILON * (to_next.length_squared() * to_other.length_squared()).sqrt();
+            if !(volume > certain) {
+                return None;
+            }
+        }
+    }
+    let point = *points.get(vertex)?;
+    // The faces that contain the vertex extend beyond it by at most their sag.
+    let sag = ring.iter().filter_map(|face| faces.get(*face)).fold(0.0_f64, |max, face| max.max(face.sag));
+    let mean = normals.iter().sum::<DVec3>().normalize_or_zero();
+    let outward = (point - center).normalize_or_zero();
+    let narrowest = |axis: DVec3| normals.iter().fold(f64::INFINITY, |min, n| min.min(n.dot(axis)));
+    // Distance of the origin from the convex hull of the normals, or less.
+    let height = narrowest(mean).max(narrowest(outward));
+    let rounding = HEIGHT_ROUNDINGS * f64::EPSILON * points.iter().fold(0.0, |max: f64, p| max.max(p.distance(center)));
+    (height > MIN_HEIGHT).then(|| (sag + rounding) / height)
+}
+
+#[expect(clippy::indexing_slicing, reason = "blocks are filled lane by lane, of three components each")]
+fn blocks(faces: &[Face]) -> Box<[NormalBlock]> {
+    let mut blocks = vec![NormalBlock::default(); faces.len().div_ceil(LANES)];
+    for (b, block) in blocks.iter_mut().enumerate() {
+        for lane in 0..LANES {
+            let Some(face) = faces.get((LANES * b + lane).min(faces.len() - 1)) else { continue };
+            let normal = face.normal.as_vec3().to_array();
+            for axis in 0..3 {
+                block.normal[axis][lane] = normal[axis];
+            }
+            block.offset[lane] = face.offset as f32;
+        }
+    }
+    blocks.into()
+}
+
+#[expect(clippy::indexing_slicing, reason = "blocks are filled lane by lane, of three components each")]
+fn point_blocks(points: &[DVec3], center: DVec3) -> Box<[PointBlock]> {
+    let mut blocks = vec![PointBlock::default(); points.len().div_ceil(LANES)];
+    for (b, block) in blocks.iter_mut().enumerate() {
+        for lane in 0..LANES {
+            let Some(point) = points.get((LANES * b + lane).min(points.len() - 1)) else { continue };
+            let offset = (*point - center).as_vec3().to_array();
+            for axis in 0..3 {
+                block.0[axis][lane] = offset[axis];
+            }
+        }
+    }
+    blocks.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use hullmap_testkit::packs;
+    use shapes::{families::Family, rng::SplitMix64};
+
+    use super::*;
+    use crate::pack::Pack;
+
+    /// The cones of the vertices contain every direction, and in its cone a vertex is a support
+    /// point to within the slack.
+    #[test]
+    fn cones_cover_all_directions() {
+        let mut tables = [0, 0];
+        for family in Family::ALL {
+            for n in [4, 5, 6, 8, 11, 16, 24, 32] {
+                for seed in 0..4 {
+                    let bytes = packs::tree_bytes(&family.points(n.max(shapes::families::MIN_POINTS), seed));
+                    let pack = Pack::from_bytes(&bytes).unwrap();
+                    let hull = pack.hull(0).unwrap();
+                    if hull.rank() != 3 || hull.vertex_count() > MAX_VERTICES {
+                        assert!(FacetTable::of(&hull).is_none());
+                        continue;
+                    }
+                    tables[0] += 1;
+                    let Some(table) = FacetTable::of(&hull) else { continue };
+                    tables[1] += 1;
+                    check(&hull, &table, seed);
+                }
+            }
+        }
+        // Needles and thin cones may fail a proof.
+        assert!(tables[0] > 150 && tables[1] * 20 > tables[0] * 19, "{tables:?}");
+    }
+
+    fn check(hull: &Hull<'_>, table: &FacetTable, seed: u64) {
+        assert_eq!((table.exact.len(), 2 * table.arcs.len()), (hull.face_count(), hull.neighbours.len()));
+        let mut rng = SplitMix64::new(seed);
+        for round in 0..200 {
+            // Face normals too, where cones meet.
+            let dir = match table.exact.get(round) {
+                Some(normal) => *normal,
+                None => DVec3::from_array(rng.direction()),
+            };
+            let mut covered = false;
+            for vertex in 0..hull.vertex_count() as u32 {
+                let normals: Vec<DVec3> = hull.faces_at(vertex).map(|f| table.exact[f as usize]).collect();
+                // The cone contains the direction if a triangle of its normals does.
+                let within = |p: DVec3, q: DVec3, r: DVec3| {
+                    let sides = [p.cross(q).dot(dir), q.cross(r).dot(dir), r.cross(p).dot(dir)];
+                    p.cross(q).dot(r) > 0.0 && sides.iter().all(|side| *side >= -1e-15)
+                };
+                let any = normals.iter().any(|p| normals.iter().any(|q| normals.iter().any(|r| within(*p, *q, *r))));
+                if any {
+                    covered = true;
+                    let height = |v: DVec3| v.dot(dir);
+                    let highest = hull.vertices().map(|v| height(v.as_dvec3())).fold(f64::NEG_INFINITY, f64::max);
+                    let own = height(hull.vertex(vertex).unwrap().as_dvec3());
+                    let rounding = 1e-14 * hull.outer_radius();
+                    assert!(own >= highest - table.slack - rounding, "{} {vertex} {dir}", hull.name());
+                }
+            }
+            assert!(covered, "{dir}, seed {seed}");
+        }
+    }
+
+    #[test]
+    fn large_hulls_have_no_table() {
+        let pack = Pack::from_bytes(&packs::tree_bytes(&shapes::families::sphere(200, 1))).unwrap();
+        assert!(pack.hull(0).unwrap().facets().is_none());
+    }
+}

@@ -1,0 +1,271 @@
+//! SAT, the separating axis test, for two small polytopes whose faces are known: penetration depth
+//! from face normals and arcs of the Gauss map.
+//!
+//! # Reference
+//! D. Gregorius, "The Separating Axis Test between Convex Polyhedra", GDC 2013, for the Gauss map.
+//! The minimum over an arc from the other shape's support points alone, without its edges, is our
+//! own. docs/intervals.md, section 12, proves the bounds.
+//!
+//! # Steps
+//! 1. The support point along the line of centres: it may separate, and bounds the depth.
+//! 2. In f32, the support values at all face normals of both shapes ([`scan`]).
+//! 3. In f32, rule out the faces and the arcs of A whose values cannot be the minimum.
+//! 4. In f64, evaluate the rest: faces by a support query, arcs by bisection at the direction in
+//!    which two support points are equally far.
+//! 5. Witness points from all vertices in the support plane ([`witness`]).
+//!
+//! # Deviations
+//! - Nothing loops over pairs of edges: an arc of A whose two ends share the support point of B
+//!   crosses no arc of B.
+//! - What is not decided for certain, or has too many candidates, is `None`. Then the general path
+//!   answers, from portal refinement (MPR) and EPA.
+
+mod scan;
+mod witness;
+
+use glam::DVec3;
+
+use self::scan::{Pair, Scan};
+use super::bound::Bound;
+use super::cache::Cache;
+use super::contact::{Contact, separated_contact};
+use super::intersection::store_separation;
+use super::minkowski::{Minkowski, Point};
+use super::status::Status;
+use crate::support::SupportMap;
+use crate::support::facets::{Buffer, Facets};
+use crate::support::simd::Dispatch;
+use crate::vector::unit;
+
+/// Reach of a pair that f32 can represent with room for squares and for small coordinates.
+const RANGE: std::ops::RangeInclusive<f64> = 1e-12..=1e12;
+
+/// Maximum number of support queries. Most pairs need 3 to 6.
+const MAX_QUERIES: u32 = 48;
+
+/// Maximum depth of the bisection of an arc.
+const MAX_BISECTIONS: u32 = 16;
+
+/// Two values along an arc are equal within this fraction of the noise, which allows for several
+/// times their rounding error.
+const EQUAL: f64 = 0.125;
+
+/// Rounding error of a direction, and of its length, in units of `f64::EPSILON` times the reach:
+/// docs/intervals.md, section 12.
+const DIRECTION_UNITS: f64 = 24.0;
+
+/// Depths up to this many rounding errors are left to the general path, which distinguishes
+/// touching from penetrating.
+const TINY_ROUNDINGS: f64 = 32.0;
+
+/// Distance of the interior points over the sum of the inner radii, below which the test is faster
+/// than the general path, for pairs with at most so many products of faces and vertices.
+///
+/// Measured by `small-table`; the steps are hulls of 8, 16, 24 and 32 vertices. The closer the
+/// centres, the more faces EPA has to expand, while the test takes the same time. Shallow pairs have
+/// few faces near the origin, and a separated pair usually needs two support queries.
+const PAYS: [(usize, f64); 4] = [(300, 2.0), (1_000, 1.5), (2_400, 1.25), (4_000, 1.0)];
+
+/// Whether the test is likely to be faster than the general path.
+pub(super) fn pays<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    [a, b]: &[Facets<'_>; 2],
+) -> bool {
+    let products = a.face_count() * b.vertex_count() + b.face_count() * a.vertex_count();
+    PAYS.iter().find(|(most, _)| products <= *most).is_some_and(|(_, share)| {
+        let near = share * m.inner_radius();
+        m.center_point().w.length_squared() < near * near
+    })
+}
+
+/// The search in f64.
+struct Search<'m, 's, A: SupportMap + ?Sized, B: SupportMap + ?Sized> {
+    m: &'m mut Minkowski<'s, A, B>,
+    /// The smallest support value, and the direction that has it.
+    best: Bound,
+    /// Lower bound over everything that was evaluated.
+    lower: f64,
+}
+
+/// A part of an arc: two directions, and a point of the difference that is the support point in
+/// each, or nearly so.
+#[derive(Clone, Copy)]
+struct Piece {
+    dirs: [DVec3; 2],
+    points: [DVec3; 2],
+}
+
+/// Contact of two shapes with facets; `None` if the general path has to decide.
+///
+/// The pair has passed the tests by balls and by the last axis.
+///
+/// # Complexity
+/// O(faces × vertices) in f32, 8 lanes at a time, and a few support queries. No allocation.
+pub(super) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    facets: [Facets<'_>; 2],
+    tolerance: f64,
+    cache: &mut Cache,
+) -> Option<Contact> {
+    // 1.
+    let center = m.center_point().w;
+    let rounding = m.rounding_error();
+    let reach = m.outer_radius() + center.abs().element_sum();
+    if !RANGE.contains(&reach) {
+        return None;
+    }
+    let mut best = Bound::none();
+    // If the inner balls overlap, the line of centres is no separating axis, and a poor guess.
+    if !m.inner_balls_overlap() {
+        let axis = unit(-center).unwrap_or(DVec3::X);
+        let first = m.point(axis);
+        let upper = first.w.dot(axis);
+        if upper < -rounding {
+            store_separation(cache, axis, &[first; 3]);
+            return Some(separated_contact(m, cache, axis, 1));
+        }
+        best = Bound { upper, normal: axis, ..best };
+    }
+    // 2.
+    let mut buffers = [Buffer::default(), Buffer::default()];
+    let [buffer_a, buffer_b] = &mut buffers;
+    let [a, b] = &facets;
+    let pair = Pair {
+        a: a.view(buffer_a),
+        b: b.view(buffer_b),
+        faces: [a.face_count(), b.face_count()],
+        vertices: [a.vertex_count(), b.vertex_count()],
+        rotation: m.rotation(),
+        center,
+        reach,
+        radius_b: m.outer_radius_b(),
+    };
+    let dispatch = a.dispatch().or(b.dispatch()).unwrap_or_else(Dispatch::best);
+    let mut scan = Scan::new(&pair, dispatch);
+    // 3.
+    let low = scan.minimum(&pair);
+    if !(low >= -scan.error) {
+        let (face, of_b) = scan.lowest_face(&pair, low)?;
+        let axis = direction(m, &facets, face, of_b)?;
+        let point = m.point(axis);
+        if point.w.dot(axis) < -rounding {
+            store_separation(cache, axis, &[point; 3]);
+            return Some(separated_contact(m, cache, axis, 2));
+        }
+        return None;
+    }
+    // The lowest face is at most one error above its value.
+    let faces = scan.faces(&pair, (low + scan.error).min(best.upper as f32))?;
+    // 4.
+    let mut search = Search { m, best, lower: f64::INFINITY };
+    for face in faces.of_a.iter() {
+        let (point, value) = search.at(a.normal(face)?)?;
+        search.lower = search.lower.min(value);
+        scan.set_vertex(face, point.features[1]);
+    }
+    for face in faces.of_b.iter() {
+        let (_, value) = search.at(direction(search.m, &facets, face, true)?)?;
+        search.lower = search.lower.min(value);
+    }
+    for index in scan.arcs(&pair, search.best.upper as f32)?.iter() {
+        let arc = pair.a.arcs.get(index)?;
+        let on_a = a.vertex(arc.vertices[0].into())?;
+        let point = |face: u8| {
+            let on_b = scan.vertex(face);
+            Some(search.m.point_of(on_a, b.vertex(on_b as usize)?, [arc.vertices[0].into(), on_b]).w)
+        };
+        let [from, to] = arc.faces;
+        let points = [point(from)?, point(to)?];
+        search.along(Piece { dirs: [a.normal(from.into())?, a.normal(to.into())?], points }, 0)?;
+    }
+    // The bounds.
+    let Search { m, best, lower } = search;
+    if best.upper < -rounding {
+        let found = m.point(best.normal);
+        store_separation(cache, best.normal, &[found; 3]);
+        return Some(separated_contact(m, cache, best.normal, m.support_calls()));
+    }
+    let slack = 2.0 * (a.slack() + b.slack()) + DIRECTION_UNITS * f64::EPSILON * reach;
+    let lower = lower.min(best.upper) - slack;
+    // NaN takes the failing branch, here and below.
+    if !(best.upper > TINY_ROUNDINGS * rounding && lower > m.noise()) {
+        return None;
+    }
+    let status = if best.upper - lower <= rounding {
+        Status::Exact
+    } else if best.upper - lower <= tolerance * best.upper + 2.0 * rounding {
+        Status::Within
+    } else {
+        return None;
+    };
+    // 5.
+    let (point_a, point_b) = witness::points(m, &facets, &pair, best.normal, best.upper)?;
+    cache.forget_axis();
+    cache.set_used();
+    Some(Contact {
+        hit: true,
+        status,
+        depth: best.upper,
+        depth_lower: lower - m.noise(),
+        depth_upper: best.upper + rounding,
+        normal: best.normal,
+        point_a,
+        point_b,
+        iterations: m.support_calls(),
+        support_calls: 0,
+    })
+}
+
+/// The direction of a face normal of A, or of one of B reversed, in A's frame.
+fn direction<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    [a, b]: &[Facets<'_>; 2],
+    face: usize,
+    of_b: bool,
+) -> Option<DVec3> {
+    if of_b { unit(m.rotation() * -b.normal(face)?) } else { a.normal(face) }
+}
+
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'_, '_, A, B> {
+    /// The support point in a unit direction and its value. `None` after too many queries.
+    fn at(&mut self, dir: DVec3) -> Option<(Point, f64)> {
+        if self.m.support_calls() >= MAX_QUERIES {
+            return None;
+        }
+        let point = self.m.point(dir);
+        let value = point.w.dot(dir);
+        if value < self.best.upper {
+            self.best = Bound { upper: value, normal: dir, ..self.best };
+        }
+        Some((point, value))
+    }
+
+    /// Bounds the support values along a piece of an arc from below, and finds its minimum if that
+    /// may be the depth. `None` after too many steps.
+    fn along(&mut self, Piece { dirs: [from, to], points: [p, q] }: Piece, bisections: u32) -> Option<()> {
+        let equal = EQUAL * self.m.noise();
+        let (p_from, p_to, q_from, q_to) = (p.dot(from), p.dot(to), q.dot(from), q.dot(to));
+        let (drop_from, drop_to) = (p_from - q_from, q_to - p_to);
+        if !(drop_from > 0.0 && drop_to > 0.0) {
+            // One of the points serves the whole piece.
+            self.lower = self.lower.min(p_from.min(p_to).max(q_from.min(q_to)));
+            return Some(());
+        }
+        let t = drop_from / (drop_from + drop_to);
+        let dir = unit(from * (1.0 - t) + to * t)?;
+        let middle = p.dot(dir).min(q.dot(dir));
+        let lowest = p_from.min(q_to).min(middle);
+        if middle < self.best.upper - equal {
+            let (point, value) = self.at(dir)?;
+            if value - middle > equal {
+                if bisections == MAX_BISECTIONS {
+                    return None;
+                }
+                self.along(Piece { dirs: [from, dir], points: [p, point.w] }, bisections + 1)?;
+                return self.along(Piece { dirs: [dir, to], points: [point.w, q] }, bisections + 1);
+            }
+        }
+        self.lower = self.lower.min(lowest);
+        Some(())
+    }
+}

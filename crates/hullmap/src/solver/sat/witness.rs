@@ -1,0 +1,196 @@
+//! Witness points of a depth: the point of the support plane's facet at the origin's foot, as a
+//! combination of all vertices in the plane.
+//!
+//! # Steps
+//! 1. Of each shape, collect the vertices that are in the support plane within rounding error: a
+//!    vertex, an edge, or a face. Of two parallel faces, these are two polygons.
+//! 2. GJK in the plane: combine up to three pairs of these vertices into the foot.
+
+use glam::DVec3;
+
+use super::scan::Pair;
+use crate::solver::barycentric::on_triangle;
+use crate::solver::minkowski::Minkowski;
+use crate::support::SupportMap;
+use crate::support::facets::{Facets, LANES, POINT_BLOCKS, PointBlock};
+
+/// Maximum number of steps. Two faces of four vertices need at most six.
+const MAX_STEPS: usize = 24;
+
+/// Vertices within this many rounding errors of the support plane are in it.
+const PLANE_ROUNDINGS: f64 = 2.0;
+
+/// Witness points may be off the line along the normal by this fraction of the depth: a tenth of
+/// the default tolerance.
+const FOOT_OFF: f64 = 1e-6;
+
+/// Maximum number of vertices of a shape in its support plane.
+const MAX_IN_PLANE: usize = 16;
+
+/// The vertices of a shape in its support plane.
+struct Feature {
+    /// In A's frame. B's are those of the mirrored shape, so that sums are points of the
+    /// difference.
+    points: [DVec3; MAX_IN_PLANE],
+    count: usize,
+}
+
+impl Feature {
+    /// The vertices that are within `slack` of the farthest one along the unit vector `dir`.
+    ///
+    /// `blocks` are the same vertices in f32, within `error` of the true heights.
+    #[inline(always)]
+    fn new(
+        facets: &Facets<'_>,
+        blocks: &[PointBlock],
+        dir: DVec3,
+        [slack, error]: [f64; 2],
+        place: impl Fn(DVec3) -> DVec3,
+    ) -> Option<Self> {
+        let mut heights = [[0.0; LANES]; POINT_BLOCKS];
+        let mut highest = [f32::NEG_INFINITY; LANES];
+        let [x, y, z] = dir.as_vec3().to_array();
+        for (heights, PointBlock([px, py, pz])) in heights.iter_mut().zip(blocks) {
+            for lane in 0..LANES {
+                heights[lane] = px[lane] * x + py[lane] * y + pz[lane] * z;
+                highest[lane] = if heights[lane] > highest[lane] { heights[lane] } else { highest[lane] };
+            }
+        }
+        let highest = highest.into_iter().fold(f32::NEG_INFINITY, f32::max);
+        let threshold = highest - (slack + 2.0 * error) as f32;
+        let mut found = Self { points: [DVec3::ZERO; MAX_IN_PLANE], count: 0 };
+        let mut exact = [0.0; MAX_IN_PLANE];
+        let mut farthest = f64::NEG_INFINITY;
+        for (vertex, height) in heights.as_flattened().iter().take(facets.vertex_count()).enumerate() {
+            if *height >= threshold {
+                let point = facets.vertex(vertex)?;
+                *found.points.get_mut(found.count)? = point;
+                exact[found.count] = point.dot(dir);
+                farthest = farthest.max(exact[found.count]);
+                found.count += 1;
+            }
+        }
+        let mut count = 0;
+        for i in 0..found.count {
+            if exact[i] >= farthest - slack {
+                found.points[count] = place(found.points[i]);
+                count += 1;
+            }
+        }
+        found.count = count;
+        (count > 0).then_some(found)
+    }
+
+    fn all(&self) -> &[DVec3] {
+        self.points.get(..self.count).unwrap_or_default()
+    }
+
+    /// The point that is least far along `dir`.
+    fn lowest(&self, dir: DVec3) -> DVec3 {
+        let points = self.points.iter().take(self.count);
+        let mut best = (f64::INFINITY, self.points[0]);
+        for point in points {
+            let height = point.dot(dir);
+            if height < best.0 {
+                best = (height, *point);
+            }
+        }
+        best.1
+    }
+}
+
+/// A point of the difference, and the point of A behind it.
+#[derive(Clone, Copy)]
+struct Sum {
+    /// Relative to the foot.
+    off: DVec3,
+    a: DVec3,
+}
+
+/// The parameters s and t from 0 to 1 at which p + s u + t v is closest to the origin; `None` if
+/// they are not inside, or if u and v are parallel.
+fn crossing(p: DVec3, u: DVec3, v: DVec3) -> Option<[f64; 2]> {
+    let (uu, uv, vv) = (u.length_squared(), u.dot(v), v.length_squared());
+    let (pu, pv) = (p.dot(u), p.dot(v));
+    let det = uu * vv - uv * uv;
+    let (s, t) = ((uv * pv - vv * pu) / det, (uv * pu - uu * pv) / det);
+    // NaN takes the failing branch.
+    (det > 0.0 && (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t)).then_some([s, t])
+}
+
+/// The witness points of A and B for a depth along `normal`; `None` if the foot is not in the facet.
+pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    [a, b]: &[Facets<'_>; 2],
+    pair: &Pair<'_>,
+    normal: DVec3,
+    depth: f64,
+) -> Option<(DVec3, DVec3)> {
+    let slack = PLANE_ROUNDINGS * m.rounding_error() + 4.0 * (a.slack() + b.slack());
+    let rotation = m.rotation();
+    let slacks = [slack, pair.error()];
+    let on_a = Feature::new(a, pair.a.points, normal, slacks, |point| point)?;
+    // Points of the difference for the point at the origin of A's frame.
+    let place = |point: DVec3| m.point_of(DVec3::ZERO, point, [0; 2]).w;
+    let on_b = Feature::new(b, pair.b.points, rotation.transpose() * -normal, slacks, place)?;
+    let foot = normal * depth;
+    let sum = |dir: DVec3| {
+        let a = on_a.lowest(dir);
+        Sum { off: (a + on_b.lowest(dir)) - foot, a }
+    };
+    let near = 2.0 * slack;
+    if let ([a0, a1], [b0, b1]) = (on_a.all(), on_b.all())
+        && let Some([s, t]) = crossing(*a0 + *b0 - foot, *a1 - *a0, *b1 - *b0)
+    {
+        // Two edges.
+        let (on_a, on_b) = (*a0 + (*a1 - *a0) * s, *b0 + (*b1 - *b0) * t);
+        if (on_a + on_b - foot).length() <= near {
+            return Some((on_a, -on_b));
+        }
+    }
+    let mut simplex = [sum(DVec3::ZERO); 3];
+    let (mut weights, mut at) = ([1.0, 0.0, 0.0], simplex[0].off);
+    for _ in 0..MAX_STEPS {
+        if at.length() <= near {
+            break;
+        }
+        let next = sum(at);
+        // NaN counts as no progress.
+        if !(next.off.dot(at) < at.length_squared() - near * at.length()) {
+            break;
+        }
+        // Replace a vertex without weight.
+        let free = if weights[1] == 0.0 {
+            1
+        } else if weights[2] == 0.0 {
+            2
+        } else {
+            0
+        };
+        let mut larger = simplex;
+        larger[free] = next;
+        for (vertex, weight) in weights.iter().enumerate() {
+            // Unused vertices repeat the new one.
+            if *weight == 0.0 {
+                larger[vertex] = next;
+            }
+        }
+        let [p, q, r] = larger.map(|sum| sum.off);
+        let nearest = on_triangle(p, q, r);
+        if !(nearest.point.length_squared() < at.length_squared()) {
+            break;
+        }
+        (simplex, weights, at) = (larger, nearest.weights, nearest.point);
+    }
+    // NaN takes the failing branch.
+    if !(at.length() <= FOOT_OFF * depth + 4.0 * slack) {
+        return None;
+    }
+    let mut point_a = DVec3::ZERO;
+    let mut off = DVec3::ZERO;
+    for (sum, weight) in simplex.iter().zip(weights) {
+        point_a += sum.a * weight;
+        off += sum.off * weight;
+    }
+    Some((point_a, point_a - (foot + off)))
+}

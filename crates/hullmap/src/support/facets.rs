@@ -1,0 +1,231 @@
+//! Faces of a small polytope, laid out for the separating axis test (SAT): normals and offsets,
+//! vertices, and the arcs of the Gauss map.
+//!
+//! A hull of at most [`MAX_VERTICES`] vertices gets a [`FacetTable`] when its pack is opened. A box
+//! makes its table for each query. The solver reads both through [`Facets`].
+
+use glam::DVec3;
+
+use super::simd::Dispatch;
+use crate::hull::Hull;
+use crate::support::SupportMap;
+
+/// Maximum number of vertices of a polytope with a table. Above it the general path is faster.
+pub(crate) const MAX_VERTICES: usize = 32;
+
+/// Maximum number of faces of a polytope with so few vertices, by Euler's formula.
+pub(crate) const MAX_FACES: usize = 2 * MAX_VERTICES - 4;
+
+/// Number of faces or vertices in a block.
+pub(crate) const LANES: usize = 8;
+
+/// Maximum number of blocks of normals.
+pub(crate) const NORMAL_BLOCKS: usize = MAX_FACES.div_ceil(LANES);
+
+/// Maximum number of blocks of vertices.
+pub(crate) const POINT_BLOCKS: usize = MAX_VERTICES.div_ceil(LANES);
+
+/// Unit outward normals of eight faces, and the offsets of their planes from the interior point,
+/// both rounded to f32. The last face fills unused lanes.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(32))]
+pub(crate) struct NormalBlock {
+    pub(crate) normal: [[f32; LANES]; 3],
+    pub(crate) offset: [f32; LANES],
+}
+
+/// Eight points relative to an interior point, rounded to f32. The last point fills unused lanes.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(32))]
+pub(crate) struct PointBlock(pub(crate) [[f32; LANES]; 3]);
+
+/// An edge of the polytope and its arc on the Gauss map: the directions between the normals of its
+/// two faces.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Arc {
+    /// The faces at the ends of the arc.
+    pub(crate) faces: [u8; 2],
+    /// The vertices at the ends of the edge.
+    pub(crate) vertices: [u8; 2],
+    /// Distance between the two unit normals, rounded up.
+    pub(crate) chord: f32,
+}
+
+/// The faces of a hull, in memory of its pack.
+#[derive(Debug)]
+pub(crate) struct FacetTable {
+    pub(crate) normals: Box<[NormalBlock]>,
+    /// Unit outward normals of the faces in f64. They define the ends of the arcs.
+    pub(crate) exact: Box<[DVec3]>,
+    pub(crate) points: Box<[PointBlock]>,
+    pub(crate) arcs: Box<[Arc]>,
+    /// See [`Facets::slack`].
+    pub(crate) slack: f64,
+}
+
+/// The faces of a small polytope, from [`SupportMap::facets`].
+///
+/// Hulls of few vertices and boxes have them. They cannot be made outside of this crate.
+#[derive(Clone, Copy, Debug)]
+pub struct Facets<'a>(Kind<'a>);
+
+#[derive(Clone, Copy, Debug)]
+enum Kind<'a> {
+    Hull(&'a FacetTable, &'a Hull<'a>),
+    Cuboid(DVec3),
+}
+
+/// The blocks and arcs of a box, made for one query.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Buffer {
+    normals: [NormalBlock; 1],
+    points: [PointBlock; 1],
+}
+
+/// The arrays that the scan reads.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct View<'v> {
+    pub(crate) normals: &'v [NormalBlock],
+    pub(crate) points: &'v [PointBlock],
+    pub(crate) arcs: &'v [Arc],
+}
+
+/// The edges of a box. Vertices are numbered by the signs of their coordinates as in
+/// [`Cuboid`](crate::shapes::Cuboid), faces by axis and sign.
+const BOX_ARCS: [Arc; 12] = box_arcs();
+
+const fn box_arcs() -> [Arc; 12] {
+    let mut arcs = [Arc { faces: [0; 2], vertices: [0; 2], chord: 1.414_213_8 }; 12];
+    let mut axis = 0;
+    while axis < 3 {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        let mut corner = 0;
+        while corner < 4 {
+            let (bit_u, bit_v) = (corner & 1, corner >> 1);
+            let base = bit_u << u | bit_v << v;
+            let arc = &mut arcs[4 * axis + corner];
+            arc.faces = [(2 * u + bit_u) as u8, (2 * v + bit_v) as u8];
+            arc.vertices = [base as u8, (base | 1 << axis) as u8];
+            corner += 1;
+        }
+        axis += 1;
+    }
+    arcs
+}
+
+impl<'a> Facets<'a> {
+    #[inline(always)]
+    pub(crate) fn of_hull(table: &'a FacetTable, hull: &'a Hull<'a>) -> Self {
+        Self(Kind::Hull(table, hull))
+    }
+
+    /// The faces of a box; `None` if it is flat.
+    #[inline(always)]
+    pub(crate) fn of_box(half: DVec3) -> Option<Self> {
+        (half.min_element() > 0.0).then_some(Self(Kind::Cuboid(half)))
+    }
+
+    /// Number of faces.
+    #[inline(always)]
+    pub(crate) fn face_count(&self) -> usize {
+        match self.0 {
+            Kind::Hull(table, _) => table.exact.len(),
+            Kind::Cuboid(_) => 6,
+        }
+    }
+
+    /// Number of vertices, at most [`MAX_VERTICES`].
+    #[inline(always)]
+    pub(crate) fn vertex_count(&self) -> usize {
+        match self.0 {
+            Kind::Hull(_, hull) => hull.vertex_count().min(MAX_VERTICES),
+            Kind::Cuboid(_) => 8,
+        }
+    }
+
+    /// The arrays; those of a box are written to `buffer`.
+    #[inline(always)]
+    #[expect(clippy::indexing_slicing, reason = "a box has 3 axes, 6 faces and 8 vertices, of 8 lanes")]
+    pub(crate) fn view<'v>(&self, buffer: &'v mut Buffer) -> View<'v>
+    where
+        'a: 'v,
+    {
+        match self.0 {
+            Kind::Hull(table, _) => View { normals: &table.normals, points: &table.points, arcs: &table.arcs },
+            Kind::Cuboid(half) => {
+                let half = half.as_vec3().to_array();
+                let NormalBlock { normal, offset } = &mut buffer.normals[0];
+                for face in 0..LANES {
+                    // The last face fills the unused lanes.
+                    let face_of = face.min(5);
+                    offset[face] = half[face_of / 2];
+                    normal[face_of / 2][face] = if face_of % 2 == 0 { 1.0 } else { -1.0 };
+                }
+                for (axis, components) in buffer.points[0].0.iter_mut().enumerate() {
+                    for (vertex, component) in components.iter_mut().enumerate() {
+                        *component = if vertex >> axis & 1 == 0 { half[axis] } else { -half[axis] };
+                    }
+                }
+                View { normals: &buffer.normals, points: &buffer.points, arcs: &BOX_ARCS }
+            }
+        }
+    }
+
+    /// Unit outward normal of a face. It defines the end of the face's arcs.
+    #[inline]
+    pub(crate) fn normal(&self, face: usize) -> Option<DVec3> {
+        match self.0 {
+            Kind::Hull(table, _) => table.exact.get(face).copied(),
+            Kind::Cuboid(_) => {
+                let axis = [DVec3::X, DVec3::Y, DVec3::Z].get(face / 2).copied()?;
+                Some(if face % 2 == 0 { axis } else { -axis })
+            }
+        }
+    }
+
+    /// Position of a vertex, which has the number of its feature.
+    #[inline(always)]
+    pub(crate) fn vertex(&self, vertex: usize) -> Option<DVec3> {
+        match self.0 {
+            Kind::Hull(_, hull) => SupportMap::point(hull, vertex as u32),
+            Kind::Cuboid(half) => {
+                let side = |bit: usize, half: f64| if vertex & bit == 0 { half } else { -half };
+                Some(DVec3::new(side(1, half.x), side(2, half.y), side(4, half.z)))
+            }
+        }
+    }
+
+    /// Maximum height by which the shape extends beyond a vertex in a direction of the cone that is
+    /// spanned by the normals of the vertex's faces.
+    #[inline(always)]
+    pub(crate) fn slack(&self) -> f64 {
+        match self.0 {
+            Kind::Hull(table, _) => table.slack,
+            Kind::Cuboid(_) => 0.0,
+        }
+    }
+
+    /// The instruction set of the hull, or the best one.
+    #[inline(always)]
+    pub(crate) fn dispatch(&self) -> Option<Dispatch> {
+        match self.0 {
+            Kind::Hull(_, hull) => Some(hull.dispatch()),
+            Kind::Cuboid(_) => None,
+        }
+    }
+}
+
+/// Unit normal of a triangle, from its two shorter sides: the cross product of two long sides of a
+/// needle would lose the short side to rounding errors.
+#[inline]
+pub(crate) fn triangle_normal(p: DVec3, q: DVec3, r: DVec3) -> Option<DVec3> {
+    let (a, b, c) = (q - p, r - q, p - r);
+    let [a_sq, b_sq, c_sq] = [a, b, c].map(DVec3::length_squared);
+    crate::vector::unit(if c_sq >= a_sq && c_sq >= b_sq {
+        a.cross(b)
+    } else if a_sq >= b_sq {
+        b.cross(c)
+    } else {
+        c.cross(a)
+    })
+}
