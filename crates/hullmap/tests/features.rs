@@ -377,6 +377,9 @@ impl SupportMap for Whole<'_> {
     fn point(&self, feature: u32) -> Option<DVec3> {
         self.0.point(feature)
     }
+    fn facets(&self) -> Option<hullmap::Facets<'_>> {
+        self.0.facets()
+    }
     fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
         self.0.support_point_from(dir, hint)
     }

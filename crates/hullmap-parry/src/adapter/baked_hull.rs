@@ -184,6 +184,11 @@ impl hullmap::SupportMap for BakedHull {
     }
 
     #[inline]
+    fn facets(&self) -> Option<hullmap::Facets<'_>> {
+        on_form!(self, shape => shape.facets())
+    }
+
+    #[inline]
     fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
         on_form!(self, shape => shape.support_point_from(dir, hint))
     }

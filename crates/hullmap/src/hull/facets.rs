@@ -283,7 +283,7 @@ mod tests {
 
     fn check(hull: &Hull<'_>, table: &FacetTable, seed: u64) {
         assert_eq!((table.exact.len(), 2 * table.arcs.len()), (hull.face_count(), hull.neighbours.len()));
-        let mut rng = SplitMix64::new(seed);
+        let (mut rng, mut certain) = (SplitMix64::new(seed), 0);
         for round in 0..200 {
             // Face normals too, where cones meet.
             let dir = match table.exact.get(round) {
@@ -293,14 +293,18 @@ mod tests {
             let mut covered = false;
             for vertex in 0..hull.vertex_count() as u32 {
                 let normals: Vec<DVec3> = hull.faces_at(vertex).map(|f| table.exact[f as usize]).collect();
-                // The cone contains the direction if a triangle of its normals does.
-                let within = |p: DVec3, q: DVec3, r: DVec3| {
+                // The cone contains the direction if a triangle of its normals does, by more than
+                // `margin`.
+                let within = |p: DVec3, q: DVec3, r: DVec3, margin: f64| {
                     let sides = [p.cross(q).dot(dir), q.cross(r).dot(dir), r.cross(p).dot(dir)];
-                    p.cross(q).dot(r) > 0.0 && sides.iter().all(|side| *side >= -1e-15)
+                    p.cross(q).dot(r) > 0.0 && sides.iter().all(|side| *side >= margin)
                 };
-                let any = normals.iter().any(|p| normals.iter().any(|q| normals.iter().any(|r| within(*p, *q, *r))));
-                if any {
-                    covered = true;
+                let contains = |margin: f64| {
+                    normals.iter().any(|p| normals.iter().any(|q| normals.iter().any(|r| within(*p, *q, *r, margin))))
+                };
+                covered |= contains(-1e-15);
+                if contains(1e-14) {
+                    certain += 1;
                     let height = |v: DVec3| v.dot(dir);
                     let highest = hull.vertices().map(|v| height(v.as_dvec3())).fold(f64::NEG_INFINITY, f64::max);
                     let own = height(hull.vertex(vertex).unwrap().as_dvec3());
@@ -310,6 +314,7 @@ mod tests {
             }
             assert!(covered, "{dir}, seed {seed}");
         }
+        assert!(certain > 100, "{certain}, seed {seed}");
     }
 
     #[test]
