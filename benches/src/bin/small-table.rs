@@ -89,16 +89,6 @@ fn row(name: &str, [a, b]: [Hull<'_>; 2], poses: &[Placed], rounds: usize) {
             times[3].push(time(&a, &b, &poses, true));
         }
         let [general, sat, general_warm, sat_warm] = times.map(median);
-        let calls: u32 = poses
-            .iter()
-            .map(|p| contact(&a, &b, p.b_in_a, &Settings::default(), &mut Cache::new()).support_calls)
-            .sum();
-        if std::env::var_os("SAT_ONLY").is_some() {
-            for _ in 0..20000 {
-                time(&a, &b, &poses, false);
-            }
-        }
-        print!(" | calls {:.1}", f64::from(calls) / poses.len() as f64);
         print!(" | {general:5.0} {sat:5.0} {:4.2}  warm {general_warm:5.0} {sat_warm:5.0}", sat / general);
     }
     // How often the test left the answer to the general path: it alone keeps a polytope.

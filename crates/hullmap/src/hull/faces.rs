@@ -7,6 +7,7 @@ use rkyv::rend::u32_le;
 
 use super::Hull;
 use crate::support::SupportMap;
+use crate::support::facets::triangle_normal;
 use crate::vector::unit;
 
 impl<'a> Hull<'a> {
@@ -153,17 +154,7 @@ impl<'a> Hull<'a> {
         let third = (corners.len() / 3).max(1);
         let corner = |i: usize| corners.get(i).and_then(|v| self.vertex(v.to_native())).map(Vec3::as_dvec3);
         let (first, second, third) = (corner(0)?, corner(third)?, corner(2 * third)?);
-        // From the two shorter sides: the cross product of two long sides of a needle would lose
-        // the short side to rounding errors.
-        let (a, b, c) = (second - first, third - second, first - third);
-        let [a_sq, b_sq, c_sq] = [a, b, c].map(DVec3::length_squared);
-        unit(if c_sq >= a_sq && c_sq >= b_sq {
-            a.cross(b)
-        } else if a_sq >= b_sq {
-            b.cross(c)
-        } else {
-            c.cross(a)
-        })
+        triangle_normal(first, second, third)
     }
 
     /// The face that faces `dir` (local frame, any length): of the faces at the support vertex, the

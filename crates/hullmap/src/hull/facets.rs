@@ -22,8 +22,8 @@ use crate::support::facets::{
     Arc, FacetTable, LANES, MAX_FACES, MAX_VERTICES, NormalBlock, PointBlock, triangle_normal,
 };
 
-/// Rounding error of the height of a vertex over a plane, in units of `f64::EPSILON` times the outer
-/// radius.
+/// Rounding error of the height of a vertex over a plane, in units of `f64::EPSILON` times the
+/// outer radius.
 const HEIGHT_ROUNDINGS: f64 = 4.0;
 
 /// A triple product is positive for certain above this many units of `f64::EPSILON` times the
@@ -223,8 +223,8 @@ fn blocks(faces: &[Face]) -> Box<[NormalBlock]> {
         for lane in 0..LANES {
             let Some(face) = faces.get((LANES * b + lane).min(faces.len() - 1)) else { continue };
             let normal = face.normal.as_vec3().to_array();
-            for axis in 0..3 {
-                block.normal[axis][lane] = normal[axis];
+            for (to, from) in block.normal.iter_mut().zip(normal) {
+                to[lane] = from;
             }
             block.offset[lane] = face.offset as f32;
         }
@@ -239,8 +239,8 @@ fn point_blocks(points: &[DVec3], center: DVec3) -> Box<[PointBlock]> {
         for lane in 0..LANES {
             let Some(point) = points.get((LANES * b + lane).min(points.len() - 1)) else { continue };
             let offset = (*point - center).as_vec3().to_array();
-            for axis in 0..3 {
-                block.0[axis][lane] = offset[axis];
+            for (to, from) in block.0.iter_mut().zip(offset) {
+                to[lane] = from;
             }
         }
     }

@@ -94,6 +94,7 @@ pub(crate) struct View<'v> {
 /// [`Cuboid`](crate::shapes::Cuboid), faces by axis and sign.
 const BOX_ARCS: [Arc; 12] = box_arcs();
 
+#[expect(clippy::indexing_slicing, reason = "three axes of four edges each")]
 const fn box_arcs() -> [Arc; 12] {
     let mut arcs = [Arc { faces: [0; 2], vertices: [0; 2], chord: 1.414_213_8 }; 12];
     let mut axis = 0;
@@ -159,7 +160,7 @@ impl<'a> Facets<'a> {
                     // The last face fills the unused lanes.
                     let face_of = face.min(5);
                     offset[face] = half[face_of / 2];
-                    normal[face_of / 2][face] = if face_of % 2 == 0 { 1.0 } else { -1.0 };
+                    normal[face_of / 2][face] = if face_of.is_multiple_of(2) { 1.0 } else { -1.0 };
                 }
                 for (axis, components) in buffer.points[0].0.iter_mut().enumerate() {
                     for (vertex, component) in components.iter_mut().enumerate() {
@@ -178,7 +179,7 @@ impl<'a> Facets<'a> {
             Kind::Hull(table, _) => table.exact.get(face).copied(),
             Kind::Cuboid(_) => {
                 let axis = [DVec3::X, DVec3::Y, DVec3::Z].get(face / 2).copied()?;
-                Some(if face % 2 == 0 { axis } else { -axis })
+                Some(if face.is_multiple_of(2) { axis } else { -axis })
             }
         }
     }

@@ -62,8 +62,8 @@ const TINY_ROUNDINGS: f64 = 32.0;
 /// than the general path, for pairs with at most so many products of faces and vertices.
 ///
 /// Measured by `small-table`; the steps are hulls of 8, 16, 24 and 32 vertices. The closer the
-/// centres, the more faces EPA has to expand, while the test takes the same time. Shallow pairs have
-/// few faces near the origin, and a separated pair usually needs two support queries.
+/// centres, the more faces EPA has to expand, while the test takes the same time. Shallow pairs
+/// have few faces near the origin, and a separated pair usually needs two support queries.
 const PAYS: [(usize, f64); 4] = [(300, 2.0), (1_000, 1.5), (2_400, 1.25), (4_000, 1.0)];
 
 /// Whether the test is likely to be faster than the general path.

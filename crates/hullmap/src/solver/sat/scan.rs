@@ -1,8 +1,8 @@
 //! First pass of the separating axis test, in f32: support values of the Minkowski difference at
 //! all face normals, and lower bounds over all arcs.
 //!
-//! It only proposes. Every value is that of a point of the difference, to within [`Scan::error`], so
-//! what it rules out is ruled out for certain. All that may be the minimum goes to f64.
+//! It only proposes. Every value is that of a point of the difference, to within [`Scan::error`],
+//! so what it rules out is ruled out for certain. All that may be the minimum goes to f64.
 
 use glam::{DMat3, DVec3};
 
@@ -214,8 +214,8 @@ impl Scan {
     /// All arcs of A that may have a value of at most `upper` at a direction that is not an end.
     /// `None` if they are too many.
     ///
-    /// `upper` is an upper bound of the depth, at most that for [`faces`](Self::faces). The vertices
-    /// of all faces found there are known from f64 ([`set_vertex`](Self::set_vertex)).
+    /// `upper` is an upper bound of the depth, at most that for [`faces`](Self::faces). The
+    /// vertices of all faces found there are known from f64 ([`set_vertex`](Self::set_vertex)).
     #[inline(always)]
     pub(super) fn arcs(&self, pair: &Pair<'_>, upper: f32) -> Option<List> {
         let threshold = self.threshold(upper);
@@ -248,8 +248,8 @@ impl Scan {
         upper.max(0.0) + 6.0 * self.error
     }
 
-    /// Whether the values between the ends of an arc may be below `threshold`, by the support points
-    /// at both ends.
+    /// Whether the values between the ends of an arc may be below `threshold`, by the support
+    /// points at both ends.
     #[inline(always)]
     fn may_dip(&self, pair: &Pair<'_>, arc: &Arc, threshold: f32) -> bool {
         let [v, w] = arc.faces.map(|face| self.value(face));
@@ -274,4 +274,5 @@ impl Scan {
     }
 }
 
-const _: () = assert!(MAX_FACES <= u8::MAX as usize && 3 * MAX_VERTICES <= u8::MAX as usize);
+/// Faces and edges fit into a byte.
+const _: () = assert!(MAX_FACES < 3 * MAX_VERTICES && 3 * MAX_VERTICES <= u8::MAX as usize);

@@ -71,8 +71,8 @@ impl Feature {
             }
         }
         let mut count = 0;
-        for i in 0..found.count {
-            if exact[i] >= farthest - slack {
+        for (i, height) in exact.iter().enumerate().take(found.count) {
+            if *height >= farthest - slack {
                 found.points[count] = place(found.points[i]);
                 count += 1;
             }
@@ -118,7 +118,8 @@ fn crossing(p: DVec3, u: DVec3, v: DVec3) -> Option<[f64; 2]> {
     (det > 0.0 && (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t)).then_some([s, t])
 }
 
-/// The witness points of A and B for a depth along `normal`; `None` if the foot is not in the facet.
+/// The witness points of A and B for a depth along `normal`; `None` if the foot is not in the
+/// facet.
 pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,
     [a, b]: &[Facets<'_>; 2],

@@ -154,8 +154,8 @@ impl Dispatch {
     }
 
     /// For each of the `normals`, its offset plus the maximum dot product with the first `count` of
-    /// `points`; if `index` is given, also the lowest point with that maximum. Each product and each
-    /// sum is rounded once, in the order x, y, z.
+    /// `points`; if `index` is given, also the lowest point with that maximum. Each product and
+    /// each sum is rounded once, in the order x, y, z.
     #[inline(always)]
     pub(crate) fn farthest(
         self,
