@@ -5,7 +5,13 @@
 #![allow(unsafe_code)]
 
 use std::arch::x86_64::{
-    _CMP_EQ_OQ, _CMP_LT_OQ, _CMP_NLT_UQ, _MM_HINT_T0, __m256, __m256d, _mm256_add_epi32, _mm256_add_pd, _mm256_add_ps, _mm256_blendv_epi8, _mm256_castps256_ps128, _mm256_castps_si256, _mm256_cmp_pd, _mm256_cmp_ps, _mm256_cvtepi16_epi32, _mm256_cvtepi32_ps, _mm256_cvtps_pd, _mm256_cvtss_f32, _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_loadu_pd, _mm256_loadu_ps, _mm256_max_pd, _mm256_max_ps, _mm256_min_pd, _mm256_movemask_pd, _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_permute2f128_pd, _mm256_permute2f128_ps, _mm256_permute_pd, _mm256_permute_ps, _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps, _mm256_setzero_si256, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps, _mm_loadu_si128, _mm_prefetch,
+    __m256, __m256d, _CMP_EQ_OQ, _CMP_LT_OQ, _CMP_NLT_UQ, _MM_HINT_T0, _mm_loadu_si128, _mm_prefetch, _mm256_add_epi32,
+    _mm256_add_pd, _mm256_add_ps, _mm256_blendv_epi8, _mm256_castps_si256, _mm256_castps256_ps128, _mm256_cmp_pd,
+    _mm256_cmp_ps, _mm256_cvtepi16_epi32, _mm256_cvtepi32_ps, _mm256_cvtps_pd, _mm256_cvtss_f32, _mm256_extractf128_ps,
+    _mm256_fmadd_ps, _mm256_loadu_pd, _mm256_loadu_ps, _mm256_max_pd, _mm256_max_ps, _mm256_min_pd, _mm256_movemask_pd,
+    _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_permute_pd, _mm256_permute_ps, _mm256_permute2f128_pd,
+    _mm256_permute2f128_ps, _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps, _mm256_setzero_si256, _mm256_storeu_ps,
+    _mm256_storeu_si256, _mm256_sub_ps,
 };
 
 use hullmap_format::archive::{ArchivedBlock, LANES};
