@@ -7,6 +7,7 @@
 //! | [`faults`] | bakes with faults at system calls, kills, power cuts (Linux) | `bake-faults` |
 //! | [`soak`] | solver answers judged by certificates | `solver-soak` |
 //! | [`truth`] | solver intervals compared with truths | `solver-truth` |
+//! | [`sampler`] | bounds of convex parts, tried by sampling | `decompose-soak`, `decompose-table` |
 //! | [`fuzzed`] | the fuzz targets, their corpora and first inputs | `fuzz-corpus`, and the targets in `fuzz/` |
 //! | [`command`] | the `bake` command, built and run | |
 //! | [`outside`], [`game_hulls`] | inputs outside the repository | |
@@ -23,6 +24,7 @@ pub mod hostile;
 pub mod outside;
 pub mod parry;
 pub mod regret;
+pub mod sampler;
 pub mod soak;
 pub mod truth;
 pub mod wavefront;

@@ -4,21 +4,19 @@
 //! cargo run --release -p hullmap-tests --bin decompose-soak -- --meshes 10000 --seed 1
 //! ```
 //!
-//! The judge measures by other code than the bounds: winding numbers are sums of solid angles,
-//! distances are brute force over all triangles, and points are compared with all planes of a part.
-//! Only the inside of a mesh that is not watertight is that of [`Solid`], since it is a convention.
-//! Ends with status 1 if a claim is false or a mesh takes longer than `--seconds`.
+//! The judge is [`hullmap_tests::sampler`], which shares no code with the bounds. Ends with status 1 if a claim is false or a mesh takes longer than `--seconds`.
 
 use std::{process::ExitCode, time::Instant};
 
 use clap::Parser;
 use glam::DVec3;
 use hullmap_bake::{
-    PointSet, SolidKind,
+    PointSet,
     decompose::{Cover, Length, Method, decompose},
     hull::{self, Hull},
     parts::{Solid, fits},
 };
+use hullmap_tests::sampler::refutation;
 use rayon::prelude::*;
 use shapes::rng::SplitMix64;
 
@@ -106,20 +104,12 @@ fn judge(seed: u64, arguments: &Arguments) -> Outcome {
         Ok(hulls) => hulls,
         Err(error) => return Outcome::False(format!("a part cannot be built: {error}")),
     };
-    let triangles = triangles(&mesh);
-    let corners = || triangles.iter().flatten().copied();
-    let diagonal =
-        corners().fold(DVec3::NEG_INFINITY, DVec3::max).distance(corners().fold(DVec3::INFINITY, DVec3::min));
-    let Some(fits) = fits(&mesh, &hulls.iter().collect::<Vec<_>>(), Some(share * diagonal)) else {
+    let diagonal = Solid::new(&mesh).diagonal();
+    let limit = share * diagonal;
+    let Some(fits) = fits(&mesh, &hulls.iter().collect::<Vec<_>>(), Some(limit)) else {
         return Outcome::False("no claim".to_owned());
     };
-    let (claimed, limit) = (fits[0].uncovered, share * diagonal);
-    // What is inside an open mesh is a convention, not a fact.
-    let solid = Solid::new(&mesh);
-    let is_inside = |p: DVec3| match fits[0].solid {
-        SolidKind::Watertight => is_inside(&triangles, p),
-        _ => solid.is_inside(p),
-    };
+    let claimed = fits[0].uncovered;
     if claimed > 1e-7 * diagonal {
         return Outcome::False(format!("uncovered by {:.2e} of the diagonal", claimed / diagonal));
     }
@@ -129,32 +119,10 @@ fn judge(seed: u64, arguments: &Arguments) -> Outcome {
     if let Some(hull) = hulls.iter().find(|hull| hull.vertices.len() > cover.max_vertices as usize) {
         return Outcome::False(format!("a part has {} vertices", hull.vertices.len()));
     }
-    // The closing triangles are near the solid as well, if anything is inside them.
-    let surface = if fits[0].solid == SolidKind::Watertight { &triangles } else { solid.triangles() };
-    let planes: Vec<Vec<(DVec3, f64)>> = hulls.iter().map(planes).collect();
-    for at in 0..arguments.samples {
-        let p = in_triangle(&triangles[at % triangles.len()], &mut rng);
-        let height =
-            |planes: &Vec<(DVec3, f64)>| planes.iter().map(|(n, d)| n.dot(p) - d).fold(f64::NEG_INFINITY, f64::max);
-        // The height above a part's planes is at most its distance.
-        let least = planes.iter().map(height).fold(f64::INFINITY, f64::min);
-        if least > claimed + 1e-9 * diagonal {
-            return Outcome::False(format!("{p} is {:.2e} outside all parts, claimed {claimed:.2e}", least));
-        }
+    if let Some(why) = refutation(&mesh, &hulls, &fits, 2 * arguments.samples, seed) {
+        return Outcome::False(why);
     }
-    let mut greatest = 0.0_f64;
-    for at in 0..arguments.samples {
-        let part = at % hulls.len();
-        let p = on_hull(&hulls[part], &mut rng);
-        let distance = distance(surface, p);
-        if distance > fits[part].protrusion + 2e-6 * diagonal && !is_inside(p) {
-            return Outcome::False(format!(
-                "part {part} protrudes by {distance:.6e} at {p}, claimed {:.6e}",
-                fits[part].protrusion
-            ));
-        }
-        greatest = greatest.max(fits[part].protrusion);
-    }
+    let greatest = fits.iter().map(|fit| fit.protrusion).fold(0.0, f64::max);
     Outcome::Parts { count: hulls.len(), protruding: greatest > 1e-3 * limit }
 }
 
@@ -278,68 +246,4 @@ fn soup(rng: &mut SplitMix64) -> Piece {
     let positions = (0..count).map(|_| point(rng)).collect();
     let triangles = (0..3 + index(rng, 14)).map(|_| std::array::from_fn(|_| index(rng, count) as u32)).collect();
     (positions, triangles)
-}
-
-fn triangles(mesh: &PointSet) -> Vec<[DVec3; 3]> {
-    let at = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
-    mesh.triangles.iter().map(|t| t.map(at)).collect()
-}
-
-/// Outward unit normals and offsets of a part's faces.
-fn planes(hull: &Hull) -> Vec<(DVec3, f64)> {
-    let positions = hull.positions();
-    let plane = |face: &Vec<u32>| {
-        let corner = |i: usize| positions[face[i] as usize];
-        let areas = (1..face.len() - 1).map(|i| (corner(i) - corner(0)).cross(corner(i + 1) - corner(0)));
-        let normal = areas.sum::<DVec3>().try_normalize()?;
-        Some((normal, positions.iter().map(|p| p.dot(normal)).fold(f64::NEG_INFINITY, f64::max)))
-    };
-    hull.faces.iter().filter_map(plane).collect()
-}
-
-fn in_triangle(&[a, b, c]: &[DVec3; 3], rng: &mut SplitMix64) -> DVec3 {
-    let (mut u, mut v) = (rng.unit(), rng.unit());
-    if u + v > 1.0 {
-        (u, v) = (1.0 - u, 1.0 - v);
-    }
-    a + u * (b - a) + v * (c - a)
-}
-
-/// A point on a face of a part.
-fn on_hull(hull: &Hull, rng: &mut SplitMix64) -> DVec3 {
-    let positions = hull.positions();
-    if hull.faces.is_empty() {
-        return positions[0];
-    }
-    let face = &hull.faces[index(rng, hull.faces.len())];
-    let second = 1 + index(rng, face.len() - 2);
-    in_triangle(&[face[0], face[second], face[second + 1]].map(|v| positions[v as usize]), rng)
-}
-
-/// Distance from all triangles: the nearest of a triangle's interior, edges and corners.
-fn distance(triangles: &[[DVec3; 3]], p: DVec3) -> f64 {
-    let to_segment = |a: DVec3, b: DVec3| {
-        let along = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
-        // NaN if both ends are equal.
-        if along.is_nan() { p.distance(a) } else { p.distance(a + along * (b - a)) }
-    };
-    let to_triangle = |[a, b, c]: &[DVec3; 3]| {
-        let normal = (*b - *a).cross(*c - *a);
-        let is_above =
-            [(*a, *b), (*b, *c), (*c, *a)].iter().all(|(from, to)| normal.dot((*to - *from).cross(p - *from)) > 0.0);
-        let edges = to_segment(*a, *b).min(to_segment(*b, *c)).min(to_segment(*c, *a));
-        if is_above { edges.min((p - *a).dot(normal).abs() / normal.length()) } else { edges }
-    };
-    triangles.iter().map(to_triangle).fold(f64::INFINITY, f64::min)
-}
-
-/// Whether the solid angles of the triangles amount to more than a quarter of a turn: generous, so
-/// that no claim is called false at an open mesh, whose inside is a convention.
-fn is_inside(triangles: &[[DVec3; 3]], p: DVec3) -> bool {
-    let mut sum = 0.0;
-    for [a, b, c] in triangles.iter().map(|t| t.map(|corner| corner - p)) {
-        let [la, lb, lc] = [a.length(), b.length(), c.length()];
-        sum += 2.0 * f64::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-    }
-    (sum / (4.0 * std::f64::consts::PI)).abs() > 0.25
 }

@@ -11,9 +11,10 @@
 //! that is requested here, but at least 5e-4 of the diagonal. Without the file it is 2 %.
 //!
 //! One thread decomposes. Seconds are its processor time, where the system states it. The parts are
-//! measured afterwards.
+//! measured afterwards. With `--samples`, random points try to refute the bounds
+//! ([`hullmap_tests::sampler`]); one that does ends the program with status 1.
 
-use std::{collections::BTreeMap, path::PathBuf, time::Instant};
+use std::{collections::BTreeMap, path::PathBuf, process::ExitCode, time::Instant};
 
 use clap::Parser;
 use hullmap_bake::{
@@ -22,6 +23,7 @@ use hullmap_bake::{
     parts::{Solid, fits},
 };
 use hullmap_import::{ImportOptions, Limits, import, read};
+use hullmap_tests::sampler::refutation;
 
 /// Convex decomposition of the meshes of a folder.
 #[derive(Parser)]
@@ -31,10 +33,16 @@ struct Arguments {
     /// Figures of CoACD
     #[arg(long)]
     coacd: Option<PathBuf>,
+    /// Number of points that try to refute the claims about each mesh
+    #[arg(long, default_value_t = 0)]
+    samples: usize,
     /// Only meshes whose name contains this
     #[arg(long, default_value = "")]
     only: String,
 }
+
+/// Seed of the samples.
+const SEED: u64 = 1;
 
 /// Smallest limit, relative to the diagonal.
 const LEAST: f64 = 5e-4;
@@ -48,7 +56,7 @@ struct Figures {
     seconds: f64,
 }
 
-fn main() {
+fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let text = arguments.coacd.map(|path| std::fs::read_to_string(path).expect("the file of CoACD can be read"));
     let coacd: BTreeMap<String, Figures> = text.iter().flat_map(|text| text.lines()).filter_map(figures).collect();
@@ -57,6 +65,7 @@ fn main() {
     paths.retain(|path| path.extension().is_some_and(|extension| extension == "obj"));
     paths.sort();
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be started");
+    let mut is_refuted = false;
     let (mut ours, mut theirs) = (Figures::default(), Figures::default());
     println!("mesh | triangles | E % | parts | vertices | protrusion / E | uncovered | seconds");
     for path in paths {
@@ -95,6 +104,10 @@ fn main() {
             fits[0].uncovered / diagonal,
             beside(format!("{seconds:.2}"), peer.map(|peer| format!("{:.1}", peer.seconds))),
         );
+        if let Some(why) = refutation(mesh, &hulls, &fits, arguments.samples, SEED) {
+            println!("{name}: refuted by a sample of seed {SEED}: {why}");
+            is_refuted = true;
+        }
         if let Some(peer) = peer {
             add(&mut ours, &figures);
             add(&mut theirs, peer);
@@ -104,6 +117,7 @@ fn main() {
         "sum: {} / {} parts, {} / {} vertices, {:.1} / {:.1} s",
         ours.parts, theirs.parts, ours.vertices, theirs.vertices, ours.seconds, theirs.seconds
     );
+    if is_refuted { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }
 
 /// The result of `work`, and its processor time on this thread in seconds; elapsed time on systems

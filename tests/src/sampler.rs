@@ -1,0 +1,167 @@
+//! A sampler that tries to refute what is claimed about the parts of a mesh.
+//!
+//! It measures by other code than the bounds: winding numbers are sums of solid angles, distances
+//! are brute force over all triangles, and points are compared with all planes of a part. Only the
+//! inside of a mesh that is not watertight is that of [`Solid`], since it is a convention.
+
+use glam::DVec3;
+use hullmap_bake::{
+    PointSet, SolidKind,
+    hull::Hull,
+    parts::{Fit, Solid},
+};
+use rayon::prelude::*;
+use shapes::rng::SplitMix64;
+
+/// Number of points that one thread samples at a time.
+const CHUNK: usize = 512;
+
+/// Rounding error of a height above a plane, relative to the diagonal.
+const HEIGHT_ERROR: f64 = 1e-9;
+
+/// Rounding error of a distance from a triangle, relative to the diagonal: needles lose digits.
+const DISTANCE_ERROR: f64 = 2e-6;
+
+/// What a point among `samples` refutes: half of them on the mesh's surface, half on the parts'.
+/// `None` if no point refutes a claim.
+///
+/// # Complexity
+/// For each point, all planes of all parts, or all triangles twice.
+pub fn refutation(mesh: &PointSet, hulls: &[Hull], fits: &[Fit], samples: usize, seed: u64) -> Option<String> {
+    let triangles = triangles(mesh);
+    let solid = Solid::new(mesh);
+    let diagonal = solid.diagonal();
+    let is_watertight = fits[0].solid == SolidKind::Watertight;
+    let is_inside = |p: DVec3| if is_watertight { is_inside(&triangles, p) } else { solid.is_inside(p) };
+    // The closing triangles are near the solid as well, if anything is inside them.
+    let surface = if is_watertight { &triangles } else { solid.triangles() };
+    let planes: Vec<Vec<(DVec3, f64)>> = hulls.iter().map(planes).collect();
+    let claimed = fits[0].uncovered;
+    let uncovered = |at: usize, rng: &mut SplitMix64| {
+        let p = in_triangle(&triangles[at % triangles.len()], rng);
+        let height =
+            |planes: &Vec<(DVec3, f64)>| planes.iter().map(|(n, d)| n.dot(p) - d).fold(f64::NEG_INFINITY, f64::max);
+        // The height above a part's planes is at most its distance.
+        let least = planes.iter().map(height).fold(f64::INFINITY, f64::min);
+        (least > claimed + HEIGHT_ERROR * diagonal)
+            .then(|| format!("{p} is {least:.2e} outside all parts, claimed {claimed:.2e}"))
+    };
+    let protruding = |at: usize, rng: &mut SplitMix64| {
+        let part = at % hulls.len();
+        let p = on_hull(&hulls[part], rng);
+        let claimed = fits[part].protrusion;
+        let is_near = is_within(surface, p, claimed + DISTANCE_ERROR * diagonal);
+        (!is_near && !is_inside(p)).then(|| format!("part {part} protrudes farther at {p}, claimed {claimed:.6e}"))
+    };
+    (0..(samples / 2).div_ceil(CHUNK)).into_par_iter().find_map_first(|chunk| {
+        let mut rng = SplitMix64::new(seed.wrapping_add(chunk as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15));
+        let points = chunk * CHUNK..((chunk + 1) * CHUNK).min(samples / 2);
+        points.into_iter().find_map(|at| uncovered(at, &mut rng).or_else(|| protruding(at, &mut rng)))
+    })
+}
+
+fn triangles(mesh: &PointSet) -> Vec<[DVec3; 3]> {
+    let at = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
+    mesh.triangles.iter().map(|t| t.map(at)).collect()
+}
+
+/// Outward unit normals and offsets of a part's faces.
+fn planes(hull: &Hull) -> Vec<(DVec3, f64)> {
+    let positions = hull.positions();
+    let plane = |face: &Vec<u32>| {
+        let corner = |i: usize| positions[face[i] as usize];
+        let areas = (1..face.len() - 1).map(|i| (corner(i) - corner(0)).cross(corner(i + 1) - corner(0)));
+        let normal = areas.sum::<DVec3>().try_normalize()?;
+        Some((normal, positions.iter().map(|p| p.dot(normal)).fold(f64::NEG_INFINITY, f64::max)))
+    };
+    hull.faces.iter().filter_map(plane).collect()
+}
+
+fn in_triangle(&[a, b, c]: &[DVec3; 3], rng: &mut SplitMix64) -> DVec3 {
+    let (mut u, mut v) = (rng.unit(), rng.unit());
+    if u + v > 1.0 {
+        (u, v) = (1.0 - u, 1.0 - v);
+    }
+    a + u * (b - a) + v * (c - a)
+}
+
+/// A point on a face of a part.
+fn on_hull(hull: &Hull, rng: &mut SplitMix64) -> DVec3 {
+    let positions = hull.positions();
+    if hull.faces.is_empty() {
+        return positions[0];
+    }
+    let index = |count: usize, rng: &mut SplitMix64| ((rng.unit() * count as f64) as usize).min(count - 1);
+    let face = &hull.faces[index(hull.faces.len(), rng)];
+    let second = 1 + index(face.len() - 2, rng);
+    in_triangle(&[face[0], face[second], face[second + 1]].map(|v| positions[v as usize]), rng)
+}
+
+/// Whether a triangle is at most `length` away: its interior, one of its edges or corners.
+fn is_within(triangles: &[[DVec3; 3]], p: DVec3, length: f64) -> bool {
+    let to_segment = |a: DVec3, b: DVec3| {
+        let along = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+        // NaN if both ends are equal.
+        if along.is_nan() { p.distance(a) } else { p.distance(a + along * (b - a)) }
+    };
+    let to_triangle = |[a, b, c]: &[DVec3; 3]| {
+        let normal = (*b - *a).cross(*c - *a);
+        let is_above =
+            [(*a, *b), (*b, *c), (*c, *a)].iter().all(|(from, to)| normal.dot((*to - *from).cross(p - *from)) > 0.0);
+        let edges = to_segment(*a, *b).min(to_segment(*b, *c)).min(to_segment(*c, *a));
+        if is_above { edges.min((p - *a).dot(normal).abs() / normal.length()) } else { edges }
+    };
+    triangles.iter().any(|triangle| to_triangle(triangle) <= length)
+}
+
+/// Whether the solid angles of the triangles amount to more than a quarter of a turn: generous, so
+/// that no claim is called false at an open mesh, whose inside is a convention.
+fn is_inside(triangles: &[[DVec3; 3]], p: DVec3) -> bool {
+    let mut sum = 0.0;
+    for [a, b, c] in triangles.iter().map(|t| t.map(|corner| corner - p)) {
+        let [la, lb, lc] = [a.length(), b.length(), c.length()];
+        sum += 2.0 * f64::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+    }
+    (sum / (4.0 * std::f64::consts::PI)).abs() > 0.25
+}
+
+#[cfg(test)]
+mod tests {
+    use hullmap_bake::{hull, parts::fits};
+    use shapes::concave;
+
+    use super::*;
+
+    /// Claims that are right stand; each of them overstated by a tenth falls.
+    #[test]
+    fn overstated_claims_are_refuted() {
+        let mesh = concave::l();
+        let positions: Vec<[f32; 3]> = mesh.vertices.iter().map(|v| v.map(|c| c as f32)).collect();
+        let triangles = mesh.faces.iter().flat_map(|face| (2..face.len()).map(|i| [face[0], face[i - 1], face[i]]));
+        let set = PointSet {
+            name: "l".to_owned(),
+            source_vertices: (0..positions.len() as u32).collect(),
+            triangles: triangles.collect(),
+            positions,
+            ..PointSet::default()
+        };
+        // The hull of the whole protrudes. One arm alone leaves the other uncovered.
+        let whole = hull::build(&set).unwrap();
+        let arm: Vec<u32> = (0..set.positions.len() as u32).filter(|v| set.positions[*v as usize][0] <= 1.0).collect();
+        let arm = hull::build(&PointSet {
+            positions: arm.iter().map(|v| set.positions[*v as usize]).collect(),
+            source_vertices: arm.clone(),
+            ..set.clone()
+        })
+        .unwrap();
+        for hull in [whole, arm] {
+            let mut fits = fits(&set, &[&hull], None).unwrap();
+            let hulls = [hull];
+            assert_eq!(refutation(&set, &hulls, &fits, 20_000, 1), None);
+            assert!(fits[0].uncovered > 0.5 || fits[0].protrusion > 0.5, "{fits:?}");
+            fits[0].uncovered *= 0.9;
+            fits[0].protrusion *= 0.9;
+            assert!(refutation(&set, &hulls, &fits, 20_000, 1).is_some());
+        }
+    }
+}
