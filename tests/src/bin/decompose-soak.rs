@@ -4,7 +4,8 @@
 //! cargo run --release -p hullmap-tests --bin decompose-soak -- --meshes 10000 --seed 1
 //! ```
 //!
-//! The judge is [`hullmap_tests::sampler`], which shares no code with the bounds. Ends with status 1 if a claim is false or a mesh takes longer than `--seconds`.
+//! The judge is [`hullmap_tests::sampler`], which shares no code with the bounds. Ends with status
+//! 1 if a claim is false or a mesh takes longer than `--seconds`.
 
 use std::{process::ExitCode, time::Instant};
 
