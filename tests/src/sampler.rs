@@ -136,7 +136,7 @@ mod tests {
     #[test]
     fn overstated_claims_are_refuted() {
         let mesh = concave::l();
-        let positions: Vec<[f32; 3]> = mesh.vertices.iter().map(|v| v.map(|c| c as f32)).collect();
+        let positions: Vec<[f32; 3]> = mesh.vertices.clone();
         let triangles = mesh.faces.iter().flat_map(|face| (2..face.len()).map(|i| [face[0], face[i - 1], face[i]]));
         let set = PointSet {
             name: "l".to_owned(),

@@ -167,18 +167,10 @@ fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 #[derive(Debug)]
 pub(crate) struct Suspended<'s, A: ?Sized, B: ?Sized> {
     m: Minkowski<'s, A, B>,
-    stage: Stage,
+    /// `None` while the next support query tests the separating axis of the cache.
+    search: Option<Search>,
     /// The support query that comes next.
     next: Interrupted,
-}
-
-/// What the next support point is for.
-#[derive(Debug)]
-enum Stage {
-    /// To test the separating axis of the cache.
-    Axis,
-    /// For the search.
-    Search(Search),
 }
 
 impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> {
@@ -188,7 +180,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> {
     /// The answer, if it takes no support query.
     pub(crate) fn start(a: &'s A, b: &'s B, b_in_a: Pose, cache: &mut Cache) -> Result<Self, Intersection> {
         let m = Minkowski::new(a, b, b_in_a);
-        let mut test = Self { m, stage: Stage::Axis, next: Interrupted::NOTHING };
+        let mut test = Self { m, search: None, next: Interrupted::NOTHING };
         if test.m.inner_balls_overlap() {
             cache.forget_axis();
             return Err(test.answer(Overlap::Overlapping, 0));
@@ -200,7 +192,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> {
         }
         match cache.axis().filter(|_| !are_balls_separated) {
             Some(axis) => test.next = test.m.start(axis),
-            None => test.search(cache).map_or(Ok(()), Err)?,
+            None => test.start_search(cache).map_or(Ok(()), Err)?,
         }
         Ok(test)
     }
@@ -214,35 +206,31 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> {
         }
         let dir = self.next.dir;
         let point = self.m.finish(&self.next);
-        match &mut self.stage {
-            Stage::Axis if point.w.dot(dir) < -self.m.rounding_error() => {
+        let Some(search) = &mut self.search else {
+            if point.w.dot(dir) < -self.m.rounding_error() {
                 cache.set_axis(dir);
-                Some(self.answer(Overlap::Separated, 0))
+                return Some(self.answer(Overlap::Separated, 0));
             }
-            Stage::Axis => self.search(cache),
-            Stage::Search(search) => match search.continue_with(point) {
-                None => {
-                    self.next = self.m.start(search.direction());
-                    None
-                }
-                Some(found) => {
-                    let iterations = search.iterations();
-                    let (status, iterations) = conclude(&mut self.m, cache, found, iterations);
-                    Some(self.answer(status, iterations))
-                }
-            },
-        }
+            return self.start_search(cache);
+        };
+        let Some(found) = search.continue_with(point) else {
+            self.next = self.m.start(search.direction());
+            return None;
+        };
+        let iterations = search.iterations();
+        let (status, iterations) = conclude(&mut self.m, cache, found, iterations);
+        Some(self.answer(status, iterations))
     }
 
     /// Tests the portal of the cache, then starts the search.
-    fn search(&mut self, cache: &mut Cache) -> Option<Intersection> {
+    fn start_search(&mut self, cache: &mut Cache) -> Option<Intersection> {
         if cache.portal().is_some_and(|features| cached_portal_encloses(&self.m, features)) {
             cache.forget_axis();
             return Some(self.answer(Overlap::Overlapping, 0));
         }
         let search = Search::new(&self.m);
         self.next = self.m.start(search.direction());
-        self.stage = Stage::Search(search);
+        self.search = Some(search);
         None
     }
 

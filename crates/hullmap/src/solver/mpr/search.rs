@@ -3,8 +3,8 @@
 //!
 //! A batch keeps several searches in flight: while the memory that one of them needs is on its way,
 //! the others compute. The steps and the arithmetic are those of [`discover_portal`] and of
-//! [`refine_portal`] with [`Until::Decided`], which are the twin in tests. A single query uses them,
-//! since a loop keeps its state in registers.
+//! [`refine_portal`] with [`Until::Decided`], which are the twin in tests. A single query uses
+//! them, since a loop keeps its state in registers.
 //!
 //! [`discover_portal`]: super::discover_portal
 //! [`refine_portal`]: super::refine_portal
