@@ -54,7 +54,7 @@ pub fn random(hulls: &[Hull<'_>], count: usize) -> Vec<Placed> {
 
 /// Distance between neighbours of a crowd at rest. Hulls have a mean radius of 1, so about half of
 /// the neighbours overlap.
-const SPACING: f64 = 1.9;
+const SPACING: f64 = 1.75;
 
 /// Maximum distance of a body from its place, in each coordinate.
 const JITTER: f64 = 0.2;

@@ -27,7 +27,7 @@ use std::{
 };
 
 use glam::{DVec3, Vec3};
-use hullmap::{Cache, OpenError, Pack, Pose, Settings, contact};
+use hullmap::{Cache, OpenError, Pack, Pose, Settings, contact, distance};
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_format::archive::ArchivedPack;
 use hullmap_testkit::packs;
@@ -288,7 +288,12 @@ fn hostile_child(path: &Path) {
     // Also hulls from before the writes: their slices were cut from valid numbers.
     let old = pack.shared_hull(0).unwrap();
     let pose = Pose::from_translation(DVec3::new(0.5, 0.25, 0.125)).unwrap();
-    let answer = || contact(&old, &old, pose, &Settings::default(), &mut Cache::default());
+    let apart = Pose::from_translation(DVec3::new(90.0, 50.0, 20.0)).unwrap();
+    // The contact of small hulls reads copies of their faces; the distance always reads the map.
+    let answer = || {
+        let found = contact(&old, &old, pose, &Settings::default(), &mut Cache::default());
+        (found, distance(&old, &old, apart, &Settings::default(), &mut Cache::default()))
+    };
     let first = answer();
     std::panic::set_hook(Box::new(|_| ()));
     println!("\nopened");
