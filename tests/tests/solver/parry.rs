@@ -139,8 +139,8 @@ fn check_pair(pack_a: &Pack, pack_b: &Pack, rng: &mut SplitMix64, tally: &mut Ta
 /// contact, distance and intersection.
 const WARM_SHARES: [f64; 3] = [0.5, 0.65, 0.9];
 
-/// The same for contact of small hulls: cold, deep contacts come from the separating axis test, which
-/// takes few support queries.
+/// The same for contact of small hulls: cold, deep contacts come from the separating axis test,
+/// which takes few support queries.
 const WARM_SHARE_OF_SMALL: f64 = 0.7;
 
 /// Each frame moves B by 1 % of the diameter and 1°. The answers are those of a cold start, at a
