@@ -58,8 +58,9 @@ const DIRECTION_UNITS: f64 = 24.0;
 /// touching from penetrating.
 const TINY_ROUNDINGS: f64 = 32.0;
 
-/// Distance of the interior points over the sum of the inner radii, below which the test is faster
-/// than the general path, for pairs with at most so many products of faces and vertices.
+/// Where the test is faster than the general path. Each row holds the maximum number of products of
+/// faces and vertices of a pair, and the maximum distance of the interior points over the sum of
+/// the inner radii.
 ///
 /// Measured by `small-table`; the steps are hulls of 8, 16, 24 and 32 vertices. The closer the
 /// centres, the more faces EPA has to expand, while the test takes the same time. Shallow pairs
