@@ -5,6 +5,7 @@
 #ifndef HULLMAP_HPP
 #define HULLMAP_HPP
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -235,6 +236,35 @@ inline Pose relative(const Pose &a_in_world, const Pose &b_in_world) {
     Pose b_in_a{};
     check(hullmap_pose_relative(&a_in_world, &b_in_world, &b_in_a));
     return b_in_a;
+}
+
+// Vector arithmetic, for programs without a library of their own: using namespace hullmap::vectors.
+namespace vectors {
+
+inline Vec3 operator+(Vec3 a, Vec3 b) noexcept { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Vec3 operator-(Vec3 a, Vec3 b) noexcept { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Vec3 operator*(double s, Vec3 v) noexcept { return {s * v.x, s * v.y, s * v.z}; }
+inline Vec3 &operator+=(Vec3 &a, Vec3 b) noexcept { return a = a + b; }
+inline double dot(Vec3 a, Vec3 b) noexcept { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Vec3 cross(Vec3 a, Vec3 b) noexcept {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline double length(Vec3 v) noexcept { return std::sqrt(dot(v, v)); }
+
+}  // namespace vectors
+
+// A pose moved by a translation, and turned about its own origin by a rotation vector in radians.
+// Both are in the outer frame: velocity times step, and angular velocity times step. The rotation of
+// the answer is of unit length.
+inline Pose moved(const Pose &pose, Vec3 translation, Vec3 rotation) {
+    using namespace vectors;
+    double angle = length(rotation), c = std::cos(0.5 * angle);
+    // sin(angle / 2) / angle tends to 1/2 at 0; below the threshold it has that value.
+    Vec3 s = (angle > 1e-9 ? std::sin(0.5 * angle) / angle : 0.5) * rotation;
+    const Quat &q = pose.rotation;
+    Vec3 u{q.x, q.y, q.z}, v = c * u + q.w * s + cross(s, u);
+    double w = c * q.w - dot(s, u), norm = std::sqrt(dot(v, v) + w * w);
+    return {pose.translation + translation, {v.x / norm, v.y / norm, v.z / norm, w / norm}};
 }
 
 // Contact points of one pair, kept from step to step. Iterate over it to read and write them.

@@ -138,7 +138,7 @@ fn structs_have_one_layout() {
         }
         RayHit { hit status iterations support_calls t t_lower t_upper point normal }
         Impact { hit status iterations support_calls t t_lower t_upper normal point_a point_b }
-        SignedDistance { status iterations support_calls distance lower upper point normal }
+        SignedDistance { status hull iterations support_calls distance lower upper point normal }
         Feature { kind vertices }
         ManifoldPoint {
             normal point_a point_b local_b depth impulse user_data age hull_a hull_b feature_a feature_b
@@ -193,6 +193,7 @@ fn programs_run_against_the_installed_library() {
         (&cc, "-std=c99", "examples/quick.c", &["-lhullmap"][..], "table: 128 vertices, 66 faces"),
         (&cc, "-std=gnu99", "tests/c/hostile.c", &["-lhullmap", "-pthread"], " checks, 0 failures\n"),
         (&cxx, "-std=c++17", "examples/settle.cpp", &["-lhullmap"], "4 points, 0.24"),
+        (&cxx, "-std=c++17", "tests/c/moved.cpp", &["-lhullmap"], " checks, 0 failures\n"),
     ] {
         let program = built(compiler, standard, source, link);
         let output = run(Command::new(program).arg(&pack).env(library_path, prefix.join("lib")));

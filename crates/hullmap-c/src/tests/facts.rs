@@ -1,0 +1,42 @@
+//! Facts and arrays of hulls.
+#![allow(unsafe_code)]
+
+use std::ffi::CString;
+
+use super::*;
+
+#[test]
+fn facts_and_arrays_are_those_of_the_pack() {
+    let (pack, file) = (open(), file());
+    let twin = hullmap::Pack::from_bytes(&file).unwrap();
+    // SAFETY: the pointers are valid, and the arrays live as long as the pack.
+    unsafe {
+        assert_eq!(hullmap_pack_hull_count(pack.0), 2);
+        let (mut index, name) = (7, CString::new("right").unwrap());
+        assert_eq!((hullmap_pack_find(pack.0, name.as_ptr(), &raw mut index), index), (Code::Ok, 1));
+        let mut facts = std::mem::zeroed::<types::HullFacts>();
+        facts.struct_size = size_of::<types::HullFacts>();
+        assert_eq!(hullmap_pack_hull_facts(pack.0, 1, &raw mut facts), Code::Ok);
+        let hull = twin.hull(1).unwrap();
+        assert_eq!(std::slice::from_raw_parts(facts.name.data.cast::<u8>(), facts.name.length), b"right");
+        assert_eq!((facts.vertex_count, facts.face_count), (hull.vertex_count(), hull.face_count()));
+        assert_eq!((facts.volume, facts.diameter), (hull.volume(), hull.diameter()));
+        assert_eq!((facts.surface_area, facts.rank, facts.part), (hull.surface_area(), 3, 0));
+        assert_eq!(facts.centroid, hull.centroid().into());
+        let tensor = hull.inertia_tensor();
+        assert_eq!((facts.inertia[1], facts.inertia[8]), (tensor.y_axis.x, tensor.z_axis.z));
+        assert_eq!((facts.inner_radius, facts.outer_radius), (hull.inner_radius(), hull.outer_radius()));
+        assert_eq!(facts.bounds.max, hull.bounds()[1].as_dvec3().into());
+        let unmeasured = (facts.part_count, facts.solid, facts.uncovered, facts.protrusion);
+        assert_eq!(unmeasured, (0, types::Solid::Unmeasured as u32, 0.0, 0.0));
+        let mut arrays = std::mem::zeroed::<types::HullArrays>();
+        assert_eq!(hullmap_pack_hull_arrays(pack.0, 1, &raw mut arrays), Code::Ok);
+        let vertices = std::slice::from_raw_parts(arrays.vertices, 3 * arrays.vertex_count);
+        assert!(vertices.iter().copied().eq(hull.vertices().flat_map(|v| v.to_array())));
+        let faces = std::slice::from_raw_parts(arrays.face_vertices, arrays.face_vertex_count);
+        assert!(faces.iter().copied().eq(hull.faces().flatten()));
+        let neighbours = std::slice::from_raw_parts(arrays.neighbours, arrays.neighbour_count);
+        let all = (0..hull.vertex_count() as u32).flat_map(|vertex| hull.neighbours(vertex));
+        assert!(neighbours.iter().copied().eq(all));
+    }
+}

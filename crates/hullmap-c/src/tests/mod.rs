@@ -1,0 +1,177 @@
+//! The exported functions from Rust: the same bits as `hullmap`, panics that do not pass, and calls
+//! that break the rules. `tests/c` has the same from C.
+#![allow(unsafe_code)]
+
+mod batches;
+mod facts;
+mod lifetimes;
+mod manifolds;
+mod misuse;
+mod overhead;
+mod pairs;
+mod single;
+
+use std::ffi::CStr;
+use std::ptr::{null, null_mut};
+
+use hullmap::glam::{DQuat, DVec3};
+use hullmap::{Compound, SupportMap, compound};
+use hullmap_random::SplitMix64;
+use hullmap_testkit::packs;
+
+use crate::exports::batch::{
+    Pair, hullmap_batch_contact, hullmap_batch_distance, hullmap_batch_intersects, hullmap_batch_manifolds,
+};
+use crate::exports::{cache::*, manifold::*, pack::*, pose::*, query::*, shape::*, version::*};
+use crate::handles::{Cache, Manifold, Pack, Shape};
+use crate::types::{self, Result as Code};
+
+/// Two rocks: a pack as a file's bytes.
+fn file() -> Vec<u8> {
+    let moved = |seed: u64, by: f32| -> Vec<[f32; 3]> {
+        shapes::families::rock(60, seed).into_iter().map(|[x, y, z]| [x + by, y, z]).collect()
+    };
+    let sets = [packs::point_set("left", &moved(1, -0.6)), packs::point_set("right", &moved(2, 0.6))];
+    packs::bytes(&sets, hullmap_bake::IndexKind::Tree, &hullmap_bake::SourceRecord::default()).unwrap()
+}
+
+/// A handle that is freed at the end.
+struct Owned<T>(*mut T, unsafe extern "C" fn(*mut T));
+
+impl<T> Owned<T> {
+    fn new(free: unsafe extern "C" fn(*mut T), make: impl FnOnce(*mut *mut T) -> Code) -> Self {
+        let mut handle = null_mut();
+        assert_eq!(make(&raw mut handle), Code::Ok, "{}", message());
+        assert!(!handle.is_null());
+        Self(handle, free)
+    }
+}
+
+impl<T> Drop for Owned<T> {
+    fn drop(&mut self) {
+        // SAFETY: the handle is from the library, and is freed once.
+        unsafe { (self.1)(self.0) }
+    }
+}
+
+fn message() -> String {
+    // SAFETY: the message ends with NUL, and lives until the next failure of this thread.
+    unsafe { CStr::from_ptr(hullmap_last_error()) }.to_str().unwrap().to_owned()
+}
+
+fn open() -> Owned<Pack> {
+    let file = file();
+    // SAFETY: the pointers are valid.
+    Owned::new(hullmap_pack_free, |out| unsafe { hullmap_pack_from_memory(file.as_ptr(), file.len(), 0, out) })
+}
+
+fn cache() -> Owned<Cache> {
+    // SAFETY: the pointer is valid.
+    Owned::new(hullmap_cache_free, |out| unsafe { hullmap_cache_new(out) })
+}
+
+fn manifold() -> Owned<Manifold> {
+    // SAFETY: the pointer is valid.
+    Owned::new(hullmap_manifold_free, |out| unsafe { hullmap_manifold_new(8, out) })
+}
+
+/// Every kind of shape, by the exported functions. The half-space is last.
+fn all_shapes(pack: &Owned<Pack>) -> Vec<Owned<Shape>> {
+    let make = |body: &dyn Fn(*mut *mut Shape) -> Code| Owned::new(hullmap_shape_free, body);
+    let v = |x, y, z| types::Vec3 { x, y, z };
+    // SAFETY: the pointers are valid.
+    unsafe {
+        vec![
+            make(&|out| hullmap_shape_hull(pack.0, 0, out)),
+            make(&|out| hullmap_shape_hull(pack.0, 1, out)),
+            make(&|out| hullmap_shape_scaled_hull(pack.0, 1, v(1.0, -0.5, 2.0), out)),
+            make(&|out| hullmap_shape_compound(pack.0, out)),
+            make(&|out| hullmap_shape_sphere(0.75, out)),
+            make(&|out| hullmap_shape_cuboid(v(0.5, 0.75, 1.0), out)),
+            make(&|out| hullmap_shape_capsule(0.5, 0.25, out)),
+            make(&|out| hullmap_shape_cylinder(0.5, 0.75, out)),
+            make(&|out| hullmap_shape_cone(1.0, 0.5, out)),
+            make(&|out| hullmap_shape_half_space(v(0.25, 0.5, 1.0), -0.25, out)),
+        ]
+    }
+}
+
+/// The same shapes, by the crate for Rust.
+enum Twin<'p> {
+    Convex(Box<dyn hullmap::Shape + 'p>),
+    Compound(Box<Compound<'p>>),
+    HalfSpace(hullmap::shapes::HalfSpace),
+}
+
+fn all_twins(pack: &hullmap::Pack) -> Vec<Twin<'_>> {
+    use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Scaled, Sphere};
+    let (left, right) = (pack.hull(0).unwrap(), pack.hull(1).unwrap());
+    vec![
+        Twin::Convex(Box::new(left)),
+        Twin::Convex(Box::new(right)),
+        Twin::Convex(Box::new(Scaled::new(right, DVec3::new(1.0, -0.5, 2.0)).unwrap())),
+        Twin::Compound(Box::new(Compound::new(pack))),
+        Twin::Convex(Box::new(Sphere::new(0.75).unwrap())),
+        Twin::Convex(Box::new(Cuboid::new(DVec3::new(0.5, 0.75, 1.0)).unwrap())),
+        Twin::Convex(Box::new(Capsule::new(0.5, 0.25).unwrap())),
+        Twin::Convex(Box::new(Cylinder::new(0.5, 0.75).unwrap())),
+        Twin::Convex(Box::new(Cone::new(1.0, 0.5).unwrap())),
+        Twin::HalfSpace(HalfSpace::new(DVec3::new(0.25, 0.5, 1.0), -0.25).unwrap()),
+    ]
+}
+
+/// Asserts that fields have the same bits.
+macro_rules! same {
+    ($found:expr, $expected:expr; $($number:ident)*; $($vector:ident)*; $($count:ident)*) => {
+        $(assert_eq!($found.$number.to_bits(), $expected.$number.to_bits(), stringify!($number));)*
+        $(assert_eq!(bits($found.$vector), $expected.$vector.to_array().map(f64::to_bits), stringify!($vector));)*
+        $(assert_eq!($found.$count, $expected.$count, stringify!($count));)*
+        assert_eq!(format!("{:?}", $found.status), format!("{:?}", $expected.status));
+    };
+}
+use same;
+
+fn bits(v: types::Vec3) -> [u64; 3] {
+    [v.x, v.y, v.z].map(f64::to_bits)
+}
+
+fn vector(v: DVec3) -> types::Vec3 {
+    types::Vec3 { x: v.x, y: v.y, z: v.z }
+}
+
+/// A pose, and the same pose for C: not normalised, to show that both sides do the same with it.
+fn random_pose(rng: &mut SplitMix64, reach: f64) -> (hullmap::Pose, types::Pose) {
+    let mut next = |size: f64| rng.between(-size, size);
+    let translation = DVec3::new(next(reach), next(reach), next(reach));
+    let rotation = DQuat::from_xyzw(next(3.0), next(3.0), next(3.0), next(3.0));
+    let [x, y, z, w] = rotation.to_array();
+    let pose = hullmap::Pose::new(translation, rotation).unwrap();
+    (pose, types::Pose { translation: vector(translation), rotation: types::Quat { x, y, z, w } })
+}
+
+fn same_contact(found: &types::Contact, expected: &hullmap::Contact) {
+    same!(found, expected; depth depth_lower depth_upper; normal point_a point_b; hit iterations support_calls);
+}
+
+fn same_distance(found: &types::Distance, expected: &hullmap::Distance) {
+    same!(found, expected; distance lower upper; normal point_a point_b; iterations support_calls);
+}
+
+fn same_points(found: &types::ManifoldPoints, expected: &[([usize; 2], &hullmap::Manifold)]) -> usize {
+    // SAFETY: the manifold was updated last by this thread, and is not freed.
+    let found = unsafe { std::slice::from_raw_parts(found.points, found.count) };
+    let expected: Vec<_> =
+        expected.iter().flat_map(|(hulls, m)| m.points().iter().map(move |p| (hulls, m, p))).collect();
+    assert_eq!(found.len(), expected.len());
+    for (found, (hulls, manifold, point)) in found.iter().zip(&expected) {
+        assert_eq!([found.hull_a, found.hull_b].map(|hull| hull as usize), **hulls);
+        assert_eq!(bits(found.normal), manifold.normal().to_array().map(f64::to_bits));
+        assert_eq!(bits(found.point_a), point.point_a.to_array().map(f64::to_bits));
+        assert_eq!(bits(found.point_b), point.point_b.to_array().map(f64::to_bits));
+        assert_eq!(bits(found.local_b), point.local_b.to_array().map(f64::to_bits));
+        assert_eq!(found.depth.to_bits(), point.depth.to_bits());
+        assert_eq!((found.impulse, found.user_data, found.age), (point.impulse, point.user_data, point.age));
+        assert_eq!(found.feature_a, point.id.on_a().into());
+    }
+    found.len()
+}
