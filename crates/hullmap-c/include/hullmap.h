@@ -527,6 +527,8 @@ typedef struct {
 typedef struct {
     // How the query ended.
     HullmapStatus status;
+    // The deciding hull, of a compound; otherwise 0.
+    uint32_t hull;
     // Number of steps.
     uint32_t iterations;
     // Number of support calls.
@@ -817,7 +819,11 @@ HullmapResult hullmap_ray(const HullmapShape *shape,
 
 // Signed distance of a point from the surface of a shape, in the shape's frame: positive outside,
 // negative inside. The cache is for this shape and points near each other. settings and cache may
-// be NULL. Not for compounds.
+// be NULL.
+//
+// Of a compound, it is the minimum over its hulls: outside, the distance from the union; inside,
+// the depth in the hull in which the point is deepest. The union contains the ball of this radius
+// around the point, but its surface may be farther away where hulls overlap or touch.
 HullmapResult hullmap_signed_distance(const HullmapShape *shape,
                                       HullmapVec3 point,
                                       const HullmapSettings *settings,

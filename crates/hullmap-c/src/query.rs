@@ -323,11 +323,20 @@ pub(crate) fn signed_distance(
     memory: &mut Memory,
 ) -> Fallible<types::SignedDistance> {
     let found = match &shape.kind {
-        Kind::HalfSpace(half_space) => half_space.signed_distance(point),
-        Kind::Hull(hull) => hullmap::signed_distance(hull.hull(), point, settings, &mut memory.convex),
-        _ => hullmap::signed_distance(convex_for(shape, "signed distance")?, point, settings, &mut memory.convex),
+        Kind::HalfSpace(half_space) => half_space.signed_distance(point).map(|answer| (answer, 0)),
+        Kind::Hull(hull) => {
+            hullmap::signed_distance(hull.hull(), point, settings, &mut memory.convex).map(|answer| (answer, 0))
+        }
+        Kind::Compound(pack) => {
+            let found = compound::signed_distance(&Compound::new(pack), point, settings, memory.compound());
+            found.map(|CompoundAnswer { answer, hulls, .. }| (answer, hulls[0]))
+        }
+        Kind::Convex(convex) => {
+            hullmap::signed_distance(&**convex, point, settings, &mut memory.convex).map(|answer| (answer, 0))
+        }
     };
-    found.map(Into::into).map_err(|error| Failure::new(types::Result::InvalidArgument, error))
+    let (answer, hull) = found.map_err(|error| Failure::new(types::Result::InvalidArgument, error))?;
+    Ok(types::SignedDistance::new(answer, hull))
 }
 
 /// Support points in many directions.

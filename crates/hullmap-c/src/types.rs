@@ -616,6 +616,8 @@ impl Impact {
 pub struct SignedDistance {
     /// How the query ended.
     pub status: Status,
+    /// The deciding hull, of a compound; otherwise 0.
+    pub hull: u32,
     /// Number of steps.
     pub iterations: u32,
     /// Number of support calls.
@@ -632,10 +634,11 @@ pub struct SignedDistance {
     pub normal: Vec3,
 }
 
-impl From<hullmap::SignedDistance> for SignedDistance {
-    fn from(found: hullmap::SignedDistance) -> Self {
+impl SignedDistance {
+    pub(crate) fn new(found: hullmap::SignedDistance, hull: usize) -> Self {
         Self {
             status: found.status.into(),
+            hull: hull as u32,
             iterations: found.iterations,
             support_calls: found.support_calls,
             distance: found.distance,

@@ -5,10 +5,10 @@ use hullmap::compound::{CompoundManifolds, half_space};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Segment, Sphere, Triangle};
 use hullmap::{
     Cache, CastSettings, Compound, CompoundCache, Contact, Impact, Manifold, ManifoldSettings, Motion, Overlap, Pack,
-    Pose, Prediction, Ray, Settings, Shape, Status, compound,
+    Pose, Prediction, Ray, Settings, Shape, Status, SupportMap, compound,
 };
 use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
-use hullmap_testkit::random::RandomPoses;
+use hullmap_testkit::{gap::distance_by_features, polytope::Polytope, random::RandomPoses, reach::Reach};
 use shapes::{families::Family, rng::SplitMix64};
 use std::collections::BTreeMap;
 
@@ -282,6 +282,71 @@ fn single_shapes_agree_with_all_parts() {
     println!("{hits} of {tried} in contact; {queried} of {} parts queried", tried * many.hull_count());
     assert!((tried * 3 / 10..=tried * 7 / 10).contains(&hits), "{hits} of {tried}");
     assert!(queried * 3 < tried * many.hull_count(), "{queried}");
+}
+
+/// The signed distance of a point: the minimum over all parts, and brute force from their vertices
+/// and planes.
+#[test]
+fn signed_distance_is_the_minimum_over_all_parts() {
+    let settings = Settings::default();
+    let (mut insides, mut outsides, mut deeper, mut queried, mut all) = (0, 0, 0, 0, 0);
+    for (name, parts) in [("one", pack(1, 0.5, 5)), ("eight", pack(8, 0.4, 7)), ("thirty", pack(30, 1.0, 6))] {
+        let whole = Compound::new(&parts);
+        let polytopes: Vec<Polytope> = parts.hulls().map(|hull| Polytope::new(&hull)).collect();
+        let mut cache = CompoundCache::new(4);
+        let mut rng = SplitMix64::new(SEED + 11);
+        for number in 0..400 {
+            let at = format!("{name}: point {number}, seed {SEED:#x}");
+            let near = parts.hull(number % parts.hull_count()).unwrap();
+            let away = DVec3::from_array(rng.direction()) * near.outer_radius() * rng.between(0.0, 2.0);
+            let point = near.interior_point() + away;
+            let fast = compound::signed_distance(&whole, point, &settings, &mut cache).unwrap();
+            let found = fast.answer;
+            assert!(found.lower <= found.distance && found.distance <= found.upper, "{at}: {found:?}");
+            assert!(found.upper - found.lower <= 2e-5 * found.distance.abs() + 1e-12, "{at}: {found:?}");
+
+            let each = |hull| hullmap::signed_distance(&hull, point, &settings, &mut Cache::new()).unwrap();
+            let twins: Vec<_> = parts.hulls().map(each).collect();
+            let lower = twins.iter().map(|twin| twin.lower).fold(f64::INFINITY, f64::min);
+            let upper = twins.iter().map(|twin| twin.upper).fold(f64::INFINITY, f64::min);
+            // Both intervals contain the minimum.
+            assert!(found.lower <= upper && lower <= found.upper, "{at}: {found:?}, {lower} {upper}");
+            let of_part = &twins[fast.hulls[0]];
+            assert!(of_part.lower <= upper && fast.hulls[1] == 0, "{at}: {fast:?}");
+
+            // The highest plane of each part: the truth inside, a lower bound outside.
+            let slack = 1e-14;
+            let heights = polytopes.iter().map(|polytope| {
+                let heights = polytope.normals.iter().map(|normal| normal.dot(point) - polytope.reach(*normal));
+                heights.fold(f64::NEG_INFINITY, f64::max)
+            });
+            let lowest = heights.clone().fold(f64::INFINITY, f64::min);
+            if lowest < 0.0 {
+                assert!(found.lower - slack <= lowest && lowest <= found.upper + slack, "{at}: {lowest} {found:?}");
+                insides += 1;
+                deeper += usize::from(heights.filter(|height| *height < 0.0).count() > 1);
+            } else if number % 5 == 0 {
+                let apart = |polytope: &Polytope| distance_by_features(&polytope.points, &[point]);
+                let truth = polytopes.iter().map(apart).fold(f64::INFINITY, f64::min);
+                assert!(found.lower - slack <= truth && truth <= found.upper + slack, "{at}: {truth} {found:?}");
+                outsides += 1;
+            }
+            queried += fast.pairs as usize;
+            all += parts.hull_count();
+        }
+    }
+    println!("{insides} inside, {deeper} in several parts, {outsides} outside; {queried} of {all} parts queried");
+    assert!(insides > 200 && outsides > 60 && deeper > 50, "{insides} {outsides} {deeper}");
+    assert!(queried * 3 < all, "{queried} of {all}");
+
+    let (two, mut cache) = (pack(2, 1.0, 1), CompoundCache::default());
+    for wrong in [f64::NAN, f64::INFINITY, 1e300] {
+        let point = DVec3::new(0.0, wrong, 0.0);
+        assert!(compound::signed_distance(&Compound::new(&two), point, &settings, &mut cache).is_err());
+    }
+    // A single shape is a compound of one part.
+    let ball = compound::signed_distance(&Sphere::new(1.0).unwrap(), DVec3::X * 3.0, &settings, &mut cache).unwrap();
+    assert!((ball.answer.distance - 2.0).abs() < 1e-12 && ball.pairs == 1);
 }
 
 /// A half-space against a compound: the lowest of all parts.

@@ -94,6 +94,7 @@ fn on_stack(size: usize, settings: Settings, with_scratch: bool) -> u32 {
             let (motion, limits) = (Motion::new(-pose.translation()).unwrap(), CastSettings::default());
             black_box(compound::cast(&whole, &whole, pose, motion, &limits, &mut cache));
             black_box(compound::ray(&whole, &Ray::new(pose.translation(), DVec3::X).unwrap(), &limits));
+            black_box(compound::signed_distance(&whole, pose.translation(), &settings, &mut cache).unwrap());
             if let Some(scratch) = cache.take_scratch() {
                 manifolds.set_scratch(scratch);
             }

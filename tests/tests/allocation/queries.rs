@@ -223,6 +223,7 @@ fn queries_allocate_nothing() {
             black_box(compound::cast(&whole, shape, pose, motion, &limits, &mut cache));
             black_box(compound::ray(&whole, &Ray::new(pose.translation(), DVec3::X).unwrap(), &limits));
             black_box(compound::half_space::cast(&wall, &whole, pose, motion, &limits));
+            black_box(compound::signed_distance(&whole, pose.translation(), &settings, &mut cache).unwrap());
             let settings = ManifoldSettings::default();
             black_box(manifolds.update(&whole, shape, pose, &settings));
             black_box(manifolds.update_half_space(&wall, &whole, pose, &settings));

@@ -196,7 +196,11 @@ pub unsafe extern "C" fn hullmap_ray(
 
 /// Signed distance of a point from the surface of a shape, in the shape's frame: positive outside,
 /// negative inside. The cache is for this shape and points near each other. settings and cache may
-/// be NULL. Not for compounds.
+/// be NULL.
+///
+/// Of a compound, it is the minimum over its hulls: outside, the distance from the union; inside,
+/// the depth in the hull in which the point is deepest. The union contains the ball of this radius
+/// around the point, but its surface may be farther away where hulls overlap or touch.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_signed_distance(
     shape: *const Shape,

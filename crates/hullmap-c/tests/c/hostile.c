@@ -292,6 +292,8 @@ static void queries(const HullmapPack *pack) {
         FAILS(HULLMAP_RESULT_INVALID_ARGUMENT, "direction", hullmap_ray(hull, up, vector, NULL, &hit));
         FAILS(HULLMAP_RESULT_INVALID_ARGUMENT, "point",
               hullmap_signed_distance(hull, vector, NULL, NULL, &signed_distance));
+        FAILS(HULLMAP_RESULT_INVALID_ARGUMENT, "point",
+              hullmap_signed_distance(both, vector, NULL, cache, &signed_distance));
         FAILS(HULLMAP_RESULT_INVALID_ARGUMENT, "velocity",
               hullmap_cast(hull, ball, &pose, vector, NULL, NULL, &impact));
         /* Any direction has a support point. */

@@ -52,6 +52,7 @@ mod manifolds;
 mod motion;
 mod parts;
 pub mod seams;
+mod signed_distance;
 mod traversal;
 
 use crate::cascade::{self, Stages};
@@ -64,6 +65,7 @@ pub use cache::CompoundCache;
 pub use manifolds::{CompoundManifolds, ManifoldCounts};
 pub use motion::{cast, ray};
 pub use parts::Parts;
+pub use signed_distance::signed_distance;
 use traversal::Traversal;
 
 /// The union of the hulls of a pack, or a single hull. A cheap copy: it borrows the pack.
