@@ -3,8 +3,8 @@
 //! # Steps
 //! 1. Start with the part that decided the last query.
 //! 2. Visit the parts whose boxes are no farther away than the minimum so far, nearest first. A
-//!    point that is inside a part visits all parts whose boxes contain it, since it may be deeper in
-//!    another one.
+//!    point that is inside a part visits all parts whose boxes contain it, since it may be deeper
+//!    in another one.
 //!
 //! # Deviations
 //! Outside of all parts, the minimum is the distance from the union. Inside, the nearest point of
@@ -12,8 +12,8 @@
 //! into the union, but a greater one may.
 //!
 //! # Reference
-//! Branch and bound, as for [`distance`](super::distance()). The minimum as the signed distance of a
-//! union: Hart, "Sphere tracing", 1996, section 2.
+//! Branch and bound, as for [`distance`](super::distance()). The minimum as the signed distance of
+//! a union: Hart, "Sphere tracing", 1996, section 2.
 
 use glam::DVec3;
 
@@ -44,8 +44,8 @@ const NOTHING_KNOWN: SignedDistance = SignedDistance {
 /// Positive outside: then it is the distance from the union, and `point` of the answer is the
 /// closest point of the union. Negative inside: then it is the depth in the part in which the point
 /// is deepest, so a ball of radius `-distance` around the point is inside the union. Where parts
-/// overlap or touch, the surface of the union may be farther away, and `point` of the answer, on the
-/// surface of its part, may be inside another one.
+/// overlap or touch, the surface of the union may be farther away, and `point` of the answer, on
+/// the surface of its part, may be inside another one.
 ///
 /// The interval contains this minimum. A positive lower bound proves that the point is outside of
 /// the union, a negative upper bound that it is inside. The status is that of the deciding part,
