@@ -38,6 +38,29 @@ fn meanings(section: &str) -> BTreeMap<String, String> {
     rows.map(|(cell, meaning)| (flag(cell), meaning.to_owned())).collect()
 }
 
+/// Whether the section refers to the flags of `bake build` that choose meshes and their options.
+fn takes_meshes(name: &str) -> bool {
+    let text = section(name).split_whitespace().collect::<Vec<_>>().join(" ");
+    text.contains("All flags of [bake build](#bake-build) from `--split` to `--ext` apply.")
+}
+
+/// The flags that the page lists for a command.
+fn flags(name: &str) -> BTreeSet<String> {
+    let rows = |name: &str| -> Vec<String> {
+        let text = section(name);
+        let lines = text.lines().skip_while(|line| !line.starts_with("| flag |")).skip(2);
+        let cells = lines.map_while(|line| line.strip_prefix("| `")).filter_map(|line| line.split(['`', ' ']).next());
+        cells.map(str::to_owned).collect()
+    };
+    let mut found: BTreeSet<String> = rows(name).into_iter().collect();
+    if takes_meshes(name) {
+        let build = rows("build");
+        let at = |flag: &str| build.iter().position(|own| own == flag).unwrap();
+        found.extend(build[at("--split")..=at("--ext")].iter().cloned());
+    }
+    found
+}
+
 /// The first paragraph of each flag's help. It follows the flag on its line or stands below it:
 /// clap decides by the width of the terminal.
 fn descriptions(help: &str) -> BTreeMap<String, String> {
@@ -89,6 +112,9 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
     fs::write(folder.path().join("in/bad.obj"), "v\n").unwrap();
     for (name, lines) in [
         ("build", ["build in --out o --json", "build in --out o --check --json", "build in --out p --json"].as_slice()),
+        ("key", &["key in/a.obj --json"]),
+        ("plan", &["plan in/a.obj --out o"]),
+        ("status", &["status in --out o --json", "status in --out p --json --shards 3"]),
         ("verify", &["verify o --json", "verify o in/a.obj --json"]),
         ("inspect", &["inspect o --json", "inspect o --json --vertices"]),
         ("export", &["export o/a.hullmap --format json"]),
@@ -123,7 +149,11 @@ fn every_flag_is_documented_and_every_documented_one_is_taken() {
         let help = bake([name, "--help"]).expect(0).stdout;
         let mut described = descriptions(&help);
         described.remove("--help");
-        let meanings = meanings(&section(name));
+        let mut meanings = meanings(&section(name));
+        if takes_meshes(name) {
+            meanings.extend(self::meanings(&section("build")));
+            meanings.extend(self::meanings(&section(name)));
+        }
         for (flag, text) in &described {
             // The page describes defaults in other words.
             let text = text.split(" [default").next().unwrap_or_default();
@@ -132,8 +162,7 @@ fn every_flag_is_documented_and_every_documented_one_is_taken() {
             assert!(meaning.starts_with(text), "bake {name} {flag}: `{meaning}` does not start with `{text}`");
         }
         let taken: BTreeSet<String> = described.into_keys().collect();
-        let documented = table(&section(name), "flag");
-        let documented = documented.iter().filter_map(|cell| cell.split(' ').next()).map(str::to_owned).collect();
+        let documented = flags(name);
         assert_eq!(taken, documented, "bake {name}: taken, documented");
     }
 }

@@ -3,6 +3,7 @@
 mod assets;
 mod document;
 mod export;
+mod farm;
 #[cfg(target_os = "linux")]
 mod faults;
 #[cfg(unix)]

@@ -16,6 +16,8 @@ use hullmap_import::{EXTENSIONS, Limits, UpAxis};
 use hullmap_report::input::Up;
 
 use crate::glob::Glob;
+use crate::jobs::batch::BatchSize;
+use crate::jobs::shard::Shard;
 use crate::options::{OptionLayer, flag};
 use crate::terminal::Escaped;
 
@@ -49,6 +51,20 @@ pub enum Command {
                       bake build assets --out baked --check          (for CI: exit 1 if a pack is stale)\n  \
                       bake build rock.obj --out baked --index compact --depfile rock.d")]
     Build(Box<BuildArgs>),
+    /// Print a hash of everything that each pack depends on
+    #[command(after_help = "Example:\n  bake key assets --record-source name")]
+    Key(Box<KeyArgs>),
+    /// List the work of a build as tasks for other machines
+    #[command(after_help = "Examples:\n  \
+                      bake plan assets --out baked > plan.jsonl\n  \
+                      bake plan assets --out baked --emit ninja > build.ninja")]
+    Plan(Box<PlanArgs>),
+    /// Bake tasks of a plan
+    #[command(after_help = "Example:\n  bake task plan.jsonl --index 3")]
+    Task(TaskArgs),
+    /// List packs that are missing or stale, by their headers
+    #[command(after_help = "Example:\n  bake status assets --out baked --shards 64")]
+    Status(Box<StatusArgs>),
     /// Verify packs against the meshes they were baked from
     #[command(after_help = "Example:\n  bake verify baked --source assets --directions 200000")]
     Verify(VerifyArgs),
@@ -75,15 +91,12 @@ pub enum Command {
     Completions(CompletionsArgs),
 }
 
-/// Arguments of `bake build`.
-#[derive(Debug, clap::Args)]
-pub struct BuildArgs {
+/// The meshes to bake, and their options.
+#[derive(Clone, Debug, clap::Args)]
+pub struct MeshArgs {
     /// Mesh files (OBJ, glTF, GLB, STL, PLY), or folders to search for them
     #[arg(required = true, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
-    /// Write packs to DIR, which mirrors the input folders
-    #[arg(long, value_name = "DIR")]
-    pub out: PathBuf,
     /// Options that shape the packs.
     #[command(flatten)]
     pub options: OptionLayer,
@@ -110,6 +123,40 @@ pub struct BuildArgs {
         help_heading = "What to bake"
     )]
     pub ext: Vec<String>,
+}
+
+/// How jobs run on this machine, and what is printed.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub struct RunArgs {
+    /// Number of threads [default: one per core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Running")]
+    pub jobs: Option<u16>,
+    /// Maximum memory for files in progress; a file that needs more is baked alone [default: 4G]
+    #[arg(long, value_name = "SIZE", value_parser = size, help_heading = "Running")]
+    pub memory: Option<u64>,
+    /// List fresh packs too
+    #[arg(long, help_heading = "Running")]
+    pub verbose: bool,
+    /// Print only errors
+    #[arg(long, conflicts_with = "verbose", help_heading = "Running")]
+    pub quiet: bool,
+    /// Print one JSON object per file
+    #[arg(long, help_heading = "Running")]
+    pub json: bool,
+}
+
+/// Arguments of `bake build`.
+#[derive(Debug, clap::Args)]
+pub struct BuildArgs {
+    /// The meshes.
+    #[command(flatten)]
+    pub meshes: MeshArgs,
+    /// Write packs to DIR, which mirrors the input folders
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Bake only the meshes of shard I of N, counted from 0, for instance 0/8
+    #[arg(long, hide_short_help = true, value_name = "I/N", help_heading = "What to bake")]
+    pub shard: Option<Shard>,
     /// Bake every mesh, even if its pack is fresh
     #[arg(long, help_heading = "What to bake")]
     pub force: bool,
@@ -136,20 +183,106 @@ pub struct BuildArgs {
     /// Write a single target, which depends on all sources, to the depfile
     #[arg(long, hide_short_help = true, value_name = "TARGET", requires = "depfile", help_heading = "What to bake")]
     pub depfile_target: Option<PathBuf>,
-    /// Number of threads [default: one per core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Running")]
-    pub jobs: Option<u16>,
-    /// Maximum memory for files in progress; a file that needs more is baked alone [default: 4G]
-    #[arg(long, value_name = "SIZE", value_parser = size, help_heading = "Running")]
-    pub memory: Option<u64>,
-    /// List fresh packs too
-    #[arg(long, help_heading = "Running")]
-    pub verbose: bool,
-    /// Print only errors
-    #[arg(long, conflicts_with = "verbose", help_heading = "Running")]
-    pub quiet: bool,
-    /// Print one JSON object per file
-    #[arg(long, help_heading = "Running")]
+    /// How jobs run.
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+/// Arguments of `bake key`.
+#[derive(Debug, clap::Args)]
+pub struct KeyArgs {
+    /// The meshes.
+    #[command(flatten)]
+    pub meshes: MeshArgs,
+    /// Folder of the packs, for the recorded path [default: beside the meshes]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print one JSON object per mesh, with everything that goes into its key
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `bake plan`.
+#[derive(Debug, clap::Args)]
+pub struct PlanArgs {
+    /// The meshes.
+    #[command(flatten)]
+    pub meshes: MeshArgs,
+    /// Folder of the packs, which mirrors the input folders
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Number of meshes per task, about
+    #[arg(long, value_name = "N", default_value_t = BatchSize::default().meshes, value_parser = at_least_one, help_heading = "Tasks")]
+    pub batch: usize,
+    /// Bytes of source per task, about; a mesh of more than a quarter is alone [default: 32M]
+    #[arg(long, value_name = "SIZE", value_parser = size, help_heading = "Tasks")]
+    pub batch_bytes: Option<u64>,
+    /// Form of the plan: one JSON object per task, or a file for Ninja
+    #[arg(
+        long,
+        value_enum,
+        default_value_t = Emit::Json,
+        value_name = "json|ninja",
+        hide_possible_values = true,
+        help_heading = "Tasks"
+    )]
+    pub emit: Emit,
+}
+
+/// Form of a plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Emit {
+    /// One JSON object per line.
+    Json,
+    /// A build file for Ninja.
+    Ninja,
+}
+
+/// Arguments of `bake task`.
+#[derive(Debug, clap::Args)]
+pub struct TaskArgs {
+    /// The plan: a file of tasks, one per line (`-`: standard input)
+    #[arg(value_name = "PLAN")]
+    pub plan: PathBuf,
+    /// Run only the task with this index; repeatable [default: all tasks]
+    #[arg(long, value_name = "I")]
+    pub index: Vec<usize>,
+    /// Folder of the packs [default: the folder of the plan]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Limits on source files.
+    #[command(flatten)]
+    pub limits: LimitArgs,
+    /// Bake every mesh, even if its pack is fresh
+    #[arg(long)]
+    pub force: bool,
+    /// Verify each pack before it replaces the old one
+    #[arg(long)]
+    pub verify: bool,
+    /// Write the results as JSON to FILE, and exit with 0 if meshes were rejected
+    ///
+    /// For actions whose results are cached: that a mesh is faulty is a result like any other.
+    #[arg(long, value_name = "FILE")]
+    pub results: Option<PathBuf>,
+    /// How jobs run.
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+/// Arguments of `bake status`.
+#[derive(Debug, clap::Args)]
+pub struct StatusArgs {
+    /// The meshes.
+    #[command(flatten)]
+    pub meshes: MeshArgs,
+    /// Folder of the packs, which mirrors the input folders
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Name the shards of N that are not complete
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub shards: Option<u32>,
+    /// Print one JSON object per pack, also for those that are present
+    #[arg(long)]
     pub json: bool,
 }
 
@@ -372,6 +505,12 @@ pub struct ReportArgs {
     /// The source mesh, or a folder of meshes [default: as for `bake verify`]
     #[arg(long, value_name = "PATH")]
     pub source: Option<PathBuf>,
+    /// Write the pages of shard I of N, counted from 0, and no overview; --merge adds it
+    #[arg(long, value_name = "I/N", conflicts_with = "merge")]
+    pub shard: Option<Shard>,
+    /// Write the overview of pages that all shards have written, and verify nothing
+    #[arg(long)]
+    pub merge: bool,
     /// Axis that points up in the pictures
     #[arg(long, value_parser = up(), default_value = "z", value_name = "z|y", hide_possible_values = true)]
     pub up: Up,
@@ -487,13 +626,26 @@ fn parse_words(words: &[OsString]) -> Result<Cli, clap::Error> {
         }
         _ => with_usage(&program, error, words.get(1)),
     })?;
-    if let Command::Build(args) = &cli.command
-        && let Some(clash) = args.options.clash()
+    if let Some((name, meshes)) = cli.command.meshes()
+        && let Some(clash) = meshes.options.clash()
     {
         let message = clash.message(|key| format!("--{}", flag(key)));
-        return Err(subcommand_error(&program, "build", ErrorKind::ArgumentConflict, message));
+        return Err(subcommand_error(&program, name, ErrorKind::ArgumentConflict, message));
     }
     Ok(cli)
+}
+
+impl Command {
+    /// Name and meshes of a subcommand that takes meshes with options.
+    fn meshes(&self) -> Option<(&'static str, &MeshArgs)> {
+        match self {
+            Self::Build(args) => Some(("build", &args.meshes)),
+            Self::Key(args) => Some(("key", &args.meshes)),
+            Self::Plan(args) => Some(("plan", &args.meshes)),
+            Self::Status(args) => Some(("status", &args.meshes)),
+            _ => None,
+        }
+    }
 }
 
 /// The numbers after a `--pose`, if they are separate arguments.

@@ -8,6 +8,8 @@
 //! |---|---|
 //! | `args` | subcommands and flags |
 //! | `commands` | one module per subcommand |
+//! | `jobs` | what is to be baked: meshes, options, packs; in shards, batches and tasks |
+//! | `runner` | bakes jobs on this machine |
 //! | `options` | the options that shape a pack, in one table with their defaults |
 //! | `config` | `hullmap.toml` |
 //! | `glob` | globs that select meshes |
@@ -36,6 +38,7 @@ mod geometry;
 mod glob;
 mod in_memory;
 mod interrupt;
+mod jobs;
 mod measure;
 mod open;
 mod options;
@@ -45,6 +48,7 @@ mod packs;
 mod pair;
 mod pose;
 mod project;
+mod runner;
 mod selection;
 mod source;
 mod table;
@@ -99,6 +103,10 @@ pub fn run<W: Into<OsString> + Clone>(words: impl IntoIterator<Item = W>) -> u8 
 fn dispatch(cli: &Cli, program: &str, out: &mut Output) -> Result<Exit, Failure> {
     match &cli.command {
         Command::Build(args) => commands::build::run(args, out),
+        Command::Key(args) => commands::key::run(args, out),
+        Command::Plan(args) => commands::plan::run(args, out),
+        Command::Task(args) => commands::task::run(args, out),
+        Command::Status(args) => commands::status::run(args, out),
         Command::Verify(args) => commands::verify::run(args, out),
         Command::Inspect(args) => commands::inspect::run(args, out),
         Command::Export(args) => commands::export::run(args, out),

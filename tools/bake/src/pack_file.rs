@@ -220,8 +220,8 @@ pub fn folder_of(file: &Path) -> &Path {
     }
 }
 
-/// The path of `source` that a pack in `pack_folder` records: relative to that folder, with `/`, if
-/// both lie in `project`, the folder where `bake` was started; otherwise the bare file name.
+/// The path of `source` that a pack in `pack_folder`, which may not exist yet, records: relative to
+/// that folder, with `/`, if both lie in `project`, the folder where `bake` was started; otherwise the bare file name.
 ///
 /// So the bytes of the pack depend on the layout of the project, but not on the rest of the
 /// machine.
@@ -231,12 +231,27 @@ pub fn folder_of(file: &Path) -> &Path {
 /// different record.
 pub fn recorded_path(source: &Path, pack_folder: &Path, project: &Path) -> io::Result<String> {
     let name = || source.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let (source, folder, project) = (source.canonicalize()?, pack_folder.canonicalize()?, project.canonicalize()?);
+    let (source, project) = (source.canonicalize()?, project.canonicalize()?);
+    let folder = canonical_of_gone(pack_folder).map_or_else(|| pack_folder.canonicalize(), Ok)?;
     if source.starts_with(&project) && folder.starts_with(&project) {
         Ok(relative(&source, &folder).unwrap_or_else(name))
     } else {
         Ok(name())
     }
+}
+
+/// The canonical path of a folder that, like its parents, may not exist; `None` if it cannot be
+/// determined.
+pub fn canonical_of_gone(folder: &Path) -> Option<PathBuf> {
+    for above in folder.ancestors() {
+        let place = if above == Path::new("") { Path::new(".") } else { above };
+        match place.canonicalize() {
+            Ok(canonical) => return Some(plain(&canonical.join(folder.strip_prefix(above).ok()?))),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Err(_) => return None,
+        }
+    }
+    None
 }
 
 /// The relative path from one absolute path to another, without access to the file system.

@@ -2,20 +2,26 @@
 
 use std::fmt::Write;
 
+use serde::{Deserialize, Serialize};
+
 use crate::Analysis;
 use crate::html::{count, escape, fill, link};
-use crate::pack_page::{FAULTS, STYLE, verdict};
+use crate::pack_page::{FAULTS, STYLE, Verdict};
 
 const PAGE: &str = include_str!("page/folder.html");
 const SCRIPT: &str = include_str!("page/folder.js");
 
-/// One pack on a folder's page.
-#[derive(Debug)]
+/// Start of a picture's URL.
+const PICTURE: &str = "data:image/png;base64,";
+
+/// One pack on a folder's page. It can be written to a file and read again, so that several
+/// machines can make the pages of one folder.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct Card {
     /// The pack's path below the folder, without extension.
     name: String,
-    /// Verdict, as HTML.
-    verdict: String,
+    /// The verdict.
+    verdict: Verdict,
     /// Whether the pack was rejected.
     is_faulty: bool,
     /// Whether no hull is simplified.
@@ -27,7 +33,7 @@ pub struct Card {
 }
 
 /// What a card shows about a pack that opens.
-#[derive(Debug)]
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 struct Content {
     /// Path of its page, relative to the folder's.
     page: String,
@@ -46,7 +52,7 @@ impl Card {
     pub fn new(name: String, pack: &Analysis, page: String) -> Self {
         Self {
             name,
-            verdict: verdict(pack),
+            verdict: Verdict::of(pack),
             is_faulty: !pack.remarks.faults.is_empty(),
             is_exact: pack.is_exact(),
             remarks: pack.remarks.faults.iter().chain(&pack.remarks.warnings).cloned().collect(),
@@ -60,10 +66,34 @@ impl Card {
         }
     }
 
+    /// The pack's path below the folder, without extension.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Whether the pack was rejected.
+    pub fn is_faulty(&self) -> bool {
+        self.is_faulty
+    }
+
+    /// Whether the card, if it was read from a file, has a picture that is nothing but a picture.
+    pub fn is_sound(&self) -> bool {
+        self.content.as_ref().is_none_or(|content| {
+            let data = content.picture.strip_prefix(PICTURE);
+            data.is_some_and(|data| data.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"+/=".contains(&byte)))
+        })
+    }
+
     /// The card of a pack that does not open, with the reason.
     pub fn unopened(name: String, reason: String) -> Self {
-        let verdict = "<span class=\"chip bad\">not opened</span>".to_owned();
-        Self { name, verdict, is_faulty: true, is_exact: false, remarks: vec![reason], content: None }
+        Self {
+            name,
+            verdict: Verdict::NotOpened,
+            is_faulty: true,
+            is_exact: false,
+            remarks: vec![reason],
+            content: None,
+        }
     }
 }
 
@@ -118,7 +148,7 @@ fn item(card: &Card) -> String {
                 "<a class=\"picture\" href=\"{page}\" tabindex=\"-1\" aria-hidden=\"true\"><img src=\"{}\" width=\"160\" height=\"120\" alt=\"\"></a>\n\
                  <div class=\"text\"><h2><a href=\"{page}\">{name}</a></h2>{}\n<p>{} {hulls} · {} vertices · {} bytes</p>\n",
                 content.picture,
-                card.verdict,
+                card.verdict.html(),
                 count(content.hulls as u64),
                 count(content.vertices as u64),
                 count(content.bytes as u64)
@@ -128,7 +158,7 @@ fn item(card: &Card) -> String {
             let _ = write!(
                 out,
                 "<div class=\"picture soft\">no picture</div>\n<div class=\"text\"><h2>{name}</h2>{}\n",
-                card.verdict
+                card.verdict.html()
             );
         }
     }

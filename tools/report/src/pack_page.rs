@@ -3,6 +3,8 @@
 use std::fmt::Write;
 use std::time::Duration;
 
+use serde::{Deserialize, Serialize};
+
 use crate::analysis::{Analysis, HullRow, MAX_HULLS};
 use crate::census::{Pace, mean};
 use crate::display_mesh::EncodedMesh;
@@ -45,7 +47,7 @@ pub fn pack_page(pack: &Analysis, index: Option<&str>) -> String {
             ("title", &title),
             ("style", STYLE),
             ("crumb", &crumb),
-            ("verdict", &verdict(pack)),
+            ("verdict", &Verdict::of(pack).html()),
             ("subtitle", &subtitle),
             ("warnings", &warnings(pack)),
             ("facts", &facts(pack)),
@@ -64,24 +66,62 @@ pub fn pack_page(pack: &Analysis, index: Option<&str>) -> String {
     )
 }
 
-/// The verdict as a coloured chip.
-pub fn verdict(pack: &Analysis) -> String {
-    let (class, word) = if !pack.remarks.faults.is_empty() {
-        ("bad", "failed")
-    } else if pack.has_unmeasured_parts() {
-        ("odd", "unmeasured")
-    } else if pack.source.is_none() && pack.has_loose_parts() {
-        ("odd", "bounds unchecked")
-    } else if pack.source.is_none() {
-        ("odd", "exact for the stored hull")
-    } else if pack.is_exact() {
-        ("good", "exact")
-    } else if pack.has_loose_parts() {
-        ("good", "within its bounds")
-    } else {
-        ("good", "contains its source")
-    };
-    format!("<span class=\"chip {class}\">{word}</span>")
+/// What was found out about a pack, in a word.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// It does not open.
+    NotOpened,
+    /// It has faults.
+    Failed,
+    /// It has parts without measures.
+    Unmeasured,
+    /// It has parts, and its source was not found.
+    BoundsUnchecked,
+    /// Its source was not found.
+    ExactForTheStoredHull,
+    /// No hull is simplified.
+    Exact,
+    /// It has parts that differ from their mesh.
+    WithinItsBounds,
+    /// It has simplified hulls.
+    ContainsItsSource,
+}
+
+impl Verdict {
+    /// The verdict on a pack that opens.
+    pub fn of(pack: &Analysis) -> Self {
+        if !pack.remarks.faults.is_empty() {
+            Self::Failed
+        } else if pack.has_unmeasured_parts() {
+            Self::Unmeasured
+        } else if pack.source.is_none() && pack.has_loose_parts() {
+            Self::BoundsUnchecked
+        } else if pack.source.is_none() {
+            Self::ExactForTheStoredHull
+        } else if pack.is_exact() {
+            Self::Exact
+        } else if pack.has_loose_parts() {
+            Self::WithinItsBounds
+        } else {
+            Self::ContainsItsSource
+        }
+    }
+
+    /// The verdict as HTML.
+    pub fn html(self) -> String {
+        let (class, word) = match self {
+            Self::NotOpened => ("bad", "not opened"),
+            Self::Failed => ("bad", "failed"),
+            Self::Unmeasured => ("odd", "unmeasured"),
+            Self::BoundsUnchecked => ("odd", "bounds unchecked"),
+            Self::ExactForTheStoredHull => ("odd", "exact for the stored hull"),
+            Self::Exact => ("good", "exact"),
+            Self::WithinItsBounds => ("good", "within its bounds"),
+            Self::ContainsItsSource => ("good", "contains its source"),
+        };
+        format!("<span class=\"chip {class}\">{word}</span>")
+    }
 }
 
 fn warnings(pack: &Analysis) -> String {

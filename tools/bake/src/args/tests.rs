@@ -11,7 +11,7 @@ use crate::options::BuildOptions;
 fn build(words: &str) -> Result<BuildOptions, i32> {
     let line = format!("bake build in.obj --out out {words}");
     match parse(line.split_whitespace()) {
-        Ok(Cli { command: Command::Build(args) }) => Ok(args.options.resolve()),
+        Ok(Cli { command: Command::Build(args) }) => Ok(args.meshes.options.resolve()),
         Ok(_) => unreachable!(),
         Err(error) => Err(error.exit_code()),
     }

@@ -1,7 +1,7 @@
 //! The table of all options that shape a bake: key, accepted values, default, help.
 //!
 //! Flags and their help, the keys of `hullmap.toml`, its template, and the record in a pack all
-//! come from this table. Every option in it changes the bytes of packs, except those that are never
+//! come from this table. Every option in it changes the hulls of packs, except those that are never
 //! recorded; flags that no mesh can choose for itself (`--jobs`, `--verify`, …) are in `args.rs`.
 
 use super::value::Syntax::{
@@ -80,7 +80,7 @@ pub enum Record {
     IfChanged,
     /// As part of the value of `index`.
     WithIndex,
-    /// Never: an option that does not change the bytes of the pack.
+    /// Never: an option that changes no hull.
     Never,
 }
 
@@ -327,10 +327,21 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         applies_with: Some(("decompose", "cover")),
         ..OPTION
     },
+    BuildOption {
+        key: "record_source",
+        syntax: Words(&["relative", "name", "none"]),
+        default: DefaultValue::Value("relative"),
+        value_name: "relative|name|none",
+        help: "Path of the mesh that packs record: relative to the pack, its name, or nothing",
+        section: Section::Output,
+        is_advanced: true,
+        record: Record::Never,
+        ..OPTION
+    },
 ];
 
 /// Number of options.
-pub const OPTION_COUNT: usize = 23;
+pub const OPTION_COUNT: usize = 24;
 
 /// Values that most options share.
 const OPTION: BuildOption = BuildOption {

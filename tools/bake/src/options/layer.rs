@@ -201,6 +201,7 @@ pub mod tests {
         ("pack_names", "full"),
         ("max_parts", "9"),
         ("decompose_seconds", "2.5"),
+        ("record_source", "name"),
     ];
 
     /// A layer with these values.

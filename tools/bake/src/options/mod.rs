@@ -40,6 +40,17 @@ use value::Value;
 #[derive(Clone, Debug, PartialEq)]
 pub struct BuildOptions(OptionLayer);
 
+/// The path of its source that a pack records.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RecordSource {
+    /// Relative to the pack's folder; the name if that would lead out of the project.
+    Relative,
+    /// The file name.
+    Name,
+    /// Nothing.
+    None,
+}
+
 impl Default for BuildOptions {
     fn default() -> Self {
         OptionLayer::default().resolve()
@@ -137,6 +148,15 @@ impl BuildOptions {
             "stem" => Some(false),
             "full" => Some(true),
             _ => None,
+        }
+    }
+
+    /// The path of its source that the pack records.
+    pub fn record_source(&self) -> RecordSource {
+        match self.word("record_source") {
+            "name" => RecordSource::Name,
+            "none" => RecordSource::None,
+            _ => RecordSource::Relative,
         }
     }
 

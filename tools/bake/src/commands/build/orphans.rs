@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 
 use walkdir::WalkDir;
 
-use super::job::Job;
-use super::pack_names::is_name_of;
-use super::rows::{Row, Status};
+use crate::jobs::pack_names::is_name_of;
+use crate::jobs::{Job, slashed};
 use crate::open::open_pack;
-use crate::pack_file::{folder_of, plain, resolve_recorded, shown_from};
+use crate::pack_file::{canonical_of_gone, folder_of, plain, resolve_recorded, shown_from};
 use crate::packs::{PackPlace, is_pack};
 use crate::project::{Found, Project};
+use crate::runner::rows::{Row, Status};
 
 /// A pack that this build does not write, and whose recorded source does not exist or has a pack of
 /// another name.
@@ -123,24 +123,15 @@ fn project_of(pack: &Path, below: &Path, start: &Path) -> Option<Project> {
     Project::of(&PackPlace { path: pack.to_owned(), below: below.to_owned() }, start)
 }
 
-/// The canonical path of a folder that, like its parents, may not exist; `None` if it cannot be
-/// determined.
-fn canonical_of_gone(folder: &Path) -> Option<PathBuf> {
-    for above in folder.ancestors() {
-        let place = if above == Path::new("") { Path::new(".") } else { above };
-        match place.canonicalize() {
-            Ok(canonical) => return Some(plain(&canonical.join(folder.strip_prefix(above).ok()?))),
-            Err(error) if error.kind() == ErrorKind::NotFound => {}
-            Err(_) => return None,
-        }
-    }
-    None
-}
-
 impl Orphan {
     /// Whether it is kept, because its source may still exist.
     pub fn is_kept(&self) -> bool {
         self.kept.is_some()
+    }
+
+    /// Its path below `out`, with `/`: it belongs to the shard of this place.
+    pub fn place(&self, out: &Path) -> String {
+        slashed(self.pack.strip_prefix(out).unwrap_or(&self.pack))
     }
 
     /// Its row. If `prunes`, the pack is removed first, with folders below `out` that become empty;

@@ -8,13 +8,14 @@ use std::time::{Duration, Instant};
 use notify::event::{AccessKind, AccessMode, EventKind, ModifyKind};
 use notify::{Event, RecommendedWatcher, RecursiveMode, Watcher};
 
-use super::job::{Baker, Job};
-use super::{build, jobs};
+use super::{build, find_jobs};
 use crate::args::BuildArgs;
 use crate::config::FILE_NAME;
 use crate::interrupt;
+use crate::jobs::Job;
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::folder_of;
+use crate::runner::one::Baker;
 use crate::terminal::{self, Output};
 use hullmap_import::{is_buffer, is_source};
 
@@ -47,7 +48,7 @@ pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut Output) ->
             Err(failure) if failure.message.is_empty() => return Err(failure),
             Err(failure) => terminal::error(&failure),
         }
-        if !args.quiet {
+        if !args.run.quiet {
             terminal::say("watching for changes; press Ctrl-C to stop");
         }
         // The folder exists now, so it has a canonical path, as the paths of events do.
@@ -56,7 +57,7 @@ pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut Output) ->
             Some(paths) => paths,
             None => return Ok(Exit::Done),
         };
-        if !args.quiet {
+        if !args.run.quiet {
             print_changes(&paths);
         }
         changed = Some(paths);
@@ -73,7 +74,7 @@ fn once(
     out: &mut Output,
 ) -> Result<BTreeSet<PathBuf>, Failure> {
     let is_all = changed.is_none_or(|paths| paths.iter().any(|path| !is_source(path)));
-    let jobs = jobs(args, project, is_all && !args.quiet)?;
+    let jobs = find_jobs(args, project, is_all && !args.run.quiet)?;
     let is_touched = |job: &Job| match changed {
         Some(paths) if !is_all => job.source.canonicalize().map_or(true, |path| paths.contains(&path)),
         _ => true,
@@ -91,7 +92,7 @@ struct Watched {
 impl Watched {
     /// Watches the inputs, folders recursively, and the file that `--config` names.
     fn watch_all(&mut self, args: &BuildArgs) -> Result<(), notify::Error> {
-        for input in &args.inputs {
+        for input in &args.meshes.inputs {
             let path = input.canonicalize().unwrap_or_else(|_| input.clone());
             if path.is_dir() {
                 self.watcher.watch(&path, RecursiveMode::Recursive)?;
@@ -99,7 +100,7 @@ impl Watched {
                 self.watch_folder_of(&path);
             }
         }
-        self.watch_files(&args.config.iter().cloned().collect());
+        self.watch_files(&args.meshes.config.iter().cloned().collect());
         Ok(())
     }
 

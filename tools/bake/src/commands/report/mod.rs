@@ -2,12 +2,13 @@
 //!
 //! 1. [`input`] opens a pack, finds its source, verifies it and collects remarks.
 //! 2. The crate `hullmap-report` turns that into a page; a folder of packs gets a page of cards
-//!    that link to them.
+//!    that link to them. [`shards`] merges the cards of several machines.
 //! 3. Pages are written to temporary files and renamed, the folder's page last, so that its links
 //!    always lead somewhere.
 
 mod input;
 mod remarks;
+mod shards;
 mod source_mesh;
 
 use std::ffi::OsString;
@@ -16,6 +17,7 @@ use std::path::{Path, PathBuf};
 use hullmap_report::{Analysis, Card, folder_page, pack_page};
 
 use crate::args::ReportArgs;
+use crate::jobs::slashed;
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, sweep, through_link, write_beside};
 use crate::packs::{PackPlace, find_packs};
@@ -23,6 +25,7 @@ use crate::source::{Folders, given_sources};
 use crate::table::grouped;
 use crate::terminal::{self, Output};
 use input::analyse_pack;
+use shards::ShardCards;
 
 /// Runs the command.
 ///
@@ -41,7 +44,13 @@ pub fn run(args: &ReportArgs, out: &mut Output) -> Result<Exit, Failure> {
     sweep(folder_of(&args.out));
     sweep(&args.out.with_file_name(pages_folder(&args.out)));
     if args.input.is_dir() {
-        return report_folder(args, &places, &sources, out);
+        return if args.merge { merge(args, &places, out) } else { report_folder(args, &places, &sources, out) };
+    }
+    if args.merge || args.shard.is_some() {
+        return Err(Failure::usage(format!(
+            "{}: is a pack, but --shard and --merge require a folder of packs",
+            args.input.display()
+        )));
     }
     let mut exit = Exit::Done;
     for (place, given) in places.iter().zip(sources) {
@@ -68,7 +77,10 @@ fn report_folder(
     let folders = Folders::default();
     for (place, given) in places.iter().zip(sources) {
         let below = place.path.strip_prefix(&args.input).unwrap_or(&place.path);
-        let name = slashed(&below.with_extension(""));
+        let name = name_of(args, place);
+        if args.shard.is_some_and(|shard| !shard.holds(&name)) {
+            continue;
+        }
         match analyse_pack(place, *given, args, &folders) {
             Ok(pack) => {
                 let (link, page) = page_in_folder(&pack, below, &args.out);
@@ -90,13 +102,39 @@ fn report_folder(
             }
         }
     }
+    let count = cards.len();
+    let (target, page) = match args.shard {
+        Some(shard) => {
+            let target = shards::file(&args.out.with_file_name(pages_folder(&args.out)), shard);
+            let cards = ShardCards::new(shard, cards);
+            (target, serde_json::to_string(&cards).map_err(|error| Failure::usage(error.to_string()))?)
+        }
+        None => (args.out.clone(), folder_page(&args.input.display().to_string(), &cards)),
+    };
+    write_page(&target, &page)?;
+    end(exit, print_written(&target, count, bytes + page.len(), out))
+}
+
+/// The overview of pages that shards have written.
+fn merge(args: &ReportArgs, places: &[PackPlace], out: &mut Output) -> Result<Exit, Failure> {
+    let names: Vec<String> = places.iter().map(|place| name_of(args, place)).collect();
+    let cards = shards::merged(&args.out.with_file_name(pages_folder(&args.out)), &names)?;
     let page = folder_page(&args.input.display().to_string(), &cards);
     write_page(&args.out, &page)?;
-    bytes += page.len();
-    let packs = if cards.len() == 1 { "pack" } else { "packs" };
-    let (file, count) = (args.out.display(), cards.len());
-    let written = out.line(format_args!("{file}: {count} {packs}, {} bytes in total", grouped(bytes as u64)));
-    end(exit, written.map_err(Failure::from))
+    let exit = if cards.iter().any(Card::is_faulty) { Exit::Rejected } else { Exit::Done };
+    end(exit, print_written(&args.out, cards.len(), page.len(), out))
+}
+
+/// Name of a pack's card: its path below the folder, without extension.
+fn name_of(args: &ReportArgs, place: &PackPlace) -> String {
+    slashed(&place.path.strip_prefix(&args.input).unwrap_or(&place.path).with_extension(""))
+}
+
+fn print_written(file: &Path, count: usize, bytes: usize, out: &mut Output) -> Result<(), Failure> {
+    let packs = if count == 1 { "pack" } else { "packs" };
+    let file = file.display();
+    out.line(format_args!("{file}: {count} {packs}, {} bytes in total", grouped(bytes as u64)))?;
+    Ok(())
 }
 
 /// The page of the pack at `below` the input folder, and its path relative to the folder of the
@@ -114,11 +152,6 @@ fn pages_folder(page: &Path) -> OsString {
     let mut name = page.file_stem().unwrap_or_default().to_owned();
     name.push(".pages");
     name
-}
-
-/// A path as written in a link, with `/` between its components.
-fn slashed(path: &Path) -> String {
-    path.components().map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/")
 }
 
 fn exit_of(pack: &Analysis) -> Exit {

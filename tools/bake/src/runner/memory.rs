@@ -4,13 +4,12 @@
 //! 100. So the estimate depends on the minimum bytes of source per hull vertex. A test in
 //! `interruptions.rs` measures that the bound holds for clouds whose points all lie on the hull.
 
-use std::fs::metadata;
 use std::path::Path;
 
 use hullmap_bake::decompose::Method;
 use hullmap_bake::{IndexChoice, IndexKind};
 
-use super::job::Job;
+use crate::jobs::Job;
 
 /// Memory per byte of an OBJ file. Measured: 17 to 20 for 100,000 and more points that all lie on
 /// the hull. When it was 25 to 31, memory that the allocator retains from files of other threads
@@ -37,10 +36,6 @@ const PER_CELL: u64 = 480;
 /// limits, and the cube maps of several hulls of one file, which may be built at the same time.
 pub fn estimate(job: &Job) -> u64 {
     let per_byte = if is_text(&job.source) { PER_TEXT_BYTE } else { PER_DENSE_BYTE };
-    // A GLB file contains its buffer; finding others would require reading all of it.
-    let is_gltf = job.source.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gltf"));
-    let buffers = if is_gltf { hullmap_import::buffers_of(&job.source).unwrap_or_default() } else { Vec::new() };
-    let bytes: u64 = length(&job.source) + buffers.iter().map(|path| length(path)).sum::<u64>();
     let voxels = match job.options.decompose() {
         Some(Method::Vhacd(parameters)) => u64::from(parameters.resolution).pow(3),
         _ => 0,
@@ -49,18 +44,13 @@ pub fn estimate(job: &Job) -> u64 {
         IndexChoice::Kind(kind @ IndexKind::CubeMap { .. }) => kind.root_count(),
         _ => 0,
     };
-    PER_FILE + per_byte * bytes + PER_VOXEL * voxels + PER_CELL * cells
+    PER_FILE + per_byte * job.source_bytes() + PER_VOXEL * voxels + PER_CELL * cells
 }
 
 /// Whether points are decimal text. Text in other formats counts as dense, because only its
 /// contents distinguish it.
 fn is_text(path: &Path) -> bool {
     path.extension().is_none_or(|extension| extension.eq_ignore_ascii_case("obj"))
-}
-
-/// Length of a file; 0 if it is unknown: reading the file then fails with an error.
-fn length(path: &Path) -> u64 {
-    metadata(path).map_or(0, |metadata| metadata.len())
 }
 
 #[cfg(test)]
@@ -72,7 +62,16 @@ mod tests {
     use crate::options::tests::options;
 
     fn job(source: PathBuf, options: BuildOptions) -> Job {
-        Job { source, output: PathBuf::new(), options, config: None, name: Default::default() }
+        Job {
+            source,
+            place: String::new(),
+            output: PathBuf::new(),
+            options,
+            config: None,
+            name: Default::default(),
+            records: None,
+            inputs: Vec::new(),
+        }
     }
 
     #[test]

@@ -4,38 +4,24 @@
 //! changes meanwhile leads to a pack of its old bytes, which the next build finds stale.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use hullmap::Pack;
 use hullmap_bake::{PointSet, SourceRecord};
 
 use super::freshness::{Expected, Found, judge};
-use super::pack_names::PackName;
 use super::rows::{Row, Status};
 use crate::args::DEFAULT_DIRECTIONS;
 use crate::baker::BakedPack;
+use crate::jobs::Job;
+use crate::jobs::key::inputs;
 use crate::open::open_pack;
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
-use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, recorded_path, through_link, write_beside};
+use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, through_link, write_beside};
 use crate::verification::pack::{Reference, verify_hulls};
 use hullmap_import::{self as import, Imported, Limits, ReadError, SourceFile};
-
-/// One mesh, its pack, and the options.
-#[derive(Clone, Debug)]
-pub struct Job {
-    /// The mesh, as named or found.
-    pub source: PathBuf,
-    /// The pack.
-    pub output: PathBuf,
-    /// Remarks on the name of the pack.
-    pub name: PackName,
-    /// The options that shape the pack.
-    pub options: BuildOptions,
-    /// The `hullmap.toml` they come from, if any.
-    pub config: Option<PathBuf>,
-}
 
 /// Bakes point sets into a pack: [`bake_pack`](crate::baker::bake_pack), except in tests.
 pub type Baker = dyn Fn(&[PointSet], &BuildOptions, &SourceRecord) -> Result<BakedPack, String> + Sync;
@@ -100,10 +86,9 @@ impl Build<'_> {
     }
 
     fn bake(&self, job: &Job, row: &mut Row) -> Result<Status, Failure> {
-        let source = import::read(&row.source, &job.source, &self.limits).map_err(|error| match error {
-            ReadError::Io(error) => Failure::usage(format!("{}: cannot read: {error}; check the file", row.source)),
-            ReadError::Import(error) => Failure::rejected(error.to_string()),
-        })?;
+        let source =
+            import::read(&row.source, &job.source, &self.limits).map_err(|error| cannot_read(&row.source, error))?;
+        check_inputs(job, &source)?;
         let hash = source.hash;
         let folder = folder_of(&job.output);
         if let Some(status) = self.judge(job, hash, row)? {
@@ -171,7 +156,7 @@ impl Build<'_> {
 
     /// The source's path, as the pack records it.
     fn recorded_path(&self, job: &Job) -> Result<String, Failure> {
-        recorded_path(&job.source, folder_of(&job.output), self.project).map_err(|error| cannot_place(job, &error))
+        job.recorded_path(self.project).map_err(|error| cannot_place(job, &error))
     }
 
     fn import(&self, job: &Job, row: &mut Row, source: &SourceFile) -> Result<Imported, Failure> {
@@ -189,6 +174,23 @@ impl Build<'_> {
         row.warnings = std::mem::take(&mut imported.warnings);
         Ok(imported)
     }
+}
+
+/// The failure of a source that cannot be read; `file` is its name in the message.
+pub fn cannot_read(file: &str, error: ReadError) -> Failure {
+    match error {
+        ReadError::Io(error) => Failure::usage(format!("{file}: cannot read: {error}; check the file")),
+        ReadError::Import(error) => Failure::rejected(error.to_string()),
+    }
+}
+
+/// Rejects a source that has changed since it was planned.
+fn check_inputs(job: &Job, source: &SourceFile) -> Result<(), Failure> {
+    let name = job.source.file_name().unwrap_or_default().to_string_lossy();
+    if job.inputs.is_empty() || inputs(&name, source) == job.inputs {
+        return Ok(());
+    }
+    Err(Failure::rejected(format!("{}: it has changed since it was planned; plan again", job.source.display())))
 }
 
 fn cannot_place(job: &Job, error: &std::io::Error) -> Failure {

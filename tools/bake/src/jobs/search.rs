@@ -1,4 +1,4 @@
-//! The plan of a build: which files it reads, and the folders of their packs.
+//! The meshes that inputs name, and the folders of their packs.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ pub struct Mesh {
 ///
 /// # Errors
 /// An input is missing or cannot be read, a folder holds no meshes, or `filter` leaves none.
-pub fn plan(inputs: &[PathBuf], out: &Path, filter: &mut Filter) -> Result<Vec<Mesh>, Failure> {
+pub fn search(inputs: &[PathBuf], out: &Path, filter: &mut Filter) -> Result<Vec<Mesh>, Failure> {
     let mut meshes = Vec::new();
     let mut left_out = 0;
     for input in inputs {
@@ -34,7 +34,7 @@ pub fn plan(inputs: &[PathBuf], out: &Path, filter: &mut Filter) -> Result<Vec<M
         })?;
         if kind.is_dir() {
             let before = meshes.len();
-            let count = plan_folder(input, out, filter, &mut meshes)?;
+            let count = search_folder(input, out, filter, &mut meshes)?;
             if count == 0 {
                 return Err(Failure::usage(format!(
                     "{}: no meshes ({NAMES}) in this folder; name a folder of meshes",
@@ -57,7 +57,7 @@ pub fn plan(inputs: &[PathBuf], out: &Path, filter: &mut Filter) -> Result<Vec<M
 }
 
 /// Adds the meshes in a folder; returns how many it holds, with those that `filter` leaves out.
-fn plan_folder(folder: &Path, out: &Path, filter: &mut Filter, meshes: &mut Vec<Mesh>) -> Result<usize, Failure> {
+fn search_folder(folder: &Path, out: &Path, filter: &mut Filter, meshes: &mut Vec<Mesh>) -> Result<usize, Failure> {
     let mut count = 0;
     for entry in WalkDir::new(folder).follow_links(true).sort_by_file_name() {
         let entry = match entry {
@@ -120,7 +120,7 @@ mod tests {
     }
 
     fn outputs(inputs: &[PathBuf]) -> Vec<String> {
-        let meshes = plan(inputs, Path::new("out"), &mut Filter::default()).unwrap();
+        let meshes = search(inputs, Path::new("out"), &mut Filter::default()).unwrap();
         let meshes: Vec<_> = meshes.iter().map(|mesh| (mesh, None)).collect();
         let names = pack_names(&meshes);
         names.iter().map(|name| name.output.to_str().unwrap().replace('\\', "/")).collect()
@@ -146,13 +146,13 @@ mod tests {
     fn missing_and_empty_inputs_are_errors() {
         let meshes = folder(&["a.txt"]);
         assert!(
-            plan(&[meshes.path().join("no.obj")], Path::new("out"), &mut Filter::default())
+            search(&[meshes.path().join("no.obj")], Path::new("out"), &mut Filter::default())
                 .unwrap_err()
                 .message
                 .contains("no.obj")
         );
         assert!(
-            plan(&[meshes.path().to_owned()], Path::new("out"), &mut Filter::default())
+            search(&[meshes.path().to_owned()], Path::new("out"), &mut Filter::default())
                 .unwrap_err()
                 .message
                 .contains("no meshes")

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::args::BuildArgs;
+use crate::args::MeshArgs;
 use crate::glob::Glob;
 
 /// The meshes that are left out.
@@ -16,7 +16,7 @@ pub struct Filter {
 
 impl Filter {
     /// The filter that the flags describe.
-    pub fn new(args: &BuildArgs) -> Self {
+    pub fn new(args: &MeshArgs) -> Self {
         Self {
             excluded: args.exclude.iter().map(|glob| (glob.clone(), false)).collect(),
             extensions: args.ext.iter().map(|extension| extension.to_lowercase()).collect(),

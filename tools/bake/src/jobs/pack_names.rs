@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use super::plan::Mesh;
+use super::search::Mesh;
 
 /// End of a pack's name.
 const PACK: &str = ".hullmap";

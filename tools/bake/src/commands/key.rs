@@ -1,0 +1,73 @@
+//! `bake key`: the key of each pack, and what goes into it.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::args::KeyArgs;
+use crate::jobs::key::Ingredients;
+use crate::jobs::{Job, Talk, jobs};
+use crate::options::RecordSource;
+use crate::outcome::{Exit, Failure, end};
+use crate::terminal::{self, Output};
+
+/// Number of keys that are computed before they are printed.
+const AT_ONCE: usize = 1024;
+
+/// Key of one pack. Field names are those of the JSON.
+#[derive(Serialize)]
+struct Row<'a> {
+    source: String,
+    key: String,
+    #[serde(flatten)]
+    from: &'a Ingredients,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// An input or `hullmap.toml` cannot be read. Failures of single files are printed, and end in the
+/// exit code.
+pub fn run(args: &KeyArgs, out: &mut Output) -> Result<Exit, Failure> {
+    let (project, limits) = (Path::new("."), args.meshes.limits.limits());
+    let mut jobs = jobs(&args.meshes, args.out.as_deref().unwrap_or(Path::new("")), project, Talk::Warnings)?;
+    if args.out.is_none() {
+        jobs.iter_mut().for_each(lie_beside_the_mesh);
+    }
+    let mut exit = Exit::Done;
+    for jobs in jobs.chunks(AT_ONCE) {
+        let found: Vec<_> = jobs.par_iter().map(|job| Ingredients::of(job, &limits, project)).collect();
+        for (job, found) in jobs.iter().zip(found) {
+            let written = match found {
+                Ok(from) => write(args, job, &from, out),
+                Err(failure) => {
+                    terminal::error(&failure);
+                    exit = exit.max(failure.exit);
+                    Ok(())
+                }
+            };
+            if written.is_err() {
+                return end(exit, written);
+            }
+        }
+    }
+    end(exit, out.flush().map_err(Failure::from))
+}
+
+fn write(args: &KeyArgs, job: &Job, from: &Ingredients, out: &mut Output) -> Result<(), Failure> {
+    let (source, key) = (job.source.display().to_string(), from.key());
+    if args.json {
+        out.json(&Row { source, key, from })?;
+    } else {
+        out.line(format_args!("{key}  {source}"))?;
+    }
+    Ok(())
+}
+
+/// A pack beside its mesh records the name.
+fn lie_beside_the_mesh(job: &mut Job) {
+    if job.options.record_source() == RecordSource::Relative {
+        job.records = Some(job.source.file_name().unwrap_or_default().to_string_lossy().into_owned());
+    }
+}

@@ -1,0 +1,75 @@
+//! `bake plan`: the work of a build as tasks, as JSON or for Ninja.
+//!
+//! A task is a batch of meshes. Nothing is baked, and which packs are fresh does not matter: the
+//! program that runs a task leaves fresh packs alone.
+
+mod ninja;
+
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use crate::args::{Emit, PlanArgs};
+use crate::jobs::batch::{BatchSize, batches};
+use crate::jobs::key::Ingredients;
+use crate::jobs::task::{Task, TaskMesh};
+use crate::jobs::{Job, Talk, jobs};
+use crate::outcome::{Exit, Failure, end};
+use crate::terminal::{self, Output};
+
+/// Runs the command.
+///
+/// # Errors
+/// An input or `hullmap.toml` cannot be read, or a path cannot be written. A mesh that cannot be
+/// read is reported and left out.
+pub fn run(args: &PlanArgs, out: &mut Output) -> Result<Exit, Failure> {
+    let jobs = jobs(&args.meshes, &args.out, Path::new("."), Talk::Warnings)?;
+    let sizes: Vec<u64> = jobs.par_iter().map(Job::source_bytes).collect();
+    let meshes: Vec<(&str, u64)> = jobs.iter().map(|job| job.place.as_str()).zip(sizes).collect();
+    let size = BatchSize { meshes: args.batch, bytes: args.batch_bytes.unwrap_or(BatchSize::default().bytes) };
+    let mut exit = Exit::Done;
+    let mut index = 0;
+    if args.emit == Emit::Ninja {
+        end(exit, out.verbatim(ninja::HEAD.as_bytes()).map_err(Failure::from))?;
+    }
+    for batch in batches(&meshes, size) {
+        let batch: Vec<&Job> = batch.into_iter().map(|index| &jobs[index]).collect();
+        let (task, worst) = task(args, index, &batch)?;
+        exit = exit.max(worst);
+        let Some(task) = task else { continue };
+        index += 1;
+        let written = match args.emit {
+            Emit::Json => out.json(&task),
+            Emit::Ninja => {
+                let text = ninja::build(&task).map_err(Failure::usage)?;
+                out.verbatim(text.as_bytes())
+            }
+        };
+        if let Err(error) = written {
+            return end(exit, Err(error.into()));
+        }
+    }
+    end(exit, out.flush().map_err(Failure::from))
+}
+
+/// The task of a batch, without meshes that cannot be read, and the exit code that these deserve;
+/// `None` if no mesh is left.
+fn task(args: &PlanArgs, index: usize, batch: &[&Job]) -> Result<(Option<Task>, Exit), Failure> {
+    let limits = args.meshes.limits.limits();
+    let found = batch.par_iter().map(|job| match &job.name.clash {
+        Some(clash) => Err(Failure::usage(clash.clone())),
+        None => Ingredients::of(job, &limits, Path::new(".")),
+    });
+    let found: Vec<_> = found.collect();
+    let (mut meshes, mut exit) = (Vec::with_capacity(batch.len()), Exit::Done);
+    for (job, from) in batch.iter().zip(found) {
+        match from {
+            Ok(from) => meshes.push(TaskMesh::new(job, &args.out, from).map_err(Failure::usage)?),
+            Err(failure) => {
+                terminal::error(&failure);
+                exit = exit.max(failure.exit);
+            }
+        }
+    }
+    Ok(((!meshes.is_empty()).then(|| Task::new(index, &args.out, meshes)), exit))
+}

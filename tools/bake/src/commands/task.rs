@@ -1,0 +1,102 @@
+//! `bake task`: bakes tasks of a plan, as an action of a farm or by hand.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::io::{BufRead, BufReader, Write as _};
+use std::path::{Path, PathBuf};
+
+use crate::args::TaskArgs;
+use crate::baker::bake_pack;
+use crate::interrupt;
+use crate::jobs::Job;
+use crate::jobs::task::{Task, read_task};
+use crate::outcome::{Exit, Failure, end};
+use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, sweep, write_beside};
+use crate::runner::one::Build;
+use crate::runner::rows::Row;
+use crate::runner::{self, print_messages, write_rows};
+use crate::terminal::Output;
+
+/// Runs the command.
+///
+/// # Errors
+/// The plan cannot be read, or holds no such task. Failures of single meshes are reported in their
+/// rows and in the exit code.
+pub fn run(args: &TaskArgs, out: &mut Output) -> Result<Exit, Failure> {
+    interrupt::catch();
+    let mut exit = Exit::Done;
+    let mut rows = Vec::new();
+    for (folder, jobs) in jobs(args)? {
+        let results = bake(args, &folder, &jobs)?;
+        exit = exit.max(results.iter().map(|(_, exit)| *exit).max().unwrap_or(Exit::Done));
+        rows.extend(results.into_iter().map(|(row, _)| row));
+    }
+    if let Some(path) = &args.results {
+        write_results(path, &rows)?;
+        exit = if exit == Exit::Rejected { Exit::Done } else { exit };
+    }
+    print_messages(&rows, args.run.quiet, false);
+    end(exit, write_rows(&rows, &args.run, false, out))
+}
+
+/// The jobs of the chosen tasks, by the folder of their packs.
+fn jobs(args: &TaskArgs) -> Result<BTreeMap<PathBuf, Vec<Job>>, Failure> {
+    let shown = args.plan.display();
+    let mut reader: Box<dyn BufRead> = if args.plan == Path::new("-") {
+        Box::new(std::io::stdin().lock())
+    } else {
+        let file = File::open(&args.plan)
+            .map_err(|error| Failure::usage(format!("{shown}: cannot read: {error}; check the path")))?;
+        Box::new(BufReader::new(file))
+    };
+    let mut missing: BTreeSet<usize> = args.index.iter().copied().collect();
+    let mut jobs: BTreeMap<PathBuf, Vec<Job>> = BTreeMap::new();
+    let mut line = 0;
+    let fault = |fault: String| Failure::usage(format!("{shown}: {fault}"));
+    while let Some(task) = read_task(&mut reader, &mut line).map_err(fault)? {
+        let Task { task: index, out, .. } = &task;
+        if !args.index.is_empty() && !missing.remove(index) {
+            continue;
+        }
+        let out = args.out.clone().unwrap_or_else(|| PathBuf::from(out));
+        let own = task.jobs(&out).map_err(|fault| Failure::usage(format!("{shown}: task {index}: {fault}")))?;
+        jobs.entry(out).or_default().extend(own);
+        if !args.index.is_empty() && missing.is_empty() {
+            break;
+        }
+    }
+    match missing.first() {
+        Some(index) => Err(Failure::usage(format!("{shown}: there is no task {index}; check --index"))),
+        None => Ok(jobs),
+    }
+}
+
+fn bake(args: &TaskArgs, out: &Path, jobs: &[Job]) -> Result<Vec<(Row, Exit)>, Failure> {
+    make_folder(out).map_err(|error| {
+        Failure::usage(format!("{}: cannot create this folder: {error}; check the path", out.display()))
+    })?;
+    let folders: BTreeSet<&Path> = jobs.iter().map(|job| folder_of(&job.output)).collect();
+    folders.into_iter().filter(|folder| link_below(out, folder).is_none()).for_each(sweep);
+    let build = Build {
+        limits: args.limits.limits(),
+        verify: args.verify,
+        force: args.force,
+        check: false,
+        out,
+        project: Path::new("."),
+        baker: &bake_pack,
+    };
+    let jobs: Vec<&Job> = jobs.iter().collect();
+    runner::run(&jobs, &build, &args.run)
+}
+
+/// Writes the rows as JSON, one a line.
+fn write_results(path: &Path, rows: &[Row]) -> Result<(), Failure> {
+    let failure = |error| Failure::usage(format!("{}: cannot write the results: {error}", path.display()));
+    let mut text = Vec::new();
+    for row in rows {
+        serde_json::to_writer(&mut text, row).map_err(|error| failure(error.into()))?;
+        writeln!(text).map_err(failure)?;
+    }
+    write_beside(path, &text).and_then(|file| put_in_place(file, path)).map_err(failure)
+}

@@ -1,0 +1,99 @@
+//! Batches: meshes that are baked together elsewhere, because an action of its own costs each mesh
+//! more than its bake.
+//!
+//! 1. A large mesh is a batch of its own.
+//! 2. The others go to 2^k buckets by the hash of their places; k is the least with which the
+//!    average bucket is within the limits.
+//!
+//! A batch depends on the places and sizes of meshes alone, not on which packs are fresh. So an edit
+//! changes one batch, colleagues with the same meshes have the same batches, and a new mesh changes
+//! one batch, unless the number of buckets doubles.
+
+use std::collections::BTreeMap;
+
+use super::shard::place_hash;
+
+/// Size of batches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BatchSize {
+    /// Number of meshes; buckets may hold some more, because their sizes vary by chance.
+    pub meshes: usize,
+    /// Bytes of their sources.
+    pub bytes: u64,
+}
+
+impl Default for BatchSize {
+    /// An action costs about 60 ms more than its meshes; with 256 of them that is nothing. Larger
+    /// batches would make an edit costlier, and fewer workers busy.
+    fn default() -> Self {
+        Self { meshes: 256, bytes: 32 << 20 }
+    }
+}
+
+/// Of the bytes of a batch, the share from which on a mesh is a batch of its own.
+const LARGE: u64 = 4;
+
+/// The batches of meshes at these places, of these sizes: indices in ascending order of places. The
+/// buckets come first, then the large meshes.
+///
+/// # Complexity
+/// O(n log n).
+pub fn batches(meshes: &[(&str, u64)], size: BatchSize) -> Vec<Vec<usize>> {
+    let mut order: Vec<usize> = (0..meshes.len()).collect();
+    order.sort_by_key(|&index| meshes[index].0);
+    let (large, small): (Vec<usize>, Vec<usize>) =
+        order.into_iter().partition(|&index| meshes[index].1 > size.bytes / LARGE);
+    let bytes: u64 = small.iter().map(|&index| meshes[index].1).sum();
+    let least = (small.len().div_ceil(size.meshes.max(1)) as u64).max(bytes.div_ceil(size.bytes.max(1)));
+    let mask = least.max(1).next_power_of_two() - 1;
+    let mut buckets: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
+    for index in small {
+        buckets.entry(place_hash(meshes[index].0) & mask).or_default().push(index);
+    }
+    buckets.into_values().chain(large.into_iter().map(|index| vec![index])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn places(count: usize) -> Vec<String> {
+        (0..count).map(|i| format!("a/{i}.obj")).collect()
+    }
+
+    fn of<'a>(places: &'a [String], bytes: u64, size: BatchSize) -> Vec<Vec<&'a str>> {
+        let meshes: Vec<(&str, u64)> = places.iter().map(|place| (place.as_str(), bytes)).collect();
+        let name = |batch: Vec<usize>| batch.into_iter().map(|index| meshes[index].0).collect();
+        batches(&meshes, size).into_iter().map(name).collect()
+    }
+
+    #[test]
+    fn every_mesh_is_in_one_batch_of_about_the_size() {
+        let places = places(10_000);
+        let batches = of(&places, 20_000, BatchSize::default());
+        assert_eq!(batches.len(), 64);
+        assert!(batches.iter().all(|batch| (90..256).contains(&batch.len()) && batch.is_sorted()));
+        let mut all: Vec<&str> = batches.concat();
+        all.sort_unstable();
+        let mut expected: Vec<&str> = places.iter().map(String::as_str).collect();
+        expected.sort_unstable();
+        assert_eq!(all, expected);
+        // Bytes can be the limit.
+        assert_eq!(of(&places, 1 << 20, BatchSize::default()).len(), 512);
+        assert_eq!(of(&places[..300], 1, BatchSize { meshes: 1000, bytes: 1000 }).len(), 1);
+        assert!(of(&[], 1, BatchSize::default()).is_empty());
+    }
+
+    #[test]
+    fn one_more_mesh_changes_one_batch() {
+        let places = places(10_001);
+        let (before, after) = (of(&places[..10_000], 1, BatchSize::default()), of(&places, 1, BatchSize::default()));
+        assert_eq!(before.iter().zip(&after).filter(|(a, b)| a != b).count(), 1);
+    }
+
+    #[test]
+    fn large_meshes_are_alone_and_change_no_other_batch() {
+        let meshes = [("a", 1), ("big", 9 << 20), ("b", 1), ("c", 1)];
+        assert_eq!(batches(&meshes, BatchSize::default()), [vec![0, 2, 3], vec![1]]);
+    }
+}

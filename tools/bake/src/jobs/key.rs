@@ -1,0 +1,146 @@
+//! Key of a pack: a hash of everything that its bytes depend on. Packs with equal keys are equal,
+//! wherever they are baked, so the key can name a pack in a cache.
+//!
+//! SHA-256, because caches are shared: with the faster hash that a pack records, somebody could
+//! prepare two meshes with one key.
+
+use std::path::Path;
+
+use hullmap_bake::decompose::Method;
+use hullmap_format::FORMAT_VERSION;
+use hullmap_import::{self as import, Limits, SourceFile};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::Job;
+use crate::options::BuildOptions;
+use crate::outcome::Failure;
+use crate::runner::one::cannot_read;
+
+/// A file that a pack is baked from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Input {
+    /// Its path relative to the folder of the mesh: the name of the mesh, or the path of a buffer.
+    pub path: String,
+    /// Its size.
+    pub bytes: u64,
+    /// SHA-256 of its bytes.
+    pub sha256: String,
+}
+
+/// Everything that the bytes of a pack depend on. The key is SHA-256 of this value as compact JSON,
+/// with the fields in this order.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Ingredients {
+    /// Version of the command: versions may choose other parts or other indices.
+    pub baker: String,
+    /// Version of the file format.
+    pub format_version: u32,
+    /// File name of the mesh: its stem names hulls, and its extension decides the format.
+    pub name: String,
+    /// The options, as the pack records them.
+    pub options: String,
+    /// The path of the mesh, as the pack records it.
+    pub records: String,
+    /// The mesh, then its buffers in the order of the document.
+    pub inputs: Vec<Input>,
+}
+
+impl Ingredients {
+    /// Reads the sources of a job; `project` is the folder where `bake` was started.
+    ///
+    /// # Errors
+    /// They cannot be read, or exceed the limits.
+    pub fn of(job: &Job, limits: &Limits, project: &Path) -> Result<Self, Failure> {
+        let file = job.source.display().to_string();
+        let source = import::read(&file, &job.source, limits).map_err(|error| cannot_read(&file, error))?;
+        let name = job.source.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let records = job.recorded_path(project).map_err(|error| {
+            Failure::usage(format!(
+                "{file}: cannot determine its path relative to its pack: {error}; check both folders"
+            ))
+        })?;
+        Ok(Self {
+            baker: baker(&job.options),
+            format_version: FORMAT_VERSION,
+            options: job.options.to_string(),
+            records,
+            inputs: inputs(&name, &source),
+            name,
+        })
+    }
+
+    /// The key: 64 hexadecimal digits.
+    pub fn key(&self) -> String {
+        // Plain numbers and texts can always be written.
+        sha256(&serde_json::to_vec(self).unwrap_or_default())
+    }
+}
+
+/// The version of this program. V-HACD, which another package computes, calls `acos` and `cos` of the
+/// system, so the system counts as well.
+fn baker(options: &BuildOptions) -> String {
+    let version = env!("CARGO_PKG_VERSION");
+    match options.decompose() {
+        Some(Method::Vhacd(_)) => {
+            let libc = if cfg!(target_env = "musl") { "musl" } else { std::env::consts::OS };
+            format!("{version} {} {libc}", std::env::consts::ARCH)
+        }
+        _ => version.to_owned(),
+    }
+}
+
+/// The files of a source: the mesh, which has this name, and its buffers.
+pub fn inputs(name: &str, source: &SourceFile) -> Vec<Input> {
+    let input =
+        |path: &str, bytes: &[u8]| Input { path: path.to_owned(), bytes: bytes.len() as u64, sha256: sha256(bytes) };
+    let beside = source.beside.iter().map(|(path, bytes)| input(path, bytes));
+    std::iter::once(input(name, &source.bytes)).chain(beside).collect()
+}
+
+/// SHA-256 as 64 hexadecimal digits.
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The examples of the standard that defines SHA-256.
+    #[test]
+    fn hashes_are_those_of_the_standard() {
+        assert_eq!(sha256(b""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+        assert_eq!(sha256(b"abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    }
+
+    #[test]
+    fn every_ingredient_changes_the_key() {
+        let usual = Ingredients {
+            baker: "1".to_owned(),
+            format_version: 5,
+            name: "a.obj".to_owned(),
+            options: "index tree 8".to_owned(),
+            records: "../a.obj".to_owned(),
+            inputs: vec![Input { path: "a.obj".to_owned(), bytes: 3, sha256: sha256(b"abc") }],
+        };
+        let mut keys = vec![usual.key()];
+        let changes: [fn(&mut Ingredients); 7] = [
+            |of| of.baker.push('1'),
+            |of| of.format_version += 1,
+            |of| of.name.push('x'),
+            |of| of.options.push('x'),
+            |of| of.records.push('x'),
+            |of| of.inputs[0].sha256.push('x'),
+            |of| of.inputs.push(of.inputs[0].clone()),
+        ];
+        for change in changes {
+            let mut other = usual.clone();
+            change(&mut other);
+            keys.push(other.key());
+        }
+        keys.sort();
+        keys.dedup();
+        assert_eq!(keys.len(), 8);
+    }
+}
