@@ -61,7 +61,7 @@ mod tests {
         (0..count).map(|i| format!("a/{i}.obj")).collect()
     }
 
-    fn of<'a>(places: &'a [String], bytes: u64, size: BatchSize) -> Vec<Vec<&'a str>> {
+    fn of(places: &[String], bytes: u64, size: BatchSize) -> Vec<Vec<&str>> {
         let meshes: Vec<(&str, u64)> = places.iter().map(|place| (place.as_str(), bytes)).collect();
         let name = |batch: Vec<usize>| batch.into_iter().map(|index| meshes[index].0).collect();
         batches(&meshes, size).into_iter().map(name).collect()
