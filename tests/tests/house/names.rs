@@ -8,10 +8,12 @@ use hullmap_tests::outside::workspace;
 const DOCUMENTS: [&str; 3] = ["README.md", "CONTRIBUTING.md", "benches/README.md"];
 
 /// Words that look like paths of the repository and are not.
-const PLACEHOLDERS: [&str; 8] = [
+const PLACEHOLDERS: [&str; 9] = [
     // The character, and the start of a comment.
     "/",
     "//",
+    // A shard.
+    "I/N",
     // Files that a user names.
     "FILE.md",
     "hullmap.toml",
