@@ -221,7 +221,8 @@ pub fn folder_of(file: &Path) -> &Path {
 }
 
 /// The path of `source` that a pack in `pack_folder`, which may not exist yet, records: relative to
-/// that folder, with `/`, if both lie in `project`, the folder where `bake` was started; otherwise the bare file name.
+/// that folder, with `/`, if both lie in `project`, the folder where `bake` was started; otherwise
+/// the bare file name.
 ///
 /// So the bytes of the pack depend on the layout of the project, but not on the rest of the
 /// machine.

@@ -5,9 +5,9 @@
 //! 2. The others go to 2^k buckets by the hash of their places; k is the least with which the
 //!    average bucket is within the limits.
 //!
-//! A batch depends on the places and sizes of meshes alone, not on which packs are fresh. So an edit
-//! changes one batch, colleagues with the same meshes have the same batches, and a new mesh changes
-//! one batch, unless the number of buckets doubles.
+//! A batch depends on the places and sizes of meshes alone, not on which packs are fresh. So an
+//! edit changes one batch, colleagues with the same meshes have the same batches, and a new mesh
+//! changes one batch, unless the number of buckets doubles.
 
 use std::collections::BTreeMap;
 

@@ -77,8 +77,8 @@ impl Ingredients {
     }
 }
 
-/// The version of this program. V-HACD, which another package computes, calls `acos` and `cos` of the
-/// system, so the system counts as well.
+/// The version of this program. V-HACD, which another package computes, calls `acos` and `cos` of
+/// the system, so the system counts as well.
 fn baker(options: &BuildOptions) -> String {
     let version = env!("CARGO_PKG_VERSION");
     match options.decompose() {

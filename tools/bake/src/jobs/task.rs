@@ -2,8 +2,8 @@
 //! bake.
 //!
 //! A task states the resolved options of each mesh, so it needs no `hullmap.toml`. Paths are those
-//! of the machine that planned, relative to the folder where it did; a pack's path is checked before
-//! anything is written.
+//! of the machine that planned, relative to the folder where it did; a pack's path is checked
+//! before anything is written.
 
 use std::io::BufRead;
 use std::path::{Component, Path, PathBuf};
@@ -131,7 +131,8 @@ impl TaskMesh {
 /// Estimated time that each mesh takes, whatever its size: 0.4 ms for a mesh of 8 vertices.
 const MILLIS_PER_MESH: f64 = 0.4;
 
-/// Estimated time for each byte of source: 18 ms for an OBJ file of 300 KB, half of it for its hull.
+/// Estimated time for each byte of source: 18 ms for an OBJ file of 300 KB, half of it for its
+/// hull.
 const MILLIS_PER_BYTE: f64 = 6e-5;
 
 /// The next task; `None` at the end. `line` is the number of the last line that was read, and empty

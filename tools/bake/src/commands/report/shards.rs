@@ -1,5 +1,5 @@
-//! Reports of several machines: each writes the pages of its shard, and the cards of the overview as
-//! JSON beside them. A last run merges the cards.
+//! Reports of several machines: each writes the pages of its shard, and the cards of the overview
+//! as JSON beside them. A last run merges the cards.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
