@@ -11,6 +11,7 @@
 //! | `pose` | rows of an array as poses |
 //! | `query` | the queries, for each pair of kinds of shapes |
 //! | `solve` | arrays of poses, on all threads, with the GIL released |
+//! | `manifolds` | the same for contact manifolds |
 //! | `columns` | answers as columns |
 //! | `threads` | thread pools that survive `fork` |
 //! | `error` | exceptions |
@@ -19,6 +20,7 @@
 mod bake;
 mod columns;
 mod error;
+mod manifolds;
 mod memory;
 mod pack;
 mod pose;
@@ -60,7 +62,8 @@ fn _hullmap(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(solve::intersects, module)?)?;
     module.add_function(wrap_pyfunction!(solve::distance, module)?)?;
     module.add_function(wrap_pyfunction!(solve::contact, module)?)?;
-    module.add_function(wrap_pyfunction!(solve::manifold, module)?)?;
+    module.add_function(wrap_pyfunction!(manifolds::manifold, module)?)?;
+    module.add_function(wrap_pyfunction!(manifolds::manifolds, module)?)?;
     module.add_function(wrap_pyfunction!(solve::cast, module)?)?;
     module.add_function(wrap_pyfunction!(solve::ray, module)?)?;
     module.add_function(wrap_pyfunction!(solve::signed_distance, module)?)?;

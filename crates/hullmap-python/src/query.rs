@@ -62,7 +62,8 @@ pub trait Query: Sync {
 
 /// Caches of the pairs that one thread queries.
 pub struct Caches {
-    pair: Cache,
+    /// Of convex shapes.
+    pub pair: Cache,
     compound: Option<CompoundCache>,
 }
 
@@ -71,6 +72,11 @@ impl Caches {
     pub fn new(a: &Side, b: &Side) -> Self {
         let is_compound = [a, b].iter().any(|side| matches!(side, Side::Compound(_)));
         Self { pair: Cache::new(), compound: is_compound.then(|| CompoundCache::new(COMPOUND_SLOTS)) }
+    }
+
+    /// The cache of compounds.
+    pub fn compound(&mut self) -> &mut CompoundCache {
+        self.compound.get_or_insert_with(|| CompoundCache::new(COMPOUND_SLOTS))
     }
 
     /// Forgets the last pose.
@@ -90,7 +96,7 @@ pub fn obstacle(query: &str, a: &Side, b: &Side, takes_compounds: bool) -> Optio
     }
     let is_compound = |side: &Side| matches!(side, Side::Compound(_));
     (!takes_compounds && (is_compound(a) || is_compound(b)))
-        .then(|| format!("{query} takes convex shapes, found a pack: query its hulls one by one, pack[0] and so on"))
+        .then(|| format!("{query} takes convex shapes, found a pack: query it by {query}s, or its hulls one by one"))
 }
 
 /// Answers `query` for one pose. `None` for pairs that [`obstacle`] reports.
@@ -101,10 +107,10 @@ pub fn answer<Q: Query>(query: &Q, a: &Side, b: &Side, b_in_a: Pose, caches: &mu
         (Side::HalfSpace(a), Side::Compound(b)) => query.half_space_compound(a, &Compound::new(b), b_in_a),
         (Side::HalfSpace(a), _) => Some(query.half_space(a, convex(b)?, b_in_a).into()),
         (Side::Compound(a), Side::Compound(b)) => {
-            query.compound(&Compound::new(a), &Compound::new(b), b_in_a, caches.compound.as_mut()?)
+            query.compound(&Compound::new(a), &Compound::new(b), b_in_a, caches.compound())
         }
-        (Side::Compound(a), _) => query.compound(&Compound::new(a), convex(b)?, b_in_a, caches.compound.as_mut()?),
-        (_, Side::Compound(b)) => query.compound(convex(a)?, &Compound::new(b), b_in_a, caches.compound.as_mut()?),
+        (Side::Compound(a), _) => query.compound(&Compound::new(a), convex(b)?, b_in_a, caches.compound()),
+        (_, Side::Compound(b)) => query.compound(convex(a)?, &Compound::new(b), b_in_a, caches.compound()),
         _ => Some(query.convex(convex(a)?, convex(b)?, b_in_a, cache).into()),
     }
 }

@@ -8,10 +8,9 @@ use std::sync::{Mutex, PoisonError};
 
 use hullmap::compound::{self, CompoundAnswer};
 use hullmap::glam::DVec3;
-use hullmap::manifold::{MAX_POINTS, ManifoldSettings, Prediction};
 use hullmap::{
-    self as core, Cache, CastSettings, Compound, Motion, Overlap, Ray, RayHit, Settings, Status, SupportMap,
-    SupportPoint,
+    self as core, CastSettings, Compound, Motion, Overlap, Ray, RayHit, Settings, SignedDistance, Status, SupportMap,
+    SupportPoint, VectorError,
 };
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -25,11 +24,11 @@ use crate::query::{self, Caches, Query, answer, obstacle};
 use crate::shape::{Shape, Side};
 use crate::threads;
 
-/// Rows of a piece: about 300 µs of work, a hundred times the cost of handing it to a thread.
-const PIECE: usize = 256;
+/// Poses of a piece: about 300 µs of work, a hundred times the cost of handing it to a thread.
+pub const PIECE: usize = 256;
 
-/// Rows between two looks for signals: less than a second of work.
-const BLOCK: usize = 256 * PIECE;
+/// Pieces between two looks for signals: less than a second of work.
+const BLOCK: usize = 256;
 
 columns!(
     /// Answers of `intersects`.
@@ -55,14 +54,6 @@ columns!(
 );
 
 columns!(
-    /// Answers of `manifold`: the contact, and up to four points.
-    Manifolds, ManifoldRows {
-        count: u8 = 1, normal: f64 = 3, point_a: f64 = 12, point_b: f64 = 12, local_b: f64 = 12, depth: f64 = 4,
-        hit: bool = 1, status: u8 = 1,
-    }
-);
-
-columns!(
     /// Answers of `cast`.
     Impacts, ImpactRows {
         hit: bool = 1, t: f64 = 1, t_lower: f64 = 1, t_upper: f64 = 1, status: u8 = 1, normal: f64 = 3,
@@ -82,7 +73,7 @@ columns!(
     /// Answers of `signed_distance`.
     SignedDistances, SignedRows {
         distance: f64 = 1, lower: f64 = 1, upper: f64 = 1, status: u8 = 1, normal: f64 = 3, point: f64 = 3,
-        iterations: u32 = 1, support_calls: u32 = 1,
+        iterations: u32 = 1, support_calls: u32 = 1, parts: u32 = 1,
     }
 );
 
@@ -92,7 +83,7 @@ columns!(
 );
 
 /// The code of a status, as in `hullmap.Status`.
-fn code(status: Status) -> u8 {
+pub fn code(status: Status) -> u8 {
     match status {
         Status::Exact => 0,
         Status::Within => 1,
@@ -115,27 +106,28 @@ fn overlap_code(overlap: Overlap) -> u8 {
 }
 
 /// Fills `count` rows of columns. `solve` fills the rows of a piece that starts at the given row,
-/// and returns the first row that it rejects, with the reason.
-fn fill<C: Columns>(
+/// and returns the first row that it rejects, with the reason. Pieces have `piece` rows.
+pub fn fill<C: Columns>(
     py: Python<'_>,
-    count: usize,
+    (count, piece): (usize, usize),
     threads: Option<usize>,
     solve: impl Fn(usize, usize, C::Rows<'_>) -> Result<(), (usize, String)> + Sync,
     error: fn(String) -> PyErr,
 ) -> PyResult<C> {
     let mut columns = C::zeros(count)?;
-    let pool = if threads == Some(1) || count <= PIECE { None } else { Some(threads::pool(threads)?) };
+    let pool = if threads == Some(1) || count <= piece { None } else { Some(threads::pool(threads)?) };
     // The number is checked even where no pool is needed.
     if pool.is_none() && threads.is_some_and(|threads| threads != 1) {
         threads::pool(threads)?;
     }
-    for start in (0..count).step_by(BLOCK) {
-        let end = count.min(start + BLOCK);
+    let block = piece.saturating_mul(BLOCK).max(1);
+    for start in (0..count).step_by(block) {
+        let end = count.min(start.saturating_add(block));
         // The first rejected row, whichever thread finds it.
         let rejected: Mutex<Option<(usize, String)>> = Mutex::new(None);
         let run = |(index, rows): (usize, C::Rows<'_>)| {
-            let first = start + index * PIECE;
-            if let Err(found) = solve(first, end.min(first + PIECE) - first, rows) {
+            let first = start + index * piece;
+            if let Err(found) = solve(first, end.min(first.saturating_add(piece)) - first, rows) {
                 let mut rejected = rejected.lock().unwrap_or_else(PoisonError::into_inner);
                 if rejected.as_ref().is_none_or(|earlier| found.0 < earlier.0) {
                     *rejected = Some(found);
@@ -144,7 +136,7 @@ fn fill<C: Columns>(
         };
         let columns = &mut columns;
         py.detach(|| {
-            let pieces = columns.pieces(start..end, PIECE);
+            let pieces = columns.pieces(start..end, piece);
             match &pool {
                 None => pieces.into_iter().enumerate().for_each(run),
                 Some(pool) => pool.install(|| pieces.into_par_iter().enumerate().for_each(run)),
@@ -159,25 +151,25 @@ fn fill<C: Columns>(
 }
 
 /// Two shapes, the poses of the second in the frame of the first, and how to go through them.
-struct Pairs {
-    a: Side,
-    b: Side,
-    poses: Poses,
-    coherent: bool,
-    threads: Option<usize>,
+pub struct Pairs {
+    pub a: Side,
+    pub b: Side,
+    pub poses: Poses,
+    pub coherent: bool,
+    pub threads: Option<usize>,
 }
 
 /// Poses as Python passes them: those of B in A, or those of A and of B in the world.
-type PoseArrays<'py> = (PyReadonlyArray2<'py, f64>, Option<PyReadonlyArray2<'py, f64>>);
+pub type PoseArrays<'py> = (PyReadonlyArray2<'py, f64>, Option<PyReadonlyArray2<'py, f64>>);
 
 impl Pairs {
-    fn new(a: &Shape, b: &Shape, poses: &PoseArrays<'_>, coherent: bool, threads: Option<usize>) -> PyResult<Self> {
+    pub fn new(a: &Shape, b: &Shape, poses: &PoseArrays<'_>, coherent: bool, threads: Option<usize>) -> PyResult<Self> {
         let poses = Poses::new(&poses.0, poses.1.as_ref())?;
         Ok(Self { a: a.0.clone(), b: b.0.clone(), poses, coherent, threads })
     }
 
     /// Answers `query` for all poses; `write` writes an answer to a row.
-    fn solve<'py, C: Columns, Q: Query>(
+    pub fn solve<'py, C: Columns, Q: Query>(
         &self,
         py: Python<'py>,
         (name, takes_compounds): (&str, bool),
@@ -202,7 +194,7 @@ impl Pairs {
             }
             Ok(())
         };
-        fill::<C>(py, self.poses.count(), self.threads, solve, PoseError::new_err)?.into_arrays(py)
+        fill::<C>(py, (self.poses.count(), PIECE), self.threads, solve, PoseError::new_err)?.into_arrays(py)
     }
 }
 
@@ -294,46 +286,6 @@ pub fn contact<'py>(
             put(rows.iterations, at, answer.iterations);
             put(rows.support_calls, at, answer.support_calls);
             put_all(rows.parts, at, &found.parts);
-        },
-    )
-}
-
-/// Contact manifolds of convex shapes. `prediction` is a length, or relative to the smaller shape.
-#[pyfunction]
-#[pyo3(signature = (a, b, poses, settings, prediction, coherent, threads))]
-pub fn manifold<'py>(
-    py: Python<'py>,
-    a: &Shape,
-    b: &Shape,
-    poses: PoseArrays<'py>,
-    settings: (f64, u32),
-    prediction: Option<f64>,
-    coherent: bool,
-    threads: Option<usize>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let settings = ManifoldSettings {
-        contact: Settings { tolerance: settings.0, max_iterations: settings.1 },
-        prediction: prediction.map_or_else(Prediction::default, Prediction::Length),
-    };
-    Pairs::new(a, b, &poses, coherent, threads)?.solve::<Manifolds, _>(
-        py,
-        ("manifold", false),
-        |_| Ok(query::Manifolds(settings)),
-        |rows, at, found| {
-            let (manifold, contact) = &found.answer;
-            put(rows.count, at, u8::try_from(manifold.points().len()).unwrap_or(u8::MAX));
-            put_vector(rows.normal, at, contact.normal);
-            put(rows.hit, at, contact.hit);
-            put(rows.status, at, code(contact.status));
-            for slot in 0..MAX_POINTS {
-                let point = manifold.points().get(slot);
-                let vector = |pick: fn(&core::manifold::ManifoldPoint) -> DVec3| point.map_or(DVec3::NAN, pick);
-                let to = MAX_POINTS * at + slot;
-                put_vector(rows.point_a, to, vector(|point| point.point_a));
-                put_vector(rows.point_b, to, vector(|point| point.point_b));
-                put_vector(rows.local_b, to, vector(|point| point.local_b));
-                put(rows.depth, to, point.map_or(f64::NAN, |point| point.depth));
-            }
         },
     )
 }
@@ -444,7 +396,7 @@ pub fn ray<'py>(
         }
         Ok(())
     };
-    fill::<RayHits>(py, count, threads, solve, ArrayError::new_err)?.into_arrays(py)
+    fill::<RayHits>(py, (count, PIECE), threads, solve, ArrayError::new_err)?.into_arrays(py)
 }
 
 /// The first hit of a ray, and the hull of a pack that it hits.
@@ -460,7 +412,7 @@ fn cast_ray(side: &Side, ray: &Ray, settings: &CastSettings) -> (RayHit, u32) {
     }
 }
 
-/// Signed distances of points from a convex shape.
+/// Signed distances of points from a shape. For a pack, the minimum over its hulls.
 #[pyfunction]
 #[pyo3(signature = (shape, points, settings, coherent, threads))]
 pub fn signed_distance<'py>(
@@ -474,28 +426,15 @@ pub fn signed_distance<'py>(
     let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
     let points = Vectors::new("points", &points)?;
     let side = shape.0.clone();
-    if matches!(side, Side::Compound(_)) {
-        return Err(ShapeError::new_err(
-            "signed_distance takes convex shapes, found a pack: query its hulls, or the distance of the pack from a \
-             sphere of radius 0",
-        ));
-    }
     let solve = |first: usize, count: usize, rows: SignedRows<'_>| {
-        let mut cache = Cache::new();
+        let mut caches = Caches::new(&side, &side);
         for at in 0..count {
             let row = first + at;
             if !coherent {
-                cache.clear();
+                caches.clear();
             }
-            let point = points.get(row);
-            let found = match &side {
-                Side::Hull(hull) => core::signed_distance(hull.hull(), point, &settings, &mut cache),
-                Side::Convex(shape) => core::signed_distance(&**shape, point, &settings, &mut cache),
-                Side::HalfSpace(half) => half.signed_distance(point),
-                // Rejected above.
-                Side::Compound(_) => continue,
-            };
-            let found = found.map_err(|error| (row, format!("points[{row}]: {error}")))?;
+            let found = signed(&side, points.get(row), &settings, &mut caches);
+            let (found, part) = found.map_err(|error| (row, format!("points[{row}]: {error}")))?;
             put(rows.distance, at, found.distance);
             put(rows.lower, at, found.lower);
             put(rows.upper, at, found.upper);
@@ -504,10 +443,30 @@ pub fn signed_distance<'py>(
             put_vector(rows.point, at, found.point);
             put(rows.iterations, at, found.iterations);
             put(rows.support_calls, at, found.support_calls);
+            put(rows.parts, at, part);
         }
         Ok(())
     };
-    fill::<SignedDistances>(py, points.numbers.len(), threads, solve, ArrayError::new_err)?.into_arrays(py)
+    fill::<SignedDistances>(py, (points.numbers.len(), PIECE), threads, solve, ArrayError::new_err)?.into_arrays(py)
+}
+
+/// The signed distance of a point, and the hull of a pack that decides it.
+fn signed(
+    side: &Side,
+    point: DVec3,
+    settings: &Settings,
+    caches: &mut Caches,
+) -> Result<(SignedDistance, u32), VectorError> {
+    let found = match side {
+        Side::Hull(hull) => core::signed_distance(hull.hull(), point, settings, &mut caches.pair)?,
+        Side::Convex(shape) => core::signed_distance(&**shape, point, settings, &mut caches.pair)?,
+        Side::HalfSpace(half) => half.signed_distance(point)?,
+        Side::Compound(pack) => {
+            let found = compound::signed_distance(&Compound::new(pack), point, settings, caches.compound())?;
+            return Ok((found.answer, u32::try_from(found.hulls[0]).unwrap_or(u32::MAX)));
+        }
+    };
+    Ok((found, 0))
 }
 
 /// Support points of a bounded shape; of a pack, those of the hull that reaches farthest.
@@ -558,7 +517,7 @@ pub fn support<'py>(
         }
         Ok(())
     };
-    fill::<Supports>(py, directions.numbers.len(), threads, solve, ArrayError::new_err)?.into_arrays(py)
+    fill::<Supports>(py, (directions.numbers.len(), PIECE), threads, solve, ArrayError::new_err)?.into_arrays(py)
 }
 
 /// The farthest support point of all hulls, and the index of its hull: the first of equal ones.

@@ -14,6 +14,7 @@ import textwrap
 import threading
 import time
 import warnings
+from importlib import metadata
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +35,20 @@ def modules():
 def test_the_tests_run_from_the_wheel():
     assert "site-packages" in PACKAGE.parts, f"hullmap is imported from {PACKAGE}"
     assert (PACKAGE / "py.typed").exists() and (PACKAGE / "_hullmap.pyi").exists()
+
+
+def test_the_wheel_holds_all_licences():
+    files = {path.name: path for path in metadata.files("hullmap") or [] if "licenses" in path.parts}
+    assert {"LICENSE-MIT", "LICENSE-APACHE", "LICENSES-OF-DEPENDENCIES.txt"} <= set(files)
+    text = files["LICENSES-OF-DEPENDENCIES.txt"].read_text()
+    headings = dict(re.findall(r"^==== (\S+) \S+: (.+)$", text, re.MULTILINE))
+    # Some that are surely compiled in, and as many as such a library has.
+    assert {"pyo3", "numpy", "rkyv", "glam", "rayon", "clap"} <= set(headings) and len(headings) > 50
+    assert all(re.search("MIT|Apache|BSD|Zlib|ISC|Unicode|Unlicense|CC0", licence) for licence in headings.values())
+    assert "Permission is hereby granted" in text
+    assert "Its files are not in the registry" not in text and "hullmap-format" not in headings
+    declared = metadata.metadata("hullmap").get_all("License-File") or []
+    assert any(name.endswith("LICENSES-OF-DEPENDENCIES.txt") for name in declared), declared
 
 
 def test_examples_in_docstrings_run():

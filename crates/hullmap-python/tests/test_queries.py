@@ -243,7 +243,7 @@ def test_packs_meet_packs_planes_and_rays(pair_of_cubes):
     hits = pack.ray([[-1, 0.5, 0.5], [9, 0.5, 0.5], [2, 0.5, 5]], [[1, 0, 0], [-1, 0, 0], [0, 0, -1]])
     assert np.allclose(hits.t, [1, 5, np.inf]) and hits.parts.tolist()[:2] == [0, 1]
     assert (hits.t_lower <= hits.t).all() and (hits.t <= hits.t_upper).all()
-    with pytest.raises(hullmap.ShapeError, match="takes convex shapes, found a pack"):
+    with pytest.raises(hullmap.ShapeError, match="takes convex shapes, found a pack: query it by manifolds"):
         pack[0].manifold(pack, between)
 
 
@@ -275,13 +275,98 @@ def test_packs_are_cast_and_have_support_points(pair_of_cubes):
         hullmap._hullmap.support(floor._native, directions, None)
 
 
-def test_points_outside_of_a_pack(pair_of_cubes):
-    """What the message of `signed_distance` recommends."""
-    pack, points = pair_of_cubes, np.array([[2, 0.5, 0.5], [-1, 0.5, 0.5], [0.5, 0.5, 0.5]])
-    with pytest.raises(hullmap.ShapeError, match="sphere of radius 0"):
-        hullmap._hullmap.signed_distance(pack._native, points, (1e-5, 100), False, None)
-    gap = pack.distance(hullmap.Sphere(0.0), hullmap.poses(points))
-    assert np.allclose(gap.distance, [1, 1, 0])
+def box_distance(points: np.ndarray, low: np.ndarray) -> np.ndarray:
+    """Signed distance from the unit cube with this lowest corner, in closed form."""
+    beyond = np.abs(points - low - 0.5) - 0.5
+    return np.linalg.norm(np.maximum(beyond, 0), axis=1) + np.minimum(beyond.max(axis=1), 0)
+
+
+@pytest.mark.parametrize("coherent", [False, True])
+def test_signed_distances_of_a_pack_are_those_of_the_nearest_hull(pair_of_cubes, coherent):
+    points = np.random.default_rng(3).uniform([-1, -1, -1], [5, 2, 2], size=(1000, 3))
+    each = np.array([box_distance(points, np.array([x, 0.0, 0.0])) for x in (0, 3)])
+    truth = each.min(axis=0)
+    found = pair_of_cubes.signed_distance(points, coherent=coherent)
+    assert 0.02 < (truth < 0).mean() < 0.3
+    assert (found.lower <= truth + 1e-12).all() and (truth <= found.upper + 1e-12).all()
+    assert np.allclose(found.distance, truth, rtol=1e-5, atol=1e-9)
+    assert np.array_equal(found.parts, each.argmin(axis=0)) and set(found.parts.tolist()) == {0, 1}
+    assert np.allclose(np.linalg.norm(found.point - points, axis=1), abs(truth), rtol=1e-4, atol=1e-9)
+    assert pair_of_cubes.signed_distance([0.5, 0.5, 0.75]).distance == pytest.approx(-0.25)
+    with pytest.raises(hullmap.ArrayError, match=r"points\[1\]"):
+        pair_of_cubes.signed_distance([[0, 0, 0], [0, np.nan, 0]])
+
+
+def test_where_hulls_overlap_the_deeper_one_decides():
+    long = (CUBE * [2, 1, 1], CUBE * [1, 2, 1])
+    pack = hullmap.bake_parts([(part, None) for part in long])
+    found = pack.signed_distance([[0, 0, 0], [1.5, 0, 0], [0, 1.5, 0.9], [1.25, 1.5, 0]])
+    assert np.allclose(found.distance, [-1, -0.5, -0.1, 0.25]) and found.parts.tolist()[1:] == [0, 1, 1]
+
+
+def test_manifolds_of_packs_are_those_of_their_hulls(pair_of_cubes):
+    pack, poses = pair_of_cubes, random_poses(400, 4, 4)
+    probe = hullmap.bake(rock(30, 8))[0]
+    found = pack.manifolds(probe, poses, max_pairs=4)
+    assert found.point_a.shape == (400, 4, 4, 3) and found.depth.shape == (400, 4, 4)
+    each = [hull.manifold(probe, poses) for hull in pack]
+    counts = np.array([alone.count for alone in each])
+    assert np.array_equal(found.touching, (counts > 0).sum(axis=0)) and (found.dropped == 0).all()
+    assert np.array_equal(found.touching, (found.count > 0).sum(axis=1)) and (counts > 0).mean() > 0.02
+    for row, pair in np.argwhere(found.count > 0):
+        part, other = found.parts[row, pair]
+        alone = each[part]
+        assert other == 0 and found.count[row, pair] == alone.count[row]
+        assert np.allclose(found.normal[row, pair], alone.normal[row], atol=1e-9)
+        for field in ("point_a", "point_b", "local_b", "depth"):
+            assert np.allclose(getattr(found, field)[row, pair], getattr(alone, field)[row], atol=1e-9, equal_nan=True)
+    unused = found.count == 0
+    assert (found.parts[unused] == 2**32 - 1).all() and np.isnan(found.depth[unused]).all()
+    assert np.isnan(found.normal[unused]).all()
+    # The other way around, and without memory for all pairs.
+    turned = probe.manifolds(pack, hullmap.relative(poses, hullmap.poses([0, 0, 0])))
+    assert np.array_equal(turned.touching, found.touching)
+    few = pack.manifolds(hullmap.Box([5, 5, 1]), hullmap.poses([2, 0.5, -0.99]), max_pairs=1)
+    assert few.touching == 1 and few.dropped == 1 and few.count.tolist() == [4]
+
+
+def test_manifolds_of_pack_on_pack_and_floor(pair_of_cubes):
+    pack, floor = pair_of_cubes, hullmap.HalfSpace([0, 0, 1], 0.0)
+    found = floor.manifolds(pack, hullmap.poses([[0, 0, -0.01], [0, 0, 5]]), max_pairs=3)
+    assert found.touching.tolist() == [2, 0] and found.parts[0, :2].tolist() == [[0, 0], [0, 1]]
+    assert np.allclose(found.depth[0, :2], 0.01) and np.allclose(found.normal[0, :2], [0, 0, 1])
+    stacked = pack.manifolds(pack, hullmap.poses([0, 0, 0.99]))
+    assert stacked.touching == 2 and stacked.parts[:2].tolist() == [[0, 0], [1, 1]]
+    assert np.allclose(stacked.depth[:2], 0.01)
+    # One hull counts as a pack of one.
+    alone, single = pack[0].manifolds(pack[1], hullmap.poses([-3, 0, 0.99])), hullmap.poses([-3, 0, 0.99])
+    assert np.allclose(alone.depth[0], pack[0].manifold(pack[1], single).depth) and alone.touching == 1
+    empty = pack.manifolds(pack, np.zeros((0, 7)))
+    assert empty.depth.shape == (0, 8, 4) and empty.touching.shape == (0,)
+    for wrong in (0, -1, 65537, 2**40):
+        with pytest.raises(hullmap.ArrayError, match="max_pairs"):
+            pack.manifolds(pack, single, max_pairs=wrong)
+    with pytest.raises(hullmap.ShapeError, match="must be the first shape"):
+        pack.manifolds(floor, single)
+
+
+def test_normals_at_seams_are_those_of_the_union():
+    unit = (CUBE + 1) / 2
+    road = hullmap.bake_parts([(unit, None), (unit + [1, 0, 0], None)])
+    # A ball above the first cube, near the edge of the second.
+    ball, pose = hullmap.Sphere(0.5), hullmap.poses([0.9, 0.5, 1.4])
+    alone = road[1].manifold(ball, pose)
+    assert alone.count == 1 and alone.normal[0] < -0.2
+    found = road.manifolds(ball, pose)
+    assert np.allclose(found.normal[found.count > 0], [0, 0, 1])
+
+
+@pytest.mark.parametrize("coherent", [False, True])
+def test_the_number_of_threads_changes_no_bit_of_manifolds(pair_of_cubes, coherent):
+    poses, probe = random_poses(3000, 7, 3), hullmap.bake(rock(30, 8))[0]
+    one, two = (pair_of_cubes.manifolds(probe, poses, max_pairs=3, coherent=coherent, threads=n) for n in (1, 2))
+    for field in ("touching", "parts", "count", "normal", "point_a", "depth"):
+        assert np.array_equal(getattr(one, field), getattr(two, field), equal_nan=field not in ("touching", "parts", "count")), field
 
 
 def test_limits_are_reported_and_intervals_hold(rocks, truth):

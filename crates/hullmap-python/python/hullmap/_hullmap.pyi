@@ -102,6 +102,16 @@ def manifold(
     coherent: bool,
     threads: Optional[int],
 ) -> _Columns: ...
+def manifolds(
+    a: Shape,
+    b: Shape,
+    poses: _Poses,
+    settings: Tuple[float, int],
+    prediction: Optional[float],
+    max_pairs: int,
+    coherent: bool,
+    threads: Optional[int],
+) -> _Columns: ...
 def cast(
     a: Shape,
     b: Shape,

@@ -189,6 +189,33 @@ class Manifold(_Answer):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class PairManifolds(_Answer):
+    """Contact manifolds of packs: one for each pair of hulls that touch, which means that they overlap
+    or are separated by at most the prediction. P is ``max_pairs``. Unused pairs and points are NaN.
+    Points and directions are in A's frame."""
+
+    touching: Counts
+    """Number of pairs that touch and have a manifold."""
+    dropped: Counts
+    """Number of pairs that touch but have no manifold, because there are more than ``max_pairs``."""
+    parts: Counts
+    """Indices of the hulls in A and in B, ascending; (..., P, 2). 4294967295 for unused pairs."""
+    count: Codes
+    """Number of points of each pair; (..., P)."""
+    normal: Floats
+    """Unit vector from A to B of each pair; (..., P, 3). At edges between hulls it is the normal of
+    the union, so that bodies do not stumble over them."""
+    point_a: Floats
+    """The points on A; (..., P, 4, 3)."""
+    point_b: Floats
+    """The points on B; (..., P, 4, 3)."""
+    local_b: Floats
+    """The points on B, in B's frame; (..., P, 4, 3)."""
+    depth: Floats
+    """Penetration depth at each point, negative where the surfaces are separated; (..., P, 4)."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Impact(_Answer):
     """When B, which translates, first meets A. Points and directions are in A's frame."""
 
@@ -233,7 +260,8 @@ class RayHit(_Answer):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SignedDistance(_Answer):
-    """Distances of points from the surface of a shape: positive outside, negative inside."""
+    """Distances of points from the surface of a shape: positive outside, negative inside. Of a pack,
+    they are the minimum over its hulls."""
 
     distance: Floats
     lower: Floats
@@ -246,6 +274,8 @@ class SignedDistance(_Answer):
     """The closest point of the surface; (..., 3)."""
     iterations: Counts
     support_calls: Counts
+    parts: Counts
+    """Index of the hull that decided, for a pack."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

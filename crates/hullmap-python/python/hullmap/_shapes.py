@@ -21,6 +21,7 @@ from ._results import (
     Intersection,
     Manifold,
     MassProperties,
+    PairManifolds,
     RayHit,
     SignedDistance,
     Support,
@@ -200,9 +201,78 @@ class Shape:
         found = _hullmap.cast(self._native, _native(other), poses, velocities, settings, coherent, threads)
         return Impact._of(found, lead)
 
+    def manifolds(
+        self,
+        other: Shape,
+        b_in_a: Poses = None,
+        *,
+        a_in_world: Poses = None,
+        b_in_world: Poses = None,
+        max_pairs: int = 8,
+        prediction: Optional[float] = None,
+        tolerance: float = TOLERANCE,
+        max_iterations: int = MAX_ITERATIONS,
+        coherent: bool = False,
+        threads: Optional[int] = None,
+    ) -> PairManifolds:
+        """Contact points of packs that can carry a body: up to four for each pair of hulls that touch.
+
+        ``max_pairs`` is the maximum number of pairs for each pose; ``dropped`` counts those beyond it.
+        ``prediction`` is a length, as in `ConvexShape.manifold`. Each shape that is not a pack counts as
+        one hull.
+
+        >>> import hullmap
+        >>> unit = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+        >>> moved = [[x + 3, y, z] for x, y, z in unit]
+        >>> cubes = hullmap.bake_parts([(unit, None), (moved, None)])
+        >>> floor = hullmap.HalfSpace([0, 0, 1], 0.0)
+        >>> m = floor.manifolds(cubes, hullmap.poses([0, 0, -0.01]), max_pairs=3)
+        >>> int(m.touching), m.parts.tolist()[:2], m.count.tolist()
+        (2, [[0, 0], [0, 1]], [4, 4, 0])
+        >>> m.depth[1].round(9)
+        array([0.01, 0.01, 0.01, 0.01])
+        """
+        poses, lead = _poses(b_in_a, a_in_world, b_in_world)
+        settings = (float(tolerance), _limit(max_iterations))
+        length = None if prediction is None else float(prediction)
+        if not 1 <= max_pairs < 2**32:
+            raise ArrayError(f"max_pairs must be from 1 to 65536, found {max_pairs}")
+        pairs = int(max_pairs)
+        found = _hullmap.manifolds(self._native, _native(other), poses, settings, length, pairs, coherent, threads)
+        # The counts are in the first row of each pose.
+        for name in ("touching", "dropped"):
+            found[name] = found[name][::pairs]
+        points = {"point_a": (pairs, 4, 3), "point_b": (pairs, 4, 3), "local_b": (pairs, 4, 3)}
+        of_pairs = {"parts": (pairs, 2), "count": (pairs,), "normal": (pairs, 3), "depth": (pairs, 4)}
+        return PairManifolds._of(found, lead, {**points, **of_pairs})
+
+    def signed_distance(
+        self,
+        points: npt.ArrayLike,
+        *,
+        tolerance: float = TOLERANCE,
+        max_iterations: int = MAX_ITERATIONS,
+        coherent: bool = False,
+        threads: Optional[int] = None,
+    ) -> SignedDistance:
+        """Distances of points from the surface: positive outside, negative inside.
+
+        Of a pack, it is the minimum over its hulls: outside, the distance from the union; inside, the
+        depth in the hull in which the point is deepest. A ball of that radius around the point is
+        inside the union, whose surface may be farther away where hulls overlap or touch.
+
+        >>> import hullmap
+        >>> hullmap.Box([1, 1, 1]).signed_distance([[3, 0, 0], [0.75, 0, 0]]).distance
+        array([ 2.  , -0.25])
+        """
+        rows, lead = vectors("points", points)
+        settings = (float(tolerance), _limit(max_iterations))
+        found = _hullmap.signed_distance(self._native, rows, settings, coherent, threads)
+        return SignedDistance._of(found, lead)
+
 
 class _Solid(Shape):
-    """A shape with a manifold and signed distances: everything but a `Pack`."""
+    """A shape with a single manifold: everything but a `Pack`."""
 
     __slots__ = ()
 
@@ -238,26 +308,6 @@ class _Solid(Shape):
         found = _hullmap.manifold(self._native, _native(other), poses, settings, length, coherent, threads)
         points = {"point_a": (4, 3), "point_b": (4, 3), "local_b": (4, 3)}
         return Manifold._of(found, lead, dict(points))
-
-    def signed_distance(
-        self,
-        points: npt.ArrayLike,
-        *,
-        tolerance: float = TOLERANCE,
-        max_iterations: int = MAX_ITERATIONS,
-        coherent: bool = False,
-        threads: Optional[int] = None,
-    ) -> SignedDistance:
-        """Distances of points from the surface: positive outside, negative inside.
-
-        >>> import hullmap
-        >>> hullmap.Box([1, 1, 1]).signed_distance([[3, 0, 0], [0.75, 0, 0]]).distance
-        array([ 2.  , -0.25])
-        """
-        rows, lead = vectors("points", points)
-        settings = (float(tolerance), _limit(max_iterations))
-        found = _hullmap.signed_distance(self._native, rows, settings, coherent, threads)
-        return SignedDistance._of(found, lead)
 
 
 class _Bounded(Shape):

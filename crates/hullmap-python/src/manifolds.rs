@@ -1,0 +1,171 @@
+//! Contact manifolds over arrays of poses: one for each pose of convex shapes, and one for each pair
+//! of parts that touch for packs.
+
+use hullmap::compound::{CompoundManifolds, ManifoldCounts};
+use hullmap::glam::DVec3;
+use hullmap::manifold::{MAX_POINTS, Manifold, ManifoldPoint, ManifoldSettings, Prediction};
+use hullmap::{Compound, Pose, Settings};
+use pyo3::exceptions::PyMemoryError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::columns::{Columns, columns, put, put_all, put_vector};
+use crate::error::{ArrayError, PoseError, ShapeError};
+use crate::query::{self, convex, obstacle};
+use crate::shape::{Shape, Side};
+use crate::solve::{PIECE, Pairs, PoseArrays, code, fill};
+
+/// Maximum of `max_pairs`: memory of about 300 MB for each thread.
+const MAX_PAIRS: usize = 1 << 16;
+
+columns!(
+    /// Answers of `manifold`: the contact, and up to four points.
+    Manifolds, ManifoldRows {
+        count: u8 = 1, normal: f64 = 3, point_a: f64 = 12, point_b: f64 = 12, local_b: f64 = 12, depth: f64 = 4,
+        hit: bool = 1, status: u8 = 1,
+    }
+);
+
+columns!(
+    /// Answers of `manifolds`: `max_pairs` rows for each pose. The counts are in the first one.
+    PairManifolds, PairRows {
+        touching: u32 = 1, dropped: u32 = 1, parts: u32 = 2, count: u8 = 1, normal: f64 = 3, point_a: f64 = 12,
+        point_b: f64 = 12, local_b: f64 = 12, depth: f64 = 4,
+    }
+);
+
+fn manifold_settings(settings: (f64, u32), prediction: Option<f64>) -> ManifoldSettings {
+    ManifoldSettings {
+        contact: Settings { tolerance: settings.0, max_iterations: settings.1 },
+        prediction: prediction.map_or_else(Prediction::default, Prediction::Length),
+    }
+}
+
+/// Writes the points of a manifold to row `$at`, and NaN for those that it does not have.
+macro_rules! put_points {
+    ($rows:expr, $at:expr, $manifold:expr) => {{
+        let points = $manifold.map(Manifold::points).unwrap_or_default();
+        put($rows.count, $at, u8::try_from(points.len()).unwrap_or(u8::MAX));
+        for slot in 0..MAX_POINTS {
+            let point = points.get(slot);
+            let vector = |pick: fn(&ManifoldPoint) -> DVec3| point.map_or(DVec3::NAN, pick);
+            let to = MAX_POINTS * $at + slot;
+            put_vector($rows.point_a, to, vector(|point| point.point_a));
+            put_vector($rows.point_b, to, vector(|point| point.point_b));
+            put_vector($rows.local_b, to, vector(|point| point.local_b));
+            put($rows.depth, to, point.map_or(f64::NAN, |point| point.depth));
+        }
+    }};
+}
+
+/// Contact manifolds of convex shapes. `prediction` is a length, or relative to the smaller shape.
+#[pyfunction]
+#[pyo3(signature = (a, b, poses, settings, prediction, coherent, threads))]
+pub fn manifold<'py>(
+    py: Python<'py>,
+    a: &Shape,
+    b: &Shape,
+    poses: PoseArrays<'py>,
+    settings: (f64, u32),
+    prediction: Option<f64>,
+    coherent: bool,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let settings = manifold_settings(settings, prediction);
+    Pairs::new(a, b, &poses, coherent, threads)?.solve::<Manifolds, _>(
+        py,
+        ("manifold", false),
+        |_| Ok(query::Manifolds(settings)),
+        |rows, at, found| {
+            let (manifold, contact) = &found.answer;
+            put_vector(rows.normal, at, contact.normal);
+            put(rows.hit, at, contact.hit);
+            put(rows.status, at, code(contact.status));
+            put_points!(rows, at, Some(manifold));
+        },
+    )
+}
+
+/// Contact manifolds of shapes of any kind: one for each pair of parts that touch.
+#[pyfunction]
+#[pyo3(signature = (a, b, poses, settings, prediction, max_pairs, coherent, threads))]
+pub fn manifolds<'py>(
+    py: Python<'py>,
+    a: &Shape,
+    b: &Shape,
+    poses: PoseArrays<'py>,
+    settings: (f64, u32),
+    prediction: Option<f64>,
+    max_pairs: usize,
+    coherent: bool,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyDict>> {
+    if !(1..=MAX_PAIRS).contains(&max_pairs) {
+        let message = format!("max_pairs must be from 1 to {MAX_PAIRS}, found {max_pairs}");
+        return Err(ArrayError::new_err(message));
+    }
+    let settings = manifold_settings(settings, prediction);
+    let pairs = Pairs::new(a, b, &poses, coherent, threads)?;
+    if let Some(obstacle) = obstacle("manifolds", &pairs.a, &pairs.b, true) {
+        return Err(ShapeError::new_err(obstacle));
+    }
+    let too_many = || PyMemoryError::new_err("not enough memory for all pairs of all poses: query fewer at a time");
+    let count = pairs.poses.count().checked_mul(max_pairs).ok_or_else(too_many)?;
+    // More slots than pairs of parts would never be used.
+    let slots = max_pairs.min(part_count(&pairs.a).saturating_mul(part_count(&pairs.b)));
+    let solve = |first: usize, count: usize, mut rows: PairRows<'_>| {
+        let mut found = CompoundManifolds::new(slots);
+        for at in 0..count / max_pairs {
+            let pose = first / max_pairs + at;
+            if !pairs.coherent {
+                found.clear();
+            }
+            let b_in_a = pairs.poses.get(pose).map_err(|message| (pose, message))?;
+            if let Some(counts) = update(&mut found, &pairs.a, &pairs.b, b_in_a, &settings) {
+                write(&mut rows, at * max_pairs, max_pairs, &found, counts);
+            }
+        }
+        Ok(())
+    };
+    fill::<PairManifolds>(py, (count, PIECE * max_pairs), threads, solve, PoseError::new_err)?.into_arrays(py)
+}
+
+fn part_count(side: &Side) -> usize {
+    match side {
+        Side::Compound(pack) => pack.hull_count(),
+        _ => 1,
+    }
+}
+
+/// Updates the manifolds for one pose. `None` for pairs that [`obstacle`] reports.
+fn update(
+    found: &mut CompoundManifolds,
+    a: &Side,
+    b: &Side,
+    b_in_a: Pose,
+    settings: &ManifoldSettings,
+) -> Option<ManifoldCounts> {
+    Some(match (a, b) {
+        (Side::HalfSpace(a), Side::Compound(b)) => found.update_half_space(a, &Compound::new(b), b_in_a, settings),
+        (Side::HalfSpace(a), _) => found.update_half_space(a, convex(b)?, b_in_a, settings),
+        (Side::Compound(a), Side::Compound(b)) => found.update(&Compound::new(a), &Compound::new(b), b_in_a, settings),
+        (Side::Compound(a), _) => found.update(&Compound::new(a), convex(b)?, b_in_a, settings),
+        (_, Side::Compound(b)) => found.update(convex(a)?, &Compound::new(b), b_in_a, settings),
+        _ => found.update(convex(a)?, convex(b)?, b_in_a, settings),
+    })
+}
+
+/// Writes the manifolds of one pose, ordered by their parts, to the rows that start at `first`.
+fn write(rows: &mut PairRows<'_>, first: usize, count: usize, found: &CompoundManifolds, counts: ManifoldCounts) {
+    let mut touching: Vec<_> = found.iter().collect();
+    touching.sort_unstable_by_key(|(parts, _)| *parts);
+    put(rows.touching, first, counts.touching);
+    put(rows.dropped, first, counts.dropped);
+    for slot in 0..count {
+        let (at, pair) = (first + slot, touching.get(slot));
+        let parts = pair.map_or([u32::MAX; 2], |(parts, _)| parts.map(|part| u32::try_from(part).unwrap_or(u32::MAX)));
+        put_all(rows.parts, at, &parts);
+        put_vector(rows.normal, at, pair.map_or(DVec3::NAN, |(_, manifold)| manifold.normal()));
+        put_points!(rows, at, pair.map(|(_, manifold)| *manifold));
+    }
+}
