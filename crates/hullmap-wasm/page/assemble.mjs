@@ -6,6 +6,7 @@ const here = new URL("..", import.meta.url);
 const text = (path) => readFileSync(new URL(path, here), "utf8");
 const version = /^version = "(.*)"$/m.exec(text("Cargo.toml"))[1];
 
+const licences = ["LICENSE-APACHE", "LICENSE-MIT", "LICENSES-OF-DEPENDENCIES.txt"];
 const description = {
   name: "hullmap",
   version,
@@ -14,7 +15,7 @@ const description = {
   type: "module",
   main: "hullmap.js",
   types: "hullmap.d.ts",
-  files: ["hullmap.js", "hullmap.d.ts", "hullmap_bg.wasm", "hullmap_bg.wasm.d.ts", "LICENSE-APACHE", "LICENSE-MIT"],
+  files: ["hullmap.js", "hullmap.d.ts", "hullmap_bg.wasm", "hullmap_bg.wasm.d.ts", ...licences],
   sideEffects: false,
   keywords: ["collision", "convex-hull", "gjk", "physics", "wasm"],
 };
@@ -26,16 +27,18 @@ const script = [
   shared("faults.js"),
   shared("arrays.js"),
   shared("gauss.js"),
-  ...["samples.js", "view.js", "page.js"].map((name) => text(`page/${name}`)),
+  ...["samples.js", "view.js", "baker.js", "page.js"].map((name) => text(`page/${name}`)),
 ].join("\n");
 const wasm = readFileSync(new URL("dist/page/hullmap_bg.wasm", here)).toString("base64");
 const parts = {
   style: shared("style.css") + text("page/style.css"),
   // `</script` would end the element.
   bindings: text("dist/page/hullmap.js").replaceAll("</script", "<\\/script"),
+  worker: text("page/worker.js"),
   script,
   wasm,
   version,
+  licences: ["LICENSE-MIT", "dist/npm/LICENSES-OF-DEPENDENCIES.txt"].map(text).join("\n").replaceAll("&", "&amp;").replaceAll("<", "&lt;"),
 };
 const page = text("page/index.html").replace(/\{\{(\w+)\}\}/g, (_, name) => parts[name]);
 writeFileSync(new URL("dist/hullmap.html", here), page);

@@ -3,7 +3,10 @@
   const get = (id) => document.getElementById(id);
   const root = document.documentElement;
   const wasm = get("wasm");
-  wasm_bindgen.initSync({ module: bytesOf(wasm.textContent) });
+  const module = new WebAssembly.Module(bytesOf(wasm.textContent));
+  wasm_bindgen.initSync({ module });
+  const baker = new Baker(`${get("bindings").textContent}\n${get("worker").textContent}`, module);
+  root.dataset.worker = baker.hasWorker;
   wasm.remove();
 
   /** Bodies by name: file, pack, hull, and what the view draws. */
@@ -24,8 +27,11 @@
 
   /** A sentence for people. */
   function inWords(error) {
+    if (error instanceof BakerEnded) {
+      return "The baker failed on this file, or ran out of memory. Bake it with the command bake.";
+    }
     if (error instanceof WebAssembly.RuntimeError || error instanceof RangeError) {
-      return "The baker failed on this file, or ran out of memory. Reload the page before you go on, and bake this file with the command bake.";
+      return "The page ran out of memory, or has a fault. Reload it before you go on.";
     }
     return error && error.message ? error.message : String(error);
   }
@@ -35,27 +41,19 @@
 
   // Bodies.
 
-  /** Bakes a mesh and makes it body `which`. */
-  function bakeBody(which, file, bytes) {
+  function chosenOptions() {
     const options = { split: get("split").value, index: get("index").value };
     const most = get("max-vertices").value.trim();
     if (most) options.maxVertices = Number(most);
-    const start = performance.now();
-    const baked = wasm_bindgen.bake(file, bytes, options);
-    const millis = performance.now() - start;
-    const body = {
-      file,
-      bytes,
-      pack: baked.pack,
-      open: new wasm_bindgen.Pack(baked.pack),
-      mesh: { points: baked.positions, triangles: baked.triangles },
-      notes: baked.notes,
-      warnings: baked.warnings,
-      millis,
-    };
-    baked.free();
+    return options;
+  }
+
+  /** Makes a baked mesh body `which`. */
+  function setBody(which, file, bytes, { pack, positions, triangles, notes, warnings, millis }) {
+    const mesh = { points: positions, triangles };
     const old = bodies[which];
-    bodies[which] = body;
+    const open = new wasm_bindgen.Pack(pack);
+    bodies[which] = { file, bytes, pack, open, mesh, notes, warnings, millis };
     chooseHull(which, 0);
     if (view && old) for (const mesh of [old.mesh, old.shape]) view.forget(mesh);
   }
@@ -71,21 +69,24 @@
     body.shape = { points: body.hull.vertices(), triangles: body.hull.triangles(), edges: body.hull.edges() };
   }
 
-  /** Bakes after the message is on the screen; the page stands still while it bakes. */
+  let bakes = 0;
+  /** Bakes a mesh and makes it body `which`. The page goes on meanwhile. */
   async function load(which, file, bytes) {
     fail("");
+    bakes++;
     get("busy").textContent = `Baking ${file} …`;
-    await new Promise((done) => setTimeout(done, 30));
     try {
       if (!bytes.length) throw new Error(`${file}: the file is empty; choose an OBJ, STL, PLY or GLB file`);
-      bakeBody(which, file, bytes);
+      const baked = await baker.bake(file, bytes, chosenOptions());
+      setBody(which, file, bytes, baked);
       // The first body A is also body B.
-      if (!bodies.b) bakeBody("b", file, bytes);
+      if (!bodies.b) setBody("b", file, bytes, baked);
       bodiesChanged(which);
     } catch (error) {
       fail(inWords(error));
     }
-    get("busy").textContent = "";
+    bakes--;
+    if (!bakes) get("busy").textContent = "";
     root.dataset.loads = Number(root.dataset.loads || 0) + 1;
   }
 

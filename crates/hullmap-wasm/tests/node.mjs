@@ -17,6 +17,7 @@ const { bake, Pack, Pair, version } = module;
 const native = (...words) => execFileSync(command, words, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
 
 assert.equal(JSON.parse(readFileSync(join(folder, "package.json"))).version, version());
+assert.match(readFileSync(join(folder, "LICENSES-OF-DEPENDENCIES.txt"), "utf8"), /^==== rkyv /m);
 
 // Each format: hulls as STL and GLB, written by the command, and a PLY file.
 native("build", join(meshes, "pawn.obj"), "--out", meshes, "--force");

@@ -138,6 +138,49 @@ try {
   }, [box.width, box.height]);
   assert.ok(dragged, "body B cannot be gripped");
 
+  // Files that are dropped on the page: body A, or body B with the Shift key.
+  const drop = async (init, name, text) => {
+    const dataTransfer = await page.evaluateHandle(([name, text]) => {
+      const transfer = new DataTransfer();
+      if (name) transfer.items.add(new File([text], name));
+      else transfer.items.add("a word", "text/plain");
+      return transfer;
+    }, [name, text]);
+    await page.dispatchEvent("main", "dragover", { dataTransfer });
+    assert.equal(await page.locator("body.dropping").count(), 1);
+    await page.dispatchEvent("main", "drop", { dataTransfer, ...init });
+    assert.equal(await page.locator("body.dropping").count(), 0);
+  };
+  const bounds = "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\n", factsOf = () => page.locator("#facts").textContent();
+  await loaded(() => drop({}, "corner.obj", bounds));
+  assert.match(await factsOf(), /Body Acorner\.obj.*Hull vertices4.*Body Brock\.obj/s);
+  await loaded(() => drop({ shiftKey: true }, "other.obj", `${bounds}v 2 2 2\n`));
+  assert.match(await factsOf(), /Body Acorner\.obj.*Body Bother\.obj.*Hull vertices of B5/s);
+  await drop({}, null, null);
+  assert.match(await page.locator("#error").textContent(), /That was no file/);
+  console.log("dropped files became body A, and body B with the Shift key");
+
+  // A worker that ends: its bake fails, and the next one has a new worker. Without workers, the page
+  // bakes. The first source answers for the baker, the second one does not run.
+  const outcomes = await page.evaluate(async () => {
+    const fake = `let count = 0; onmessage = ({ data: { module, id, file } }) => {
+      if (module) return;
+      if (file === "trap") postMessage({ id, ended: true, message: "unreachable" });
+      else postMessage({ id, answer: { file, count: ++count } });
+    };`;
+    const module = new WebAssembly.Module(new Uint8Array([0, 0x61, 0x73, 0x6d, 1, 0, 0, 0]));
+    const baker = new Baker(fake, module);
+    const jobs = ["one", "trap", "two", "three"].map((file) => baker.bake(file, new Uint8Array(1), {}));
+    const settled = await Promise.allSettled(jobs);
+    const words = settled.map(({ value, reason }) => (value ? `${value.file} ${value.count}` : reason.constructor.name));
+    const without = new Baker("this is no script (", module);
+    const points = new TextEncoder().encode("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n");
+    const { positions } = await without.bake("corner.obj", points, {});
+    return [...words, positions.length, baker.hasWorker, without.hasWorker];
+  });
+  assert.deepEqual(outcomes, ["one 1", "BakerEnded", "two 1", "three 2", 12, true, false]);
+  assert.equal(await page.evaluate(() => document.documentElement.dataset.worker), "true");
+
   // Errors are sentences on the page; the bodies remain.
   for (const [name, text, expected] of [
     ["broken.obj", "v 0 0 0\nf 9\n", "broken.obj:2: vertex index 9 is out of range"],
@@ -170,6 +213,47 @@ try {
   );
   // A frame at 60 Hz is 16.7 ms long. The queries take a small part of it.
   assert.ok(rank(times.query, 0.5) < 4, "queries take too long");
+
+  // The page goes on while it bakes: frames of the moving bodies during a bake of 100 000 points.
+  let large = "";
+  for (let i = 0; i < 100_000; i++) {
+    const z = 1 - (2 * i + 1) / 100_000, turn = i * Math.PI * (3 - Math.sqrt(5)), r = Math.sqrt(1 - z * z);
+    large += `v ${(r * Math.cos(turn)).toFixed(7)} ${(r * Math.sin(turn)).toFixed(7)} ${z.toFixed(7)}\n`;
+  }
+  const largeFile = join(profile, "large.obj");
+  writeFileSync(largeFile, large);
+  for (const which of ["a", "b"]) await loaded(() => page.selectOption(`#sample-${which}`, "knot"));
+  await page.check("#moves");
+  await page.evaluate(() => {
+    window.gaps = [];
+    let last = performance.now();
+    const tick = (now) => {
+      window.gaps.push(now - last);
+      last = now;
+      if (window.gaps) requestAnimationFrame(tick);
+    };
+    requestAnimationFrame(tick);
+  });
+  const idle = await page.waitForTimeout(2000).then(() => page.evaluate(() => window.gaps.splice(0)));
+  // Until the bake ends; what follows, the map of a hull of this size, is drawn by the page.
+  await page.setInputFiles("#file-b", largeFile);
+  await page.waitForFunction(() => /Baking large/.test(document.getElementById("busy").textContent));
+  await page.evaluate(() => window.gaps.splice(0));
+  await page.waitForFunction(() => document.getElementById("busy").textContent === "", null, { timeout: 120_000 });
+  const during = await page.evaluate(() => window.gaps.splice(0));
+  await page.uncheck("#moves");
+  assert.equal(await page.locator("#error").isVisible(), false);
+  assert.match(await factsOf(), /Body Blarge\.obj/);
+  const total = during.reduce((sum, gap) => sum + gap, 0);
+  console.log(
+    `a bake of 100 000 points: ${total.toFixed(0)} ms, ${during.length} frames meanwhile, ${rank(during, 0.5).toFixed(1)} ms (median), ` +
+      `${rank(during, 0.95).toFixed(1)} ms (95 %), ${Math.max(...during).toFixed(0)} ms (longest); before it ${rank(idle, 0.5).toFixed(1)} ms (median)`,
+  );
+  // A page that stands still has one frame.
+  assert.ok(during.length > 3, `${during.length} frames during a bake`);
+
+  // The licences of everything that is compiled in belong to every copy.
+  assert.match(await page.locator("#licences").textContent(), /Permission is hereby granted.*^==== rkyv /ms);
 
   // Every control has a name.
   const unnamed = await page.evaluate(() =>
