@@ -11,7 +11,9 @@ use hullmap_testkit::{gap::gap, packs, polytope::Polytope};
 use parry3d::bounding_volume::BoundingVolume;
 use parry3d::math::{Pose, Vector};
 use parry3d::query::{PointQuery, Ray, RayCast};
-use parry3d::shape::{ConvexPolyhedron, PolygonalFeature, PolygonalFeatureMap, Shape, SharedShape, SupportMap};
+use parry3d::shape::{
+    ConvexPolyhedron, FeatureId, PolygonalFeature, PolygonalFeatureMap, Shape, SharedShape, SupportMap,
+};
 use shapes::families;
 
 /// A baked hull, its vertices and outward normals in f64, and parry's polyhedron.
@@ -180,6 +182,21 @@ fn rays_hit_where_planes_clip_them() {
                         assert!(error < 1e-5 || grazing, "{}: {} of {truth}", case.name, found.time_of_impact);
                         let solid = case.hull.cast_local_ray(&ray, f32::MAX, true).unwrap();
                         assert!(!inside || solid == 0.0);
+                        if !grazing {
+                            // The normal is against the ray, and that of a plane through the point.
+                            let normal = wide(found.normal);
+                            let outward = if inside { -normal } else { normal };
+                            let reach = case.solid.points.iter().map(|v| v.dot(outward));
+                            let above = reach.fold(f64::NEG_INFINITY, f64::max) - (origin + dir * truth).dot(outward);
+                            assert!(
+                                normal.dot(dir) < 0.0 && above.abs() < 1e-5 * case.size(),
+                                "{}: {above}",
+                                case.name
+                            );
+                            assert!((normal.length() - 1.0).abs() < 1e-6, "{}", case.name);
+                            assert!(matches!(found.feature, FeatureId::Face(_)), "{}", case.name);
+                            assert!(case.hull.cast_local_ray(&ray, truth as f32 * 0.99, !inside).is_none());
+                        }
                     }
                     (None, None) => {}
                     (found, expected) => {
