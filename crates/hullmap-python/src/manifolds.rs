@@ -1,5 +1,5 @@
-//! Contact manifolds over arrays of poses: one for each pose of convex shapes, and one for each pair
-//! of parts that touch for packs.
+//! Contact manifolds over arrays of poses: one for each pose of convex shapes, and one for each
+//! pair of parts that touch for packs.
 
 use hullmap::compound::{CompoundManifolds, ManifoldCounts};
 use hullmap::glam::DVec3;
