@@ -5,7 +5,8 @@
 //! ```
 //!
 //! The judge is [`hullmap_tests::sampler`], which shares no code with the bounds. Ends with status
-//! 1 if a claim is false or a mesh takes longer than `--seconds`.
+//! 1 if a claim is false or a mesh takes longer than `--seconds`. Faults are printed as they are
+//! found, the slowest meshes at the end.
 
 use std::{process::ExitCode, time::Instant};
 
@@ -40,49 +41,56 @@ struct Arguments {
 
 /// What came of one mesh.
 enum Outcome {
-    Refused,
+    Rejected,
     Convex,
     Parts { count: usize, protruding: bool },
     False(String),
 }
 
+/// Number of slow meshes that are printed.
+const SLOWEST: usize = 5;
+
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let seeds = arguments.seed..arguments.seed.saturating_add(arguments.meshes);
-    let outcomes: Vec<(u64, Outcome, f64)> = seeds
+    let mut outcomes: Vec<(u64, Outcome, f64)> = seeds
         .into_par_iter()
         .map(|seed| {
             let start = Instant::now();
             let outcome = judge(seed, &arguments);
-            (seed, outcome, start.elapsed().as_secs_f64())
+            let seconds = start.elapsed().as_secs_f64();
+            if let Outcome::False(why) = &outcome {
+                println!("seed {seed}: {why}");
+            }
+            if seconds > arguments.seconds {
+                println!("seed {seed}: took {seconds:.1} s");
+            }
+            (seed, outcome, seconds)
         })
         .collect();
-    let (mut refused, mut convex, mut decomposed, mut parts, mut protruding, mut faults) = (0, 0, 0, 0, 0, 0);
-    for (seed, outcome, seconds) in &outcomes {
-        if *seconds > arguments.seconds {
-            faults += 1;
-            println!("seed {seed}: took {seconds:.1} s");
-        }
+    let (mut rejected, mut convex, mut decomposed, mut parts, mut protruding, mut faults) = (0, 0, 0, 0, 0, 0);
+    for (_, outcome, seconds) in &outcomes {
+        faults += u64::from(*seconds > arguments.seconds);
         match outcome {
-            Outcome::Refused => refused += 1,
+            Outcome::Rejected => rejected += 1,
             Outcome::Convex => convex += 1,
             Outcome::Parts { count, protruding: is } => {
                 decomposed += 1;
                 parts += count;
                 protruding += u64::from(*is);
             }
-            Outcome::False(why) => {
-                faults += 1;
-                println!("seed {seed}: {why}");
-            }
+            Outcome::False(_) => faults += 1,
         }
     }
-    let slowest = outcomes.iter().map(|(_, _, seconds)| *seconds).fold(0.0, f64::max);
     println!(
         "{} meshes: {decomposed} decomposed into {parts} parts ({protruding} with protruding parts), {convex} convex, \
-         {refused} refused; slowest {slowest:.1} s; {faults} faults",
+         {rejected} rejected; {faults} faults",
         outcomes.len()
     );
+    outcomes.sort_by(|a, b| b.2.total_cmp(&a.2));
+    let slowest: Vec<String> =
+        outcomes.iter().take(SLOWEST).map(|(seed, _, seconds)| format!("{seed} ({seconds:.1} s)")).collect();
+    println!("slowest seeds: {}", slowest.join(", "));
     // A sample of convex meshes would prove nothing.
     let is_representative = decomposed * 2 > outcomes.len() as u64 && protruding * 4 > decomposed;
     if !is_representative {
@@ -97,7 +105,7 @@ fn judge(seed: u64, arguments: &Arguments) -> Outcome {
     let share = [0.005, 0.02, 0.05, 0.2][index(&mut rng, 4)];
     let cover = Cover { max_error: Length::Relative(share), ..Cover::default() };
     let sets = match decompose(&mesh, &Method::Cover(cover)) {
-        Err(_) => return Outcome::Refused,
+        Err(_) => return Outcome::Rejected,
         Ok(None) => return Outcome::Convex,
         Ok(Some(sets)) => sets,
     };

@@ -109,6 +109,13 @@ const LEAST_ERROR: f64 = 2e-5;
 /// Distance from the parts up to which the surface counts as covered, relative to the diagonal.
 const COVERED: f64 = 1e-7;
 
+/// Maximum number of times that a part is built again because it lost vertices.
+const BUILDS: usize = 4;
+
+/// Maximum number of rounds in which thin parts are added. Bounds are measured by subtracting parts,
+/// so further parts may raise the bound of a triangle that they cut.
+const UNCOVERED_ROUNDS: usize = 4;
+
 /// Maximum number of further searches for the smallest limit at which there are few enough parts.
 const BISECTIONS: usize = 5;
 
@@ -141,34 +148,58 @@ fn covered(mesh: &PointSet, parameters: &Cover) -> Result<Option<Vec<PointSet>>,
     if hull.rank < 3 || mesh.triangles.is_empty() || vhacd::is_convex(mesh, &hull) {
         return Ok(None);
     }
-    let parts = cover_within(mesh, hull, parameters)?;
     let order = vhacd::by_position(mesh);
-    let point_set = |(index, hull): (usize, &Hull)| {
-        let located = |p: &[f32; 3]| (*p, vhacd::source_vertex_at(mesh, &order, *p));
-        let mut points: vhacd::Part = hull.vertices.iter().map(located).collect();
-        vhacd::in_order(&mut points);
-        vhacd::point_set(&points, mesh, format!("{}_part_{index:02}", mesh.name))
-    };
-    Ok(Some(parts.iter().enumerate().map(point_set).collect()))
+    let parts = cover_within(mesh, &order, hull, parameters)?;
+    let named =
+        |(index, hull)| PointSet { name: format!("{}_part_{index:02}", mesh.name), ..part_of(mesh, &order, hull) };
+    Ok(Some(parts.iter().enumerate().map(named).collect()))
+}
+
+/// The vertices of a hull as a part of `mesh`, whose vertices are given in the order of their
+/// positions.
+fn part_of(mesh: &PointSet, order: &[u32], hull: &Hull) -> PointSet {
+    let located = |p: &[f32; 3]| (*p, vhacd::source_vertex_at(mesh, order, *p));
+    let mut points: vhacd::Part = hull.vertices.iter().map(located).collect();
+    vhacd::in_order(&mut points);
+    vhacd::point_set(&points, mesh, String::new())
+}
+
+/// The hull that is built of a part's vertices, once it has become a part of `mesh`. Another order
+/// of the points may give faces that differ by rounding, and with them bounds.
+fn as_built(mesh: &PointSet, order: &[u32], mut hull: Hull) -> Hull {
+    for _ in 0..BUILDS {
+        let Ok(built) = hull::build(&part_of(mesh, order, &hull)) else { break };
+        let is_same = built.vertices.len() == hull.vertices.len();
+        hull = built;
+        if is_same {
+            break;
+        }
+    }
+    hull
 }
 
 /// Adds thin parts for each triangle that is not proven to be covered, for instance one without
 /// area, of which no cell is made. A triangle of the mesh protrudes nowhere.
-fn add_uncovered(mesh: &PointSet, parts: &mut Vec<Hull>, diagonal: f64, what: &Search) {
-    let missing = uncovered_triangles(mesh, &parts.iter().collect::<Vec<_>>(), COVERED * diagonal);
+fn add_uncovered(mesh: &PointSet, order: &[u32], parts: &mut Vec<Hull>, diagonal: f64, what: &Search) {
     let thickness = (0.25 * what.limit).min(1e-6 * diagonal);
-    let thin = missing.into_par_iter().flat_map_iter(|triangle| {
-        let corner = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
-        let corners = mesh.triangles[triangle].map(corner);
-        cover::wrap::of_polygon(&corners, diagonal, thickness, what.max_vertices)
-    });
-    let thin: Vec<Hull> = thin.collect();
-    parts.extend(thin);
+    for _ in 0..UNCOVERED_ROUNDS {
+        let missing = uncovered_triangles(mesh, &parts.iter().collect::<Vec<_>>(), COVERED * diagonal);
+        if missing.is_empty() {
+            return;
+        }
+        let thin = missing.into_par_iter().flat_map_iter(|triangle| {
+            let corner = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
+            let corners = mesh.triangles[triangle].map(corner);
+            cover::wrap::of_polygon(&corners, diagonal, thickness, what.max_vertices)
+        });
+        let thin: Vec<Hull> = thin.map(|hull| as_built(mesh, order, hull)).collect();
+        parts.extend(thin);
+    }
 }
 
 /// The hulls of a cover, within the maximum number of parts. `hull` is that of the mesh, and is the
 /// result if nothing better is found in time.
-fn cover_within(mesh: &PointSet, hull: Hull, parameters: &Cover) -> Result<Vec<Hull>, BakeError> {
+fn cover_within(mesh: &PointSet, order: &[u32], hull: Hull, parameters: &Cover) -> Result<Vec<Hull>, BakeError> {
     let deadline = parameters.seconds.map(Deadline::after);
     let max_vertices = (parameters.max_vertices as usize).max(crate::simplify::MIN_VERTICES);
     let max_parts = parameters.max_parts.map(|count| count.max(1) as usize);
@@ -183,8 +214,8 @@ fn cover_within(mesh: &PointSet, hull: Hull, parameters: &Cover) -> Result<Vec<H
     let search = |limit: f64| -> Option<Vec<Hull>> {
         let what = Search { limit: limit.max(least), max_vertices, deadline };
         let found = cover::search(mesh, &solid, &what)?;
-        let mut hulls: Vec<Hull> = found.into_iter().map(|(hull, _)| hull).collect();
-        add_uncovered(mesh, &mut hulls, diagonal, &what);
+        let mut hulls: Vec<Hull> = found.into_par_iter().map(|(hull, _)| as_built(mesh, order, hull)).collect();
+        add_uncovered(mesh, order, &mut hulls, diagonal, &what);
         (!hulls.is_empty()).then_some(hulls)
     };
     let limit = parameters.max_error.of(diagonal).max(least);

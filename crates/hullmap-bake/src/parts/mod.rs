@@ -9,6 +9,7 @@
 //! | [`uncovered`](mod@uncovered) | how far the surface lies outside all parts |
 //! | [`fits`] | both measures of all parts of a mesh, as a pack records them |
 //! | [`branch`] | branch and bound, which both use |
+//! | [`sides`] | regions that are inside although triangles cut them |
 //! | [`triangle`], [`planes`] | distances from a triangle, half-spaces of a part |
 //!
 //! Lengths are in the unit of the positions, which are those of the mesh and of the parts alike.
@@ -18,6 +19,7 @@ pub mod closing;
 mod fit;
 pub mod planes;
 pub mod protrusion;
+pub mod sides;
 pub mod solid;
 pub mod triangle;
 pub mod uncovered;

@@ -18,6 +18,11 @@ impl HalfSpace {
     pub fn height(&self, p: DVec3) -> f64 {
         self.normal.dot(p) - self.offset
     }
+
+    /// The half-space grown by a distance.
+    pub fn moved(self, distance: f64) -> Self {
+        Self { offset: self.offset + distance, ..self }
+    }
 }
 
 /// One half-space per face of a solid hull, each containing the whole face. Faces without area are
@@ -33,6 +38,17 @@ pub fn half_spaces(hull: &Hull) -> Vec<HalfSpace> {
         Some(HalfSpace { normal, offset })
     };
     hull.faces.iter().filter_map(of_face).collect()
+}
+
+/// One half-space per edge of a convex polygon with the given normal, at right angles to it, each
+/// containing the whole edge. Edges without length are left out.
+pub fn around(polygon: &[DVec3], normal: DVec3) -> Vec<HalfSpace> {
+    let edge = |(index, &from): (usize, &DVec3)| {
+        let to = polygon[(index + 1) % polygon.len()];
+        let outward = (to - from).cross(normal).try_normalize()?;
+        Some(HalfSpace { normal: outward, offset: outward.dot(from).max(outward.dot(to)) })
+    };
+    polygon.iter().enumerate().filter_map(edge).collect()
 }
 
 /// The parts of a convex polygon on either side of a plane: inside, then outside. Either may be

@@ -4,11 +4,13 @@
 //! 1. Subtract from each face the triangles of the mesh that lie in its plane.
 //! 2. Surface: branch and bound over triangles of what is left. A triangle is bounded by the
 //!    distance of its centroid plus its radius; by 0 if no triangle of the mesh is within the
-//!    radius and the centroid is inside; and by the distances of its corners from one triangle of
-//!    the mesh.
+//!    radius and the centroid is inside, or if all points beside the mesh's triangles that cross it
+//!    are ([`sides`](super::sides)); and by the distances of its corners from one triangle of the
+//!    mesh.
 //! 3. Inside: a part may also hide a cavity of the mesh. Points of the part that are close to its
 //!    surface are bounded by step 2. Branch and bound over boxes covers the others. A box that no
-//!    triangle of the mesh enters is all inside or all outside.
+//!    triangle of the mesh enters is all inside or all outside. A box that some enter is inside if
+//!    all points beside these are.
 //!
 //! # Why the bounds hold
 //! - The distance from a set changes by at most the distance between two points.
@@ -26,6 +28,7 @@ use glam::DVec3;
 use super::{
     branch::{Accuracy, Maximum, Measured, maximum},
     planes::{self, HalfSpace},
+    sides::{Polygon, are_sides_inside},
     solid::{Near, Solid},
     triangle::{self, Triangle},
 };
@@ -66,6 +69,11 @@ const BESIDE: f64 = 5e-7;
 
 /// Widths of the rim of a facet that is bounded by its width, relative to the accuracy.
 const RIMS: [f64; 2] = [0.01, 0.5];
+
+/// How far above and beside a triangle of the mesh the region around it reaches, relative to the
+/// distance that all its points should have.
+const ABOVE: f64 = 0.9;
+const BESIDE_EDGES: f64 = 0.28;
 
 /// Maximum number of triangles of the mesh that are tested against a facet.
 const MAX_TESTED: usize = 64;
@@ -119,19 +127,26 @@ fn on_surface(solid: &Solid, part: &Hull, accuracy: &Accuracy) -> Maximum {
         facet.within = near.distance + 2.0 * radius;
         let to_corners =
             facet.corners.iter().map(|p| triangle::nearest(&near.triangle, *p).distance(*p)).fold(0.0, f64::max);
-        let mut bound = (near.distance + radius).min(to_corners.max(near.distance));
+        let mut bound = near.distance + radius;
+        if near.is_whole {
+            bound = bound.min(to_corners.max(near.distance));
+        }
         // What is inside lowers the bound, and the value that is reached.
         let mut reached = near.distance;
-        let matters = bound > best && !accuracy.limit.is_some_and(|limit| bound <= limit) || reached > best;
-        if matters && solid.is_inside(centre) {
+        let matters = |bound: f64| bound > best && !accuracy.limit.is_some_and(|limit| bound <= limit);
+        if (matters(bound) || reached > best) && solid.is_inside(centre) {
             reached = 0.0;
             bound = bound.min(radius);
-            let is_free = |rim: &f64| is_free(solid, &facet.corners, rim / radius);
+            let is_inside = |rim: &f64| is_inside_within(solid, &facet.corners, rim / radius);
             if near.gap > radius {
                 bound = 0.0;
-            } else if let Some(rim) = rims.into_iter().filter(|rim| *rim < bound).find(is_free) {
+            } else if let Some(rim) = rims.into_iter().filter(|rim| *rim < bound).find(is_inside) {
                 bound = rim;
             }
+        }
+        let enough = accuracy.limit.unwrap_or(best + 0.9 * accuracy.absolute);
+        if matters(bound) && bound > enough && reached <= enough && accuracy.limit.is_none() {
+            bound = in_pieces(solid, &facet.corners, enough).unwrap_or(bound);
         }
         Measured { bound, reached, at: centre }
     };
@@ -143,26 +158,90 @@ fn on_surface(solid: &Solid, part: &Hull, accuracy: &Accuracy) -> Maximum {
     Maximum { bound: found.bound.max(on_mesh), ..found }
 }
 
-/// Whether no triangle of the mesh meets a facet, except for a rim whose width is `rim` times the
-/// facet's radius. The rest of such a facet is all inside or all outside.
-fn is_free(solid: &Solid, corners: &Triangle, rim: f64) -> bool {
-    let centre = triangle::centroid(corners);
-    let inner = corners.map(|corner| corner + (centre - corner) * rim);
-    let edges = edge_planes(&inner);
-    let Some(normal) = (inner[1] - inner[0]).cross(inner[2] - inner[0]).try_normalize() else { return false };
-    let offset = normal.dot(centre);
-    let thickness = solid.tolerance();
-    let slab =
-        [HalfSpace { normal, offset: offset + thickness }, HalfSpace { normal: -normal, offset: thickness - offset }];
-    let low = inner[0].min(inner[1]).min(inner[2]) - thickness;
-    let high = inner[0].max(inner[1]).max(inner[2]) + thickness;
-    let near = solid.triangles_in(low, high);
-    let meets = |index: &u32| {
-        let polygon = solid.triangles()[*index as usize];
-        let (within, _) = planes::divide(&polygon, &slab, 0.0);
-        !within.is_empty() && !planes::divide(&within, &edges, 0.0).0.is_empty()
+/// Upper bound of at most `enough` on the distance of a facet from the solid, if what is not inside
+/// is that close to triangles of the mesh. `None` if that is not so, or not known.
+fn in_pieces(solid: &Solid, corners: &Triangle, enough: f64) -> Option<f64> {
+    let low = corners[0].min(corners[1]).min(corners[2]) - enough;
+    let high = corners[0].max(corners[1]).max(corners[2]) + enough;
+    let near = solid.surface_in(low, high);
+    if near.len() > MAX_TESTED {
+        return None;
+    }
+    let mut pieces = vec![corners.to_vec()];
+    let mut bound = 0.0_f64;
+    for triangle in near.iter().map(|index| &solid.triangles()[*index as usize]) {
+        let around = planes_around(triangle, enough);
+        let mut left = Vec::with_capacity(pieces.len());
+        for piece in pieces {
+            let (close, rest) = planes::divide(&piece, &around, 0.0);
+            let distance = close.iter().map(|p| triangle::nearest(triangle, *p).distance(*p)).fold(0.0, f64::max);
+            if close.is_empty() || distance > enough {
+                left.push(piece);
+            } else {
+                bound = bound.max(distance);
+                left.extend(rest);
+            }
+        }
+        pieces = left;
+        if pieces.len() > MAX_TESTED {
+            return None;
+        }
+    }
+    let is_inside = |piece: &Vec<DVec3>| {
+        let centre = piece.iter().sum::<DVec3>() / piece.len() as f64;
+        solid.is_inside(centre) && is_inside_around(solid, piece, centre)
     };
-    near.len() <= MAX_TESTED && !near.iter().any(meets)
+    pieces.iter().all(is_inside).then_some(bound + solid.tolerance())
+}
+
+/// Half-spaces around a triangle. Their common points are within `distance` of it, unless it is
+/// very thin.
+fn planes_around(triangle: &Triangle, distance: f64) -> Vec<HalfSpace> {
+    let Some(Polygon { plane, .. }) = Polygon::new(triangle) else {
+        return vec![HalfSpace { normal: DVec3::X, offset: f64::NEG_INFINITY }];
+    };
+    let edges = edge_planes(triangle);
+    // Without these, acute corners reach far.
+    let corner = |(index, a): (usize, &HalfSpace)| {
+        let normal = (a.normal + edges[(index + 1) % edges.len()].normal).try_normalize()?;
+        let offset = triangle.iter().map(|p| normal.dot(*p)).fold(f64::NEG_INFINITY, f64::max);
+        Some(HalfSpace { normal, offset })
+    };
+    let corners: Vec<HalfSpace> = edges.iter().enumerate().filter_map(corner).collect();
+    let beside = edges.into_iter().chain(corners);
+    let slab = [plane, HalfSpace { normal: -plane.normal, offset: -plane.offset }];
+    let slab = slab.map(|plane| plane.moved(ABOVE * distance));
+    slab.into_iter().chain(beside.map(|plane| plane.moved(BESIDE_EDGES * distance))).collect()
+}
+
+/// Whether a facet is inside, except for a rim whose width is `rim` times the facet's radius. Its
+/// centroid must be. `false` may mean that it is not known.
+fn is_inside_within(solid: &Solid, corners: &Triangle, rim: f64) -> bool {
+    let centre = triangle::centroid(corners);
+    is_inside_around(solid, &corners.map(|corner| corner + (centre - corner) * rim), centre)
+}
+
+/// Whether a convex polygon is inside, given that its point `centre` is. `false` may mean that it
+/// is not known.
+fn is_inside_around(solid: &Solid, polygon: &[DVec3], centre: DVec3) -> bool {
+    let thickness = solid.tolerance();
+    let area: DVec3 = polygon.windows(2).map(|edge| (edge[0] - polygon[0]).cross(edge[1] - polygon[0])).sum();
+    let Some(normal) = area.try_normalize() else { return false };
+    let offset = normal.dot(centre);
+    let mut region = vec![
+        HalfSpace { normal, offset: offset + thickness },
+        HalfSpace { normal: -normal, offset: thickness - offset },
+    ];
+    region.append(&mut planes::around(polygon, normal));
+    let low = polygon.iter().copied().fold(DVec3::INFINITY, DVec3::min) - thickness;
+    let high = polygon.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) + thickness;
+    let near = solid.triangles_in(low, high);
+    if near.len() > MAX_TESTED {
+        return false;
+    }
+    let polygon = |index: &u32| Polygon::new(&solid.triangles()[*index as usize])?.clipped(&region);
+    let polygons: Vec<Polygon> = near.iter().filter_map(polygon).collect();
+    polygons.is_empty() || are_sides_inside(solid, &polygons)
 }
 
 /// Triangles that cover the part's surface, except for what lies on the mesh, and the greatest
@@ -219,14 +298,11 @@ fn in_plane(solid: &Solid, face: &[DVec3]) -> Vec<Triangle> {
     triangles.filter(|corners| corners.iter().all(|p| normal.dot(*p - face[0]).abs() <= margin)).collect()
 }
 
-/// Half-spaces at the edges of a triangle, at right angles to it. None if it has no area.
-fn edge_planes(&[a, b, c]: &Triangle) -> Vec<HalfSpace> {
-    let normal = (b - a).cross(c - a);
-    let edge = |(from, to): (DVec3, DVec3)| {
-        let outward = (to - from).cross(normal).try_normalize()?;
-        Some(HalfSpace { normal: outward, offset: outward.dot(from).max(outward.dot(to)) })
-    };
-    let planes: Vec<HalfSpace> = [(a, b), (b, c), (c, a)].into_iter().filter_map(edge).collect();
+/// Half-spaces at the edges of a triangle, at right angles to it. None contains anything if it has
+/// no area.
+fn edge_planes(triangle: &Triangle) -> Vec<HalfSpace> {
+    let [a, b, c] = *triangle;
+    let planes = planes::around(triangle, (b - a).cross(c - a));
     // Without its edges, a triangle would contain everything.
     if planes.len() == 3 { planes } else { vec![HalfSpace { normal: DVec3::X, offset: f64::NEG_INFINITY }] }
 }
@@ -291,11 +367,17 @@ fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum, pea
             return Measured { bound: from_surface, ..nothing };
         }
         let (centre, half) = (cell.centre, cell.half);
-        cell.deep.retain(|index| touches(deep[*index as usize], centre, half));
+        cell.deep.retain(|index| touches(deep[*index as usize].1, centre, half));
         let radius = cell.half.length();
-        if cell.deep.is_empty() && deep_point(cell, &planes, depth).is_some_and(|p| solid.is_inside(p)) {
-            // All that is not close to the part's surface is inside.
-            return Measured { bound: enough, ..nothing };
+        let is_deep_part_inside = |cell: &Cell| match deep_part(cell, &planes, depth) {
+            DeepPart::Empty => true,
+            DeepPart::Point(p) => solid.is_inside(p),
+            DeepPart::Unknown => false,
+        };
+        // All that is not close to the part's surface is inside.
+        let is_inside = Measured { bound: enough, ..nothing };
+        if cell.deep.is_empty() && is_deep_part_inside(cell) {
+            return is_inside;
         }
         let Some(near) = solid.near_beside(cell.centre, cell.within, cell.hint.as_ref()) else {
             return Measured { bound: from_surface.min(cell.within + radius), ..nothing };
@@ -310,6 +392,14 @@ fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum, pea
         if (bound > enough || reached > surface.reached) && solid.is_inside(cell.centre) {
             reached = 0.0;
             bound = if near.gap > radius { 0.0 } else { bound.min(radius) };
+            if bound > enough {
+                let sides = box_sides(centre, half);
+                let polygons = cell.deep.iter().filter_map(|index| deep[*index as usize].0.clipped(&sides));
+                let polygons: Vec<Polygon> = polygons.take(MAX_TESTED).collect();
+                if polygons.is_empty() && is_deep_part_inside(cell) || are_sides_inside(solid, &polygons) {
+                    return is_inside;
+                }
+            }
         }
         Measured { bound, reached, at: cell.centre }
     };
@@ -426,44 +516,69 @@ fn has_no_peak(solid: &Solid, centre: DVec3, half: DVec3, near: &Near) -> bool {
     false
 }
 
-/// A point of the cell that is deeper than `depth` inside all planes, sought by projecting onto one
-/// violated plane after the other.
-fn deep_point(cell: &Cell, planes: &[HalfSpace], depth: f64) -> Option<DVec3> {
-    let mut p = cell.centre;
-    for _ in 0..DEEP_STEPS {
-        let worst = planes.iter().max_by(|a, b| a.height(p).total_cmp(&b.height(p)))?;
-        let excess = worst.height(p) + depth;
-        if excess < 0.0 {
-            return Some(p);
-        }
-        // A little farther than the plane, so that the next test succeeds.
-        let moved = p - worst.normal * (excess * 1.001 + 1e-3 * depth);
-        p = moved.clamp(cell.centre - cell.half, cell.centre + cell.half);
-    }
-    None
+/// What of a cell is deeper than some depth inside all planes.
+enum DeepPart {
+    /// Nothing.
+    Empty,
+    /// This point, and maybe more.
+    Point(DVec3),
+    /// Not known.
+    Unknown,
 }
 
-/// Bounds of the polygons of the mesh that lie deeper than `depth` inside the part, which has the
-/// given bounds.
-fn deep_polygons(solid: &Solid, planes: &[HalfSpace], [low, high]: [DVec3; 2], depth: f64) -> Vec<[DVec3; 2]> {
+/// What of the cell is deeper than `depth`, sought by projecting onto one violated plane after the
+/// other. If there is nothing, the steps balance each other: the mean of these planes, weighted by
+/// the steps, then has no point of the cell at that depth. A point that is deep for all planes would
+/// be deep for their mean.
+fn deep_part(cell: &Cell, planes: &[HalfSpace], depth: f64) -> DeepPart {
+    let mut p = cell.centre;
+    let (mut normal, mut offset, mut weight) = (DVec3::ZERO, 0.0, 0.0);
+    for _ in 0..DEEP_STEPS {
+        let Some(worst) = planes.iter().max_by(|a, b| a.height(p).total_cmp(&b.height(p))) else { break };
+        let excess = worst.height(p) + depth;
+        if excess < 0.0 {
+            return DeepPart::Point(p);
+        }
+        // A little farther than the plane, so that the next test succeeds.
+        let step = excess * 1.001 + 1e-3 * depth;
+        normal += step * worst.normal;
+        offset += step * worst.offset;
+        weight += step;
+        if normal.dot(cell.centre) - normal.abs().dot(cell.half) - offset > -depth * weight {
+            return DeepPart::Empty;
+        }
+        p = (p - worst.normal * step).clamp(cell.centre - cell.half, cell.centre + cell.half);
+    }
+    DeepPart::Unknown
+}
+
+/// The polygons of the mesh that lie deeper than `depth` inside the part, which has the given
+/// bounds, and the boxes around them.
+fn deep_polygons(
+    solid: &Solid,
+    planes: &[HalfSpace],
+    [low, high]: [DVec3; 2],
+    depth: f64,
+) -> Vec<(Polygon, [DVec3; 2])> {
     let mut indices = solid.triangles_in(low, high);
     indices.sort_unstable();
+    let deeper: Vec<HalfSpace> =
+        planes.iter().map(|plane| HalfSpace { offset: plane.offset - depth, ..*plane }).collect();
     let clipped = |index: &u32| {
-        let mut polygon = solid.triangles()[*index as usize].to_vec();
-        for plane in planes {
-            let deeper = HalfSpace { offset: plane.offset - depth, ..*plane };
-            if polygon.iter().all(|p| deeper.height(*p) <= 0.0) {
-                continue;
-            }
-            [polygon, _] = planes::cut(&polygon, &deeper, 0.0);
-            if polygon.is_empty() {
-                return None;
-            }
-        }
-        let low = polygon.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        Some([low, polygon.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max)])
+        let polygon = Polygon::new(&solid.triangles()[*index as usize])?.clipped(&deeper)?;
+        let bounds = polygon.bounds();
+        Some((polygon, bounds))
     };
     indices.iter().filter_map(clipped).collect()
+}
+
+/// The half-spaces whose intersection is a box.
+fn box_sides(centre: DVec3, half: DVec3) -> [HalfSpace; 6] {
+    let axes = DVec3::AXES;
+    std::array::from_fn(|side| {
+        let (axis, sign) = (side % 3, if side < 3 { 1.0 } else { -1.0 });
+        HalfSpace { normal: sign * axes[axis], offset: sign * centre[axis] + half[axis] }
+    })
 }
 
 /// Whether a box touches a cell.

@@ -29,10 +29,12 @@ use parry3d_f64::{
     bounding_volume::Aabb,
     partitioning::{Bvh, BvhBuildStrategy, BvhNode},
 };
+use rayon::prelude::*;
 
 use super::{
     closing,
     planes::HalfSpace,
+    sides,
     triangle::{self, Triangle},
 };
 use crate::PointSet;
@@ -67,6 +69,8 @@ pub struct Solid {
     /// area.
     counts: Vec<bool>,
     mesh_count: usize,
+    /// Of each closing triangle, whether all of it is in the solid.
+    is_whole: Vec<bool>,
     bvh: Bvh,
     kind: SolidKind,
     diagonal: f64,
@@ -93,8 +97,11 @@ pub struct Near {
     pub gap: f64,
     /// Upper bound on the distance from the solid.
     pub distance: f64,
-    /// A triangle of the solid's surface that is near.
+    /// A triangle that is near.
     pub triangle: Triangle,
+    /// Whether all of the triangle is known to be in the solid. Of a closing triangle, a part may
+    /// be outside.
+    pub is_whole: bool,
 }
 
 impl Solid {
@@ -141,11 +148,14 @@ impl Solid {
         let boxes = triangles.iter().map(|[a, b, c]| Aabb::new(a.min(*b).min(*c), a.max(*b).max(*c)));
         let bvh = Bvh::from_iter(BvhBuildStrategy::Binned, boxes.enumerate());
         let rounding = ROUNDING * bounds[0].abs().max(bounds[1].abs()).max_element().max(0.0);
-        let mut solid = Self { triangles, counts, mesh_count, bvh, kind, diagonal, bounds, moved, rounding };
+        let is_whole = Vec::new();
+        let mut solid = Self { triangles, counts, mesh_count, is_whole, bvh, kind, diagonal, bounds, moved, rounding };
         // Volumes of opposite orientation may have cancelled.
         if kind == SolidKind::Sheet && solid.has_inside() {
             solid.kind = if is_closed { SolidKind::Watertight } else { SolidKind::Closed };
         }
+        let closing = mesh_count as u32..solid.triangles.len() as u32;
+        solid.is_whole = closing.into_par_iter().map(|index| sides::is_beside_inside(&solid, index)).collect();
         solid
     }
 
@@ -231,6 +241,23 @@ impl Solid {
         self.solid_angles(p) != 0
     }
 
+    /// Winding number of the surface about a point, with its sign; `None` if the point is so close
+    /// to triangles that no ray is certain.
+    pub fn winding_number(&self, p: DVec3) -> Option<i32> {
+        if self.is_outside_bounds(p) {
+            return Some(0);
+        }
+        (0..RAYS).find_map(|ray| self.crossings(p, ray_direction(ray)).ok())
+    }
+
+    /// Distance of a point from the nearest triangle that does not lie in `plane`; at most the
+    /// diagonal.
+    pub fn clearance(&self, p: DVec3, plane: &HalfSpace) -> f64 {
+        let is_in_plane = |corner: &DVec3| plane.height(*corner).abs() <= self.tolerance();
+        let counts = |index: usize| !self.triangles[index].iter().all(is_in_plane);
+        self.nearest(p, self.diagonal, counts).map_or(self.diagonal, |(distance, _)| distance)
+    }
+
     fn is_outside_bounds(&self, p: DVec3) -> bool {
         (self.bounds[0] - p).max(p - self.bounds[1]).max_element() > 0.0
     }
@@ -247,15 +274,19 @@ impl Solid {
     /// What is near a point; `None` if nothing is closer than `within`, which must exceed the
     /// distance from the solid to make `distance` an upper bound.
     pub fn near(&self, p: DVec3, within: f64) -> Option<Near> {
-        let (gap, index) = self.nearest(p, within, self.triangles.len())?;
+        let (gap, index) = self.nearest(p, within, |_| true)?;
         let triangle = self.triangles[index];
-        let mut near = Near { gap: (gap - self.tolerance()).max(0.0), distance: gap + self.tolerance(), triangle };
-        if index >= self.mesh_count {
+        let is_whole =
+            index < self.mesh_count || self.is_whole.get(index - self.mesh_count).is_some_and(|whole| *whole);
+        let gap_least = (gap - self.tolerance()).max(0.0);
+        let mut near = Near { gap: gap_least, distance: gap + self.tolerance(), triangle, is_whole };
+        if !is_whole {
             if self.is_beside_inside(&triangle, p) {
                 near.distance += BESIDE * self.diagonal;
             } else {
-                let (distance, index) = self.nearest(p, f64::INFINITY, self.mesh_count)?;
+                let (distance, index) = self.nearest(p, f64::INFINITY, |index| index < self.mesh_count)?;
                 (near.distance, near.triangle) = (distance + self.tolerance(), self.triangles[index]);
+                near.is_whole = true;
             }
         }
         Some(near)
@@ -269,13 +300,13 @@ impl Solid {
         self.near(p, within.min(to_hint) * (1.0 + 1e-9) + self.tolerance())
     }
 
-    /// The nearest of the first `count` triangles, with its distance.
-    fn nearest(&self, p: DVec3, within: f64, count: usize) -> Option<(f64, usize)> {
+    /// The nearest of the triangles that `counts`, with its distance.
+    fn nearest(&self, p: DVec3, within: f64, counts: impl Fn(usize) -> bool) -> Option<(f64, usize)> {
         // Squares, because roots take time.
         let to_box = |node: &BvhNode, _: f64| (node.mins() - p).max(p - node.maxs()).max(DVec3::ZERO).length_squared();
         let to_triangle = |index: u32, _: f64| {
             let index = index as usize;
-            (index < count).then(|| triangle::nearest(&self.triangles[index], p).distance_squared(p))
+            counts(index).then(|| triangle::nearest(&self.triangles[index], p).distance_squared(p))
         };
         let (index, square) = self.bvh.find_best((within * within).min(f64::MAX), to_box, to_triangle)?;
         Some((square.sqrt(), index as usize))
@@ -287,10 +318,9 @@ impl Solid {
         let foot = triangle::nearest(closing, p);
         let Some(normal) = (b - a).cross(c - a).try_normalize() else { return false };
         let step = normal * BESIDE * self.diagonal;
-        [foot + step, foot - step].into_iter().any(|beside| {
-            let certain = (0..RAYS).find_map(|ray| self.crossings(beside, ray_direction(ray)).ok());
-            !self.is_outside_bounds(beside) && certain.is_some_and(|winding| winding != 0)
-        })
+        [foot + step, foot - step]
+            .into_iter()
+            .any(|beside| self.winding_number(beside).is_some_and(|winding| winding != 0))
     }
 
     /// Winding number, as the signed number of triangles that a ray crosses.

@@ -3,7 +3,9 @@
 use glam::DVec3;
 use shapes::rng::SplitMix64;
 
+use super::planes::HalfSpace;
 use super::protrusion::{Peaks, protrusion_beside};
+use super::sides::{Polygon, are_sides_inside};
 use super::*;
 use crate::{
     PointSet,
@@ -222,6 +224,64 @@ fn rays_agree_with_solid_angles() {
     assert!(inside > all / 40 && inside < all * 4 / 5, "{inside} of {all}");
 }
 
+/// The triangles of a solid in a box.
+fn polygons_in(solid: &Solid, low: DVec3, high: DVec3) -> Vec<Polygon> {
+    let sides = DVec3::AXES.map(|normal| {
+        let (least, greatest) = (normal.dot(low), normal.dot(high));
+        [HalfSpace { normal, offset: greatest }, HalfSpace { normal: -normal, offset: -least }]
+    });
+    solid.triangles().iter().filter_map(|triangle| Polygon::new(triangle)?.clipped(sides.as_flattened())).collect()
+}
+
+#[test]
+fn sides_agree_with_solid_angles() {
+    let mut rng = SplitMix64::new(29);
+    let (mut known, mut unknown, mut outside) = (0, 0, 0);
+    for round in 0..4000 {
+        let solid = Solid::new(&match round % 3 {
+            0 => random_soup(&mut rng, 8),
+            1 => joined(&[0, 1, 2].map(|_| {
+                let low = std::array::from_fn(|_| (4.0 * rng.unit()).floor() as f32 / 8.0);
+                block(low, low.map(|x| x + 0.5), rng.unit() < 0.2)
+            })),
+            _ => joined(&[0, 1, 2].map(|_| {
+                let points: Vec<[f32; 3]> = (0..4).map(|_| std::array::from_fn(|_| rng.unit() as f32)).collect();
+                mesh(&points, &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+            })),
+        });
+        if solid.kind() == SolidKind::Sheet {
+            continue;
+        }
+        let triangle = solid.triangles()[(rng.unit() * solid.triangles().len() as f64) as usize];
+        let (centre, half) = (in_triangle(&triangle, &mut rng), 0.1 * rng.unit());
+        let polygons = polygons_in(&solid, centre - half, centre + half);
+        let mut point = || centre + half * DVec3::from_array(std::array::from_fn(|_| 2.0 * rng.unit() - 1.0));
+        let is_outside = (0..60).any(|_| solid.solid_angles(point()) == 0);
+        match (are_sides_inside(&solid, &polygons), is_outside) {
+            (true, true) => panic!("round {round}: a point outside"),
+            (true, false) => known += 1,
+            (false, false) => unknown += 1,
+            (false, true) => outside += 1,
+        }
+    }
+    assert!(known > 150 && outside > 1000 && unknown * 10 < known, "{known} known, {unknown} not, {outside} outside");
+}
+
+/// The faces inside a union of shells are not searched to the last digit.
+#[test]
+fn overlapping_boxes_take_few_measurements() {
+    let union = joined(&[
+        block([0.0; 3], [2.0, 1.0, 1.0], false),
+        block([1.0, 0.0, 0.25], [3.0, 1.0, 0.75], false),
+        block([0.5, 0.25, -1.0], [1.5, 0.75, 2.0], false),
+    ]);
+    let solid = Solid::new(&union);
+    let part = hull_of(&block([0.25, 0.3, 0.3], [2.75, 0.7, 0.7], false).positions);
+    let accuracy = Accuracy { measurements: 3000, ..Accuracy::tight(solid.diagonal()) };
+    let found = protrusion(&solid, &part, &accuracy);
+    assert!(found.bound <= 1e-5 * solid.diagonal(), "{found:?}");
+}
+
 /// Points on the surface of a hull, evenly over its triangles.
 fn samples(part: &Hull, rng: &mut SplitMix64, count: usize) -> Vec<DVec3> {
     let positions = part.positions();
@@ -272,6 +332,36 @@ fn protrusion_is_never_below_a_sample() {
         assert!(found.reached <= found.bound, "{found:?}");
     }
     assert!(close >= 15, "{close}");
+}
+
+/// Of a closing triangle, a part may be outside. Then its distance is no bound on that of the solid.
+#[test]
+fn closing_triangles_that_are_whole_have_the_inside_beside_them() {
+    let mut rng = SplitMix64::new(31);
+    let (mut whole, mut partly, mut unknown) = (0, 0, 0);
+    for round in 0..200 {
+        let soup = random_soup(&mut rng, 7);
+        let solid = Solid::new(&soup);
+        for triangle in &solid.triangles()[soup.triangles.len()..] {
+            let Some(normal) = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).try_normalize() else {
+                continue;
+            };
+            let centre = triangle::centroid(triangle) + 1e-9 * normal;
+            let near = solid.near(centre, f64::INFINITY).unwrap();
+            if near.triangle != *triangle {
+                continue;
+            }
+            let is_beside = |p: DVec3| [1e-9, -1e-9].iter().any(|step| solid.solid_angles(p + *step * normal) != 0);
+            let all = (0..100).all(|_| is_beside(in_triangle(triangle, &mut rng)));
+            assert!(all || !near.is_whole, "round {round}: {triangle:?}");
+            match (near.is_whole, all) {
+                (true, _) => whole += 1,
+                (false, true) => unknown += 1,
+                (false, false) => partly += 1,
+            }
+        }
+    }
+    assert!(whole > 500 && partly > 50 && unknown * 20 < whole, "{whole} whole, {partly} partly, {unknown} unknown");
 }
 
 #[test]
