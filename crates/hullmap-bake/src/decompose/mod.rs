@@ -112,8 +112,8 @@ const COVERED: f64 = 1e-7;
 /// Maximum number of times that a part is built again because it lost vertices.
 const BUILDS: usize = 4;
 
-/// Maximum number of rounds in which thin parts are added. Bounds are measured by subtracting parts,
-/// so further parts may raise the bound of a triangle that they cut.
+/// Maximum number of rounds in which thin parts are added. Bounds are measured by subtracting
+/// parts, so further parts may raise the bound of a triangle that they cut.
 const UNCOVERED_ROUNDS: usize = 4;
 
 /// Maximum number of further searches for the smallest limit at which there are few enough parts.

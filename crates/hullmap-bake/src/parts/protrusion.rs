@@ -528,8 +528,8 @@ enum DeepPart {
 
 /// What of the cell is deeper than `depth`, sought by projecting onto one violated plane after the
 /// other. If there is nothing, the steps balance each other: the mean of these planes, weighted by
-/// the steps, then has no point of the cell at that depth. A point that is deep for all planes would
-/// be deep for their mean.
+/// the steps, then has no point of the cell at that depth. A point that is deep for all planes
+/// would be deep for their mean.
 fn deep_part(cell: &Cell, planes: &[HalfSpace], depth: f64) -> DeepPart {
     let mut p = cell.centre;
     let (mut normal, mut offset, mut weight) = (DVec3::ZERO, 0.0, 0.0);

@@ -121,8 +121,8 @@ pub fn are_sides_inside(solid: &Solid, polygons: &[Polygon]) -> bool {
     })
 }
 
-/// Whether a triangle of the solid has the inside on one side, wherever it is. `false` may mean that
-/// it is not known.
+/// Whether a triangle of the solid has the inside on one side, wherever it is. `false` may mean
+/// that it is not known.
 ///
 /// # Complexity
 /// O(k² log n) for k triangles near it and n triangles of the solid; k is bounded.

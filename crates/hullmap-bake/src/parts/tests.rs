@@ -334,7 +334,8 @@ fn protrusion_is_never_below_a_sample() {
     assert!(close >= 15, "{close}");
 }
 
-/// Of a closing triangle, a part may be outside. Then its distance is no bound on that of the solid.
+/// Of a closing triangle, a part may be outside. Then its distance is no bound on that of the
+/// solid.
 #[test]
 fn closing_triangles_that_are_whole_have_the_inside_beside_them() {
     let mut rng = SplitMix64::new(31);
