@@ -5,8 +5,9 @@ use std::hint::black_box;
 use glam::{DQuat, DVec3, Vec3};
 use hullmap::cascade::{self, OuterHulls, Stages};
 use hullmap::{
-    Cache, CastSettings, Compound, CompoundCache, Feature, Hull, Instructions, Manifold, ManifoldSettings, Motion,
-    Pack, Pose, Ray, Settings, Shape, SupportMap, cast, compound, contact, distance, intersects, ray, signed_distance,
+    Cache, CastSettings, Compound, CompoundCache, CompoundManifolds, Feature, Hull, Instructions, Manifold,
+    ManifoldSettings, Motion, Pack, Pose, Ray, Settings, Shape, SupportMap, cast, compound, contact, distance,
+    intersects, ray, signed_distance,
 };
 use hullmap_bake::IndexKind;
 use hullmap_testkit::packs;
@@ -121,8 +122,8 @@ impl Inquiry {
     /// Queries all hulls together, through the BVH.
     fn query_whole(&self, pack: &Pack) {
         let (whole, other) = (Compound::new(pack), Compound::new(&self.cube));
-        let mut cache = CompoundCache::new(2);
-        for &pose in self.poses.iter().take(self.extent.pairs) {
+        let (mut cache, mut manifolds) = (CompoundCache::new(2), CompoundManifolds::new(2));
+        for (index, &pose) in self.poses.iter().take(self.extent.pairs).enumerate() {
             for (a, b) in [(&whole, &other), (&other, &whole), (&whole, &whole)] {
                 black_box(compound::intersects(a, b, pose, &mut cache));
                 black_box(compound::distance(a, b, pose, &Settings::default(), &mut cache));
@@ -130,6 +131,10 @@ impl Inquiry {
                 let is_there =
                     deepest.is_none_or(|found| a.hull(found.hulls[0]).is_some() && b.hull(found.hulls[1]).is_some());
                 self.require(is_there, || "a contact refers to a hull that does not exist".to_owned());
+                self.query_whole_moving(a, b, pose, &mut cache);
+                if index.is_multiple_of(MANIFOLD_INTERVAL) {
+                    black_box(manifolds.update(a, b, pose, &ManifoldSettings::default()));
+                }
             }
         }
     }
@@ -202,6 +207,17 @@ impl Inquiry {
         self.require(sound, || format!("in direction {dir} times 1e200: {got:?}"));
     }
 
+    /// Rays, shape casts and points from the place of B.
+    fn query_whole_moving(&self, a: &Compound, b: &Compound, b_in_a: Pose, cache: &mut CompoundCache) {
+        let (settings, from) = (CastSettings::default(), b_in_a.translation() * 3.0);
+        let near = compound::signed_distance(a, from, &Settings::default(), cache).expect("the point is finite");
+        let is_there = a.hull_count() == 0 || a.hull(near.hulls[0]).is_some();
+        self.require(is_there, || "a signed distance refers to a hull that does not exist".to_owned());
+        if let (Ok(towards), Ok(motion)) = (Ray::new(from, -from), Motion::new(-from)) {
+            black_box(compound::ray(a, &towards, &settings));
+            black_box(compound::cast(a, b, b_in_a, motion, &settings, cache));
+        }
+    }
     fn query_pair(&self, a: &Hull, b: &Hull, b_in_a: Pose, index: usize, cache: &mut Cache) {
         let settings = Settings::default();
         black_box(intersects(a, b, b_in_a, cache));
