@@ -12,6 +12,7 @@ mod meshes;
 mod parts;
 mod pipeline;
 mod queries;
+mod remote;
 mod report;
 mod sources;
 mod subcommands;

@@ -14,8 +14,15 @@ use spdx::{Expression, LicenseReq};
 const LICENCES: [&str; 6] = ["MIT", "Apache-2.0", "BSD-2-Clause", "BSD-3-Clause", "Zlib", "Unicode-3.0"];
 
 /// Packages with other permissive licences, used only by the command: they report changed files to
-/// `bake build --watch`.
-const EXCEPTIONS: [(&str, &str); 3] = [("inotify", "ISC"), ("inotify-sys", "ISC"), ("notify", "CC0-1.0")];
+/// `bake build --watch`, or encrypt connections to farms.
+const EXCEPTIONS: [(&str, &str); 6] = [
+    ("inotify", "ISC"),
+    ("inotify-sys", "ISC"),
+    ("notify", "CC0-1.0"),
+    ("ring", "ISC"),
+    ("rustls-webpki", "ISC"),
+    ("untrusted", "ISC"),
+];
 
 /// Every package of the lock file that is built on this system.
 fn packages() -> &'static [Value] {

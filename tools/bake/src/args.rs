@@ -13,6 +13,8 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 use hullmap_import::{EXTENSIONS, Limits, UpAxis};
+#[cfg(feature = "remote")]
+use hullmap_remote::Address;
 use hullmap_report::input::Up;
 
 use crate::glob::Glob;
@@ -186,6 +188,65 @@ pub struct BuildArgs {
     /// How jobs run.
     #[command(flatten)]
     pub run: RunArgs,
+    /// Who else bakes.
+    #[cfg(feature = "remote")]
+    #[command(flatten)]
+    pub remote: RemoteArgs,
+}
+
+/// A farm, and how it is used.
+#[cfg(feature = "remote")]
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Remote")]
+pub struct RemoteArgs {
+    /// Bake on the farm at ADDRESS, and share its cache: grpc://HOST:PORT, or grpcs:// with TLS
+    #[arg(long = "remote", value_name = "ADDRESS", conflicts_with_all = ["watch", "check"])]
+    pub address: Option<Address>,
+    /// Name of the instance on the server [default: empty]
+    #[arg(
+        long = "remote-instance",
+        value_name = "NAME",
+        default_value = "",
+        requires = "address",
+        hide_short_help = true,
+        hide_default_value = true
+    )]
+    pub instance: String,
+    /// Header of each request, for instance authorization=@FILE, which reads its value; repeatable
+    #[arg(long = "remote-header", value_name = "NAME=VALUE", value_parser = pair, requires = "address", hide_short_help = true)]
+    pub headers: Vec<(String, String)>,
+    /// Property that a worker must have, for instance OSFamily=linux; repeatable
+    #[arg(long = "remote-property", value_name = "NAME=VALUE", value_parser = pair, requires = "address", hide_short_help = true)]
+    pub properties: Vec<(String, String)>,
+    /// Certificates in PEM format that may sign the server's [default: the system's]
+    #[arg(long = "remote-ca", value_name = "FILE", requires = "address", hide_short_help = true)]
+    pub certificates: Option<PathBuf>,
+    /// Program that workers run: a static `bake` [default: the `bake` that they have]
+    #[arg(long = "remote-worker", value_name = "PATH", requires = "address", hide_short_help = true)]
+    pub worker: Option<PathBuf>,
+    /// Use the cache only, and bake here what it lacks
+    #[arg(long = "remote-cache-only", requires = "address", hide_short_help = true)]
+    pub cache_only: bool,
+    /// Add what is baked here to the cache
+    #[arg(long = "remote-upload", requires = "address", hide_short_help = true)]
+    pub upload: bool,
+    /// Bake here, with a warning, what the farm does not deliver
+    #[arg(long = "remote-fallback", requires = "address", hide_short_help = true)]
+    pub fallback: bool,
+    /// Number of batches in flight
+    #[arg(id = "remote_jobs",
+        long = "remote-jobs", value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u16).range(1..), requires = "address", hide_short_help = true)]
+    pub jobs: u16,
+    /// Maximum time for a batch in seconds
+    #[arg(long = "remote-timeout", value_name = "S", default_value_t = 3600, value_parser = clap::value_parser!(u64).range(1..), requires = "address", hide_short_help = true)]
+    pub timeout: u64,
+}
+
+/// Parser of `NAME=VALUE`.
+#[cfg(feature = "remote")]
+fn pair(text: &str) -> Result<(String, String), String> {
+    let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
+    if name.is_empty() { Err("expected NAME=VALUE".to_owned()) } else { Ok((name.to_owned(), value.to_owned())) }
 }
 
 /// Arguments of `bake key`.

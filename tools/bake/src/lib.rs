@@ -10,6 +10,7 @@
 //! | `commands` | one module per subcommand |
 //! | `jobs` | what is to be baked: meshes, options, packs; in shards, batches and tasks |
 //! | `runner` | bakes jobs on this machine |
+//! | `remote` | bakes jobs by way of a farm, and shares packs through its cache |
 //! | `options` | the options that shape a pack, in one table with their defaults |
 //! | `config` | `hullmap.toml` |
 //! | `glob` | globs that select meshes |
@@ -48,6 +49,8 @@ mod packs;
 mod pair;
 mod pose;
 mod project;
+#[cfg(feature = "remote")]
+mod remote;
 mod runner;
 mod selection;
 mod source;

@@ -11,7 +11,7 @@ use hullmap::Pack;
 use hullmap_bake::{PointSet, SourceRecord};
 
 use super::freshness::{Expected, Found, judge};
-use super::rows::{Row, Status};
+use super::rows::{Origin, Row, Status};
 use crate::args::DEFAULT_DIRECTIONS;
 use crate::baker::BakedPack;
 use crate::jobs::Job;
@@ -27,6 +27,7 @@ use hullmap_import::{self as import, Imported, Limits, ReadError, SourceFile};
 pub type Baker = dyn Fn(&[PointSet], &BuildOptions, &SourceRecord) -> Result<BakedPack, String> + Sync;
 
 /// Settings shared by all files of a build.
+#[derive(Clone, Copy)]
 pub struct Build<'a> {
     /// Limits on source files.
     pub limits: Limits,
@@ -85,6 +86,68 @@ impl Build<'_> {
         (row, exit)
     }
 
+    /// Puts a pack in place that was baked elsewhere from a source with this XXH3-128, and completes
+    /// its row. It is accepted only if it is what a bake would call fresh, and with `--verify` if its
+    /// hulls are those of the source.
+    #[cfg(feature = "remote")]
+    pub fn place(&self, job: &Job, source_hash: u128, bytes: &[u8], mut row: Row) -> (Row, Exit) {
+        let start = Instant::now();
+        let exit = match catch_unwind(AssertUnwindSafe(|| self.accept(job, source_hash, bytes, &mut row))) {
+            Ok(Ok(())) => {
+                row.status = Status::Baked;
+                Exit::Done
+            }
+            Ok(Err(failure)) => {
+                (row.error, row.origin) = (Some(failure.message), None);
+                failure.exit
+            }
+            Err(_) => {
+                row.origin = None;
+                row.error = Some(format!("{}: internal error; please report it, with the file", row.source));
+                Exit::Rejected
+            }
+        };
+        row.notes.extend(job.name.note.clone());
+        row.warnings.extend(job.name.warning.clone());
+        row.millis = (start.elapsed().as_secs_f64() * 1e4).round() / 10.0;
+        (row, exit)
+    }
+
+    #[cfg(feature = "remote")]
+    fn accept(&self, job: &Job, source_hash: u128, bytes: &[u8], row: &mut Row) -> Result<(), Failure> {
+        let (folder, output) = (folder_of(&job.output), row.output.clone());
+        if let Some(link) = link_below(self.out, folder) {
+            return Err(Failure::usage(through_link(&job.output, &link)));
+        }
+        let cannot_write = |error| {
+            let remedy = "check the folder's permissions and free space";
+            Failure::usage(format!("{output}: cannot write: {error}; {remedy}"))
+        };
+        make_folder(folder).map_err(cannot_write)?;
+        let recorded_path = self.recorded_path(job)?;
+        let expected = Expected { source_hash, options: &job.options, recorded_path: &recorded_path };
+        let file = write_beside(&job.output, bytes).map_err(cannot_write)?;
+        match judge(file.path(), &expected) {
+            Found::Fresh(pack) => fill_from_pack(&pack, row),
+            Found::Stale(reason) => {
+                return Err(Failure::rejected(format!(
+                    "{output}: the pack that the farm sent was refused: {reason}; have its result removed from the \
+                     action cache, or bake here with --remote-fallback"
+                )));
+            }
+            Found::Missing => return Err(cannot_write(std::io::ErrorKind::NotFound.into())),
+        }
+        if self.verify {
+            let read = import::read(&row.source, &job.source, &self.limits);
+            let source = read.map_err(|error| cannot_read(&row.source, error))?;
+            let mut own = Row::new(row.source.clone(), String::new(), Status::Failed);
+            let imported = self.import(job, &mut own, &source)?;
+            verify_pack(file.path(), &imported)
+                .map_err(|failure| Failure { message: format!("{output}: the farm's pack: {failure}"), ..failure })?;
+        }
+        put_in_place(file, &job.output).map_err(cannot_write)
+    }
+
     fn bake(&self, job: &Job, row: &mut Row) -> Result<Status, Failure> {
         let source =
             import::read(&row.source, &job.source, &self.limits).map_err(|error| cannot_read(&row.source, error))?;
@@ -123,6 +186,7 @@ impl Build<'_> {
         row.vertices_hull = Some(pack.vertex_count);
         row.ranks = Some(pack.ranks);
         row.bytes = Some(pack.bytes.len() as u64);
+        row.origin = Some(Origin::Local);
         row.notes.extend(pack.notes);
         row.warnings.extend(pack.warnings);
         Ok(Status::Baked)

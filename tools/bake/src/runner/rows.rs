@@ -1,13 +1,13 @@
 //! Results of a build, one row per file, as JSON and as a table.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::outcome::Failure;
 use crate::table::{Align, Table, grouped, or_dash};
 use crate::terminal::Output;
 
 /// Result of a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
     /// It was baked.
@@ -26,6 +26,18 @@ pub enum Status {
     Pruned,
 }
 
+/// Where a pack was baked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Origin {
+    /// On this machine.
+    Local,
+    /// Some time before; it comes from the cache of a farm.
+    Cache,
+    /// By a worker of a farm.
+    Worker,
+}
+
 impl Status {
     /// Name in the table. Failures are in capitals.
     fn word(self) -> &'static str {
@@ -42,7 +54,7 @@ impl Status {
 }
 
 /// Result of one file. Field names are those of the JSON; `None` if the file did not get that far.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Row {
     /// The mesh; for an orphan, its former path.
     pub source: String,
@@ -70,6 +82,8 @@ pub struct Row {
     pub ranks: Option<Vec<u32>>,
     /// Size of the pack.
     pub bytes: Option<u64>,
+    /// Where it was baked, if it was.
+    pub origin: Option<Origin>,
     /// Time from start to end in milliseconds. A thread that waits for others works on another file
     /// meanwhile, so the times of many files add up to more than the whole took.
     pub millis: f64,
@@ -98,6 +112,7 @@ impl Row {
             vertices_hull: None,
             ranks: None,
             bytes: None,
+            origin: None,
             millis: 0.0,
             notes: Vec::new(),
             warnings: Vec::new(),

@@ -91,7 +91,7 @@ fn build(
         project,
         baker,
     };
-    let results = runner::run(&chosen, &build, &args.run)?;
+    let results = run_jobs(args, &chosen, &build)?;
     let mut exit = results.iter().map(|(_, exit)| *exit).max().unwrap_or(Exit::Done);
     let mut rows: Vec<Row> = results.into_iter().map(|(row, _)| row).collect();
     if bakes_folders(args) {
@@ -112,6 +112,15 @@ fn build(
     print_messages(&rows, args.run.quiet, args.prune);
     let exit = end(exit, write_rows(&rows, &args.run, args.check, out))?;
     depfile.map(|()| exit)
+}
+
+/// Runs jobs here, or by way of a farm.
+fn run_jobs(args: &BuildArgs, jobs: &[&Job], build: &Build) -> Result<Vec<(Row, Exit)>, Failure> {
+    #[cfg(feature = "remote")]
+    if args.remote.address.is_some() {
+        return crate::remote::run(jobs, build, &args.remote, &args.run);
+    }
+    runner::run(jobs, build, &args.run)
 }
 
 /// Whether an input is a folder: only then are orphans searched.

@@ -1,0 +1,148 @@
+//! What arrives from a farm: packs and rows. Nobody vouches for them, so each pack is checked as if a
+//! stranger had put it on the disk: digest, header, hash of the source, options, recorded path,
+//! checksum and structure; with `--verify` also its hulls.
+
+use std::collections::HashMap;
+
+use hullmap_format::header::MAX_PACK_LEN;
+use hullmap_remote::{Blob, Client, Outcome, OutputFile, RemoteError};
+
+use super::Results;
+use super::action::{Batch, Member, RESULTS};
+use crate::outcome::Exit;
+use crate::runner::one::Build;
+use crate::runner::rows::{Origin, Row, Status};
+
+/// Maximum size of the rows of a batch in bytes.
+const MAX_RESULTS: u64 = 64 << 20;
+
+/// Bytes of packs that are fetched at a time.
+const MAX_AT_ONCE: u64 = 64 << 20;
+
+/// Maximum number of remarks of a row, and maximum length of each.
+const MAX_REMARKS: (usize, usize) = (100, 10_000);
+
+/// Checks the outcome of a batch and puts its packs in place; returns the results of the jobs whose
+/// packs are not fresh.
+///
+/// # Errors
+/// The server is away, the command failed on the worker, or the outcome lacks a pack and its reason.
+pub fn accept(
+    client: &Client,
+    batch: &Batch,
+    outcome: &Outcome,
+    build: &Build,
+) -> Result<Vec<(usize, Row, Exit)>, RemoteError> {
+    if outcome.exit_code != 0 {
+        let (code, error) = (outcome.exit_code, outcome.stderr.trim());
+        return Err(RemoteError::Invalid(format!("the worker ended with exit code {code}: {error}")));
+    }
+    let origin = if outcome.is_cached { Origin::Cache } else { Origin::Worker };
+    let rows = rows(client, outcome)?;
+    let mut results = Vec::new();
+    let mut waiting: Vec<(&Member, Row, &OutputFile)> = Vec::new();
+    for member in batch.wanted() {
+        let found = rows.get(&member.source);
+        let mut row = member.row();
+        if let Some(found) = found {
+            take(found, member, &mut row);
+        }
+        match outcome.files.get(&member.pack) {
+            Some(file) => {
+                row.error = None;
+                row.origin = Some(origin);
+                waiting.push((member, row, file));
+            }
+            None if row.error.is_some() => results.push((member.index, row, Exit::Rejected)),
+            None => {
+                let message = format!("the result has neither {} nor the reason why", member.pack);
+                return Err(RemoteError::Invalid(message));
+            }
+        }
+    }
+    while !waiting.is_empty() {
+        let mut bytes = 0;
+        let fits = waiting.iter().take_while(|(_, _, file)| {
+            bytes += file.digest.size();
+            bytes <= MAX_AT_ONCE
+        });
+        let count = fits.count().max(1);
+        let chunk: Vec<_> = waiting.drain(..count).collect();
+        let digests: Vec<_> = chunk.iter().map(|(_, _, file)| file.digest.clone()).collect();
+        let packs = client.fetch(&digests, MAX_PACK_LEN as u64)?;
+        for (member, row, file) in chunk {
+            let bytes = packs.get(&file.digest).ok_or_else(|| RemoteError::Missing(member.pack.clone()))?;
+            let (row, exit) = build.place(member.job, member.hash, bytes, row);
+            results.push((member.index, row, exit));
+        }
+    }
+    Ok(results)
+}
+
+/// The rows of an outcome, by the paths of meshes in the worker's folder.
+fn rows(client: &Client, outcome: &Outcome) -> Result<HashMap<String, Row>, RemoteError> {
+    let file =
+        outcome.files.get(RESULTS).ok_or_else(|| RemoteError::Invalid(format!("the result has no {RESULTS}")))?;
+    let bytes = match &file.contents {
+        Some(bytes) => bytes.clone(),
+        None => client
+            .fetch(std::slice::from_ref(&file.digest), MAX_RESULTS)?
+            .remove(&file.digest)
+            .ok_or_else(|| RemoteError::Missing(RESULTS.to_owned()))?,
+    };
+    let mut rows = HashMap::new();
+    for line in bytes.split(|&byte| byte == b'\n').filter(|line| !line.is_empty()) {
+        let row: Row =
+            serde_json::from_slice(line).map_err(|error| RemoteError::Invalid(format!("{RESULTS}: {error}")))?;
+        rows.insert(row.source.clone(), row);
+    }
+    Ok(rows)
+}
+
+/// Takes what only the worker knows, with paths as they are here.
+fn take(found: &Row, member: &Member, row: &mut Row) {
+    let here = |text: &String| {
+        let text: String = text.chars().take(MAX_REMARKS.1).collect();
+        text.replace(&member.source, &row.source).replace(&member.pack, &row.output)
+    };
+    let remarks = |list: &[String]| list.iter().take(MAX_REMARKS.0).map(here).collect();
+    let (notes, warnings) = (remarks(&found.notes), remarks(&found.warnings));
+    let error = found.error.as_ref().filter(|_| found.status == Status::Failed).map(here);
+    (row.notes, row.warnings, row.error) = (notes, warnings, error);
+    row.vertices_in = found.vertices_in;
+    row.vertices_source = found.vertices_source;
+    row.vertices_unreferenced = found.vertices_unreferenced;
+    row.vertices_duplicate = found.vertices_duplicate;
+}
+
+/// The output files of a batch that was baked here, for others; `None` if a job failed for another
+/// reason than its mesh, or a pack cannot be read.
+pub fn files(batch: &Batch, results: &Results) -> Option<Vec<(String, Blob)>> {
+    let (mut files, mut text) = (Vec::with_capacity(batch.members.len() + 1), Vec::new());
+    for member in &batch.members {
+        let (row, exit) = results.get(member.index)?.as_ref()?;
+        if *exit == Exit::Usage {
+            return None;
+        }
+        let there = |text: &String| text.replace(&row.source, &member.source).replace(&row.output, &member.pack);
+        let row = Row {
+            source: member.source.clone(),
+            output: member.pack.clone(),
+            notes: row.notes.iter().map(there).collect(),
+            warnings: row.warnings.iter().map(there).collect(),
+            error: row.error.as_ref().map(there),
+            // Different for everybody.
+            reason: None,
+            origin: None,
+            millis: 0.0,
+            ..row.clone()
+        };
+        serde_json::to_writer(&mut text, &row).ok()?;
+        text.push(b'\n');
+        if row.status != Status::Failed {
+            files.push((member.pack.clone(), Blob::of(std::fs::read(&member.job.output).ok()?)));
+        }
+    }
+    files.push((RESULTS.to_owned(), Blob::of(text)));
+    Some(files)
+}

@@ -1,0 +1,244 @@
+//! `bake build --remote`: packs from the cache of a farm, or baked by its workers.
+//!
+//! 1. Packs that are fresh here are left alone.
+//! 2. All meshes are divided into batches ([`batch`](crate::jobs::batch)); [`action`] describes each
+//!    as an action whose digest depends on its meshes and options alone, not on where they lie.
+//! 3. For each batch with a pack that is not fresh, the result is looked up in the action cache, or
+//!    a worker makes it. [`answer`] checks every pack that arrives.
+//! 4. What the farm does not bake is baked here, and uploaded if that was requested.
+
+mod action;
+mod answer;
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use hullmap_remote::{Client, RemoteError, Settings};
+use rayon::prelude::*;
+
+use crate::args::{RemoteArgs, RunArgs};
+use crate::jobs::Job;
+use crate::jobs::batch::{BatchSize, batches};
+use crate::outcome::{Exit, Failure};
+use crate::runner;
+use crate::runner::one::Build;
+use crate::runner::progress::Progress;
+use crate::runner::rows::{Row, Status};
+use crate::terminal;
+use action::{Batch, Worker};
+
+/// Result of a job, by its index.
+type Results = Vec<Option<(Row, Exit)>>;
+
+/// Runs jobs by way of a farm and returns their results in the same order.
+///
+/// # Errors
+/// The farm is away and `--remote-fallback` is not given, it cannot do what is requested, or a file
+/// that an argument names cannot be read.
+pub fn run(jobs: &[&Job], build: &Build, remote: &RemoteArgs, args: &RunArgs) -> Result<Vec<(Row, Exit)>, Failure> {
+    let worker = Worker::new(remote, build)?;
+    let client = match Client::connect(settings(remote)?) {
+        Ok(client) => client,
+        Err(error) if error.is_unreachable() && remote.fallback => {
+            terminal::warning(format_args!("{error}; baking here"));
+            return runner::run(jobs, build, args);
+        }
+        Err(error) => return Err(failure(&error)),
+    };
+    let executes = !remote.cache_only;
+    if executes && !client.executes() {
+        return Err(Failure::usage(
+            "--remote: the server does not run actions; use its cache alone with --remote-cache-only",
+        ));
+    }
+    if remote.upload && !client.takes_results() {
+        return Err(Failure::usage(
+            "--remote-upload: the server does not take results from clients; leave the flag out",
+        ));
+    }
+    let farm = Farm { client, remote, build, is_away: AtomicBool::new(false) };
+
+    let mut results: Results =
+        if build.force { jobs.iter().map(|_| None).collect() } else { fresh(jobs, build, args)? };
+    let batches = farm.batches(jobs, &results, &worker);
+    let answers = farm.ask(jobs, &batches, args);
+    let mut rest = Vec::new();
+    for answer in answers {
+        match answer {
+            Answer::Done(rows) => rows.into_iter().for_each(|(index, row, exit)| results[index] = Some((row, exit))),
+            Answer::BakeHere(batch) => rest.push(batch),
+        }
+    }
+    let left: Vec<usize> = (0..jobs.len()).filter(|&index| results[index].is_none()).collect();
+    let baked = runner::run(&left.iter().map(|&index| jobs[index]).collect::<Vec<_>>(), build, args)?;
+    for (index, result) in left.into_iter().zip(baked) {
+        results[index] = Some(result);
+    }
+    if remote.upload {
+        farm.publish(&rest, &results)?;
+    }
+    Ok(results.into_iter().flatten().collect())
+}
+
+/// What a batch ended with.
+enum Answer<'a> {
+    /// The results of its jobs, by their indices.
+    Done(Vec<(usize, Row, Exit)>),
+    /// Nothing: its jobs are baked here.
+    BakeHere(&'a Batch<'a>),
+}
+
+/// A farm and how it is used.
+struct Farm<'a> {
+    client: Client,
+    remote: &'a RemoteArgs,
+    build: &'a Build<'a>,
+    /// The server did not answer, so it is not asked again.
+    is_away: AtomicBool,
+}
+
+impl Farm<'_> {
+    /// The batches with a job that has no result yet.
+    fn batches<'j>(&self, jobs: &[&'j Job], results: &Results, worker: &Worker) -> Vec<Batch<'j>> {
+        let portable: Vec<usize> =
+            (0..jobs.len()).filter(|&index| action::is_portable(jobs[index], self.build)).collect();
+        let sizes: Vec<u64> = portable.par_iter().map(|&index| jobs[index].source_bytes()).collect();
+        let meshes: Vec<(&str, u64)> = portable.iter().map(|&index| jobs[index].place.as_str()).zip(sizes).collect();
+        let found = batches(&meshes, BatchSize::default());
+        let indices = found.into_iter().map(|batch| batch.into_iter().map(|at| portable[at]).collect::<Vec<usize>>());
+        let stale: Vec<Vec<usize>> =
+            indices.filter(|batch| batch.iter().any(|&index| results[index].is_none())).collect();
+        let batch = |indices: Vec<usize>| {
+            let members = indices.into_iter().map(|index| (index, jobs[index], results[index].is_none())).collect();
+            Batch::new(members, self.build, worker)
+        };
+        stale.into_par_iter().filter_map(batch).collect()
+    }
+
+    /// The answers to all batches, several of which are in flight at a time.
+    fn ask<'a>(&self, jobs: &[&Job], batches: &'a [Batch<'a>], args: &RunArgs) -> Vec<Answer<'a>> {
+        let progress = Progress::new(args.quiet, batches.len(), batches.len() as u64);
+        let (next, answers) = (AtomicUsize::new(0), Mutex::new(Vec::with_capacity(batches.len())));
+        let work = || {
+            while let Some(batch) = batches.get(next.fetch_add(1, Ordering::Relaxed)) {
+                let first = batch.members.first().map_or(0, |member| member.index);
+                progress.begin(
+                    first,
+                    format_args!("{} and {} more", jobs[first].source.display(), batch.members.len() - 1),
+                );
+                let answer = self.answer(batch);
+                progress.end(first, 1, Status::Baked);
+                answers.lock().unwrap_or_else(PoisonError::into_inner).push(answer);
+            }
+        };
+        std::thread::scope(|scope| {
+            for _ in 0..usize::from(self.remote.jobs).min(batches.len()) {
+                scope.spawn(work);
+            }
+        });
+        progress.finish();
+        answers.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn answer<'a>(&self, batch: &'a Batch<'a>) -> Answer<'a> {
+        let found = match self.find(batch) {
+            Ok(None) => return Answer::BakeHere(batch),
+            Ok(Some(outcome)) => answer::accept(&self.client, batch, &outcome, self.build),
+            Err(error) => Err(error),
+        };
+        let error = match found {
+            Ok(rows) => return Answer::Done(rows),
+            Err(error) => error,
+        };
+        if error.is_unreachable() {
+            self.is_away.store(true, Ordering::Relaxed);
+        }
+        if self.remote.fallback {
+            terminal::warning(format_args!("{error}; baking {} meshes here", batch.wanted().count()));
+            return Answer::BakeHere(batch);
+        }
+        let Failure { exit, message } = failure(&error);
+        let row = |member: &action::Member| {
+            let mut row = member.row();
+            row.error = Some(format!("{}: {message}", row.source));
+            (member.index, row, exit)
+        };
+        Answer::Done(batch.wanted().map(row).collect())
+    }
+
+    /// The outcome of a batch, from the cache or from a worker; `None` if neither is to make it.
+    fn find(&self, batch: &Batch) -> Result<Option<hullmap_remote::Outcome>, RemoteError> {
+        if self.is_away.load(Ordering::Relaxed) {
+            let reason = "it did not answer before".to_owned();
+            return Err(RemoteError::Unreachable { what: "action", reason });
+        }
+        if !self.build.force
+            && let Some(outcome) = self.client.look_up(&batch.action.digest, &[action::RESULTS.to_owned()])?
+        {
+            return Ok(Some(outcome));
+        }
+        if self.remote.cache_only { Ok(None) } else { self.client.execute(&batch.action).map(Some) }
+    }
+
+    /// Uploads the results of batches that were baked here. A result with a file that could not be
+    /// read or written is left out.
+    fn publish(&self, batches: &[&Batch], results: &Results) -> Result<(), Failure> {
+        for batch in batches {
+            let Some(files) = answer::files(batch, results) else { continue };
+            match self.client.publish(&batch.action, &files) {
+                Ok(()) => {}
+                Err(error) if self.remote.fallback => {
+                    terminal::warning(format_args!("{error}; results are not uploaded"));
+                    return Ok(());
+                }
+                Err(error) => return Err(failure(&error)),
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The results of jobs whose packs are fresh, or that fail before a bake.
+fn fresh(jobs: &[&Job], build: &Build, args: &RunArgs) -> Result<Results, Failure> {
+    let check = Build { check: true, ..*build };
+    let is_open = |row: &Row| matches!(row.status, Status::Stale | Status::Missing);
+    Ok(runner::run(jobs, &check, args)?
+        .into_iter()
+        .map(|(row, exit)| (!is_open(&row)).then_some((row, exit)))
+        .collect())
+}
+
+fn settings(remote: &RemoteArgs) -> Result<Settings, Failure> {
+    let Some(address) = remote.address.clone() else {
+        return Err(Failure::usage("--remote: an address is missing"));
+    };
+    let read = |path: &std::path::Path| {
+        std::fs::read(path)
+            .map_err(|error| Failure::usage(format!("{}: cannot read: {error}; check the path", path.display())))
+    };
+    let mut settings = Settings::new(address);
+    settings.instance.clone_from(&remote.instance);
+    for (name, value) in &remote.headers {
+        let value = match value.strip_prefix('@') {
+            Some(path) => String::from_utf8_lossy(&read(path.as_ref())?).trim().to_owned(),
+            None => value.clone(),
+        };
+        settings.headers.push((name.clone(), value));
+    }
+    settings.certificates = remote.certificates.as_deref().map(read).transpose()?;
+    settings.action_timeout = std::time::Duration::from_secs(remote.timeout);
+    Ok(settings)
+}
+
+/// The failure of an error of the farm.
+fn failure(error: &RemoteError) -> Failure {
+    match error {
+        RemoteError::Unreachable { .. } => {
+            Failure::usage(format!("{error}; check the address, or bake here with --remote-fallback"))
+        }
+        RemoteError::Settings(_) | RemoteError::File(_) => Failure::usage(error.to_string()),
+        RemoteError::Rejected { .. } | RemoteError::Missing(_) | RemoteError::Invalid(_) => {
+            Failure::rejected(format!("{error}; bake here with --remote-fallback"))
+        }
+    }
+}
