@@ -10,14 +10,12 @@
 //! | [`sampler`] | bounds of convex parts, tried by sampling | `decompose-soak`, `decompose-table` |
 //! | [`fuzzed`] | the fuzz targets, their corpora and first inputs | `fuzz-corpus`, and the targets in `fuzz/` |
 //! | [`command`] | the `bake` command, built and run | |
-//! | [`farm_server`] | a farm in this process: a slow, obvious server of the Remote Execution API | |
 //! | [`outside`], [`game_hulls`] | inputs outside the repository | |
 //! | [`directions`], [`regret`] | directions in which a support query can fail, and by how much | |
 //! | [`parry`], [`wavefront`] | second opinions: parry3d in f64, a plain OBJ reader | |
 
 pub mod command;
 pub mod directions;
-pub mod farm_server;
 #[cfg(target_os = "linux")]
 pub mod faults;
 pub mod fuzzed;

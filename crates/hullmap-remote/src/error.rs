@@ -46,8 +46,11 @@ impl RemoteError {
     /// The error of a request that is not repeated.
     pub(crate) fn of(what: &'static str, status: &Status) -> Self {
         let reason = bounded(status.message());
+        // A broken connection has a cause in this process, and an answer has none.
+        let is_ours = std::error::Error::source(status).is_some();
         match status.code() {
-            code if is_transient(code) => Self::Unreachable { what, reason },
+            Code::Unavailable | Code::DeadlineExceeded | Code::Cancelled => Self::Unreachable { what, reason },
+            _ if is_ours => Self::Unreachable { what, reason },
             code => Self::Rejected { what, code: format!("{code:?}"), reason },
         }
     }

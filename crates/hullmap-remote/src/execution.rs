@@ -79,19 +79,20 @@ impl Client {
         found.map(|result| outcome(result, true)).transpose()
     }
 
-    /// Uploads the inputs of an action, runs it on a worker, and waits for its result.
+    /// Uploads the inputs of an action, runs it on a worker, and waits for its result. With
+    /// `again`, a result in the cache does not count.
     ///
     /// # Errors
     /// The server is away for longer than all retries, rejects the action, takes longer than the
     /// settings allow, or sends nonsense. A command that fails is no error: see
     /// [`Outcome::exit_code`].
-    pub fn execute(&self, action: &Action) -> Result<Outcome, RemoteError> {
+    pub fn execute(&self, action: &Action, again: bool) -> Result<Outcome, RemoteError> {
         let deadline = Instant::now() + self.settings.action_timeout;
         let mut requests = 1;
         loop {
             let blobs: Vec<&Blob> = action.messages.iter().chain(&action.inputs).collect();
             self.upload(&blobs)?;
-            match self.block_on(self.run(&action.digest, deadline)) {
+            match self.block_on(self.run(&action.digest, again, deadline)) {
                 // An input has vanished between upload and start.
                 Err(RemoteError::Missing(_)) if requests < MAX_REQUESTS => requests += 1,
                 result => return result,
@@ -130,11 +131,11 @@ impl Client {
     }
 
     /// Requests an action that the server has the inputs of, and follows it to its end.
-    async fn run(&self, action: &Digest, deadline: Instant) -> Result<Outcome, RemoteError> {
+    async fn run(&self, action: &Digest, again: bool, deadline: Instant) -> Result<Outcome, RemoteError> {
         let (mut name, mut attempt, mut forgotten) = (None, 1, 0);
         loop {
             let follows = name.is_some();
-            let followed = tokio::time::timeout_at(deadline, self.follow(action, &mut name)).await;
+            let followed = tokio::time::timeout_at(deadline, self.follow(action, again, &mut name)).await;
             let late = || Status::deadline_exceeded("the action did not end in time");
             match followed.unwrap_or_else(|_| Err(late())) {
                 Ok(Some(done)) => match finished(done)? {
@@ -162,7 +163,12 @@ impl Client {
     }
 
     /// Requests an action, or follows the one with this name, until it is done or the stream ends.
-    async fn follow(&self, action: &Digest, name: &mut Option<String>) -> Result<Option<Operation>, Status> {
+    async fn follow(
+        &self,
+        action: &Digest,
+        again: bool,
+        name: &mut Option<String>,
+    ) -> Result<Option<Operation>, Status> {
         let mut client = ExecutionClient::new(self.channel.clone()).max_decoding_message_size(MAX_MESSAGE);
         // The answer to the request itself; the action may take longer.
         let limit: Duration = self.settings.request_timeout;
@@ -178,6 +184,7 @@ impl Client {
                     action_digest: Some(action.message()),
                     digest_function: api::digest_function::Value::Sha256 as i32,
                     inline_stderr: true,
+                    skip_cache_lookup: again,
                     ..api::ExecuteRequest::default()
                 });
                 tokio::time::timeout(limit, client.execute(request)).await.map_err(late)??

@@ -4,6 +4,7 @@ mod assets;
 mod document;
 mod export;
 mod farm;
+mod farm_server;
 #[cfg(target_os = "linux")]
 mod faults;
 #[cfg(unix)]

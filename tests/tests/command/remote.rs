@@ -3,9 +3,10 @@
 use std::{collections::BTreeMap, fs, path::Path};
 
 use hullmap_tests::command::{Run, bake_in, binary};
-use hullmap_tests::farm_server::FarmServer;
 use serde_json::Value;
 use tempfile::TempDir;
+
+use crate::farm_server::FarmServer;
 
 const CUBE: &str =
     "o cube\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\nf 1 2 4 3\nf 5 6 8 7\n";
@@ -111,7 +112,7 @@ fn workers_bake_the_same_packs_and_every_checkout_shares_them() {
     setup.assert_equal("deep/two");
 
     // An edit bakes its batch again, but takes only the pack that changed.
-    write(&setup.folder.path().join("deep/two"), "in/0/0.obj", CUBE);
+    write(&setup.folder.path().join("deep/two"), "in/0/0.obj", CUBE.replace("1 1 1", "5 5 5"));
     let edited = setup.build("deep/two", "--remote-property OSFamily=linux").expect(0);
     assert_eq!((count(&edited, "origin", "worker"), count(&edited, "status", "fresh")), (1, 20));
     // Other properties are another action.
@@ -234,6 +235,27 @@ fn poisoned_results_are_refused() {
         assert!(run.stderr.contains("refused") && run.stderr.contains(reason), "{}", run.stderr);
         assert_eq!(contents(&folder.join("o")).len(), 20, "nothing was written for it");
     }
+}
+
+/// Stores remove blobs that nobody has used for long, and action caches do not notice.
+#[test]
+fn files_that_were_removed_from_the_store_are_baked_again() {
+    let setup = Setup::new();
+    setup.build("one", "").expect(0);
+    {
+        let mut state = setup.server.state.lock().unwrap();
+        let gone: Vec<String> = state
+            .results
+            .values()
+            .flat_map(|result| &result.output_files)
+            .map(|f| f.digest.clone().unwrap().hash)
+            .collect();
+        gone.iter().for_each(|hash| drop(state.blobs.remove(hash)));
+    }
+    fs::remove_dir_all(setup.folder.path().join("one/o")).unwrap();
+    let run = setup.build("one", "").expect(0);
+    assert_eq!(count(&run, "origin", "worker"), 21);
+    setup.assert_equal("one");
 }
 
 /// A pack with the right header and a correct checksum, but the hull of another mesh.

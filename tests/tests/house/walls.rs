@@ -132,6 +132,13 @@ fn the_c_interface_sees_the_runtime_alone() {
     assert!(tree("hullmap-c", "normal", &[]).contains("hullmap"));
 }
 
+#[test]
+fn the_client_of_farms_knows_no_meshes() {
+    assert_unseen("hullmap-remote", &["hullmap", "hullmap-bake", "hullmap-format", "hullmap-import", "clap", "rayon"]);
+    let seen = tree("hullmap-cli", "normal", &["--no-default-features"]);
+    assert!(!seen.contains("tonic") && !seen.contains("ring"), "only features connect to farms");
+}
+
 /// What two commands share lies outside `commands/`.
 #[test]
 fn commands_do_not_import_from_each_other() {
@@ -247,7 +254,7 @@ fn crates_that_read_files_justify_their_indexing() {
     let deny = "#![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]";
     let sources = sources();
     let text = |path: &Path| fs::read_to_string(workspace().join(path)).unwrap();
-    for name in ["hullmap", "hullmap-c", "hullmap-format", "hullmap-import"] {
+    for name in ["hullmap", "hullmap-c", "hullmap-format", "hullmap-import", "hullmap-remote"] {
         let folder = Path::new("crates").join(name).join("src");
         let root = folder.join("lib.rs");
         assert!(text(&root).lines().any(|line| line == deny), "{}: no {deny}", root.display());

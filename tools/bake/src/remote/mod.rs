@@ -56,12 +56,12 @@ pub fn run(jobs: &[&Job], build: &Build, remote: &RemoteArgs, args: &RunArgs) ->
             "--remote-upload: the server does not take results from clients; leave the flag out",
         ));
     }
-    let farm = Farm { client, remote, build, is_away: AtomicBool::new(false) };
+    let farm = Farm { client, remote, build, has_failed: AtomicBool::new(false) };
 
     let mut results: Results =
         if build.force { jobs.iter().map(|_| None).collect() } else { fresh(jobs, build, args)? };
     let batches = farm.batches(jobs, &results, &worker);
-    let answers = farm.ask(jobs, &batches, args);
+    let answers = farm.answers(jobs, &batches, args)?;
     let mut rest = Vec::new();
     for answer in answers {
         match answer {
@@ -93,8 +93,8 @@ struct Farm<'a> {
     client: Client,
     remote: &'a RemoteArgs,
     build: &'a Build<'a>,
-    /// The server did not answer, so it is not asked again.
-    is_away: AtomicBool,
+    /// A batch has failed, so no other is started.
+    has_failed: AtomicBool,
 }
 
 impl Farm<'_> {
@@ -116,11 +116,16 @@ impl Farm<'_> {
     }
 
     /// The answers to all batches, several of which are in flight at a time.
-    fn ask<'a>(&self, jobs: &[&Job], batches: &'a [Batch<'a>], args: &RunArgs) -> Vec<Answer<'a>> {
+    ///
+    /// # Errors
+    /// The farm does not deliver a batch. Packs that have arrived are in place.
+    fn answers<'a>(&self, jobs: &[&Job], batches: &'a [Batch<'a>], args: &RunArgs) -> Result<Vec<Answer<'a>>, Failure> {
         let progress = Progress::new(args.quiet, batches.len(), batches.len() as u64);
         let (next, answers) = (AtomicUsize::new(0), Mutex::new(Vec::with_capacity(batches.len())));
         let work = || {
-            while let Some(batch) = batches.get(next.fetch_add(1, Ordering::Relaxed)) {
+            while let Some(batch) = batches.get(next.fetch_add(1, Ordering::Relaxed))
+                && !self.has_failed.load(Ordering::Relaxed)
+            {
                 let first = batch.members.first().map_or(0, |member| member.index);
                 progress.begin(
                     first,
@@ -137,47 +142,41 @@ impl Farm<'_> {
             }
         });
         progress.finish();
-        answers.into_inner().unwrap_or_else(PoisonError::into_inner)
+        answers.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect()
     }
 
-    fn answer<'a>(&self, batch: &'a Batch<'a>) -> Answer<'a> {
-        let found = match self.find(batch) {
-            Ok(None) => return Answer::BakeHere(batch),
-            Ok(Some(outcome)) => answer::accept(&self.client, batch, &outcome, self.build),
-            Err(error) => Err(error),
-        };
-        let error = match found {
-            Ok(rows) => return Answer::Done(rows),
-            Err(error) => error,
-        };
-        if error.is_unreachable() {
-            self.is_away.store(true, Ordering::Relaxed);
+    /// The answer to a batch.
+    fn answer<'a>(&self, batch: &'a Batch<'a>) -> Result<Answer<'a>, Failure> {
+        match self.deliver(batch) {
+            Ok(Some(rows)) => Ok(Answer::Done(rows)),
+            Ok(None) => Ok(Answer::BakeHere(batch)),
+            Err(error) if self.remote.fallback => {
+                terminal::warning(format_args!("{error}; baking {} meshes here", batch.wanted().count()));
+                Ok(Answer::BakeHere(batch))
+            }
+            Err(error) => {
+                self.has_failed.store(true, Ordering::Relaxed);
+                Err(failure(&error))
+            }
         }
-        if self.remote.fallback {
-            terminal::warning(format_args!("{error}; baking {} meshes here", batch.wanted().count()));
-            return Answer::BakeHere(batch);
-        }
-        let Failure { exit, message } = failure(&error);
-        let row = |member: &action::Member| {
-            let mut row = member.row();
-            row.error = Some(format!("{}: {message}", row.source));
-            (member.index, row, exit)
-        };
-        Answer::Done(batch.wanted().map(row).collect())
     }
 
-    /// The outcome of a batch, from the cache or from a worker; `None` if neither is to make it.
-    fn find(&self, batch: &Batch) -> Result<Option<hullmap_remote::Outcome>, RemoteError> {
-        if self.is_away.load(Ordering::Relaxed) {
-            let reason = "it did not answer before".to_owned();
-            return Err(RemoteError::Unreachable { what: "action", reason });
+    /// The results of a batch, from the cache or from a worker; `None` if neither is to make them.
+    fn deliver(&self, batch: &Batch) -> Result<Option<Vec<(usize, Row, Exit)>>, RemoteError> {
+        let (digest, executes) = (&batch.action.digest, !self.remote.cache_only);
+        let mut again = self.build.force;
+        if !again && let Some(outcome) = self.client.look_up(digest, &[action::RESULTS.to_owned()])? {
+            match answer::accept(&self.client, batch, &outcome, self.build) {
+                // The cache knows the result, but its files were removed from the store.
+                Err(RemoteError::Missing(_)) => again = true,
+                accepted => return accepted.map(Some),
+            }
         }
-        if !self.build.force
-            && let Some(outcome) = self.client.look_up(&batch.action.digest, &[action::RESULTS.to_owned()])?
-        {
-            return Ok(Some(outcome));
+        if !executes {
+            return Ok(None);
         }
-        if self.remote.cache_only { Ok(None) } else { self.client.execute(&batch.action).map(Some) }
+        let outcome = self.client.execute(&batch.action, again)?;
+        answer::accept(&self.client, batch, &outcome, self.build).map(Some)
     }
 
     /// Uploads the results of batches that were baked here. A result with a file that could not be

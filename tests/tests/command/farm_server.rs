@@ -1,13 +1,12 @@
 //! A farm in this process: a slow, obvious server of the Remote Execution API, which keeps everything
 //! in maps and runs actions one after the other in temporary folders.
 //!
-//! It can be told to misbehave, to test what a client does about it.
+//! It can misbehave on purpose, to test what a client does about it.
 
 use std::collections::{BTreeMap, HashMap};
 use std::net::SocketAddr;
 use std::path::Path;
 use std::process::Command;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
 use bazel_remote_apis::build::bazel::remote::execution::v2 as api;
@@ -109,7 +108,7 @@ impl FarmServer {
             runtime.block_on(async {
                 let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.expect("a port is free");
                 sender.send(listener.local_addr().expect("it has an address")).expect("the starter waits");
-                let farm = Farm(own, Arc::new(AtomicUsize::new(0)));
+                let farm = Farm(own);
                 let limit = 16 << 20;
                 let server = tonic::transport::Server::builder()
                     .add_service(CapabilitiesServer::new(farm.clone()))
@@ -155,7 +154,7 @@ impl Drop for FarmServer {
 }
 
 #[derive(Clone)]
-struct Farm(Arc<Mutex<State>>, Arc<AtomicUsize>);
+struct Farm(Arc<Mutex<State>>);
 
 impl Farm {
     fn state(&self) -> std::sync::MutexGuard<'_, State> {
@@ -281,18 +280,34 @@ impl ContentAddressableStorage for Farm {
     type GetTreeStream = tokio_stream::Empty<Result<api::GetTreeResponse, Status>>;
 
     async fn get_tree(&self, _: Request<api::GetTreeRequest>) -> Result<Response<Self::GetTreeStream>, Status> {
-        Err(Status::unimplemented("no client asks for it"))
+        Err(Status::unimplemented("no client needs it"))
     }
 
     async fn split_blob(&self, _: Request<api::SplitBlobRequest>) -> Result<Response<api::SplitBlobResponse>, Status> {
-        Err(Status::unimplemented("no client asks for it"))
+        Err(Status::unimplemented("no client needs it"))
     }
 
     async fn splice_blob(
         &self,
         _: Request<api::SpliceBlobRequest>,
     ) -> Result<Response<api::SpliceBlobResponse>, Status> {
-        Err(Status::unimplemented("no client asks for it"))
+        Err(Status::unimplemented("no client needs it"))
+    }
+
+    type GetChunkMappingStream = tokio_stream::Empty<Result<api::GetChunkMappingResponse, Status>>;
+
+    async fn get_chunk_mapping(
+        &self,
+        _: Request<api::GetChunkMappingRequest>,
+    ) -> Result<Response<Self::GetChunkMappingStream>, Status> {
+        Err(Status::unimplemented("no client needs it"))
+    }
+
+    async fn register_chunk_mapping(
+        &self,
+        _: Request<Streaming<api::RegisterChunkMappingRequest>>,
+    ) -> Result<Response<api::RegisterChunkMappingResponse>, Status> {
+        Err(Status::unimplemented("no client needs it"))
     }
 }
 
@@ -338,7 +353,7 @@ impl ByteStream for Farm {
         &self,
         _: Request<stream::QueryWriteStatusRequest>,
     ) -> Result<Response<stream::QueryWriteStatusResponse>, Status> {
-        Err(Status::unimplemented("no client asks for it"))
+        Err(Status::unimplemented("no client needs it"))
     }
 }
 
@@ -351,7 +366,7 @@ impl Execution for Farm {
         let mut state = self.state();
         state.count("Execute", request.metadata())?;
         let digest = request.into_inner().action_digest.unwrap_or_default();
-        // The name is all that a client needs to ask again.
+        // The name is all that a client needs to follow it.
         let name = format!("operations/{}", digest.hash);
         let begun = Operation { name: name.clone(), ..Operation::default() };
         if state.broken_streams > 0 {
