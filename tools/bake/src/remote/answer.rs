@@ -7,8 +7,8 @@ use std::collections::HashMap;
 use hullmap_format::header::MAX_PACK_LEN;
 use hullmap_remote::{Blob, Client, Outcome, OutputFile, RemoteError};
 
-use super::Results;
 use super::action::{Batch, Member, RESULTS};
+use super::{Delivered, Results};
 use crate::outcome::Exit;
 use crate::runner::one::Build;
 use crate::runner::rows::{Origin, Row, Status};
@@ -27,12 +27,7 @@ const MAX_REMARKS: (usize, usize) = (100, 10_000);
 ///
 /// # Errors
 /// The server is away, the command failed on the worker, or the outcome lacks a pack and its reason.
-pub fn accept(
-    client: &Client,
-    batch: &Batch,
-    outcome: &Outcome,
-    build: &Build,
-) -> Result<Vec<(usize, Row, Exit)>, RemoteError> {
+pub fn accept(client: &Client, batch: &Batch, outcome: &Outcome, build: &Build) -> Result<Delivered, RemoteError> {
     if outcome.exit_code != 0 {
         let (code, error) = (outcome.exit_code, outcome.stderr.trim());
         return Err(RemoteError::Invalid(format!("the worker ended with exit code {code}: {error}")));

@@ -30,6 +30,9 @@ use action::{Batch, Worker};
 /// Result of a job, by its index.
 type Results = Vec<Option<(Row, Exit)>>;
 
+/// Results of some jobs, each with the index of its job.
+type Delivered = Vec<(usize, Row, Exit)>;
+
 /// Runs jobs by way of a farm and returns their results in the same order.
 ///
 /// # Errors
@@ -83,7 +86,7 @@ pub fn run(jobs: &[&Job], build: &Build, remote: &RemoteArgs, args: &RunArgs) ->
 /// What a batch ended with.
 enum Answer<'a> {
     /// The results of its jobs, by their indices.
-    Done(Vec<(usize, Row, Exit)>),
+    Done(Delivered),
     /// Nothing: its jobs are baked here.
     BakeHere(&'a Batch<'a>),
 }
@@ -162,7 +165,7 @@ impl Farm<'_> {
     }
 
     /// The results of a batch, from the cache or from a worker; `None` if neither is to make them.
-    fn deliver(&self, batch: &Batch) -> Result<Option<Vec<(usize, Row, Exit)>>, RemoteError> {
+    fn deliver(&self, batch: &Batch) -> Result<Option<Delivered>, RemoteError> {
         let (digest, executes) = (&batch.action.digest, !self.remote.cache_only);
         let mut again = self.build.force;
         if !again && let Some(outcome) = self.client.look_up(digest, &[action::RESULTS.to_owned()])? {
