@@ -200,7 +200,7 @@ pub struct BuildArgs {
 #[command(next_help_heading = "Remote")]
 pub struct RemoteArgs {
     /// Bake on the farm at ADDRESS, and share its cache: grpc://HOST:PORT, or grpcs:// with TLS
-    #[arg(long = "remote", value_name = "ADDRESS", conflicts_with_all = ["watch", "check"])]
+    #[arg(long = "remote", value_name = "ADDRESS", conflicts_with_all = ["watch", "check"], hide_short_help = true)]
     pub address: Option<Address>,
     /// Name of the instance on the server [default: empty]
     #[arg(
