@@ -1,9 +1,9 @@
 //! Actions: a command line, its input files and the paths of its outputs, as messages whose digests
 //! depend on nothing else.
 //!
-//! Input files form a tree of `Directory` messages (a Merkle tree): each names its files and folders
-//! by their digests. Messages list names in ascending order, as the API demands, so that equal
-//! actions have equal digests.
+//! Input files form a tree of `Directory` messages (a Merkle tree): each names its files and
+//! folders by their digests. Messages list names in ascending order, as the API demands, so that
+//! equal actions have equal digests.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -234,8 +234,8 @@ mod tests {
         assert!(spec(&["a", "a"]).action().is_ok());
     }
 
-    /// The digest of an empty folder is that of no bytes, and a folder lists its files by name: what
-    /// other implementations compute.
+    /// The digest of an empty folder is that of no bytes, and a folder lists its files by name:
+    /// what other implementations compute.
     #[test]
     fn folders_are_encoded_as_the_api_defines() {
         let action = spec(&[]).action().unwrap();

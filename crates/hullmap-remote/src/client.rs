@@ -28,8 +28,8 @@ const MAX_WAIT: Duration = Duration::from_secs(10);
 /// Maximum size of a message in bytes, in either direction.
 pub(crate) const MAX_MESSAGE: usize = 16 << 20;
 
-/// Bytes of blobs in one request, if the server allows more: messages of 4 MiB are the default limit
-/// of gRPC, and names and digests need some of it.
+/// Bytes of blobs in one request, if the server allows more: messages of 4 MiB are the default
+/// limit of gRPC, and names and digests need some of it.
 const MAX_BATCH: u64 = 3 << 20;
 
 /// Threads that do the network's work.

@@ -1,8 +1,8 @@
 //! The action cache, and actions in progress.
 //!
-//! An action's answer is a stream of its states. If the stream breaks, `WaitExecution` continues it;
-//! if the server has forgotten the action, it is requested again, and its result may be in the cache
-//! by then.
+//! An action's answer is a stream of its states. If the stream breaks, `WaitExecution` continues
+//! it; if the server has forgotten the action, it is requested again, and its result may be in the
+//! cache by then.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -52,8 +52,8 @@ pub struct OutputFile {
 }
 
 impl Client {
-    /// The result of an action in the action cache. `inline` are the paths of small outputs that the
-    /// server may send along.
+    /// The result of an action in the action cache. `inline` are the paths of small outputs that
+    /// the server may send along.
     ///
     /// # Errors
     /// The server is away or sends nonsense.

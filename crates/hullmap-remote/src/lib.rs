@@ -1,8 +1,8 @@
 //! Client of the [Remote Execution API](https://github.com/bazelbuild/remote-apis), version 2.
 //!
 //! An [`ActionSpec`] describes a command line with its input files. [`ActionSpec::action`] turns it
-//! into an [`Action`] with a digest, which depends on nothing else. [`Client`] looks the digest up in
-//! the action cache, or uploads the inputs and lets a worker run the action, and fetches output
+//! into an [`Action`] with a digest, which depends on nothing else. [`Client`] looks the digest up
+//! in the action cache, or uploads the inputs and lets a worker run the action, and fetches output
 //! files.
 //!
 //! | module | concept |

@@ -1,5 +1,5 @@
-//! A farm in this process: a slow, obvious server of the Remote Execution API, which keeps everything
-//! in maps and runs actions one after the other in temporary folders.
+//! A farm in this process: a slow, obvious server of the Remote Execution API, which keeps
+//! everything in maps and runs actions one after the other in temporary folders.
 //!
 //! It can misbehave on purpose, to test what a client does about it.
 

@@ -1,5 +1,5 @@
-//! What arrives from a farm: packs and rows. Nobody vouches for them, so each pack is checked as if a
-//! stranger had put it on the disk: digest, header, hash of the source, options, recorded path,
+//! What arrives from a farm: packs and rows. Nobody vouches for them, so each pack is checked as if
+//! a stranger had put it on the disk: digest, header, hash of the source, options, recorded path,
 //! checksum and structure; with `--verify` also its hulls.
 
 use std::collections::HashMap;
@@ -26,7 +26,8 @@ const MAX_REMARKS: (usize, usize) = (100, 10_000);
 /// packs are not fresh.
 ///
 /// # Errors
-/// The server is away, the command failed on the worker, or the outcome lacks a pack and its reason.
+/// The server is away, the command failed on the worker, or the outcome lacks a pack and its
+/// reason.
 pub fn accept(client: &Client, batch: &Batch, outcome: &Outcome, build: &Build) -> Result<Delivered, RemoteError> {
     if outcome.exit_code != 0 {
         let (code, error) = (outcome.exit_code, outcome.stderr.trim());

@@ -1,8 +1,9 @@
 //! `bake build --remote`: packs from the cache of a farm, or baked by its workers.
 //!
 //! 1. Packs that are fresh here are left alone.
-//! 2. All meshes are divided into batches ([`batch`](crate::jobs::batch)); [`action`] describes each
-//!    as an action whose digest depends on its meshes and options alone, not on where they lie.
+//! 2. All meshes are divided into batches ([`batch`](crate::jobs::batch)); [`action`] describes
+//!    each as an action whose digest depends on its meshes and options alone, not on where they
+//!    lie.
 //! 3. For each batch with a pack that is not fresh, the result is looked up in the action cache, or
 //!    a worker makes it. [`answer`] checks every pack that arrives.
 //! 4. What the farm does not bake is baked here, and uploaded if that was requested.
