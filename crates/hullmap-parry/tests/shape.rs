@@ -235,6 +235,38 @@ fn points_project_to_the_surface() {
     assert!((300..2300).contains(&inside), "{inside}");
 }
 
+/// The face of a projection contains it if its normal is that of the projection, and a vertex has
+/// the normal of one of its faces.
+#[test]
+fn faces_of_projections_and_of_vertices() {
+    let (mut rng, mut inner) = (SplitMix64::new(5), 0);
+    for case in cases() {
+        let reach = |n: DVec3| case.solid.points.iter().map(|v| v.dot(n)).fold(f64::NEG_INFINITY, f64::max);
+        for _ in 0..50 {
+            let point = narrow(DVec3::from_array(rng.direction()) * case.size() * 2.0);
+            let (found, face) = case.hull.project_local_point_and_get_feature(point);
+            assert!(matches!(face, FeatureId::Face(_)) && !found.is_inside, "{}: {face:?}", case.name);
+            let normal = wide(case.hull.feature_normal_at_point(0, face, found.point).expect("a face has a normal"));
+            let along = (wide(point) - wide(found.point)).normalize().dot(normal);
+            assert!((normal.length() - 1.0).abs() < 1e-6 && along > 0.0, "{}: {along}", case.name);
+            if along > 0.999_999 {
+                let below = reach(normal) - wide(found.point).dot(normal);
+                assert!(below.abs() < 1e-4 * case.size(), "{}: {below}", case.name);
+                inner += 1;
+            }
+
+            let vertex = rng.below(case.solid.points.len()) as u32;
+            let normal = case.hull.feature_normal_at_point(0, FeatureId::Vertex(vertex), point).map(wide);
+            let normal = normal.expect("a vertex has faces");
+            let below = reach(normal) - case.solid.points[vertex as usize].dot(normal);
+            assert!(below.abs() < 1e-5 * case.size(), "{}: {below}", case.name);
+        }
+        assert!(case.hull.feature_normal_at_point(0, FeatureId::Vertex(u32::MAX), Vector::ZERO).is_none());
+        assert!(case.hull.feature_normal_at_point(0, FeatureId::Face(u32::MAX), Vector::ZERO).is_none());
+    }
+    assert!(inner > 40, "{inner}");
+}
+
 /// Of a prism of many sides, the four corners span the cap; of its side, all four are corners.
 #[test]
 fn features_of_a_prism() {
