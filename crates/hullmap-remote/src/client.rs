@@ -57,7 +57,7 @@ struct Abilities {
 }
 
 impl Client {
-    /// Connects, and asks the server what it can do.
+    /// Connects, and requests what the server can do.
     ///
     /// # Errors
     /// The server is away, does not know the instance, or does not use SHA-256; or a header or
