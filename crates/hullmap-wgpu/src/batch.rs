@@ -1,0 +1,444 @@
+//! Batches of pairs of one pack, on a GPU or on the processor, with the same calls.
+
+use bytemuck::{Pod, Zeroable};
+use hullmap::glam::{DVec3, Vec3};
+use hullmap::{Cache, Distance, Overlap, Pack, Settings};
+
+use crate::device::{Buffers, Device, DevicePack, Kernel, Parameters};
+use crate::error::Error;
+use crate::records::{Answer, AnswerRecord, HullRecord, Pair, PairRecord, Status, Tables};
+use crate::twin::{MAX_STEPS, Query};
+
+/// Where batches are solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Backend {
+    /// On a Vulkan device if there is one that can hold the pack, otherwise on the processor.
+    Auto,
+    /// On the processor, by `hullmap` itself.
+    Cpu,
+    /// On a Vulkan device.
+    Wgpu,
+}
+
+/// A direction in which the support vertex of a hull is requested.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SupportQuery {
+    /// Index of the hull in the pack.
+    pub hull: u32,
+    /// The direction, in the hull's frame. It need not be of unit length.
+    pub dir: Vec3,
+}
+
+/// A support vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SupportAnswer {
+    /// Index of the vertex in the hull.
+    pub vertex: u32,
+    /// Its position, exactly.
+    pub point: Vec3,
+    /// Whether its dot product falls short of the maximum by at most [`SUPPORT_SHORTFALL`] times the
+    /// outer radius. False for directions that are zero or not finite, and in damaged packs.
+    pub is_certain: bool,
+}
+
+/// Maximum regret of a support vertex from the GPU, relative to the length of the direction and the
+/// radius of the ball around the hull: see docs/intervals.md, section 13.
+pub const SUPPORT_SHORTFALL: f64 = 1.0 / (1 << 18) as f64;
+
+/// A direction as the kernel reads it. Its length is 1 within rounding error.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+struct DirectionRecord {
+    dir: [f32; 3],
+    hull: u32,
+}
+
+/// What the support kernel writes.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+struct FoundRecord {
+    offset: [f32; 3],
+    vertex: u32,
+    is_certain: u32,
+    padding: [u32; 3],
+}
+
+/// A device, the pack on it, and buffers.
+#[derive(Debug)]
+struct Gpu {
+    pack: DevicePack,
+    pairs: Option<Buffers>,
+    directions: Option<Buffers>,
+}
+
+/// Solves batches of pairs of hulls of one pack. Buffers are kept from batch to batch.
+///
+/// Answers are in the order of the pairs, and no answer depends on other pairs.
+///
+/// # Examples
+/// ```
+/// use hullmap::{Pose, Settings, glam::DVec3};
+/// use hullmap_wgpu::{Backend, Batch, Pair, Status};
+///
+/// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(200, 1));
+/// let at = |x| Pose::from_translation(DVec3::new(x, 0.0, 0.0)).expect("finite");
+/// let pairs = [0.1, 5.0].map(|x| Pair { a: 0, b: 0, b_in_a: at(x) });
+///
+/// // On the GPU if there is one, otherwise on the processor.
+/// let mut batch = Batch::new(&pack, Backend::Auto)?;
+/// batch.distance(&pairs, &Settings::default())?;
+/// // What f32 left open, the processor finishes in f64.
+/// batch.settle();
+/// assert_eq!(batch.answers()[0].status, Status::Overlapping);
+/// assert!(batch.answers()[1].lower > 2.0);
+/// # Ok::<(), hullmap_wgpu::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Batch<'p> {
+    pack: &'p Pack,
+    hulls: Vec<HullRecord>,
+    gpu: Option<Gpu>,
+    query: Query,
+    settings: Settings,
+    pairs: Vec<Pair>,
+    records: Vec<PairRecord>,
+    answer_records: Vec<AnswerRecord>,
+    answers: Vec<Answer>,
+    vertices: Vec<SupportAnswer>,
+}
+
+impl<'p> Batch<'p> {
+    /// Batches of the hulls of `pack`.
+    ///
+    /// # Errors
+    /// With [`Backend::Wgpu`], the errors of [`Device::open`] and [`DevicePack::upload`]. With
+    /// [`Backend::Auto`], these errors select the processor.
+    ///
+    /// # Complexity
+    /// Opening the device, and one copy of the pack. With several packs, open the device once and
+    /// use [`Batch::on`].
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap_wgpu::{Backend, Batch};
+    ///
+    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
+    /// let batch = Batch::new(&pack, Backend::Cpu)?;
+    /// assert_eq!(batch.backend(), Backend::Cpu);
+    /// # Ok::<(), hullmap_wgpu::Error>(())
+    /// ```
+    pub fn new(pack: &'p Pack, backend: Backend) -> Result<Self, Error> {
+        match backend {
+            Backend::Cpu => Self::with(pack, None),
+            Backend::Wgpu => Self::on(&Device::open()?, pack),
+            Backend::Auto => match Device::open().and_then(|device| Self::on(&device, pack)) {
+                Ok(batch) => Ok(batch),
+                Err(_) => Self::with(pack, None),
+            },
+        }
+    }
+
+    /// Batches of the hulls of `pack` on `device`.
+    ///
+    /// # Errors
+    /// Those of [`DevicePack::upload`].
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap_wgpu::{Backend, Batch, Device};
+    ///
+    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
+    /// if let Ok(device) = Device::open() {
+    ///     assert_eq!(Batch::on(&device, &pack)?.backend(), Backend::Wgpu);
+    /// }
+    /// # Ok::<(), hullmap_wgpu::Error>(())
+    /// ```
+    pub fn on(device: &Device, pack: &'p Pack) -> Result<Self, Error> {
+        let pack_on_device = DevicePack::upload(device, pack)?;
+        Self::with(pack, Some(Gpu { pack: pack_on_device, pairs: None, directions: None }))
+    }
+
+    fn with(pack: &'p Pack, gpu: Option<Gpu>) -> Result<Self, Error> {
+        // The processor reads the pack itself, on every kind of processor.
+        let hulls = if gpu.is_some() { Tables::of(pack)?.hulls } else { Vec::new() };
+        Ok(Self {
+            pack,
+            hulls,
+            gpu,
+            query: Query::Distance,
+            settings: Settings::default(),
+            pairs: Vec::new(),
+            records: Vec::new(),
+            answer_records: Vec::new(),
+            answers: Vec::new(),
+            vertices: Vec::new(),
+        })
+    }
+
+    /// Where batches are solved: [`Backend::Cpu`] or [`Backend::Wgpu`].
+    ///
+    /// # Examples
+    /// ```
+    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
+    /// use hullmap_wgpu::{Backend, Batch};
+    ///
+    /// assert_ne!(Batch::new(&pack, Backend::Auto)?.backend(), Backend::Auto);
+    /// # Ok::<(), hullmap_wgpu::Error>(())
+    /// ```
+    pub fn backend(&self) -> Backend {
+        if self.gpu.is_some() { Backend::Wgpu } else { Backend::Cpu }
+    }
+
+    /// Solves all later batches on the processor, for instance after [`Error::Device`].
+    ///
+    /// # Examples
+    /// ```
+    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
+    /// use hullmap_wgpu::{Backend, Batch};
+    ///
+    /// let mut batch = Batch::new(&pack, Backend::Auto)?;
+    /// batch.use_processor();
+    /// assert_eq!(batch.backend(), Backend::Cpu);
+    /// # Ok::<(), hullmap_wgpu::Error>(())
+    /// ```
+    pub fn use_processor(&mut self) {
+        self.gpu = None;
+    }
+
+    /// Whether the hulls of each pair overlap. The answers are in [`answers`](Self::answers).
+    ///
+    /// [`Status::Separated`] and [`Status::Overlapping`] are proven. The interval of the distance is
+    /// valid, but as wide as it was when the answer was known.
+    ///
+    /// # Errors
+    /// [`Error::Device`] if the device failed. There are no answers then.
+    ///
+    /// # Complexity
+    /// At most [`MAX_STEPS`] support calls for each pair.
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::Pose;
+    /// use hullmap_wgpu::{Backend, Batch, Pair, Status};
+    ///
+    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
+    /// let mut batch = Batch::new(&pack, Backend::Auto)?;
+    /// let answers = batch.intersects(&[Pair { a: 0, b: 0, b_in_a: Pose::IDENTITY }])?;
+    /// assert_eq!(answers[0].status, Status::Overlapping);
+    /// # Ok::<(), hullmap_wgpu::Error>(())
+    /// ```
+    pub fn intersects(&mut self, pairs: &[Pair]) -> Result<&[Answer], Error> {
+        self.solve(pairs, Query::Intersects, &Settings::default())
+    }
+
+    /// Distance of the hulls of each pair. The answers are in [`answers`](Self::answers), too.
+    ///
+    /// # Errors
+    /// [`Error::Device`] if the device failed. There are no answers then.
+    ///
+    /// # Complexity
+    /// At most [`MAX_STEPS`] support calls for each pair, or `settings.max_iterations` if that is
+    /// less.
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::{Pose, Settings, glam::DVec3};
+    /// use hullmap_wgpu::{Backend, Batch, Pair};
+    ///
+    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
+    /// let b_in_a = Pose::from_translation(DVec3::X * 4.0).expect("finite");
+    /// let mut batch = Batch::new(&pack, Backend::Auto)?;
+    /// let answers = batch.distance(&[Pair { a: 0, b: 0, b_in_a }], &Settings::default())?;
+    /// assert!(answers[0].lower > 1.0 && answers[0].upper < 3.5);
+    /// # Ok::<(), hullmap_wgpu::Error>(())
+    /// ```
+    pub fn distance(&mut self, pairs: &[Pair], settings: &Settings) -> Result<&[Answer], Error> {
+        self.solve(pairs, Query::Distance, settings)
+    }
+
+    /// Answers of the last batch, in the order of its pairs.
+    ///
+    /// # Examples
+    /// ```
+    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
+    /// use hullmap_wgpu::{Backend, Batch};
+    ///
+    /// assert!(Batch::new(&pack, Backend::Cpu)?.answers().is_empty());
+    /// # Ok::<(), hullmap_wgpu::Error>(())
+    /// ```
+    pub fn answers(&self) -> &[Answer] {
+        &self.answers
+    }
+
+    /// What the kernel read and wrote in the last batch. Empty if the processor solved it.
+    ///
+    /// # Examples
+    /// ```
+    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
+    /// use hullmap_wgpu::{Backend, Batch};
+    ///
+    /// let batch = Batch::new(&pack, Backend::Cpu)?;
+    /// assert!(batch.records().0.is_empty() && batch.records().1.is_empty());
+    /// # Ok::<(), hullmap_wgpu::Error>(())
+    /// ```
+    pub fn records(&self) -> (&[PairRecord], &[AnswerRecord]) {
+        (&self.records, &self.answer_records)
+    }
+
+    fn solve(&mut self, pairs: &[Pair], query: Query, settings: &Settings) -> Result<&[Answer], Error> {
+        (self.query, self.settings) = (query, *settings);
+        self.answers.clear();
+        self.records.clear();
+        self.answer_records.clear();
+        self.pairs.clear();
+        self.pairs.extend_from_slice(pairs);
+        let Some(gpu) = &mut self.gpu else {
+            self.answers.extend(pairs.iter().map(|pair| on_processor(self.pack, pair, query, settings)));
+            return Ok(&self.answers);
+        };
+        self.records.extend(pairs.iter().map(|pair| PairRecord::of(pair, &self.hulls)));
+        let parameters = Parameters {
+            count: 0,
+            query: u32::from(query == Query::Distance),
+            max_steps: settings.max_iterations.min(MAX_STEPS),
+            // NaN and negative tolerances count as 0.
+            tolerance: settings.tolerance.max(0.0) as f32,
+        };
+        let answers = &mut self.answer_records;
+        Buffers::run(&mut gpu.pairs, &gpu.pack, Kernel::SolvePairs, parameters, &self.records, answers)?;
+        let solved = answers.iter().zip(&self.records);
+        self.answers.extend(solved.map(|(answer, pair)| Answer::of(answer, pair, &self.hulls)));
+        Ok(&self.answers)
+    }
+
+    /// Solves on the processor what the last batch left unsettled, in f64, and returns the number of
+    /// such pairs. Their answers are the processor's own, bit for bit.
+    ///
+    /// A pair that is still [`Status::Open`] touches within the rounding error of f64.
+    ///
+    /// # Complexity
+    /// One query of `hullmap` for each of these pairs.
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::{Pose, Settings, glam::DVec3};
+    /// use hullmap_wgpu::{Backend, Batch, Pair};
+    ///
+    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
+    /// let b_in_a = Pose::from_translation(DVec3::X * 4.0).expect("finite");
+    /// let mut batch = Batch::new(&pack, Backend::Auto)?;
+    /// batch.distance(&[Pair { a: 0, b: 0, b_in_a }], &Settings::default())?;
+    /// batch.settle();
+    /// assert!(!batch.answers()[0].status.is_unsettled());
+    /// # Ok::<(), hullmap_wgpu::Error>(())
+    /// ```
+    pub fn settle(&mut self) -> usize {
+        if self.answer_records.is_empty() {
+            // The processor solved the batch.
+            return 0;
+        }
+        let mut settled = 0;
+        for (pair, answer) in self.pairs.iter().zip(&mut self.answers) {
+            if answer.status.is_unsettled() {
+                *answer = on_processor(self.pack, pair, self.query, &self.settings);
+                settled += 1;
+            }
+        }
+        settled
+    }
+
+    /// Support vertex of each query's hull.
+    ///
+    /// # Errors
+    /// [`Error::Device`] if the device failed.
+    ///
+    /// # Complexity
+    /// A support query each.
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::glam::Vec3;
+    /// use hullmap_wgpu::{Backend, Batch, SupportQuery};
+    ///
+    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
+    /// let mut batch = Batch::new(&pack, Backend::Auto)?;
+    /// let found = batch.support(&[SupportQuery { hull: 0, dir: Vec3::Z }])?;
+    /// assert_eq!(Some(found[0].point), pack.hull(0).expect("it has a hull").vertex(found[0].vertex));
+    /// # Ok::<(), hullmap_wgpu::Error>(())
+    /// ```
+    pub fn support(&mut self, queries: &[SupportQuery]) -> Result<&[SupportAnswer], Error> {
+        self.vertices.clear();
+        let nothing = SupportAnswer { vertex: 0, point: Vec3::ZERO, is_certain: false };
+        let unit = |dir: Vec3| dir.as_dvec3().try_normalize().map(DVec3::as_vec3);
+        let Some(gpu) = &mut self.gpu else {
+            self.vertices.extend(queries.iter().map(|query| match self.pack.hull(query.hull as usize) {
+                Ok(hull) => {
+                    let found = hull.support(query.dir);
+                    SupportAnswer { vertex: found.index, point: found.point, is_certain: unit(query.dir).is_some() }
+                }
+                Err(_) => nothing,
+            }));
+            return Ok(&self.vertices);
+        };
+        let is_whole = |hull: u32| self.hulls.get(hull as usize).is_some_and(|hull| hull.block_count > 0);
+        let directions: Vec<DirectionRecord> = queries
+            .iter()
+            .map(|query| match unit(query.dir).filter(|_| is_whole(query.hull)) {
+                Some(dir) => DirectionRecord { dir: dir.to_array(), hull: query.hull },
+                None => DirectionRecord { dir: [0.0; 3], hull: PairRecord::REJECTED },
+            })
+            .collect();
+        let mut found: Vec<FoundRecord> = Vec::with_capacity(queries.len());
+        let parameters = Parameters { count: 0, query: 0, max_steps: 0, tolerance: 0.0 };
+        Buffers::run(&mut gpu.directions, &gpu.pack, Kernel::FindVertices, parameters, &directions, &mut found)?;
+        self.vertices.extend(queries.iter().zip(&found).map(|(query, found)| {
+            let hull = self.pack.hull(query.hull as usize).ok();
+            match hull.and_then(|hull| hull.vertex(found.vertex)) {
+                Some(point) => SupportAnswer { vertex: found.vertex, point, is_certain: found.is_certain != 0 },
+                None => nothing,
+            }
+        }));
+        Ok(&self.vertices)
+    }
+}
+
+/// The answer of `hullmap` itself.
+fn on_processor(pack: &Pack, pair: &Pair, query: Query, settings: &Settings) -> Answer {
+    let (Ok(a), Ok(b)) = (pack.hull(pair.a as usize), pack.hull(pair.b as usize)) else {
+        return Answer::UNKNOWN;
+    };
+    match query {
+        Query::Intersects => {
+            let found = hullmap::intersects(&a, &b, pair.b_in_a, &mut Cache::new());
+            let status = match found.status {
+                Overlap::Separated => Status::Separated,
+                Overlap::Overlapping => Status::Overlapping,
+                Overlap::Touching => Status::Open,
+                Overlap::Undecided => Status::Budget,
+            };
+            let upper = if status == Status::Overlapping { 0.0 } else { f64::INFINITY };
+            Answer { status, upper, steps: found.support_calls, ..Answer::UNKNOWN }
+        }
+        Query::Distance => of_distance(&hullmap::distance(&a, &b, pair.b_in_a, settings, &mut Cache::new())),
+    }
+}
+
+fn of_distance(found: &Distance) -> Answer {
+    use hullmap::Status as Ended;
+    let status = match found.status {
+        Ended::Overlapping => Status::Overlapping,
+        Ended::IterationLimit => Status::Budget,
+        Ended::Exact | Ended::Within if found.lower > 0.0 => Status::Separated,
+        _ if found.lower > 0.0 => Status::Stalled,
+        _ => Status::Open,
+    };
+    Answer {
+        status,
+        lower: found.lower,
+        upper: found.upper,
+        normal: found.normal,
+        point_a: found.point_a,
+        point_b: found.point_b,
+        steps: found.support_calls,
+    }
+}

@@ -1,0 +1,30 @@
+//! Batches of support queries, intersection tests and distances of baked hulls, as compute kernels
+//! (wgpu, WGSL) on the bytes of a pack.
+//!
+//! [`Batch`] solves pairs of hulls of one pack, on a Vulkan device or on the processor. The kernels
+//! compute in f32. They return intervals that contain the distance in spite of all rounding errors,
+//! fused operations included, and a [`Status`] that says what is proven. [`Batch::settle`] finishes on
+//! the processor, in f64, what f32 left open.
+//!
+//! # Files
+//! - `batch.rs`: the calls, and the processor's side of them.
+//! - `device.rs`: the device, the pack in its memory, buffers and dispatches.
+//! - `records.rs`: what the kernels read and write.
+//! - `kernels.wgsl`: the kernels. [`twin`] is the same code in Rust, for tests.
+//!
+//! # Limits
+//! - A batch has hulls of one pack. Sections longer than a binding are an error.
+//! - There is no kernel for penetration depths yet: use `hullmap::batch::contact`.
+//! - Correctness is tested on Mesa's lavapipe. Times on hardware are not measured yet.
+
+mod batch;
+mod device;
+mod error;
+mod records;
+pub mod twin;
+
+pub use batch::{Backend, Batch, SUPPORT_SHORTFALL, SupportAnswer, SupportQuery};
+pub use device::{Device, DevicePack};
+pub use error::Error;
+pub use records::{Answer, AnswerRecord, HullRecord, Pair, PairRecord, Status, Tables};
+pub use twin::{MAX_STEPS, Query};

@@ -1,0 +1,294 @@
+//! The kernels against their twin, against f64, and under damage. Without a Vulkan device, each test
+//! says so and passes; with `HULLMAP_REQUIRE_GPU=1` it fails.
+
+mod scene;
+
+use std::collections::BTreeMap;
+
+use hullmap::glam::{DVec3, Vec3};
+use hullmap::{Cache, Pack, Settings, SupportMap};
+use hullmap_bake::IndexKind;
+use hullmap_testkit::{
+    gap::gap,
+    packs::{ALL_INDICES, reseal},
+    polytope::{Polytope, rounding_error},
+    random::RandomPoses,
+};
+use hullmap_wgpu::{
+    AnswerRecord, Backend, Batch, Error, MAX_STEPS, Pair, Query, SUPPORT_SHORTFALL, Status, SupportQuery, Tables, twin,
+};
+use shapes::rng::SplitMix64;
+
+const TOLERANCE: f32 = 1e-5;
+
+fn twin_answers<const FUSED: bool>(pack: &Pack, batch: &Batch<'_>, query: Query) -> Vec<AnswerRecord> {
+    let tables = Tables::of(pack).expect("little-endian");
+    let solve = |record| twin::solve::<FUSED>(&tables, record, query, TOLERANCE, MAX_STEPS);
+    batch.records().0.iter().map(solve).collect()
+}
+
+fn solve<'b>(batch: &'b mut Batch<'_>, query: Query, pairs: &[Pair]) -> &'b [hullmap_wgpu::Answer] {
+    match query {
+        Query::Intersects => batch.intersects(pairs),
+        Query::Distance => batch.distance(pairs, &Settings { tolerance: f64::from(TOLERANCE), ..Settings::default() }),
+    }
+    .expect("the device works")
+}
+
+fn counts(answers: &[hullmap_wgpu::Answer]) -> BTreeMap<&'static str, usize> {
+    let mut counts = BTreeMap::new();
+    for answer in answers {
+        *counts.entry(answer.status.as_str()).or_insert(0) += 1;
+    }
+    counts
+}
+
+#[test]
+fn kernels_return_the_bits_of_the_twin() {
+    let Some(device) = scene::device() else { return };
+    println!("{}", device.description());
+    for index in ALL_INDICES {
+        let pack = scene::pack(index);
+        let pairs = scene::pairs(&pack, scene::pair_count(4_000), 1);
+        let mut batch = Batch::on(&device, &pack).unwrap();
+        for query in [Query::Intersects, Query::Distance] {
+            solve(&mut batch, query, &pairs);
+            let expected = twin_answers::<false>(&pack, &batch, query);
+            let differ = |(found, expected): &(&AnswerRecord, &AnswerRecord)| found.bits() != expected.bits();
+            let wrong: Vec<_> = batch.records().1.iter().zip(&expected).filter(differ).collect();
+            println!("{index:?} {query:?}: {:?}, {} differ", counts(batch.answers()), wrong.len());
+            assert!(wrong.is_empty(), "{} of {} differ; the first: {:?}", wrong.len(), pairs.len(), wrong[0]);
+        }
+    }
+}
+
+/// What an answer claims, against points and planes found by Wolfe's algorithm in f64.
+#[test]
+fn intervals_hold_the_distance() {
+    let Some(device) = scene::device() else { return };
+    let pack = scene::pack(IndexKind::Tree);
+    let pairs = scene::pairs(&pack, scene::pair_count(4_000), 2);
+    let polytopes: Vec<_> = (0..pack.hull_count()).map(|index| Polytope::new(&pack.hull(index).unwrap())).collect();
+    let mut batch = Batch::on(&device, &pack).unwrap();
+    let yes_or_no = solve(&mut batch, Query::Intersects, &pairs).to_vec();
+    let answers = solve(&mut batch, Query::Distance, &pairs);
+    let (mut widest, mut open) = (0.0_f64, 0);
+    for (at, pair) in pairs.iter().enumerate() {
+        let (a, b) = (&polytopes[pair.a as usize], polytopes[pair.b as usize].placed(pair.b_in_a));
+        let truth = gap(a, &b);
+        let slack = rounding_error(a, &b, 1.0);
+        for answer in [&answers[at], &yes_or_no[at]] {
+            let holds = answer.lower <= truth.upper + slack && truth.lower - slack <= answer.upper;
+            assert!(holds, "pair {at}, seed 2: {answer:?} of {truth:?}");
+            match answer.status {
+                Status::Separated | Status::Stalled => assert!(truth.upper + slack > 0.0 && answer.upper > 0.0, "{at}"),
+                Status::Overlapping => assert!(truth.lower <= slack, "pair {at}, seed 2: overlaps, but {truth:?}"),
+                Status::Open | Status::Budget => assert_eq!(answer.lower, 0.0, "pair {at}"),
+                Status::Rejected => panic!("pair {at} was rejected"),
+            }
+        }
+        let reach = pack.hull(pair.a as usize).unwrap().outer_radius() + pack.hull(pair.b as usize).unwrap().outer_radius();
+        widest = widest.max((answers[at].upper - answers[at].lower) / reach);
+        open += usize::from(answers[at].status.is_unsettled());
+    }
+    let counts = counts(answers);
+    println!("{counts:?}; the widest interval is {widest:.2e} of the radii");
+    let share = |status: &str| counts.get(status).copied().unwrap_or(0) as f64 / pairs.len() as f64;
+    assert!(share("separated") > 0.2 && share("overlapping") > 0.2, "{counts:?}");
+    assert!((open as f64) < 0.3 * pairs.len() as f64, "{counts:?}");
+}
+
+#[test]
+fn the_processor_agrees_and_settles_the_rest_bit_for_bit() {
+    let Some(device) = scene::device() else { return };
+    let pack = scene::pack(IndexKind::Tree);
+    let pairs = scene::pairs(&pack, scene::pair_count(4_000), 3);
+    let settings = Settings::default();
+    let mut on_gpu = Batch::on(&device, &pack).unwrap();
+    let mut on_cpu = Batch::new(&pack, Backend::Cpu).unwrap();
+    let expected = on_cpu.distance(&pairs, &settings).unwrap();
+    let before = on_gpu.distance(&pairs, &settings).unwrap().to_vec();
+    let settled = on_gpu.settle();
+    assert_eq!(settled, before.iter().filter(|answer| answer.status.is_unsettled()).count());
+    assert!(settled > 0);
+    for (at, pair) in pairs.iter().enumerate() {
+        let (before, after, expected) = (&before[at], &on_gpu.answers()[at], &expected[at]);
+        match before.status {
+            Status::Separated => assert!(expected.upper > 0.0 && expected.status != Status::Overlapping, "pair {at}"),
+            Status::Overlapping => assert!(expected.lower == 0.0, "pair {at}: {expected:?}"),
+            _ => {
+                assert_eq!(after, expected, "pair {at}");
+                let (a, b) = (pack.hull(pair.a as usize).unwrap(), pack.hull(pair.b as usize).unwrap());
+                let own = hullmap::distance(&a, &b, pair.b_in_a, &settings, &mut Cache::new());
+                assert_eq!((after.lower.to_bits(), after.point_a), (own.lower.to_bits(), own.point_a));
+            }
+        }
+    }
+}
+
+#[test]
+fn permuted_pairs_have_permuted_answers() {
+    let Some(device) = scene::device() else { return };
+    let pack = scene::pack(IndexKind::Tree);
+    let mut pairs = scene::pairs(&pack, 1_000, 4);
+    let mut batch = Batch::on(&device, &pack).unwrap();
+    solve(&mut batch, Query::Distance, &pairs);
+    let mut expected: Vec<_> = batch.records().1.iter().map(AnswerRecord::bits).collect();
+    let mut rng = SplitMix64::new(5);
+    for last in (1..pairs.len()).rev() {
+        let other = rng.below(last + 1);
+        pairs.swap(last, other);
+        expected.swap(last, other);
+    }
+    solve(&mut batch, Query::Distance, &pairs);
+    assert!(batch.records().1.iter().map(AnswerRecord::bits).eq(expected));
+    // A shorter batch in the same buffers.
+    solve(&mut batch, Query::Distance, &pairs[..7]);
+    assert!(batch.answers().len() == 7);
+    assert!(solve(&mut batch, Query::Distance, &[]).is_empty());
+}
+
+/// Devices may fuse products and sums. That needs no device.
+#[test]
+fn fused_operations_never_contradict_unfused_ones() {
+    for index in [IndexKind::Tree, IndexKind::CubeMap { resolution: 24 }] {
+        let pack = scene::pack(index);
+        let tables = Tables::of(&pack).unwrap();
+        let pairs = scene::pairs(&pack, 4_000, 6);
+        let mut other = 0;
+        for pair in pairs {
+            let record = twin::prepare(&tables, &pair);
+            for query in [Query::Intersects, Query::Distance] {
+                let plain = twin::solve::<false>(&tables, &record, query, TOLERANCE, MAX_STEPS);
+                let fused = twin::solve::<true>(&tables, &record, query, TOLERANCE, MAX_STEPS);
+                let proofs = [plain.status(), fused.status()];
+                let contradicts = proofs.contains(&Status::Overlapping)
+                    && (proofs.contains(&Status::Separated) || proofs.contains(&Status::Stalled));
+                assert!(!contradicts, "{pair:?}: {proofs:?}");
+                assert!(plain.lower <= fused.upper && fused.lower <= plain.upper, "{pair:?}: {plain:?}, {fused:?}");
+                other += usize::from(plain.bits() != fused.bits());
+            }
+        }
+        assert!(other > 1_000, "the fused twin must compute something else: {other}");
+    }
+}
+
+/// A scan in f64, in random directions, along axes and seams, and along normals of faces, where the
+/// planes and fans of an index meet.
+#[test]
+fn support_vertices_fall_short_by_rounding_error_only() {
+    let Some(device) = scene::device() else { return };
+    for index in ALL_INDICES {
+        let pack = scene::pack(index);
+        let tables = Tables::of(&pack).unwrap();
+        let mut batch = Batch::on(&device, &pack).unwrap();
+        let mut rng = SplitMix64::new(7);
+        let mut queries = Vec::new();
+        for (at, hull) in (0..pack.hull_count()).map(|at| (at as u32, pack.hull(at).unwrap())) {
+            let mut ask = |dir: DVec3| queries.push(SupportQuery { hull: at, dir: dir.as_vec3() });
+            for _ in 0..200 {
+                let dir = rng.unit_vector();
+                ask(dir * 10_f64.powf(rng.between(-6.0, 6.0)));
+                ask(dir.signum() + dir * 1e-7);
+            }
+            for axis in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(1.0, 1.0, 0.0), DVec3::ONE] {
+                ask(axis);
+                ask(-axis);
+            }
+            for normal in (0..hull.face_count().min(300)).filter_map(|face| hull.face_normal(face as u32)) {
+                ask(normal);
+                for size in [1e-7, 1e-6, 1e-5, 1e-4] {
+                    ask(normal + rng.unit_vector() * size);
+                }
+            }
+        }
+        let found = batch.support(&queries).unwrap();
+        let mut worst = 0.0_f64;
+        for (query, found) in queries.iter().zip(found) {
+            let hull = pack.hull(query.hull as usize).unwrap();
+            let dir = query.dir.as_dvec3();
+            let best = hull.vertices().map(|v| v.as_dvec3().dot(dir)).fold(f64::NEG_INFINITY, f64::max);
+            let regret = (best - found.point.as_dvec3().dot(dir)) / (dir.length() * hull.outer_radius().max(1e-30));
+            assert!(found.is_certain && regret <= SUPPORT_SHORTFALL, "{index:?}: {query:?} {found:?} {regret:e}");
+            worst = worst.max(regret);
+            let unit = dir.normalize().as_vec3().to_array();
+            let twin = twin::support::<false>(&tables, query.hull, unit);
+            assert_eq!(twin.vertex, found.vertex, "{index:?}: {query:?}");
+        }
+        println!("{index:?}: {} directions, greatest regret {worst:.2e} of the radius", queries.len());
+        for dir in [Vec3::ZERO, Vec3::NAN, Vec3::INFINITY] {
+            assert!(!batch.support(&[SupportQuery { hull: 0, dir }]).unwrap()[0].is_certain);
+        }
+        assert!(!batch.support(&[SupportQuery { hull: 99, dir: Vec3::X }]).unwrap()[0].is_certain);
+    }
+}
+
+#[test]
+fn damaged_packs_neither_hang_nor_read_outside() {
+    let Some(device) = scene::device() else { return };
+    let mut rng = SplitMix64::new(8);
+    let mut opened = 0;
+    for index in [IndexKind::Tree, IndexKind::Binary, IndexKind::CubeMap { resolution: 24 }] {
+        let whole = scene::pack(index);
+        let pairs = scene::pairs(&whole, 256, 9);
+        let queries: Vec<_> =
+            (0..256).map(|at| SupportQuery { hull: at % 13, dir: rng.unit_vector().as_vec3() }).collect();
+        for round in 0..20 {
+            let mut file = whole.bytes().to_vec();
+            for _ in 0..1 << (round % 12) {
+                let at = 64 + rng.below(file.len() - 64 - 144);
+                file[at] ^= 1 << rng.below(8);
+            }
+            reseal(&mut file);
+            let Ok(pack) = Pack::from_bytes_skipping_contents(&file) else { continue };
+            opened += 1;
+            let mut batch = Batch::on(&device, &pack).unwrap();
+            solve(&mut batch, Query::Distance, &pairs);
+            twin_answers::<false>(&pack, &batch, Query::Distance);
+            batch.support(&queries).unwrap();
+        }
+    }
+    assert!(opened > 10, "{opened} packs opened");
+}
+
+#[test]
+fn pairs_of_no_hull_are_rejected_alone() {
+    let Some(device) = scene::device() else { return };
+    let pack = scene::pack(IndexKind::Tree);
+    let mut batch = Batch::on(&device, &pack).unwrap();
+    let mut pairs = scene::pairs(&pack, 3, 10);
+    pairs[1].b = 1_000;
+    let answers = solve(&mut batch, Query::Distance, &pairs);
+    assert!(answers[1].status == Status::Rejected && answers[1].upper == f64::INFINITY && answers[1].lower == 0.0);
+    assert!(answers[0].status != Status::Rejected && answers[2].status != Status::Rejected);
+}
+
+#[test]
+fn a_few_steps_end_with_a_valid_interval() {
+    let Some(device) = scene::device() else { return };
+    let pack = scene::pack(IndexKind::Tree);
+    let pairs = scene::pairs(&pack, 500, 11);
+    let mut batch = Batch::on(&device, &pack).unwrap();
+    let whole = solve(&mut batch, Query::Distance, &pairs).to_vec();
+    for max_iterations in [0, 1, 2, 4] {
+        let few = batch.distance(&pairs, &Settings { max_iterations, ..Settings::default() }).unwrap();
+        assert!(few.iter().any(|answer| answer.status == Status::Budget));
+        for (few, whole) in few.iter().zip(&whole) {
+            assert!(few.steps <= max_iterations && few.lower <= whole.upper && whole.lower <= few.upper);
+        }
+    }
+}
+
+#[test]
+fn a_lost_device_is_an_error_and_the_processor_takes_over() {
+    let Some(device) = scene::device() else { return };
+    let pack = scene::pack(IndexKind::Tree);
+    let pairs = scene::pairs(&pack, 50, 12);
+    let mut batch = Batch::on(&device, &pack).unwrap();
+    device.destroy();
+    let error = batch.distance(&pairs, &Settings::default()).unwrap_err();
+    assert!(matches!(error, Error::Device { .. }), "{error}");
+    assert!(batch.answers().is_empty());
+    batch.use_processor();
+    assert_eq!(batch.distance(&pairs, &Settings::default()).unwrap().len(), 50);
+}
