@@ -392,20 +392,25 @@ var<private> simplex: array<Corner, 4>;
 
 fn on_segment(i: u32, j: u32) -> Closest {
     let a = simplex[i].w;
-    let edge = simplex[j].w - a;
-    let along = -dot_of(a, edge);
-    let square = dot_of(edge, edge);
-    var t = 0.0;
-    if along > 0.0 {
-        t = along * (1.0 / square);
-    }
-    if t > 1.0 {
-        t = 1.0;
-    }
-    let y = edge * t + a;
+    let b = simplex[j].w;
+    let edge = b - a;
+    let of_a = dot_of(b, edge);
+    let of_b = -dot_of(a, edge);
     var weights = vec4f();
-    weights[i] = 1.0 - t;
-    weights[j] = t;
+    var y = a;
+    if !(of_b > 0.0) {
+        weights[i] = 1.0;
+    } else if !(of_a > 0.0) {
+        weights[j] = 1.0;
+        y = b;
+    } else {
+        let inverse = 1.0 / (of_a + of_b);
+        let r = of_a * inverse;
+        let s = of_b * inverse;
+        weights[i] = r;
+        weights[j] = s;
+        y = b * s + a * r;
+    }
     return Closest(weights, y, dot_of(y, y));
 }
 
@@ -430,10 +435,11 @@ fn on_triangle(i: u32, j: u32, k: u32) -> Closest {
     var weights = vec4f();
     if of_a > 0.0 && of_b > 0.0 && of_c > 0.0 {
         let inverse = 1.0 / (of_a + of_b + of_c);
+        let r = of_a * inverse;
         let s = of_b * inverse;
         let t = of_c * inverse;
-        let y = a + (ac * t + ab * s);
-        weights[i] = of_a * inverse;
+        let y = c * t + (b * s + a * r);
+        weights[i] = r;
         weights[j] = s;
         weights[k] = t;
         return Closest(weights, y, dot_of(y, y));

@@ -21,7 +21,7 @@ mod rounding_units {
     /// For the sum of the outer radii.
     pub(super) const RADII: f64 = 54.0;
     /// For the length of the centre v₀.
-    pub(super) const CENTER: f64 = 16.0;
+    pub(super) const CENTER: f64 = 20.0;
     /// For the lengths that only f64 rounds, in units of `f64::EPSILON`. The largest coefficient in
     /// `hullmap::solver`.
     pub(super) const DOUBLE: f64 = 68.0;

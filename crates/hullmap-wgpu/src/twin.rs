@@ -88,7 +88,6 @@ fn cross<const FUSED: bool>(a: Vector, b: Vector) -> Vector {
     ]
 }
 
-
 fn sub(a: Vector, b: Vector) -> Vector {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
@@ -392,25 +391,29 @@ struct Closest {
 const FACES: [[usize; 3]; 4] = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
 
 fn on_segment<const FUSED: bool>(simplex: &[Corner; 4], i: usize, j: usize) -> Closest {
-    let a = simplex[i].w;
-    let edge = sub(simplex[j].w, a);
-    let along = -dot::<FUSED>(a, edge);
-    let square = dot::<FUSED>(edge, edge);
-    let mut t = 0.0;
-    if along > 0.0 {
-        t = along * (1.0 / square);
-    }
-    if t > 1.0 {
-        t = 1.0;
-    }
-    let y = [
-        mad::<FUSED>(edge[0], t, a[0]),
-        mad::<FUSED>(edge[1], t, a[1]),
-        mad::<FUSED>(edge[2], t, a[2]),
-    ];
+    let (a, b) = (simplex[i].w, simplex[j].w);
+    let edge = sub(b, a);
+    let of_a = dot::<FUSED>(b, edge);
+    let of_b = -dot::<FUSED>(a, edge);
     let mut weights = [0.0; 4];
-    weights[i] = 1.0 - t;
-    weights[j] = t;
+    let mut y = a;
+    // NaN takes the first branch.
+    if !(of_b > 0.0) {
+        weights[i] = 1.0;
+    } else if !(of_a > 0.0) {
+        weights[j] = 1.0;
+        y = b;
+    } else {
+        let inverse = 1.0 / (of_a + of_b);
+        let (r, s) = (of_a * inverse, of_b * inverse);
+        weights[i] = r;
+        weights[j] = s;
+        y = [
+            mad::<FUSED>(b[0], s, a[0] * r),
+            mad::<FUSED>(b[1], s, a[1] * r),
+            mad::<FUSED>(b[2], s, a[2] * r),
+        ];
+    }
     Closest { weights, y, square: dot::<FUSED>(y, y) }
 }
 
@@ -424,14 +427,14 @@ fn on_triangle<const FUSED: bool>(simplex: &[Corner; 4], i: usize, j: usize, k: 
     let of_c = dot::<FUSED>(cross::<FUSED>(a, ab), normal);
     if of_a > 0.0 && of_b > 0.0 && of_c > 0.0 {
         let inverse = 1.0 / (of_a + of_b + of_c);
-        let (s, t) = (of_b * inverse, of_c * inverse);
+        let (r, s, t) = (of_a * inverse, of_b * inverse, of_c * inverse);
         let y = [
-            a[0] + mad::<FUSED>(ac[0], t, ab[0] * s),
-            a[1] + mad::<FUSED>(ac[1], t, ab[1] * s),
-            a[2] + mad::<FUSED>(ac[2], t, ab[2] * s),
+            mad::<FUSED>(c[0], t, mad::<FUSED>(b[0], s, a[0] * r)),
+            mad::<FUSED>(c[1], t, mad::<FUSED>(b[1], s, a[1] * r)),
+            mad::<FUSED>(c[2], t, mad::<FUSED>(b[2], s, a[2] * r)),
         ];
         let mut weights = [0.0; 4];
-        weights[i] = of_a * inverse;
+        weights[i] = r;
         weights[j] = s;
         weights[k] = t;
         return Closest { weights, y, square: dot::<FUSED>(y, y) };
