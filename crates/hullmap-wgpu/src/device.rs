@@ -238,7 +238,8 @@ impl Buffers {
         use wgpu::BufferUsages as Usage;
         let capacity = count.next_power_of_two().min(CHUNK);
         let buffer = |size: usize, usage| {
-            let descriptor = wgpu::BufferDescriptor { label: None, size: size as u64, usage, mapped_at_creation: false };
+            let descriptor =
+                wgpu::BufferDescriptor { label: None, size: size as u64, usage, mapped_at_creation: false };
             pack.device.0.device.create_buffer(&descriptor)
         };
         Self {
@@ -320,7 +321,8 @@ impl Buffers {
             pack.device.fail(&error.to_string());
         }
         pack.device.check()?;
-        let view = self.staging.get_mapped_range(0..bytes).map_err(|error| Error::Device { reason: error.to_string() })?;
+        let view =
+            self.staging.get_mapped_range(0..bytes).map_err(|error| Error::Device { reason: error.to_string() })?;
         out.extend(view.chunks_exact(size_of::<O>()).map(bytemuck::pod_read_unaligned::<O>));
         drop(view);
         self.staging.unmap();

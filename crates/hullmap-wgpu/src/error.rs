@@ -10,7 +10,9 @@ pub enum Error {
         reason: String,
     },
     /// A section of the pack is longer than the device can bind.
-    #[error("the section `{section}` has {found} bytes, but the device binds {limit}; use Backend::Cpu or split the pack")]
+    #[error(
+        "the section `{section}` has {found} bytes, but the device binds {limit}; use Backend::Cpu or split the pack"
+    )]
     TooLarge {
         /// Name of the section.
         section: &'static str,

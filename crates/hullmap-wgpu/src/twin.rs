@@ -73,7 +73,7 @@ const NO_NORMAL: f32 = 1e-30;
 type Vector = [f32; 3];
 
 fn mad<const FUSED: bool>(a: f32, b: f32, c: f32) -> f32 {
-    if FUSED { a.mul_add(b, c) } else { a * b + c }
+    if FUSED { libm::fmaf(a, b, c) } else { a * b + c }
 }
 
 fn dot<const FUSED: bool>(a: Vector, b: Vector) -> f32 {
@@ -124,7 +124,8 @@ fn decode(low: u32, high: u32) -> f32 {
     if exponent <= 0 {
         return 0.0;
     }
-    let magnitude = if exponent >= 255 { 0x7f00_0000 } else { (exponent as u32) << 23 | (high & 0xf_ffff) << 3 | low >> 29 };
+    let magnitude =
+        if exponent >= 255 { 0x7f00_0000 } else { (exponent as u32) << 23 | (high & 0xf_ffff) << 3 | low >> 29 };
     f32::from_bits(high & 0x8000_0000 | magnitude)
 }
 
@@ -211,8 +212,7 @@ impl Run<'_> {
         }
         let inverse = 1.0 / size;
         let grid = |c: f32| {
-            let t = c * inverse;
-            let t = if t > 1.0 { 1.0 } else if t < -1.0 { -1.0 } else { t };
+            let t = (c * inverse).clamp(-1.0, 1.0);
             mad::<FUSED>(t, GRID_SCALE, ROUND_BY).to_bits() & GRID_MASK
         };
         let mut u = grid(dir[(axis + 1) % 3]);
@@ -221,8 +221,8 @@ impl Run<'_> {
         if hull.kind == kind::CUBE_MAP {
             let r = hull.resolution;
             // ⌊u r / 2²³⌋ without 64 bits: r is below 2²⁰.
-            let column = ((u >> 11) * r + ((u & 2047) * r >> 11)) >> 12;
-            let row = ((v >> 11) * r + ((v & 2047) * r >> 11)) >> 12;
+            let column = ((u >> 11) * r + (((u & 2047) * r) >> 11)) >> 12;
+            let row = ((v >> 11) * r + (((v & 2047) * r) >> 11)) >> 12;
             return self.slot(hull, face.wrapping_mul(r).wrapping_add(row).wrapping_mul(r).wrapping_add(column));
         }
         let mut word = self.slot(hull, face);
@@ -354,8 +354,10 @@ impl Run<'_> {
                     let mut previous = u32::MAX;
                     for part in 0..8 {
                         let (top, middle, low) = (part >> 2, part >> 1 & 1, part & 1);
-                        let possible =
-                            sides >> top & sides >> (2 + 2 * top + middle) & sides >> (6 + 4 * top + 2 * middle + low) & 1;
+                        let possible = sides >> top
+                            & sides >> (2 + 2 * top + middle)
+                            & sides >> (6 + 4 * top + 2 * middle + low)
+                            & 1;
                         let word = self.slot(hull, at + 42 + part);
                         if possible != 0 && word != previous {
                             stack[height] = [word, 0];
@@ -408,11 +410,7 @@ fn on_segment<const FUSED: bool>(simplex: &[Corner; 4], i: usize, j: usize) -> C
         let (r, s) = (of_a * inverse, of_b * inverse);
         weights[i] = r;
         weights[j] = s;
-        y = [
-            mad::<FUSED>(b[0], s, a[0] * r),
-            mad::<FUSED>(b[1], s, a[1] * r),
-            mad::<FUSED>(b[2], s, a[2] * r),
-        ];
+        y = [mad::<FUSED>(b[0], s, a[0] * r), mad::<FUSED>(b[1], s, a[1] * r), mad::<FUSED>(b[2], s, a[2] * r)];
     }
     Closest { weights, y, square: dot::<FUSED>(y, y) }
 }
@@ -496,6 +494,7 @@ pub fn prepare(tables: &Tables<'_>, pair: &Pair) -> PairRecord {
 /// assert_eq!(answer.status(), Status::Separated);
 /// # Ok::<(), hullmap_wgpu::Error>(())
 /// ```
+#[expect(clippy::needless_range_loop, reason = "the loops are those of the kernel")]
 pub fn solve<const FUSED: bool>(
     tables: &Tables<'_>,
     pair: &PairRecord,
