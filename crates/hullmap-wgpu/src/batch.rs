@@ -36,8 +36,8 @@ pub struct SupportAnswer {
     pub vertex: u32,
     /// Its position, exactly.
     pub point: Vec3,
-    /// Whether its dot product falls short of the maximum by at most [`SUPPORT_SHORTFALL`] times the
-    /// outer radius. False for directions that are zero or not finite, and in damaged packs.
+    /// Whether its dot product falls short of the maximum by at most [`SUPPORT_SHORTFALL`] times
+    /// the outer radius. False for directions that are zero or not finite, and in damaged packs.
     pub is_certain: bool,
 }
 
@@ -311,8 +311,8 @@ impl<'p> Batch<'p> {
         Ok(&self.answers)
     }
 
-    /// Solves on the processor what the last batch left unsettled, in f64, and returns the number of
-    /// such pairs. Their answers are the processor's own, bit for bit.
+    /// Solves on the processor what the last batch left unsettled, in f64, and returns the number
+    /// of such pairs. Their answers are the processor's own, bit for bit.
     ///
     /// A pair that is still [`Status::Open`] touches within the rounding error of f64.
     ///

@@ -16,7 +16,8 @@ use crate::error::Error;
 /// Bound on the relative error of one operation in f32, whichever way it is rounded: 2⁻²³.
 pub(crate) const EPSILON: f64 = 1.0 / (1 << 23) as f64;
 
-/// Coefficients of [`PairRecord::rounding`], in units of [`EPSILON`]: see docs/intervals.md, section 13.
+/// Coefficients of [`PairRecord::rounding`], in units of [`EPSILON`]: see docs/intervals.md,
+/// section 13.
 mod rounding_units {
     /// For the sum of the outer radii.
     pub(super) const RADII: f64 = 54.0;

@@ -6,8 +6,8 @@
 //! devices may; docs/intervals.md, section 13, bounds the errors of both.
 //!
 //! # Reference
-//! Kenwright, section 3. E. G. Gilbert, D. W. Johnson, S. S. Keerthi, "A fast procedure for computing the
-//! distance between complex objects in three-dimensional space", 1988.
+//! Kenwright, section 3. E. G. Gilbert, D. W. Johnson, S. S. Keerthi, "A fast procedure for
+//! computing the distance between complex objects in three-dimensional space", 1988.
 //!
 //! # Steps of a pair
 //! 1. The balls around and inside the hulls decide, or not.

@@ -1,5 +1,5 @@
-//! The kernels against their twin, against f64, and under damage. Without a Vulkan device, each test
-//! says so and passes; with `HULLMAP_REQUIRE_GPU=1` it fails.
+//! The kernels against their twin, against f64, and under damage. Without a Vulkan device, each
+//! test says so and passes; with `HULLMAP_REQUIRE_GPU=1` it fails.
 
 #[expect(clippy::disallowed_methods, reason = "the environment selects how much is tested")]
 mod scene;
