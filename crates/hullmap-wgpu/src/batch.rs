@@ -207,8 +207,8 @@ impl<'p> Batch<'p> {
 
     /// Whether the hulls of each pair overlap. The answers are in [`answers`](Self::answers).
     ///
-    /// [`Status::Separated`] and [`Status::Overlapping`] are proven. The interval of the distance is
-    /// valid, but as wide as it was when the answer was known.
+    /// [`Status::Separated`] and [`Status::Overlapping`] are proven. The interval of the distance
+    /// is valid, but as wide as it was when the answer was known.
     ///
     /// # Errors
     /// [`Error::Device`] if the device failed. There are no answers then.

@@ -17,6 +17,8 @@
 //! - There is no kernel for penetration depths yet: use `hullmap::batch::contact`.
 //! - Correctness is tested on Mesa's lavapipe. Times on hardware are not measured yet.
 
+#![forbid(unsafe_code)]
+
 mod batch;
 mod device;
 mod error;
