@@ -8,7 +8,7 @@ use hullmap::Pack;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 use crate::error::Error;
-use crate::records::{HullRecord, Tables};
+use crate::records::Tables;
 
 /// Threads of a workgroup; `kernels.wgsl` has the same number.
 const WORKGROUP: u32 = 64;
@@ -202,10 +202,9 @@ impl DevicePack {
     /// ```
     pub fn upload(device: &Device, pack: &Pack) -> Result<Self, Error> {
         let tables = Tables::of(pack)?;
-        let hulls: Vec<[u32; size_of::<HullRecord>() / 4]> = bytemuck::cast_slice(&tables.hulls).to_vec();
         let uploaded = Self {
             device: device.clone(),
-            hulls: device.upload("hulls", bytemuck::cast_slice(&hulls))?,
+            hulls: device.upload("hulls", bytemuck::cast_slice(&tables.hulls))?,
             blocks: device.upload("blocks", bytemuck::cast_slice(tables.blocks))?,
             slots: device.upload("slots", bytemuck::cast_slice(tables.slots))?,
         };
