@@ -48,8 +48,8 @@ pub fn pack(index: IndexKind) -> Pack {
     Pack::from_bytes(&bytes).expect("a baked pack opens")
 }
 
-/// Random pairs of the hulls of `pack`, with centres at up to 1.3 times the sum of the radii. One in
-/// four has axes that are parallel, so that faces and edges are, too.
+/// Random pairs of the hulls of `pack`, with centres at up to 1.3 times the sum of the radii. One
+/// in four has axes that are parallel, so that faces and edges are, too.
 pub fn pairs(pack: &Pack, count: usize, seed: u64) -> Vec<Pair> {
     let mut rng = SplitMix64::new(seed);
     let hulls: Vec<_> = (0..pack.hull_count()).map(|index| pack.hull(index).expect("in range")).collect();
