@@ -42,12 +42,12 @@ fn meshes(count: usize) -> TempDir {
     folder
 }
 
-fn run(folder: &Path, line: &str) -> Run {
+pub fn run(folder: &Path, line: &str) -> Run {
     bake_in(folder, line.split_whitespace())
 }
 
 /// Every file below a folder, by its relative path.
-fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+pub fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     fn walk(folder: &Path, root: &Path, found: &mut BTreeMap<String, Vec<u8>>) {
         for entry in fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();

@@ -1,11 +1,12 @@
 //! `bake build --remote` against a farm in this process, whose workers run the command itself.
 
-use std::{collections::BTreeMap, fs, path::Path};
+use std::{fs, path::Path};
 
-use hullmap_tests::command::{Run, bake_in, binary};
+use hullmap_tests::command::{Run, binary};
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::farm::{contents, run};
 use crate::farm_server::FarmServer;
 
 const CUBE: &str =
@@ -62,27 +63,6 @@ impl Setup {
         let packs = |place: &str| contents(&self.folder.path().join(place));
         assert_eq!(packs(&format!("{checkout}/o")), packs("one/local"));
     }
-}
-
-fn run(folder: &Path, line: &str) -> Run {
-    bake_in(folder, line.split_whitespace())
-}
-
-/// Every file below a folder, by its relative path.
-fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    fn walk(folder: &Path, root: &Path, found: &mut BTreeMap<String, Vec<u8>>) {
-        for entry in fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                walk(&path, root, found);
-            } else {
-                found.insert(path.strip_prefix(root).unwrap().display().to_string(), fs::read(&path).unwrap());
-            }
-        }
-    }
-    let mut found = BTreeMap::new();
-    walk(folder, folder, &mut found);
-    found
 }
 
 /// How many rows have this value in a field.
