@@ -12,6 +12,7 @@
 //! | [`command`] | the `bake` command, built and run | |
 //! | [`outside`], [`game_hulls`] | inputs outside the repository | |
 //! | [`directions`], [`regret`] | directions in which a support query can fail, and by how much | |
+//! | [`processor`] | processor time of a thread | `decompose-soak`, `decompose-table` |
 //! | [`parry`], [`wavefront`] | second opinions: parry3d in f64, a plain OBJ reader | |
 
 pub mod command;
@@ -23,6 +24,7 @@ pub mod game_hulls;
 pub mod hostile;
 pub mod outside;
 pub mod parry;
+pub mod processor;
 pub mod regret;
 pub mod sampler;
 pub mod soak;

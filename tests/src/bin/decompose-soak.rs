@@ -8,7 +8,14 @@
 //! 1 if a claim is false or a mesh takes longer than `--seconds`. Faults are printed as they are
 //! found, the slowest meshes at the end.
 
-use std::{process::ExitCode, time::Instant};
+use std::{
+    ops::Range,
+    process::ExitCode,
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicU64, Ordering},
+    },
+};
 
 use clap::Parser;
 use glam::DVec3;
@@ -18,8 +25,7 @@ use hullmap_bake::{
     hull::{self, Hull},
     parts::{Solid, fits},
 };
-use hullmap_tests::sampler::refutation;
-use rayon::prelude::*;
+use hullmap_tests::{processor::timed, sampler::refutation};
 use shapes::rng::SplitMix64;
 
 /// Convex decompositions of random meshes, judged by sampling.
@@ -34,7 +40,7 @@ struct Arguments {
     /// Number of sample points for each mesh's surface and for each mesh's parts
     #[arg(long, default_value_t = 600)]
     samples: usize,
-    /// Maximum time for a mesh, in seconds
+    /// Maximum processor time for a mesh, in seconds
     #[arg(long, default_value_t = 60.0)]
     seconds: f64,
 }
@@ -50,24 +56,13 @@ enum Outcome {
 /// Number of slow meshes that are printed.
 const SLOWEST: usize = 5;
 
+/// Number of meshes after which progress is reported.
+const PROGRESS: u64 = 500;
+
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let seeds = arguments.seed..arguments.seed.saturating_add(arguments.meshes);
-    let mut outcomes: Vec<(u64, Outcome, f64)> = seeds
-        .into_par_iter()
-        .map(|seed| {
-            let start = Instant::now();
-            let outcome = judge(seed, &arguments);
-            let seconds = start.elapsed().as_secs_f64();
-            if let Outcome::False(why) = &outcome {
-                println!("seed {seed}: {why}");
-            }
-            if seconds > arguments.seconds {
-                println!("seed {seed}: took {seconds:.1} s");
-            }
-            (seed, outcome, seconds)
-        })
-        .collect();
+    let mut outcomes = judged(seeds, &arguments);
     let (mut rejected, mut convex, mut decomposed, mut parts, mut protruding, mut faults) = (0, 0, 0, 0, 0, 0);
     for (_, outcome, seconds) in &outcomes {
         faults += u64::from(*seconds > arguments.seconds);
@@ -97,6 +92,41 @@ fn main() -> ExitCode {
         println!("the sample is not representative");
     }
     if faults == 0 && is_representative { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// The outcome of each seed, and its seconds. Each worker has a thread pool of one thread: in a
+/// shared pool, a mesh's time would include that of others, which its thread takes on while it
+/// waits.
+fn judged(seeds: Range<u64>, arguments: &Arguments) -> Vec<(u64, Outcome, f64)> {
+    let (first, end) = (seeds.start, seeds.end);
+    let next = AtomicU64::new(first);
+    let outcomes = Mutex::new(Vec::new());
+    let work = || {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be started");
+        loop {
+            let seed = next.fetch_add(1, Ordering::Relaxed);
+            if seed >= end {
+                return;
+            }
+            let (outcome, seconds) = pool.install(|| timed(|| judge(seed, arguments)));
+            if let Outcome::False(why) = &outcome {
+                println!("seed {seed}: {why}");
+            }
+            if seconds > arguments.seconds {
+                println!("seed {seed}: took {seconds:.1} s");
+            }
+            if (seed - first + 1).is_multiple_of(PROGRESS) {
+                eprintln!("{} meshes begun", seed - first + 1);
+            }
+            outcomes.lock().unwrap_or_else(PoisonError::into_inner).push((seed, outcome, seconds));
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..rayon::current_num_threads() {
+            scope.spawn(work);
+        }
+    });
+    outcomes.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn judge(seed: u64, arguments: &Arguments) -> Outcome {

@@ -14,7 +14,7 @@
 //! measured afterwards. With `--samples`, random points try to refute the bounds
 //! ([`hullmap_tests::sampler`]); one that does ends the program with status 1.
 
-use std::{collections::BTreeMap, path::PathBuf, process::ExitCode, time::Instant};
+use std::{collections::BTreeMap, path::PathBuf, process::ExitCode};
 
 use clap::Parser;
 use hullmap_bake::{
@@ -23,7 +23,7 @@ use hullmap_bake::{
     parts::{Solid, fits},
 };
 use hullmap_import::{ImportOptions, Limits, import, read};
-use hullmap_tests::sampler::refutation;
+use hullmap_tests::{processor::timed, sampler::refutation};
 
 /// Convex decomposition of the meshes of a folder.
 #[derive(Parser)]
@@ -118,21 +118,6 @@ fn main() -> ExitCode {
         ours.parts, theirs.parts, ours.vertices, theirs.vertices, ours.seconds, theirs.seconds
     );
     if is_refuted { ExitCode::FAILURE } else { ExitCode::SUCCESS }
-}
-
-/// The result of `work`, and its processor time on this thread in seconds; elapsed time on systems
-/// that do not state it.
-fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
-    let start = (Instant::now(), processor_time());
-    let result = work();
-    let seconds = processor_time().zip(start.1).map(|(end, start)| end - start);
-    (result, seconds.unwrap_or_else(|| start.0.elapsed().as_secs_f64()))
-}
-
-/// Processor time of this thread in seconds.
-fn processor_time() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    Some(text.split_whitespace().next()?.parse::<f64>().ok()? * 1e-9)
 }
 
 fn add(sum: &mut Figures, figures: &Figures) {

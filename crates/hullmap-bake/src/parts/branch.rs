@@ -31,7 +31,7 @@ pub struct Accuracy {
 impl Accuracy {
     /// An accuracy of 0.5 %, or of 1e-5 of `diagonal`.
     pub fn tight(diagonal: f64) -> Self {
-        Self { limit: None, floor: 0.0, relative: 0.005, absolute: 1e-5 * diagonal, measurements: 400_000 }
+        Self { limit: None, floor: 0.0, relative: 0.005, absolute: 1e-5 * diagonal, measurements: 100_000 }
     }
 
     /// Decides whether the maximum is at most `limit`.

@@ -81,6 +81,10 @@ const MAX_TESTED: usize = 64;
 /// Maximum number of pieces into which a face is divided.
 const MAX_PIECES: usize = 4096;
 
+/// Number of failures less successes, in one search, after which facets are no longer cut into
+/// pieces. Where many shells cross within a facet of any size, each attempt fails.
+const MAX_FAILURES: usize = 2048;
+
 /// Number of planes that are tried between a box and what is near.
 const TURNS: usize = 4;
 
@@ -117,6 +121,7 @@ struct Facet {
 fn on_surface(solid: &Solid, part: &Hull, accuracy: &Accuracy) -> Maximum {
     // Widths of the rim of a facet that the mesh may cross.
     let rims = RIMS.map(|rim| rim * accuracy.absolute.max(accuracy.limit.unwrap_or(0.0)));
+    let mut failures = 0_usize;
     let measure = |facet: &mut Facet, best: f64| {
         let centre = triangle::centroid(&facet.corners);
         let radius = facet.corners.iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max);
@@ -145,8 +150,12 @@ fn on_surface(solid: &Solid, part: &Hull, accuracy: &Accuracy) -> Maximum {
             }
         }
         let enough = accuracy.limit.unwrap_or(best + 0.9 * accuracy.absolute);
-        if matters(bound) && bound > enough && reached <= enough && accuracy.limit.is_none() {
-            bound = in_pieces(solid, &facet.corners, enough).unwrap_or(bound);
+        let is_worth_cutting = accuracy.limit.is_none() && failures < MAX_FAILURES;
+        if matters(bound) && bound > enough && reached <= enough && is_worth_cutting {
+            match in_pieces(solid, &facet.corners, enough) {
+                Some(smaller) => (bound, failures) = (smaller, failures.saturating_sub(1)),
+                None => failures += 1,
+            }
         }
         Measured { bound, reached, at: centre }
     };

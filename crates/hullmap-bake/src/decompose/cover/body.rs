@@ -48,7 +48,7 @@ impl Body {
     /// The hull of finite points. A flat one is thickened by `thickness`. Without points, the body
     /// is empty.
     pub fn new(points: &[DVec3], thickness: f64) -> Self {
-        let points = distinct(points);
+        let points = if points.len() < MANY { distinct(points) } else { distinct(&outer(points)) };
         let (low, high) = bounds(&points);
         let (extreme, around) = match points.as_slice() {
             [] => return Self { low, high, ..Self::default() },
@@ -147,6 +147,31 @@ pub fn bounds(points: &[DVec3]) -> (DVec3, DVec3) {
         points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max),
     )
 }
+
+/// Number of points from which those deep inside their hull are dropped before it is built.
+const MANY: usize = 256;
+
+/// The points without those deep inside the hull of the farthest along a few directions.
+fn outer(points: &[DVec3]) -> Vec<DVec3> {
+    const STEPS: [f64; 3] = [-1.0, 0.0, 1.0];
+    let directions: Vec<DVec3> =
+        STEPS.iter().flat_map(|x| STEPS.iter().flat_map(|y| STEPS.map(|z| DVec3::new(*x, *y, z)))).collect();
+    let mut farthest = vec![(f64::NEG_INFINITY, DVec3::ZERO); directions.len()];
+    for p in points {
+        for (direction, farthest) in directions.iter().zip(&mut farthest) {
+            let along = direction.dot(*p);
+            if along > farthest.0 {
+                *farthest = (along, *p);
+            }
+        }
+    }
+    let inner = Body::new(&farthest.iter().map(|(_, p)| *p).collect::<Vec<_>>(), 0.0);
+    let slack = INNER * inner.diagonal();
+    points.iter().filter(|p| !inner.holds(**p, -slack)).copied().collect()
+}
+
+/// Depth from which a point counts as deep inside, relative to the diagonal.
+const INNER: f64 = 1e-9;
 
 /// The points in ascending order, each once. Negative zeros become positive.
 fn distinct(points: &[DVec3]) -> Vec<DVec3> {
