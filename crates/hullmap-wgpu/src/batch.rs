@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use hullmap::glam::{DVec3, Vec3};
-use hullmap::{Cache, Distance, Overlap, Pack, Settings};
+use hullmap::{Cache, Contact, Distance, Overlap, Pack, Settings};
 
 use crate::device::{Buffers, Device, DevicePack, Kernel, Parameters};
 use crate::error::Error;
@@ -256,6 +256,35 @@ impl<'p> Batch<'p> {
         self.solve(pairs, Query::Distance, settings)
     }
 
+    /// Penetration depth of the hulls of each pair: the interval of the answers is that of the depth,
+    /// and moving B by the depth along `normal` makes the hulls touch.
+    ///
+    /// Kernels expand a polytope of at most 64 vertices. On smooth hulls that leaves intervals wider
+    /// than the default tolerance, with [`Status::Budget`]: choose a tolerance of 1e-2 or 1e-3, or
+    /// [`settle`](Self::settle) them. [`Status::Stalled`] is a proven overlap here.
+    ///
+    /// # Errors
+    /// [`Error::Device`] if the device failed. There are no answers then.
+    ///
+    /// # Complexity
+    /// At most [`MAX_STEPS`] support calls for each pair.
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::{Pose, Settings, glam::DVec3};
+    /// use hullmap_wgpu::{Backend, Batch, Pair};
+    ///
+    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
+    /// let b_in_a = Pose::from_translation(DVec3::X).expect("finite");
+    /// let mut batch = Batch::new(&pack, Backend::Auto)?;
+    /// let answers = batch.contact(&[Pair { a: 0, b: 0, b_in_a }], &Settings::default())?;
+    /// assert!(answers[0].lower > 0.1 && answers[0].upper < 1.0);
+    /// # Ok::<(), hullmap_wgpu::Error>(())
+    /// ```
+    pub fn contact(&mut self, pairs: &[Pair], settings: &Settings) -> Result<&[Answer], Error> {
+        self.solve(pairs, Query::Contact, settings)
+    }
+
     /// Answers of the last batch, in the order of its pairs.
     ///
     /// # Examples
@@ -299,7 +328,7 @@ impl<'p> Batch<'p> {
         self.records.extend(pairs.iter().map(|pair| PairRecord::of(pair, &self.hulls)));
         let parameters = Parameters {
             count: 0,
-            query: u32::from(query == Query::Distance),
+            query: query as u32,
             max_steps: settings.max_iterations.min(MAX_STEPS),
             // NaN and negative tolerances count as 0.
             tolerance: settings.tolerance.max(0.0) as f32,
@@ -419,7 +448,28 @@ fn on_processor(pack: &Pack, pair: &Pair, query: Query, settings: &Settings) -> 
             let upper = if status == Status::Overlapping { 0.0 } else { f64::INFINITY };
             Answer { status, upper, steps: found.support_calls, ..Answer::UNKNOWN }
         }
+        Query::Contact => of_contact(&hullmap::contact(&a, &b, pair.b_in_a, settings, &mut Cache::new())),
         Query::Distance => of_distance(&hullmap::distance(&a, &b, pair.b_in_a, settings, &mut Cache::new())),
+    }
+}
+
+fn of_contact(found: &Contact) -> Answer {
+    use hullmap::Status as Ended;
+    let status = match found.status {
+        Ended::Separated => Status::Separated,
+        Ended::IterationLimit => Status::Budget,
+        Ended::Exact | Ended::Within if found.depth_lower > 0.0 => Status::Overlapping,
+        _ if found.depth_lower > 0.0 => Status::Stalled,
+        _ => Status::Open,
+    };
+    Answer {
+        status,
+        lower: found.depth_lower,
+        upper: found.depth_upper,
+        normal: found.normal,
+        point_a: found.point_a,
+        point_b: found.point_b,
+        steps: found.support_calls,
     }
 }
 

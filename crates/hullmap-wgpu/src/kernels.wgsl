@@ -55,7 +55,7 @@ struct FoundRecord {
 
 struct Parameters {
     count: u32,
-    // 0 intersects, 1 distance.
+    // INTERSECTS, DISTANCE or CONTACT.
     query: u32,
     max_steps: u32,
     tolerance: f32,
@@ -74,6 +74,14 @@ const SCAN = 0u;
 const CUBE_MAP = 1u;
 const BINARY = 2u;
 
+const INTERSECTS = 0u;
+const DISTANCE = 1u;
+const CONTACT = 2u;
+
+const GJK = 0u;
+const AXES = 1u;
+const EXPAND = 2u;
+
 const SEPARATED = 0u;
 const OVERLAPPING = 1u;
 const OPEN = 2u;
@@ -83,6 +91,9 @@ const REJECTED = 5u;
 
 const MAX_READS = 131072u;
 const STACK = 32u;
+const MAX_VERTICES = 64u;
+const MAX_FACES = 124u;
+const MAX_EDGES = 64u;
 const GRID_BITS = 23u;
 const GRID_MASK = 8388607u;
 const GRID_SCALE = 4194303.0;
@@ -458,6 +469,103 @@ fn on_triangle(i: u32, j: u32, k: u32) -> Closest {
     return best;
 }
 
+struct Face {
+    normal: vec3f,
+    height: f32,
+    corners: vec3u,
+}
+
+var<private> polytope: array<Corner, MAX_VERTICES>;
+var<private> corner_count: u32;
+var<private> faces: array<Face, MAX_FACES>;
+var<private> face_count: u32;
+var<private> lowest: u32;
+var<private> lowest_height: f32;
+
+fn add_face(i: u32, j: u32, k: u32) {
+    let p = polytope[i].w;
+    let e = polytope[j].w - p;
+    let f = polytope[k].w - p;
+    let normal = cross_of(e, f);
+    let volume = dot_of(normal, p);
+    let long = dot_of(e, e) + dot_of(f, f);
+    var face = Face(normal, -1.0, vec3u(i, j, k));
+    if volume > CERTAIN * 0.5 * long * l1(p) {
+        let inverse = 1.0 / sqrt(dot_of(normal, normal));
+        var least = volume;
+        let at_j = dot_of(normal, polytope[j].w);
+        let at_k = dot_of(normal, polytope[k].w);
+        if at_j < least {
+            least = at_j;
+        }
+        if at_k < least {
+            least = at_k;
+        }
+        face.normal = normal * inverse;
+        face.height = least * inverse;
+    }
+    faces[face_count] = face;
+    face_count += 1u;
+}
+
+fn find_lowest() {
+    lowest = 0u;
+    lowest_height = faces[0].height;
+    for (var face = 1u; face < face_count; face++) {
+        if faces[face].height < lowest_height {
+            lowest = face;
+            lowest_height = faces[face].height;
+        }
+    }
+}
+
+fn insert(error: f32) -> bool {
+    let apex = corner_count - 1u;
+    let w = polytope[apex].w;
+    var edges: array<vec2u, MAX_EDGES>;
+    var edge_count = 0u;
+    var face = 0u;
+    while face < face_count {
+        let seen = faces[face];
+        if !(dot_of(seen.normal, w) > seen.height + error) {
+            face += 1u;
+            continue;
+        }
+        for (var side = 0u; side < 3u; side++) {
+            let start = seen.corners[side];
+            let end = seen.corners[(side + 1u) % 3u];
+            var at = 0u;
+            while at < edge_count && !(edges[at].x == end && edges[at].y == start) {
+                at += 1u;
+            }
+            if at < edge_count {
+                edge_count -= 1u;
+                edges[at] = edges[edge_count];
+            } else if edge_count == MAX_EDGES {
+                return false;
+            } else {
+                edges[edge_count] = vec2u(start, end);
+                edge_count += 1u;
+            }
+        }
+        face_count -= 1u;
+        faces[face] = faces[face_count];
+    }
+    if face_count + edge_count > MAX_FACES {
+        return false;
+    }
+    for (var at = 0u; at < edge_count; at++) {
+        add_face(edges[at].x, edges[at].y, apex);
+    }
+    return true;
+}
+
+fn axis_direction(index: u32) -> vec3f {
+    var dir = vec3f();
+    dir[index >> 1u] = select(-1.0, 1.0, (index & 1u) == 0u);
+    return dir;
+}
+
 fn face_of(face: u32) -> vec3u {
     switch face {
         case 0u: { return vec3u(0u, 1u, 2u); }
@@ -475,7 +583,7 @@ fn solve(pair: Pair) -> Answer {
     fuel = MAX_READS;
     let center = vec3f(pair.row_x.w, pair.row_y.w, pair.row_z.w);
     let error = pair.rounding;
-    let distance_only = parameters.query == 1u;
+    let query = parameters.query;
     let far = sqrt(dot_of(center, center));
     var upper = far;
     var lower = far - (hulls[pair.a].outer + hulls[pair.b].outer) * pair.scale;
@@ -490,11 +598,21 @@ fn solve(pair: Pair) -> Answer {
     var size = 1u;
     var square = far * far;
     var outward = false;
-    if (hulls[pair.a].inner + hulls[pair.b].inner) * pair.scale - far > error {
+    let deep = (hulls[pair.a].inner + hulls[pair.b].inner) * pair.scale - far;
+    if query != CONTACT && deep > error {
         out.status = OVERLAPPING;
-    } else if !distance_only && lower > error {
+    } else if query != DISTANCE && lower > error {
         out.status = SEPARATED;
     }
+    var depth_upper = -lower;
+    var depth_lower = 0.0;
+    if deep > error {
+        depth_lower = deep - error;
+    }
+    var phase = GJK;
+    corner_count = 0u;
+    face_count = 0u;
+    lowest_height = 0.0;
     while out.status == BUDGET && out.steps < parameters.max_steps {
         out.steps += 1u;
         let along_b = vec3f(
@@ -516,10 +634,70 @@ fn solve(pair: Pair) -> Answer {
             lower = -along;
             out.normal = dir;
         }
+        if along < depth_upper {
+            depth_upper = along;
+            if query == CONTACT {
+                out.normal = dir;
+            }
+        }
         let apart = lower > error;
-        if apart && (!distance_only || upper - lower <= parameters.tolerance * upper + 2.0 * error) {
+        if apart && (query != DISTANCE || upper - lower <= parameters.tolerance * upper + 2.0 * error) {
             out.status = SEPARATED;
             break;
+        }
+        if phase != GJK {
+            if phase == EXPAND {
+                if depth_upper - lowest_height <= parameters.tolerance * depth_upper + 2.0 * error {
+                    out.status = OVERLAPPING;
+                    break;
+                }
+                if corner_count == MAX_VERTICES {
+                    break;
+                }
+                var known = false;
+                for (var corner = 0u; corner < corner_count; corner++) {
+                    if all(polytope[corner].w == w) {
+                        known = true;
+                    }
+                }
+                if known {
+                    out.status = STALLED;
+                    break;
+                }
+            }
+            polytope[corner_count] = Corner(w, offset);
+            corner_count += 1u;
+            if phase == AXES {
+                if corner_count < 6u {
+                    dir = axis_direction(corner_count);
+                    continue;
+                }
+                for (var face = 0u; face < 8u; face++) {
+                    let i = face & 1u;
+                    let j = 2u + ((face >> 1u) & 1u);
+                    let k = 4u + (face >> 2u);
+                    if ((face ^ (face >> 1u) ^ (face >> 2u)) & 1u) == 0u {
+                        add_face(i, j, k);
+                    } else {
+                        add_face(i, k, j);
+                    }
+                }
+                phase = EXPAND;
+            } else if !insert(error) {
+                face_count = 0u;
+                out.status = STALLED;
+                break;
+            }
+            find_lowest();
+            if !(lowest_height > 0.0) {
+                out.status = STALLED;
+                break;
+            }
+            if lowest_height - error > depth_lower {
+                depth_lower = lowest_height - error;
+            }
+            dir = faces[lowest].normal;
+            continue;
         }
         var stuck = outward && !(along > 2.0 * error);
         for (var corner = 0u; corner < size; corner++) {
@@ -528,6 +706,11 @@ fn solve(pair: Pair) -> Answer {
             }
         }
         if stuck {
+            if query == CONTACT {
+                phase = AXES;
+                dir = axis_direction(0u);
+                continue;
+            }
             out.status = select(OPEN, STALLED, apart);
             break;
         }
@@ -583,6 +766,31 @@ fn solve(pair: Pair) -> Answer {
                     closest = nearer(closest, on_triangle(ijk.x, ijk.y, ijk.z));
                 }
             }
+            if inside && query == CONTACT {
+                for (var corner = 0u; corner < 4u; corner++) {
+                    polytope[corner] = simplex[corner];
+                }
+                corner_count = 4u;
+                for (var face = 0u; face < 4u; face++) {
+                    let ijk = face_of(face);
+                    if outwards > 0.0 {
+                        add_face(ijk.x, ijk.y, ijk.z);
+                    } else {
+                        add_face(ijk.x, ijk.z, ijk.y);
+                    }
+                }
+                phase = EXPAND;
+                find_lowest();
+                if !(lowest_height > 0.0) {
+                    out.status = STALLED;
+                    break;
+                }
+                if lowest_height - error > depth_lower {
+                    depth_lower = lowest_height - error;
+                }
+                dir = faces[lowest].normal;
+                continue;
+            }
             if inside && certain {
                 out.status = OVERLAPPING;
                 break;
@@ -602,7 +810,12 @@ fn solve(pair: Pair) -> Answer {
         if inside {
             continue;
         }
-        if !(closest.square < square) {
+        if !(closest.square < square) || (query == CONTACT && !(closest.square > 0.0)) {
+            if query == CONTACT {
+                phase = AXES;
+                dir = axis_direction(0u);
+                continue;
+            }
             out.status = select(OPEN, STALLED, apart);
             break;
         }
@@ -641,13 +854,39 @@ fn solve(pair: Pair) -> Answer {
         }
     }
     out.lower = 0.0;
-    if lower > error {
-        out.lower = lower - error;
-    }
-    out.upper = upper + error;
-    if out.status == OVERLAPPING {
-        out.lower = 0.0;
+    if query == CONTACT {
+        if face_count > 0u && lowest_height > 0.0 {
+            let ijk = faces[lowest].corners;
+            simplex[0] = polytope[ijk.x];
+            simplex[1] = polytope[ijk.y];
+            simplex[2] = polytope[ijk.z];
+            let closest = on_triangle(0u, 1u, 2u);
+            out.between = closest.y;
+            out.offset = vec3f();
+            for (var corner = 0u; corner < 3u; corner++) {
+                out.offset = simplex[corner].offset * closest.weights[corner] + out.offset;
+            }
+        }
+        out.lower = depth_lower;
         out.upper = 0.0;
+        if depth_upper + error > 0.0 {
+            out.upper = depth_upper + error;
+        }
+        if out.status == SEPARATED {
+            out.lower = 0.0;
+            out.upper = 0.0;
+        } else if !(depth_lower > 0.0) && (out.status == OVERLAPPING || out.status == STALLED) {
+            out.status = OPEN;
+        }
+    } else {
+        if lower > error {
+            out.lower = lower - error;
+        }
+        out.upper = upper + error;
+        if out.status == OVERLAPPING {
+            out.lower = 0.0;
+            out.upper = 0.0;
+        }
     }
     out.reads = MAX_READS - fuel;
     return out;

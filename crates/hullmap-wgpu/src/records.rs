@@ -205,13 +205,15 @@ impl PairRecord {
 /// How a pair ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
-    /// A plane proves the hulls separated. The interval of a distance is within the tolerance.
+    /// A plane proves the hulls separated. The interval of a distance is within the tolerance; a depth
+    /// is 0.
     Separated,
-    /// The hulls overlap.
+    /// The hulls overlap. The interval of a depth is within the tolerance; a distance is 0.
     Overlapping,
-    /// Neither is proven: the interval of the distance holds 0.
+    /// Neither is proven: the interval of the distance or depth holds 0.
     Open,
-    /// Proven separated, but f32 stopped all progress before the interval was within the tolerance.
+    /// Proven separated (of a depth: proven overlapping), but f32 stopped all progress before the
+    /// interval was within the tolerance.
     Stalled,
     /// The steps, or the nodes and blocks of the index, ran out. The interval is valid.
     Budget,
@@ -264,13 +266,13 @@ pub(crate) mod code {
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct AnswerRecord {
-    /// Direction of the plane that proves `lower`, from A to B.
+    /// Normal of the plane of the best bound, from A to B.
     pub normal: [f32; 3],
-    /// Lower bound of the distance.
+    /// Lower bound of the distance or depth.
     pub lower: f32,
     /// A's witness point, relative to A's centre.
     pub offset: [f32; 3],
-    /// Upper bound of the distance.
+    /// Upper bound of the distance or depth.
     pub upper: f32,
     /// A's witness point minus B's.
     pub between: [f32; 3],
@@ -316,18 +318,20 @@ impl AnswerRecord {
     }
 }
 
-/// Distance of a pair, with the interval that contains it. Points are in A's frame.
+/// Distance or penetration depth of a pair, with the interval that contains it. Points are in A's
+/// frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
     /// How the pair ended.
     pub status: Status,
-    /// Lower bound of the distance, at least 0.
+    /// Lower bound of the distance, or of the depth, at least 0.
     pub lower: f64,
-    /// Upper bound of the distance.
+    /// Upper bound of the distance, or of the depth.
     pub upper: f64,
-    /// Normal from A to B of the planes that prove `lower`. Of unit length within 1e-6.
+    /// Normal from A to B of the planes that prove `lower` of a distance, or `upper` of a depth. Of
+    /// unit length within 1e-6.
     pub normal: DVec3,
-    /// Witness point of A; a point of A within rounding error.
+    /// Witness point of A, a point of A within rounding error: the closest to B, or the deepest in B.
     pub point_a: DVec3,
     /// Witness point of B.
     pub point_b: DVec3,

@@ -1,4 +1,5 @@
-//! Scalar twin of the kernels in plain f32: GJK on the Minkowski difference, and the support query.
+//! Scalar twin of the kernels in plain f32: GJK and EPA on the Minkowski difference, and the support
+//! query.
 //!
 //! `kernels.wgsl` does the same, operation by operation and function by function, so that both
 //! return the same bits on a device that rounds to nearest and does not fuse operations. Tests
@@ -16,6 +17,11 @@
 //! 4. A tetrahedron that holds the origin by more than the rounding error proves an overlap. If it
 //!    holds it by less, the search continues across its closest face.
 //!
+//! 5. For a depth, EPA: the tetrahedron grows by the support point beyond its closest face. Its plane
+//!    is an upper bound of the depth. A surface all of whose volumes with the origin are certainly
+//!    positive gives a lower bound.
+//! 6. If GJK finds no such tetrahedron, EPA starts from the support points along the axes.
+//!
 //! # Steps of a support query
 //! 1. The direction's cell, and the branches above its leaf. A direction is placed up to rounding
 //!    error, which the baker's margin covers.
@@ -32,6 +38,8 @@ pub enum Query {
     Intersects,
     /// The distance, until the interval is within the tolerance.
     Distance,
+    /// The penetration depth, until the interval is within the tolerance.
+    Contact,
 }
 
 /// Support calls of a pair. About 10 are usual.
@@ -42,6 +50,13 @@ pub const MAX_READS: u32 = 1 << 17;
 
 /// Entries of the stack of a support query.
 const STACK: usize = 32;
+
+/// Vertices of the polytope of EPA. A closed surface of them has 124 faces.
+const MAX_VERTICES: usize = 64;
+const MAX_FACES: usize = 124;
+
+/// Edges of the horizon that a new vertex sees.
+const MAX_EDGES: usize = 64;
 
 /// Bits of a grid number, see `hullmap_format::cube`.
 const GRID_BITS: u32 = 23;
@@ -452,8 +467,126 @@ fn on_triangle<const FUSED: bool>(simplex: &[Corner; 4], i: usize, j: usize, k: 
     best
 }
 
+/// A face of the polytope of EPA.
+#[derive(Clone, Copy, Default)]
+struct Face {
+    /// Outward normal of unit length, if the face is certain.
+    normal: Vector,
+    /// Height of its lowest corner along the normal; −1 if its volume with the origin may be
+    /// negative.
+    height: f32,
+    corners: [usize; 3],
+}
+
+/// The polytope of EPA: a closed surface.
+struct Polytope {
+    corners: [Corner; MAX_VERTICES],
+    corner_count: usize,
+    faces: [Face; MAX_FACES],
+    face_count: usize,
+    /// The face with the lowest height.
+    lowest: usize,
+    height: f32,
+}
+
+impl Polytope {
+    fn add_face<const FUSED: bool>(&mut self, i: usize, j: usize, k: usize) {
+        let p = self.corners[i].w;
+        let (e, f) = (sub(self.corners[j].w, p), sub(self.corners[k].w, p));
+        let normal = cross::<FUSED>(e, f);
+        let volume = dot::<FUSED>(normal, p);
+        let long = dot::<FUSED>(e, e) + dot::<FUSED>(f, f);
+        let mut face = Face { normal, height: -1.0, corners: [i, j, k] };
+        if volume > CERTAIN * 0.5 * long * l1(p) {
+            let inverse = 1.0 / dot::<FUSED>(normal, normal).sqrt();
+            let mut least = volume;
+            let at_j = dot::<FUSED>(normal, self.corners[j].w);
+            let at_k = dot::<FUSED>(normal, self.corners[k].w);
+            if at_j < least {
+                least = at_j;
+            }
+            if at_k < least {
+                least = at_k;
+            }
+            face.normal = scaled(normal, inverse);
+            face.height = least * inverse;
+        }
+        self.faces[self.face_count] = face;
+        self.face_count += 1;
+    }
+
+    fn find_lowest(&mut self) {
+        self.lowest = 0;
+        self.height = self.faces[0].height;
+        for face in 1..self.face_count {
+            if self.faces[face].height < self.height {
+                self.lowest = face;
+                self.height = self.faces[face].height;
+            }
+        }
+    }
+
+    /// Replaces the faces that see the last corner by the fan over their border. False if there is
+    /// no room; the polytope is of no use then.
+    fn insert<const FUSED: bool>(&mut self, error: f32) -> bool {
+        let apex = self.corner_count - 1;
+        let w = self.corners[apex].w;
+        let mut edges = [[0; 2]; MAX_EDGES];
+        let mut edge_count = 0;
+        let mut face = 0;
+        while face < self.face_count {
+            let Face { normal, height, corners } = self.faces[face];
+            if !(dot::<FUSED>(normal, w) > height + error) {
+                face += 1;
+                continue;
+            }
+            for side in 0..3 {
+                let (from, to) = (corners[side], corners[(side + 1) % 3]);
+                // An edge between two of these faces occurs twice, in opposite directions.
+                let mut at = 0;
+                while at < edge_count && !(edges[at][0] == to && edges[at][1] == from) {
+                    at += 1;
+                }
+                if at < edge_count {
+                    edge_count -= 1;
+                    edges[at] = edges[edge_count];
+                } else if edge_count == MAX_EDGES {
+                    return false;
+                } else {
+                    edges[edge_count] = [from, to];
+                    edge_count += 1;
+                }
+            }
+            self.face_count -= 1;
+            self.faces[face] = self.faces[self.face_count];
+        }
+        if self.face_count + edge_count > MAX_FACES {
+            return false;
+        }
+        for at in 0..edge_count {
+            self.add_face::<FUSED>(edges[at][0], edges[at][1], apex);
+        }
+        true
+    }
+}
+
 fn nearer(a: Closest, b: Closest) -> Closest {
     if b.square < a.square { b } else { a }
+}
+
+/// What a pair does with the next support point.
+#[derive(Clone, Copy, PartialEq)]
+enum Phase {
+    Gjk,
+    Axes,
+    Expand,
+}
+
+/// Plus and minus x, y and z.
+fn axis_direction(index: usize) -> Vector {
+    let mut dir = [0.0; 3];
+    dir[index >> 1] = if index & 1 == 0 { 1.0 } else { -1.0 };
+    dir
 }
 
 /// What the kernel reads about `pair`.
@@ -527,11 +660,27 @@ pub fn solve<const FUSED: bool>(
     let mut square = far * far;
     // Whether the tetrahedron holds the origin, and the direction is across its closest face.
     let mut outward = false;
-    if (a.inner + b.inner) * pair.scale - far > error {
+    let deep = (a.inner + b.inner) * pair.scale - far;
+    if query != Query::Contact && deep > error {
         out.status = code::OVERLAPPING;
-    } else if query == Query::Intersects && lower > error {
+    } else if query != Query::Distance && lower > error {
         out.status = code::SEPARATED;
     }
+    let mut depth_upper = -lower;
+    let mut depth_lower = 0.0;
+    if deep > error {
+        depth_lower = deep - error;
+    }
+    // The phase: GJK, then EPA from a tetrahedron; or GJK, the axes, then EPA from an octahedron.
+    let mut phase = Phase::Gjk;
+    let mut polytope = Polytope {
+        corners: [Corner::default(); MAX_VERTICES],
+        corner_count: 0,
+        faces: [Face::default(); MAX_FACES],
+        face_count: 0,
+        lowest: 0,
+        height: 0.0,
+    };
     while out.status == code::BUDGET && out.steps < max_steps {
         out.steps += 1;
         let mut along_b = [0.0; 3];
@@ -556,10 +705,68 @@ pub fn solve<const FUSED: bool>(
             lower = -along;
             out.normal = dir;
         }
+        if along < depth_upper {
+            depth_upper = along;
+            if query == Query::Contact {
+                out.normal = dir;
+            }
+        }
         let apart = lower > error;
-        if apart && (query == Query::Intersects || upper - lower <= tolerance * upper + 2.0 * error) {
+        if apart && (query != Query::Distance || upper - lower <= tolerance * upper + 2.0 * error) {
             out.status = code::SEPARATED;
             break;
+        }
+        if phase != Phase::Gjk {
+            if phase == Phase::Expand {
+                if depth_upper - polytope.height <= tolerance * depth_upper + 2.0 * error {
+                    out.status = code::OVERLAPPING;
+                    break;
+                }
+                if polytope.corner_count == MAX_VERTICES {
+                    break;
+                }
+                let mut known = false;
+                for corner in 0..polytope.corner_count {
+                    if polytope.corners[corner].w == w {
+                        known = true;
+                    }
+                }
+                if known {
+                    out.status = code::STALLED;
+                    break;
+                }
+            }
+            polytope.corners[polytope.corner_count] = Corner { w, offset };
+            polytope.corner_count += 1;
+            if phase == Phase::Axes {
+                if polytope.corner_count < 6 {
+                    dir = axis_direction(polytope.corner_count);
+                    continue;
+                }
+                for face in 0..8 {
+                    let (i, j, k) = (face & 1, 2 + (face >> 1 & 1), 4 + (face >> 2));
+                    if (face ^ face >> 1 ^ face >> 2) & 1 == 0 {
+                        polytope.add_face::<FUSED>(i, j, k);
+                    } else {
+                        polytope.add_face::<FUSED>(i, k, j);
+                    }
+                }
+                phase = Phase::Expand;
+            } else if !polytope.insert::<FUSED>(error) {
+                polytope.face_count = 0;
+                out.status = code::STALLED;
+                break;
+            }
+            polytope.find_lowest();
+            if !(polytope.height > 0.0) {
+                out.status = code::STALLED;
+                break;
+            }
+            if polytope.height - error > depth_lower {
+                depth_lower = polytope.height - error;
+            }
+            dir = polytope.faces[polytope.lowest].normal;
+            continue;
         }
         let mut stuck = outward && !(along > 2.0 * error);
         for corner in 0..size {
@@ -568,6 +775,10 @@ pub fn solve<const FUSED: bool>(
             }
         }
         if stuck {
+            if query == Query::Contact {
+                (phase, dir) = (Phase::Axes, axis_direction(0));
+                continue;
+            }
             out.status = if apart { code::STALLED } else { code::OPEN };
             break;
         }
@@ -623,6 +834,30 @@ pub fn solve<const FUSED: bool>(
                     closest = nearer(closest, on_triangle::<FUSED>(&simplex, i, j, k));
                 }
             }
+            if inside && query == Query::Contact {
+                for face in 0..4 {
+                    polytope.corners[face] = simplex[face];
+                }
+                polytope.corner_count = 4;
+                for [i, j, k] in FACES {
+                    if outwards > 0.0 {
+                        polytope.add_face::<FUSED>(i, j, k);
+                    } else {
+                        polytope.add_face::<FUSED>(i, k, j);
+                    }
+                }
+                phase = Phase::Expand;
+                polytope.find_lowest();
+                if !(polytope.height > 0.0) {
+                    out.status = code::STALLED;
+                    break;
+                }
+                if polytope.height - error > depth_lower {
+                    depth_lower = polytope.height - error;
+                }
+                dir = polytope.faces[polytope.lowest].normal;
+                continue;
+            }
             if inside && certain {
                 out.status = code::OVERLAPPING;
                 break;
@@ -637,7 +872,11 @@ pub fn solve<const FUSED: bool>(
         if inside {
             continue;
         }
-        if !(closest.square < square) {
+        if !(closest.square < square) || (query == Query::Contact && !(closest.square > 0.0)) {
+            if query == Query::Contact {
+                (phase, dir) = (Phase::Axes, axis_direction(0));
+                continue;
+            }
             out.status = if apart { code::STALLED } else { code::OPEN };
             break;
         }
@@ -678,13 +917,40 @@ pub fn solve<const FUSED: bool>(
         }
     }
     out.lower = 0.0;
-    if lower > error {
-        out.lower = lower - error;
-    }
-    out.upper = upper + error;
-    if out.status == code::OVERLAPPING {
-        out.lower = 0.0;
+    if query == Query::Contact {
+        if polytope.face_count > 0 && polytope.height > 0.0 {
+            let [i, j, k] = polytope.faces[polytope.lowest].corners;
+            simplex = [polytope.corners[i], polytope.corners[j], polytope.corners[k], Corner::default()];
+            let closest = on_triangle::<FUSED>(&simplex, 0, 1, 2);
+            out.between = closest.y;
+            out.offset = [0.0; 3];
+            for corner in 0..3 {
+                for axis in 0..3 {
+                    out.offset[axis] =
+                        mad::<FUSED>(simplex[corner].offset[axis], closest.weights[corner], out.offset[axis]);
+                }
+            }
+        }
+        out.lower = depth_lower;
         out.upper = 0.0;
+        if depth_upper + error > 0.0 {
+            out.upper = depth_upper + error;
+        }
+        if out.status == code::SEPARATED {
+            out.lower = 0.0;
+            out.upper = 0.0;
+        } else if !(depth_lower > 0.0) && (out.status == code::OVERLAPPING || out.status == code::STALLED) {
+            out.status = code::OPEN;
+        }
+    } else {
+        if lower > error {
+            out.lower = lower - error;
+        }
+        out.upper = upper + error;
+        if out.status == code::OVERLAPPING {
+            out.lower = 0.0;
+            out.upper = 0.0;
+        }
     }
     out.reads = MAX_READS - run.fuel;
     out

@@ -10,6 +10,7 @@ use hullmap::glam::{DVec3, Vec3};
 use hullmap::{Cache, Pack, Settings, SupportMap};
 use hullmap_bake::IndexKind;
 use hullmap_testkit::{
+    depth::signed_depth,
     gap::gap,
     packs::{ALL_INDICES, reseal},
     polytope::{Polytope, rounding_error},
@@ -29,9 +30,11 @@ fn twin_answers<const FUSED: bool>(pack: &Pack, batch: &Batch<'_>, query: Query)
 }
 
 fn solve<'b>(batch: &'b mut Batch<'_>, query: Query, pairs: &[Pair]) -> &'b [hullmap_wgpu::Answer] {
+    let settings = Settings { tolerance: f64::from(TOLERANCE), ..Settings::default() };
     match query {
         Query::Intersects => batch.intersects(pairs),
-        Query::Distance => batch.distance(pairs, &Settings { tolerance: f64::from(TOLERANCE), ..Settings::default() }),
+        Query::Distance => batch.distance(pairs, &settings),
+        Query::Contact => batch.contact(pairs, &settings),
     }
     .expect("the device works")
 }
@@ -52,7 +55,7 @@ fn kernels_return_the_bits_of_the_twin() {
         let pack = scene::pack(index);
         let pairs = scene::pairs(&pack, scene::pair_count(4_000), 1);
         let mut batch = Batch::on(&device, &pack).unwrap();
-        for query in [Query::Intersects, Query::Distance] {
+        for query in [Query::Intersects, Query::Distance, Query::Contact] {
             solve(&mut batch, query, &pairs);
             let expected = twin_answers::<false>(&pack, &batch, query);
             let differ = |(found, expected): &(&AnswerRecord, &AnswerRecord)| found.bits() != expected.bits();
@@ -101,6 +104,42 @@ fn intervals_hold_the_distance() {
     let share = |status: &str| counts.get(status).copied().unwrap_or(0) as f64 / pairs.len() as f64;
     assert!(share("separated") > 0.2 && share("overlapping") > 0.2, "{counts:?}");
     assert!((open as f64) < 0.3 * pairs.len() as f64, "{counts:?}");
+}
+
+/// Depths against all facets of the Minkowski difference, of hulls that have few enough.
+#[test]
+fn intervals_hold_the_depth() {
+    let Some(device) = scene::device() else { return };
+    let pack = scene::small_pack();
+    let pairs = scene::pairs(&pack, scene::pair_count(4_000) / 4, 13);
+    let polytopes: Vec<_> = (0..pack.hull_count()).map(|at| Polytope::new(&pack.hull(at).unwrap())).collect();
+    let mut batch = Batch::on(&device, &pack).unwrap();
+    let answers = solve(&mut batch, Query::Contact, &pairs);
+    let mut widest = 0.0_f64;
+    for (at, (pair, answer)) in pairs.iter().zip(answers).enumerate() {
+        let (a, b) = (&polytopes[pair.a as usize], polytopes[pair.b as usize].placed(pair.b_in_a));
+        let (signed, _) = signed_depth(a, &b, f64::NEG_INFINITY);
+        let slack = rounding_error(a, &b, 1.0);
+        let depth = signed.max(0.0);
+        let holds = answer.lower <= depth + slack && depth - slack <= answer.upper;
+        assert!(holds, "pair {at}, seed 13: {answer:?} of {signed}");
+        match answer.status {
+            Status::Separated => assert!(signed <= slack, "pair {at}: separated, but {signed}"),
+            Status::Overlapping | Status::Stalled => assert!(signed >= -slack, "pair {at}: overlaps, but {signed}"),
+            _ => {}
+        }
+        if answer.status == Status::Overlapping {
+            widest = widest.max((answer.upper - answer.lower) / a.greatest());
+            let along = answer.point_a - answer.point_b;
+            assert!(
+                along.length() <= answer.upper + 1e-4 * a.greatest() && answer.normal.is_normalized(),
+                "{answer:?}"
+            );
+        }
+    }
+    let counts = counts(answers);
+    println!("{counts:?}; the widest interval within the tolerance is {widest:.2e} of the hulls");
+    assert!(counts["separated"] > pairs.len() / 5 && counts["overlapping"] > pairs.len() / 3, "{counts:?}");
 }
 
 #[test]
@@ -163,12 +202,15 @@ fn fused_operations_never_contradict_unfused_ones() {
         let mut other = 0;
         for pair in pairs {
             let record = twin::prepare(&tables, &pair);
-            for query in [Query::Intersects, Query::Distance] {
+            for query in [Query::Intersects, Query::Distance, Query::Contact] {
                 let plain = twin::solve::<false>(&tables, &record, query, TOLERANCE, MAX_STEPS);
                 let fused = twin::solve::<true>(&tables, &record, query, TOLERANCE, MAX_STEPS);
                 let proofs = [plain.status(), fused.status()];
-                let contradicts = proofs.contains(&Status::Overlapping)
-                    && (proofs.contains(&Status::Separated) || proofs.contains(&Status::Stalled));
+                let overlaps =
+                    |status| status == Status::Overlapping || (query == Query::Contact && status == Status::Stalled);
+                let is_apart =
+                    |status| status == Status::Separated || (query == Query::Distance && status == Status::Stalled);
+                let contradicts = proofs.into_iter().any(overlaps) && proofs.into_iter().any(is_apart);
                 assert!(!contradicts, "{pair:?}: {proofs:?}");
                 assert!(plain.lower <= fused.upper && fused.lower <= plain.upper, "{pair:?}: {plain:?}, {fused:?}");
                 other += usize::from(plain.bits() != fused.bits());
@@ -248,8 +290,10 @@ fn damaged_packs_neither_hang_nor_read_outside() {
             let Ok(pack) = Pack::from_bytes_skipping_contents(&file) else { continue };
             opened += 1;
             let mut batch = Batch::on(&device, &pack).unwrap();
-            solve(&mut batch, Query::Distance, &pairs);
-            twin_answers::<false>(&pack, &batch, Query::Distance);
+            for query in [Query::Distance, Query::Contact] {
+                solve(&mut batch, query, &pairs);
+                twin_answers::<false>(&pack, &batch, query);
+            }
             batch.support(&queries).unwrap();
         }
     }

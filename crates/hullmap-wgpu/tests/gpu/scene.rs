@@ -48,6 +48,15 @@ pub fn pack(index: IndexKind) -> Pack {
     Pack::from_bytes(&bytes).expect("a baked pack opens")
 }
 
+/// Solids of few edges, so that brute force can look at all facets of a Minkowski difference.
+pub fn small_pack() -> Pack {
+    let cube: Vec<[f32; 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|c| 2.0 * c as f32 - 1.0)).collect();
+    let sets = [cube, families::sphere(12, 1), families::rock(40, 3), families::prism(16, 4), families::cone(12, 6)];
+    let sets: Vec<_> = sets.iter().map(|positions| packs::point_set("hull", positions)).collect();
+    let bytes = packs::bytes(&sets, IndexKind::Tree, &Default::default()).expect("the families can be baked");
+    Pack::from_bytes(&bytes).expect("a baked pack opens")
+}
+
 /// Random pairs of the hulls of `pack`, with centres at up to 1.3 times the sum of the radii. One
 /// in four has axes that are parallel, so that faces and edges are, too.
 pub fn pairs(pack: &Pack, count: usize, seed: u64) -> Vec<Pair> {
