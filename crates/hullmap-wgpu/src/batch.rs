@@ -4,9 +4,10 @@ use bytemuck::{Pod, Zeroable};
 use hullmap::glam::{DVec3, Vec3};
 use hullmap::{Cache, Contact, Distance, Overlap, Pack, Settings};
 
-use crate::device::{Buffers, Device, DevicePack, Kernel, Parameters};
+use crate::device::{Device, DevicePack, DirectionBuffers, PairBuffers, Plan, States};
 use crate::error::Error;
 use crate::records::{Answer, AnswerRecord, HullRecord, Pair, PairRecord, Status, Tables};
+use crate::schedule::{self, Schedule};
 use crate::twin::{MAX_STEPS, Query};
 
 /// Where batches are solved.
@@ -67,8 +68,9 @@ struct FoundRecord {
 #[derive(Debug)]
 struct Gpu {
     pack: DevicePack,
-    pairs: Option<Buffers>,
-    directions: Option<Buffers>,
+    pairs: Option<PairBuffers>,
+    states: Option<States>,
+    directions: Option<DirectionBuffers>,
 }
 
 /// Solves batches of pairs of hulls of one pack. Buffers are kept from batch to batch.
@@ -100,6 +102,9 @@ pub struct Batch<'p> {
     gpu: Option<Gpu>,
     query: Query,
     settings: Settings,
+    schedule: Schedule,
+    /// Share of the steps that threads do not wait, in the last batch.
+    efficiency: Option<f64>,
     pairs: Vec<Pair>,
     records: Vec<PairRecord>,
     answer_records: Vec<AnswerRecord>,
@@ -155,7 +160,7 @@ impl<'p> Batch<'p> {
     /// ```
     pub fn on(device: &Device, pack: &'p Pack) -> Result<Self, Error> {
         let pack_on_device = DevicePack::upload(device, pack)?;
-        Self::with(pack, Some(Gpu { pack: pack_on_device, pairs: None, directions: None }))
+        Self::with(pack, Some(Gpu { pack: pack_on_device, pairs: None, states: None, directions: None }))
     }
 
     fn with(pack: &'p Pack, gpu: Option<Gpu>) -> Result<Self, Error> {
@@ -167,6 +172,8 @@ impl<'p> Batch<'p> {
             gpu,
             query: Query::Distance,
             settings: Settings::default(),
+            schedule: Schedule::default(),
+            efficiency: None,
             pairs: Vec::new(),
             records: Vec::new(),
             answer_records: Vec::new(),
@@ -203,6 +210,44 @@ impl<'p> Batch<'p> {
     /// ```
     pub fn use_processor(&mut self) {
         self.gpu = None;
+    }
+
+    /// Sets how later batches are laid out on the threads of the GPU, and whether they start from
+    /// the state of the last one. The processor ignores it.
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::{Pose, Settings, glam::DVec3};
+    /// use hullmap_wgpu::{Backend, Batch, Pair, Schedule};
+    ///
+    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
+    /// let mut batch = Batch::new(&pack, Backend::Auto)?;
+    /// batch.set_schedule(Schedule { is_warm: true, ..Schedule::default() });
+    /// for frame in 0..3 {
+    ///     let b_in_a = Pose::from_translation(DVec3::X * (4.0 - 0.1 * f64::from(frame))).expect("finite");
+    ///     let answers = batch.distance(&[Pair { a: 0, b: 0, b_in_a }], &Settings::default())?;
+    ///     assert!(answers[0].lower > 0.0);
+    /// }
+    /// # Ok::<(), hullmap_wgpu::Error>(())
+    /// ```
+    pub fn set_schedule(&mut self, schedule: Schedule) {
+        self.schedule = schedule;
+    }
+
+    /// Share of the steps in which a thread works, of all steps in which it is busy or waits for the
+    /// other 31 threads of its group, in the last batch. Counted, not measured. `None` if the
+    /// processor solved the batch.
+    ///
+    /// # Examples
+    /// ```
+    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
+    /// use hullmap_wgpu::{Backend, Batch};
+    ///
+    /// assert_eq!(Batch::new(&pack, Backend::Cpu)?.warp_efficiency(), None);
+    /// # Ok::<(), hullmap_wgpu::Error>(())
+    /// ```
+    pub fn warp_efficiency(&self) -> Option<f64> {
+        self.efficiency
     }
 
     /// Whether the hulls of each pair overlap. The answers are in [`answers`](Self::answers).
@@ -316,9 +361,10 @@ impl<'p> Batch<'p> {
 
     fn solve(&mut self, pairs: &[Pair], query: Query, settings: &Settings) -> Result<&[Answer], Error> {
         (self.query, self.settings) = (query, *settings);
+        let last = std::mem::take(&mut self.answer_records);
+        self.efficiency = None;
         self.answers.clear();
         self.records.clear();
-        self.answer_records.clear();
         self.pairs.clear();
         self.pairs.extend_from_slice(pairs);
         let Some(gpu) = &mut self.gpu else {
@@ -326,15 +372,24 @@ impl<'p> Batch<'p> {
             return Ok(&self.answers);
         };
         self.records.extend(pairs.iter().map(|pair| PairRecord::of(pair, &self.hulls)));
-        let parameters = Parameters {
-            count: 0,
-            query: query as u32,
-            max_steps: settings.max_iterations.min(MAX_STEPS),
+        let max_steps = settings.max_iterations.min(MAX_STEPS);
+        let (chunk, rounds) = (gpu.pack.chunk(query), self.schedule.rounds(max_steps));
+        let order = self.schedule.indices(&self.records, &last, chunk);
+        let plan = Plan {
+            query,
             // NaN and negative tolerances count as 0.
             tolerance: settings.tolerance.max(0.0) as f32,
+            max_steps,
+            is_warm: self.schedule.is_warm,
+            rounds: &rounds,
+            order: &order,
         };
         let answers = &mut self.answer_records;
-        Buffers::run(&mut gpu.pairs, &gpu.pack, Kernel::SolvePairs, parameters, &self.records, answers)?;
+        if let Err(error) = PairBuffers::run(&mut gpu.pairs, &mut gpu.states, &gpu.pack, plan, &self.records, answers) {
+            answers.clear();
+            return Err(error);
+        }
+        self.efficiency = Some(schedule::efficiency(&order, answers, &rounds, chunk));
         let solved = answers.iter().zip(&self.records);
         self.answers.extend(solved.map(|(answer, pair)| Answer::of(answer, pair, &self.hulls)));
         Ok(&self.answers)
@@ -418,8 +473,7 @@ impl<'p> Batch<'p> {
             })
             .collect();
         let mut found: Vec<FoundRecord> = Vec::with_capacity(queries.len());
-        let parameters = Parameters { count: 0, query: 0, max_steps: 0, tolerance: 0.0 };
-        Buffers::run(&mut gpu.directions, &gpu.pack, Kernel::FindVertices, parameters, &directions, &mut found)?;
+        DirectionBuffers::run(&mut gpu.directions, &gpu.pack, &directions, &mut found)?;
         self.vertices.extend(queries.iter().zip(&found).map(|(query, found)| {
             let hull = self.pack.hull(query.hull as usize).ok();
             match hull.and_then(|hull| hull.vertex(found.vertex)) {

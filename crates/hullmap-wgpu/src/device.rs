@@ -8,26 +8,69 @@ use hullmap::Pack;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 use crate::error::Error;
-use crate::records::Tables;
+use crate::records::{AnswerRecord, PairRecord, StateRecord, Tables, code};
+use crate::twin::Query;
 
-/// Threads of a workgroup; `kernels.wgsl` has the same number.
+/// Threads of a workgroup; the kernels have the same number.
 const WORKGROUP: u32 = 64;
+
+/// Threads of a workgroup of the compaction; `compact.wgsl` has the same number.
+const COMPACTION_GROUP: u32 = 256;
 
 /// Pairs of one dispatch. Larger batches take several, so that no dispatch runs for long.
 const CHUNK: usize = 1 << 17;
+
+/// Bytes of a polytope of EPA: 64 corners and 124 faces.
+const POLYTOPE_BYTES: u64 = (64 + 124) * 32;
+
+/// Bytes of `Progress` in `simplex.wgsl`.
+const PROGRESS_BYTES: usize = 176;
 
 /// Time after which a dispatch counts as failed. The reads of a pair are bounded, so a dispatch
 /// ends; this is for devices that do not answer.
 const TIMEOUT: Duration = Duration::from_secs(120);
 
 /// What the kernels read in a uniform buffer.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Parameters {
     pub(crate) count: u32,
     pub(crate) query: u32,
+    pub(crate) round_steps: u32,
     pub(crate) max_steps: u32,
     pub(crate) tolerance: f32,
+    pub(crate) flags: u32,
+    pub(crate) keep_from: u32,
+    pub(crate) keep_to: u32,
+}
+
+/// Flags of [`Parameters`].
+mod flags {
+    pub(super) const FIRST: u32 = 1;
+    pub(super) const WARM: u32 = 2;
+}
+
+/// Source of the kernels. Each is a module of its own, so that none makes another slow to compile.
+mod source {
+    pub(super) const SOLVE: &str = concat!(
+        include_str!("kernels/records.wgsl"),
+        include_str!("kernels/support.wgsl"),
+        include_str!("kernels/simplex.wgsl"),
+        include_str!("kernels/gjk.wgsl"),
+    );
+    pub(super) const EXPAND: &str = concat!(
+        include_str!("kernels/records.wgsl"),
+        include_str!("kernels/support.wgsl"),
+        include_str!("kernels/simplex.wgsl"),
+        include_str!("kernels/epa.wgsl"),
+    );
+    pub(super) const VERTICES: &str = concat!(
+        include_str!("kernels/records.wgsl"),
+        include_str!("kernels/support.wgsl"),
+        include_str!("kernels/vertices.wgsl"),
+    );
+    pub(super) const COMPACT: &str =
+        concat!(include_str!("kernels/records.wgsl"), include_str!("kernels/compact.wgsl"));
 }
 
 /// A Vulkan device with the compiled kernels. Clones share it.
@@ -39,6 +82,10 @@ struct Inner {
     device: wgpu::Device,
     queue: wgpu::Queue,
     solve_pairs: wgpu::ComputePipeline,
+    expand_pairs: wgpu::ComputePipeline,
+    count_kept: wgpu::ComputePipeline,
+    sum_counts: wgpu::ComputePipeline,
+    write_kept: wgpu::ComputePipeline,
     find_vertices: wgpu::ComputePipeline,
     info: wgpu::AdapterInfo,
     /// The first error since the last dispatch.
@@ -94,11 +141,11 @@ impl Device {
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| on_error(error.to_string())));
         let on_loss = record(&failure);
         device.set_device_lost_callback(move |_, reason| on_loss(reason));
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("hullmap"),
-            source: wgpu::ShaderSource::Wgsl(include_str!("kernels.wgsl").into()),
-        });
-        let pipeline = |entry_point| {
+        let pipeline = |source: &'static str, entry_point| {
+            let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(entry_point),
+                source: wgpu::ShaderSource::Wgsl(source.into()),
+            });
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(entry_point),
                 layout: None,
@@ -108,9 +155,19 @@ impl Device {
                 cache: None,
             })
         };
-        let (solve_pairs, find_vertices) = (pipeline("solve_pairs"), pipeline("find_vertices"));
-        let info = adapter.get_info();
-        let opened = Self(Arc::new(Inner { device, queue, solve_pairs, find_vertices, info, failure }));
+        let inner = Inner {
+            solve_pairs: pipeline(source::SOLVE, "solve_pairs"),
+            expand_pairs: pipeline(source::EXPAND, "expand_pairs"),
+            count_kept: pipeline(source::COMPACT, "count_kept"),
+            sum_counts: pipeline(source::COMPACT, "sum_counts"),
+            write_kept: pipeline(source::COMPACT, "write_kept"),
+            find_vertices: pipeline(source::VERTICES, "find_vertices"),
+            info: adapter.get_info(),
+            device,
+            queue,
+            failure,
+        };
+        let opened = Self(Arc::new(inner));
         opened.check()?;
         Ok(opened)
     }
@@ -213,118 +270,330 @@ impl DevicePack {
     }
 }
 
-/// Which kernel runs.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Kernel {
-    SolvePairs,
-    FindVertices,
-}
-
-/// Buffers of one kernel, which grow with the batches.
-#[derive(Debug)]
-pub(crate) struct Buffers {
-    kernel: Kernel,
-    parameters: wgpu::Buffer,
-    input: wgpu::Buffer,
-    output: wgpu::Buffer,
-    staging: wgpu::Buffer,
-    capacity: usize,
-}
-
-impl Buffers {
-    /// Buffers for `count` records of type `I` in and of type `O` out.
-    fn new<I, O>(pack: &DevicePack, kernel: Kernel, count: usize) -> Self {
-        use wgpu::BufferUsages as Usage;
-        let capacity = count.next_power_of_two().min(CHUNK);
-        let buffer = |size: usize, usage| {
-            let descriptor =
-                wgpu::BufferDescriptor { label: None, size: size as u64, usage, mapped_at_creation: false };
-            pack.device.0.device.create_buffer(&descriptor)
-        };
-        Self {
-            kernel,
-            parameters: buffer(size_of::<Parameters>(), Usage::UNIFORM | Usage::COPY_DST),
-            input: buffer(capacity * size_of::<I>(), Usage::STORAGE | Usage::COPY_DST),
-            output: buffer(capacity * size_of::<O>(), Usage::STORAGE | Usage::COPY_SRC),
-            staging: buffer(capacity * size_of::<O>(), Usage::MAP_READ | Usage::COPY_DST),
-            capacity,
+impl DevicePack {
+    /// Pairs of one dispatch of `query`. A depth takes memory for a polytope.
+    pub(crate) fn chunk(&self, query: Query) -> usize {
+        let polytopes = (self.device.binding_limit() / POLYTOPE_BYTES) as usize;
+        match query {
+            Query::Contact => polytopes.clamp(COMPACTION_GROUP as usize, CHUNK) & !(COMPACTION_GROUP as usize - 1),
+            _ => CHUNK,
         }
     }
 
-    /// Runs the kernel of `slot` for all of `input`, in chunks, and appends its output to `out`.
-    pub(crate) fn run<I: Pod, O: Pod>(
-        slot: &mut Option<Self>,
-        pack: &DevicePack,
-        kernel: Kernel,
-        parameters: Parameters,
-        input: &[I],
-        out: &mut Vec<O>,
-    ) -> Result<(), Error> {
-        let needed = input.len().min(CHUNK);
-        if slot.as_ref().is_none_or(|buffers| buffers.capacity < needed) {
-            *slot = Some(Self::new::<I, O>(pack, kernel, needed));
-        }
-        let Some(buffers) = slot else { return Ok(()) };
-        input.chunks(CHUNK).try_for_each(|chunk| buffers.run_chunk(pack, parameters, chunk, out))
+    fn buffer(&self, size: usize, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        let descriptor = wgpu::BufferDescriptor { label: None, size: size as u64, usage, mapped_at_creation: false };
+        self.device.0.device.create_buffer(&descriptor)
     }
 
-    fn run_chunk<I: Pod, O: Pod>(
-        &self,
-        pack: &DevicePack,
-        parameters: Parameters,
-        input: &[I],
-        out: &mut Vec<O>,
-    ) -> Result<(), Error> {
-        let Inner { device, queue, solve_pairs, find_vertices, .. } = &*pack.device.0;
-        pack.device.check()?;
-        let (pipeline, at) = match self.kernel {
-            Kernel::SolvePairs => (solve_pairs, 4),
-            Kernel::FindVertices => (find_vertices, 6),
-        };
-        let entry = |binding, buffer: &'_ wgpu::Buffer| (binding, buffer.clone());
-        let bound = [
-            entry(0, &self.parameters),
-            entry(1, &pack.hulls),
-            entry(2, &pack.blocks),
-            entry(3, &pack.slots),
-            entry(at, &self.input),
-            entry(at + 1, &self.output),
-        ];
-        let entries = bound
-            .each_ref()
-            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding: *binding, resource: buffer.as_entire_binding() });
+    fn group(&self, pipeline: &wgpu::ComputePipeline, bound: &[(u32, wgpu::BindingResource<'_>)]) -> wgpu::BindGroup {
+        let entries: Vec<_> = bound
+            .iter()
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding: *binding, resource: resource.clone() })
+            .collect();
         let layout = pipeline.get_bind_group_layout(0);
-        let group =
-            device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries });
-        let count = input.len() as u32;
-        queue.write_buffer(&self.parameters, 0, bytemuck::bytes_of(&Parameters { count, ..parameters }));
-        queue.write_buffer(&self.input, 0, bytemuck::cast_slice(input));
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            pass.dispatch_workgroups(count.div_ceil(WORKGROUP), 1, 1);
-        }
-        let bytes = size_of_val(input) as u64 / size_of::<I>() as u64 * size_of::<O>() as u64;
-        encoder.copy_buffer_to_buffer(&self.output, 0, &self.staging, 0, bytes);
+        let descriptor = wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries };
+        self.device.0.device.create_bind_group(&descriptor)
+    }
+
+    /// The sections, at the bindings of `records.wgsl`.
+    fn sections(&self) -> [(u32, wgpu::BindingResource<'_>); 3] {
+        [(1, self.hulls.as_entire_binding()), (2, self.blocks.as_entire_binding()), (3, self.slots.as_entire_binding())]
+    }
+
+    /// Submits `encoder`, waits, and appends the first `count` records of `staging` to `out`.
+    fn finish<O: Pod>(
+        &self,
+        encoder: wgpu::CommandEncoder,
+        staging: &wgpu::Buffer,
+        count: usize,
+        out: &mut Vec<O>,
+    ) -> Result<(), Error> {
+        let Inner { device, queue, .. } = &*self.device.0;
+        let bytes = (count * size_of::<O>()) as u64;
         queue.submit([encoder.finish()]);
-        let device_of_callback = pack.device.clone();
-        self.staging.map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
+        let device_of_callback = self.device.clone();
+        staging.map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
             if let Err(error) = result {
                 device_of_callback.fail(&error.to_string());
             }
         });
         let waited = device.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(TIMEOUT) });
         if let Err(error) = waited {
-            pack.device.fail(&error.to_string());
+            self.device.fail(&error.to_string());
         }
-        pack.device.check()?;
-        let view =
-            self.staging.get_mapped_range(0..bytes).map_err(|error| Error::Device { reason: error.to_string() })?;
+        self.device.check()?;
+        let view = staging.get_mapped_range(0..bytes).map_err(|error| Error::Device { reason: error.to_string() })?;
         out.extend(view.chunks_exact(size_of::<O>()).map(bytemuck::pod_read_unaligned::<O>));
         drop(view);
-        self.staging.unmap();
+        staging.unmap();
+        Ok(())
+    }
+}
+
+/// Runs one pipeline on `threads` threads.
+fn dispatch(
+    encoder: &mut wgpu::CommandEncoder,
+    pipeline: &wgpu::ComputePipeline,
+    group: &wgpu::BindGroup,
+    groups: u32,
+) {
+    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, group, &[]);
+    pass.dispatch_workgroups(groups, 1, 1);
+}
+
+/// How a batch of pairs is solved.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plan<'a> {
+    pub(crate) query: Query,
+    pub(crate) tolerance: f32,
+    pub(crate) max_steps: u32,
+    /// Whether pairs start from their states.
+    pub(crate) is_warm: bool,
+    /// Steps after which each round ends; the last is `max_steps`.
+    pub(crate) rounds: &'a [u32],
+    /// Indices of the pairs of each chunk, counted from its start, in the order of the threads.
+    pub(crate) order: &'a [u32],
+}
+
+/// Buffers of the pairs, which grow with the batches.
+#[derive(Debug)]
+pub(crate) struct PairBuffers {
+    /// One for each round.
+    parameters: Vec<wgpu::Buffer>,
+    pairs: wgpu::Buffer,
+    answers: wgpu::Buffer,
+    progress: wgpu::Buffer,
+    order: wgpu::Buffer,
+    live: [wgpu::Buffer; 2],
+    counts: wgpu::Buffer,
+    staging: wgpu::Buffer,
+    capacity: usize,
+    /// Polytopes, and their number.
+    cells: Option<(wgpu::Buffer, usize)>,
+}
+
+/// The simplices of all pairs of a batch.
+#[derive(Debug)]
+pub(crate) struct States {
+    buffer: wgpu::Buffer,
+    count: usize,
+}
+
+impl PairBuffers {
+    fn new(pack: &DevicePack, capacity: usize) -> Self {
+        use wgpu::BufferUsages as Usage;
+        let list = || pack.buffer((capacity + 1) * 4, Usage::STORAGE | Usage::COPY_DST);
+        Self {
+            parameters: Vec::new(),
+            pairs: pack.buffer(capacity * size_of::<PairRecord>(), Usage::STORAGE | Usage::COPY_DST),
+            answers: pack.buffer(capacity * size_of::<AnswerRecord>(), Usage::STORAGE | Usage::COPY_SRC),
+            progress: pack.buffer(capacity * PROGRESS_BYTES, Usage::STORAGE),
+            order: list(),
+            live: [list(), list()],
+            counts: pack.buffer(capacity.div_ceil(COMPACTION_GROUP as usize) * 4, Usage::STORAGE),
+            staging: pack.buffer(capacity * size_of::<AnswerRecord>(), Usage::MAP_READ | Usage::COPY_DST),
+            capacity,
+            cells: None,
+        }
+    }
+
+    /// Solves all `pairs`, in chunks, and appends their answers to `out`.
+    pub(crate) fn run(
+        slot: &mut Option<Self>,
+        states: &mut Option<States>,
+        pack: &DevicePack,
+        plan: Plan<'_>,
+        pairs: &[PairRecord],
+        out: &mut Vec<AnswerRecord>,
+    ) -> Result<(), Error> {
+        use wgpu::BufferUsages as Usage;
+        let chunk = pack.chunk(plan.query);
+        let needed = pairs.len().clamp(1, chunk);
+        if slot.as_ref().is_none_or(|buffers| buffers.capacity < needed) {
+            *slot = Some(Self::new(pack, needed.next_power_of_two().max(COMPACTION_GROUP as usize)));
+        }
+        if states.as_ref().is_none_or(|states| states.count < pairs.len()) {
+            let count = pairs.len().max(1);
+            let (bytes, limit) = (count * size_of::<StateRecord>(), pack.device.0.device.limits().max_buffer_size);
+            if bytes as u64 > limit {
+                return Err(Error::TooLarge { section: "states", found: bytes as u64, limit });
+            }
+            *states = Some(States { buffer: pack.buffer(bytes, Usage::STORAGE), count });
+        }
+        let (Some(buffers), Some(states)) = (slot, states) else { return Ok(()) };
+        while buffers.parameters.len() < plan.rounds.len() {
+            let usage = Usage::UNIFORM | Usage::COPY_DST;
+            buffers.parameters.push(pack.buffer(size_of::<Parameters>(), usage));
+        }
+        if plan.query == Query::Contact && buffers.cells.as_ref().is_none_or(|(_, count)| *count < needed) {
+            let count = needed.next_power_of_two().max(COMPACTION_GROUP as usize).min(chunk);
+            buffers.cells = Some((pack.buffer(count * POLYTOPE_BYTES as usize, Usage::STORAGE), count));
+        }
+        for (at, (pairs, order)) in pairs.chunks(chunk).zip(plan.order.chunks(chunk)).enumerate() {
+            let start = (at * chunk * size_of::<StateRecord>()) as u64;
+            let size = std::num::NonZeroU64::new((pairs.len() * size_of::<StateRecord>()) as u64);
+            let states =
+                wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: &states.buffer, offset: start, size });
+            buffers.run_chunk(pack, Plan { order, ..plan }, pairs, states, out)?;
+        }
+        Ok(())
+    }
+
+    fn run_chunk(
+        &self,
+        pack: &DevicePack,
+        plan: Plan<'_>,
+        pairs: &[PairRecord],
+        states: wgpu::BindingResource<'_>,
+        out: &mut Vec<AnswerRecord>,
+    ) -> Result<(), Error> {
+        let Inner { device, queue, solve_pairs, expand_pairs, .. } = &*pack.device.0;
+        pack.device.check()?;
+        let count = pairs.len() as u32;
+        queue.write_buffer(&self.pairs, 0, bytemuck::cast_slice(pairs));
+        queue.write_buffer(&self.order, 0, bytemuck::bytes_of(&count));
+        queue.write_buffer(&self.order, 4, bytemuck::cast_slice(plan.order));
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut list = &self.order;
+        for (round, (parameters, steps)) in self.parameters.iter().zip(plan.rounds).enumerate() {
+            let is_last = round + 1 == plan.rounds.len();
+            let mut flags = 0;
+            if round == 0 {
+                flags = if plan.is_warm { flags::FIRST | flags::WARM } else { flags::FIRST };
+            }
+            let content = Parameters {
+                count,
+                query: plan.query as u32,
+                round_steps: *steps,
+                max_steps: plan.max_steps,
+                tolerance: plan.tolerance,
+                flags,
+                keep_from: if is_last { code::TETRAHEDRON } else { code::RUNNING },
+                keep_to: if is_last { code::AXES } else { code::RUNNING },
+            };
+            queue.write_buffer(parameters, 0, bytemuck::bytes_of(&content));
+            let mut bound = self.bound(pack, parameters, list);
+            bound.push((8, states.clone()));
+            dispatch(&mut encoder, solve_pairs, &pack.group(solve_pairs, &bound), count.div_ceil(WORKGROUP));
+            if !is_last {
+                let next = &self.live[round % 2];
+                self.compact(pack, &mut encoder, parameters, count, [list, next]);
+                list = next;
+            } else if let (Query::Contact, Some((cells, _))) = (plan.query, &self.cells) {
+                let overlapping = &self.live[round % 2];
+                self.compact(pack, &mut encoder, parameters, count, [&self.order, overlapping]);
+                let mut bound = self.bound(pack, parameters, overlapping);
+                bound.push((8, cells.as_entire_binding()));
+                dispatch(&mut encoder, expand_pairs, &pack.group(expand_pairs, &bound), count.div_ceil(WORKGROUP));
+            }
+        }
+        encoder.copy_buffer_to_buffer(&self.answers, 0, &self.staging, 0, size_of_val(pairs) as u64);
+        pack.finish(encoder, &self.staging, pairs.len(), out)
+    }
+
+    /// What both kernels of pairs bind.
+    fn bound<'b>(
+        &'b self,
+        pack: &'b DevicePack,
+        parameters: &'b wgpu::Buffer,
+        list: &'b wgpu::Buffer,
+    ) -> Vec<(u32, wgpu::BindingResource<'b>)> {
+        let mut bound = pack.sections().to_vec();
+        bound.push((0, parameters.as_entire_binding()));
+        bound.push((4, self.pairs.as_entire_binding()));
+        bound.push((5, self.answers.as_entire_binding()));
+        bound.push((6, self.progress.as_entire_binding()));
+        bound.push((7, list.as_entire_binding()));
+        bound
+    }
+
+    /// Lists the pairs of one list whose status the parameters keep, in the same order.
+    fn compact(
+        &self,
+        pack: &DevicePack,
+        encoder: &mut wgpu::CommandEncoder,
+        parameters: &wgpu::Buffer,
+        count: u32,
+        [from, to]: [&wgpu::Buffer; 2],
+    ) {
+        let Inner { count_kept, sum_counts, write_kept, .. } = &*pack.device.0;
+        let bound = [
+            (0, parameters.as_entire_binding()),
+            (4, self.answers.as_entire_binding()),
+            (5, from.as_entire_binding()),
+            (6, to.as_entire_binding()),
+            (7, self.counts.as_entire_binding()),
+        ];
+        let of = |pipeline, bindings: &[u32]| {
+            let used: Vec<_> = bound.iter().filter(|(binding, _)| bindings.contains(binding)).cloned().collect();
+            pack.group(pipeline, &used)
+        };
+        let groups = count.div_ceil(COMPACTION_GROUP);
+        dispatch(encoder, count_kept, &of(count_kept, &[0, 4, 5, 7]), groups);
+        dispatch(encoder, sum_counts, &of(sum_counts, &[0, 6, 7]), 1);
+        dispatch(encoder, write_kept, &of(write_kept, &[0, 4, 5, 6, 7]), groups);
+    }
+}
+
+/// Buffers of the support kernel, which grow with the batches.
+#[derive(Debug)]
+pub(crate) struct DirectionBuffers {
+    parameters: wgpu::Buffer,
+    directions: wgpu::Buffer,
+    vertices: wgpu::Buffer,
+    staging: wgpu::Buffer,
+    capacity: usize,
+}
+
+impl DirectionBuffers {
+    fn new<I, O>(pack: &DevicePack, capacity: usize) -> Self {
+        use wgpu::BufferUsages as Usage;
+        Self {
+            parameters: pack.buffer(size_of::<Parameters>(), Usage::UNIFORM | Usage::COPY_DST),
+            directions: pack.buffer(capacity * size_of::<I>(), Usage::STORAGE | Usage::COPY_DST),
+            vertices: pack.buffer(capacity * size_of::<O>(), Usage::STORAGE | Usage::COPY_SRC),
+            staging: pack.buffer(capacity * size_of::<O>(), Usage::MAP_READ | Usage::COPY_DST),
+            capacity,
+        }
+    }
+
+    /// Finds the support vertices of all `directions`, in chunks, and appends them to `out`.
+    pub(crate) fn run<I: Pod, O: Pod>(
+        slot: &mut Option<Self>,
+        pack: &DevicePack,
+        directions: &[I],
+        out: &mut Vec<O>,
+    ) -> Result<(), Error> {
+        let needed = directions.len().min(CHUNK);
+        if slot.as_ref().is_none_or(|buffers| buffers.capacity < needed) {
+            *slot = Some(Self::new::<I, O>(pack, needed.next_power_of_two()));
+        }
+        let Some(buffers) = slot else { return Ok(()) };
+        let Inner { device, queue, find_vertices, .. } = &*pack.device.0;
+        for chunk in directions.chunks(CHUNK) {
+            pack.device.check()?;
+            let count = chunk.len() as u32;
+            let parameters = Parameters { count, ..Parameters::default() };
+            queue.write_buffer(&buffers.parameters, 0, bytemuck::bytes_of(&parameters));
+            queue.write_buffer(&buffers.directions, 0, bytemuck::cast_slice(chunk));
+            let mut bound = pack.sections().to_vec();
+            bound.push((0, buffers.parameters.as_entire_binding()));
+            bound.push((4, buffers.directions.as_entire_binding()));
+            bound.push((5, buffers.vertices.as_entire_binding()));
+            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let group = pack.group(find_vertices, &bound);
+            dispatch(&mut encoder, find_vertices, &group, count.div_ceil(WORKGROUP));
+            encoder.copy_buffer_to_buffer(
+                &buffers.vertices,
+                0,
+                &buffers.staging,
+                0,
+                (chunk.len() * size_of::<O>()) as u64,
+            );
+            pack.finish(encoder, &buffers.staging, chunk.len(), out)?;
+        }
         Ok(())
     }
 }

@@ -9,12 +9,12 @@
 //! # Files
 //! - `batch.rs`: the calls, and the processor's side of them.
 //! - `device.rs`: the device, the pack in its memory, buffers and dispatches.
+//! - `schedule.rs`: which thread solves which pair.
 //! - `records.rs`: what the kernels read and write.
-//! - `kernels.wgsl`: the kernels. [`twin`] is the same code in Rust, for tests.
+//! - `kernels/`: the kernels. [`twin`] is the same code in Rust, for tests.
 //!
 //! # Limits
 //! - A batch has hulls of one pack. Sections longer than a binding are an error.
-//! - There is no kernel for penetration depths yet: use `hullmap::batch::contact`.
 //! - Correctness is tested on Mesa's lavapipe. Times on hardware are not measured yet.
 
 #![forbid(unsafe_code)]
@@ -23,10 +23,12 @@ mod batch;
 mod device;
 mod error;
 mod records;
+mod schedule;
 pub mod twin;
 
 pub use batch::{Backend, Batch, SUPPORT_SHORTFALL, SupportAnswer, SupportQuery};
 pub use device::{Device, DevicePack};
 pub use error::Error;
-pub use records::{Answer, AnswerRecord, HullRecord, Pair, PairRecord, Status, Tables};
+pub use records::{Answer, AnswerRecord, HullRecord, Pair, PairRecord, StateRecord, Status, Tables};
+pub use schedule::{Order, Schedule};
 pub use twin::{MAX_STEPS, Query};

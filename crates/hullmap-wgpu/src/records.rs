@@ -260,6 +260,31 @@ pub(crate) mod code {
     pub(crate) const STALLED: u32 = 3;
     pub(crate) const BUDGET: u32 = 4;
     pub(crate) const REJECTED: u32 = 5;
+    /// Between kernels: the steps of a round ran out.
+    pub(crate) const RUNNING: u32 = 6;
+    /// Between kernels: EPA continues from the tetrahedron.
+    pub(crate) const TETRAHEDRON: u32 = 7;
+    /// Between kernels: EPA starts from the axes.
+    pub(crate) const AXES: u32 = 8;
+}
+
+/// What stays on the device about one pair from batch to batch: 32 bytes. The simplex with which the
+/// pair ended, as a vertex of A and one of B for each corner.
+///
+/// Any numbers are valid: those that are not vertices of the pair's hulls are ignored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct StateRecord {
+    /// 0 for no corner, [`CENTER`](Self::CENTER) for the centre, otherwise
+    /// [`FIRST_WORD`](Self::FIRST_WORD) plus the word of `blocks` that holds the vertex's x.
+    pub corners: [[u32; 2]; 4],
+}
+
+impl StateRecord {
+    /// The centre v₀ of the Minkowski difference.
+    pub const CENTER: u32 = 1;
+    /// Word 0 of `blocks`.
+    pub const FIRST_WORD: u32 = 2;
 }
 
 /// What the kernels write about one pair: 64 bytes. Lengths are scaled.
@@ -282,8 +307,10 @@ pub struct AnswerRecord {
     pub steps: u32,
     /// Nodes and blocks of both indices that were read.
     pub reads: u32,
+    /// Those before EPA.
+    pub gjk_steps: u32,
     /// Padding.
-    pub padding: [u32; 2],
+    pub padding: u32,
 }
 
 impl AnswerRecord {

@@ -17,7 +17,8 @@ use hullmap_testkit::{
     random::RandomPoses,
 };
 use hullmap_wgpu::{
-    AnswerRecord, Backend, Batch, Error, MAX_STEPS, Pair, Query, SUPPORT_SHORTFALL, Status, SupportQuery, Tables, twin,
+    AnswerRecord, Backend, Batch, Error, MAX_STEPS, Order, Pair, Query, SUPPORT_SHORTFALL, Schedule, StateRecord,
+    Status, SupportQuery, Tables, twin,
 };
 use shapes::rng::SplitMix64;
 
@@ -39,6 +40,15 @@ fn solve<'b>(batch: &'b mut Batch<'_>, query: Query, pairs: &[Pair]) -> &'b [hul
     .expect("the device works")
 }
 
+const QUERIES: [Query; 3] = [Query::Intersects, Query::Distance, Query::Contact];
+
+/// Whether one status proves an overlap and the other one a separation.
+fn contradict(query: Query, proofs: [Status; 2]) -> bool {
+    let overlaps = |status| status == Status::Overlapping || (query == Query::Contact && status == Status::Stalled);
+    let is_apart = |status| status == Status::Separated || (query != Query::Contact && status == Status::Stalled);
+    proofs.into_iter().any(overlaps) && proofs.into_iter().any(is_apart)
+}
+
 fn counts(answers: &[hullmap_wgpu::Answer]) -> BTreeMap<&'static str, usize> {
     let mut counts = BTreeMap::new();
     for answer in answers {
@@ -53,15 +63,89 @@ fn kernels_return_the_bits_of_the_twin() {
     println!("{}", device.description());
     for index in ALL_INDICES {
         let pack = scene::pack(index);
-        let pairs = scene::pairs(&pack, scene::pair_count(4_000), 1);
+        let mut pairs = scene::pairs(&pack, scene::pair_count(4_000), 1);
+        let touching = scene::touching_pairs(&pack, pairs.len() / 4, 21);
+        pairs.extend(touching);
         let mut batch = Batch::on(&device, &pack).unwrap();
-        for query in [Query::Intersects, Query::Distance, Query::Contact] {
+        for query in QUERIES {
             solve(&mut batch, query, &pairs);
             let expected = twin_answers::<false>(&pack, &batch, query);
-            let differ = |(found, expected): &(&AnswerRecord, &AnswerRecord)| found.bits() != expected.bits();
-            let wrong: Vec<_> = batch.records().1.iter().zip(&expected).filter(differ).collect();
+            let differ = |(_, found, expected): &(_, &AnswerRecord, &AnswerRecord)| found.bits() != expected.bits();
+            let (records, found) = batch.records();
+            let compared =
+                records.iter().zip(found).zip(&expected).map(|((record, found), other)| (record, found, other));
+            let wrong: Vec<_> = compared.filter(differ).collect();
             println!("{index:?} {query:?}: {:?}, {} differ", counts(batch.answers()), wrong.len());
             assert!(wrong.is_empty(), "{} of {} differ; the first: {:?}", wrong.len(), pairs.len(), wrong[0]);
+        }
+    }
+}
+
+/// Whatever the order of the threads, and however the unfinished pairs move together.
+#[test]
+fn schedules_change_no_bit() {
+    let Some(device) = scene::device() else { return };
+    let pack = scene::pack(IndexKind::Tree);
+    let pairs = scene::pairs(&pack, 5_000, 14);
+    let mut batch = Batch::on(&device, &pack).unwrap();
+    for query in QUERIES {
+        batch.set_schedule(Schedule::default());
+        solve(&mut batch, query, &pairs);
+        let expected: Vec<_> = batch.records().1.iter().map(AnswerRecord::bits).collect();
+        let as_given = batch.warp_efficiency().unwrap();
+        for order in [Order::AsGiven, Order::ByHulls, Order::BySteps] {
+            for is_compacted in [false, true] {
+                batch.set_schedule(Schedule { order, is_compacted, is_warm: false });
+                solve(&mut batch, query, &pairs);
+                assert!(batch.records().1.iter().map(AnswerRecord::bits).eq(expected.iter().copied()), "{order:?}");
+                let efficiency = batch.warp_efficiency().unwrap();
+                println!("{query:?}, {order:?}, compacted {is_compacted}: efficiency {efficiency:.3}");
+                assert!(order != Order::BySteps || efficiency > as_given, "{efficiency} of {as_given}");
+            }
+        }
+    }
+}
+
+/// The states on the device, frame by frame: the same bits as the twin's, the same meaning as cold.
+#[test]
+fn warm_answers_mean_the_same_and_take_fewer_steps() {
+    let Some(device) = scene::device() else { return };
+    let pack = scene::pack(IndexKind::Tree);
+    let tables = Tables::of(&pack).unwrap();
+    for query in QUERIES {
+        let mut pairs = scene::pairs(&pack, 2_000, 15);
+        pairs[5].b = 1_000;
+        let (mut warm, mut cold) = (Batch::on(&device, &pack).unwrap(), Batch::on(&device, &pack).unwrap());
+        warm.set_schedule(Schedule { is_warm: true, is_compacted: true, order: Order::BySteps });
+        let mut states = vec![StateRecord::default(); pairs.len()];
+        let mut steps = [0; 2];
+        for frame in 0..4 {
+            solve(&mut warm, query, &pairs);
+            solve(&mut cold, query, &pairs);
+            for (at, state) in states.iter_mut().enumerate() {
+                let (record, found) = (&warm.records().0[at], &warm.records().1[at]);
+                let twin = twin::solve_from::<false>(&tables, record, query, TOLERANCE, MAX_STEPS, state);
+                assert_eq!(found.bits(), twin.bits(), "{query:?}, frame {frame}, pair {at}");
+                let (found, other) = (&warm.answers()[at], &cold.answers()[at]);
+                let context = || format!("{query:?}, frame {frame}, pair {at}: {found:?}, {other:?}");
+                assert!(found.lower <= other.upper && other.lower <= found.upper, "{}", context());
+                assert!(!contradict(query, [found.status, other.status]), "{}", context());
+                if frame > 0 {
+                    steps[0] += found.steps;
+                    steps[1] += other.steps;
+                }
+            }
+            pairs = scene::a_frame_later(&pairs, 16 + frame);
+        }
+        println!("{query:?}: {} steps warm, {} cold", steps[0], steps[1]);
+        assert!(steps[0] < steps[1], "{query:?}: {steps:?}");
+        // Other pairs in the same places: the states are those of other hulls.
+        let others = scene::pairs(&pack, pairs.len(), 20);
+        solve(&mut warm, query, &others);
+        for (at, state) in states.iter_mut().enumerate() {
+            let (record, found) = (&warm.records().0[at], &warm.records().1[at]);
+            let twin = twin::solve_from::<false>(&tables, record, query, TOLERANCE, MAX_STEPS, state);
+            assert_eq!(found.bits(), twin.bits(), "{query:?}, pair {at}");
         }
     }
 }
@@ -75,6 +159,8 @@ fn intervals_hold_the_distance() {
     // The reference knows no segments and points.
     let polytopes: Vec<_> = hulls.iter().map(|hull| (hull.rank() >= 2).then(|| Polytope::new(hull))).collect();
     let mut pairs = scene::pairs(&pack, scene::pair_count(4_000), 2);
+    let touching = scene::touching_pairs(&pack, pairs.len() / 4, 18);
+    pairs.extend(touching);
     pairs.retain(|pair| [pair.a, pair.b].iter().all(|hull| polytopes[*hull as usize].is_some()));
     let mut batch = Batch::on(&device, &pack).unwrap();
     let yes_or_no = solve(&mut batch, Query::Intersects, &pairs).to_vec();
@@ -111,7 +197,9 @@ fn intervals_hold_the_distance() {
 fn intervals_hold_the_depth() {
     let Some(device) = scene::device() else { return };
     let pack = scene::small_pack();
-    let pairs = scene::pairs(&pack, scene::pair_count(4_000) / 4, 13);
+    let mut pairs = scene::pairs(&pack, scene::pair_count(4_000) / 4, 13);
+    let touching = scene::touching_pairs(&pack, pairs.len() / 4, 19);
+    pairs.extend(touching);
     let polytopes: Vec<_> = (0..pack.hull_count()).map(|at| Polytope::new(&pack.hull(at).unwrap())).collect();
     let mut batch = Batch::on(&device, &pack).unwrap();
     let answers = solve(&mut batch, Query::Contact, &pairs);
@@ -147,25 +235,38 @@ fn the_processor_agrees_and_settles_the_rest_bit_for_bit() {
     let Some(device) = scene::device() else { return };
     let pack = scene::pack(IndexKind::Tree);
     let pairs = scene::pairs(&pack, scene::pair_count(4_000), 3);
-    let settings = Settings::default();
+    let settings = Settings { tolerance: f64::from(TOLERANCE), ..Settings::default() };
     let mut on_gpu = Batch::on(&device, &pack).unwrap();
     let mut on_cpu = Batch::new(&pack, Backend::Cpu).unwrap();
-    let expected = on_cpu.distance(&pairs, &settings).unwrap();
-    let before = on_gpu.distance(&pairs, &settings).unwrap().to_vec();
-    let settled = on_gpu.settle();
-    assert_eq!(settled, before.iter().filter(|answer| answer.status.is_unsettled()).count());
-    assert!(settled > 0);
-    for (at, pair) in pairs.iter().enumerate() {
-        let (before, after, expected) = (&before[at], &on_gpu.answers()[at], &expected[at]);
-        match before.status {
-            Status::Separated => assert!(expected.upper > 0.0 && expected.status != Status::Overlapping, "pair {at}"),
-            Status::Overlapping => assert!(expected.lower == 0.0, "pair {at}: {expected:?}"),
-            _ => {
-                assert_eq!(after, expected, "pair {at}");
-                let (a, b) = (pack.hull(pair.a as usize).unwrap(), pack.hull(pair.b as usize).unwrap());
-                let own = hullmap::distance(&a, &b, pair.b_in_a, &settings, &mut Cache::new());
-                assert_eq!((after.lower.to_bits(), after.point_a), (own.lower.to_bits(), own.point_a));
+    for query in [Query::Distance, Query::Contact] {
+        let expected = solve(&mut on_cpu, query, &pairs).to_vec();
+        let before = solve(&mut on_gpu, query, &pairs).to_vec();
+        let settled = on_gpu.settle();
+        assert_eq!(settled, before.iter().filter(|answer| answer.status.is_unsettled()).count());
+        assert!(settled > 0);
+        for (at, pair) in pairs.iter().enumerate() {
+            let (before, after, expected) = (&before[at], &on_gpu.answers()[at], &expected[at]);
+            let context = || format!("{query:?}, pair {at}: {before:?}, {expected:?}");
+            if !before.status.is_unsettled() {
+                let apart = if query == Query::Distance { expected.upper > 0.0 } else { expected.lower == 0.0 };
+                let proven =
+                    if before.status == Status::Separated { apart } else { expected.status != Status::Separated };
+                assert!(proven && !contradict(query, [before.status, expected.status]), "{}", context());
+                continue;
             }
+            assert_eq!(after, expected, "{}", context());
+            let (a, b) = (pack.hull(pair.a as usize).unwrap(), pack.hull(pair.b as usize).unwrap());
+            let own = match query {
+                Query::Contact => {
+                    let own = hullmap::contact(&a, &b, pair.b_in_a, &settings, &mut Cache::new());
+                    (own.depth_lower, own.point_a)
+                }
+                _ => {
+                    let own = hullmap::distance(&a, &b, pair.b_in_a, &settings, &mut Cache::new());
+                    (own.lower, own.point_a)
+                }
+            };
+            assert_eq!((after.lower.to_bits(), after.point_a), (own.0.to_bits(), own.1));
         }
     }
 }
@@ -198,19 +299,16 @@ fn fused_operations_never_contradict_unfused_ones() {
     for index in [IndexKind::Tree, IndexKind::CubeMap { resolution: 24 }] {
         let pack = scene::pack(index);
         let tables = Tables::of(&pack).unwrap();
-        let pairs = scene::pairs(&pack, 4_000, 6);
+        let mut pairs = scene::pairs(&pack, 4_000, 6);
+        pairs.extend(scene::touching_pairs(&pack, 1_000, 17));
         let mut other = 0;
         for pair in pairs {
             let record = twin::prepare(&tables, &pair);
-            for query in [Query::Intersects, Query::Distance, Query::Contact] {
+            for query in QUERIES {
                 let plain = twin::solve::<false>(&tables, &record, query, TOLERANCE, MAX_STEPS);
                 let fused = twin::solve::<true>(&tables, &record, query, TOLERANCE, MAX_STEPS);
                 let proofs = [plain.status(), fused.status()];
-                let overlaps =
-                    |status| status == Status::Overlapping || (query == Query::Contact && status == Status::Stalled);
-                let is_apart =
-                    |status| status == Status::Separated || (query == Query::Distance && status == Status::Stalled);
-                let contradicts = proofs.into_iter().any(overlaps) && proofs.into_iter().any(is_apart);
+                let contradicts = contradict(query, proofs);
                 assert!(!contradicts, "{pair:?}: {proofs:?}");
                 assert!(plain.lower <= fused.upper && fused.lower <= plain.upper, "{pair:?}: {plain:?}, {fused:?}");
                 other += usize::from(plain.bits() != fused.bits());

@@ -1,7 +1,7 @@
 //! Packs and pairs for the tests, and the device on which they run.
 
 use hullmap::glam::{DQuat, DVec3};
-use hullmap::{Pack, Pose, SupportMap};
+use hullmap::{Cache, Pack, Pose, Settings, SupportMap};
 use hullmap_bake::IndexKind;
 use hullmap_testkit::{packs, random::RandomPoses};
 use hullmap_wgpu::{Device, Pair};
@@ -74,4 +74,35 @@ pub fn pairs(pack: &Pack, count: usize, seed: u64) -> Vec<Pair> {
         Pair { a: a as u32, b: b as u32, b_in_a: Pose::new(translation, rotation).expect("finite") }
     };
     (0..count).map(pair).collect()
+}
+
+/// Pairs that only just touch, overlap or miss: random ones that are apart, moved by their distance,
+/// and a little more or less.
+pub fn touching_pairs(pack: &Pack, count: usize, seed: u64) -> Vec<Pair> {
+    const MORE: [f64; 7] = [0.0, 1e-8, -1e-8, 1e-6, -1e-6, 1e-4, -1e-4];
+    let touch = |(at, pair): (usize, Pair)| {
+        let hull = |index: u32| pack.hull(index as usize).expect("in range");
+        let (a, b) = (hull(pair.a), hull(pair.b));
+        let found = hullmap::distance(&a, &b, pair.b_in_a, &Settings::default(), &mut Cache::new());
+        let more = MORE[at % MORE.len()] * (a.outer_radius() + b.outer_radius());
+        let translation = pair.b_in_a.translation() - found.normal * (found.lower + more);
+        (found.lower > 0.0).then(|| moved(&pair, translation))
+    };
+    // About half of the random pairs are apart.
+    pairs(pack, 3 * count, seed).into_iter().enumerate().filter_map(touch).take(count).collect()
+}
+
+/// The pairs a moment later: turned and moved by a hundredth.
+pub fn a_frame_later(pairs: &[Pair], seed: u64) -> Vec<Pair> {
+    let mut rng = SplitMix64::new(seed);
+    let later = |pair: &Pair| {
+        let turn = DQuat::from_axis_angle(rng.unit_vector(), 0.01);
+        let translation = pair.b_in_a.translation() + rng.unit_vector() * 0.01;
+        Pair { b_in_a: Pose::new(translation, turn * pair.b_in_a.rotation()).expect("finite"), ..*pair }
+    };
+    pairs.iter().map(later).collect()
+}
+
+fn moved(pair: &Pair, translation: DVec3) -> Pair {
+    Pair { b_in_a: Pose::new(translation, pair.b_in_a.rotation()).expect("finite"), ..*pair }
 }

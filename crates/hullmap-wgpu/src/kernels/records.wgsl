@@ -1,0 +1,104 @@
+// What the kernels read and write, and the arithmetic of all of them. `records.rs` has the same
+// structures.
+//
+// Functions, names and the order of operations are those of the twin in Rust; tests compare the
+// bits. Whoever changes one changes the other.
+
+struct Hull {
+    center: vec3f,
+    outer: f32,
+    inner: f32,
+    kind: u32,
+    resolution: u32,
+    leaf_blocks: u32,
+    slot_start: u32,
+    slot_count: u32,
+    block_start: u32,
+    block_count: u32,
+}
+
+struct Pair {
+    row_x: vec4f,
+    row_y: vec4f,
+    row_z: vec4f,
+    a: u32,
+    b: u32,
+    rounding: f32,
+    scale: f32,
+}
+
+struct Answer {
+    normal: vec3f,
+    lower: f32,
+    offset: vec3f,
+    upper: f32,
+    between: vec3f,
+    status: u32,
+    steps: u32,
+    reads: u32,
+    gjk_steps: u32,
+    padding: u32,
+}
+
+struct Parameters {
+    // Pairs or directions of the dispatch, at most.
+    count: u32,
+    // INTERSECTS, DISTANCE or CONTACT.
+    query: u32,
+    // Steps after which the round ends, and after which the pair ends.
+    round_steps: u32,
+    max_steps: u32,
+    tolerance: f32,
+    // FIRST, WARM.
+    flags: u32,
+    // Statuses that a compaction keeps: from, and up to.
+    keep_from: u32,
+    keep_to: u32,
+}
+
+@group(0) @binding(0) var<uniform> parameters: Parameters;
+@group(0) @binding(1) var<storage, read> hulls: array<Hull>;
+@group(0) @binding(2) var<storage, read> blocks: array<u32>;
+@group(0) @binding(3) var<storage, read> slots: array<u32>;
+
+const INTERSECTS = 0u;
+const DISTANCE = 1u;
+const CONTACT = 2u;
+
+// The pairs start, and do not continue after a round.
+const FIRST = 1u;
+// They start from the simplex of the last batch.
+const WARM = 2u;
+
+const SEPARATED = 0u;
+const OVERLAPPING = 1u;
+const OPEN = 2u;
+const STALLED = 3u;
+const BUDGET = 4u;
+const REJECTED = 5u;
+// The steps of the round ran out.
+const RUNNING = 6u;
+// EPA continues from the tetrahedron, or from the axes.
+const TETRAHEDRON = 7u;
+const AXES = 8u;
+
+const MAX_READS = 131072u;
+const LOWEST = -3.0e38;
+const EPSILON = 1.1920928955078125e-7;
+const CERTAIN = 16.0 * EPSILON;
+const NO_INDEX = 0xffffffffu;
+
+// Nodes and blocks that may still be read.
+var<private> fuel: u32;
+
+fn dot_of(a: vec3f, b: vec3f) -> f32 {
+    return a.z * b.z + (a.y * b.y + a.x * b.x);
+}
+
+fn cross_of(a: vec3f, b: vec3f) -> vec3f {
+    return vec3f(a.y * b.z + -(a.z * b.y), a.z * b.x + -(a.x * b.z), a.x * b.y + -(a.y * b.x));
+}
+
+fn l1(a: vec3f) -> f32 {
+    return abs(a.x) + abs(a.y) + abs(a.z);
+}

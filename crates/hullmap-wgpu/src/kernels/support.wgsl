@@ -1,0 +1,285 @@
+// The support query: `twin/support.rs` explains the steps.
+
+const SCAN = 0u;
+const CUBE_MAP = 1u;
+const BINARY = 2u;
+
+const STACK = 32u;
+const GRID_BITS = 23u;
+const GRID_MASK = 8388607u;
+const GRID_SCALE = 4194303.0;
+const ROUND_BY = 12582912.0;
+const PLANE_DOUBT = 16.0 * EPSILON;
+const FAN_DOUBT = 8.0 * EPSILON;
+const ANGLE_DOUBT = 32.0 * EPSILON;
+
+fn decode(low: u32, high: u32) -> f32 {
+    let exponent = i32((high >> 20u) & 0x7ffu) - 896;
+    if exponent <= 0 {
+        return 0.0;
+    }
+    var magnitude = 0x7f000000u;
+    if exponent < 255 {
+        magnitude = (u32(exponent) << 23u) | ((high & 0xfffffu) << 3u) | (low >> 29u);
+    }
+    return bitcast<f32>((high & 0x80000000u) | magnitude);
+}
+
+fn slot(hull: u32, at: u32) -> u32 {
+    if at < hulls[hull].slot_count {
+        return slots[hulls[hull].slot_start + at];
+    }
+    return 0u;
+}
+
+fn number(hull: u32, at: u32) -> f32 {
+    return decode(slot(hull, at), slot(hull, at + 1u));
+}
+
+fn sides_of(hull: u32, at: u32, stride: u32, dir: vec3f, doubt: f32) -> u32 {
+    let normal = vec3f(number(hull, at), number(hull, at + stride), number(hull, at + 2u * stride));
+    let height = dot_of(normal, dir);
+    if height > doubt {
+        return 2u;
+    }
+    if height < -doubt {
+        return 1u;
+    }
+    if l1(normal) == 0.0 {
+        return 1u;
+    }
+    return 3u;
+}
+
+fn step_at(at: f32, last: u32) -> u32 {
+    if !(at > 0.0) {
+        return 0u;
+    }
+    if at >= f32(last) {
+        return last;
+    }
+    return u32(at);
+}
+
+fn axis_of(hull: u32, at: u32) -> vec3f {
+    return vec3f(number(hull, at), number(hull, at + 2u), number(hull, at + 4u));
+}
+
+fn steps_of(hull: u32, at: u32, dir: vec3f) -> vec2u {
+    let last = (1u << (slot(hull, at + 16u) & 31u)) - 1u;
+    let x = dot_of(axis_of(hull, at), dir);
+    let y = dot_of(axis_of(hull, at + 6u), dir);
+    let doubt = FAN_DOUBT * l1(dir);
+    let steep = abs(y) > abs(x);
+    let rise = select(y, -x, steep);
+    let run = select(x, y, steep);
+    let size = abs(run);
+    if !(size > 64.0 * doubt) {
+        return vec2u(0u, last);
+    }
+    var turns = 0.0;
+    if steep {
+        turns += 2.0;
+    }
+    if run < 0.0 {
+        turns += 4.0;
+    }
+    let angle = rise * (1.0 / run) + turns;
+    let error = 4.0 * doubt * (1.0 / size) + ANGLE_DOUBT;
+    if !(angle - error > -1.0 && angle + error < 7.0) {
+        return vec2u(0u, last);
+    }
+    let rate = number(hull, at + 14u);
+    let from_start = (angle - number(hull, at + 12u)) * rate;
+    let spread = error * rate + 8.0 * EPSILON * f32(last);
+    return vec2u(step_at(from_start - spread, last), step_at(from_start + spread, last));
+}
+
+fn grid(c: f32, inverse: f32) -> u32 {
+    var t = c * inverse;
+    if t > 1.0 {
+        t = 1.0;
+    } else if t < -1.0 {
+        t = -1.0;
+    }
+    return bitcast<u32>(t * GRID_SCALE + ROUND_BY) & GRID_MASK;
+}
+
+fn descend(hull: u32, along: vec3f) -> u32 {
+    var dir = along;
+    var axis = 0u;
+    var size = abs(dir.x);
+    if abs(dir.y) > size {
+        axis = 1u;
+        size = abs(dir.y);
+    }
+    if abs(dir.z) > size {
+        axis = 2u;
+        size = abs(dir.z);
+    }
+    let inverse = 1.0 / size;
+    var u = grid(dir[(axis + 1u) % 3u], inverse);
+    var v = grid(dir[(axis + 2u) % 3u], inverse);
+    let face = 2u * axis + (bitcast<u32>(dir[axis]) >> 31u);
+    if hulls[hull].kind == CUBE_MAP {
+        let r = hulls[hull].resolution;
+        let column = ((u >> 11u) * r + (((u & 2047u) * r) >> 11u)) >> 12u;
+        let row = ((v >> 11u) * r + (((v & 2047u) * r) >> 11u)) >> 12u;
+        return slot(hull, (face * r + row) * r + column);
+    }
+    var word = slot(hull, face);
+    u <<= 32u - GRID_BITS;
+    v <<= 32u - GRID_BITS;
+    for (var level = 0u; level < 2u * GRID_BITS; level++) {
+        if (word >> 30u) != 0u || fuel == 0u {
+            break;
+        }
+        fuel -= 1u;
+        if hulls[hull].kind == BINARY {
+            word = slot(hull, word + (u >> 31u));
+            let halved = u << 1u;
+            u = v;
+            v = halved;
+        } else {
+            let bits = word & 15u;
+            if bits == 0u {
+                break;
+            }
+            word = slot(hull, (word >> 4u) + (((v >> (32u - bits)) << bits) | (u >> (32u - bits))));
+            u <<= bits;
+            v <<= bits;
+        }
+    }
+    return word;
+}
+
+struct Found {
+    offset: vec3f,
+    // Word of `blocks` that holds the vertex's x; NO_INDEX if there is none.
+    at: u32,
+    is_certain: bool,
+}
+
+fn offset_of(center: vec3f, at: u32) -> vec3f {
+    return vec3f(
+        bitcast<f32>(blocks[at]) - center.x,
+        bitcast<f32>(blocks[at + 8u]) - center.y,
+        bitcast<f32>(blocks[at + 16u]) - center.z,
+    );
+}
+
+fn support_of(hull: u32, dir: vec3f) -> Found {
+    var found = Found(vec3f(), NO_INDEX, true);
+    let block_start = hulls[hull].block_start;
+    let block_count = hulls[hull].block_count;
+    let center = hulls[hull].center;
+    var greatest = LOWEST;
+    let doubt = PLANE_DOUBT * l1(dir);
+    var stack: array<vec2u, STACK>;
+    var height = 0u;
+    var first = 0u;
+    var count = block_count;
+    var last_word = NO_INDEX;
+    if hulls[hull].kind != SCAN {
+        count = 0u;
+        stack[0] = vec2u(descend(hull, dir), 0u);
+        height = 1u;
+    }
+    loop {
+        if first >= block_count || count > block_count - first {
+            found.is_certain = false;
+            count = 0u;
+        }
+        for (var block = 0u; block < count; block++) {
+            if fuel == 0u {
+                found.is_certain = false;
+                break;
+            }
+            fuel -= 1u;
+            let start = (block_start + first + block) * 32u;
+            for (var lane = 0u; lane < 8u; lane++) {
+                let at = start + lane;
+                let offset = offset_of(center, at);
+                let along = dot_of(offset, dir);
+                if along > greatest {
+                    greatest = along;
+                    found.offset = offset;
+                    found.at = at;
+                }
+            }
+        }
+        count = 0u;
+        first = 0u;
+        if height == 0u {
+            break;
+        }
+        if fuel == 0u {
+            found.is_certain = false;
+            break;
+        }
+        fuel -= 1u;
+        var word = stack[height - 1u].x;
+        let end = stack[height - 1u].y;
+        if end == 0u {
+            height -= 1u;
+        } else {
+            let at = word;
+            word = slot(hull, at);
+            stack[height - 1u].x = at + 1u;
+            if at + 1u >= end {
+                height -= 1u;
+            }
+        }
+        if word == last_word {
+            continue;
+        }
+        last_word = word;
+        let payload = word & 0x3fffffffu;
+        let at = payload >> 2u;
+        let tag = word >> 30u;
+        if tag == 1u {
+            first = payload;
+            count = hulls[hull].leaf_blocks;
+        } else if tag == 3u {
+            first = slot(hull, payload);
+            count = slot(hull, payload + 1u);
+            if count == 0u {
+                found.is_certain = false;
+            }
+        } else if tag == 0u || height + 8u > STACK {
+            found.is_certain = false;
+        } else if (payload & 2u) != 0u {
+            let range = steps_of(hull, at, dir);
+            stack[height] = vec2u(at + 17u + range.x, at + 18u + range.y);
+            height += 1u;
+        } else if (payload & 1u) == 0u {
+            let sides = sides_of(hull, at, 2u, dir, doubt);
+            for (var side = 0u; side < 2u; side++) {
+                if ((sides >> side) & 1u) != 0u {
+                    stack[height] = vec2u(slot(hull, at + 6u + side), 0u);
+                    height += 1u;
+                }
+            }
+        } else {
+            var sides = 0u;
+            for (var plane = 0u; plane < 7u; plane++) {
+                sides |= sides_of(hull, at + 2u * plane, 14u, dir, doubt) << (2u * plane);
+            }
+            var previous = NO_INDEX;
+            for (var part = 0u; part < 8u; part++) {
+                let top = part >> 2u;
+                let middle = (part >> 1u) & 1u;
+                let low = part & 1u;
+                let possible = (sides >> top) & (sides >> (2u + 2u * top + middle))
+                    & (sides >> (6u + 4u * top + 2u * middle + low)) & 1u;
+                let below = slot(hull, at + 42u + part);
+                if possible != 0u && below != previous {
+                    stack[height] = vec2u(below, 0u);
+                    height += 1u;
+                    previous = below;
+                }
+            }
+        }
+    }
+    return found;
+}

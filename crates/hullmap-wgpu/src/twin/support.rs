@@ -1,0 +1,313 @@
+//! The support query: `kernels/support.wgsl` in Rust.
+//!
+//! # Steps
+//! 1. The direction's cell, and the branches above its leaf. A direction is placed up to rounding
+//!    error, which the baker's margin covers.
+//! 2. Planes and fans have no margin. Wherever f32 cannot distinguish their sides, both are
+//!    visited, from a small stack.
+//! 3. The candidate with the maximum dot product, of all leaves visited.
+
+use super::{EPSILON, LOWEST, Vector, dot, l1, mad, sub};
+use crate::records::{HullRecord, Tables, kind};
+
+/// Entries of the stack of a support query.
+const STACK: usize = 32;
+
+/// Bits of a grid number, see `hullmap_format::cube`.
+const GRID_BITS: u32 = 23;
+const GRID_MASK: u32 = (1 << GRID_BITS) - 1;
+const GRID_SCALE: f32 = 4194303.0;
+const ROUND_BY: f32 = 12582912.0;
+
+/// Width of the slab around a plane in which its side is uncertain, relative to |d|₁.
+const PLANE_DOUBT: f32 = 16.0 * EPSILON;
+
+/// Error of a coordinate in the frame of a fan, relative to |d|₁.
+const FAN_DOUBT: f32 = 8.0 * EPSILON;
+
+/// Rounding error of an angle.
+const ANGLE_DOUBT: f32 = 32.0 * EPSILON;
+
+/// The result of a support query.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Found {
+    /// Index of the vertex.
+    pub vertex: u32,
+    /// Word of the section `blocks` that holds its x.
+    pub at: u32,
+    /// Its position relative to the hull's centre.
+    pub offset: [f32; 3],
+    /// Whether everything was read that can hold the support vertex.
+    pub is_certain: bool,
+}
+
+/// One run of a kernel for one pair or one direction.
+pub(super) struct Run<'t> {
+    pub(super) tables: &'t Tables<'t>,
+    /// Nodes and blocks that may still be read.
+    pub(super) fuel: u32,
+}
+
+/// An f64 of two words, truncated to f32.
+fn decode(low: u32, high: u32) -> f32 {
+    let exponent = (high >> 20 & 0x7ff) as i32 - 896;
+    if exponent <= 0 {
+        return 0.0;
+    }
+    let magnitude =
+        if exponent >= 255 { 0x7f00_0000 } else { (exponent as u32) << 23 | (high & 0xf_ffff) << 3 | low >> 29 };
+    f32::from_bits(high & 0x8000_0000 | magnitude)
+}
+
+impl Run<'_> {
+    /// Position of the vertex whose x is at word `at` of `blocks`, relative to the hull's centre.
+    pub(super) fn offset(&self, hull: &HullRecord, at: usize) -> Vector {
+        let read = |at: usize| f32::from_bits(self.tables.blocks[at]);
+        sub([read(at), read(at + 8), read(at + 16)], hull.center)
+    }
+
+    fn slot(&self, hull: &HullRecord, at: u32) -> u32 {
+        // 0 is a branch, which no leaf, plane or fan leads to: then the query is not certain.
+        if at < hull.slot_count { self.tables.slots[(hull.slot_start + at) as usize] } else { 0 }
+    }
+
+    /// An f64 in the slots, as f32.
+    fn number(&self, hull: &HullRecord, at: u32) -> f32 {
+        decode(self.slot(hull, at), self.slot(hull, at + 1))
+    }
+
+    /// Possible sides of a plane: 1 behind, 2 in front, 3 both.
+    fn sides<const FUSED: bool>(&self, hull: &HullRecord, at: u32, stride: u32, dir: Vector, doubt: f32) -> u32 {
+        let normal = [self.number(hull, at), self.number(hull, at + stride), self.number(hull, at + 2 * stride)];
+        let height = dot::<FUSED>(normal, dir);
+        if height > doubt {
+            2
+        } else if height < -doubt {
+            1
+        } else if l1(normal) == 0.0 {
+            // An unused plane.
+            1
+        } else {
+            3
+        }
+    }
+
+    /// First and last step of a fan in which the direction may be.
+    fn steps<const FUSED: bool>(&self, hull: &HullRecord, at: u32, dir: Vector) -> [u32; 2] {
+        let last = (1 << (self.slot(hull, at + 16) & 31)) - 1;
+        let axis = |from: u32| [self.number(hull, from), self.number(hull, from + 2), self.number(hull, from + 4)];
+        let x = dot::<FUSED>(axis(at), dir);
+        let y = dot::<FUSED>(axis(at + 6), dir);
+        let doubt = FAN_DOUBT * l1(dir);
+        let steep = y.abs() > x.abs();
+        let rise = if steep { -x } else { y };
+        let run = if steep { y } else { x };
+        let size = run.abs();
+        if !(size > 64.0 * doubt) {
+            return [0, last];
+        }
+        let mut turns = 0.0;
+        if steep {
+            turns += 2.0;
+        }
+        if run < 0.0 {
+            turns += 4.0;
+        }
+        let angle = rise * (1.0 / run) + turns;
+        let error = 4.0 * doubt * (1.0 / size) + ANGLE_DOUBT;
+        if !(angle - error > -1.0 && angle + error < 7.0) {
+            return [0, last];
+        }
+        let rate = self.number(hull, at + 14);
+        let from = (angle - self.number(hull, at + 12)) * rate;
+        let spread = mad::<FUSED>(error, rate, 8.0 * EPSILON * last as f32);
+        let step = |at: f32| {
+            if !(at > 0.0) {
+                0
+            } else if at >= last as f32 {
+                last
+            } else {
+                at as u32
+            }
+        };
+        [step(from - spread), step(from + spread)]
+    }
+
+    /// The word to which the branches above `dir` lead.
+    fn descend<const FUSED: bool>(&mut self, hull: &HullRecord, dir: Vector) -> u32 {
+        let (ax, ay, az) = (dir[0].abs(), dir[1].abs(), dir[2].abs());
+        let mut axis = 0;
+        let mut size = ax;
+        if ay > size {
+            axis = 1;
+            size = ay;
+        }
+        if az > size {
+            axis = 2;
+            size = az;
+        }
+        let inverse = 1.0 / size;
+        let grid = |c: f32| {
+            let t = (c * inverse).clamp(-1.0, 1.0);
+            mad::<FUSED>(t, GRID_SCALE, ROUND_BY).to_bits() & GRID_MASK
+        };
+        let mut u = grid(dir[(axis + 1) % 3]);
+        let mut v = grid(dir[(axis + 2) % 3]);
+        let face = 2 * axis as u32 + (dir[axis].to_bits() >> 31);
+        if hull.kind == kind::CUBE_MAP {
+            let r = hull.resolution;
+            // ⌊u r / 2²³⌋ without 64 bits: r is below 2²⁰.
+            let column = ((u >> 11) * r + (((u & 2047) * r) >> 11)) >> 12;
+            let row = ((v >> 11) * r + (((v & 2047) * r) >> 11)) >> 12;
+            return self.slot(hull, face.wrapping_mul(r).wrapping_add(row).wrapping_mul(r).wrapping_add(column));
+        }
+        let mut word = self.slot(hull, face);
+        u <<= 32 - GRID_BITS;
+        v <<= 32 - GRID_BITS;
+        for _ in 0..2 * GRID_BITS {
+            if word >> 30 != 0 || self.fuel == 0 {
+                break;
+            }
+            self.fuel -= 1;
+            if hull.kind == kind::BINARY {
+                word = self.slot(hull, word + (u >> 31));
+                let halved = u << 1;
+                u = v;
+                v = halved;
+            } else {
+                let bits = word & 15;
+                if bits == 0 {
+                    break;
+                }
+                word = self.slot(hull, (word >> 4) + (v >> (32 - bits) << bits | u >> (32 - bits)));
+                u <<= bits;
+                v <<= bits;
+            }
+        }
+        word
+    }
+
+    /// Support point of hull `index` in direction `dir`, which is of about unit length.
+    pub(super) fn support<const FUSED: bool>(&mut self, index: u32, dir: Vector) -> Found {
+        let hull = &self.tables.hulls[index as usize];
+        let mut found = Found { at: u32::MAX, is_certain: true, ..Found::default() };
+        let mut greatest = LOWEST;
+        let doubt = PLANE_DOUBT * l1(dir);
+        // A word, or the range of a fan's slots from the first number up to the second.
+        let mut stack = [[0_u32; 2]; STACK];
+        let mut height = 0;
+        let mut first = 0;
+        let mut count = hull.block_count;
+        let mut last_word = u32::MAX;
+        if hull.kind != kind::SCAN {
+            count = 0;
+            stack[0] = [self.descend::<FUSED>(hull, dir), 0];
+            height = 1;
+        }
+        loop {
+            // The leaf, if there is one.
+            if first >= hull.block_count || count > hull.block_count - first {
+                found.is_certain = false;
+                count = 0;
+            }
+            for block in 0..count {
+                if self.fuel == 0 {
+                    found.is_certain = false;
+                    break;
+                }
+                self.fuel -= 1;
+                let at = ((hull.block_start + first + block) * 32) as usize;
+                for lane in 0..8 {
+                    let at = at + lane;
+                    let offset = self.offset(hull, at);
+                    let along = dot::<FUSED>(offset, dir);
+                    if along > greatest {
+                        greatest = along;
+                        found.offset = offset;
+                        found.at = at as u32;
+                    }
+                }
+            }
+            count = 0;
+            first = 0;
+            if height == 0 {
+                break;
+            }
+            if self.fuel == 0 {
+                found.is_certain = false;
+                break;
+            }
+            self.fuel -= 1;
+            let [mut word, end] = stack[height - 1];
+            if end == 0 {
+                height -= 1;
+            } else {
+                let at = word;
+                word = self.slot(hull, at);
+                stack[height - 1][0] = at + 1;
+                if at + 1 >= end {
+                    height -= 1;
+                }
+            }
+            if word == last_word {
+                // What is below it is visited already, or on the stack.
+                continue;
+            }
+            last_word = word;
+            let payload = word & 0x3fff_ffff;
+            let at = payload >> 2;
+            match word >> 30 {
+                1 => {
+                    first = payload;
+                    count = hull.leaf_blocks;
+                }
+                3 => {
+                    first = self.slot(hull, payload);
+                    count = self.slot(hull, payload + 1);
+                    found.is_certain &= count > 0;
+                }
+                2 if height + 8 > STACK => found.is_certain = false,
+                2 if payload & 2 != 0 => {
+                    let [from, to] = self.steps::<FUSED>(hull, at, dir);
+                    stack[height] = [at + 17 + from, at + 18 + to];
+                    height += 1;
+                }
+                2 if payload & 1 == 0 => {
+                    let sides = self.sides::<FUSED>(hull, at, 2, dir, doubt);
+                    for side in 0..2 {
+                        if sides >> side & 1 != 0 {
+                            stack[height] = [self.slot(hull, at + 6 + side), 0];
+                            height += 1;
+                        }
+                    }
+                }
+                2 => {
+                    let mut sides = 0;
+                    for plane in 0..7 {
+                        sides |= self.sides::<FUSED>(hull, at + 2 * plane, 14, dir, doubt) << (2 * plane);
+                    }
+                    let mut previous = u32::MAX;
+                    for part in 0..8 {
+                        let (top, middle, low) = (part >> 2, part >> 1 & 1, part & 1);
+                        let possible = sides >> top
+                            & sides >> (2 + 2 * top + middle)
+                            & sides >> (6 + 4 * top + 2 * middle + low)
+                            & 1;
+                        let word = self.slot(hull, at + 42 + part);
+                        if possible != 0 && word != previous {
+                            stack[height] = [word, 0];
+                            height += 1;
+                            previous = word;
+                        }
+                    }
+                }
+                // A branch below planes: not in a checked pack.
+                _ => found.is_certain = false,
+            }
+        }
+        if greatest > LOWEST {
+            found.vertex = self.tables.blocks[found.at as usize + 24];
+        }
+        found
+    }
+}
