@@ -475,9 +475,15 @@ impl<'p> Batch<'p> {
         let mut found: Vec<FoundRecord> = Vec::with_capacity(queries.len());
         DirectionBuffers::run(&mut gpu.directions, &gpu.pack, &directions, &mut found)?;
         self.vertices.extend(queries.iter().zip(&found).map(|(query, found)| {
-            let hull = self.pack.hull(query.hull as usize).ok();
-            match hull.and_then(|hull| hull.vertex(found.vertex)) {
-                Some(point) => SupportAnswer { vertex: found.vertex, point, is_certain: found.is_certain != 0 },
+            let Some(hull) = self.pack.hull(query.hull as usize).ok() else { return nothing };
+            let is_certain = found.is_certain != 0;
+            if !is_certain && unit(query.dir).is_some() {
+                // Too many nodes or blocks for the kernel.
+                let found = hull.support(query.dir);
+                return SupportAnswer { vertex: found.index, point: found.point, is_certain: true };
+            }
+            match hull.vertex(found.vertex) {
+                Some(point) => SupportAnswer { vertex: found.vertex, point, is_certain },
                 None => nothing,
             }
         }));

@@ -42,7 +42,12 @@ pub(crate) struct Parameters {
     pub(crate) flags: u32,
     pub(crate) keep_from: u32,
     pub(crate) keep_to: u32,
+    /// [`THREE`], see `loops_end_early` in `records.wgsl`.
+    pub(crate) three: u32,
+    pub(crate) padding: [u32; 3],
 }
+
+const THREE: u32 = 3;
 
 /// Flags of [`Parameters`].
 mod flags {
@@ -151,7 +156,11 @@ impl Device {
                 layout: None,
                 module: &module,
                 entry_point: Some(entry_point),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                // Whatever is read in the memory of a workgroup was written before.
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    zero_initialize_workgroup_memory: false,
+                    ..wgpu::PipelineCompilationOptions::default()
+                },
                 cache: None,
             })
         };
@@ -220,8 +229,8 @@ impl Device {
         if contents.len() as u64 > limit {
             return Err(Error::TooLarge { section, found: contents.len() as u64, limit });
         }
-        // A buffer must not be empty.
-        let contents = if contents.is_empty() { &[0; 4] } else { contents };
+        // A buffer must not be shorter than an element.
+        let contents = if contents.is_empty() { &[0; 128] } else { contents };
         let usage = wgpu::BufferUsages::STORAGE;
         Ok(self.0.device.create_buffer_init(&BufferInitDescriptor { label: Some(section), contents, usage }))
     }
@@ -472,6 +481,8 @@ impl PairBuffers {
                 flags,
                 keep_from: if is_last { code::TETRAHEDRON } else { code::RUNNING },
                 keep_to: if is_last { code::AXES } else { code::RUNNING },
+                three: THREE,
+                padding: [0; 3],
             };
             queue.write_buffer(parameters, 0, bytemuck::bytes_of(&content));
             let mut bound = self.bound(pack, parameters, list);
@@ -575,7 +586,7 @@ impl DirectionBuffers {
         for chunk in directions.chunks(CHUNK) {
             pack.device.check()?;
             let count = chunk.len() as u32;
-            let parameters = Parameters { count, ..Parameters::default() };
+            let parameters = Parameters { count, three: THREE, ..Parameters::default() };
             queue.write_buffer(&buffers.parameters, 0, bytemuck::bytes_of(&parameters));
             queue.write_buffer(&buffers.directions, 0, bytemuck::cast_slice(chunk));
             let mut bound = pack.sections().to_vec();

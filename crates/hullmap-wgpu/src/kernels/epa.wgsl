@@ -278,11 +278,16 @@ fn epa(index: u32) {
         out.status = OPEN;
     }
     out.reads = MAX_READS - fuel;
+    if loops_end_early() {
+        let before = out.gjk_steps;
+        out = Answer(vec3f(1.0, 0.0, 0.0), 0.0, vec3f(), -LOWEST, vec3f(), BUDGET, out.steps, out.reads, before, 0u);
+    }
     answers[index] = out;
 }
 
-@compute @workgroup_size(64)
-fn expand_pairs(@builtin(global_invocation_id) id: vec3u) {
+@compute @workgroup_size(WORKGROUP)
+fn expand_pairs(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
+    lane = local;
     if id.x < list[0] {
         thread = id.x;
         epa(list[id.x + 1u]);

@@ -12,8 +12,9 @@ struct State {
 const NO_NORMAL = 1e-30;
 
 fn is_vertex(hull: u32, stored: u32) -> bool {
-    let at = stored - FIRST_WORD - hulls[hull].block_start * 32u;
-    return stored >= FIRST_WORD + hulls[hull].block_start * 32u && at < hulls[hull].block_count * 32u && (at & 31u) < 8u;
+    let start = FIRST_WORD + hulls[hull].block_start * BLOCK_WORDS;
+    let at = stored - start;
+    return stored >= start && at < hulls[hull].block_count * BLOCK_WORDS && at % BLOCK_WORDS < 8u;
 }
 
 // Puts the corners of a state into the simplex, and returns their number.
@@ -300,11 +301,15 @@ fn gjk(index: u32) {
             out.upper = 0.0;
         }
     }
+    if loops_end_early() {
+        out = Answer(vec3f(1.0, 0.0, 0.0), 0.0, vec3f(), -LOWEST, vec3f(), BUDGET, out.steps, out.reads, out.steps, 0u);
+    }
     answers[index] = out;
 }
 
-@compute @workgroup_size(64)
-fn solve_pairs(@builtin(global_invocation_id) id: vec3u) {
+@compute @workgroup_size(WORKGROUP)
+fn solve_pairs(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
+    lane = local;
     if id.x < list[0] {
         gjk(list[id.x + 1u]);
     }

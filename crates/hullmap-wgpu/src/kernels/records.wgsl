@@ -17,6 +17,14 @@ struct Hull {
     block_count: u32,
 }
 
+// Coordinates and indices of eight vertices, as in the file.
+struct Block {
+    x: array<vec4f, 2>,
+    y: array<vec4f, 2>,
+    z: array<vec4f, 2>,
+    vertex: array<vec4u, 2>,
+}
+
 struct Pair {
     row_x: vec4f,
     row_y: vec4f,
@@ -54,11 +62,16 @@ struct Parameters {
     // Statuses that a compaction keeps: from, and up to.
     keep_from: u32,
     keep_to: u32,
+    // 3, which no compiler knows: see loops_end_early.
+    three: u32,
+    padding_x: u32,
+    padding_y: u32,
+    padding_z: u32,
 }
 
 @group(0) @binding(0) var<uniform> parameters: Parameters;
 @group(0) @binding(1) var<storage, read> hulls: array<Hull>;
-@group(0) @binding(2) var<storage, read> blocks: array<u32>;
+@group(0) @binding(2) var<storage, read> blocks: array<Block>;
 @group(0) @binding(3) var<storage, read> slots: array<u32>;
 
 const INTERSECTS = 0u;
@@ -82,7 +95,7 @@ const RUNNING = 6u;
 const TETRAHEDRON = 7u;
 const AXES = 8u;
 
-const MAX_READS = 131072u;
+const MAX_READS = 2048u;
 const LOWEST = -3.0e38;
 const EPSILON = 1.1920928955078125e-7;
 const CERTAIN = 16.0 * EPSILON;
@@ -101,4 +114,14 @@ fn cross_of(a: vec3f, b: vec3f) -> vec3f {
 
 fn l1(a: vec3f) -> f32 {
     return abs(a.x) + abs(a.y) + abs(a.z);
+}
+
+// Whether loops end before their conditions say so. Mesa's llvmpipe ends all loops of eight threads
+// after 65,535 iterations of any of them. Then nothing that was computed counts.
+fn loops_end_early() -> bool {
+    var count = 0u;
+    while count < parameters.three {
+        count += 1u;
+    }
+    return count != 3u;
 }

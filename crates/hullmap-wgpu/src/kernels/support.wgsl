@@ -4,7 +4,9 @@ const SCAN = 0u;
 const CUBE_MAP = 1u;
 const BINARY = 2u;
 
-const STACK = 32u;
+const STACK = 24u;
+const BLOCK_WORDS = 32u;
+const WORKGROUP = 64u;
 const GRID_BITS = 23u;
 const GRID_MASK = 8388607u;
 const GRID_SCALE = 4194303.0;
@@ -160,13 +162,22 @@ struct Found {
     is_certain: bool,
 }
 
+// Position of the vertex whose x is at word `at` of the blocks.
 fn offset_of(center: vec3f, at: u32) -> vec3f {
+    let block = at / BLOCK_WORDS;
+    let half = (at >> 2u) & 1u;
+    let lane_of_half = at & 3u;
     return vec3f(
-        bitcast<f32>(blocks[at]) - center.x,
-        bitcast<f32>(blocks[at + 8u]) - center.y,
-        bitcast<f32>(blocks[at + 16u]) - center.z,
+        blocks[block].x[half][lane_of_half] - center.x,
+        blocks[block].y[half][lane_of_half] - center.y,
+        blocks[block].z[half][lane_of_half] - center.z,
     );
 }
+
+// The stacks of all threads of a workgroup. As private memory they would take registers, since they
+// are indexed.
+var<workgroup> stacks: array<vec2u, STACK * WORKGROUP>;
+var<private> lane: u32;
 
 fn support_of(hull: u32, dir: vec3f) -> Found {
     var found = Found(vec3f(), NO_INDEX, true);
@@ -175,14 +186,13 @@ fn support_of(hull: u32, dir: vec3f) -> Found {
     let center = hulls[hull].center;
     var greatest = LOWEST;
     let doubt = PLANE_DOUBT * l1(dir);
-    var stack: array<vec2u, STACK>;
     var height = 0u;
     var first = 0u;
     var count = block_count;
     var last_word = NO_INDEX;
     if hulls[hull].kind != SCAN {
         count = 0u;
-        stack[0] = vec2u(descend(hull, dir), 0u);
+        stacks[lane] = vec2u(descend(hull, dir), 0u);
         height = 1u;
     }
     loop {
@@ -196,15 +206,28 @@ fn support_of(hull: u32, dir: vec3f) -> Found {
                 break;
             }
             fuel -= 1u;
-            let start = (block_start + first + block) * 32u;
-            for (var lane = 0u; lane < 8u; lane++) {
-                let at = start + lane;
-                let offset = offset_of(center, at);
-                let along = dot_of(offset, dir);
-                if along > greatest {
-                    greatest = along;
-                    found.offset = offset;
+            let start = block_start + first + block;
+            for (var half = 0u; half < 2u; half++) {
+                let z = (blocks[start].z[half] - center.z) * dir.z;
+                let y = (blocks[start].y[half] - center.y) * dir.y;
+                let x = (blocks[start].x[half] - center.x) * dir.x;
+                let along = z + (y + x);
+                let at = start * BLOCK_WORDS + 4u * half;
+                if along.x > greatest {
+                    greatest = along.x;
                     found.at = at;
+                }
+                if along.y > greatest {
+                    greatest = along.y;
+                    found.at = at + 1u;
+                }
+                if along.z > greatest {
+                    greatest = along.z;
+                    found.at = at + 2u;
+                }
+                if along.w > greatest {
+                    greatest = along.w;
+                    found.at = at + 3u;
                 }
             }
         }
@@ -218,14 +241,14 @@ fn support_of(hull: u32, dir: vec3f) -> Found {
             break;
         }
         fuel -= 1u;
-        var word = stack[height - 1u].x;
-        let end = stack[height - 1u].y;
+        var word = stacks[(height - 1u) * WORKGROUP + lane].x;
+        let end = stacks[(height - 1u) * WORKGROUP + lane].y;
         if end == 0u {
             height -= 1u;
         } else {
             let at = word;
             word = slot(hull, at);
-            stack[height - 1u].x = at + 1u;
+            stacks[(height - 1u) * WORKGROUP + lane].x = at + 1u;
             if at + 1u >= end {
                 height -= 1u;
             }
@@ -250,13 +273,13 @@ fn support_of(hull: u32, dir: vec3f) -> Found {
             found.is_certain = false;
         } else if (payload & 2u) != 0u {
             let range = steps_of(hull, at, dir);
-            stack[height] = vec2u(at + 17u + range.x, at + 18u + range.y);
+            stacks[height * WORKGROUP + lane] = vec2u(at + 17u + range.x, at + 18u + range.y);
             height += 1u;
         } else if (payload & 1u) == 0u {
             let sides = sides_of(hull, at, 2u, dir, doubt);
             for (var side = 0u; side < 2u; side++) {
                 if ((sides >> side) & 1u) != 0u {
-                    stack[height] = vec2u(slot(hull, at + 6u + side), 0u);
+                    stacks[height * WORKGROUP + lane] = vec2u(slot(hull, at + 6u + side), 0u);
                     height += 1u;
                 }
             }
@@ -274,12 +297,15 @@ fn support_of(hull: u32, dir: vec3f) -> Found {
                     & (sides >> (6u + 4u * top + 2u * middle + low)) & 1u;
                 let below = slot(hull, at + 42u + part);
                 if possible != 0u && below != previous {
-                    stack[height] = vec2u(below, 0u);
+                    stacks[height * WORKGROUP + lane] = vec2u(below, 0u);
                     height += 1u;
                     previous = below;
                 }
             }
         }
+    }
+    if found.at != NO_INDEX {
+        found.offset = offset_of(center, found.at);
     }
     return found;
 }

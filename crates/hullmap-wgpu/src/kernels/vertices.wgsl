@@ -17,8 +17,9 @@ struct FoundRecord {
 @group(0) @binding(4) var<storage, read> directions: array<Direction>;
 @group(0) @binding(5) var<storage, read_write> vertices: array<FoundRecord>;
 
-@compute @workgroup_size(64)
-fn find_vertices(@builtin(global_invocation_id) id: vec3u) {
+@compute @workgroup_size(WORKGROUP)
+fn find_vertices(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
+    lane = local;
     if id.x < parameters.count {
         fuel = MAX_READS;
         let query = directions[id.x];
@@ -28,8 +29,9 @@ fn find_vertices(@builtin(global_invocation_id) id: vec3u) {
         }
         var vertex = 0u;
         if found.at != NO_INDEX {
-            vertex = blocks[found.at + 24u];
+            vertex = blocks[found.at / BLOCK_WORDS].vertex[(found.at >> 2u) & 1u][found.at & 3u];
         }
-        vertices[id.x] = FoundRecord(found.offset, vertex, u32(found.is_certain), 0u, 0u, 0u);
+        let is_certain = found.is_certain && !loops_end_early();
+        vertices[id.x] = FoundRecord(found.offset, vertex, u32(is_certain), 0u, 0u, 0u);
     }
 }

@@ -11,7 +11,7 @@ use super::{EPSILON, LOWEST, Vector, dot, l1, mad, sub};
 use crate::records::{HullRecord, Tables, kind};
 
 /// Entries of the stack of a support query.
-const STACK: usize = 32;
+const STACK: usize = 24;
 
 /// Bits of a grid number, see `hullmap_format::cube`.
 const GRID_BITS: u32 = 23;

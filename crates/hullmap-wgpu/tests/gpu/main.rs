@@ -150,6 +150,39 @@ fn warm_answers_mean_the_same_and_take_fewer_steps() {
     }
 }
 
+/// The reads of a pair are bounded, so that lavapipe does not end the loops of the pairs beside it.
+#[test]
+fn pairs_that_read_too_much_leave_the_others_alone() {
+    let Some(device) = scene::device() else { return };
+    let pack = scene::large_pack();
+    let tables = Tables::of(&pack).unwrap();
+    let pairs = scene::pairs(&pack, 10_000, 22);
+    let (mut batch, mut processor) = (Batch::on(&device, &pack).unwrap(), Batch::new(&pack, Backend::Cpu).unwrap());
+    for query in QUERIES {
+        solve(&mut batch, query, &pairs);
+        let (records, found) = batch.records();
+        for (at, (record, found)) in records.iter().zip(found).enumerate() {
+            let twin = twin::solve::<false>(&tables, record, query, TOLERANCE, MAX_STEPS);
+            assert_eq!(found.bits(), twin.bits(), "{query:?}, pair {at}, seed 22");
+        }
+        let counts = counts(batch.answers());
+        println!("{query:?}: {counts:?}");
+        assert!(counts["budget"] > 10, "{counts:?}");
+        let expected = solve(&mut processor, query, &pairs);
+        for (at, (found, expected)) in batch.answers().iter().zip(expected).enumerate() {
+            assert!(
+                !contradict(query, [found.status, expected.status]),
+                "{query:?}, pair {at}: {found:?}, {expected:?}"
+            );
+        }
+    }
+    let axis = [Vec3::Z, Vec3::NEG_Z].map(|dir| SupportQuery { hull: 0, dir });
+    let expected = processor.support(&axis).unwrap().to_vec();
+    for (found, expected) in batch.support(&axis).unwrap().iter().zip(expected) {
+        assert!(found.is_certain && found.point.z == expected.point.z, "{found:?}, {expected:?}");
+    }
+}
+
 /// What an answer claims, against points and planes found by Wolfe's algorithm in f64.
 #[test]
 fn intervals_hold_the_distance() {

@@ -57,6 +57,15 @@ pub fn small_pack() -> Pack {
     Pack::from_bytes(&bytes).expect("a baked pack opens")
 }
 
+/// Hulls of many vertices. The base of the cone is a fan of thousands of steps: near its axis, a query
+/// reads more than a pair may.
+pub fn large_pack() -> Pack {
+    let sets = [families::cone(20_000, 1), families::sphere(20_000, 2), families::lens(3_000, 3)];
+    let sets: Vec<_> = sets.iter().map(|positions| packs::point_set("hull", positions)).collect();
+    let bytes = packs::bytes(&sets, IndexKind::Tree, &Default::default()).expect("the families can be baked");
+    Pack::from_bytes(&bytes).expect("a baked pack opens")
+}
+
 /// Random pairs of the hulls of `pack`, with centres at up to 1.3 times the sum of the radii. One
 /// in four has axes that are parallel, so that faces and edges are, too.
 pub fn pairs(pack: &Pack, count: usize, seed: u64) -> Vec<Pair> {
