@@ -45,6 +45,7 @@ struct Arguments {
     query: Query,
 }
 
+#[expect(clippy::disallowed_methods, reason = "a program has arguments")]
 fn arguments() -> Result<Arguments, String> {
     let mut found = Arguments { pairs: 100_000, seed: 1, hulls: 1_000, query: Query::Intersects };
     let mut words = std::env::args().skip(1);

@@ -19,6 +19,7 @@ const MODULES: [(&str, &[&str]); 4] = [
     (kernels!("records", "compact"), &["count_kept", "sum_counts", "write_kept"]),
 ];
 
+#[expect(clippy::disallowed_methods, reason = "a program has arguments")]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).ok_or("the folder is missing")?);
     std::fs::create_dir_all(&folder)?;
