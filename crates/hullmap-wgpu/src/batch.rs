@@ -234,8 +234,8 @@ impl<'p> Batch<'p> {
         self.schedule = schedule;
     }
 
-    /// Share of the steps in which a thread works, of all steps in which it is busy or waits for the
-    /// other 31 threads of its group, in the last batch. Counted, not measured. `None` if the
+    /// Share of the steps in which a thread works, of all steps in which it is busy or waits for
+    /// the other 31 threads of its group, in the last batch. Counted, not measured. `None` if the
     /// processor solved the batch.
     ///
     /// # Examples
@@ -301,11 +301,12 @@ impl<'p> Batch<'p> {
         self.solve(pairs, Query::Distance, settings)
     }
 
-    /// Penetration depth of the hulls of each pair: the interval of the answers is that of the depth,
-    /// and moving B by the depth along `normal` makes the hulls touch.
+    /// Penetration depth of the hulls of each pair: the interval of the answers is that of the
+    /// depth, and moving B by the depth along `normal` makes the hulls touch.
     ///
-    /// Kernels expand a polytope of at most 64 vertices. On smooth hulls that leaves intervals wider
-    /// than the default tolerance, with [`Status::Budget`]: choose a tolerance of 1e-2 or 1e-3, or
+    /// Kernels expand a polytope of at most 64 vertices. On smooth hulls that leaves intervals
+    /// wider than the default tolerance, with [`Status::Budget`]: choose a tolerance of 1e-2 or
+    /// 1e-3, or
     /// [`settle`](Self::settle) them. [`Status::Stalled`] is a proven overlap here.
     ///
     /// # Errors

@@ -205,8 +205,8 @@ impl PairRecord {
 /// How a pair ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
-    /// A plane proves the hulls separated. The interval of a distance is within the tolerance; a depth
-    /// is 0.
+    /// A plane proves the hulls separated. The interval of a distance is within the tolerance; a
+    /// depth is 0.
     Separated,
     /// The hulls overlap. The interval of a depth is within the tolerance; a distance is 0.
     Overlapping,
@@ -268,8 +268,8 @@ pub(crate) mod code {
     pub(crate) const AXES: u32 = 8;
 }
 
-/// What stays on the device about one pair from batch to batch: 32 bytes. The simplex with which the
-/// pair ended, as a vertex of A and one of B for each corner.
+/// What stays on the device about one pair from batch to batch: 32 bytes. The simplex with which
+/// the pair ended, as a vertex of A and one of B for each corner.
 ///
 /// Any numbers are valid: those that are not vertices of the pair's hulls are ignored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
@@ -358,7 +358,8 @@ pub struct Answer {
     /// Normal from A to B of the planes that prove `lower` of a distance, or `upper` of a depth. Of
     /// unit length within 1e-6.
     pub normal: DVec3,
-    /// Witness point of A, a point of A within rounding error: the closest to B, or the deepest in B.
+    /// Witness point of A, a point of A within rounding error: the closest to B, or the deepest in
+    /// B.
     pub point_a: DVec3,
     /// Witness point of B.
     pub point_b: DVec3,

@@ -1,5 +1,5 @@
-//! Scalar twin of the kernels in plain f32: GJK and EPA on the Minkowski difference, and the support
-//! query.
+//! Scalar twin of the kernels in plain f32: GJK and EPA on the Minkowski difference, and the
+//! support query.
 //!
 //! `kernels/*.wgsl` do the same, operation by operation and function by function, so that both
 //! return the same bits on a device that rounds to nearest and does not fuse operations. Tests
@@ -31,8 +31,9 @@ pub enum Query {
 /// Support calls of a pair. About 10 are usual.
 pub const MAX_STEPS: u32 = 64;
 
-/// Nodes and blocks that a pair may read. Of hulls with up to 65,536 vertices, 99 % of all pairs read
-/// less than 300; those beyond are near the axis of a fan of thousands of faces, and read all of them.
+/// Nodes and blocks that a pair may read. Of hulls with up to 65,536 vertices, 99 % of all pairs
+/// read less than 300; those beyond are near the axis of a fan of thousands of faces, and read all
+/// of them.
 pub const MAX_READS: u32 = 1 << 11;
 
 /// Twice the largest possible f32 would be infinite; every dot product is above this.

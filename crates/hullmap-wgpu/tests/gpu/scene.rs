@@ -57,8 +57,8 @@ pub fn small_pack() -> Pack {
     Pack::from_bytes(&bytes).expect("a baked pack opens")
 }
 
-/// Hulls of many vertices. The base of the cone is a fan of thousands of steps: near its axis, a query
-/// reads more than a pair may.
+/// Hulls of many vertices. The base of the cone is a fan of thousands of steps: near its axis, a
+/// query reads more than a pair may.
 pub fn large_pack() -> Pack {
     let sets = [families::cone(20_000, 1), families::sphere(20_000, 2), families::lens(3_000, 3)];
     let sets: Vec<_> = sets.iter().map(|positions| packs::point_set("hull", positions)).collect();
@@ -85,8 +85,8 @@ pub fn pairs(pack: &Pack, count: usize, seed: u64) -> Vec<Pair> {
     (0..count).map(pair).collect()
 }
 
-/// Pairs that only just touch, overlap or miss: random ones that are apart, moved by their distance,
-/// and a little more or less.
+/// Pairs that only just touch, overlap or miss: random ones that are apart, moved by their
+/// distance, and a little more or less.
 pub fn touching_pairs(pack: &Pack, count: usize, seed: u64) -> Vec<Pair> {
     const MORE: [f64; 7] = [0.0, 1e-8, -1e-8, 1e-6, -1e-6, 1e-4, -1e-4];
     let touch = |(at, pair): (usize, Pair)| {
