@@ -202,6 +202,12 @@ impl QueryDispatcher for HullDispatcher {
                 options,
             ));
         }
+        if let Some(voxels) = shape1.as_voxels() {
+            return Ok(default::cast_shapes_voxels_shape(self, pos12, local_vel12, voxels, shape2, options));
+        }
+        if let Some(voxels) = shape2.as_voxels() {
+            return Ok(default::cast_shapes_shape_voxels(self, pos12, local_vel12, shape1, voxels, options));
+        }
         DefaultQueryDispatcher.cast_shapes(pos12, local_vel12, shape1, shape2, options)
     }
 
