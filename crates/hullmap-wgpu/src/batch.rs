@@ -1,8 +1,8 @@
-//! Batches of pairs of one pack, on a GPU or on the processor, with the same calls.
+//! Batches of pairs of hulls, on a GPU or on the processor, with the same calls.
 
 use bytemuck::{Pod, Zeroable};
 use hullmap::glam::{DVec3, Vec3};
-use hullmap::{Cache, Contact, Distance, Overlap, Pack, Settings};
+use hullmap::{Cache, Contact, Distance, Hull, Overlap, Pack, Settings};
 
 use crate::device::{Device, DevicePack, DirectionBuffers, PairBuffers, Plan, States};
 use crate::error::Error;
@@ -73,7 +73,30 @@ struct Gpu {
     directions: Option<DirectionBuffers>,
 }
 
-/// Solves batches of pairs of hulls of one pack. Buffers are kept from batch to batch.
+/// The packs of a batch, with the number of hulls up to the end of each.
+#[derive(Clone, Debug)]
+struct Packs<'p>(Vec<(usize, &'p Pack)>);
+
+impl<'p> Packs<'p> {
+    fn new(packs: &[&'p Pack]) -> Self {
+        let mut end = 0;
+        let counted = packs.iter().map(|pack| {
+            end += pack.hull_count();
+            (end, *pack)
+        });
+        Self(counted.collect())
+    }
+
+    /// The hull with this index, counted through the packs.
+    fn hull(&self, index: u32) -> Option<Hull<'p>> {
+        let index = index as usize;
+        let at = self.0.partition_point(|(end, _)| *end <= index);
+        let (end, pack) = self.0.get(at)?;
+        pack.hull(index + pack.hull_count() - end).ok()
+    }
+}
+
+/// Solves batches of pairs of hulls of one pack, or of several. Buffers are kept from batch to batch.
 ///
 /// Answers are in the order of the pairs, and no answer depends on other pairs.
 ///
@@ -97,7 +120,7 @@ struct Gpu {
 /// ```
 #[derive(Debug)]
 pub struct Batch<'p> {
-    pack: &'p Pack,
+    packs: Packs<'p>,
     hulls: Vec<HullRecord>,
     gpu: Option<Gpu>,
     query: Query,
@@ -120,8 +143,8 @@ impl<'p> Batch<'p> {
     /// [`Backend::Auto`], these errors select the processor.
     ///
     /// # Complexity
-    /// Opening the device, and one copy of the pack. With several packs, open the device once and
-    /// use [`Batch::on`].
+    /// Opening the device, and one copy of the pack. For batches of other packs, open the device
+    /// once and use [`Batch::on`] or [`Batch::of_packs`].
     ///
     /// # Examples
     /// ```
@@ -134,12 +157,12 @@ impl<'p> Batch<'p> {
     /// ```
     pub fn new(pack: &'p Pack, backend: Backend) -> Result<Self, Error> {
         match backend {
-            Backend::Cpu => Self::with(pack, None),
+            Backend::Cpu => Ok(Self::with(&[pack], Vec::new(), None)),
             Backend::Wgpu => Self::on(&Device::open()?, pack),
-            Backend::Auto => match Device::open().and_then(|device| Self::on(&device, pack)) {
-                Ok(batch) => Ok(batch),
-                Err(_) => Self::with(pack, None),
-            },
+            Backend::Auto => Ok(match Device::open().and_then(|device| Self::on(&device, pack)) {
+                Ok(batch) => batch,
+                Err(_) => Self::with(&[pack], Vec::new(), None),
+            }),
         }
     }
 
@@ -159,15 +182,40 @@ impl<'p> Batch<'p> {
     /// # Ok::<(), hullmap_wgpu::Error>(())
     /// ```
     pub fn on(device: &Device, pack: &'p Pack) -> Result<Self, Error> {
-        let pack_on_device = DevicePack::upload(device, pack)?;
-        Self::with(pack, Some(Gpu { pack: pack_on_device, pairs: None, states: None, directions: None }))
+        Self::of_packs(device, &[pack])
     }
 
-    fn with(pack: &'p Pack, gpu: Option<Gpu>) -> Result<Self, Error> {
-        // The processor reads the pack itself, on every kind of processor.
-        let hulls = if gpu.is_some() { Tables::of(pack)?.hulls } else { Vec::new() };
-        Ok(Self {
-            pack,
+    /// Batches of the hulls of several packs on `device`. Indices of hulls are counted through the
+    /// packs: the first hull of the second pack follows the last one of the first.
+    ///
+    /// # Errors
+    /// Those of [`DevicePack::upload`].
+    ///
+    /// # Examples
+    /// ```
+    /// use hullmap::{Pose, Settings, glam::DVec3};
+    /// use hullmap_wgpu::{Batch, Device, Pair};
+    ///
+    /// # let rock = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
+    /// # let ball = hullmap_testkit::packs::tree_pack(&shapes::families::sphere(60, 1));
+    /// if let Ok(device) = Device::open() {
+    ///     let mut batch = Batch::of_packs(&device, &[&rock, &ball])?;
+    ///     let b_in_a = Pose::from_translation(DVec3::X * 4.0).expect("finite");
+    ///     let answers = batch.distance(&[Pair { a: 0, b: 1, b_in_a }], &Settings::default())?;
+    ///     assert!(answers[0].lower > 1.0);
+    /// }
+    /// # Ok::<(), hullmap_wgpu::Error>(())
+    /// ```
+    pub fn of_packs(device: &Device, packs: &[&'p Pack]) -> Result<Self, Error> {
+        let tables = Tables::of_packs(packs)?;
+        let pack = DevicePack::of(device, &tables)?;
+        Ok(Self::with(packs, tables.hulls, Some(Gpu { pack, pairs: None, states: None, directions: None })))
+    }
+
+    /// The processor reads the packs themselves, on every kind of processor, and needs no `hulls`.
+    fn with(packs: &[&'p Pack], hulls: Vec<HullRecord>, gpu: Option<Gpu>) -> Self {
+        Self {
+            packs: Packs::new(packs),
             hulls,
             gpu,
             query: Query::Distance,
@@ -179,7 +227,7 @@ impl<'p> Batch<'p> {
             answer_records: Vec::new(),
             answers: Vec::new(),
             vertices: Vec::new(),
-        })
+        }
     }
 
     /// Where batches are solved: [`Backend::Cpu`] or [`Backend::Wgpu`].
@@ -248,6 +296,21 @@ impl<'p> Batch<'p> {
     /// ```
     pub fn warp_efficiency(&self) -> Option<f64> {
         self.efficiency
+    }
+
+    /// Time that the kernels of the last batch took, in seconds: without preparing, copying and
+    /// reading back. `None` if the device has no clock, or the processor solved the batch.
+    ///
+    /// # Examples
+    /// ```
+    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
+    /// use hullmap_wgpu::{Backend, Batch};
+    ///
+    /// assert_eq!(Batch::new(&pack, Backend::Cpu)?.kernel_seconds(), None);
+    /// # Ok::<(), hullmap_wgpu::Error>(())
+    /// ```
+    pub fn kernel_seconds(&self) -> Option<f64> {
+        self.gpu.as_ref()?.pairs.as_ref()?.seconds()
     }
 
     /// Whether the hulls of each pair overlap. The answers are in [`answers`](Self::answers).
@@ -369,7 +432,7 @@ impl<'p> Batch<'p> {
         self.pairs.clear();
         self.pairs.extend_from_slice(pairs);
         let Some(gpu) = &mut self.gpu else {
-            self.answers.extend(pairs.iter().map(|pair| on_processor(self.pack, pair, query, settings)));
+            self.answers.extend(pairs.iter().map(|pair| on_processor(&self.packs, pair, query, settings)));
             return Ok(&self.answers);
         };
         self.records.extend(pairs.iter().map(|pair| PairRecord::of(pair, &self.hulls)));
@@ -425,7 +488,7 @@ impl<'p> Batch<'p> {
         let mut settled = 0;
         for (pair, answer) in self.pairs.iter().zip(&mut self.answers) {
             if answer.status.is_unsettled() {
-                *answer = on_processor(self.pack, pair, self.query, &self.settings);
+                *answer = on_processor(&self.packs, pair, self.query, &self.settings);
                 settled += 1;
             }
         }
@@ -456,12 +519,12 @@ impl<'p> Batch<'p> {
         let nothing = SupportAnswer { vertex: 0, point: Vec3::ZERO, is_certain: false };
         let unit = |dir: Vec3| dir.as_dvec3().try_normalize().map(DVec3::as_vec3);
         let Some(gpu) = &mut self.gpu else {
-            self.vertices.extend(queries.iter().map(|query| match self.pack.hull(query.hull as usize) {
-                Ok(hull) => {
+            self.vertices.extend(queries.iter().map(|query| match self.packs.hull(query.hull) {
+                Some(hull) => {
                     let found = hull.support(query.dir);
                     SupportAnswer { vertex: found.index, point: found.point, is_certain: unit(query.dir).is_some() }
                 }
-                Err(_) => nothing,
+                None => nothing,
             }));
             return Ok(&self.vertices);
         };
@@ -476,7 +539,7 @@ impl<'p> Batch<'p> {
         let mut found: Vec<FoundRecord> = Vec::with_capacity(queries.len());
         DirectionBuffers::run(&mut gpu.directions, &gpu.pack, &directions, &mut found)?;
         self.vertices.extend(queries.iter().zip(&found).map(|(query, found)| {
-            let Some(hull) = self.pack.hull(query.hull as usize).ok() else { return nothing };
+            let Some(hull) = self.packs.hull(query.hull) else { return nothing };
             let is_certain = found.is_certain != 0;
             if !is_certain && unit(query.dir).is_some() {
                 // Too many nodes or blocks for the kernel.
@@ -493,8 +556,8 @@ impl<'p> Batch<'p> {
 }
 
 /// The answer of `hullmap` itself.
-fn on_processor(pack: &Pack, pair: &Pair, query: Query, settings: &Settings) -> Answer {
-    let (Ok(a), Ok(b)) = (pack.hull(pair.a as usize), pack.hull(pair.b as usize)) else {
+fn on_processor(packs: &Packs<'_>, pair: &Pair, query: Query, settings: &Settings) -> Answer {
+    let (Some(a), Some(b)) = (packs.hull(pair.a), packs.hull(pair.b)) else {
         return Answer::UNKNOWN;
     };
     match query {

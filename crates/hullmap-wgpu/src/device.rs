@@ -132,7 +132,10 @@ impl Device {
             max_buffer_size: possible.max_buffer_size,
             ..wgpu::Limits::default()
         };
-        let descriptor = wgpu::DeviceDescriptor { required_limits, ..wgpu::DeviceDescriptor::default() };
+        // Only to measure the kernels.
+        let required_features = adapter.features() & wgpu::Features::TIMESTAMP_QUERY;
+        let descriptor =
+            wgpu::DeviceDescriptor { required_limits, required_features, ..wgpu::DeviceDescriptor::default() };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).map_err(|error| none(&error))?;
         let failure = Arc::new(Mutex::new(None));
         // Without a handler, wgpu panics on errors. The lock is held for one assignment only.
@@ -208,6 +211,20 @@ impl Device {
         self.fail("the device was destroyed");
     }
 
+    /// Whether an operation on the device failed. All later ones fail, too: open it again.
+    ///
+    /// # Examples
+    /// ```
+    /// if let Ok(device) = hullmap_wgpu::Device::open() {
+    ///     assert!(!device.is_lost());
+    ///     device.destroy();
+    ///     assert!(device.is_lost());
+    /// }
+    /// ```
+    pub fn is_lost(&self) -> bool {
+        self.check().is_err()
+    }
+
     fn binding_limit(&self) -> u64 {
         self.0.device.limits().max_storage_buffer_binding_size
     }
@@ -236,8 +253,8 @@ impl Device {
     }
 }
 
-/// A pack in the memory of a device: the sections `blocks` and `slots` as they are in the file, and
-/// a record for each hull.
+/// Packs in the memory of a device: the sections `blocks` and `slots` as they are in the file, and a
+/// record for each hull.
 #[derive(Clone, Debug)]
 pub struct DevicePack {
     device: Device,
@@ -267,12 +284,16 @@ impl DevicePack {
     /// # Ok::<(), hullmap_wgpu::Error>(())
     /// ```
     pub fn upload(device: &Device, pack: &Pack) -> Result<Self, Error> {
-        let tables = Tables::of(pack)?;
+        Self::of(device, &Tables::of(pack)?)
+    }
+
+    /// Copies `tables` to `device`.
+    pub(crate) fn of(device: &Device, tables: &Tables<'_>) -> Result<Self, Error> {
         let uploaded = Self {
             device: device.clone(),
             hulls: device.upload("hulls", bytemuck::cast_slice(&tables.hulls))?,
-            blocks: device.upload("blocks", bytemuck::cast_slice(tables.blocks))?,
-            slots: device.upload("slots", bytemuck::cast_slice(tables.slots))?,
+            blocks: device.upload("blocks", bytemuck::cast_slice(&tables.blocks))?,
+            slots: device.upload("slots", bytemuck::cast_slice(&tables.slots))?,
         };
         device.check()?;
         Ok(uploaded)
@@ -309,25 +330,21 @@ impl DevicePack {
         [(1, self.hulls.as_entire_binding()), (2, self.blocks.as_entire_binding()), (3, self.slots.as_entire_binding())]
     }
 
-    /// Submits `encoder`, waits, and appends the first `count` records of `staging` to `out`.
-    fn finish<O: Pod>(
-        &self,
-        encoder: wgpu::CommandEncoder,
-        staging: &wgpu::Buffer,
-        count: usize,
-        out: &mut Vec<O>,
-    ) -> Result<(), Error> {
-        let Inner { device, queue, .. } = &*self.device.0;
+    fn submit(&self, encoder: wgpu::CommandEncoder) {
+        self.device.0.queue.submit([encoder.finish()]);
+    }
+
+    /// Waits for all that was submitted, and appends the first `count` records of `staging` to `out`.
+    fn read<O: Pod>(&self, staging: &wgpu::Buffer, count: usize, out: &mut Vec<O>) -> Result<(), Error> {
         let bytes = (count * size_of::<O>()) as u64;
-        queue.submit([encoder.finish()]);
         let device_of_callback = self.device.clone();
         staging.map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
             if let Err(error) = result {
                 device_of_callback.fail(&error.to_string());
             }
         });
-        let waited = device.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(TIMEOUT) });
-        if let Err(error) = waited {
+        let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(TIMEOUT) };
+        if let Err(error) = self.device.0.device.poll(wait) {
             self.device.fail(&error.to_string());
         }
         self.device.check()?;
@@ -339,7 +356,7 @@ impl DevicePack {
     }
 }
 
-/// Runs one pipeline on `threads` threads.
+/// Runs one pipeline on `groups` workgroups.
 fn dispatch(
     encoder: &mut wgpu::CommandEncoder,
     pipeline: &wgpu::ComputePipeline,
@@ -350,6 +367,48 @@ fn dispatch(
     pass.set_pipeline(pipeline);
     pass.set_bind_group(0, group, &[]);
     pass.dispatch_workgroups(groups, 1, 1);
+}
+
+/// The time that the kernels of a chunk take, by the clock of the device.
+#[derive(Debug)]
+struct Clock {
+    queries: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+    staging: wgpu::Buffer,
+}
+
+impl Clock {
+    const BYTES: usize = 2 * size_of::<u64>();
+
+    /// `None` if the device has no such clock.
+    fn new(pack: &DevicePack) -> Option<Self> {
+        use wgpu::BufferUsages as Usage;
+        let device = &pack.device.0.device;
+        device.features().contains(wgpu::Features::TIMESTAMP_QUERY).then(|| Self {
+            queries: device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: None,
+                ty: wgpu::QueryType::Timestamp,
+                count: 2,
+            }),
+            resolved: pack.buffer(Self::BYTES, Usage::QUERY_RESOLVE | Usage::COPY_SRC),
+            staging: pack.buffer(Self::BYTES, Usage::MAP_READ | Usage::COPY_DST),
+        })
+    }
+
+    /// Records the time in a pass without a kernel: 0 before all others, 1 after them.
+    fn stamp(&self, encoder: &mut wgpu::CommandEncoder, index: u32) {
+        let (before, after) = if index == 0 { (None, Some(0)) } else { (Some(1), None) };
+        let timestamp_writes = Some(wgpu::ComputePassTimestampWrites {
+            query_set: &self.queries,
+            beginning_of_pass_write_index: before,
+            end_of_pass_write_index: after,
+        });
+        encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
+        if index == 1 {
+            encoder.resolve_query_set(&self.queries, 0..2, &self.resolved, 0);
+            encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.staging, 0, Self::BYTES as u64);
+        }
+    }
 }
 
 /// How a batch of pairs is solved.
@@ -381,6 +440,9 @@ pub(crate) struct PairBuffers {
     capacity: usize,
     /// Polytopes, and their number.
     cells: Option<(wgpu::Buffer, usize)>,
+    clock: Option<Clock>,
+    /// Time of the kernels of the last batch. Meaningless without a clock.
+    seconds: f64,
 }
 
 /// The simplices of all pairs of a batch.
@@ -405,6 +467,8 @@ impl PairBuffers {
             staging: pack.buffer(capacity * size_of::<AnswerRecord>(), Usage::MAP_READ | Usage::COPY_DST),
             capacity,
             cells: None,
+            clock: Clock::new(pack),
+            seconds: 0.0,
         }
     }
 
@@ -440,6 +504,7 @@ impl PairBuffers {
             let count = needed.next_power_of_two().max(COMPACTION_GROUP as usize).min(chunk);
             buffers.cells = Some((pack.buffer(count * POLYTOPE_BYTES as usize, Usage::STORAGE), count));
         }
+        buffers.seconds = 0.0;
         for (at, (pairs, order)) in pairs.chunks(chunk).zip(plan.order.chunks(chunk)).enumerate() {
             let start = (at * chunk * size_of::<StateRecord>()) as u64;
             let size = std::num::NonZeroU64::new((pairs.len() * size_of::<StateRecord>()) as u64);
@@ -450,8 +515,13 @@ impl PairBuffers {
         Ok(())
     }
 
+    /// Time of the kernels of the last batch in seconds. `None` if the device has no clock.
+    pub(crate) fn seconds(&self) -> Option<f64> {
+        self.clock.as_ref().map(|_| self.seconds)
+    }
+
     fn run_chunk(
-        &self,
+        &mut self,
         pack: &DevicePack,
         plan: Plan<'_>,
         pairs: &[PairRecord],
@@ -465,6 +535,9 @@ impl PairBuffers {
         queue.write_buffer(&self.order, 0, bytemuck::bytes_of(&count));
         queue.write_buffer(&self.order, 4, bytemuck::cast_slice(plan.order));
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        if let Some(clock) = &self.clock {
+            clock.stamp(&mut encoder, 0);
+        }
         let mut list = &self.order;
         for (round, (parameters, steps)) in self.parameters.iter().zip(plan.rounds).enumerate() {
             let is_last = round + 1 == plan.rounds.len();
@@ -500,8 +573,19 @@ impl PairBuffers {
                 dispatch(&mut encoder, expand_pairs, &pack.group(expand_pairs, &bound), count.div_ceil(WORKGROUP));
             }
         }
+        if let Some(clock) = &self.clock {
+            clock.stamp(&mut encoder, 1);
+        }
         encoder.copy_buffer_to_buffer(&self.answers, 0, &self.staging, 0, size_of_val(pairs) as u64);
-        pack.finish(encoder, &self.staging, pairs.len(), out)
+        pack.submit(encoder);
+        if let Some(clock) = &self.clock {
+            let mut times: Vec<u64> = Vec::with_capacity(2);
+            pack.read(&clock.staging, 2, &mut times)?;
+            if let [start, end] = times[..] {
+                self.seconds += end.saturating_sub(start) as f64 * f64::from(queue.get_timestamp_period()) * 1e-9;
+            }
+        }
+        pack.read(&self.staging, pairs.len(), out)
     }
 
     /// What both kernels of pairs bind.
@@ -603,7 +687,8 @@ impl DirectionBuffers {
                 0,
                 (chunk.len() * size_of::<O>()) as u64,
             );
-            pack.finish(encoder, &buffers.staging, chunk.len(), out)?;
+            pack.submit(encoder);
+            pack.read(&buffers.staging, chunk.len(), out)?;
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! Batches of support queries, intersection tests and distances of baked hulls, as compute kernels
 //! (wgpu, WGSL) on the bytes of a pack.
 //!
-//! [`Batch`] solves pairs of hulls of one pack, on a Vulkan device or on the processor. The kernels
+//! [`Batch`] solves pairs of hulls of one pack or several, on a Vulkan device or on the processor. The kernels
 //! compute in f32. They return intervals that contain the distance in spite of all rounding errors,
 //! fused operations included, and a [`Status`] that says what is proven. [`Batch::settle`] finishes
 //! on the processor, in f64, what f32 left open.
@@ -14,7 +14,7 @@
 //! - `kernels/`: the kernels. [`twin`] is the same code in Rust, for tests.
 //!
 //! # Limits
-//! - A batch has hulls of one pack. Sections longer than a binding are an error.
+//! - Sections longer than a binding are an error.
 //! - Correctness is tested on Mesa's lavapipe. Times on hardware are not measured yet.
 
 #![forbid(unsafe_code)]

@@ -6,6 +6,8 @@
 //! those of the shapes. All lengths of a pair are multiplied by a power of two that brings them to
 //! about 1. That is exact, and nothing can overflow.
 
+use std::borrow::Cow;
+
 use bytemuck::{Pod, Zeroable};
 use hullmap::glam::DVec3;
 use hullmap::{Hull, Pack, Pose, SupportMap};
@@ -89,15 +91,15 @@ impl HullRecord {
     }
 }
 
-/// The sections of a pack that the kernels read, and a record for each hull.
+/// The sections of packs that the kernels read, and a record for each hull.
 #[derive(Clone, Debug)]
 pub struct Tables<'a> {
-    /// One record for each hull.
+    /// One record for each hull, pack by pack.
     pub hulls: Vec<HullRecord>,
-    /// The section `blocks`, unchanged: 32 words a block.
-    pub blocks: &'a [u32],
-    /// The section `slots`, unchanged.
-    pub slots: &'a [u32],
+    /// The section `blocks`, unchanged: 32 words a block. Those of several packs are joined.
+    pub blocks: Cow<'a, [u32]>,
+    /// The section `slots`, likewise.
+    pub slots: Cow<'a, [u32]>,
 }
 
 impl<'a> Tables<'a> {
@@ -130,18 +132,62 @@ impl<'a> Tables<'a> {
         };
         Ok(Self {
             hulls: (0..pack.hull_count()).map(|index| record(index).unwrap_or_default()).collect(),
-            blocks: bytemuck::try_cast_slice(sections.blocks).map_err(|_| Error::Pack)?,
-            slots: bytemuck::try_cast_slice(sections.slots).map_err(|_| Error::Pack)?,
+            blocks: Cow::Borrowed(bytemuck::try_cast_slice(sections.blocks).map_err(|_| Error::Pack)?),
+            slots: Cow::Borrowed(bytemuck::try_cast_slice(sections.slots).map_err(|_| Error::Pack)?),
         })
+    }
+
+    /// The tables of several packs. Hulls are counted through the packs.
+    ///
+    /// # Errors
+    /// Those of [`Tables::of`]. [`Error::TooLarge`] if the sections have 2³² words or more.
+    ///
+    /// # Complexity
+    /// O(number of hulls), and a copy of the sections of two or more packs.
+    ///
+    /// # Examples
+    /// ```
+    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
+    /// use hullmap_wgpu::Tables;
+    ///
+    /// let (one, two) = (Tables::of(&pack)?, Tables::of_packs(&[&pack, &pack])?);
+    /// assert_eq!((two.hulls.len(), two.blocks.len()), (2, 2 * one.blocks.len()));
+    /// # Ok::<(), hullmap_wgpu::Error>(())
+    /// ```
+    pub fn of_packs(packs: &[&'a Pack]) -> Result<Self, Error> {
+        let mut joined = Self { hulls: Vec::new(), blocks: Cow::Borrowed(&[]), slots: Cow::Borrowed(&[]) };
+        for pack in packs {
+            let tables = Self::of(pack)?;
+            let start = |section: &'static str, words: &[u32], more: &[u32]| {
+                let found = 4 * (words.len() as u64 + more.len() as u64);
+                let fits = u32::try_from(found / 4).is_ok();
+                let start = words.len() as u32;
+                if fits { Ok(start) } else { Err(Error::TooLarge { section, found, limit: 4 << 32 }) }
+            };
+            let first_block = start("blocks", &joined.blocks, &tables.blocks)? / 32;
+            let first_slot = start("slots", &joined.slots, &tables.slots)?;
+            joined.hulls.extend(tables.hulls.into_iter().map(|mut hull| {
+                hull.block_start += first_block;
+                hull.slot_start += first_slot;
+                hull
+            }));
+            if joined.blocks.is_empty() && joined.slots.is_empty() {
+                (joined.blocks, joined.slots) = (tables.blocks, tables.slots);
+            } else {
+                joined.blocks.to_mut().extend_from_slice(&tables.blocks);
+                joined.slots.to_mut().extend_from_slice(&tables.slots);
+            }
+        }
+        Ok(joined)
     }
 }
 
-/// Two hulls of a pack and a pose.
+/// Two hulls and a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
-    /// Index of hull A in the pack.
+    /// Index of hull A in the pack, or in all packs of the batch.
     pub a: u32,
-    /// Index of hull B in the pack.
+    /// Index of hull B, likewise.
     pub b: u32,
     /// B's pose in A's frame.
     pub b_in_a: Pose,

@@ -432,6 +432,37 @@ fn damaged_packs_neither_hang_nor_read_outside() {
 }
 
 #[test]
+fn hulls_of_several_packs_answer_as_those_of_one() {
+    let Some(device) = scene::device() else { return };
+    let (first, second) = (scene::pack(IndexKind::Tree), scene::small_pack());
+    let count = first.hull_count() as u32;
+    let mut batch = Batch::of_packs(&device, &[&first, &second]).unwrap();
+    let mut alone = Batch::on(&device, &second).unwrap();
+    let pairs = scene::pairs(&second, 500, 23);
+    let moved: Vec<Pair> = pairs.iter().map(|pair| Pair { a: pair.a + count, b: pair.b + count, ..*pair }).collect();
+    for query in QUERIES {
+        let expected = solve(&mut alone, query, &pairs).to_vec();
+        assert_eq!(solve(&mut batch, query, &moved), expected);
+        batch.settle();
+        alone.settle();
+        assert_eq!(batch.answers(), alone.answers());
+    }
+    let ask = |hull| SupportQuery { hull, dir: Vec3::new(1.0, 2.0, -1.0) };
+    for hull in 0..second.hull_count() as u32 {
+        let expected = alone.support(&[ask(hull)]).unwrap()[0];
+        assert_eq!(batch.support(&[ask(count + hull)]).unwrap()[0], expected);
+    }
+    assert!(!batch.support(&[ask(count + 99)]).unwrap()[0].is_certain);
+    // Across packs, against the processor.
+    let across: Vec<Pair> = pairs.iter().map(|pair| Pair { a: pair.a, b: pair.b + count, ..*pair }).collect();
+    for (pair, found) in across.iter().zip(solve(&mut batch, Query::Distance, &across)) {
+        let (a, b) = (first.hull(pair.a as usize).unwrap(), second.hull((pair.b - count) as usize).unwrap());
+        let own = hullmap::distance(&a, &b, pair.b_in_a, &Settings::default(), &mut Cache::new());
+        assert!(found.lower <= own.upper && own.lower <= found.upper, "{found:?}, {own:?}");
+    }
+}
+
+#[test]
 fn pairs_of_no_hull_are_rejected_alone() {
     let Some(device) = scene::device() else { return };
     let pack = scene::pack(IndexKind::Tree);
