@@ -96,7 +96,8 @@ impl<'p> Packs<'p> {
     }
 }
 
-/// Solves batches of pairs of hulls of one pack, or of several. Buffers are kept from batch to batch.
+/// Solves batches of pairs of hulls of one pack, or of several. Buffers are kept from batch to
+/// batch.
 ///
 /// Answers are in the order of the pairs, and no answer depends on other pairs.
 ///

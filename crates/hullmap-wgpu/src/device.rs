@@ -253,8 +253,8 @@ impl Device {
     }
 }
 
-/// Packs in the memory of a device: the sections `blocks` and `slots` as they are in the file, and a
-/// record for each hull.
+/// Packs in the memory of a device: the sections `blocks` and `slots` as they are in the file, and
+/// a record for each hull.
 #[derive(Clone, Debug)]
 pub struct DevicePack {
     device: Device,
@@ -334,7 +334,8 @@ impl DevicePack {
         self.device.0.queue.submit([encoder.finish()]);
     }
 
-    /// Waits for all that was submitted, and appends the first `count` records of `staging` to `out`.
+    /// Waits for all that was submitted, and appends the first `count` records of `staging` to
+    /// `out`.
     fn read<O: Pod>(&self, staging: &wgpu::Buffer, count: usize, out: &mut Vec<O>) -> Result<(), Error> {
         let bytes = (count * size_of::<O>()) as u64;
         let device_of_callback = self.device.clone();
