@@ -7,10 +7,11 @@ use bazel_remote_apis::build::bazel::remote::execution::v2 as api;
 use bazel_remote_apis::build::bazel::remote::execution::v2::capabilities_client::CapabilitiesClient;
 use tokio::runtime::Runtime;
 use tonic::metadata::{AsciiMetadataKey, AsciiMetadataValue};
-use tonic::transport::{Channel, Endpoint};
+use tonic::transport::Endpoint;
 use tonic::{Request, Response, Status};
 
-use crate::error::is_transient;
+use crate::error::{chain, is_transient};
+use crate::guard::Guard;
 use crate::{RemoteError, Settings};
 
 /// Time to connect.
@@ -32,6 +33,9 @@ pub(crate) const MAX_MESSAGE: usize = 16 << 20;
 /// limit of gRPC, and names and digests need some of it.
 const MAX_BATCH: u64 = 3 << 20;
 
+/// Bytes a second that a transfer must reach on average.
+const MIN_RATE: u64 = 64 << 10;
+
 /// Threads that do the network's work.
 const THREADS: usize = 2;
 
@@ -39,7 +43,7 @@ const THREADS: usize = 2;
 #[derive(Debug)]
 pub struct Client {
     runtime: Runtime,
-    pub(crate) channel: Channel,
+    pub(crate) channel: Guard,
     pub(crate) settings: Settings,
     headers: Vec<(AsciiMetadataKey, AsciiMetadataValue)>,
     abilities: Abilities,
@@ -72,11 +76,12 @@ impl Client {
         // The connection spawns tasks.
         let channel = {
             let _entered = runtime.enter();
-            endpoint(&settings)?.connect_lazy()
+            Guard(endpoint(&settings)?.connect_lazy())
         };
         let abilities = Abilities { executes: false, takes_results: false, batch: MAX_BATCH, blob: u64::MAX };
         let mut client = Self { runtime, channel, settings, headers, abilities };
-        client.abilities = client.block_on(client.ask_abilities())?;
+        let uses_tls = client.settings.address.uses_tls();
+        client.abilities = client.block_on(client.ask_abilities()).map_err(|error| error.at_start(uses_tls))?;
         Ok(client)
     }
 
@@ -103,7 +108,7 @@ impl Client {
     async fn ask_abilities(&self) -> Result<Abilities, RemoteError> {
         let request = api::GetCapabilitiesRequest { instance_name: self.settings.instance.clone() };
         let found = self
-            .retry("capabilities", || {
+            .retry("capabilities", 0, || {
                 let mut client = CapabilitiesClient::new(self.channel.clone());
                 let request = self.request(request.clone());
                 async move { client.get_capabilities(request).await }
@@ -143,19 +148,27 @@ impl Client {
         request
     }
 
-    /// Makes a request until it is answered, rejected, or was tried often enough.
-    pub(crate) async fn retry<T, F>(&self, what: &'static str, call: impl Fn() -> F) -> Result<T, RemoteError>
+    /// Makes a request until it is answered, rejected, or was tried often enough. `bytes` is the
+    /// size of what it transfers, if that is large.
+    pub(crate) async fn retry<T, F>(
+        &self,
+        what: &'static str,
+        bytes: u64,
+        call: impl Fn() -> F,
+    ) -> Result<T, RemoteError>
     where
         F: Future<Output = Result<Response<T>, Status>>,
     {
+        let (usual, longest) = (self.settings.request_timeout, self.settings.action_timeout);
+        let limit = usual.saturating_add(Duration::from_secs(bytes / MIN_RATE)).min(longest.max(usual));
         let mut attempt = 1;
         loop {
-            let status = match tokio::time::timeout(self.settings.request_timeout, call()).await {
+            let status = match tokio::time::timeout(limit, call()).await {
                 Ok(Ok(response)) => return Ok(response.into_inner()),
                 Ok(Err(status)) => status,
                 Err(_) => Status::deadline_exceeded("no answer in time"),
             };
-            if !is_transient(status.code()) || attempt >= self.settings.attempts {
+            if !is_transient(&status) || attempt >= self.settings.attempts {
                 return Err(RemoteError::of(what, &status));
             }
             tokio::time::sleep(wait(attempt)).await;
@@ -173,7 +186,10 @@ fn header((name, value): &(String, String)) -> Result<(AsciiMetadataKey, AsciiMe
     // The value may be a secret.
     let wrong = || RemoteError::Settings(format!("header `{}`: its name or value is invalid", name.escape_debug()));
     let key = AsciiMetadataKey::from_bytes(name.to_lowercase().as_bytes()).map_err(|_| wrong())?;
-    Ok((key, value.parse().map_err(|_| wrong())?))
+    let mut value: AsciiMetadataValue = value.parse().map_err(|_| wrong())?;
+    // Then it is in no log, and in no table of compressed headers.
+    value.set_sensitive(true);
+    Ok((key, value))
 }
 
 fn endpoint(settings: &Settings) -> Result<Endpoint, RemoteError> {
@@ -187,31 +203,31 @@ fn endpoint(settings: &Settings) -> Result<Endpoint, RemoteError> {
         .keep_alive_timeout(KEEP_ALIVE)
         .http2_adaptive_window(true);
     if !address.uses_tls() {
+        if settings.certificates.is_some() || settings.identity.is_some() {
+            return Err(RemoteError::Settings(format!(
+                "{address}: certificates have no effect without TLS; use grpcs://"
+            )));
+        }
         return Ok(endpoint);
     }
     #[cfg(feature = "tls")]
     {
         use tonic::transport::{Certificate, ClientTlsConfig};
+
+        use crate::Identity;
+
         let tls = match &settings.certificates {
             Some(pem) => ClientTlsConfig::new().ca_certificate(Certificate::from_pem(pem)),
             None => ClientTlsConfig::new().with_native_roots(),
+        };
+        let tls = match &settings.identity {
+            Some(Identity { certificate, key }) => tls.identity(tonic::transport::Identity::from_pem(certificate, key)),
+            None => tls,
         };
         endpoint.tls_config(tls).map_err(wrong)
     }
     #[cfg(not(feature = "tls"))]
     Err(RemoteError::Settings(format!("{address}: this program was built without TLS; use grpc://")))
-}
-
-/// An error with all of its causes.
-fn chain(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut next = error.source();
-    while let Some(cause) = next {
-        text.push_str(": ");
-        text.push_str(&cause.to_string());
-        next = cause.source();
-    }
-    text
 }
 
 #[cfg(test)]

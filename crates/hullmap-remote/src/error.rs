@@ -29,6 +29,9 @@ pub enum RemoteError {
     /// A blob, or an action, is not in the store.
     #[error("{0} is not in the store of the server")]
     Missing(String),
+    /// One side of a TLS connection does not accept the certificate of the other.
+    #[error("{0}")]
+    Certificate(String),
     /// A file here cannot be read, or has changed meanwhile.
     #[error("{0}")]
     File(String),
@@ -43,9 +46,27 @@ impl RemoteError {
         matches!(self, Self::Unreachable { .. })
     }
 
+    /// This error of a first request, with what it may mean that the server closed the connection.
+    pub(crate) fn at_start(self, uses_tls: bool) -> Self {
+        match self {
+            Self::Unreachable { what, mut reason } if ["closed", "reset"].iter().any(|word| reason.contains(word)) => {
+                reason.push_str(if uses_tls {
+                    "; perhaps it does not accept the certificate of the client"
+                } else {
+                    "; perhaps it expects TLS (grpcs://)"
+                });
+                Self::Unreachable { what, reason }
+            }
+            other => other,
+        }
+    }
+
     /// The error of a request that is not repeated.
     pub(crate) fn of(what: &'static str, status: &Status) -> Self {
-        let reason = bounded(status.message());
+        let reason = bounded(&reason(status));
+        if let Some(message) = certificate(&reason) {
+            return Self::Certificate(message);
+        }
         // A broken connection has a cause in this process, and an answer has none.
         let is_ours = std::error::Error::source(status).is_some();
         match status.code() {
@@ -57,10 +78,10 @@ impl RemoteError {
 }
 
 /// Whether the same request may succeed later.
-pub(crate) fn is_transient(code: Code) -> bool {
+pub(crate) fn is_transient(status: &Status) -> bool {
     // Broken connections have the code Unknown or Internal.
-    matches!(
-        code,
+    let code = matches!(
+        status.code(),
         Code::Unavailable
             | Code::ResourceExhausted
             | Code::Aborted
@@ -68,7 +89,52 @@ pub(crate) fn is_transient(code: Code) -> bool {
             | Code::Unknown
             | Code::Internal
             | Code::Cancelled
-    )
+    );
+    code && certificate(&reason(status)).is_none()
+}
+
+/// The explanation of a status: of a broken connection, all of its causes.
+fn reason(status: &Status) -> String {
+    let text = std::error::Error::source(status).map_or_else(|| status.message().to_owned(), chain);
+    if text.contains("InvalidContentType") { format!("{text}; the server does not use TLS there") } else { text }
+}
+
+/// What a failed TLS handshake says about certificates, in words. rustls has types for this, but
+/// its errors arrive as text.
+fn certificate(reason: &str) -> Option<String> {
+    if let Some((_, why)) = reason.split_once("invalid peer certificate: ") {
+        let why = match why {
+            why if why.starts_with("UnknownIssuer") => "its issuer is not trusted",
+            why if why.starts_with("BadSignature") => "its issuer has the name of a trusted authority, but another key",
+            why => why,
+        };
+        return Some(format!("the certificate of the server is not accepted: {why}"));
+    }
+    let (_, alert) = reason.split_once("received fatal alert: ")?;
+    let alert = alert.split(|letter: char| !letter.is_alphanumeric()).next().unwrap_or_default();
+    Some(match alert {
+        "CertificateRequired" => "the server requires a certificate of the client".to_owned(),
+        alert if alert.contains("Certificate") || alert == "UnknownCA" => {
+            format!("the server does not accept the certificate of the client: {alert}")
+        }
+        alert => format!("the server ends the TLS handshake: {alert}"),
+    })
+}
+
+/// An error with all of its causes.
+pub(crate) fn chain(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut next = error.source();
+    while let Some(cause) = next {
+        let cause_text = cause.to_string();
+        // Some errors repeat their cause.
+        if !text.ends_with(&cause_text) {
+            text.push_str(": ");
+            text.push_str(&cause_text);
+        }
+        next = cause.source();
+    }
+    text
 }
 
 /// Maximum length of a text from the server that becomes part of a message.

@@ -22,8 +22,8 @@ use crate::{Action, Blob, Client, Digest, RemoteError};
 /// Maximum number of output files.
 const MAX_OUTPUTS: usize = 1 << 16;
 
-/// Maximum length of a standard error that is kept.
-const MAX_ERROR_BYTES: usize = 1 << 16;
+/// Length of a standard error's end that is kept, which says what went wrong.
+const MAX_ERROR_BYTES: usize = 1 << 12;
 
 /// How often an action is requested again after its inputs have vanished from the store, or the
 /// server has forgotten it.
@@ -36,7 +36,7 @@ pub struct Outcome {
     pub files: BTreeMap<String, OutputFile>,
     /// Exit code of the command.
     pub exit_code: i32,
-    /// What it wrote to standard error, if the server sent that along.
+    /// The end of what it wrote to standard error, if the server sent that along.
     pub stderr: String,
     /// Whether it comes from the cache.
     pub is_cached: bool,
@@ -65,7 +65,7 @@ impl Client {
             digest_function: api::digest_function::Value::Sha256 as i32,
             ..api::GetActionResultRequest::default()
         };
-        let found = self.block_on(self.retry("action cache", || {
+        let found = self.block_on(self.retry("action cache", 0, || {
             let mut client = ActionCacheClient::new(self.channel.clone()).max_decoding_message_size(MAX_MESSAGE);
             let request = self.request(request.clone());
             async move {
@@ -122,7 +122,7 @@ impl Client {
             digest_function: api::digest_function::Value::Sha256 as i32,
             ..api::UpdateActionResultRequest::default()
         };
-        let call = self.retry("action cache", || {
+        let call = self.retry("action cache", 0, || {
             let mut client = ActionCacheClient::new(self.channel.clone()).max_encoding_message_size(MAX_MESSAGE);
             let request = self.request(request.clone());
             async move { client.update_action_result(request).await }
@@ -141,7 +141,7 @@ impl Client {
                 Ok(Some(done)) => match finished(done)? {
                     Ok(outcome) => return Ok(outcome),
                     Err(status) if is_missing(&status) => return Err(RemoteError::Missing(bounded(status.message()))),
-                    Err(status) if is_transient(status.code()) && attempt < self.settings.attempts => name = None,
+                    Err(status) if is_transient(&status) && attempt < self.settings.attempts => name = None,
                     Err(status) => return Err(RemoteError::of("action", &status)),
                 },
                 // The stream ended too early: follow it again.
@@ -154,7 +154,7 @@ impl Client {
                     name = None;
                 }
                 Err(status) if is_missing(&status) => return Err(RemoteError::Missing(bounded(status.message()))),
-                Err(status) if is_transient(status.code()) && attempt < self.settings.attempts => {}
+                Err(status) if is_transient(&status) && attempt < self.settings.attempts => {}
                 Err(status) => return Err(RemoteError::of("action", &status)),
             }
             tokio::time::sleep(wait(attempt)).await;
@@ -236,7 +236,8 @@ fn outcome(result: api::ActionResult, is_cached: bool) -> Result<Outcome, Remote
         let contents = Some(file.contents).filter(|bytes| !bytes.is_empty() && Digest::of(bytes) == digest);
         files.insert(file.path, OutputFile { digest, contents });
     }
-    let stderr = result.stderr_raw.get(..MAX_ERROR_BYTES).unwrap_or(&result.stderr_raw);
+    let start = result.stderr_raw.len().saturating_sub(MAX_ERROR_BYTES);
+    let stderr = result.stderr_raw.get(start..).unwrap_or_default();
     let stderr = String::from_utf8_lossy(stderr).into_owned();
     Ok(Outcome { files, exit_code: result.exit_code, stderr, is_cached })
 }

@@ -11,6 +11,7 @@
 //! | `action` | commands and trees of input files as messages |
 //! | `settings` | address, headers, limits |
 //! | `client` | connection and retries |
+//! | `guard` | what must not reach the transport's decoder |
 //! | `store` | the content-addressed store (CAS): which blobs are missing, upload, download |
 //! | `execution` | the action cache, and actions in progress |
 //!
@@ -25,6 +26,7 @@ mod client;
 mod digest;
 mod error;
 mod execution;
+mod guard;
 mod settings;
 mod store;
 
@@ -33,4 +35,4 @@ pub use client::Client;
 pub use digest::Digest;
 pub use error::RemoteError;
 pub use execution::{Outcome, OutputFile};
-pub use settings::{Address, Settings};
+pub use settings::{Address, Identity, Settings};

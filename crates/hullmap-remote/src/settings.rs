@@ -1,6 +1,7 @@
 //! Address, headers and limits of a client.
 
 use std::fmt;
+use std::net::IpAddr;
 use std::str::FromStr;
 use std::time::Duration;
 
@@ -25,6 +26,18 @@ impl Address {
     /// Whether the connection is encrypted and the server has a certificate.
     pub fn uses_tls(&self) -> bool {
         self.uses_tls
+    }
+
+    /// Whether the server is this machine, so that nobody reads what is sent.
+    ///
+    /// ```
+    /// let is_local = |text: &str| text.parse::<hullmap_remote::Address>().is_ok_and(|address| address.is_local());
+    /// assert!(is_local("grpc://localhost:1") && is_local("grpc://[::1]:1") && !is_local("grpc://farm:1"));
+    /// ```
+    pub fn is_local(&self) -> bool {
+        let host = self.authority.rsplit_once(':').map_or(self.authority.as_str(), |(host, _)| host);
+        let address = host.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>();
+        host.eq_ignore_ascii_case("localhost") || address.is_ok_and(|address| address.is_loopback())
     }
 
     /// The address as the transport takes it.
@@ -61,8 +74,17 @@ impl FromStr for Address {
     }
 }
 
-/// Settings of a client.
-#[derive(Clone, Debug)]
+/// A client's own certificate, for servers that require one.
+#[derive(Clone)]
+pub struct Identity {
+    /// The certificate in PEM format, followed by those between it and its authority.
+    pub certificate: Vec<u8>,
+    /// Its private key in PEM format, not encrypted.
+    pub key: Vec<u8>,
+}
+
+/// Settings of a client. Their debug text has no value of a header and no key.
+#[derive(Clone)]
 pub struct Settings {
     /// Address of the server.
     pub address: Address,
@@ -72,6 +94,8 @@ pub struct Settings {
     pub headers: Vec<(String, String)>,
     /// Certificates in PEM format of those who may sign the server's; `None`: the system's.
     pub certificates: Option<Vec<u8>>,
+    /// This client's certificate.
+    pub identity: Option<Identity>,
     /// Maximum time for one request and its answer.
     pub request_timeout: Duration,
     /// Maximum time for an action, from the request to its result, with all its retries.
@@ -88,6 +112,7 @@ impl Settings {
             instance: String::new(),
             headers: Vec::new(),
             certificates: None,
+            identity: None,
             request_timeout: Duration::from_secs(60),
             action_timeout: Duration::from_secs(3600),
             attempts: 5,
@@ -95,9 +120,35 @@ impl Settings {
     }
 }
 
+impl fmt::Debug for Identity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Identity").finish_non_exhaustive()
+    }
+}
+
+impl fmt::Debug for Settings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let headers: Vec<&str> = self.headers.iter().map(|(name, _)| name.as_str()).collect();
+        f.debug_struct("Settings")
+            .field("address", &self.address)
+            .field("instance", &self.instance)
+            .field("headers", &headers)
+            .finish_non_exhaustive()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn debug_texts_have_no_secrets() {
+        let mut settings = Settings::new("grpc://a:1".parse().unwrap());
+        settings.headers.push(("authorization".to_owned(), "Bearer secret".to_owned()));
+        settings.identity = Some(Identity { certificate: b"secret".to_vec(), key: b"secret".to_vec() });
+        let text = format!("{settings:?} {:?}", settings.identity);
+        assert!(text.contains("authorization") && !text.contains("secret") && !text.contains("115, 101"), "{text}");
+    }
 
     #[test]
     fn addresses_are_read_and_written() {

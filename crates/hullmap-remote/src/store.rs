@@ -15,6 +15,7 @@ use bazel_remote_apis::google::bytestream::{ReadRequest, WriteRequest};
 use tonic::{Code, Response, Status};
 
 use crate::client::MAX_MESSAGE;
+use crate::guard::Guard;
 use crate::{Blob, Client, Data, Digest, RemoteError};
 
 /// Size of a chunk of a streamed blob in bytes.
@@ -95,7 +96,7 @@ impl Client {
                 digest_function: api::digest_function::Value::Sha256 as i32,
             };
             let answer = self
-                .retry("missing blobs", || {
+                .retry("missing blobs", 0, || {
                     let (mut client, request) = (self.store(), self.request(request.clone()));
                     async move { client.find_missing_blobs(request).await }
                 })
@@ -120,7 +121,7 @@ impl Client {
             digest_function: api::digest_function::Value::Sha256 as i32,
         };
         let answer = self
-            .retry("upload", || {
+            .retry("upload", self.max_batch(), || {
                 let (mut client, request) = (self.store(), self.request(request.clone()));
                 async move { client.batch_update_blobs(request).await }
             })
@@ -142,7 +143,7 @@ impl Client {
             digest_function: api::digest_function::Value::Sha256 as i32,
         };
         let answer = self
-            .retry("download", || {
+            .retry("download", self.max_batch(), || {
                 let (mut client, request) = (self.store(), self.request(request.clone()));
                 async move { client.batch_read_blobs(request).await }
             })
@@ -167,7 +168,7 @@ impl Client {
         // The name of an upload must differ from all others.
         let name = format!("{}uploads/{}/blobs/{}/{size}", self.prefix(), unique(), blob.digest.hash());
         let answer = self
-            .retry("upload", || {
+            .retry("upload", size, || {
                 let mut client = ByteStreamClient::new(self.channel.clone()).max_encoding_message_size(MAX_MESSAGE);
                 let chunks = Chunks::of(blob, name.clone());
                 async move {
@@ -188,7 +189,7 @@ impl Client {
         let name = format!("{}blobs/{}/{}", self.prefix(), digest.hash(), digest.size());
         let request = ReadRequest { resource_name: name, read_offset: 0, read_limit: 0 };
         let bytes = self
-            .retry("download", || {
+            .retry("download", digest.size(), || {
                 let mut client = ByteStreamClient::new(self.channel.clone()).max_decoding_message_size(MAX_MESSAGE);
                 let request = self.request(request.clone());
                 async move {
@@ -208,7 +209,7 @@ impl Client {
         Ok(bytes)
     }
 
-    fn store(&self) -> ContentAddressableStorageClient<tonic::transport::Channel> {
+    fn store(&self) -> ContentAddressableStorageClient<Guard> {
         ContentAddressableStorageClient::new(self.channel.clone())
             .max_decoding_message_size(MAX_MESSAGE)
             .max_encoding_message_size(MAX_MESSAGE)

@@ -6,6 +6,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::net::SocketAddr;
 use std::path::Path;
+use std::pin::Pin;
 use std::process::Command;
 use std::sync::{Arc, Mutex};
 
@@ -24,8 +25,12 @@ use bazel_remote_apis::google::rpc;
 use prost::Message;
 use sha2::{Digest as _, Sha256};
 use tokio::sync::oneshot;
+use tokio_stream::Stream;
 use tokio_stream::wrappers::TcpListenerStream;
-use tonic::{Request, Response, Status, Streaming};
+use tonic::codegen::http::HeaderMap;
+use tonic::metadata::MetadataMap;
+use tonic::transport::{Certificate, Identity, ServerTlsConfig};
+use tonic::{Code, Request, Response, Status, Streaming};
 
 /// What the server does and counts.
 #[derive(Debug, Default)]
@@ -46,6 +51,32 @@ pub struct State {
     pub broken_streams: usize,
     /// Headers of the last request.
     pub headers: BTreeMap<String, String>,
+    /// What it does wrong.
+    pub malice: Option<Malice>,
+}
+
+/// What a hostile server does.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Malice {
+    /// Downloads that are streamed repeat these bytes for ever; if there are none, they never begin.
+    EndlessBlob(Vec<u8>),
+    /// Actions begin again and again.
+    EndlessAction,
+    /// The details of "no result" are not Base64.
+    BrokenDetails,
+    /// Every answer about missing blobs has more than 16 MiB.
+    HugeAnswer,
+}
+
+/// Certificates and a private key, all in PEM format.
+#[derive(Debug)]
+pub struct Tls {
+    /// The server's certificate.
+    pub certificate: String,
+    /// Its key.
+    pub key: String,
+    /// Who signs certificates of clients; `None`: clients need none.
+    pub clients: Option<String>,
 }
 
 impl State {
@@ -99,6 +130,14 @@ impl FarmServer {
     /// # Panics
     /// If it cannot be started.
     pub fn start() -> Self {
+        Self::start_with(None)
+    }
+
+    /// The same; with certificates, for TLS only.
+    ///
+    /// # Panics
+    /// If it cannot be started.
+    pub fn start_with(tls: Option<Tls>) -> Self {
         let state = Arc::new(Mutex::new(State { executes: true, ..State::default() }));
         let (stop, stopped) = oneshot::channel::<()>();
         let (sender, receiver) = std::sync::mpsc::channel();
@@ -109,8 +148,17 @@ impl FarmServer {
                 let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.expect("a port is free");
                 sender.send(listener.local_addr().expect("it has an address")).expect("the starter waits");
                 let farm = Farm(own);
-                let limit = 16 << 20;
-                let server = tonic::transport::Server::builder()
+                let limit = 64 << 20;
+                let mut server = tonic::transport::Server::builder();
+                if let Some(Tls { certificate, key, clients }) = tls {
+                    let config = ServerTlsConfig::new().identity(Identity::from_pem(certificate, key));
+                    let config = match clients {
+                        Some(pem) => config.client_ca_root(Certificate::from_pem(pem)),
+                        None => config,
+                    };
+                    server = server.tls_config(config).expect("the certificates are right");
+                }
+                let server = server
                     .add_service(CapabilitiesServer::new(farm.clone()))
                     .add_service(ActionCacheServer::new(farm.clone()))
                     .add_service(
@@ -152,6 +200,9 @@ impl Drop for FarmServer {
         drop(self.thread.take());
     }
 }
+
+/// A stream of answers.
+type Answers<T> = Pin<Box<dyn Stream<Item = Result<T, Status>> + Send>>;
 
 #[derive(Clone)]
 struct Farm(Arc<Mutex<State>>);
@@ -205,7 +256,15 @@ impl ActionCache for Farm {
         let mut state = self.state();
         state.count("GetActionResult", request.metadata())?;
         let hash = request.into_inner().action_digest.unwrap_or_default().hash;
-        state.results.get(&hash).cloned().map(Response::new).ok_or_else(|| Status::not_found("no result"))
+        let missing = || match state.malice {
+            Some(Malice::BrokenDetails) => {
+                let mut headers = HeaderMap::new();
+                headers.insert("grpc-status-details-bin", "no Base64!".parse().expect("a header"));
+                Status::with_metadata(Code::NotFound, "no result", MetadataMap::from_headers(headers))
+            }
+            _ => Status::not_found("no result"),
+        };
+        state.results.get(&hash).cloned().map(Response::new).ok_or_else(missing)
     }
 
     async fn update_action_result(
@@ -232,7 +291,10 @@ impl ContentAddressableStorage for Farm {
     ) -> Result<Response<api::FindMissingBlobsResponse>, Status> {
         let mut state = self.state();
         state.count("FindMissingBlobs", request.metadata())?;
-        let digests = request.into_inner().blob_digests;
+        let mut digests = request.into_inner().blob_digests;
+        if state.malice == Some(Malice::HugeAnswer) {
+            digests = vec![api::Digest { hash: "0".repeat(64), size_bytes: 1 }; 300_000];
+        }
         let missing_blob_digests =
             digests.into_iter().filter(|digest| !state.blobs.contains_key(&digest.hash)).collect();
         Ok(Response::new(api::FindMissingBlobsResponse { missing_blob_digests }))
@@ -313,17 +375,24 @@ impl ContentAddressableStorage for Farm {
 
 #[tonic::async_trait]
 impl ByteStream for Farm {
-    type ReadStream = tokio_stream::Iter<std::vec::IntoIter<Result<stream::ReadResponse, Status>>>;
+    type ReadStream = Answers<stream::ReadResponse>;
 
     async fn read(&self, request: Request<stream::ReadRequest>) -> Result<Response<Self::ReadStream>, Status> {
         let mut state = self.state();
         state.count("Read", request.metadata())?;
+        if let Some(Malice::EndlessBlob(data)) = state.malice.clone() {
+            if data.is_empty() {
+                return Ok(Response::new(Box::pin(tokio_stream::pending())));
+            }
+            let endless = std::iter::repeat_with(move || Ok(stream::ReadResponse { data: data.clone() }));
+            return Ok(Response::new(Box::pin(tokio_stream::iter(endless))));
+        }
         let name = request.into_inner().resource_name;
         let hash = name.split('/').rev().nth(1).unwrap_or_default();
         let bytes = state.blobs.get(hash).ok_or_else(|| Status::not_found("missing"))?;
         let chunks: Vec<_> =
             bytes.chunks(50_000).map(|data| Ok(stream::ReadResponse { data: data.to_vec() })).collect();
-        Ok(Response::new(tokio_stream::iter(chunks)))
+        Ok(Response::new(Box::pin(tokio_stream::iter(chunks))))
     }
 
     async fn write(
@@ -359,7 +428,7 @@ impl ByteStream for Farm {
 
 #[tonic::async_trait]
 impl Execution for Farm {
-    type ExecuteStream = tokio_stream::Iter<std::vec::IntoIter<Result<Operation, Status>>>;
+    type ExecuteStream = Answers<Operation>;
     type WaitExecutionStream = Self::ExecuteStream;
 
     async fn execute(&self, request: Request<api::ExecuteRequest>) -> Result<Response<Self::ExecuteStream>, Status> {
@@ -371,10 +440,13 @@ impl Execution for Farm {
         let begun = Operation { name: name.clone(), ..Operation::default() };
         if state.broken_streams > 0 {
             state.broken_streams -= 1;
-            return Ok(Response::new(tokio_stream::iter(vec![Ok(begun)])));
+            return Ok(Response::new(Box::pin(tokio_stream::iter([Ok(begun)]))));
+        }
+        if state.malice == Some(Malice::EndlessAction) {
+            return Ok(Response::new(Box::pin(tokio_stream::iter(std::iter::repeat_with(move || Ok(begun.clone()))))));
         }
         let done = run(&mut state, &digest, name);
-        Ok(Response::new(tokio_stream::iter(vec![Ok(begun), Ok(done)])))
+        Ok(Response::new(Box::pin(tokio_stream::iter([Ok(begun), Ok(done)]))))
     }
 
     async fn wait_execution(
@@ -387,7 +459,7 @@ impl Execution for Farm {
         let hash = name.strip_prefix("operations/").ok_or_else(|| Status::not_found("unknown"))?;
         let digest = api::Digest { hash: hash.to_owned(), size_bytes: 0 };
         let done = run(&mut state, &digest, name.clone());
-        Ok(Response::new(tokio_stream::iter(vec![Ok(done)])))
+        Ok(Response::new(Box::pin(tokio_stream::iter([Ok(done)]))))
     }
 }
 

@@ -14,6 +14,8 @@ mod parts;
 mod pipeline;
 mod queries;
 mod remote;
+mod remote_hostile;
+mod remote_tls;
 mod report;
 mod sources;
 mod subcommands;

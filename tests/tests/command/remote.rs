@@ -25,7 +25,7 @@ fn write(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) {
 }
 
 /// A checkout: cubes, a glTF file with a buffer, and options.
-fn checkout(root: &Path) {
+pub fn checkout(root: &Path) {
     for index in 0..20 {
         let text = CUBE.replace("1 1 1", &format!("1 1 {}", index + 1));
         write(root, &format!("in/{}/{index}.obj", index % 3), text);
@@ -37,13 +37,14 @@ fn checkout(root: &Path) {
     write(root, "in/hullmap.toml", "[[rule]]\nfiles = \"1/*.obj\"\nindex = \"compact\"\n");
 }
 
-struct Setup {
-    server: FarmServer,
-    folder: TempDir,
+/// A farm, and a checkout `one` with the packs of a local build in `local`.
+pub struct Setup {
+    pub server: FarmServer,
+    pub folder: TempDir,
 }
 
 impl Setup {
-    fn new() -> Self {
+    pub fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
         checkout(&folder.path().join("one"));
         run(&folder.path().join("one"), "build in --out local").expect(0);
@@ -51,7 +52,7 @@ impl Setup {
     }
 
     /// Builds by way of the farm, in a checkout.
-    fn build(&self, checkout: &str, more: &str) -> Run {
+    pub fn build(&self, checkout: &str, more: &str) -> Run {
         let (url, worker) = (self.server.url(), binary().display());
         let line = format!("build in --out o --json --remote {url} --remote-worker {worker} {more}");
         run(&self.folder.path().join(checkout), &line)
@@ -59,14 +60,14 @@ impl Setup {
 
     /// Asserts that the packs of a checkout are those of the local build, and that nothing else is
     /// there.
-    fn assert_equal(&self, checkout: &str) {
+    pub fn assert_equal(&self, checkout: &str) {
         let packs = |place: &str| contents(&self.folder.path().join(place));
         assert_eq!(packs(&format!("{checkout}/o")), packs("one/local"));
     }
 }
 
 /// How many rows have this value in a field.
-fn count(run: &Run, field: &str, value: &str) -> usize {
+pub fn count(run: &Run, field: &str, value: &str) -> usize {
     run.json().iter().filter(|row| row[field] == value).count()
 }
 
@@ -214,7 +215,20 @@ fn poisoned_results_are_refused() {
         assert_eq!((count(&run, "status", "failed"), count(&run, "origin", "cache")), (1, 20), "{}", run.stdout);
         assert!(run.stderr.contains("refused") && run.stderr.contains(reason), "{}", run.stderr);
         assert_eq!(contents(&folder.join("o")).len(), 20, "nothing was written for it");
+        let action = setup.server.state.lock().unwrap().results.keys().next().unwrap().clone();
+        assert!(run.stderr.contains(&format!("remove the result of action {action} ")), "{}", run.stderr);
+        // It can be baked here instead.
+        let run = setup.build("one", "--remote-fallback").expect(0);
+        assert!(run.stderr.contains("refused") && run.stderr.contains("baking it here"), "{}", run.stderr);
+        assert_eq!((count(&run, "origin", "local"), count(&run, "status", "fresh")), (1, 20));
+        setup.assert_equal("one");
     }
+    // A worker heals the cache.
+    let healed = setup.build("one", "--force").expect(0);
+    assert_eq!(count(&healed, "origin", "worker"), 21);
+    fs::remove_dir_all(folder.join("o")).unwrap();
+    assert_eq!(count(&setup.build("one", "").expect(0), "origin", "cache"), 21);
+    setup.assert_equal("one");
 }
 
 /// Stores remove blobs that nobody has used for long, and action caches do not notice.

@@ -213,14 +213,27 @@ pub struct RemoteArgs {
     )]
     pub instance: String,
     /// Header of each request, for instance authorization=@FILE, which reads its value; repeatable
-    #[arg(long = "remote-header", value_name = "NAME=VALUE", value_parser = pair, requires = "address", hide_short_help = true)]
-    pub headers: Vec<(String, String)>,
+    // Split later: an error of the parser would print the value, which may be a secret.
+    #[arg(long = "remote-header", value_name = "NAME=VALUE", requires = "address", hide_short_help = true)]
+    pub headers: Vec<String>,
     /// Property that a worker must have, for instance OSFamily=linux; repeatable
     #[arg(long = "remote-property", value_name = "NAME=VALUE", value_parser = pair, requires = "address", hide_short_help = true)]
     pub properties: Vec<(String, String)>,
     /// Certificates in PEM format that may sign the server's [default: the system's]
     #[arg(long = "remote-ca", value_name = "FILE", requires = "address", hide_short_help = true)]
     pub certificates: Option<PathBuf>,
+    /// Certificate of this client in PEM format, for servers that require one
+    #[arg(
+        long = "remote-client-cert",
+        value_name = "FILE",
+        requires = "address",
+        requires = "client_key",
+        hide_short_help = true
+    )]
+    pub client_cert: Option<PathBuf>,
+    /// Private key of that certificate in PEM format
+    #[arg(long = "remote-client-key", value_name = "FILE", requires = "client_cert", hide_short_help = true)]
+    pub client_key: Option<PathBuf>,
     /// Program that workers run: a static `bake` [default: the `bake` that they have]
     #[arg(long = "remote-worker", value_name = "PATH", requires = "address", hide_short_help = true)]
     pub worker: Option<PathBuf>,

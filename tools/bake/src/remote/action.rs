@@ -84,9 +84,7 @@ impl Worker {
     pub fn new(remote: &RemoteArgs, build: &Build) -> Result<Self, Failure> {
         let program = match &remote.worker {
             Some(path) => {
-                let bytes = std::fs::read(path).map_err(|error| {
-                    Failure::usage(format!("--remote-worker {}: cannot read: {error}; check the path", path.display()))
-                })?;
+                let bytes = super::read("--remote-worker", path)?;
                 // It is read again only if the server lacks it.
                 Some(Blob { digest: Digest::of(&bytes), data: Data::File(path.clone()) })
             }

@@ -2,7 +2,8 @@
 //! a stranger had put it on the disk: digest, header, hash of the source, options, recorded path,
 //! checksum and structure; with `--verify` also its hulls.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::sync::{Mutex, PoisonError};
 
 use hullmap_format::header::MAX_PACK_LEN;
 use hullmap_remote::{Blob, Client, Outcome, OutputFile, RemoteError};
@@ -12,29 +13,40 @@ use super::{Delivered, Results};
 use crate::outcome::Exit;
 use crate::runner::one::Build;
 use crate::runner::rows::{Origin, Row, Status};
+use crate::terminal;
 
-/// Maximum size of the rows of a batch in bytes.
-const MAX_RESULTS: u64 = 64 << 20;
+/// Maximum size of the rows of a batch in bytes. Honest rows have about one kilobyte each.
+const MAX_RESULTS: u64 = 16 << 20;
 
 /// Bytes of packs that are fetched at a time.
 const MAX_AT_ONCE: u64 = 64 << 20;
+
+/// Held while a pack of more than [`MAX_AT_ONCE`] is in memory, so that batches in flight do not fill
+/// it with several of them.
+static LARGE: Mutex<()> = Mutex::new(());
 
 /// Maximum number of remarks of a row, and maximum length of each.
 const MAX_REMARKS: (usize, usize) = (100, 10_000);
 
 /// Checks the outcome of a batch and puts its packs in place; returns the results of the jobs whose
-/// packs are not fresh.
+/// packs are not fresh. With `fallback`, a job whose pack was refused has no result.
 ///
 /// # Errors
 /// The server is away, the command failed on the worker, or the outcome lacks a pack and its
 /// reason.
-pub fn accept(client: &Client, batch: &Batch, outcome: &Outcome, build: &Build) -> Result<Delivered, RemoteError> {
+pub fn accept(
+    client: &Client,
+    batch: &Batch,
+    outcome: &Outcome,
+    build: &Build,
+    fallback: bool,
+) -> Result<Delivered, RemoteError> {
     if outcome.exit_code != 0 {
         let (code, error) = (outcome.exit_code, outcome.stderr.trim());
         return Err(RemoteError::Invalid(format!("the worker ended with exit code {code}: {error}")));
     }
     let origin = if outcome.is_cached { Origin::Cache } else { Origin::Worker };
-    let rows = rows(client, outcome)?;
+    let rows = rows(client, batch, outcome)?;
     let mut results = Vec::new();
     let mut waiting: Vec<(&Member, Row, &OutputFile)> = Vec::new();
     for member in batch.wanted() {
@@ -65,18 +77,35 @@ pub fn accept(client: &Client, batch: &Batch, outcome: &Outcome, build: &Build) 
         let count = fits.count().max(1);
         let chunk: Vec<_> = waiting.drain(..count).collect();
         let digests: Vec<_> = chunk.iter().map(|(_, _, file)| file.digest.clone()).collect();
+        let is_large = digests.iter().any(|digest| digest.size() > MAX_AT_ONCE);
+        let _alone = is_large.then(|| LARGE.lock().unwrap_or_else(PoisonError::into_inner));
         let packs = client.fetch(&digests, MAX_PACK_LEN as u64)?;
         for (member, row, file) in chunk {
             let bytes = packs.get(&file.digest).ok_or_else(|| RemoteError::Missing(member.pack.clone()))?;
-            let (row, exit) = build.place(member.job, member.hash, bytes, row);
+            let (mut row, exit) = build.place(member.job, member.hash, bytes, row);
+            if exit == Exit::Rejected
+                && let Some(error) = &mut row.error
+            {
+                if fallback {
+                    // A job without a result is baked here.
+                    terminal::warning(format_args!("{error}; baking it here"));
+                    continue;
+                }
+                let action = batch.action.digest.hash();
+                error.push_str(&format!(
+                    "; remove the result of action {action} from the action cache, bake on a worker again with \
+                     --force, or bake here with --remote-fallback"
+                ));
+            }
             results.push((member.index, row, exit));
         }
     }
     Ok(results)
 }
 
-/// The rows of an outcome, by the paths of meshes in the worker's folder.
-fn rows(client: &Client, outcome: &Outcome) -> Result<HashMap<String, Row>, RemoteError> {
+/// The rows of an outcome, by the paths of meshes in the worker's folder. Rows of other meshes than
+/// those of the batch are left out.
+fn rows(client: &Client, batch: &Batch, outcome: &Outcome) -> Result<HashMap<String, Row>, RemoteError> {
     let file =
         outcome.files.get(RESULTS).ok_or_else(|| RemoteError::Invalid(format!("the result has no {RESULTS}")))?;
     let bytes = match &file.contents {
@@ -86,20 +115,24 @@ fn rows(client: &Client, outcome: &Outcome) -> Result<HashMap<String, Row>, Remo
             .remove(&file.digest)
             .ok_or_else(|| RemoteError::Missing(RESULTS.to_owned()))?,
     };
+    let places: HashSet<&str> = batch.members.iter().map(|member| member.source.as_str()).collect();
     let mut rows = HashMap::new();
     for line in bytes.split(|&byte| byte == b'\n').filter(|line| !line.is_empty()) {
         let row: Row =
             serde_json::from_slice(line).map_err(|error| RemoteError::Invalid(format!("{RESULTS}: {error}")))?;
-        rows.insert(row.source.clone(), row);
+        if places.contains(row.source.as_str()) {
+            rows.insert(row.source.clone(), row);
+        }
     }
     Ok(rows)
 }
 
 /// Takes what only the worker knows, with paths as they are here.
 fn take(found: &Row, member: &Member, row: &mut Row) {
+    let bounded = |text: &str| text.chars().take(MAX_REMARKS.1).collect::<String>();
     let here = |text: &String| {
-        let text: String = text.chars().take(MAX_REMARKS.1).collect();
-        text.replace(&member.source, &row.source).replace(&member.pack, &row.output)
+        // A path here may be longer than there.
+        bounded(&bounded(text).replace(&member.source, &row.source).replace(&member.pack, &row.output))
     };
     let remarks = |list: &[String]| list.iter().take(MAX_REMARKS.0).map(here).collect();
     let (notes, warnings) = (remarks(&found.notes), remarks(&found.warnings));

@@ -11,10 +11,11 @@
 mod action;
 mod answer;
 
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use hullmap_remote::{Client, RemoteError, Settings};
+use hullmap_remote::{Client, Identity, RemoteError, Settings};
 use rayon::prelude::*;
 
 use crate::args::{RemoteArgs, RunArgs};
@@ -41,7 +42,15 @@ type Delivered = Vec<(usize, Row, Exit)>;
 /// that an argument names cannot be read.
 pub fn run(jobs: &[&Job], build: &Build, remote: &RemoteArgs, args: &RunArgs) -> Result<Vec<(Row, Exit)>, Failure> {
     let worker = Worker::new(remote, build)?;
-    let client = match Client::connect(settings(remote)?) {
+    let settings = settings(remote)?;
+    let address = &settings.address;
+    if !settings.headers.is_empty() && !address.uses_tls() && !address.is_local() {
+        terminal::warning(format_args!(
+            "--remote-header: the connection to {address} is not encrypted, so others on the network can read the \
+             values; use grpcs://"
+        ));
+    }
+    let client = match Client::connect(settings) {
         Ok(client) => client,
         Err(error) if error.is_unreachable() && remote.fallback => {
             terminal::warning(format_args!("{error}; baking here"));
@@ -160,7 +169,10 @@ impl Farm<'_> {
             }
             Err(error) => {
                 self.has_failed.store(true, Ordering::Relaxed);
-                Err(failure(&error))
+                let Failure { exit, message } = failure(&error);
+                let action = batch.action.digest.hash();
+                let message = if exit == Exit::Rejected { format!("action {action}: {message}") } else { message };
+                Err(Failure { exit, message })
             }
         }
     }
@@ -170,7 +182,7 @@ impl Farm<'_> {
         let (digest, executes) = (&batch.action.digest, !self.remote.cache_only);
         let mut again = self.build.force;
         if !again && let Some(outcome) = self.client.look_up(digest, &[action::RESULTS.to_owned()])? {
-            match answer::accept(&self.client, batch, &outcome, self.build) {
+            match answer::accept(&self.client, batch, &outcome, self.build, self.remote.fallback) {
                 // The cache knows the result, but its files were removed from the store.
                 Err(RemoteError::Missing(_)) => again = true,
                 accepted => return accepted.map(Some),
@@ -180,7 +192,7 @@ impl Farm<'_> {
             return Ok(None);
         }
         let outcome = self.client.execute(&batch.action, again)?;
-        answer::accept(&self.client, batch, &outcome, self.build).map(Some)
+        answer::accept(&self.client, batch, &outcome, self.build, self.remote.fallback).map(Some)
     }
 
     /// Uploads the results of batches that were baked here. A result with a file that could not be
@@ -215,22 +227,54 @@ fn settings(remote: &RemoteArgs) -> Result<Settings, Failure> {
     let Some(address) = remote.address.clone() else {
         return Err(Failure::usage("--remote: an address is missing"));
     };
-    let read = |path: &std::path::Path| {
-        std::fs::read(path)
-            .map_err(|error| Failure::usage(format!("{}: cannot read: {error}; check the path", path.display())))
-    };
     let mut settings = Settings::new(address);
     settings.instance.clone_from(&remote.instance);
-    for (name, value) in &remote.headers {
-        let value = match value.strip_prefix('@') {
-            Some(path) => String::from_utf8_lossy(&read(path.as_ref())?).trim().to_owned(),
-            None => value.clone(),
+    for (index, header) in remote.headers.iter().enumerate() {
+        // No message shows a value.
+        let Some((name, value)) = header.split_once('=').filter(|(name, _)| !name.is_empty()) else {
+            let which = index + 1;
+            return Err(Failure::usage(format!("--remote-header: expected NAME=VALUE, but header {which} has no `=`")));
         };
-        settings.headers.push((name.clone(), value));
+        let value = match value.strip_prefix('@') {
+            Some(path) => {
+                let bytes = read("--remote-header", path.as_ref())?;
+                let text = String::from_utf8(bytes)
+                    .map_err(|_| Failure::usage(format!("--remote-header: {path}: it is not UTF-8 text")))?;
+                text.trim().to_owned()
+            }
+            None => value.to_owned(),
+        };
+        settings.headers.push((name.to_owned(), value));
     }
-    settings.certificates = remote.certificates.as_deref().map(read).transpose()?;
+    let pem = |flag: &str, path: &Path, kind: &str| {
+        let bytes = read(flag, path)?;
+        let text = String::from_utf8_lossy(&bytes);
+        let is_there = text.lines().any(|line| line.starts_with("-----BEGIN ") && line.trim_end().ends_with(kind));
+        if is_there && !text.contains("-----BEGIN ENCRYPTED") {
+            return Ok(bytes);
+        }
+        let path = path.display();
+        Err(Failure::usage(format!(
+            "{flag} {path}: it has no unencrypted part in PEM format that begins with `{kind}`"
+        )))
+    };
+    let certificate = "CERTIFICATE-----";
+    settings.certificates =
+        remote.certificates.as_deref().map(|path| pem("--remote-ca", path, certificate)).transpose()?;
+    if let (Some(own), Some(key)) = (&remote.client_cert, &remote.client_key) {
+        settings.identity = Some(Identity {
+            certificate: pem("--remote-client-cert", own, certificate)?,
+            key: pem("--remote-client-key", key, "PRIVATE KEY-----")?,
+        });
+    }
     settings.action_timeout = std::time::Duration::from_secs(remote.timeout);
     Ok(settings)
+}
+
+/// The bytes of a file that a flag names.
+fn read(flag: &str, path: &Path) -> Result<Vec<u8>, Failure> {
+    std::fs::read(path)
+        .map_err(|error| Failure::usage(format!("{flag} {}: cannot read: {error}; check the path", path.display())))
 }
 
 /// The failure of an error of the farm.
@@ -239,9 +283,12 @@ fn failure(error: &RemoteError) -> Failure {
         RemoteError::Unreachable { .. } => {
             Failure::usage(format!("{error}; check the address, or bake here with --remote-fallback"))
         }
+        RemoteError::Certificate(_) => Failure::usage(format!(
+            "{error}; check the address, --remote-ca (who may sign the server's certificate) and --remote-client-cert"
+        )),
         RemoteError::Settings(_) | RemoteError::File(_) => Failure::usage(error.to_string()),
         RemoteError::Rejected { .. } | RemoteError::Missing(_) | RemoteError::Invalid(_) => {
-            Failure::rejected(format!("{error}; bake here with --remote-fallback"))
+            Failure::rejected(format!("{error}; bake on a worker again with --force, or here with --remote-fallback"))
         }
     }
 }
