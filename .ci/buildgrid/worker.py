@@ -131,6 +131,7 @@ def run(store, action, folder):
 def main(address, name, folder):
     channel = grpc.insecure_channel(address, options=[("grpc.max_receive_message_length", 16 << 20)])
     grpc.channel_ready_future(channel).result(60)
+    print("ready", flush=True)
     bots = bots_pb2_grpc.BotsStub(channel)
     folder = pathlib.Path(folder)
     store = Store(channel, folder / "blobs")
