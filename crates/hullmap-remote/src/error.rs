@@ -49,7 +49,10 @@ impl RemoteError {
     /// This error of a first request, with what it may mean that the server closed the connection.
     pub(crate) fn at_start(self, uses_tls: bool) -> Self {
         match self {
-            Self::Unreachable { what, mut reason } if ["closed", "reset"].iter().any(|word| reason.contains(word)) => {
+            // The last: an alert of TLS, read as a frame of HTTP/2.
+            Self::Unreachable { what, mut reason }
+                if ["closed", "reset", "frame with invalid size"].iter().any(|word| reason.contains(word)) =>
+            {
                 reason.push_str(if uses_tls {
                     "; perhaps it does not accept the certificate of the client"
                 } else {
