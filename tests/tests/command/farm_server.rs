@@ -58,7 +58,8 @@ pub struct State {
 /// What a hostile server does.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Malice {
-    /// Downloads that are streamed repeat these bytes for ever; if there are none, they never begin.
+    /// Downloads that are streamed repeat these bytes for ever; if there are none, they never
+    /// begin.
     EndlessBlob(Vec<u8>),
     /// Actions begin again and again.
     EndlessAction,

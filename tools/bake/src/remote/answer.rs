@@ -21,8 +21,8 @@ const MAX_RESULTS: u64 = 16 << 20;
 /// Bytes of packs that are fetched at a time.
 const MAX_AT_ONCE: u64 = 64 << 20;
 
-/// Held while a pack of more than [`MAX_AT_ONCE`] is in memory, so that batches in flight do not fill
-/// it with several of them.
+/// Held while a pack of more than [`MAX_AT_ONCE`] is in memory, so that batches in flight do not
+/// fill it with several of them.
 static LARGE: Mutex<()> = Mutex::new(());
 
 /// Maximum number of remarks of a row, and maximum length of each.
