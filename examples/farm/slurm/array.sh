@@ -3,10 +3,10 @@
 #
 #   sbatch --array=0-63 array.sh MESHES PACKS [OPTIONS of bake build]
 #
-# Afterwards, run what is missing, for instance because a node was lost:
+# Afterwards, run what is missing, for instance because a node was lost. Give the same OPTIONS:
 #
-#   bake status MESHES --out PACKS --shards 64
-#   sbatch --array=3,17 --export=ALL,SHARDS=64 array.sh MESHES PACKS
+#   bake status MESHES --out PACKS --shards 64 [OPTIONS]
+#   sbatch --array=3,17 --export=ALL,SHARDS=64 array.sh MESHES PACKS [OPTIONS]
 #
 #SBATCH --job-name=bake
 #SBATCH --cpus-per-task=2

@@ -285,10 +285,11 @@ pub struct PlanArgs {
     /// Folder of the packs, which mirrors the input folders
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Number of meshes per task, about
+    /// Approximate number of meshes per task
     #[arg(long, value_name = "N", default_value_t = BatchSize::default().meshes, value_parser = at_least_one, help_heading = "Tasks")]
     pub batch: usize,
-    /// Bytes of source per task, about; a mesh of more than a quarter is alone [default: 32M]
+    /// Approximate bytes of source per task; a mesh above a quarter of it is a task of its own
+    /// [default: 32M]
     #[arg(long, value_name = "SIZE", value_parser = size, help_heading = "Tasks")]
     pub batch_bytes: Option<u64>,
     /// Form of the plan: one JSON object per task, or a file for Ninja
@@ -333,7 +334,7 @@ pub struct TaskArgs {
     /// Verify each pack before it replaces the old one
     #[arg(long)]
     pub verify: bool,
-    /// Write the results as JSON to FILE, and exit with 0 if meshes were rejected
+    /// Write the results as JSON to FILE, and exit with 0 even if meshes were rejected
     ///
     /// For actions whose results are cached: that a mesh is faulty is a result like any other.
     #[arg(long, value_name = "FILE")]
