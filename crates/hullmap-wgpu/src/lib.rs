@@ -1,5 +1,5 @@
-//! Batches of support queries, intersection tests, distances and contacts of baked hulls, as compute
-//! kernels (wgpu, WGSL) on the bytes of a pack.
+//! Batches of support queries, intersection tests, distances and contacts of baked hulls, as
+//! compute kernels (wgpu, WGSL) on the bytes of a pack.
 //!
 //! [`Batch`] solves pairs of hulls of one pack or several, on a Vulkan device or on the processor. The kernels
 //! compute in f32. They return intervals that contain the distance in spite of all rounding errors,
