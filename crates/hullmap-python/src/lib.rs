@@ -11,6 +11,7 @@
 //! | `pose` | rows of an array as poses |
 //! | `query` | the queries, for each pair of kinds of shapes |
 //! | `solve` | arrays of poses, on all threads, with the GIL released |
+//! | `gpu` | the same on a GPU |
 //! | `manifolds` | the same for contact manifolds |
 //! | `columns` | answers as columns |
 //! | `threads` | thread pools that survive `fork` |
@@ -20,6 +21,7 @@
 mod bake;
 mod columns;
 mod error;
+mod gpu;
 mod manifolds;
 mod memory;
 mod pack;
@@ -45,6 +47,7 @@ fn run_command(py: Python<'_>, words: Vec<OsString>) -> u8 {
 fn _hullmap(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("has_gpu", cfg!(feature = "gpu"))?;
     module.add("Error", py.get_type::<error::Error>())?;
     module.add("ArrayError", py.get_type::<error::ArrayError>())?;
     module.add("PoseError", py.get_type::<error::PoseError>())?;

@@ -76,6 +76,7 @@ pub fn manifold<'py>(
         py,
         ("manifold", false),
         |_| Ok(query::Manifolds(settings)),
+        |_| None,
         |rows, at, found| {
             let (manifold, contact) = &found.answer;
             put_vector(rows.normal, at, contact.normal);

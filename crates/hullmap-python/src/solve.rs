@@ -19,6 +19,7 @@ use rayon::prelude::*;
 
 use crate::columns::{Columns, columns, put, put_all, put_vector};
 use crate::error::{ArrayError, PoseError, ShapeError};
+use crate::gpu;
 use crate::pose::Poses;
 use crate::query::{self, Caches, Query, answer, obstacle};
 use crate::shape::{Shape, Side};
@@ -168,12 +169,14 @@ impl Pairs {
         Ok(Self { a: a.0.clone(), b: b.0.clone(), poses, coherent, threads })
     }
 
-    /// Answers `query` for all poses; `write` writes an answer to a row.
+    /// Answers `query` for all poses but those whose answer is `known`; `write` writes an answer to
+    /// a row.
     pub fn solve<'py, C: Columns, Q: Query>(
         &self,
         py: Python<'py>,
         (name, takes_compounds): (&str, bool),
         query: impl Fn(usize) -> Result<Q, String> + Sync,
+        known: impl Fn(usize) -> Option<query::Found<Q::Answer>> + Sync,
         write: impl Fn(&mut C::Rows<'_>, usize, &query::Found<Q::Answer>) + Sync,
     ) -> PyResult<Bound<'py, PyDict>> {
         if let Some(obstacle) = obstacle(name, &self.a, &self.b, takes_compounds) {
@@ -182,6 +185,10 @@ impl Pairs {
         let solve = |first: usize, count: usize, mut rows: C::Rows<'_>| {
             let mut caches = Caches::new(&self.a, &self.b);
             for row in 0..count {
+                if let Some(found) = known(first + row) {
+                    write(&mut rows, row, &found);
+                    continue;
+                }
                 let rejected = |message| (first + row, message);
                 let pose = self.poses.get(first + row).map_err(rejected)?;
                 let query = query(first + row).map_err(rejected)?;
@@ -200,7 +207,7 @@ impl Pairs {
 
 /// Whether shapes share a point.
 #[pyfunction]
-#[pyo3(signature = (a, b, poses, coherent, threads))]
+#[pyo3(signature = (a, b, poses, coherent, threads, device))]
 pub fn intersects<'py>(
     py: Python<'py>,
     a: &Shape,
@@ -208,11 +215,15 @@ pub fn intersects<'py>(
     poses: PoseArrays<'py>,
     coherent: bool,
     threads: Option<usize>,
+    device: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
-    Pairs::new(a, b, &poses, coherent, threads)?.solve::<Intersections, _>(
+    let pairs = Pairs::new(a, b, &poses, coherent, threads)?;
+    let known = gpu::known(py, device, &pairs, &Settings::default())?;
+    pairs.solve::<Intersections, _>(
         py,
         ("intersects", true),
         |_| Ok(query::Intersects),
+        known,
         |rows, at, found| {
             put(rows.hit, at, found.answer.is_hit());
             put(rows.status, at, overlap_code(found.answer.status));
@@ -225,7 +236,7 @@ pub fn intersects<'py>(
 
 /// Distances of shapes.
 #[pyfunction]
-#[pyo3(signature = (a, b, poses, settings, coherent, threads))]
+#[pyo3(signature = (a, b, poses, settings, coherent, threads, device))]
 pub fn distance<'py>(
     py: Python<'py>,
     a: &Shape,
@@ -234,12 +245,16 @@ pub fn distance<'py>(
     settings: (f64, u32),
     coherent: bool,
     threads: Option<usize>,
+    device: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
     let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
-    Pairs::new(a, b, &poses, coherent, threads)?.solve::<Distances, _>(
+    let pairs = Pairs::new(a, b, &poses, coherent, threads)?;
+    let known = gpu::known(py, device, &pairs, &settings)?;
+    pairs.solve::<Distances, _>(
         py,
         ("distance", true),
         |_| Ok(query::Distances(settings)),
+        known,
         |rows, at, found| {
             let answer = &found.answer;
             put(rows.distance, at, answer.distance);
@@ -258,7 +273,7 @@ pub fn distance<'py>(
 
 /// Contacts of shapes.
 #[pyfunction]
-#[pyo3(signature = (a, b, poses, settings, coherent, threads))]
+#[pyo3(signature = (a, b, poses, settings, coherent, threads, device))]
 pub fn contact<'py>(
     py: Python<'py>,
     a: &Shape,
@@ -267,12 +282,16 @@ pub fn contact<'py>(
     settings: (f64, u32),
     coherent: bool,
     threads: Option<usize>,
+    device: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
     let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
-    Pairs::new(a, b, &poses, coherent, threads)?.solve::<Contacts, _>(
+    let pairs = Pairs::new(a, b, &poses, coherent, threads)?;
+    let known = gpu::known(py, device, &pairs, &settings)?;
+    pairs.solve::<Contacts, _>(
         py,
         ("contact", true),
         |_| Ok(query::Contacts(settings)),
+        known,
         |rows, at, found| {
             let answer = &found.answer;
             put(rows.hit, at, answer.hit);
@@ -314,6 +333,7 @@ pub fn cast<'py>(
             let motion = Motion::new(velocities.get(row));
             Ok(query::Cast(settings, motion.map_err(|error| format!("velocity[{row}]: {error}"))?))
         },
+        |_| None,
         |rows, at, found| {
             let answer = &found.answer;
             put(rows.hit, at, answer.hit);

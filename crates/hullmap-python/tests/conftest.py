@@ -127,3 +127,16 @@ def rocks() -> tuple[hullmap.Hull, hullmap.Hull]:
 @pytest.fixture(scope="session")
 def large() -> hullmap.Hull:
     return hullmap.bake(rock(5000, 3), name="large")[0]
+
+
+@pytest.fixture(scope="session")
+def truth(rocks):
+    """Poses of the rocks, and their depths and distances by brute force."""
+    a, b = rocks
+    poses = random_poses(200, 5, 3.2)
+    body = Body(a)
+    depths = np.array([brute_depth(body, Body(b, pose)) for pose in poses])
+    gaps = np.array([brute_distance(body, Body(b, pose)) for pose in poses])
+    # Neither kind of pair is missing.
+    assert 0.3 < (depths > 0).mean() < 0.7
+    return poses, depths, gaps

@@ -4,22 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import CUBE, Body, brute_depth, brute_distance, matrices, random_poses, rock
+from conftest import CUBE, Body, matrices, random_poses, rock
 
 import hullmap
 from hullmap import Overlap, Status
-
-
-@pytest.fixture(scope="module")
-def truth(rocks):
-    a, b = rocks
-    poses = random_poses(200, 5, 3.2)
-    body = Body(a)
-    depths = np.array([brute_depth(body, Body(b, pose)) for pose in poses])
-    gaps = np.array([brute_distance(body, Body(b, pose)) for pose in poses])
-    # Neither kind of pair is missing.
-    assert 0.3 < (depths > 0).mean() < 0.7
-    return poses, depths, gaps
 
 
 def test_hits_are_those_of_brute_force(rocks, truth):

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 __version__: str
+has_gpu: bool
 
 _Floats = npt.NDArray[np.float64]
 _Indices = npt.NDArray[np.uint32]
@@ -86,12 +87,26 @@ def bake_arrays(
 ) -> Pack: ...
 def bake_file(path: str, options: Sequence[Tuple[str, str]], threads: Optional[int]) -> Pack: ...
 def relative(a_in_world: _Floats, b_in_world: _Floats) -> _Floats: ...
-def intersects(a: Shape, b: Shape, poses: _Poses, coherent: bool, threads: Optional[int]) -> _Columns: ...
+def intersects(
+    a: Shape, b: Shape, poses: _Poses, coherent: bool, threads: Optional[int], device: str
+) -> _Columns: ...
 def distance(
-    a: Shape, b: Shape, poses: _Poses, settings: Tuple[float, int], coherent: bool, threads: Optional[int]
+    a: Shape,
+    b: Shape,
+    poses: _Poses,
+    settings: Tuple[float, int],
+    coherent: bool,
+    threads: Optional[int],
+    device: str,
 ) -> _Columns: ...
 def contact(
-    a: Shape, b: Shape, poses: _Poses, settings: Tuple[float, int], coherent: bool, threads: Optional[int]
+    a: Shape,
+    b: Shape,
+    poses: _Poses,
+    settings: Tuple[float, int],
+    coherent: bool,
+    threads: Optional[int],
+    device: str,
 ) -> _Columns: ...
 def manifold(
     a: Shape,

@@ -20,9 +20,11 @@ const MAX_PENDING = 64u;
 const INDEX_BITS = 8u;
 
 var<private> thread: u32;
+// Cells from one of a thread to its next one.
+var<private> stride: u32;
 
 fn cell(at: u32) -> u32 {
-    return at * (arrayLength(&cells) / (MAX_VERTICES + MAX_FACES)) + thread;
+    return at * stride + thread;
 }
 
 fn triangle(i: u32, j: u32, k: u32) -> u32 {
@@ -290,6 +292,7 @@ fn expand_pairs(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocat
     lane = local;
     if id.x < list[0] {
         thread = id.x;
+        stride = arrayLength(&cells) / (MAX_VERTICES + MAX_FACES);
         epa(list[id.x + 1u]);
     }
 }

@@ -1,0 +1,256 @@
+//! Queries on the GPU (`device="gpu"`), if the wheel was built with the feature `gpu`.
+//!
+//! The GPU proves what f32 can prove. The rows that it leaves open are solved by the processor.
+
+use hullmap::{Contact, Distance, Intersection};
+use pyo3::prelude::*;
+
+use crate::error::ArrayError;
+use crate::query::Found;
+
+/// Whether `device` is the GPU.
+///
+/// # Errors
+/// It is neither `cpu` nor `gpu`.
+pub fn is_gpu(device: &str) -> PyResult<bool> {
+    match device {
+        "cpu" => Ok(false),
+        "gpu" => Ok(true),
+        _ => Err(ArrayError::new_err(format!("device: expected 'cpu' or 'gpu', found {device:?}"))),
+    }
+}
+
+/// Answers of the GPU as those of the processor. `None` where the processor is to solve the row.
+pub trait FromGpu: Sized {
+    /// Which query it answers.
+    const QUERY: Query;
+
+    fn from_gpu(answer: &Answer) -> Option<Self>;
+}
+
+#[cfg(feature = "gpu")]
+pub use on_device::{Answer, Query, solve};
+
+#[cfg(feature = "gpu")]
+mod on_device {
+    use std::sync::{Arc, Mutex, PoisonError};
+
+    use hullmap::{Pack, Settings, SharedHull};
+    use hullmap_wgpu::{Batch, Device, Pair};
+    use pyo3::prelude::*;
+
+    pub use hullmap_wgpu::{Answer, Query};
+
+    use crate::error::{Error, PoseError, ShapeError};
+    use crate::shape::Side;
+    use crate::solve::Pairs;
+
+    /// Rows between two looks for signals.
+    const BLOCK: usize = 1 << 17;
+
+    /// The device, opened on first use, and the process that opened it: a forked child cannot use
+    /// that of its parent.
+    static DEVICE: Mutex<Option<(u32, Device)>> = Mutex::new(None);
+
+    fn of_gpu(error: hullmap_wgpu::Error) -> PyErr {
+        Error::new_err(format!("device='gpu': {error}").replace("Backend::Cpu", "device='cpu'"))
+    }
+
+    fn device() -> PyResult<Device> {
+        let mut opened = DEVICE.lock().unwrap_or_else(PoisonError::into_inner);
+        let process = std::process::id();
+        if let Some((owner, device)) = &*opened
+            && *owner == process
+            && !device.is_lost()
+        {
+            return Ok(device.clone());
+        }
+        let device = Device::open().map_err(of_gpu)?;
+        // What belongs to the parent must not be closed here.
+        std::mem::forget(opened.replace((process, device.clone())));
+        Ok(device)
+    }
+
+    /// Solves all rows.
+    ///
+    /// # Errors
+    /// A side is not a hull, a pose is rejected, or there is no device.
+    pub fn solve(py: Python<'_>, pairs: &Pairs, query: Query, settings: &Settings) -> PyResult<Vec<Answer>> {
+        let (Side::Hull(a), Side::Hull(b)) = (&pairs.a, &pairs.b) else {
+            return Err(ShapeError::new_err("device='gpu' takes two hulls: query other shapes with device='cpu'"));
+        };
+        let device = device()?;
+        let (packs, [a, b]) = packs(a, b)?;
+        py.detach(|| {
+            let mut batch = Batch::of_packs(&device, &packs).map_err(of_gpu)?;
+            let mut answers = Vec::with_capacity(pairs.poses.count());
+            let mut block = Vec::with_capacity(BLOCK.min(pairs.poses.count()));
+            for start in (0..pairs.poses.count()).step_by(BLOCK) {
+                block.clear();
+                for row in start..pairs.poses.count().min(start + BLOCK) {
+                    block.push(Pair { a, b, b_in_a: pairs.poses.get(row).map_err(PoseError::new_err)? });
+                }
+                let found = match query {
+                    Query::Intersects => batch.intersects(&block),
+                    Query::Distance => batch.distance(&block, settings),
+                    Query::Contact => batch.contact(&block, settings),
+                };
+                answers.extend_from_slice(found.map_err(of_gpu)?);
+                Python::attach(|py| py.check_signals())?;
+            }
+            Ok(answers)
+        })
+    }
+
+    /// The packs of two hulls, and the indices of the hulls in them.
+    fn packs<'s>(a: &'s SharedHull, b: &'s SharedHull) -> PyResult<(Vec<&'s Pack>, [u32; 2])> {
+        let is_same = Arc::ptr_eq(a.pack(), b.pack());
+        let packs: Vec<&Pack> = if is_same { vec![&**a.pack()] } else { vec![&**a.pack(), &**b.pack()] };
+        let start = if is_same { 0 } else { a.pack().hull_count() };
+        let index = |index: usize| u32::try_from(index).map_err(|_| ShapeError::new_err("a pack has too many hulls"));
+        Ok((packs, [index(a.index())?, index(start + b.index())?]))
+    }
+}
+
+#[cfg(not(feature = "gpu"))]
+pub use without::{Answer, Query, solve};
+
+#[cfg(not(feature = "gpu"))]
+mod without {
+    use hullmap::Settings;
+    use pyo3::prelude::*;
+
+    use crate::error::Error;
+    use crate::solve::Pairs;
+
+    /// There are no answers.
+    pub enum Answer {}
+
+    /// The queries that a GPU would answer.
+    #[derive(Clone, Copy)]
+    pub enum Query {
+        Intersects,
+        Distance,
+        Contact,
+    }
+
+    /// # Errors
+    /// Always.
+    pub fn solve(_: Python<'_>, _: &Pairs, query: Query, _: &Settings) -> PyResult<Vec<Answer>> {
+        let name = match query {
+            Query::Intersects => "intersects",
+            Query::Distance => "distance",
+            Query::Contact => "contact",
+        };
+        Err(Error::new_err(format!(
+            "{name}: device='gpu' requires a wheel with the feature gpu: build it with \
+             `maturin build --release --features gpu`, or pass device='cpu'"
+        )))
+    }
+}
+
+/// Solves the rows on the GPU, if it is requested. `None` for rows that the processor solves.
+///
+/// # Errors
+/// Those of [`is_gpu`] and [`solve`].
+pub fn known<T: FromGpu>(
+    py: Python<'_>,
+    device: &str,
+    pairs: &crate::solve::Pairs,
+    settings: &hullmap::Settings,
+) -> PyResult<impl Fn(usize) -> Option<Found<T>> + Sync + use<T>> {
+    let answers = if is_gpu(device)? { solve(py, pairs, T::QUERY, settings)? } else { Vec::new() };
+    Ok(move |row: usize| answers.get(row).and_then(T::from_gpu).map(Found::from))
+}
+
+#[cfg(not(feature = "gpu"))]
+mod conversions {
+    use super::{Answer, Contact, Distance, FromGpu, Intersection, Query};
+
+    macro_rules! none {
+        ($($kind:ty => $query:expr),*) => {
+            $(impl FromGpu for $kind {
+                const QUERY: Query = $query;
+
+                fn from_gpu(answer: &Answer) -> Option<Self> {
+                    match *answer {}
+                }
+            })*
+        };
+    }
+
+    none!(Intersection => Query::Intersects, Distance => Query::Distance, Contact => Query::Contact);
+}
+
+#[cfg(feature = "gpu")]
+mod conversions {
+    use hullmap::{Overlap, Status};
+    use hullmap_wgpu::Status as Ended;
+
+    use super::{Answer, Contact, Distance, FromGpu, Intersection, Query};
+
+    impl FromGpu for Intersection {
+        const QUERY: Query = Query::Intersects;
+
+        fn from_gpu(answer: &Answer) -> Option<Self> {
+            let status = match answer.status {
+                Ended::Separated => Overlap::Separated,
+                Ended::Overlapping => Overlap::Overlapping,
+                _ => return None,
+            };
+            Some(Self { status, iterations: answer.steps, support_calls: answer.steps })
+        }
+    }
+
+    impl FromGpu for Distance {
+        const QUERY: Query = Query::Distance;
+
+        fn from_gpu(answer: &Answer) -> Option<Self> {
+            let status = match answer.status {
+                Ended::Separated => Status::Within,
+                Ended::Overlapping => Status::Overlapping,
+                _ => return None,
+            };
+            Some(Self {
+                status,
+                distance: length(answer),
+                lower: answer.lower,
+                upper: answer.upper,
+                normal: answer.normal,
+                point_a: answer.point_a,
+                point_b: answer.point_b,
+                iterations: answer.steps,
+                support_calls: answer.steps,
+            })
+        }
+    }
+
+    impl FromGpu for Contact {
+        const QUERY: Query = Query::Contact;
+
+        fn from_gpu(answer: &Answer) -> Option<Self> {
+            let (hit, status) = match answer.status {
+                Ended::Separated => (false, Status::Separated),
+                Ended::Overlapping => (true, Status::Within),
+                _ => return None,
+            };
+            Some(Self {
+                hit,
+                status,
+                depth: length(answer),
+                depth_lower: answer.lower,
+                depth_upper: answer.upper,
+                normal: answer.normal,
+                point_a: answer.point_a,
+                point_b: answer.point_b,
+                iterations: answer.steps,
+                support_calls: answer.steps,
+            })
+        }
+    }
+
+    /// The distance of the witness points, within the interval.
+    fn length(answer: &Answer) -> f64 {
+        answer.point_a.distance(answer.point_b).max(answer.lower).min(answer.upper)
+    }
+}
