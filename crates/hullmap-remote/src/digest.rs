@@ -34,7 +34,7 @@ impl Digest {
     pub fn new(hash: &str, size: u64) -> Result<Self, RemoteError> {
         let is_digit = |byte: u8| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte);
         if hash.len() != 64 || !hash.bytes().all(is_digit) || i64::try_from(size).is_err() {
-            return Err(RemoteError::Invalid(format!("`{}`, {size} is no SHA-256 digest", hash.escape_debug())));
+            return Err(RemoteError::Invalid(format!("`{}`, {size} is not a SHA-256 digest", hash.escape_debug())));
         }
         Ok(Self { hash: hash.to_owned(), size })
     }

@@ -181,7 +181,7 @@ impl Client {
         if u64::try_from(answer.committed_size) == Ok(size) || answer.committed_size == -1 {
             return Ok(());
         }
-        Err(RemoteError::Invalid(format!("{} of {size} bytes were taken", answer.committed_size)))
+        Err(RemoteError::Invalid(format!("{} of {size} bytes were accepted", answer.committed_size)))
     }
 
     /// Downloads one large blob.
@@ -267,7 +267,7 @@ fn open(path: &Path, digest: &Digest) -> Result<File, RemoteError> {
 }
 
 fn changed(path: &Path) -> RemoteError {
-    RemoteError::File(format!("{}: it has changed while it was uploaded; run the command again", path.display()))
+    RemoteError::File(format!("{}: it changed during the upload; run the command again", path.display()))
 }
 
 /// A name that no other upload has.

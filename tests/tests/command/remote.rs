@@ -213,13 +213,13 @@ fn poisoned_results_are_refused() {
         fs::remove_dir_all(folder.join("o")).unwrap();
         let run = setup.build("one", "").expect(1);
         assert_eq!((count(&run, "status", "failed"), count(&run, "origin", "cache")), (1, 20), "{}", run.stdout);
-        assert!(run.stderr.contains("refused") && run.stderr.contains(reason), "{}", run.stderr);
+        assert!(run.stderr.contains("was rejected") && run.stderr.contains(reason), "{}", run.stderr);
         assert_eq!(contents(&folder.join("o")).len(), 20, "nothing was written for it");
         let action = setup.server.state.lock().unwrap().results.keys().next().unwrap().clone();
         assert!(run.stderr.contains(&format!("remove the result of action {action} ")), "{}", run.stderr);
         // It can be baked here instead.
         let run = setup.build("one", "--remote-fallback").expect(0);
-        assert!(run.stderr.contains("refused") && run.stderr.contains("baking it here"), "{}", run.stderr);
+        assert!(run.stderr.contains("was rejected") && run.stderr.contains("baking it here"), "{}", run.stderr);
         assert_eq!((count(&run, "origin", "local"), count(&run, "status", "fresh")), (1, 20));
         setup.assert_equal("one");
     }

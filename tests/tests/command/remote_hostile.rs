@@ -44,8 +44,8 @@ fn sizes_and_digests_of_outputs_are_checked_before_a_download() {
         (Some((&*hash, 1_i64 << 40)), "which is more than"),
         (Some((&*hash, i64::MAX)), "which is more than"),
         (Some((&*hash, -1)), "a digest is missing"),
-        (Some(("../../../etc/passwd", 9)), "is no SHA-256 digest"),
-        (Some(("\u{1b}[2J", 9)), "is no SHA-256 digest"),
+        (Some(("../../../etc/passwd", 9)), "is not a SHA-256 digest"),
+        (Some(("\u{1b}[2J", 9)), "is not a SHA-256 digest"),
         (None, "a digest is missing"),
     ] {
         setup.server.state.lock().unwrap().results = honest.clone();
@@ -74,7 +74,7 @@ fn outputs_cannot_leave_the_folder() {
             result.output_directories = vec![tree];
         }
         let run = setup.build("one", "").expect(1);
-        assert!(run.stderr.contains("has neither out/0/0.hullmap nor the reason"), "{}", run.stderr);
+        assert!(run.stderr.contains("has neither out/0/0.hullmap nor an error"), "{}", run.stderr);
         assert_eq!(names(&setup), before);
         // For the next path.
         for file in setup.server.state.lock().unwrap().results.values_mut().flat_map(|result| &mut result.output_files)
@@ -219,7 +219,7 @@ fn uploads_are_what_was_hashed() {
     for changed in [&b"after!"[..], b"longer than before"] {
         fs::write(&path, changed).unwrap();
         let error = client.upload(&[&blob]).unwrap_err().to_string();
-        assert!(error.contains("it has changed while it was uploaded"), "{error}");
+        assert!(error.contains("it changed during the upload"), "{error}");
     }
     assert!(server.state.lock().unwrap().blobs.is_empty());
 }

@@ -29,7 +29,7 @@ static LARGE: Mutex<()> = Mutex::new(());
 const MAX_REMARKS: (usize, usize) = (100, 10_000);
 
 /// Checks the outcome of a batch and puts its packs in place; returns the results of the jobs whose
-/// packs are not fresh. With `fallback`, a job whose pack was refused has no result.
+/// packs are not fresh. With `fallback`, a job whose pack was rejected has no result.
 ///
 /// # Errors
 /// The server is away, the command failed on the worker, or the outcome lacks a pack and its
@@ -63,7 +63,7 @@ pub fn accept(
             }
             None if row.error.is_some() => results.push((member.index, row, Exit::Rejected)),
             None => {
-                let message = format!("the result has neither {} nor the reason why", member.pack);
+                let message = format!("the result has neither {} nor an error for it", member.pack);
                 return Err(RemoteError::Invalid(message));
             }
         }

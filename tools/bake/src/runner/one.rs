@@ -130,7 +130,7 @@ impl Build<'_> {
         match judge(file.path(), &expected) {
             Found::Fresh(pack) => fill_from_pack(&pack, row),
             Found::Stale(reason) => {
-                return Err(Failure::rejected(format!("{output}: the pack that the farm sent was refused: {reason}")));
+                return Err(Failure::rejected(format!("{output}: the pack that the farm sent was rejected: {reason}")));
             }
             Found::Missing => return Err(cannot_write(std::io::ErrorKind::NotFound.into())),
         }
