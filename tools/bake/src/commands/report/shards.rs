@@ -43,11 +43,11 @@ pub fn merged(pages: &Path, names: &[String]) -> Result<Vec<Card>, Failure> {
     let shards = read_all(pages)?;
     let Some(count) = shards.first().map(|shard| shard.count) else {
         let message =
-            format!("{}: no report of a shard is here; run `bake report` with --shard first", pages.display());
+            format!("{}: this folder has no report of a shard; run `bake report` with --shard first", pages.display());
         return Err(Failure::usage(message));
     };
     if shards.iter().any(|shard| shard.count != count) {
-        let message = "there are reports with different numbers of shards; remove those of the wrong number";
+        let message = "it has reports for different numbers of shards; remove those of the wrong number";
         return Err(Failure::usage(format!("{}: {message}", pages.display())));
     }
     let mut cards: BTreeMap<String, Card> = BTreeMap::new();
@@ -58,7 +58,10 @@ pub fn merged(pages: &Path, names: &[String]) -> Result<Vec<Card>, Failure> {
     let missing: BTreeSet<u32> = names.iter().filter(missing).map(|name| shard_of(name, count)).collect();
     if !missing.is_empty() {
         let list: Vec<String> = missing.iter().map(|index| format!("{index}/{count}")).collect();
-        let message = format!("packs of these shards have no report: {}; run them first", list.join(", "));
+        let message = format!(
+            "packs of these shards have no report: {}; run `bake report` with --shard for them",
+            list.join(", ")
+        );
         return Err(Failure::usage(format!("{}: {message}", pages.display())));
     }
     Ok(names.iter().filter_map(|name| cards.remove(name)).collect())
@@ -70,7 +73,9 @@ fn read_all(pages: &Path) -> Result<Vec<ShardCards>, Failure> {
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| is_shard(path)).collect();
     paths.sort();
     for path in paths {
-        let fault = |fault: String| Failure::rejected(format!("{}: {fault}; report the shard again", path.display()));
+        let fault = |fault: String| {
+            Failure::rejected(format!("{}: {fault}; run `bake report` with --shard again", path.display()))
+        };
         let mut bytes = Vec::new();
         File::open(&path)
             .and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))
@@ -80,7 +85,7 @@ fn read_all(pages: &Path) -> Result<Vec<ShardCards>, Failure> {
         }
         let shard: ShardCards = serde_json::from_slice(&bytes).map_err(|error| fault(error.to_string()))?;
         if !shard.cards.iter().all(Card::is_sound) {
-            return Err(fault("a picture is not a picture".to_owned()));
+            return Err(fault("an image in it is invalid".to_owned()));
         }
         shards.push(shard);
     }
