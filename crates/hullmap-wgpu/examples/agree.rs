@@ -6,6 +6,8 @@
 //! The hulls have 8 to 65,536 vertices, in equal ratios. They are in packs of 50, each with all
 //! sizes. One pair in four has parallel axes. One in eight only just touches: it is moved by the
 //! distance of its hulls, and up to 1e-4 of their radii more or less.
+//!
+//! `--first-pack N` continues a run that ended before the pack with index N, counted from 1.
 
 use std::time::Instant;
 
@@ -43,11 +45,12 @@ struct Arguments {
     seed: u64,
     hulls: usize,
     query: Query,
+    first_pack: usize,
 }
 
 #[expect(clippy::disallowed_methods, reason = "a program has arguments")]
 fn arguments() -> Result<Arguments, String> {
-    let mut found = Arguments { pairs: 100_000, seed: 1, hulls: 1_000, query: Query::Intersects };
+    let mut found = Arguments { pairs: 100_000, seed: 1, hulls: 1_000, query: Query::Intersects, first_pack: 1 };
     let mut words = std::env::args().skip(1);
     while let Some(name) = words.next() {
         let value = words.next().ok_or_else(|| format!("{name} requires a value"))?;
@@ -56,6 +59,7 @@ fn arguments() -> Result<Arguments, String> {
             "--pairs" => found.pairs = number()? as usize,
             "--seed" => found.seed = number()?,
             "--hulls" => found.hulls = number()? as usize,
+            "--first-pack" => found.first_pack = number()?.max(1) as usize,
             "--query" => {
                 found.query = match value.as_str() {
                     "intersects" => Query::Intersects,
@@ -64,7 +68,10 @@ fn arguments() -> Result<Arguments, String> {
                     _ => return Err(format!("--query {value}: expected intersects, distance or contact")),
                 }
             }
-            _ => return Err(format!("unknown option {name}: expected --pairs, --seed, --hulls or --query")),
+            _ => {
+                let known = "--pairs, --seed, --hulls, --query or --first-pack";
+                return Err(format!("unknown option {name}: expected {known}"));
+            }
         }
     }
     Ok(found)
@@ -169,13 +176,13 @@ impl std::fmt::Display for Tally {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let Arguments { pairs, seed, hulls, query } = arguments()?;
+    let Arguments { pairs, seed, hulls, query, first_pack } = arguments()?;
     let device = Device::open()?;
     println!("{}; {query:?}, {hulls} hulls, seed {seed}", device.description());
     let count = hulls.div_ceil(HULLS_OF_A_PACK);
     let mut tally = Tally::default();
     let mut vertices = [usize::MAX, 0];
-    for at in 0..count {
+    for at in first_pack - 1..count {
         let pack = bake(at, count, hulls, seed);
         let views: Vec<Hull<'_>> = (0..pack.hull_count()).map(|index| pack.hull(index)).collect::<Result<_, _>>()?;
         for hull in &views {
