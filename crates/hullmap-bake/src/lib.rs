@@ -36,7 +36,7 @@ use std::sync::Arc;
 
 pub use hullmap_format::{IndexKind, SolidKind, archive::NO_SOURCE_VERTEX};
 pub use index::IndexChoice;
-pub use pack::{write_owned_pack, write_pack};
+pub use pack::{write_lean_pack, write_owned_pack, write_pack};
 pub use parts::Fit;
 
 /// Maximum number of points of one hull. Point indices have 32 bits, and the upper values are

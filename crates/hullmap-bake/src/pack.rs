@@ -1,7 +1,7 @@
 //! Pack writer: turns baked hulls into the bytes of a pack.
 
 use hullmap_format::{
-    archive::{HullRecord, Pack, Span},
+    archive::{HullRecord, LEAN_FACES, Pack, Span},
     check::MAX_PACK_LEN,
     edge,
     header::{HEADER_LEN, Header, options_hash},
@@ -13,6 +13,13 @@ use crate::{
     hull::{Hull, adjacency::Adjacency, quads::quads},
 };
 
+/// What a pack contains of each hull.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Detail {
+    Full,
+    Lean,
+}
+
 /// The bytes of a pack that contains `hulls`: a pure function of the arguments.
 ///
 /// # Errors
@@ -22,7 +29,7 @@ use crate::{
 /// - [`BakeError::PackTooLarge`] if the pack exceeds 2 GiB.
 pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     check(hulls)?;
-    write(hulls.iter().cloned(), source)
+    write(hulls.iter().cloned(), source, Detail::Full)
 }
 
 /// Like [`write_pack`], but takes the hulls, and frees the memory of each as soon as it is written.
@@ -32,7 +39,31 @@ pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>,
 /// Those of [`write_pack`].
 pub fn write_owned_pack(hulls: Vec<BakedHull>, source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     check(&hulls)?;
-    write(hulls.into_iter(), source)
+    write(hulls.into_iter(), source, Detail::Full)
+}
+
+/// Like [`write_owned_pack`], but writes a *lean* pack: without what only manifolds, hints and walks
+/// over the surface need. Hulls have no neighbours, quads and edges, and none of more than
+/// [`LEAN_FACES`] vertices has faces.
+///
+/// # Errors
+/// Those of [`write_pack`].
+///
+/// # Examples
+/// ```
+/// use hullmap_bake::{IndexKind, PointSet, bake_hull, write_lean_pack, write_owned_pack};
+///
+/// let corners = |i: usize| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32];
+/// let cube = PointSet { positions: (0..8).map(corners).collect(), source_vertices: (0..8).collect(), ..PointSet::default() };
+/// let hulls = vec![bake_hull(&cube, IndexKind::Tree)?];
+/// let full = write_owned_pack(hulls.clone(), &Default::default())?;
+/// let lean = write_lean_pack(hulls, &Default::default())?;
+/// assert!(lean.len() + 300 < full.len());
+/// # Ok::<(), hullmap_bake::BakeError>(())
+/// ```
+pub fn write_lean_pack(hulls: Vec<BakedHull>, source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
+    check(&hulls)?;
+    write(hulls.into_iter(), source, Detail::Lean)
 }
 
 fn check(hulls: &[BakedHull]) -> Result<(), BakeError> {
@@ -45,7 +76,7 @@ fn check(hulls: &[BakedHull]) -> Result<(), BakeError> {
     check_parts(hulls)
 }
 
-fn write(hulls: impl Iterator<Item = BakedHull>, source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
+fn write(hulls: impl Iterator<Item = BakedHull>, source: &SourceRecord, detail: Detail) -> Result<Vec<u8>, BakeError> {
     let mut pack = Pack {
         source_path: source.path.clone().into_bytes(),
         options: source.options.clone().into_bytes(),
@@ -53,7 +84,7 @@ fn write(hulls: impl Iterator<Item = BakedHull>, source: &SourceRecord) -> Resul
     };
     pack.spans.push(Span::default());
     for baked in hulls {
-        append(&mut pack, baked)?;
+        append(&mut pack, baked, detail)?;
     }
     pack.nodes = bvh::build(&mut pack.hulls);
     // The header is written last, in front of the payload. Offsets in the payload are relative, and
@@ -63,7 +94,11 @@ fn write(hulls: impl Iterator<Item = BakedHull>, source: &SourceRecord) -> Resul
     if bytes.len() > MAX_PACK_LEN {
         return Err(BakeError::PackTooLarge);
     }
-    let header = Header::for_payload(source.hash, options_hash(&source.options), &bytes[HEADER_LEN..]);
+    let header = match detail {
+        Detail::Full => Header::for_payload,
+        Detail::Lean => Header::for_lean_payload,
+    };
+    let header = header(source.hash, options_hash(&source.options), &bytes[HEADER_LEN..]);
     bytes[..HEADER_LEN].copy_from_slice(&header.to_bytes());
     Ok(bytes)
 }
@@ -89,22 +124,28 @@ fn check_parts(hulls: &[BakedHull]) -> Result<(), BakeError> {
 }
 
 /// Appends a hull to every section, and its record.
-fn append(pack: &mut Pack, mut baked: BakedHull) -> Result<(), BakeError> {
-    let adjacency = Adjacency::new(&baked.hull);
-    pack.hulls.push(record(&baked, adjacency.max_neighbours()));
+fn append(pack: &mut Pack, mut baked: BakedHull, detail: Detail) -> Result<(), BakeError> {
     pack.names.extend_from_slice(baked.name.as_bytes());
-    pack.quads.extend(quads(&baked.hull, &adjacency));
-    append_faces(pack, std::mem::take(&mut baked.hull.faces));
-    if baked.hull.rank == 3 {
-        append_edges(&mut pack.edges, &baked.hull, &adjacency);
+    if detail == Detail::Full {
+        let adjacency = Adjacency::new(&baked.hull);
+        pack.hulls.push(record(&baked, adjacency.max_neighbours()));
+        pack.quads.extend(quads(&baked.hull, &adjacency));
+        if baked.hull.rank == 3 {
+            append_edges(&mut pack.edges, &baked.hull, &adjacency);
+        }
+        let Adjacency { mut starts, neighbours, faces } = adjacency;
+        starts.pop();
+        append_all(&mut pack.neighbour_starts, starts);
+        append_all(&mut pack.neighbours, neighbours);
+        append_all(&mut pack.neighbour_faces, faces);
+    } else {
+        pack.hulls.push(record(&baked, 0));
     }
-    let Adjacency { mut starts, neighbours, faces } = adjacency;
-    starts.pop();
+    if detail == Detail::Full || baked.hull.vertices.len() <= LEAN_FACES as usize {
+        append_faces(pack, std::mem::take(&mut baked.hull.faces));
+    }
     append_all(&mut pack.vertices, baked.hull.vertices);
     append_all(&mut pack.source_vertices, baked.hull.source_vertices);
-    append_all(&mut pack.neighbour_starts, starts);
-    append_all(&mut pack.neighbours, neighbours);
-    append_all(&mut pack.neighbour_faces, faces);
     append_all(&mut pack.outer_vertices, baked.outer);
     append_all(&mut pack.slots, baked.index.encoded.slots);
     append_all(&mut pack.blocks, baked.index.encoded.blocks);

@@ -20,7 +20,14 @@ pub const MAX_OUTER_VERTICES: usize = 64;
 /// size.
 pub const MAX_LEVELS: u32 = 32;
 
+/// Maximum number of vertices of a hull whose faces are in a lean pack, too. The runtime solves
+/// deep contacts of such small hulls by their faces.
+pub const LEAN_FACES: u32 = 32;
+
 /// Everything in a pack.
+///
+/// In a lean pack `quads`, `neighbour_starts`, `neighbours`, `neighbour_faces` and `edges` are
+/// empty, and hulls of more than [`LEAN_FACES`] vertices have no faces.
 #[derive(Archive, Serialize, Clone, Debug, Default)]
 pub struct Pack {
     /// Candidate blocks that the index points to. They come first, so that they start on a cache

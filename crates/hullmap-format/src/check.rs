@@ -19,6 +19,7 @@ pub use crate::archive::MAX_OUTER_VERTICES;
 pub use crate::check_error::{CheckError, HullError};
 pub use crate::header::MAX_PACK_LEN;
 use crate::{
+    LEAN_FORMAT_VERSION,
     archive::{ArchivedPack, ArchivedSpan},
     bvh,
     hull_check::HullCheck,
@@ -79,6 +80,22 @@ pub(crate) fn gaps(pack: &Sections<'_>, payload: &[u8]) -> Result<(), CheckError
     Ok(())
 }
 
+/// Checks that a pack is lean if, and only if, the format version in its header is that of lean
+/// packs.
+///
+/// # Errors
+/// [`CheckError::SectionCount`] of the starts of neighbours, which only lean packs lack.
+pub fn version(pack: &Sections<'_>, format_version: u32) -> Result<(), CheckError> {
+    let found = pack.neighbour_starts.len();
+    let is_lean = format_version == LEAN_FORMAT_VERSION;
+    let expected = if is_lean { 0 } else { pack.vertices.len() };
+    if pack.is_lean() == is_lean {
+        Ok(())
+    } else {
+        Err(CheckError::SectionCount { section: "neighbour_starts", found, expected })
+    }
+}
+
 /// Where a hull's runs start, in the order of [`SECTIONS`].
 fn starts(span: &ArchivedSpan) -> [u32; SECTIONS.len()] {
     let s = span;
@@ -104,10 +121,13 @@ fn spans(pack: &Sections<'_>) -> Result<(), CheckError> {
     let counts = [
         ("spans", pack.spans.len(), pack.hulls.len() + 1),
         ("source_vertices", pack.source_vertices.len(), pack.vertices.len()),
-        ("neighbour_starts", pack.neighbour_starts.len(), pack.vertices.len()),
         ("neighbour_faces", pack.neighbour_faces.len(), pack.neighbours.len()),
     ];
-    for (section, found, expected) in counts {
+    let starts_of_neighbours = ("neighbour_starts", pack.neighbour_starts.len(), pack.vertices.len());
+    let absent =
+        [("neighbours", pack.neighbours.len(), 0), ("quads", pack.quads.len(), 0), ("edges", pack.edges.len(), 0)];
+    let of_detail = if pack.is_lean() { &absent[..] } else { std::slice::from_ref(&starts_of_neighbours) };
+    for &(section, found, expected) in counts.iter().chain(of_detail) {
         if found != expected {
             return Err(CheckError::SectionCount { section, found, expected });
         }

@@ -241,6 +241,17 @@ pub enum HullError {
         /// Number of vertices of all faces.
         corners: usize,
     },
+    /// A large hull in a lean pack has faces.
+    #[error(
+        "it has {faces} faces (a lean pack has none of a hull of {vertex_count} vertices, more than {})",
+        crate::archive::LEAN_FACES
+    )]
+    LeanFaces {
+        /// Number of vertices of the hull.
+        vertex_count: u32,
+        /// Number of faces.
+        faces: usize,
+    },
     /// A face has fewer than three vertices, or its run is out of order or out of range.
     #[error(
         "face {face}: its vertices are entries {start}..{end} of {corners} (runs must be contiguous, of 3 entries or more)"

@@ -18,7 +18,7 @@ use std::hash::Hasher;
 
 use twox_hash::{XxHash3_64, XxHash3_128};
 
-use crate::FORMAT_VERSION;
+use crate::{FORMAT_VERSION, LEAN_FORMAT_VERSION};
 
 /// First bytes of every pack.
 pub const MAGIC: [u8; 8] = *b"hullmap\n";
@@ -74,11 +74,14 @@ pub enum HeaderError {
         found: [u8; 8],
     },
     /// The file has another format version.
-    #[error("the file has format version {found}, but this build reads version {expected}; {}", version_remedy(*found))]
+    #[error(
+        "the file has format version {found}, but this build reads versions {expected} and {LEAN_FORMAT_VERSION}; {}",
+        version_remedy(*found)
+    )]
     Version {
         /// Version that the file states.
         found: u32,
-        /// Version that this build reads.
+        /// Version that this build reads, other than that of lean packs.
         expected: u32,
     },
     /// The stated length of the header is not [`HEADER_LEN`].
@@ -107,19 +110,23 @@ pub enum HeaderError {
 }
 
 fn version_remedy(found: u32) -> &'static str {
-    if found > FORMAT_VERSION { "update hullmap" } else { "bake the source again" }
+    if found > LEAN_FORMAT_VERSION { "update hullmap" } else { "bake the source again" }
 }
 
 impl Header {
     /// A header for `payload`, with its checksum.
     pub fn for_payload(source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
-        let mut header = Self {
-            format_version: FORMAT_VERSION,
-            payload_len: payload.len() as u64,
-            source_hash,
-            options_hash,
-            checksum: 0,
-        };
+        Self::of_version(FORMAT_VERSION, source_hash, options_hash, payload)
+    }
+
+    /// A header for the `payload` of a lean pack, with its checksum.
+    pub fn for_lean_payload(source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
+        Self::of_version(LEAN_FORMAT_VERSION, source_hash, options_hash, payload)
+    }
+
+    fn of_version(format_version: u32, source_hash: u128, options_hash: u64, payload: &[u8]) -> Self {
+        let mut header =
+            Self { format_version, payload_len: payload.len() as u64, source_hash, options_hash, checksum: 0 };
         header.checksum = checksum(&header.to_bytes(), payload);
         header
     }
@@ -159,7 +166,7 @@ impl Header {
             return Err(HeaderError::Magic { found: magic });
         }
         let format_version = u32::from_le_bytes(field(bytes, 8));
-        if format_version != FORMAT_VERSION {
+        if ![FORMAT_VERSION, LEAN_FORMAT_VERSION].contains(&format_version) {
             return Err(HeaderError::Version { found: format_version, expected: FORMAT_VERSION });
         }
         let header_len = u32::from_le_bytes(field(bytes, 12));

@@ -5,7 +5,9 @@ use rkyv::rend::{f32_le, f64_le, u32_le};
 
 use crate::{
     adjacency::Adjacency,
-    archive::{ArchivedBlock, ArchivedHullRecord, ArchivedSpan, LANES, MAX_OUTER_VERTICES, NO_SOURCE_VERTEX},
+    archive::{
+        ArchivedBlock, ArchivedHullRecord, ArchivedSpan, LANES, LEAN_FACES, MAX_OUTER_VERTICES, NO_SOURCE_VERTEX,
+    },
     check_error::HullError,
     index_kind::IndexKind,
     sections::Sections,
@@ -32,10 +34,14 @@ impl HullCheck<'_> {
         self.vertices()?;
         self.source_vertices()?;
         self.faces()?;
-        self.quads()?;
-        self.neighbours()?;
-        self.adjacency().check(scratch)?;
-        self.edges()?;
+        if self.pack.is_lean() {
+            self.no_neighbours()?;
+        } else {
+            self.quads()?;
+            self.neighbours()?;
+            self.adjacency().check(scratch)?;
+            self.edges()?;
+        }
         self.outer()?;
         self.index()?;
         self.blocks()
@@ -206,13 +212,18 @@ impl HullCheck<'_> {
         Err(HullError::SourceVertexOrder { vertex: index + 1, found, before })
     }
 
-    /// Every face has three vertices or more, every vertex index is in range, and V − E + F = 2.
+    /// Every face has three vertices or more, every vertex index is in range, and V − E + F = 2. A
+    /// large hull in a lean pack has no faces.
     fn faces(&self) -> Result<(), HullError> {
         let starts = run(self.pack.face_starts, self.start.face, self.end.face);
         let corners = run(self.pack.face_vertices, self.start.face_vertex, self.end.face_vertex);
         let rank = self.record.rank.to_native();
-        if rank < 2 && starts.is_empty() && corners.is_empty() {
+        let has_faces = rank >= 2 && !(self.pack.is_lean() && self.vertex_count() > LEAN_FACES);
+        if !has_faces && starts.is_empty() && corners.is_empty() {
             return Ok(());
+        }
+        if rank >= 2 && !has_faces {
+            return Err(HullError::LeanFaces { vertex_count: self.vertex_count(), faces: starts.len() });
         }
         if rank < 2 || starts.is_empty() {
             return Err(HullError::FaceCount { rank, faces: starts.len(), corners: corners.len() });
@@ -264,6 +275,14 @@ impl HullCheck<'_> {
         match large.next() {
             Some((face, _)) => Err(HullError::QuadMissing { face: face as usize }),
             None => Ok(()),
+        }
+    }
+
+    /// In a lean pack no vertex has neighbours.
+    fn no_neighbours(&self) -> Result<(), HullError> {
+        match self.record.max_neighbours.to_native() {
+            0 => Ok(()),
+            found => Err(HullError::MaxNeighbours { found, expected: 0 }),
         }
     }
 

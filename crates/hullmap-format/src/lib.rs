@@ -51,3 +51,10 @@ pub const EXTENSION: &str = "hullmap";
 ///
 /// Any change to the bytes or to their meaning increments it. `docs/FORMAT.md` lists the history.
 pub const FORMAT_VERSION: u32 = 5;
+
+/// Version of *lean* packs: the same format, but without neighbours, quads and edges, and without
+/// the faces of hulls of more than [`LEAN_FACES`](archive::LEAN_FACES) vertices.
+///
+/// Lean packs have a number of their own, so that programs that do not know them name the remedy,
+/// and all other packs keep their bytes.
+pub const LEAN_FORMAT_VERSION: u32 = 6;

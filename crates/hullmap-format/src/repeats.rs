@@ -56,13 +56,13 @@ fn blocks_agree(pack: &Sections<'_>, start: &ArchivedSpan, end: &ArchivedSpan) -
 }
 
 fn edges_agree(pack: &Sections<'_>, start: &ArchivedSpan, end: &ArchivedSpan) -> Result<(), HullError> {
-    let starts = run("neighbour starts", pack.neighbour_starts, start.vertex, end.vertex)?;
-    let vertices = run("vertices", pack.vertices, start.vertex, end.vertex)?;
-    let neighbours = run("neighbours", pack.neighbours, start.neighbour, end.neighbour)?;
     let edges = run("edges", pack.edges, start.edge, end.edge)?;
     if edges.is_empty() {
         return Ok(());
     }
+    let starts = run("neighbour starts", pack.neighbour_starts, start.vertex, end.vertex)?;
+    let vertices = run("vertices", pack.vertices, start.vertex, end.vertex)?;
+    let neighbours = run("neighbours", pack.neighbours, start.neighbour, end.neighbour)?;
     let ends = starts.iter().skip(1).map(|s| s.to_native() as usize).chain([neighbours.len()]);
     for (vertex, (v, (start, end))) in vertices.iter().zip(starts.iter().zip(ends)).enumerate() {
         let start = start.to_native() as usize;

@@ -92,6 +92,13 @@ impl<'a> Sections<'a> {
         Ok(sections)
     }
 
+    /// Whether this is a lean pack: one without neighbours, quads and edges, and without the faces
+    /// of hulls of more than [`LEAN_FACES`](crate::archive::LEAN_FACES) vertices. Every other pack
+    /// has a start of neighbours for each vertex.
+    pub fn is_lean(&self) -> bool {
+        self.neighbour_starts.is_empty()
+    }
+
     /// The options that shaped the bake; empty if they are not UTF-8.
     pub fn options_text(&self) -> &'a str {
         std::str::from_utf8(self.options).unwrap_or_default()

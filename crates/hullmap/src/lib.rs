@@ -259,7 +259,7 @@ mod vector;
 pub use compound::{Compound, CompoundCache, CompoundManifolds};
 pub use glam;
 pub use hull::{Hull, HullArrays, MassProperties, SharedHull, SupportVertex};
-pub use hullmap_format::{FORMAT_VERSION, IndexKind, SolidKind, header::Header, walk::Cost};
+pub use hullmap_format::{FORMAT_VERSION, IndexKind, LEAN_FORMAT_VERSION, SolidKind, header::Header, walk::Cost};
 pub use manifold::{Manifold, ManifoldSettings, Prediction};
 pub use pack::{InvalidPack, NoSuchHull, OpenError, Pack};
 pub use pose::{Pose, PoseError};

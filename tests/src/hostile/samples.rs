@@ -1,7 +1,8 @@
 //! The packs to change.
 
 use hullmap_bake::{
-    Fit, IndexChoice, IndexKind, NO_SOURCE_VERTEX, PointSet, SolidKind, SourceRecord, bake_hull, write_pack,
+    Fit, IndexChoice, IndexKind, NO_SOURCE_VERTEX, PointSet, SolidKind, SourceRecord, bake_hull, write_lean_pack,
+    write_pack,
 };
 use hullmap_testkit::packs::{self, ALL_INDICES, point_set};
 use shapes::{families::Family, rng::SplitMix64};
@@ -51,6 +52,7 @@ pub fn small() -> Vec<Sample> {
         sample("recentred, tree", &recentred(), IndexKind::Tree),
         simplified(),
         parts(),
+        lean(),
         sample("two hulls, tree", &[point_set("a", &cube()), point_set("", &cube()[..3])], IndexKind::Tree),
     ]
 }
@@ -134,6 +136,14 @@ fn simplified() -> Sample {
     baked.outer_error = 0.03;
     let file = write_pack(&[baked], &source()).expect("a small pack can be written");
     Sample { name: "simplified, tree".to_owned(), file }
+}
+
+/// A lean pack: a large hull without faces, a small one with faces, and a segment.
+fn lean() -> Sample {
+    let sets = [&Family::Sphere.points(36, 7)[..], &cube(), &cube()[..2]].map(|points| point_set("lean", points));
+    let hulls = sets.iter().map(|set| bake_hull(set, IndexKind::Tree).expect("these points can be baked"));
+    let file = write_lean_pack(hulls.collect(), &source()).expect("a small pack can be written");
+    Sample { name: "lean, tree".to_owned(), file }
 }
 
 /// Three convex parts of one object beside a hull of another, as decomposition produces them.

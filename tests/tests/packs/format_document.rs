@@ -471,7 +471,8 @@ fn files_of_older_versions_are_refused_with_the_remedy() {
     for (file, version) in files.into_iter().zip(1..) {
         let error = Pack::from_bytes(file).unwrap_err().to_string();
         println!("{error}");
-        let expected = format!("format version {version}, but this build reads version 5; bake the source again");
+        let expected =
+            format!("format version {version}, but this build reads versions 5 and 6; bake the source again");
         assert!(error.contains(&expected), "{error}");
         assert_eq!(u64_at(file, 16) as usize, file.len() - 64, "the file is complete");
         assert_eq!(

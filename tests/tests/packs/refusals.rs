@@ -8,6 +8,7 @@ use hullmap_bake::{
     write_pack,
 };
 use hullmap_format::{
+    FORMAT_VERSION, LEAN_FORMAT_VERSION,
     archive::{self as format, HullRecord, LANES, Span},
     header::Header,
     repeats,
@@ -182,6 +183,37 @@ fn vertices_faces_and_neighbours() {
         "hull 0: quad 2: its face is 1 (expected no more faces with more than four corners)"
     );
     assert_eq!(refusal!(&pair, spans[1].edge = 71_u32), "hull 0: it has 71 edge coordinates (expected 72)");
+}
+
+/// A lean pack has a version of its own, and nothing of what it leaves out.
+#[test]
+fn lean_packs() {
+    let lean = samples::named("lean, tree");
+    let pack = Pack::from_bytes(&lean).unwrap();
+    assert_eq!((pack.header().format_version, pack.hull_count()), (LEAN_FORMAT_VERSION, 3));
+    let faces: Vec<usize> = pack.hulls().map(|hull| hull.face_count()).collect();
+    assert_eq!(faces, [0, 6, 0]);
+    assert_eq!(
+        refusal!(&lean, hulls[0].max_neighbours = 3_u32),
+        "hull 0: its record states at most 3 neighbours of a vertex (expected 0)"
+    );
+    assert_eq!(
+        refusal!(&lean, face_vertices[12] = 8_u32),
+        "hull 1: face 3: vertex index 8 is out of range (the hull has 8 vertices)"
+    );
+    assert_eq!(
+        refusal!(&lean, spans[1].face = 1_u32),
+        "hull 0: it has 1 faces (a lean pack has none of a hull of 36 vertices, more than 32)"
+    );
+    let of_version = |file: &[u8], version: u32| {
+        let mut file = file.to_vec();
+        file[8..12].copy_from_slice(&version.to_le_bytes());
+        packs::reseal(&mut file);
+        message(&file)
+    };
+    assert_eq!(of_version(&lean, FORMAT_VERSION), "section neighbour_starts has 0 elements (expected 46)");
+    let cube = samples::named("cube, tree");
+    assert_eq!(of_version(&cube, LEAN_FORMAT_VERSION), "section neighbour_starts has 8 elements (expected 0)");
 }
 
 #[test]

@@ -3,7 +3,9 @@
 use std::borrow::Cow;
 
 use hullmap_bake::decompose::{Method, decompose};
-use hullmap_bake::{BakedHull, IndexChoice, PointSet, SourceRecord, bake_hull, bake_simplified_hull, write_owned_pack};
+use hullmap_bake::{
+    BakedHull, IndexChoice, PointSet, SourceRecord, bake_hull, bake_simplified_hull, write_lean_pack, write_owned_pack,
+};
 use rayon::prelude::*;
 
 use crate::advice::{self, HullMeasures, Remark};
@@ -91,7 +93,8 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
     let (notes, warnings) = advice::summarise(remarks);
     let ranks = hulls.iter().map(|baked| baked.hull.rank).collect();
     let vertex_count = hulls.iter().map(|baked| baked.hull.vertices.len()).sum();
-    let bytes = write_owned_pack(hulls, source).map_err(|error| error.to_string())?;
+    let write = if options.is_lean() { write_lean_pack } else { write_owned_pack };
+    let bytes = write(hulls, source).map_err(|error| error.to_string())?;
     Ok(BakedPack { bytes, ranks, vertex_count, notes, warnings })
 }
 

@@ -2,6 +2,7 @@
 //! them.
 
 use hullmap::Hull;
+use hullmap_bake::{PointSet, hull};
 
 /// Positions of all vertices, in the order of their indices.
 pub fn positions(hull: &Hull) -> Vec<[f32; 3]> {
@@ -10,8 +11,18 @@ pub fn positions(hull: &Hull) -> Vec<[f32; 3]> {
 
 /// Vertex indices of each face, counter-clockwise seen from outside. A polygon has two faces, a
 /// segment and a point have none.
+///
+/// A lean pack has no faces of large hulls. They are built again from the vertices, which takes as
+/// long as baking the hull. If the vertices are not those of a convex hull, there are no faces.
 pub fn polygons(hull: &Hull) -> Vec<Vec<u32>> {
-    hull.faces().map(Iterator::collect).collect()
+    if hull.face_count() > 0 || hull.rank() < 2 {
+        return hull.faces().map(Iterator::collect).collect();
+    }
+    let positions = positions(hull);
+    let source_vertices = (0..positions.len() as u32).collect();
+    let points = PointSet { positions, source_vertices, ..PointSet::default() };
+    let built = hull::build(&points).ok().filter(|built| built.vertices == points.positions);
+    built.map_or_else(Vec::new, |built| built.faces)
 }
 
 /// The word for a rank.
@@ -21,5 +32,29 @@ pub fn rank_name(rank: u32) -> &'static str {
         1 => "segment",
         2 => "flat polygon",
         _ => "solid",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use hullmap::Pack;
+    use hullmap_bake::{IndexKind, bake_hull, write_lean_pack, write_pack};
+    use shapes::families::Family;
+
+    use super::*;
+
+    #[test]
+    fn faces_of_lean_packs_are_built_again() {
+        for (family, count) in [(Family::Sphere, 300), (Family::Prism, 96), (Family::Rock, 500), (Family::Cone, 60)] {
+            let positions = family.points(count, 1);
+            let source_vertices = (0..positions.len() as u32).collect();
+            let points = PointSet { positions, source_vertices, ..PointSet::default() };
+            let baked = bake_hull(&points, IndexKind::Tree).unwrap();
+            let full = Pack::from_bytes(&write_pack(std::slice::from_ref(&baked), &Default::default()).unwrap());
+            let lean = Pack::from_bytes(&write_lean_pack(vec![baked], &Default::default()).unwrap()).unwrap();
+            let lean = lean.hull(0).unwrap();
+            assert!(lean.is_lean() && lean.face_count() == 0, "{family:?}");
+            assert_eq!(polygons(&lean), polygons(&full.unwrap().hull(0).unwrap()), "{family:?}");
+        }
     }
 }

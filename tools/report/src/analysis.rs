@@ -183,7 +183,7 @@ impl Analysis {
 /// # Errors
 /// The pack's file cannot be read, or has changed since the pack was opened.
 pub fn analyse(input: Input) -> Result<Analysis, ReadError> {
-    let Input { path, pack, open_time, source, verification, mut remarks, up } = input;
+    let Input { path, pack, open_time, source, verification, mut remarks, polygons, up } = input;
     let contents = Contents::read(path, pack)?;
     let hull_count = pack.hull_count();
     let shown_count = hull_count.min(MAX_HULLS);
@@ -195,10 +195,11 @@ pub fn analyse(input: Input) -> Result<Analysis, ReadError> {
         let census = census(index, &directions);
         costs.extend(cost_warning(&hull, &census));
         paces.push(pace(&hull, &directions, shown_count));
-        hulls.push(hull_row(&hull, census));
+        hulls.push(hull_row(&hull, polygons, census));
     }
     remarks.warnings.extend(summary(&costs));
-    let drawn = draw(pack, &contents, source.as_ref().map(|source| source.meshes.as_slice()), &hulls, up);
+    let shown_meshes = source.as_ref().map(|source| source.meshes.as_slice());
+    let drawn = draw(pack, &contents, shown_meshes, &hulls, polygons, up);
     let (source, source_points, meshes) = match source {
         Some(source) => (Some(source.name), source.point_count, source.meshes),
         None => (None, 0, Vec::new()),
@@ -217,20 +218,23 @@ pub fn analyse(input: Input) -> Result<Analysis, ReadError> {
         verification,
         remarks,
         sections: contents.sections,
-        picture: still(pack, &meshes, up),
+        picture: still(pack, &meshes, polygons, up),
         hulls,
         drawn,
     })
 }
 
-fn hull_row(hull: &Hull, census: Census) -> HullRow {
+/// Vertex indices of each face of a hull.
+type Polygons = fn(&Hull) -> Vec<Vec<u32>>;
+
+fn hull_row(hull: &Hull, polygons: Polygons, census: Census) -> HullRow {
     let worst = hull.worst_cost();
     HullRow {
         name: hull.name().to_owned(),
         rank: hull.rank(),
         points: hull.source_point_count(),
         vertices: hull.vertex_count(),
-        faces: hull.face_count(),
+        faces: if hull.is_lean() { polygons(hull).len() } else { hull.face_count() },
         volume: hull.volume(),
         surface_area: hull.surface_area(),
         diameter: hull.diameter(),
@@ -247,7 +251,14 @@ fn hull_row(hull: &Hull, census: Census) -> HullRow {
 }
 
 /// Draws hulls in their order until the page is full.
-fn draw(pack: &Pack, contents: &Contents, meshes: Option<&[DisplayMesh]>, rows: &[HullRow], up: Up) -> Drawn {
+fn draw(
+    pack: &Pack,
+    contents: &Contents,
+    meshes: Option<&[DisplayMesh]>,
+    rows: &[HullRow],
+    polygons: Polygons,
+    up: Up,
+) -> Drawn {
     let (cap, resolution) = (triangle_cap(rows.len()), resolution(rows.len()));
     let paired = meshes.filter(|meshes| meshes.len() == pack.hull_count());
     let unpaired = meshes.filter(|_| paired.is_none()).unwrap_or_default();
@@ -276,7 +287,7 @@ fn draw(pack: &Pack, contents: &Contents, meshes: Option<&[DisplayMesh]>, rows: 
         if room > 0 {
             let encoded = |mesh: &DisplayMesh| mesh.with_at_most(cap).encoded(mesh);
             next.source = paired.and_then(|meshes| meshes.get(number)).map(encoded);
-            next.hull = Some(encoded(&DisplayMesh::of_hull(&hull)));
+            next.hull = Some(encoded(&DisplayMesh::of_hull(&hull, &polygons(&hull))));
             next.gauss = contents.indices.get(number).map(|index| gauss_map(&hull, index, resolution));
             room = room.saturating_sub(html::json(&next).len());
         }
@@ -287,9 +298,10 @@ fn draw(pack: &Pack, contents: &Contents, meshes: Option<&[DisplayMesh]>, rows: 
 
 /// The still picture: hulls around the meshes, or the hulls alone if there is no source. Parts are
 /// drawn alone, each in a colour.
-fn still(pack: &Pack, meshes: &[DisplayMesh], up: Up) -> String {
+fn still(pack: &Pack, meshes: &[DisplayMesh], polygons: Polygons, up: Up) -> String {
     let cap = STILL_TRIANGLES.div_ceil(pack.hull_count());
-    let hulls: Vec<DisplayMesh> = pack.hulls().map(|hull| DisplayMesh::of_hull(&hull).with_at_most(cap)).collect();
+    let drawn = |hull: Hull| DisplayMesh::of_hull(&hull, &polygons(&hull)).with_at_most(cap);
+    let hulls: Vec<DisplayMesh> = pack.hulls().map(drawn).collect();
     if pack.hulls().any(|hull| hull.part_count() > 1) {
         picture_of_parts(&hulls, up)
     } else {

@@ -62,16 +62,19 @@ pub fn triangle_cap(hull_count: usize) -> usize {
 }
 
 impl DisplayMesh {
-    /// A hull, its faces cut into triangles.
-    pub fn of_hull(hull: &Hull) -> Self {
+    /// A hull with the faces `polygons`, which are cut into triangles.
+    pub fn of_hull(hull: &Hull, polygons: &[Vec<u32>]) -> Self {
         let mut mesh = Self { points: hull.vertices().map(|v| v.to_array()).collect(), ..Self::default() };
-        for face in hull.faces() {
-            let corners: Vec<u32> = face.collect();
+        for corners in polygons {
             mesh.triangles.extend(corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]));
+            // Each edge is in two faces, once in either direction.
+            let ends = corners.iter().zip(corners.iter().cycle().skip(1));
+            mesh.edges.extend(ends.filter(|(from, to)| from < to).map(|(from, to)| [*from, *to]));
         }
-        for vertex in 0..mesh.points.len() as u32 {
-            mesh.edges.extend(hull.neighbours(vertex).filter(|&to| to > vertex).map(|to| [vertex, to]));
+        if hull.rank() == 1 {
+            mesh.edges.push([0, 1]);
         }
+        mesh.edges.sort_unstable();
         mesh
     }
 
@@ -155,24 +158,34 @@ impl DisplayMesh {
 
 #[cfg(test)]
 mod tests {
+    use hullmap::Pack;
     use hullmap_bake::IndexKind;
 
     use super::*;
     use crate::test_packs::{baked, cloud};
 
+    fn whole(pack: &Pack) -> DisplayMesh {
+        let hull = pack.hull(0).unwrap();
+        DisplayMesh::of_hull(&hull, &hull.faces().map(Iterator::collect).collect::<Vec<_>>())
+    }
+
     #[test]
     fn hulls_are_closed() {
         let (pack, _) = baked(cloud(200), IndexKind::None);
-        let mesh = DisplayMesh::of_hull(&pack.hull(0).unwrap());
+        let mesh = whole(&pack);
         // Euler: triangles are twice the vertices less four.
         assert_eq!(mesh.triangles.len(), 2 * mesh.points.len() - 4);
         assert!(mesh.edges.len() <= 3 * mesh.points.len() - 6);
+        // The neighbours are the twin.
+        let hull = pack.hull(0).unwrap();
+        let neighbours = (0..mesh.points.len() as u32).flat_map(|v| hull.neighbours(v).map(move |w| [v, w]));
+        assert!(mesh.edges.iter().copied().eq(neighbours.filter(|[v, w]| v < w)));
     }
 
     #[test]
     fn thinned_meshes_stay_within_bounds() {
         let (pack, _) = baked(cloud(4000), IndexKind::None);
-        let mesh = DisplayMesh::of_hull(&pack.hull(0).unwrap());
+        let mesh = whole(&pack);
         assert_eq!(mesh.with_at_most(10_000).triangles, mesh.triangles);
         let [low, high] = mesh.bounds();
         for cap in [3000, 400, 20] {

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use hullmap::Pack;
+use hullmap::{Hull, Pack};
 use serde::Serialize;
 
 use crate::DisplayMesh;
@@ -24,6 +24,8 @@ pub struct Input<'a> {
     pub verification: Verification,
     /// Faults, warnings and notes.
     pub remarks: Remarks,
+    /// Vertex indices of each face of a hull. The faces of large hulls are not in lean packs.
+    pub polygons: fn(&Hull<'_>) -> Vec<Vec<u32>>,
     /// Axis that points up in the pictures.
     pub up: Up,
 }

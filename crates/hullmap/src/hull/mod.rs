@@ -92,7 +92,7 @@ impl<'a> Hull<'a> {
                     .fold(0.0, |reach: f32, c| reach.max(c.to_native().abs())),
                 dispatch: Dispatch::best(),
             },
-            neighbour_starts: pack.neighbour_starts.get(vertices)?,
+            neighbour_starts: if pack.is_lean() { &[] } else { pack.neighbour_starts.get(vertices)? },
             neighbours: run(pack.neighbours, start.neighbour, end.neighbour)?,
             neighbour_faces: run(pack.neighbour_faces, start.neighbour, end.neighbour)?,
             edges: run(pack.edges, start.edge, end.edge)?,
@@ -118,6 +118,28 @@ impl<'a> Hull<'a> {
     /// ```
     pub fn name(&self) -> &'a str {
         std::str::from_utf8(self.name).unwrap_or_default()
+    }
+
+    /// Whether the hull is in a lean pack (`bake build --lean`): its [neighbours](Self::neighbours)
+    /// are unknown, and with more than 32 vertices also its [faces](Self::faces).
+    ///
+    /// All queries answer. Support queries, yes or no, distances, contacts, rays and casts return
+    /// the same bits. Hints ([`support_from`](Self::support_from)) save no time. Features, and with
+    /// them contact manifolds, come from up to 33 support queries in directions around the normal,
+    /// as for user shapes: faces that are tilted by more than [`TILT`](crate::shapes::TILT) against
+    /// the contact normal become edges or vertices.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
+    /// assert!(!cube.is_lean());
+    /// # }
+    /// ```
+    pub fn is_lean(&self) -> bool {
+        self.neighbour_starts.is_empty()
     }
 
     /// Number of vertices, at least 1.

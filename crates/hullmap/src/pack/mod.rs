@@ -393,6 +393,7 @@ impl Pack {
             check_checksum(&header, bytes.payload())?;
         }
         let storage = Storage::new(bytes)?;
+        check::version(storage.sections(), header.format_version)?;
         match checks {
             Checks::Sections => {}
             Checks::Structure => check::structure(storage.sections(), storage.payload())?,
@@ -501,6 +502,21 @@ impl Pack {
     /// ```
     pub fn options(&self) -> &str {
         self.storage.sections().options_text()
+    }
+
+    /// Whether this is a lean pack (`bake build --lean`), without what only manifolds, hints and
+    /// walks over the surface need: see [`Hull::is_lean`].
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// # let pack: hullmap::Pack = pack();
+    /// assert!(!pack.is_lean());
+    /// # }
+    /// ```
+    pub fn is_lean(&self) -> bool {
+        self.storage.sections().is_lean()
     }
 
     /// Number of hulls. At least 1 in a pack whose structure was checked.

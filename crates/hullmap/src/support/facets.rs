@@ -13,6 +13,9 @@ use crate::support::SupportMap;
 /// Maximum number of vertices of a polytope with a table. Above it the general path is faster.
 pub(crate) const MAX_VERTICES: usize = 32;
 
+// Their faces are in lean packs, too, so that contacts are the same.
+const _: () = assert!(MAX_VERTICES == hullmap_format::archive::LEAN_FACES as usize);
+
 /// Maximum number of faces of a polytope with so few vertices, by Euler's formula.
 pub(crate) const MAX_FACES: usize = 2 * MAX_VERTICES - 4;
 

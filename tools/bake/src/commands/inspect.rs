@@ -17,6 +17,8 @@ use crate::terminal::{self, Output};
 struct PackDescription {
     file: String,
     format_version: u32,
+    /// Whether neighbours, quads, edges, and the faces of large hulls are left out.
+    lean: bool,
     bytes: u64,
     source: String,
     /// The recorded build options.
@@ -103,6 +105,7 @@ fn report(file: String, pack: &Pack, has_vertices: bool) -> PackDescription {
     PackDescription {
         file,
         format_version: header.format_version,
+        lean: pack.is_lean(),
         bytes: pack.byte_len() as u64,
         source: pack.source_path().to_owned(),
         options: pack.options().to_owned(),
@@ -149,7 +152,8 @@ fn describe(hull: &Hull, has_vertices: bool) -> HullDescription {
 fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure> {
     let number = |value: usize| grouped(value as u64);
     out.line(format_args!("{}", report.file))?;
-    out.line(format_args!("  format version     {}", report.format_version))?;
+    let lean = if report.lean { " (lean)" } else { "" };
+    out.line(format_args!("  format version     {}{lean}", report.format_version))?;
     out.line(format_args!("  bytes              {}", grouped(report.bytes)))?;
     out.line(format_args!("  source             {} (xxh3 {})", report.source, report.source_hash))?;
     let options = BuildOptions::from_recorded(&report.options).map(|options| options.in_words());
@@ -162,7 +166,9 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
         out.line(format_args!("  rank               {} ({})", hull.rank, rank_name(hull.rank)))?;
         out.line(format_args!("  points             {}", number(hull.points)))?;
         out.line(format_args!("  vertices           {}", number(hull.vertices)))?;
-        out.line(format_args!("  faces              {}", number(hull.faces)))?;
+        let is_left_out = hull.faces == 0 && hull.rank >= 2;
+        let faces = if is_left_out { "not in the pack".to_owned() } else { number(hull.faces) };
+        out.line(format_args!("  faces              {faces}"))?;
         out.line(format_args!("  volume             {}", rounded(hull.volume)))?;
         out.line(format_args!("  surface area       {}", rounded(hull.surface_area)))?;
         out.line(format_args!("  centroid           {}", hull.centroid.map(rounded).join(" ")))?;
@@ -239,6 +245,7 @@ mod tests {
         PackDescription {
             file: "cube.hullmap".to_owned(),
             format_version: 1,
+            lean: false,
             bytes: 2000,
             source: "cube.obj".to_owned(),
             options: "index tree".to_owned(),

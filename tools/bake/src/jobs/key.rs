@@ -7,7 +7,6 @@
 use std::path::Path;
 
 use hullmap_bake::decompose::Method;
-use hullmap_format::FORMAT_VERSION;
 use hullmap_import::{self as import, Limits, SourceFile};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -62,7 +61,7 @@ impl Ingredients {
         })?;
         Ok(Self {
             baker: baker(&job.options),
-            format_version: FORMAT_VERSION,
+            format_version: job.options.format_version(),
             options: job.options.to_string(),
             records,
             inputs: inputs(&name, &source),

@@ -338,10 +338,19 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         record: Record::Never,
         ..OPTION
     },
+    BuildOption {
+        key: "lean",
+        syntax: Switch,
+        default: DefaultValue::Value("false"),
+        value_name: "BOOL",
+        help: "Leave out what only manifolds, hints and walks over the surface need: packs of less than half the size",
+        section: Section::Output,
+        ..OPTION
+    },
 ];
 
 /// Number of options.
-pub const OPTION_COUNT: usize = 24;
+pub const OPTION_COUNT: usize = 25;
 
 /// Values that most options share.
 const OPTION: BuildOption = BuildOption {

@@ -24,6 +24,7 @@ use clap::ValueEnum;
 use hullmap_bake::decompose::{Cover, Fill, Length, Method, Parameters};
 use hullmap_bake::simplify::Limit;
 use hullmap_bake::{IndexChoice, IndexKind};
+use hullmap_format::{FORMAT_VERSION, LEAN_FORMAT_VERSION};
 use hullmap_import::ImportOptions;
 
 pub use flags::flag;
@@ -160,6 +161,16 @@ impl BuildOptions {
         }
     }
 
+    /// Whether packs leave out neighbours, quads, edges, and the faces of large hulls.
+    pub fn is_lean(&self) -> bool {
+        self.switch("lean")
+    }
+
+    /// Format version of the packs.
+    pub fn format_version(&self) -> u32 {
+        if self.is_lean() { LEAN_FORMAT_VERSION } else { FORMAT_VERSION }
+    }
+
     fn choice<T: ValueEnum>(&self, key: &str) -> T {
         T::from_str(self.word(key), false).expect("the table lists the names of the type's values")
     }
@@ -265,6 +276,7 @@ pub mod tests {
         let names = ["auto", "stem", "full"].map(|names| options(&[("pack_names", names)]).keeps_extension());
         assert_eq!(names, [None, Some(false), Some(true)]);
         assert_eq!(options(&[("max_error", "1%")]).simplify(3.0), Some(Limit::Distance(0.03)));
+        assert!(options(&[("lean", "true")]).is_lean() && !BuildOptions::default().is_lean());
         let cover = |key, value| options(&[("decompose", "cover"), (key, value)]).decompose();
         let usual = Cover::default();
         let is = |cover| Some(Method::Cover(cover));

@@ -105,7 +105,7 @@ mod tests {
     /// The texts of options that differ from the defaults in one thing each, and some in several.
     ///
     /// Packs are fresh by these texts: a change here makes every pack in the world stale.
-    const RECORDS: [(&[(&str, &str)], &str); 36] = [
+    const RECORDS: [(&[(&str, &str)], &str); 37] = [
         (&[], "split none, vertices referenced, index tree 8"),
         (&[("split", "object")], "split object, vertices referenced, index tree 8"),
         (&[("split", "auto")], "split auto, vertices referenced, index tree 8"),
@@ -172,6 +172,7 @@ mod tests {
         ),
         (&[("max_vertices", "64")], "split none, vertices referenced, index tree 8, max_vertices 64"),
         (&[("max_vertices", "none")], "split none, vertices referenced, index tree 8"),
+        (&[("lean", "true")], "split none, vertices referenced, index tree 8, lean true"),
         (&[("max_error", "1e-3")], "split none, vertices referenced, index tree 8, max_error 0.001"),
         (
             &[("max_error", "0.5"), ("decompose", "true"), ("vhacd_max_parts", "2")],

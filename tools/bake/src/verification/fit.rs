@@ -27,6 +27,7 @@ use rayon::prelude::*;
 use super::outside::to_point;
 use super::random::SplitMix;
 use super::soup::{Soup, Triangle, closest};
+use crate::geometry::polygons;
 
 /// Maximum number of cells of one search.
 const MAX_CELLS: usize = 40_000;
@@ -219,8 +220,8 @@ fn surface(hull: &Hull, vertices: &[DVec3]) -> Vec<Triangle> {
         return vec![[vertices[0], vertices[vertices.len() - 1], vertices[0]]];
     }
     let mut triangles = Vec::new();
-    for face in hull.faces() {
-        let corners: Vec<DVec3> = face.filter_map(|v| vertices.get(v as usize)).copied().collect();
+    for face in polygons(hull) {
+        let corners: Vec<DVec3> = face.iter().filter_map(|v| vertices.get(*v as usize)).copied().collect();
         triangles.extend((2..corners.len()).map(|last| [corners[0], corners[last - 1], corners[last]]));
     }
     triangles

@@ -21,6 +21,7 @@ use super::outside::measure_outside;
 use super::truth::Points;
 use super::{Measurement, REGRET_LIMIT, measure};
 use crate::baker::{Part, parts};
+use crate::geometry::polygons;
 use crate::measure::stand_for_one;
 use crate::options::BuildOptions;
 
@@ -279,9 +280,12 @@ fn judge(hulls: &[Hull], mesh: &PointSet, results: &mut [HullVerification]) {
 
 fn verify_hull(hull: &Hull, source: Option<&PointSet>, count: usize, seed: u64) -> HullVerification {
     let vertices: Vec<Vec3> = hull.vertices().collect();
-    let faces: Vec<Vec<u32>> = hull.faces().map(Iterator::collect).collect();
+    let faces = polygons(hull);
     let directions = directions(&vertices, &faces, count, seed);
     let mut problems = source.map_or_else(Vec::new, |set| identity_problems(hull, &vertices, set));
+    if faces.is_empty() && hull.rank() >= 2 {
+        problems.push("its vertices are not those of a convex hull".to_owned());
+    }
     let source_points = source.map(|set| Points::new(&set.positions));
     let points = match source_points {
         Some(points) if hull.outer_error() == 0.0 => points,

@@ -10,6 +10,7 @@ use hullmap_report::{Analysis, Input, analyse};
 use super::remarks::remarks;
 use super::source_mesh::source_meshes;
 use crate::args::ReportArgs;
+use crate::geometry::polygons;
 use crate::open::open_pack;
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
@@ -60,7 +61,8 @@ pub fn analyse_pack(
         point_count: source.point_sets.iter().map(|set| set.positions.len()).sum(),
         meshes: source_meshes(&source),
     });
-    let input = Input { path: &place.path, pack: &pack, open_time, source, verification, remarks, up: args.up };
+    let input =
+        Input { path: &place.path, pack: &pack, open_time, source, verification, remarks, polygons, up: args.up };
     let mut analysis = analyse(input).map_err(|error| Failure::usage(error.to_string()))?;
     if let Some(options) = BuildOptions::from_recorded(pack.options()) {
         analysis.options = options.in_words();
