@@ -6,7 +6,7 @@
 //! | [`hostile`] | damaged and hostile packs | `hostile-packs` |
 //! | [`faults`] | bakes with faults at system calls, kills, power cuts (Linux) | `bake-faults` |
 //! | [`soak`] | solver answers judged by certificates | `solver-soak` |
-//! | [`truth`] | solver intervals compared with truths | `solver-truth` |
+//! | [`truth`] | solver intervals compared with truths | `solver-truth`, `degenerate-truth` |
 //! | [`sampler`] | bounds of convex parts, tried by sampling | `decompose-soak`, `decompose-table` |
 //! | [`fuzzed`] | the fuzz targets, their corpora and first inputs | `fuzz-corpus`, and the targets in `fuzz/` |
 //! | [`command`] | the `bake` command, built and run | |

@@ -1,0 +1,305 @@
+//! Small hulls and boxes in degenerate poses, and a judge that compares the solver with their exact
+//! depth.
+
+use std::{cmp::Ordering, collections::BTreeMap, fmt};
+
+use glam::{DQuat, DVec3};
+use hullmap::{
+    Cache, Contact, Hull, Overlap, Pack, Pose, Settings, SupportMap, contact, intersects, solver::contact_by_facets,
+};
+use hullmap_testkit::{packs, random::RandomPoses};
+use shapes::{families, rng::SplitMix64};
+
+use super::exact::{Depth, depth};
+
+/// How the bodies lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// Any bodies, anywhere.
+    Random,
+    /// Turned by 1e-3 to 1e-9 from a quarter turn, some far from the origin of their frame: features
+    /// are nearly parallel.
+    NearlyParallel,
+    /// Plates of 1:100 and of 1:10,000, flat on each other or crossed, nearly or exactly.
+    Plates,
+    /// Boxes turned by quarter turns: faces and edges are parallel.
+    AlignedBoxes,
+    /// Interior points coincide.
+    Concentric,
+    /// Depths of 1e-4 to 1e-16 of the size, also negative ones.
+    Touching,
+}
+
+impl Kind {
+    /// All kinds.
+    pub const ALL: [Self; 6] =
+        [Self::Random, Self::NearlyParallel, Self::Plates, Self::AlignedBoxes, Self::Concentric, Self::Touching];
+}
+
+/// A pair by its seed and number: two packs of one hull each, and a pose.
+pub struct Meeting {
+    /// How the bodies lie.
+    pub kind: Kind,
+    packs: [Pack; 2],
+    /// Pose of B in A's frame.
+    pub b_in_a: Pose,
+}
+
+fn of_box(half: [f32; 3]) -> Vec<[f32; 3]> {
+    (0..8).map(|corner| [0, 1, 2].map(|axis| if corner >> axis & 1 == 0 { half[axis] } else { -half[axis] })).collect()
+}
+
+fn points(kind: Kind, rng: &mut SplitMix64) -> Vec<[f32; 3]> {
+    let count = 8 + rng.below(17);
+    let seed = rng.next_u64();
+    let plate = |rng: &mut SplitMix64| of_box([1.0, 1.0, [1e-2, 1e-4][rng.below(2)]]);
+    match (kind, rng.below(6)) {
+        (Kind::Plates, _) => plate(rng),
+        (Kind::AlignedBoxes, _) | (_, 0) => of_box([1.0, [1.0, 0.75][rng.below(2)], [1.0, 0.5][rng.below(2)]]),
+        (_, 1) => plate(rng),
+        (_, 2) => families::prism(8 + 2 * rng.below(5), 0),
+        (_, 3) => families::sphere(count, seed),
+        (_, 4) => families::clustered_ellipsoid(count, seed),
+        _ => families::rock(count, seed),
+    }
+}
+
+impl Meeting {
+    /// Pair `index` of the series of `seed`.
+    ///
+    /// # Panics
+    /// If a body cannot be baked: a bug.
+    pub fn new(seed: u64, index: u64) -> Self {
+        let mut rng = SplitMix64::new(seed ^ index << 24);
+        let kind = Kind::ALL[index as usize % Kind::ALL.len()];
+        let scale = [1.0, 1.0, 1e-3, 1e3, 1e-6, 1e6][rng.below(6)];
+        let packs = [(); 2].map(|()| {
+            let shift = if rng.below(4) == 0 { [40.0, -24.0, 8.0] } else { [0.0; 3] };
+            let place = |p: [f32; 3]| [0, 1, 2].map(|axis| (p[axis] + shift[axis]) * scale);
+            let points: Vec<[f32; 3]> = points(kind, &mut rng).into_iter().map(place).collect();
+            packs::tree_pack(&points)
+        });
+        let [a, b] = packs.each_ref().map(|pack| pack.hull(0).expect("a pack has a hull"));
+        let b_in_a = pose(kind, &a, &b, &mut rng);
+        Self { kind, packs, b_in_a }
+    }
+
+    /// A and B.
+    ///
+    /// # Panics
+    /// Never: each pack has one hull.
+    pub fn hulls(&self) -> [Hull<'_>; 2] {
+        self.packs.each_ref().map(|pack| pack.hull(0).expect("a pack has a hull"))
+    }
+}
+
+fn pose(kind: Kind, a: &Hull<'_>, b: &Hull<'_>, rng: &mut SplitMix64) -> Pose {
+    let axis = |rng: &mut SplitMix64| [DVec3::X, DVec3::Y, DVec3::Z][rng.below(3)];
+    let quarter = |rng: &mut SplitMix64| {
+        let axis = axis(rng);
+        DQuat::from_axis_angle(axis, std::f64::consts::FRAC_PI_2 * rng.below(4) as f64)
+    };
+    let nearly = |rng: &mut SplitMix64| {
+        let turn = 10_f64.powf(rng.between(-9.0, -3.0));
+        DQuat::from_axis_angle(rng.unit_vector(), turn) * quarter(rng)
+    };
+    let rotation = match (kind, rng.below(2)) {
+        (Kind::Random, _) | (Kind::Concentric | Kind::Touching, 0) => rng.rotation(),
+        (Kind::NearlyParallel, _) | (Kind::Plates, 0) => nearly(rng),
+        _ => quarter(rng),
+    };
+    let direction = if rng.below(2) == 0 { axis(rng) } else { rng.unit_vector() };
+    let from = a.interior_point() - rotation * b.interior_point();
+    let at = |t: f64| Pose::new(from + direction * t, rotation).expect("the pose is finite");
+    let reach = a.outer_radius() + b.outer_radius();
+    match kind {
+        Kind::Concentric => at(0.0),
+        Kind::Touching => {
+            let depth_at = |t: f64| depth_bound(a, b, at(t));
+            let (mut inside, mut outside) = (0.0, reach);
+            for _ in 0..60 {
+                let middle = 0.5 * (inside + outside);
+                if depth_at(middle) > 0.0 { inside = middle } else { outside = middle }
+            }
+            let off = reach * 10_f64.powf(rng.between(-16.0, -4.0));
+            at(inside + off * [-1.0, 1.0][rng.below(2)])
+        }
+        _ => at(reach * rng.between(0.0, 0.7)),
+    }
+}
+
+/// Depth in f64, good enough to find a pose.
+fn depth_bound(a: &Hull<'_>, b: &Hull<'_>, b_in_a: Pose) -> f64 {
+    let found = contact(a, b, b_in_a, &Settings::default(), &mut Cache::new());
+    if found.hit { found.depth } else { -1.0 }
+}
+
+/// Largest distance of a witness point from the surface of its hull, over the size of the query.
+const NEAR: f64 = 4e-12;
+
+/// Counts of one kind of pose.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Count {
+    /// Pairs.
+    pub pairs: u64,
+    /// Pairs that penetrate, exactly.
+    pub penetrating: u64,
+    /// Answers that were compared with the truth.
+    pub answers: u64,
+    /// Answers of the separating axis test among them.
+    pub by_facets: u64,
+    /// Largest distance of a witness point from the surface of its hull, over the size of the query.
+    pub worst_witness: f64,
+}
+
+/// All counts, and the wrong answers in full.
+#[derive(Default)]
+pub struct Tally {
+    /// By kind of pose.
+    pub counts: BTreeMap<Kind, Count>,
+    /// Wrong answers.
+    pub misses: Vec<String>,
+}
+
+impl Tally {
+    /// Solves a pair by all paths, cold and warm, and judges the answers.
+    pub fn judge(&mut self, seed: u64, index: u64) {
+        let meeting = Meeting::new(seed, index);
+        let ([a, b], b_in_a) = (meeting.hulls(), meeting.b_in_a);
+        let truth = depth(&a, &b, b_in_a);
+        let what = format!("seed {seed}, pair {index}, {:?}, {b_in_a:?}", meeting.kind);
+        let exact = Settings { tolerance: 0.0, ..Settings::default() };
+        let mut cache = Cache::new();
+        let facets = contact_by_facets(&a, &b, b_in_a, &exact);
+        let mut answers = vec![
+            ("cold", contact(&a, &b, b_in_a, &Settings::default(), &mut Cache::new())),
+            ("tolerance 0", contact(&a, &b, b_in_a, &exact, &mut cache)),
+            ("warm", contact(&a, &b, b_in_a, &exact, &mut cache)),
+            ("general", contact(&General(&a), &General(&b), b_in_a, &exact, &mut Cache::new())),
+        ];
+        answers.extend(facets.map(|found| ("by facets", found)));
+        let count = self.counts.entry(meeting.kind).or_default();
+        count.pairs += 1;
+        count.penetrating += u64::from(truth.sign() == Ordering::Greater);
+        count.answers += answers.len() as u64;
+        count.by_facets += u64::from(facets.is_some());
+        let size = a.outer_radius() + b.outer_radius() + a.interior_point().length() + b.interior_point().length();
+        for (path, found) in answers {
+            if let Some(fault) = fault_of(&found, &truth) {
+                self.misses.push(format!("{what}, {path}: {fault}: {found:?}"));
+            }
+            if found.hit && found.depth > 0.0 {
+                let back = b_in_a.inverse();
+                let off =
+                    surface_distance(&a, found.point_a).max(surface_distance(&b, back.transform_point(found.point_b)));
+                let off = off / (size + b_in_a.translation().length());
+                count.worst_witness = count.worst_witness.max(off);
+                // NaN takes the failing branch.
+                if !(off <= NEAR) {
+                    self.misses.push(format!("{what}, {path}: a witness point is {off:e} off its surface: {found:?}"));
+                }
+            }
+        }
+        let answer = intersects(&a, &b, b_in_a, &mut Cache::new()).status;
+        let is_wrong = match answer {
+            Overlap::Overlapping => truth.sign() == Ordering::Less,
+            Overlap::Separated => truth.sign() != Ordering::Less,
+            _ => false,
+        };
+        if is_wrong {
+            self.misses.push(format!("{what}: intersects says {answer:?}, the truth is {:?}", truth.sign()));
+        }
+    }
+}
+
+/// What is wrong with an answer.
+fn fault_of(found: &Contact, truth: &Depth) -> Option<&'static str> {
+    if !found.hit {
+        return (truth.sign() != Ordering::Less).then_some("a hit is missed");
+    }
+    if found.depth_lower > 0.0 && truth.compare(found.depth_lower) == Ordering::Less {
+        return Some("the lower bound is above the depth");
+    }
+    if truth.compare(found.depth_upper) == Ordering::Greater {
+        return Some("the upper bound is below the depth");
+    }
+    // NaN takes the failing branch.
+    let is_ordered = found.depth_lower <= found.depth && found.depth <= found.depth_upper;
+    (!is_ordered).then_some("the depth is outside its interval")
+}
+
+/// Distance of a point from the surface of a hull, by the planes of its faces.
+fn surface_distance(hull: &Hull<'_>, point: DVec3) -> f64 {
+    let vertices: Vec<DVec3> = hull.vertices().map(|v| v.as_dvec3()).collect();
+    let height = |face: u32| {
+        let n = hull.face_normal(face).unwrap_or(DVec3::NAN);
+        vertices.iter().map(|v| (point - *v).dot(n)).fold(f64::INFINITY, f64::min)
+    };
+    (0..hull.face_count() as u32).map(height).fold(f64::NEG_INFINITY, f64::max).abs()
+}
+
+/// A hull without its faces: the solver takes the general path.
+struct General<'h, 'p>(&'h Hull<'p>);
+
+impl SupportMap for General<'_, '_> {
+    fn support_point(&self, dir: DVec3) -> hullmap::SupportPoint {
+        self.0.support_point(dir)
+    }
+    fn interior_point(&self) -> DVec3 {
+        self.0.interior_point()
+    }
+    fn inner_radius(&self) -> f64 {
+        self.0.inner_radius()
+    }
+    fn outer_radius(&self) -> f64 {
+        self.0.outer_radius()
+    }
+    fn point(&self, feature: u32) -> Option<DVec3> {
+        self.0.point(feature)
+    }
+}
+
+impl fmt::Display for Tally {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (kind, count) in &self.counts {
+            let Count { pairs, penetrating, answers, by_facets, worst_witness } = count;
+            writeln!(
+                f,
+                "{kind:?}: {pairs} pairs, {penetrating} penetrate; {answers} answers, {by_facets} by facets; witness \
+                 points at most {worst_witness:.1e} of the size off their surfaces"
+            )?;
+        }
+        write!(f, "{} wrong", self.misses.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Slightly wrong answers are detected.
+    #[test]
+    fn wrong_answers_are_misses() {
+        let mut wrong = 0;
+        for index in 0..24 {
+            let meeting = Meeting::new(5, index);
+            let ([a, b], b_in_a) = (meeting.hulls(), meeting.b_in_a);
+            let truth = depth(&a, &b, b_in_a);
+            let found = contact(&a, &b, b_in_a, &Settings::default(), &mut Cache::new());
+            assert_eq!(fault_of(&found, &truth), None);
+            if truth.sign() != Ordering::Greater || found.depth_lower == 0.0 {
+                continue;
+            }
+            let width = 2.0 * (found.depth_upper - found.depth_lower);
+            let high = Contact { depth_lower: found.depth_lower + width, ..found };
+            let low = Contact { depth_upper: found.depth_upper - width, ..found };
+            let missed = Contact { hit: false, ..found };
+            let outside = Contact { depth: found.depth_upper + width, ..found };
+            for answer in [high, low, missed, outside] {
+                assert!(fault_of(&answer, &truth).is_some(), "{answer:?}");
+                wrong += 1;
+            }
+        }
+        assert!(wrong > 40, "{wrong}");
+    }
+}
