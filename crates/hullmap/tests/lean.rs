@@ -129,7 +129,7 @@ fn manifolds_of_lean_hulls_lie_on_both_shapes() {
     println!("manifolds of three points or more: {flat:?} of 200");
     assert!(flat[1] >= 100 && 10 * flat[1] >= 9 * flat[0], "{flat:?}");
     let mut feature = Feature::new();
-    twins().iter().for_each(|twins| {
+    self::twins().iter().for_each(|twins| {
         let [_, lean] = twins.hulls();
         lean.feature_within(DVec3::Z, f64::INFINITY, &mut feature);
         assert!(!feature.corners().is_empty());
