@@ -87,9 +87,8 @@ pub(crate) fn gaps(pack: &Sections<'_>, payload: &[u8]) -> Result<(), CheckError
 /// [`CheckError::SectionCount`] of the starts of neighbours, which only lean packs lack.
 pub fn version(pack: &Sections<'_>, format_version: u32) -> Result<(), CheckError> {
     let found = pack.neighbour_starts.len();
-    let is_lean = format_version == LEAN_FORMAT_VERSION;
-    let expected = if is_lean { 0 } else { pack.vertices.len() };
-    if pack.is_lean() == is_lean {
+    let expected = if format_version == LEAN_FORMAT_VERSION { 0 } else { pack.vertices.len() };
+    if found == expected {
         Ok(())
     } else {
         Err(CheckError::SectionCount { section: "neighbour_starts", found, expected })
