@@ -42,8 +42,8 @@ pub fn write_owned_pack(hulls: Vec<BakedHull>, source: &SourceRecord) -> Result<
     write(hulls.into_iter(), source, Detail::Full)
 }
 
-/// Like [`write_owned_pack`], but writes a *lean* pack: without what only manifolds, hints and walks
-/// over the surface need. Hulls have no neighbours, quads and edges, and none of more than
+/// Like [`write_owned_pack`], but writes a *lean* pack: without what only manifolds, hints and
+/// walks over the surface need. Hulls have no neighbours, quads and edges, and none of more than
 /// [`LEAN_FACES`] vertices has faces.
 ///
 /// # Errors

@@ -17,8 +17,8 @@ use super::exact::{Depth, depth};
 pub enum Kind {
     /// Any bodies, anywhere.
     Random,
-    /// Turned by 1e-3 to 1e-9 from a quarter turn, some far from the origin of their frame: features
-    /// are nearly parallel.
+    /// Turned by 1e-3 to 1e-9 from a quarter turn, some far from the origin of their frame:
+    /// features are nearly parallel.
     NearlyParallel,
     /// Plates of 1:100 and of 1:10,000, flat on each other or crossed, nearly or exactly.
     Plates,
@@ -148,7 +148,8 @@ pub struct Count {
     pub answers: u64,
     /// Answers of the separating axis test among them.
     pub by_facets: u64,
-    /// Largest distance of a witness point from the surface of its hull, over the size of the query.
+    /// Largest distance of a witness point from the surface of its hull, over the size of the
+    /// query.
     pub worst_witness: f64,
 }
 

@@ -1,15 +1,15 @@
 //! Depth of two small hulls in exact arithmetic.
 //!
-//! All numbers are dyadic: an integer times a power of two, without rounding. Only the choice of the
-//! directions that matter is made in f64, with a margin far above its rounding error.
+//! All numbers are dyadic: an integer times a power of two, without rounding. Only the choice of
+//! the directions that matter is made in f64, with a margin far above its rounding error.
 //!
 //! # Steps
-//! 1. Both hulls in A's frame, times |q|² for the quaternion q of the pose: then the rotation has no
-//!    quotient.
+//! 1. Both hulls in A's frame, times |q|² for the quaternion q of the pose: then the rotation has
+//!    no quotient.
 //! 2. Directions: the normals of all triples of corners of each face, and the cross products of all
-//!    pairs of segments between corners of a face of A and of one of B. A face whose corners are not
-//!    exactly in one plane is a cap of several facets. The normals of all of them are among these
-//!    directions, whatever facets they are.
+//!    pairs of segments between corners of a face of A and of one of B. A face whose corners are
+//!    not exactly in one plane is a cap of several facets. The normals of all of them are among
+//!    these directions, whatever facets they are.
 //! 3. The support value over the length of the direction, in f64, with its error. Directions that
 //!    certainly exceed the minimum are dropped.
 //! 4. The others are compared exactly. The minimum is the depth; it is negative if the hulls are
@@ -164,8 +164,8 @@ pub struct Depth {
 }
 
 impl Depth {
-    /// Whether the hulls share a point: `Greater` if they penetrate, `Equal` if they touch, `Less` if
-    /// they are separated.
+    /// Whether the hulls share a point: `Greater` if they penetrate, `Equal` if they touch, `Less`
+    /// if they are separated.
     pub fn sign(&self) -> Ordering {
         self.height.sign()
     }
