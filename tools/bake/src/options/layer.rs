@@ -202,6 +202,7 @@ pub mod tests {
         ("max_parts", "9"),
         ("decompose_seconds", "2.5"),
         ("record_source", "name"),
+        ("lean", "true"),
     ];
 
     /// A layer with these values.
