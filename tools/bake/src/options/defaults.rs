@@ -343,8 +343,9 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Switch,
         default: DefaultValue::Value("false"),
         value_name: "BOOL",
-        help: "Leave out what only manifolds, hints and walks over the surface need: packs of less than half the size",
+        help: "Leave out what only manifolds, hints and walks over the surface need; packs have less than half the size",
         section: Section::Output,
+        is_advanced: true,
         ..OPTION
     },
 ];
