@@ -54,7 +54,8 @@ pub fn write_owned_pack(hulls: Vec<BakedHull>, source: &SourceRecord) -> Result<
 /// use hullmap_bake::{IndexKind, PointSet, bake_hull, write_lean_pack, write_owned_pack};
 ///
 /// let corners = |i: usize| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32];
-/// let cube = PointSet { positions: (0..8).map(corners).collect(), source_vertices: (0..8).collect(), ..PointSet::default() };
+/// let (positions, source_vertices) = ((0..8).map(corners).collect(), (0..8).collect());
+/// let cube = PointSet { positions, source_vertices, ..PointSet::default() };
 /// let hulls = vec![bake_hull(&cube, IndexKind::Tree)?];
 /// let full = write_owned_pack(hulls.clone(), &Default::default())?;
 /// let lean = write_lean_pack(hulls, &Default::default())?;
