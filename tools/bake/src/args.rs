@@ -234,7 +234,7 @@ pub struct RemoteArgs {
     /// Private key of that certificate in PEM format
     #[arg(long = "remote-client-key", value_name = "FILE", requires = "client_cert", hide_short_help = true)]
     pub client_key: Option<PathBuf>,
-    /// Program that workers run: a static `bake` [default: the `bake` that they have]
+    /// Program that workers run: a static `bake` [default: the `bake` in their PATH]
     #[arg(long = "remote-worker", value_name = "PATH", requires = "address", hide_short_help = true)]
     pub worker: Option<PathBuf>,
     /// Use the cache only, and bake here what it lacks
@@ -322,7 +322,7 @@ pub struct TaskArgs {
     /// Run only the task with this index; repeatable [default: all tasks]
     #[arg(long, value_name = "I")]
     pub index: Vec<usize>,
-    /// Folder of the packs [default: the folder of the plan]
+    /// Folder of the packs [default: the one that the plan names]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Limits on source files.
