@@ -24,7 +24,8 @@ pub struct Accuracy {
     pub relative: f64,
     /// Maximum difference between the bound and the value reached, as a length.
     pub absolute: f64,
-    /// Maximum number of measurements.
+    /// Number of measurements after which no more cells are split. Each cell that is given is
+    /// measured at least once.
     pub measurements: usize,
 }
 

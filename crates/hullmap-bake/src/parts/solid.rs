@@ -79,6 +79,8 @@ pub struct Solid {
     moved: f64,
     /// Bound on the rounding error of a distance.
     rounding: f64,
+    /// Bound on the error of a distance from a needle.
+    needles: f64,
 }
 
 /// Why a ray does not decide whether a point is inside.
@@ -148,8 +150,10 @@ impl Solid {
         let boxes = triangles.iter().map(|[a, b, c]| Aabb::new(a.min(*b).min(*c), a.max(*b).max(*c)));
         let bvh = Bvh::from_iter(BvhBuildStrategy::Binned, boxes.enumerate());
         let rounding = ROUNDING * bounds[0].abs().max(bounds[1].abs()).max_element().max(0.0);
+        let needles = triangles.iter().map(triangle::needle).fold(0.0, f64::max);
         let is_whole = Vec::new();
-        let mut solid = Self { triangles, counts, mesh_count, is_whole, bvh, kind, diagonal, bounds, moved, rounding };
+        let mut solid =
+            Self { triangles, counts, mesh_count, is_whole, bvh, kind, diagonal, bounds, moved, rounding, needles };
         // Volumes of opposite orientation may have cancelled.
         if kind == SolidKind::Sheet && solid.has_inside() {
             solid.kind = if is_closed { SolidKind::Watertight } else { SolidKind::Closed };
@@ -219,9 +223,9 @@ impl Solid {
         })
     }
 
-    /// Maximum error of distances: vertices that were moved together, and rounding.
+    /// Maximum error of distances: vertices that were moved together, needles, and rounding.
     pub fn tolerance(&self) -> f64 {
-        self.moved + self.rounding
+        self.moved + self.needles + self.rounding
     }
 
     /// Whether a point is in the solid. A point within [`tolerance`](Self::tolerance) of its

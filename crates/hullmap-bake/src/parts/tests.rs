@@ -362,7 +362,7 @@ fn closing_triangles_that_are_whole_have_the_inside_beside_them() {
             }
         }
     }
-    assert!(whole > 500 && partly > 50 && unknown * 20 < whole, "{whole} whole, {partly} partly, {unknown} unknown");
+    assert!(whole > 500 && partly > 30 && unknown * 20 < whole, "{whole} whole, {partly} partly, {unknown} unknown");
 }
 
 #[test]

@@ -12,32 +12,83 @@ use glam::DVec3;
 /// Corners of a triangle.
 pub type Triangle = [DVec3; 3];
 
-/// Area of a triangle, relative to the product of two edges, below which the projection onto its
-/// plane may be imprecise.
+/// Sine of the angle at the first corner below which the projection onto the plane takes several
+/// refinements.
 const THIN: f64 = 1e-3;
+
+/// Sine of that angle below which refinements do not converge: the error of a distance is then up
+/// to the triangle's height.
+const NEEDLE: f64 = 1e-7;
+
+/// Refinements of the projection onto the plane of a thin triangle. Each divides the error by more
+/// than 40, unless the triangle is a needle.
+const REFINEMENTS: usize = 8;
 
 /// Barycentric coordinate up to which a point may be beside the opposite edge, relative to the
 /// greatest one. It is far above the rounding error of a triangle that is not thin.
 const BESIDE: f64 = 1e-6;
 
-/// The point of a triangle nearest to `p`. It is a convex combination of the corners.
+/// The plane of a triangle, with coordinates along two of its edges.
+struct Plane {
+    a: DVec3,
+    ab: DVec3,
+    ac: DVec3,
+    aa: f64,
+    ab_ac: f64,
+    cc: f64,
+    /// Square of twice the area.
+    area: f64,
+}
+
+impl Plane {
+    fn new([a, b, c]: &Triangle) -> Self {
+        let (ab, ac) = (*b - *a, *c - *a);
+        let (aa, ab_ac, cc) = (ab.length_squared(), ab.dot(ac), ac.length_squared());
+        Self { a: *a, ab, ac, aa, ab_ac, cc, area: aa * cc - ab_ac * ab_ac }
+    }
+
+    /// Whether the sine of the angle at the first corner exceeds `sine`. NaN of a degenerate
+    /// triangle does not.
+    fn is_wider(&self, sine: f64) -> bool {
+        self.area > sine * sine * self.aa * self.cc
+    }
+
+    /// Coordinates of the projection of a step from the first corner, times `area`.
+    fn scaled(&self, step: DVec3) -> (f64, f64) {
+        let (d1, d2) = (self.ab.dot(step), self.ac.dot(step));
+        (self.cc * d1 - self.ab_ac * d2, self.aa * d2 - self.ab_ac * d1)
+    }
+
+    fn at(&self, (v, w): (f64, f64)) -> DVec3 {
+        self.a + v * self.ab + w * self.ac
+    }
+
+    /// The projection of `p`, if it is in the triangle. `scaled` are its rough coordinates.
+    fn projection(&self, p: DVec3, scaled: (f64, f64), refinements: usize) -> Option<DVec3> {
+        let (mut v, mut w) = (scaled.0 / self.area, scaled.1 / self.area);
+        for _ in 0..refinements {
+            let (dv, dw) = self.scaled(p - self.at((v, w)));
+            (v, w) = (v + dv / self.area, w + dw / self.area);
+        }
+        // NaN and infinite coordinates of a degenerate triangle fail the test.
+        (v >= 0.0 && w >= 0.0 && v + w <= 1.0).then(|| self.at((v, w)))
+    }
+}
+
+/// The point of a triangle nearest to `p`, a convex combination of the corners. The error of its
+/// distance is at most [`needle`], besides rounding.
 pub fn nearest(triangle: &Triangle, p: DVec3) -> DVec3 {
-    let [a, b, c] = *triangle;
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
-    let (aa, ab_ac, cc) = (ab.length_squared(), ab.dot(ac), ac.length_squared());
-    // Barycentric coordinates of the projection onto the plane, times `area`.
-    let area = aa * cc - ab_ac * ab_ac;
-    let (v, w) = (cc * d1 - ab_ac * d2, aa * d2 - ab_ac * d1);
-    let u = area - v - w;
-    // NaN of a degenerate triangle fails the test, and so do rounding errors of a thin one.
-    if !(area > THIN * THIN * aa * cc) {
+    let plane = Plane::new(triangle);
+    if !plane.is_wider(THIN) {
         return nearest_of_all(triangle, p);
     }
+    let (v, w) = plane.scaled(p - plane.a);
+    let u = plane.area - v - w;
     if u >= 0.0 && v >= 0.0 && w >= 0.0 {
-        return a + (v / area) * ab + (w / area) * ac;
+        return plane.projection(p, (v, w), 1).unwrap_or_else(|| nearest_of_all(triangle, p));
     }
     // Only an edge that has the point on its outer side can be nearest.
+    let [a, b, c] = *triangle;
     let beside = BESIDE * u.abs().max(v.abs()).max(w.abs());
     let mut best = (f64::INFINITY, a);
     for (weight, edge) in [(w, [a, b]), (u, [b, c]), (v, [c, a])] {
@@ -56,22 +107,20 @@ pub fn nearest(triangle: &Triangle, p: DVec3) -> DVec3 {
 /// edges.
 fn nearest_of_all(triangle: &Triangle, p: DVec3) -> DVec3 {
     let [a, b, c] = *triangle;
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
-    let (aa, ab_ac, cc) = (ab.length_squared(), ab.dot(ac), ac.length_squared());
-    let area = aa * cc - ab_ac * ab_ac;
-    let (v, w) = ((cc * d1 - ab_ac * d2) / area, (aa * d2 - ab_ac * d1) / area);
+    let plane = Plane::new(triangle);
+    let projection = plane.projection(p, plane.scaled(p - a), REFINEMENTS);
     let edges = [[a, b], [b, c], [c, a]].map(|edge| nearest_on_segment(edge, p));
-    let mut best = edges[0];
-    // NaN and infinite coordinates of a degenerate triangle fail the test.
-    for candidate in
-        [edges[1], edges[2]].into_iter().chain((v >= 0.0 && w >= 0.0 && v + w <= 1.0).then(|| a + v * ab + w * ac))
-    {
-        if candidate.distance_squared(p) < best.distance_squared(p) {
-            best = candidate;
-        }
-    }
-    best
+    let closer = |x: DVec3, y: DVec3| if y.distance_squared(p) < x.distance_squared(p) { y } else { x };
+    edges.into_iter().chain(projection).fold(edges[0], closer)
+}
+
+/// By how much the distance from the point that [`nearest`] returns may exceed that from the
+/// triangle, besides rounding: 0, or the height of a needle.
+pub fn needle(triangle: &Triangle) -> f64 {
+    let [a, b, c] = *triangle;
+    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+    let height = (b - a).cross(c - a).length() / longest;
+    if Plane::new(triangle).is_wider(NEEDLE) || height.is_nan() { 0.0 } else { height }
 }
 
 /// The point of a segment nearest to `p`.
@@ -113,25 +162,54 @@ mod tests {
 
     use super::*;
 
-    /// Triangles of all proportions, and points above, beside and far from them.
+    /// Triangles of all proportions. The truth is a point of the triangle, at a known height above
+    /// it where the normal is certain.
     #[test]
-    fn the_nearest_point_is_that_of_all_edges_and_the_plane() {
+    fn nearest_points_are_as_close_as_the_known_one() {
         let mut rng = SplitMix64::new(5);
-        let mut of_edges = 0;
-        const ROUNDS: usize = 200_000;
-        for round in 0..ROUNDS {
+        let (mut thin, mut needles, mut high) = (0, 0, 0);
+        for round in 0..400_000 {
+            let mut point = || DVec3::from_array(std::array::from_fn(|_| 2.0 * rng.unit() - 1.0));
+            let (a, along, aside, weights) = (point(), point(), point(), point().abs());
+            let width = 10_f64.powi(-(round % 12));
+            let share = 2.0 * point().x;
+            let triangle = [a, a + along, a + share * along + width * aside];
+            let [a, b, c] = triangle;
+            let foot = (a * weights.x + b * weights.y + c * weights.z) / weights.element_sum();
+            let plane = Plane::new(&triangle);
+            let height = if plane.is_wider(THIN) && round % 3 > 0 { 10_f64.powi(round / 12 % 8 - 3) } else { 0.0 };
+            let p = foot + (b - a).cross(c - a).normalize_or_zero() * height;
+            let found = nearest(&triangle, p);
+            let excess = found.distance(p) - height;
+            let rounding = 2e-14 * (1.0 + height) * if plane.is_wider(THIN) { 1.0 } else { 100.0 };
+            assert!(excess <= needle(&triangle) + rounding, "round {round}: {excess:e} at {p}, {triangle:?}");
+            // The normal may be off by 1e-13.
+            assert!(-excess <= 1e-12 * (1.0 + height), "round {round}: closer than possible by {:e}", -excess);
+            thin += usize::from(!plane.is_wider(THIN));
+            needles += usize::from(!plane.is_wider(NEEDLE));
+            high += usize::from(height > 0.0);
+        }
+        assert!(thin > 100_000 && needles > 50_000 && high > 50_000, "{thin} thin, {needles} needles, {high} high");
+    }
+
+    /// Points above, beside and far from triangles, compared with all edges and the plane.
+    #[test]
+    fn edges_that_are_left_out_are_farther() {
+        let mut rng = SplitMix64::new(6);
+        let mut outside = 0;
+        for round in 0..200_000 {
             let mut point = || DVec3::from_array(std::array::from_fn(|_| 2.0 * rng.unit() - 1.0));
             let (a, along, aside, p) = (point(), point(), point(), point());
-            let width = 10_f64.powi(-((round % 12) as i32));
+            let width = 10_f64.powi(-(round % 4));
             let share = 3.0 * point().x;
             let triangle = [a, a + along, a + share * along + width * aside];
-            let p = a + p * 10_f64.powi((round / 12 % 8) as i32 - 3);
+            let p = a + p * 10_f64.powi(round / 4 % 8 - 3);
             let (fast, slow) = (nearest(&triangle, p), nearest_of_all(&triangle, p));
             let (distance, least) = (fast.distance(p), slow.distance(p));
-            let size = 1.0 + least;
-            assert!((distance - least).abs() <= 1e-12 * size, "round {round}: {distance} instead of {least}");
-            of_edges += usize::from(slow.distance(fast) == 0.0);
+            assert!((distance - least).abs() <= 1e-12 * (1.0 + least), "round {round}: {distance} instead of {least}");
+            let plane = Plane::new(&triangle);
+            outside += usize::from(plane.projection(p, plane.scaled(p - a), 1).is_none());
         }
-        assert!(of_edges > ROUNDS / 2, "{of_edges} points are the same");
+        assert!(outside > 100_000, "{outside} points beside their triangles");
     }
 }

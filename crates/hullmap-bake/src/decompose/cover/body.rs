@@ -166,12 +166,17 @@ fn outer(points: &[DVec3]) -> Vec<DVec3> {
         }
     }
     let inner = Body::new(&farthest.iter().map(|(_, p)| *p).collect::<Vec<_>>(), 0.0);
-    let slack = INNER * inner.diagonal();
+    // Far from the origin, heights above planes are off by the rounding error of the coordinates.
+    let greatest = inner.low.abs().max(inner.high.abs()).max_element();
+    let slack = INNER * inner.diagonal() + INNER_ROUNDING * greatest;
     points.iter().filter(|p| !inner.holds(**p, -slack)).copied().collect()
 }
 
 /// Depth from which a point counts as deep inside, relative to the diagonal.
 const INNER: f64 = 1e-9;
+
+/// The same, relative to the greatest coordinate.
+const INNER_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// The points in ascending order, each once. Negative zeros become positive.
 fn distinct(points: &[DVec3]) -> Vec<DVec3> {
@@ -279,5 +284,39 @@ fn inside_face(p: DVec3, corners: &[DVec3]) -> Option<DVec3> {
             weights.iter().all(|w| *w >= 0.0).then_some(p)
         }
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use shapes::rng::SplitMix64;
+
+    use super::*;
+
+    /// In boxes, balls and sheets, near the origin and far from it.
+    #[test]
+    fn extreme_points_are_outer_ones() {
+        let mut rng = SplitMix64::new(3);
+        let mut dropped = 0;
+        for round in 0..60 {
+            let offset = DVec3::splat([0.0, 1.0, 1e4, 1e8][round % 4]);
+            let flat = if round % 3 == 2 { DVec3::new(1.0, 1.0, 0.0) } else { DVec3::ONE };
+            let mut point = || {
+                let p = DVec3::from_array(std::array::from_fn(|_| 2.0 * rng.unit() - 1.0));
+                offset + flat * if round % 3 == 1 { p.normalize_or_zero() * p.length().min(1.0).sqrt() } else { p }
+            };
+            let points: Vec<DVec3> = (0..600).map(|_| point()).collect();
+            let outer = outer(&points);
+            let mut body = Body { low: offset - 1.0, high: offset + 1.0, ..Body::default() };
+            let all = distinct(&points);
+            if let Simplex::Tetrahedron(simplex) = spanning_simplex(&all) {
+                body.add_faces(&all, simplex);
+                assert!(body.points.iter().all(|p| outer.contains(p)), "round {round}: an extreme point is missing");
+                dropped += points.len() - outer.len();
+            } else {
+                assert_eq!(outer, points, "round {round}");
+            }
+        }
+        assert!(dropped > 5_000, "{dropped}");
     }
 }
