@@ -117,7 +117,7 @@ fn certificate(reason: &str) -> Option<String> {
     let alert = alert.split(|letter: char| !letter.is_alphanumeric()).next().unwrap_or_default();
     Some(match alert {
         "CertificateRequired" => "the server requires a certificate of the client".to_owned(),
-        alert if alert.contains("Certificate") || alert == "UnknownCA" => {
+        alert if alert.contains("Certificate") || ["UnknownCA", "DecryptError", "AccessDenied"].contains(&alert) => {
             format!("the server does not accept the certificate of the client: {alert}")
         }
         alert => format!("the server ends the TLS handshake: {alert}"),
