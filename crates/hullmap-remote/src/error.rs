@@ -66,12 +66,11 @@ impl RemoteError {
 
     /// The error of a request that is not repeated.
     pub(crate) fn of(what: &'static str, status: &Status) -> Self {
-        let reason = bounded(&reason(status));
-        if let Some(message) = certificate(&reason) {
+        if let Some(message) = certificate(status) {
             return Self::Certificate(message);
         }
-        // A broken connection has a cause in this process, and an answer has none.
-        let is_ours = std::error::Error::source(status).is_some();
+        let reason = bounded(&reason(status));
+        let is_ours = is_ours(status);
         match status.code() {
             Code::Unavailable | Code::DeadlineExceeded | Code::Cancelled => Self::Unreachable { what, reason },
             _ if is_ours => Self::Unreachable { what, reason },
@@ -93,7 +92,13 @@ pub(crate) fn is_transient(status: &Status) -> bool {
             | Code::Internal
             | Code::Cancelled
     );
-    code && certificate(&reason(status)).is_none()
+    code && certificate(status).is_none()
+}
+
+/// Whether a status comes from this process: a broken connection has a cause, and an answer of the
+/// server has none.
+fn is_ours(status: &Status) -> bool {
+    std::error::Error::source(status).is_some()
 }
 
 /// The explanation of a status: of a broken connection, all of its causes.
@@ -103,8 +108,10 @@ fn reason(status: &Status) -> String {
 }
 
 /// What a failed TLS handshake says about certificates, in words. rustls has types for this, but
-/// its errors arrive as text.
-fn certificate(reason: &str) -> Option<String> {
+/// its errors arrive as text. What a server writes into its answers says nothing about this
+/// connection.
+fn certificate(status: &Status) -> Option<String> {
+    let reason = if is_ours(status) { bounded(&reason(status)) } else { return None };
     if let Some((_, why)) = reason.split_once("invalid peer certificate: ") {
         let why = match why {
             why if why.starts_with("UnknownIssuer") => "its issuer is not trusted",
@@ -115,13 +122,14 @@ fn certificate(reason: &str) -> Option<String> {
     }
     let (_, alert) = reason.split_once("received fatal alert: ")?;
     let alert = alert.split(|letter: char| !letter.is_alphanumeric()).next().unwrap_or_default();
-    Some(match alert {
-        "CertificateRequired" => "the server requires a certificate of the client".to_owned(),
+    match alert {
+        "CertificateRequired" => Some("the server requires a certificate of the client".to_owned()),
         alert if alert.contains("Certificate") || ["UnknownCA", "DecryptError", "AccessDenied"].contains(&alert) => {
-            format!("the server does not accept the certificate of the client: {alert}")
+            Some(format!("the server does not accept the certificate of the client: {alert}"))
         }
-        alert => format!("the server ends the TLS handshake: {alert}"),
-    })
+        "InternalError" => None,
+        alert => Some(format!("the server ends the TLS handshake: {alert}")),
+    }
 }
 
 /// An error with all of its causes.

@@ -29,6 +29,9 @@ const MAX_ERROR_BYTES: usize = 1 << 12;
 /// server has forgotten it.
 const MAX_REQUESTS: u32 = 3;
 
+/// Age from which the end of a stream is not counted as a failed attempt.
+const LONG_STREAM: Duration = Duration::from_secs(20);
+
 /// Result of an action.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
@@ -135,6 +138,7 @@ impl Client {
         let (mut name, mut attempt, mut forgotten) = (None, 1, 0);
         loop {
             let follows = name.is_some();
+            let start = Instant::now();
             let followed = tokio::time::timeout_at(deadline, self.follow(action, again, &mut name)).await;
             let late = || Status::deadline_exceeded("the action did not end in time");
             match followed.unwrap_or_else(|_| Err(late())) {
@@ -156,6 +160,10 @@ impl Client {
                 Err(status) if is_missing(&status) => return Err(RemoteError::Missing(bounded(status.message()))),
                 Err(status) if is_transient(&status) && attempt < self.settings.attempts => {}
                 Err(status) => return Err(RemoteError::of("action", &status)),
+            }
+            // Proxies end streams that live long. The deadline bounds the number of these.
+            if start.elapsed() > LONG_STREAM {
+                attempt = 1;
             }
             tokio::time::sleep(wait(attempt)).await;
             attempt += 1;

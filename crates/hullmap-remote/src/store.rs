@@ -150,8 +150,11 @@ impl Client {
             .await?;
         for response in answer.responses {
             let digest = Digest::read(response.digest.as_ref())?;
-            if response.status.as_ref().is_some_and(|status| status.code != 0) {
-                return Err(RemoteError::Missing(digest.hash().to_owned()));
+            if let Some(status) = response.status.filter(|status| status.code != 0) {
+                return Err(match Code::from_i32(status.code) {
+                    Code::NotFound => RemoteError::Missing(digest.hash().to_owned()),
+                    code => RemoteError::of("download", &Status::new(code, &status.message)),
+                });
             }
             check(&digest, &response.data)?;
             found.insert(digest, response.data);
@@ -167,6 +170,8 @@ impl Client {
         let size = blob.digest.size();
         // The name of an upload must differ from all others.
         let name = format!("{}uploads/{}/blobs/{}/{size}", self.prefix(), unique(), blob.digest.hash());
+        // A file that cannot be read is no answer of the server.
+        Chunks::of(blob, name.clone())?;
         let answer = self
             .retry("upload", size, || {
                 let mut client = ByteStreamClient::new(self.channel.clone()).max_encoding_message_size(MAX_MESSAGE);

@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::net::SocketAddr;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::pin::Pin;
 use std::process::Command;
 use std::sync::{Arc, Mutex};
@@ -53,6 +53,8 @@ pub struct State {
     pub headers: BTreeMap<String, String>,
     /// What it does wrong.
     pub malice: Option<Malice>,
+    /// A file that somebody overwrites while a result is looked up, and with what.
+    pub edit: Option<(PathBuf, String)>,
 }
 
 /// What a hostile server does.
@@ -256,6 +258,9 @@ impl ActionCache for Farm {
     ) -> Result<Response<api::ActionResult>, Status> {
         let mut state = self.state();
         state.count("GetActionResult", request.metadata())?;
+        if let Some((path, text)) = state.edit.take() {
+            std::fs::write(path, text).expect("the file can be written");
+        }
         let hash = request.into_inner().action_digest.unwrap_or_default().hash;
         let missing = || match state.malice {
             Some(Malice::BrokenDetails) => {

@@ -155,6 +155,24 @@ fn without_workers_the_cache_is_filled_from_here() {
     setup.assert_equal("two");
 }
 
+/// Others would get the pack of the edited mesh for the old one.
+#[test]
+fn an_edit_during_a_build_is_not_shared() {
+    let setup = Setup::new();
+    let mesh = setup.folder.path().join("one/in/0/0.obj");
+    for edit in [CUBE.replace("1 1 1", "1 1 7"), "f 1 2 9\n".to_owned()] {
+        let honest = fs::read_to_string(&mesh).unwrap();
+        let is_faulty = edit.starts_with('f');
+        setup.server.state.lock().unwrap().edit = Some((mesh.clone(), edit));
+        let run = setup.build("one", "--remote-cache-only --remote-upload --force").expect(i32::from(is_faulty));
+        assert_eq!(count(&run, "origin", "local"), 21 - usize::from(is_faulty));
+        assert_eq!(setup.server.requests("UpdateActionResult"), 0);
+        fs::write(&mesh, honest).unwrap();
+    }
+    setup.build("one", "--remote-cache-only --remote-upload --force").expect(0);
+    assert_eq!(setup.server.requests("UpdateActionResult"), 1);
+}
+
 #[test]
 fn interruptions_are_survived() {
     let setup = Setup::new();
@@ -223,7 +241,15 @@ fn poisoned_results_are_refused() {
         assert_eq!((count(&run, "origin", "local"), count(&run, "status", "fresh")), (1, 20));
         setup.assert_equal("one");
     }
-    // A worker heals the cache.
+    // An upload heals the cache.
+    let run = setup.build("one", "--remote-cache-only --remote-fallback --remote-upload").expect(0);
+    assert_eq!(count(&run, "status", "fresh"), 21);
+    fs::remove_dir_all(folder.join("o")).unwrap();
+    let run = setup.build("one", "--remote-cache-only --remote-fallback --remote-upload").expect(0);
+    assert_eq!((count(&run, "origin", "cache"), count(&run, "origin", "local")), (20, 1));
+    fs::remove_dir_all(folder.join("o")).unwrap();
+    assert_eq!(count(&setup.build("one", "--remote-cache-only").expect(0), "origin", "cache"), 21);
+    // So does a worker.
     let healed = setup.build("one", "--force").expect(0);
     assert_eq!(count(&healed, "origin", "worker"), 21);
     fs::remove_dir_all(folder.join("o")).unwrap();

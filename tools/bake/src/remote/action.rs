@@ -23,6 +23,7 @@ use crate::outcome::Failure;
 use crate::packs::is_pack;
 use crate::runner::one::Build;
 use crate::runner::rows::{Row, Status};
+use crate::terminal;
 
 /// Path of the rows in the worker's folder.
 pub const RESULTS: &str = "out/results.jsonl";
@@ -153,7 +154,13 @@ impl<'j> Batch<'j> {
             platform: worker.platform.clone(),
             timeout: Some(worker.timeout),
         };
-        spec.action().ok().map(|action| Self { members, action })
+        match spec.action() {
+            Ok(action) => Some(Self { members, action }),
+            Err(error) => {
+                terminal::warning(format_args!("{error}; baking {} meshes here", members.len()));
+                None
+            }
+        }
     }
 
     /// The jobs whose packs are not fresh.

@@ -5,12 +5,15 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::{Mutex, PoisonError};
 
+use hullmap_bake::decompose::Method;
 use hullmap_format::header::MAX_PACK_LEN;
+use hullmap_import as import;
 use hullmap_remote::{Blob, Client, Outcome, OutputFile, RemoteError};
 
 use super::action::{Batch, Member, RESULTS};
 use super::{Delivered, Results};
 use crate::outcome::Exit;
+use crate::runner::freshness::{Expected, Found, judge};
 use crate::runner::one::Build;
 use crate::runner::rows::{Origin, Row, Status};
 use crate::terminal;
@@ -144,16 +147,28 @@ fn take(found: &Row, member: &Member, row: &mut Row) {
     row.vertices_duplicate = found.vertices_duplicate;
 }
 
-/// The output files of a batch that was baked here, for others; `None` if a job failed for another
-/// reason than its mesh, or a pack cannot be read.
-pub fn files(batch: &Batch, results: &Results) -> Option<Vec<(String, Blob)>> {
+/// The output files of a batch that was baked here, for others; `None` if they would mislead
+/// others: a job failed for another reason than its mesh, a source has changed since the action was
+/// described, the bytes of a pack depend on this system ([`key`](crate::jobs::key)), or a pack cannot
+/// be read.
+pub fn files(batch: &Batch, results: &Results, build: &Build) -> Option<Vec<(String, Blob)>> {
     let (mut files, mut text) = (Vec::with_capacity(batch.members.len() + 1), Vec::new());
     for member in &batch.members {
         let (row, exit) = results.get(member.index)?.as_ref()?;
-        if *exit == Exit::Usage {
+        let depends_on_system = matches!(member.job.options.decompose(), Some(Method::Vhacd(_)));
+        if *exit == Exit::Usage || row.is_internal || depends_on_system || !is_of(member, row, build) {
             return None;
         }
-        let there = |text: &String| text.replace(&row.source, &member.source).replace(&row.output, &member.pack);
+        let there = |text: &String| {
+            let text = text.replace(&row.source, &member.source).replace(&row.output, &member.pack);
+            // Buffers lie beside their mesh.
+            match (row.source.rsplit_once('/'), member.source.rsplit_once('/')) {
+                (Some((here, _)), Some((there, _))) if !here.is_empty() => {
+                    text.replace(&format!("{here}/"), &format!("{there}/"))
+                }
+                _ => text,
+            }
+        };
         let row = Row {
             source: member.source.clone(),
             output: member.pack.clone(),
@@ -174,4 +189,15 @@ pub fn files(batch: &Batch, results: &Results) -> Option<Vec<(String, Blob)>> {
     }
     files.push((RESULTS.to_owned(), Blob::of(text)));
     Some(files)
+}
+
+/// Whether a result is that of the source that the action was described with.
+fn is_of(member: &Member, row: &Row, build: &Build) -> bool {
+    if row.status == Status::Failed {
+        let read = import::read(&row.source, &member.job.source, &build.limits);
+        return read.is_ok_and(|source| source.hash == member.hash);
+    }
+    let Ok(recorded_path) = member.job.recorded_path(build.project) else { return false };
+    let expected = Expected { source_hash: member.hash, options: &member.job.options, recorded_path: &recorded_path };
+    matches!(judge(&member.job.output, &expected), Found::Fresh(_))
 }

@@ -14,6 +14,7 @@ mod answer;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use hullmap_remote::{Client, Identity, RemoteError, Settings};
 use rayon::prelude::*;
@@ -76,11 +77,11 @@ pub fn run(jobs: &[&Job], build: &Build, remote: &RemoteArgs, args: &RunArgs) ->
     let batches = farm.batches(jobs, &results, &worker);
     let answers = farm.answers(jobs, &batches, args)?;
     let mut rest = Vec::new();
-    for answer in answers {
-        match answer {
-            Answer::Done(rows) => rows.into_iter().for_each(|(index, row, exit)| results[index] = Some((row, exit))),
-            Answer::BakeHere(batch) => rest.push(batch),
+    for (batch, delivered) in answers {
+        if delivered.len() < batch.wanted().count() {
+            rest.push(batch);
         }
+        delivered.into_iter().for_each(|(index, row, exit)| results[index] = Some((row, exit)));
     }
     let left: Vec<usize> = (0..jobs.len()).filter(|&index| results[index].is_none()).collect();
     let baked = runner::run(&left.iter().map(|&index| jobs[index]).collect::<Vec<_>>(), build, args)?;
@@ -93,13 +94,11 @@ pub fn run(jobs: &[&Job], build: &Build, remote: &RemoteArgs, args: &RunArgs) ->
     Ok(results.into_iter().flatten().collect())
 }
 
-/// What a batch ended with.
-enum Answer<'a> {
-    /// The results of its jobs, by their indices.
-    Done(Delivered),
-    /// Nothing: its jobs are baked here.
-    BakeHere(&'a Batch<'a>),
-}
+/// A batch, and the results that the farm delivered for it. Jobs without one are baked here.
+type Answer<'a> = (&'a Batch<'a>, Delivered);
+
+/// Interval between updates of the progress.
+const TICK: Duration = Duration::from_millis(100);
 
 /// A farm and how it is used.
 struct Farm<'a> {
@@ -150,8 +149,11 @@ impl Farm<'_> {
             }
         };
         std::thread::scope(|scope| {
-            for _ in 0..usize::from(self.remote.jobs).min(batches.len()) {
-                scope.spawn(work);
+            let threads = 0..usize::from(self.remote.jobs).min(batches.len());
+            let workers: Vec<_> = threads.map(|_| scope.spawn(work)).collect();
+            while workers.iter().any(|worker| !worker.is_finished()) {
+                std::thread::sleep(TICK);
+                progress.tick();
             }
         });
         progress.finish();
@@ -161,11 +163,10 @@ impl Farm<'_> {
     /// The answer to a batch.
     fn answer<'a>(&self, batch: &'a Batch<'a>) -> Result<Answer<'a>, Failure> {
         match self.deliver(batch) {
-            Ok(Some(rows)) => Ok(Answer::Done(rows)),
-            Ok(None) => Ok(Answer::BakeHere(batch)),
+            Ok(delivered) => Ok((batch, delivered)),
             Err(error) if self.remote.fallback => {
                 terminal::warning(format_args!("{error}; baking {} meshes here", batch.wanted().count()));
-                Ok(Answer::BakeHere(batch))
+                Ok((batch, Delivered::new()))
             }
             Err(error) => {
                 self.has_failed.store(true, Ordering::Relaxed);
@@ -177,29 +178,29 @@ impl Farm<'_> {
         }
     }
 
-    /// The results of a batch, from the cache or from a worker; `None` if neither is to make them.
-    fn deliver(&self, batch: &Batch) -> Result<Option<Delivered>, RemoteError> {
+    /// The results of a batch, from the cache or from a worker; none if neither is to make them.
+    fn deliver(&self, batch: &Batch) -> Result<Delivered, RemoteError> {
         let (digest, executes) = (&batch.action.digest, !self.remote.cache_only);
         let mut again = self.build.force;
         if !again && let Some(outcome) = self.client.look_up(digest, &[action::RESULTS.to_owned()])? {
             match answer::accept(&self.client, batch, &outcome, self.build, self.remote.fallback) {
                 // The cache knows the result, but its files were removed from the store.
                 Err(RemoteError::Missing(_)) => again = true,
-                accepted => return accepted.map(Some),
+                accepted => return accepted,
             }
         }
         if !executes {
-            return Ok(None);
+            return Ok(Delivered::new());
         }
         let outcome = self.client.execute(&batch.action, again)?;
-        answer::accept(&self.client, batch, &outcome, self.build, self.remote.fallback).map(Some)
+        answer::accept(&self.client, batch, &outcome, self.build, self.remote.fallback)
     }
 
-    /// Uploads the results of batches that were baked here. A result with a file that could not be
-    /// read or written is left out.
+    /// Uploads the results of batches that were baked here, except for those that
+    /// [`answer::files`] leaves out.
     fn publish(&self, batches: &[&Batch], results: &Results) -> Result<(), Failure> {
         for batch in batches {
-            let Some(files) = answer::files(batch, results) else { continue };
+            let Some(files) = answer::files(batch, results, self.build) else { continue };
             match self.client.publish(&batch.action, &files) {
                 Ok(()) => {}
                 Err(error) if self.remote.fallback => {
@@ -267,7 +268,7 @@ fn settings(remote: &RemoteArgs) -> Result<Settings, Failure> {
             key: pem("--remote-client-key", key, "PRIVATE KEY-----")?,
         });
     }
-    settings.action_timeout = std::time::Duration::from_secs(remote.timeout);
+    settings.action_timeout = Duration::from_secs(remote.timeout);
     Ok(settings)
 }
 

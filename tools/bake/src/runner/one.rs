@@ -74,6 +74,7 @@ impl Build<'_> {
                 let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
                 let text = text.unwrap_or("no message");
                 row.error = Some(format!("{}: internal error ({text}); please report it, with the file", row.source));
+                row.is_internal = true;
                 Exit::Rejected
             }
         };
@@ -154,9 +155,9 @@ impl Build<'_> {
         if let Some(status) = self.judge(job, hash, row)? {
             if self.verify && status == Status::Fresh {
                 let imported = self.import(job, row, &source)?;
-                verify_pack(&job.output, &imported).map_err(|failure| Failure {
-                    message: format!("{failure}; bake it again with --force"),
-                    ..failure
+                verify_pack(&job.output, &imported).map_err(|failure| {
+                    row.is_internal = true;
+                    Failure { message: format!("{failure}; bake it again with --force"), ..failure }
                 })?;
             }
             return Ok(status);
@@ -175,7 +176,7 @@ impl Build<'_> {
             .map_err(|error| Failure::rejected(format!("{}: {error}", row.source)))?;
         let file = write_beside(&job.output, &pack.bytes).map_err(cannot_write)?;
         if self.verify {
-            verify_pack(file.path(), &imported)?;
+            verify_pack(file.path(), &imported).inspect_err(|_| row.is_internal = true)?;
         }
         put_in_place(file, &job.output).map_err(cannot_write)?;
 

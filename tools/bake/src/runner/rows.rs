@@ -93,6 +93,10 @@ pub struct Row {
     pub warnings: Vec<String>,
     /// Why it failed.
     pub error: Option<String>,
+    /// Whether it failed because of an error in the baker, not in the mesh. Such a failure is not
+    /// shared.
+    #[serde(skip)]
+    pub is_internal: bool,
 }
 
 impl Row {
@@ -117,6 +121,7 @@ impl Row {
             notes: Vec::new(),
             warnings: Vec::new(),
             error: None,
+            is_internal: false,
         }
     }
 }
