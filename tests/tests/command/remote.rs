@@ -160,16 +160,22 @@ fn without_workers_the_cache_is_filled_from_here() {
 fn an_edit_during_a_build_is_not_shared() {
     let setup = Setup::new();
     let mesh = setup.folder.path().join("one/in/0/0.obj");
+    let build = |exit| {
+        let run = setup.build("one", "--remote-cache-only --remote-upload").expect(exit);
+        fs::remove_dir_all(setup.folder.path().join("one/o")).unwrap();
+        run
+    };
+    let honest = fs::read_to_string(&mesh).unwrap();
     for edit in [CUBE.replace("1 1 1", "1 1 7"), "f 1 2 9\n".to_owned()] {
-        let honest = fs::read_to_string(&mesh).unwrap();
         let is_faulty = edit.starts_with('f');
         setup.server.state.lock().unwrap().edit = Some((mesh.clone(), edit));
-        let run = setup.build("one", "--remote-cache-only --remote-upload --force").expect(i32::from(is_faulty));
+        let run = build(i32::from(is_faulty));
+        assert!(setup.server.state.lock().unwrap().edit.is_none(), "the mesh was edited");
         assert_eq!(count(&run, "origin", "local"), 21 - usize::from(is_faulty));
         assert_eq!(setup.server.requests("UpdateActionResult"), 0);
-        fs::write(&mesh, honest).unwrap();
+        fs::write(&mesh, &honest).unwrap();
     }
-    setup.build("one", "--remote-cache-only --remote-upload --force").expect(0);
+    build(0);
     assert_eq!(setup.server.requests("UpdateActionResult"), 1);
 }
 
