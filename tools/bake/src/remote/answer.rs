@@ -149,8 +149,8 @@ fn take(found: &Row, member: &Member, row: &mut Row) {
 
 /// The output files of a batch that was baked here, for others; `None` if they would mislead
 /// others: a job failed for another reason than its mesh, a source has changed since the action was
-/// described, the bytes of a pack depend on this system ([`key`](crate::jobs::key)), or a pack cannot
-/// be read.
+/// described, the bytes of a pack depend on this system ([`key`](crate::jobs::key)), or a pack
+/// cannot be read.
 pub fn files(batch: &Batch, results: &Results, build: &Build) -> Option<Vec<(String, Blob)>> {
     let (mut files, mut text) = (Vec::with_capacity(batch.members.len() + 1), Vec::new());
     for member in &batch.members {
