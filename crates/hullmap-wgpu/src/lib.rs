@@ -1,10 +1,10 @@
 //! Batches of support queries, intersection tests, distances and contacts of baked hulls, as
 //! compute kernels (wgpu, WGSL) on the bytes of a pack.
 //!
-//! [`Batch`] solves pairs of hulls of one pack or several, on a Vulkan device or on the processor. The kernels
-//! compute in f32. They return intervals that contain the distance in spite of all rounding errors,
-//! fused operations included, and a [`Status`] that says what is proven. [`Batch::settle`] finishes
-//! on the processor, in f64, what f32 left open.
+//! [`Batch`] solves pairs of hulls of one pack or several, on a Vulkan device or on the processor.
+//! The kernels compute in f32. They return intervals that contain the distance in spite of all
+//! rounding errors, fused operations included, and a [`Status`] that says what is proven.
+//! [`Batch::settle`] finishes on the processor, in f64, what f32 left open.
 //!
 //! # Files
 //! - `batch.rs`: the calls, and the processor's side of them.
