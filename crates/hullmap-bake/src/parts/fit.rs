@@ -56,10 +56,14 @@ pub fn fits(mesh: &PointSet, parts: &[&Hull], limit: Option<f64>) -> Option<Vec<
     let accuracy = Accuracy::tight(solid.diagonal());
     let fit = |part: &&Hull| {
         let mut found = protrusion(&solid, part, &accuracy);
-        // A bound may exceed a limit that holds by the accuracy of the bound.
-        if let Some(limit) = limit.filter(|limit| found.bound > *limit && found.reached <= *limit) {
+        // A bound may exceed a limit that holds by the accuracy of the bound, and beside closing
+        // triangles by more: distances are upper bounds there, and some points have better ones.
+        let may_hold = |limit: &f64| found.reached <= *limit || solid.kind() == SolidKind::Closed;
+        if let Some(limit) = limit.filter(|limit| found.bound > *limit).filter(may_hold) {
             let decided = protrusion(&solid, part, &Accuracy::decide(limit));
-            found.bound = found.bound.min(decided.bound);
+            if decided.bound <= limit {
+                found = decided;
+            }
         }
         // Where nothing protrudes, any point of the part is the one.
         let first = part.positions().first().copied().unwrap_or_default();

@@ -365,6 +365,33 @@ fn closing_triangles_that_are_whole_have_the_inside_beside_them() {
     assert!(whole > 500 && partly > 30 && unknown * 20 < whole, "{whole} whole, {partly} partly, {unknown} unknown");
 }
 
+/// Beside closing triangles, a point may be closer to the solid than its measured distance says. A
+/// limit that holds is recorded all the same.
+#[test]
+fn a_limit_that_is_proven_is_recorded() {
+    let mut proven = 0;
+    for seed in 550..580 {
+        let mut rng = SplitMix64::new(seed);
+        let mut corner = |low: f64, high: f64| std::array::from_fn(|_| (low + (high - low) * rng.unit()) as f32);
+        let blocks = [(); 2].map(|()| block(corner(0.0, 0.5), corner(0.6, 1.0), false));
+        let mut mesh = joined(&blocks);
+        mesh.triangles.remove((rng.unit() * mesh.triangles.len() as f64) as usize);
+        let solid = Solid::new(&mesh);
+        let points: Vec<[f32; 3]> = (0..7).map(|_| mesh.positions[(rng.unit() * 16.0) as usize]).collect();
+        let part = hull_of(&points);
+        let measured = tight(&solid, &part);
+        let limit = 0.995 * measured.reached;
+        let decided = protrusion(&solid, &part, &Accuracy::decide(limit));
+        if decided.bound <= limit {
+            assert_eq!(solid.kind(), SolidKind::Closed, "seed {seed}: {measured:?} {decided:?}");
+            let fit = fits(&mesh, &[&part], Some(limit)).unwrap()[0];
+            assert!(fit.protrusion <= limit, "seed {seed}: {fit:?}, limit {limit}");
+            proven += 1;
+        }
+    }
+    assert!(proven >= 2, "{proven} cases");
+}
+
 #[test]
 fn uncovered_is_never_below_a_sample() {
     let mut rng = SplitMix64::new(13);
