@@ -20,6 +20,9 @@ const COMPACTION_GROUP: u32 = 256;
 /// Pairs of one dispatch. Larger batches take several, so that no dispatch runs for long.
 const CHUNK: usize = 1 << 17;
 
+/// The same of contacts, whose polytopes take about 200 MB then.
+const CONTACT_CHUNK: usize = 1 << 15;
+
 /// Bytes of a polytope of EPA: 64 corners and 124 faces.
 const POLYTOPE_BYTES: u64 = (64 + 124) * 32;
 
@@ -305,7 +308,9 @@ impl DevicePack {
     pub(crate) fn chunk(&self, query: Query) -> usize {
         let polytopes = (self.device.binding_limit() / POLYTOPE_BYTES) as usize;
         match query {
-            Query::Contact => polytopes.clamp(COMPACTION_GROUP as usize, CHUNK) & !(COMPACTION_GROUP as usize - 1),
+            Query::Contact => {
+                polytopes.clamp(COMPACTION_GROUP as usize, CONTACT_CHUNK) & !(COMPACTION_GROUP as usize - 1)
+            }
             _ => CHUNK,
         }
     }

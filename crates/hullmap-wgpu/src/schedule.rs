@@ -81,7 +81,8 @@ pub(crate) fn efficiency(order: &[u32], answers: &[AnswerRecord], rounds: &[u32]
             count(&left.map(of).collect::<Vec<_>>());
             before = *until;
         }
-        let expanded = in_order.iter().map(|answer| answer.steps - answer.gjk_steps).filter(|steps| *steps > 0);
+        let expanded =
+            in_order.iter().map(|answer| answer.steps.saturating_sub(answer.gjk_steps)).filter(|steps| *steps > 0);
         count(&expanded.collect::<Vec<_>>());
     }
     if spent == 0 { 1.0 } else { used as f64 / spent as f64 }

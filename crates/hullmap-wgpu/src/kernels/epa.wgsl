@@ -111,7 +111,8 @@ fn open_horizon(w: vec3f, apex: u32, faces: u32, error: f32) -> vec2u {
         face_count -= 1u;
         cells[seen] = cells[cell(MAX_VERTICES + face_count)];
     }
-    if face_count + pending > MAX_FACES {
+    // Without a border, the surface is no longer closed.
+    if pending == 0u || face_count + pending > MAX_FACES {
         return vec2u(0u, 0u);
     }
     return vec2u(face_count, pending);

@@ -44,7 +44,7 @@ type Delivered = Vec<(usize, Row, Exit)>;
 pub fn run(jobs: &[&Job], build: &Build, remote: &RemoteArgs, args: &RunArgs) -> Result<Vec<(Row, Exit)>, Failure> {
     let worker = Worker::new(remote, build)?;
     let settings = settings(remote)?;
-    let address = &settings.address;
+    let address = settings.address.clone();
     if !settings.headers.is_empty() && !address.uses_tls() && !address.is_local() {
         terminal::warning(format_args!(
             "--remote-header: the connection to {address} is not encrypted, so others on the network can read the \
@@ -54,10 +54,13 @@ pub fn run(jobs: &[&Job], build: &Build, remote: &RemoteArgs, args: &RunArgs) ->
     let client = match Client::connect(settings) {
         Ok(client) => client,
         Err(error) if error.is_unreachable() && remote.fallback => {
-            terminal::warning(format_args!("{error}; baking here"));
+            terminal::warning(format_args!("{address}: {error}; baking here"));
             return runner::run(jobs, build, args);
         }
-        Err(error) => return Err(failure(&error)),
+        Err(error) => {
+            let Failure { exit, message } = failure(&error);
+            return Err(Failure { exit, message: format!("{address}: {message}") });
+        }
     };
     let executes = !remote.cache_only;
     if executes && !client.executes() {
