@@ -194,9 +194,9 @@ fn casts_agree_with_parry() {
     }
 }
 
-/// parry solves casts with rotation, on hulls as on polyhedra of the same vertices. By brute force,
-/// the shapes touch where they are said to meet, and are apart before. parry misses some that only
-/// just touch.
+/// parry solves casts with rotation, for hulls as for polyhedra of the same vertices. Brute force
+/// shows that the shapes touch at the time of impact, and not before. parry misses some impacts in
+/// which shapes only just touch.
 #[test]
 fn casts_with_rotation_meet_at_distance_zero() {
     let (a, b) = (baked(&families::rock(60, 1)), baked(&families::prism(16, 1)));
