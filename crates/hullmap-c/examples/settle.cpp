@@ -1,7 +1,7 @@
 // Drops a box on the first hull of a pack, and waits until it rests: settle PACK
 //
 // The hull must be flat on top, such as baked/cube.hullmap. From other hulls the box falls off.
-#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <hullmap.hpp>
 using namespace hullmap::vectors;
@@ -13,32 +13,23 @@ int main(int, char **arguments) try {
     hullmap::Pose pose{{0.1, 0.0, top + 1.0}, {0.2, 0.1, 0.0, 1.0}};
     hullmap::Vec3 velocity{}, spin{};
     hullmap::Manifold manifold;
-    auto push = [&](const hullmap::ManifoldPoint &p, double impulse) {
-        velocity += impulse * p.normal;
-        spin += impulse / inertia * cross(p.point_b - pose.translation, p.normal);
-    };
     for (int i = 0; i < 600; ++i) {
         velocity.z -= 9.81 * step;
         manifold.update(ground, box, pose);
-        for (auto &p : manifold) push(p, p.impulse[0]);  // what held it in the last step
-        for (int k = 0; k < 20; ++k) {
-            for (auto &p : manifold) {
-                auto arm = p.point_b - pose.translation, lever = cross(arm, p.normal);
-                // Close a gap within this step, but push overlapping surfaces apart slowly.
-                double depth = p.depth < 0.0 ? p.depth : 0.2 * std::max(p.depth - 0.005, 0.0);
-                double change = depth / step - dot(velocity + cross(spin, arm), p.normal);
-                double total = std::max(p.impulse[0] + change / (1.0 + dot(lever, lever) / inertia), 0.0);
-                push(p, total - p.impulse[0]);
-                p.impulse[0] = total;  // kept until the next step
-            }
+        for (int k = 0; k < 20; ++k) for (auto &p : manifold) {
+            auto arm = p.point_b - pose.translation, lever = cross(arm, p.normal);
+            // Close a gap within this step, but push overlapping surfaces apart slowly.
+            double speed = (p.depth < 0.005 ? std::fmin(p.depth, 0.0) : 0.2 * (p.depth - 0.005)) / step;
+            double change = (speed - dot(velocity + cross(spin, arm), p.normal)) / (1.0 + dot(lever, lever) / inertia);
+            double held = k ? p.impulse[0] : 0.0;  // the first time, push as much as at the end of the last step
+            p.impulse[0] = k ? std::fmax(held + change, 0.0) : p.impulse[0];
+            velocity += (p.impulse[0] - held) * p.normal;
+            spin += (p.impulse[0] - held) / inertia * cross(arm, p.normal);
         }
         pose = hullmap::moved(pose, step * velocity, step * spin);
     }
     bool rests = manifold.size() == 4 && length(velocity) + length(spin) < 1e-3;
-    std::printf("%zu points, %.4f above the hull, %s\n", manifold.size(), pose.translation.z - top,
-                rests ? "at rest" : "moving");
-    return rests ? 0 : 1;
+    return std::printf("%s, %.4f above the hull\n", rests ? "at rest" : "moving", pose.translation.z - top), !rests;
 } catch (const hullmap::Error &error) {
-    std::fprintf(stderr, "settle: %s\n", error.what());
-    return 2;
+    return std::fprintf(stderr, "settle: %s\n", error.what()), 2;
 }

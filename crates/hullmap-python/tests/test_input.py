@@ -97,7 +97,7 @@ def test_wrong_arguments_of_queries_are_rejected(cube):
     for threads in (0, 5000):
         with pytest.raises(Error, match="threads must be from 1 to 1024"):
             cube.distance(cube, poses, threads=threads)
-    with pytest.raises(ArrayError, match="max_iterations must be from 0"):
+    with pytest.raises(ArrayError, match="max_iterations must be a whole number from 0"):
         cube.distance(cube, poses, max_iterations=-1)
     with pytest.raises(ArrayError, match=r"directions\[1\]: a direction must be finite and not zero"):
         cube.support([[1, 0, 0], [0, 0, 0]])

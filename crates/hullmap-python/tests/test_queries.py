@@ -331,8 +331,8 @@ def test_manifolds_of_pack_on_pack_and_floor(pair_of_cubes):
     assert np.allclose(alone.depth[0], pack[0].manifold(pack[1], single).depth) and alone.touching == 1
     empty = pack.manifolds(pack, np.zeros((0, 7)))
     assert empty.depth.shape == (0, 8, 4) and empty.touching.shape == (0,)
-    for wrong in (0, -1, 65537, 2**40):
-        with pytest.raises(hullmap.ArrayError, match="max_pairs"):
+    for wrong in (0, -1, 65537, 2**40, 2.7, float("nan"), None):
+        with pytest.raises(hullmap.ArrayError, match="max_pairs must be a whole number from 1 to 65536"):
             pack.manifolds(pack, single, max_pairs=wrong)
     with pytest.raises(hullmap.ShapeError, match="must be the first shape"):
         pack.manifolds(floor, single)

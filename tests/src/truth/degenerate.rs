@@ -255,6 +255,9 @@ impl SupportMap for General<'_, '_> {
     fn outer_radius(&self) -> f64 {
         self.0.outer_radius()
     }
+    fn support_error(&self) -> f64 {
+        self.0.support_error()
+    }
     fn point(&self, feature: u32) -> Option<DVec3> {
         self.0.point(feature)
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import os
 import tempfile
 from pathlib import Path
@@ -39,10 +40,19 @@ RAY_TOLERANCE = 1e-6
 Poses = Optional[npt.ArrayLike]
 
 
+def _count(name: str, value: int, least: int, most: int) -> int:
+    """The whole number ``value``, if it is from ``least`` to ``most``."""
+    try:
+        count = operator.index(value)
+    except TypeError:
+        count = least - 1
+    if not least <= count <= most:
+        raise ArrayError(f"{name} must be a whole number from {least} to {most}, found {value}")
+    return count
+
+
 def _limit(max_iterations: int) -> int:
-    if not 0 <= max_iterations < 2**32:
-        raise ArrayError(f"max_iterations must be from 0 to 4294967295, found {max_iterations}")
-    return int(max_iterations)
+    return _count("max_iterations", max_iterations, 0, 2**32 - 1)
 
 
 def _poses(
@@ -241,9 +251,7 @@ class Shape:
         poses, lead = _poses(b_in_a, a_in_world, b_in_world)
         settings = (float(tolerance), _limit(max_iterations))
         length = None if prediction is None else float(prediction)
-        if not 1 <= max_pairs < 2**32:
-            raise ArrayError(f"max_pairs must be from 1 to 65536, found {max_pairs}")
-        pairs = int(max_pairs)
+        pairs = _count("max_pairs", max_pairs, 1, 2**16)
         found = _hullmap.manifolds(self._native, _native(other), poses, settings, length, pairs, coherent, threads)
         # The counts are in the first row of each pose.
         for name in ("touching", "dropped"):
