@@ -6,6 +6,7 @@
 //! | [`subject`] | a family of [`shapes`], baked |
 //! | [`rivals`] | the methods that are compared, each with its own tables |
 //! | [`query`] | what a rival is, and the loops that query it |
+//! | [`clock`] | processor time of this thread |
 //! | [`directions`] | query directions: random, turning, and difficult ones |
 //! | [`measure`] | interleaved timing: throughput, latency, coherent, cold |
 //! | [`eviction`] | how caches are emptied for cold queries |
@@ -21,6 +22,7 @@
 #![deny(unsafe_code)]
 
 pub mod chart;
+pub mod clock;
 pub mod collision;
 pub mod comparison;
 pub mod csv;

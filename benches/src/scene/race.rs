@@ -5,10 +5,10 @@
 //! take minutes, but move through all pairs as well. So hulls are as cold for one engine as for
 //! another.
 //!
-//! A window is timed in pieces of a few queries, which are short compared with a time slice of the
-//! operating system. The result is the median over the pieces of all rounds.
+//! A window is timed in pieces of a few queries, in processor time of the thread, so that other
+//! programs do not count. The result is the median over the pieces of all rounds.
 
-use std::{hint::black_box, time::Instant};
+use std::hint::black_box;
 
 use glam::{DVec3, Vec3};
 use hullmap::SupportMap as _;
@@ -25,7 +25,12 @@ use super::{
     Scene,
     pairs::{Crowd, Placed, random},
 };
-use crate::{directions, rivals::simd_scan, subject::SEED};
+use crate::{
+    clock::{median, time_ns},
+    directions,
+    rivals::simd_scan,
+    subject::SEED,
+};
 
 /// What is asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -167,14 +172,7 @@ const PARRY_PIECE: usize = 3;
 
 /// Adds the time of `work` to `times`, in nanoseconds per item.
 fn record(times: &mut Vec<f64>, items: usize, work: impl FnOnce()) {
-    let start = Instant::now();
-    work();
-    times.push(start.elapsed().as_secs_f64() * 1e9 / items as f64);
-}
-
-fn median(mut times: Vec<f64>) -> Option<f64> {
-    times.sort_by(f64::total_cmp);
-    times.get(times.len() / 2).copied()
+    times.push(time_ns(work) / items as f64);
 }
 
 fn supports(scene: &Scene, hulls: &[Hull<'_>], effort: Effort, cells: &mut Vec<Cell>) {

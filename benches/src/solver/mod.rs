@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`pairs`] | two hulls, and their poses: by class, and along paths |
 //! | [`engines`] | the three queries, hullmap's and parry's |
+//! | [`mujoco`] | MuJoCo in a program of its own |
 //! | [`race`] | interleaved timing, cold and frame-coherent |
 //! | [`errors`] | the answers compared with each other |
 //! | [`targets`] | goals, as fractions of parry's time |
@@ -12,6 +13,7 @@
 
 pub mod engines;
 pub mod errors;
+pub mod mujoco;
 pub mod pairs;
 pub mod race;
 pub mod tables;

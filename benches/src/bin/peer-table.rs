@@ -1,0 +1,291 @@
+//! Contact beside MuJoCo and parry3d, on the same hulls and poses, interleaved in one run.
+
+use std::{error::Error, fs, hint::black_box, path::PathBuf, process::ExitCode};
+
+use clap::Parser;
+use hullmap::{Cache, Settings, contact};
+use hullmap_bench::{
+    clock::{median, time_ns},
+    csv::Csv,
+    machine::Machine,
+    matrix::Matrix,
+    output,
+    solver::{
+        mujoco::{ITERATIONS, MuJoCo, Session},
+        pairs::{Class, FAMILIES, Pair, Placed},
+        race::Mix,
+    },
+    subject::SEED,
+};
+use parry3d::{math, query};
+use shapes::rng::SplitMix64;
+
+/// Number of frames of a path.
+const FRAMES: usize = 33;
+
+/// Compares contact with MuJoCo's and parry3d's, on sphere, ellipsoid and rock hulls.
+///
+/// A third of the poses penetrate, a third are within 2 % of touching, a third are separated. MuJoCo
+/// comes from PyPI; without it the table is skipped. Tables go to standard output, progress to
+/// standard error.
+#[derive(Parser)]
+#[command(after_help = "Example:\n  python3 -m venv target/venv && target/venv/bin/pip install mujoco\n  \
+    cargo run --release -p hullmap-bench --bin peer-table -- --python target/venv/bin/python")]
+struct Arguments {
+    /// Python that has the package `mujoco`
+    #[arg(long, value_name = "FILE", default_value = "python3")]
+    python: PathBuf,
+    /// Vertex counts, separated by commas
+    #[arg(long, value_delimiter = ',', default_value = "8,32,128,512,2048")]
+    n: Vec<usize>,
+    /// Number of poses of each class and family
+    #[arg(long, default_value_t = 100)]
+    poses: usize,
+    /// Number of paths of each class and family
+    #[arg(long, default_value_t = 10)]
+    paths: usize,
+    /// Number of rounds
+    #[arg(long, default_value_t = 15)]
+    rounds: usize,
+    /// Also write the tables as markdown, with facts about the machine, and as CSV beside it
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let mujoco = match MuJoCo::find(&arguments.python) {
+        Ok(mujoco) => mujoco,
+        Err(reason) => {
+            println!("skipped: MuJoCo is missing: {reason}");
+            return ExitCode::SUCCESS;
+        }
+    };
+    match run(&arguments, &mujoco) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Which engine answers, and in which order the poses come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Engine {
+    /// hullmap with empty caches.
+    Cold,
+    MuJoCo,
+    Parry,
+    /// hullmap along paths, with empty caches.
+    PathCold,
+    /// hullmap along paths, with a cache for each path.
+    PathWarm,
+    /// MuJoCo along paths. It keeps nothing from one query to the next.
+    PathMuJoCo,
+}
+
+impl Engine {
+    const ALL: [Engine; 6] =
+        [Engine::Cold, Engine::MuJoCo, Engine::Parry, Engine::PathCold, Engine::PathWarm, Engine::PathMuJoCo];
+
+    /// Order of the poses and name, in the CSV.
+    const fn names(self) -> [&'static str; 2] {
+        match self {
+            Engine::Cold => ["random", "hullmap"],
+            Engine::MuJoCo => ["random", "mujoco"],
+            Engine::Parry => ["random", "parry"],
+            Engine::PathCold => ["paths", "hullmap cold"],
+            Engine::PathWarm => ["paths", "hullmap warm"],
+            Engine::PathMuJoCo => ["paths", "mujoco"],
+        }
+    }
+}
+
+/// Median times of one vertex count and one selection of poses (a class, or all), by engine, in
+/// nanoseconds per query. They are the means over the families.
+struct Cell {
+    n: usize,
+    poses: &'static str,
+    ns: [f64; Engine::ALL.len()],
+}
+
+/// Differences of the answers, over all poses.
+#[derive(Default)]
+struct Differences {
+    poses: usize,
+    /// One says yes, the other no, and the depth exceeds a millionth of the diameter.
+    verdicts: usize,
+    /// Maximum distance of MuJoCo's depth from hullmap's interval, over the diameter.
+    depth: f64,
+}
+
+fn run(arguments: &Arguments, mujoco: &MuJoCo) -> Result<(), Box<dyn Error>> {
+    let (mut cells, mut differences) = (Vec::new(), Differences::default());
+    for &n in &arguments.n {
+        eprintln!("{n} vertices");
+        measure(arguments, mujoco, n, &mut cells, &mut differences)?;
+    }
+    let tables = tables(&cells);
+    let Differences { poses, verdicts, depth } = differences;
+    let facts = format!(
+        "MuJoCo {}, at most {ITERATIONS} iterations, one point of contact. Of {poses} poses, hullmap and MuJoCo \
+         disagree on yes or no in {verdicts}. MuJoCo's depth is at most {depth:.0e} of the diameter outside \
+         hullmap's interval.\n",
+        mujoco.version
+    );
+    tables.iter().for_each(|table| println!("{}", table.to_text()));
+    let load = fs::read_to_string("/proc/loadavg").unwrap_or_default();
+    let head = format!("{}- load of the machine at the end: {}\n", Machine::here().to_markdown(), load.trim());
+    println!("{facts}\n{head}");
+    if let Some(path) = &arguments.out {
+        let sections: Vec<String> = tables.iter().map(Matrix::to_markdown).collect();
+        output::write(path, &format!("# Contact beside MuJoCo\n\n{head}\n{facts}\n{}", sections.join("\n")))?;
+        output::write(&path.with_extension("csv"), to_csv(&cells).as_str())?;
+    }
+    Ok(())
+}
+
+/// Measures one vertex count.
+fn measure(
+    arguments: &Arguments,
+    mujoco: &MuJoCo,
+    n: usize,
+    cells: &mut Vec<Cell>,
+    differences: &mut Differences,
+) -> Result<(), Box<dyn Error>> {
+    let mut times: Vec<[Vec<f64>; Engine::ALL.len()]> = vec![Default::default(); Mix::ALL.len()];
+    let mut rng = SplitMix64::new(SEED);
+    for pair in FAMILIES.into_iter().filter_map(|family| Pair::bake(family, n, SEED)) {
+        let poses = pair.poses(arguments.poses, &mut rng);
+        let frames = pair.frames(arguments.paths, FRAMES, &mut rng);
+        let both: Vec<&Placed> = poses.iter().chain(&frames).collect();
+        let mut session = mujoco.start(pair.hulls(), &both)?;
+        compare(&pair, &poses, &session, differences);
+        for (mix, times) in Mix::ALL.into_iter().zip(&mut times) {
+            let mut race = Race { pair: &pair, poses: &poses, frames: &frames, mix, session: &mut session };
+            let rounds = (0..arguments.rounds).map(|_| race.round()).collect::<Result<Vec<_>, _>>()?;
+            for (engine, times) in times.iter_mut().enumerate() {
+                times.extend(median(rounds.iter().map(|round| round[engine]).collect()));
+            }
+        }
+    }
+    cells.extend(Mix::ALL.into_iter().zip(&times).map(|(mix, times)| {
+        let ns = std::array::from_fn(|engine| times[engine].iter().sum::<f64>() / times[engine].len() as f64);
+        Cell { n, poses: mix.name(), ns }
+    }));
+    Ok(())
+}
+
+/// Counts the differences of the answers.
+fn compare(pair: &Pair, poses: &[Placed], session: &Session, differences: &mut Differences) {
+    let [a, b] = pair.hulls();
+    for (placed, depth) in poses.iter().zip(&session.depths) {
+        let found = contact(&a, &b, placed.b_in_a, &Settings::default(), &mut Cache::default());
+        let is_clear = found.depth_upper.max(*depth) > 1e-6 * pair.diameter();
+        differences.poses += 1;
+        differences.verdicts += usize::from(found.hit != (*depth >= 0.0) && is_clear);
+        if found.hit && *depth >= 0.0 {
+            let outside = (found.depth_lower - depth).max(depth - found.depth_upper);
+            differences.depth = differences.depth.max(outside / pair.diameter());
+        }
+    }
+}
+
+/// A pair of hulls, and a selection of its poses and paths. Classes alternate in both.
+struct Race<'s> {
+    pair: &'s Pair,
+    poses: &'s [Placed],
+    frames: &'s [Placed],
+    mix: Mix,
+    session: &'s mut Session,
+}
+
+impl Race<'_> {
+    /// Nanoseconds per query, by engine.
+    fn round(&mut self) -> Result<[f64; Engine::ALL.len()], Box<dyn Error>> {
+        let ([a, b], [p, q]) = (self.pair.hulls(), self.pair.polyhedra());
+        let (settings, identity) = (Settings::default(), math::Pose::IDENTITY);
+        let (first, step) = stride(self.mix);
+        let selected = |all: &[Placed]| -> Vec<Placed> { all.iter().skip(first).step_by(step).copied().collect() };
+        let (poses, frames) = (selected(self.poses), selected(self.frames));
+        let (count, all) = (self.poses.len(), self.poses.len() + self.frames.len());
+        let mut caches = vec![Cache::default(); frames.len() / FRAMES];
+        let paths = caches.len();
+        let mut ns = [0.0; Engine::ALL.len()];
+        for engine in Engine::ALL {
+            let cold = |_: usize, placed: &Placed| {
+                black_box(contact(&a, &b, placed.b_in_a, &settings, &mut Cache::default()));
+            };
+            ns[engine as usize] = match engine {
+                Engine::Cold => second_pass(&poses, cold),
+                Engine::PathCold => second_pass(&frames, cold),
+                Engine::MuJoCo => self.session.time_ns(first, count, step)?,
+                Engine::PathMuJoCo => self.session.time_ns(count + first, all, step)?,
+                Engine::Parry => second_pass(&poses, |_, placed| {
+                    let _ = black_box(query::contact(&identity, p, &placed.parry, q, 0.0));
+                }),
+                Engine::PathWarm => second_pass(&frames, |i, placed| {
+                    let cache = &mut caches[i % paths];
+                    if i < paths {
+                        *cache = Cache::default();
+                    }
+                    black_box(contact(&a, &b, placed.b_in_a, &settings, cache));
+                }),
+            };
+        }
+        Ok(ns)
+    }
+}
+
+/// First pose of a selection, and the step to the next: classes alternate.
+fn stride(mix: Mix) -> (usize, usize) {
+    match mix {
+        Mix::All => (0, 1),
+        Mix::Only(class) => (class as usize, Class::ALL.len()),
+    }
+}
+
+/// Nanoseconds per item of the second of two passes, so that every engine finds its data and code in
+/// the processor's caches.
+fn second_pass(items: &[Placed], mut query: impl FnMut(usize, &Placed)) -> f64 {
+    let mut pass = || items.iter().enumerate().for_each(|(i, placed)| query(i, placed));
+    pass();
+    time_ns(pass) / items.len() as f64
+}
+
+fn tables(cells: &[Cell]) -> Vec<Matrix> {
+    type Shown = fn(&[f64; Engine::ALL.len()]) -> String;
+    let kinds: [(&str, Shown); 5] = [
+        ("Random poses, empty caches: ns per query, hullmap / MuJoCo / parry3d", |ns| {
+            format!("{:.0} / {:.0} / {:.0}", ns[0], ns[1], ns[2])
+        }),
+        ("Random poses, empty caches: time of MuJoCo over that of hullmap", |ns| format!("{:.2}", ns[1] / ns[0])),
+        ("Along paths: ns per query, hullmap cold / hullmap warm / MuJoCo", |ns| {
+            format!("{:.0} / {:.0} / {:.0}", ns[3], ns[4], ns[5])
+        }),
+        ("Along paths: time of MuJoCo over that of hullmap, warm", |ns| format!("{:.2}", ns[5] / ns[4])),
+        ("Along paths: time of hullmap, warm over cold", |ns| format!("{:.2}", ns[4] / ns[3])),
+    ];
+    kinds
+        .into_iter()
+        .map(|(title, shown)| {
+            let mut table = Matrix::new(title, "vertices of each hull");
+            cells.iter().for_each(|cell| table.set(cell.poses, &cell.n.to_string(), shown(&cell.ns)));
+            table
+        })
+        .collect()
+}
+
+/// One line for each time.
+fn to_csv(cells: &[Cell]) -> Csv {
+    let mut csv = Csv::new(&["n", "order", "poses", "engine", "ns"]);
+    for cell in cells {
+        for engine in Engine::ALL {
+            let [order, name] = engine.names();
+            let ns = format!("{:.1}", cell.ns[engine as usize]);
+            csv.line(&[cell.n.to_string(), order.to_owned(), cell.poses.to_owned(), name.to_owned(), ns]);
+        }
+    }
+    csv
+}

@@ -1,0 +1,160 @@
+//! MuJoCo's convex collision (GJK and EPA in f64), beside ours on the same hulls and poses.
+//!
+//! It runs in a program of its own, `benches/peers/mujoco.c`, which is compiled here. Its library and
+//! headers come from the package `mujoco` of PyPI, so the workspace does not need MuJoCo.
+
+use std::{
+    fmt::Write as _,
+    fs,
+    io::{self, BufRead, BufReader, Lines, Write},
+    path::{Path, PathBuf},
+    process::{Child, ChildStdin, ChildStdout, Command, Stdio},
+};
+
+use hullmap::Hull;
+use tempfile::TempDir;
+
+use super::pairs::Placed;
+
+/// Maximum number of steps of GJK, and of EPA. MuJoCo's default is 35, with which EPA does not end
+/// on hulls of many vertices.
+pub const ITERATIONS: usize = 200;
+
+/// Where the package is, and its version.
+const WHERE: &str = "import mujoco, os; print(os.path.dirname(mujoco.__file__)); print(mujoco.__version__)";
+
+/// The compiled program.
+#[derive(Debug)]
+pub struct MuJoCo {
+    folder: TempDir,
+    program: PathBuf,
+    /// Version of MuJoCo.
+    pub version: String,
+}
+
+impl MuJoCo {
+    /// Finds the package `mujoco` of `python`, and compiles the program with `cc`.
+    ///
+    /// # Errors
+    /// If Python, the package or the compiler is missing: says which.
+    pub fn find(python: &Path) -> Result<Self, String> {
+        let shown = python.display();
+        let asked = Command::new(python).args(["-c", WHERE]).output().map_err(|e| format!("{shown}: {e}"))?;
+        let text = String::from_utf8_lossy(&asked.stdout).into_owned();
+        let mut lines = text.lines();
+        let (Some(package), Some(version)) = (lines.next(), lines.next()) else {
+            return Err(format!("{shown} has no package `mujoco` (pip install mujoco)"));
+        };
+        let package = Path::new(package);
+        let library = library(package).map_err(|e| format!("{}: {e}", package.display()))?;
+        let folder = tempfile::tempdir().map_err(|e| format!("temporary folder: {e}"))?;
+        let program = folder.path().join("mujoco");
+        let compiled = Command::new("cc")
+            .args(["-O2", "-o"])
+            .arg(&program)
+            .arg(format!("-I{}", package.join("include").display()))
+            .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("peers/mujoco.c"))
+            .arg(&library)
+            .arg(format!("-Wl,-rpath,{}", package.display()))
+            .output()
+            .map_err(|e| format!("cc: {e}"))?;
+        if !compiled.status.success() {
+            return Err(format!("cc: {}", String::from_utf8_lossy(&compiled.stderr).trim()));
+        }
+        Ok(Self { folder, program, version: version.to_owned() })
+    }
+
+    /// Starts the program with two hulls, and poses of B in A's frame.
+    ///
+    /// # Errors
+    /// Any error of the file system. If the program does not start.
+    pub fn start(&self, hulls: [Hull<'_>; 2], poses: &[&Placed]) -> io::Result<Session> {
+        let (mut assets, mut bodies) = (String::new(), String::new());
+        for (name, hull) in ["a", "b"].into_iter().zip(hulls) {
+            let vertices: Vec<String> = hull.vertices().map(|v| format!("{} {} {}", v.x, v.y, v.z)).collect();
+            // Writing to a string does not fail.
+            let _ = write!(assets, "<mesh name='{name}' inertia='convex' vertex='{}'/>", vertices.join(" "));
+            let _ = write!(bodies, "<body><freejoint/><geom type='mesh' mesh='{name}'/></body>");
+        }
+        // One point of contact, as ours: `multiccd` would search for up to four.
+        let model = format!(
+            "<mujoco><option ccd_iterations='{ITERATIONS}'><flag multiccd='disable'/></option><asset>{assets}</asset>\
+             <worldbody>{bodies}</worldbody></mujoco>"
+        );
+        let mut lines = format!("{}\n", poses.len());
+        for placed in poses {
+            let (p, q) = (placed.b_in_a.translation(), placed.b_in_a.rotation());
+            let _ = writeln!(lines, "{} {} {} {} {} {} {}", p.x, p.y, p.z, q.w, q.x, q.y, q.z);
+        }
+        let [model_file, pose_file] = ["model.xml", "poses.txt"].map(|name| self.folder.path().join(name));
+        fs::write(&model_file, model)?;
+        fs::write(&pose_file, lines)?;
+        let mut command = Command::new(&self.program);
+        // MuJoCo writes its log into the current folder.
+        command.arg(model_file).arg(pose_file).current_dir(self.folder.path());
+        let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
+        let pipes = child.stdin.take().zip(child.stdout.take());
+        let (requests, answers) = pipes.ok_or_else(|| io::Error::other("the program has no pipes"))?;
+        let mut session = Session { child, requests, answers: BufReader::new(answers).lines(), depths: Vec::new() };
+        session.depths = poses.iter().map(|_| session.number()).collect::<io::Result<_>>()?;
+        Ok(session)
+    }
+}
+
+/// The shared library in the package.
+fn library(package: &Path) -> io::Result<PathBuf> {
+    let is_library = |path: &PathBuf| {
+        path.file_name().and_then(|name| name.to_str()).is_some_and(|name| name.starts_with("libmujoco."))
+    };
+    let mut paths = fs::read_dir(package)?.filter_map(|entry| Some(entry.ok()?.path()));
+    paths.find(is_library).ok_or_else(|| io::Error::new(io::ErrorKind::NotFound, "no libmujoco"))
+}
+
+/// A running program.
+#[derive(Debug)]
+pub struct Session {
+    child: Child,
+    requests: ChildStdin,
+    answers: Lines<BufReader<ChildStdout>>,
+    /// Depth of each pose, -1 without a contact.
+    pub depths: Vec<f64>,
+}
+
+impl Session {
+    /// Processor time in nanoseconds per query, over the poses `first`, `first + step`, … below
+    /// `end`, which were answered once just before.
+    ///
+    /// # Errors
+    /// If the program has ended.
+    pub fn time_ns(&mut self, first: usize, end: usize, step: usize) -> io::Result<f64> {
+        writeln!(self.requests, "{first} {end} {step}")?;
+        self.number()
+    }
+
+    fn number(&mut self) -> io::Result<f64> {
+        let line = self.answers.next().ok_or_else(|| io::Error::other("MuJoCo's program has ended"))??;
+        line.trim().parse().map_err(|_| io::Error::other(format!("MuJoCo's program: {line:?} is not a number")))
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        // A program that has ended already is as good.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_missing_is_named() {
+        let error = MuJoCo::find(Path::new("no-such-python")).unwrap_err();
+        assert!(error.contains("no-such-python"), "{error}");
+        // A program that succeeds and prints nothing.
+        let error = MuJoCo::find(Path::new("true")).unwrap_err();
+        assert!(error.contains("pip install mujoco"), "{error}");
+    }
+}
