@@ -25,9 +25,9 @@ const FRAMES: usize = 33;
 
 /// Compares contact with MuJoCo's and parry3d's, on sphere, ellipsoid and rock hulls.
 ///
-/// A third of the poses penetrate, a third are within 2 % of touching, a third are separated. MuJoCo
-/// comes from PyPI; without it the table is skipped. Tables go to standard output, progress to
-/// standard error.
+/// A third of the poses penetrate, a third are within 2 % of touching, a third are separated.
+/// MuJoCo comes from PyPI; without it the table is skipped. Tables go to standard output, progress
+/// to standard error.
 #[derive(Parser)]
 #[command(after_help = "Example:\n  python3 -m venv target/venv && target/venv/bin/pip install mujoco\n  \
     cargo run --release -p hullmap-bench --bin peer-table -- --python target/venv/bin/python")]
@@ -246,8 +246,8 @@ fn stride(mix: Mix) -> (usize, usize) {
     }
 }
 
-/// Nanoseconds per item of the second of two passes, so that every engine finds its data and code in
-/// the processor's caches.
+/// Nanoseconds per item of the second of two passes, so that every engine finds its data and code
+/// in the processor's caches.
 fn second_pass(items: &[Placed], mut query: impl FnMut(usize, &Placed)) -> f64 {
     let mut pass = || items.iter().enumerate().for_each(|(i, placed)| query(i, placed));
     pass();

@@ -1,7 +1,7 @@
 //! MuJoCo's convex collision (GJK and EPA in f64), beside ours on the same hulls and poses.
 //!
-//! It runs in a program of its own, `benches/peers/mujoco.c`, which is compiled here. Its library and
-//! headers come from the package `mujoco` of PyPI, so the workspace does not need MuJoCo.
+//! It runs in a program of its own, `benches/peers/mujoco.c`, which is compiled here. Its library
+//! and headers come from the package `mujoco` of PyPI, so the workspace does not need MuJoCo.
 
 use std::{
     fmt::Write as _,
