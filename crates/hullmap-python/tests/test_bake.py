@@ -153,6 +153,8 @@ def test_ctrl_c_ends_the_command_and_leaves_no_files(tmp_path):
 INTERRUPTED = """
 import os, signal, sys, threading, time
 import numpy as np, hullmap
+# Where the tests run in the background, signals of the keyboard are ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 points = np.random.default_rng(1).normal(size=(2_000_000, 3))
 hull = hullmap.bake(points[:3000] / np.linalg.norm(points[:3000], axis=1, keepdims=True))[0]
 poses = np.tile(hullmap.poses([1.5, 0.3, 0.2]), (4_000_000, 1))
