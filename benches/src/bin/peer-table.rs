@@ -116,8 +116,10 @@ struct Differences {
     poses: usize,
     /// One says yes, the other no, and the depth exceeds a millionth of the diameter.
     verdicts: usize,
-    /// Maximum distance of MuJoCo's depth from hullmap's interval, over the diameter.
-    depth: f64,
+    /// Maximum length by which MuJoCo's depth is below hullmap's interval, and above it, over the
+    /// diameter.
+    below: f64,
+    above: f64,
 }
 
 fn run(arguments: &Arguments, mujoco: &MuJoCo) -> Result<(), Box<dyn Error>> {
@@ -127,11 +129,11 @@ fn run(arguments: &Arguments, mujoco: &MuJoCo) -> Result<(), Box<dyn Error>> {
         measure(arguments, mujoco, n, &mut cells, &mut differences)?;
     }
     let tables = tables(&cells);
-    let Differences { poses, verdicts, depth } = differences;
+    let Differences { poses, verdicts, below, above } = differences;
     let facts = format!(
         "MuJoCo {}, at most {ITERATIONS} iterations, one point of contact. Of {poses} poses, hullmap and MuJoCo \
-         disagree on yes or no in {verdicts}. MuJoCo's depth is at most {depth:.0e} of the diameter outside \
-         hullmap's interval.\n",
+         disagree on yes or no in {verdicts}. MuJoCo's depth is at most {below:.0e} of the diameter below \
+         hullmap's interval, and at most {above:.0e} above it.\n",
         mujoco.version
     );
     tables.iter().for_each(|table| println!("{}", table.to_text()));
@@ -186,8 +188,8 @@ fn compare(pair: &Pair, poses: &[Placed], session: &Session, differences: &mut D
         differences.poses += 1;
         differences.verdicts += usize::from(found.hit != (*depth >= 0.0) && is_clear);
         if found.hit && *depth >= 0.0 {
-            let outside = (found.depth_lower - depth).max(depth - found.depth_upper);
-            differences.depth = differences.depth.max(outside / pair.diameter());
+            differences.below = differences.below.max((found.depth_lower - depth) / pair.diameter());
+            differences.above = differences.above.max((depth - found.depth_upper) / pair.diameter());
         }
     }
 }
