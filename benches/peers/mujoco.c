@@ -3,9 +3,10 @@
  *   mujoco MODEL.xml POSES
  *
  * POSES holds the number of poses, and for each the numbers x y z qw qx qy qz of B in A's frame. The
- * program prints the depth of each pose, -1 without a contact. Then it reads lines of three integers
- * FIRST END STEP, and answers the poses FIRST, FIRST + STEP, ... below END twice. For each line it
- * prints the processor time of the second pass, in nanoseconds per pose.
+ * program prints the depth of each pose, -1 without a contact, and the three components of its normal,
+ * one number a line. Then it reads lines of three integers FIRST END STEP, and answers the poses FIRST,
+ * FIRST + STEP, ... below END twice. For each line it prints the processor time of the second pass, in
+ * nanoseconds per pose.
  *
  * The function is the one that MuJoCo's own pipeline calls for two meshes. The poses of the geoms are
  * computed beforehand, as the pipeline does. */
@@ -79,7 +80,9 @@ int main(int argc, char **argv) {
   for (int i = 0; i < count; i++) {
     place(d, 1, poses + i);
     int contacts = collide(m, d, found, 0, 1, 0);
-    printf("%.9e\n", contacts > 0 ? -found[0].dist : -1.0);
+    const mjtNum *n = found[0].normal;
+    if (contacts > 0) printf("%.17g\n%.17g\n%.17g\n%.17g\n", -found[0].dist, n[0], n[1], n[2]);
+    else printf("-1\n0\n0\n0\n");
   }
   fflush(stdout);
   int first, end, step;

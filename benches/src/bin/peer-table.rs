@@ -3,7 +3,7 @@
 use std::{error::Error, fs, hint::black_box, path::PathBuf, process::ExitCode};
 
 use clap::Parser;
-use hullmap::{Cache, Settings, contact};
+use hullmap::{Cache, Minkowski, Settings, contact};
 use hullmap_bench::{
     clock::{median, time_ns},
     csv::Csv,
@@ -19,6 +19,10 @@ use hullmap_bench::{
 };
 use parry3d::{math, query};
 use shapes::rng::SplitMix64;
+
+/// Differences of depths up to this fraction of the diameter are those of MuJoCo's vertices, which are
+/// moved to the centre of mass and rounded to f32.
+const ROUNDING: f64 = 1e-6;
 
 /// Number of frames of a path.
 const FRAMES: usize = 33;
@@ -120,6 +124,10 @@ struct Differences {
     /// diameter.
     below: f64,
     above: f64,
+    /// MuJoCo's depth is below hullmap's interval.
+    short: usize,
+    /// Moving B along MuJoCo's normal by less than hullmap's lower bound separates the shapes.
+    disproved: usize,
 }
 
 fn run(arguments: &Arguments, mujoco: &MuJoCo) -> Result<(), Box<dyn Error>> {
@@ -129,11 +137,12 @@ fn run(arguments: &Arguments, mujoco: &MuJoCo) -> Result<(), Box<dyn Error>> {
         measure(arguments, mujoco, n, &mut cells, &mut differences)?;
     }
     let tables = tables(&cells);
-    let Differences { poses, verdicts, below, above } = differences;
+    let Differences { poses, verdicts, below, above, short, disproved } = differences;
     let facts = format!(
-        "MuJoCo {}, at most {ITERATIONS} iterations, one point of contact. Of {poses} poses, hullmap and MuJoCo \
-         disagree on yes or no in {verdicts}. MuJoCo's depth is at most {below:.0e} of the diameter below \
-         hullmap's interval, and at most {above:.0e} above it.\n",
+        "MuJoCo {}, at most {ITERATIONS} iterations, one point of contact. In {poses} poses, the engines disagree on \
+         yes or no in {verdicts}. MuJoCo's depth is above hullmap's interval by at most {above:.0e} of the diameter. \
+         It is below the interval in {short}, by at most {below:.0e}. MuJoCo's own normal disproves hullmap's lower \
+         bound in {disproved}.\n",
         mujoco.version
     );
     tables.iter().for_each(|table| println!("{}", table.to_text()));
@@ -182,14 +191,20 @@ fn measure(
 /// Counts the differences of the answers.
 fn compare(pair: &Pair, poses: &[Placed], session: &Session, differences: &mut Differences) {
     let [a, b] = pair.hulls();
-    for (placed, depth) in poses.iter().zip(&session.depths) {
-        let found = contact(&a, &b, placed.b_in_a, &Settings::default(), &mut Cache::default());
-        let is_clear = found.depth_upper.max(*depth) > 1e-6 * pair.diameter();
+    for (placed, theirs) in poses.iter().zip(&session.contacts) {
+        let ours = contact(&a, &b, placed.b_in_a, &Settings::default(), &mut Cache::default());
+        let depth = theirs.map_or(0.0, |(depth, _)| depth);
+        let is_clear = ours.depth_upper.max(depth) > 1e-6 * pair.diameter();
         differences.poses += 1;
-        differences.verdicts += usize::from(found.hit != (*depth >= 0.0) && is_clear);
-        if found.hit && *depth >= 0.0 {
-            differences.below = differences.below.max((found.depth_lower - depth) / pair.diameter());
-            differences.above = differences.above.max((depth - found.depth_upper) / pair.diameter());
+        differences.verdicts += usize::from(ours.hit != theirs.is_some() && is_clear);
+        if let Some((depth, normal)) = theirs.filter(|_| ours.hit) {
+            differences.below = differences.below.max((ours.depth_lower - depth) / pair.diameter());
+            differences.above = differences.above.max((depth - ours.depth_upper) / pair.diameter());
+            // The length by which B must move along the normal to leave A.
+            let needed = Minkowski::new(&a, &b, placed.b_in_a).support(normal).w.dot(normal);
+            let allowed = ROUNDING * pair.diameter();
+            differences.disproved += usize::from(needed < ours.depth_lower - allowed);
+            differences.short += usize::from(depth < ours.depth_lower - allowed);
         }
     }
 }

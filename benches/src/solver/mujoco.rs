@@ -11,6 +11,7 @@ use std::{
     process::{Child, ChildStdin, ChildStdout, Command, Stdio},
 };
 
+use glam::DVec3;
 use hullmap::Hull;
 use tempfile::TempDir;
 
@@ -95,8 +96,12 @@ impl MuJoCo {
         let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
         let pipes = child.stdin.take().zip(child.stdout.take());
         let (requests, answers) = pipes.ok_or_else(|| io::Error::other("the program has no pipes"))?;
-        let mut session = Session { child, requests, answers: BufReader::new(answers).lines(), depths: Vec::new() };
-        session.depths = poses.iter().map(|_| session.number()).collect::<io::Result<_>>()?;
+        let mut session = Session { child, requests, answers: BufReader::new(answers).lines(), contacts: Vec::new() };
+        for _ in poses {
+            let depth = session.number()?;
+            let normal = DVec3::new(session.number()?, session.number()?, session.number()?);
+            session.contacts.push((depth >= 0.0).then_some((depth, normal)));
+        }
         Ok(session)
     }
 }
@@ -116,8 +121,8 @@ pub struct Session {
     child: Child,
     requests: ChildStdin,
     answers: Lines<BufReader<ChildStdout>>,
-    /// Depth of each pose, -1 without a contact.
-    pub depths: Vec<f64>,
+    /// Depth and normal of each pose, from A to B; `None` without a contact.
+    pub contacts: Vec<Option<(f64, DVec3)>>,
 }
 
 impl Session {
