@@ -20,8 +20,8 @@ use hullmap_bench::{
 use parry3d::{math, query};
 use shapes::rng::SplitMix64;
 
-/// Differences of depths up to this fraction of the diameter are those of MuJoCo's vertices, which are
-/// moved to the centre of mass and rounded to f32.
+/// Differences of depths up to this fraction of the diameter are those of MuJoCo's vertices, which
+/// are moved to the centre of mass and rounded to f32.
 const ROUNDING: f64 = 1e-6;
 
 /// Number of frames of a path.
