@@ -22,14 +22,16 @@ int main(int, char **arguments) try {
             double speed = (p.depth < 0.005 ? std::fmin(p.depth, 0.0) : 0.2 * (p.depth - 0.005)) / step;
             double change = (speed - dot(velocity + cross(spin, arm), p.normal)) / (1.0 + dot(lever, lever) / inertia);
             double held = k ? p.impulse[0] : 0.0;  // the first time, push as much as at the end of the last step
-            p.impulse[0] = k ? std::fmax(held + change, 0.0) : p.impulse[0];
+            if (k) p.impulse[0] = std::fmax(held + change, 0.0);
             velocity += (p.impulse[0] - held) * p.normal;
             spin += (p.impulse[0] - held) / inertia * cross(arm, p.normal);
         }
         pose = hullmap::moved(pose, step * velocity, step * spin);
     }
     bool rests = manifold.size() == 4 && length(velocity) + length(spin) < 1e-3;
-    return std::printf("%s, %.4f above the hull\n", rests ? "at rest" : "moving", pose.translation.z - top), !rests;
+    std::printf("%zu points, %.4f above the hull, %s\n", manifold.size(), pose.translation.z - top,
+                rests ? "at rest" : "moving");
+    return !rests;
 } catch (const hullmap::Error &error) {
     return std::fprintf(stderr, "settle: %s\n", error.what()), 2;
 }
