@@ -124,9 +124,9 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// The whole table in some minutes, and in more if --max-mib is raised.
+    /// The whole table, in some minutes; it takes longer if `--max-mib` is raised.
     pub const FULL: Self = Self { pairs: 8192, bodies: 1000, rounds: 9, parry_work: 1 << 18 };
-    /// A short table in less than a minute.
+    /// A short table, in less than a minute.
     pub const QUICK: Self = Self { pairs: 2048, bodies: 216, rounds: 3, parry_work: 1 << 15 };
 }
 
