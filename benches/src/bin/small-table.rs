@@ -1,11 +1,12 @@
 //! Contact of small hulls by the separating axis test beside the general path (MPR and EPA), on the
 //! same pairs, interleaved in one run.
 
-use std::{hint::black_box, time::Instant};
+use std::hint::black_box;
 
 use clap::Parser;
 use hullmap::{Cache, Contact, Hull, Pack, Pose, Settings, SupportMap, SupportPoint, contact, glam::DVec3, intersects};
 use hullmap_bench::{
+    clock,
     solver::pairs::{Class, FAMILIES, Pair, Placed},
     subject::SEED,
 };
@@ -61,14 +62,15 @@ fn time<A: SupportMap, B: SupportMap>(a: &A, b: &B, poses: &[Placed], warm: bool
             }
         }
     }
-    let start = Instant::now();
-    for (index, placed) in poses.iter().enumerate() {
-        match caches.get_mut(index) {
-            Some(cache) => black_box(contact(a, b, placed.b_in_a, &settings, cache)),
-            None => black_box(contact(a, b, placed.b_in_a, &settings, &mut Cache::new())),
-        };
-    }
-    start.elapsed().as_secs_f64() * 1e9 / poses.len() as f64
+    let all = clock::time_ns(|| {
+        for (index, placed) in poses.iter().enumerate() {
+            match caches.get_mut(index) {
+                Some(cache) => black_box(contact(a, b, placed.b_in_a, &settings, cache)),
+                None => black_box(contact(a, b, placed.b_in_a, &settings, &mut Cache::new())),
+            };
+        }
+    });
+    all / poses.len() as f64
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

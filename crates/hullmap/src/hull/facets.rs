@@ -19,7 +19,7 @@ use glam::DVec3;
 use super::Hull;
 use crate::support::SupportMap;
 use crate::support::facets::{
-    Arc, FacetTable, LANES, MAX_FACES, MAX_VERTICES, NormalBlock, PointBlock, triangle_normal,
+    FacetTable, LANES, MAX_FACES, MAX_VERTICES, NormalBlock, PointBlock, Side, triangle_normal,
 };
 
 /// Rounding error of the height of a vertex over a plane, in units of `f64::EPSILON` times the
@@ -77,11 +77,14 @@ impl FacetTable {
         if !(slack <= MAX_SLACK * radius) {
             return None;
         }
+        let (sides, side_starts) = map.sides(&faces)?;
         Some(Self {
             normals: blocks(&faces),
             exact: faces.iter().map(|face| face.normal).collect(),
+            supports: faces.iter().map(|face| face.support).collect(),
             points: point_blocks(&points, center),
-            arcs: map.arcs(&faces),
+            sides,
+            side_starts,
             slack,
         })
     }
@@ -92,6 +95,8 @@ struct Face {
     /// Counter-clockwise, seen from outside.
     vertices: Vec<u8>,
     normal: DVec3,
+    /// The support vertex along the normal: its dot product is computed as a support query does.
+    support: u8,
     /// Maximum height of the hull along the normal, over the interior point.
     offset: f64,
     /// Height of the hull over the face's lowest vertex.
@@ -106,16 +111,22 @@ impl Face {
         let normal = triangle_normal(p?, q?, r?)?;
         let height = |point: DVec3| (point - center).dot(normal);
         let offset = points.iter().fold(f64::NEG_INFINITY, |max, point| max.max(height(*point)));
+        let mut support = (f64::NEG_INFINITY, 0);
+        for (vertex, point) in (0..=u8::MAX).zip(points) {
+            let product = point.x * normal.x + point.y * normal.y + point.z * normal.z;
+            if product > support.0 {
+                support = (product, vertex);
+            }
+        }
         let own = vertices.iter().filter_map(|v| points.get(usize::from(*v)));
         let lowest = own.fold(f64::INFINITY, |min, point| min.min(height(*point)));
-        Some(Self { vertices, normal, offset, sag: offset - lowest })
+        Some(Self { vertices, normal, support: support.1, offset, sag: offset - lowest })
     }
 }
 
 /// The face to the left of each directed edge.
 struct Edges {
     left: Vec<[u8; MAX_VERTICES]>,
-    vertices: usize,
     half_edges: usize,
 }
 
@@ -135,7 +146,7 @@ impl Edges {
                 half_edges += 1;
             }
         }
-        let found = Self { left, vertices, half_edges };
+        let found = Self { left, half_edges };
         // Euler's formula: the surface is a sphere.
         (2 * vertices + 2 * faces.len() == half_edges + 4).then_some(found)
     }
@@ -166,19 +177,21 @@ impl Edges {
         (ring.len() == degree && degree >= 3).then_some(ring)
     }
 
-    fn arcs(&self, faces: &[Face]) -> Box<[Arc]> {
-        let mut arcs = Vec::with_capacity(self.half_edges / 2);
-        for v in 0..self.vertices {
-            for w in v + 1..self.vertices {
-                let sides = (self.left_of(v, w), self.left_of(w, v));
-                let (Some(left), Some(right)) = sides else { continue };
-                let (Some(from), Some(to)) = (faces.get(left), faces.get(right)) else { continue };
+    /// The sides of all faces, and where those of each face start.
+    fn sides(&self, faces: &[Face]) -> Option<(Box<[Side]>, Box<[u8]>)> {
+        let mut sides = Vec::with_capacity(self.half_edges);
+        let mut starts = vec![0];
+        for face in faces {
+            let ends = face.vertices.iter().zip(face.vertices.iter().cycle().skip(1));
+            for (v, w) in ends {
+                let beyond = self.left_of(usize::from(*w), usize::from(*v))?;
                 // 1e-6 exceeds the rounding to f32.
-                let chord = (from.normal.distance(to.normal) * (1.0 + 1e-6)) as f32;
-                arcs.push(Arc { faces: [left as u8, right as u8], vertices: [v as u8, w as u8], chord });
+                let chord = (face.normal.distance(faces.get(beyond)?.normal) * (1.0 + 1e-6)) as f32;
+                sides.push(Side { beyond: beyond as u8, vertex: *v, chord });
             }
+            starts.push(u8::try_from(sides.len()).ok()?);
         }
-        arcs.into()
+        Some((sides.into(), starts.into()))
     }
 }
 
@@ -282,7 +295,7 @@ mod tests {
     }
 
     fn check(hull: &Hull<'_>, table: &FacetTable, seed: u64) {
-        assert_eq!((table.exact.len(), 2 * table.arcs.len()), (hull.face_count(), hull.neighbours.len()));
+        assert_eq!((table.exact.len(), table.sides.len()), (hull.face_count(), hull.neighbours.len()));
         let (mut rng, mut certain) = (SplitMix64::new(seed), 0);
         for round in 0..200 {
             // Face normals too, where cones meet.

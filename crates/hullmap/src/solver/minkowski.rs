@@ -213,6 +213,22 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
         self.point_of(on_a.point, on_b.point, [on_a.feature, on_b.feature])
     }
 
+    /// [`point`](Self::point) where the support point of A is known.
+    #[inline(always)]
+    pub(super) fn point_with_a(&mut self, a: DVec3, feature: u32, dir: DVec3) -> Point {
+        self.support_calls += 1;
+        let on_b = self.b.support_point(self.unrotation * -dir);
+        self.point_of(a, on_b.point, [feature, on_b.feature])
+    }
+
+    /// [`point`](Self::point) where the support point of B is known, in B's frame.
+    #[inline(always)]
+    pub(super) fn point_with_b(&mut self, b_local: DVec3, feature: u32, dir: DVec3) -> Point {
+        self.support_calls += 1;
+        let on_a = self.a.support_point(dir);
+        self.point_of(on_a.point, b_local, [on_a.feature, feature])
+    }
+
     /// Starts a support query in direction `dir`.
     #[inline]
     pub(crate) fn start(&self, dir: DVec3) -> Interrupted {
@@ -314,6 +330,11 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
     pub(crate) fn outer_balls_separated(&self) -> bool {
         let radius = self.outer_radius + self.rounding_error;
         self.center_point().w.length_squared() > radius * radius
+    }
+
+    /// Radii of balls around the interior points of A and of B that lie in the shapes.
+    pub(super) fn inner_radii(&self) -> [f64; 2] {
+        [self.inner_radius_a, self.b.inner_radius()]
     }
 
     /// Radius of a ball around B's interior point that contains B.

@@ -42,14 +42,14 @@ pub(crate) struct NormalBlock {
 #[repr(C, align(32))]
 pub(crate) struct PointBlock(pub(crate) [[f32; LANES]; 3]);
 
-/// An edge of the polytope and its arc on the Gauss map: the directions between the normals of its
-/// two faces.
+/// An edge of a face, and its arc on the Gauss map: the directions from the normal of the face to
+/// that of the face beyond. Each arc belongs to two faces.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Arc {
-    /// The faces at the ends of the arc.
-    pub(crate) faces: [u8; 2],
-    /// The vertices at the ends of the edge.
-    pub(crate) vertices: [u8; 2],
+pub(crate) struct Side {
+    /// The face beyond the edge.
+    pub(crate) beyond: u8,
+    /// A vertex of the edge.
+    pub(crate) vertex: u8,
     /// Distance between the two unit normals, rounded up.
     pub(crate) chord: f32,
 }
@@ -60,8 +60,13 @@ pub(crate) struct FacetTable {
     pub(crate) normals: Box<[NormalBlock]>,
     /// Unit outward normals of the faces in f64. They define the ends of the arcs.
     pub(crate) exact: Box<[DVec3]>,
+    /// The support vertex along each normal.
+    pub(crate) supports: Box<[u8]>,
     pub(crate) points: Box<[PointBlock]>,
-    pub(crate) arcs: Box<[Arc]>,
+    /// The sides of all faces, face by face.
+    pub(crate) sides: Box<[Side]>,
+    /// Where the sides of each face start, and the number of all sides.
+    pub(crate) side_starts: Box<[u8]>,
     /// See [`Facets::slack`].
     pub(crate) slack: f64,
 }
@@ -90,31 +95,42 @@ pub(crate) struct Buffer {
 pub(crate) struct View<'v> {
     pub(crate) normals: &'v [NormalBlock],
     pub(crate) points: &'v [PointBlock],
-    pub(crate) arcs: &'v [Arc],
+    sides: &'v [Side],
+    side_starts: &'v [u8],
 }
 
-/// The edges of a box. Vertices are numbered by the signs of their coordinates as in
-/// [`Cuboid`](crate::shapes::Cuboid), faces by axis and sign.
-const BOX_ARCS: [Arc; 12] = box_arcs();
-
-#[expect(clippy::indexing_slicing, reason = "three axes of four edges each")]
-const fn box_arcs() -> [Arc; 12] {
-    let mut arcs = [Arc { faces: [0; 2], vertices: [0; 2], chord: 1.414_213_8 }; 12];
-    let mut axis = 0;
-    while axis < 3 {
-        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-        let mut corner = 0;
-        while corner < 4 {
-            let (bit_u, bit_v) = (corner & 1, corner >> 1);
-            let base = bit_u << u | bit_v << v;
-            let arc = &mut arcs[4 * axis + corner];
-            arc.faces = [(2 * u + bit_u) as u8, (2 * v + bit_v) as u8];
-            arc.vertices = [base as u8, (base | 1 << axis) as u8];
-            corner += 1;
-        }
-        axis += 1;
+impl View<'_> {
+    /// The sides of a face.
+    #[inline(always)]
+    pub(crate) fn sides(&self, face: usize) -> &[Side] {
+        let start = self.side_starts.get(face).copied().unwrap_or_default();
+        let end = self.side_starts.get(face + 1).copied().unwrap_or_default();
+        self.sides.get(usize::from(start)..usize::from(end)).unwrap_or_default()
     }
-    arcs
+}
+
+/// The sides of a box. Vertices are numbered by the signs of their coordinates as in
+/// [`Cuboid`](crate::shapes::Cuboid), faces by axis and sign.
+const BOX_SIDES: [Side; 24] = box_sides();
+
+/// Each face of a box has four sides.
+const BOX_SIDE_STARTS: [u8; 7] = [0, 4, 8, 12, 16, 20, 24];
+
+/// √2, rounded up.
+const BOX_CHORD: f32 = 1.414_213_8;
+
+#[expect(clippy::indexing_slicing, reason = "six faces of four sides each")]
+const fn box_sides() -> [Side; 24] {
+    let mut sides = [Side { beyond: 0, vertex: 0, chord: BOX_CHORD }; 24];
+    let mut side = 0;
+    while side < 24 {
+        let (face, beyond) = (side / 4, (2 * (side / 8) + 2 + side % 4) % 6);
+        sides[side].beyond = beyond as u8;
+        // Of the two ends of the edge, the one with the positive third coordinate.
+        sides[side].vertex = ((face & 1) << (face / 2) | (beyond & 1) << (beyond / 2)) as u8;
+        side += 1;
+    }
+    sides
 }
 
 impl<'a> Facets<'a> {
@@ -155,7 +171,12 @@ impl<'a> Facets<'a> {
         'a: 'v,
     {
         match self.0 {
-            Kind::Hull(table, _) => View { normals: &table.normals, points: &table.points, arcs: &table.arcs },
+            Kind::Hull(table, _) => View {
+                normals: &table.normals,
+                points: &table.points,
+                sides: &table.sides,
+                side_starts: &table.side_starts,
+            },
             Kind::Cuboid(half) => {
                 let half = half.as_vec3().to_array();
                 let NormalBlock { normal, offset } = &mut buffer.normals[0];
@@ -170,7 +191,12 @@ impl<'a> Facets<'a> {
                         *component = if vertex >> axis & 1 == 0 { half[axis] } else { -half[axis] };
                     }
                 }
-                View { normals: &buffer.normals, points: &buffer.points, arcs: &BOX_ARCS }
+                View {
+                    normals: &buffer.normals,
+                    points: &buffer.points,
+                    sides: &BOX_SIDES,
+                    side_starts: &BOX_SIDE_STARTS,
+                }
             }
         }
     }
@@ -184,6 +210,17 @@ impl<'a> Facets<'a> {
                 let axis = [DVec3::X, DVec3::Y, DVec3::Z].get(face / 2).copied()?;
                 Some(if face.is_multiple_of(2) { axis } else { -axis })
             }
+        }
+    }
+
+    /// The vertex that is farthest along a face's normal, of several the one with the lowest index.
+    /// It is the support point of the shape in that direction.
+    #[inline(always)]
+    pub(crate) fn support(&self, face: usize) -> Option<usize> {
+        match self.0 {
+            Kind::Hull(table, _) => table.supports.get(face).map(|vertex| usize::from(*vertex)),
+            // The corner with positive coordinates except for the face's axis.
+            Kind::Cuboid(_) => Some((face & 1) << (face / 2)),
         }
     }
 

@@ -25,7 +25,7 @@ mod witness;
 
 use glam::DVec3;
 
-use self::scan::{Pair, Scan};
+use self::scan::{Pair, Scan, bits};
 use super::bound::Bound;
 use super::cache::Cache;
 use super::contact::{Contact, separated_contact};
@@ -33,7 +33,7 @@ use super::intersection::store_separation;
 use super::minkowski::{Minkowski, Point};
 use super::status::Status;
 use crate::support::SupportMap;
-use crate::support::facets::{Buffer, Facets};
+use crate::support::facets::{Buffer, Facets, LANES, NORMAL_BLOCKS, POINT_BLOCKS};
 use crate::support::simd::Dispatch;
 use crate::vector::unit;
 
@@ -62,10 +62,9 @@ const TINY_ROUNDINGS: f64 = 32.0;
 /// faces and vertices of a pair, and the maximum distance of the interior points over the sum of
 /// the inner radii.
 ///
-/// Measured by `small-table`; the steps are hulls of 8, 16, 24 and 32 vertices. The closer the
-/// centres, the more faces EPA has to expand, while the test takes the same time. Shallow pairs
-/// have few faces near the origin, and a separated pair usually needs two support queries.
-const PAYS: [(usize, f64); 4] = [(300, 2.0), (1_000, 1.5), (2_400, 1.25), (4_000, 1.0)];
+/// Measured by `small-table`: hulls of 8 vertices, and up to 32. Beyond that distance most pairs
+/// are separated, and the general path proves that with fewer operations.
+const PAYS: [(usize, f64); 2] = [(300, 3.0), (4_000, 2.0)];
 
 /// Whether the test is likely to be faster than the general path.
 pub(super) fn pays<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
@@ -101,10 +100,25 @@ struct Piece {
 /// The pair has passed the tests by balls and by the last axis.
 ///
 /// # Complexity
-/// O(faces × vertices) in f32, 8 lanes at a time, and a few support queries. No allocation.
+/// O(faces) in f32, 8 lanes at a time; O(vertices) for each face near the depth, of which there are
+/// about ten; and a few support queries. No allocation.
 pub(super) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     facets: [Facets<'_>; 2],
+    tolerance: f64,
+    cache: &mut Cache,
+) -> Option<Contact> {
+    if facets.iter().all(|facets| facets.vertex_count() <= LANES && facets.face_count() <= 2 * LANES) {
+        search::<A, B, 1, 2>(m, &facets, tolerance, cache)
+    } else {
+        search::<A, B, POINT_BLOCKS, NORMAL_BLOCKS>(m, &facets, tolerance, cache)
+    }
+}
+
+/// [`contact`], with arrays of `P` blocks of points and `N` blocks of faces.
+fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const N: usize>(
+    m: &mut Minkowski<'_, A, B>,
+    facets: &[Facets<'_>; 2],
     tolerance: f64,
     cache: &mut Cache,
 ) -> Option<Contact> {
@@ -116,9 +130,11 @@ pub(super) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         return None;
     }
     let mut best = Bound::none();
+    let mut seen = None;
     // If the inner balls overlap, the line of centres is no separating axis, and a poor guess.
-    if !m.inner_balls_overlap() {
-        let axis = unit(-center).unwrap_or(DVec3::X);
+    if !m.inner_balls_overlap()
+        && let Some(axis) = unit(-center)
+    {
         let first = m.point(axis);
         let upper = first.w.dot(axis);
         if upper < -rounding {
@@ -126,28 +142,20 @@ pub(super) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
             return Some(separated_contact(m, cache, axis, 1));
         }
         best = Bound { upper, normal: axis, ..best };
+        let [on_a, on_b] = first.features.map(|feature| feature as usize);
+        seen = Some([on_b, on_a]);
     }
     // 2.
     let mut buffers = [Buffer::default(), Buffer::default()];
-    let [buffer_a, buffer_b] = &mut buffers;
-    let [a, b] = &facets;
-    let pair = Pair {
-        a: a.view(buffer_a),
-        b: b.view(buffer_b),
-        faces: [a.face_count(), b.face_count()],
-        vertices: [a.vertex_count(), b.vertex_count()],
-        rotation: m.rotation(),
-        center,
-        reach,
-        radius_b: m.outer_radius_b(),
-    };
+    let [a, b] = facets;
+    let pair = Pair::new(m, facets, &mut buffers);
     let dispatch = a.dispatch().or(b.dispatch()).unwrap_or_else(Dispatch::best);
-    let mut scan = Scan::new(&pair, dispatch);
+    let mut scan = Scan::<P, N>::new(&pair);
+    scan.run(&pair, dispatch, best.upper as f32, seen);
     // 3.
-    let low = scan.minimum(&pair);
-    if !(low >= -scan.error) {
-        let (face, of_b) = scan.lowest_face(&pair, low)?;
-        let axis = direction(m, &facets, face, of_b)?;
+    if !(scan.low >= -scan.error) {
+        let (face, of_b) = scan.lowest_face()?;
+        let axis = direction(m, facets, face, of_b)?;
         let point = m.point(axis);
         if point.w.dot(axis) < -rounding {
             store_separation(cache, axis, &[point; 3]);
@@ -156,24 +164,29 @@ pub(super) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         return None;
     }
     // The lowest face is at most one error above its value.
-    let faces = scan.faces(&pair, (low + scan.error).min(best.upper as f32))?;
+    let faces = scan.faces((scan.low + scan.error).min(best.upper as f32));
     // 4.
     let mut search = Search { m, best, lower: f64::INFINITY };
-    for face in faces.of_a.iter() {
-        let (point, value) = search.at(a.normal(face)?)?;
+    for face in bits(faces[0]) {
+        let dir = a.normal(face)?;
+        let on_a = a.support(face)?;
+        let point = search.m.point_with_a(a.vertex(on_a)?, on_a as u32, dir);
+        let value = search.take(&point, dir)?;
         search.lower = search.lower.min(value);
         scan.set_vertex(face, point.features[1]);
     }
-    for face in faces.of_b.iter() {
-        let (_, value) = search.at(direction(search.m, &facets, face, true)?)?;
+    for face in bits(faces[1]) {
+        let dir = direction(search.m, facets, face, true)?;
+        let on_b = b.support(face)?;
+        let point = search.m.point_with_b(b.vertex(on_b)?, on_b as u32, dir);
+        let value = search.take(&point, dir)?;
         search.lower = search.lower.min(value);
     }
-    for index in scan.arcs(&pair, search.best.upper as f32)?.iter() {
-        let arc = pair.a.arcs.get(index)?;
-        let on_a = a.vertex(arc.vertices[0].into())?;
+    for arc in scan.arcs(&pair, dispatch, search.best.upper as f32)?.iter() {
+        let on_a = a.vertex(arc.vertex.into())?;
         let point = |face: u8| {
-            let on_b = scan.vertex(face);
-            Some(search.m.point_of(on_a, b.vertex(on_b as usize)?, [arc.vertices[0].into(), on_b]).w)
+            let on_b = scan.vertex(face.into());
+            Some(search.m.point_of(on_a, b.vertex(on_b)?, [arc.vertex.into(), on_b as u32]).w)
         };
         let [from, to] = arc.faces;
         let points = [point(from)?, point(to)?];
@@ -200,7 +213,7 @@ pub(super) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         return None;
     };
     // 5.
-    let (point_a, point_b) = witness::points(m, &facets, &pair, best.normal, best.upper)?;
+    let (point_a, point_b) = witness::points(m, facets, &pair, dispatch, best.normal, best.upper)?;
     cache.forget_axis();
     cache.set_used();
     Some(Contact {
@@ -230,15 +243,21 @@ fn direction<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'_, '_, A, B> {
     /// The support point in a unit direction and its value. `None` after too many queries.
     fn at(&mut self, dir: DVec3) -> Option<(Point, f64)> {
-        if self.m.support_calls() >= MAX_QUERIES {
+        let point = self.m.point(dir);
+        let value = self.take(&point, dir)?;
+        Some((point, value))
+    }
+
+    /// The value of the support point in a unit direction. `None` after too many queries.
+    fn take(&mut self, point: &Point, dir: DVec3) -> Option<f64> {
+        if self.m.support_calls() > MAX_QUERIES {
             return None;
         }
-        let point = self.m.point(dir);
         let value = point.w.dot(dir);
         if value < self.best.upper {
             self.best = Bound { upper: value, normal: dir, ..self.best };
         }
-        Some((point, value))
+        Some(value)
     }
 
     /// Bounds the support values along a piece of an arc from below, and finds its minimum if that

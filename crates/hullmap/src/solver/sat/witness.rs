@@ -4,15 +4,17 @@
 //! # Steps
 //! 1. Of each shape, collect the vertices that are in the support plane within rounding error: a
 //!    vertex, an edge, or a face. Of two parallel faces, these are two polygons.
-//! 2. GJK in the plane: combine up to three pairs of these vertices into the foot.
+//! 2. Two edges cross, or a vertex is over a triangle: both give the points at once.
+//! 3. Else, GJK in the plane: combine up to three pairs of these vertices into the foot.
 
 use glam::DVec3;
 
-use super::scan::Pair;
+use super::scan::{Pair, bits};
 use crate::solver::barycentric::on_triangle;
 use crate::solver::minkowski::Minkowski;
 use crate::support::SupportMap;
-use crate::support::facets::{Facets, LANES, POINT_BLOCKS, PointBlock};
+use crate::support::facets::{Facets, PointBlock};
+use crate::support::simd::{Dispatch, Pass, Simd};
 
 /// Maximum number of steps. Two faces of four vertices need at most six.
 const MAX_STEPS: usize = 24;
@@ -36,43 +38,24 @@ struct Feature {
 }
 
 impl Feature {
-    /// The vertices that are within `slack` of the farthest one along the unit vector `dir`.
-    ///
-    /// `blocks` are the same vertices in f32, within `error` of the true heights.
+    /// The vertices that are within `slack` of the farthest one along the unit vector `dir`, of
+    /// those in the mask `near`.
     #[inline(always)]
-    fn new(
-        facets: &Facets<'_>,
-        blocks: &[PointBlock],
-        dir: DVec3,
-        [slack, error]: [f64; 2],
-        place: impl Fn(DVec3) -> DVec3,
-    ) -> Option<Self> {
-        let mut heights = [[0.0; LANES]; POINT_BLOCKS];
-        let mut highest = [f32::NEG_INFINITY; LANES];
-        let [x, y, z] = dir.as_vec3().to_array();
-        for (heights, PointBlock([px, py, pz])) in heights.iter_mut().zip(blocks) {
-            for lane in 0..LANES {
-                heights[lane] = px[lane] * x + py[lane] * y + pz[lane] * z;
-                highest[lane] = if heights[lane] > highest[lane] { heights[lane] } else { highest[lane] };
-            }
-        }
-        let highest = highest.into_iter().fold(f32::NEG_INFINITY, f32::max);
-        let threshold = highest - (slack + 2.0 * error) as f32;
+    fn new(facets: &Facets<'_>, near: u32, dir: DVec3, slack: f64, place: impl Fn(DVec3) -> DVec3) -> Option<Self> {
         let mut found = Self { points: [DVec3::ZERO; MAX_IN_PLANE], count: 0 };
         let mut exact = [0.0; MAX_IN_PLANE];
         let mut farthest = f64::NEG_INFINITY;
-        for (vertex, height) in heights.as_flattened().iter().take(facets.vertex_count()).enumerate() {
-            if *height >= threshold {
-                let point = facets.vertex(vertex)?;
-                *found.points.get_mut(found.count)? = point;
-                exact[found.count] = point.dot(dir);
-                farthest = farthest.max(exact[found.count]);
-                found.count += 1;
-            }
+        for vertex in bits(near.into()).take_while(|vertex| *vertex < facets.vertex_count()) {
+            let point = facets.vertex(vertex)?;
+            let height = point.dot(dir);
+            *found.points.get_mut(found.count)? = point;
+            exact[found.count] = height;
+            farthest = if height > farthest { height } else { farthest };
+            found.count += 1;
         }
         let mut count = 0;
-        for (i, height) in exact.iter().enumerate().take(found.count) {
-            if *height >= farthest - slack {
+        for i in 0..found.count {
+            if exact[i] >= farthest - slack {
                 found.points[count] = place(found.points[i]);
                 count += 1;
             }
@@ -118,46 +101,86 @@ fn crossing(p: DVec3, u: DVec3, v: DVec3) -> Option<[f64; 2]> {
     (det > 0.0 && (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t)).then_some([s, t])
 }
 
+/// Finds the vertices of both shapes near their support planes, in f32.
+struct NearPass<'p, 'v> {
+    points: [&'p [PointBlock]; 2],
+    dirs: [DVec3; 2],
+    margin: f32,
+    near: &'v mut [u32; 2],
+}
+
+impl Pass for NearPass<'_, '_> {
+    #[inline(always)]
+    fn run<S: Simd>(&mut self, simd: S) {
+        for ((near, points), dir) in self.near.iter_mut().zip(self.points).zip(self.dirs) {
+            let dir = dir.as_vec3().to_array();
+            *near = match points {
+                [a] => simd.near_farthest(&[*a], dir, self.margin),
+                [a, b] => simd.near_farthest(&[*a, *b], dir, self.margin),
+                [a, b, c] => simd.near_farthest(&[*a, *b, *c], dir, self.margin),
+                [a, b, c, d] => simd.near_farthest(&[*a, *b, *c, *d], dir, self.margin),
+                _ => 0,
+            };
+        }
+    }
+}
+
 /// The witness points of A and B for a depth along `normal`; `None` if the foot is not in the
 /// facet.
 pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,
     [a, b]: &[Facets<'_>; 2],
     pair: &Pair<'_>,
+    dispatch: Dispatch,
     normal: DVec3,
     depth: f64,
 ) -> Option<(DVec3, DVec3)> {
     let slack = PLANE_ROUNDINGS * m.rounding_error() + 4.0 * (a.slack() + b.slack());
-    let rotation = m.rotation();
-    let slacks = [slack, pair.error()];
-    let on_a = Feature::new(a, pair.a.points, normal, slacks, |point| point)?;
+    let dirs = [normal, m.rotation().transpose() * -normal];
+    let mut near = [0; 2];
+    let margin = (slack + 2.0 * pair.error()) as f32;
+    dispatch.pass(&mut NearPass { points: [pair.a.points, pair.b.points], dirs, margin, near: &mut near });
+    let on_a = Feature::new(a, near[0], dirs[0], slack, |point| point)?;
     // Points of the difference for the point at the origin of A's frame.
     let place = |point: DVec3| m.point_of(DVec3::ZERO, point, [0; 2]).w;
-    let on_b = Feature::new(b, pair.b.points, rotation.transpose() * -normal, slacks, place)?;
+    let on_b = Feature::new(b, near[1], dirs[1], slack, place)?;
     let foot = normal * depth;
     let sum = |dir: DVec3| {
         let a = on_a.lowest(dir);
         Sum { off: (a + on_b.lowest(dir)) - foot, a }
     };
-    let near = 2.0 * slack;
+    let near_foot = 2.0 * slack;
     if let ([a0, a1], [b0, b1]) = (on_a.all(), on_b.all())
         && let Some([s, t]) = crossing(*a0 + *b0 - foot, *a1 - *a0, *b1 - *b0)
     {
         // Two edges.
         let (on_a, on_b) = (*a0 + (*a1 - *a0) * s, *b0 + (*b1 - *b0) * t);
-        if (on_a + on_b - foot).length() <= near {
+        if (on_a + on_b - foot).length() <= near_foot {
             return Some((on_a, -on_b));
+        }
+    }
+    let triangle = match (on_a.all(), on_b.all()) {
+        ([p, q, r], [other]) => Some([*p, *q, *r].map(|a| Sum { off: (a + *other) - foot, a })),
+        ([a], [p, q, r]) => Some([*p, *q, *r].map(|other| Sum { off: (*a + other) - foot, a: *a })),
+        _ => None,
+    };
+    if let Some(triangle) = triangle {
+        // A vertex and a triangle.
+        let [p, q, r] = triangle.map(|sum| sum.off);
+        let nearest = on_triangle(p, q, r);
+        if nearest.point.length() <= near_foot {
+            return Some(combined(&triangle, nearest.weights, foot));
         }
     }
     let mut simplex = [sum(DVec3::ZERO); 3];
     let (mut weights, mut at) = ([1.0, 0.0, 0.0], simplex[0].off);
     for _ in 0..MAX_STEPS {
-        if at.length() <= near {
+        if at.length() <= near_foot {
             break;
         }
         let next = sum(at);
         // NaN counts as no progress.
-        if !(next.off.dot(at) < at.length_squared() - near * at.length()) {
+        if !(next.off.dot(at) < at.length_squared() - near_foot * at.length()) {
             break;
         }
         // Replace a vertex without weight.
@@ -187,11 +210,16 @@ pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     if !(at.length() <= FOOT_OFF * depth + 4.0 * slack) {
         return None;
     }
+    Some(combined(&simplex, weights, foot))
+}
+
+/// The points of A and B with these weights.
+fn combined(simplex: &[Sum; 3], weights: [f64; 3], foot: DVec3) -> (DVec3, DVec3) {
     let mut point_a = DVec3::ZERO;
     let mut off = DVec3::ZERO;
     for (sum, weight) in simplex.iter().zip(weights) {
         point_a += sum.a * weight;
         off += sum.off * weight;
     }
-    Some((point_a, point_a - (foot + off)))
+    (point_a, point_a - (foot + off))
 }

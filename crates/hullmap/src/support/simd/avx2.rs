@@ -5,19 +5,18 @@
 #![allow(unsafe_code)]
 
 use std::arch::x86_64::{
-    __m256, __m256d, _CMP_EQ_OQ, _CMP_LT_OQ, _CMP_NLT_UQ, _MM_HINT_T0, _mm_loadu_si128, _mm_prefetch, _mm256_add_epi32,
-    _mm256_add_pd, _mm256_add_ps, _mm256_blendv_epi8, _mm256_castps_si256, _mm256_castps256_ps128, _mm256_cmp_pd,
-    _mm256_cmp_ps, _mm256_cvtepi16_epi32, _mm256_cvtepi32_ps, _mm256_cvtps_pd, _mm256_cvtss_f32, _mm256_extractf128_ps,
-    _mm256_fmadd_ps, _mm256_loadu_pd, _mm256_loadu_ps, _mm256_max_pd, _mm256_max_ps, _mm256_min_pd, _mm256_movemask_pd,
-    _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_permute_pd, _mm256_permute_ps, _mm256_permute2f128_pd,
-    _mm256_permute2f128_ps, _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps, _mm256_setzero_si256, _mm256_storeu_ps,
-    _mm256_storeu_si256, _mm256_sub_ps,
+    __m256, __m256d, _CMP_EQ_OQ, _CMP_GE_OQ, _CMP_LT_OQ, _CMP_NGE_UQ, _CMP_NLT_UQ, _MM_HINT_T0, _mm_loadu_si128,
+    _mm_prefetch, _mm256_add_pd, _mm256_add_ps, _mm256_castps256_ps128, _mm256_cmp_pd, _mm256_cmp_ps,
+    _mm256_cvtepi16_epi32, _mm256_cvtepi32_ps, _mm256_cvtps_pd, _mm256_cvtss_f32, _mm256_extractf128_ps,
+    _mm256_fmadd_ps, _mm256_loadu_pd, _mm256_loadu_ps, _mm256_max_pd, _mm256_max_ps, _mm256_min_pd, _mm256_min_ps,
+    _mm256_movemask_pd, _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_permute_pd, _mm256_permute_ps,
+    _mm256_permute2f128_pd, _mm256_permute2f128_ps, _mm256_set1_pd, _mm256_set1_ps, _mm256_storeu_ps, _mm256_sub_ps,
 };
 
 use hullmap_format::archive::{ArchivedBlock, LANES};
 use rkyv::rend::{f32_le, i16_le};
 
-use super::{Kernel, Simd};
+use super::{Kernel, Pass, Simd};
 use crate::support::facets::{NormalBlock, PointBlock};
 
 /// Proof that the processor has AVX2, FMA, BMI1 and BMI2.
@@ -42,22 +41,11 @@ impl Avx2 {
         unsafe { compiled(self, kernel, x, y, z) }
     }
 
-    /// See [`Dispatch::farthest`](super::Dispatch::farthest).
+    /// Runs `pass`, compiled for these instructions.
     #[inline(always)]
-    pub(super) fn farthest(
-        self,
-        normals: &[NormalBlock],
-        points: &[PointBlock],
-        count: usize,
-        value: &mut [[f32; LANES]],
-        index: Option<&mut [[u32; LANES]]>,
-    ) {
-        match index {
-            // SAFETY: `self` proves that the processor has the features.
-            Some(index) => unsafe { farthest::<true>(normals, points, count, value, index) },
-            // SAFETY: as above.
-            None => unsafe { farthest::<false>(normals, points, count, value, &mut []) },
-        }
+    pub(super) fn pass(self, pass: &mut impl Pass) {
+        // SAFETY: as above.
+        unsafe { compiled_pass(self, pass) }
     }
 
     /// See [`Dispatch::argmin`](super::Dispatch::argmin).
@@ -84,81 +72,6 @@ pub(super) fn fetch_bytes(start: *const i8, len: usize) {
         // SAFETY: SSE is part of x86-64. The instruction changes nothing that the program can see,
         // and ignores addresses that are not mapped.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset)) };
-    }
-}
-
-/// Two blocks of normals at a time, as their maxima do not depend on each other.
-#[target_feature(enable = "avx2")]
-fn farthest<const INDEX: bool>(
-    normals: &[NormalBlock],
-    points: &[PointBlock],
-    count: usize,
-    value: &mut [[f32; LANES]],
-    index: &mut [[u32; LANES]],
-) {
-    let (pairs, rest) = normals.as_chunks::<2>();
-    let (mut values, mut indices) = (value.chunks_mut(2), index.chunks_mut(2));
-    let mut unused = [[0; LANES]; 2];
-    for pair in pairs {
-        let Some(Ok(value)) = values.next().map(TryInto::try_into) else { return };
-        let index = indices.next().and_then(|chunk| chunk.try_into().ok()).unwrap_or(&mut unused);
-        farthest_of::<2, INDEX>(pair, points, count, value, index);
-    }
-    if let [last] = rest {
-        let Some(value) = values.next().and_then(<[_]>::first_mut) else { return };
-        let [unused, _] = &mut unused;
-        let index = indices.next().and_then(<[_]>::first_mut).unwrap_or(unused);
-        farthest_of::<1, INDEX>(
-            std::array::from_ref(last),
-            points,
-            count,
-            std::array::from_mut(value),
-            std::array::from_mut(index),
-        );
-    }
-}
-
-#[inline]
-#[target_feature(enable = "avx2")]
-fn farthest_of<const K: usize, const INDEX: bool>(
-    normals: &[NormalBlock; K],
-    points: &[PointBlock],
-    count: usize,
-    value: &mut [[f32; LANES]; K],
-    index: &mut [[u32; LANES]; K],
-) {
-    // SAFETY: every load reads the 32 bytes of an array of eight f32, at any alignment.
-    let load = |from: &[f32; LANES]| unsafe { _mm256_loadu_ps(from.as_ptr()) };
-    let n = normals.each_ref().map(|block| block.normal.each_ref().map(load));
-    let mut best = [_mm256_set1_ps(f32::NEG_INFINITY); K];
-    let mut at = [_mm256_setzero_si256(); K];
-    let mut number = _mm256_setzero_si256();
-    let one = _mm256_set1_epi32(1);
-    for (p, PointBlock([px, py, pz])) in points.iter().enumerate() {
-        let inside = count.saturating_sub(LANES * p).min(LANES);
-        for ((px, py), pz) in px.iter().zip(py).zip(pz).take(inside) {
-            let (px, py, pz) = (_mm256_set1_ps(*px), _mm256_set1_ps(*py), _mm256_set1_ps(*pz));
-            for (([x, y, z], best), at) in n.iter().zip(&mut best).zip(&mut at) {
-                let dot =
-                    _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(*x, px), _mm256_mul_ps(*y, py)), _mm256_mul_ps(*z, pz));
-                if INDEX {
-                    let farther = _mm256_castps_si256(_mm256_cmp_ps::<_CMP_LT_OQ>(*best, dot));
-                    *at = _mm256_blendv_epi8(*at, number, farther);
-                }
-                *best = _mm256_max_ps(dot, *best);
-            }
-            if INDEX {
-                number = _mm256_add_epi32(number, one);
-            }
-        }
-    }
-    for ((((block, best), at), value), index) in normals.iter().zip(best).zip(at).zip(value).zip(index) {
-        // SAFETY: each store writes the 32 bytes of an array of eight f32, at any alignment.
-        unsafe { _mm256_storeu_ps(value.as_mut_ptr(), _mm256_add_ps(best, load(&block.offset))) };
-        if INDEX {
-            // SAFETY: as above.
-            unsafe { _mm256_storeu_si256(index.as_mut_ptr().cast(), at) };
-        }
     }
 }
 
@@ -202,6 +115,11 @@ fn compiled<K: Kernel>(avx2: Avx2, kernel: K, x: K::Scalar, y: K::Scalar, z: K::
     kernel.run(avx2, [x, y, z])
 }
 
+#[target_feature(enable = "avx2,fma,bmi1,bmi2")]
+fn compiled_pass(avx2: Avx2, pass: &mut impl Pass) {
+    pass.run(avx2);
+}
+
 impl Simd for Avx2 {
     #[inline(always)]
     fn near_best<const N: usize>(self, blocks: &[ArchivedBlock; N], dir: [f32; 3], margin: f32) -> u32 {
@@ -233,6 +151,150 @@ impl Simd for Avx2 {
         // SAFETY: as above, `self` proves that the processor has the features.
         unsafe { max_dot(blocks, dir) }
     }
+
+    #[inline(always)]
+    fn heights(self, faces: &NormalBlock, point: [f32; 3], radius: f32) -> [f32; LANES] {
+        // SAFETY: as above, `self` proves that the processor has the features.
+        unsafe { heights(faces, point, radius) }
+    }
+
+    #[inline(always)]
+    fn transform(self, points: &PointBlock, rows: &[[f32; 3]; 3], center: [f32; 3]) -> PointBlock {
+        // SAFETY: as above, `self` proves that the processor has the features.
+        unsafe { transform(points, rows, center) }
+    }
+
+    #[inline(always)]
+    fn farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3]) -> (f32, usize) {
+        // SAFETY: as above, `self` proves that the processor has the features.
+        unsafe { farthest(points, dir) }
+    }
+
+    #[inline(always)]
+    fn near_farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3], margin: f32) -> u32 {
+        // SAFETY: as above, `self` proves that the processor has the features.
+        unsafe { near_farthest(points, dir, margin) }
+    }
+
+    #[inline(always)]
+    fn less(self, values: &[f32; LANES], threshold: f32) -> u32 {
+        // SAFETY: as above, `self` proves that the processor has the features.
+        unsafe { less(values, threshold) }
+    }
+
+    #[inline(always)]
+    fn lowest<const N: usize>(self, values: &[[f32; LANES]; N]) -> f32 {
+        // SAFETY: as above, `self` proves that the processor has the features.
+        unsafe { lowest(values) }
+    }
+
+    #[inline(always)]
+    fn greater(self, a: &[f32; LANES], b: &[f32; LANES]) -> [f32; LANES] {
+        // SAFETY: as above, `self` proves that the processor has the features.
+        unsafe { greater(a, b) }
+    }
+}
+
+/// The dot products of eight points, without fused operations.
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn products([x, y, z]: &[[f32; LANES]; 3], dir: [__m256; 3]) -> __m256 {
+    let xy = _mm256_add_ps(_mm256_mul_ps(load_ps(x), dir[0]), _mm256_mul_ps(load_ps(y), dir[1]));
+    _mm256_add_ps(xy, _mm256_mul_ps(load_ps(z), dir[2]))
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn heights(NormalBlock { normal, offset }: &NormalBlock, point: [f32; 3], radius: f32) -> [f32; LANES] {
+    store_ps(_mm256_add_ps(products(normal, splat(point)), _mm256_add_ps(load_ps(offset), _mm256_set1_ps(radius))))
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn transform(PointBlock(points): &PointBlock, rows: &[[f32; 3]; 3], center: [f32; 3]) -> PointBlock {
+    let mut out = PointBlock([[0.0; LANES]; 3]);
+    for ((out, row), center) in out.0.iter_mut().zip(rows).zip(center) {
+        *out = store_ps(_mm256_add_ps(products(points, splat(*row)), _mm256_set1_ps(center)));
+    }
+    out
+}
+
+/// The dot products of all points, and their maximum in every lane.
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn all_products<const N: usize>(points: &[PointBlock; N], dir: [f32; 3]) -> ([__m256; N], __m256) {
+    let dir = splat(dir);
+    let mut all = [_mm256_set1_ps(f32::NEG_INFINITY); N];
+    let mut max = _mm256_set1_ps(f32::NEG_INFINITY);
+    for (dots, PointBlock(block)) in all.iter_mut().zip(points) {
+        *dots = products(block, dir);
+        max = _mm256_max_ps(*dots, max);
+    }
+    (all, max_lane(max))
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn farthest<const N: usize>(points: &[PointBlock; N], dir: [f32; 3]) -> (f32, usize) {
+    let (all, max) = all_products(points, dir);
+    let mut equal = 0;
+    for dots in all.iter().rev() {
+        equal = equal << LANES | _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_EQ_OQ>(*dots, max)) as u32;
+    }
+    (_mm256_cvtss_f32(max), equal.trailing_zeros() as usize)
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn near_farthest<const N: usize>(points: &[PointBlock; N], dir: [f32; 3], margin: f32) -> u32 {
+    let (all, max) = all_products(points, dir);
+    let threshold = _mm256_sub_ps(max, _mm256_set1_ps(margin));
+    let mut near = 0;
+    for dots in all.iter().rev() {
+        near = near << LANES | _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GE_OQ>(*dots, threshold)) as u32;
+    }
+    near
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn lowest<const N: usize>(values: &[[f32; LANES]; N]) -> f32 {
+    let mut low = _mm256_set1_ps(f32::INFINITY);
+    for block in values {
+        low = _mm256_min_ps(load_ps(block), low);
+    }
+    let low = _mm256_min_ps(low, _mm256_permute2f128_ps::<1>(low, low));
+    let low = _mm256_min_ps(low, _mm256_permute_ps::<0b01_00_11_10>(low));
+    _mm256_cvtss_f32(_mm256_min_ps(low, _mm256_permute_ps::<0b10_11_00_01>(low)))
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn greater(a: &[f32; LANES], b: &[f32; LANES]) -> [f32; LANES] {
+    // Of equal values the instruction returns the second operand.
+    store_ps(_mm256_max_ps(load_ps(b), load_ps(a)))
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn less(values: &[f32; LANES], threshold: f32) -> u32 {
+    _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_NGE_UQ>(load_ps(values), _mm256_set1_ps(threshold))) as u32
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn load_ps(from: &[f32; LANES]) -> __m256 {
+    // SAFETY: reads the 32 bytes of the array, at any alignment.
+    unsafe { _mm256_loadu_ps(from.as_ptr()) }
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn store_ps(values: __m256) -> [f32; LANES] {
+    let mut to = [0.0; LANES];
+    // SAFETY: writes the 32 bytes of the array, at any alignment.
+    unsafe { _mm256_storeu_ps(to.as_mut_ptr(), values) };
+    to
 }
 
 #[inline]

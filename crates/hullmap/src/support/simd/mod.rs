@@ -100,6 +100,39 @@ pub(crate) trait Simd: Copy {
     /// Maximum dot product over all lanes of all blocks. NaN may be ignored. There is at least one
     /// block.
     fn max_dot(self, blocks: &[ArchivedBlock], dir: [f32; 3]) -> f32;
+
+    /// For each of eight faces, the dot product of its normal and `point`, plus its offset and
+    /// `radius`. Each product and each sum is rounded once: x, y, z, then offset plus radius.
+    fn heights(self, faces: &NormalBlock, point: [f32; 3], radius: f32) -> [f32; LANES];
+
+    /// `center` + M p for eight points p, where `rows` are the rows of M. Each product and each sum
+    /// is rounded once, in the order x, y, z, centre.
+    fn transform(self, points: &PointBlock, rows: &[[f32; 3]; 3], center: [f32; 3]) -> PointBlock;
+
+    /// The maximum dot product over all lanes of all `points`, and the lowest lane that has it,
+    /// counted over the blocks as one slice. Each product and each sum is rounded once, in the
+    /// order x, y, z. Points are finite.
+    fn farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3]) -> (f32, usize);
+
+    /// Mask of the points whose dot product is within `margin` of the maximum, one bit per lane,
+    /// with the first block in the lowest bits. Computed as by [`farthest`](Self::farthest). `N` is
+    /// at most 4.
+    fn near_farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3], margin: f32) -> u32;
+
+    /// Mask of the values less than `threshold`, one bit per lane. NaN is less.
+    fn less(self, values: &[f32; LANES], threshold: f32) -> u32;
+
+    /// The minimum over all lanes of all blocks. No value is NaN.
+    fn lowest<const N: usize>(self, values: &[[f32; LANES]; N]) -> f32;
+
+    /// The greater of each two values, and the first one of equals.
+    fn greater(self, a: &[f32; LANES], b: &[f32; LANES]) -> [f32; LANES];
+}
+
+/// A pass over arrays: code that is compiled once per instruction set, and keeps its results.
+pub(crate) trait Pass {
+    /// Must be `#[inline(always)]`, as [`Kernel::run`].
+    fn run<S: Simd>(&mut self, simd: S);
 }
 
 /// A SIMD kernel: code that is compiled once per instruction set and runs for one direction.
@@ -153,22 +186,13 @@ impl Dispatch {
         }
     }
 
-    /// For each of the `normals`, its offset plus the maximum dot product with the first `count` of
-    /// `points`; if `index` is given, also the lowest point with that maximum. Each product and
-    /// each sum is rounded once, in the order x, y, z.
+    /// Runs `pass`, compiled for this instruction set.
     #[inline(always)]
-    pub(crate) fn farthest(
-        self,
-        normals: &[NormalBlock],
-        points: &[PointBlock],
-        count: usize,
-        value: &mut [[f32; LANES]],
-        index: Option<&mut [[u32; LANES]]>,
-    ) {
+    pub(crate) fn pass(self, pass: &mut impl Pass) {
         match self {
-            Self::Portable => portable::farthest(normals, points, count, value, index),
+            Self::Portable => portable_pass(pass),
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2(avx2) => avx2.farthest(normals, points, count, value, index),
+            Self::Avx2(avx2) => avx2.pass(pass),
         }
     }
 
@@ -220,40 +244,109 @@ fn portable<K: Kernel>(kernel: K, x: K::Scalar, y: K::Scalar, z: K::Scalar) -> K
     kernel.run(Portable, [x, y, z])
 }
 
+#[inline(never)]
+fn portable_pass(pass: &mut impl Pass) {
+    pass.run(Portable);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use shapes::rng::SplitMix64;
 
-    #[test]
-    fn farthest_is_the_same_on_every_instruction_set() {
-        let mut rng = SplitMix64::new(5);
-        for (normals, count) in [(1, 8), (2, 5), (3, 17), (8, 32), (16, 64)] {
-            let mut lanes = || [(); LANES].map(|()| rng.between(-1.0, 1.0) as f32);
-            let normals: Vec<NormalBlock> =
-                (0..normals).map(|_| NormalBlock { normal: [lanes(), lanes(), lanes()], offset: lanes() }).collect();
-            let mut points: Vec<PointBlock> = (0..8).map(|_| PointBlock([lanes(), lanes(), lanes()])).collect();
-            // Ties: the first two points are equal.
-            points[0].0.iter_mut().for_each(|c| c[1] = c[0]);
-            let at = |i: usize| points[i / LANES].0.map(|c| c[i % LANES]);
-            for dispatch in [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Dispatch::of) {
-                let mut value = vec![[0.0; LANES]; normals.len()];
-                let mut index = vec![[0; LANES]; normals.len()];
-                dispatch.farthest(&normals, &points, count, &mut value, Some(&mut index));
-                let mut alone = vec![[0.0; LANES]; normals.len()];
-                dispatch.farthest(&normals, &points, count, &mut alone, None);
-                assert_eq!(alone, value);
-                for (b, block) in normals.iter().enumerate() {
-                    for lane in 0..LANES {
-                        let n = block.normal.map(|c| c[lane]);
-                        let dots = (0..count).map(at).map(|p| n[0] * p[0] + n[1] * p[1] + n[2] * p[2]);
-                        let best = dots.enumerate().fold((0, f32::NEG_INFINITY), |m, d| if d.1 > m.1 { d } else { m });
-                        assert_eq!(value[b][lane], best.1 + block.offset[lane]);
-                        assert_eq!(index[b][lane], best.0 as u32);
+    /// All operations on `N` blocks of points, and what they return.
+    struct Operations<'p, const N: usize> {
+        points: &'p [PointBlock; N],
+        faces: NormalBlock,
+        dir: [f32; 3],
+        turned: Vec<PointBlock>,
+        heights: [f32; LANES],
+        farthest: (f32, usize),
+        near: u32,
+        less: u32,
+        greater: [f32; LANES],
+        lowest: f32,
+    }
+
+    /// The matrix of [`Operations`].
+    const ROWS: [[f32; 3]; 3] = [[0.5, 0.25, -1.5], [-0.75, 0.1, 0.3], [1.1, -0.2, 0.7]];
+
+    impl<const N: usize> Pass for Operations<'_, N> {
+        #[inline(always)]
+        fn run<S: Simd>(&mut self, simd: S) {
+            self.farthest = simd.farthest(self.points, self.dir);
+            self.near = simd.near_farthest(self.points, self.dir, 0.25);
+            let mut values = self.points[0].0[0];
+            values[3] = f32::NAN;
+            self.less = simd.less(&values, 0.5 * self.farthest.0);
+            self.heights = simd.heights(&self.faces, self.dir, 0.125);
+            self.turned = self.points.iter().map(|block| simd.transform(block, &ROWS, self.dir)).collect();
+            self.lowest = simd.lowest(&self.points.each_ref().map(|block| block.0[1]));
+            self.greater = simd.greater(&self.points[0].0[1], &self.points[0].0[2]);
+        }
+    }
+
+    fn compare_with_scalars<const N: usize>(rng: &mut SplitMix64, round: usize, seen: &mut [u32; 2]) {
+        let mut lanes = || [(); LANES].map(|()| rng.between(-1.0, 1.0) as f32);
+        let mut points = [(); N].map(|()| PointBlock([lanes(), lanes(), lanes()]));
+        // Ties: the first two points and the last one are equal.
+        for axis in 0..3 {
+            points[0].0[axis][1] = points[0].0[axis][0];
+            points[N - 1].0[axis][LANES - 1] = points[0].0[axis][0];
+        }
+        let faces = NormalBlock { normal: [lanes(), lanes(), lanes()], offset: lanes() };
+        let n = if round.is_multiple_of(3) { points[0].0.map(|c| c[0]) } else { faces.normal.map(|c| c[0]) };
+        let at = |i: usize| points[i / LANES].0.map(|c| c[i % LANES]);
+        let dot = |p: [f32; 3], q: [f32; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+        let dots: Vec<f32> = (0..LANES * N).map(|i| dot(at(i), n)).collect();
+        let best = (0..).zip(&dots).fold((0, f32::NEG_INFINITY), |m, (i, d)| if *d > m.1 { (i, *d) } else { m });
+        let near = (0..).zip(&dots).filter(|(_, d)| **d >= best.1 - 0.25).map(|(i, _)| 1 << i).sum();
+        let less = (0..LANES).filter(|i| *i == 3 || points[0].0[0][*i] < 0.5 * best.1).map(|i| 1 << i).sum();
+        seen[0] += u32::count_ones(near);
+        seen[1] += u32::count_ones(less);
+        for dispatch in [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Dispatch::of) {
+            let mut all = Operations {
+                points: &points,
+                faces,
+                dir: n,
+                turned: Vec::new(),
+                heights: [0.0; LANES],
+                farthest: (0.0, 0),
+                near: 0,
+                less: 0,
+                greater: [0.0; LANES],
+                lowest: 0.0,
+            };
+            dispatch.pass(&mut all);
+            assert_eq!((all.farthest, all.near, all.less), ((best.1, best.0), near, less), "{dispatch:?}");
+            let lowest = (0..LANES * N).map(|i| at(i)[1]).fold(f32::INFINITY, f32::min);
+            assert_eq!(all.lowest, lowest);
+            for lane in 0..LANES {
+                let height = dot(faces.normal.map(|c| c[lane]), n) + (faces.offset[lane] + 0.125);
+                assert_eq!(all.heights[lane], height);
+                assert_eq!(all.greater[lane], points[0].0[1][lane].max(points[0].0[2][lane]));
+                for (block, turned) in points.iter().zip(&all.turned) {
+                    for axis in 0..3 {
+                        let expected = dot(ROWS[axis], block.0.map(|c| c[lane])) + n[axis];
+                        assert_eq!(turned.0[axis][lane], expected);
                     }
                 }
             }
         }
+    }
+
+    #[test]
+    fn operations_on_points_and_faces_are_the_same_on_every_instruction_set() {
+        let mut rng = SplitMix64::new(5);
+        let mut seen = [0; 2];
+        for round in 0..100 {
+            compare_with_scalars::<1>(&mut rng, round, &mut seen);
+            compare_with_scalars::<2>(&mut rng, round, &mut seen);
+            compare_with_scalars::<3>(&mut rng, round, &mut seen);
+            compare_with_scalars::<4>(&mut rng, round, &mut seen);
+        }
+        // Of 400: some points near the farthest one, and lesser values.
+        assert!(seen[0] > 800 && (800..2_800).contains(&seen[1]), "{seen:?}");
     }
 
     #[test]

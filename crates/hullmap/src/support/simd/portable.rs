@@ -55,45 +55,6 @@ pub(super) fn argmin(values: &[[f64; LANES]]) -> usize {
     0
 }
 
-/// See [`Dispatch::farthest`](super::Dispatch::farthest).
-#[inline(never)]
-pub(super) fn farthest(
-    normals: &[NormalBlock],
-    points: &[PointBlock],
-    count: usize,
-    value: &mut [[f32; LANES]],
-    mut index: Option<&mut [[u32; LANES]]>,
-) {
-    for (b, (block, value)) in normals.iter().zip(value).enumerate() {
-        let [x, y, z] = block.normal.each_ref().map(halves);
-        let offset = halves(&block.offset);
-        for half in 0..2 {
-            let (mut best, mut at) = (Vec4::NEG_INFINITY, Vec4::ZERO);
-            let mut number = 0;
-            for (p, PointBlock([px, py, pz])) in points.iter().enumerate() {
-                let inside = count.saturating_sub(LANES * p).min(LANES);
-                for ((px, py), pz) in px.iter().zip(py).zip(pz).take(inside) {
-                    let [Some(x), Some(y), Some(z)] = [&x, &y, &z].map(|c| c.get(half)) else { continue };
-                    let dot = *x * Vec4::splat(*px) + *y * Vec4::splat(*py) + *z * Vec4::splat(*pz);
-                    let farther = dot.cmpgt(best);
-                    best = Vec4::select(farther, dot, best);
-                    // As bits: a number that is only moved.
-                    at = Vec4::select(farther, Vec4::splat(f32::from_bits(number)), at);
-                    number += 1;
-                }
-            }
-            let Some(offset) = offset.get(half) else { continue };
-            if let Some(to) = value.get_mut(4 * half..4 * half + 4) {
-                to.copy_from_slice(&(best + *offset).to_array());
-            }
-            let to = index.as_mut().and_then(|index| index.get_mut(b)?.get_mut(4 * half..4 * half + 4));
-            if let Some(to) = to {
-                to.copy_from_slice(&at.to_array().map(f32::to_bits));
-            }
-        }
-    }
-}
-
 #[inline(always)]
 fn halves([a, b, c, d, e, f, g, h]: &[f32; LANES]) -> [Vec4; 2] {
     [Vec4::new(*a, *b, *c, *d), Vec4::new(*e, *f, *g, *h)]
@@ -154,4 +115,81 @@ impl Simd for Portable {
         }
         max[0].max(max[1]).max_element()
     }
+
+    #[inline(always)]
+    fn heights(self, faces: &NormalBlock, point: [f32; 3], radius: f32) -> [f32; LANES] {
+        let point = point.map(Vec4::splat);
+        let radius = Vec4::splat(radius);
+        let [x, y, z] = faces.normal.each_ref().map(halves);
+        let offset = halves(&faces.offset);
+        let half = |i: usize| x[i] * point[0] + y[i] * point[1] + z[i] * point[2] + (offset[i] + radius);
+        whole([half(0), half(1)])
+    }
+
+    #[inline(always)]
+    fn transform(self, points: &PointBlock, rows: &[[f32; 3]; 3], center: [f32; 3]) -> PointBlock {
+        let [x, y, z] = points.0.each_ref().map(halves);
+        let component = |axis: usize| {
+            let [a, b, c] = rows[axis].map(Vec4::splat);
+            let half = |i: usize| a * x[i] + b * y[i] + c * z[i] + Vec4::splat(center[axis]);
+            whole([half(0), half(1)])
+        };
+        PointBlock([component(0), component(1), component(2)])
+    }
+
+    #[inline(always)]
+    fn farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3]) -> (f32, usize) {
+        let dots = point_dots(points, dir);
+        let max = dots.iter().flatten().fold(Vec4::NEG_INFINITY, |max, dot| dot.max(max)).max_element();
+        let lanes = lanes_where(&dots, |dot| dot.cmpeq(Vec4::splat(max)).bitmask());
+        (max, lanes.trailing_zeros() as usize)
+    }
+
+    #[inline(always)]
+    fn near_farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3], margin: f32) -> u32 {
+        let dots = point_dots(points, dir);
+        let max = dots.iter().flatten().fold(Vec4::NEG_INFINITY, |max, dot| dot.max(max)).max_element();
+        lanes_where(&dots, |dot| dot.cmpge(Vec4::splat(max - margin)).bitmask())
+    }
+
+    #[inline(always)]
+    fn less(self, values: &[f32; LANES], threshold: f32) -> u32 {
+        let threshold = Vec4::splat(threshold);
+        let [low, high] = halves(values).map(|half| half.cmpge(threshold).bitmask());
+        !(low | high << 4) & 0xff
+    }
+
+    #[inline(always)]
+    fn lowest<const N: usize>(self, values: &[[f32; LANES]; N]) -> f32 {
+        let low = values.iter().flat_map(halves).fold(Vec4::INFINITY, |low, half| half.min(low));
+        low.min_element()
+    }
+
+    #[inline(always)]
+    fn greater(self, a: &[f32; LANES], b: &[f32; LANES]) -> [f32; LANES] {
+        let (a, b) = (halves(a), halves(b));
+        whole([0, 1].map(|i: usize| Vec4::select(b[i].cmpgt(a[i]), b[i], a[i])))
+    }
+}
+
+/// Dot products of all points with `dir`.
+#[inline(always)]
+fn point_dots<const N: usize>(points: &[PointBlock; N], dir: [f32; 3]) -> [[Vec4; 2]; N] {
+    let dir = dir.map(Vec4::splat);
+    points.each_ref().map(|PointBlock(block)| {
+        let [x, y, z] = block.each_ref().map(halves);
+        [0, 1].map(|i: usize| x[i] * dir[0] + y[i] * dir[1] + z[i] * dir[2])
+    })
+}
+
+/// One bit per lane, from four bits for each vector.
+#[inline(always)]
+fn lanes_where<const N: usize>(dots: &[[Vec4; 2]; N], bits: impl Fn(Vec4) -> u32) -> u32 {
+    dots.iter().rev().fold(0, |lanes, [low, high]| lanes << LANES | bits(*low) | bits(*high) << 4)
+}
+
+#[inline(always)]
+fn whole([low, high]: [Vec4; 2]) -> [f32; LANES] {
+    let ([a, b, c, d], [e, f, g, h]) = (low.to_array(), high.to_array());
+    [a, b, c, d, e, f, g, h]
 }
