@@ -151,9 +151,7 @@ fn solve<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
     if settings.max_iterations > 0
         && let Some(facets) = facets
-        && !cache.is_used()
-        && cache.polytope().is_none()
-        && sat::pays(m, &facets)
+        && sat::pays(m, &facets, cache)
         && let Some(found) = sat::contact(m, facets, tolerance, cache)
     {
         return found;

@@ -60,20 +60,23 @@ const TINY_ROUNDINGS: f64 = 32.0;
 
 /// Where the test is faster than the general path. Each row holds the maximum number of products of
 /// faces and vertices of a pair, and the maximum distance of the interior points over the sum of
-/// the inner radii.
+/// the inner radii: with a new cache, and with a used one.
 ///
-/// Measured by `small-table`: hulls of 8 vertices, and up to 32. Beyond that distance most pairs
-/// are separated, and the general path proves that with fewer operations.
-const PAYS: [(usize, f64); 2] = [(300, 3.0), (4_000, 2.0)];
+/// Measured by `small-table` and `contact-table`: hulls of 8 vertices, and up to 32. Beyond the
+/// first distance most pairs are separated, and the general path proves that with fewer operations.
+/// Beyond the second most pairs are shallow, and a used cache proves that with fewer operations.
+const PAYS: [(usize, [f64; 2]); 2] = [(300, [3.0, 1.5]), (4_000, [2.0, 1.0])];
 
 /// Whether the test is likely to be faster than the general path.
 pub(super) fn pays<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,
     [a, b]: &[Facets<'_>; 2],
+    cache: &Cache,
 ) -> bool {
     let products = a.face_count() * b.vertex_count() + b.face_count() * a.vertex_count();
-    PAYS.iter().find(|(most, _)| products <= *most).is_some_and(|(_, share)| {
-        let near = share * m.inner_radius();
+    let is_used = cache.is_used() || cache.polytope().is_some();
+    PAYS.iter().find(|(most, _)| products <= *most).is_some_and(|(_, [new, used])| {
+        let near = m.inner_radius() * if is_used { used } else { new };
         m.center_point().w.length_squared() < near * near
     })
 }
