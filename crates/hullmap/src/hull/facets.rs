@@ -83,8 +83,8 @@ impl FacetTable {
             exact: faces.iter().map(|face| face.normal).collect(),
             supports: faces.iter().map(|face| face.support).collect(),
             points: point_blocks(&points, center),
-            sides,
-            side_starts,
+            sides: sides.into(),
+            side_starts: side_starts.into(),
             slack,
         })
     }
@@ -178,7 +178,7 @@ impl Edges {
     }
 
     /// The sides of all faces, and where those of each face start.
-    fn sides(&self, faces: &[Face]) -> Option<(Box<[Side]>, Box<[u8]>)> {
+    fn sides(&self, faces: &[Face]) -> Option<(Vec<Side>, Vec<u8>)> {
         let mut sides = Vec::with_capacity(self.half_edges);
         let mut starts = vec![0];
         for face in faces {
@@ -191,7 +191,7 @@ impl Edges {
             }
             starts.push(u8::try_from(sides.len()).ok()?);
         }
-        Some((sides.into(), starts.into()))
+        Some((sides, starts))
     }
 }
 

@@ -54,8 +54,8 @@ impl Feature {
             found.count += 1;
         }
         let mut count = 0;
-        for i in 0..found.count {
-            if exact[i] >= farthest - slack {
+        for (i, height) in exact.iter().enumerate().take(found.count) {
+            if *height >= farthest - slack {
                 found.points[count] = place(found.points[i]);
                 count += 1;
             }

@@ -117,6 +117,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    #[expect(clippy::indexing_slicing, reason = "halves of blocks, and three axes")]
     fn heights(self, faces: &NormalBlock, point: [f32; 3], radius: f32) -> [f32; LANES] {
         let point = point.map(Vec4::splat);
         let radius = Vec4::splat(radius);
@@ -127,6 +128,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    #[expect(clippy::indexing_slicing, reason = "halves of blocks, and three axes")]
     fn transform(self, points: &PointBlock, rows: &[[f32; 3]; 3], center: [f32; 3]) -> PointBlock {
         let [x, y, z] = points.0.each_ref().map(halves);
         let component = |axis: usize| {
@@ -166,6 +168,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    #[expect(clippy::indexing_slicing, reason = "two halves of a block")]
     fn greater(self, a: &[f32; LANES], b: &[f32; LANES]) -> [f32; LANES] {
         let (a, b) = (halves(a), halves(b));
         whole([0, 1].map(|i: usize| Vec4::select(b[i].cmpgt(a[i]), b[i], a[i])))
@@ -174,6 +177,7 @@ impl Simd for Portable {
 
 /// Dot products of all points with `dir`.
 #[inline(always)]
+#[expect(clippy::indexing_slicing, reason = "two halves of a block")]
 fn point_dots<const N: usize>(points: &[PointBlock; N], dir: [f32; 3]) -> [[Vec4; 2]; N] {
     let dir = dir.map(Vec4::splat);
     points.each_ref().map(|PointBlock(block)| {
