@@ -446,7 +446,8 @@ mod tests {
         apart: u32,
     }
 
-    /// Compares what the scan rules out with support values in f64, at all faces and along all arcs.
+    /// Compares what the scan rules out with support values in f64, at all faces and along all
+    /// arcs.
     fn check(a: &Hull<'_>, b: &Hull<'_>, pose: Pose, dispatch: Dispatch, seen: &mut Seen) {
         let mut m = Minkowski::new(a, b, pose);
         let facets = [a.facets().unwrap(), b.facets().unwrap()];
