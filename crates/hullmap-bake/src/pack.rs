@@ -8,6 +8,10 @@ use hullmap_format::{
 };
 use rkyv::rancor;
 
+mod sections;
+
+use sections::Sections;
+
 use crate::{
     BakeError, BakedHull, SourceRecord, bvh,
     hull::{Hull, adjacency::Adjacency, quads::quads},
@@ -90,7 +94,7 @@ fn write(hulls: impl Iterator<Item = BakedHull>, source: &SourceRecord, detail: 
     pack.nodes = bvh::build(&mut pack.hulls);
     // The header is written last, in front of the payload. Offsets in the payload are relative, and
     // the header's length is a multiple of every alignment.
-    let bytes = rkyv::api::high::to_bytes_in::<_, rancor::Error>(&pack, vec![0; HEADER_LEN]);
+    let bytes = rkyv::api::high::to_bytes_in::<_, rancor::Error>(&Sections::from(pack), vec![0; HEADER_LEN]);
     let mut bytes = bytes.map_err(|_| BakeError::PackTooLarge)?;
     if bytes.len() > MAX_PACK_LEN {
         return Err(BakeError::PackTooLarge);

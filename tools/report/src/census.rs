@@ -1,14 +1,15 @@
 //! Census of query costs over evenly spread directions, and the time of queries on this machine.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use glam::{DVec3, Vec3};
 use hullmap::Hull;
+use hullmap_format::IndexKind;
 use serde::Serialize;
 
-use crate::index_reader::IndexReader;
+use crate::index_reader::{IndexReader, Leaf};
 
 /// Maximum directions per hull. Histograms of this many directions agree to one per cent.
 const MAX_DIRECTIONS: usize = 40_000;
@@ -70,16 +71,19 @@ pub fn even_directions(count: usize) -> Vec<Vec3> {
 
 /// Counts the candidates and nodes of queries in these directions.
 pub fn census(index: &IndexReader, directions: &[Vec3]) -> Census {
+    let mut leaves: HashMap<Leaf, u64> = HashMap::new();
+    if index.kind == IndexKind::None {
+        // All directions have the same leaf.
+        leaves.extend(directions.first().map(|dir| (index.leaf(dir.to_array()), directions.len() as u64)));
+    } else {
+        directions.iter().for_each(|dir| *leaves.entry(index.leaf(dir.to_array())).or_default() += 1);
+    }
     let (mut candidates, mut nodes) = (BTreeMap::<u64, u64>::new(), BTreeMap::<u64, u64>::new());
     let mut dots = 0;
-    // Candidates are counted once per leaf.
-    let mut known = std::collections::HashMap::new();
-    for dir in directions {
-        let leaf = index.leaf(dir.to_array());
-        let count = *known.entry((leaf.first, leaf.count)).or_insert_with(|| index.candidates(leaf).len() as u64);
-        *candidates.entry(count).or_default() += 1;
-        *nodes.entry(u64::from(leaf.nodes)).or_default() += 1;
-        dots += u64::from(leaf.dots());
+    for (leaf, queries) in leaves {
+        *candidates.entry(index.candidates(leaf).len() as u64).or_default() += queries;
+        *nodes.entry(u64::from(leaf.nodes)).or_default() += queries;
+        dots += u64::from(leaf.dots()) * queries;
     }
     let pairs = |histogram: BTreeMap<u64, u64>| histogram.into_iter().map(|(value, count)| [value, count]).collect();
     Census {

@@ -1,15 +1,18 @@
 //! The Gauss map of a hull on an unfolded cube map: for each direction, its support vertex and its
 //! leaf of the index.
 //!
-//! Every pixel is one query to the runtime, in the direction of its centre. The faces are rotated
-//! so that neighbours in the cross join: the middle row is +x, +y, −x, −y around z, with +z above
-//! +y and −z below.
+//! Every pixel shows the answer of a query to the runtime, in the direction of its centre. The
+//! faces are rotated so that neighbours in the cross join: the middle row is +x, +y, −x, −y around
+//! z, with +z above +y and −z below.
+//!
+//! Queries on a hull without an index scan all vertices. [`crate::spans`] then finds most pixels
+//! of a row without a query each.
 
 use std::collections::HashMap;
 
 use glam::Vec3;
 use hullmap::{Hull, Pack};
-use hullmap_format::cube;
+use hullmap_format::{IndexKind, cube};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -17,6 +20,7 @@ use crate::cells::{Cells, cells};
 use crate::encode::{fraction, runs, words};
 use crate::html::json;
 use crate::index_reader::{Contents, IndexReader, Leaf};
+use crate::spans::Scan;
 
 /// Maximum pixels along a face's edge: a fifth of a degree each, and as many as a screen shows.
 const MAX_RESOLUTION: u32 = 256;
@@ -113,31 +117,40 @@ pub fn resolution(hull_count: usize) -> u32 {
 /// Queries `hull` in the directions of all pixels.
 ///
 /// # Complexity
-/// 6 · resolution² queries, on all threads of the pool.
+/// 6 · resolution² queries, on all threads of the pool. On a hull without an index, a few queries
+/// for each border that a row crosses.
 pub fn gauss_map(hull: &Hull, index: &IndexReader, resolution: u32) -> GaussMap {
-    let pixels = FACES
-        .iter()
-        .flat_map(|face| (0..resolution).flat_map(move |row| (0..resolution).map(move |column| (face, column, row))));
-    let pixels: Vec<_> = pixels.collect();
+    let rows: Vec<(&Face, u32)> = FACES.iter().flat_map(|face| (0..resolution).map(move |row| (face, row))).collect();
     let middle = |i: u32| (f64::from(i) + 0.5) / f64::from(resolution) * 2.0 - 1.0;
-    let answers: Vec<(u32, Leaf)> = pixels
-        .par_iter()
-        .map(|&(face, column, row)| {
-            let dir = face.direction(middle(column), -middle(row)).map(|c| c as f32);
-            (hull.support(Vec3::from_array(dir)).index, index.leaf(dir))
+    let scan = (index.kind == IndexKind::None).then(|| Scan::new(hull)).flatten();
+    let answers: Vec<Vec<(u32, Leaf)>> = rows
+        .into_par_iter()
+        .map(|(face, row)| {
+            let direction = |column: u32| face.direction(middle(column), -middle(row)).map(|c| c as f32);
+            let pixel = |column: u32| {
+                let dir = direction(column);
+                (hull.support(Vec3::from_array(dir)).index, index.leaf(dir))
+            };
+            match &scan {
+                Some(scan) => scan.row(resolution, direction, pixel),
+                None => (0..resolution).map(pixel).collect(),
+            }
         })
         .collect();
+    let answers = answers.concat();
     let mut known: HashMap<Leaf, u32> = HashMap::new();
     let mut table = Vec::new();
     let mut leaves = Vec::with_capacity(answers.len());
-    for &(_, leaf) in &answers {
-        leaves.push(*known.entry(leaf).or_insert_with(|| {
+    for run in answers.chunk_by(|a, b| a.1 == b.1) {
+        let leaf = run[0].1;
+        let entry = *known.entry(leaf).or_insert_with(|| {
             let mut listed = index.candidates(leaf);
             let candidates = listed.len();
             listed.truncate(LISTED_CANDIDATES);
             table.push(LeafEntry { block: leaf.first, nodes: leaf.nodes, dots: leaf.dots(), candidates, listed });
             table.len() as u32 - 1
-        }));
+        });
+        leaves.resize(leaves.len() + run.len(), entry);
     }
     let vertices: Vec<u32> = answers.iter().map(|&(vertex, _)| vertex).collect();
     let (lines, line_starts, line_depths, lines_are_cut) = lines(cells(index));
@@ -258,6 +271,50 @@ mod tests {
         assert_eq!(resolution(4), MAX_RESOLUTION / 2);
         assert_eq!(resolution(1_000_000), MIN_RESOLUTION);
         assert_eq!(resolution(0), MAX_RESOLUTION);
+    }
+
+    /// The slow twin of `gauss_map`: a query for each pixel.
+    fn slow(hull: &Hull, index: &IndexReader, resolution: u32) -> [String; 2] {
+        let (mut vertices, mut leaves, mut table) = (Vec::new(), Vec::new(), Vec::new());
+        let middle = |i: u32| (f64::from(i) + 0.5) / f64::from(resolution) * 2.0 - 1.0;
+        for face in FACES {
+            for row in 0..resolution {
+                for column in 0..resolution {
+                    let dir = face.direction(middle(column), -middle(row)).map(|c| c as f32);
+                    vertices.push(hull.support(Vec3::from_array(dir)).index);
+                    let leaf = index.leaf(dir);
+                    let known = table.iter().position(|other| *other == leaf);
+                    leaves.push(known.unwrap_or(table.len()) as u32);
+                    if known.is_none() {
+                        table.push(leaf);
+                    }
+                }
+            }
+        }
+        [runs(&vertices), runs(&leaves)]
+    }
+
+    #[test]
+    fn pixels_are_those_of_single_queries() {
+        let mut sets: Vec<Vec<[f32; 3]>> = [2, 4, 6, 8, 20, 32, 150].map(cloud).to_vec();
+        sets.push(vec![[1.0, 2.0, 3.0]]);
+        // Ties along whole rows, and hulls far from the origin, flat and thin.
+        sets.push((0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect());
+        sets.push((0..4).map(|i| [(i & 1) as f32 - 0.5, (i >> 1) as f32 - 0.5, 0.0]).collect());
+        for (offset, stretch) in [(1_000.0, 1.0), (-1e7, 1.0), (0.0, 1e-6), (0.0, 1e30), (0.0, 1e-30)] {
+            let moved = |[x, y, z]: [f32; 3]| [x * stretch + offset, y, z * stretch];
+            sets.push(cloud(30).into_iter().map(moved).collect());
+        }
+        for (set, points) in sets.into_iter().enumerate() {
+            for kind in [IndexKind::None, IndexKind::Tree] {
+                let (pack, contents) = baked(points.clone(), kind);
+                for resolution in [32, 37, 64] {
+                    let (hull, index) = (pack.hull(0).unwrap(), &contents.indices[0]);
+                    let map = gauss_map(&hull, index, resolution);
+                    assert_eq!([map.vertices, map.leaves], slow(&hull, index, resolution), "{set} {kind:?}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -14,6 +14,7 @@
 //! | `index_reader` | a direction index, and the leaf of a direction |
 //! | `cells` | the cells of an index, as lines on the cube |
 //! | `gauss_map` | support vertices and leaves over the unfolded cube |
+//! | `spans` | pixels of a row that have the same support vertex |
 //! | `census` | cost of queries over the sphere |
 //! | `display_mesh` | triangles and edges to draw |
 //! | `picture` | a still picture of them |
@@ -36,6 +37,7 @@ pub mod input;
 mod pack_page;
 mod picture;
 mod sizes;
+mod spans;
 #[cfg(test)]
 mod test_packs;
 

@@ -30,9 +30,18 @@ pub fn area_vector(face: &[u32], positions: &[DVec3]) -> DVec3 {
 }
 
 /// Area vector of a triangle.
-pub fn triangle_area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
+pub fn triangle_area_vector(corners: [DVec3; 3]) -> DVec3 {
+    area_vector_from(corners).0
+}
+
+/// Area vector of a triangle, and whether its last digits may depend on which corner comes first.
+///
+/// They do not if one side is longer than the two others, because these are then the sides that are
+/// multiplied, in an order that does not depend on the first corner.
+pub fn area_vector_from([a, b, c]: [DVec3; 3]) -> (DVec3, bool) {
     let (ab, bc, ca) = (b - a, c - b, a - c);
     let [ab_sq, bc_sq, ca_sq] = [ab, bc, ca].map(DVec3::length_squared);
+    let has_longest = ca_sq > ab_sq.max(bc_sq) || ab_sq > bc_sq.max(ca_sq) || bc_sq > ca_sq.max(ab_sq);
     let (product, sides_sq) = if ca_sq >= ab_sq && ca_sq >= bc_sq {
         (accurate_cross(ab, bc), ab_sq * bc_sq)
     } else if ab_sq >= bc_sq {
@@ -41,7 +50,11 @@ pub fn triangle_area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
         (accurate_cross(ca, ab), ca_sq * ab_sq)
     };
     // NaN, and squares that underflow, take the exact path.
-    if product.length_squared() > SHARP * SHARP * sides_sq { product } else { exact_area_vector([a, b, c]) }
+    if product.length_squared() > SHARP * SHARP * sides_sq {
+        (product, !has_longest)
+    } else {
+        (exact_area_vector([a, b, c]), true)
+    }
 }
 
 /// Cross product whose components are accurate to two units in the last place, even if the products

@@ -48,6 +48,42 @@ const PARALLEL: f64 = 1e-20;
 /// # Complexity
 /// O(number of half-spaces) per step.
 pub fn nearest_to_origin(half_spaces: &[HalfSpace], reach: f64) -> Option<DVec3> {
+    nearest_with_planes(half_spaces, reach).map(|nearest| nearest.point)
+}
+
+/// The nearest point in an intersection of half-spaces, and the planes that determine it.
+pub struct NearestPoint {
+    /// The point.
+    pub point: DVec3,
+    planes: [HalfSpace; 3],
+    count: usize,
+}
+
+impl NearestPoint {
+    /// The planes, of which there are at most three, each with its weight: the point is the sum of
+    /// their normals times their weights, which are not negative.
+    pub fn weighted(&self) -> impl Iterator<Item = (HalfSpace, f64)> {
+        let planes = self.planes;
+        let weights = match planes[..self.count] {
+            [a] => [a.offset, 0.0, 0.0],
+            [a, b] => {
+                let c = a.normal.dot(b.normal);
+                let sine_sq = a.normal.cross(b.normal).length_squared();
+                [(a.offset - c * b.offset) / sine_sq, (b.offset - c * a.offset) / sine_sq, 0.0]
+            }
+            [a, b, c] => {
+                let [bc, ca, ab] = [b.normal.cross(c.normal), c.normal.cross(a.normal), a.normal.cross(b.normal)];
+                let determinant = a.normal.dot(bc);
+                [bc, ca, ab].map(|cross| cross.dot(self.point) / determinant)
+            }
+            _ => [0.0; 3],
+        };
+        planes.into_iter().zip(weights.map(|weight| weight.max(0.0))).take(self.count)
+    }
+}
+
+/// [`nearest_to_origin`] with the planes that determine the point.
+pub fn nearest_with_planes(half_spaces: &[HalfSpace], reach: f64) -> Option<NearestPoint> {
     let mut held: [HalfSpace; 3] = [HalfSpace { normal: DVec3::X, offset: 0.0 }; 3];
     let mut count = 0;
     let mut x = DVec3::ZERO;
@@ -59,13 +95,14 @@ pub fn nearest_to_origin(half_spaces: &[HalfSpace], reach: f64) -> Option<DVec3>
                 worst = (missing, Some(*half_space));
             }
         }
-        let Some(violated) = worst.1 else { return Some(x) };
+        let Some(violated) = worst.1 else { return Some(NearestPoint { point: x, planes: held, count }) };
         let step = with(&held[..count], violated);
         let progress = step.filter(|(nearest, ..)| nearest.length_squared() > x.length_squared());
         let Some((nearest, kept, kept_count)) = progress else {
             // Accept a violation at the limit of rounding error. Otherwise, the planes have no
             // common point.
-            return (worst.0 <= LIMIT * (violated.offset.abs() + x.length())).then_some(x);
+            let is_rounding = worst.0 <= LIMIT * (violated.offset.abs() + x.length());
+            return is_rounding.then_some(NearestPoint { point: x, planes: held, count });
         };
         // Written so that NaN fails.
         if !(nearest.length() < reach) {

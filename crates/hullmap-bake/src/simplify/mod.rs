@@ -131,14 +131,18 @@ fn solid(hull: &Hull, limit: Limit) -> Option<Simplified> {
     let nearest = Nearest::new(hull);
     match limit {
         Limit::Vertices(max_vertices) => {
-            let candidates =
-                [fewest_by_wrap(&nearest, hull, max_vertices), collapsed(&nearest, hull, max_vertices, f64::INFINITY)];
-            let written = candidates.into_iter().flatten().filter_map(|surface| write(&surface, hull, &nearest));
-            let coarse = (max_vertices >= 24).then(|| crate::outer::outer(hull)).filter(|outer| !outer.is_empty());
-            let coarse = coarse.and_then(|outer| measured(outer, hull, &nearest));
+            let written = |surface: Surface| write(&surface, hull, &nearest);
+            let wrapped = || {
+                let coarse = (max_vertices >= 24).then(|| crate::outer::outer(hull)).filter(|outer| !outer.is_empty());
+                let coarse = coarse.and_then(|outer| measured(outer, hull, &nearest));
+                (fewest_by_wrap(&nearest, hull, max_vertices).and_then(written), coarse)
+            };
+            let collapsed = || collapsed(&nearest, hull, max_vertices, f64::INFINITY).and_then(written);
+            let (collapsed, (wrapped, coarse)) = rayon::join(collapsed, wrapped);
             let fits = |found: &Simplified| found.hull.vertices.len() <= max_vertices;
             // The nearest hull; of equally near ones, the first.
-            written.chain(coarse).filter(fits).reduce(|a, b| if b.outer_error < a.outer_error { b } else { a })
+            let candidates = [wrapped, collapsed, coarse].into_iter().flatten().filter(fits);
+            candidates.reduce(|a, b| if b.outer_error < a.outer_error { b } else { a })
         }
         Limit::Distance(distance) => {
             // Room for the outward push.
@@ -152,13 +156,16 @@ fn solid(hull: &Hull, limit: Limit) -> Option<Simplified> {
                 let max_vertices = hull.vertices.len() - 1;
                 let wrapped = wrap(&nearest, hull.diameter, within, max_vertices).map(|wrapped| wrapped.surface);
                 let start = wrapped.as_ref().map_or(max_vertices, |surface| surface.vertex_count());
-                let candidates = [wrapped, collapsed(&nearest, hull, start, within)];
-                let written = candidates.into_iter().flatten().filter_map(|surface| write(&surface, hull, &nearest));
+                let written = |surface: Surface| write(&surface, hull, &nearest);
+                let (collapsed, wrapped) = rayon::join(
+                    || collapsed(&nearest, hull, start, within).and_then(written),
+                    || wrapped.and_then(written),
+                );
                 let fits =
                     |found: &Simplified| found.outer_error <= distance && found.hull.vertices.len() <= max_vertices;
                 let fewer =
                     |a: Simplified, b: Simplified| if b.hull.vertices.len() < a.hull.vertices.len() { b } else { a };
-                if let Some(found) = written.filter(fits).reduce(fewer) {
+                if let Some(found) = [wrapped, collapsed].into_iter().flatten().filter(fits).reduce(fewer) {
                     return Some(found);
                 }
                 room *= 2.0;

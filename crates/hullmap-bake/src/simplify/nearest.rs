@@ -18,6 +18,7 @@
 //!   vertices instead, unless one of them is certainly the farthest.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::hull::{Hull, adjacency::Adjacency};
 
@@ -47,8 +48,11 @@ const TILTS: usize = 24;
 /// Minimum number of vertices of a hull with a guide. Climbs of a smaller one are short.
 const GUIDED_FROM: usize = 256;
 
+/// Number of cells of a guide for each vertex. With four, most climbs start at their end.
+const CELLS_PER_VERTEX: usize = 4;
+
 /// Maximum number of cells along the edge of a guide's cube.
-const MAX_CELLS: usize = 128;
+const MAX_CELLS: usize = 256;
 
 /// Maximum number of steps of a guided climb. One or two are common.
 const GUIDED_STEPS: usize = 16;
@@ -57,16 +61,23 @@ const GUIDED_STEPS: usize = 16;
 /// have a guide.
 const LEAST_DEPTH: f64 = 1e-11;
 
+/// Bits of the Morton curve for each axis.
+const MORTON_BITS: u32 = 10;
+
 /// Number of sampled vertices whose heights are computed together.
 const TOGETHER: usize = 8;
 
 /// A hull prepared for nearest-point searches.
 pub struct Nearest {
     points: Vec<DVec3>,
-    /// For each vertex, the start of its run in `around`; then the end of the last one.
+    /// Place of each vertex along the Morton curve. The vertices of a mesh may be in any order, but
+    /// a search reads those that are near each other.
+    places: Vec<u32>,
+    /// For each place, the start of its run in `around`; then the end of the last one.
     starts: Vec<u32>,
-    /// Neighbours of each vertex with their positions, so that a step reads one run of memory.
-    around: Vec<Neighbour>,
+    /// For each place, its vertex, then the neighbours in ascending order of their vertices, so
+    /// that a step reads one run of memory.
+    around: Vec<Corner>,
     /// Coordinates of every `stride`-th vertex by axis.
     samples: [Vec<f64>; 3],
     stride: usize,
@@ -96,9 +107,16 @@ struct Guide {
 }
 
 #[derive(Clone, Copy)]
-struct Neighbour {
+struct Corner {
     position: [f32; 3],
-    vertex: u32,
+    /// The vertex of a run's first corner. The place of all others.
+    index: u32,
+}
+
+impl Corner {
+    fn position(&self) -> DVec3 {
+        DVec3::from_array(self.position.map(f64::from))
+    }
 }
 
 /// A point of the hull, and a hull vertex near it.
@@ -115,13 +133,25 @@ impl Nearest {
     pub fn new(hull: &Hull) -> Self {
         let points = hull.positions();
         let scale = points.iter().fold(0.0, |scale: f64, p| scale.max(p.abs().max_element()));
-        let Adjacency { starts, neighbours, .. } = Adjacency::new(hull);
-        let around =
-            neighbours.iter().map(|w| Neighbour { position: hull.vertices[*w as usize], vertex: *w }).collect();
+        let adjacency = Adjacency::new(hull);
+        let order = along_morton_curve(&points);
+        let mut places = vec![0; points.len()];
+        for (place, vertex) in (0..).zip(&order) {
+            places[*vertex as usize] = place;
+        }
+        let mut starts = Vec::with_capacity(points.len() + 1);
+        let mut around = Vec::with_capacity(adjacency.neighbours.len() + points.len());
+        for vertex in order {
+            starts.push(around.len() as u32);
+            let corner = |vertex: u32, index: u32| Corner { position: hull.vertices[vertex as usize], index };
+            around.push(corner(vertex, vertex));
+            around.extend(adjacency.neighbours(vertex).iter().map(|w| corner(*w, places[*w as usize])));
+        }
+        starts.push(around.len() as u32);
         let stride = points.len().isqrt().max(1);
         let samples = [0, 1, 2].map(|axis| points.iter().step_by(stride).map(|p| p[axis]).collect());
         let is_solid = hull.rank == 3;
-        let mut nearest = Self { points, starts, around, samples, stride, scale, is_solid, guide: None };
+        let mut nearest = Self { points, places, starts, around, samples, stride, scale, is_solid, guide: None };
         if is_solid && hull.vertices.len() >= GUIDED_FROM {
             nearest.guide = nearest.make_guide(hull);
         }
@@ -135,7 +165,7 @@ impl Nearest {
         if !(depth > LEAST_DEPTH * self.scale) {
             return None;
         }
-        let resolution = (hull.vertices.len() / 6).isqrt().clamp(1, MAX_CELLS);
+        let resolution = (CELLS_PER_VERTEX * hull.vertices.len() / 6).isqrt().clamp(1, MAX_CELLS);
         let mut starts = Vec::with_capacity(6 * resolution * resolution);
         let mut vertex = 0;
         for cell in 0..6 * resolution * resolution {
@@ -175,8 +205,7 @@ impl Nearest {
             let point = self.points[v];
             // The least depth, and the direction of its edge.
             let least = |normal: DVec3| {
-                let edges =
-                    self.neighbours(v as u32).iter().map(|w| DVec3::from_array(w.position.map(f64::from)) - point);
+                let edges = self.neighbours(self.places[v]).iter().map(|w| w.position() - point);
                 edges.fold((f64::INFINITY, DVec3::ZERO), |least, edge| {
                     let depth = -normal.dot(edge);
                     if depth < least.0 { (depth, edge) } else { least }
@@ -196,27 +225,45 @@ impl Nearest {
             }
             best.0
         };
-        (0..self.points.len()).map(depth_of).fold(f64::INFINITY, f64::min)
+        (0..self.points.len()).into_par_iter().map(depth_of).reduce(|| f64::INFINITY, f64::min)
     }
 
-    fn neighbours(&self, vertex: u32) -> &[Neighbour] {
-        &self.around[self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize]
+    /// The run of a place: its vertex, then the neighbours.
+    fn run(&self, place: u32) -> &[Corner] {
+        let [start, end] = [0, 1].map(|next| self.starts[place as usize + next] as usize);
+        &self.around[start..end]
     }
 
-    /// The highest neighbour of a vertex, if it is higher; and by how much the vertex is higher
-    /// than it otherwise.
+    fn neighbours(&self, place: u32) -> &[Corner] {
+        &self.run(place)[1..]
+    }
+
+    /// Position of the vertex at a place.
+    fn at(&self, place: u32) -> DVec3 {
+        self.around[self.starts[place as usize] as usize].position()
+    }
+
+    /// The vertex at a place.
+    fn vertex_at(&self, place: u32) -> u32 {
+        self.around[self.starts[place as usize] as usize].index
+    }
+
+    /// The place of the highest neighbour of the vertex at a place, if it is higher; and by how much
+    /// the vertex is higher than it otherwise.
     fn step(&self, direction: DVec3, from: u32) -> (Option<u32>, f64) {
-        let height = self.points[from as usize].dot(direction);
+        let [own, neighbours @ ..] = self.run(from) else { return (None, f64::NAN) };
+        let height = own.position().dot(direction);
         let mut highest = (f64::NEG_INFINITY, from);
-        for next in self.neighbours(from) {
-            let height = DVec3::from_array(next.position.map(f64::from)).dot(direction);
-            highest = if height > highest.0 { (height, next.vertex) } else { highest };
+        for next in neighbours {
+            let height = next.position().dot(direction);
+            highest = if height > highest.0 { (height, next.index) } else { highest };
         }
         ((highest.0 > height).then_some(highest.1), height - highest.0)
     }
 
-    /// The vertex at which every climb ends; `None` if that is not certain.
-    fn guided(&self, direction: DVec3) -> Option<u32> {
+    /// The place at which every climb ends, and by how much its vertex is higher than all its
+    /// neighbours; `None` if that is not certain.
+    fn guided(&self, direction: DVec3) -> Option<(u32, f64)> {
         let guide = self.guide.as_ref()?;
         let size = direction.abs();
         let axis = if size.x >= size.y && size.x >= size.z {
@@ -238,7 +285,9 @@ impl Nearest {
             match self.step(direction, vertex) {
                 (Some(next), _) => vertex = next,
                 // Written so that NaN fails.
-                (None, lower) => return (lower > guide.certain * self.scale * size.element_sum()).then_some(vertex),
+                (None, lower) => {
+                    return (lower > guide.certain * self.scale * size.element_sum()).then_some((vertex, lower));
+                }
             }
         }
         None
@@ -246,7 +295,7 @@ impl Nearest {
 
     /// The nearest point to `target`. The search starts at vertex `start`.
     pub fn from(&self, target: DVec3, start: u32) -> Foot {
-        self.search(target, start, |direction, from| self.climb(direction, from))
+        self.search(target, start, |direction, from| self.climb_from(direction, from))
     }
 
     /// The nearest point to `target`, searching all vertices.
@@ -255,27 +304,44 @@ impl Nearest {
     }
 
     /// A support vertex in `direction`, found by climbing from vertex `from`.
+    pub fn climb(&self, direction: DVec3, from: u32) -> u32 {
+        self.vertex_at(self.climb_from(direction, self.places[from as usize]))
+    }
+
+    /// The support vertex in `direction`, and by how much it is higher than all others; `None` if
+    /// that is not certain.
+    pub fn certain_climb(&self, direction: DVec3) -> Option<(u32, f64)> {
+        self.guided(direction).map(|(place, lower)| (self.vertex_at(place), lower))
+    }
+
+    /// Maximum height of a vertex above the end of a climb in a unit direction, except for the
+    /// rounding error of heights; infinite if that is not known.
+    pub fn climbing_error(&self) -> f64 {
+        self.guide.as_ref().map_or(f64::INFINITY, |guide| guide.certain * self.scale * 3_f64.sqrt())
+    }
+
+    /// The same, for places.
     ///
     /// A long climb continues from the best of a sample of the vertices, because climbing around a
     /// face with ten thousand corners would otherwise take as many steps. A climb that ends is also
     /// continued once from the sample, because rounding error can hide the ascent among vertices
     /// that are close together.
-    pub fn climb(&self, direction: DVec3, from: u32) -> u32 {
-        if let Some(vertex) = self.guided(direction) {
-            return vertex;
+    fn climb_from(&self, direction: DVec3, from: u32) -> u32 {
+        if let Some((place, _)) = self.guided(direction) {
+            return place;
         }
-        let mut best = (self.points[from as usize].dot(direction), from);
+        let mut best = (self.at(from).dot(direction), from);
         let doubt = CERTAIN * self.scale * direction.abs().element_sum();
         let mut is_sampled = false;
         for step in 0.. {
             let before = best;
             let mut highest = f64::NEG_INFINITY;
             for next in self.neighbours(before.1) {
-                let height = DVec3::from_array(next.position.map(f64::from)).dot(direction);
+                let height = next.position().dot(direction);
                 if height > highest {
                     highest = height;
                     if height > best.0 {
-                        best = (height, next.vertex);
+                        best = (height, next.index);
                     }
                 }
             }
@@ -311,16 +377,16 @@ impl Nearest {
             if heights.iter().any(|height| *height > best.0) {
                 for (at, height) in heights.into_iter().enumerate() {
                     if height > best.0 {
-                        *best = (height, ((chunk * TOGETHER + at) * self.stride) as u32);
+                        *best = (height, self.places[(chunk * TOGETHER + at) * self.stride]);
                     }
                 }
             }
         }
     }
 
-    /// The first of the vertices that are farthest in `direction`.
+    /// The place of the first of the vertices that are farthest in `direction`.
     fn farthest(&self, direction: DVec3) -> u32 {
-        self.guided(direction).unwrap_or_else(|| self.scan(direction))
+        self.guided(direction).map_or_else(|| self.scan(direction), |(place, _)| place)
     }
 
     fn scan(&self, direction: DVec3) -> u32 {
@@ -331,7 +397,7 @@ impl Nearest {
                 if height > best.0 { (height, i) } else { best }
             },
         );
-        best.1 as u32
+        self.places[best.1]
     }
 
     /// The mean of the vertices, which lies inside the hull.
@@ -350,84 +416,137 @@ impl Nearest {
     }
 
     fn search(&self, target: DVec3, start: u32, farthest: impl Fn(DVec3, u32) -> u32) -> Foot {
-        let mut simplex = [start; 4];
+        let mut simplex = [self.places[start as usize]; 4];
         let mut count = 1;
         let mut point = self.vertex(start);
+        // The corners relative to the target.
+        let mut corners = [point - target; 4];
         for _ in 0..MAX_STEPS {
             let towards = target - point;
             let next = farthest(towards, simplex[count - 1]);
-            let gained = towards.dot(self.vertex(next) - point);
+            let vertex = self.at(next);
+            let gained = towards.dot(vertex - point);
             // Written so that NaN ends the search.
             if !(gained > PROGRESS * self.scale * towards.length()) || simplex[..count].contains(&next) {
                 break;
             }
-            let mut corners = simplex;
-            corners[count] = next;
-            let (nearest, kept, kept_count) = self.in_simplex(target, &corners[..=count]);
+            (simplex[count], corners[count]) = (next, vertex - target);
+            let Some((nearest, face)) = nearest_face(&corners, count) else { break };
+            let nearest = target + nearest;
             if !(nearest.distance_squared(target) < point.distance_squared(target)) {
                 break;
             }
-            (point, simplex, count) = (nearest, kept, kept_count);
+            point = nearest;
+            let mut kept = 0;
+            for corner in 0..=count {
+                if face >> corner & 1 == 1 {
+                    (simplex[kept], corners[kept]) = (simplex[corner], corners[corner]);
+                    kept += 1;
+                }
+            }
+            count = kept;
             if count == 4 {
                 // The target is inside.
                 break;
             }
         }
-        Foot { point, vertex: simplex[count - 1] }
-    }
-
-    /// The nearest point to `target` in the simplex of `corners`, and the corners of the smallest
-    /// face that contains it, with the newest corner last.
-    fn in_simplex(&self, target: DVec3, corners: &[u32]) -> (DVec3, [u32; 4], usize) {
-        let mut best = (f64::INFINITY, DVec3::ZERO, [0; 4], 0);
-        // The newest corner is farther in the search direction than all others, so the face always
-        // contains it.
-        let (new, others) = corners.split_last().expect("a simplex has a corner");
-        let mut places = [DVec3::ZERO; 4];
-        places.iter_mut().zip(corners).for_each(|(place, corner)| *place = self.vertex(*corner) - target);
-        for choice in 0..1_u32 << others.len() {
-            let (mut chosen, mut positions) = ([0; 4], [DVec3::ZERO; 4]);
-            let mut count = 0;
-            for (index, corner) in others.iter().enumerate() {
-                if choice >> index & 1 == 1 {
-                    (chosen[count], positions[count]) = (*corner, places[index]);
-                    count += 1;
-                }
-            }
-            (chosen[count], positions[count]) = (*new, places[others.len()]);
-            let Some(nearest) = inside_face(&positions[..=count]) else { continue };
-            let distance = nearest.length_squared();
-            if distance < best.0 {
-                best = (distance, target + nearest, chosen, count + 1);
-            }
-        }
-        (best.1, best.2, best.3)
+        Foot { point, vertex: self.vertex_at(simplex[count - 1]) }
     }
 }
 
-/// The point nearest to the origin in the plane or line of the corners, if it lies between them.
-fn inside_face(corners: &[DVec3]) -> Option<DVec3> {
-    match *corners {
-        [a] => Some(a),
-        [a, b] => {
-            let along = b - a;
-            let t = -a.dot(along) / along.length_squared();
-            (0.0..=1.0).contains(&t).then(|| a + along * t)
-        }
-        [a, b, c] => {
-            let normal = (b - a).cross(c - a);
-            let area = normal.length_squared();
-            let weights = DVec3::new(b.cross(c).dot(normal), c.cross(a).dot(normal), a.cross(b).dot(normal)) / area;
-            (weights.min_element() >= 0.0).then(|| normal * (a.dot(normal) / area))
-        }
-        [a, b, c, d] => {
-            let volume = (b - a).cross(c - a).dot(d - a);
-            let part = |p: DVec3, q: DVec3, r: DVec3| p.cross(q).dot(r) / volume;
-            let weights = [part(b, c, d), part(a, d, c), part(a, b, d), part(a, c, b)];
-            weights.iter().all(|w| *w >= 0.0).then_some(DVec3::ZERO)
-        }
-        _ => None,
+/// Indices of points in their order along the Morton curve through their bounding box.
+fn along_morton_curve(points: &[DVec3]) -> Vec<u32> {
+    let low = points.iter().fold(DVec3::INFINITY, |low, p| low.min(*p));
+    let high = points.iter().fold(DVec3::NEG_INFINITY, |high, p| high.max(*p));
+    let cells = f64::from((1_u32 << MORTON_BITS) - 1);
+    let code = |p: DVec3| -> u32 {
+        // Casts turn the NaN of a flat box into 0.
+        let cell = ((p - low) / (high - low) * cells).to_array().map(|c| c as u32);
+        let bit = |bit: u32| (0..3).map(move |axis| (cell[axis as usize] >> bit & 1) << (3 * bit + axis));
+        (0..MORTON_BITS).flat_map(bit).sum()
+    };
+    let mut order: Vec<(u32, u32)> = points.iter().zip(0..).map(|(p, index)| (code(*p), index)).collect();
+    order.sort_unstable();
+    order.into_iter().map(|(_, index)| index).collect()
+}
+
+/// The point of a simplex nearest to the origin, and the smallest face that contains it, as a bit
+/// for each corner. The simplex has corner `new`, which lies farther in the search direction than
+/// all others, and the corners before it. So the face always contains corner `new`.
+///
+/// Returns `None` if numbers overflow.
+///
+/// Faces are tried in the order of their bits; of equally near points, the first counts.
+fn nearest_face(corners: &[DVec3; 4], new: usize) -> Option<(DVec3, u32)> {
+    let [a, b, c, _] = *corners;
+    let n = corners[new];
+    let only_new = 1_u32 << new;
+    let distance = n.length_squared();
+    let mut best = Best { distance, point: n, face: only_new };
+    if !(distance < f64::INFINITY) {
+        best = Best { distance: f64::INFINITY, point: DVec3::ZERO, face: 0 };
     }
+    let from_a = n - a;
+    best.take(on_segment(a, from_a), 1 | only_new);
+    if new >= 2 {
+        let (from_b, ab) = (n - b, b - a);
+        let crosses = [a.cross(b), b.cross(n), a.cross(n)];
+        best.take(on_segment(b, from_b), 2 | only_new);
+        best.take(on_triangle(a, ab.cross(from_a), crosses), 3 | only_new);
+        if new == 3 {
+            let (from_c, ac, bc) = (n - c, c - a, c - b);
+            let [ab_cross, bn_cross, an_cross] = crosses;
+            let (ac_cross, bc_cross, cn_cross) = (a.cross(c), b.cross(c), c.cross(n));
+            best.take(on_segment(c, from_c), 4 | only_new);
+            best.take(on_triangle(a, ac.cross(from_a), [ac_cross, cn_cross, an_cross]), 5 | only_new);
+            best.take(on_triangle(b, bc.cross(from_b), [bc_cross, cn_cross, bn_cross]), 6 | only_new);
+            let volume = ab.cross(ac).dot(from_a);
+            let parts = [bc_cross.dot(n), an_cross.dot(c), ab_cross.dot(n), ac_cross.dot(b)];
+            let is_inside = parts.into_iter().all(|part| part / volume >= 0.0);
+            best.take(is_inside.then_some(DVec3::ZERO), 7 | only_new);
+        }
+    }
+    (best.face != 0).then_some((best.point, best.face))
+}
+
+/// The nearest point so far.
+struct Best {
+    distance: f64,
+    point: DVec3,
+    face: u32,
+}
+
+impl Best {
+    #[inline(always)]
+    fn take(&mut self, point: Option<DVec3>, face: u32) {
+        let Some(point) = point else { return };
+        let distance = point.length_squared();
+        if distance < self.distance {
+            *self = Self { distance, point, face };
+        }
+    }
+}
+
+/// The point nearest to the origin on the line from `a` along `along`, if it lies on the segment.
+#[inline(always)]
+fn on_segment(a: DVec3, along: DVec3) -> Option<DVec3> {
+    let t = -a.dot(along) / along.length_squared();
+    (0.0..=1.0).contains(&t).then(|| a + along * t)
+}
+
+/// The point nearest to the origin in the plane of a triangle, if it lies in the triangle.
+///
+/// `crosses` are the cross products of the corners: of `a` and `b`, of `b` and `c`, of `a` and `c`.
+#[inline(always)]
+fn on_triangle(a: DVec3, normal: DVec3, [ab, bc, ac]: [DVec3; 3]) -> Option<DVec3> {
+    let area = normal.length_squared();
+    // The weights of the corners a, b and c. A negative one decides without the others.
+    let heights = [bc.dot(normal), -ac.dot(normal), ab.dot(normal)];
+    if heights.into_iter().any(|height| height < 0.0 && height / area < 0.0) {
+        return None;
+    }
+    let weights = DVec3::from_array(heights) / area;
+    (weights.min_element() >= 0.0).then(|| normal * (a.dot(normal) / area))
 }
 
 #[cfg(test)]
@@ -436,6 +555,47 @@ mod tests {
 
     use super::*;
     use crate::{PointSet, hull};
+
+    /// The point nearest to the origin in the plane or line of the corners, if it lies between them.
+    fn inside_face(corners: &[DVec3]) -> Option<DVec3> {
+        match *corners {
+            [a] => Some(a),
+            [a, b] => {
+                let along = b - a;
+                let t = -a.dot(along) / along.length_squared();
+                (0.0..=1.0).contains(&t).then(|| a + along * t)
+            }
+            [a, b, c] => {
+                let normal = (b - a).cross(c - a);
+                let area = normal.length_squared();
+                let weights = DVec3::new(b.cross(c).dot(normal), c.cross(a).dot(normal), a.cross(b).dot(normal)) / area;
+                (weights.min_element() >= 0.0).then(|| normal * (a.dot(normal) / area))
+            }
+            [a, b, c, d] => {
+                let volume = (b - a).cross(c - a).dot(d - a);
+                let part = |p: DVec3, q: DVec3, r: DVec3| p.cross(q).dot(r) / volume;
+                let weights = [part(b, c, d), part(a, d, c), part(a, b, d), part(a, c, b)];
+                weights.iter().all(|w| *w >= 0.0).then_some(DVec3::ZERO)
+            }
+            _ => None,
+        }
+    }
+
+    /// The slow twin of `nearest_face`: all faces, one like the other.
+    fn slow_face(corners: &[DVec3]) -> Option<(DVec3, u32)> {
+        let (new, others) = corners.split_last().unwrap();
+        let mut best: Option<(f64, DVec3, u32)> = None;
+        for choice in 0..1_u32 << others.len() {
+            let chosen = others.iter().enumerate().filter(|(index, _)| choice >> index & 1 == 1).map(|(_, p)| *p);
+            let positions: Vec<DVec3> = chosen.chain([*new]).collect();
+            let Some(nearest) = inside_face(&positions) else { continue };
+            let distance = nearest.length_squared();
+            if distance < best.map_or(f64::INFINITY, |best| best.0) {
+                best = Some((distance, nearest, choice | 1 << others.len()));
+            }
+        }
+        best.map(|(_, point, face)| (point, face))
+    }
 
     /// The slow twin: the nearest point on all faces. Any triangulation will do, so each face is
     /// cut into a triangle fan.
@@ -496,6 +656,41 @@ mod tests {
         best.1
     }
 
+    /// Corners in general position, in a plane, on a line, and equal ones; near and far.
+    #[test]
+    fn nearest_faces_are_those_of_the_slow_twin() {
+        const SEED: u64 = 12;
+        let mut rng = SplitMix64::new(SEED);
+        let mut faces = [0_usize; 16];
+        for round in 0..60_000 {
+            let (far, grid) = ([0.0, 0.5, 3.0, 1e6][round % 4], round / 4 % 3 == 0);
+            let middle = DVec3::from_array(rng.direction()) * far;
+            let mut corners: [DVec3; 4] = std::array::from_fn(|_| {
+                let p = DVec3::from_array(rng.direction()) * rng.between(0.0, 2.0);
+                middle + if grid { p.round() } else { p }
+            });
+            match round / 12 % 5 {
+                0 => corners[3] = corners[0].lerp(corners[1], 0.25) + (corners[2] - corners[0]) * 0.5,
+                1 => corners[2] = corners[0].lerp(corners[1], rng.between(-1.0, 2.0)),
+                2 => corners[round / 60 % 3] *= 1e-9,
+                _ => {}
+            }
+            for new in 1..4 {
+                let found = nearest_face(&corners, new);
+                let expected = slow_face(&corners[..=new]);
+                let bits = |face: Option<(DVec3, u32)>| face.map(|(p, face)| (p.to_array().map(f64::to_bits), face));
+                assert_eq!(bits(found), bits(expected), "{corners:?}, seed {SEED}");
+                found.into_iter().for_each(|(_, face)| faces[face as usize] += 1);
+            }
+        }
+        assert_eq!(nearest_face(&[DVec3::splat(f64::NAN); 4], 3), None);
+        assert_eq!(nearest_face(&[DVec3::splat(1e200); 4], 2), None);
+        println!("{faces:?}");
+        // Every face that contains the newest corner.
+        let all = (1..4).flat_map(|new| (1 << new)..(2 << new));
+        assert!(all.into_iter().all(|face| faces[face] > 300), "{faces:?}");
+    }
+
     #[test]
     fn climbs_end_where_slow_ones_do() {
         const SEED: u64 = 8;
@@ -533,7 +728,7 @@ mod tests {
 
     /// A vertex of the hull in a random direction.
     fn on_surface(nearest: &Nearest, rng: &mut SplitMix64) -> DVec3 {
-        nearest.vertex(nearest.farthest(DVec3::from_array(rng.direction())))
+        nearest.at(nearest.farthest(DVec3::from_array(rng.direction())))
     }
 
     #[test]
@@ -553,7 +748,7 @@ mod tests {
                     nearest.from(inside, start).point.distance(inside) <= 1e-9 * hull.diameter,
                     "{family:?} {round}"
                 );
-                let on = nearest.vertex(nearest.farthest(DVec3::from_array(rng.direction())));
+                let on = nearest.at(nearest.farthest(DVec3::from_array(rng.direction())));
                 let target = on
                     + (on - nearest.middle()) * (far - 1.0)
                     + DVec3::from_array(rng.direction()) * (far - 1.0) * 0.02 * hull.diameter;

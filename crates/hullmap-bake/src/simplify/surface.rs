@@ -6,7 +6,10 @@
 
 use glam::DVec3;
 
-use crate::hull::{Hull, area::triangle_area_vector};
+use crate::hull::{
+    Hull,
+    area::{area_vector_from, triangle_area_vector},
+};
 
 const NONE: u32 = u32::MAX;
 
@@ -14,6 +17,8 @@ const NONE: u32 = u32::MAX;
 pub struct Surface {
     points: Vec<DVec3>,
     triangles: Vec<Triangle>,
+    /// Normal of each triangle. Stored, because it costs as much as a step of a search.
+    normals: Vec<Normal>,
     /// Slots of deleted triangles.
     free: Vec<u32>,
     /// One triangle at each vertex; `NONE` for a deleted vertex.
@@ -29,6 +34,22 @@ struct Triangle {
     corners: [u32; 3],
     /// Triangle across the edge from corner `i` to corner `i + 1`.
     across: [u32; 3],
+}
+
+/// Unit outward normal of a triangle; zero if the triangle is degenerate.
+#[derive(Clone, Copy)]
+struct Normal {
+    /// With the corners in their stored order.
+    unit: DVec3,
+    /// Whether its last digits depend on which corner comes first.
+    depends_on_first: bool,
+}
+
+impl Normal {
+    fn new(corners: [DVec3; 3]) -> Self {
+        let (area, depends_on_first) = area_vector_from(corners);
+        Self { unit: area.normalize_or_zero(), depends_on_first }
+    }
 }
 
 impl Surface {
@@ -61,7 +82,8 @@ impl Surface {
             at[from as usize] = index;
         }
         let (live, changes) = (points.len(), vec![0; points.len()]);
-        Self { points, triangles, free: Vec::new(), at, live, changes }
+        let normals = normals(&triangles, &points);
+        Self { points, triangles, normals, free: Vec::new(), at, live, changes }
     }
 
     /// The surface of a tetrahedron with these corners, which must not be coplanar. Two corners are
@@ -72,7 +94,8 @@ impl Surface {
         let triangles =
             [([0, 1, 2], [3, 1, 2]), ([2, 1, 3], [0, 3, 2]), ([0, 2, 3], [0, 1, 3]), ([1, 0, 3], [0, 2, 1])];
         let triangles = triangles.map(|(corners, across)| Triangle { corners, across }).to_vec();
-        Self { points, triangles, free: Vec::new(), at: vec![0, 0, 0, 1], live: 4, changes: vec![0; 4] }
+        let normals = normals(&triangles, &points);
+        Self { points, triangles, normals, free: Vec::new(), at: vec![0, 0, 0, 1], live: 4, changes: vec![0; 4] }
     }
 
     /// Number of vertices.
@@ -103,19 +126,42 @@ impl Surface {
 
     /// The triangles at a vertex, clockwise, each given by its other two corners in order.
     pub fn around(&self, vertex: u32) -> impl Iterator<Item = [u32; 2]> + '_ {
+        self.fan(vertex).map(|(_, others)| others)
+    }
+
+    /// The same, each with the triangle's index.
+    fn fan(&self, vertex: u32) -> impl Iterator<Item = (u32, [u32; 2])> + '_ {
         let first = self.at[vertex as usize];
         let mut next = first;
         std::iter::from_fn(move || {
             if next == NONE {
                 return None;
             }
-            let triangle = &self.triangles[next as usize];
-            let i = triangle.corners.iter().position(|c| *c == vertex).expect("a triangle at a vertex has it");
+            let index = next;
+            let triangle = &self.triangles[index as usize];
+            let [a, b, c] = triangle.corners;
+            let (i, others) = if a == vertex {
+                (0, [b, c])
+            } else if b == vertex {
+                (1, [c, a])
+            } else {
+                (2, [a, b])
+            };
             next = triangle.across[i];
             if next == first {
                 next = NONE;
             }
-            Some([triangle.corners[(i + 1) % 3], triangle.corners[(i + 2) % 3]])
+            Some((index, others))
+        })
+    }
+
+    /// Normals of the triangles at a vertex, in the order of [`around`](Self::around): those of
+    /// [`normal`](Self::normal) with the vertex first.
+    pub fn normals_around(&self, vertex: u32) -> impl Iterator<Item = DVec3> + '_ {
+        self.fan(vertex).map(move |(index, [b, c])| {
+            let normal = self.normals[index as usize];
+            let is_stored = !normal.depends_on_first || self.triangles[index as usize].corners[0] == vertex;
+            if is_stored { normal.unit } else { self.normal([vertex, b, c]) }
         })
     }
 
@@ -147,6 +193,11 @@ impl Surface {
     /// Unit outward normal of the triangle of three vertices; zero if the triangle is degenerate.
     pub fn normal(&self, [a, b, c]: [u32; 3]) -> DVec3 {
         triangle_area_vector([a, b, c].map(|v| self.point(v))).normalize_or_zero()
+    }
+
+    /// Unit outward normal of a triangle; zero if it is degenerate.
+    pub fn normal_of(&self, triangle: u32) -> DVec3 {
+        self.normals[triangle as usize].unit
     }
 
     /// Whether `p` lies strictly outside all triangles at `vertex`. Exact.
@@ -186,8 +237,12 @@ impl Surface {
             self.points[vertex as usize] = before;
             return false;
         }
-        let ring: Vec<u32> = self.around(vertex).map(|[b, _]| b).chain([vertex]).collect();
-        ring.into_iter().for_each(|v| self.changes[v as usize] += 1);
+        let fan: Vec<(u32, [u32; 2])> = self.fan(vertex).collect();
+        self.changes[vertex as usize] += 1;
+        for (triangle, [b, _]) in fan {
+            self.changes[b as usize] += 1;
+            self.normals[triangle as usize] = Normal::new(self.corners(triangle).map(|v| self.point(v)));
+        }
         true
     }
 
@@ -273,17 +328,24 @@ impl Surface {
 
     /// Puts a triangle into a free slot, or appends it.
     fn add_triangle(&mut self, triangle: Triangle) -> u32 {
+        let normal = Normal::new(triangle.corners.map(|v| self.point(v)));
         match self.free.pop() {
             Some(index) => {
                 self.triangles[index as usize] = triangle;
+                self.normals[index as usize] = normal;
                 index
             }
             None => {
                 self.triangles.push(triangle);
+                self.normals.push(normal);
                 (self.triangles.len() - 1) as u32
             }
         }
     }
+}
+
+fn normals(triangles: &[Triangle], points: &[DVec3]) -> Vec<Normal> {
+    triangles.iter().map(|triangle| Normal::new(triangle.corners.map(|v| points[v as usize]))).collect()
 }
 
 /// What a point outside a surface sees of it.
@@ -300,4 +362,42 @@ struct Visible {
 fn above([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
     let coord = |v: DVec3| robust::Coord3D { x: v.x, y: v.y, z: v.z };
     -robust::orient3d(coord(a), coord(b), coord(c), coord(p))
+}
+
+#[cfg(test)]
+mod tests {
+    use shapes::rng::SplitMix64;
+
+    use super::*;
+
+    /// Stored normals are those computed from the corners, bit by bit.
+    #[test]
+    fn stored_normals_are_those_of_the_corners() {
+        const SEED: u64 = 6;
+        let mut rng = SplitMix64::new(SEED);
+        for round in 0..40 {
+            let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+            let mut surface = Surface::tetrahedron(corners);
+            for _ in 0..60 {
+                let mut p = DVec3::from_array(rng.direction()) * rng.between(0.5, 1.5);
+                // Sides of equal lengths, and thin triangles.
+                if round % 2 == 0 {
+                    p = (p * 4.0).round() * 0.25;
+                }
+                let triangles: Vec<u32> = surface.vertices().flat_map(|(v, _)| surface.triangles_at(v)).collect();
+                let seen = triangles.into_iter().find_map(|triangle| surface.insert(p, triangle));
+                let moved = seen.unwrap_or_else(|| surface.vertices().map(|(v, _)| v).last().unwrap());
+                surface.try_move(moved, surface.point(moved) * rng.between(0.9, 1.1));
+                for (v, _) in surface.vertices() {
+                    let computed = surface.around(v).map(|[b, c]| surface.normal([v, b, c]));
+                    let bits = |normal: DVec3| normal.to_array().map(f64::to_bits);
+                    assert!(surface.normals_around(v).map(bits).eq(computed.map(bits)), "round {round}, seed {SEED}");
+                    for triangle in surface.triangles_at(v) {
+                        assert_eq!(surface.normal_of(triangle), surface.normal(surface.corners(triangle)));
+                    }
+                }
+            }
+            assert!(surface.vertex_count() > 8, "round {round}");
+        }
+    }
 }

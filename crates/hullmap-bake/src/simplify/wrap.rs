@@ -61,7 +61,7 @@ pub fn wrap(nearest: &Nearest, diameter: f64, distance: f64, max_vertices: usize
         if wrapped.feet.len() >= 2 * max_vertices {
             return None;
         }
-        let normal = wrapped.surface.normal(corners);
+        let normal = wrapped.surface.normal_of(triangle);
         let new = wrapped.surface.insert(nearest.vertex(foot) + normal * distance, triangle)?;
         wrapped.feet.push(foot);
         wrapped.surface.triangles_at(new).into_iter().for_each(|triangle| look(&wrapped, triangle, &mut queue));
@@ -73,7 +73,7 @@ impl Wrapped {
     /// The protrusion of the hull beyond a triangle, and the hull vertex that protrudes most.
     fn stands_out(&self, nearest: &Nearest, triangle: u32) -> (f64, u32) {
         let corners = self.surface.corners(triangle);
-        let normal = self.surface.normal(corners);
+        let normal = self.surface.normal_of(triangle);
         let farthest = nearest.climb(normal, self.feet[corners[0] as usize]);
         (normal.dot(nearest.vertex(farthest) - self.surface.point(corners[0])), farthest)
     }
