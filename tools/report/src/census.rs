@@ -23,6 +23,9 @@ const DIRECTION_BUDGET: usize = 400_000;
 /// Maximum dot products for timing scans, over all hulls of a page: a fraction of a second.
 const SCAN_BUDGET: usize = 40_000_000;
 
+/// Maximum number of timed scans of a hull. The mean of more is no steadier.
+const MAX_SCANS: usize = 10_000;
+
 /// Cosine and sine of the golden angle, π (3 − √5). Repeated rotation by it needs no sine, whose
 /// last digits differ between machines.
 const GOLDEN: [f64; 2] = [-0.737_368_878_078_320_1, 0.675_490_294_261_523_8];
@@ -107,7 +110,9 @@ pub struct Pace {
 /// another.
 pub fn pace(hull: &Hull, directions: &[Vec3], hull_count: usize) -> Pace {
     let count = directions.len();
-    let shuffled: Vec<Vec3> = (0..count).map(|i| directions[i * stride(count) % count]).collect();
+    let step = stride(count);
+    let next = |at: &usize| Some(if at + step < count { at + step } else { at + step - count });
+    let shuffled: Vec<Vec3> = std::iter::successors(Some(0), next).map(|at| directions[at]).take(count).collect();
     let time = |directions: &[Vec3], answer: &dyn Fn(Vec3) -> u32| {
         let start = Instant::now();
         for &dir in directions {
@@ -119,7 +124,7 @@ pub fn pace(hull: &Hull, directions: &[Vec3], hull_count: usize) -> Pace {
     time(&shuffled, &|dir| hull.support(dir).index);
     let query = time(&shuffled, &|dir| hull.support(dir).index);
     let vertices: Vec<Vec3> = hull.vertices().collect();
-    let scans = (SCAN_BUDGET / hull_count.max(1) / vertices.len()).clamp(1, count);
+    let scans = (SCAN_BUDGET / hull_count.max(1) / vertices.len()).clamp(1, count.min(MAX_SCANS));
     let scan = time(&shuffled[..scans], &|dir| {
         let dots = vertices.iter().map(|vertex| vertex.dot(dir)).enumerate();
         dots.fold((0, f32::NEG_INFINITY), |best, next| if next.1 > best.1 { next } else { best }).0 as u32

@@ -18,14 +18,27 @@ pub fn words(numbers: impl IntoIterator<Item = u16>) -> String {
 /// Each number takes seven bits per byte, the lowest first; the top bit is set in all but its last
 /// byte. Differences are zigzag-encoded: d ≥ 0 as 2d, d < 0 as −2d − 1.
 pub fn runs(numbers: &[u32]) -> String {
+    joined_runs(numbers.iter().map(|number| (1, *number)))
+}
+
+/// The same for pairs of a count and a number. Equal numbers in a row are joined.
+pub fn joined_runs(counted: impl IntoIterator<Item = (u64, u32)>) -> String {
     let mut bytes = Vec::new();
     let mut before = 0_i64;
-    for run in numbers.chunk_by(|a, b| a == b) {
-        let change = i64::from(run[0]) - before;
-        before = i64::from(run[0]);
-        push(&mut bytes, run.len() as u64);
+    let mut add = |(count, number): (u64, u32)| {
+        let change = i64::from(number) - before;
+        before = i64::from(number);
+        push(&mut bytes, count);
         push(&mut bytes, ((change << 1) ^ (change >> 63)) as u64);
+    };
+    let mut last: Option<(u64, u32)> = None;
+    for (count, number) in counted {
+        match &mut last {
+            Some(run) if run.1 == number => run.0 += count,
+            _ => last.replace((count, number)).into_iter().for_each(&mut add),
+        }
     }
+    last.into_iter().for_each(add);
     base64(&bytes)
 }
 
@@ -52,6 +65,7 @@ mod tests {
         assert_eq!(runs(&[3; 5]), base64(&[5, 6]));
         assert_eq!(runs(&[203, 0]), base64(&[1, 0x96, 3, 1, 0x95, 3]));
         assert_eq!(runs(&[]), "");
+        assert_eq!(joined_runs([(2, 3), (3, 3), (1, 203)]), runs(&[3, 3, 3, 3, 3, 203]));
     }
 
     #[test]

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::cells::{Cells, cells};
-use crate::encode::{fraction, runs, words};
+use crate::encode::{fraction, joined_runs, runs, words};
 use crate::html::json;
 use crate::index_reader::{Contents, IndexReader, Leaf};
 use crate::spans::Scan;
@@ -123,7 +123,8 @@ pub fn gauss_map(hull: &Hull, index: &IndexReader, resolution: u32) -> GaussMap 
     let rows: Vec<(&Face, u32)> = FACES.iter().flat_map(|face| (0..resolution).map(move |row| (face, row))).collect();
     let middle = |i: u32| (f64::from(i) + 0.5) / f64::from(resolution) * 2.0 - 1.0;
     let scan = (index.kind == IndexKind::None).then(|| Scan::new(hull)).flatten();
-    let answers: Vec<Vec<(u32, Leaf)>> = rows
+    // Runs of pixels with the same answer.
+    let answers: Vec<Vec<(u32, (u32, Leaf))>> = rows
         .into_par_iter()
         .map(|(face, row)| {
             let direction = |column: u32| face.direction(middle(column), -middle(row)).map(|c| c as f32);
@@ -133,31 +134,35 @@ pub fn gauss_map(hull: &Hull, index: &IndexReader, resolution: u32) -> GaussMap 
             };
             match &scan {
                 Some(scan) => scan.row(resolution, direction, pixel),
-                None => (0..resolution).map(pixel).collect(),
+                None => joined((0..resolution).map(pixel)),
             }
         })
         .collect();
-    let answers = answers.concat();
+    let runs = || answers.iter().flatten();
     let mut known: HashMap<Leaf, u32> = HashMap::new();
     let mut table = Vec::new();
-    let mut leaves = Vec::with_capacity(answers.len());
-    for run in answers.chunk_by(|a, b| a.1 == b.1) {
-        let leaf = run[0].1;
-        let entry = *known.entry(leaf).or_insert_with(|| {
-            let mut listed = index.candidates(leaf);
-            let candidates = listed.len();
-            listed.truncate(LISTED_CANDIDATES);
-            table.push(LeafEntry { block: leaf.first, nodes: leaf.nodes, dots: leaf.dots(), candidates, listed });
-            table.len() as u32 - 1
-        });
-        leaves.resize(leaves.len() + run.len(), entry);
+    let mut leaves = Vec::new();
+    let mut before = None;
+    for &(count, (_, leaf)) in runs() {
+        let entry = match before {
+            Some((same, entry)) if same == leaf => entry,
+            _ => *known.entry(leaf).or_insert_with(|| {
+                let mut listed = index.candidates(leaf);
+                let candidates = listed.len();
+                listed.truncate(LISTED_CANDIDATES);
+                table.push(LeafEntry { block: leaf.first, nodes: leaf.nodes, dots: leaf.dots(), candidates, listed });
+                table.len() as u32 - 1
+            }),
+        };
+        before = Some((leaf, entry));
+        leaves.push((u64::from(count), entry));
     }
-    let vertices: Vec<u32> = answers.iter().map(|&(vertex, _)| vertex).collect();
+    let vertices = runs().map(|(count, (vertex, _))| (u64::from(*count), *vertex));
     let (lines, line_starts, line_depths, lines_are_cut) = lines(cells(index));
     GaussMap {
         resolution,
-        vertices: runs(&vertices),
-        leaves: runs(&leaves),
+        vertices: joined_runs(vertices),
+        leaves: joined_runs(leaves),
         table,
         lines,
         line_starts,
@@ -198,6 +203,18 @@ pub fn gauss_map_json(pack: &Pack, hull: usize, resolution: u32) -> Option<Strin
     let index = contents.indices.get(hull)?;
     let map = gauss_map(&pack.hull(hull).ok()?, index, resolution.clamp(MIN_RESOLUTION, MAX_RESOLUTION));
     Some(json(&Page { faces: FACES, map }))
+}
+
+/// Runs of equal answers: number and answer.
+fn joined<A: PartialEq>(answers: impl Iterator<Item = A>) -> Vec<(u32, A)> {
+    let mut runs: Vec<(u32, A)> = Vec::new();
+    for answer in answers {
+        match runs.last_mut() {
+            Some((count, same)) if *same == answer => *count += 1,
+            _ => runs.push((1, answer)),
+        }
+    }
+    runs
 }
 
 /// Lines as the page reads them, sorted by face and depth.

@@ -46,24 +46,25 @@ impl Scan {
         (LEAST_REACH..=MOST_REACH).contains(&reach).then_some(Self { vertices, certain: CERTAIN * reach })
     }
 
-    /// The answers of `pixel` for `0..count`, of which not all are computed. The directions of the
-    /// pixels are evenly spaced on a line, except for rounding to f32.
-    pub fn row<A: Copy>(
+    /// The answers of `pixel` for `0..count`, of which not all are computed, as runs: number of
+    /// pixels and answer. The directions of the pixels are evenly spaced on a line, except for
+    /// rounding to f32.
+    pub fn row<A>(
         &self,
         count: u32,
         direction: impl Fn(u32) -> [f32; 3],
         pixel: impl Fn(u32) -> (u32, A),
-    ) -> Vec<(u32, A)> {
+    ) -> Vec<(u32, (u32, A))> {
         let dir = |column: u32| Vec3::from_array(direction(column)).as_dvec3();
-        let mut answers = Vec::with_capacity(count as usize);
-        while answers.len() < count as usize {
-            let column = answers.len() as u32;
+        let mut runs = Vec::new();
+        let mut column = 0;
+        while column < count {
             let answer = pixel(column);
-            answers.push(answer);
             let last = self.last_certain(answer.0, column, count, &dir);
-            answers.resize(last as usize + 1, answer);
+            runs.push((last + 1 - column, answer));
+            column = last + 1;
         }
-        answers
+        runs
     }
 
     /// The last pixel up to which `vertex` is certainly the answer, or `column`.

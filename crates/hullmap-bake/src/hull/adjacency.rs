@@ -42,36 +42,39 @@ impl Adjacency {
         let mut next = vec![0_u32; count + 1];
         hull.faces.iter().flatten().for_each(|v| next[*v as usize + 1] += 1);
         (0..count).for_each(|v| next[v + 1] += next[v]);
-        let ends = next.clone();
-        let mut around = vec![(0, 0); next[count] as usize];
+        let (mut neighbours, mut faces) = (vec![0; next[count] as usize], vec![0; next[count] as usize]);
         for (face, outline) in (0..).zip(&hull.faces) {
             for (a, b) in edges(outline) {
-                around[next[a as usize] as usize] = (b, face);
+                let at = next[a as usize] as usize;
+                (neighbours[at], faces[at]) = (b, face);
                 next[a as usize] += 1;
             }
         }
-        drop(next);
-        let mut adjacency = Self {
-            starts: Vec::with_capacity(count + 1),
-            neighbours: Vec::with_capacity(around.len()),
-            faces: Vec::with_capacity(around.len()),
-        };
-        for run in ends.windows(2) {
-            let start = adjacency.neighbours.len();
-            adjacency.starts.push(start as u32);
-            let run = &mut around[run[0] as usize..run[1] as usize];
+        // Each run now ends where the next place is. Sort the runs, and close the gaps of entries
+        // that are removed.
+        let mut adjacency = Self { starts: next, neighbours, faces };
+        let (mut run, mut start, mut kept) = (Vec::new(), 0, 0);
+        for vertex in 0..count {
+            let end = adjacency.starts[vertex] as usize;
+            run.clear();
+            let both = adjacency.neighbours[start..end].iter().zip(&adjacency.faces[start..end]);
+            run.extend(both.map(|(neighbour, face)| (*neighbour, *face)));
             run.sort_unstable();
-            for &(neighbour, face) in run.iter() {
+            adjacency.starts[vertex] = kept as u32;
+            let first = kept;
+            for &(neighbour, face) in &run {
                 // An edge that is in several faces the same way, which no certified hull has.
-                if adjacency.neighbours[start..].last() == Some(&neighbour) {
-                    adjacency.faces.pop();
-                } else {
-                    adjacency.neighbours.push(neighbour);
+                if kept > first && adjacency.neighbours[kept - 1] == neighbour {
+                    kept -= 1;
                 }
-                adjacency.faces.push(face);
+                (adjacency.neighbours[kept], adjacency.faces[kept]) = (neighbour, face);
+                kept += 1;
             }
+            start = end;
         }
-        adjacency.starts.push(adjacency.neighbours.len() as u32);
+        adjacency.starts[count] = kept as u32;
+        adjacency.neighbours.truncate(kept);
+        adjacency.faces.truncate(kept);
         adjacency
     }
 

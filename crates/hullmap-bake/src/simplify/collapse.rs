@@ -11,8 +11,8 @@
 //! 3. Move the new vertex and its neighbours as near to the hull as possible. They must keep the
 //!    hull inside, but no longer the previous surface.
 //! 4. The edges around them have changed. They are queued with lower bounds of their distances.
-//!    Distances are computed when the bounds reach the front of the queue, by which time most of the
-//!    edges are gone. Those of other changed edges are updated when they reach the front.
+//!    Distances are computed when the bounds reach the front of the queue. By then, most of the
+//!    edges are gone. Distances of other changed edges are updated when they reach the front.
 //!
 //! # Reference
 //! Sander et al., "Silhouette clipping", 2000 (progressive hulls).
@@ -479,9 +479,11 @@ impl<'a> Collapse<'a> {
     ///
     /// - No other plane is the end. A plane through another vertex has φ ≥ D / R, so v is above it
     ///   by at least r D / R. That must be far above all tolerances.
-    /// - The turns from the middle end there, unless there are too many. Each turns the plane to the highest vertex w, with
+    /// - The turns from the middle end there. Each turns the plane to the highest vertex w, with
     ///   r(w) sin(turn) ≥ r(v) sin(φ). So φ falls by a factor of 1 − 2 r / (π R) or less, and after
-    ///   π R / (2 r) · ln(π R / D) turns, no other vertex is above the plane.
+    ///   at most π R / (2 r) · ln(π R / D) turns, no other vertex is above the plane. That bound is
+    ///   far above the turns that are common, and above [`MAX_TURNS_OF_A_PLANE`]. Should the turns
+    ///   from the middle ever be given up, this plane is the better one.
     fn touching_from(&self, b: DVec3, c: DVec3, start: u32) -> Option<(DVec3, DVec3)> {
         let mut vertex = start;
         for _ in 0..FEW_TURNS {

@@ -248,8 +248,8 @@ impl Nearest {
         self.around[self.starts[place as usize] as usize].index
     }
 
-    /// The place of the highest neighbour of the vertex at a place, if it is higher; and by how much
-    /// the vertex is higher than it otherwise.
+    /// The place of the highest neighbour of the vertex at a place, if that is higher; and by how
+    /// much the vertex is higher than all neighbours otherwise.
     fn step(&self, direction: DVec3, from: u32) -> (Option<u32>, f64) {
         let [own, neighbours @ ..] = self.run(from) else { return (None, f64::NAN) };
         let height = own.position().dot(direction);
@@ -556,7 +556,8 @@ mod tests {
     use super::*;
     use crate::{PointSet, hull};
 
-    /// The point nearest to the origin in the plane or line of the corners, if it lies between them.
+    /// The point nearest to the origin in the plane or line of the corners, if it lies between
+    /// them.
     fn inside_face(corners: &[DVec3]) -> Option<DVec3> {
         match *corners {
             [a] => Some(a),
