@@ -142,7 +142,7 @@ const WARM_SHARES: [f64; 3] = [0.5, 0.65, 0.9];
 /// Maximum number of support calls in a frame for contact of small hulls with the cache of the
 /// previous frame. Deep contacts come from the separating axis test, warm or cold, so a ratio of
 /// the two means nothing.
-const WARM_CALLS_OF_SMALL: f64 = 2.5;
+const WARM_CALLS_OF_SMALL: f64 = 2.0;
 
 /// Each frame moves B by 1 % of the diameter and 1°. The answers are those of a cold start, at a
 /// fraction of its cost.
