@@ -4,8 +4,10 @@
 use std::hint::black_box;
 
 use hullmap::{
-    Cache, CastSettings, Compound, CompoundCache, CompoundManifolds, Feature, Manifold, ManifoldSettings, Motion, Pack,
-    Pose, Ray, Scratch, Settings, Shape, cascade, cast, compound, contact, contact_lockstep, distance,
+    Cache, CastSettings, Compound, CompoundCache, CompoundManifolds, Contact, Feature, Manifold, ManifoldSettings,
+    Motion, Pack, Pose, Ray, Scratch, Settings, Shape,
+    batch::{self, Pair},
+    cascade, cast, compound, contact, contact_lockstep, distance,
     glam::{DQuat, DVec3, Vec3},
     intersects, ray,
     shapes::{Capsule, Rounded, Sphere},
@@ -122,6 +124,29 @@ fn settings_state_the_stack_of_a_query() {
     for max_iterations in [200, Settings::DEFAULT_MAX_ITERATIONS, u32::MAX] {
         let settings = Settings { max_iterations, ..Settings::default() };
         let most = on_stack(settings.stack_size(), settings, false);
+        assert!(most >= max_iterations.min(900), "only {most} of {max_iterations} iterations");
+    }
+}
+
+/// Contacts in flight have the polytopes of several queries on the stack. Without the feature
+/// `parallel`, the calling thread solves them.
+#[test]
+fn contacts_in_flight_take_64_kb_more() {
+    for max_iterations in [200, Settings::DEFAULT_MAX_ITERATIONS] {
+        let settings = Settings { max_iterations, ..Settings::default() };
+        let run = move || {
+            let pack = pack();
+            // Each copy has an address of its own, and counts as another shape.
+            let hulls = vec![pack.hull(0).unwrap(); 32];
+            let pose = |i: usize| poses()[i % poses().len()];
+            let pairs: Vec<_> = hulls.iter().enumerate().map(|(i, a)| Pair { a, b: a, b_in_a: pose(i) }).collect();
+            let mut caches = vec![Cache::new(); pairs.len()];
+            let mut found = vec![Contact::default(); pairs.len()];
+            batch::contact(&pairs, &settings, &mut caches, &mut found).unwrap();
+            found.iter().map(|contact| contact.iterations).max().unwrap()
+        };
+        let thread = std::thread::Builder::new().stack_size(settings.stack_size() + 64 * 1024).spawn(run).unwrap();
+        let most = thread.join().unwrap();
         assert!(most >= max_iterations.min(900), "only {most} of {max_iterations} iterations");
     }
 }

@@ -159,6 +159,29 @@ fn nothing_is_allocated_for_a_pair() {
     assert!(least > 900, "updates without an allocation: {least} of 1000");
 }
 
+/// The same where queries are in flight, or fetch memory ahead: the shapes are larger than the
+/// caches, since each copy counts as another shape.
+#[test]
+fn nothing_is_allocated_for_a_pair_in_flight() {
+    let _alone = alone();
+    for (vertices, copies) in [(30, 3000), (100, 1000), (600, 300)] {
+        let pack = pack("hull", &Family::Rock.points(vertices, 1), IndexKind::Tree);
+        let shapes: Vec<Box<Any<'_>>> = (0..copies).map(|_| Box::new(pack.hull(0).unwrap()) as _).collect();
+        let pairs = pairs(&shapes);
+        let (mut answers, mut caches) = result_slots(&pairs);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        pool.install(|| solve(&pairs, &mut answers, &mut caches));
+        let counts = (0..5).map(|_| {
+            let region = Region::new(ALLOCATOR);
+            pool.install(|| solve(&pairs, &mut answers, &mut caches));
+            region.change().allocations + region.change().reallocations
+        });
+        let least = counts.min().unwrap();
+        println!("{vertices} vertices: {least} allocations for {} answers", 4 * PAIRS);
+        assert!(least < PAIRS / 20, "{vertices} vertices: {least} allocations");
+    }
+}
+
 #[test]
 fn slices_of_different_lengths_are_an_error() {
     let _alone = alone();

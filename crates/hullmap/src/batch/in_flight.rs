@@ -5,70 +5,101 @@
 //! needs the answer before it can state its next direction, so it waits for each of them. The
 //! queries of a batch do not depend on each other.
 //!
-//! 1. Each of [`LANES`] lanes holds a suspended test, which has told the processor what to fetch: a
-//!    word of a direction index, or the blocks of a leaf.
+//! 1. Each lane holds a suspended query, which has told the processor what to fetch: a word of a
+//!    direction index, a node, or the blocks of a leaf.
 //! 2. The lanes take turns. Each continues up to the next memory that it reads, by when the others
 //!    have given its turn some 100 ns.
 //! 3. A lane that is done takes the next pair, whose shapes have been fetched in the meantime.
 //!
 //! The bits of the answers are those of single queries. Suspending costs time when everything is in
-//! the first caches, so a batch does it only if its shapes are larger ([`is_worthwhile`]).
+//! the first caches, so a batch does it only if its shapes are larger
+//! ([`Plan`](super::plan::Plan)).
 //!
 //! # Tried and rejected
 //! Fetching only the blocks of a leaf, with the words above it read at once, saved nothing: a
 //! branch that is predicted wrongly keeps the processor from starting on the next lane until the
-//! word has come.
+//! word has come. The slots of the six cube faces are an exception, since they are fetched ahead.
 
-use super::{Pair, SupportQuery};
+use super::ahead::{fetch_pairs, fetch_queries};
+use super::{Pair, SupportQuery, has_facets};
 use crate::shapes::Shape;
-use crate::solver::{Cache, Intersection, Suspended, queries};
+use crate::solver::{
+    Cache, Contact, Distance, Intersection, Settings, Suspended, SuspendedContact, SuspendedDistance,
+    SuspendedIntersection, queries,
+};
 use crate::support::simd::fetch_start;
 use crate::support::{Lookup, SupportPoint};
 
 /// Number of queries in flight. A processor core can wait for 10 to 16 cache lines at a time.
 const LANES: usize = 8;
 
-/// Working set from which queries are kept in flight, in bytes: what the second-level caches of
-/// current processors hold.
-const LARGE: usize = 2 << 20;
+/// Number of contacts in flight. The polytopes of all lanes must stay in the first-level cache, and
+/// they are on the stack: 16 KB each.
+const CONTACT_LANES: usize = 3;
 
-/// Number of shapes that are looked at to estimate the working set.
-const SAMPLES: usize = 128;
+/// One of the queries in flight.
+struct Lane<Q, R> {
+    /// The index of the pair, and its query.
+    query: Option<(usize, Q)>,
+    room: R,
+}
 
-/// Number of bits of the set of shapes seen: enough that two of the samples rarely share a bit.
-const SEEN_BITS: usize = 4096;
-
-/// Whether the shapes are so large together that queries wait for memory.
-///
-/// Looks at s ≤ [`SAMPLES`] of `count` shapes. Of s samples from many shapes N, about s² / 2N are
-/// the same as an earlier one, which gives an estimate of N. Few shapes have all been seen.
-///
-/// # Complexity
-/// O(1).
-pub(super) fn is_worthwhile<'s, S: Shape + ?Sized + 's>(count: usize, shape: impl Fn(usize) -> Option<&'s S>) -> bool {
-    let samples = count.min(SAMPLES);
-    let mut seen = [0_u64; SEEN_BITS / 64];
-    let (mut different, mut bytes) = (0, 0_usize);
-    for sample in 0..samples {
-        // Never overflows: both are counts of elements in memory.
-        let Some(shape) = shape(sample * (count / samples)) else { continue };
-        // Fibonacci hashing: the top bits of the product depend on all bits of the address.
-        let address = std::ptr::from_ref(shape).cast::<u8>().addr() as u64;
-        let bit = (address.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 52) as usize % SEEN_BITS;
-        let Some(word) = seen.get_mut(bit / 64) else { continue };
-        if *word & 1 << (bit % 64) == 0 {
-            *word |= 1 << (bit % 64);
-            different += 1;
-            bytes = bytes.saturating_add(shape.working_set_len());
+/// Answers all pairs, `N` at a time: those for which `at_once` has an answer at once, all others as
+/// suspended queries. The slices have equal lengths.
+fn answer_all<'s, A, B, Q, const N: usize>(
+    pairs: &[Pair<'s, A, B>],
+    settings: &Q::Settings,
+    caches: &mut [Cache],
+    out: &mut [Q::Answer],
+    at_once: impl Fn(&Pair<'s, A, B>, &mut Cache) -> Option<Q::Answer>,
+) where
+    A: Shape + ?Sized,
+    B: Shape + ?Sized,
+    Q: Suspended<'s, A, B>,
+{
+    let mut lanes: [_; N] = std::array::from_fn(|_| Lane::<Q, Q::Room> { query: None, room: Q::Room::default() });
+    let mut rest = 0..pairs.len();
+    // Starts the next query that takes a support query.
+    let mut start = |room: &mut Q::Room, caches: &mut [Cache], out: &mut [Q::Answer]| {
+        for at in rest.by_ref() {
+            fetch_pairs(pairs, at, N);
+            caches.get(at + N).into_iter().for_each(fetch_start);
+            let (Some(pair), Some(cache), Some(out)) = (pairs.get(at), caches.get_mut(at), out.get_mut(at)) else {
+                break;
+            };
+            if let Some(answer) = at_once(pair, cache) {
+                *out = answer;
+                continue;
+            }
+            match Q::start((pair.a, pair.b, pair.b_in_a), settings, cache, room) {
+                Ok(query) => return Some((at, query)),
+                Err(answer) => *out = answer,
+            }
+        }
+        None
+    };
+    let mut running = 0;
+    for lane in &mut lanes {
+        lane.query = start(&mut lane.room, caches, out);
+        running += usize::from(lane.query.is_some());
+    }
+    while running > 0 {
+        for Lane { query: slot, room } in &mut lanes {
+            let Some((at, query)) = slot else { continue };
+            let Some(cache) = caches.get_mut(*at) else { continue };
+            if let Some(answer) = query.step(settings, cache, room) {
+                if let Some(out) = out.get_mut(*at) {
+                    *out = answer;
+                }
+                *slot = start(room, caches, out);
+                running -= usize::from(slot.is_none());
+            }
         }
     }
-    let shapes = if 2 * different <= samples {
-        different
-    } else {
-        (samples * samples).checked_div(2 * (samples - different)).unwrap_or(count).min(count)
-    };
-    let estimate = bytes.saturating_mul(shapes) / different.max(1);
-    estimate >= LARGE
+}
+
+pub(super) fn is_rounded<A: Shape + ?Sized, B: Shape + ?Sized>(pair: &Pair<'_, A, B>) -> bool {
+    pair.a.convex_radius() + pair.b.convex_radius() > 0.0
 }
 
 /// [`crate::intersects`] of all pairs. The slices have equal lengths.
@@ -77,57 +108,45 @@ where
     A: Shape + ?Sized,
     B: Shape + ?Sized,
 {
-    let mut lanes = [const { None::<(usize, Suspended<'_, A, B>)> }; LANES];
-    let mut rest = 0..pairs.len();
-    let mut write = |at: usize, answer| {
-        if let Some(slot) = out.get_mut(at) {
-            *slot = answer;
-        }
-    };
-    // Starts the next test that takes a support query.
-    let mut start = |caches: &mut [Cache], write: &mut dyn FnMut(usize, Intersection)| {
-        for at in rest.by_ref() {
-            if let Some(ahead) = pairs.get(at + LANES) {
-                fetch_start(ahead.a);
-                fetch_start(ahead.b);
-            }
-            let (Some(Pair { a, b, b_in_a }), Some(cache)) = (pairs.get(at), caches.get_mut(at)) else { break };
-            if a.convex_radius() + b.convex_radius() > 0.0 {
-                write(at, queries::intersects(*a, *b, *b_in_a, cache));
-                continue;
-            }
-            match Suspended::start(*a, *b, *b_in_a, cache) {
-                Ok(test) => return Some((at, test)),
-                Err(answer) => write(at, answer),
-            }
-        }
-        None
-    };
-    for lane in &mut lanes {
-        *lane = start(caches, &mut write);
-    }
-    while lanes.iter().any(Option::is_some) {
-        for lane in &mut lanes {
-            let Some((at, test)) = lane else { continue };
-            let Some(cache) = caches.get_mut(*at) else { continue };
-            if let Some(answer) = test.step(cache) {
-                write(*at, answer);
-                *lane = start(caches, &mut write);
-            }
-        }
-    }
+    answer_all::<A, B, SuspendedIntersection<'_, A, B>, LANES>(pairs, &(), caches, out, |pair, cache| {
+        is_rounded(pair).then(|| queries::intersects(pair.a, pair.b, pair.b_in_a, cache))
+    });
+}
+
+/// [`crate::distance()`] of all pairs. The slices have equal lengths.
+pub(super) fn distance<A, B>(pairs: &[Pair<'_, A, B>], settings: &Settings, caches: &mut [Cache], out: &mut [Distance])
+where
+    A: Shape + ?Sized,
+    B: Shape + ?Sized,
+{
+    answer_all::<A, B, SuspendedDistance<'_, A, B>, LANES>(pairs, settings, caches, out, |pair, cache| {
+        is_rounded(pair).then(|| queries::distance(pair.a, pair.b, pair.b_in_a, settings, cache))
+    });
+}
+
+/// [`crate::contact()`] of all pairs. The slices have equal lengths.
+pub(super) fn contact<A, B>(pairs: &[Pair<'_, A, B>], settings: &Settings, caches: &mut [Cache], out: &mut [Contact])
+where
+    A: Shape + ?Sized,
+    B: Shape + ?Sized,
+{
+    answer_all::<A, B, SuspendedContact<'_, A, B>, CONTACT_LANES>(pairs, settings, caches, out, |pair, cache| {
+        let is_plain = is_rounded(pair) || settings.max_iterations == 0 || has_facets(pair);
+        is_plain.then(|| queries::contact(pair.a, pair.b, pair.b_in_a, settings, cache))
+    });
 }
 
 /// The support points of all queries. The slices have equal lengths.
 pub(super) fn support_points<S: Shape + ?Sized>(queries: &[SupportQuery<'_, S>], out: &mut [SupportPoint]) {
-    let mut ahead = queries.chunks(LANES).skip(1);
-    for (queries, out) in queries.chunks(LANES).zip(out.chunks_mut(LANES)) {
-        ahead.next().unwrap_or_default().iter().for_each(|query| fetch_start(query.shape));
-        let mut lookups = [Lookup::Whole; LANES];
+    for (wave, out) in out.chunks_mut(LANES).enumerate() {
+        let start = wave * LANES;
+        (start..start + out.len()).for_each(|at| fetch_queries(queries, at, LANES));
+        let queries = queries.get(start..start + out.len()).unwrap_or_default();
+        let mut lookups = [Lookup::WHOLE; LANES];
         for (lookup, query) in lookups.iter_mut().zip(queries) {
             *lookup = query.shape.start_lookup(query.dir);
         }
-        while lookups.iter().any(|lookup| matches!(lookup, Lookup::Word { .. })) {
+        while !lookups.iter().all(Lookup::is_ready) {
             for (lookup, query) in lookups.iter_mut().zip(queries) {
                 *lookup = query.shape.continue_lookup(query.dir, *lookup);
             }
@@ -135,136 +154,5 @@ pub(super) fn support_points<S: Shape + ?Sized>(queries: &[SupportQuery<'_, S>],
         for ((query, lookup), out) in queries.iter().zip(lookups).zip(out) {
             *out = query.shape.finish_lookup(query.dir, lookup);
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use glam::{DQuat, DVec3};
-    use shapes::{families, rng::SplitMix64};
-
-    use super::*;
-    use crate::pack::Pack;
-    use crate::shapes::{Cuboid, Sphere};
-    use crate::{Hull, Overlap, Pose, SupportMap};
-
-    fn packs() -> Vec<Pack> {
-        // With a tree, without an index, flat, and a segment.
-        let sheet = (0..9).map(|i| [(i % 3) as f32, (i / 3) as f32, 0.0]).collect();
-        let sets = [
-            families::rock(300, 1),
-            families::sphere(20, 2),
-            families::sphere(900, 3),
-            families::cube_grid(64, 1),
-            sheet,
-            vec![[-1.0, 0.0, 0.0], [1.0, 0.0, 0.5]],
-        ];
-        sets.map(|set: Vec<[f32; 3]>| Pack::from_bytes(&hullmap_testkit::packs::tree_bytes(&set)).unwrap()).into()
-    }
-
-    fn random_pose(rng: &mut SplitMix64) -> Pose {
-        let rotation = DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize();
-        // Some shapes are centred on each other, some far apart, most close to touching.
-        let reach = [0.0, 1e6, 1.0, 1.5, 2.0, 2.2][rng.between(0.0, 6.0) as usize];
-        Pose::new(DVec3::from_array(rng.direction()) * reach, rotation).unwrap()
-    }
-
-    /// Answers and caches of both ways are equal, on first queries and on warm ones.
-    #[test]
-    fn intersections_have_the_bits_of_single_queries() {
-        let seed = 17;
-        println!("seed {seed}");
-        let mut rng = SplitMix64::new(seed);
-        let packs = packs();
-        let hulls: Vec<Hull<'_>> = packs.iter().map(|pack| pack.hull(0).unwrap()).collect();
-        let (cube, ball) = (Cuboid::new(DVec3::ONE).unwrap(), Sphere::new(0.7).unwrap());
-        let mut shapes: Vec<&(dyn Shape + Sync)> = hulls.iter().map(|hull| hull as _).collect();
-        shapes.extend([&cube as &(dyn Shape + Sync), &ball]);
-        let mut kinds = [0; 4];
-        for count in [0, 1, 7, 8, 9, 64, 2000] {
-            let mut pick = || shapes[(rng.between(0.0, shapes.len() as f64) as usize).min(shapes.len() - 1)];
-            let chosen: Vec<_> = (0..count).map(|_| (pick(), pick())).collect();
-            let mut single = vec![Cache::default(); count];
-            let mut caches = single.clone();
-            for _ in 0..3 {
-                let pairs: Vec<_> =
-                    chosen.iter().map(|(a, b)| Pair { a: *a, b: *b, b_in_a: random_pose(&mut rng) }).collect();
-                let mut out = vec![Intersection::default(); count];
-                intersects(&pairs, &mut caches, &mut out);
-                for (((pair, cache), answer), cache_in_flight) in pairs.iter().zip(&mut single).zip(&out).zip(&caches) {
-                    let expected = queries::intersects(pair.a, pair.b, pair.b_in_a, cache);
-                    assert_eq!(*answer, expected);
-                    assert_eq!(cache, cache_in_flight);
-                    kinds[expected.status as usize] += 1;
-                }
-            }
-        }
-        let hits = kinds[Overlap::Overlapping as usize];
-        assert!(hits > 1000 && kinds.iter().sum::<usize>() - hits > 1000, "{kinds:?}");
-    }
-
-    #[test]
-    fn support_points_are_those_of_single_queries() {
-        let packs = packs();
-        let hulls: Vec<Hull<'_>> = packs.iter().map(|pack| pack.hull(0).unwrap()).collect();
-        let cube = Cuboid::new(DVec3::ONE).unwrap();
-        let mut shapes: Vec<&(dyn Shape + Sync)> = hulls.iter().map(|hull| hull as _).collect();
-        shapes.push(&cube);
-        let mut rng = SplitMix64::new(3);
-        let odd = [0.0, f64::NAN, 1e300, 1e-300, 5e-324, f64::INFINITY, 1e-30, 1e38];
-        let queries: Vec<_> = (0..4000)
-            .map(|i| {
-                let scale = if i % 5 == 0 { odd[i / 5 % odd.len()] } else { 1.0 };
-                let axis = DVec3::AXES[i % 3];
-                let dir = if i % 7 == 0 { axis } else { DVec3::from_array(rng.direction()) };
-                SupportQuery { shape: shapes[i % shapes.len()], dir: dir * scale }
-            })
-            .collect();
-        for count in [0, 1, 8, 9, 4000] {
-            let mut out = vec![SupportPoint { point: DVec3::NAN, feature: 77 }; count];
-            support_points(&queries[..count], &mut out);
-            for (query, found) in queries.iter().zip(&out) {
-                let expected = query.shape.support_point(query.dir);
-                assert_eq!((found.point, found.feature), (expected.point, expected.feature), "{}", query.dir);
-            }
-        }
-    }
-
-    #[test]
-    fn only_many_large_shapes_are_worthwhile() {
-        struct Sized(usize);
-        impl SupportMap for Sized {
-            fn support_point(&self, _: DVec3) -> SupportPoint {
-                SupportPoint { point: DVec3::ZERO, feature: 0 }
-            }
-            fn interior_point(&self) -> DVec3 {
-                DVec3::ZERO
-            }
-            fn inner_radius(&self) -> f64 {
-                0.0
-            }
-            fn outer_radius(&self) -> f64 {
-                0.0
-            }
-            fn working_set_len(&self) -> usize {
-                self.0
-            }
-        }
-        impl Shape for Sized {}
-        let verdict = |different: usize, bytes: usize, count: usize| {
-            let mut rng = SplitMix64::new(9);
-            let shapes: Vec<Sized> = (0..different).map(|_| Sized(bytes)).collect();
-            let chosen: Vec<_> = (0..count).map(|_| shapes.get(rng.between(0.0, different as f64) as usize)).collect();
-            is_worthwhile(count, |at| chosen.get(at).copied().flatten())
-        };
-        assert!(!verdict(1, 60_000, 100_000));
-        assert!(!verdict(16, 8_000, 100_000));
-        assert!(!verdict(10_000, 0, 10_000));
-        assert!(!verdict(100, 8_000, 100));
-        assert!(!verdict(100, 8_000, 8_192));
-        assert!(verdict(1_000, 8_000, 8_192));
-        assert!(verdict(8_000, 8_000, 8_192));
-        assert!(verdict(3, LARGE, 3));
-        assert!(!verdict(0, 8_000, 0));
     }
 }

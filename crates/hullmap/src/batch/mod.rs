@@ -5,18 +5,29 @@
 //! answers are bit-identical to those of single queries, for any number of threads. They are
 //! written to a slice of the caller, in the order of the pairs, without allocation per pair.
 //!
-//! If the shapes of a batch are larger than the second-level cache, each thread keeps several
-//! support queries or intersection tests in flight, so that they wait for memory at the same time.
+//! If the shapes of a batch are larger than the caches, queries wait for memory. Then each thread
+//! keeps several support queries, intersection tests or distances in flight, so that they wait at
+//! the same time. Contacts and manifolds fetch the next shapes while they compute, and contacts of
+//! large hulls are in flight as well. A batch decides by the size of its shapes, and its answers
+//! have the same bits in each case.
+//!
+//! # Stack
+//! Contacts in flight take 64 KB in addition to [`Settings::stack_size`](crate::Settings).
 //!
 //! # Reference
 //! Kenwright, section 4.6 (threading) and 4.7 (data per pair).
 
 #![forbid(unsafe_code)]
 
+mod ahead;
 mod in_flight;
+mod plan;
+#[cfg(test)]
+mod tests;
 
 use glam::DVec3;
 
+use self::plan::Plan;
 use crate::manifold::{Manifold, ManifoldSettings};
 use crate::pose::Pose;
 use crate::shapes::Shape;
@@ -159,13 +170,11 @@ where
     S: Shape + Sync + ?Sized,
 {
     check_lengths(queries.len(), queries.len(), out.len())?;
-    let is_worthwhile = in_flight::is_worthwhile(queries.len(), |at| queries.get(at).map(|query| query.shape));
-    let solve = |queries: &[SupportQuery<'_, S>], out: &mut [SupportPoint]| {
-        if is_worthwhile {
-            in_flight::support_points(queries, out);
-        } else {
-            queries.iter().zip(out).for_each(|(query, out)| *out = query.shape.support_point(query.dir));
-        }
+    let plan = Plan::of_shapes(queries.len(), |at| queries.get(at).map(|query| query.shape));
+    let solve = |queries: &[SupportQuery<'_, S>], out: &mut [SupportPoint]| match plan {
+        Plan::Loop => queries.iter().zip(out).for_each(|(query, out)| *out = query.shape.support_point(query.dir)),
+        Plan::Ahead => ahead::support_points(queries, out),
+        Plan::InFlight => in_flight::support_points(queries, out),
     };
     #[cfg(feature = "parallel")]
     {
@@ -220,9 +229,17 @@ where
     A: Shape + Sync + ?Sized,
     B: Shape + Sync + ?Sized,
 {
-    each(pairs, caches, out, |pair, cache, out| {
-        *out = queries::contact(pair.a, pair.b, pair.b_in_a, settings, cache);
-    })
+    check_lengths(pairs.len(), caches.len(), out.len())?;
+    match Plan::of_contacts(pairs) {
+        Plan::Loop => each(pairs, caches, out, |pair, cache, out| {
+            *out = queries::contact(pair.a, pair.b, pair.b_in_a, settings, cache);
+        }),
+        Plan::Ahead => in_runs(pairs, caches, out, |pairs, caches, out| ahead::contact(pairs, settings, caches, out)),
+        Plan::InFlight => {
+            in_runs(pairs, caches, out, |pairs, caches, out| in_flight::contact(pairs, settings, caches, out));
+        }
+    }
+    Ok(())
 }
 
 /// Writes the [`distance`](crate::distance()) of each `pairs[i]` to `out[i]`, using `caches[i]`.
@@ -259,9 +276,17 @@ where
     A: Shape + Sync + ?Sized,
     B: Shape + Sync + ?Sized,
 {
-    each(pairs, caches, out, |pair, cache, out| {
-        *out = queries::distance(pair.a, pair.b, pair.b_in_a, settings, cache);
-    })
+    check_lengths(pairs.len(), caches.len(), out.len())?;
+    match Plan::of_pairs(pairs) {
+        Plan::Loop => each(pairs, caches, out, |pair, cache, out| {
+            *out = queries::distance(pair.a, pair.b, pair.b_in_a, settings, cache);
+        }),
+        Plan::Ahead => in_runs(pairs, caches, out, |pairs, caches, out| ahead::distance(pairs, settings, caches, out)),
+        Plan::InFlight => {
+            in_runs(pairs, caches, out, |pairs, caches, out| in_flight::distance(pairs, settings, caches, out));
+        }
+    }
+    Ok(())
 }
 
 /// Writes whether the shapes of each `pairs[i]` [`intersect`](crate::intersects()) to `out[i]`,
@@ -298,23 +323,14 @@ where
     A: Shape + Sync + ?Sized,
     B: Shape + Sync + ?Sized,
 {
-    let a = |at: usize| pairs.get(at).map(|pair| pair.a);
-    let b = |at: usize| pairs.get(at).map(|pair| pair.b);
-    if !in_flight::is_worthwhile(pairs.len(), a) && !in_flight::is_worthwhile(pairs.len(), b) {
-        return each(pairs, caches, out, |pair, cache, out| {
-            *out = queries::intersects(pair.a, pair.b, pair.b_in_a, cache);
-        });
-    }
     check_lengths(pairs.len(), caches.len(), out.len())?;
-    #[cfg(feature = "parallel")]
-    {
-        use rayon::prelude::*;
-        let slots = caches.par_chunks_mut(MIN_TESTS).zip(out.par_chunks_mut(MIN_TESTS));
-        let jobs = pairs.par_chunks(MIN_TESTS).zip(slots);
-        jobs.for_each(|(pairs, (caches, out))| in_flight::intersects(pairs, caches, out));
+    match Plan::of_pairs(pairs) {
+        Plan::Loop => each(pairs, caches, out, |pair, cache, out| {
+            *out = queries::intersects(pair.a, pair.b, pair.b_in_a, cache);
+        }),
+        Plan::Ahead => in_runs(pairs, caches, out, ahead::intersects),
+        Plan::InFlight => in_runs(pairs, caches, out, in_flight::intersects),
     }
-    #[cfg(not(feature = "parallel"))]
-    in_flight::intersects(pairs, caches, out);
     Ok(())
 }
 
@@ -353,24 +369,30 @@ where
     A: Shape + Sync + ?Sized,
     B: Shape + Sync + ?Sized,
 {
-    each(pairs, caches, manifolds, |pair, cache, manifold| {
-        manifold.update(pair.a, pair.b, pair.b_in_a, settings, cache);
-    })
+    check_lengths(pairs.len(), caches.len(), manifolds.len())?;
+    match Plan::of_manifolds(pairs) {
+        Plan::Ahead => in_runs(pairs, caches, manifolds, |pairs, caches, manifolds| {
+            ahead::manifolds(pairs, settings, caches, manifolds);
+        }),
+        Plan::Loop | Plan::InFlight => each(pairs, caches, manifolds, |pair, cache, manifold| {
+            manifold.update(pair.a, pair.b, pair.b_in_a, settings, cache);
+        }),
+    }
+    Ok(())
 }
 
 fn check_lengths(pairs: usize, caches: usize, answers: usize) -> Result<(), BatchError> {
     if pairs == caches && pairs == answers { Ok(()) } else { Err(BatchError { pairs, caches, answers }) }
 }
 
-/// Calls `solve` with each pair, its cache and its answer.
-fn each<A, B, T, F>(pairs: &[Pair<'_, A, B>], caches: &mut [Cache], out: &mut [T], solve: F) -> Result<(), BatchError>
+/// Calls `solve` with each pair, its cache and its answer. The slices have equal lengths.
+fn each<A, B, T, F>(pairs: &[Pair<'_, A, B>], caches: &mut [Cache], out: &mut [T], solve: F)
 where
     A: Sync + ?Sized,
     B: Sync + ?Sized,
     T: Send,
     F: Fn(&Pair<'_, A, B>, &mut Cache, &mut T) + Sync,
 {
-    check_lengths(pairs.len(), caches.len(), out.len())?;
     #[cfg(feature = "parallel")]
     {
         use rayon::prelude::*;
@@ -382,5 +404,29 @@ where
     for (pair, (cache, out)) in pairs.iter().zip(caches.iter_mut().zip(out)) {
         solve(pair, cache, out);
     }
-    Ok(())
+}
+
+/// Calls `solve` with runs of pairs, their caches and their answers, of which several are in
+/// flight. The slices have equal lengths.
+fn in_runs<'p, 's, A, B, T, F>(pairs: &'p [Pair<'s, A, B>], caches: &mut [Cache], out: &mut [T], solve: F)
+where
+    A: Sync + ?Sized,
+    B: Sync + ?Sized,
+    T: Send,
+    F: Fn(&'p [Pair<'s, A, B>], &mut [Cache], &mut [T]) + Sync,
+{
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::prelude::*;
+        let slots = caches.par_chunks_mut(MIN_TESTS).zip(out.par_chunks_mut(MIN_TESTS));
+        let jobs = pairs.par_chunks(MIN_TESTS).zip(slots);
+        jobs.for_each(|(pairs, (caches, out))| solve(pairs, caches, out));
+    }
+    #[cfg(not(feature = "parallel"))]
+    solve(pairs, caches, out);
+}
+
+/// Whether the separating axis test may answer a contact.
+fn has_facets<A: Shape + ?Sized, B: Shape + ?Sized>(pair: &Pair<'_, A, B>) -> bool {
+    pair.a.facets().is_some() && pair.b.facets().is_some()
 }

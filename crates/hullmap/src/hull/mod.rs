@@ -42,6 +42,8 @@ pub struct Hull<'a> {
     outer_radius: f64,
     index: Index<'a>,
     vertices: &'a [[f32_le; 3]],
+    /// The face table of a small hull.
+    facets: Option<&'a FacetTable>,
     // From here on: hints, manifolds and facts.
     neighbour_starts: &'a [u32_le],
     edges: &'a [i16_le],
@@ -54,8 +56,6 @@ pub struct Hull<'a> {
     face_vertices: &'a [u32_le],
     quads: &'a [ArchivedQuad],
     outer_vertices: &'a [[f32_le; 3]],
-    /// The face table of a small hull.
-    facets: Option<&'a FacetTable>,
 }
 
 /// Bytes of a [`Hull`] that support queries and the solver read.

@@ -162,6 +162,16 @@ impl SupportMap for SharedHull {
     }
 
     #[inline(always)]
+    fn fetch_ahead(&self) {
+        self.hull().fetch_ahead();
+    }
+
+    #[inline(always)]
+    fn fetch_part(&self, part: usize) -> bool {
+        self.hull().fetch_part(part)
+    }
+
+    #[inline(always)]
     fn start_lookup(&self, dir: DVec3) -> Lookup {
         self.hull().start_lookup(dir)
     }

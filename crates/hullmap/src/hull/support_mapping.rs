@@ -7,7 +7,7 @@ use rkyv::rend::f32_le;
 use super::Hull;
 use crate::support::facets::Facets;
 use crate::support::hint::{Edges, IsLocalMaximum};
-use crate::support::simd::{Dispatch, Instructions};
+use crate::support::simd::{Dispatch, Instructions, fetch};
 use crate::support::{Lookup, SupportMap, SupportPoint};
 
 /// Maximum difference between the maximum dot product and that of the support point, divided by the
@@ -226,8 +226,19 @@ impl SupportMap for Hull<'_> {
     }
 
     #[inline]
+    fn fetch_ahead(&self) {
+        self.index.fetch_ahead();
+        self.facets.into_iter().for_each(fetch);
+    }
+
+    #[inline]
+    fn fetch_part(&self, part: usize) -> bool {
+        self.index.fetch_part(part)
+    }
+
+    #[inline]
     fn start_lookup(&self, dir: DVec3) -> Lookup {
-        self.index.start_lookup([dir.x, dir.y, dir.z])
+        self.index.start_lookup(dir.x, dir.y, dir.z)
     }
 
     #[inline]
@@ -235,7 +246,7 @@ impl SupportMap for Hull<'_> {
         self.index.continue_lookup([dir.x, dir.y, dir.z], lookup)
     }
 
-    #[inline]
+    #[inline(always)]
     fn finish_lookup(&self, dir: DVec3, lookup: Lookup) -> SupportPoint {
         let (feature, [x, y, z]) = self.index.finish_lookup([dir.x, dir.y, dir.z], lookup);
         SupportPoint { point: DVec3::new(x.into(), y.into(), z.into()), feature }

@@ -51,25 +51,27 @@ const MAX_FACES: usize = 2 * MAX_POINTS;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+// What every query reads comes first, so that batches can fetch it ahead.
+#[repr(C)]
 pub struct Cache {
     /// The last separating axis, from A to B.
     axis: Option<DVec3>,
+    portal: Option<[[u32; 2]; 3]>,
+    /// The first `simplex_count` entries are in use.
+    simplex: [[u32; 2]; 3],
+    simplex_count: u8,
     /// There is no simplex yet, so GJK starts from the support point along the axis.
     starts_from_axis: bool,
     /// The last query was a contact of small polytopes that kept nothing. If the cache is used
     /// again, a polytope pays.
     is_used: bool,
-    portal: Option<[[u32; 2]; 3]>,
-    /// The first `simplex_count` entries are in use.
-    simplex: [[u32; 2]; 3],
-    simplex_count: u8,
     /// 0 if no polytope is cached.
     point_count: u8,
     face_count: u8,
+    scratch: Lent,
     points: [[u32; 2]; MAX_POINTS],
     corners: [[u8; 3]; MAX_FACES],
     neighbours: [[u8; 3]; MAX_FACES],
-    scratch: Lent,
 }
 
 impl Default for Cache {

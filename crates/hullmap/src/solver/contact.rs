@@ -24,14 +24,15 @@
 
 use super::bound::Bound;
 use super::cache::Cache;
-use super::epa::{self, Expansion, Goal, expand, expand_again};
+use super::epa::{self, Expansion, Goal, Progress, Room, expand, expand_again};
 use super::intersection::{portal_tetrahedron, separated_early, store_separation};
-use super::minkowski::Minkowski;
-use super::mpr::{Discovery, Portal, discover_portal};
+use super::minkowski::{Interrupted, Minkowski};
+use super::mpr::{self, Discovery, Found, Portal, discover_portal};
 use super::mpr::{Side, Until, refine_portal};
 use super::sat;
 use super::settings::Settings;
 use super::status::Status;
+use super::suspended::Suspended;
 use crate::pose::Pose;
 use crate::support::{SupportMap, facets::Facets};
 use crate::vector::unit;
@@ -185,6 +186,179 @@ fn solve<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let expanded = expand(m, start, Goal::Depth { tolerance }, bound, settings.max_iterations, cache);
     iterations += expanded.iterations;
     contact_from_expansion(m, cache, &expanded, tolerance, iterations)
+}
+
+/// A contact query that is suspended wherever it waits for memory, so that a batch can keep several
+/// queries in flight. The answer has the bits of [`core_contact`] for shapes of which one has no
+/// facets, and for at least one iteration.
+#[derive(Debug)]
+pub(crate) struct SuspendedContact<'s, A: ?Sized, B: ?Sized> {
+    m: Minkowski<'s, A, B>,
+    phase: Phase,
+    /// The support query that comes next.
+    next: Interrupted,
+}
+
+/// What the next support point is for.
+#[derive(Clone, Copy, Debug)]
+enum Phase {
+    /// The separating axis of the cache.
+    Axis,
+    /// Portal discovery and portal refinement.
+    Portal(mpr::Search),
+    /// EPA, after this number of steps of the other phases.
+    Expansion(epa::Search, u32),
+}
+
+impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> for SuspendedContact<'s, A, B> {
+    type Settings = Settings;
+    type Answer = Contact;
+    type Room = Room;
+
+    fn start(
+        (a, b, b_in_a): (&'s A, &'s B, Pose),
+        settings: &Settings,
+        cache: &mut Cache,
+        room: &mut Room,
+    ) -> Result<Self, Contact> {
+        let m = Minkowski::new(a, b, b_in_a);
+        let mut query = Self { m, phase: Phase::Axis, next: Interrupted::NOTHING };
+        let are_balls_separated = query.m.outer_balls_separated();
+        if are_balls_separated && let Some(axis) = unit(-query.m.center_point().w) {
+            return Err(separated_contact(&query.m, cache, axis, 0));
+        }
+        match cache.axis().filter(|_| !are_balls_separated) {
+            Some(axis) => query.next = query.m.start(axis),
+            None => query.start_search(settings, cache, room).map_or(Ok(()), Err)?,
+        }
+        Ok(query)
+    }
+
+    fn step(&mut self, settings: &Settings, cache: &mut Cache, room: &mut Room) -> Option<Contact> {
+        if !self.next.is_ready() {
+            self.m.resume(&mut self.next);
+            return None;
+        }
+        let dir = self.next.dir;
+        let point = self.m.finish(&self.next);
+        match &mut self.phase {
+            Phase::Axis => {
+                if point.w.dot(dir) < -self.m.rounding_error() {
+                    let found = separated_contact(&self.m, cache, dir, 0);
+                    return Some(self.answer(found));
+                }
+                self.start_search(settings, cache, room)
+            }
+            Phase::Portal(search) => match search.continue_with(point) {
+                None => {
+                    self.next = self.m.start(search.direction());
+                    None
+                }
+                Some(found) => {
+                    let iterations = search.iterations();
+                    self.after_search(found, iterations, settings, cache, room)
+                }
+            },
+            Phase::Expansion(search, iterations) => {
+                let (progress, iterations) = (search.continue_with(point, &mut self.m, cache, room), *iterations);
+                self.after_expansion(progress, iterations, settings, cache)
+            }
+        }
+    }
+}
+
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SuspendedContact<'_, A, B> {
+    /// Continues after the test of the axis.
+    fn start_search(&mut self, settings: &Settings, cache: &mut Cache, room: &mut Room) -> Option<Contact> {
+        let tolerance = settings.relative_tolerance();
+        if let Some(found) = contact_of_balls(&mut self.m, tolerance) {
+            cache.forget_axis();
+            return Some(self.answer(found));
+        }
+        match epa::Search::start_again(&self.m, tolerance, settings.max_iterations, cache, room) {
+            Some(search) => self.start_expansion(search, 0, settings, cache, room),
+            None => {
+                self.start_portal();
+                None
+            }
+        }
+    }
+
+    fn start_portal(&mut self) {
+        let search = mpr::Search::new(&self.m);
+        self.next = self.m.start(search.direction());
+        self.phase = Phase::Portal(search);
+    }
+
+    /// Continues with what portal discovery and refinement have found, after `iterations` steps.
+    fn after_search(
+        &mut self,
+        found: Found,
+        iterations: u32,
+        settings: &Settings,
+        cache: &mut Cache,
+        room: &mut Room,
+    ) -> Option<Contact> {
+        let (tolerance, limit) = (settings.relative_tolerance(), settings.max_iterations);
+        let start = match found {
+            Found::Separated { axis, seen } => {
+                store_separation(cache, axis, &seen);
+                let found = separated_contact(&self.m, cache, axis, iterations);
+                return Some(self.answer(found));
+            }
+            Found::Portal { portal, .. } => Some(portal_tetrahedron(&self.m, &portal)),
+            Found::Nothing => None,
+        };
+        let search = start.and_then(|start| epa::Search::start(&self.m, start, tolerance, limit, cache, room));
+        if let Some(search) = search {
+            return self.start_expansion(search, iterations, settings, cache, room);
+        }
+        let expanded = expand(&mut self.m, start, Goal::Depth { tolerance }, Bound::none(), limit, cache);
+        self.after_expansion(Progress::Ended(Some(expanded)), iterations, settings, cache)
+    }
+
+    fn start_expansion(
+        &mut self,
+        mut search: epa::Search,
+        iterations: u32,
+        settings: &Settings,
+        cache: &mut Cache,
+        room: &mut Room,
+    ) -> Option<Contact> {
+        let progress = search.aim(&mut self.m, cache, room);
+        self.phase = Phase::Expansion(search, iterations);
+        self.after_expansion(progress, iterations, settings, cache)
+    }
+
+    /// Continues with the progress of EPA, which began after `iterations` steps.
+    fn after_expansion(
+        &mut self,
+        progress: Progress,
+        iterations: u32,
+        settings: &Settings,
+        cache: &mut Cache,
+    ) -> Option<Contact> {
+        match progress {
+            Progress::Query(dir) => {
+                self.next = self.m.start(dir);
+                None
+            }
+            Progress::Ended(Some(expanded)) => {
+                let (tolerance, iterations) = (settings.relative_tolerance(), iterations + expanded.iterations);
+                let found = contact_from_expansion(&self.m, cache, &expanded, tolerance, iterations);
+                Some(self.answer(found))
+            }
+            // The polytope of the cache is of no use.
+            Progress::Ended(None) => {
+                self.start_portal();
+                None
+            }
+        }
+    }
+
+    fn answer(&self, found: Contact) -> Contact {
+        Contact { support_calls: self.m.support_calls(), ..found }
+    }
 }
 
 /// The contact that follows from the outcome of EPA.

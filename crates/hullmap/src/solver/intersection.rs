@@ -19,6 +19,7 @@ use super::minkowski::{Interrupted, Minkowski, Point};
 use super::mpr::{Discovery, Portal, discover_portal, is_clearly_negative};
 use super::mpr::{Found, Search, Side, Until, refine_portal};
 use super::status::Overlap;
+use super::suspended::Suspended;
 use crate::pose::Pose;
 use crate::support::SupportMap;
 use crate::vector::unit;
@@ -165,7 +166,7 @@ fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 /// An intersection test that is suspended wherever it waits for memory, so that a batch can keep
 /// several tests in flight. The answer has the bits of [`core_intersects`].
 #[derive(Debug)]
-pub(crate) struct Suspended<'s, A: ?Sized, B: ?Sized> {
+pub(crate) struct SuspendedIntersection<'s, A: ?Sized, B: ?Sized> {
     m: Minkowski<'s, A, B>,
     /// `None` while the next support query tests the separating axis of the cache.
     search: Option<Search>,
@@ -173,12 +174,17 @@ pub(crate) struct Suspended<'s, A: ?Sized, B: ?Sized> {
     next: Interrupted,
 }
 
-impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> {
-    /// Starts a test of shapes without convex radii.
-    ///
-    /// # Errors
-    /// The answer, if it takes no support query.
-    pub(crate) fn start(a: &'s A, b: &'s B, b_in_a: Pose, cache: &mut Cache) -> Result<Self, Intersection> {
+impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> for SuspendedIntersection<'s, A, B> {
+    type Settings = ();
+    type Answer = Intersection;
+    type Room = ();
+
+    fn start(
+        (a, b, b_in_a): (&'s A, &'s B, Pose),
+        (): &(),
+        cache: &mut Cache,
+        (): &mut (),
+    ) -> Result<Self, Intersection> {
         let m = Minkowski::new(a, b, b_in_a);
         let mut test = Self { m, search: None, next: Interrupted::NOTHING };
         if test.m.inner_balls_overlap() {
@@ -197,9 +203,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> {
         Ok(test)
     }
 
-    /// Continues up to the next memory that the test reads. Returns the answer as soon as it is
-    /// known.
-    pub(crate) fn step(&mut self, cache: &mut Cache) -> Option<Intersection> {
+    fn step(&mut self, (): &(), cache: &mut Cache, (): &mut ()) -> Option<Intersection> {
         if !self.next.is_ready() {
             self.m.resume(&mut self.next);
             return None;
@@ -221,7 +225,9 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> {
         let (status, iterations) = conclude(&mut self.m, cache, found, iterations);
         Some(self.answer(status, iterations))
     }
+}
 
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SuspendedIntersection<'_, A, B> {
     /// Tests the portal of the cache, then starts the search.
     fn start_search(&mut self, cache: &mut Cache) -> Option<Intersection> {
         if cache.portal().is_some_and(|features| cached_portal_encloses(&self.m, features)) {

@@ -100,12 +100,12 @@ pub(crate) struct Interrupted {
 impl Interrupted {
     /// Before the first query.
     pub(crate) const NOTHING: Self =
-        Self { dir: DVec3::ZERO, dir_in_b: DVec3::ZERO, on_a: Lookup::Whole, on_b: Lookup::Whole };
+        Self { dir: DVec3::ZERO, dir_in_b: DVec3::ZERO, on_a: Lookup::WHOLE, on_b: Lookup::WHOLE };
 
     /// Whether the answer can be computed.
     #[inline]
     pub(crate) fn is_ready(&self) -> bool {
-        !matches!((self.on_a, self.on_b), (Lookup::Word { .. }, _) | (_, Lookup::Word { .. }))
+        self.on_a.is_ready() && self.on_b.is_ready()
     }
 }
 
@@ -230,7 +230,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
     }
 
     /// Starts a support query in direction `dir`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn start(&self, dir: DVec3) -> Interrupted {
         let dir_in_b = self.unrotation * -dir;
         Interrupted { dir, dir_in_b, on_a: self.a.start_lookup(dir), on_b: self.b.start_lookup(dir_in_b) }
@@ -244,7 +244,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
     }
 
     /// The point of [`point`](Self::point), from a query that is ready.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn finish(&mut self, query: &Interrupted) -> Point {
         self.support_calls += 1;
         let on_a = self.a.finish_lookup(query.dir, query.on_a);

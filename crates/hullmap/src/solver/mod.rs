@@ -17,6 +17,7 @@
 //! | `queries` | the other public functions; they solve rounded shapes by their cores |
 //! | `cache` | what one pair keeps from query to query (warm start) |
 //! | `scratch` | memory for the largest polytopes, for threads with a small stack |
+//! | `suspended` | queries that are suspended wherever they wait for memory, for batches |
 //! | `lockstep` | contact in a fixed number of steps, for SIMD lanes and GPU threads |
 //!
 //! All arithmetic is in f64. There is no allocation, no angle and no random number, so the same
@@ -68,15 +69,18 @@ mod scratch;
 mod settings;
 pub(crate) mod signed_distance;
 mod status;
+mod suspended;
 
 pub use cache::Cache;
 pub use cast::Impact;
 pub use contact::Contact;
+pub(crate) use contact::SuspendedContact;
 #[doc(hidden)]
 pub use contact::contact_by_facets;
 pub use distance::Distance;
+pub(crate) use distance::SuspendedDistance;
 pub use intersection::Intersection;
-pub(crate) use intersection::Suspended;
+pub(crate) use intersection::SuspendedIntersection;
 pub use lockstep::contact_lockstep;
 pub use minkowski::{Minkowski, Vertex};
 pub use motion::{CastSettings, Motion, Ray, VectorError};
@@ -85,3 +89,4 @@ pub use scratch::Scratch;
 pub use settings::Settings;
 pub use signed_distance::SignedDistance;
 pub use status::{Overlap, Status};
+pub(crate) use suspended::Suspended;

@@ -19,7 +19,7 @@ use hullmap_format::{
     archive::{ArchivedBlock, LANES},
     cube::{self, Cell, GRID_BITS},
     fan,
-    slot::{BUNDLE_PLANES, BUNDLE_WORDS, Branch, PLANE_WORDS, Slot, decode_f64},
+    slot::{BUNDLE_PLANES, BUNDLE_WORDS, Branch, LIST_WORDS, PLANE_WORDS, Slot, decode_f64},
     walk::{Cost, MAX_NODES},
 };
 use rkyv::rend::u32_le;
@@ -28,11 +28,21 @@ use super::best_candidate::{self, best, best_of_blocks, exactly};
 use super::candidate::Candidate;
 use super::direction::Direction;
 use super::simd::{self, Dispatch, Kernel, Portable, Simd};
-use super::support_map::Lookup;
+use super::support_map::{Lookup, LookupKind};
 
 /// Maximum number of blocks of a leaf that are fetched ahead. The processor itself fetches what
 /// follows when it reads them.
 const FETCHED_BLOCKS: usize = 4;
+
+/// Number of blocks that are fetched with a support query on another hull: as many as arrive until
+/// the next one.
+const PART_BLOCKS: usize = 8;
+
+/// Slots at the front of a tree: one for each face of the cube.
+const FACES: u32 = 6;
+
+/// Words of a cache line.
+const LINE_WORDS: usize = 16;
 
 /// A hull's direction index, read in place.
 #[derive(Clone, Copy, Debug)]
@@ -176,47 +186,112 @@ impl<'a> Index<'a> {
         self.dispatch.run(WholeLookup(self, PhantomData), dir)
     }
 
-    /// Starts a look-up of direction `dir`, and fetches the word of the index that it reads first.
-    pub(crate) fn start_lookup(&self, dir: [f64; 3]) -> Lookup {
+    /// Fetches what every look-up reads first: the slots of the six cube faces, or the blocks of a
+    /// small hull.
+    #[inline]
+    pub(crate) fn fetch_ahead(&self) {
+        match self.kind {
+            IndexKind::Tree | IndexKind::Medium | IndexKind::Compact | IndexKind::Binary => self.fetch_words(0, FACES),
+            IndexKind::CubeMap { .. } => {}
+            IndexKind::None => _ = self.fetch_leaf(self.blocks),
+        }
+    }
+
+    /// Fetches a part of the index: [`PART_BLOCKS`] blocks, and as large a share of the words.
+    /// Returns whether there is another part.
+    pub(crate) fn fetch_part(&self, part: usize) -> bool {
+        let parts = self.blocks.len().div_ceil(PART_BLOCKS);
+        let words = self.slots.len().div_ceil(parts.max(1)).next_multiple_of(LINE_WORDS);
+        self.blocks.iter().skip(part * PART_BLOCKS).take(PART_BLOCKS).for_each(simd::fetch);
+        self.slots.iter().skip(part * words).take(words).step_by(LINE_WORDS).for_each(simd::fetch);
+        part + 1 < parts
+    }
+
+    /// Starts a look-up of a direction, and fetches the word of the index that it reads next.
+    ///
+    /// It reads the slot of the cube face at once, which [`fetch_ahead`](Self::fetch_ahead) or an
+    /// earlier look-up has fetched. The direction comes as three scalars so that it stays in
+    /// registers.
+    pub(crate) fn start_lookup(&self, x: f64, y: f64, z: f64) -> Lookup {
+        let dir = [x, y, z];
         let narrow = Direction::narrow(dir);
         let in_range = cube::IN_RANGE.contains(&cube::largest(narrow));
         if !in_range || best_candidate::margin(narrow, self.reach).is_none() {
-            return Lookup::Whole;
+            return Lookup::WHOLE;
         }
-        let (at, path) = match self.kind {
+        match self.kind {
             IndexKind::Tree | IndexKind::Medium | IndexKind::Compact => {
                 let cell = cube::locate(narrow);
-                (cell.face, [cell.u, cell.v].map(|path| path << (32 - GRID_BITS)))
+                let path = [cell.u, cell.v].map(|path| path << (32 - GRID_BITS));
+                self.below(self.word(cell.face as usize), path, 0)
             }
-            IndexKind::CubeMap { resolution } => (cube::uniform_cell(cube::locate(narrow), resolution) as u32, [0; 2]),
-            IndexKind::None => return self.fetch_leaf(self.blocks),
-            IndexKind::Binary => return self.fetch_leaf(self.leaf(dir).blocks),
-        };
-        self.await_word(at, path, 0)
+            IndexKind::CubeMap { resolution } => {
+                self.await_word(cube::uniform_cell(cube::locate(narrow), resolution) as u32, [0; 2], 0)
+            }
+            IndexKind::None => self.fetch_leaf(self.blocks),
+            IndexKind::Binary => self.fetch_leaf(self.leaf(dir).blocks),
+        }
     }
 
-    /// Reads the word that a look-up waits for, and fetches the word or the leaf to which it leads.
+    /// Reads what a look-up waits for, and fetches what it reads next.
     pub(crate) fn continue_lookup(&self, dir: [f64; 3], lookup: Lookup) -> Lookup {
-        let Lookup::Word { at, path, nodes } = lookup else { return lookup };
-        if nodes == MAX_NODES {
+        let Lookup { path, at, nodes, kind } = lookup;
+        if u32::from(nodes) == MAX_NODES {
             // Unreachable in a checked pack.
-            return Lookup::Whole;
+            return Lookup::WHOLE;
         }
-        let slot = self.word(at as usize);
+        match kind {
+            LookupKind::Word => self.below(self.word(at as usize), path, nodes),
+            LookupKind::Node => match Slot::decode(at) {
+                Slot::Plane(at) => self.await_node(self.plane_child(at as usize, dir), nodes + 1),
+                Slot::Bundle(at) => self.await_node(self.bundle_child(at as usize, dir), nodes + 1),
+                Slot::Fan(at) => self.await_node(self.fan_child(at as usize, dir), nodes + 1),
+                slot => self.fetch_leaf(self.leaf_at(slot, 0).blocks),
+            },
+            LookupKind::Leaf | LookupKind::Whole => lookup,
+        }
+    }
+
+    /// Fetches what is below a slot, which a branch or a cube map has led to.
+    #[inline(always)]
+    fn below(&self, slot: u32, path: [u32; 2], nodes: u16) -> Lookup {
         match Slot::branch(slot).filter(|_| self.kind.is_tree()) {
             Some(payload) => {
                 let (at, path) = child(payload, path);
                 self.await_word(at, path, nodes + 1)
             }
-            None => self.fetch_leaf(self.past_branches(slot, 0, dir).blocks),
+            None => self.await_node(slot, nodes),
         }
     }
 
+    /// Fetches the leaf of a slot, or the node that leads to one.
+    #[inline(always)]
+    fn await_node(&self, slot: u32, nodes: u16) -> Lookup {
+        match Slot::block(slot) {
+            Some(first) => self.fetch_leaf(self.run(first, self.leaf_blocks)),
+            None => self.fetch_node(slot, nodes),
+        }
+    }
+
+    #[inline(never)]
+    fn fetch_node(&self, slot: u32, nodes: u16) -> Lookup {
+        match Slot::decode(slot) {
+            Slot::Plane(at) => self.fetch_words(at, PLANE_WORDS),
+            Slot::Bundle(at) => self.fetch_words(at, BUNDLE_WORDS),
+            Slot::Fan(at) => self.fetch_words(at, fan::HEAD_WORDS + 1),
+            Slot::List(at) => self.fetch_words(at, LIST_WORDS),
+            // Unreachable in a checked pack: all blocks are a valid leaf.
+            Slot::Branch(_) | Slot::Block(_) => {}
+        }
+        Lookup { path: [0; 2], at: slot, nodes, kind: LookupKind::Node }
+    }
+
     /// [`support`](Self::support) in direction `dir`, from a look-up that has come to its leaf.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn finish_lookup(&self, dir: [f64; 3], lookup: Lookup) -> (u32, [f32; 3]) {
-        if let Lookup::Leaf { first, count } = lookup
-            && let Some(blocks) = self.blocks.get(first as usize..first as usize + count as usize)
+        let [first, count] = [lookup.at, lookup.path[0]].map(|number| number as usize);
+        if lookup.kind == LookupKind::Leaf
+            && let Some(blocks) = self.blocks.get(first..first + count)
             && !blocks.is_empty()
         {
             return self.dispatch.run(Pick(blocks, self.reach, PhantomData), dir).read();
@@ -224,15 +299,25 @@ impl<'a> Index<'a> {
         self.support(dir)
     }
 
-    fn await_word(&self, at: u32, path: [u32; 2], nodes: u32) -> Lookup {
+    #[inline(always)]
+    fn await_word(&self, at: u32, path: [u32; 2], nodes: u16) -> Lookup {
         self.slots.get(at as usize).into_iter().for_each(simd::fetch);
-        Lookup::Word { at, path, nodes }
+        Lookup { path, at, nodes, kind: LookupKind::Word }
     }
 
+    /// Fetches `count` words from the word `at` on.
+    #[inline]
+    fn fetch_words(&self, at: u32, count: u32) {
+        let words = self.slots.get(at as usize..at as usize + count as usize).unwrap_or_default();
+        // They start anywhere in a cache line, so the last one may be in another.
+        words.iter().step_by(LINE_WORDS).chain(words.last()).for_each(simd::fetch);
+    }
+
+    #[inline]
     fn fetch_leaf(&self, blocks: &[ArchivedBlock]) -> Lookup {
         blocks.iter().take(FETCHED_BLOCKS).for_each(simd::fetch);
         let first = (blocks.as_ptr().addr() - self.blocks.as_ptr().addr()) / size_of::<ArchivedBlock>();
-        Lookup::Leaf { first: first as u32, count: blocks.len() as u32 }
+        Lookup { path: [blocks.len() as u32, 0], at: first as u32, nodes: 0, kind: LookupKind::Leaf }
     }
 
     /// Support query for directions that would overflow or underflow in f32, and for zero and

@@ -41,27 +41,43 @@ pub struct SupportPoint {
 
 /// How far the look-up of a support query has come, for shapes that can interrupt it wherever it
 /// waits for memory.
+///
+/// Of 16 bytes, so that functions return it in registers.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lookup {
-    /// At a word of the direction index, with the bits of the direction that are still to be read.
-    Word {
-        /// Index of the word.
-        at: u32,
-        /// Remaining bits, the next one on top.
-        path: [u32; 2],
-        /// Number of nodes above.
-        nodes: u32,
-    },
-    /// The leaf is known: its first block and the number of its blocks.
-    Leaf {
-        /// Index of the first block.
-        first: u32,
-        /// Number of blocks.
-        count: u32,
-    },
+pub struct Lookup {
+    /// Bits of the direction that are still to be read, the next one on top.
+    pub(crate) path: [u32; 2],
+    /// Index of a word, the slot that refers to a node, or the first block and, in `path`, the
+    /// number of blocks.
+    pub(crate) at: u32,
+    /// Number of nodes above.
+    pub(crate) nodes: u16,
+    pub(crate) kind: LookupKind,
+}
+
+/// What a look-up has come to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LookupKind {
+    /// A word of the direction index.
+    Word,
+    /// Planes, a fan or a list of blocks.
+    Node,
+    /// The leaf is known.
+    Leaf,
     /// Not interrupted. The whole look-up is still to be done.
     Whole,
+}
+
+impl Lookup {
+    /// A look-up that is not interrupted.
+    pub(crate) const WHOLE: Self = Self { path: [0; 2], at: 0, nodes: 0, kind: LookupKind::Whole };
+
+    /// Whether the answer can be computed without waiting for another word or node.
+    #[inline(always)]
+    pub(crate) fn is_ready(&self) -> bool {
+        matches!(self.kind, LookupKind::Leaf | LookupKind::Whole)
+    }
 }
 
 /// A convex shape, described by its support mapping.
@@ -174,20 +190,32 @@ pub trait SupportMap {
         self.support_point(dir)
     }
 
+    /// Tells the processor to fetch what every look-up reads first. Batches call it some queries
+    /// ahead.
+    #[doc(hidden)]
+    fn fetch_ahead(&self) {}
+
+    /// Tells the processor to fetch a part, counted from 0, of what look-ups read. Returns whether
+    /// there is another part.
+    #[doc(hidden)]
+    fn fetch_part(&self, part: usize) -> bool {
+        let _ = part;
+        false
+    }
+
     /// Starts the look-up of [`support_point`](Self::support_point) in direction `dir`, and tells
-    /// the processor to fetch what it reads first. Batches use it to keep several queries in
-    /// flight.
+    /// the processor to fetch what it reads next. Batches use it to keep several queries in flight.
     #[doc(hidden)]
     fn start_lookup(&self, dir: DVec3) -> Lookup {
         let _ = dir;
-        Lookup::Whole
+        Lookup::WHOLE
     }
 
     /// Continues a look-up up to the next memory that it reads.
     #[doc(hidden)]
     fn continue_lookup(&self, dir: DVec3, lookup: Lookup) -> Lookup {
         let _ = (dir, lookup);
-        Lookup::Whole
+        Lookup::WHOLE
     }
 
     /// The answer of [`support_point`](Self::support_point), from a look-up in the same direction
@@ -305,6 +333,14 @@ impl<S: SupportMap + ?Sized> SupportMap for &S {
     #[inline(always)]
     fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
         (**self).support_point_from(dir, hint)
+    }
+    #[inline(always)]
+    fn fetch_ahead(&self) {
+        (**self).fetch_ahead();
+    }
+    #[inline(always)]
+    fn fetch_part(&self, part: usize) -> bool {
+        (**self).fetch_part(part)
     }
     #[inline(always)]
     fn start_lookup(&self, dir: DVec3) -> Lookup {

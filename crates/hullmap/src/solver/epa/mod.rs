@@ -17,6 +17,7 @@
 //! 4. Stop if the bounds are close. Else insert w into the polytope and repeat from step 2.
 //!
 //! `search` has steps 2 to 4, `polytope` the surface, and `flat` the cases without volume.
+//! `suspended` is the search as a state machine, for batches.
 //!
 //! # Deviations
 //! - "Nearest" is by signed offset, so the origin need not be inside at the start. While it is
@@ -37,9 +38,12 @@ mod polytope;
 mod search;
 mod seed;
 pub(in crate::solver) mod sizes;
+mod suspended;
 
 pub(in crate::solver) use self::polytope::Polytope;
 pub(in crate::solver) use self::search::{End, Expansion, Goal};
+pub(crate) use self::suspended::Room;
+pub(in crate::solver) use self::suspended::{Progress, Search};
 
 use self::flat::{expand_flat, settle, widest_normal};
 use self::search::{State, Terms, run};

@@ -232,6 +232,15 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         self.corners[face][0] == self.corners[face][1]
     }
 
+    /// Removes the surface, as [`empty`](Self::empty) without one. `noise` is the error bound of
+    /// offsets, a length.
+    pub(in crate::solver) fn clear(&mut self, noise: f64) {
+        self.offsets.fill(f64::INFINITY);
+        self.corners.fill([0; 3]);
+        (self.point_count, self.face_count, self.nearest, self.encloses) = (0, 0, 0, false);
+        self.slack = COPLANAR_NOISES * noise;
+    }
+
     /// Overwrites `big`, which has more room, with this surface.
     pub(in crate::solver) fn overwrite<const W: usize, const G: usize>(&self, big: &mut Polytope<W, G>) {
         // Field by field: an empty polytope would take the stack that this saves.

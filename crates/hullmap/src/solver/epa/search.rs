@@ -110,7 +110,7 @@ pub(super) struct State {
 }
 
 /// The face nearest to the origin and its plane.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Nearest {
     face: usize,
     /// Normal of the plane, of any length.
@@ -134,8 +134,39 @@ struct Probe {
     touching: bool,
 }
 
+/// What comes after steps 1 and 2.
+pub(super) enum Next {
+    /// A support query along the normal of this face.
+    Query(Aim),
+    /// The search has ended.
+    Ended,
+    /// The polytope is full. The state is as before the last step, and the search can continue in a
+    /// larger polytope.
+    Full,
+}
+
+/// The face whose plane is tested next.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Aim {
+    nearest: Nearest,
+    /// Whether the bounds are close.
+    close: bool,
+}
+
+impl Aim {
+    /// Before the first step.
+    pub(super) const NOTHING: Self =
+        Self { nearest: Nearest { face: 0, direction: DVec3::ZERO, length: 0.0, offset: 0.0 }, close: false };
+
+    /// The direction of the support query, of any length.
+    #[inline(always)]
+    pub(super) fn direction(&self) -> DVec3 {
+        self.nearest.direction
+    }
+}
+
 /// Expands the polytope. Returns true when the search has ended, and false when the polytope is
-/// full; then `state` is as before the last step, and the search can continue in a larger polytope.
+/// full.
 pub(super) fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: usize>(
     m: &mut Minkowski<'_, A, B>,
     polytope: &mut Polytope<V, F>,
@@ -144,45 +175,79 @@ pub(super) fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize
     mut cache: Option<&mut Cache>,
 ) -> bool {
     loop {
-        // 2. The nearest face bounds the depth from below.
-        let nearest = Nearest::of(polytope);
-        state.bound_from_below(polytope, &nearest, terms);
-        // No bound yet is infinite, and infinity is within a tolerance of infinity.
-        let upper = state.out.bound.upper;
-        let close = upper < f64::INFINITY && terms.are_close(upper, state.out.lower);
-        if let Some(end) = state.end_before_query(polytope, close, terms) {
-            state.out.end = end;
-            return true;
-        }
-        if polytope.is_full() {
-            state.out.end = End::Limit;
-            return false;
-        }
-        if polytope.point_count() == KEEP
-            && state.encloses
-            && let Some(cache) = &mut cache
-        {
-            cache.keep_polytope(polytope.features(), polytope.faces());
-        }
-        state.out.iterations += 1;
-        // 3. The support plane bounds it from above.
-        let probe = Probe::new(m.point(nearest.direction), &nearest, terms);
-        state.bound_from_above(polytope, &nearest, &probe, terms);
-        // 4. Stop if the bounds are close, else insert the support point.
-        if state.is_done(polytope, &nearest, &probe, close, terms) {
-            state.out.end = probe.end();
-            return true;
-        }
-        state.encloses &= nearest.offset > terms.safe;
-        // NaN counts as no progress.
-        let above = probe.value > nearest.offset;
-        if !above || polytope.insert_vertex(probe.point, nearest.face).is_err() {
-            state.out.end = End::Stalled;
-            // The surface is torn.
-            state.encloses = false;
-            return true;
+        match aim(polytope, state, terms, cache.as_deref_mut()) {
+            Next::Query(aim) => {
+                let point = m.point(aim.direction());
+                if continue_with(polytope, state, terms, &aim, point) {
+                    return true;
+                }
+            }
+            Next::Ended => return true,
+            Next::Full => return false,
         }
     }
+}
+
+/// Step 2 of [`run`], up to the support query. A batch suspends a search there.
+#[inline(always)]
+pub(super) fn aim<const V: usize, const F: usize>(
+    polytope: &mut Polytope<V, F>,
+    state: &mut State,
+    terms: &Terms,
+    cache: Option<&mut Cache>,
+) -> Next {
+    // 2. The nearest face bounds the depth from below.
+    let nearest = Nearest::of(polytope);
+    state.bound_from_below(polytope, &nearest, terms);
+    // No bound yet is infinite, and infinity is within a tolerance of infinity.
+    let upper = state.out.bound.upper;
+    let close = upper < f64::INFINITY && terms.are_close(upper, state.out.lower);
+    if let Some(end) = state.end_before_query(polytope, close, terms) {
+        state.out.end = end;
+        return Next::Ended;
+    }
+    if polytope.is_full() {
+        state.out.end = End::Limit;
+        return Next::Full;
+    }
+    if polytope.point_count() == KEEP
+        && state.encloses
+        && let Some(cache) = cache
+    {
+        cache.keep_polytope(polytope.features(), polytope.faces());
+    }
+    state.out.iterations += 1;
+    Next::Query(Aim { nearest, close })
+}
+
+/// Steps 3 and 4 of [`run`], with the support point in the direction of `aim`. Returns whether the
+/// search has ended.
+#[inline(always)]
+pub(super) fn continue_with<const V: usize, const F: usize>(
+    polytope: &mut Polytope<V, F>,
+    state: &mut State,
+    terms: &Terms,
+    Aim { nearest, close }: &Aim,
+    point: Point,
+) -> bool {
+    // 3. The support plane bounds it from above.
+    let probe = Probe::new(point, nearest, terms);
+    state.bound_from_above(polytope, nearest, &probe, terms);
+    // 4. Stop if the bounds are close, else insert the support point.
+    if state.is_done(polytope, nearest, &probe, *close, terms) {
+        state.out.end = probe.end();
+        return true;
+    }
+    state.encloses &= nearest.offset > terms.safe;
+    // NaN counts as no progress.
+    let above = probe.value > nearest.offset;
+    if !above || polytope.insert_vertex(probe.point, nearest.face).is_err() {
+        state.out.end = End::Stalled;
+        // The surface is torn.
+        state.encloses = false;
+        return true;
+    }
+    false
 }
 
 impl Nearest {

@@ -90,7 +90,7 @@ impl Search {
 
     /// Continues with the support point `w` in the stated direction. Returns what was found, or
     /// `None` if another support point is needed.
-    #[inline]
+    #[inline(always)]
     pub(in crate::solver) fn continue_with(&mut self, w: Point) -> Option<Found> {
         let n = self.dir;
         let is_separated = is_clearly_negative(w.w.dot(n), n, self.rounding);
@@ -110,6 +110,7 @@ impl Search {
         }
     }
 
+    #[inline(always)]
     fn after_first(&mut self, v1: Point) -> Option<Found> {
         self.vertices = [v1; 3];
         let line = v1.w - self.v0;
@@ -123,6 +124,7 @@ impl Search {
         None
     }
 
+    #[inline(always)]
     fn after_second(&mut self, v2: Point) -> Option<Found> {
         let v1 = self.vertices[0];
         let n = (v1.w - self.v0).cross(v2.w - self.v0);
@@ -134,11 +136,13 @@ impl Search {
         self.await_third(1)
     }
 
+    #[inline(always)]
     fn await_third(&mut self, step: u32) -> Option<Found> {
         self.phase = Phase::Third { step };
         (self.dir == DVec3::ZERO).then_some(Found::Nothing)
     }
 
+    #[inline(always)]
     fn after_third(&mut self, v3: Point, step: u32) -> Option<Found> {
         let (v0, n) = (self.v0, self.dir);
         let [v1, v2, _] = self.vertices;
@@ -168,6 +172,7 @@ impl Search {
         self.await_third(step + 1)
     }
 
+    #[inline(always)]
     fn await_fourth(&mut self, step: u32) -> Option<Found> {
         self.phase = Phase::Fourth { step };
         let portal = Portal { vertices: self.vertices };
@@ -178,6 +183,7 @@ impl Search {
         behind.then_some(Found::Portal { side: Side::Overlapping, portal })
     }
 
+    #[inline(always)]
     fn after_fourth(&mut self, v4: Point, step: u32) -> Option<Found> {
         let n = self.dir;
         let [v1, v2, v3] = self.vertices.map(|v| v.w);

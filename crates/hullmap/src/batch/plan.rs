@@ -1,0 +1,199 @@
+//! How a batch works: by the size of its shapes, of which it looks at a few.
+//!
+//! Queries wait for memory only if the shapes are larger together than the caches. Then there are
+//! two ways to use the time: plain queries that fetch the next shapes as a whole ([`ahead`]), or
+//! several queries in flight that fetch what each of them reads next ([`in_flight`]). The first
+//! costs hardly anything where memory is fast after all, but a whole shape must be little more than
+//! what its query reads.
+//!
+//! [`ahead`]: super::ahead
+//! [`in_flight`]: super::in_flight
+
+use super::Pair;
+use crate::shapes::Shape;
+
+/// Working set from which a batch fetches shapes ahead, in bytes. It costs hardly anything, and
+/// pays where other data or other batches have used the caches in between.
+const MEDIUM: usize = 512 << 10;
+
+/// Working set from which intersection tests and distances are in flight, in bytes: more than the
+/// second-level caches of current processors hold. Support queries are from [`MEDIUM`] on, since
+/// they have no state that would have to be put aside.
+const LARGE: usize = 3 << 20;
+
+/// Working set from which contacts are in flight, in bytes. EPA computes for longer between two
+/// support queries than the other searches, and has a larger state.
+const LARGE_FOR_EPA: usize = 6 << 20;
+
+/// Working set of a shape that support queries read as a whole, in bytes. A hull of at most 32
+/// vertices, which has no index, is smaller.
+const SCANNED: usize = 1536;
+
+/// Mean working set of a shape up to which contacts fetch it as a whole, in bytes. It takes about
+/// as long as a contact computes.
+const FETCHED: usize = 18 << 10;
+
+/// Number of shapes that are looked at to estimate the working set.
+const SAMPLES: usize = 128;
+
+/// Number of bits of the set of shapes seen: enough that two of the samples rarely share a bit.
+const SEEN_BITS: usize = 4096;
+
+/// How a batch works.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Plan {
+    /// One query after the other.
+    Loop,
+    /// The same, while the memory of the next queries is fetched.
+    Ahead,
+    /// Several queries in flight.
+    InFlight,
+}
+
+impl Plan {
+    /// For support queries.
+    pub(super) fn of_shapes<'s, S: Shape + ?Sized + 's>(count: usize, shape: impl Fn(usize) -> Option<&'s S>) -> Self {
+        match WorkingSet::estimate(count, shape) {
+            WorkingSet { total, .. } if total < MEDIUM => Self::Loop,
+            WorkingSet { mean, .. } if mean <= SCANNED => Self::Ahead,
+            WorkingSet { .. } => Self::InFlight,
+        }
+    }
+
+    /// For intersection tests and distances.
+    pub(super) fn of_pairs<A: Shape + ?Sized, B: Shape + ?Sized>(pairs: &[Pair<'_, A, B>]) -> Self {
+        match WorkingSet::of_pairs(pairs) {
+            WorkingSet { total, .. } if total < MEDIUM => Self::Loop,
+            WorkingSet { mean, total } if mean <= SCANNED || total < LARGE => Self::Ahead,
+            WorkingSet { .. } => Self::InFlight,
+        }
+    }
+
+    /// For contacts.
+    pub(super) fn of_contacts<A: Shape + ?Sized, B: Shape + ?Sized>(pairs: &[Pair<'_, A, B>]) -> Self {
+        match WorkingSet::of_pairs(pairs) {
+            WorkingSet { total, .. } if total < MEDIUM => Self::Loop,
+            WorkingSet { mean, .. } if mean <= FETCHED => Self::Ahead,
+            WorkingSet { total, .. } if total < LARGE_FOR_EPA => Self::Loop,
+            WorkingSet { .. } => Self::InFlight,
+        }
+    }
+
+    /// For manifolds, which are not in flight.
+    pub(super) fn of_manifolds<A: Shape + ?Sized, B: Shape + ?Sized>(pairs: &[Pair<'_, A, B>]) -> Self {
+        match Self::of_contacts(pairs) {
+            Self::InFlight => Self::Loop,
+            plan => plan,
+        }
+    }
+}
+
+/// An estimate of what queries read, in bytes.
+#[derive(Clone, Copy, Debug)]
+struct WorkingSet {
+    /// Mean of a shape.
+    mean: usize,
+    /// All different shapes together.
+    total: usize,
+}
+
+impl WorkingSet {
+    /// Looks at s ≤ [`SAMPLES`] of `count` shapes. Of s samples from many shapes N, about s² / 2N
+    /// are the same as an earlier one, which gives an estimate of N. Few shapes have all been seen.
+    ///
+    /// # Complexity
+    /// O(1).
+    fn estimate<'s, S: Shape + ?Sized + 's>(count: usize, shape: impl Fn(usize) -> Option<&'s S>) -> Self {
+        let samples = count.min(SAMPLES);
+        let mut seen = [0_u64; SEEN_BITS / 64];
+        let (mut different, mut bytes) = (0, 0_usize);
+        for sample in 0..samples {
+            // Never overflows: both are counts of elements in memory.
+            let Some(shape) = shape(sample * (count / samples)) else { continue };
+            // Fibonacci hashing: the top bits of the product depend on all bits of the address.
+            let address = std::ptr::from_ref(shape).cast::<u8>().addr() as u64;
+            let bit = (address.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 52) as usize % SEEN_BITS;
+            let Some(word) = seen.get_mut(bit / 64) else { continue };
+            if *word & 1 << (bit % 64) == 0 {
+                *word |= 1 << (bit % 64);
+                different += 1;
+                bytes = bytes.saturating_add(shape.working_set_len());
+            }
+        }
+        let shapes = if 2 * different <= samples {
+            different
+        } else {
+            (samples * samples).checked_div(2 * (samples - different)).unwrap_or(count).min(count)
+        };
+        let mean = bytes / different.max(1);
+        Self { mean, total: mean.saturating_mul(shapes) }
+    }
+
+    /// Of the first shapes or of the second ones, whichever are larger together.
+    fn of_pairs<A: Shape + ?Sized, B: Shape + ?Sized>(pairs: &[Pair<'_, A, B>]) -> Self {
+        let a = Self::estimate(pairs.len(), |at| pairs.get(at).map(|pair| pair.a));
+        let b = Self::estimate(pairs.len(), |at| pairs.get(at).map(|pair| pair.b));
+        if a.total > b.total { a } else { b }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use shapes::rng::SplitMix64;
+
+    use super::*;
+    use crate::{Pose, SupportMap, SupportPoint};
+
+    struct Sized(usize);
+
+    impl SupportMap for Sized {
+        fn support_point(&self, _: DVec3) -> SupportPoint {
+            SupportPoint { point: DVec3::ZERO, feature: 0 }
+        }
+        fn interior_point(&self) -> DVec3 {
+            DVec3::ZERO
+        }
+        fn inner_radius(&self) -> f64 {
+            0.0
+        }
+        fn outer_radius(&self) -> f64 {
+            0.0
+        }
+        fn working_set_len(&self) -> usize {
+            self.0
+        }
+    }
+
+    impl Shape for Sized {}
+
+    /// The plans of support queries, of intersection tests and of contacts, for `count` pairs of
+    /// `different` shapes of `bytes` each.
+    fn plans(different: usize, bytes: usize, count: usize) -> [Plan; 3] {
+        let mut rng = SplitMix64::new(9);
+        let shapes: Vec<Sized> = (0..different).map(|_| Sized(bytes)).collect();
+        let floor = Sized(0);
+        let pairs: Vec<_> =
+            (0..count).map(|_| Pair { a: &floor, b: &shapes[rng.below(different)], b_in_a: Pose::IDENTITY }).collect();
+        let of_shapes = Plan::of_shapes(count, |at| pairs.get(at).map(|pair| pair.b));
+        [of_shapes, Plan::of_pairs(&pairs), Plan::of_contacts(&pairs)]
+    }
+
+    #[test]
+    fn only_many_large_shapes_are_more_than_a_loop() {
+        use Plan::{Ahead, InFlight, Loop};
+        for (different, bytes, count) in
+            [(1, 60_000, 100_000), (16, 8_000, 100_000), (10_000, 0, 10_000), (50, 8_000, 100), (50, 8_000, 8_192)]
+        {
+            assert_eq!(plans(different, bytes, count), [Loop; 3]);
+        }
+        assert_eq!(plans(1, 8_000, 0), [Loop; 3]);
+        assert_eq!(plans(10_000, 900, 8_192), [Ahead; 3]);
+        assert_eq!(plans(200, 8_000, 8_192), [InFlight, Ahead, Ahead]);
+        assert_eq!(plans(1_000, 8_000, 8_192), [InFlight, InFlight, Ahead]);
+        assert_eq!(plans(8_000, 8_000, 8_192), [InFlight, InFlight, Ahead]);
+        assert_eq!(plans(60, 60_000, 8_192), [InFlight, InFlight, Loop]);
+        assert_eq!(plans(1_000, 30_000, 8_192), [InFlight; 3]);
+        assert_eq!(plans(3, LARGE_FOR_EPA, 3), [InFlight; 3]);
+    }
+}

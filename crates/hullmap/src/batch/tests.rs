@@ -1,0 +1,299 @@
+//! A batch has the bits of single queries, however it works.
+
+use std::fmt::Debug;
+
+use glam::{DQuat, DVec3};
+use hullmap_bake::{IndexKind, SourceRecord};
+use hullmap_testkit::packs::{ALL_INDICES, bytes, point_set};
+use shapes::{families, rng::SplitMix64};
+
+use super::plan::Plan;
+use super::*;
+use crate::pack::Pack;
+use crate::shapes::{Capsule, Cuboid, Cylinder, Rounded, Scaled, Sphere};
+use crate::{Hull, Overlap, Pose, Status};
+
+type AnyShape<'h> = dyn Shape + Sync + 'h;
+type AnyPair<'s, 'h> = Pair<'s, AnyShape<'h>, AnyShape<'h>>;
+
+fn packs() -> Vec<Pack> {
+    // With trees of many sizes, without an index, flat, and a segment.
+    let sheet = (0..9).map(|i| [(i % 3) as f32, (i / 3) as f32, 0.0]).collect();
+    let trees: [Vec<[f32; 3]>; 8] = [
+        families::rock(300, 1),
+        families::sphere(20, 2),
+        families::sphere(900, 3),
+        families::sphere(60, 4),
+        families::prism(130, 5),
+        families::cube_grid(64, 1),
+        sheet,
+        vec![[-1.0, 0.0, 0.0], [1.0, 0.0, 0.5]],
+    ];
+    let trees = trees.map(|points| (points, IndexKind::Tree));
+    let others = [IndexKind::Medium].into_iter().chain(ALL_INDICES).map(|kind| (families::rock(150, 6), kind));
+    trees.into_iter().chain(others).map(|(points, kind)| pack(&points, kind)).collect()
+}
+
+fn pack(points: &[[f32; 3]], kind: IndexKind) -> Pack {
+    Pack::from_bytes(&bytes(&[point_set("hull", points)], kind, &SourceRecord::default()).unwrap()).unwrap()
+}
+
+fn shapes(packs: &[Pack]) -> Vec<Box<AnyShape<'_>>> {
+    let hulls: Vec<Hull<'_>> = packs.iter().map(|pack| pack.hull(0).unwrap()).collect();
+    let mut shapes: Vec<Box<AnyShape<'_>>> = hulls.iter().map(|hull| Box::new(*hull) as _).collect();
+    shapes.extend([
+        Box::new(Cuboid::new(DVec3::ONE).unwrap()) as Box<AnyShape<'_>>,
+        Box::new(Sphere::new(0.7).unwrap()),
+        Box::new(Capsule::new(0.5, 0.3).unwrap()),
+        Box::new(Cylinder::new(0.5, 0.7).unwrap()),
+        Box::new(Rounded::new(hulls[0], 0.1).unwrap()),
+        Box::new(Scaled::new(hulls[2], DVec3::new(-1.0, 0.5, 0.7)).unwrap()),
+    ]);
+    shapes
+}
+
+fn random_pose(rng: &mut SplitMix64) -> Pose {
+    let rotation = DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize();
+    // Some shapes are centred on each other, some far apart, most close to touching.
+    let reach = [0.0, 1e6, 1.0, 1.5, 2.0, 2.2][rng.between(0.0, 6.0) as usize];
+    Pose::new(DVec3::from_array(rng.direction()) * reach, rotation).unwrap()
+}
+
+/// Answers `count` random pairs in both ways, in several frames, and returns all answers.
+/// Answers and caches are equal bit by bit, on first queries and on warm ones.
+fn compare<T: Clone + Debug + Default>(
+    shapes: &[Box<AnyShape<'_>>],
+    rng: &mut SplitMix64,
+    count: usize,
+    single: impl Fn(&AnyPair<'_, '_>, &mut Cache) -> T,
+    in_flight: impl Fn(&[AnyPair<'_, '_>], &mut [Cache], &mut [T]),
+) -> Vec<T> {
+    let mut all = Vec::new();
+    let mut pairs: Vec<AnyPair<'_, '_>> = Vec::new();
+    for _ in 0..count {
+        let [a, b] = [(); 2].map(|()| &*shapes[rng.below(shapes.len())]);
+        pairs.push(Pair { a, b, b_in_a: Pose::IDENTITY });
+    }
+    let start =
+        |i: usize| if i.is_multiple_of(8) { Cache::from_axis(DVec3::new(1.0, 0.5, -0.3)) } else { Cache::new() };
+    let mut singles: Vec<Cache> = (0..count).map(start).collect();
+    let mut caches = singles.clone();
+    for frame in 0..4 {
+        for pair in &mut pairs {
+            pair.b_in_a = match frame {
+                0 | 2 => random_pose(rng),
+                _ => pair.b_in_a.moved(DVec3::from_array(rng.direction()) * 0.01),
+            };
+        }
+        let mut out = vec![T::default(); count];
+        in_flight(&pairs, &mut caches, &mut out);
+        for (i, (pair, cache)) in pairs.iter().zip(&mut singles).enumerate() {
+            let expected = single(pair, cache);
+            // Debug output distinguishes zeros by their signs, and NaN equals NaN.
+            assert_eq!(format!("{:?}", out[i]), format!("{expected:?}"), "pair {i} of {count}, frame {frame}");
+            assert_eq!(*cache, caches[i], "cache of pair {i} of {count}, frame {frame}");
+        }
+        all.extend(out);
+    }
+    all
+}
+
+const COUNTS: [usize; 8] = [0, 1, 3, 4, 5, 9, 64, 1000];
+
+#[test]
+fn intersections_have_the_bits_of_single_queries() {
+    let seed = 17;
+    println!("seed {seed}");
+    let mut rng = SplitMix64::new(seed);
+    let packs = packs();
+    let shapes = shapes(&packs);
+    let mut kinds = [0; 4];
+    for count in COUNTS {
+        let single =
+            |pair: &AnyPair<'_, '_>, cache: &mut Cache| queries::intersects(pair.a, pair.b, pair.b_in_a, cache);
+        let in_flight = |pairs: &[AnyPair<'_, '_>], caches: &mut [Cache], out: &mut [Intersection]| {
+            in_flight::intersects(pairs, caches, out);
+        };
+        for found in compare(&shapes, &mut rng, count, single, in_flight) {
+            kinds[found.status as usize] += 1;
+        }
+        let ahead = |pairs: &[AnyPair<'_, '_>], caches: &mut [Cache], out: &mut [Intersection]| {
+            ahead::intersects(pairs, caches, out);
+        };
+        compare(&shapes, &mut rng, count, single, ahead);
+    }
+    let hits = kinds[Overlap::Overlapping as usize];
+    assert!(hits > 1000 && kinds.iter().sum::<usize>() - hits > 1000, "{kinds:?}");
+}
+
+/// Settings with few and with many steps.
+fn all_settings() -> [Settings; 6] {
+    let of = |tolerance, max_iterations| Settings { tolerance, max_iterations };
+    let usual = Settings::default();
+    [usual, of(0.0, usual.max_iterations), of(0.1, 3), of(1e-5, 0), of(1e-5, 1), of(f64::NAN, 12)]
+}
+
+#[test]
+fn distances_have_the_bits_of_single_queries() {
+    let seed = 18;
+    println!("seed {seed}");
+    let mut rng = SplitMix64::new(seed);
+    let packs = packs();
+    let shapes = shapes(&packs);
+    let (mut separated, mut touching, mut overlapping, mut limited) = (0, 0, 0, 0);
+    for settings in &all_settings() {
+        for count in COUNTS {
+            let single = |pair: &AnyPair<'_, '_>, cache: &mut Cache| {
+                queries::distance(pair.a, pair.b, pair.b_in_a, settings, cache)
+            };
+            let in_flight = |pairs: &[AnyPair<'_, '_>], caches: &mut [Cache], out: &mut [Distance]| {
+                in_flight::distance(pairs, settings, caches, out);
+            };
+            let ahead = |pairs: &[AnyPair<'_, '_>], caches: &mut [Cache], out: &mut [Distance]| {
+                ahead::distance(pairs, settings, caches, out);
+            };
+            compare(&shapes, &mut rng, count, single, ahead);
+            for found in compare(&shapes, &mut rng, count, single, in_flight) {
+                separated += usize::from(found.lower > 0.0);
+                touching += usize::from(found.status == Status::Touching);
+                overlapping += usize::from(found.status == Status::Overlapping);
+                limited += usize::from(found.status == Status::IterationLimit);
+            }
+        }
+    }
+    let kinds = [separated, touching, overlapping, limited];
+    assert!(separated > 5000 && overlapping > 5000 && limited > 1000 && touching > 0, "{kinds:?}");
+}
+
+#[test]
+fn contacts_have_the_bits_of_single_queries() {
+    let seed = 19;
+    println!("seed {seed}");
+    let mut rng = SplitMix64::new(seed);
+    let packs = packs();
+    let shapes = shapes(&packs);
+    let (mut hits, mut misses, mut large, mut limited) = (0, 0, 0, 0);
+    for settings in &all_settings() {
+        for count in COUNTS {
+            let single = |pair: &AnyPair<'_, '_>, cache: &mut Cache| {
+                queries::contact(pair.a, pair.b, pair.b_in_a, settings, cache)
+            };
+            let in_flight = |pairs: &[AnyPair<'_, '_>], caches: &mut [Cache], out: &mut [Contact]| {
+                in_flight::contact(pairs, settings, caches, out);
+            };
+            let ahead = |pairs: &[AnyPair<'_, '_>], caches: &mut [Cache], out: &mut [Contact]| {
+                ahead::contact(pairs, settings, caches, out);
+            };
+            compare(&shapes, &mut rng, count, single, ahead);
+            for found in compare(&shapes, &mut rng, count, single, in_flight) {
+                hits += usize::from(found.hit);
+                misses += usize::from(!found.hit);
+                // The third size of polytopes.
+                large += usize::from(found.iterations > 80);
+                limited += usize::from(found.status == Status::IterationLimit);
+            }
+        }
+    }
+    let kinds = [hits, misses, large, limited];
+    assert!(hits > 5000 && misses > 5000 && large > 20 && limited > 1000, "{kinds:?}");
+}
+
+/// Most pairs of the tests above are in flight, and the others are of every kind.
+#[test]
+fn rounded_shapes_and_two_shapes_with_facets_are_answered_at_once() {
+    let packs = packs();
+    let shapes = shapes(&packs);
+    let (mut rounded, mut faceted, mut suspended) = (0, 0, 0);
+    for (a, b) in shapes.iter().flat_map(|a| shapes.iter().map(move |b| (a, b))) {
+        let pair: AnyPair<'_, '_> = Pair { a: &**a, b: &**b, b_in_a: Pose::IDENTITY };
+        let (is_rounded, has_facets) = (in_flight::is_rounded(&pair), has_facets(&pair));
+        rounded += usize::from(is_rounded);
+        faceted += usize::from(has_facets);
+        suspended += usize::from(!is_rounded && !has_facets);
+    }
+    assert!(rounded > 50 && faceted > 5 && suspended > 2 * rounded, "{:?}", [rounded, faceted, suspended]);
+}
+
+#[test]
+fn support_points_are_those_of_single_queries() {
+    let packs = packs();
+    let shapes = shapes(&packs);
+    let mut rng = SplitMix64::new(3);
+    let odd = [0.0, f64::NAN, 1e300, 1e-300, 5e-324, f64::INFINITY, 1e-30, 1e38];
+    let queries: Vec<_> = (0..4000)
+        .map(|i| {
+            let scale = if i % 5 == 0 { odd[i / 5 % odd.len()] } else { 1.0 };
+            let axis = DVec3::AXES[i % 3];
+            let dir = if i % 7 == 0 { axis } else { DVec3::from_array(rng.direction()) };
+            SupportQuery { shape: &*shapes[i % shapes.len()], dir: dir * scale }
+        })
+        .collect();
+    for count in [0, 1, 8, 9, 4000] {
+        let mut out = vec![SupportPoint { point: DVec3::NAN, feature: 77 }; count];
+        for solve in [in_flight::support_points, ahead::support_points] {
+            out.fill(SupportPoint { point: DVec3::NAN, feature: 77 });
+            solve(&queries[..count], &mut out);
+            for (query, found) in queries.iter().zip(&out) {
+                let expected = query.shape.support_point(query.dir);
+                assert_eq!((found.point, found.feature), (expected.point, expected.feature), "{}", query.dir);
+            }
+        }
+    }
+}
+
+#[test]
+fn manifolds_have_the_bits_of_single_updates() {
+    let seed = 20;
+    println!("seed {seed}");
+    let mut rng = SplitMix64::new(seed);
+    let packs = packs();
+    let shapes = shapes(&packs);
+    let settings = ManifoldSettings::default();
+    let single = |pair: &AnyPair<'_, '_>, cache: &mut Cache| {
+        let mut manifold = Manifold::new();
+        manifold.update(pair.a, pair.b, pair.b_in_a, &settings, cache);
+        manifold
+    };
+    let ahead = |pairs: &[AnyPair<'_, '_>], caches: &mut [Cache], out: &mut [Manifold]| {
+        ahead::manifolds(pairs, &settings, caches, out);
+    };
+    let found = compare(&shapes, &mut rng, 1000, single, ahead);
+    let hits = found.iter().filter(|manifold| !manifold.points().is_empty()).count();
+    assert!(hits > 1000 && found.len() - hits > 1000, "{hits} of {}", found.len());
+}
+
+/// The public functions, on scenes for which they choose every plan.
+#[test]
+fn every_plan_has_the_bits_of_single_queries() {
+    let settings = Settings::default();
+    let mut plans = Vec::new();
+    // A copy of a hull has an address of its own, and counts as another shape.
+    for (vertices, copies) in [(20, 2), (20, 1500), (100, 120), (100, 800), (600, 20), (600, 200)] {
+        let pack = pack(&families::rock(vertices, 7), IndexKind::Tree);
+        let hulls = vec![pack.hull(0).unwrap(); copies];
+        let mut rng = SplitMix64::new(21);
+        let pairs: Vec<Pair<'_, Hull<'_>, Hull<'_>>> = (0..2000)
+            .map(|_| {
+                let [a, b] = [(); 2].map(|()| &hulls[rng.below(copies)]);
+                Pair { a, b, b_in_a: random_pose(&mut rng) }
+            })
+            .collect();
+        plans.push([Plan::of_pairs(&pairs), Plan::of_contacts(&pairs)]);
+        let mut caches = [(); 3].map(|()| vec![Cache::new(); pairs.len()]);
+        let mut found =
+            (vec![Intersection::default(); 2000], vec![Distance::default(); 2000], vec![Contact::default(); 2000]);
+        intersects(&pairs, &mut caches[0], &mut found.0).unwrap();
+        distance(&pairs, &settings, &mut caches[1], &mut found.1).unwrap();
+        contact(&pairs, &settings, &mut caches[2], &mut found.2).unwrap();
+        for (i, Pair { a, b, b_in_a }) in pairs.iter().enumerate() {
+            let mut single = [(); 3].map(|()| Cache::new());
+            assert_eq!(found.0[i], queries::intersects(*a, *b, *b_in_a, &mut single[0]));
+            assert_eq!(found.1[i], queries::distance(*a, *b, *b_in_a, &settings, &mut single[1]));
+            assert_eq!(found.2[i], queries::contact(*a, *b, *b_in_a, &settings, &mut single[2]));
+            assert!((0..3).all(|query| caches[query][i] == single[query]));
+        }
+    }
+    use Plan::{Ahead, InFlight, Loop};
+    let expected = [[Loop; 2], [Ahead; 2], [Ahead; 2], [InFlight, Ahead], [Ahead, Loop], [InFlight; 2]];
+    assert_eq!(plans, expected);
+}
