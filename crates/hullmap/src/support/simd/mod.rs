@@ -226,17 +226,14 @@ pub(crate) fn fetch<T>(value: &T) {
     let _ = value;
 }
 
-/// As [`fetch`], for the first [`START_BYTES`] of a value of any type.
+/// As [`fetch`], for what queries read first of a value of any type, as of a hull.
 #[inline(always)]
 pub(crate) fn fetch_start<T: ?Sized>(value: &T) {
     #[cfg(target_arch = "x86_64")]
-    avx2::fetch_bytes(std::ptr::from_ref(value).cast(), size_of_val(value).min(START_BYTES));
+    avx2::fetch_bytes(std::ptr::from_ref(value).cast(), size_of_val(value).min(crate::hull::HOT_BYTES));
     #[cfg(not(target_arch = "x86_64"))]
     let _ = value;
 }
-
-/// What queries read first of a hull.
-const START_BYTES: usize = crate::hull::HOT_BYTES;
 
 /// A function of its own, so that only the other path is inlined into the caller.
 #[inline(never)]
