@@ -8,7 +8,8 @@
 //!
 //! # Steps
 //! 1. The support point along the line of centres: it may separate, and bounds the depth.
-//! 2. In f32, the support values at all face normals of both shapes ([`scan`]).
+//! 2. In f32, lower bounds at all face normals of both shapes, and support values where the bounds
+//!    are low ([`scan`]).
 //! 3. In f32, rule out the faces and the arcs of A whose values cannot be the minimum.
 //! 4. In f64, evaluate the rest: faces by a support query, arcs by bisection at the direction in
 //!    which two support points are equally far.
