@@ -145,9 +145,10 @@ mod tests {
     use super::*;
     use crate::{Pose, SupportMap, SupportPoint};
 
-    struct Sized(usize);
+    /// A shape that reads this number of bytes.
+    struct Reads(usize);
 
-    impl SupportMap for Sized {
+    impl SupportMap for Reads {
         fn support_point(&self, _: DVec3) -> SupportPoint {
             SupportPoint { point: DVec3::ZERO, feature: 0 }
         }
@@ -165,14 +166,14 @@ mod tests {
         }
     }
 
-    impl Shape for Sized {}
+    impl Shape for Reads {}
 
     /// The plans of support queries, of intersection tests and of contacts, for `count` pairs of
     /// `different` shapes of `bytes` each.
     fn plans(different: usize, bytes: usize, count: usize) -> [Plan; 3] {
         let mut rng = SplitMix64::new(9);
-        let shapes: Vec<Sized> = (0..different).map(|_| Sized(bytes)).collect();
-        let floor = Sized(0);
+        let shapes: Vec<Reads> = (0..different).map(|_| Reads(bytes)).collect();
+        let floor = Reads(0);
         let pairs: Vec<_> =
             (0..count).map(|_| Pair { a: &floor, b: &shapes[rng.below(different)], b_in_a: Pose::IDENTITY }).collect();
         let of_shapes = Plan::of_shapes(count, |at| pairs.get(at).map(|pair| pair.b));

@@ -62,8 +62,8 @@ pub struct Cache {
     simplex_count: u8,
     /// There is no simplex yet, so GJK starts from the support point along the axis.
     starts_from_axis: bool,
-    /// The last query was a contact of small polytopes that kept nothing. If the cache is used
-    /// again, a polytope pays.
+    /// A contact of small polytopes was found before by the separating axis test, which keeps
+    /// nothing. If the pair becomes shallow, a polytope pays.
     is_used: bool,
     /// 0 if no polytope is cached.
     point_count: u8,
