@@ -42,7 +42,7 @@ pub struct Hull<'a> {
     outer_radius: f64,
     index: Index<'a>,
     vertices: &'a [[f32_le; 3]],
-    /// The face table of a small hull.
+    /// The face table, if the hull has one.
     facets: Option<&'a FacetTable>,
     // From here on: hints, manifolds and facts.
     neighbour_starts: &'a [u32_le],
@@ -123,8 +123,8 @@ impl<'a> Hull<'a> {
     /// Whether the hull is in a lean pack (`bake build --lean`): its [neighbours](Self::neighbours)
     /// are unknown, and with more than 32 vertices also its [faces](Self::faces).
     ///
-    /// All queries answer. Support queries, yes or no, distances, contacts, rays and casts return
-    /// the same bits. Hints ([`support_from`](Self::support_from)) save no time. Features, and with
+    /// All queries answer. Support queries, yes or no, distances, rays and casts return the same
+    /// bits. So do contacts, except between hulls of 33 to 128 vertices, which take longer. Hints ([`support_from`](Self::support_from)) save no time. Features, and with
     /// them contact manifolds, come from up to 33 support queries in directions around the normal,
     /// as for user shapes: faces that are tilted by more than [`TILT`](crate::shapes::TILT) against
     /// the contact normal become edges or vertices.

@@ -201,8 +201,9 @@ impl Pack {
     /// As [`Pack::open`], for what is checked.
     ///
     /// # Complexity
-    /// One read of the file, then O(number of hulls): about 10 µs for a hull of up to 32 vertices,
-    /// whose face table is computed.
+    /// One read of the file, then O(number of hulls): the face tables of small hulls take about 1 µs
+    /// a vertex. Hulls of up to 32 vertices have one, and those of up to 128 if all tables of these
+    /// take at most 4 MiB.
     ///
     /// # Examples
     /// ```
@@ -232,7 +233,8 @@ impl Pack {
     /// As [`Pack::open`], for what is checked.
     ///
     /// # Complexity
-    /// One read of the file, then the face tables of hulls of up to 32 vertices: about 10 µs each.
+    /// One read of the file, then the face tables of small hulls, as in
+    /// [`Pack::open_skipping_contents`].
     ///
     /// # Examples
     /// ```
@@ -400,8 +402,7 @@ impl Pack {
             Checks::All => check_all(&header, &storage)?,
         }
         let sections = storage.sections();
-        let table = |index: usize| FacetTable::of(&Hull::new(sections, None, index)?);
-        let facets = (0..sections.hulls.len()).map(table).collect();
+        let facets = FacetTable::of_pack(sections);
         Ok(Self { storage, header, facets })
     }
 

@@ -1,6 +1,7 @@
 //! Warm-start cache: what a pair keeps from one query to the next.
 //!
-//! - The last separating axis. One support call usually proves a miss again.
+//! - The last separating axis. One support call usually proves a miss again. After a contact by the
+//!   separating axis test, its normal: the best guess for the next normal, or for the axis of a miss.
 //! - The last portal. It usually proves a hit again without any support call.
 //! - The last simplex near the origin. GJK continues from it.
 //! - The last polytope. EPA continues from it.
@@ -54,7 +55,7 @@ const MAX_FACES: usize = 2 * MAX_POINTS;
 // What every query reads comes first, so that batches can fetch it ahead.
 #[repr(C)]
 pub struct Cache {
-    /// The last separating axis, from A to B.
+    /// The last separating axis, from A to B, or the last normal of a small hull.
     axis: Option<DVec3>,
     portal: Option<[[u32; 2]; 3]>,
     /// The first `simplex_count` entries are in use.
@@ -62,9 +63,6 @@ pub struct Cache {
     simplex_count: u8,
     /// There is no simplex yet, so GJK starts from the support point along the axis.
     starts_from_axis: bool,
-    /// A contact of small polytopes was found before by the separating axis test, which keeps
-    /// nothing. If the pair becomes shallow, a polytope pays.
-    is_used: bool,
     /// 0 if no polytope is cached.
     point_count: u8,
     face_count: u8,
@@ -79,7 +77,6 @@ impl Default for Cache {
         Self {
             axis: None,
             starts_from_axis: false,
-            is_used: false,
             portal: None,
             simplex: [[0; 2]; 3],
             simplex_count: 0,
@@ -156,7 +153,6 @@ impl Cache {
     /// Empties the cache.
     pub fn clear(&mut self) {
         self.starts_from_axis = false;
-        self.is_used = false;
         self.forget_axis();
         self.portal = None;
         self.simplex_count = 0;
@@ -193,15 +189,6 @@ impl Cache {
 
     pub(crate) fn forget_axis(&mut self) {
         self.axis = None;
-    }
-
-    /// Whether a contact of this pair was found before without a polytope to keep.
-    pub(super) fn is_used(&self) -> bool {
-        self.is_used
-    }
-
-    pub(super) fn set_used(&mut self) {
-        self.is_used = true;
     }
 
     pub(crate) fn portal(&self) -> Option<[[u32; 2]; 3]> {

@@ -25,7 +25,7 @@
 use super::bound::Bound;
 use super::cache::Cache;
 use super::epa::{self, Expansion, Goal, Progress, Room, expand, expand_again};
-use super::intersection::{portal_tetrahedron, separated_early, store_separation};
+use super::intersection::{Early, portal_tetrahedron, separated_early, store_separation};
 use super::minkowski::{Interrupted, Minkowski};
 use super::mpr::{self, Discovery, Found, Portal, discover_portal};
 use super::mpr::{Side, Until, refine_portal};
@@ -131,7 +131,8 @@ pub fn contact_by_facets<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     settings: &Settings,
 ) -> Option<Contact> {
     let mut m = Minkowski::new(a, b, b_in_a);
-    let mut out = sat::contact(&mut m, [a.facets()?, b.facets()?], settings.relative_tolerance(), &mut Cache::new())?;
+    let mut out =
+        sat::contact(&mut m, [a.facets()?, b.facets()?], settings.relative_tolerance(), None, &mut Cache::new())?;
     out.support_calls = m.support_calls();
     Some(out)
 }
@@ -143,9 +144,10 @@ fn solve<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     cache: &mut Cache,
 ) -> Contact {
     let tolerance = settings.relative_tolerance();
-    if let Some(axis) = separated_early(m, cache) {
-        return separated_contact(m, cache, axis, 0);
-    }
+    let last = match separated_early(m, cache) {
+        Early::Separated(axis) => return separated_contact(m, cache, axis, 0),
+        Early::Unknown(last) => last,
+    };
     if let Some(found) = contact_of_balls(m, tolerance) {
         cache.forget_axis();
         return found;
@@ -153,7 +155,7 @@ fn solve<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     if settings.max_iterations > 0
         && let Some(facets) = facets
         && sat::pays(m, &facets, cache)
-        && let Some(found) = sat::contact(m, facets, tolerance, cache)
+        && let Some(found) = sat::contact(m, facets, tolerance, last.as_ref(), cache)
     {
         return found;
     }

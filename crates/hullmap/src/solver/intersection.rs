@@ -89,11 +89,21 @@ pub(super) fn core_intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 pub(super) fn separated_early<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     cache: &Cache,
-) -> Option<DVec3> {
+) -> Early {
     if m.outer_balls_separated() {
-        return unit(-m.center_point().w);
+        return unit(-m.center_point().w).map_or(Early::Unknown(None), Early::Separated);
     }
-    cache.axis().filter(|axis| m.point(*axis).w.dot(*axis) < -m.rounding_error())
+    let Some(axis) = cache.axis() else { return Early::Unknown(None) };
+    let point = m.point(axis);
+    if point.w.dot(axis) < -m.rounding_error() { Early::Separated(axis) } else { Early::Unknown(Some((axis, point))) }
+}
+
+/// What is known of a pair before the search.
+pub(super) enum Early {
+    /// This axis separates.
+    Separated(DVec3),
+    /// The axis of the cache, if there is one, with its support point.
+    Unknown(Option<(DVec3, Point)>),
 }
 
 fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
@@ -104,7 +114,7 @@ fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         cache.forget_axis();
         return (Overlap::Overlapping, 0);
     }
-    if let Some(axis) = separated_early(m, cache) {
+    if let Early::Separated(axis) = separated_early(m, cache) {
         cache.set_axis(axis);
         return (Overlap::Separated, 0);
     }

@@ -1,8 +1,8 @@
 //! Faces of a small polytope, laid out for the separating axis test (SAT): normals and offsets,
 //! vertices, and the arcs of the Gauss map.
 //!
-//! A hull of at most [`MAX_VERTICES`] vertices gets a [`FacetTable`] when its pack is opened. A box
-//! makes its table for each query. The solver reads both through [`Facets`].
+//! A hull of at most [`MAX_VERTICES`] vertices gets a [`FacetTable`] when its pack is opened, unless
+//! there are too many. A box makes its table for each query. The solver reads both through [`Facets`].
 
 use glam::DVec3;
 
@@ -11,10 +11,13 @@ use crate::hull::Hull;
 use crate::support::SupportMap;
 
 /// Maximum number of vertices of a polytope with a table. Above it the general path is faster.
-pub(crate) const MAX_VERTICES: usize = 32;
+pub(crate) const MAX_VERTICES: usize = 128;
+
+/// Number of vertices up to which hulls have a table in every pack.
+pub(crate) const SMALL_VERTICES: usize = 32;
 
 // Their faces are in lean packs, too, so that contacts are the same.
-const _: () = assert!(MAX_VERTICES == hullmap_format::archive::LEAN_FACES as usize);
+const _: () = assert!(SMALL_VERTICES == hullmap_format::archive::LEAN_FACES as usize);
 
 /// Maximum number of faces of a polytope with so few vertices, by Euler's formula.
 pub(crate) const MAX_FACES: usize = 2 * MAX_VERTICES - 4;
@@ -50,8 +53,27 @@ pub(crate) struct Side {
     pub(crate) beyond: u8,
     /// A vertex of the edge.
     pub(crate) vertex: u8,
+    /// See [`chord`](Self::chord).
+    chord: u16,
+}
+
+/// What [`Side`] counts chords in: the greatest is 2.
+const CHORD_UNIT: f32 = 2.0 / u16::MAX as f32;
+
+impl Side {
+    /// The side of `vertex` to the face `beyond`. `chord` is the distance between the unit normals.
+    pub(crate) fn new(beyond: u8, vertex: u8, chord: f64) -> Self {
+        // One unit more than rounded, for the rounding and for that of the product in `chord`.
+        let units = chord / f64::from(CHORD_UNIT) + 1.5;
+        Self { beyond, vertex, chord: units.clamp(0.0, u16::MAX.into()) as u16 }
+    }
+
     /// Distance between the two unit normals, rounded up.
-    pub(crate) chord: f32,
+    #[inline(always)]
+    pub(crate) fn chord(self) -> f32 {
+        // The greatest number of units stands for 2 and a rounding error.
+        f32::from(self.chord) * (CHORD_UNIT * (1.0 + 1e-6))
+    }
 }
 
 /// The faces of a hull, in memory of its pack.
@@ -66,7 +88,7 @@ pub(crate) struct FacetTable {
     /// The sides of all faces, face by face.
     pub(crate) sides: Box<[Side]>,
     /// Where the sides of each face start, and the number of all sides.
-    pub(crate) side_starts: Box<[u8]>,
+    pub(crate) side_starts: Box<[u16]>,
     /// See [`Facets::slack`].
     pub(crate) slack: f64,
 }
@@ -96,7 +118,7 @@ pub(crate) struct View<'v> {
     pub(crate) normals: &'v [NormalBlock],
     pub(crate) points: &'v [PointBlock],
     sides: &'v [Side],
-    side_starts: &'v [u8],
+    side_starts: &'v [u16],
 }
 
 impl View<'_> {
@@ -114,10 +136,11 @@ impl View<'_> {
 const BOX_SIDES: [Side; 24] = box_sides();
 
 /// Each face of a box has four sides.
-const BOX_SIDE_STARTS: [u8; 7] = [0, 4, 8, 12, 16, 20, 24];
+const BOX_SIDE_STARTS: [u16; 7] = [0, 4, 8, 12, 16, 20, 24];
 
-/// √2, rounded up.
-const BOX_CHORD: f32 = 1.414_213_8;
+/// √2 in units of [`Side`], rounded up.
+const BOX_CHORD: u16 = 46_341;
+const _: () = assert!(BOX_CHORD as f64 * CHORD_UNIT as f64 > std::f64::consts::SQRT_2);
 
 #[expect(clippy::indexing_slicing, reason = "six faces of four sides each")]
 const fn box_sides() -> [Side; 24] {
@@ -180,11 +203,10 @@ impl<'a> Facets<'a> {
             Kind::Cuboid(half) => {
                 let half = half.as_vec3().to_array();
                 let NormalBlock { normal, offset } = &mut buffer.normals[0];
-                for face in 0..LANES {
-                    // The last face fills the unused lanes.
-                    let face_of = face.min(5);
-                    offset[face] = half[face_of / 2];
-                    normal[face_of / 2][face] = if face_of.is_multiple_of(2) { 1.0 } else { -1.0 };
+                *offset = [f32::INFINITY; LANES];
+                for face in 0..6 {
+                    offset[face] = half[face / 2];
+                    normal[face / 2][face] = if face.is_multiple_of(2) { 1.0 } else { -1.0 };
                 }
                 for (axis, components) in buffer.points[0].0.iter_mut().enumerate() {
                     for (vertex, component) in components.iter_mut().enumerate() {

@@ -12,6 +12,7 @@ pub(crate) mod direction;
 pub(crate) mod facets;
 pub(crate) mod hint;
 pub(crate) mod index;
+pub(crate) mod lane_set;
 pub(crate) mod simd;
 mod support_map;
 

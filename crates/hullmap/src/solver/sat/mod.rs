@@ -7,9 +7,10 @@
 //! own. docs/intervals.md, section 12, proves the bounds.
 //!
 //! # Steps
-//! 1. The support point along the line of centres: it may separate, and bounds the depth.
-//! 2. In f32, lower bounds at all face normals of both shapes, and support values where the bounds
-//!    are low ([`scan`]).
+//! 1. The support point along the last axis, or along the line of centres: it may separate, and
+//!    bounds the depth.
+//! 2. In f32, lower bounds at all face normals of both shapes, raised until the lowest is a support
+//!    value ([`scan`]).
 //! 3. In f32, rule out the faces and the arcs of A whose values cannot be the minimum.
 //! 4. In f64, evaluate the rest: faces by a support query, arcs by bisection at the direction in
 //!    which two support points are equally far.
@@ -26,7 +27,7 @@ mod witness;
 
 use glam::DVec3;
 
-use self::scan::{Pair, Scan, bits};
+use self::scan::{Pair, Scan};
 use super::bound::Bound;
 use super::cache::Cache;
 use super::contact::{Contact, separated_contact};
@@ -34,7 +35,7 @@ use super::intersection::store_separation;
 use super::minkowski::{Minkowski, Point};
 use super::status::Status;
 use crate::support::SupportMap;
-use crate::support::facets::{Buffer, Facets, LANES, NORMAL_BLOCKS, POINT_BLOCKS};
+use crate::support::facets::{Buffer, Facets, NORMAL_BLOCKS, POINT_BLOCKS};
 use crate::support::simd::Dispatch;
 use crate::vector::unit;
 
@@ -42,7 +43,7 @@ use crate::vector::unit;
 const RANGE: std::ops::RangeInclusive<f64> = 1e-12..=1e12;
 
 /// Maximum number of support queries. Most pairs need 3 to 6.
-const MAX_QUERIES: u32 = 48;
+const MAX_QUERIES: u32 = 96;
 
 /// Maximum depth of the bisection of an arc.
 const MAX_BISECTIONS: u32 = 16;
@@ -63,10 +64,11 @@ const TINY_ROUNDINGS: f64 = 32.0;
 /// faces and vertices of a pair, and the maximum distance of the interior points over the sum of
 /// the inner radii: with a new cache, and with a used one.
 ///
-/// Measured by `small-table` and `contact-table`: hulls of 8 vertices, and up to 32. Beyond the
-/// first distance most pairs are separated, and the general path proves that with fewer operations.
-/// Beyond the second most pairs are shallow, and a used cache proves that with fewer operations.
-const PAYS: [(usize, [f64; 2]); 2] = [(300, [3.0, 1.5]), (4_000, [2.0, 1.0])];
+/// Measured by `small-table` and `peer-table`: hulls of 8 vertices, up to 64, and up to 128. Beyond
+/// the distance most pairs are separated, and the general path proves that with fewer operations.
+/// With more than 64 vertices, the general path takes less time when it starts from the polytope of
+/// the last query.
+const PAYS: [(usize, [f64; 2]); 3] = [(300, [3.0, 3.0]), (16_000, [2.0, 2.0]), (66_000, [2.0, 0.0])];
 
 /// Whether the test is likely to be faster than the general path.
 pub(super) fn pays<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
@@ -75,7 +77,7 @@ pub(super) fn pays<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     cache: &Cache,
 ) -> bool {
     let products = a.face_count() * b.vertex_count() + b.face_count() * a.vertex_count();
-    let is_used = cache.is_used() || cache.polytope().is_some();
+    let is_used = cache.axis().is_some() || cache.polytope().is_some();
     PAYS.iter().find(|(most, _)| products <= *most).is_some_and(|(_, [new, used])| {
         let near = m.inner_radius() * if is_used { used } else { new };
         m.center_point().w.length_squared() < near * near
@@ -101,7 +103,8 @@ struct Piece {
 
 /// Contact of two shapes with facets; `None` if the general path has to decide.
 ///
-/// The pair has passed the tests by balls and by the last axis.
+/// The pair has passed the tests by balls and by the last axis. `last` is that axis with its support
+/// point.
 ///
 /// # Complexity
 /// O(faces) in f32, 8 lanes at a time; O(vertices) for each face near the depth, of which there are
@@ -110,12 +113,16 @@ pub(super) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     facets: [Facets<'_>; 2],
     tolerance: f64,
+    last: Option<&(DVec3, Point)>,
     cache: &mut Cache,
 ) -> Option<Contact> {
-    if facets.iter().all(|facets| facets.vertex_count() <= LANES && facets.face_count() <= 2 * LANES) {
-        search::<A, B, 1, 2>(m, &facets, tolerance, cache)
-    } else {
-        search::<A, B, POINT_BLOCKS, NORMAL_BLOCKS>(m, &facets, tolerance, cache)
+    let [a, b] = &facets;
+    match a.vertex_count().max(b.vertex_count()) {
+        0..=8 => search::<A, B, 1, 2>(m, &facets, tolerance, last, cache),
+        9..=16 => search::<A, B, 2, 4>(m, &facets, tolerance, last, cache),
+        17..=32 => search::<A, B, 4, 8>(m, &facets, tolerance, last, cache),
+        33..=64 => search::<A, B, 8, 16>(m, &facets, tolerance, last, cache),
+        _ => search::<A, B, POINT_BLOCKS, NORMAL_BLOCKS>(m, &facets, tolerance, last, cache),
     }
 }
 
@@ -124,6 +131,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     m: &mut Minkowski<'_, A, B>,
     facets: &[Facets<'_>; 2],
     tolerance: f64,
+    last: Option<&(DVec3, Point)>,
     cache: &mut Cache,
 ) -> Option<Contact> {
     // 1.
@@ -135,19 +143,25 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     }
     let mut best = Bound::none();
     let mut seen = None;
-    // If the inner balls overlap, the line of centres is no separating axis, and a poor guess.
-    if !m.inner_balls_overlap()
+    let mut test = |axis: DVec3, point: &Point| {
+        let upper = point.w.dot(axis);
+        best = Bound { upper, normal: axis, ..best };
+        let [on_a, on_b] = point.features;
+        seen = Some([on_b as usize, on_a as usize]);
+        upper < -rounding
+    };
+    if let Some((axis, point)) = last {
+        // It does not separate.
+        test(*axis, point);
+    } else if !m.inner_balls_overlap()
         && let Some(axis) = unit(-center)
     {
-        let first = m.point(axis);
-        let upper = first.w.dot(axis);
-        if upper < -rounding {
-            store_separation(cache, axis, &[first; 3]);
+        // If the inner balls overlap, the line of centres is no separating axis, and a poor guess.
+        let point = m.point(axis);
+        if test(axis, &point) {
+            store_separation(cache, axis, &[point; 3]);
             return Some(separated_contact(m, cache, axis, 1));
         }
-        best = Bound { upper, normal: axis, ..best };
-        let [on_a, on_b] = first.features.map(|feature| feature as usize);
-        seen = Some([on_b, on_a]);
     }
     // 2.
     let mut buffers = [Buffer::default(), Buffer::default()];
@@ -155,7 +169,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     let pair = Pair::new(m, facets, &mut buffers);
     let dispatch = a.dispatch().or(b.dispatch()).unwrap_or_else(Dispatch::best);
     let mut scan = Scan::<P, N>::new(&pair);
-    scan.run(&pair, dispatch, best.upper as f32, seen);
+    scan.run(&pair, dispatch, best.upper as f32, seen)?;
     // 3.
     if !(scan.low >= -scan.error) {
         let (face, of_b) = scan.lowest_face()?;
@@ -171,7 +185,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     let faces = scan.faces((scan.low + scan.error).min(best.upper as f32));
     // 4.
     let mut search = Search { m, best, lower: f64::INFINITY };
-    for face in bits(faces[0]) {
+    for face in faces[0].iter() {
         let dir = a.normal(face)?;
         let on_a = a.support(face)?;
         let point = search.m.point_with_a(a.vertex(on_a)?, on_a as u32, dir);
@@ -179,7 +193,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
         search.lower = search.lower.min(value);
         scan.set_vertex(face, point.features[1]);
     }
-    for face in bits(faces[1]) {
+    for face in faces[1].iter() {
         let dir = direction(search.m, facets, face, true)?;
         let on_b = b.support(face)?;
         let point = search.m.point_with_b(b.vertex(on_b)?, on_b as u32, dir);
@@ -217,9 +231,8 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
         return None;
     };
     // 5.
-    let (point_a, point_b) = witness::points(m, facets, &pair, dispatch, best.normal, best.upper)?;
-    cache.forget_axis();
-    cache.set_used();
+    let (point_a, point_b) = witness::points(m, facets, &pair, &scan, dispatch, best.normal, best.upper)?;
+    cache.set_axis(best.normal);
     Some(Contact {
         hit: true,
         status,

@@ -5,17 +5,22 @@
 //! so what it rules out is ruled out for certain. All that may be the minimum goes to f64.
 //!
 //! # Steps
-//! 1. Lower bounds at all faces, from three parts of the other shape: the ball inside it, and two
-//!    of its vertices.
-//! 2. Support values at the faces whose bounds are all below the lowest value known.
+//! 1. Lower bounds at all faces: from the ball inside the other shape, then cut by cut from its
+//!    vertices. The next vertex is the support point at the face with the lowest bound. So the
+//!    bounds rise, until that face is the lowest of all.
+//! 2. Support values at the remaining faces whose bounds are all below the lowest value known.
 //! 3. The same bounds hold along an arc if they hold at both of its ends. Rule out arcs by them,
 //!    then by the support points at both ends.
+//!
+//! # Reference
+//! Step 1 is Kelley's cutting-plane method (1960) with the face normals as the only directions.
 
 use glam::{DMat3, DVec3};
 
 use crate::solver::minkowski::Minkowski;
 use crate::support::SupportMap;
-use crate::support::facets::{Buffer, Facets, LANES, MAX_FACES, NormalBlock, PointBlock, Side, View};
+use crate::support::facets::{Buffer, Facets, LANES, NormalBlock, PointBlock, View};
+use crate::support::lane_set::{Blocks, LaneSet};
 use crate::support::simd::{Dispatch, Pass, Simd};
 
 /// Bound of the error of a value of the scan, in units of 2⁻²⁴ times the reach: see
@@ -25,27 +30,29 @@ const ERROR_UNITS: f64 = 32.0;
 /// Half a unit in the last place of 1 in f32.
 const UNIT: f64 = 1.0 / (1 << 24) as f64;
 
+/// Maximum number of vertices that bound the values of one shape's faces.
+const MAX_CUTS: usize = 24;
+
+/// Number of blocks up to which two cuts are made. A third takes as long as evaluating the faces
+/// that it rules out.
+const FEW_BLOCKS: usize = 4;
+
+/// Maximum number of faces that are evaluated because all their bounds are low.
+const MAX_NEAR: u32 = 96;
+
 /// Maximum number of arcs that are left to f64.
-const MAX_LEFT: usize = 32;
+const MAX_LEFT: usize = 64;
+
+/// Bounds that have not been compared.
+const UNKNOWN: u32 = u32::MAX;
 
 /// Values of eight faces per block.
 type Lanes = [f32; LANES];
-
-/// The faces of a shape are the bits of a `u64`.
-const _: () = assert!(MAX_FACES < u64::BITS as usize);
-
-/// Number of lower bounds at each face: from the ball inside the other shape, then from vertices.
-const BOUNDS: usize = 3;
-
-/// The bound from the ball.
-const BALL: usize = 0;
 
 /// Shape A, shape B, and where they are.
 pub(super) struct Pair<'v> {
     pub(super) a: View<'v>,
     pub(super) b: View<'v>,
-    /// Number of faces of A and of B.
-    pub(super) faces: [usize; 2],
     /// Rotates from B's frame to A's.
     pub(super) rotation: DMat3,
     /// The centre v0.
@@ -69,7 +76,6 @@ impl<'v> Pair<'v> {
         Self {
             a: a.view(buffer_a),
             b: b.view(buffer_b),
-            faces: [a.face_count(), b.face_count()],
             rotation: m.rotation(),
             center,
             inner: m.inner_radii(),
@@ -106,16 +112,6 @@ impl Arcs {
     }
 }
 
-/// The indices of the bits of `mask`, ascending.
-#[inline(always)]
-pub(super) fn bits(mut mask: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let bit = (mask != 0).then(|| mask.trailing_zeros() as usize);
-        mask &= mask.wrapping_sub(1);
-        bit
-    })
-}
-
 /// Rounded to f32, by rows.
 fn rows(m: DMat3) -> [[f32; 3]; 3] {
     let m = m.transpose();
@@ -125,28 +121,31 @@ fn rows(m: DMat3) -> [[f32; 3]; 3] {
 /// One shape's faces, and the other shape's vertices, in the frame of the first. `P` blocks of
 /// points, `N` blocks of faces.
 #[derive(Clone, Copy, Debug)]
-struct Half<const P: usize, const N: usize> {
+pub(super) struct Half<const P: usize, const N: usize> {
     /// The other shape's vertices in the difference. The last block fills unused ones.
-    points: [PointBlock; P],
-    /// Lower bounds of the support values at the faces.
-    bounds: [[Lanes; N]; BOUNDS],
-    /// The greatest bound at each face.
-    best: [Lanes; N],
-    /// Support values at those faces that are `known`.
+    pub(super) points: [PointBlock; P],
+    /// The support values at those faces that are `known`, else the greatest lower bounds. Only
+    /// those of active blocks are up to date.
     values: [Lanes; N],
     /// The other shape's vertex behind each known value.
     vertices: [[u8; LANES]; N],
-    known: u64,
+    known: LaneSet<N>,
+    /// The blocks in which a value may be below the lowest one known.
+    active: Blocks<N>,
+    /// The vertices of the other shape that bound the values.
+    cuts: [u8; MAX_CUTS],
+    cut_count: usize,
 }
 
 impl<const P: usize, const N: usize> Half<P, N> {
     const EMPTY: Self = Self {
         points: [PointBlock([[0.0; LANES]; 3]); P],
-        bounds: [[[0.0; LANES]; N]; BOUNDS],
-        best: [[f32::INFINITY; LANES]; N],
         values: [[0.0; LANES]; N],
         vertices: [[0; LANES]; N],
-        known: 0,
+        known: LaneSet::EMPTY,
+        active: Blocks::NONE,
+        cuts: [0; MAX_CUTS],
+        cut_count: 0,
     };
 
     #[inline(always)]
@@ -162,60 +161,98 @@ impl<const P: usize, const N: usize> Half<P, N> {
     /// Position of a vertex of the other shape in the difference.
     #[inline(always)]
     fn point(&self, vertex: usize) -> [f32; 3] {
-        self.points[vertex / LANES % P].0.each_ref().map(|c| c[vertex % LANES])
+        let PointBlock([x, y, z]) = &self.points[vertex / LANES % P];
+        let lane = vertex % LANES;
+        [x[lane], y[lane], z[lane]]
     }
 
-    /// Bounds the values at all faces by `point` of the difference, with a ball of `radius` around
-    /// it.
+    /// Bounds the values by the ball of `radius` around `center` in the difference. Returns the
+    /// lowest bound, and its face.
     #[inline(always)]
-    fn bound<S: Simd>(&mut self, simd: S, bound: usize, normals: &[NormalBlock], point: [f32; 3], radius: f32) {
-        for ((bounds, best), faces) in self.bounds[bound].iter_mut().zip(&mut self.best).zip(normals) {
-            *bounds = simd.heights(faces, point, radius);
-            *best = if bound == 0 { *bounds } else { simd.greater(best, bounds) };
+    fn start<S: Simd>(
+        &mut self,
+        simd: S,
+        normals: &[NormalBlock],
+        (center, radius): ([f32; 3], f32),
+        threshold: f32,
+    ) -> (f32, usize) {
+        self.active = Blocks::first(normals.len());
+        for (values, _) in self.values.iter_mut().zip(normals) {
+            *values = [f32::NEG_INFINITY; LANES];
         }
+        simd.raise(&mut self.values, normals, &mut self.active, (center, radius), threshold)
     }
 
-    /// The face with the lowest bound.
+    /// Bounds the values by a vertex of the other shape. Returns the lowest bound, and its face.
     #[inline(always)]
-    fn lowest_bound<S: Simd>(&self, simd: S, faces: usize) -> usize {
-        let low = simd.lowest(&self.best);
-        // Unused lanes repeat the last face, so the lowest one is a face.
-        less(simd, &self.best, faces, low.next_up()).trailing_zeros() as usize % (N * LANES)
+    fn cut<S: Simd>(&mut self, simd: S, normals: &[NormalBlock], vertex: usize, threshold: f32) -> (f32, usize) {
+        if let Some(cut) = self.cuts.get_mut(self.cut_count) {
+            *cut = vertex as u8;
+            self.cut_count += 1;
+        }
+        let point = self.point(vertex);
+        simd.raise(&mut self.values, normals, &mut self.active, (point, 0.0), threshold)
+    }
+
+    /// Finds the support point at a face, and returns the face's value. It is not stored in
+    /// `values`: a vector that is read soon after one of its lanes was written stalls the processor.
+    #[inline(always)]
+    fn find_support<S: Simd>(&mut self, simd: S, normals: &[NormalBlock], face: usize) -> f32 {
+        let lane = face % LANES;
+        let Some(block) = normals.get(face / LANES) else { return f32::INFINITY };
+        let (farthest, vertex) = simd.farthest(&self.points, normal(normals, face));
+        self.vertices[face / LANES % N][lane] = vertex as u8;
+        self.known.insert(face);
+        farthest + block.offset[lane]
     }
 
     /// Computes the support value at a face, and returns it.
     #[inline(always)]
     fn evaluate<S: Simd>(&mut self, simd: S, normals: &[NormalBlock], face: usize) -> f32 {
-        let lane = face % LANES;
-        let Some(block) = normals.get(face / LANES) else { return f32::INFINITY };
-        let (farthest, vertex) = simd.farthest(&self.points, block.normal.each_ref().map(|c| c[lane]));
-        let value = farthest + block.offset[lane];
-        self.values[face / LANES % N][lane] = value;
-        self.vertices[face / LANES % N][lane] = vertex as u8;
-        self.known |= 1 << face;
+        let value = self.find_support(simd, normals, face);
+        self.values[face / LANES % N][face % LANES] = value;
         value
     }
 
-    /// Whether values between the ends of an arc may be below `threshold`.
+    /// The faces of active blocks whose values are unknown, and whose bounds are below `threshold`.
     #[inline(always)]
-    fn may_dip(&self, normals: &[NormalBlock], ends: [usize; 2], side: Side, span: f32, threshold: f32) -> bool {
-        let [v, w] = ends.map(|face| self.value(face));
-        let [p, q] = ends.map(|face| self.vertex(face));
+    fn near<S: Simd>(&self, simd: S, threshold: f32) -> LaneSet<N> {
+        let mut near = LaneSet::EMPTY;
+        for block in self.active.iter() {
+            near.add_block(block, simd.less(&self.values[block % N], threshold));
+        }
+        near.without(&self.known)
+    }
+
+    /// The known faces whose values are not at least `threshold`. NaN is not.
+    #[inline(always)]
+    fn below(&self, threshold: f32) -> LaneSet<N> {
+        let mut below = self.known;
+        for face in self.known.iter() {
+            if self.value(face) >= threshold {
+                below.remove(face);
+            }
+        }
+        below
+    }
+
+    /// Whether values between the ends of an arc may be below `threshold`. They are at most `dip`
+    /// below the lower end.
+    #[inline(always)]
+    fn may_dip(&self, normals: &[NormalBlock], ends: [usize; 2], dip: f32, threshold: f32) -> bool {
+        let (v, w) = (self.value(ends[0]), self.value(ends[1]));
+        let (p, q) = (self.vertex(ends[0]), self.vertex(ends[1]));
         let low = if v < w { v } else { w };
-        // Between two normals, the value dips by at most a quarter of B's diameter times their
-        // distance. NaN is kept.
-        if p == q || low - span * side.chord >= threshold {
+        // NaN is kept.
+        if p == q || low - dip >= threshold {
             return false;
         }
-        let [p, q] = [p, q].map(|vertex| self.point(usize::from(vertex)));
-        let normal = |face: usize| {
-            let block = normals.get(face / LANES);
-            block.map_or([0.0; 3], |block| block.normal.each_ref().map(|c| c[face % LANES]))
-        };
+        let (c, d) = (normal(normals, ends[0]), normal(normals, ends[1]));
         let dot = |p: [f32; 3], q: [f32; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+        let (p, q) = (self.point(p.into()), self.point(q.into()));
         let step = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
         // By how much the other end's point is lower at each end.
-        let (drop_v, drop_w) = (dot(step, normal(ends[0])), -dot(step, normal(ends[1])));
+        let (drop_v, drop_w) = (dot(step, c), -dot(step, d));
         let (drop_v, drop_w) = (drop_v.max(0.0), drop_w.max(0.0));
         let t = drop_v / (drop_v + drop_w).max(f32::MIN_POSITIVE);
         let first = (1.0 - t) * v + t * (w - drop_w);
@@ -225,21 +262,10 @@ impl<const P: usize, const N: usize> Half<P, N> {
     }
 }
 
-/// The faces whose `values` are less than `threshold`. All blocks are compared, whether in use or
-/// not: a loop of varying length costs more.
-#[inline(always)]
-fn less<S: Simd, const N: usize>(simd: S, values: &[Lanes; N], faces: usize, threshold: f32) -> u64 {
-    let mut mask = 0;
-    for block in values.iter().rev() {
-        mask = mask << LANES | u64::from(simd.less(block, threshold));
-    }
-    mask & ((1 << faces) - 1)
-}
-
 /// The scan of one pair: A's faces, and B's.
 #[derive(Debug)]
 pub(super) struct Scan<const P: usize, const N: usize> {
-    halves: [Half<P, N>; 2],
+    pub(super) halves: [Half<P, N>; 2],
     /// Lowest value found.
     pub(super) low: f32,
     /// Upper bound of the error of every value: a length.
@@ -252,6 +278,7 @@ struct FacePass<'s, 'p, 'v, const P: usize, const N: usize> {
     pair: &'p Pair<'v>,
     upper: f32,
     seen: Option<[usize; 2]>,
+    complete: bool,
 }
 
 impl<const P: usize, const N: usize> Pass for FacePass<'_, '_, '_, P, N> {
@@ -271,34 +298,40 @@ impl<const P: usize, const N: usize> Pass for FacePass<'_, '_, '_, P, N> {
                 *to = simd.transform(views[other].points.get(block).unwrap_or(last), &turns[own], centers[own]);
             }
             // 1.
-            half.bound(simd, BALL, view.normals, centers[own], pair.inner[other] as f32);
-            for bound in 1..BOUNDS {
-                let vertex = match seen {
-                    Some(seen) if bound == 1 => seen[own],
-                    _ => {
-                        let face = half.lowest_bound(simd, pair.faces[own]);
-                        let value = half.evaluate(simd, view.normals, face);
-                        *low = if value < *low { value } else { *low };
-                        if value < -*error {
-                            // The face separates.
-                            return;
-                        }
-                        usize::from(half.vertex(face))
-                    }
-                };
-                half.bound(simd, bound, view.normals, half.point(vertex), 0.0);
+            let ball = (centers[own], pair.inner[other] as f32);
+            let (mut lowest, mut face) = half.start(simd, view.normals, ball, enough(*low, upper, *error));
+            if let Some(seen) = seen {
+                (lowest, face) = half.cut(simd, view.normals, seen[own], enough(*low, upper, *error));
+            }
+            while half.cut_count < const { if N <= FEW_BLOCKS { 2 } else { MAX_CUTS } }
+                && lowest < enough(*low, upper, *error)
+                && !half.known.contains(face)
+            {
+                let value = half.find_support(simd, view.normals, face);
+                *low = if value < *low { value } else { *low };
+                if value < -*error {
+                    // The face separates.
+                    half.values[face / LANES % N][face % LANES] = value;
+                    self.complete = true;
+                    return;
+                }
+                (lowest, face) = half.cut(simd, view.normals, half.vertex(face).into(), enough(*low, upper, *error));
             }
         }
         // 2.
         let threshold = threshold(if *low < upper { *low } else { upper }, *error);
         for own in 0..2 {
             let half = &mut halves[own];
-            let near = less(simd, &half.best, pair.faces[own], threshold) & !half.known;
-            for face in bits(near) {
+            let near = half.near(simd, threshold);
+            if near.len() > MAX_NEAR {
+                return;
+            }
+            for face in near.iter() {
                 let value = half.evaluate(simd, views[own].normals, face);
                 *low = if value < *low { value } else { *low };
             }
         }
+        self.complete = true;
     }
 }
 
@@ -320,27 +353,44 @@ impl<const P: usize, const N: usize> Pass for ArcPass<'_, '_, '_, P, N> {
         let threshold = threshold(upper, *error);
         // 3. A bound at both ends holds between them if the part of it that is linear is positive.
         let positive = threshold.max(pair.inner[1] as f32 + 6.0 * *error);
-        let mut below = [0; BOUNDS];
-        for (bound, (below, bounds)) in below.iter_mut().zip(&half.bounds).enumerate() {
-            *below = less(simd, bounds, pair.faces[0], if bound == BALL { positive } else { threshold });
+        let mut points = [[0.0; 4]; MAX_CUTS];
+        for (point, vertex) in points.iter_mut().zip(half.cuts).take(half.cut_count) {
+            let [x, y, z] = half.point(vertex.into());
+            *point = [x, y, z, threshold];
         }
-        let fewest = below.into_iter().min_by_key(|below| below.count_ones()).unwrap_or_default();
+        let points = &points[..half.cut_count];
+        let all = (1_u32 << half.cut_count) - 1;
+        let center = pair.center.as_vec3().to_array();
+        let mut near = LaneSet::<N>::EMPTY;
+        for (block, faces) in normals.iter().enumerate().take(N) {
+            near.add_block(block, simd.less(&simd.heights(faces, center, pair.inner[1] as f32), positive));
+        }
+        // One bit per cut whose bound is below the threshold. What is unknown has all bits.
+        let mut below = [[UNKNOWN; LANES]; N];
+        // Between two normals, the value dips by at most a quarter of B's diameter times their
+        // distance.
         let span = (0.5 * pair.radius_b) as f32 * (1.0 + 1e-6);
-        for face in bits(fewest) {
+        for face in near.iter() {
+            compare(simd, &mut below, normals, points, face);
+            let own = below[face / LANES % N][face % LANES];
             for side in pair.a.sides(face) {
-                let beyond = usize::from(side.beyond) % (N * LANES);
-                let is_second = fewest >> beyond & 1 == 1 && beyond < face;
-                let is_near = below.iter().all(|below| (below >> face | below >> beyond) & 1 == 1);
-                if is_second || !is_near {
+                let beyond = usize::from(side.beyond);
+                let (block, lane) = (beyond / LANES % N, beyond % LANES);
+                let is_second = beyond < face && near.contains(beyond);
+                if (own | below[block][lane]) & all != all || is_second {
+                    continue;
+                }
+                compare(simd, &mut below, normals, points, beyond);
+                if (own | below[block][lane]) & all != all {
                     continue;
                 }
                 let ends = [face, beyond];
                 for end in ends {
-                    if half.known >> end & 1 == 0 {
+                    if !half.known.contains(end) {
                         half.evaluate(simd, normals, end);
                     }
                 }
-                if half.may_dip(normals, ends, *side, span, threshold) {
+                if half.may_dip(normals, ends, span * side.chord(), threshold) {
                     let Some(item) = self.found.items.get_mut(self.found.count) else { return };
                     *item = Arc { faces: ends.map(|face| face as u8), vertex: side.vertex };
                     self.found.count += 1;
@@ -349,6 +399,39 @@ impl<const P: usize, const N: usize> Pass for ArcPass<'_, '_, '_, P, N> {
         }
         self.complete = true;
     }
+}
+
+/// The normal of a face.
+#[inline(always)]
+fn normal(normals: &[NormalBlock], face: usize) -> [f32; 3] {
+    let lane = face % LANES;
+    match normals.get(face / LANES) {
+        Some(NormalBlock { normal: [x, y, z], .. }) => [x[lane], y[lane], z[lane]],
+        None => [0.0; 3],
+    }
+}
+
+/// Compares the bounds of the block of `face` if they are unknown.
+#[inline(always)]
+fn compare<S: Simd, const N: usize>(
+    simd: S,
+    below: &mut [[u32; LANES]; N],
+    normals: &[NormalBlock],
+    points: &[[f32; 4]],
+    face: usize,
+) {
+    let block = face / LANES % N;
+    if below[block][0] == UNKNOWN
+        && let Some(faces) = normals.get(block)
+    {
+        below[block] = simd.below(faces, points);
+    }
+}
+
+/// The [`threshold`] for the lower of two upper bounds.
+#[inline(always)]
+fn enough(low: f32, upper: f32, error: f32) -> f32 {
+    threshold(if low < upper { low } else { upper }, error)
 }
 
 /// What a value has to reach so that it certainly exceeds `upper`, and 0. A value along an arc has
@@ -365,37 +448,36 @@ impl<const P: usize, const N: usize> Scan<P, N> {
         Self { halves: [Half::EMPTY; 2], low: f32::INFINITY, error: pair.error() as f32 }
     }
 
-    /// Computes the support values at the faces of A and of B that may have the minimum.
+    /// Computes the support values at the faces of A and of B that may have the minimum. `None` if
+    /// they are too many.
     ///
     /// `upper` is an upper bound of the depth, or infinite. `seen` are a vertex of B and one of A
     /// that may be farthest in the direction of the depth; they only save work.
     #[inline(always)]
-    pub(super) fn run(&mut self, pair: &Pair<'_>, dispatch: Dispatch, upper: f32, seen: Option<[usize; 2]>) {
-        dispatch.pass(&mut FacePass { scan: self, pair, upper, seen });
-    }
-
-    /// The known faces of A and of B whose values are not at least `threshold`. NaN is not.
-    #[inline(always)]
-    fn below(&self, threshold: f32) -> [u64; 2] {
-        self.halves.each_ref().map(|half| {
-            let mut known = half.known;
-            for face in bits(half.known) {
-                known &= !(u64::from(half.value(face) >= threshold) << face);
-            }
-            known
-        })
+    pub(super) fn run(
+        &mut self,
+        pair: &Pair<'_>,
+        dispatch: Dispatch,
+        upper: f32,
+        seen: Option<[usize; 2]>,
+    ) -> Option<()> {
+        let mut pass = FacePass { scan: self, pair, upper, seen, complete: false };
+        dispatch.pass(&mut pass);
+        pass.complete.then_some(())
     }
 
     /// The face with the lowest value, and whether it is one of B.
     pub(super) fn lowest_face(&self) -> Option<(usize, bool)> {
-        let [a, b] = self.below(self.low.next_up());
-        bits(a).next().map(|face| (face, false)).or_else(|| bits(b).next().map(|face| (face, true)))
+        let [a, b] = [0, 1].map(|own: usize| self.halves[own].below(self.low.next_up()));
+        a.iter().next().map(|face| (face, false)).or_else(|| b.iter().next().map(|face| (face, true)))
     }
 
     /// The faces of A and of B whose values may be at most `upper`, an upper bound of the depth.
     #[inline(always)]
-    pub(super) fn faces(&self, upper: f32) -> [u64; 2] {
-        self.below(threshold(upper, self.error))
+    pub(super) fn faces(&self, upper: f32) -> [LaneSet<N>; 2] {
+        let [a, b] = &self.halves;
+        let threshold = threshold(upper, self.error);
+        [a.below(threshold), b.below(threshold)]
     }
 
     /// The vertex of B that is the support point at a known face of A, or nearly so.
@@ -448,13 +530,13 @@ mod tests {
 
     /// Compares what the scan rules out with support values in f64, at all faces and along all
     /// arcs.
-    fn check(a: &Hull<'_>, b: &Hull<'_>, pose: Pose, dispatch: Dispatch, seen: &mut Seen) {
+    fn check<const P: usize, const N: usize>([a, b]: [&Hull<'_>; 2], pose: Pose, dispatch: Dispatch, seen: &mut Seen) {
         let mut m = Minkowski::new(a, b, pose);
         let facets = [a.facets().unwrap(), b.facets().unwrap()];
         let mut buffers = [Buffer::default(), Buffer::default()];
         let pair = Pair::new(&m, &facets, &mut buffers);
-        let mut scan = Scan::<POINT_BLOCKS, NORMAL_BLOCKS>::new(&pair);
-        scan.run(&pair, dispatch, f32::INFINITY, None);
+        let mut scan = Scan::<P, N>::new(&pair);
+        scan.run(&pair, dispatch, f32::INFINITY, None).unwrap();
         let (low, error) = (f64::from(scan.low), f64::from(scan.error));
         let mut lowest = f64::INFINITY;
         for (own, facets) in facets.iter().enumerate() {
@@ -464,7 +546,7 @@ mod tests {
                 let exact = m.point(dir).w.dot(dir);
                 lowest = lowest.min(exact);
                 let half = &scan.halves[own];
-                if half.known >> face & 1 == 1 {
+                if half.known.contains(face) {
                     seen.faces[1] += 1;
                     assert!((f64::from(half.value(face)) - exact).abs() <= error);
                 } else if low >= -error {
@@ -480,7 +562,7 @@ mod tests {
         }
         assert!((lowest - low).abs() <= error);
         let arcs = scan.arcs(&pair, dispatch, scan.low).unwrap();
-        for face in 0..pair.faces[0] {
+        for face in 0..facets[0].face_count() {
             for side in pair.a.sides(face).iter().filter(|side| usize::from(side.beyond) > face) {
                 let ends = [face, side.beyond.into()];
                 let is_left =
@@ -506,10 +588,11 @@ mod tests {
         let mut rng = SplitMix64::new(20_261_123);
         let mut seen = Seen::default();
         for round in 0..300 {
+            let most = [8, 16, 32, 32, 64, 128][round % 6];
             let points = [(); 2].map(|()| match (round + rng.below(2)) % 3 {
-                0 => families::sphere(8 + rng.below(25), rng.next_u64()),
-                1 => families::rock(8 + rng.below(25), rng.next_u64()),
-                _ => families::clustered_ellipsoid(8 + rng.below(25), rng.next_u64()),
+                0 => families::sphere(8 + rng.below(most - 7), rng.next_u64()),
+                1 => families::rock(8 + rng.below(most - 7), rng.next_u64()),
+                _ => families::clustered_ellipsoid(8 + rng.below(most - 7), rng.next_u64()),
             });
             let packs = points.map(|points| Pack::from_bytes(&packs::tree_bytes(&points)).unwrap());
             let [a, b] = packs.each_ref().map(|pack| pack.hull(0).unwrap());
@@ -523,7 +606,13 @@ mod tests {
             let pose = Pose::new(a.interior_point() + offset - rotation * b.interior_point(), rotation).unwrap();
             for instructions in [Instructions::Portable, Instructions::Avx2] {
                 if let Some(dispatch) = Dispatch::of(instructions) {
-                    check(&a, &b, pose, dispatch, &mut seen);
+                    match a.vertex_count().max(b.vertex_count()) {
+                        0..=8 => check::<1, 2>([&a, &b], pose, dispatch, &mut seen),
+                        9..=16 => check::<2, 4>([&a, &b], pose, dispatch, &mut seen),
+                        17..=32 => check::<4, 8>([&a, &b], pose, dispatch, &mut seen),
+                        33..=64 => check::<8, 16>([&a, &b], pose, dispatch, &mut seen),
+                        _ => check::<POINT_BLOCKS, NORMAL_BLOCKS>([&a, &b], pose, dispatch, &mut seen),
+                    }
                 }
             }
         }

@@ -9,11 +9,12 @@
 
 use glam::DVec3;
 
-use super::scan::{Pair, bits};
+use super::scan::{Half, Pair, Scan};
 use crate::solver::barycentric::on_triangle;
 use crate::solver::minkowski::Minkowski;
 use crate::support::SupportMap;
-use crate::support::facets::{Facets, PointBlock};
+use crate::support::facets::Facets;
+use crate::support::lane_set::LaneSet;
 use crate::support::simd::{Dispatch, Pass, Simd};
 
 /// Maximum number of steps. Two faces of four vertices need at most six.
@@ -41,11 +42,17 @@ impl Feature {
     /// The vertices that are within `slack` of the farthest one along the unit vector `dir`, of
     /// those in the mask `near`.
     #[inline(always)]
-    fn new(facets: &Facets<'_>, near: u32, dir: DVec3, slack: f64, place: impl Fn(DVec3) -> DVec3) -> Option<Self> {
+    fn new<const P: usize>(
+        facets: &Facets<'_>,
+        near: LaneSet<P>,
+        dir: DVec3,
+        slack: f64,
+        place: impl Fn(DVec3) -> DVec3,
+    ) -> Option<Self> {
         let mut found = Self { points: [DVec3::ZERO; MAX_IN_PLANE], count: 0 };
         let mut exact = [0.0; MAX_IN_PLANE];
         let mut farthest = f64::NEG_INFINITY;
-        for vertex in bits(near.into()).take_while(|vertex| *vertex < facets.vertex_count()) {
+        for vertex in near.iter().take_while(|vertex| *vertex < facets.vertex_count()) {
             let point = facets.vertex(vertex)?;
             let height = point.dot(dir);
             *found.points.get_mut(found.count)? = point;
@@ -102,48 +109,45 @@ fn crossing(p: DVec3, u: DVec3, v: DVec3) -> Option<[f64; 2]> {
 }
 
 /// Finds the vertices of both shapes near their support planes, in f32.
-struct NearPass<'p, 'v> {
-    points: [&'p [PointBlock]; 2],
+struct NearPass<'p, const P: usize, const N: usize> {
+    /// B's vertices in the difference, in A's frame; A's, in B's frame.
+    halves: &'p [Half<P, N>; 2],
+    /// The depth's normal in these frames: for A's vertices, which are mirrored, reversed twice.
     dirs: [DVec3; 2],
     margin: f32,
-    near: &'v mut [u32; 2],
+    /// The vertices of B, and those of A.
+    near: [LaneSet<P>; 2],
 }
 
-impl Pass for NearPass<'_, '_> {
+impl<const P: usize, const N: usize> Pass for NearPass<'_, P, N> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S) {
-        for ((near, points), dir) in self.near.iter_mut().zip(self.points).zip(self.dirs) {
-            let dir = dir.as_vec3().to_array();
-            *near = match points {
-                [a] => simd.near_farthest(&[*a], dir, self.margin),
-                [a, b] => simd.near_farthest(&[*a, *b], dir, self.margin),
-                [a, b, c] => simd.near_farthest(&[*a, *b, *c], dir, self.margin),
-                [a, b, c, d] => simd.near_farthest(&[*a, *b, *c, *d], dir, self.margin),
-                _ => 0,
-            };
+        for ((near, half), dir) in self.near.iter_mut().zip(self.halves).zip(self.dirs) {
+            *near = simd.near_farthest(&half.points, dir.as_vec3().to_array(), self.margin);
         }
     }
 }
 
 /// The witness points of A and B for a depth along `normal`; `None` if the foot is not in the
 /// facet.
-pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const N: usize>(
     m: &Minkowski<'_, A, B>,
     [a, b]: &[Facets<'_>; 2],
     pair: &Pair<'_>,
+    scan: &Scan<P, N>,
     dispatch: Dispatch,
     normal: DVec3,
     depth: f64,
 ) -> Option<(DVec3, DVec3)> {
     let slack = PLANE_ROUNDINGS * m.rounding_error() + 4.0 * (a.slack() + b.slack());
     let dirs = [normal, m.rotation().transpose() * -normal];
-    let mut near = [0; 2];
     let margin = (slack + 2.0 * pair.error()) as f32;
-    dispatch.pass(&mut NearPass { points: [pair.a.points, pair.b.points], dirs, margin, near: &mut near });
-    let on_a = Feature::new(a, near[0], dirs[0], slack, |point| point)?;
+    let mut pass = NearPass { halves: &scan.halves, dirs, margin, near: [LaneSet::EMPTY; 2] };
+    dispatch.pass(&mut pass);
+    let on_a = Feature::new(a, pass.near[1], dirs[0], slack, |point| point)?;
     // Points of the difference for the point at the origin of A's frame.
     let place = |point: DVec3| m.point_of(DVec3::ZERO, point, [0; 2]).w;
-    let on_b = Feature::new(b, near[1], dirs[1], slack, place)?;
+    let on_b = Feature::new(b, pass.near[0], dirs[1], slack, place)?;
     let foot = normal * depth;
     let sum = |dir: DVec3| {
         let a = on_a.lowest(dir);

@@ -23,6 +23,7 @@ use hullmap_format::archive::{ArchivedBlock, LANES};
 use rkyv::rend::i16_le;
 
 use super::facets::{NormalBlock, PointBlock};
+use super::lane_set::{Blocks, LaneSet};
 pub(crate) use portable::Portable;
 
 /// Environment variable that selects the instruction set of a process: `portable` or `avx2`.
@@ -114,19 +115,31 @@ pub(crate) trait Simd: Copy {
     /// order x, y, z. Points are finite.
     fn farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3]) -> (f32, usize);
 
-    /// Mask of the points whose dot product is within `margin` of the maximum, one bit per lane,
-    /// with the first block in the lowest bits. Computed as by [`farthest`](Self::farthest). `N` is
-    /// at most 4.
-    fn near_farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3], margin: f32) -> u32;
+    /// The points whose dot product is within `margin` of the maximum. Computed as by
+    /// [`farthest`](Self::farthest).
+    fn near_farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3], margin: f32) -> LaneSet<N>;
 
     /// Mask of the values less than `threshold`, one bit per lane. NaN is less.
     fn less(self, values: &[f32; LANES], threshold: f32) -> u32;
 
-    /// The minimum over all lanes of all blocks. No value is NaN.
-    fn lowest<const N: usize>(self, values: &[[f32; LANES]; N]) -> f32;
+    /// For each of eight faces, one bit per point whose height ([`heights`](Self::heights)) is less
+    /// than the number that follows its coordinates. NaN is less. There are at most 32 points.
+    fn below(self, faces: &NormalBlock, points: &[[f32; 4]]) -> [u32; LANES];
 
-    /// The greater of each two values, and the first one of equals.
-    fn greater(self, a: &[f32; LANES], b: &[f32; LANES]) -> [f32; LANES];
+    /// Raises `values` to the heights of a ball over `faces` ([`heights`](Self::heights)) in the
+    /// given `blocks`, and keeps those blocks that have a value below `threshold` then.
+    ///
+    /// Returns the lowest value in the given blocks and where it is, counted over all blocks as one
+    /// slice: of several places, the one in the first lane, then in the first block. No value is
+    /// NaN.
+    fn raise<const N: usize>(
+        self,
+        values: &mut [[f32; LANES]; N],
+        faces: &[NormalBlock],
+        blocks: &mut Blocks<N>,
+        ball: ([f32; 3], f32),
+        threshold: f32,
+    ) -> (f32, usize);
 }
 
 /// A pass over arrays: code that is compiled once per instruction set, and keeps its results.
@@ -251,22 +264,30 @@ mod tests {
     use super::*;
     use shapes::rng::SplitMix64;
 
-    /// All operations on `N` blocks of points, and what they return.
+    /// All operations on `N` blocks of points and of faces, and what they return.
     struct Operations<'p, const N: usize> {
         points: &'p [PointBlock; N],
-        faces: NormalBlock,
+        faces: &'p [NormalBlock; N],
         dir: [f32; 3],
         turned: Vec<PointBlock>,
-        heights: [f32; LANES],
+        heights: Vec<[f32; LANES]>,
         farthest: (f32, usize),
-        near: u32,
+        near: LaneSet<N>,
         less: u32,
-        greater: [f32; LANES],
-        lowest: f32,
+        below: Vec<[u32; LANES]>,
+        values: [[f32; LANES]; N],
+        blocks: Blocks<N>,
+        lowest: (f32, usize),
     }
 
     /// The matrix of [`Operations`].
     const ROWS: [[f32; 3]; 3] = [[0.5, 0.25, -1.5], [-0.75, 0.1, 0.3], [1.1, -0.2, 0.7]];
+
+    /// Points with thresholds, for comparisons.
+    const LIMITS: [[f32; 4]; 3] = [[0.5, 0.5, 0.5, 0.3], [-1.0, 0.0, 0.2, 0.0], [0.1, f32::NAN, 0.0, 0.0]];
+
+    /// The radius of the ball that raises values, and the threshold for blocks that are kept.
+    const RAISED: [f32; 2] = [0.125, -0.25];
 
     impl<const N: usize> Pass for Operations<'_, N> {
         #[inline(always)]
@@ -276,57 +297,90 @@ mod tests {
             let mut values = self.points[0].0[0];
             values[3] = f32::NAN;
             self.less = simd.less(&values, 0.5 * self.farthest.0);
-            self.heights = simd.heights(&self.faces, self.dir, 0.125);
             self.turned = self.points.iter().map(|block| simd.transform(block, &ROWS, self.dir)).collect();
-            self.lowest = simd.lowest(&self.points.each_ref().map(|block| block.0[1]));
-            self.greater = simd.greater(&self.points[0].0[1], &self.points[0].0[2]);
+            self.heights = self.faces.iter().map(|faces| simd.heights(faces, self.dir, RAISED[0])).collect();
+            self.below = self.faces.iter().map(|faces| simd.below(faces, &LIMITS)).collect();
+            let ball = (self.dir, RAISED[0]);
+            self.lowest = simd.raise(&mut self.values, self.faces, &mut self.blocks, ball, RAISED[1]);
         }
     }
 
-    fn compare_with_scalars<const N: usize>(rng: &mut SplitMix64, round: usize, seen: &mut [u32; 2]) {
+    /// Counts of near points, of lesser values, and of blocks that were kept and dropped.
+    type Seen = [u32; 4];
+
+    fn compare_with_scalars<const N: usize>(rng: &mut SplitMix64, round: usize, seen: &mut Seen) {
         let mut lanes = || [(); LANES].map(|()| rng.between(-1.0, 1.0) as f32);
         let mut points = [(); N].map(|()| PointBlock([lanes(), lanes(), lanes()]));
-        // Ties: the first two points and the last one are equal.
+        // Ties: the first two points and the last one are equal, and so are two faces.
         for axis in 0..3 {
             points[0].0[axis][1] = points[0].0[axis][0];
             points[N - 1].0[axis][LANES - 1] = points[0].0[axis][0];
         }
-        let faces = NormalBlock { normal: [lanes(), lanes(), lanes()], offset: lanes() };
-        let n = if round.is_multiple_of(3) { points[0].0.map(|c| c[0]) } else { faces.normal.map(|c| c[0]) };
+        let mut faces = [(); N].map(|()| NormalBlock { normal: [lanes(), lanes(), lanes()], offset: lanes() });
+        faces[N - 1] = faces[0];
+        let values = [(); N].map(|()| lanes());
+        let n = if round.is_multiple_of(3) { points[0].0.map(|c| c[0]) } else { faces[0].normal.map(|c| c[0]) };
         let at = |i: usize| points[i / LANES].0.map(|c| c[i % LANES]);
         let dot = |p: [f32; 3], q: [f32; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+        let height = |i: usize, p: [f32; 3], radius: f32| {
+            let faces = &faces[i / LANES];
+            dot(faces.normal.map(|c| c[i % LANES]), p) + (faces.offset[i % LANES] + radius)
+        };
         let dots: Vec<f32> = (0..LANES * N).map(|i| dot(at(i), n)).collect();
         let best = (0..).zip(&dots).fold((0, f32::NEG_INFINITY), |m, (i, d)| if *d > m.1 { (i, *d) } else { m });
-        let near = (0..).zip(&dots).filter(|(_, d)| **d >= best.1 - 0.25).map(|(i, _)| 1 << i).sum();
+        let near: Vec<usize> = (0..LANES * N).filter(|i| dots[*i] >= best.1 - 0.25).collect();
         let less = (0..LANES).filter(|i| *i == 3 || points[0].0[0][*i] < 0.5 * best.1).map(|i| 1 << i).sum();
-        seen[0] += u32::count_ones(near);
+        // Every third block is left out.
+        let mut blocks = Blocks::NONE;
+        for block in (0..N).filter(|block| block % 3 != 1) {
+            blocks.push(block);
+        }
+        let raised = |i: usize| values[i / LANES][i % LANES].max(height(i, n, RAISED[0]));
+        let mut lowest = (f32::INFINITY, 0);
+        for lane in 0..LANES {
+            for i in blocks.iter().map(|block| block * LANES + lane) {
+                if raised(i) < lowest.0 {
+                    lowest = (raised(i), i);
+                }
+            }
+        }
+        let is_kept = |block: &usize| (0..LANES).any(|lane| raised(block * LANES + lane) < RAISED[1]);
+        let kept: Vec<usize> = blocks.iter().filter(is_kept).collect();
+        seen[0] += near.len() as u32;
         seen[1] += u32::count_ones(less);
+        seen[2] += kept.len() as u32;
+        seen[3] += (blocks.iter().count() - kept.len()) as u32;
         for dispatch in [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Dispatch::of) {
             let mut all = Operations {
                 points: &points,
-                faces,
+                faces: &faces,
                 dir: n,
                 turned: Vec::new(),
-                heights: [0.0; LANES],
+                heights: Vec::new(),
                 farthest: (0.0, 0),
-                near: 0,
+                near: LaneSet::EMPTY,
                 less: 0,
-                greater: [0.0; LANES],
-                lowest: 0.0,
+                below: Vec::new(),
+                values,
+                blocks,
+                lowest: (0.0, 0),
             };
             dispatch.pass(&mut all);
-            assert_eq!((all.farthest, all.near, all.less), ((best.1, best.0), near, less), "{dispatch:?}");
-            let lowest = (0..LANES * N).map(|i| at(i)[1]).fold(f32::INFINITY, f32::min);
-            assert_eq!(all.lowest, lowest);
-            for lane in 0..LANES {
-                let height = dot(faces.normal.map(|c| c[lane]), n) + (faces.offset[lane] + 0.125);
-                assert_eq!(all.heights[lane], height);
-                assert_eq!(all.greater[lane], points[0].0[1][lane].max(points[0].0[2][lane]));
-                for (block, turned) in points.iter().zip(&all.turned) {
-                    for axis in 0..3 {
-                        let expected = dot(ROWS[axis], block.0.map(|c| c[lane])) + n[axis];
-                        assert_eq!(turned.0[axis][lane], expected);
-                    }
+            assert_eq!((all.farthest, all.less), ((best.1, best.0), less), "{dispatch:?}");
+            assert_eq!(all.near.iter().collect::<Vec<_>>(), near);
+            assert_eq!((all.lowest, all.blocks.iter().collect::<Vec<_>>()), (lowest, kept.clone()), "{dispatch:?}");
+            for i in 0..LANES * N {
+                let (block, lane) = (i / LANES, i % LANES);
+                assert_eq!(all.heights[block][lane], height(i, n, RAISED[0]));
+                let is_raised = blocks.iter().any(|raised| raised == block);
+                assert_eq!(all.values[block][lane], if is_raised { raised(i) } else { values[block][lane] });
+                for (bit, [x, y, z, limit]) in LIMITS.into_iter().enumerate() {
+                    let is_at_least = height(i, [x, y, z], 0.0) >= limit;
+                    assert_eq!(all.below[block][lane] >> bit & 1 == 0, is_at_least);
+                }
+                for axis in 0..3 {
+                    let expected = dot(ROWS[axis], at(i)) + n[axis];
+                    assert_eq!(all.turned[block].0[axis][lane], expected);
                 }
             }
         }
@@ -335,15 +389,17 @@ mod tests {
     #[test]
     fn operations_on_points_and_faces_are_the_same_on_every_instruction_set() {
         let mut rng = SplitMix64::new(5);
-        let mut seen = [0; 2];
+        let mut seen = [0; 4];
         for round in 0..100 {
             compare_with_scalars::<1>(&mut rng, round, &mut seen);
             compare_with_scalars::<2>(&mut rng, round, &mut seen);
-            compare_with_scalars::<3>(&mut rng, round, &mut seen);
             compare_with_scalars::<4>(&mut rng, round, &mut seen);
+            compare_with_scalars::<8>(&mut rng, round, &mut seen);
+            compare_with_scalars::<32>(&mut rng, round, &mut seen);
         }
-        // Of 400: some points near the farthest one, and lesser values.
-        assert!(seen[0] > 800 && (800..2_800).contains(&seen[1]), "{seen:?}");
+        // Of 500 rounds: some points near the farthest one, lesser values, blocks kept and dropped.
+        assert!(seen[0] > 1_000 && (1_000..3_500).contains(&seen[1]), "{seen:?}");
+        assert!(seen[2] > 500 && seen[3] > 500, "{seen:?}");
     }
 
     #[test]

@@ -8,6 +8,7 @@ use rkyv::rend::{f32_le, i16_le};
 use super::Simd;
 use crate::support::candidate::exact_dot;
 use crate::support::facets::{NormalBlock, PointBlock};
+use crate::support::lane_set::{Blocks, LaneSet};
 
 /// The instruction set that every processor has.
 #[derive(Clone, Copy, Debug)]
@@ -144,11 +145,11 @@ impl Simd for Portable {
         let dots = point_dots(points, dir);
         let max = dots.iter().flatten().fold(Vec4::NEG_INFINITY, |max, dot| dot.max(max)).max_element();
         let lanes = lanes_where(&dots, |dot| dot.cmpeq(Vec4::splat(max)).bitmask());
-        (max, lanes.trailing_zeros() as usize)
+        (max, lanes.iter().next().unwrap_or_default())
     }
 
     #[inline(always)]
-    fn near_farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3], margin: f32) -> u32 {
+    fn near_farthest<const N: usize>(self, points: &[PointBlock; N], dir: [f32; 3], margin: f32) -> LaneSet<N> {
         let dots = point_dots(points, dir);
         let max = dots.iter().flatten().fold(Vec4::NEG_INFINITY, |max, dot| dot.max(max)).max_element();
         lanes_where(&dots, |dot| dot.cmpge(Vec4::splat(max - margin)).bitmask())
@@ -162,16 +163,53 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn lowest<const N: usize>(self, values: &[[f32; LANES]; N]) -> f32 {
-        let low = values.iter().flat_map(halves).fold(Vec4::INFINITY, |low, half| half.min(low));
-        low.min_element()
+    fn below(self, faces: &NormalBlock, points: &[[f32; 4]]) -> [u32; LANES] {
+        let mut out = [0; LANES];
+        for (bit, [x, y, z, threshold]) in points.iter().enumerate() {
+            for (out, height) in out.iter_mut().zip(self.heights(faces, [*x, *y, *z], 0.0)) {
+                let is_at_least = height >= *threshold;
+                *out |= u32::from(!is_at_least) << bit;
+            }
+        }
+        out
     }
 
     #[inline(always)]
-    #[expect(clippy::indexing_slicing, reason = "two halves of a block")]
-    fn greater(self, a: &[f32; LANES], b: &[f32; LANES]) -> [f32; LANES] {
-        let (a, b) = (halves(a), halves(b));
-        whole([0, 1].map(|i: usize| Vec4::select(b[i].cmpgt(a[i]), b[i], a[i])))
+    #[expect(clippy::indexing_slicing, reason = "eight lanes; the list has at most `N` blocks below `N`")]
+    fn raise<const N: usize>(
+        self,
+        values: &mut [[f32; LANES]; N],
+        faces: &[NormalBlock],
+        blocks: &mut Blocks<N>,
+        (center, radius): ([f32; 3], f32),
+        threshold: f32,
+    ) -> (f32, usize) {
+        let mut low = [f32::INFINITY; LANES];
+        let mut block_of = [0; LANES];
+        let mut kept = 0;
+        for at in 0..blocks.count.min(N) {
+            let block = usize::from(blocks.items[at]) % N;
+            let Some(faces) = faces.get(block) else { break };
+            let heights = self.heights(faces, center, radius);
+            for (value, height) in values[block].iter_mut().zip(heights) {
+                *value = if height > *value { height } else { *value };
+            }
+            for (lane, value) in values[block].into_iter().enumerate() {
+                let is_lower = value < low[lane];
+                low[lane] = if is_lower { value } else { low[lane] };
+                block_of[lane] = if is_lower { block } else { block_of[lane] };
+            }
+            blocks.items[kept] = block as u8;
+            kept += usize::from(self.less(&values[block], threshold) != 0);
+        }
+        blocks.count = kept;
+        let mut lowest = (f32::INFINITY, 0);
+        for (lane, (value, block)) in low.iter().zip(block_of).enumerate() {
+            if *value < lowest.0 {
+                lowest = (*value, LANES * block + lane);
+            }
+        }
+        lowest
     }
 }
 
@@ -186,10 +224,14 @@ fn point_dots<const N: usize>(points: &[PointBlock; N], dir: [f32; 3]) -> [[Vec4
     })
 }
 
-/// One bit per lane, from four bits for each vector.
+/// The lanes, from four bits for each vector.
 #[inline(always)]
-fn lanes_where<const N: usize>(dots: &[[Vec4; 2]; N], bits: impl Fn(Vec4) -> u32) -> u32 {
-    dots.iter().rev().fold(0, |lanes, [low, high]| lanes << LANES | bits(*low) | bits(*high) << 4)
+fn lanes_where<const N: usize>(dots: &[[Vec4; 2]; N], bits: impl Fn(Vec4) -> u32) -> LaneSet<N> {
+    let mut lanes = LaneSet::EMPTY;
+    for (block, [low, high]) in dots.iter().enumerate() {
+        lanes.add_block(block, bits(*low) | bits(*high) << 4);
+    }
+    lanes
 }
 
 #[inline(always)]
