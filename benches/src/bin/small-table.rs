@@ -4,13 +4,13 @@
 use std::hint::black_box;
 
 use clap::Parser;
-use hullmap::{Cache, Contact, Hull, Pack, Pose, Settings, SupportMap, SupportPoint, contact, glam::DVec3, intersects};
+use hullmap::{Cache, Contact, Hull, Pack, Pose, Settings, SupportMap, contact, glam::DVec3, intersects};
 use hullmap_bench::{
     clock,
     solver::pairs::{Class, FAMILIES, Pair, Placed},
     subject::SEED,
 };
-use hullmap_testkit::packs;
+use hullmap_testkit::{faceless::Faceless, packs};
 use shapes::rng::SplitMix64;
 
 /// Compares contact with and without the separating axis test for small hulls.
@@ -25,31 +25,6 @@ struct Arguments {
     /// Rounds; the median counts
     #[arg(long, default_value_t = 15)]
     rounds: usize,
-}
-
-/// A hull without its faces: the solver takes the general path.
-struct General<'a>(Hull<'a>);
-
-impl SupportMap for General<'_> {
-    #[inline(always)]
-    fn support_point(&self, dir: DVec3) -> SupportPoint {
-        self.0.support_point(dir)
-    }
-    fn interior_point(&self) -> DVec3 {
-        self.0.interior_point()
-    }
-    fn inner_radius(&self) -> f64 {
-        self.0.inner_radius()
-    }
-    fn outer_radius(&self) -> f64 {
-        self.0.outer_radius()
-    }
-    fn support_error(&self) -> f64 {
-        self.0.support_error()
-    }
-    fn point(&self, feature: u32) -> Option<DVec3> {
-        self.0.point(feature)
-    }
 }
 
 fn time<A: SupportMap, B: SupportMap>(a: &A, b: &B, poses: &[Placed], warm: bool) -> f64 {
@@ -79,7 +54,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 fn row(name: &str, [a, b]: [Hull<'_>; 2], poses: &[Placed], rounds: usize) {
-    let [general_a, general_b] = [General(a), General(b)];
+    let [general_a, general_b] = [Faceless(a), Faceless(b)];
     print!("{name:<24}");
     for class in Class::ALL {
         let poses: Vec<Placed> = poses.iter().filter(|placed| placed.class == class).copied().collect();

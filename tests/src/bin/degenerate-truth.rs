@@ -25,6 +25,9 @@ struct Arguments {
     /// Seed of all pairs
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Maximum number of vertices of random hulls, 24 to 128
+    #[arg(long, default_value_t = 24, value_parser = clap::value_parser!(u16).range(24..=128))]
+    vertices: u16,
     /// Maximum number of misses to print in full
     #[arg(long, default_value_t = 20)]
     report: usize,
@@ -34,10 +37,10 @@ struct Arguments {
 const LINES: u64 = 10;
 
 fn main() -> ExitCode {
-    let Arguments { pairs, first, seed, report } = Arguments::parse();
+    let Arguments { pairs, first, seed, vertices, report } = Arguments::parse();
     let (mut tally, start) = (Tally::default(), Instant::now());
     for index in first..first.saturating_add(pairs) {
-        tally.judge(seed, index);
+        tally.judge(seed, index, vertices.into());
         if (index + 1 - first).is_multiple_of(pairs.div_ceil(LINES)) {
             let seconds = start.elapsed().as_secs_f64();
             eprintln!("{seconds:5.1} s  {} pairs, {} misses", index + 1 - first, tally.misses.len());

@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use hullmap::{
     Cache, Contact, Hull, Overlap, Pack, Pose, Settings, SupportMap, contact, intersects, solver::contact_by_facets,
 };
-use hullmap_testkit::{packs, random::RandomPoses};
+use hullmap_testkit::{faceless::Faceless, packs, random::RandomPoses};
 use shapes::{families, rng::SplitMix64};
 
 use super::exact::{Depth, depth};
@@ -49,8 +49,9 @@ fn of_box(half: [f32; 3]) -> Vec<[f32; 3]> {
     (0..8).map(|corner| [0, 1, 2].map(|axis| if corner >> axis & 1 == 0 { half[axis] } else { -half[axis] })).collect()
 }
 
-fn points(kind: Kind, rng: &mut SplitMix64) -> Vec<[f32; 3]> {
-    let count = 8 + rng.below(17);
+/// A body of at most `most` ≥ 24 points.
+fn points(kind: Kind, most: usize, rng: &mut SplitMix64) -> Vec<[f32; 3]> {
+    let count = 8 + rng.below(most - 7);
     let seed = rng.next_u64();
     let plate = |rng: &mut SplitMix64| of_box([1.0, 1.0, [1e-2, 1e-4][rng.below(2)]]);
     match (kind, rng.below(6)) {
@@ -65,18 +66,18 @@ fn points(kind: Kind, rng: &mut SplitMix64) -> Vec<[f32; 3]> {
 }
 
 impl Meeting {
-    /// Pair `index` of the series of `seed`.
+    /// Pair `index` of the series of `seed`, of hulls of at most `most` ≥ 24 vertices.
     ///
     /// # Panics
     /// If a body cannot be baked: a bug.
-    pub fn new(seed: u64, index: u64) -> Self {
+    pub fn new(seed: u64, index: u64, most: usize) -> Self {
         let mut rng = SplitMix64::new(seed ^ index << 24);
         let kind = Kind::ALL[index as usize % Kind::ALL.len()];
         let scale = [1.0, 1.0, 1e-3, 1e3, 1e-6, 1e6][rng.below(6)];
         let packs = [(); 2].map(|()| {
             let shift = if rng.below(4) == 0 { [40.0, -24.0, 8.0] } else { [0.0; 3] };
             let place = |p: [f32; 3]| [0, 1, 2].map(|axis| (p[axis] + shift[axis]) * scale);
-            let points: Vec<[f32; 3]> = points(kind, &mut rng).into_iter().map(place).collect();
+            let points: Vec<[f32; 3]> = points(kind, most, &mut rng).into_iter().map(place).collect();
             packs::tree_pack(&points)
         });
         let [a, b] = packs.each_ref().map(|pack| pack.hull(0).expect("a pack has a hull"));
@@ -163,9 +164,10 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Solves a pair by all paths, cold and warm, and judges the answers.
-    pub fn judge(&mut self, seed: u64, index: u64) {
-        let meeting = Meeting::new(seed, index);
+    /// Solves a pair of hulls of at most `most` vertices by all paths, cold and warm, and judges the
+    /// answers.
+    pub fn judge(&mut self, seed: u64, index: u64, most: usize) {
+        let meeting = Meeting::new(seed, index, most);
         let ([a, b], b_in_a) = (meeting.hulls(), meeting.b_in_a);
         let truth = depth(&a, &b, b_in_a);
         let what = format!("seed {seed}, pair {index}, {:?}, {b_in_a:?}", meeting.kind);
@@ -176,7 +178,7 @@ impl Tally {
             ("cold", contact(&a, &b, b_in_a, &Settings::default(), &mut Cache::new())),
             ("tolerance 0", contact(&a, &b, b_in_a, &exact, &mut cache)),
             ("warm", contact(&a, &b, b_in_a, &exact, &mut cache)),
-            ("general", contact(&General(&a), &General(&b), b_in_a, &exact, &mut Cache::new())),
+            ("general", contact(&Faceless(a), &Faceless(b), b_in_a, &exact, &mut Cache::new())),
         ];
         answers.extend(facets.map(|found| ("by facets", found)));
         let count = self.counts.entry(meeting.kind).or_default();
@@ -239,30 +241,6 @@ fn surface_distance(hull: &Hull<'_>, point: DVec3) -> f64 {
     (0..hull.face_count() as u32).map(height).fold(f64::NEG_INFINITY, f64::max).abs()
 }
 
-/// A hull without its faces: the solver takes the general path.
-struct General<'h, 'p>(&'h Hull<'p>);
-
-impl SupportMap for General<'_, '_> {
-    fn support_point(&self, dir: DVec3) -> hullmap::SupportPoint {
-        self.0.support_point(dir)
-    }
-    fn interior_point(&self) -> DVec3 {
-        self.0.interior_point()
-    }
-    fn inner_radius(&self) -> f64 {
-        self.0.inner_radius()
-    }
-    fn outer_radius(&self) -> f64 {
-        self.0.outer_radius()
-    }
-    fn support_error(&self) -> f64 {
-        self.0.support_error()
-    }
-    fn point(&self, feature: u32) -> Option<DVec3> {
-        self.0.point(feature)
-    }
-}
-
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (kind, count) in &self.counts {
@@ -286,7 +264,7 @@ mod tests {
     fn wrong_answers_are_misses() {
         let mut wrong = 0;
         for index in 0..24 {
-            let meeting = Meeting::new(5, index);
+            let meeting = Meeting::new(5, index, 24);
             let ([a, b], b_in_a) = (meeting.hulls(), meeting.b_in_a);
             let truth = depth(&a, &b, b_in_a);
             let found = contact(&a, &b, b_in_a, &Settings::default(), &mut Cache::new());

@@ -9,6 +9,7 @@
 //! | [`polytope`] | a hull as points, face normals and edges |
 //! | [`depth`] | signed depth by all facets of the Minkowski difference, and its slow twin |
 //! | [`entry`] | when a moving hull enters another, by all facets |
+//! | [`faceless`] | a hull as a shape without faces |
 //! | [`gap`] | distance with a certificate, and its slow twin |
 //!
 //! Depths and distances are computed in f64 without any code of the solver. Packages use this one
@@ -24,6 +25,7 @@
 
 pub mod depth;
 pub mod entry;
+pub mod faceless;
 pub mod gap;
 pub mod packs;
 pub mod polytope;

@@ -8,19 +8,33 @@ const SEED: u64 = 20_261_123;
 /// Number of pairs: a hundred of each kind.
 const PAIRS: u64 = 600;
 
-#[test]
-fn no_interval_excludes_the_exact_depth() {
+/// Judges pairs of hulls of at most `most` vertices.
+fn judge(pairs: u64, most: usize) -> Tally {
     let mut tally = Tally::default();
-    (0..PAIRS).for_each(|index| tally.judge(SEED, index));
+    (0..pairs).for_each(|index| tally.judge(SEED, index, most));
     println!("seed {SEED}\n{tally}");
     if let Some(miss) = tally.misses.first() {
         panic!("seed {SEED}: {} misses, the first: {miss}", tally.misses.len());
     }
     assert_eq!(tally.counts.len(), Kind::ALL.len());
+    tally
+}
+
+#[test]
+fn no_interval_excludes_the_exact_depth() {
+    let tally = judge(PAIRS, 24);
     for (kind, count) in &tally.counts {
         // Concentric pairs always penetrate.
         let most = if *kind == Kind::Concentric { count.pairs } else { count.pairs * 95 / 100 };
         assert!((count.pairs * 3 / 10..=most).contains(&count.penetrating), "{kind:?}: {count:?}");
         assert!(10 * count.by_facets > count.pairs, "{kind:?}: {count:?}");
     }
+}
+
+/// The exact depth of larger hulls takes longer.
+#[test]
+fn no_interval_of_larger_hulls_excludes_the_exact_depth() {
+    let tally = judge(PAIRS / 2, 100);
+    let decided: u64 = tally.counts.values().map(|count| count.by_facets).sum();
+    assert!(decided * 3 > PAIRS / 2, "{decided}");
 }

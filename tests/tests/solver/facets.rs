@@ -42,8 +42,8 @@ impl Kind {
 }
 
 /// Points of a body: random ones, boxes, bevelled boxes, plates, prisms, needles.
-fn points(kind: usize, rng: &mut SplitMix64) -> Vec<[f32; 3]> {
-    let count = 8 + rng.below(25);
+fn points(kind: usize, most: usize, rng: &mut SplitMix64) -> Vec<[f32; 3]> {
+    let count = 8 + rng.below(most - 7);
     let seed = rng.next_u64();
     let of_box = |half: [f32; 3], bevel: f32| {
         let mut all = Vec::new();
@@ -81,11 +81,11 @@ struct Body {
 }
 
 impl Body {
-    fn random(kind: usize, scale: f32, rng: &mut SplitMix64) -> Self {
+    fn random(kind: usize, most: usize, scale: f32, rng: &mut SplitMix64) -> Self {
         // A quarter of the bodies are far from the origin of their frame.
         let shift = if rng.below(4) == 0 { [40.0, -24.0, 8.0] } else { [0.0; 3] };
         let place = |p: [f32; 3]| std::array::from_fn(|axis| (p[axis] + shift[axis]) * scale);
-        let points: Vec<[f32; 3]> = points(kind, rng).into_iter().map(place).collect();
+        let points: Vec<[f32; 3]> = points(kind, most, rng).into_iter().map(place).collect();
         let pack = packs::tree_pack(&points);
         let truth = Polytope::new(&pack.hull(0).unwrap());
         let cuboid = (matches!(kind % 8, 3 | 5) && shift == [0.0; 3]).then(|| {
@@ -167,14 +167,15 @@ fn judge(found: &Contact, a: &Polytope, b: &Polytope, frames: f64, size: f64, wh
     assert!(between.length() <= 1e-6 * found.depth + 4.0 * NEAR * size, "{between} {report}");
 }
 
-fn judge_all(rounds: u64, poses: u64) -> Tally {
+/// Judges pairs of hulls of at most `most` vertices.
+fn judge_all(rounds: u64, poses: u64, most: usize) -> Tally {
     let mut rng = SplitMix64::new(SEED);
     let mut tally = Tally::new();
     let settings = Settings { tolerance: 0.0, ..Settings::default() };
     for round in 0..rounds {
         let scale = [1.0, 1.0, 1e-3, 1e3, 1e-6, 1e6][rng.below(6)];
         let kinds = [rng.below(8), rng.below(8)];
-        let bodies = kinds.map(|kind| Body::random(kind, scale, &mut rng));
+        let bodies = kinds.map(|kind| Body::random(kind, most, scale, &mut rng));
         let [a, b] = &bodies;
         let (hull_a, hull_b) = (a.hull(), b.hull());
         let far = hull_a.interior_point().length() + hull_b.interior_point().length();
@@ -216,12 +217,25 @@ fn judge_all(rounds: u64, poses: u64) -> Tally {
 
 #[test]
 fn depths_contain_the_truth_in_degenerate_poses() {
-    let tally = judge_all(450, 36);
+    let tally = judge_all(450, 36, 32);
     println!("seed {SEED}: pairs, decided, overlapping\n{tally:?}");
     for (kind, [pairs, decided, hits]) in &tally {
         assert!(*pairs >= 2_700, "{kind:?}");
         // Touching pairs are left to the general path, and so are depths that f32 cannot rank.
         let least = if *kind == Kind::Touching { 0.2 } else { 0.9 };
+        assert!(f64::from(*decided) >= least * f64::from(*pairs), "{kind:?}: {decided} of {pairs}");
+        assert!(2 * hits > *decided, "{kind:?}: one-sided, {hits} of {decided}");
+    }
+}
+
+/// The same for hulls of up to 128 vertices. The depth by all facets takes longer.
+#[test]
+fn depths_of_larger_hulls_contain_the_truth() {
+    let tally = judge_all(150, 20, 128);
+    println!("seed {SEED}: pairs, decided, overlapping\n{tally:?}");
+    for (kind, [pairs, decided, hits]) in &tally {
+        assert!(*pairs >= 600, "{kind:?}");
+        let least = if *kind == Kind::Touching { 0.1 } else { 0.75 };
         assert!(f64::from(*decided) >= least * f64::from(*pairs), "{kind:?}: {decided} of {pairs}");
         assert!(2 * hits > *decided, "{kind:?}: one-sided, {hits} of {decided}");
     }
@@ -245,8 +259,7 @@ fn witness_points_of_parallel_faces_are_on_both_faces() {
     }
 }
 
-/// A second query with the same cache takes the general path, which keeps a polytope: a cache is
-/// only used again for the same pair.
+/// A second query starts from the normal of the first.
 #[test]
 fn caches_change_no_depth() {
     let mut rng = SplitMix64::new(SEED);
