@@ -11,8 +11,8 @@
 //!    slack.
 //!
 //! # Deviations
-//! - A hull that fails a proof has no table, and its queries take the general path. So do hulls of
-//!   more than [`SMALL_VERTICES`] vertices in packs of many.
+//! - A hull that fails a proof has no table, and its queries take the general path. The same holds
+//!   for hulls of more than [`ALWAYS_VERTICES`] vertices if their tables would exceed [`MAX_BYTES`].
 
 #![forbid(unsafe_code)]
 
@@ -22,7 +22,7 @@ use hullmap_format::sections::Sections;
 use super::Hull;
 use crate::support::SupportMap;
 use crate::support::facets::{
-    FacetTable, LANES, MAX_FACES, MAX_VERTICES, NormalBlock, PointBlock, SMALL_VERTICES, Side, triangle_normal,
+    ALWAYS_VERTICES, FacetTable, LANES, MAX_FACES, MAX_VERTICES, NormalBlock, PointBlock, Side, triangle_normal,
 };
 
 /// Rounding error of the height of a vertex over a plane, in units of `f64::EPSILON` times the
@@ -45,23 +45,25 @@ const MIN_HEIGHT: f64 = 1e-6;
 /// No face: the value of an unused entry.
 const NO_FACE: u8 = u8::MAX;
 
-/// Maximum size of the tables of all hulls of more than [`SMALL_VERTICES`] vertices in a pack, in
+/// Maximum size of the tables of all hulls of more than [`ALWAYS_VERTICES`] vertices in a pack, in
 /// bytes. Beyond that they are in no cache when a query reads them, and the general path, which
-/// reads less, is as fast. It also limits what opening a pack takes: 300 hulls of 128 vertices.
+/// reads less, is as fast. It also limits the time to open a pack: about 270 hulls of 128 vertices,
+/// 35 ms.
 const MAX_BYTES: usize = 4 << 20;
 
 impl FacetTable {
     /// The tables of a pack, one for each hull; `None` where there is none.
     ///
     /// # Complexity
-    /// O(number of hulls): about 1 µs a vertex; at most about 40 ms for the hulls of more than
-    /// [`SMALL_VERTICES`] vertices together.
+    /// O(number of hulls), and about 1 µs for each vertex of a hull with a table: at most about 35 ms
+    /// for the hulls of more than [`ALWAYS_VERTICES`] vertices together.
     pub(crate) fn of_pack(pack: &Sections<'_>) -> Box<[Option<Self>]> {
         let hull = |index: usize| Hull::new(pack, None, index);
         let hulls = 0..pack.hulls.len();
         let larger = hulls.clone().filter_map(hull).filter(|hull| is_suitable(hull, MAX_VERTICES));
-        let bytes: usize = larger.filter(|hull| hull.vertex_count() > SMALL_VERTICES).map(|hull| byte_len(&hull)).sum();
-        let most = if bytes <= MAX_BYTES { MAX_VERTICES } else { SMALL_VERTICES };
+        let bytes: usize =
+            larger.filter(|hull| hull.vertex_count() > ALWAYS_VERTICES).map(|hull| byte_len(&hull)).sum();
+        let most = if bytes <= MAX_BYTES { MAX_VERTICES } else { ALWAYS_VERTICES };
         hulls.map(|index| hull(index).filter(|hull| is_suitable(hull, most)).and_then(|hull| Self::of(&hull))).collect()
     }
 
@@ -69,7 +71,7 @@ impl FacetTable {
     /// if a proof fails.
     ///
     /// # Complexity
-    /// O(n²) with a small constant: about 1 µs a vertex up to 128 vertices.
+    /// O(n²); in practice about 1 µs a vertex.
     fn of(hull: &Hull<'_>) -> Option<Self> {
         if !is_suitable(hull, MAX_VERTICES) {
             return None;

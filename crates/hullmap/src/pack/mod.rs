@@ -202,8 +202,8 @@ impl Pack {
     ///
     /// # Complexity
     /// One read of the file, then O(number of hulls): the face tables of small hulls take about 1 µs
-    /// a vertex. Hulls of up to 32 vertices have one, and those of up to 128 if all tables of these
-    /// take at most 4 MiB.
+    /// a vertex. Hulls of at most 32 vertices have one; those of 33 to 128 vertices have one if their
+    /// tables take at most 4 MiB together.
     ///
     /// # Examples
     /// ```

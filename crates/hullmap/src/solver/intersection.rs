@@ -83,8 +83,7 @@ pub(super) fn core_intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     Intersection { status, iterations, support_calls: m.support_calls() }
 }
 
-/// The tests before any search. Returns a separating axis, of unit length from A to B, if one is
-/// known.
+/// The tests before any search: the outer balls, then the axis of the cache.
 #[inline]
 pub(super) fn separated_early<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
@@ -100,9 +99,9 @@ pub(super) fn separated_early<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 
 /// What is known of a pair before the search.
 pub(super) enum Early {
-    /// This axis separates.
+    /// This axis separates. It has unit length and points from A to B.
     Separated(DVec3),
-    /// The axis of the cache, if there is one, with its support point.
+    /// No axis is known to separate. The axis of the cache, if there is one, with its support point.
     Unknown(Option<(DVec3, Point)>),
 }
 

@@ -1,8 +1,9 @@
 //! Faces of a small polytope, laid out for the separating axis test (SAT): normals and offsets,
 //! vertices, and the arcs of the Gauss map.
 //!
-//! A hull of at most [`MAX_VERTICES`] vertices gets a [`FacetTable`] when its pack is opened, unless
-//! there are too many. A box makes its table for each query. The solver reads both through [`Facets`].
+//! A hull of at most [`ALWAYS_VERTICES`] vertices gets a [`FacetTable`] when its pack is opened, and
+//! one of at most [`MAX_VERTICES`] if the tables of all these are not too large; in both cases unless
+//! a proof fails. A box makes its table for each query. The solver reads both through [`Facets`].
 
 use glam::DVec3;
 
@@ -10,14 +11,15 @@ use super::simd::Dispatch;
 use crate::hull::Hull;
 use crate::support::SupportMap;
 
-/// Maximum number of vertices of a polytope with a table. Above it the general path is faster.
+/// Maximum number of vertices of a polytope with a table. Above it, deep contacts gain less, and
+/// pairs near touching lose.
 pub(crate) const MAX_VERTICES: usize = 128;
 
-/// Number of vertices up to which hulls have a table in every pack.
-pub(crate) const SMALL_VERTICES: usize = 32;
+/// Maximum number of vertices of hulls that have a table in every pack.
+pub(crate) const ALWAYS_VERTICES: usize = 32;
 
 // Their faces are in lean packs, too, so that contacts are the same.
-const _: () = assert!(SMALL_VERTICES == hullmap_format::archive::LEAN_FACES as usize);
+const _: () = assert!(ALWAYS_VERTICES == hullmap_format::archive::LEAN_FACES as usize);
 
 /// Maximum number of faces of a polytope with so few vertices, by Euler's formula.
 pub(crate) const MAX_FACES: usize = 2 * MAX_VERTICES - 4;
@@ -32,7 +34,8 @@ pub(crate) const NORMAL_BLOCKS: usize = MAX_FACES.div_ceil(LANES);
 pub(crate) const POINT_BLOCKS: usize = MAX_VERTICES.div_ceil(LANES);
 
 /// Unit outward normals of eight faces, and the offsets of their planes from the interior point,
-/// both rounded to f32. The last face fills unused lanes.
+/// both rounded to f32. Unused lanes have no normal and an infinite offset, so they are never the
+/// lowest.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(32))]
 pub(crate) struct NormalBlock {
@@ -57,7 +60,7 @@ pub(crate) struct Side {
     chord: u16,
 }
 
-/// What [`Side`] counts chords in: the greatest is 2.
+/// Unit of the chord of a [`Side`]: the greatest chord is 2.
 const CHORD_UNIT: f32 = 2.0 / u16::MAX as f32;
 
 impl Side {
@@ -76,7 +79,7 @@ impl Side {
     }
 }
 
-/// The faces of a hull, in memory of its pack.
+/// The face table of a hull, held by its pack.
 #[derive(Debug)]
 pub(crate) struct FacetTable {
     pub(crate) normals: Box<[NormalBlock]>,

@@ -8,14 +8,14 @@ const WORD: usize = u64::BITS as usize / LANES;
 /// Maximum number of words.
 const WORDS: usize = 4;
 
-/// Lanes of `N` blocks, one bit each. A lane is counted over the blocks as one slice. `N` is at most
-/// 32.
+/// Lanes of `N` ≤ 32 blocks, one bit each. A lane's index is that in all blocks as one slice.
 ///
-/// The set is made of words, since a word that was just written byte by byte stalls the processor.
+/// The set is made of words. The processor cannot forward bytes that were just stored to the load of
+/// a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct LaneSet<const N: usize>([u64; WORDS]);
 
-/// A list of blocks, of at most `N`.
+/// A list of at most `N` block indices.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Blocks<const N: usize> {
     pub(crate) items: [u8; N],
@@ -23,7 +23,7 @@ pub(crate) struct Blocks<const N: usize> {
 }
 
 impl<const N: usize> Blocks<N> {
-    /// No block.
+    /// The empty list.
     pub(crate) const NONE: Self = Self { items: [0; N], count: 0 };
 
     /// The first `count` blocks.

@@ -7,8 +7,8 @@
 //! own. docs/intervals.md, section 12, proves the bounds.
 //!
 //! # Steps
-//! 1. The support point along the last axis, or along the line of centres: it may separate, and
-//!    bounds the depth.
+//! 1. The last axis, or the line of centres: it may separate. If not, its support value bounds the
+//!    depth.
 //! 2. In f32, lower bounds at all face normals of both shapes, raised until the lowest is a support
 //!    value ([`scan`]).
 //! 3. In f32, rule out the faces and the arcs of A whose values cannot be the minimum.

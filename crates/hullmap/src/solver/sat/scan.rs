@@ -6,8 +6,8 @@
 //!
 //! # Steps
 //! 1. Lower bounds at all faces: from the ball inside the other shape, then cut by cut from its
-//!    vertices. The next vertex is the support point at the face with the lowest bound. So the
-//!    bounds rise, until that face is the lowest of all.
+//!    vertices. The next vertex is the support point at the face with the lowest bound. Stop when
+//!    that face has its support value, which is then the minimum, or when its bound is too high.
 //! 2. Support values at the remaining faces whose bounds are all below the lowest value known.
 //! 3. The same bounds hold along an arc if they hold at both of its ends. Rule out arcs by them,
 //!    then by the support points at both ends.
@@ -33,8 +33,8 @@ const UNIT: f64 = 1.0 / (1 << 24) as f64;
 /// Maximum number of vertices that bound the values of one shape's faces.
 const MAX_CUTS: usize = 24;
 
-/// Number of blocks up to which two cuts are made. A third takes as long as evaluating the faces
-/// that it rules out.
+/// Number of blocks up to which at most two cuts are made. A third takes as long as evaluating the
+/// faces that it rules out.
 const FEW_BLOCKS: usize = 4;
 
 /// Maximum number of faces that are evaluated because all their bounds are low.
@@ -195,7 +195,7 @@ impl<const P: usize, const N: usize> Half<P, N> {
     }
 
     /// Finds the support point at a face, and returns the face's value. It is not stored in
-    /// `values`: a vector that is read soon after one of its lanes was written stalls the processor.
+    /// `values`: the processor cannot forward a stored lane to the load of its vector.
     #[inline(always)]
     fn find_support<S: Simd>(&mut self, simd: S, normals: &[NormalBlock], face: usize) -> f32 {
         let lane = face % LANES;
@@ -299,12 +299,12 @@ impl<const P: usize, const N: usize> Pass for FacePass<'_, '_, '_, P, N> {
             }
             // 1.
             let ball = (centers[own], pair.inner[other] as f32);
-            let (mut lowest, mut face) = half.start(simd, view.normals, ball, enough(*low, upper, *error));
+            let (mut lowest, mut face) = half.start(simd, view.normals, ball, lower_threshold(*low, upper, *error));
             if let Some(seen) = seen {
-                (lowest, face) = half.cut(simd, view.normals, seen[own], enough(*low, upper, *error));
+                (lowest, face) = half.cut(simd, view.normals, seen[own], lower_threshold(*low, upper, *error));
             }
             while half.cut_count < const { if N <= FEW_BLOCKS { 2 } else { MAX_CUTS } }
-                && lowest < enough(*low, upper, *error)
+                && lowest < lower_threshold(*low, upper, *error)
                 && !half.known.contains(face)
             {
                 let value = half.find_support(simd, view.normals, face);
@@ -315,11 +315,12 @@ impl<const P: usize, const N: usize> Pass for FacePass<'_, '_, '_, P, N> {
                     self.complete = true;
                     return;
                 }
-                (lowest, face) = half.cut(simd, view.normals, half.vertex(face).into(), enough(*low, upper, *error));
+                (lowest, face) =
+                    half.cut(simd, view.normals, half.vertex(face).into(), lower_threshold(*low, upper, *error));
             }
         }
         // 2.
-        let threshold = threshold(if *low < upper { *low } else { upper }, *error);
+        let threshold = lower_threshold(*low, upper, *error);
         for own in 0..2 {
             let half = &mut halves[own];
             let near = half.near(simd, threshold);
@@ -351,7 +352,8 @@ impl<const P: usize, const N: usize> Pass for ArcPass<'_, '_, '_, P, N> {
         let Scan { halves: [half, _], error, .. } = &mut *self.scan;
         let normals = pair.a.normals;
         let threshold = threshold(upper, *error);
-        // 3. A bound at both ends holds between them if the part of it that is linear is positive.
+        // 3. A bound at both ends holds along the arc if its linear part is not negative there: the
+        // bound less the ball's radius.
         let positive = threshold.max(pair.inner[1] as f32 + 6.0 * *error);
         let mut points = [[0.0; 4]; MAX_CUTS];
         for (point, vertex) in points.iter_mut().zip(half.cuts).take(half.cut_count) {
@@ -365,7 +367,7 @@ impl<const P: usize, const N: usize> Pass for ArcPass<'_, '_, '_, P, N> {
         for (block, faces) in normals.iter().enumerate().take(N) {
             near.add_block(block, simd.less(&simd.heights(faces, center, pair.inner[1] as f32), positive));
         }
-        // One bit per cut whose bound is below the threshold. What is unknown has all bits.
+        // One bit per cut whose bound is below the threshold. Faces not yet compared have all bits.
         let mut below = [[UNKNOWN; LANES]; N];
         // Between two normals, the value dips by at most a quarter of B's diameter times their
         // distance.
@@ -430,12 +432,12 @@ fn compare<S: Simd, const N: usize>(
 
 /// The [`threshold`] for the lower of two upper bounds.
 #[inline(always)]
-fn enough(low: f32, upper: f32, error: f32) -> f32 {
+fn lower_threshold(low: f32, upper: f32, error: f32) -> f32 {
     threshold(if low < upper { low } else { upper }, error)
 }
 
-/// What a value has to reach so that it certainly exceeds `upper`, and 0. A value along an arc has
-/// up to four times the error.
+/// A value that is at least this certainly exceeds `upper`, and 0. A value along an arc has up to
+/// four times the error.
 #[inline(always)]
 fn threshold(upper: f32, error: f32) -> f32 {
     upper.max(0.0) + 6.0 * error
@@ -448,11 +450,11 @@ impl<const P: usize, const N: usize> Scan<P, N> {
         Self { halves: [Half::EMPTY; 2], low: f32::INFINITY, error: pair.error() as f32 }
     }
 
-    /// Computes the support values at the faces of A and of B that may have the minimum. `None` if
-    /// they are too many.
+    /// Computes the support values at the faces of A and of B that may have the minimum. If a face
+    /// separates, it stops there: `low` is below −`error` then. `None` if there are too many faces.
     ///
-    /// `upper` is an upper bound of the depth, or infinite. `seen` are a vertex of B and one of A
-    /// that may be farthest in the direction of the depth; they only save work.
+    /// `upper` is an upper bound of the depth, or infinite. `seen` holds a vertex of B and one of A
+    /// that are likely support points along the depth; they only save work.
     #[inline(always)]
     pub(super) fn run(
         &mut self,

@@ -23,7 +23,7 @@ use super::{Kernel, Pass, Simd};
 use crate::support::facets::{NormalBlock, PointBlock};
 use crate::support::lane_set::{Blocks, LaneSet};
 
-/// Proof that the processor has AVX2, FMA, BMI1 and BMI2.
+/// Proof that the processor has AVX2, FMA, BMI1, BMI2 and POPCNT.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Avx2(());
 
