@@ -164,8 +164,8 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Solves a pair of hulls of at most `most` vertices by all paths, cold and warm, and judges the
-    /// answers.
+    /// Solves a pair of hulls of at most `most` vertices by all paths, cold and warm, and judges
+    /// the answers.
     pub fn judge(&mut self, seed: u64, index: u64, most: usize) {
         let meeting = Meeting::new(seed, index, most);
         let ([a, b], b_in_a) = (meeting.hulls(), meeting.b_in_a);

@@ -12,7 +12,8 @@
 //!
 //! # Deviations
 //! - A hull that fails a proof has no table, and its queries take the general path. The same holds
-//!   for hulls of more than [`ALWAYS_VERTICES`] vertices if their tables would exceed [`MAX_BYTES`].
+//!   for hulls of more than [`ALWAYS_VERTICES`] vertices if their tables would exceed
+//!   [`MAX_BYTES`].
 
 #![forbid(unsafe_code)]
 
@@ -55,8 +56,8 @@ impl FacetTable {
     /// The tables of a pack, one for each hull; `None` where there is none.
     ///
     /// # Complexity
-    /// O(number of hulls), and about 1 µs for each vertex of a hull with a table: at most about 35 ms
-    /// for the hulls of more than [`ALWAYS_VERTICES`] vertices together.
+    /// O(number of hulls), and about 1 µs for each vertex of a hull with a table: at most about 35
+    /// ms for the hulls of more than [`ALWAYS_VERTICES`] vertices together.
     pub(crate) fn of_pack(pack: &Sections<'_>) -> Box<[Option<Self>]> {
         let hull = |index: usize| Hull::new(pack, None, index);
         let hulls = 0..pack.hulls.len();
@@ -183,8 +184,8 @@ impl Columns {
     }
 }
 
-/// The greatest dot product of four points with `dir`. Each product and each sum is rounded once, in
-/// the order x, y, z.
+/// The greatest dot product of four points with `dir`. Each product and each sum is rounded once,
+/// in the order x, y, z.
 fn highest([x, y, z]: &Four, dir: DVec3) -> f64 {
     let mut dots = [0.0; 4];
     for (((dot, x), y), z) in dots.iter_mut().zip(x).zip(y).zip(z) {

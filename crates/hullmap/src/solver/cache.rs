@@ -1,7 +1,8 @@
 //! Warm-start cache: what a pair keeps from one query to the next.
 //!
 //! - The last separating axis. One support call usually proves a miss again. After a contact by the
-//!   separating axis test, its normal: the best guess for the next normal, or for the axis of a miss.
+//!   separating axis test, its normal: the best guess for the next normal, or for the axis of a
+//!   miss.
 //! - The last portal. It usually proves a hit again without any support call.
 //! - The last simplex near the origin. GJK continues from it.
 //! - The last polytope. EPA continues from it.

@@ -101,7 +101,8 @@ pub(super) fn separated_early<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 pub(super) enum Early {
     /// This axis separates. It has unit length and points from A to B.
     Separated(DVec3),
-    /// No axis is known to separate. The axis of the cache, if there is one, with its support point.
+    /// No axis is known to separate. The axis of the cache, if there is one, with its support
+    /// point.
     Unknown(Option<(DVec3, Point)>),
 }
 

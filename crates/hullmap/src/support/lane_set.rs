@@ -10,8 +10,8 @@ const WORDS: usize = 4;
 
 /// Lanes of `N` ≤ 32 blocks, one bit each. A lane's index is that in all blocks as one slice.
 ///
-/// The set is made of words. The processor cannot forward bytes that were just stored to the load of
-/// a word.
+/// The set is made of words. The processor cannot forward bytes that were just stored to the load
+/// of a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct LaneSet<const N: usize>([u64; WORDS]);
 

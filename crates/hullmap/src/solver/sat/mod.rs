@@ -103,8 +103,8 @@ struct Piece {
 
 /// Contact of two shapes with facets; `None` if the general path has to decide.
 ///
-/// The pair has passed the tests by balls and by the last axis. `last` is that axis with its support
-/// point.
+/// The pair has passed the tests by balls and by the last axis. `last` is that axis with its
+/// support point.
 ///
 /// # Complexity
 /// O(faces) in f32, 8 lanes at a time; O(vertices) for each face near the depth, of which there are

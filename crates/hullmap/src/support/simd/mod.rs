@@ -123,17 +123,17 @@ pub(crate) trait Simd: Copy {
     fn less(self, values: &[f32; LANES], threshold: f32) -> u32;
 
     /// For each of eight faces, one bit per point. A point is given as x, y, z and a threshold. Its
-    /// bit is set if its height ([`heights`](Self::heights)) is less than the threshold, or NaN. There
-    /// are at most 32 points.
+    /// bit is set if its height ([`heights`](Self::heights)) is less than the threshold, or NaN.
+    /// There are at most 32 points.
     fn below(self, faces: &NormalBlock, points: &[[f32; 4]]) -> [u32; LANES];
 
     /// Raises `values` to the heights of the centre of `ball` plus its radius
     /// ([`heights`](Self::heights)), in the given `blocks`. Then removes the blocks without a value
     /// below `threshold` from the list.
     ///
-    /// Returns the lowest value in the blocks as given, and its index in all blocks as one slice; of
-    /// equal values, that of the lowest lane, then of the block that is first in the list. No value
-    /// is NaN.
+    /// Returns the lowest value in the blocks as given, and its index in all blocks as one slice;
+    /// of equal values, that of the lowest lane, then of the block that is first in the list. No
+    /// value is NaN.
     fn raise<const N: usize>(
         self,
         values: &mut [[f32; LANES]; N],
