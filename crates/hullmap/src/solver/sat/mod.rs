@@ -127,6 +127,9 @@ pub(super) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 }
 
 /// [`contact`], with arrays of `P` blocks of points and `N` blocks of faces.
+///
+/// Not inlined, so that the arrays are on the stack only here, and only those of one size.
+#[inline(never)]
 fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const N: usize>(
     m: &mut Minkowski<'_, A, B>,
     facets: &[Facets<'_>; 2],
