@@ -41,7 +41,8 @@ const CONTACT_LANES: usize = 3;
 struct Lane<Q, R> {
     /// The index of the pair, and its query.
     query: Option<(usize, Q)>,
-    room: R,
+    /// `None` before the first query.
+    room: Option<R>,
 }
 
 /// Answers all pairs, `N` at a time: those for which `at_once` has an answer at once, all others as
@@ -57,7 +58,8 @@ fn answer_all<'s, A, B, Q, const N: usize>(
     B: Shape + ?Sized,
     Q: Suspended<'s, A, B>,
 {
-    let mut lanes: [_; N] = std::array::from_fn(|_| Lane::<Q, Q::Room> { query: None, room: Q::Room::default() });
+    // An array of rooms would be built in copies, which take several times the stack.
+    let mut lanes = [const { Lane::<Q, Q::Room> { query: None, room: None } }; N];
     let mut rest = 0..pairs.len();
     // Starts the next query that takes a support query.
     let mut start = |room: &mut Q::Room, caches: &mut [Cache], out: &mut [Q::Answer]| {
@@ -80,12 +82,12 @@ fn answer_all<'s, A, B, Q, const N: usize>(
     };
     let mut running = 0;
     for lane in &mut lanes {
-        lane.query = start(&mut lane.room, caches, out);
+        lane.query = start(lane.room.get_or_insert_default(), caches, out);
         running += usize::from(lane.query.is_some());
     }
     while running > 0 {
         for Lane { query: slot, room } in &mut lanes {
-            let Some((at, query)) = slot else { continue };
+            let (Some((at, query)), Some(room)) = (slot.as_mut(), room) else { continue };
             let Some(cache) = caches.get_mut(*at) else { continue };
             if let Some(answer) = query.step(settings, cache, room) {
                 if let Some(out) = out.get_mut(*at) {
