@@ -573,10 +573,12 @@ fn planes(
         let e = [q[0][l] - p[0][l], q[1][l] - p[1][l], q[2][l] - p[2][l]];
         let f = [r[0][l] - p[0][l], r[1][l] - p[1][l], r[2][l] - p[2][l]];
         let n = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
-        let height = |v: [[f64; LANES]; 3]| n[0] * v[0][l] + n[1] * v[1][l] + n[2] * v[2][l];
+        let height = |x: f64, y: f64, z: f64| n[0] * x + n[1] * y + n[2] * z;
         // The plane of a sliver fits its corners badly. The innermost corner keeps the lower bound
         // valid.
-        let (at_p, at_q, at_r) = (height(p), height(q), height(r));
+        let at_p = height(p[0][l], p[1][l], p[2][l]);
+        let at_q = height(q[0][l], q[1][l], q[2][l]);
+        let at_r = height(r[0][l], r[1][l], r[2][l]);
         let low = if at_q < at_r { at_q } else { at_r };
         let low = if at_p < low { at_p } else { low };
         offsets[l] = low * low.abs() / (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
