@@ -39,36 +39,38 @@ struct Feature {
 }
 
 impl Feature {
-    /// The vertices that are within `slack` of the farthest one along the unit vector `dir`, of
-    /// those in the mask `near`.
+    const EMPTY: Self = Self { points: [DVec3::ZERO; MAX_IN_PLANE], count: 0 };
+
+    /// Collects the vertices that are within `slack` of the farthest one along the unit vector
+    /// `dir`, of those in the mask `near`. `None` if there is none, or if there are too many.
     #[inline(always)]
-    fn new<const P: usize>(
+    fn collect<const P: usize>(
+        &mut self,
         facets: &Facets<'_>,
         near: LaneSet<P>,
         dir: DVec3,
         slack: f64,
         place: impl Fn(DVec3) -> DVec3,
-    ) -> Option<Self> {
-        let mut found = Self { points: [DVec3::ZERO; MAX_IN_PLANE], count: 0 };
-        let mut exact = [0.0; MAX_IN_PLANE];
+    ) -> Option<()> {
+        let mut heights = [0.0; MAX_IN_PLANE];
+        let mut found = 0;
         let mut farthest = f64::NEG_INFINITY;
         for vertex in near.iter().take_while(|vertex| *vertex < facets.vertex_count()) {
             let point = facets.vertex(vertex)?;
             let height = point.dot(dir);
-            *found.points.get_mut(found.count)? = point;
-            exact[found.count] = height;
+            *self.points.get_mut(found)? = point;
+            heights[found] = height;
             farthest = if height > farthest { height } else { farthest };
-            found.count += 1;
+            found += 1;
         }
-        let mut count = 0;
-        for (i, height) in exact.iter().enumerate().take(found.count) {
+        self.count = 0;
+        for (i, height) in heights.iter().enumerate().take(found) {
             if *height >= farthest - slack {
-                found.points[count] = place(found.points[i]);
-                count += 1;
+                self.points[self.count] = place(self.points[i]);
+                self.count += 1;
             }
         }
-        found.count = count;
-        (count > 0).then_some(found)
+        (self.count > 0).then_some(())
     }
 
     fn all(&self) -> &[DVec3] {
@@ -144,10 +146,11 @@ pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: us
     let margin = (slack + 2.0 * pair.error()) as f32;
     let mut pass = NearPass { halves: &scan.halves, dirs, margin, near: [LaneSet::EMPTY; 2] };
     dispatch.pass(&mut pass);
-    let on_a = Feature::new(a, pass.near[1], dirs[0], slack, |point| point)?;
+    let (mut on_a, mut on_b) = (Feature::EMPTY, Feature::EMPTY);
+    on_a.collect(a, pass.near[1], dirs[0], slack, |point| point)?;
     // Points of the difference for the point at the origin of A's frame.
     let place = |point: DVec3| m.point_of(DVec3::ZERO, point, [0; 2]).w;
-    let on_b = Feature::new(b, pass.near[0], dirs[1], slack, place)?;
+    on_b.collect(b, pass.near[0], dirs[1], slack, place)?;
     let foot = normal * depth;
     let sum = |dir: DVec3| {
         let a = on_a.lowest(dir);
