@@ -62,26 +62,27 @@ const TINY_ROUNDINGS: f64 = 32.0;
 
 /// Where the test is faster than the general path. Each row holds the maximum number of products of
 /// faces and vertices of a pair, and the maximum distance of the interior points over the sum of
-/// the inner radii: with a new cache, and with a used one.
+/// the inner radii.
 ///
 /// Measured by `small-table` and `peer-table`: hulls of 8 vertices, up to 64, and up to 128. Beyond
 /// the distance most pairs are separated, and the general path proves that with fewer operations.
-/// With more than 64 vertices, the general path takes less time when it starts from the polytope of
-/// the last query.
-const PAYS: [(usize, [f64; 2]); 3] = [(300, [3.0, 3.0]), (16_000, [2.0, 2.0]), (66_000, [2.0, 0.0])];
+const PAYS: [(usize, f64); 3] = [(300, 3.0), (16_000, 2.0), (66_000, 1.2)];
 
 /// Whether the test is likely to be faster than the general path.
+///
+/// It is not for a cache that knows the pair: the general path then starts from the last polytope,
+/// or leaves one for the next query.
 pub(super) fn pays<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,
     [a, b]: &[Facets<'_>; 2],
     cache: &Cache,
 ) -> bool {
     let products = a.face_count() * b.vertex_count() + b.face_count() * a.vertex_count();
-    let is_used = cache.axis().is_some() || cache.polytope().is_some();
-    PAYS.iter().find(|(most, _)| products <= *most).is_some_and(|(_, [new, used])| {
-        let near = m.inner_radius() * if is_used { used } else { new };
-        m.center_point().w.length_squared() < near * near
-    })
+    cache.is_new()
+        && PAYS.iter().find(|(most, _)| products <= *most).is_some_and(|(_, distance)| {
+            let near = m.inner_radius() * distance;
+            m.center_point().w.length_squared() < near * near
+        })
 }
 
 /// The search in f64.
