@@ -29,7 +29,7 @@
 
 use crate::solver::barycentric::on_triangle;
 use crate::solver::minkowski::Point;
-use crate::support::simd::Dispatch;
+use crate::support::simd::{Dispatch, Pass, Simd};
 use glam::DVec3;
 use std::hint::select_unpredictable;
 
@@ -199,17 +199,29 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     /// Computes the planes and offsets of the first `count` faces. Returns false if one has no
     /// area.
     fn update_planes(&mut self, count: usize) -> bool {
+        let mut update = Update { polytope: self, count, all_solid: false };
+        let dispatch = update.polytope.dispatch;
+        dispatch.pass(&mut update);
+        update.all_solid
+    }
+
+    /// [`update_planes`](Self::update_planes), compiled once per instruction set.
+    #[inline(always)]
+    fn update(&mut self, count: usize) -> bool {
         let mut all_solid = true;
         let mut encloses = true;
         for at in (0..count).step_by(LANES) {
             let lanes = LANES.min(count - at);
-            let [c, d, e, f] = [0, 1, 2, 3].map(|lane: usize| self.corners[at + lane.min(lanes - 1)]);
-            let w = |i: u16| self.position(usize::from(i));
-            let across = |k: usize| {
-                let [p, q, r, s] = [w(c[k]), w(d[k]), w(e[k]), w(f[k])];
-                [[p.x, q.x, r.x, s.x], [p.y, q.y, r.y, s.y], [p.z, q.z, r.z, s.z]]
-            };
-            let (planes, offsets, certain) = planes(across(0), across(1), across(2), self.slack);
+            let mut points = [[[0.0; LANES]; 3]; 3];
+            for lane in 0..LANES {
+                let corners = self.corners[at + if lane < lanes { lane } else { 0 }];
+                for (point, corner) in points.iter_mut().zip(corners) {
+                    let w = self.position(usize::from(corner));
+                    (point[0][lane], point[1][lane], point[2][lane]) = (w.x, w.y, w.z);
+                }
+            }
+            let [p, q, r] = points;
+            let (planes, offsets, certain) = planes(p, q, r, self.slack);
             for lane in 0..lanes {
                 let face = at + lane;
                 if self.is_free(face) {
@@ -543,6 +555,20 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         }
         self.nearest = nearest;
         Ok(())
+    }
+}
+
+/// The pass of [`Polytope::update_planes`].
+struct Update<'p, const V: usize, const F: usize> {
+    polytope: &'p mut Polytope<V, F>,
+    count: usize,
+    all_solid: bool,
+}
+
+impl<const V: usize, const F: usize> Pass for Update<'_, V, F> {
+    #[inline(always)]
+    fn run<S: Simd>(&mut self, _: S) {
+        self.all_solid = self.polytope.update(self.count);
     }
 }
 
