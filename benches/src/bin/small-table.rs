@@ -1,5 +1,5 @@
 //! Contact of small hulls by the separating axis test beside the general path (MPR and EPA), on the
-//! same pairs, interleaved in one run.
+//! same pairs, interleaved in one run. All caches are empty: with others, the test does not run.
 
 use std::hint::black_box;
 
@@ -27,22 +27,11 @@ struct Arguments {
     rounds: usize,
 }
 
-fn time<A: SupportMap, B: SupportMap>(a: &A, b: &B, poses: &[Placed], warm: bool) -> f64 {
-    let mut caches = vec![Cache::new(); if warm { poses.len() } else { 0 }];
+fn time<A: SupportMap, B: SupportMap>(a: &A, b: &B, poses: &[Placed]) -> f64 {
     let settings = Settings::default();
-    if warm {
-        for _ in 0..2 {
-            for (placed, cache) in poses.iter().zip(&mut caches) {
-                contact(a, b, placed.b_in_a, &settings, cache);
-            }
-        }
-    }
     let all = clock::time_ns(|| {
-        for (index, placed) in poses.iter().enumerate() {
-            match caches.get_mut(index) {
-                Some(cache) => black_box(contact(a, b, placed.b_in_a, &settings, cache)),
-                None => black_box(contact(a, b, placed.b_in_a, &settings, &mut Cache::new())),
-            };
+        for placed in poses {
+            black_box(contact(a, b, placed.b_in_a, &settings, &mut Cache::new()));
         }
     });
     all / poses.len() as f64
@@ -58,15 +47,13 @@ fn row(name: &str, [a, b]: [Hull<'_>; 2], poses: &[Placed], rounds: usize) {
     print!("{name:<24}");
     for class in Class::ALL {
         let poses: Vec<Placed> = poses.iter().filter(|placed| placed.class == class).copied().collect();
-        let mut times = [(); 4].map(|()| Vec::new());
+        let mut times = [(); 2].map(|()| Vec::new());
         for _ in 0..rounds {
-            times[0].push(time(&general_a, &general_b, &poses, false));
-            times[1].push(time(&a, &b, &poses, false));
-            times[2].push(time(&general_a, &general_b, &poses, true));
-            times[3].push(time(&a, &b, &poses, true));
+            times[0].push(time(&general_a, &general_b, &poses));
+            times[1].push(time(&a, &b, &poses));
         }
-        let [general, sat, general_warm, sat_warm] = times.map(median);
-        print!(" | {general:5.0} {sat:5.0} {:4.2}  warm {general_warm:5.0} {sat_warm:5.0}", sat / general);
+        let [general, sat] = times.map(median);
+        print!(" | {general:5.0} {sat:5.0} {:4.2}", sat / general);
     }
     // How often the test left the answer to the general path: it alone keeps a polytope.
     let fell_back = |placed: &&Placed| {

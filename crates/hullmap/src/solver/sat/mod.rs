@@ -310,3 +310,27 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'_, '_, A, B> {
         Some(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Pose, Settings, contact, shapes::Cuboid};
+
+    #[test]
+    fn it_pays_for_the_first_contact_of_a_pair() {
+        let cube = Cuboid::new(DVec3::ONE).unwrap();
+        let pose = |x: f64| Pose::from_translation(DVec3::new(x, 0.3, 0.2)).unwrap();
+        let facets = [cube.facets().unwrap(), cube.facets().unwrap()];
+        let pays_at = |x: f64, cache: &Cache| pays(&Minkowski::new(&cube, &cube, pose(x)), &facets, cache);
+        let mut cache = Cache::new();
+        assert!(pays_at(1.5, &cache) && !pays_at(7.0, &cache));
+        assert!(pays_at(1.5, &Cache::from_axis(DVec3::X)));
+        // The test leaves its normal, then the general path its polytope.
+        for x in [1.5, 1.49, 1.48] {
+            let found = contact(&cube, &cube, pose(x), &Settings::default(), &mut cache);
+            assert!((found.depth - (2.0 - x)).abs() < 1e-9, "{found:?}");
+            assert!(!pays_at(x, &cache));
+        }
+        assert!(cache.polytope().is_some());
+    }
+}
