@@ -157,12 +157,11 @@ fn worst_outside(points: &[DVec3], half_spaces: &[HalfSpace]) -> f64 {
 fn keep(half_spaces: &mut [HalfSpace], is_kept: impl Fn(&HalfSpace) -> bool) -> &mut [HalfSpace] {
     let mut count = 0;
     for at in 0..half_spaces.len() {
-        if is_kept(&half_spaces[at]) {
-            if count < at {
-                half_spaces.swap(count, at);
-            }
-            count += 1;
-        }
+        // A branch would be as unpredictable as a random one. What is dropped changes places with
+        // what was dropped before.
+        let is_kept = is_kept(&half_spaces[at]);
+        half_spaces.swap(count, at);
+        count += usize::from(is_kept);
     }
     &mut half_spaces[..count]
 }
@@ -228,9 +227,9 @@ impl Slice {
         let along = h.normal.dot(self.axis);
         let behind = h.offset - h.normal.dot(self.top) - margin;
         // The slice turns by the angle between the axis and the normal. Written so that NaN fails.
-        along > 0.0
-            && behind > 0.0
-            && h.normal.cross(self.axis).length_squared() * self.radius * self.radius < behind * behind
+        (along > 0.0)
+            & (behind > 0.0)
+            & (h.normal.cross(self.axis).length_squared() * self.radius * self.radius < behind * behind)
     }
 }
 
@@ -278,10 +277,13 @@ impl Search {
         let Some(first) = near.first().filter(|_| points.len() <= WITH_SLICES) else { return near };
         // Two slices, because a group of a thin body has points on both sides.
         let is_front = |h: &HalfSpace| h.normal.dot(first.normal) >= 0.0;
-        let sum = |front: bool| near.iter().filter(|h| is_front(h) == front).map(|h| h.normal).sum::<DVec3>();
-        let slices = [true, false].map(|front| Slice::new(points, around.centre, sum(front)));
+        let mut sums = [DVec3::ZERO; 2];
+        for h in near.iter() {
+            sums[usize::from(is_front(h))] += h.normal;
+        }
+        let slices = sums.map(|normals| Slice::new(points, around.centre, normals));
         self.work += near.len();
-        keep(near, |h| !slices.iter().any(|slice| slice.is_behind(h, margin)))
+        keep(near, |h| !(slices[0].is_behind(h, margin) | slices[1].is_behind(h, margin)))
     }
 
     fn compare(&mut self, points: &[DVec3], near: &[HalfSpace]) {

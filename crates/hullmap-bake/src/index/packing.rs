@@ -130,22 +130,24 @@ fn join_overlapping<L: AsRef<[u32]>>(lists: &[L], capacity: usize) -> Joined {
 fn join_any(lists: Vec<Vec<u32>>, capacity: usize) -> Joined {
     let closed = capacity - capacity / NEARLY_FULL;
     let mut groups: Vec<Vec<u32>> = Vec::new();
-    // Groups that may still grow, most recent first.
-    let mut open: VecDeque<u32> = VecDeque::new();
+    // Groups that may still grow and their signatures, most recent first.
+    let mut open: VecDeque<(u32, u128)> = VecDeque::new();
     let mut joined = Vec::with_capacity(lists.len());
     for list in lists {
         // The first of the open groups that lack the fewest of the vertices, and have room for
         // them.
         let mut best: Option<(usize, usize)> = None;
-        for (index, &group) in open.iter().enumerate() {
+        let own = signature(&list);
+        for (index, &(group, signature)) in open.iter().enumerate() {
             let group = &groups[group as usize];
-            let lacking = missing(group, &list);
+            let lacking = if signature & own == 0 { list.len() } else { missing(group, &list) };
             if group.len() + lacking <= capacity && best.is_none_or(|(fewest, _)| lacking < fewest) {
                 best = Some((lacking, index));
             }
         }
         let best = best.filter(|_| list.len() < closed);
-        let group = best.and_then(|(_, index)| open.remove(index)).unwrap_or(groups.len() as u32);
+        let new = (groups.len() as u32, 0);
+        let (group, signature) = best.and_then(|(_, index)| open.remove(index)).unwrap_or(new);
         if group as usize == groups.len() {
             groups.push(Vec::new());
             open.truncate(WINDOW - 1);
@@ -153,11 +155,16 @@ fn join_any(lists: Vec<Vec<u32>>, capacity: usize) -> Joined {
         let grown = &mut groups[group as usize];
         merge(grown, &list);
         if grown.len() < closed {
-            open.push_front(group);
+            open.push_front((group, signature | own));
         }
         joined.push(group);
     }
     (joined, groups)
+}
+
+/// A set of bits for the vertices of a list. Lists whose sets share no bit share no vertex.
+fn signature(list: &[u32]) -> u128 {
+    list.iter().fold(0, |bits, vertex| bits | 1 << (vertex % u128::BITS))
 }
 
 /// Number of entries of `list` that are not in `group`. Both must be ascending.
