@@ -24,8 +24,8 @@ use shapes::{families::Family, rng::SplitMix64};
 
 use crate::{rivals::simd_scan, subject::SEED};
 
-/// Hulls in a pack: sections of a pack hold at most 2 GiB.
-const HULLS_OF_A_PACK: usize = 1000;
+/// Maximum number of vertices in a pack: sections of a pack hold at most 2 GiB.
+const VERTICES_OF_A_PACK: usize = 2_048_000;
 
 /// Minimum and maximum semi-axis of a hull.
 const SEMI_AXES: [f64; 2] = [0.7, 1.3];
@@ -47,7 +47,7 @@ impl Scene {
     pub fn bake(count: usize, vertices: usize, index: IndexChoice) -> Self {
         let numbers: Vec<usize> = (0..count).collect();
         let packs: Vec<Pack> = numbers
-            .chunks(HULLS_OF_A_PACK)
+            .chunks((VERTICES_OF_A_PACK / vertices).max(1))
             .map(|numbers| {
                 let sets: Vec<_> =
                     numbers.iter().map(|number| point_set("hull", &ellipsoid(vertices, *number))).collect();

@@ -12,8 +12,8 @@
 //!
 //! # Deviations
 //! - A hull that fails a proof has no table, and its queries take the general path. The same holds
-//!   for hulls of more than [`ALWAYS_VERTICES`] vertices if their tables would exceed
-//!   [`MAX_BYTES`].
+//!   in packs whose tables would exceed [`MAX_BYTES`]: first for hulls of more than
+//!   [`SMALL_VERTICES`] vertices, then for all.
 
 #![forbid(unsafe_code)]
 
@@ -23,7 +23,7 @@ use hullmap_format::sections::Sections;
 use super::Hull;
 use crate::support::SupportMap;
 use crate::support::facets::{
-    ALWAYS_VERTICES, FacetTable, LANES, MAX_FACES, MAX_VERTICES, NormalBlock, PointBlock, Side, triangle_normal,
+    FacetTable, LANES, MAX_FACES, MAX_VERTICES, NormalBlock, PointBlock, SMALL_VERTICES, Side, triangle_normal,
 };
 
 /// Rounding error of the height of a vertex over a plane, in units of `f64::EPSILON` times the
@@ -46,10 +46,9 @@ const MIN_HEIGHT: f64 = 1e-6;
 /// No face: the value of an unused entry.
 const NO_FACE: u8 = u8::MAX;
 
-/// Maximum size of the tables of all hulls of more than [`ALWAYS_VERTICES`] vertices in a pack, in
-/// bytes. Beyond that they are in no cache when a query reads them, and the general path, which
-/// reads less, is as fast. It also limits the time to open a pack: about 270 hulls of 128 vertices,
-/// 35 ms.
+/// Maximum size of the tables of a pack, in bytes. Beyond that they are in no cache when a query
+/// reads them, and the general path, which reads less, is as fast. It also limits the time to open
+/// a pack: about 270 hulls of 128 vertices, or 1,100 of 32, which take 35 ms.
 const MAX_BYTES: usize = 4 << 20;
 
 impl FacetTable {
@@ -57,15 +56,20 @@ impl FacetTable {
     ///
     /// # Complexity
     /// O(number of hulls), and about 1 µs for each vertex of a hull with a table: at most about 35
-    /// ms for the hulls of more than [`ALWAYS_VERTICES`] vertices together.
+    /// ms together.
     pub(crate) fn of_pack(pack: &Sections<'_>) -> Box<[Option<Self>]> {
-        let hull = |index: usize| Hull::new(pack, None, index);
-        let hulls = 0..pack.hulls.len();
-        let larger = hulls.clone().filter_map(hull).filter(|hull| is_suitable(hull, MAX_VERTICES));
-        let bytes: usize =
-            larger.filter(|hull| hull.vertex_count() > ALWAYS_VERTICES).map(|hull| byte_len(&hull)).sum();
-        let most = if bytes <= MAX_BYTES { MAX_VERTICES } else { ALWAYS_VERTICES };
-        hulls.map(|index| hull(index).filter(|hull| is_suitable(hull, most)).and_then(|hull| Self::of(&hull))).collect()
+        Self::within(MAX_BYTES, pack.hulls.len(), |index| Hull::new(pack, None, index))
+    }
+
+    /// The tables of `count` hulls, with at most `bytes` bytes together.
+    fn within<'a>(bytes: usize, count: usize, hull: impl Fn(usize) -> Option<Hull<'a>>) -> Box<[Option<Self>]> {
+        let hulls = || (0..count).map(&hull);
+        let suitable = |most: usize| move |hull: &Hull<'_>| is_suitable(hull, most);
+        let fits = |most: &usize| {
+            hulls().flatten().filter(suitable(*most)).map(|hull| byte_len(&hull)).sum::<usize>() <= bytes
+        };
+        let most = [MAX_VERTICES, SMALL_VERTICES].into_iter().find(fits).unwrap_or(0);
+        hulls().map(|hull| hull.filter(suitable(most)).and_then(|hull| Self::of(&hull))).collect()
     }
 
     /// The table of `hull`; `None` if the hull is flat, has more than [`MAX_VERTICES`] vertices, or
@@ -365,6 +369,7 @@ fn point_blocks(points: &[DVec3], center: DVec3) -> Box<[PointBlock]> {
 
 #[cfg(test)]
 mod tests {
+    use hullmap_bake::{IndexKind, SourceRecord};
     use hullmap_testkit::packs;
     use shapes::{families::Family, rng::SplitMix64};
 
@@ -448,10 +453,23 @@ mod tests {
     }
 
     #[test]
-    fn large_hulls_have_no_table() {
-        for (n, has_table) in [(120, true), (200, false)] {
-            let pack = Pack::from_bytes(&packs::tree_bytes(&shapes::families::sphere(n, 1))).unwrap();
-            assert_eq!(pack.hull(0).unwrap().facets().is_some(), has_table);
+    fn tables_are_limited_by_vertices_and_by_bytes() {
+        let points = [120, 20, 200, 32].map(|n| shapes::families::sphere(n, 1));
+        let sets: Vec<_> = points.iter().map(|points| packs::point_set("hull", points)).collect();
+        let bytes = packs::bytes(&sets, IndexKind::Tree, &SourceRecord::default()).unwrap();
+        let pack = Pack::from_bytes(&bytes).unwrap();
+        let sizes: Vec<usize> = pack.hulls().map(|hull| byte_len(&hull)).collect();
+        let small = sizes[1] + sizes[3];
+        let all = small + sizes[0];
+        for (limit, expected) in [
+            (MAX_BYTES, [true, true, false, true]),
+            (all, [true, true, false, true]),
+            (all - 1, [false, true, false, true]),
+            (small, [false, true, false, true]),
+            (small - 1, [false; 4]),
+        ] {
+            let tables = FacetTable::within(limit, sets.len(), |index| pack.hull(index).ok());
+            assert_eq!(tables.iter().map(Option::is_some).collect::<Vec<_>>(), expected, "{limit}");
         }
     }
 }

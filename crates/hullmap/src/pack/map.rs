@@ -69,8 +69,7 @@ impl Pack {
     ///
     /// # Complexity
     /// O(number of hulls). No allocation that grows with the file, except for the copies of the
-    /// texts and the face tables of hulls of at most 32 vertices, about 1 µs a vertex. The tables
-    /// of hulls of 33 to 128 vertices take at most 4 MiB and about 35 ms more.
+    /// texts. The face tables of small hulls take at most 4 MiB and about 35 ms.
     ///
     /// # Examples
     /// ```

@@ -1,10 +1,9 @@
 //! Faces of a small polytope, laid out for the separating axis test (SAT): normals and offsets,
 //! vertices, and the arcs of the Gauss map.
 //!
-//! A hull of at most [`ALWAYS_VERTICES`] vertices gets a [`FacetTable`] when its pack is opened,
-//! and one of at most [`MAX_VERTICES`] if the tables of all these are not too large; in both cases
-//! unless a proof fails. A box makes its table for each query. The solver reads both through
-//! [`Facets`].
+//! A hull of at most [`MAX_VERTICES`] vertices gets a [`FacetTable`] when its pack is opened, unless
+//! the tables of the pack would be too large, or a proof fails. A box makes its table for each
+//! query. The solver reads both through [`Facets`].
 
 use glam::DVec3;
 
@@ -16,11 +15,12 @@ use crate::support::SupportMap;
 /// pairs near touching lose.
 pub(crate) const MAX_VERTICES: usize = 128;
 
-/// Maximum number of vertices of hulls that have a table in every pack.
-pub(crate) const ALWAYS_VERTICES: usize = 32;
+/// Maximum number of vertices of hulls that keep their tables where those of larger hulls are too
+/// large.
+pub(crate) const SMALL_VERTICES: usize = 32;
 
 // Their faces are in lean packs, too, so that contacts are the same.
-const _: () = assert!(ALWAYS_VERTICES == hullmap_format::archive::LEAN_FACES as usize);
+const _: () = assert!(SMALL_VERTICES == hullmap_format::archive::LEAN_FACES as usize);
 
 /// Maximum number of faces of a polytope with so few vertices, by Euler's formula.
 pub(crate) const MAX_FACES: usize = 2 * MAX_VERTICES - 4;
