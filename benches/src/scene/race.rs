@@ -161,11 +161,9 @@ pub fn run(scene: &Scene, vertices: usize, effort: Effort) -> Vec<Cell> {
     cells
 }
 
-/// Number of queries of hullmap in a piece.
-const PIECE: usize = 96;
-
-/// Number of queries of a batch in a piece. A batch decides by its size how it works.
-const BATCH_PIECE: usize = 1024;
+/// Number of queries of hullmap in a piece, the same one by one and in a batch: the pieces of a crowd
+/// differ, and so would medians over other pieces. A batch decides by its size how it works.
+const PIECE: usize = 1024;
 
 /// Number of queries of parry3d in a piece: one of each class.
 const PARRY_PIECE: usize = 3;
@@ -192,7 +190,7 @@ fn supports(scene: &Scene, hulls: &[Hull<'_>], effort: Effort, cells: &mut Vec<C
                 }
             });
         }
-        for (piece, found) in batched.chunks(BATCH_PIECE).zip(found.chunks_mut(BATCH_PIECE)) {
+        for (piece, found) in batched.chunks(PIECE).zip(found.chunks_mut(PIECE)) {
             record(&mut times[Engine::Batch as usize], piece.len(), || {
                 batch::support_points(piece, found).expect(EQUAL_LENGTHS);
             });
@@ -320,8 +318,8 @@ impl<'s> Bench<'s> {
         let pair = |pair: &Placed| batch::Pair { a: &self.hulls[pair.a], b: &self.hulls[pair.b], b_in_a: pair.b_in_a };
         let pairs: Vec<batch::Pair<'_, Hull<'_>, Hull<'_>>> = pairs.iter().map(pair).collect();
         let (settings, manifold_settings) = (Settings::default(), manifold_settings());
-        for (number, piece) in pairs.chunks(BATCH_PIECE).enumerate() {
-            let at = number * BATCH_PIECE..number * BATCH_PIECE + piece.len();
+        for (number, piece) in pairs.chunks(PIECE).enumerate() {
+            let at = number * PIECE..number * PIECE + piece.len();
             let caches = &mut answers.caches[at.clone()];
             record(&mut self.times[Engine::Batch as usize], piece.len(), || {
                 let done = match self.query {
