@@ -161,8 +161,8 @@ pub fn run(scene: &Scene, vertices: usize, effort: Effort) -> Vec<Cell> {
     cells
 }
 
-/// Number of queries of hullmap in a piece, the same one by one and in a batch: the pieces of a crowd
-/// differ, and so would medians over other pieces. A batch decides by its size how it works.
+/// Number of queries of hullmap in a piece, the same one by one and in a batch: the pieces of a
+/// crowd differ, and so would medians over other pieces. A batch decides by its size how it works.
 const PIECE: usize = 1024;
 
 /// Number of queries of parry3d in a piece: one of each class.

@@ -1,9 +1,9 @@
 //! Faces of a small polytope, laid out for the separating axis test (SAT): normals and offsets,
 //! vertices, and the arcs of the Gauss map.
 //!
-//! A hull of at most [`MAX_VERTICES`] vertices gets a [`FacetTable`] when its pack is opened, unless
-//! the tables of the pack would be too large, or a proof fails. A box makes its table for each
-//! query. The solver reads both through [`Facets`].
+//! A hull of at most [`MAX_VERTICES`] vertices gets a [`FacetTable`] when its pack is opened,
+//! unless the tables of the pack would be too large, or a proof fails. A box makes its table for
+//! each query. The solver reads both through [`Facets`].
 
 use glam::DVec3;
 

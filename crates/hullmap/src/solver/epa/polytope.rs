@@ -584,8 +584,8 @@ fn after(edge: usize) -> usize {
 /// squares of the offsets (not finite for a triangle without area), and whether the volume of each
 /// triangle with the origin is certainly positive.
 ///
-/// It is written lane by lane, in a form that the compiler vectorises. It does not if a closure takes
-/// a whole array: the planes then take three times as long.
+/// It is written lane by lane, in a form that the compiler vectorises. It does not if a closure
+/// takes a whole array: the planes then take three times as long.
 #[inline(always)]
 fn planes(
     p: [[f64; LANES]; 3],
