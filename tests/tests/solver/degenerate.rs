@@ -38,3 +38,13 @@ fn no_interval_of_larger_hulls_excludes_the_exact_depth() {
     let decided: u64 = tally.counts.values().map(|count| count.by_facets).sum();
     assert!(decided * 3 > PAIRS / 2, "{decided}");
 }
+
+/// At a face of this pair, f32 finds the same support point as at the next face, and f64 another
+/// one. The minimum is between the two faces.
+#[test]
+fn an_arc_whose_ends_share_a_support_point_in_f32_only_is_searched() {
+    let mut tally = Tally::default();
+    tally.judge(4, 1081, 24);
+    assert!(tally.misses.is_empty(), "{:?}", tally.misses);
+    assert!(tally.counts.values().all(|count| count.penetrating == 1 && count.by_facets == 1), "{tally}");
+}

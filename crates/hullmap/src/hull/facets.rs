@@ -23,7 +23,8 @@ use hullmap_format::sections::Sections;
 use super::Hull;
 use crate::support::SupportMap;
 use crate::support::facets::{
-    FacetTable, LANES, MAX_FACES, MAX_VERTICES, NormalBlock, PointBlock, SMALL_VERTICES, Side, triangle_normal,
+    Edge, FLAT_VERTICES, FacetTable, LANES, MAX_FACES, MAX_VERTICES, NormalBlock, PointBlock, SMALL_VERTICES, Side,
+    triangle_normal,
 };
 
 /// Rounding error of the height of a vertex over a plane, in units of `f64::EPSILON` times the
@@ -110,6 +111,7 @@ impl FacetTable {
             return None;
         }
         let (sides, side_starts) = map.sides(&faces)?;
+        let edges = if count <= FLAT_VERTICES { edges(&sides, &side_starts) } else { Box::default() };
         Some(Self {
             normals: blocks(&faces),
             exact: faces.iter().map(|face| face.normal).collect(),
@@ -117,9 +119,25 @@ impl FacetTable {
             points: point_blocks(&points, center),
             sides: sides.into(),
             side_starts: side_starts.into(),
+            edges,
             slack,
         })
     }
+}
+
+/// Each arc once, from the sides of its two faces.
+fn edges(sides: &[Side], starts: &[u16]) -> Box<[Edge]> {
+    let mut face = 0;
+    let mut edges = Vec::with_capacity(sides.len() / 2);
+    for (index, side) in sides.iter().enumerate() {
+        while starts.get(face + 1).is_some_and(|start| usize::from(*start) <= index) {
+            face += 1;
+        }
+        if face < side.beyond.into() {
+            edges.push(Edge { faces: [face as u8, side.beyond], vertex: side.vertex });
+        }
+    }
+    edges.into()
 }
 
 /// Whether a hull is solid, has faces, and has at most `most` vertices.
@@ -130,7 +148,8 @@ fn is_suitable(hull: &Hull<'_>, most: usize) -> bool {
 /// Size of the table of a triangulated hull, in bytes.
 fn byte_len(hull: &Hull<'_>) -> usize {
     let face = size_of::<NormalBlock>() / LANES + size_of::<DVec3>() + 3 * size_of::<Side>() + 3;
-    hull.face_count() * face + hull.vertex_count() * size_of::<PointBlock>() / LANES
+    let edges = if hull.vertex_count() <= FLAT_VERTICES { hull.vertex_count() + hull.face_count() } else { 0 };
+    hull.face_count() * face + hull.vertex_count() * size_of::<PointBlock>() / LANES + edges * size_of::<Edge>()
 }
 
 /// A face with its computed normal.
@@ -404,6 +423,14 @@ mod tests {
 
     fn check(hull: &Hull<'_>, table: &FacetTable, seed: u64) {
         assert_eq!((table.exact.len(), table.sides.len()), (hull.face_count(), hull.neighbours.len()));
+        // Each arc once, with the faces on both sides and a vertex of both.
+        let sides = (0..table.exact.len()).flat_map(|face| {
+            let starts = [face, face + 1].map(|at| usize::from(table.side_starts[at]));
+            table.sides[starts[0]..starts[1]].iter().map(move |side| ([face as u8, side.beyond], side.vertex))
+        });
+        let expected: Vec<_> = sides.filter(|([face, beyond], _)| face < beyond).collect();
+        let edges: Vec<_> = table.edges.iter().map(|edge| (edge.faces, edge.vertex)).collect();
+        assert_eq!(edges, if hull.vertex_count() <= FLAT_VERTICES { expected } else { Vec::new() });
         // The table has the same normals in another order.
         let points: Vec<DVec3> = hull.vertices().map(|v| v.as_dvec3()).collect();
         let normal = |face: &mut dyn Iterator<Item = u32>| {

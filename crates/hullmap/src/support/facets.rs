@@ -22,6 +22,9 @@ pub(crate) const SMALL_VERTICES: usize = 32;
 // Their faces are in lean packs, too, so that contacts are the same.
 const _: () = assert!(SMALL_VERTICES == hullmap_format::archive::LEAN_FACES as usize);
 
+/// Maximum number of vertices of shapes whose support values at all faces may be computed.
+pub(crate) const FLAT_VERTICES: usize = 16;
+
 /// Maximum number of faces of a polytope with so few vertices, by Euler's formula.
 pub(crate) const MAX_FACES: usize = 2 * MAX_VERTICES - 4;
 
@@ -61,6 +64,15 @@ pub(crate) struct Side {
     chord: u16,
 }
 
+/// An arc of the Gauss map, between the normals of two faces with a common edge.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Edge {
+    /// The two faces.
+    pub(crate) faces: [u8; 2],
+    /// A vertex of the edge.
+    pub(crate) vertex: u8,
+}
+
 /// Unit of the chord of a [`Side`]: the greatest chord is 2.
 const CHORD_UNIT: f32 = 2.0 / u16::MAX as f32;
 
@@ -93,6 +105,8 @@ pub(crate) struct FacetTable {
     pub(crate) sides: Box<[Side]>,
     /// Where the sides of each face start, and the number of all sides.
     pub(crate) side_starts: Box<[u16]>,
+    /// Each arc once, for hulls of at most [`FLAT_VERTICES`] vertices.
+    pub(crate) edges: Box<[Edge]>,
     /// See [`Facets::slack`].
     pub(crate) slack: f64,
 }
@@ -123,6 +137,8 @@ pub(crate) struct View<'v> {
     pub(crate) points: &'v [PointBlock],
     sides: &'v [Side],
     side_starts: &'v [u16],
+    /// Each arc once, for shapes of at most [`FLAT_VERTICES`] vertices.
+    pub(crate) edges: &'v [Edge],
 }
 
 impl View<'_> {
@@ -158,6 +174,24 @@ const fn box_sides() -> [Side; 24] {
         side += 1;
     }
     sides
+}
+
+/// The arcs of a box, from its sides.
+const BOX_EDGES: [Edge; 12] = box_edges();
+
+#[expect(clippy::indexing_slicing, reason = "12 of the 24 sides are those of the face with the lower number")]
+const fn box_edges() -> [Edge; 12] {
+    let mut edges = [Edge { faces: [0; 2], vertex: 0 }; 12];
+    let (mut side, mut edge) = (0, 0);
+    while side < 24 {
+        let Side { beyond, vertex, .. } = BOX_SIDES[side];
+        if side / 4 < beyond as usize {
+            edges[edge] = Edge { faces: [(side / 4) as u8, beyond], vertex };
+            edge += 1;
+        }
+        side += 1;
+    }
+    edges
 }
 
 impl<'a> Facets<'a> {
@@ -203,6 +237,7 @@ impl<'a> Facets<'a> {
                 points: &table.points,
                 sides: &table.sides,
                 side_starts: &table.side_starts,
+                edges: &table.edges,
             },
             Kind::Cuboid(half) => {
                 let half = half.as_vec3().to_array();
@@ -222,6 +257,7 @@ impl<'a> Facets<'a> {
                     points: &buffer.points,
                     sides: &BOX_SIDES,
                     side_starts: &BOX_SIDE_STARTS,
+                    edges: &BOX_EDGES,
                 }
             }
         }

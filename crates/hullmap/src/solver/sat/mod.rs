@@ -10,7 +10,7 @@
 //! 1. The last axis, or the line of centres: it may separate. If not, its support value bounds the
 //!    depth.
 //! 2. In f32, lower bounds at all face normals of both shapes, raised until the lowest is a support
-//!    value ([`scan`]).
+//!    value ([`scan`]). For few vertices, all support values instead ([`flat`]).
 //! 3. In f32, rule out the faces and the arcs of A whose values cannot be the minimum.
 //! 4. In f64, evaluate the rest: faces by a support query, arcs by bisection at the direction in
 //!    which two support points are equally far.
@@ -22,12 +22,16 @@
 //! - What is not decided for certain, or has too many candidates, is `None`. Then the general path
 //!   answers, from portal refinement (MPR) and EPA.
 
+mod first_pass;
+mod flat;
 mod scan;
 mod witness;
 
 use glam::DVec3;
 
-use self::scan::{Pair, Scan};
+use self::first_pass::FirstPass;
+use self::flat::Flat;
+use self::scan::{Arc, Pair, Scan, threshold};
 use super::bound::Bound;
 use super::cache::Cache;
 use super::contact::{Contact, separated_contact};
@@ -119,19 +123,23 @@ pub(super) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 ) -> Option<Contact> {
     let [a, b] = &facets;
     match a.vertex_count().max(b.vertex_count()) {
-        0..=8 => search::<A, B, 1, 2>(m, &facets, tolerance, last, cache),
-        9..=16 => search::<A, B, 2, 4>(m, &facets, tolerance, last, cache),
-        17..=32 => search::<A, B, 4, 8>(m, &facets, tolerance, last, cache),
-        33..=64 => search::<A, B, 8, 16>(m, &facets, tolerance, last, cache),
-        _ => search::<A, B, POINT_BLOCKS, NORMAL_BLOCKS>(m, &facets, tolerance, last, cache),
+        0..=8 => search::<A, B, Flat<1, 2>, 1, 2>(m, &facets, tolerance, last, cache),
+        9..=16 if m.inner_balls_overlap() => search::<A, B, Flat<2, 4>, 2, 4>(m, &facets, tolerance, last, cache),
+        9..=16 => search::<A, B, Scan<2, 4>, 2, 4>(m, &facets, tolerance, last, cache),
+        17..=32 => search::<A, B, Scan<4, 8>, 4, 8>(m, &facets, tolerance, last, cache),
+        33..=64 => search::<A, B, Scan<8, 16>, 8, 16>(m, &facets, tolerance, last, cache),
+        _ => {
+            type Largest = Scan<POINT_BLOCKS, NORMAL_BLOCKS>;
+            search::<A, B, Largest, POINT_BLOCKS, NORMAL_BLOCKS>(m, &facets, tolerance, last, cache)
+        }
     }
 }
 
-/// [`contact`], with arrays of `P` blocks of points and `N` blocks of faces.
+/// [`contact`] with the first pass `F`, and arrays of `P` blocks of points and `N` blocks of faces.
 ///
 /// Not inlined, so that the arrays are on the stack only here, and only those of one size.
 #[inline(never)]
-fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const N: usize>(
+fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, F: FirstPass<P, N>, const P: usize, const N: usize>(
     m: &mut Minkowski<'_, A, B>,
     facets: &[Facets<'_>; 2],
     tolerance: f64,
@@ -172,11 +180,14 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     let [a, b] = facets;
     let pair = Pair::new(m, facets, &mut buffers);
     let dispatch = a.dispatch().or(b.dispatch()).unwrap_or_else(Dispatch::best);
-    let mut scan = Scan::<P, N>::new(&pair);
-    scan.run(&pair, dispatch, best.upper as f32, seen)?;
+    let mut first = F::new(&pair);
+    first.run(&pair, dispatch, best.upper as f32, seen)?;
     // 3.
-    if !(scan.low >= -scan.error) {
-        let (face, of_b) = scan.lowest_face()?;
+    let (low, error) = (first.low(), first.error());
+    if !(low >= -error) {
+        let [of_a, of_b] = first.faces_at_most(low);
+        let (face, of_b) =
+            of_a.iter().next().map(|face| (face, false)).or_else(|| of_b.iter().next().map(|face| (face, true)))?;
         let axis = direction(m, facets, face, of_b)?;
         let point = m.point(axis);
         if point.w.dot(axis) < -rounding {
@@ -186,7 +197,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
         return None;
     }
     // The lowest face is at most one error above its value.
-    let faces = scan.faces((scan.low + scan.error).min(best.upper as f32));
+    let faces = first.faces((low + error).min(best.upper as f32));
     // 4.
     let mut search = Search { m, best, lower: f64::INFINITY };
     for face in faces[0].iter() {
@@ -195,7 +206,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
         let point = search.m.point_with_a(a.vertex(on_a)?, on_a as u32, dir);
         let value = search.take(&point, dir)?;
         search.lower = search.lower.min(value);
-        scan.set_vertex(face, point.features[1]);
+        first.set_vertex(face, point.features[1]);
     }
     for face in faces[1].iter() {
         let dir = direction(search.m, facets, face, true)?;
@@ -204,15 +215,17 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
         let value = search.take(&point, dir)?;
         search.lower = search.lower.min(value);
     }
-    for arc in scan.arcs(&pair, dispatch, search.best.upper as f32)?.iter() {
-        let on_a = a.vertex(arc.vertex.into())?;
-        let point = |face: u8| {
-            let on_b = scan.vertex(face.into());
-            Some(search.m.point_of(on_a, b.vertex(on_b)?, [arc.vertex.into(), on_b as u32]).w)
-        };
-        let [from, to] = arc.faces;
-        let points = [point(from)?, point(to)?];
-        search.along(Piece { dirs: [a.normal(from.into())?, a.normal(to.into())?], points }, 0)?;
+    first.find_arcs(&pair, dispatch, search.best.upper as f32)?;
+    for Arc { faces: [from, to], vertex, bound } in first.arcs() {
+        // The value of the first arc, the lowest, rules out most of the others. NaN does not.
+        if *bound >= threshold(search.best.upper as f32, error) {
+            continue;
+        }
+        let on_a = a.vertex((*vertex).into())?;
+        let ends = [usize::from(*from), usize::from(*to)];
+        let [p, q] = ends.map(|face| b.vertex(first.vertex(face)));
+        let points = [search.m.point_of(on_a, p?, [0; 2]).w, search.m.point_of(on_a, q?, [0; 2]).w];
+        search.along(Piece { dirs: [a.normal(ends[0])?, a.normal(ends[1])?], points }, 0)?;
     }
     // The bounds.
     let Search { m, best, lower } = search;
@@ -235,7 +248,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
         return None;
     };
     // 5.
-    let (point_a, point_b) = witness::points(m, facets, &pair, &scan, dispatch, best.normal, best.upper)?;
+    let (point_a, point_b) = witness::points(m, facets, &pair, first.points(), dispatch, best.normal, best.upper)?;
     cache.set_axis(best.normal);
     Some(Contact {
         hit: true,

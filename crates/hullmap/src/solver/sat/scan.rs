@@ -17,6 +17,7 @@
 
 use glam::{DMat3, DVec3};
 
+use super::first_pass::FirstPass;
 use crate::solver::minkowski::Minkowski;
 use crate::support::SupportMap;
 use crate::support::facets::{Buffer, Facets, LANES, NormalBlock, PointBlock, View};
@@ -47,7 +48,7 @@ const MAX_LEFT: usize = 64;
 const UNKNOWN: u32 = u32::MAX;
 
 /// Values of eight faces per block.
-type Lanes = [f32; LANES];
+pub(super) type Lanes = [f32; LANES];
 
 /// Shape A, shape B, and where they are.
 pub(super) struct Pair<'v> {
@@ -84,6 +85,16 @@ impl<'v> Pair<'v> {
         }
     }
 
+    /// The matrix, by rows, and the centre that place B's vertices in the difference, and those of
+    /// A in B's frame, where they are mirrored through the origin: −Rᵀ ((a − c_A) + v0).
+    #[inline(always)]
+    pub(super) fn placements(&self) -> [([[f32; 3]; 3], [f32; 3]); 2] {
+        let back = self.rotation.transpose();
+        let turns = [rows(self.rotation * -1.0), rows(back * -1.0)];
+        let centers = [self.center, back * -self.center].map(|center| center.as_vec3().to_array());
+        [(turns[0], centers[0]), (turns[1], centers[1])]
+    }
+
     /// Upper bound of the error of a value in f32: a length.
     pub(super) fn error(&self) -> f64 {
         ERROR_UNITS * UNIT * self.reach
@@ -97,19 +108,8 @@ pub(super) struct Arc {
     pub(super) faces: [u8; 2],
     /// A vertex of its edge.
     pub(super) vertex: u8,
-}
-
-/// The arcs that are left to f64.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Arcs {
-    items: [Arc; MAX_LEFT],
-    count: usize,
-}
-
-impl Arcs {
-    pub(super) fn iter(&self) -> impl Iterator<Item = Arc> {
-        self.items.iter().take(self.count).copied()
-    }
+    /// Lower bound of the values between the ends.
+    pub(super) bound: f32,
 }
 
 /// Rounded to f32, by rows.
@@ -236,16 +236,16 @@ impl<const P: usize, const N: usize> Half<P, N> {
         below
     }
 
-    /// Whether values between the ends of an arc may be below `threshold`. They are at most `dip`
-    /// below the lower end.
+    /// Lower bound of the values between the ends of an arc, where it is lower than both ends;
+    /// infinite if it is at least `threshold`. Values are at most `dip` below the lower end.
     #[inline(always)]
-    fn may_dip(&self, normals: &[NormalBlock], ends: [usize; 2], dip: f32, threshold: f32) -> bool {
+    fn dip(&self, normals: &[NormalBlock], ends: [usize; 2], dip: f32, threshold: f32) -> f32 {
         let (v, w) = (self.value(ends[0]), self.value(ends[1]));
         let (p, q) = (self.vertex(ends[0]), self.vertex(ends[1]));
         let low = if v < w { v } else { w };
         // NaN is kept.
         if p == q || low - dip >= threshold {
-            return false;
+            return f32::INFINITY;
         }
         let (c, d) = (normal(normals, ends[0]), normal(normals, ends[1]));
         let dot = |p: [f32; 3], q: [f32; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
@@ -258,7 +258,8 @@ impl<const P: usize, const N: usize> Half<P, N> {
         let first = (1.0 - t) * v + t * (w - drop_w);
         let second = (1.0 - t) * (v - drop_v) + t * w;
         // NaN counts as a dip.
-        !(first >= threshold && second >= threshold)
+        let bound = if first < second { first } else { second };
+        if bound >= threshold { f32::INFINITY } else { bound }
     }
 }
 
@@ -270,6 +271,9 @@ pub(super) struct Scan<const P: usize, const N: usize> {
     pub(super) low: f32,
     /// Upper bound of the error of every value: a length.
     pub(super) error: f32,
+    /// The arcs of A that may have the minimum between their ends.
+    arcs: [Arc; MAX_LEFT],
+    arc_count: usize,
 }
 
 /// The scan of the faces.
@@ -285,20 +289,18 @@ impl<const P: usize, const N: usize> Pass for FacePass<'_, '_, '_, P, N> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S) {
         let Self { pair, upper, seen, .. } = *self;
-        let Scan { halves, low, error } = &mut *self.scan;
-        // A's vertices are mirrored through the origin, in B's frame: −Rᵀ ((a − c_A) + v0).
-        let back = pair.rotation.transpose();
-        let turns = [rows(pair.rotation * -1.0), rows(back * -1.0)];
-        let centers = [pair.center, back * -pair.center].map(|center| center.as_vec3().to_array());
+        let Scan { halves, low, error, .. } = &mut *self.scan;
+        let placements = pair.placements();
         let views = [&pair.a, &pair.b];
         for own in 0..2 {
             let (half, view, other) = (&mut halves[own], views[own], 1 - own);
+            let (turn, center) = &placements[own];
             let Some(last) = views[other].points.last() else { return };
             for (block, to) in half.points.iter_mut().enumerate() {
-                *to = simd.transform(views[other].points.get(block).unwrap_or(last), &turns[own], centers[own]);
+                *to = simd.transform(views[other].points.get(block).unwrap_or(last), turn, *center);
             }
             // 1.
-            let ball = (centers[own], pair.inner[other] as f32);
+            let ball = (*center, pair.inner[other] as f32);
             let (mut lowest, mut face) = half.start(simd, view.normals, ball, lower_threshold(*low, upper, *error));
             if let Some(seen) = seen {
                 (lowest, face) = half.cut(simd, view.normals, seen[own], lower_threshold(*low, upper, *error));
@@ -341,7 +343,6 @@ struct ArcPass<'s, 'p, 'v, const P: usize, const N: usize> {
     scan: &'s mut Scan<P, N>,
     pair: &'p Pair<'v>,
     upper: f32,
-    found: &'s mut Arcs,
     complete: bool,
 }
 
@@ -349,7 +350,7 @@ impl<const P: usize, const N: usize> Pass for ArcPass<'_, '_, '_, P, N> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S) {
         let Self { pair, upper, .. } = *self;
-        let Scan { halves: [half, _], error, .. } = &mut *self.scan;
+        let Scan { halves: [half, _], error, arcs, arc_count, .. } = &mut *self.scan;
         let normals = pair.a.normals;
         let threshold = threshold(upper, *error);
         // 3. A bound at both ends holds along the arc if its linear part is not negative there: the
@@ -392,14 +393,29 @@ impl<const P: usize, const N: usize> Pass for ArcPass<'_, '_, '_, P, N> {
                         half.evaluate(simd, normals, end);
                     }
                 }
-                if half.may_dip(normals, ends, span * side.chord(), threshold) {
-                    let Some(item) = self.found.items.get_mut(self.found.count) else { return };
-                    *item = Arc { faces: ends.map(|face| face as u8), vertex: side.vertex };
-                    self.found.count += 1;
+                let bound = half.dip(normals, ends, span * side.chord(), threshold);
+                // NaN is kept.
+                if bound != f32::INFINITY {
+                    let Some(arc) = arcs.get_mut(*arc_count) else { return };
+                    *arc = Arc { faces: ends.map(|face| face as u8), vertex: side.vertex, bound };
+                    *arc_count += 1;
                 }
             }
         }
+        lowest_first(&mut arcs[..*arc_count]);
         self.complete = true;
+    }
+}
+
+/// Moves the arc with the lowest bound to the front.
+#[inline(always)]
+pub(super) fn lowest_first(arcs: &mut [Arc]) {
+    let mut lowest = 0;
+    for (index, arc) in arcs.iter().enumerate() {
+        lowest = if arc.bound < arcs[lowest].bound { index } else { lowest };
+    }
+    if lowest > 0 {
+        arcs.swap(0, lowest);
     }
 }
 
@@ -439,77 +455,82 @@ fn lower_threshold(low: f32, upper: f32, error: f32) -> f32 {
 /// A value that is at least this certainly exceeds `upper`, and 0. A value along an arc has up to
 /// four times the error.
 #[inline(always)]
-fn threshold(upper: f32, error: f32) -> f32 {
+pub(super) fn threshold(upper: f32, error: f32) -> f32 {
     upper.max(0.0) + 6.0 * error
 }
 
-impl<const P: usize, const N: usize> Scan<P, N> {
-    /// A scan of `pair` without values.
+impl<const P: usize, const N: usize> FirstPass<P, N> for Scan<P, N> {
     #[inline(always)]
-    pub(super) fn new(pair: &Pair<'_>) -> Self {
-        Self { halves: [Half::EMPTY; 2], low: f32::INFINITY, error: pair.error() as f32 }
+    fn new(pair: &Pair<'_>) -> Self {
+        Self {
+            halves: [Half::EMPTY; 2],
+            low: f32::INFINITY,
+            error: pair.error() as f32,
+            arcs: [Arc::default(); MAX_LEFT],
+            arc_count: 0,
+        }
     }
 
-    /// Computes the support values at the faces of A and of B that may have the minimum. If a face
-    /// separates, it stops there: `low` is below −`error` then. `None` if there are too many faces.
-    ///
-    /// `upper` is an upper bound of the depth, or infinite. `seen` holds a vertex of B and one of A
-    /// that are likely support points along the depth; they only save work.
     #[inline(always)]
-    pub(super) fn run(
-        &mut self,
-        pair: &Pair<'_>,
-        dispatch: Dispatch,
-        upper: f32,
-        seen: Option<[usize; 2]>,
-    ) -> Option<()> {
+    fn run(&mut self, pair: &Pair<'_>, dispatch: Dispatch, upper: f32, seen: Option<[usize; 2]>) -> Option<()> {
         let mut pass = FacePass { scan: self, pair, upper, seen, complete: false };
         dispatch.pass(&mut pass);
         pass.complete.then_some(())
     }
 
-    /// The face with the lowest value, and whether it is one of B.
-    pub(super) fn lowest_face(&self) -> Option<(usize, bool)> {
-        let [a, b] = [0, 1].map(|own: usize| self.halves[own].below(self.low.next_up()));
-        a.iter().next().map(|face| (face, false)).or_else(|| b.iter().next().map(|face| (face, true)))
+    #[inline(always)]
+    fn find_arcs(&mut self, pair: &Pair<'_>, dispatch: Dispatch, upper: f32) -> Option<()> {
+        let mut pass = ArcPass { scan: self, pair, upper, complete: false };
+        dispatch.pass(&mut pass);
+        pass.complete.then_some(())
     }
 
-    /// The faces of A and of B whose values may be at most `upper`, an upper bound of the depth.
     #[inline(always)]
-    pub(super) fn faces(&self, upper: f32) -> [LaneSet<N>; 2] {
+    fn arcs(&self) -> &[Arc] {
+        self.arcs.get(..self.arc_count).unwrap_or_default()
+    }
+
+    #[inline(always)]
+    fn low(&self) -> f32 {
+        self.low
+    }
+
+    #[inline(always)]
+    fn error(&self) -> f32 {
+        self.error
+    }
+
+    #[inline(always)]
+    fn faces(&self, upper: f32) -> [LaneSet<N>; 2] {
         let [a, b] = &self.halves;
         let threshold = threshold(upper, self.error);
         [a.below(threshold), b.below(threshold)]
     }
 
-    /// The vertex of B that is the support point at a known face of A, or nearly so.
     #[inline(always)]
-    pub(super) fn vertex(&self, face: usize) -> usize {
+    fn faces_at_most(&self, value: f32) -> [LaneSet<N>; 2] {
+        self.halves.each_ref().map(|half| half.below(value.next_up()))
+    }
+
+    #[inline(always)]
+    fn vertex(&self, face: usize) -> usize {
         self.halves[0].vertex(face).into()
     }
 
-    /// Stores the support vertex of B at a face of A, known from f64.
     #[inline(always)]
-    pub(super) fn set_vertex(&mut self, face: usize, vertex: u32) {
+    fn set_vertex(&mut self, face: usize, vertex: u32) {
         self.halves[0].vertices[face / LANES % N][face % LANES] = vertex as u8;
     }
 
-    /// All arcs of A that may have a value of at most `upper` at a direction that is not an end.
-    /// `None` if they are too many.
-    ///
-    /// `upper` is an upper bound of the depth, at most that for [`faces`](Self::faces). The
-    /// vertices of all faces found there are known from f64 ([`set_vertex`](Self::set_vertex)).
     #[inline(always)]
-    pub(super) fn arcs(&mut self, pair: &Pair<'_>, dispatch: Dispatch, upper: f32) -> Option<Arcs> {
-        let mut found = Arcs { items: [Arc::default(); MAX_LEFT], count: 0 };
-        let mut pass = ArcPass { scan: self, pair, upper, found: &mut found, complete: false };
-        dispatch.pass(&mut pass);
-        pass.complete.then_some(found)
+    fn points(&self) -> [&[PointBlock; P]; 2] {
+        self.halves.each_ref().map(|half| &half.points)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::flat::Flat;
     use glam::DQuat;
     use hullmap_testkit::packs;
     use shapes::{families, rng::SplitMix64};
@@ -530,16 +551,30 @@ mod tests {
         apart: u32,
     }
 
+    impl<const P: usize, const N: usize> Scan<P, N> {
+        fn known(&self, own: usize, face: usize) -> Option<f32> {
+            let half = &self.halves[own];
+            half.known.contains(face).then(|| half.value(face))
+        }
+    }
+
     /// Compares what the scan rules out with support values in f64, at all faces and along all
     /// arcs.
-    fn check<const P: usize, const N: usize>([a, b]: [&Hull<'_>; 2], pose: Pose, dispatch: Dispatch, seen: &mut Seen) {
+    /// `known_value` is the support value at a face, if the pass has computed it.
+    fn check<F: FirstPass<P, N>, const P: usize, const N: usize>(
+        [a, b]: [&Hull<'_>; 2],
+        pose: Pose,
+        dispatch: Dispatch,
+        known_value: impl Fn(&F, usize, usize) -> Option<f32>,
+        seen: &mut Seen,
+    ) {
         let mut m = Minkowski::new(a, b, pose);
         let facets = [a.facets().unwrap(), b.facets().unwrap()];
         let mut buffers = [Buffer::default(), Buffer::default()];
         let pair = Pair::new(&m, &facets, &mut buffers);
-        let mut scan = Scan::<P, N>::new(&pair);
+        let mut scan = F::new(&pair);
         scan.run(&pair, dispatch, f32::INFINITY, None).unwrap();
-        let (low, error) = (f64::from(scan.low), f64::from(scan.error));
+        let (low, error) = (f64::from(scan.low()), f64::from(scan.error()));
         let mut lowest = f64::INFINITY;
         for (own, facets) in facets.iter().enumerate() {
             for face in 0..facets.face_count() {
@@ -547,10 +582,9 @@ mod tests {
                 let dir = if own == 0 { normal } else { pair.rotation * -normal };
                 let exact = m.point(dir).w.dot(dir);
                 lowest = lowest.min(exact);
-                let half = &scan.halves[own];
-                if half.known.contains(face) {
+                if let Some(value) = known_value(&scan, own, face) {
                     seen.faces[1] += 1;
-                    assert!((f64::from(half.value(face)) - exact).abs() <= error);
+                    assert!((f64::from(value) - exact).abs() <= error);
                 } else if low >= -error {
                     seen.faces[0] += 1;
                     assert!(exact > low, "{exact} {low}");
@@ -563,13 +597,14 @@ mod tests {
             return;
         }
         assert!((lowest - low).abs() <= error);
-        let arcs = scan.arcs(&pair, dispatch, scan.low).unwrap();
+        scan.find_arcs(&pair, dispatch, scan.low()).unwrap();
+        let arcs = scan.arcs();
         for face in 0..facets[0].face_count() {
             for side in pair.a.sides(face).iter().filter(|side| usize::from(side.beyond) > face) {
                 let ends = [face, side.beyond.into()];
                 let is_left =
                     |arc: Arc| arc.faces.map(usize::from) == ends || arc.faces.map(usize::from) == [ends[1], face];
-                if arcs.iter().any(is_left) {
+                if arcs.iter().copied().any(is_left) {
                     seen.arcs[1] += 1;
                     continue;
                 }
@@ -588,7 +623,7 @@ mod tests {
     #[test]
     fn what_is_ruled_out_has_greater_support_values() {
         let mut rng = SplitMix64::new(20_261_123);
-        let mut seen = Seen::default();
+        let (mut seen, mut flat) = (Seen::default(), Seen::default());
         for round in 0..300 {
             let most = [8, 16, 32, 32, 64, 128][round % 6];
             let points = [(); 2].map(|()| match (round + rng.below(2)) % 3 {
@@ -609,11 +644,17 @@ mod tests {
             for instructions in [Instructions::Portable, Instructions::Avx2] {
                 if let Some(dispatch) = Dispatch::of(instructions) {
                     match a.vertex_count().max(b.vertex_count()) {
-                        0..=8 => check::<1, 2>([&a, &b], pose, dispatch, &mut seen),
-                        9..=16 => check::<2, 4>([&a, &b], pose, dispatch, &mut seen),
-                        17..=32 => check::<4, 8>([&a, &b], pose, dispatch, &mut seen),
-                        33..=64 => check::<8, 16>([&a, &b], pose, dispatch, &mut seen),
-                        _ => check::<POINT_BLOCKS, NORMAL_BLOCKS>([&a, &b], pose, dispatch, &mut seen),
+                        0..=8 => {
+                            check([&a, &b], pose, dispatch, Scan::<1, 2>::known, &mut seen);
+                            check([&a, &b], pose, dispatch, Flat::<1, 2>::known, &mut flat);
+                        }
+                        9..=16 => {
+                            check([&a, &b], pose, dispatch, Scan::<2, 4>::known, &mut seen);
+                            check([&a, &b], pose, dispatch, Flat::<2, 4>::known, &mut flat);
+                        }
+                        17..=32 => check([&a, &b], pose, dispatch, Scan::<4, 8>::known, &mut seen),
+                        33..=64 => check([&a, &b], pose, dispatch, Scan::<8, 16>::known, &mut seen),
+                        _ => check([&a, &b], pose, dispatch, Scan::<POINT_BLOCKS, NORMAL_BLOCKS>::known, &mut seen),
                     }
                 }
             }
@@ -621,5 +662,8 @@ mod tests {
         // Most faces and arcs are ruled out, and some pairs are separated.
         assert!(seen.faces[1] > 1_000 && seen.faces[0] > seen.faces[1], "{seen:?}");
         assert!(seen.arcs[1] > 300 && seen.arcs[0] > 10 * seen.arcs[1] && seen.apart > 30, "{seen:?}");
+        // The pass for few vertices knows all faces, until one separates.
+        assert!(flat.faces[0] == 0 && flat.faces[1] > 1_000 && flat.apart > 10, "{flat:?}");
+        assert!(flat.arcs[1] > 100 && flat.arcs[0] > 5 * flat.arcs[1], "{flat:?}");
     }
 }

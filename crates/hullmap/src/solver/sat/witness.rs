@@ -9,11 +9,11 @@
 
 use glam::DVec3;
 
-use super::scan::{Half, Pair, Scan};
+use super::scan::Pair;
 use crate::solver::barycentric::on_triangle;
 use crate::solver::minkowski::Minkowski;
 use crate::support::SupportMap;
-use crate::support::facets::Facets;
+use crate::support::facets::{Facets, PointBlock};
 use crate::support::lane_set::LaneSet;
 use crate::support::simd::{Dispatch, Pass, Simd};
 
@@ -111,9 +111,9 @@ fn crossing(p: DVec3, u: DVec3, v: DVec3) -> Option<[f64; 2]> {
 }
 
 /// Finds the vertices of both shapes near their support planes, in f32.
-struct NearPass<'p, const P: usize, const N: usize> {
+struct NearPass<'p, const P: usize> {
     /// B's vertices in the difference, in A's frame; A's, in B's frame.
-    halves: &'p [Half<P, N>; 2],
+    points: [&'p [PointBlock; P]; 2],
     /// The depth's normal in these frames: for A's vertices, which are mirrored, reversed twice.
     dirs: [DVec3; 2],
     margin: f32,
@@ -121,22 +121,22 @@ struct NearPass<'p, const P: usize, const N: usize> {
     near: [LaneSet<P>; 2],
 }
 
-impl<const P: usize, const N: usize> Pass for NearPass<'_, P, N> {
+impl<const P: usize> Pass for NearPass<'_, P> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S) {
-        for ((near, half), dir) in self.near.iter_mut().zip(self.halves).zip(self.dirs) {
-            *near = simd.near_farthest(&half.points, dir.as_vec3().to_array(), self.margin);
+        for ((near, points), dir) in self.near.iter_mut().zip(self.points).zip(self.dirs) {
+            *near = simd.near_farthest(points, dir.as_vec3().to_array(), self.margin);
         }
     }
 }
 
 /// The witness points of A and B for a depth along `normal`; `None` if the foot is not in the
 /// facet.
-pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const N: usize>(
+pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize>(
     m: &Minkowski<'_, A, B>,
     [a, b]: &[Facets<'_>; 2],
     pair: &Pair<'_>,
-    scan: &Scan<P, N>,
+    points: [&[PointBlock; P]; 2],
     dispatch: Dispatch,
     normal: DVec3,
     depth: f64,
@@ -144,7 +144,7 @@ pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: us
     let slack = PLANE_ROUNDINGS * m.rounding_error() + 4.0 * (a.slack() + b.slack());
     let dirs = [normal, m.rotation().transpose() * -normal];
     let margin = (slack + 2.0 * pair.error()) as f32;
-    let mut pass = NearPass { halves: &scan.halves, dirs, margin, near: [LaneSet::EMPTY; 2] };
+    let mut pass = NearPass { points, dirs, margin, near: [LaneSet::EMPTY; 2] };
     dispatch.pass(&mut pass);
     let (mut on_a, mut on_b) = (Feature::EMPTY, Feature::EMPTY);
     on_a.collect(a, pass.near[1], dirs[0], slack, |point| point)?;

@@ -164,6 +164,17 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
+    fn highest<const N: usize>(
+        self,
+        points: &[PointBlock; N],
+        faces: &NormalBlock,
+        each: impl FnMut(usize, [f32; LANES]),
+    ) -> ([f32; LANES], [u32; LANES]) {
+        // SAFETY: as above, `self` proves that the processor has the features.
+        unsafe { highest(points, faces, each) }
+    }
+
+    #[inline(always)]
     fn transform(self, points: &PointBlock, rows: &[[f32; 3]; 3], center: [f32; 3]) -> PointBlock {
         // SAFETY: as above, `self` proves that the processor has the features.
         unsafe { transform(points, rows, center) }
@@ -219,6 +230,29 @@ fn products([x, y, z]: &[[f32; LANES]; 3], dir: [__m256; 3]) -> __m256 {
 #[target_feature(enable = "avx2,fma")]
 fn heights(NormalBlock { normal, offset }: &NormalBlock, point: [f32; 3], radius: f32) -> [f32; LANES] {
     store_ps(_mm256_add_ps(products(normal, splat(point)), _mm256_add_ps(load_ps(offset), _mm256_set1_ps(radius))))
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn highest<const N: usize>(
+    points: &[PointBlock; N],
+    NormalBlock { normal, offset }: &NormalBlock,
+    mut each: impl FnMut(usize, [f32; LANES]),
+) -> ([f32; LANES], [u32; LANES]) {
+    let offset = load_ps(offset);
+    let mut highest = _mm256_set1_ps(f32::NEG_INFINITY);
+    let mut point_of = _mm256_setzero_si256();
+    for (block, PointBlock([x, y, z])) in points.iter().enumerate() {
+        for (lane, ((x, y), z)) in x.iter().zip(y).zip(z).enumerate() {
+            let index = LANES * block + lane;
+            let heights = _mm256_add_ps(products(normal, splat([*x, *y, *z])), offset);
+            let is_higher = _mm256_castps_si256(_mm256_cmp_ps::<_CMP_GT_OQ>(heights, highest));
+            point_of = _mm256_blendv_epi8(point_of, _mm256_set1_epi32(index as i32), is_higher);
+            highest = _mm256_max_ps(heights, highest);
+            each(index, store_ps(heights));
+        }
+    }
+    (store_ps(highest), store_epi32(point_of))
 }
 
 #[inline]

@@ -106,6 +106,16 @@ pub(crate) trait Simd: Copy {
     /// `radius`. Each product and each sum is rounded once: x, y, z, then offset plus radius.
     fn heights(self, faces: &NormalBlock, point: [f32; 3], radius: f32) -> [f32; LANES];
 
+    /// For each of eight faces, the maximum height of all `points`, and the lowest index of a point
+    /// that has it. Calls `each` with the index of every point and its heights
+    /// ([`heights`](Self::heights)). No height is NaN.
+    fn highest<const N: usize>(
+        self,
+        points: &[PointBlock; N],
+        faces: &NormalBlock,
+        each: impl FnMut(usize, [f32; LANES]),
+    ) -> ([f32; LANES], [u32; LANES]);
+
     /// `center` + M p for eight points p, where `rows` are the rows of M. Each product and each sum
     /// is rounded once, in the order x, y, z, centre.
     fn transform(self, points: &PointBlock, rows: &[[f32; 3]; 3], center: [f32; 3]) -> PointBlock;
@@ -273,6 +283,9 @@ mod tests {
         dir: [f32; 3],
         turned: Vec<PointBlock>,
         heights: Vec<[f32; LANES]>,
+        /// For each block of faces, the heights of all points, and what `highest` returns.
+        all_heights: Vec<Vec<[f32; LANES]>>,
+        highest: Vec<([f32; LANES], [u32; LANES])>,
         farthest: (f32, usize),
         near: LaneSet<N>,
         less: u32,
@@ -301,6 +314,15 @@ mod tests {
             self.less = simd.less(&values, 0.5 * self.farthest.0);
             self.turned = self.points.iter().map(|block| simd.transform(block, &ROWS, self.dir)).collect();
             self.heights = self.faces.iter().map(|faces| simd.heights(faces, self.dir, RAISED[0])).collect();
+            for faces in self.faces {
+                let mut all = Vec::new();
+                let highest = simd.highest(self.points, faces, |index, heights| {
+                    assert_eq!(index, all.len());
+                    all.push(heights);
+                });
+                self.highest.push(highest);
+                self.all_heights.push(all);
+            }
             self.below = self.faces.iter().map(|faces| simd.below(faces, &LIMITS)).collect();
             let ball = (self.dir, RAISED[0]);
             self.lowest = simd.raise(&mut self.values, self.faces, &mut self.blocks, ball, RAISED[1]);
@@ -359,6 +381,8 @@ mod tests {
                 dir: n,
                 turned: Vec::new(),
                 heights: Vec::new(),
+                all_heights: Vec::new(),
+                highest: Vec::new(),
                 farthest: (0.0, 0),
                 near: LaneSet::EMPTY,
                 less: 0,
@@ -374,6 +398,16 @@ mod tests {
             for i in 0..LANES * N {
                 let (block, lane) = (i / LANES, i % LANES);
                 assert_eq!(all.heights[block][lane], height(i, n, RAISED[0]));
+                let over = |point: usize| height(i, at(point), 0.0);
+                let first_highest =
+                    (0..LANES * N).fold(0, |best, point| if over(point) > over(best) { point } else { best });
+                let (highest, points) = all.highest[block];
+                assert_eq!(
+                    (highest[lane], points[lane] as usize),
+                    (over(first_highest), first_highest),
+                    "{dispatch:?}"
+                );
+                assert!((0..LANES * N).all(|point| all.all_heights[block][point][lane] == over(point)), "{dispatch:?}");
                 let is_raised = blocks.iter().any(|raised| raised == block);
                 assert_eq!(all.values[block][lane], if is_raised { raised(i) } else { values[block][lane] });
                 for (bit, [x, y, z, limit]) in LIMITS.into_iter().enumerate() {

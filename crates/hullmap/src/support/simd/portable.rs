@@ -129,6 +129,28 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    #[expect(clippy::indexing_slicing, reason = "`N` blocks of eight lanes")]
+    fn highest<const N: usize>(
+        self,
+        points: &[PointBlock; N],
+        faces: &NormalBlock,
+        mut each: impl FnMut(usize, [f32; LANES]),
+    ) -> ([f32; LANES], [u32; LANES]) {
+        let mut highest = ([f32::NEG_INFINITY; LANES], [0; LANES]);
+        for index in 0..LANES * N {
+            let point = points[index / LANES].0.map(|c| c[index % LANES]);
+            let heights = self.heights(faces, point, 0.0);
+            for ((height, highest), point) in heights.iter().zip(&mut highest.0).zip(&mut highest.1) {
+                let is_higher = height > highest;
+                *highest = if is_higher { *height } else { *highest };
+                *point = if is_higher { index as u32 } else { *point };
+            }
+            each(index, heights);
+        }
+        highest
+    }
+
+    #[inline(always)]
     #[expect(clippy::indexing_slicing, reason = "halves of blocks, and three axes")]
     fn transform(self, points: &PointBlock, rows: &[[f32; 3]; 3], center: [f32; 3]) -> PointBlock {
         let [x, y, z] = points.0.each_ref().map(halves);

@@ -1,0 +1,213 @@
+//! First pass of the separating axis test for shapes of few vertices, in f32: the support values at
+//! all faces, and a lower bound along every arc of A.
+//!
+//! It proposes what [`scan`](super::scan) proposes, without its eliminations. At 8 vertices their
+//! branches, which no processor predicts, take several times as long as all values.
+//!
+//! # Steps
+//! 1. Heights of all vertices of the other shape over all faces, eight faces at a time, and their
+//!    maxima.
+//! 2. Along each arc of A: the value at which the support points of its two ends are equally far.
+//!    This follows after f64 has found the support points at the lowest faces: f32 may confuse
+//!    points that are nearly as far, and an arc with the same point at both ends has no minimum.
+
+use super::first_pass::FirstPass;
+use super::scan::{Arc, Lanes, Pair, lowest_first, threshold};
+use crate::support::facets::{Edge, LANES, PointBlock};
+use crate::support::lane_set::LaneSet;
+use crate::support::simd::{Dispatch, Pass, Simd};
+
+/// Number of slots for arcs that are left to f64, for each block of faces.
+const ARCS_PER_BLOCK: usize = LANES;
+
+/// The support values of a pair. `P` blocks of points, `N` blocks of faces.
+#[derive(Debug)]
+pub(super) struct Flat<const P: usize, const N: usize> {
+    /// The vertices of B in the difference, and those of A in B's frame.
+    pub(super) points: [[PointBlock; P]; 2],
+    /// The support values at the faces of A and of B.
+    values: [[Lanes; N]; 2],
+    /// The vertex of B that is the support point at each face of A.
+    vertices: [[u32; LANES]; N],
+    heights: Heights<P, N>,
+    /// Lowest value.
+    pub(super) low: f32,
+    /// Upper bound of the error of every value: a length.
+    pub(super) error: f32,
+    /// The arcs of A that may have the minimum between their ends.
+    arcs: [[Arc; ARCS_PER_BLOCK]; N],
+    arc_count: usize,
+}
+
+/// Heights of the vertices of B over the faces of A: by vertex, then by face.
+type Heights<const P: usize, const N: usize> = [[[Lanes; N]; LANES]; P];
+
+struct FlatPass<'s, 'p, 'v, const P: usize, const N: usize> {
+    flat: &'s mut Flat<P, N>,
+    pair: &'p Pair<'v>,
+}
+
+impl<const P: usize, const N: usize> Pass for FlatPass<'_, '_, '_, P, N> {
+    #[inline(always)]
+    fn run<S: Simd>(&mut self, simd: S) {
+        let Self { pair, .. } = *self;
+        let Flat { points, values, vertices, heights, low, error, .. } = &mut *self.flat;
+        let views = [&pair.a, &pair.b];
+        let placements = pair.placements();
+        for own in 0..2 {
+            let (view, other, (rows, center)) = (views[own], views[1 - own], &placements[own]);
+            let Some(last) = other.points.last() else { return };
+            for (block, to) in points[own].iter_mut().enumerate() {
+                *to = simd.transform(other.points.get(block).unwrap_or(last), rows, *center);
+            }
+            let mut lowest = [f32::INFINITY; LANES];
+            for (block, faces) in view.normals.iter().enumerate().take(N) {
+                let (highest, support) = if own == 0 {
+                    simd.highest(&points[0], faces, |point, row| heights[point / LANES % P][point % LANES][block] = row)
+                } else {
+                    simd.highest(&points[1], faces, |_, _| ())
+                };
+                values[own][block] = highest;
+                if own == 0 {
+                    vertices[block] = support;
+                }
+                for (lowest, value) in lowest.iter_mut().zip(highest) {
+                    *lowest = if value < *lowest { value } else { *lowest };
+                }
+            }
+            let least = |a: f32, b: f32| if b < a { b } else { a };
+            let [a, b, c, d, e, f, g, h] = lowest;
+            let lowest = least(least(least(a, e), least(b, f)), least(least(c, g), least(d, h)));
+            *low = least(*low, lowest);
+            if *low < -*error {
+                // A face separates.
+                return;
+            }
+        }
+    }
+}
+
+struct ArcPass<'s, 'v, const P: usize, const N: usize> {
+    flat: &'s mut Flat<P, N>,
+    edges: &'v [Edge],
+    upper: f32,
+}
+
+impl<const P: usize, const N: usize> Pass for ArcPass<'_, '_, P, N> {
+    #[inline(always)]
+    fn run<S: Simd>(&mut self, _: S) {
+        let Flat { vertices, heights, error, arcs, arc_count, .. } = &mut *self.flat;
+        let threshold = threshold(self.upper, *error);
+        let (vertices, heights) = (vertices.as_flattened(), heights.as_flattened());
+        let arcs = arcs.as_flattened_mut();
+        let mut count = 0;
+        for edge in self.edges {
+            let [c, d] = edge.faces.map(|face| usize::from(face) % (LANES * N));
+            let [p, q] = [c, d].map(|face| vertices[face] as usize % (LANES * P));
+            let [over_p, over_q] = [p, q].map(|point| heights[point].as_flattened());
+            let (p_at_c, p_at_d, q_at_c, q_at_d) = (over_p[c], over_p[d], over_q[c], over_q[d]);
+            let (drop_c, drop_d) = ((p_at_c - q_at_c).max(0.0), (q_at_d - p_at_d).max(0.0));
+            let t = drop_c / (drop_c + drop_d).max(f32::MIN_POSITIVE);
+            let first = (1.0 - t) * p_at_c + t * p_at_d;
+            let second = (1.0 - t) * q_at_c + t * q_at_d;
+            let bound = if first < second { first } else { second };
+            arcs[count % (ARCS_PER_BLOCK * N)] = Arc { faces: edge.faces, vertex: edge.vertex, bound };
+            // NaN is left.
+            count += usize::from(p != q && !(bound >= threshold));
+        }
+        lowest_first(arcs.get_mut(..count).unwrap_or_default());
+        *arc_count = count;
+    }
+}
+
+impl<const P: usize, const N: usize> FirstPass<P, N> for Flat<P, N> {
+    #[inline(always)]
+    fn new(pair: &Pair<'_>) -> Self {
+        Self {
+            points: [[PointBlock::default(); P]; 2],
+            values: [[[f32::INFINITY; LANES]; N]; 2],
+            vertices: [[0; LANES]; N],
+            heights: [[[[0.0; LANES]; N]; LANES]; P],
+            low: f32::INFINITY,
+            error: pair.error() as f32,
+            arcs: [[Arc::default(); ARCS_PER_BLOCK]; N],
+            arc_count: 0,
+        }
+    }
+
+    #[inline(always)]
+    fn run(&mut self, pair: &Pair<'_>, dispatch: Dispatch, _: f32, _: Option<[usize; 2]>) -> Option<()> {
+        if pair.a.edges.is_empty() {
+            return None;
+        }
+        dispatch.pass(&mut FlatPass { flat: self, pair });
+        Some(())
+    }
+
+    #[inline(always)]
+    fn find_arcs(&mut self, pair: &Pair<'_>, dispatch: Dispatch, upper: f32) -> Option<()> {
+        dispatch.pass(&mut ArcPass { flat: self, edges: pair.a.edges, upper });
+        // If the slots are full, the first one may hold an arc that is not left.
+        (self.arc_count < ARCS_PER_BLOCK * N).then_some(())
+    }
+
+    #[inline(always)]
+    fn arcs(&self) -> &[Arc] {
+        self.arcs.as_flattened().get(..self.arc_count).unwrap_or_default()
+    }
+
+    #[inline(always)]
+    fn low(&self) -> f32 {
+        self.low
+    }
+
+    #[inline(always)]
+    fn error(&self) -> f32 {
+        self.error
+    }
+
+    #[inline(always)]
+    fn faces(&self, upper: f32) -> [LaneSet<N>; 2] {
+        self.faces_at_most(threshold(upper, self.error).next_down())
+    }
+
+    #[inline(always)]
+    fn faces_at_most(&self, most: f32) -> [LaneSet<N>; 2] {
+        self.values.each_ref().map(|values| {
+            let mut below = LaneSet::EMPTY;
+            for (block, values) in values.iter().enumerate() {
+                let mut lanes = 0;
+                for (lane, value) in values.iter().enumerate() {
+                    // NaN is not above.
+                    let is_above = *value > most;
+                    lanes |= u32::from(!is_above) << lane;
+                }
+                below.add_block(block, lanes);
+            }
+            below
+        })
+    }
+
+    #[inline(always)]
+    fn vertex(&self, face: usize) -> usize {
+        self.vertices[face / LANES % N][face % LANES] as usize
+    }
+
+    #[inline(always)]
+    fn set_vertex(&mut self, face: usize, vertex: u32) {
+        self.vertices[face / LANES % N][face % LANES] = vertex;
+    }
+
+    #[inline(always)]
+    fn points(&self) -> [&[PointBlock; P]; 2] {
+        self.points.each_ref()
+    }
+}
+
+#[cfg(test)]
+impl<const P: usize, const N: usize> Flat<P, N> {
+    /// The support value at a face of A or of B, if the pass has computed it.
+    pub(super) fn known(&self, own: usize, face: usize) -> Option<f32> {
+        Some(self.values[own][face / LANES][face % LANES]).filter(|value| value.is_finite())
+    }
+}
