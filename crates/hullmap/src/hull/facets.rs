@@ -148,7 +148,7 @@ fn is_suitable(hull: &Hull<'_>, most: usize) -> bool {
 /// Size of the table of a triangulated hull, in bytes.
 fn byte_len(hull: &Hull<'_>) -> usize {
     let face = size_of::<NormalBlock>() / LANES + size_of::<DVec3>() + 3 * size_of::<Side>() + 3;
-    let edges = if hull.vertex_count() <= FLAT_VERTICES { hull.vertex_count() + hull.face_count() } else { 0 };
+    let edges = if hull.vertex_count() <= FLAT_VERTICES { hull.vertex_count() + hull.face_count() - 2 } else { 0 };
     hull.face_count() * face + hull.vertex_count() * size_of::<PointBlock>() / LANES + edges * size_of::<Edge>()
 }
 

@@ -15,7 +15,7 @@ pub(super) trait FirstPass<const P: usize, const N: usize> {
 
     /// Computes the support values at the faces of A and of B that may have the minimum. If a face
     /// separates, it stops there: [`low`](Self::low) is below −`error` then. `None` if there are
-    /// too many faces or arcs.
+    /// too many faces.
     ///
     /// `upper` is an upper bound of the depth, or infinite. `seen` holds a vertex of B and one of A
     /// that are likely support points along the depth; they only save work.

@@ -1,18 +1,19 @@
 //! First pass of the separating axis test for shapes of few vertices, in f32: the support values at
-//! all faces, and a lower bound along every arc of A.
+//! all faces, and what two points leave possible along every arc of A.
 //!
 //! It proposes what [`scan`](super::scan) proposes, without its eliminations. At 8 vertices their
-//! branches, which no processor predicts, take several times as long as all values.
+//! branches, which no processor predicts, take longer than computing all values.
 //!
 //! # Steps
 //! 1. Heights of all vertices of the other shape over all faces, eight faces at a time, and their
 //!    maxima.
 //! 2. Along each arc of A: the value at which the support points of its two ends are equally far.
 //!    This follows after f64 has found the support points at the lowest faces: f32 may confuse
-//!    points that are nearly as far, and an arc with the same point at both ends has no minimum.
+//!    points that are nearly as far, and an arc with the same point at both ends has no minimum between
+//!    them.
 
 use super::first_pass::FirstPass;
-use super::scan::{Arc, Lanes, Pair, lowest_first, threshold};
+use super::scan::{Arc, Lanes, Pair, lower, lowest_first, threshold};
 use crate::support::facets::{Edge, LANES, PointBlock};
 use crate::support::lane_set::LaneSet;
 use crate::support::simd::{Dispatch, Pass, Simd};
@@ -110,7 +111,7 @@ impl<const P: usize, const N: usize> Pass for ArcPass<'_, '_, P, N> {
             let t = drop_c / (drop_c + drop_d).max(f32::MIN_POSITIVE);
             let first = (1.0 - t) * p_at_c + t * p_at_d;
             let second = (1.0 - t) * q_at_c + t * q_at_d;
-            let bound = if first < second { first } else { second };
+            let bound = lower(first, second);
             arcs[count % (ARCS_PER_BLOCK * N)] = Arc { faces: edge.faces, vertex: edge.vertex, bound };
             // NaN is left.
             count += usize::from(p != q && !(bound >= threshold));

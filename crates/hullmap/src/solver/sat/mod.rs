@@ -112,8 +112,8 @@ struct Piece {
 /// support point.
 ///
 /// # Complexity
-/// O(faces) in f32, 8 lanes at a time; O(vertices) for each face near the depth, of which there are
-/// about ten; and a few support queries. No allocation.
+/// O(faces) in f32, 8 lanes at a time, or O(faces × vertices) up to 16 vertices; O(vertices) for
+/// each face near the depth, of which there are about ten; and a few support queries. No allocation.
 pub(super) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     facets: [Facets<'_>; 2],

@@ -108,7 +108,7 @@ pub(super) struct Arc {
     pub(super) faces: [u8; 2],
     /// A vertex of its edge.
     pub(super) vertex: u8,
-    /// Lower bound of the values between the ends.
+    /// Lower bound of the values between the ends, or the value of an end is lower.
     pub(super) bound: f32,
 }
 
@@ -258,7 +258,7 @@ impl<const P: usize, const N: usize> Half<P, N> {
         let first = (1.0 - t) * v + t * (w - drop_w);
         let second = (1.0 - t) * (v - drop_v) + t * w;
         // NaN counts as a dip.
-        let bound = if first < second { first } else { second };
+        let bound = lower(first, second);
         if bound >= threshold { f32::INFINITY } else { bound }
     }
 }
@@ -404,6 +404,18 @@ impl<const P: usize, const N: usize> Pass for ArcPass<'_, '_, '_, P, N> {
         }
         lowest_first(&mut arcs[..*arc_count]);
         self.complete = true;
+    }
+}
+
+/// The lower of two values; NaN if one of them is.
+#[inline(always)]
+pub(super) fn lower(first: f32, second: f32) -> f32 {
+    if first < second {
+        first
+    } else if second <= first {
+        second
+    } else {
+        f32::NAN
     }
 }
 
@@ -559,8 +571,7 @@ mod tests {
     }
 
     /// Compares what the scan rules out with support values in f64, at all faces and along all
-    /// arcs.
-    /// `known_value` is the support value at a face, if the pass has computed it.
+    /// arcs. `known_value` is the support value at a face, if the pass has computed it.
     fn check<F: FirstPass<P, N>, const P: usize, const N: usize>(
         [a, b]: [&Hull<'_>; 2],
         pose: Pose,
@@ -597,6 +608,10 @@ mod tests {
             return;
         }
         assert!((lowest - low).abs() <= error);
+        for face in scan.faces(scan.low())[0].iter() {
+            let on_b = m.point(facets[0].normal(face).unwrap()).features[1];
+            scan.set_vertex(face, on_b);
+        }
         scan.find_arcs(&pair, dispatch, scan.low()).unwrap();
         let arcs = scan.arcs();
         for face in 0..facets[0].face_count() {
@@ -626,10 +641,16 @@ mod tests {
         let (mut seen, mut flat) = (Seen::default(), Seen::default());
         for round in 0..300 {
             let most = [8, 16, 32, 32, 64, 128][round % 6];
-            let points = [(); 2].map(|()| match (round + rng.below(2)) % 3 {
-                0 => families::sphere(8 + rng.below(most - 7), rng.next_u64()),
-                1 => families::rock(8 + rng.below(most - 7), rng.next_u64()),
-                _ => families::clustered_ellipsoid(8 + rng.below(most - 7), rng.next_u64()),
+            let points = [(); 2].map(|()| {
+                let count = 4 + rng.below(most - 3);
+                // A family has at least 8 points.
+                let mut points = match (round + rng.below(2)) % 3 {
+                    0 => families::sphere(count.max(8), rng.next_u64()),
+                    1 => families::rock(count.max(8), rng.next_u64()),
+                    _ => families::clustered_ellipsoid(count.max(8), rng.next_u64()),
+                };
+                points.truncate(count);
+                points
             });
             let packs = points.map(|points| Pack::from_bytes(&packs::tree_bytes(&points)).unwrap());
             let [a, b] = packs.each_ref().map(|pack| pack.hull(0).unwrap());
