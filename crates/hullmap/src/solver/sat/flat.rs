@@ -8,9 +8,9 @@
 //! 1. Heights of all vertices of the other shape over all faces, eight faces at a time, and their
 //!    maxima.
 //! 2. Along each arc of A: the value at which the support points of its two ends are equally far.
-//!    This follows after f64 has found the support points at the lowest faces: f32 may confuse
-//!    points that are nearly as far, and an arc with the same point at both ends has no minimum between
-//!    them.
+//!    This follows after f64 has found the support points at the lowest faces. F32 may confuse
+//!    points that are nearly as far, and an arc with the same point at both ends has no minimum
+//!    between them.
 
 use super::first_pass::FirstPass;
 use super::scan::{Arc, Lanes, Pair, lower, lowest_first, threshold};

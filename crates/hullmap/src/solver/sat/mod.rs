@@ -113,7 +113,8 @@ struct Piece {
 ///
 /// # Complexity
 /// O(faces) in f32, 8 lanes at a time, or O(faces × vertices) up to 16 vertices; O(vertices) for
-/// each face near the depth, of which there are about ten; and a few support queries. No allocation.
+/// each face near the depth, of which there are about ten; and a few support queries. No
+/// allocation.
 pub(super) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     facets: [Facets<'_>; 2],
