@@ -68,12 +68,25 @@ pub struct Cache {
     point_count: u8,
     face_count: u8,
     scratch: Lent,
+    /// `None` until the first polytope is kept, so that an empty cache costs no writes.
+    polytope: Option<Polytope>,
+}
+
+/// The polytope of a [`Cache`]. The first `point_count` points and `face_count` faces are in use.
+#[derive(Clone, Debug, PartialEq)]
+struct Polytope {
     points: [[u32; 2]; MAX_POINTS],
     corners: [[u8; 3]; MAX_FACES],
     neighbours: [[u8; 3]; MAX_FACES],
 }
 
+impl Polytope {
+    const EMPTY: Self =
+        Self { points: [[0; 2]; MAX_POINTS], corners: [[0; 3]; MAX_FACES], neighbours: [[0; 3]; MAX_FACES] };
+}
+
 impl Default for Cache {
+    #[inline]
     fn default() -> Self {
         Self {
             axis: None,
@@ -83,10 +96,8 @@ impl Default for Cache {
             simplex_count: 0,
             point_count: 0,
             face_count: 0,
-            points: [[0; 2]; MAX_POINTS],
-            corners: [[0; 3]; MAX_FACES],
-            neighbours: [[0; 3]; MAX_FACES],
             scratch: Lent::default(),
+            polytope: None,
         }
     }
 }
@@ -113,6 +124,7 @@ impl CachedPolytope<'_> {
 
 impl Cache {
     /// An empty cache.
+    #[inline]
     pub fn new() -> Self {
         Self::default()
     }
@@ -222,10 +234,14 @@ impl Cache {
 
     pub(super) fn polytope(&self) -> Option<CachedPolytope<'_>> {
         let (points, faces) = (usize::from(self.point_count), usize::from(self.face_count));
-        (points > 0).then(|| CachedPolytope {
-            points: &self.points[..points],
-            corners: &self.corners[..faces],
-            neighbours: &self.neighbours[..faces],
+        if points == 0 {
+            return None;
+        }
+        let polytope = self.polytope.as_ref()?;
+        Some(CachedPolytope {
+            points: &polytope.points[..points],
+            corners: &polytope.corners[..faces],
+            neighbours: &polytope.neighbours[..faces],
         })
     }
 
@@ -242,11 +258,12 @@ impl Cache {
         if points.len() > MAX_POINTS || corners.len() > MAX_FACES {
             return;
         }
-        self.points[..points.len()].copy_from_slice(points);
-        for (to, from) in self.corners.iter_mut().zip(corners) {
+        let polytope = self.polytope.get_or_insert(Polytope::EMPTY);
+        polytope.points[..points.len()].copy_from_slice(points);
+        for (to, from) in polytope.corners.iter_mut().zip(corners) {
             *to = from.map(|c| c as u8);
         }
-        for (to, from) in self.neighbours.iter_mut().zip(neighbours) {
+        for (to, from) in polytope.neighbours.iter_mut().zip(neighbours) {
             *to = from.map(|c| c as u8);
         }
         (self.point_count, self.face_count) = (points.len() as u8, corners.len() as u8);
