@@ -111,7 +111,7 @@ impl FacetTable {
             return None;
         }
         let (sides, side_starts) = map.sides(&faces)?;
-        let edges = if count <= FLAT_VERTICES { edges(&sides, &side_starts) } else { Box::default() };
+        let edges = if count <= FLAT_VERTICES { edges(&faces, &sides, &side_starts)? } else { Box::default() };
         Some(Self {
             normals: blocks(&faces),
             exact: faces.iter().map(|face| face.normal).collect(),
@@ -126,7 +126,7 @@ impl FacetTable {
 }
 
 /// Each arc once, from the sides of its two faces.
-fn edges(sides: &[Side], starts: &[u16]) -> Box<[Edge]> {
+fn edges(faces: &[Face], sides: &[Side], starts: &[u16]) -> Option<Box<[Edge]>> {
     let mut face = 0;
     let mut edges = Vec::with_capacity(sides.len() / 2);
     for (index, side) in sides.iter().enumerate() {
@@ -134,10 +134,11 @@ fn edges(sides: &[Side], starts: &[u16]) -> Box<[Edge]> {
             face += 1;
         }
         if face < side.beyond.into() {
-            edges.push(Edge { faces: [face as u8, side.beyond], vertex: side.vertex });
+            let cosine = faces.get(face)?.normal.dot(faces.get(usize::from(side.beyond))?.normal) as f32;
+            edges.push(Edge { faces: [face as u8, side.beyond], vertex: side.vertex, cosine });
         }
     }
-    edges.into()
+    Some(edges.into())
 }
 
 /// Whether a hull is solid, has faces, and has at most `most` vertices.

@@ -71,6 +71,8 @@ pub(crate) struct Edge {
     pub(crate) faces: [u8; 2],
     /// A vertex of the edge.
     pub(crate) vertex: u8,
+    /// Cosine of the angle between the normals.
+    pub(crate) cosine: f32,
 }
 
 /// Unit of the chord of a [`Side`]: the greatest chord is 2.
@@ -181,12 +183,12 @@ const BOX_EDGES: [Edge; 12] = box_edges();
 
 #[expect(clippy::indexing_slicing, reason = "12 of the 24 sides are those of the face with the lower number")]
 const fn box_edges() -> [Edge; 12] {
-    let mut edges = [Edge { faces: [0; 2], vertex: 0 }; 12];
+    let mut edges = [Edge { faces: [0; 2], vertex: 0, cosine: 0.0 }; 12];
     let (mut side, mut edge) = (0, 0);
     while side < 24 {
         let Side { beyond, vertex, .. } = BOX_SIDES[side];
         if side / 4 < beyond as usize {
-            edges[edge] = Edge { faces: [(side / 4) as u8, beyond], vertex };
+            edges[edge] = Edge { faces: [(side / 4) as u8, beyond], vertex, cosine: 0.0 };
             edge += 1;
         }
         side += 1;

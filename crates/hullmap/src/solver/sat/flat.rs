@@ -13,7 +13,7 @@
 //!    between them.
 
 use super::first_pass::FirstPass;
-use super::scan::{Arc, Lanes, Pair, lower, lowest_first, threshold};
+use super::scan::{Arc, Lanes, Pair, length_squared, lower, lowest_first, over_length, threshold};
 use crate::support::facets::{Edge, LANES, PointBlock};
 use crate::support::lane_set::LaneSet;
 use crate::support::simd::{Dispatch, Pass, Simd};
@@ -88,6 +88,42 @@ impl<const P: usize, const N: usize> Pass for FlatPass<'_, '_, '_, P, N> {
     }
 }
 
+/// Eight arcs from c to d, with the support points p at c and q at d.
+#[derive(Clone, Copy)]
+struct ArcBlock {
+    p_at_c: Lanes,
+    p_at_d: Lanes,
+    q_at_c: Lanes,
+    q_at_d: Lanes,
+    /// Cosines of the angles between the ends.
+    cosine: Lanes,
+    /// One bit for each arc where p is not q.
+    crossing: u32,
+}
+
+impl ArcBlock {
+    const EMPTY: Self = {
+        let zero = [0.0; LANES];
+        Self { p_at_c: zero, p_at_d: zero, q_at_c: zero, q_at_d: zero, cosine: zero, crossing: 0 }
+    };
+
+    /// The value at the direction in which p and q are equally far.
+    #[inline(always)]
+    fn bounds(&self) -> Lanes {
+        let Self { p_at_c, p_at_d, q_at_c, q_at_d, cosine, .. } = self;
+        let mut bounds = [0.0; LANES];
+        for (lane, bound) in bounds.iter_mut().enumerate() {
+            let drop_c = (p_at_c[lane] - q_at_c[lane]).max(0.0);
+            let drop_d = (q_at_d[lane] - p_at_d[lane]).max(0.0);
+            let t = drop_c / (drop_c + drop_d).max(f32::MIN_POSITIVE);
+            let first = (1.0 - t) * p_at_c[lane] + t * p_at_d[lane];
+            let second = (1.0 - t) * q_at_c[lane] + t * q_at_d[lane];
+            *bound = over_length(lower(first, second), length_squared(t, cosine[lane]));
+        }
+        bounds
+    }
+}
+
 struct ArcPass<'s, 'v, const P: usize, const N: usize> {
     flat: &'s mut Flat<P, N>,
     edges: &'v [Edge],
@@ -96,25 +132,41 @@ struct ArcPass<'s, 'v, const P: usize, const N: usize> {
 
 impl<const P: usize, const N: usize> Pass for ArcPass<'_, '_, P, N> {
     #[inline(always)]
-    fn run<S: Simd>(&mut self, _: S) {
+    fn run<S: Simd>(&mut self, simd: S) {
         let Flat { vertices, heights, error, arcs, arc_count, .. } = &mut *self.flat;
         let threshold = threshold(self.upper, *error);
         let (vertices, heights) = (vertices.as_flattened(), heights.as_flattened());
         let arcs = arcs.as_flattened_mut();
+        // First everything is read, one by one, then computed, eight arcs at a time.
+        let mut blocks = [[ArcBlock::EMPTY; N]; 2];
+        let blocks = blocks.as_flattened_mut();
+        for (block, edges) in blocks.iter_mut().zip(self.edges.chunks(LANES)) {
+            for (lane, edge) in edges.iter().enumerate() {
+                let lane = lane % LANES;
+                let [c, d] = edge.faces;
+                let (c, d) = (usize::from(c) % (LANES * N), usize::from(d) % (LANES * N));
+                let (p, q) = (vertices[c] as usize % (LANES * P), vertices[d] as usize % (LANES * P));
+                let (over_p, over_q) = (heights[p].as_flattened(), heights[q].as_flattened());
+                block.p_at_c[lane] = over_p[c];
+                block.p_at_d[lane] = over_p[d];
+                block.q_at_c[lane] = over_q[c];
+                block.q_at_d[lane] = over_q[d];
+                block.cosine[lane] = edge.cosine;
+                block.crossing |= u32::from(p != q) << lane;
+            }
+        }
         let mut count = 0;
-        for edge in self.edges {
-            let [c, d] = edge.faces.map(|face| usize::from(face) % (LANES * N));
-            let [p, q] = [c, d].map(|face| vertices[face] as usize % (LANES * P));
-            let [over_p, over_q] = [p, q].map(|point| heights[point].as_flattened());
-            let (p_at_c, p_at_d, q_at_c, q_at_d) = (over_p[c], over_p[d], over_q[c], over_q[d]);
-            let (drop_c, drop_d) = ((p_at_c - q_at_c).max(0.0), (q_at_d - p_at_d).max(0.0));
-            let t = drop_c / (drop_c + drop_d).max(f32::MIN_POSITIVE);
-            let first = (1.0 - t) * p_at_c + t * p_at_d;
-            let second = (1.0 - t) * q_at_c + t * q_at_d;
-            let bound = lower(first, second);
-            arcs[count % (ARCS_PER_BLOCK * N)] = Arc { faces: edge.faces, vertex: edge.vertex, bound };
+        for (block, edges) in blocks.iter().zip(self.edges.chunks(LANES)) {
+            let bounds = block.bounds();
             // NaN is left.
-            count += usize::from(p != q && !(bound >= threshold));
+            let mut left = simd.less(&bounds, threshold) & block.crossing;
+            while left != 0 {
+                let lane = left.trailing_zeros() as usize % LANES;
+                left &= left - 1;
+                let Edge { faces, vertex, .. } = edges[lane % edges.len()];
+                arcs[count % (ARCS_PER_BLOCK * N)] = Arc { faces, vertex, bound: bounds[lane] };
+                count += 1;
+            }
         }
         lowest_first(arcs.get_mut(..count).unwrap_or_default());
         *arc_count = count;

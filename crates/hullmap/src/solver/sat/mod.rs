@@ -223,10 +223,10 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, F: FirstPass<P, N>, co
             continue;
         }
         let on_a = a.vertex((*vertex).into())?;
-        let ends = [usize::from(*from), usize::from(*to)];
-        let [p, q] = ends.map(|face| b.vertex(first.vertex(face)));
-        let points = [search.m.point_of(on_a, p?, [0; 2]).w, search.m.point_of(on_a, q?, [0; 2]).w];
-        search.along(Piece { dirs: [a.normal(ends[0])?, a.normal(ends[1])?], points }, 0)?;
+        let (from, to) = (usize::from(*from), usize::from(*to));
+        let (p, q) = (b.vertex(first.vertex(from))?, b.vertex(first.vertex(to))?);
+        let points = [search.m.point_of(on_a, p, [0; 2]).w, search.m.point_of(on_a, q, [0; 2]).w];
+        search.along(Piece { dirs: [a.normal(from)?, a.normal(to)?], points }, 0)?;
     }
     // The bounds.
     let Search { m, best, lower } = search;

@@ -91,8 +91,8 @@ impl<'v> Pair<'v> {
     pub(super) fn placements(&self) -> [([[f32; 3]; 3], [f32; 3]); 2] {
         let back = self.rotation.transpose();
         let turns = [rows(self.rotation * -1.0), rows(back * -1.0)];
-        let centers = [self.center, back * -self.center].map(|center| center.as_vec3().to_array());
-        [(turns[0], centers[0]), (turns[1], centers[1])]
+        let centers = [self.center.as_vec3(), (back * -self.center).as_vec3()];
+        [(turns[0], centers[0].to_array()), (turns[1], centers[1].to_array())]
     }
 
     /// Upper bound of the error of a value in f32: a length.
@@ -113,9 +113,10 @@ pub(super) struct Arc {
 }
 
 /// Rounded to f32, by rows.
+#[inline(always)]
 fn rows(m: DMat3) -> [[f32; 3]; 3] {
     let m = m.transpose();
-    [m.x_axis, m.y_axis, m.z_axis].map(|row| row.as_vec3().to_array())
+    [m.x_axis.as_vec3().to_array(), m.y_axis.as_vec3().to_array(), m.z_axis.as_vec3().to_array()]
 }
 
 /// One shape's faces, and the other shape's vertices, in the frame of the first. `P` blocks of
@@ -258,7 +259,7 @@ impl<const P: usize, const N: usize> Half<P, N> {
         let first = (1.0 - t) * v + t * (w - drop_w);
         let second = (1.0 - t) * (v - drop_v) + t * w;
         // NaN counts as a dip.
-        let bound = lower(first, second);
+        let bound = over_length(lower(first, second), length_squared(t, dot(c, d)));
         if bound >= threshold { f32::INFINITY } else { bound }
     }
 }
@@ -417,6 +418,22 @@ pub(super) fn lower(first: f32, second: f32) -> f32 {
     } else {
         f32::NAN
     }
+}
+
+/// Square of the length of the point at `t` of the chord between two unit vectors, or 0.5 if it is
+/// less. `cosine` is the dot product of the vectors.
+#[inline(always)]
+pub(super) fn length_squared(t: f32, cosine: f32) -> f32 {
+    let square = 1.0 - 2.0 * (t - t * t) * (1.0 - cosine);
+    // NaN takes the shorter length. The true one would raise bounds, and their errors.
+    if square > 0.5 { square } else { 0.5 }
+}
+
+/// The bound of a value at a unit vector, from that at a point of its direction with a length of at
+/// most 1.
+#[inline(always)]
+pub(super) fn over_length(bound: f32, length_squared: f32) -> f32 {
+    if bound > 0.0 { bound / length_squared.sqrt() } else { bound }
 }
 
 /// Moves the arc with the lowest bound to the front.

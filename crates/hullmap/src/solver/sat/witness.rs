@@ -73,6 +73,22 @@ impl Feature {
         (self.count > 0).then_some(())
     }
 
+    /// The vertices of an edge, as [`collect`](Self::collect) finds them, if there are just two in
+    /// the mask.
+    #[inline(always)]
+    fn edge<const P: usize>(
+        facets: &Facets<'_>,
+        near: LaneSet<P>,
+        dir: DVec3,
+        slack: f64,
+        place: impl Fn(DVec3) -> DVec3,
+    ) -> Option<[DVec3; 2]> {
+        let mut vertices = near.iter().take_while(|vertex| *vertex < facets.vertex_count());
+        let (p, q) = (facets.vertex(vertices.next()?)?, facets.vertex(vertices.next()?)?);
+        // NaN takes the failing branch.
+        ((p.dot(dir) - q.dot(dir)).abs() <= slack && vertices.next().is_none()).then(|| [place(p), place(q)])
+    }
+
     fn all(&self) -> &[DVec3] {
         self.points.get(..self.count).unwrap_or_default()
     }
@@ -146,26 +162,26 @@ pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: us
     let margin = (slack + 2.0 * pair.error()) as f32;
     let mut pass = NearPass { points, dirs, margin, near: [LaneSet::EMPTY; 2] };
     dispatch.pass(&mut pass);
-    let (mut on_a, mut on_b) = (Feature::EMPTY, Feature::EMPTY);
-    on_a.collect(a, pass.near[1], dirs[0], slack, |point| point)?;
     // Points of the difference for the point at the origin of A's frame.
     let place = |point: DVec3| m.point_of(DVec3::ZERO, point, [0; 2]).w;
-    on_b.collect(b, pass.near[0], dirs[1], slack, place)?;
     let foot = normal * depth;
-    let sum = |dir: DVec3| {
-        let a = on_a.lowest(dir);
-        Sum { off: (a + on_b.lowest(dir)) - foot, a }
-    };
     let near_foot = 2.0 * slack;
-    if let ([a0, a1], [b0, b1]) = (on_a.all(), on_b.all())
-        && let Some([s, t]) = crossing(*a0 + *b0 - foot, *a1 - *a0, *b1 - *b0)
+    if let Some([a0, a1]) = Feature::edge(a, pass.near[1], dirs[0], slack, |point| point)
+        && let Some([b0, b1]) = Feature::edge(b, pass.near[0], dirs[1], slack, place)
+        && let Some([s, t]) = crossing(a0 + b0 - foot, a1 - a0, b1 - b0)
     {
-        // Two edges.
-        let (on_a, on_b) = (*a0 + (*a1 - *a0) * s, *b0 + (*b1 - *b0) * t);
+        let (on_a, on_b) = (a0 + (a1 - a0) * s, b0 + (b1 - b0) * t);
         if (on_a + on_b - foot).length() <= near_foot {
             return Some((on_a, -on_b));
         }
     }
+    let (mut on_a, mut on_b) = (Feature::EMPTY, Feature::EMPTY);
+    on_a.collect(a, pass.near[1], dirs[0], slack, |point| point)?;
+    on_b.collect(b, pass.near[0], dirs[1], slack, place)?;
+    let sum = |dir: DVec3| {
+        let a = on_a.lowest(dir);
+        Sum { off: (a + on_b.lowest(dir)) - foot, a }
+    };
     let triangle = match (on_a.all(), on_b.all()) {
         ([p, q, r], [other]) => Some([*p, *q, *r].map(|a| Sum { off: (a + *other) - foot, a })),
         ([a], [p, q, r]) => Some([*p, *q, *r].map(|other| Sum { off: (*a + other) - foot, a: *a })),
