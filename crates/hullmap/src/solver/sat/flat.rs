@@ -226,19 +226,7 @@ impl<const P: usize, const N: usize> FirstPass<P, N> for Flat<P, N> {
 
     #[inline(always)]
     fn faces_at_most(&self, most: f32) -> [LaneSet<N>; 2] {
-        self.values.each_ref().map(|values| {
-            let mut below = LaneSet::EMPTY;
-            for (block, values) in values.iter().enumerate() {
-                let mut lanes = 0;
-                for (lane, value) in values.iter().enumerate() {
-                    // NaN is not above.
-                    let is_above = *value > most;
-                    lanes |= u32::from(!is_above) << lane;
-                }
-                below.add_block(block, lanes);
-            }
-            below
-        })
+        [below(&self.values[0], most), below(&self.values[1], most)]
     }
 
     #[inline(always)]
@@ -255,6 +243,21 @@ impl<const P: usize, const N: usize> FirstPass<P, N> for Flat<P, N> {
     fn points(&self) -> [&[PointBlock; P]; 2] {
         self.points.each_ref()
     }
+}
+
+/// The lanes whose values are at most `most`, or NaN.
+#[inline(always)]
+fn below<const N: usize>(values: &[Lanes; N], most: f32) -> LaneSet<N> {
+    let mut below = LaneSet::EMPTY;
+    for (block, values) in values.iter().enumerate() {
+        let mut lanes = 0;
+        for (lane, value) in values.iter().enumerate() {
+            let is_above = *value > most;
+            lanes |= u32::from(!is_above) << lane;
+        }
+        below.add_block(block, lanes);
+    }
+    below
 }
 
 #[cfg(test)]

@@ -538,7 +538,7 @@ impl<const P: usize, const N: usize> FirstPass<P, N> for Scan<P, N> {
 
     #[inline(always)]
     fn faces_at_most(&self, value: f32) -> [LaneSet<N>; 2] {
-        self.halves.each_ref().map(|half| half.below(value.next_up()))
+        [self.halves[0].below(value.next_up()), self.halves[1].below(value.next_up())]
     }
 
     #[inline(always)]
