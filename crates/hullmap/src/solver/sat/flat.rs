@@ -13,7 +13,7 @@
 //!    between them.
 
 use super::first_pass::FirstPass;
-use super::scan::{Arc, Lanes, Pair, length_squared, lower, lowest_first, over_length, threshold};
+use super::scan::{Arc, Lanes, Pair, lowest_first, threshold, value_between};
 use crate::support::facets::{Edge, LANES, PointBlock};
 use crate::support::lane_set::LaneSet;
 use crate::support::simd::{Dispatch, Pass, Simd};
@@ -113,12 +113,8 @@ impl ArcBlock {
         let Self { p_at_c, p_at_d, q_at_c, q_at_d, cosine, .. } = self;
         let mut bounds = [0.0; LANES];
         for (lane, bound) in bounds.iter_mut().enumerate() {
-            let drop_c = (p_at_c[lane] - q_at_c[lane]).max(0.0);
-            let drop_d = (q_at_d[lane] - p_at_d[lane]).max(0.0);
-            let t = drop_c / (drop_c + drop_d).max(f32::MIN_POSITIVE);
-            let first = (1.0 - t) * p_at_c[lane] + t * p_at_d[lane];
-            let second = (1.0 - t) * q_at_c[lane] + t * q_at_d[lane];
-            *bound = over_length(lower(first, second), length_squared(t, cosine[lane]));
+            let (p, q) = ([p_at_c[lane], p_at_d[lane]], [q_at_c[lane], q_at_d[lane]]);
+            *bound = value_between(p, q, cosine[lane]);
         }
         bounds
     }

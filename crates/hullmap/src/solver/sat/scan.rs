@@ -254,12 +254,8 @@ impl<const P: usize, const N: usize> Half<P, N> {
         let step = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
         // By how much the other end's point is lower at each end.
         let (drop_v, drop_w) = (dot(step, c), -dot(step, d));
-        let (drop_v, drop_w) = (drop_v.max(0.0), drop_w.max(0.0));
-        let t = drop_v / (drop_v + drop_w).max(f32::MIN_POSITIVE);
-        let first = (1.0 - t) * v + t * (w - drop_w);
-        let second = (1.0 - t) * (v - drop_v) + t * w;
         // NaN counts as a dip.
-        let bound = over_length(lower(first, second), length_squared(t, dot(c, d)));
+        let bound = value_between([v, w - drop_w], [v - drop_v, w], dot(c, d));
         if bound >= threshold { f32::INFINITY } else { bound }
     }
 }
@@ -410,7 +406,7 @@ impl<const P: usize, const N: usize> Pass for ArcPass<'_, '_, '_, P, N> {
 
 /// The lower of two values; NaN if one of them is.
 #[inline(always)]
-pub(super) fn lower(first: f32, second: f32) -> f32 {
+fn lower(first: f32, second: f32) -> f32 {
     if first < second {
         first
     } else if second <= first {
@@ -420,20 +416,20 @@ pub(super) fn lower(first: f32, second: f32) -> f32 {
     }
 }
 
-/// Square of the length of the point at `t` of the chord between two unit vectors, or 0.5 if it is
-/// less. `cosine` is the dot product of the vectors.
+/// The lower of the values of two points p and q at the unit direction between c and d where they
+/// are equal, or nearly so. Where it is not exact, it is a lower bound, or not positive: for
+/// directions more than 90° apart, and for negative values. NaN if a value is.
+///
+/// `p` and `q` are the values at c and at d, where p is higher at c, and q at d; `cosine` is c · d.
 #[inline(always)]
-pub(super) fn length_squared(t: f32, cosine: f32) -> f32 {
+pub(super) fn value_between(p: [f32; 2], q: [f32; 2], cosine: f32) -> f32 {
+    let (drop_c, drop_d) = ((p[0] - q[0]).max(0.0), (q[1] - p[1]).max(0.0));
+    let t = drop_c / (drop_c + drop_d).max(f32::MIN_POSITIVE);
+    let on_chord = lower((1.0 - t) * p[0] + t * p[1], (1.0 - t) * q[0] + t * q[1]);
+    // The direction is a point of the chord over its length. A short one would magnify errors.
     let square = 1.0 - 2.0 * (t - t * t) * (1.0 - cosine);
-    // NaN takes the shorter length. The true one would raise bounds, and their errors.
-    if square > 0.5 { square } else { 0.5 }
-}
-
-/// The bound of a value at a unit vector, from that at a point of its direction with a length of at
-/// most 1.
-#[inline(always)]
-pub(super) fn over_length(bound: f32, length_squared: f32) -> f32 {
-    if bound > 0.0 { bound / length_squared.sqrt() } else { bound }
+    let length = if square > 0.5 { square } else { 0.5 }.sqrt();
+    if on_chord > 0.0 { on_chord / length } else { on_chord }
 }
 
 /// Moves the arc with the lowest bound to the front.
@@ -650,6 +646,36 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn values_between_are_those_at_unit_directions() {
+        let mut rng = SplitMix64::new(20_261_124);
+        let (mut equal, mut low) = (0, 0);
+        for _ in 0..20_000 {
+            let [c, d] = [(); 2].map(|()| DVec3::from_array(rng.direction()));
+            let [p, q] = [(); 2].map(|()| DVec3::from_array(rng.direction()) * rng.between(0.0, 2.0) + (c + d) * 0.7);
+            let (p, q) = if p.dot(c) >= q.dot(c) { (p, q) } else { (q, p) };
+            if p.dot(d) >= q.dot(d) {
+                continue;
+            }
+            let value = f64::from(value_between(
+                [p.dot(c), p.dot(d)].map(|v| v as f32),
+                [q.dot(c), q.dot(d)].map(|v| v as f32),
+                c.dot(d) as f32,
+            ));
+            // The direction in which they are equal, in f64.
+            let (drop_c, drop_d) = ((p - q).dot(c), (q - p).dot(d));
+            let chord = c * drop_d + d * drop_c;
+            let exact = p.dot(unit(chord).unwrap());
+            assert!(value <= exact.max(0.0) + 2e-6, "{value} {exact}");
+            // Long chords give the value itself.
+            let is_long = chord.length() > 0.708 * (drop_c + drop_d);
+            assert!(!is_long || exact < 0.0 || value >= exact - 2e-6, "{value} {exact}");
+            equal += u32::from(is_long && exact > 0.0);
+            low += u32::from(exact > 0.0 && value < 0.95 * exact);
+        }
+        assert!(equal > 1_000 && low > 100, "{equal} {low}");
     }
 
     #[test]
