@@ -24,7 +24,7 @@ use super::Hull;
 use crate::support::SupportMap;
 use crate::support::facets::{
     Edge, FLAT_VERTICES, FacetTable, LANES, MAX_FACES, MAX_VERTICES, NormalBlock, PointBlock, SMALL_VERTICES, Side,
-    triangle_normal,
+    stretch, triangle_normal,
 };
 
 /// Rounding error of the height of a vertex over a plane, in units of `f64::EPSILON` times the
@@ -114,6 +114,7 @@ impl FacetTable {
         let edges = if count <= FLAT_VERTICES { edges(&faces, &sides, &side_starts)? } else { Box::default() };
         Some(Self {
             normals: blocks(&faces),
+            stretches: map.stretches(&faces)?,
             exact: faces.iter().map(|face| face.normal).collect(),
             supports: faces.iter().map(|face| face.support).collect(),
             points: point_blocks(&points, center),
@@ -148,7 +149,7 @@ fn is_suitable(hull: &Hull<'_>, most: usize) -> bool {
 
 /// Size of the table of a triangulated hull, in bytes.
 fn byte_len(hull: &Hull<'_>) -> usize {
-    let face = size_of::<NormalBlock>() / LANES + size_of::<DVec3>() + 3 * size_of::<Side>() + 3;
+    let face = size_of::<NormalBlock>() / LANES + size_of::<f32>() + size_of::<DVec3>() + 3 * size_of::<Side>() + 3;
     let edges = if hull.vertex_count() <= FLAT_VERTICES { hull.vertex_count() + hull.face_count() - 2 } else { 0 };
     hull.face_count() * face + hull.vertex_count() * size_of::<PointBlock>() / LANES + edges * size_of::<Edge>()
 }
@@ -303,6 +304,22 @@ impl Edges {
         (ring.len() == degree && degree >= 3).then_some(ring)
     }
 
+    /// The stretch of each face: see [`View::stretches`](crate::support::facets::View::stretches).
+    #[expect(clippy::indexing_slicing, reason = "there are as many lanes as faces")]
+    fn stretches(&self, faces: &[Face]) -> Option<Box<[[f32; LANES]]>> {
+        let mut stretches = vec![[1.0; LANES]; faces.len().div_ceil(LANES)];
+        for (index, face) in faces.iter().enumerate() {
+            let ends = face.vertices.iter().zip(face.vertices.iter().cycle().skip(1));
+            let mut longest = 0.0_f64;
+            for (v, w) in ends {
+                let beyond = self.left_of(usize::from(*w), usize::from(*v))?;
+                longest = longest.max(face.normal.distance(faces.get(beyond)?.normal));
+            }
+            stretches[index / LANES][index % LANES] = stretch(longest);
+        }
+        Some(stretches.into())
+    }
+
     /// The sides of all faces, and where those of each face start.
     fn sides(&self, faces: &[Face]) -> Option<(Vec<Side>, Vec<u16>)> {
         let mut sides = Vec::with_capacity(self.half_edges);
@@ -432,6 +449,16 @@ mod tests {
         let expected: Vec<_> = sides.filter(|([face, beyond], _)| face < beyond).collect();
         let edges: Vec<_> = table.edges.iter().map(|edge| (edge.faces, edge.vertex)).collect();
         assert_eq!(edges, if hull.vertex_count() <= FLAT_VERTICES { expected } else { Vec::new() });
+        // No point of an arc's chord is shorter than the stretches of both faces allow.
+        for face in 0..table.exact.len() {
+            let starts = [face, face + 1].map(|at| usize::from(table.side_starts[at]));
+            let lengths = table.sides[starts[0]..starts[1]].iter().map(|side| {
+                let middle = 0.5 * (table.exact[face] + table.exact[usize::from(side.beyond)]);
+                middle.length()
+            });
+            let product = f64::from(table.stretches[face / LANES][face % LANES]) * lengths.fold(1.0, f64::min);
+            assert!((1.0..1.000_01).contains(&product), "{product}");
+        }
         // The table has the same normals in another order.
         let points: Vec<DVec3> = hull.vertices().map(|v| v.as_dvec3()).collect();
         let normal = |face: &mut dyn Iterator<Item = u32>| {

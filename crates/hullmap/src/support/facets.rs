@@ -94,10 +94,18 @@ impl Side {
     }
 }
 
+/// The inverse of the least length of a point of a chord between two unit vectors at the distance
+/// `chord`, rounded up.
+pub(crate) fn stretch(chord: f64) -> f32 {
+    (1.0 / (1.0 - 0.25 * chord * chord).max(1e-6).sqrt()) as f32 * (1.0 + 1e-6)
+}
+
 /// The face table of a hull, held by its pack.
 #[derive(Debug)]
 pub(crate) struct FacetTable {
     pub(crate) normals: Box<[NormalBlock]>,
+    /// See [`View::stretches`].
+    pub(crate) stretches: Box<[[f32; LANES]]>,
     /// Unit outward normals of the faces in f64. They define the ends of the arcs.
     pub(crate) exact: Box<[DVec3]>,
     /// The support vertex along each normal.
@@ -136,6 +144,8 @@ pub(crate) struct Buffer {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View<'v> {
     pub(crate) normals: &'v [NormalBlock],
+    /// For each face, the inverse of the least length of a point of the chords of its arcs.
+    pub(crate) stretches: &'v [[f32; LANES]],
     pub(crate) points: &'v [PointBlock],
     sides: &'v [Side],
     side_starts: &'v [u16],
@@ -159,6 +169,9 @@ const BOX_SIDES: [Side; 24] = box_sides();
 
 /// Each face of a box has four sides.
 const BOX_SIDE_STARTS: [u16; 7] = [0, 4, 8, 12, 16, 20, 24];
+
+/// √2 for each face, rounded up.
+const BOX_STRETCHES: [[f32; LANES]; 1] = [[std::f32::consts::SQRT_2 * (1.0 + 1e-6); LANES]];
 
 /// √2 in units of [`Side`], rounded up.
 const BOX_CHORD: u16 = 46_341;
@@ -236,6 +249,7 @@ impl<'a> Facets<'a> {
         match self.0 {
             Kind::Hull(table, _) => View {
                 normals: &table.normals,
+                stretches: &table.stretches,
                 points: &table.points,
                 sides: &table.sides,
                 side_starts: &table.side_starts,
@@ -256,6 +270,7 @@ impl<'a> Facets<'a> {
                 }
                 View {
                     normals: &buffer.normals,
+                    stretches: &BOX_STRETCHES,
                     points: &buffer.points,
                     sides: &BOX_SIDES,
                     side_starts: &BOX_SIDE_STARTS,

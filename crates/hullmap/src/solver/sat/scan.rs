@@ -350,9 +350,7 @@ impl<const P: usize, const N: usize> Pass for ArcPass<'_, '_, '_, P, N> {
         let Scan { halves: [half, _], error, arcs, arc_count, .. } = &mut *self.scan;
         let normals = pair.a.normals;
         let threshold = threshold(upper, *error);
-        // 3. A bound at both ends holds along the arc if its linear part is not negative there: the
-        // bound less the ball's radius.
-        let positive = threshold.max(pair.inner[1] as f32 + 6.0 * *error);
+        // 3.
         let mut points = [[0.0; 4]; MAX_CUTS];
         for (point, vertex) in points.iter_mut().zip(half.cuts).take(half.cut_count) {
             let [x, y, z] = half.point(vertex.into());
@@ -361,9 +359,16 @@ impl<const P: usize, const N: usize> Pass for ArcPass<'_, '_, '_, P, N> {
         let points = &points[..half.cut_count];
         let all = (1_u32 << half.cut_count) - 1;
         let center = pair.center.as_vec3().to_array();
+        let (radius, margin) = (pair.inner[1] as f32, -2.0 * *error);
         let mut near = LaneSet::<N>::EMPTY;
-        for (block, faces) in normals.iter().enumerate().take(N) {
-            near.add_block(block, simd.less(&simd.heights(faces, center, pair.inner[1] as f32), positive));
+        for (block, (faces, stretches)) in normals.iter().zip(pair.a.stretches).enumerate().take(N) {
+            let mut bounds = simd.heights(faces, center, margin);
+            for (bound, stretch) in bounds.iter_mut().zip(stretches) {
+                // Negative ones are stretched.
+                let stretched = *bound * stretch;
+                *bound = if stretched < *bound { stretched } else { *bound } + radius;
+            }
+            near.add_block(block, simd.less(&bounds, threshold));
         }
         // One bit per cut whose bound is below the threshold. Faces not yet compared have all bits.
         let mut below = [[UNKNOWN; LANES]; N];
