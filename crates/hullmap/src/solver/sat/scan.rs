@@ -95,6 +95,13 @@ impl<'v> Pair<'v> {
         [(turns[0], centers[0].to_array()), (turns[1], centers[1].to_array())]
     }
 
+    /// Whether the balls inside the shapes overlap, or nearly so.
+    #[inline(always)]
+    fn inner_balls_overlap(&self) -> bool {
+        let radius = self.inner[0] + self.inner[1];
+        self.center.length_squared() < radius * radius
+    }
+
     /// Upper bound of the error of a value in f32: a length.
     pub(super) fn error(&self) -> f64 {
         ERROR_UNITS * UNIT * self.reach
@@ -289,33 +296,48 @@ impl<const P: usize, const N: usize> Pass for FacePass<'_, '_, '_, P, N> {
         let Scan { halves, low, error, .. } = &mut *self.scan;
         let placements = pair.placements();
         let views = [&pair.a, &pair.b];
-        for own in 0..2 {
-            let (half, view, other) = (&mut halves[own], views[own], 1 - own);
-            let (turn, center) = &placements[own];
-            let Some(last) = views[other].points.last() else { return };
-            for (block, to) in half.points.iter_mut().enumerate() {
-                *to = simd.transform(views[other].points.get(block).unwrap_or(last), turn, *center);
-            }
-            // 1.
-            let ball = (*center, pair.inner[other] as f32);
-            let (mut lowest, mut face) = half.start(simd, view.normals, ball, lower_threshold(*low, upper, *error));
-            if let Some(seen) = seen {
-                (lowest, face) = half.cut(simd, view.normals, seen[own], lower_threshold(*low, upper, *error));
-            }
-            while half.cut_count < const { if N <= FEW_BLOCKS { 2 } else { MAX_CUTS } }
-                && lowest < lower_threshold(*low, upper, *error)
-                && !half.known.contains(face)
-            {
-                let value = half.find_support(simd, view.normals, face);
-                *low = if value < *low { value } else { *low };
-                if value < -*error {
-                    // The face separates.
-                    half.values[face / LANES % N][face % LANES] = value;
-                    self.complete = true;
-                    return;
+        // The lowest bound of each shape's faces, and the face.
+        let mut lowest = [(0.0, 0); 2];
+        // In deep pairs the shapes take turns, so that the processor computes a cut of each at the
+        // same time. In others, a face of A may separate them, and B needs no cut.
+        let groups = if pair.inner_balls_overlap() { [0..2, 2..2] } else { [0..1, 1..2] };
+        for group in groups {
+            for own in group.clone() {
+                let (half, normals, other) = (&mut halves[own], views[own].normals, 1 - own);
+                let (turn, center) = &placements[own];
+                let Some(last) = views[other].points.last() else { return };
+                for (block, to) in half.points.iter_mut().enumerate() {
+                    *to = simd.transform(views[other].points.get(block).unwrap_or(last), turn, *center);
                 }
-                (lowest, face) =
-                    half.cut(simd, view.normals, half.vertex(face).into(), lower_threshold(*low, upper, *error));
+                // 1.
+                let ball = (*center, pair.inner[other] as f32);
+                let threshold = lower_threshold(*low, upper, *error);
+                lowest[own] = half.start(simd, normals, ball, threshold);
+                if let Some(seen) = seen {
+                    lowest[own] = half.cut(simd, normals, seen[own], threshold);
+                }
+            }
+            let mut is_done = false;
+            while !is_done {
+                is_done = true;
+                for own in group.clone() {
+                    let (half, normals, (bound, face)) = (&mut halves[own], views[own].normals, lowest[own]);
+                    let is_last = half.cut_count >= const { if N <= FEW_BLOCKS { 2 } else { MAX_CUTS } };
+                    if is_last || !(bound < lower_threshold(*low, upper, *error)) || half.known.contains(face) {
+                        continue;
+                    }
+                    let value = half.find_support(simd, normals, face);
+                    *low = if value < *low { value } else { *low };
+                    if value < -*error {
+                        // The face separates.
+                        half.values[face / LANES % N][face % LANES] = value;
+                        self.complete = true;
+                        return;
+                    }
+                    let threshold = lower_threshold(*low, upper, *error);
+                    lowest[own] = half.cut(simd, normals, half.vertex(face).into(), threshold);
+                    is_done = false;
+                }
             }
         }
         // 2.
