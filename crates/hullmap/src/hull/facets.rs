@@ -49,7 +49,7 @@ const NO_FACE: u8 = u8::MAX;
 
 /// Maximum size of the tables of a pack, in bytes. Beyond that they are in no cache when a query
 /// reads them, and the general path, which reads less, is as fast. It also limits the time to open
-/// a pack: about 270 hulls of 128 vertices, or 1,100 of 32, which take 35 ms.
+/// a pack: about 255 hulls of 128 vertices, or 1,070 of 32, which take 35 ms.
 const MAX_BYTES: usize = 4 << 20;
 
 impl FacetTable {
