@@ -10,6 +10,9 @@ use crate::support::simd::Dispatch;
 /// It only proposes. Every value is that of a point of the difference, to within
 /// [`error`](Self::error), so what it rules out is ruled out for certain.
 pub(super) trait FirstPass<const P: usize, const N: usize> {
+    /// Whether [`run`](Self::run) takes an upper bound of the depth, and saves work by it.
+    const TAKES_UPPER: bool;
+
     /// A pass over `pair` without values.
     fn new(pair: &Pair<'_>) -> Self;
 

@@ -170,6 +170,8 @@ impl<const P: usize, const N: usize> Pass for ArcPass<'_, '_, P, N> {
 }
 
 impl<const P: usize, const N: usize> FirstPass<P, N> for Flat<P, N> {
+    const TAKES_UPPER: bool = false;
+
     #[inline(always)]
     fn new(pair: &Pair<'_>) -> Self {
         Self {

@@ -72,6 +72,10 @@ const TINY_ROUNDINGS: f64 = 32.0;
 /// the distance most pairs are separated, and the general path proves that with fewer operations.
 const PAYS: [(usize, f64); 3] = [(300, 3.0), (16_000, 2.0), (66_000, 1.2)];
 
+/// Minimum distance of the interior points over the sum of the inner radii at which the line of
+/// centres is tested, if its value is not needed as an upper bound.
+const LINE_OF_CENTERS: f64 = 2.0;
+
 /// Maximum number of products up to which the test is faster for a cache that knows the pair, too:
 /// hulls of 16 vertices. Measured by `contact-table` along paths.
 const PAYS_AGAIN: usize = 1_000;
@@ -98,6 +102,8 @@ struct Search<'m, 's, A: SupportMap + ?Sized, B: SupportMap + ?Sized> {
     m: &'m mut Minkowski<'s, A, B>,
     /// The smallest support value, and the direction that has it.
     best: Bound,
+    /// The features of its support point.
+    features: [u32; 2],
     /// Lower bound over everything that was evaluated.
     lower: f64,
 }
@@ -167,13 +173,14 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, F: FirstPass<P, N>, co
         seen = Some([on_b as usize, on_a as usize]);
         upper < -rounding
     };
+    let near = m.inner_radius() * if F::TAKES_UPPER { 1.0 } else { LINE_OF_CENTERS };
     if let Some((axis, point)) = last {
         // It does not separate.
         test(*axis, point);
-    } else if !m.inner_balls_overlap()
+    } else if center.length_squared() > near * near
         && let Some(axis) = unit(-center)
     {
-        // If the inner balls overlap, the line of centres is no separating axis, and a poor guess.
+        // If the pair is nearer, the line of centres rarely separates, and is a poor guess.
         let point = m.point(axis);
         if test(axis, &point) {
             store_separation(cache, axis, &[point; 3]);
@@ -204,7 +211,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, F: FirstPass<P, N>, co
     // The lowest face is at most one error above its value.
     let faces = first.faces((low + error).min(best.upper as f32));
     // 4.
-    let mut search = Search { m, best, lower: f64::INFINITY };
+    let mut search = Search { m, best, features: [0; 2], lower: f64::INFINITY };
     for face in faces[0].iter() {
         let dir = a.normal(face)?;
         let on_a = a.support(face)?;
@@ -222,6 +229,9 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, F: FirstPass<P, N>, co
     }
     first.find_arcs(&pair, dispatch, search.best.upper as f32)?;
     for Arc { faces: [from, to], vertex, bound } in first.arcs() {
+        if search.is_separated() {
+            break;
+        }
         // The value of the first arc, the lowest, rules out most of the others. NaN does not.
         if *bound >= threshold(search.best.upper as f32, error) {
             continue;
@@ -232,13 +242,13 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, F: FirstPass<P, N>, co
         let points = [search.m.point_of(on_a, p, [0; 2]).w, search.m.point_of(on_a, q, [0; 2]).w];
         search.along(Piece { dirs: [a.normal(from)?, a.normal(to)?], points }, 0)?;
     }
-    // The bounds.
-    let Search { m, best, lower } = search;
-    if best.upper < -rounding {
-        let found = m.point(best.normal);
-        store_separation(cache, best.normal, &[found; 3]);
+    if search.is_separated() {
+        let Search { m, best, features, .. } = search;
+        cache.set_simplex([features]);
         return Some(separated_contact(m, cache, best.normal, m.support_calls()));
     }
+    // The bounds.
+    let Search { m, best, lower, .. } = search;
     let slack = 2.0 * (a.slack() + b.slack()) + DIRECTION_UNITS * f64::EPSILON * reach;
     let lower = lower.min(best.upper) - slack;
     // NaN takes the failing branch, here and below.
@@ -295,8 +305,14 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'_, '_, A, B> {
         let value = point.w.dot(dir);
         if value < self.best.upper {
             self.best = Bound { upper: value, normal: dir, ..self.best };
+            self.features = point.features;
         }
         Some(value)
+    }
+
+    /// Whether the direction of the smallest value separates the shapes.
+    fn is_separated(&self) -> bool {
+        self.best.upper < -self.m.rounding_error()
     }
 
     /// Bounds the support values along a piece of an arc from below, and finds its minimum if that
@@ -316,11 +332,17 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Search<'_, '_, A, B> {
         let lowest = p_from.min(q_to).min(middle);
         if middle < self.best.upper - equal {
             let (point, value) = self.at(dir)?;
+            if self.is_separated() {
+                return Some(());
+            }
             if value - middle > equal {
                 if bisections == MAX_BISECTIONS {
                     return None;
                 }
                 self.along(Piece { dirs: [from, dir], points: [p, point.w] }, bisections + 1)?;
+                if self.is_separated() {
+                    return Some(());
+                }
                 return self.along(Piece { dirs: [dir, to], points: [point.w, q] }, bisections + 1);
             }
         }

@@ -512,6 +512,8 @@ pub(super) fn threshold(upper: f32, error: f32) -> f32 {
 }
 
 impl<const P: usize, const N: usize> FirstPass<P, N> for Scan<P, N> {
+    const TAKES_UPPER: bool = true;
+
     #[inline(always)]
     fn new(pair: &Pair<'_>) -> Self {
         Self {
