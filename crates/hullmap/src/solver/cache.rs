@@ -146,16 +146,17 @@ impl Cache {
     /// ```
     /// use hullmap::glam::DVec3;
     /// use hullmap::shapes::Cuboid;
-    /// use hullmap::{Cache, Pose, Settings, contact};
+    /// use hullmap::{Cache, Pose, Settings, contact, intersects};
     ///
     /// let cube = Cuboid::new(DVec3::ONE)?;
     /// let b_in_a = Pose::from_translation(DVec3::new(1.5, 2.01, 1.5))?;
-    /// let first = contact(&cube, &cube, b_in_a, &Settings::default(), &mut Cache::new());
-    /// assert!(!first.hit && first.support_calls > 1);
+    /// let last = contact(&cube, &cube, b_in_a, &Settings::default(), &mut Cache::new());
+    /// assert!(!last.hit);
     ///
-    /// let mut cache = Cache::from_axis(first.normal);
-    /// let next = contact(&cube, &cube, b_in_a, &Settings::default(), &mut cache);
-    /// assert!(!next.hit && next.support_calls == 1);
+    /// let first = intersects(&cube, &cube, b_in_a, &mut Cache::new());
+    /// let mut cache = Cache::from_axis(last.normal);
+    /// let next = intersects(&cube, &cube, b_in_a, &mut cache);
+    /// assert!(first.support_calls > 1 && next.support_calls == 1);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn from_axis(dir: DVec3) -> Self {
