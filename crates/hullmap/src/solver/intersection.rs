@@ -22,6 +22,7 @@ use super::status::Overlap;
 use super::suspended::Suspended;
 use crate::pose::Pose;
 use crate::support::SupportMap;
+use crate::support::simd::{Dispatch, Pass, Simd};
 use crate::vector::unit;
 use glam::DVec3;
 
@@ -128,19 +129,35 @@ fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 
 /// Portal discovery and refinement, until the answer is known. Also returns the number of steps.
 fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &mut Minkowski<'_, A, B>) -> (Found, u32) {
-    let mut portal = Portal::EMPTY;
-    let (found, iterations) = discover_portal(m, &mut portal);
-    match found {
-        Discovery::Separated { axis } => (Found::Separated { axis, seen: portal.vertices }, iterations),
-        Discovery::Portal => {
-            let refined = refine_portal(m, &mut portal, Until::Decided, &mut Bound::none());
-            let found = match refined.side {
-                Side::Separated => Found::Separated { axis: refined.axis, seen: portal.vertices },
-                side => Found::Portal { side, portal },
-            };
-            (found, iterations + refined.iterations)
-        }
-        Discovery::Flat | Discovery::Limit => (Found::Nothing, iterations),
+    let mut pass = SearchPass { m, found: (Found::Nothing, 0) };
+    Dispatch::best().pass(&mut pass);
+    pass.found
+}
+
+/// The search, compiled for the processor's instruction set.
+struct SearchPass<'m, 's, A: ?Sized, B: ?Sized> {
+    m: &'m mut Minkowski<'s, A, B>,
+    found: (Found, u32),
+}
+
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Pass for SearchPass<'_, '_, A, B> {
+    #[inline(always)]
+    fn run<S: Simd>(&mut self, _: S) {
+        let m = &mut *self.m;
+        let mut portal = Portal::EMPTY;
+        let (found, iterations) = discover_portal(m, &mut portal);
+        self.found = match found {
+            Discovery::Separated { axis } => (Found::Separated { axis, seen: portal.vertices }, iterations),
+            Discovery::Portal => {
+                let refined = refine_portal(m, &mut portal, Until::Decided, &mut Bound::none());
+                let found = match refined.side {
+                    Side::Separated => Found::Separated { axis: refined.axis, seen: portal.vertices },
+                    side => Found::Portal { side, portal },
+                };
+                (found, iterations + refined.iterations)
+            }
+            Discovery::Flat | Discovery::Limit => (Found::Nothing, iterations),
+        };
     }
 }
 

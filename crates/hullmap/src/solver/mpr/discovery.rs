@@ -52,7 +52,7 @@ impl Portal {
     pub(in crate::solver) const EMPTY: Self = Self { vertices: [Point::EMPTY; 3] };
 
     /// Normal of the portal, away from v0 and not of unit length. `None` if the portal has no area.
-    #[inline]
+    #[inline(always)]
     pub(in crate::solver) fn normal(&self) -> Option<DVec3> {
         let [v1, v2, v3] = self.vertices.map(|v| v.w);
         let (e2, e3) = (v2 - v1, v3 - v1);
@@ -124,7 +124,7 @@ pub(in crate::solver) fn is_clearly_negative(value: f64, n: DVec3, length: f64) 
 /// Portal discovery, in place. Returns the outcome and the number of steps.
 ///
 /// If there is no portal, `portal` holds the points seen last.
-#[inline]
+#[inline(always)]
 pub(in crate::solver) fn discover_portal<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     portal: &mut Portal,

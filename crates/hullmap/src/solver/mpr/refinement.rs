@@ -73,7 +73,7 @@ pub(in crate::solver) struct Refinement {
 ///
 /// With [`Until::Surface`], `bound` receives the minimum support value along the normal of a
 /// portal.
-#[inline]
+#[inline(always)]
 pub(in crate::solver) fn refine_portal<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     portal: &mut Portal,
