@@ -257,8 +257,8 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> for
                     None
                 }
                 Some(found) => {
-                    let iterations = search.iterations();
-                    self.after_search(found, iterations, settings, cache, room)
+                    let (portal, iterations) = (*search.portal(), search.iterations());
+                    self.after_search(found, &portal, iterations, settings, cache, room)
                 }
             },
             Phase::Expansion(search, iterations) => {
@@ -296,6 +296,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SuspendedContact<'_, A, B> 
     fn after_search(
         &mut self,
         found: Found,
+        portal: &Portal,
         iterations: u32,
         settings: &Settings,
         cache: &mut Cache,
@@ -303,12 +304,12 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SuspendedContact<'_, A, B> 
     ) -> Option<Contact> {
         let (tolerance, limit) = (settings.relative_tolerance(), settings.max_iterations);
         let start = match found {
-            Found::Separated { axis, seen } => {
-                store_separation(cache, axis, &seen);
+            Found::Separated { axis } => {
+                store_separation(cache, axis, &portal.vertices);
                 let found = separated_contact(&self.m, cache, axis, iterations);
                 return Some(self.answer(found));
             }
-            Found::Portal { portal, .. } => Some(portal_tetrahedron(&self.m, &portal)),
+            Found::Portal(_) => Some(portal_tetrahedron(&self.m, portal)),
             Found::Nothing => None,
         };
         let search = start.and_then(|start| epa::Search::start(&self.m, start, tolerance, limit, cache, room));

@@ -123,40 +123,39 @@ fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         cache.forget_axis();
         return (Overlap::Overlapping, 0);
     }
-    let (found, iterations) = search(m);
-    conclude(m, cache, found, iterations)
+    let mut search = SearchPass { m, portal: Portal::EMPTY, found: Found::Nothing, iterations: 0 };
+    Dispatch::best().pass(&mut search);
+    let SearchPass { m, portal, found, iterations } = search;
+    conclude(m, cache, found, &portal, iterations)
 }
 
-/// Portal discovery and refinement, until the answer is known. Also returns the number of steps.
-fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &mut Minkowski<'_, A, B>) -> (Found, u32) {
-    let mut pass = SearchPass { m, found: (Found::Nothing, 0) };
-    Dispatch::best().pass(&mut pass);
-    pass.found
-}
-
-/// The search, compiled for the processor's instruction set.
+/// Portal discovery and refinement until the answer is known, compiled for the processor's
+/// instruction set.
 struct SearchPass<'m, 's, A: ?Sized, B: ?Sized> {
     m: &'m mut Minkowski<'s, A, B>,
-    found: (Found, u32),
+    /// The portal, or the points seen last if there is none.
+    portal: Portal,
+    found: Found,
+    /// Number of steps.
+    iterations: u32,
 }
 
 impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Pass for SearchPass<'_, '_, A, B> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, _: S) {
-        let m = &mut *self.m;
-        let mut portal = Portal::EMPTY;
-        let (found, iterations) = discover_portal(m, &mut portal);
+        let (found, steps) = discover_portal(self.m, &mut self.portal);
+        self.iterations = steps;
         self.found = match found {
-            Discovery::Separated { axis } => (Found::Separated { axis, seen: portal.vertices }, iterations),
+            Discovery::Separated { axis } => Found::Separated { axis },
             Discovery::Portal => {
-                let refined = refine_portal(m, &mut portal, Until::Decided, &mut Bound::none());
-                let found = match refined.side {
-                    Side::Separated => Found::Separated { axis: refined.axis, seen: portal.vertices },
-                    side => Found::Portal { side, portal },
-                };
-                (found, iterations + refined.iterations)
+                let refined = refine_portal(self.m, &mut self.portal, Until::Decided, &mut Bound::none());
+                self.iterations += refined.iterations;
+                match refined.side {
+                    Side::Separated => Found::Separated { axis: refined.axis },
+                    side => Found::Portal(side),
+                }
             }
-            Discovery::Flat | Discovery::Limit => (Found::Nothing, iterations),
+            Discovery::Flat | Discovery::Limit => Found::Nothing,
         };
     }
 }
@@ -167,19 +166,20 @@ fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     cache: &mut Cache,
     found: Found,
+    portal: &Portal,
     iterations: u32,
 ) -> (Overlap, u32) {
     let start = match found {
-        Found::Separated { axis, seen } => {
-            store_separation(cache, axis, &seen);
+        Found::Separated { axis } => {
+            store_separation(cache, axis, &portal.vertices);
             return (Overlap::Separated, iterations);
         }
-        Found::Portal { side: Side::Overlapping, portal } if is_certainly_inside(m, &portal) => {
+        Found::Portal(Side::Overlapping) if is_certainly_inside(m, portal) => {
             cache.forget_axis();
             cache.set_portal(&portal.vertices);
             return (Overlap::Overlapping, iterations);
         }
-        Found::Portal { portal, .. } => Some(portal_tetrahedron(m, &portal)),
+        Found::Portal(_) => Some(portal_tetrahedron(m, portal)),
         Found::Nothing => None,
     };
     let (status, Bound { normal, .. }, steps) = decide_by_expansion(m, start, cache);
@@ -248,8 +248,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> for
             self.next = self.m.start(search.direction());
             return None;
         };
-        let iterations = search.iterations();
-        let (status, iterations) = conclude(&mut self.m, cache, found, iterations);
+        let (status, iterations) = conclude(&mut self.m, cache, found, search.portal(), search.iterations());
         Some(self.answer(status, iterations))
     }
 }

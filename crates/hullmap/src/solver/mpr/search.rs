@@ -17,13 +17,13 @@ use crate::support::SupportMap;
 use crate::vector::{perpendicular, unit};
 use glam::DVec3;
 
-/// What a search found.
+/// What a search found. The points belong to it: the portal, or those seen last.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::solver) enum Found {
-    /// A separating axis, and the points seen last.
-    Separated { axis: DVec3, seen: [Point; 3] },
+    /// A separating axis.
+    Separated { axis: DVec3 },
     /// A portal, and where the origin is as far as it shows. Not [`Side::Separated`].
-    Portal { side: Side, portal: Portal },
+    Portal(Side),
     /// No portal: the difference is flat, or the limit on the steps was reached.
     Nothing,
 }
@@ -49,7 +49,7 @@ pub(in crate::solver) struct Search {
     /// Lengths below this are rounding error of a tetrahedron's height.
     flat: f64,
     /// v1, v2 and v3, as far as they are known.
-    vertices: [Point; 3],
+    portal: Portal,
     dir: DVec3,
     phase: Phase,
     /// Steps of portal discovery, when it has ended.
@@ -66,11 +66,16 @@ impl Search {
             v0,
             rounding,
             flat: FLATNESS * m.outer_radius(),
-            vertices: [Point::EMPTY; 3],
+            portal: Portal::EMPTY,
             dir: if v0.length_squared() > rounding * rounding { -v0 } else { DVec3::X },
             phase: Phase::First,
             discovery_steps: 0,
         }
+    }
+
+    /// The portal, or the points seen last if there is none.
+    pub(in crate::solver) fn portal(&self) -> &Portal {
+        &self.portal
     }
 
     /// The direction of the next support query.
@@ -94,25 +99,27 @@ impl Search {
     pub(in crate::solver) fn continue_with(&mut self, w: Point) -> Option<Found> {
         let n = self.dir;
         let is_separated = is_clearly_negative(w.w.dot(n), n, self.rounding);
-        let [v1, v2, _] = self.vertices;
+        if is_separated {
+            let [v1, v2, v3] = self.portal.vertices;
+            self.portal.vertices = match self.phase {
+                Phase::First => [w; 3],
+                Phase::Second => [v1, w, w],
+                Phase::Third { .. } => [v1, v2, w],
+                Phase::Fourth { .. } => [w, v2, v3],
+            };
+            return Some(Found::Separated { axis: n });
+        }
         match self.phase {
-            Phase::First if is_separated => Some(Found::Separated { axis: n, seen: [w; 3] }),
             Phase::First => self.after_first(w),
-            Phase::Second if is_separated => Some(Found::Separated { axis: n, seen: [v1, w, w] }),
             Phase::Second => self.after_second(w),
-            Phase::Third { .. } if is_separated => Some(Found::Separated { axis: n, seen: [v1, v2, w] }),
             Phase::Third { step } => self.after_third(w, step),
-            Phase::Fourth { .. } if is_separated => {
-                self.vertices[0] = w;
-                Some(Found::Separated { axis: n, seen: self.vertices })
-            }
             Phase::Fourth { step } => self.after_fourth(w, step),
         }
     }
 
     #[inline(always)]
     fn after_first(&mut self, v1: Point) -> Option<Found> {
-        self.vertices = [v1; 3];
+        self.portal.vertices = [v1; 3];
         let line = v1.w - self.v0;
         self.dir = v1.w.cross(self.v0);
         let spans_plane = self.dir.length_squared() > self.flat * self.flat * line.length_squared();
@@ -126,12 +133,12 @@ impl Search {
 
     #[inline(always)]
     fn after_second(&mut self, v2: Point) -> Option<Found> {
-        let v1 = self.vertices[0];
+        let v1 = self.portal.vertices[0];
         let n = (v1.w - self.v0).cross(v2.w - self.v0);
         if n.dot(self.v0) > 0.0 {
-            (self.vertices[0], self.vertices[1], self.dir) = (v2, v1, -n);
+            (self.portal.vertices[0], self.portal.vertices[1], self.dir) = (v2, v1, -n);
         } else {
-            (self.vertices[0], self.vertices[1], self.dir) = (v1, v2, n);
+            (self.portal.vertices[0], self.portal.vertices[1], self.dir) = (v1, v2, n);
         }
         self.await_third(1)
     }
@@ -145,14 +152,14 @@ impl Search {
     #[inline(always)]
     fn after_third(&mut self, v3: Point, step: u32) -> Option<Found> {
         let (v0, n) = (self.v0, self.dir);
-        let [v1, v2, _] = self.vertices;
+        let [v1, v2, _] = self.portal.vertices;
         if v1.w.cross(v3.w).dot(v0) < 0.0 {
-            self.vertices[1] = v3;
+            self.portal.vertices[1] = v3;
         } else if v3.w.cross(v2.w).dot(v0) < 0.0 {
-            self.vertices[0] = v3;
+            self.portal.vertices[0] = v3;
         } else {
-            self.vertices[2] = v3;
-            let portal = Portal { vertices: self.vertices };
+            self.portal.vertices[2] = v3;
+            let portal = &self.portal;
             let height = (v3.w - v0).dot(n);
             // NaN takes the failing branch.
             let high = height > 0.0 && height * height > self.flat * self.flat * n.length_squared();
@@ -167,7 +174,7 @@ impl Search {
         if step == MAX_DISCOVERY_STEPS {
             return Some(Found::Nothing);
         }
-        let [v1, v2, _] = self.vertices;
+        let [v1, v2, _] = self.portal.vertices;
         self.dir = (v1.w - v0).cross(v2.w - v0);
         self.await_third(step + 1)
     }
@@ -175,24 +182,23 @@ impl Search {
     #[inline(always)]
     fn await_fourth(&mut self, step: u32) -> Option<Found> {
         self.phase = Phase::Fourth { step };
-        let portal = Portal { vertices: self.vertices };
-        let Some(n) = portal.normal() else { return Some(Found::Portal { side: Side::Undecided, portal }) };
+        let Some(n) = self.portal.normal() else { return Some(Found::Portal(Side::Undecided)) };
         self.dir = n;
         // The origin is behind the portal.
-        let behind = is_clearly_negative(-n.dot(self.vertices[0].w), n, self.rounding);
-        behind.then_some(Found::Portal { side: Side::Overlapping, portal })
+        let behind = is_clearly_negative(-n.dot(self.portal.vertices[0].w), n, self.rounding);
+        behind.then_some(Found::Portal(Side::Overlapping))
     }
 
     #[inline(always)]
     fn after_fourth(&mut self, v4: Point, step: u32) -> Option<Found> {
         let n = self.dir;
-        let [v1, v2, v3] = self.vertices.map(|v| v.w);
+        let [v1, v2, v3] = self.portal.vertices.map(|v| v.w);
         let value = v4.w.dot(n);
         // NaN counts as the surface, since no point is known to be farther out.
         if !is_clearly_negative(n.dot(v1) - value, n, self.rounding) {
             let touching = !is_clearly_negative(-value.abs(), n, 2.0 * self.rounding);
             let side = if touching { Side::Touching } else { Side::Undecided };
-            return Some(Found::Portal { side, portal: Portal { vertices: self.vertices } });
+            return Some(Found::Portal(side));
         }
         let ray_normal = v4.w.cross(self.v0);
         let replaced = match (v1.dot(ray_normal) >= 0.0, v2.dot(ray_normal) >= 0.0, v3.dot(ray_normal) >= 0.0) {
@@ -200,9 +206,9 @@ impl Search {
             (true, false, _) => 2,
             (false, _, true) => 1,
         };
-        self.vertices[replaced] = v4;
+        self.portal.vertices[replaced] = v4;
         if step == MAX_REFINEMENT_STEPS {
-            return Some(Found::Portal { side: Side::Undecided, portal: Portal { vertices: self.vertices } });
+            return Some(Found::Portal(Side::Undecided));
         }
         self.await_fourth(step + 1)
     }
