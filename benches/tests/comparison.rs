@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use hullmap_bench::{comparison, matrix::Matrix};
 
 /// The result in the documents, and its machine and date.
-const RESULT: &str = "benches/results/2026-11-24-contact-stretch.csv";
+const RESULT: &str = "benches/results/2026-11-24-contact-portals.csv";
 const SOURCE: &str = "AMD EPYC, 2026-11-24";
 
 fn read(path: &str) -> String {
