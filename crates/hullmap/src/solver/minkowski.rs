@@ -23,7 +23,8 @@
 
 use crate::pose::Pose;
 use crate::support::{Lookup, SupportMap};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
+use std::hint::black_box;
 
 /// Coefficients of the bound on the error of a support value or of a plane's offset, in units of
 /// `f64::EPSILON` times a length of the query.
@@ -154,7 +155,7 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
     /// One query of each interior point and radius. No support call.
     #[inline(always)]
     pub fn new(a: &'s A, b: &'s B, b_in_a: Pose) -> Self {
-        let rotation = b_in_a.rotation_matrix();
+        let rotation = rotation_matrix(b_in_a);
         let center_a = a.interior_point();
         let center_b_local = b.interior_point();
         let outer_radius = a.outer_radius() + b.outer_radius();
@@ -354,6 +355,15 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
         let ratio = self.inner_radius_a / self.inner_radius;
         self.center_a - (self.center_a - self.center_b) * ratio
     }
+}
+
+/// The rotation of `pose` as a matrix, with one load for each component of the quaternion.
+///
+/// The caller has just written the pose. The compiler would load two components at once, and where
+/// these were written by two stores, the processor waits for both: 15 ns on an Intel Xeon.
+#[inline(always)]
+fn rotation_matrix(pose: Pose) -> DMat3 {
+    DMat3::from_quat(DQuat::from_array(pose.rotation().to_array().map(black_box)))
 }
 
 /// L1 norm of `v`: at least its length and at most 1.8 times its length, without a square root.
