@@ -160,7 +160,7 @@ impl<const P: usize, const N: usize> Pass for ArcPass<'_, '_, P, N> {
                 let lane = left.trailing_zeros() as usize % LANES;
                 left &= left - 1;
                 let Edge { faces, vertex, .. } = edges[lane % edges.len()];
-                arcs[count % (ARCS_PER_BLOCK * N)] = Arc { faces, vertex, bound: bounds[lane] };
+                arcs[count % (ARCS_PER_BLOCK * N)] = Arc { faces, vertex: vertex.into(), bound: bounds[lane] };
                 count += 1;
             }
         }

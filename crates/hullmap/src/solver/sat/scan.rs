@@ -113,8 +113,9 @@ impl<'v> Pair<'v> {
 pub(super) struct Arc {
     /// The faces at its ends.
     pub(super) faces: [u8; 2],
-    /// A vertex of its edge.
-    pub(super) vertex: u8,
+    /// A vertex of its edge. Not a byte, which would leave one byte of padding: arrays without
+    /// padding are zeroed in place.
+    pub(super) vertex: u16,
     /// Lower bound of the values between the ends, or the value of an end is lower.
     pub(super) bound: f32,
 }
@@ -421,7 +422,7 @@ impl<const P: usize, const N: usize> Pass for ArcPass<'_, '_, '_, P, N> {
                 // NaN is kept.
                 if bound != f32::INFINITY {
                     let Some(arc) = arcs.get_mut(*arc_count) else { return };
-                    *arc = Arc { faces: ends.map(|face| face as u8), vertex: side.vertex, bound };
+                    *arc = Arc { faces: ends.map(|face| face as u8), vertex: side.vertex.into(), bound };
                     *arc_count += 1;
                 }
             }
