@@ -10,7 +10,7 @@
 //! | [`outer`] | hull | outer hull: a coarse polytope that contains the hull |
 //! | [`simplify`] | hull | simplified hull: fewer vertices, contains the hull |
 //! | [`gauss_map`] | hull | normal cones |
-//! | [`index`] | normal cones | direction index: cube map or tree, as words and blocks |
+//! | [`index`] | normal cones | proven direction index: cube map or tree, as words and blocks |
 //! | [`bvh`] | bounds of the hulls | bounding volume hierarchy over the hulls |
 //! | [`pack`] | baked hulls | bytes |
 //!
@@ -139,6 +139,9 @@ pub enum BakeError {
     /// The direction index is malformed. This is a bug.
     #[error("the direction index could not be certified: {0}; please report this mesh")]
     Index(#[from] hullmap_format::walk::IndexError),
+    /// Not even a scan of all vertices is proven to be exact. This is a bug.
+    #[error("no direction index could be proven: {0}; please report this mesh")]
+    Unproven(index::certify::Unproven),
 }
 
 /// A hull with its index, ready to be written.

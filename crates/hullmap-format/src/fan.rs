@@ -21,6 +21,20 @@ pub fn angle(x: f64, y: f64) -> f64 {
     rise / run + 2.0 * quarter
 }
 
+/// The point at `angle` on the outline of the square: the inverse of [`angle()`]. Any angle is
+/// allowed; a full turn leads to the same point.
+#[inline]
+pub fn point(angle: f64) -> [f64; 2] {
+    let quarter = ((angle + 1.0) / 2.0).floor();
+    let along = angle - 2.0 * quarter;
+    match (quarter as i64).rem_euclid(4) {
+        0 => [1.0, along],
+        1 => [-along, 1.0],
+        2 => [-1.0, -along],
+        _ => [along, -1.0],
+    }
+}
+
 /// Number of words before a fan's slots. They hold five values: the x axis and the y axis of the
 /// frame (three f64 each, low word first), the angle at which the first slot starts (f64), the
 /// number of slots per unit of the angle (f64), and the number of bits of a slot's index (one
@@ -57,6 +71,22 @@ mod tests {
         }
         for (point, expected) in [([1.0, 0.0], 0.0), ([0.0, 1.0], 2.0), ([-1.0, 0.0], 4.0), ([0.0, -1.0], 6.0)] {
             assert_eq!(angle(point[0], point[1]), expected);
+        }
+    }
+
+    /// At the end of a full turn it was a quarter turn off, and a leaf lost its vertices.
+    #[test]
+    fn points_and_angles_agree_beyond_a_full_turn() {
+        for step in -30..90 {
+            let turned = f64::from(step) * 0.1 + 1e-15;
+            let [x, y] = point(turned);
+            let off = (angle(x, y) - turned) / TURN;
+            assert!((off - off.round()).abs() < 1e-15, "{turned}");
+            assert_eq!(x.abs().max(y.abs()), 1.0);
+        }
+        for end in [7.0 - 1e-15, 7.0, 7.0 + 4e-15] {
+            let [x, y] = point(end);
+            assert!((x - 1.0).abs() < 1e-14 && (y + 1.0).abs() < 1e-14, "{x} {y}");
         }
     }
 

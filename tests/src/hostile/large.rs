@@ -254,7 +254,7 @@ fn one_list(count: usize) -> BakedHull {
     let blocks = baked.index.encoded.blocks;
     let slots = [[Slot::List(6).encode(); 6].as_slice(), &[0, blocks.len() as u32]].concat();
     let cost = Cost { nodes: 0, dots: (LANES * blocks.len()) as u32 };
-    baked.index = Index { kind: IndexKind::Tree, cost, encoded: Encoded { slots, blocks } };
+    baked.index = Index { kind: IndexKind::Tree, cost, encoded: Encoded { slots, blocks }, replaces: None };
     baked
 }
 

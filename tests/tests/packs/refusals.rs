@@ -275,7 +275,7 @@ fn leaves_have_at_most_as_many_candidates_as_the_hull_has_vertices() {
             _ => [[Slot::List(6).encode(); 6].as_slice(), &[0, count]].concat(),
         };
         let cost = Cost { nodes: 0, dots: LANES as u32 * count };
-        let index = Index { kind, cost, encoded: Encoded { slots, blocks } };
+        let index = Index { kind, cost, encoded: Encoded { slots, blocks }, replaces: None };
         write_pack(&[BakedHull { index, ..cube.clone() }], &SourceRecord::default()).unwrap()
     };
     // A plain leaf of a compact tree has four blocks, however few the vertices.

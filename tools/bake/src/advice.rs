@@ -48,7 +48,7 @@ impl Remark {
     }
 
     /// A finding to act on.
-    fn warning(topic: &str, name: &str, text: String) -> Self {
+    pub fn warning(topic: impl Into<String>, name: &str, text: String) -> Self {
         Self { is_warning: true, ..Self::note(topic, name, text) }
     }
 

@@ -4,7 +4,8 @@ use std::borrow::Cow;
 
 use hullmap_bake::decompose::{Method, decompose};
 use hullmap_bake::{
-    BakedHull, IndexChoice, PointSet, SourceRecord, bake_hull, bake_simplified_hull, write_lean_pack, write_owned_pack,
+    BakedHull, IndexChoice, IndexKind, PointSet, SourceRecord, bake_hull, bake_simplified_hull, write_lean_pack,
+    write_owned_pack,
 };
 use rayon::prelude::*;
 
@@ -89,6 +90,7 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
     if let IndexChoice::Budget { bytes_per_vertex } = index {
         remarks.extend(hulls.iter().map(|baked| budget_note(baked, bytes_per_vertex)));
     }
+    remarks.extend(hulls.iter().filter_map(replacement_warning));
     remarks.extend(hulls.iter().flat_map(|baked| advice::of_hull(&facts(baked))));
     let (notes, warnings) = advice::summarise(remarks);
     let ranks = hulls.iter().map(|baked| baked.hull.rank).collect();
@@ -120,6 +122,16 @@ fn facts(baked: &BakedHull) -> HullMeasures<'_> {
         max_coordinate: coordinates.map(|x| f64::from(x.abs())).fold(0.0, f64::max),
         outer_error: baked.outer_error,
     }
+}
+
+/// Warning about an index that replaces another one, since that could not be proven.
+fn replacement_warning(baked: &BakedHull) -> Option<Remark> {
+    let (name, kind) = (&baked.name, baked.index.kind);
+    let (requested, reason) = baked.index.replaces.as_ref()?;
+    let used = if kind == IndexKind::None { "no index".to_owned() } else { format!("{kind} index") };
+    let kinds = format!("{used} instead of {requested}, which could not be proven");
+    let text = format!("hull {name}: {kinds} ({reason}); queries are exact, but slower; please report this mesh");
+    Some(Remark::warning(kinds, name, text))
 }
 
 /// Note on the index that a budget allowed, by its name on the command line.

@@ -68,15 +68,7 @@ impl Frame {
     /// Normal of the plane through the axis at `position`. Greater positions lie in front of it, up
     /// to half a turn.
     pub fn plane(self, position: f64) -> DVec3 {
-        let angle = self.start + self.span * position;
-        let quarter = ((angle + 1.0) / 2.0).floor();
-        let t = angle - 2.0 * quarter;
-        let [x, y] = match quarter as i64 {
-            0 => [1.0, t],
-            1 => [-t, 1.0],
-            2 => [-1.0, -t],
-            _ => [t, -1.0],
-        };
+        let [x, y] = fan::point(self.start + self.span * position);
         (self.y * x - self.x * y).normalize()
     }
 }
@@ -333,14 +325,22 @@ mod tests {
         for _ in 0..1_000 {
             let x = DVec3::from_array(rng.direction());
             let y = x.cross(DVec3::from_array(rng.direction())).normalize();
-            let frame = Frame { x, y, start: rng.between(-1.0, 3.0), span: rng.between(0.1, 3.9) };
-            let (position, distance) = (rng.unit(), rng.unit());
+            // A full turn starts at −1 and ends at 7, to within a tolerance on either side.
+            let full = Frame { x, y, start: -1.0 - TOUCH, span: TURN + 2.0 * TOUCH };
+            let some = Frame { x, y, start: rng.between(-1.0, 3.0), span: rng.between(0.1, 3.9) };
+            let (frame, position) = match rng.below(4) {
+                0 => (full, [0.0, 1.0, rng.unit()][rng.below(3)]),
+                _ => (some, rng.unit()),
+            };
+            let distance = rng.unit();
             let normal = frame.plane(position);
             assert!((normal.length() - 1.0).abs() < 1e-15 && normal.dot(x.cross(y)).abs() < 1e-15);
             // A point on the plane, at the requested position.
             let on = x.cross(y) * rng.between(-1.0, 1.0) + normal.cross(x.cross(y)) * distance;
             let angle = fan::angle(on.dot(x), on.dot(y));
-            assert!((angle - frame.start - frame.span * position).abs() < 1e-12 / distance, "{frame:?} {position}");
+            let turned = angle - frame.start - frame.span * position;
+            let off = turned - TURN * (turned / TURN).round();
+            assert!(off.abs() < 1e-12 / distance, "{frame:?} {position}");
             // Greater positions lie in front.
             let beyond = on + normal * 0.1 * distance;
             assert!(fan::angle(beyond.dot(x), beyond.dot(y)) > angle || angle > 6.0);

@@ -6,7 +6,10 @@
 //!    each cell every vertex whose cone meets it.
 //! 3. [`packing`] lets leaves of a tree share blocks, neighbouring leaves first.
 //! 4. [`encode`] writes the lists as blocks and the cells as words.
+//! 5. [`certify`] proves the result, independently of steps 1 to 4. An index that cannot be proven
+//!    is replaced by one of the next simpler kind.
 
+pub mod certify;
 pub mod cones;
 pub mod cube_map;
 pub mod encode;
@@ -22,6 +25,7 @@ use hullmap_format::{
 use rayon::prelude::*;
 
 use crate::{BakeError, gauss_map::GaussMap, hull::Hull};
+use certify::{Proof, Unproven};
 use encode::Encoded;
 use subdivide::{Cuts, Tree};
 
@@ -66,12 +70,22 @@ pub struct Index {
     pub cost: walk::Cost,
     /// Words and blocks.
     pub encoded: Encoded,
+    /// The index that this one replaces, since it could not be proven, and the reason.
+    pub replaces: Option<(IndexKind, Unproven)>,
 }
 
 impl Index {
     /// Size of the words and blocks in bytes.
     pub fn byte_len(&self) -> usize {
         size_of_val(self.encoded.slots.as_slice()) + size_of_val(self.encoded.blocks.as_slice())
+    }
+
+    /// Proves the index: see [`certify`].
+    ///
+    /// # Errors
+    /// The first leaf that is not proven.
+    pub fn prove(&self, hull: &Hull) -> Result<Proof, Unproven> {
+        certify::certify(hull, self.kind, &self.encoded.slots[..], self.encoded.blocks.iter().copied())
     }
 
     /// A short description of the index, with its size in bytes per vertex.
@@ -88,22 +102,45 @@ impl Index {
     }
 }
 
-/// Builds the direction index of `hull`.
+/// Builds and proves the direction index of `hull`.
 ///
 /// # Errors
 /// [`BakeError::IndexTooLarge`] if slots cannot address all words or blocks.
 pub fn build(hull: &Hull, choice: impl Into<IndexChoice>) -> Result<Index, BakeError> {
     match choice.into() {
-        IndexChoice::Kind(kind) => build_kind(hull, kind),
+        IndexChoice::Kind(kind) => first_proven(hull, kind, build_kind),
         IndexChoice::Budget { bytes_per_vertex } => {
             for kind in [IndexKind::Tree, IndexKind::Medium, IndexKind::Compact] {
-                let index = build_kind(hull, kind)?;
+                let index = first_proven(hull, kind, build_kind)?;
                 if index.byte_len() <= bytes_per_vertex as usize * hull.vertices.len() {
                     return Ok(index);
                 }
             }
             Ok(scan(&hull.vertices))
         }
+    }
+}
+
+/// The index of `kind`, or the first simpler one that can be proven.
+fn first_proven(
+    hull: &Hull,
+    kind: IndexKind,
+    build: impl Fn(&Hull, IndexKind) -> Result<Index, BakeError>,
+) -> Result<Index, BakeError> {
+    let index = build(hull, kind)?;
+    match (index.prove(hull), simpler(kind)) {
+        (Ok(_), _) => Ok(index),
+        (Err(reason), None) => Err(BakeError::Unproven(reason)),
+        (Err(reason), Some(next)) => Ok(Index { replaces: Some((kind, reason)), ..first_proven(hull, next, build)? }),
+    }
+}
+
+/// The next simpler kind of index.
+fn simpler(kind: IndexKind) -> Option<IndexKind> {
+    match kind {
+        IndexKind::Tree | IndexKind::Medium | IndexKind::Compact => Some(IndexKind::Binary),
+        IndexKind::Binary | IndexKind::CubeMap { .. } => Some(IndexKind::None),
+        IndexKind::None => None,
     }
 }
 
@@ -154,7 +191,7 @@ fn fine_leaf(capacity: usize) -> usize {
 fn scan(vertices: &[[f32; 3]]) -> Index {
     let encoded = encode::scan(vertices);
     let shape = Shape { roots: 0, branches: Branches::None, leaf_blocks: 1, block_count: encoded.blocks.len() as u32 };
-    Index { kind: IndexKind::None, cost: shape.scan_cost(), encoded }
+    Index { kind: IndexKind::None, cost: shape.scan_cost(), encoded, replaces: None }
 }
 
 /// Encodes the trees below the roots and computes the worst-case cost of a query.
@@ -163,7 +200,7 @@ fn finish(hull: &Hull, kind: IndexKind, roots: &[Tree]) -> Result<Index, BakeErr
     let encoded = encode::trees(&hull.vertices, roots, branches, leaf_blocks as usize)?;
     let shape = Shape { roots: roots.len(), branches, leaf_blocks, block_count: encoded.blocks.len() as u32 };
     let cost = walk::walk(shape, &encoded.slots[..])?;
-    Ok(Index { kind, cost, encoded })
+    Ok(Index { kind, cost, encoded, replaces: None })
 }
 
 #[cfg(test)]
@@ -183,6 +220,36 @@ mod tests {
         let [fans, halves] = [IndexKind::Tree, IndexKind::Binary].map(nodes);
         println!("nodes: {fans} with fans, {halves} without");
         assert!(fans == 1 && halves > 2, "{fans} with fans, {halves} without");
+    }
+
+    #[test]
+    fn an_unproven_index_is_replaced_by_a_simpler_one() {
+        let positions = shapes::families::rock(200, 3);
+        let set =
+            PointSet { name: String::new(), source_vertices: (0..200).collect(), positions, ..PointSet::default() };
+        let hull = hull::build(&set).unwrap();
+        // Every lane of block 1 holds the same vertex.
+        let damaged = |kinds: &'static [IndexKind]| {
+            move |hull: &Hull, kind: IndexKind| {
+                let mut index = build_kind(hull, kind)?;
+                if kinds.contains(&kind) {
+                    let block = &mut index.encoded.blocks[1];
+                    for lanes in [&mut block.x, &mut block.y, &mut block.z] {
+                        *lanes = [lanes[0]; LANES];
+                    }
+                    block.vertex = [block.vertex[0]; LANES];
+                }
+                Ok(index)
+            }
+        };
+        let build = |kind, damaged| first_proven(&hull, kind, damaged);
+        let index = build(IndexKind::Tree, damaged(&[IndexKind::Tree])).unwrap();
+        assert_eq!(index.kind, IndexKind::Binary);
+        assert!(matches!(index.replaces, Some((IndexKind::Tree, Unproven::Missing { .. }))));
+        let index = build(IndexKind::Compact, damaged(&[IndexKind::Compact, IndexKind::Binary])).unwrap();
+        assert_eq!((index.kind, index.replaces.map(|(kind, _)| kind)), (IndexKind::None, Some(IndexKind::Compact)));
+        let index = build(IndexKind::Tree, damaged(&[])).unwrap();
+        assert_eq!((index.kind, index.replaces), (IndexKind::Tree, None));
     }
 
     #[test]

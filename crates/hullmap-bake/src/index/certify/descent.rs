@@ -1,0 +1,369 @@
+//! The way of all arcs through the nodes of an index, down to its leaves.
+//!
+//! - A grid (the squares of a branch, two halves, or the cells of a cube map) hands each arc to the
+//!   cells that it crosses. Neighbouring cells with the same slot are one cell.
+//! - A plane clips the arcs and the region to each of its sides.
+//! - A fan is halved between its steps until one slot is left. Steps with the same slot, side by
+//!   side, are one step.
+
+use glam::DVec3;
+use hullmap_format::{
+    IndexKind,
+    cube::{self, GRID_BITS},
+    fan,
+    node::{Node, Words},
+    slot::{BUNDLE_PLANES, Slot},
+};
+
+use super::{
+    Certifier, Unproven, Visits,
+    arcs::Piece,
+    cube_slack,
+    region::{Cell, Line, Margin},
+};
+
+/// Range of squared lengths of vectors that count as being of unit length. The margins of
+/// [`super::region`] allow for it.
+const UNIT_SQ: std::ops::RangeInclusive<f64> = 0.999..=1.001;
+
+/// Angles that a wedge of a fan may cover to be treated as convex: less than half a turn.
+const CONVEX: f64 = 0.45 * fan::TURN;
+
+/// Where a wedge that is too wide is cut: not in the middle, where symmetric hulls have borders.
+const CUT: f64 = 0.414;
+
+/// A square of the grid, or half of one.
+#[derive(Clone, Copy)]
+struct Square {
+    face: u32,
+    /// Lower grid indices.
+    at: [u32; 2],
+    /// Number of grid cells.
+    size: [u32; 2],
+    /// The axis that a binary tree halves next.
+    axis: usize,
+}
+
+/// A division of a square into cells, row by row.
+struct Grid {
+    face: u32,
+    /// Grid indices of the borders along u and along v.
+    borders: [Vec<u32>; 2],
+    /// Word of the first cell's slot.
+    first: usize,
+    axis: usize,
+}
+
+/// A rectangle of cells with the same slot.
+struct Run {
+    slot: usize,
+    square: Square,
+    cell: Cell,
+    /// The arcs that cross it.
+    pieces: Vec<Piece>,
+    /// Index of the arc handed to it last.
+    last: u32,
+}
+
+/// Steps of a fan with the same slot, side by side: a range of angles.
+#[derive(Clone, Copy)]
+struct Wedge {
+    slot: usize,
+    from: f64,
+    to: f64,
+    /// Whether the same slot continues before it, and after it.
+    continues: [bool; 2],
+}
+
+/// The axes of a fan's frame, on a face of the cube.
+struct Frame {
+    /// First word of the node.
+    at: usize,
+    x: DVec3,
+    y: DVec3,
+}
+
+impl Frame {
+    /// The plane through the axis at an angle. Greater angles lie in front, up to half a turn.
+    ///
+    /// A query computes [`fan::angle`], the baker its inverse. They are compared: a mistake in the
+    /// inverse must not pass here because it was made in the baker, too.
+    fn line(&self, face: u32, angle: f64) -> Option<Line> {
+        let [x, y] = fan::point(angle);
+        let turns = (fan::angle(x, y) - angle) / fan::TURN;
+        let is_inverse = (turns - turns.round()).abs() < 1e-15;
+        is_inverse.then(|| Line::new(face, (self.y * x - self.x * y).normalize()))
+    }
+}
+
+impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
+    /// Follows the arcs on a face of the cube from its roots.
+    pub(super) fn descend(&self, face: u32, pieces: Vec<Piece>, visits: &mut Visits) -> Result<(), Unproven> {
+        if let IndexKind::CubeMap { resolution } = self.kind {
+            let borders: Vec<u32> = (0..=resolution).map(|step| cube::uniform_step_start(step, resolution)).collect();
+            let first = face as usize * (resolution as usize).pow(2);
+            return self.grid(&Grid { face, borders: [borders.clone(), borders], first, axis: 0 }, &pieces, visits);
+        }
+        let square = Square { face, at: [0; 2], size: [1 << GRID_BITS; 2], axis: 0 };
+        let cell = Cell { face, square: widened(square), part: None };
+        self.square(face as usize, square, cell, &pieces, visits)
+    }
+
+    /// Follows the arcs through the slot of a square.
+    fn square(
+        &self,
+        slot: usize,
+        square: Square,
+        cell: Cell,
+        pieces: &[Piece],
+        visits: &mut Visits,
+    ) -> Result<(), Unproven> {
+        let cuts = |axis: usize, bits: u32| -> Vec<u32> {
+            (0..=1 << bits).map(|step| square.at[axis] + (square.size[axis] >> bits) * step).collect()
+        };
+        let (bits, first) = match self.node(slot) {
+            Some(Node::Squares { at, bits }) => ([bits; 2], at),
+            Some(Node::Halves { at }) => (if square.axis == 0 { [1, 0] } else { [0, 1] }, at),
+            _ => return self.part(slot, &cell, pieces, visits),
+        };
+        let borders = [cuts(0, bits[0]), cuts(1, bits[1])];
+        self.grid(&Grid { face: square.face, borders, first, axis: 1 - square.axis }, pieces, visits)
+    }
+
+    fn node(&self, slot: usize) -> Option<Node> {
+        Node::below(Slot::decode(self.words.word(slot)), self.kind.branches(), self.words)
+    }
+
+    /// Hands the arcs to the cells of a grid.
+    fn grid(&self, grid: &Grid, pieces: &[Piece], visits: &mut Visits) -> Result<(), Unproven> {
+        let (mut runs, run_of) = self.runs(grid);
+        visits.work += run_of.len();
+        hand_out(grid, pieces, &mut runs, &run_of);
+        for Run { slot, square, cell, pieces, .. } in runs {
+            self.square(slot, square, cell, &pieces, visits)?;
+        }
+        Ok(())
+    }
+
+    /// Rectangles of cells with the same slot, and for each cell its rectangle. A branch divides
+    /// one cell only.
+    fn runs(&self, grid: &Grid) -> (Vec<Run>, Vec<u32>) {
+        const NONE: u32 = u32::MAX;
+        let [columns, rows] = grid.borders.each_ref().map(|borders| borders.len() - 1);
+        let word = |cell: usize| self.words.word(grid.first + cell);
+        let mut runs = Vec::new();
+        let mut run_of = vec![NONE; rows * columns];
+        for first in 0..rows * columns {
+            if run_of[first] != NONE {
+                continue;
+            }
+            let (row, column) = (first / columns, first % columns);
+            let (mut right, mut end) = (column + 1, row + 1);
+            if Slot::branch(word(first)).is_none() {
+                let is_same = |cell: usize| run_of[cell] == NONE && word(cell) == word(first);
+                while right < columns && is_same(row * columns + right) {
+                    right += 1;
+                }
+                while end < rows && (column..right).all(|column| is_same(end * columns + column)) {
+                    end += 1;
+                }
+            }
+            (row..end).for_each(|row| run_of[row * columns + column..row * columns + right].fill(runs.len() as u32));
+            let [at, to] = [[column, row], [right, end]].map(|[u, v]| [grid.borders[0][u], grid.borders[1][v]]);
+            let square = Square { face: grid.face, at, size: [to[0] - at[0], to[1] - at[1]], axis: grid.axis };
+            let cell = Cell { face: grid.face, square: widened(square), part: None };
+            runs.push(Run { slot: grid.first + first, square, cell, pieces: Vec::new(), last: NONE });
+        }
+        (runs, run_of)
+    }
+
+    /// Follows the arcs through a slot below which there are no branches.
+    fn part(&self, slot: usize, cell: &Cell, pieces: &[Piece], visits: &mut Visits) -> Result<(), Unproven> {
+        visits.work += 1 + pieces.len();
+        if visits.work > self.work {
+            return Err(Unproven::Work);
+        }
+        let run = |first: u32, count: u32| first as usize..first as usize + count as usize;
+        let Some(node) = self.node(slot) else {
+            let Slot::Block(first) = Slot::decode(self.words.word(slot)) else { return Err(Unproven::Work) };
+            return self.leaf(slot, run(first, self.kind.leaf_blocks()), cell, pieces, visits);
+        };
+        match node {
+            Node::List { at } => {
+                let [first, count] = [0, 1].map(|word| self.words.word(at + word));
+                self.leaf(slot, run(first, count), cell, pieces, visits)
+            }
+            Node::Plane { at } => self.planes(node, at, 1, [0, 0], cell, pieces, visits),
+            Node::Bundle { at } => self.planes(node, at, BUNDLE_PLANES, [0, 0], cell, pieces, visits),
+            Node::Fan { at, bits } => self.fan(node, at, bits, cell, pieces, visits),
+            // Checked words have no branches here.
+            Node::Halves { .. } | Node::Squares { .. } => Err(Unproven::Work),
+        }
+    }
+
+    /// Follows the arcs through the planes of a node, level by level. The next plane is the one at
+    /// `index` of its `level`.
+    #[expect(clippy::too_many_arguments, reason = "the node, the place in it, and what is there")]
+    fn planes(
+        &self,
+        node: Node,
+        at: usize,
+        count: usize,
+        [level, index]: [usize; 2],
+        cell: &Cell,
+        pieces: &[Piece],
+        visits: &mut Visits,
+    ) -> Result<(), Unproven> {
+        let plane = (1 << level) - 1 + index;
+        if plane >= count {
+            return self.part(node.slots().start + index, cell, pieces, visits);
+        }
+        let normal = DVec3::from_array([0, 1, 2].map(|axis| self.words.number(at + 2 * (axis * count + plane))));
+        if normal == DVec3::ZERO {
+            // An unused plane: every direction is behind it.
+            return self.planes(node, at, count, [level + 1, 2 * index], cell, pieces, visits);
+        }
+        if !UNIT_SQ.contains(&normal.length_squared()) {
+            return Err(Unproven::Node { at });
+        }
+        let front = Line::new(cell.face, normal);
+        for (side, line) in [front.reversed(), front].into_iter().enumerate() {
+            if let Some((cell, pieces)) = clip(cell, pieces, line, Margin::PLANE) {
+                self.planes(node, at, count, [level + 1, 2 * index + side], &cell, &pieces, visits)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Follows the arcs through the steps of a fan.
+    fn fan(
+        &self,
+        node: Node,
+        at: usize,
+        bits: u32,
+        cell: &Cell,
+        pieces: &[Piece],
+        visits: &mut Visits,
+    ) -> Result<(), Unproven> {
+        let number = |index: usize| self.words.number(at + 2 * index);
+        let [x, y] = [0, 3].map(|from| DVec3::new(number(from), number(from + 1), number(from + 2)));
+        let (start, scale) = (number(6), number(7));
+        let is_unit = [x, y].iter().all(|axis| UNIT_SQ.contains(&axis.length_squared()));
+        if !(is_unit && x.dot(y).abs() < 1e-3 && scale > 0.0) {
+            return Err(Unproven::Node { at });
+        }
+        // Directions before the first step are located in it, and those after the last one in that.
+        let steps = 1 << bits;
+        let border = |step: usize| match step {
+            0 => -1.0,
+            _ if step == steps => fan::TURN - 1.0,
+            _ => (start + step as f64 / scale).clamp(-1.0, fan::TURN - 1.0),
+        };
+        let slots = node.slots();
+        let mut wedges: Vec<Wedge> = Vec::new();
+        for (step, slot) in slots.enumerate() {
+            match wedges.last_mut() {
+                Some(last) if self.words.word(last.slot) == self.words.word(slot) => last.to = border(step + 1),
+                _ => wedges.push(Wedge { slot, from: border(step), to: border(step + 1), continues: [false; 2] }),
+            }
+        }
+        visits.work += steps;
+        self.wedges(&Frame { at, x, y }, &wedges, false, cell, pieces, visits)
+    }
+
+    /// Follows the arcs through some steps of a fan. `is_clipped` states whether the region has
+    /// been clipped to them.
+    fn wedges(
+        &self,
+        frame: &Frame,
+        wedges: &[Wedge],
+        is_clipped: bool,
+        cell: &Cell,
+        pieces: &[Piece],
+        visits: &mut Visits,
+    ) -> Result<(), Unproven> {
+        let cut;
+        let (left, right) = match wedges {
+            [wedge] if is_clipped || wedge.to - wedge.from == fan::TURN => {
+                return self.part(wedge.slot, cell, pieces, visits);
+            }
+            // Too wide to be convex.
+            [wedge] => {
+                let middle = wedge.from + CUT * (wedge.to - wedge.from);
+                cut = [
+                    Wedge { to: middle, continues: [wedge.continues[0], true], ..*wedge },
+                    Wedge { from: middle, continues: [true, wedge.continues[1]], ..*wedge },
+                ];
+                cut.split_at(1)
+            }
+            _ => wedges.split_at(wedges.len() / 2),
+        };
+        for (half, side) in [left, right].into_iter().zip([1, 0]) {
+            let [Some(first), Some(last)] = [half.first(), half.last()] else { continue };
+            let line = |angle: f64| frame.line(cell.face, angle).ok_or(Unproven::Node { at: frame.at });
+            let borders = [line(first.from)?, line(last.to)?.reversed()];
+            let margin = |continues: bool| if continues { Margin::NONE } else { Margin::STEP };
+            let margins = [margin(first.continues[0]), margin(last.continues[1])];
+            let mut clipped = Some((cell.clone(), pieces.to_vec()));
+            let is_convex = last.to - first.from < CONVEX;
+            if is_clipped {
+                clipped = clip(cell, pieces, borders[side], margins[side]);
+            } else if is_convex {
+                clipped = clip(cell, pieces, borders[0], margins[0])
+                    .and_then(|(cell, pieces)| clip(&cell, &pieces, borders[1], margins[1]));
+            }
+            if let Some((cell, pieces)) = clipped {
+                self.wedges(frame, half, is_clipped || is_convex, &cell, &pieces, visits)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The region in front of a plane, with the arcs in it; `None` if no direction leads there.
+fn clip(cell: &Cell, pieces: &[Piece], line: Line, margin: Margin) -> Option<(Cell, Vec<Piece>)> {
+    let part = cell.to_part().clip(line, margin)?;
+    let pieces = pieces.iter().filter_map(|piece| piece.clip(|p| line.height(p) - margin.core())).collect();
+    Some((Cell { part: Some(part), ..*cell }, pieces))
+}
+
+/// The corners of a square, widened so that it contains every direction located in it.
+fn widened(square: Square) -> [[f64; 2]; 2] {
+    let border = 1.0 + cube_slack();
+    let low = square.at.map(|at| (cube::grid_to_uv(at) - cube_slack()).max(-border));
+    let high = [0, 1].map(|axis| (cube::grid_to_uv(square.at[axis] + square.size[axis]) + cube_slack()).min(border));
+    [low, high]
+}
+
+/// Hands each piece to the runs of cells that it crosses.
+fn hand_out(grid: &Grid, pieces: &[Piece], runs: &mut [Run], run_of: &[u32]) {
+    let lines = grid.borders.each_ref().map(|all| all.iter().map(|&at| cube::grid_to_uv(at)).collect::<Vec<_>>());
+    let columns = lines[0].len() - 1;
+    for (index, piece) in (0..).zip(pieces) {
+        for row in steps(&lines[1], piece, 1) {
+            let (low, high) = (lines[1][row] - cube_slack(), lines[1][row + 1] + cube_slack());
+            let Some(part) = piece.clip(|p| p[1] - low).and_then(|part| part.clip(|p| high - p[1])) else { continue };
+            for column in steps(&lines[0], &part, 0) {
+                let run = &mut runs[run_of[row * columns + column] as usize];
+                if run.last != index {
+                    run.last = index;
+                    run.pieces.extend(within(run.cell.square, *piece));
+                }
+            }
+        }
+    }
+}
+
+/// The part of a piece within a square.
+fn within([low, high]: [[f64; 2]; 2], piece: Piece) -> Option<Piece> {
+    let piece = piece.clip(|p| p[0] - low[0])?.clip(|p| high[0] - p[0])?;
+    piece.clip(|p| p[1] - low[1])?.clip(|p| high[1] - p[1])
+}
+
+/// Steps between these lines that a piece may cross along an axis, widened by the slack.
+fn steps(lines: &[f64], piece: &Piece, axis: usize) -> std::ops::Range<usize> {
+    let [p, q] = piece.ends.map(|end| end[axis]);
+    let (low, high) = (p.min(q) - cube_slack(), p.max(q) + cube_slack());
+    let first = lines.partition_point(|line| *line < low).saturating_sub(1);
+    first..lines.partition_point(|line| *line <= high).min(lines.len() - 1)
+}

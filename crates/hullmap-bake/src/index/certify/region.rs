@@ -1,0 +1,165 @@
+//! Regions of directions on a face of the cube, as convex polygons in (u, v).
+
+use glam::DVec3;
+use hullmap_format::cube;
+
+/// Margins of a region at its border on a plane through the origin, in units of u and v.
+#[derive(Clone, Copy, Debug)]
+pub struct Margin {
+    /// How far the region reaches across the plane: more than a direction is misplaced there.
+    reach: f64,
+    /// How far its core stays behind the plane: more than a cone may reach across it without being
+    /// listed there ([`TOUCH`](crate::index::cones::TOUCH), 4e-15, and rounding error).
+    core: f64,
+}
+
+impl Margin {
+    /// At a plane of unit normal. The dot product is off by at most 6e-16.
+    pub const PLANE: Self = Self { reach: 2e-15, core: 7e-15 };
+
+    /// At a step of a fan. The angle is off by at most 3.3e-15. The two dot products add as much as
+    /// that of a plane each.
+    pub const STEP: Self = Self { reach: 8e-15, core: 1.5e-14 };
+
+    /// Where the same leaf continues.
+    pub const NONE: Self = Self { reach: 0.0, core: 0.0 };
+
+    /// The core's margin.
+    pub fn core(self) -> f64 {
+        self.core
+    }
+}
+
+/// A convex polygon, by its corners.
+pub type Polygon = Vec<[f64; 2]>;
+
+/// A region below planes or fans.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// Where all support vertices must be listed.
+    pub core: Polygon,
+    /// Contains all directions that lead to the region, and the core.
+    pub reach: Polygon,
+}
+
+/// A region on a face of the cube: a square of the grid, or a part of one.
+#[derive(Clone, Debug)]
+pub struct Cell {
+    /// Face of the cube.
+    pub face: u32,
+    /// Lower and upper corner of the square, widened.
+    pub square: [[f64; 2]; 2],
+    /// Below planes or fans, what they leave of it.
+    pub part: Option<Part>,
+}
+
+impl Cell {
+    /// The direction through a point.
+    pub fn direction(&self, [u, v]: [f64; 2]) -> DVec3 {
+        DVec3::from_array(cube::direction(self.face, u, v))
+    }
+
+    /// A point of the core, if there is one.
+    pub fn point(&self) -> Option<[f64; 2]> {
+        match &self.part {
+            None => Some([0, 1].map(|axis| 0.5 * (self.square[0][axis] + self.square[1][axis]))),
+            Some(part) => (!part.core.is_empty()).then(|| around(&part.core).0),
+        }
+    }
+
+    /// The region as polygons.
+    pub fn to_part(&self) -> Part {
+        self.part.clone().unwrap_or_else(|| {
+            let [low, high] = self.square;
+            let square = vec![low, [high[0], low[1]], high, [low[0], high[1]]];
+            Part { core: square.clone(), reach: square }
+        })
+    }
+}
+
+/// A plane through the origin, as a linear function on the plane of a cube's face.
+#[derive(Clone, Copy, Debug)]
+pub struct Line([f64; 3]);
+
+impl Line {
+    /// The line of the plane with this normal, of about unit length.
+    pub fn new(face: u32, normal: DVec3) -> Self {
+        let axis = (face / 2) as usize;
+        let towards = if face.is_multiple_of(2) { normal[axis] } else { -normal[axis] };
+        Self([normal[(axis + 1) % 3], normal[(axis + 2) % 3], towards])
+    }
+
+    /// Height of a point over the plane.
+    pub fn height(self, [u, v]: [f64; 2]) -> f64 {
+        self.0[0] * u + self.0[1] * v + self.0[2]
+    }
+
+    /// The plane from its other side.
+    pub fn reversed(self) -> Self {
+        Self(self.0.map(|term| -term))
+    }
+}
+
+impl Part {
+    /// What lies in front of a plane; `None` if no direction leads there.
+    pub fn clip(&self, line: Line, margin: Margin) -> Option<Self> {
+        let reach = clip(&self.reach, |p| line.height(p) + margin.reach);
+        let core = clip(&self.core, |p| line.height(p) - margin.core);
+        (!reach.is_empty()).then_some(Self { core, reach })
+    }
+}
+
+/// The part of a polygon where `height`, a linear function, is at least 0.
+fn clip(polygon: &[[f64; 2]], height: impl Fn([f64; 2]) -> f64) -> Polygon {
+    let mut out = Polygon::with_capacity(polygon.len() + 1);
+    let Some(&last) = polygon.last() else { return out };
+    let (mut p, mut p_height) = (last, height(last));
+    for &q in polygon {
+        let q_height = height(q);
+        if (p_height >= 0.0) != (q_height >= 0.0) {
+            let share = p_height / (p_height - q_height);
+            out.push([p[0] + (q[0] - p[0]) * share, p[1] + (q[1] - p[1]) * share]);
+        }
+        if q_height >= 0.0 {
+            out.push(q);
+        }
+        (p, p_height) = (q, q_height);
+    }
+    out
+}
+
+/// The mean of a polygon's corners, and the greatest distance of a corner from it.
+pub fn around(polygon: &[[f64; 2]]) -> ([f64; 2], f64) {
+    let count = polygon.len() as f64;
+    let mean = [0, 1].map(|axis| polygon.iter().map(|p| p[axis]).sum::<f64>() / count);
+    (mean, polygon.iter().map(|p| length([p[0] - mean[0], p[1] - mean[1]])).fold(0.0, f64::max))
+}
+
+/// Greatest distance of a point of `polygon` from `core`, which must not be empty. The distance
+/// from a convex set is a convex function, so a corner is farthest.
+pub fn distance(polygon: &[[f64; 2]], core: &[[f64; 2]]) -> f64 {
+    polygon.iter().map(|&p| distance_of(p, core)).fold(0.0, f64::max)
+}
+
+/// Distance of a point from a convex polygon: from its border, or 0 inside.
+fn distance_of(p: [f64; 2], core: &[[f64; 2]]) -> f64 {
+    let mut nearest = f64::INFINITY;
+    // Whether the point is to the left, and to the right, of some side.
+    let (mut left, mut right) = (false, false);
+    for (i, &a) in core.iter().enumerate() {
+        let b = core[(i + 1) % core.len()];
+        let (side, to) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
+        let area = side[0] * to[1] - side[1] * to[0];
+        left |= area > 0.0;
+        right |= area < 0.0;
+        let size_sq = side[0] * side[0] + side[1] * side[1];
+        let share = if size_sq > 0.0 { ((side[0] * to[0] + side[1] * to[1]) / size_sq).clamp(0.0, 1.0) } else { 0.0 };
+        nearest = nearest.min(length([to[0] - share * side[0], to[1] - share * side[1]]));
+    }
+    // A core without area contains nothing.
+    if left != right && core.len() > 2 { 0.0 } else { nearest }
+}
+
+fn length([x, y]: [f64; 2]) -> f64 {
+    (x * x + y * y).sqrt()
+}

@@ -1,0 +1,45 @@
+use std::time::Instant;
+
+use shapes::families::Family;
+
+use super::*;
+use crate::{PointSet, hull, index};
+
+fn hull_of(positions: Vec<[f32; 3]>) -> Hull {
+    let source_vertices = (0..positions.len() as u32).collect();
+    hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).unwrap()
+}
+
+const KINDS: [IndexKind; 7] = [
+    IndexKind::Tree,
+    IndexKind::Medium,
+    IndexKind::Compact,
+    IndexKind::Binary,
+    IndexKind::CubeMap { resolution: 7 },
+    IndexKind::CubeMap { resolution: 64 },
+    IndexKind::None,
+];
+
+#[test]
+fn explore() {
+    for family in Family::ALL {
+        for count in [8, 9, 40, 300, 2_000, 20_000] {
+            let hull = hull_of(family.points(count, 4));
+            for kind in KINDS {
+                let start = Instant::now();
+                let index = index::build(&hull, kind).unwrap();
+                let built = start.elapsed().as_secs_f64();
+                let start = Instant::now();
+                let proof = certify(&hull, index.kind, &index.encoded.slots[..], index.encoded.blocks.iter().copied());
+                let proven = start.elapsed().as_secs_f64();
+                println!(
+                    "{family:?} {count} n={} {kind:?} {:.1} ms, proof {:.1} ms ({:.2}): {proof:?}",
+                    hull.vertices.len(),
+                    built * 1e3,
+                    proven * 1e3,
+                    proven / built
+                );
+            }
+        }
+    }
+}
