@@ -19,7 +19,7 @@ use super::{
     Certifier, Unproven, Visits,
     arcs::Piece,
     cube_slack,
-    region::{Cell, Line, Margin},
+    region::{Cell, Line, Margin, Turn},
 };
 
 /// Range of squared lengths of vectors that count as being of unit length. The margins of
@@ -73,6 +73,8 @@ struct Wedge {
     to: f64,
     /// Whether the same slot continues before it, and after it.
     continues: [bool; 2],
+    /// The angles of all steps with this slot, of which this may be a part.
+    whole: [f64; 2],
 }
 
 /// The axes of a fan's frame, on a face of the cube.
@@ -105,7 +107,7 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
             return self.grid(&Grid { face, borders: [borders.clone(), borders], first, axis: 0 }, &pieces, visits);
         }
         let square = Square { face, at: [0; 2], size: [1 << GRID_BITS; 2], axis: 0 };
-        let cell = Cell { face, square: widened(square), part: None };
+        let cell = Cell { face, square: widened(square), part: None, turn: None };
         self.square(face as usize, square, cell, &pieces, visits)
     }
 
@@ -171,7 +173,7 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
             (row..end).for_each(|row| run_of[row * columns + column..row * columns + right].fill(runs.len() as u32));
             let [at, to] = [[column, row], [right, end]].map(|[u, v]| [grid.borders[0][u], grid.borders[1][v]]);
             let square = Square { face: grid.face, at, size: [to[0] - at[0], to[1] - at[1]], axis: grid.axis };
-            let cell = Cell { face: grid.face, square: widened(square), part: None };
+            let cell = Cell { face: grid.face, square: widened(square), part: None, turn: None };
             runs.push(Run { slot: grid.first + first, square, cell, pieces: Vec::new(), last: NONE });
         }
         (runs, run_of)
@@ -252,23 +254,31 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
         if !(is_unit && x.dot(y).abs() < 1e-3 && scale > 0.0) {
             return Err(Unproven::Node { at });
         }
+        let frame = Frame { at, x, y };
+        // Below a step of a fan with the same axes, a query computes the same angle again. It is
+        // one of that step's angles.
+        let known = cell.turn.filter(|turn| turn.axes == [x, y]).map(|turn| turn.angles);
+        let [low, high] = known.unwrap_or([-1.0, fan::TURN - 1.0]);
         // Directions before the first step are located in it, and those after the last one in that.
         let steps = 1 << bits;
         let border = |step: usize| match step {
-            0 => -1.0,
-            _ if step == steps => fan::TURN - 1.0,
-            _ => (start + step as f64 / scale).clamp(-1.0, fan::TURN - 1.0),
+            0 => low,
+            _ if step == steps => high,
+            _ => (start + step as f64 / scale).clamp(low, high),
         };
-        let slots = node.slots();
         let mut wedges: Vec<Wedge> = Vec::new();
-        for (step, slot) in slots.enumerate() {
+        for (step, slot) in node.slots().enumerate() {
+            let [from, to] = [border(step), border(step + 1)];
             match wedges.last_mut() {
-                Some(last) if self.words.word(last.slot) == self.words.word(slot) => last.to = border(step + 1),
-                _ => wedges.push(Wedge { slot, from: border(step), to: border(step + 1), continues: [false; 2] }),
+                Some(last) if self.words.word(last.slot) == self.words.word(slot) => {
+                    last.to = to;
+                    last.whole[1] = to;
+                }
+                _ => wedges.push(Wedge { slot, from, to, continues: [false; 2], whole: [from, to] }),
             }
         }
         visits.work += steps;
-        self.wedges(&Frame { at, x, y }, &wedges, false, cell, pieces, visits)
+        self.wedges(&frame, &wedges, known.is_some(), cell, pieces, visits)
     }
 
     /// Follows the arcs through some steps of a fan. `is_clipped` states whether the region has
@@ -285,7 +295,8 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
         let cut;
         let (left, right) = match wedges {
             [wedge] if is_clipped || wedge.to - wedge.from == fan::TURN => {
-                return self.part(wedge.slot, cell, pieces, visits);
+                let turn = is_clipped.then_some(Turn { axes: [frame.x, frame.y], angles: wedge.whole });
+                return self.part(wedge.slot, &Cell { turn, ..cell.clone() }, pieces, visits);
             }
             // Too wide to be convex.
             [wedge] => {

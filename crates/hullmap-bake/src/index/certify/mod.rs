@@ -24,8 +24,11 @@
 //! not listed beyond. There, a region has a *core*, in which the conditions must hold, and a
 //! *reach*, from which directions may lead to the leaf ([`region`]). The regret changes by at most
 //! the diameter times the angle between two directions. So the regret is at most the greatest
-//! distance of a point of the reach from the core, times the diameter. Every leaf's distance must
-//! be at most [`LIMIT`]. A leaf without a core is tested at one point of its reach.
+//! distance of a point of the reach from the core, times the diameter. It must be at most
+//! [`LIMIT`].
+//!
+//! A region between two planes that nearly coincide has no core. Its reach is a sliver, and the
+//! regret is bounded along the sliver's axis ([`Certifier::sliver`]).
 //!
 //! # Premises
 //! The hull is proven ([`crate::hull::certify`]). A query finds the best of the candidates that a
@@ -273,10 +276,9 @@ impl<'a, W: Words + Sync + ?Sized> Certifier<'a, W> {
         let regret = match &cell.part {
             // A square of the grid: its widened region contains all directions that lead to it.
             None => 0.0,
-            Some(Part { core, reach }) if !core.is_empty() => region::distance(reach, core),
-            Some(Part { reach, .. }) => {
-                let (middle, radius) = region::around(reach);
-                radius + self.regret(candidates, cell.direction(middle))
+            Some(Part { core, reach }) => {
+                let gap = if core.is_empty() { f64::INFINITY } else { region::distance(reach, core) };
+                if gap <= LIMIT { gap } else { self.sliver(candidates, cell, reach) }
             }
         };
         // NaN takes the failing branch.
@@ -313,19 +315,49 @@ impl<'a, W: Words + Sync + ?Sized> Certifier<'a, W> {
         })
     }
 
-    /// Regret of the best candidate in `direction`, relative to the diameter: it is compared with
-    /// the vertex that a climb from it leads to.
-    fn regret(&self, candidates: &[u32], direction: DVec3) -> f64 {
+    /// Bound on the regret of these candidates in a thin region, relative to the diameter.
+    ///
+    /// Every point of the region is near the segment between its two farthest corners. Along the
+    /// segment, the height of the support vertex is a convex function, and that of a candidate is
+    /// linear. So a candidate's regret between two points is at most the greater of its regrets
+    /// there. Where no candidate's is small at both ends, the segment is halved.
+    fn sliver(&self, candidates: &[u32], cell: &Cell, reach: &[[f64; 2]]) -> f64 {
+        let (ends, width) = region::axis(reach);
+        let ends = ends.map(|end| cell.direction(end));
+        width + self.regret_between(candidates, ends, ends.map(|end| self.regrets(candidates, end)))
+    }
+
+    fn regret_between(&self, candidates: &[u32], ends: [DVec3; 2], regrets: [Vec<f64>; 2]) -> f64 {
+        let least = |regrets: &[f64]| regrets.iter().copied().fold(f64::INFINITY, f64::min);
+        let at_both: Vec<f64> = regrets[0].iter().zip(&regrets[1]).map(|(a, b)| a.max(*b)).collect();
+        let [at_both, from, to] = [&at_both, &regrets[0], &regrets[1]].map(|regrets| least(regrets));
+        let length = ends[0].distance(ends[1]);
+        if at_both <= LIMIT / 2.0 || from.max(to) > LIMIT / 2.0 {
+            return at_both;
+        }
+        if length <= LIMIT / 2.0 {
+            return from.max(to) + length;
+        }
+        let middle = 0.5 * (ends[0] + ends[1]);
+        let at_middle = self.regrets(candidates, middle);
+        let [from, to] = regrets;
+        let lower = self.regret_between(candidates, [ends[0], middle], [from, at_middle.clone()]);
+        lower.max(self.regret_between(candidates, [middle, ends[1]], [at_middle, to]))
+    }
+
+    /// Regret of each candidate in `direction`, relative to the diameter. The support vertex is
+    /// found by climbing from the best candidate.
+    fn regrets(&self, candidates: &[u32], direction: DVec3) -> Vec<f64> {
         let best = self.best(candidates, direction);
         let height = |vertex: u32| (self.positions[vertex as usize] - self.positions[best as usize]).dot(direction);
         let mut top = best;
-        loop {
-            let next = self.neighbours(top).iter().copied().max_by(|a, b| height(*a).total_cmp(&height(*b)));
-            match next {
-                Some(next) if height(next) > height(top) => top = next,
-                _ => return height(top) / (direction.length() * self.diameter),
-            }
+        while let Some(next) = self.neighbours(top).iter().copied().max_by(|a, b| height(*a).total_cmp(&height(*b)))
+            && height(next) > height(top)
+        {
+            top = next;
         }
+        let scale = direction.length() * self.diameter;
+        candidates.iter().map(|candidate| (height(top) - height(*candidate)) / scale).collect()
     }
 }
 

@@ -51,6 +51,17 @@ pub struct Cell {
     pub square: [[f64; 2]; 2],
     /// Below planes or fans, what they leave of it.
     pub part: Option<Part>,
+    /// Below a fan, the step of the innermost one.
+    pub turn: Option<Turn>,
+}
+
+/// A step of a fan.
+#[derive(Clone, Copy, Debug)]
+pub struct Turn {
+    /// The axes from which its angles are measured.
+    pub axes: [DVec3; 2],
+    /// Its angles.
+    pub angles: [f64; 2],
 }
 
 impl Cell {
@@ -63,7 +74,7 @@ impl Cell {
     pub fn point(&self) -> Option<[f64; 2]> {
         match &self.part {
             None => Some([0, 1].map(|axis| 0.5 * (self.square[0][axis] + self.square[1][axis]))),
-            Some(part) => (!part.core.is_empty()).then(|| around(&part.core).0),
+            Some(part) => (!part.core.is_empty()).then(|| middle(&part.core)),
         }
     }
 
@@ -128,11 +139,25 @@ fn clip(polygon: &[[f64; 2]], height: impl Fn([f64; 2]) -> f64) -> Polygon {
     out
 }
 
-/// The mean of a polygon's corners, and the greatest distance of a corner from it.
-pub fn around(polygon: &[[f64; 2]]) -> ([f64; 2], f64) {
-    let count = polygon.len() as f64;
-    let mean = [0, 1].map(|axis| polygon.iter().map(|p| p[axis]).sum::<f64>() / count);
-    (mean, polygon.iter().map(|p| length([p[0] - mean[0], p[1] - mean[1]])).fold(0.0, f64::max))
+/// The mean of a polygon's corners.
+fn middle(polygon: &[[f64; 2]]) -> [f64; 2] {
+    [0, 1].map(|axis| polygon.iter().map(|p| p[axis]).sum::<f64>() / polygon.len() as f64)
+}
+
+/// The two corners that are farthest from each other, and the greatest distance of a point of the
+/// polygon from the segment between them.
+pub fn axis(polygon: &[[f64; 2]]) -> ([[f64; 2]; 2], f64) {
+    let mut ends = [polygon[0]; 2];
+    let mut farthest = 0.0;
+    for (i, &p) in polygon.iter().enumerate() {
+        for &q in &polygon[i + 1..] {
+            let between = length([q[0] - p[0], q[1] - p[1]]);
+            if between > farthest {
+                (ends, farthest) = ([p, q], between);
+            }
+        }
+    }
+    (ends, distance(polygon, &ends))
 }
 
 /// Greatest distance of a point of `polygon` from `core`, which must not be empty. The distance

@@ -43,3 +43,19 @@ fn explore() {
         }
     }
 }
+
+#[test]
+fn pinky() {
+    let bytes = std::fs::read("/work/shared/found/unitree_left_pinky_MC.stl").unwrap();
+    let count = u32::from_le_bytes(bytes[80..84].try_into().unwrap()) as usize;
+    let f = |at: usize| f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
+    let mut points: Vec<[f32; 3]> = (0..count)
+        .flat_map(|t| (0..3).map(move |c| 84 + 50 * t + 12 + 12 * c))
+        .map(|at| [f(at), f(at + 4), f(at + 8)])
+        .collect();
+    let mut seen = std::collections::HashSet::new();
+    points.retain(|p| seen.insert(p.map(f32::to_bits)));
+    let hull = hull_of(points);
+    let index = crate::index::build_kind(&hull, IndexKind::Tree).unwrap();
+    println!("{} {:?}", hull.vertices.len(), index.prove(&hull));
+}
