@@ -22,6 +22,7 @@ pub mod faults;
 pub mod fuzzed;
 pub mod game_hulls;
 pub mod hostile;
+pub mod index_truth;
 pub mod outside;
 pub mod parry;
 pub mod processor;

@@ -2,5 +2,6 @@
 
 mod clouds;
 mod families;
+mod proof;
 mod support;
 mod threads;

@@ -9,6 +9,7 @@
 //! - [`families`]: `fn(n, seed) -> Vec<[f32; 3]>`, and [`families::Family`] to iterate over them by
 //!   name.
 //! - [`mesh`] and [`solids`]: an indexed polygon mesh and the ways to build one.
+//! - [`capped`]: solids with a face of many corners near an axis.
 //! - [`concave`]: concave solids, for convex decomposition.
 //! - [`obj`]: OBJ text, in the dialects of real files.
 //! - [`gltf`], [`stl`], [`ply`]: the other mesh formats.
@@ -25,6 +26,7 @@
 #![forbid(unsafe_code)]
 
 pub mod assets;
+pub mod capped;
 pub mod concave;
 pub mod families;
 pub mod gltf;

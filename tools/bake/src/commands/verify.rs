@@ -103,6 +103,17 @@ fn count(value: Option<usize>) -> String {
     or_dash(value, |value| grouped(value as u64))
 }
 
+/// Whether the indices of these hulls are proven.
+fn index_word(hulls: &[HullVerification]) -> &'static str {
+    if hulls.iter().any(|hull| hull.proven.is_none()) {
+        "-"
+    } else if hulls.iter().all(|hull| hull.proven == Some(true)) {
+        "proven"
+    } else {
+        "NOT PROVEN"
+    }
+}
+
 /// One row for each pack, with the worst of its hulls.
 fn pack_table(results: &[HullVerification]) -> Table {
     let has_simplified = results.iter().any(HullVerification::is_simplified);
@@ -110,7 +121,7 @@ fn pack_table(results: &[HullVerification]) -> Table {
         ("file", Align::Left),
         ("hulls", Align::Right),
         ("vertices", Align::Right),
-        ("directions", Align::Right),
+        ("index", Align::Left),
         ("max_regret", Align::Right),
         ("mismatches", Align::Right),
         ("nodes", Align::Right),
@@ -137,7 +148,7 @@ fn pack_table(results: &[HullVerification]) -> Table {
             first.file.clone(),
             count((hull_count > 0).then_some(hull_count)),
             count(sum(&|result| result.vertices)),
-            count(first.directions),
+            index_word(hulls).to_owned(),
             or_dash(regret, |regret| format!("{regret:.1e}")),
             count(sum(&|result| result.mismatches)),
             count(max(&|result| result.max_nodes).map(|nodes| nodes as usize)),
@@ -163,7 +174,7 @@ fn hull_table(results: &[HullVerification]) -> Table {
         ("hull", Align::Left),
         ("vertices", Align::Right),
         ("rank", Align::Right),
-        ("directions", Align::Right),
+        ("index", Align::Left),
         ("max_regret", Align::Right),
         ("mismatches", Align::Right),
         ("nodes", Align::Right),
@@ -183,7 +194,7 @@ fn hull_table(results: &[HullVerification]) -> Table {
             or_dash(result.hull.clone(), |hull| hull),
             count(result.vertices),
             small_count(result.rank),
-            count(result.directions),
+            index_word(std::slice::from_ref(result)).to_owned(),
             or_dash(result.max_regret, |regret| format!("{regret:.1e}")),
             count(result.mismatches),
             small_count(result.max_nodes),
@@ -300,6 +311,7 @@ mod tests {
             file: file.to_owned(),
             hull: Some("h".to_owned()),
             vertices: Some(1000),
+            proven: Some(true),
             directions: Some(10_000),
             max_regret: Some(regret),
             mismatches: Some(usize::from(!pass)),
@@ -320,7 +332,7 @@ mod tests {
             .skip(1)
             .map(|line| line.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect())
             .collect();
-        assert_eq!(rows[0], ["a", "2", "2 000", "10 000", "8.0e-9", "0", "2", "8", "source", "exact"]);
+        assert_eq!(rows[0], ["a", "2", "2 000", "proven", "8.0e-9", "0", "2", "8", "source", "exact"]);
         assert_eq!((rows[1][0], rows[1][5], rows[1][9]), ("b", "1", "FAILED"));
         assert_eq!(rows[2], ["c", "-", "-", "-", "-", "-", "-", "-", "-", "FAILED"]);
         assert_eq!(rows.len(), 3);

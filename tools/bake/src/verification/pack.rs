@@ -1,10 +1,11 @@
 //! Verification of a pack: each hull against its source, or against its own stored vertices.
 //!
-//! 1. The source's point sets are cut into convex parts again, with the options that the pack
+//! 1. The direction index of each hull is proven.
+//! 2. The source's point sets are cut into convex parts again, with the options that the pack
 //!    records.
-//! 2. An exact hull is measured against the points of its part; a simplified hull must contain them
+//! 3. An exact hull is measured against the points of its part; a simplified hull must contain them
 //!    and stay within its recorded outer error.
-//! 3. No point of an object's surface may lie farther outside its parts than recorded, and no part
+//! 4. No point of an object's surface may lie farther outside its parts than recorded, and no part
 //!    may protrude farther from its solid than recorded.
 
 use std::collections::HashSet;
@@ -19,7 +20,7 @@ use super::directions::directions;
 use super::fit::{Judge, Witness};
 use super::outside::measure_outside;
 use super::truth::Points;
-use super::{Measurement, REGRET_LIMIT, measure};
+use super::{Measurement, REGRET_LIMIT, index, measure};
 use crate::baker::{Part, parts};
 use crate::geometry::polygons;
 use crate::measure::stand_for_one;
@@ -56,6 +57,11 @@ pub struct HullVerification {
     pub vertices: Option<usize>,
     /// 3 solid, 2 polygon, 1 segment, 0 point.
     pub rank: Option<u32>,
+    /// Whether the index is proven: in every direction, it leads to the support vertex of the
+    /// stored hull.
+    pub proven: Option<bool>,
+    /// Proven bound on the regret in any direction, relative to the diameter.
+    pub proven_regret: Option<f64>,
     /// Number of directions tested.
     pub directions: Option<usize>,
     /// Maximum regret. Infinity, which JSON lacks, is written as null.
@@ -147,7 +153,7 @@ impl HullVerification {
     }
 }
 
-/// Verifies every hull of a pack in `count` directions. The file names in the results are left
+/// Proves the index of every hull of a pack, and verifies the hull in `count` directions. The file names in the results are left
 /// empty.
 ///
 /// # Errors
@@ -163,6 +169,22 @@ pub fn verify_hulls(
     seed: u64,
 ) -> Result<Vec<HullVerification>, String> {
     pack.check_repeats().map_err(|error| error.to_string())?;
+    let mut results = compare_hulls(pack, reference, count, seed)?;
+    for (result, proof) in results.iter_mut().zip(index::prove(pack)) {
+        result.proven = Some(proof.is_ok());
+        match proof {
+            Ok(proof) => result.proven_regret = Some(proof.regret),
+            Err(reason) => {
+                result.problems.insert(0, format!("its index is not proven: {reason}"));
+                result.pass = false;
+            }
+        }
+    }
+    Ok(results)
+}
+
+/// Compares every hull with its source, or with its own vertices, in `count` directions.
+fn compare_hulls(pack: &Pack, reference: Reference, count: usize, seed: u64) -> Result<Vec<HullVerification>, String> {
     let Reference::Source(sets) = reference else {
         return Ok(pack.hulls().map(|hull| verify_hull(&hull, None, count, seed)).collect());
     };
@@ -308,6 +330,8 @@ fn verify_hull(hull: &Hull, source: Option<&PointSet>, count: usize, seed: u64) 
         hull: Some(hull.name().to_owned()),
         vertices: Some(vertices.len()),
         rank: Some(hull.rank()),
+        proven: None,
+        proven_regret: None,
         directions: Some(count),
         max_regret: Some(max_regret),
         mismatches: Some(mismatches),
@@ -419,6 +443,8 @@ mod tests {
             "hull",
             "vertices",
             "rank",
+            "proven",
+            "proven_regret",
             "directions",
             "max_regret",
             "mismatches",
