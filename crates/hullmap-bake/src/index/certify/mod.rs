@@ -27,8 +27,9 @@
 //! distance of a point of the reach from the core, times the diameter. It must be at most
 //! [`LIMIT`].
 //!
-//! A region between two planes that nearly coincide has no core. Its reach is a sliver, and the
-//! regret is bounded along the sliver's axis ([`Certifier::sliver`]).
+//! Where two planes meet at a very small angle, the reach has a spike beyond the core, and between
+//! planes that nearly coincide there is no core at all. Both are slivers, and the regret is bounded
+//! along the sliver's axis ([`Certifier::sliver`]).
 //!
 //! # Premises
 //! The hull is proven ([`crate::hull::certify`]). A query finds the best of the candidates that a
@@ -57,6 +58,9 @@ use region::{Cell, Part};
 /// Maximum regret of a proven index, relative to the diameter. A support query is exact up to
 /// 2e-7, of which the hull's distance from its source points may take the other half.
 pub const LIMIT: f64 = 1e-7;
+
+/// Length from which a spike of a region beyond its core is treated as a sliver.
+const SPIKE: f64 = 0.1 * LIMIT;
 
 /// Maximum number of regions and pieces of arcs visited on a face of the cube, in multiples of the
 /// index's words, the blocks' lanes and the hull's edges together.
@@ -276,10 +280,7 @@ impl<'a, W: Words + Sync + ?Sized> Certifier<'a, W> {
         let regret = match &cell.part {
             // A square of the grid: its widened region contains all directions that lead to it.
             None => 0.0,
-            Some(Part { core, reach }) => {
-                let gap = if core.is_empty() { f64::INFINITY } else { region::distance(reach, core) };
-                if gap <= LIMIT { gap } else { self.sliver(candidates, cell, reach) }
-            }
+            Some(part) => self.beyond_core(candidates, cell, part),
         };
         // NaN takes the failing branch.
         if !(regret <= LIMIT) {
@@ -315,6 +316,29 @@ impl<'a, W: Words + Sync + ?Sized> Certifier<'a, W> {
         })
     }
 
+    /// Bound on the regret of these candidates in a region whose core is exact, relative to the
+    /// diameter. Spikes beyond the core are cut off and treated as slivers.
+    fn beyond_core(&self, candidates: &[u32], cell: &Cell, part: &Part) -> f64 {
+        if part.core.is_empty() {
+            return self.sliver(candidates, cell, &part.reach);
+        }
+        let mut reach = part.reach.clone();
+        let mut bound: f64 = 0.0;
+        // Each cut removes a corner, and leaves two within a rounding error of the core.
+        for _ in 0..part.reach.len() {
+            let [tip, nearest] = region::farthest(&reach, &part.core);
+            let gap = region::between(tip, nearest);
+            if gap <= SPIKE {
+                return bound.max(gap);
+            }
+            let (spike, rest) = region::cut_across(&reach, nearest, tip);
+            bound = bound.max(self.sliver(candidates, cell, &spike));
+            reach = rest;
+        }
+        let [tip, nearest] = region::farthest(&reach, &part.core);
+        bound.max(region::between(tip, nearest))
+    }
+
     /// Bound on the regret of these candidates in a thin region, relative to the diameter.
     ///
     /// Every point of the region is near the segment between its two farthest corners. Along the
@@ -332,10 +356,10 @@ impl<'a, W: Words + Sync + ?Sized> Certifier<'a, W> {
         let at_both: Vec<f64> = regrets[0].iter().zip(&regrets[1]).map(|(a, b)| a.max(*b)).collect();
         let [at_both, from, to] = [&at_both, &regrets[0], &regrets[1]].map(|regrets| least(regrets));
         let length = ends[0].distance(ends[1]);
-        if at_both <= LIMIT / 2.0 || from.max(to) > LIMIT / 2.0 {
+        if at_both <= 0.75 * LIMIT || from.max(to) > 0.75 * LIMIT {
             return at_both;
         }
-        if length <= LIMIT / 2.0 {
+        if length <= 0.25 * LIMIT {
             return from.max(to) + length;
         }
         let middle = 0.5 * (ends[0] + ends[1]);

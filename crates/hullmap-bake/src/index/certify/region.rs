@@ -151,24 +151,30 @@ pub fn axis(polygon: &[[f64; 2]]) -> ([[f64; 2]; 2], f64) {
     let mut farthest = 0.0;
     for (i, &p) in polygon.iter().enumerate() {
         for &q in &polygon[i + 1..] {
-            let between = length([q[0] - p[0], q[1] - p[1]]);
-            if between > farthest {
-                (ends, farthest) = ([p, q], between);
+            if between(p, q) > farthest {
+                (ends, farthest) = ([p, q], between(p, q));
             }
         }
     }
     (ends, distance(polygon, &ends))
 }
 
-/// Greatest distance of a point of `polygon` from `core`, which must not be empty. The distance
-/// from a convex set is a convex function, so a corner is farthest.
-pub fn distance(polygon: &[[f64; 2]], core: &[[f64; 2]]) -> f64 {
-    polygon.iter().map(|&p| distance_of(p, core)).fold(0.0, f64::max)
+/// Greatest distance of a point of `polygon` from `core`, a convex polygon or a segment.
+fn distance(polygon: &[[f64; 2]], core: &[[f64; 2]]) -> f64 {
+    let [tip, nearest] = farthest(polygon, core);
+    between(tip, nearest)
 }
 
-/// Distance of a point from a convex polygon: from its border, or 0 inside.
-fn distance_of(p: [f64; 2], core: &[[f64; 2]]) -> f64 {
-    let mut nearest = f64::INFINITY;
+/// The point of `polygon` that is farthest from `core`, and the point of the core that is nearest
+/// to it. The distance from a convex set is a convex function, so a corner is farthest.
+pub fn farthest(polygon: &[[f64; 2]], core: &[[f64; 2]]) -> [[f64; 2]; 2] {
+    let pairs = polygon.iter().map(|&p| [p, nearest(p, core)]);
+    pairs.max_by(|a, b| between(a[0], a[1]).total_cmp(&between(b[0], b[1]))).unwrap_or([[f64::NAN; 2]; 2])
+}
+
+/// The point of a convex polygon that is nearest to `p`.
+fn nearest(p: [f64; 2], core: &[[f64; 2]]) -> [f64; 2] {
+    let (mut best, mut least) = ([f64::NAN; 2], f64::INFINITY);
     // Whether the point is to the left, and to the right, of some side.
     let (mut left, mut right) = (false, false);
     for (i, &a) in core.iter().enumerate() {
@@ -179,10 +185,26 @@ fn distance_of(p: [f64; 2], core: &[[f64; 2]]) -> f64 {
         right |= area < 0.0;
         let size_sq = side[0] * side[0] + side[1] * side[1];
         let share = if size_sq > 0.0 { ((side[0] * to[0] + side[1] * to[1]) / size_sq).clamp(0.0, 1.0) } else { 0.0 };
-        nearest = nearest.min(length([to[0] - share * side[0], to[1] - share * side[1]]));
+        let on_side = [a[0] + share * side[0], a[1] + share * side[1]];
+        if between(p, on_side) < least {
+            (best, least) = (on_side, between(p, on_side));
+        }
     }
     // A core without area contains nothing.
-    if left != right && core.len() > 2 { 0.0 } else { nearest }
+    if left != right && core.len() > 2 { p } else { best }
+}
+
+/// Cuts a convex polygon at `at`, at right angles to the way from there to `tip`: the part on the
+/// side of the tip, and the rest.
+pub fn cut_across(polygon: &[[f64; 2]], at: [f64; 2], tip: [f64; 2]) -> (Polygon, Polygon) {
+    let way = [tip[0] - at[0], tip[1] - at[1]];
+    let along = |p: [f64; 2]| way[0] * (p[0] - at[0]) + way[1] * (p[1] - at[1]);
+    (clip(polygon, along), clip(polygon, |p| -along(p)))
+}
+
+/// Distance between two points.
+pub fn between(p: [f64; 2], q: [f64; 2]) -> f64 {
+    length([p[0] - q[0], p[1] - q[1]])
 }
 
 fn length([x, y]: [f64; 2]) -> f64 {

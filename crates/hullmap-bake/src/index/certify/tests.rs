@@ -1,61 +1,69 @@
-use std::time::Instant;
-
-use shapes::families::Family;
+use shapes::families;
 
 use super::*;
 use crate::{PointSet, hull, index};
 
-fn hull_of(positions: Vec<[f32; 3]>) -> Hull {
-    let source_vertices = (0..positions.len() as u32).collect();
+fn rock() -> Hull {
+    let positions = families::rock(300, 3);
+    let source_vertices = (0..300).collect();
     hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).unwrap()
 }
 
-const KINDS: [IndexKind; 7] = [
-    IndexKind::Tree,
-    IndexKind::Medium,
-    IndexKind::Compact,
-    IndexKind::Binary,
-    IndexKind::CubeMap { resolution: 7 },
-    IndexKind::CubeMap { resolution: 64 },
-    IndexKind::None,
-];
-
-#[test]
-fn explore() {
-    for family in Family::ALL {
-        for count in [8, 9, 40, 300, 2_000, 20_000] {
-            let hull = hull_of(family.points(count, 4));
-            for kind in KINDS {
-                let start = Instant::now();
-                let index = index::build(&hull, kind).unwrap();
-                let built = start.elapsed().as_secs_f64();
-                let start = Instant::now();
-                let proof = certify(&hull, index.kind, &index.encoded.slots[..], index.encoded.blocks.iter().copied());
-                let proven = start.elapsed().as_secs_f64();
-                println!(
-                    "{family:?} {count} n={} {kind:?} {:.1} ms, proof {:.1} ms ({:.2}): {proof:?}",
-                    hull.vertices.len(),
-                    built * 1e3,
-                    proven * 1e3,
-                    proven / built
-                );
-            }
-        }
-    }
+fn prove(hull: &Hull, kind: IndexKind, words: &[u32], blocks: &[Block]) -> Result<Proof, Unproven> {
+    certify(hull, kind, words, blocks.iter().copied())
 }
 
 #[test]
-fn pinky() {
-    let bytes = std::fs::read("/work/shared/found/unitree_left_pinky_MC.stl").unwrap();
-    let count = u32::from_le_bytes(bytes[80..84].try_into().unwrap()) as usize;
-    let f = |at: usize| f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
-    let mut points: Vec<[f32; 3]> = (0..count)
-        .flat_map(|t| (0..3).map(move |c| 84 + 50 * t + 12 + 12 * c))
-        .map(|at| [f(at), f(at + 4), f(at + 8)])
-        .collect();
-    let mut seen = std::collections::HashSet::new();
-    points.retain(|p| seen.insert(p.map(f32::to_bits)));
-    let hull = hull_of(points);
-    let index = crate::index::build_kind(&hull, IndexKind::Tree).unwrap();
-    println!("{} {:?}", hull.vertices.len(), index.prove(&hull));
+fn a_leaf_in_place_of_another_is_found() {
+    let hull = rock();
+    let index = index::build(&hull, IndexKind::CubeMap { resolution: 8 }).unwrap();
+    let (mut words, blocks) = (index.encoded.slots, index.encoded.blocks);
+    assert!(prove(&hull, index.kind, &words, &blocks).is_ok());
+    // Cells on opposite sides of the cube share no candidates.
+    words.swap(27, 64 + 27);
+    let found = prove(&hull, index.kind, &words, &blocks);
+    assert!(
+        matches!(found, Err(Unproven::Missing { slot: 27, .. } | Unproven::Elsewhere { slot: 27, .. })),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn a_position_that_is_not_the_vertex_is_found() {
+    let hull = rock();
+    let index = index::build(&hull, IndexKind::Tree).unwrap();
+    let mut blocks = index.encoded.blocks;
+    blocks[3].y[2] = blocks[3].y[2].next_up();
+    let found = prove(&hull, index.kind, &index.encoded.slots, &blocks);
+    assert_eq!(found, Err(Unproven::Lane { block: 3, lane: 2 }));
+    blocks[3].y[2] = f32::NAN;
+    assert_eq!(prove(&hull, index.kind, &index.encoded.slots, &blocks), Err(Unproven::Lane { block: 3, lane: 2 }));
+}
+
+#[test]
+fn a_scan_that_lacks_a_vertex_is_found() {
+    let hull = rock();
+    let index = index::build(&hull, IndexKind::None).unwrap();
+    let mut blocks = index.encoded.blocks;
+    assert!(prove(&hull, index.kind, &[], &blocks).is_ok());
+    blocks.pop();
+    assert!(matches!(prove(&hull, index.kind, &[], &blocks), Err(Unproven::Missing { .. })));
+}
+
+/// A million squares lead to one list of all vertices, which every arc crosses: a proof gives up.
+#[test]
+fn work_is_bounded() {
+    let hull = rock();
+    let index = index::build(&hull, IndexKind::CubeMap { resolution: 1 }).unwrap();
+    let blocks = index.encoded.blocks;
+    let all = Certifier::new(&hull, index.kind, &index.encoded.slots[..], &[]).work;
+    assert!(all < 1_000_000, "{all}");
+    // Two lists alternate, so that no two neighbours are one region.
+    let resolution = 400;
+    let list = index.encoded.slots[0];
+    let slots = vec![list; 6 * resolution * resolution];
+    let kind = IndexKind::CubeMap { resolution: resolution as u32 };
+    let proof = prove(&hull, kind, &slots, &blocks);
+    // One rectangle a face.
+    assert_eq!(proof.map(|proof| proof.leaves), Ok(6));
 }
