@@ -1,3 +1,7 @@
+use hullmap_format::{
+    fan,
+    slot::{Slot, encode_f64},
+};
 use shapes::families;
 
 use super::*;
@@ -50,20 +54,28 @@ fn a_scan_that_lacks_a_vertex_is_found() {
     assert!(matches!(prove(&hull, index.kind, &[], &blocks), Err(Unproven::Missing { .. })));
 }
 
-/// A million squares lead to one list of all vertices, which every arc crosses: a proof gives up.
+/// Fans around two axes cut the sphere into a million regions with three thousand words. All of
+/// them lead to lists of all vertices, so that only the work can end the proof.
 #[test]
 fn work_is_bounded() {
+    const BITS: u32 = 10;
     let hull = rock();
-    let index = index::build(&hull, IndexKind::CubeMap { resolution: 1 }).unwrap();
-    let blocks = index.encoded.blocks;
-    let all = Certifier::new(&hull, index.kind, &index.encoded.slots[..], &[]).work;
-    assert!(all < 1_000_000, "{all}");
-    // Two lists alternate, so that no two neighbours are one region.
-    let resolution = 400;
-    let list = index.encoded.slots[0];
-    let slots = vec![list; 6 * resolution * resolution];
-    let kind = IndexKind::CubeMap { resolution: resolution as u32 };
-    let proof = prove(&hull, kind, &slots, &blocks);
-    // One rectangle a face.
-    assert_eq!(proof.map(|proof| proof.leaves), Ok(6));
+    let blocks = index::build(&hull, IndexKind::None).unwrap().encoded.blocks;
+    let fan_words = fan::HEAD_WORDS as usize + (1 << BITS);
+    let fan = |x: [f64; 3], y: [f64; 3], slots: [Slot; 2]| {
+        let numbers = x.into_iter().chain(y).chain([-1.0, f64::from(1 << BITS) / fan::TURN]);
+        let mut words: Vec<u32> = numbers.flat_map(encode_f64).collect();
+        words.push(BITS);
+        words.extend((0..1 << BITS).map(|step: usize| slots[step % 2].encode()));
+        words
+    };
+    // The roots, the outer fan, two inner fans, and two lists.
+    let at = [6, 6 + fan_words, 6 + 2 * fan_words, 6 + 3 * fan_words, 8 + 3 * fan_words].map(|at| at as u32);
+    let lists = [Slot::List(at[3]), Slot::List(at[4])];
+    let mut words = vec![Slot::Fan(at[0]).encode(); 6];
+    words.extend(fan([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [Slot::Fan(at[1]), Slot::Fan(at[2])]));
+    words.extend(fan([0.0, 1.0, 0.0], [0.0, 0.0, 1.0], lists));
+    words.extend(fan([0.0, 0.0, 1.0], [1.0, 0.0, 0.0], lists));
+    words.extend([0, blocks.len() as u32, 0, blocks.len() as u32]);
+    assert_eq!(prove(&hull, IndexKind::Tree, &words, &blocks), Err(Unproven::Work));
 }
