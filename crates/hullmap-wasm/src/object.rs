@@ -1,6 +1,8 @@
 //! Plain JavaScript objects, which need not be freed and are readable in a console: one answer with
 //! its fields, or many answers as one array for each field.
 
+use std::cell::RefCell;
+
 use hullmap::glam::DVec3;
 use js_sys::{Array, Float64Array, Object, Reflect, Uint8Array, Uint32Array};
 use wasm_bindgen::prelude::*;
@@ -38,18 +40,18 @@ impl Plain {
     pub fn of(fields: &[(&'static str, Field)]) -> Self {
         fields.iter().fold(Self::new(), |plain, &(key, field)| match field {
             Field::Flag(is) => plain.with(key, is),
-            Field::Word(word) => plain.with(key, word),
+            Field::Word(word) => plain.with(key, word_of(word)),
             Field::Count(count) => plain.with(key, count),
             Field::Number(number) => plain.with(key, number),
             Field::Vector(vector) => plain.with(key, vector_of(vector)),
-            Field::Parts(parts) => plain.with(key, Uint32Array::from(indices(parts).as_slice())),
+            Field::Parts(parts) => plain.with(key, parts_of(parts)),
         })
     }
 
     /// Adds a property.
-    pub fn with(self, key: &str, value: impl Into<JsValue>) -> Self {
+    pub fn with(self, key: &'static str, value: impl Into<JsValue>) -> Self {
         // Setting a property of a plain object cannot fail.
-        let _ = Reflect::set(&self.0, &key.into(), &value.into());
+        let _ = Reflect::set(&self.0, &word_of(key), &value.into());
         self
     }
 
@@ -62,8 +64,7 @@ impl Plain {
 /// One field of many answers.
 enum Column {
     Flags(Vec<u8>),
-    /// The words, and each of them as a string of JavaScript: there are few different ones.
-    Words(Array, Vec<(&'static str, JsValue)>),
+    Words(Array),
     Counts(Vec<u32>),
     Numbers(Vec<f64>),
 }
@@ -72,13 +73,8 @@ impl Column {
     fn push(&mut self, field: Field) {
         match (self, field) {
             (Self::Flags(column), Field::Flag(is)) => column.push(is.into()),
-            (Self::Words(column, known), Field::Word(word)) => {
-                let found = known.iter().find(|(text, _)| *text == word).map(|(_, text)| text.clone());
-                column.push(&found.unwrap_or_else(|| {
-                    let text = JsValue::from_str(word);
-                    known.push((word, text.clone()));
-                    text
-                }));
+            (Self::Words(column), Field::Word(word)) => {
+                column.push(&word_of(word));
             }
             (Self::Counts(column), Field::Count(count)) => column.push(count),
             (Self::Counts(column), Field::Parts(parts)) => column.extend(indices(parts)),
@@ -98,7 +94,7 @@ impl Columns {
     pub fn like(fields: &[(&'static str, Field)]) -> Self {
         let column = |&(key, field): &(&'static str, Field)| match field {
             Field::Flag(_) => (key, Column::Flags(Vec::new())),
-            Field::Word(_) => (key, Column::Words(Array::new(), Vec::new())),
+            Field::Word(_) => (key, Column::Words(Array::new())),
             Field::Count(_) | Field::Parts(_) => (key, Column::Counts(Vec::new())),
             Field::Number(_) | Field::Vector(_) => (key, Column::Numbers(Vec::new())),
         };
@@ -116,7 +112,7 @@ impl Columns {
     pub fn done<T: JsCast>(self) -> T {
         let plain = self.0.into_iter().fold(Plain::new(), |plain, (key, column)| match column {
             Column::Flags(column) => plain.with(key, Uint8Array::from(column.as_slice())),
-            Column::Words(column, _) => plain.with(key, column),
+            Column::Words(column) => plain.with(key, column),
             Column::Counts(column) => plain.with(key, Uint32Array::from(column.as_slice())),
             Column::Numbers(column) => plain.with(key, Float64Array::from(column.as_slice())),
         });
@@ -124,9 +120,31 @@ impl Columns {
     }
 }
 
+thread_local! {
+    /// Names of fields and words of answers as strings of JavaScript: about forty.
+    static WORDS: RefCell<Vec<(&'static str, JsValue)>> = const { RefCell::new(Vec::new()) };
+}
+
+/// A word as a string of JavaScript, which is made once: that takes longer than a short query.
+pub fn word_of(word: &'static str) -> JsValue {
+    WORDS.with_borrow_mut(|words| {
+        if let Some((_, known)) = words.iter().find(|(text, _)| *text == word) {
+            return known.clone();
+        }
+        let made = JsValue::from_str(word);
+        words.push((word, made.clone()));
+        made
+    })
+}
+
 /// Indices of hulls as numbers of JavaScript. A pack is below 2 GiB, so there are fewer than 2^32.
 fn indices(parts: [usize; 2]) -> [u32; 2] {
     parts.map(|part| u32::try_from(part).unwrap_or(u32::MAX))
+}
+
+/// Indices of hulls as a `Uint32Array` of two.
+pub fn parts_of(parts: [usize; 2]) -> Uint32Array {
+    Uint32Array::from(indices(parts).as_slice())
 }
 
 /// A vector as a `Float64Array` of three.

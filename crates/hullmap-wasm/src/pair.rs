@@ -8,7 +8,7 @@ use hullmap::{
 use js_sys::Array;
 use wasm_bindgen::prelude::*;
 
-use crate::object::{Columns, Field, Fields, Plain, error};
+use crate::object::{Columns, Field, Fields, Plain, error, parts_of, vector_of, word_of};
 use crate::shape::{Body, Side};
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -380,7 +380,7 @@ impl Pair {
         #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] pose: &[f64],
     ) -> Result<Overlap, JsError> {
         let (found, _) = self.find_intersection(pose_of(pose)?).ok_or_else(no_query)?;
-        Ok(JsValue::from_str(found.status.as_str()).unchecked_into())
+        Ok(word_of(found.status.as_str()).unchecked_into())
     }
 
     /// Penetration depth, with its interval, normal and witness points.
@@ -451,15 +451,16 @@ impl Pair {
         let Memory { manifold, manifold_cache, manifolds, .. } = &mut self.memory;
         let points = Array::new();
         let put = |manifold: &Manifold, parts: [usize; 2]| {
+            // One object each for all points of a pair.
+            let (normal, parts) = (vector_of(manifold.normal()), parts_of(parts));
             for point in manifold.points() {
                 let fields = [
                     ("pointA", Field::Vector(point.point_a)),
                     ("pointB", Field::Vector(point.point_b)),
                     ("depth", Field::Number(point.depth)),
-                    ("normal", Field::Vector(manifold.normal())),
-                    ("parts", Field::Parts(parts)),
                 ];
-                points.push(&Plain::of(&fields).done::<JsValue>());
+                let plain = Plain::of(&fields).with("normal", &normal).with("parts", &parts);
+                points.push(&plain.done::<JsValue>());
             }
         };
         let (mut normal, mut dropped) = (DVec3::NAN, 0);
