@@ -120,8 +120,8 @@ impl Options {
     }
 }
 
-/// A message of the command, with the options by their names in JavaScript: `--max-vertices` becomes
-/// `maxVertices`, and so does `max_vertices` in a message about options.
+/// A message of the command, with the options by their names in JavaScript: `--max-vertices`
+/// becomes `maxVertices`, and so does `max_vertices` in a message about options.
 pub fn in_javascript(message: &str, is_about_options: bool) -> String {
     if is_about_options {
         return camel_case(message, '_');

@@ -405,8 +405,8 @@ impl Pair {
         Ok(Plain::of(&distance_fields(&self.find_distance(pose_of(pose)?).ok_or_else(no_query)?)).done())
     }
 
-    /// Whether the bodies share a point, for many poses of seven numbers each. Each is answered as if
-    /// it were the first, and the pair then forgets them.
+    /// Whether the bodies share a point, for many poses of seven numbers each. Each is answered as
+    /// if it were the first, and the pair then forgets them.
     ///
     /// # Errors
     /// A pose is not seven finite numbers; the message has its index.

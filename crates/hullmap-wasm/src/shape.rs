@@ -204,8 +204,8 @@ impl Shape {
         convex(Triangle::new([vector_from("a", a)?, vector_from("b", b)?, vector_from("c", c)?]))
     }
 
-    /// The half-space of all points p with `normal` · p ≤ `offset`, after `normal` is normalised. In a
-    /// pair it must be A.
+    /// The half-space of all points p with `normal` · p ≤ `offset`, after `normal` is normalised.
+    /// In a pair it must be A.
     ///
     /// # Errors
     /// The normal is zero or not finite, or the offset is NaN or too large.
@@ -222,8 +222,8 @@ impl Shape {
         self.clone()
     }
 
-    /// Where a ray first enters the shape, for t from 0 to `maxT`, infinite by default. t is a factor
-    /// of `direction`, which need not be of unit length.
+    /// Where a ray first enters the shape, for t from 0 to `maxT`, infinite by default. t is a
+    /// factor of `direction`, which need not be of unit length.
     ///
     /// # Errors
     /// Origin or direction is not three finite numbers.
