@@ -62,6 +62,9 @@ impl Baked {
 #[wasm_bindgen]
 pub fn bake(file: &str, bytes: Vec<u8>, options: Option<BakeOptions>) -> Result<Baked, JsError> {
     let options = Options::read(options.as_ref())?;
+    if options.name().is_some() {
+        return Err(error("option name: the hulls of a file have its names; leave out the option"));
+    }
     baked(bake_source(Path::new(file), &SourceFile::alone(bytes), &options.pairs()))
 }
 

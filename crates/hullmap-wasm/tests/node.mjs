@@ -242,6 +242,7 @@ fails(() => stacked.contact(new Float64Array(6)), "a pose has seven numbers");
 fails(() => stacked.contact(new Float64Array([NaN, 0, 0, 0, 0, 0, 1])), "translation must be finite");
 fails(() => cube.supports(new Float32Array(4)), "three numbers");
 fails(() => pack.hull(1), "1");
+fails(() => bake("a.obj", new Uint8Array(), { name: "b" }), "option name: the hulls of a file have its names");
 fails(() => bake("a.obj", new Uint8Array(), { max_vertices: 8 }), "unknown option max_vertices: write it as in JavaScript, maxVertices");
 fails(() => bake("a.obj", new Uint8Array(), { maxVertices: 8, maxError: 1 }), "maxError and maxVertices exclude each other");
 fails(() => bake("a.obj", new Uint8Array(), { decomposeSeconds: 1 }), "WebAssembly has no clock");
@@ -288,6 +289,20 @@ for (let i = 0; i < 3000; i++) {
 spent.sort((x, y) => x - y);
 const micros = (share) => (1000 * spent[Math.floor(share * (spent.length - 1))]).toFixed(0);
 console.log(`10 000 vertices: baked in ${bakeTime.toFixed(0)} ms; contact and manifold take ${micros(0.5)} µs (median), ${micros(0.99)} µs (99 %)`);
+
+// TypeScript knows the options of the command, but for one that needs a clock.
+const interfaceText = /interface BakeOptions \{(.*?)\n\}/s.exec(readFileSync(join(folder, "hullmap.d.ts"), "utf8"))[1];
+const declared = [...interfaceText.matchAll(/^ {4}(\w+)\?:/gm)].map(([, key]) => key);
+let known = "";
+fails(() => {
+  try {
+    bakeMesh([0, 0, 0], null, { unknown: 1 });
+  } catch (error) {
+    known = error.message;
+    throw error;
+  }
+}, "unknown option unknown");
+assert.deepEqual(declared.sort(), [...known.split("options are ")[1].split(", ").filter((key) => key !== "decomposeSeconds"), "name"].sort());
 
 // Sizes in the document, to a twentieth.
 const stated = readFileSync(new URL("../../../docs/browser.md", import.meta.url), "utf8");
