@@ -1,6 +1,6 @@
-// Writes dist/npm/package.json and dist/hullmap.html. Called by `./build`.
+// Completes dist/npm and writes dist/hullmap.html. Called by `./build`.
 
-import { readFileSync, writeFileSync } from "node:fs";
+import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
 
 const here = new URL("..", import.meta.url);
 const text = (path) => readFileSync(new URL(path, here), "utf8");
@@ -15,11 +15,16 @@ const description = {
   type: "module",
   main: "hullmap.js",
   types: "hullmap.d.ts",
-  files: ["hullmap.js", "hullmap.d.ts", "hullmap_bg.wasm", "hullmap_bg.wasm.d.ts", ...licences],
+  exports: { ".": { types: "./hullmap.d.ts", node: "./node.js", default: "./hullmap.js" }, "./*": "./*" },
+  files: ["hullmap.js", "hullmap.d.ts", "hullmap_bg.wasm", "hullmap_bg.wasm.d.ts", "node.js", ...licences],
   sideEffects: false,
   keywords: ["collision", "convex-hull", "gjk", "physics", "wasm"],
 };
 writeFileSync(new URL("dist/npm/package.json", here), JSON.stringify(description, null, 2) + "\n");
+// `Symbol.dispose` is in no library of TypeScript's that is named after a year.
+const types = new URL("dist/npm/hullmap.d.ts", here);
+writeFileSync(types, `/// <reference lib="esnext.disposable" />\n${readFileSync(types, "utf8")}`);
+copyFileSync(new URL("npm/node.js", here), new URL("dist/npm/node.js", here));
 
 // Scripts and style that the page shares with the report of `bake report`.
 const shared = (name) => text(`../../tools/report/src/page/${name}`);

@@ -22,7 +22,7 @@
   function fail(text) {
     const place = get("error");
     place.hidden = !text;
-    place.textContent = text;
+    place.firstElementChild.textContent = text;
   }
 
   /** A sentence for people. */
@@ -41,8 +41,11 @@
 
   // Bodies.
 
-  function chosenOptions() {
-    const options = { split: get("split").value, index: get("index").value };
+  function chosenOptions(which) {
+    const options = { split: get("split").value, index: get("index").value, upAxis: get(`up-${which}`).value };
+    const scale = Number(get(`scale-${which}`).value.trim() || 1);
+    if (!(scale > 0)) throw new Error(`The scale of body ${which.toUpperCase()} must be a number above 0.`);
+    options.unitScale = scale;
     const most = get("max-vertices").value.trim();
     if (most) options.maxVertices = Number(most);
     return options;
@@ -77,7 +80,7 @@
     get("busy").textContent = `Baking ${file} …`;
     try {
       if (!bytes.length) throw new Error(`${file}: the file is empty; choose an OBJ, STL, PLY or GLB file`);
-      const baked = await baker.bake(file, bytes, chosenOptions());
+      const baked = await baker.bake(file, bytes, chosenOptions(which));
       setBody(which, file, bytes, baked);
       // The first body A is also body B.
       if (!bodies.b) setBody("b", file, bytes, baked);
@@ -95,18 +98,23 @@
     try {
       const bytes = new Uint8Array(await file.arrayBuffer());
       get(`sample-${which}`).value = "";
+      get(`scale-${which}`).value = "1";
       await load(which, file.name, bytes);
     } catch (error) {
       fail(`${file.name}: the browser cannot read this file (${inWords(error)})`);
     }
   }
 
-  const loadSample = (which, key) => load(which, `${key}.obj`, new TextEncoder().encode(SAMPLES[key].make()));
+  const loadSample = (which, key) => {
+    get(`scale-${which}`).value = "1";
+    return load(which, `${key}.obj`, new TextEncoder().encode(SAMPLES[key].make()));
+  };
 
   function bodiesChanged(which) {
     pair = new wasm_bindgen.Pair(bodies.a.hull, bodies.b.hull);
     times.frame.length = times.query.length = 0;
     showFacts();
+    showSizes();
     if (which === "a") {
       showRemarks();
       showMap();
@@ -142,6 +150,16 @@
       ...Array.from({ length: Math.min(count, 500) }, (_, i) => new Option(`#${i} ${a.open.hull(i).name}`, i, false, i === a.index)),
     );
     get("download").disabled = false;
+  }
+
+  /** Ratio of the sizes of two bodies above which the smaller one is hard to see. */
+  const FAR_APART = 8;
+
+  /** Says so if one body is much larger than the other. */
+  function showSizes() {
+    const ratio = bodies.a.radius / bodies.b.radius, factor = Math.max(ratio, 1 / ratio);
+    get("sizes").hidden = !(factor > FAR_APART);
+    get("sizes").firstElementChild.textContent = `Body B is ${digits(factor, 2)} times ${ratio > 1 ? "smaller" : "larger"} than body A.`;
   }
 
   function showRemarks() {
@@ -481,9 +499,17 @@
       loadSample(which, choice.value);
     });
   }
-  for (const id of ["split", "index", "max-vertices"]) {
-    get(id).addEventListener("change", () => bodies.a && load("a", bodies.a.file, bodies.a.bytes));
+  const again = (which) => bodies[which] && load(which, bodies[which].file, bodies[which].bytes);
+  for (const id of ["split", "index", "max-vertices"]) get(id).addEventListener("change", () => again("a"));
+  for (const which of ["a", "b"]) {
+    for (const id of ["scale", "up"]) get(`${id}-${which}`).addEventListener("change", () => again(which));
   }
+  get("match").addEventListener("click", () => {
+    const scale = get("scale-b"), { a, b } = bodies;
+    scale.value = String(Number(((Number(scale.value) || 1) * (a.radius / b.radius)).toPrecision(3)));
+    again("b");
+  });
+  get("dismiss").addEventListener("click", () => fail(""));
   get("hull").addEventListener("change", (event) => {
     chooseHull("a", Number(event.target.value));
     bodiesChanged("a");
@@ -559,13 +585,13 @@
 
   // Start.
 
-  const again = () => {
+  const repaint = () => {
     readColours();
     redraw();
     if (gauss) gauss.draw();
   };
-  new ResizeObserver(again).observe(canvas);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);
+  new ResizeObserver(repaint).observe(canvas);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", repaint);
   readColours();
   if (!view) fail("This browser has no WebGL2, so the bodies are not drawn. The numbers and the Gauss map work.");
   get("sample-a").value = "knot";

@@ -167,6 +167,7 @@ function openView(canvas) {
   gl.enable(gl.DEPTH_TEST);
   gl.enable(gl.BLEND);
   gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+  gl.polygonOffset(1, 2);
   gl.enableVertexAttribArray(0);
 
   const known = new Map();
@@ -218,7 +219,10 @@ function openView(canvas) {
       gl.clearColor(0, 0, 0, 0);
       gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     },
-    /** Translucent triangles show their front sides only, and hide nothing. */
+    /**
+     * Translucent triangles show their front sides only, and hide nothing. Opaque ones are moved back a
+     * little: the faces of a hull lie in those of its mesh, and would show through in patches.
+     */
     triangles(mesh, look) {
       if (!mesh.triangles.length) return;
       const made = uploaded(mesh), isClear = (look.opacity ?? 1) < 1;
@@ -226,9 +230,9 @@ function openView(canvas) {
       corners(made.points);
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, made.triangles);
       gl.depthMask(!isClear);
-      if (isClear) gl.enable(gl.CULL_FACE);
+      gl.enable(isClear ? gl.CULL_FACE : gl.POLYGON_OFFSET_FILL);
       gl.drawElements(gl.TRIANGLES, mesh.triangles.length, gl.UNSIGNED_INT, 0);
-      gl.disable(gl.CULL_FACE);
+      gl.disable(isClear ? gl.CULL_FACE : gl.POLYGON_OFFSET_FILL);
       gl.depthMask(true);
     },
     edges(mesh, look) {

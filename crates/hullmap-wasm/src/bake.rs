@@ -1,24 +1,21 @@
-//! From the bytes of a mesh file to a pack: import, hulls, indices, as the command `bake build`
-//! does.
+//! From a mesh to a pack: the bytes of a mesh file, or arrays. The command's own code bakes.
 
 use std::path::Path;
 
-use hullmap_bake::{SourceRecord, bake_hull, bake_simplified_hull, write_pack};
-use hullmap_import::{Imported, Limits, SourceFile, import};
+use hullmap_cli::{BakedPack, InMemoryError, bake_arrays_with_mesh, bake_source};
+use hullmap_import::{Imported, MeshArrays, Polygons, SourceFile};
 use wasm_bindgen::prelude::*;
 
-use crate::object::error;
-use crate::options::{BakeOptions, Options};
+use crate::object::{error, rows_of};
+use crate::options::{BakeOptions, Options, in_javascript};
 
-/// A baked mesh: the pack, the mesh to draw, and what the import noticed.
+/// A baked mesh: the pack, the mesh to draw, and what the import and the bake noticed.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Baked {
-    pack: Vec<u8>,
+    pack: BakedPack,
     positions: Vec<f32>,
     triangles: Vec<u32>,
-    notes: Vec<String>,
-    warnings: Vec<String>,
 }
 
 #[wasm_bindgen]
@@ -26,10 +23,10 @@ impl Baked {
     /// Bytes of the pack, to open or to save as a `.hullmap` file.
     #[wasm_bindgen(getter)]
     pub fn pack(&self) -> Vec<u8> {
-        self.pack.clone()
+        self.pack.bytes.clone()
     }
 
-    /// Points of the source mesh, three numbers each.
+    /// Points of the source mesh, three numbers each, in the frame of the hulls.
     #[wasm_bindgen(getter)]
     pub fn positions(&self) -> Vec<f32> {
         self.positions.clone()
@@ -44,13 +41,13 @@ impl Baked {
     /// Findings of interest, a sentence each.
     #[wasm_bindgen(getter)]
     pub fn notes(&self) -> Vec<String> {
-        self.notes.clone()
+        self.pack.notes.iter().map(|note| in_javascript(note, false)).collect()
     }
 
     /// Findings to act on, a sentence each.
     #[wasm_bindgen(getter)]
     pub fn warnings(&self) -> Vec<String> {
-        self.warnings.clone()
+        self.pack.warnings.iter().map(|warning| in_javascript(warning, false)).collect()
     }
 }
 
@@ -65,27 +62,66 @@ impl Baked {
 #[wasm_bindgen]
 pub fn bake(file: &str, bytes: Vec<u8>, options: Option<BakeOptions>) -> Result<Baked, JsError> {
     let options = Options::read(options.as_ref())?;
-    let path = Path::new(file);
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let source = SourceFile::alone(bytes);
-    let mut imported = import(file, &stem, path, &source, &options.import(), &Limits::DEFAULT).map_err(error)?;
-    let mut hulls = Vec::with_capacity(imported.point_sets.len());
-    for points in &imported.point_sets {
-        let baked = match options.limit() {
-            None => bake_hull(points, options.index),
-            Some(limit) => bake_simplified_hull(points, limit, options.index),
-        };
-        hulls.push(baked.map_err(|fault| error(format!("{file}: hull {}: {fault}", points.name)))?);
+    if options.name().is_some() {
+        return Err(error("option name: the hulls of a file have its names; leave out the option"));
     }
-    let record = SourceRecord { path: file.to_owned(), hash: source.hash, options: options.record() };
-    let pack = write_pack(&hulls, &record).map_err(|fault| error(format!("{file}: {fault}")))?;
-    imported.give_triangles();
-    let (positions, triangles) = mesh(&imported);
-    Ok(Baked { pack, positions, triangles, notes: imported.notes, warnings: imported.warnings })
+    baked(bake_source(Path::new(file), &SourceFile::alone(bytes), &options.pairs()))
 }
 
-/// The points and triangles of all point sets, one after the other.
-fn mesh(imported: &Imported) -> (Vec<f32>, Vec<u32>) {
+/// Bakes a mesh from arrays, for instance those of a geometry of three.js.
+///
+/// `positions` has three numbers for each vertex; they are rounded to 32-bit floats once. `indices`
+/// has three indices of vertices for each triangle. Without it, the mesh is a point cloud, which
+/// cannot be decomposed. The option `name` is the name of the hull, "mesh" by default.
+///
+/// # Errors
+/// An array or an option is wrong, or a hull cannot be built. The message names the fault and the
+/// remedy.
+#[wasm_bindgen(js_name = bakeMesh)]
+pub fn bake_mesh(
+    #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] positions: &[f64],
+    // As f64, because a typed array of u32 would make an index out of −1, 0.5 or NaN.
+    #[wasm_bindgen(unchecked_optional_param_type = "ArrayLike<number> | null")] indices: Option<Vec<f64>>,
+    #[wasm_bindgen(unchecked_optional_param_type = "BakeOptions | null")] options: Option<BakeOptions>,
+) -> Result<Baked, JsError> {
+    let options = Options::read(options.as_ref())?;
+    let name = options.name().unwrap_or("mesh");
+    let faces = match indices {
+        Some(indices) => triangles(&indices, positions.len() / 3)?,
+        None => Polygons::default(),
+    };
+    let mesh = MeshArrays { name: String::new(), positions: rows_of("positions", positions)?.to_vec(), faces };
+    baked(bake_arrays_with_mesh(name, vec![mesh], &options.pairs()))
+}
+
+/// Faces of a triangle mesh, whose indices are checked.
+fn triangles(indices: &[f64], vertex_count: usize) -> Result<Polygons, JsError> {
+    if !indices.len().is_multiple_of(3) {
+        let found = indices.len();
+        return Err(error(format!(
+            "indices: a triangle has three indices, found {found} in all: pass whole triangles"
+        )));
+    }
+    let corner = |(at, &index): (usize, &f64)| {
+        if index >= 0.0 && index < vertex_count as f64 && index.fract() == 0.0 {
+            return Ok(index as u32);
+        }
+        let expected = format!("a whole number from 0, below the number of vertices, {vertex_count}");
+        Err(error(format!("indices[{at}]: expected {expected}, found {index}")))
+    };
+    let corners = indices.iter().enumerate().map(corner).collect::<Result<Vec<u32>, JsError>>()?;
+    // A mesh has fewer than 2^32 corners: WebAssembly has no room for more.
+    let ends = (3..=corners.len() as u32).step_by(3).collect();
+    Ok(Polygons { corners, ends })
+}
+
+fn baked(result: Result<(BakedPack, Imported), InMemoryError>) -> Result<Baked, JsError> {
+    let (pack, mut imported) = result.map_err(|fault| {
+        let is_about_options = matches!(fault, InMemoryError::Option(_));
+        error(in_javascript(&fault.to_string(), is_about_options))
+    })?;
+    imported.give_triangles();
+    // The points and triangles of all point sets, one after the other.
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for set in &imported.point_sets {
         // A pack is below 2 GiB, so its points are fewer than 2^32.
@@ -93,5 +129,5 @@ fn mesh(imported: &Imported) -> (Vec<f32>, Vec<u32>) {
         positions.extend(set.positions.iter().flatten());
         triangles.extend(set.triangles.iter().flatten().map(|corner| first + corner));
     }
-    (positions, triangles)
+    Ok(Baked { pack, positions, triangles })
 }

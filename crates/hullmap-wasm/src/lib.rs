@@ -6,11 +6,12 @@
 //!
 //! | module | concept |
 //! |---|---|
-//! | `bake` | bytes of a mesh file to a pack |
-//! | `options` | options of a bake, from a JavaScript object to the record in the pack |
+//! | `bake` | a mesh file or arrays to a pack |
+//! | `options` | options of a bake, from a JavaScript object to those of the command |
 //! | `pack` | packs and hulls |
-//! | `pair` | queries on two hulls |
-//! | `object` | plain JavaScript objects |
+//! | `shape` | bodies of queries; rays |
+//! | `pair` | queries on two bodies |
+//! | `object` | answers as plain JavaScript objects |
 
 #![forbid(unsafe_code)]
 #![deny(clippy::print_stdout, clippy::print_stderr)]
@@ -20,12 +21,14 @@ mod object;
 mod options;
 mod pack;
 mod pair;
+mod shape;
 
 use wasm_bindgen::prelude::*;
 
-pub use bake::{Baked, bake};
+pub use bake::{Baked, bake, bake_mesh};
 pub use pack::{Hull, Pack};
 pub use pair::Pair;
+pub use shape::Shape;
 
 #[wasm_bindgen]
 extern "C" {

@@ -1,11 +1,6 @@
-//! Options of a bake: from a JavaScript object, and as the text that a pack records.
-//!
-//! The text is that of the command, so that a pack baked in a browser has the same bytes as one
-//! that `bake build` wrote with the same options. `tests/node.mjs` compares them.
+//! Options of a bake: from a JavaScript object to the keys and values of `hullmap.toml`, and back
+//! in messages.
 
-use hullmap_bake::IndexKind;
-use hullmap_bake::simplify::Limit;
-use hullmap_import::{ImportOptions, Split, Vertices};
 use js_sys::{Object, Reflect};
 use wasm_bindgen::prelude::*;
 
@@ -13,16 +8,48 @@ use crate::object::error;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** Options of `bake`, with the names and values of the command's options. */
+/** Options of `bake` and `bakeMesh`: those of the command. docs/COMMAND.md describes them. */
 export interface BakeOptions {
+    /** Name of the hull; only of `bakeMesh`. Default "mesh". */
+    name?: string;
     /** One hull for the file, for each object, or for each named collision part. Default "none". */
     split?: "none" | "object" | "auto";
     /** Use the vertices that elements reference, or all vertices. Default "referenced". */
     vertices?: "referenced" | "all";
     /** Direction index. Default "tree". */
     index?: "tree" | "medium" | "compact" | "binary" | "cubemap" | "none";
+    /** The fastest tree within this many bytes for each vertex, instead of a named index. */
+    indexBudget?: number;
+    /** Cells along each edge of a cube face, 1 to 1024; only with index "cubemap". Default 64. */
+    resolution?: number;
+    /** Factor of all coordinates, above 0. Default 1. */
+    unitScale?: number;
+    /** Rotation about x: "y-to-z" turns a y-up mesh into a z-up mesh. Default "keep". */
+    upAxis?: "keep" | "y-to-z" | "z-to-y";
+    /** Move the origin to the centre of the bounds. Default false. */
+    recentre?: boolean;
+    /** Decompose a concave mesh into convex parts; true means "cover". Default false. */
+    decompose?: boolean | "cover" | "vhacd";
     /** Replace each hull by an enclosing one with at most this many vertices, 4 or more. */
-    maxVertices?: number;
+    maxVertices?: number | "none";
+    /**
+     * Replace each hull by an enclosing one that extends at most this far beyond it: a length, or a
+     * share of the diagonal, such as "1%". With `decompose`, maximum protrusion of a part; default "2%".
+     */
+    maxError?: number | `${number}%` | "none";
+    /** Maximum number of parts, with the smallest error that the search reaches. */
+    maxParts?: number | "none";
+    /** Leave out what only manifolds and hints need. Default false. */
+    lean?: boolean;
+    vhacdConcavity?: number;
+    vhacdResolution?: number;
+    vhacdMaxParts?: number;
+    vhacdAlpha?: number;
+    vhacdBeta?: number;
+    vhacdPlaneDownsampling?: number;
+    vhacdHullDownsampling?: number;
+    vhacdHullApproximation?: boolean;
+    vhacdFill?: "flood" | "cavities" | "surface";
 }
 "#;
 
@@ -33,89 +60,106 @@ extern "C" {
     pub type BakeOptions;
 }
 
-/// The options of a bake.
-#[derive(Clone, Copy, Debug)]
+/// The options of a bake, by the keys of `hullmap.toml`.
+#[derive(Clone, Debug, Default)]
 pub struct Options {
-    split: Split,
-    vertices: Vertices,
-    /// The direction index.
-    pub index: IndexKind,
-    max_vertices: Option<u32>,
+    name: Option<String>,
+    pairs: Vec<(String, String)>,
 }
 
-const KEYS: &str = "split, vertices, index, maxVertices";
-
 impl Options {
-    /// Reads a JavaScript object. Missing and undefined properties have their defaults.
+    /// Reads a JavaScript object. Properties that are undefined or null have their defaults.
     ///
     /// # Errors
-    /// A property is unknown, or has an invalid value.
+    /// A property has a value that is no word, number or truth value, or it cannot work in
+    /// WebAssembly.
     pub fn read(given: Option<&BakeOptions>) -> Result<Self, JsError> {
-        let mut options =
-            Self { split: Split::None, vertices: Vertices::Referenced, index: IndexKind::Tree, max_vertices: None };
+        let mut options = Self::default();
         let Some(given) = given.map(AsRef::<JsValue>::as_ref).filter(|given| !given.is_null()) else {
             return Ok(options);
         };
         let Some(object) = given.dyn_ref::<Object>() else {
-            return Err(error(format!("the options must be an object with the properties {KEYS}")));
+            return Err(error("the options must be an object, such as { maxVertices: 64 }"));
         };
         for key in Object::keys(object).iter() {
             let value = Reflect::get(object, &key).unwrap_or(JsValue::UNDEFINED);
-            if value.is_undefined() {
+            if value.is_undefined() || value.is_null() {
                 continue;
             }
-            let (key, word) = (key.as_string().unwrap_or_default(), value.as_string().unwrap_or_default());
-            let invalid = |expected: &str| Err(error(format!("invalid value of option {key}: expected {expected}")));
-            match (key.as_str(), word.as_str()) {
-                ("split", "none") => options.split = Split::None,
-                ("split", "object") => options.split = Split::Object,
-                ("split", "auto") => options.split = Split::Auto,
-                ("split", _) => return invalid("none, object or auto"),
-                ("vertices", "referenced") => options.vertices = Vertices::Referenced,
-                ("vertices", "all") => options.vertices = Vertices::All,
-                ("vertices", _) => return invalid("referenced or all"),
-                ("index", word) => match word.parse() {
-                    Ok(kind) => options.index = kind,
-                    Err(_) => return invalid("tree, medium, compact, binary, cubemap or none"),
-                },
-                ("maxVertices", _) => match value.as_f64().filter(|n| n.fract() == 0.0) {
-                    Some(count) if (4.0..=f64::from(u32::MAX)).contains(&count) => {
-                        options.max_vertices = Some(count as u32);
-                    }
-                    _ => return invalid("a whole number of 4 or more"),
-                },
-                _ => return Err(error(format!("unknown option {key}: the options are {KEYS}"))),
+            let key = key.as_string().unwrap_or_default();
+            let text = match (value.as_string(), value.as_f64(), value.as_bool()) {
+                (Some(word), ..) => word,
+                (_, Some(number), _) => number.to_string(),
+                (.., Some(is_on)) => is_on.to_string(),
+                _ => return Err(error(format!("option {key}: expected a word, a number or a truth value"))),
+            };
+            match key.as_str() {
+                "name" => options.name = Some(text),
+                "decomposeSeconds" => {
+                    let remedy = "leave out the option; a larger maxError takes less time";
+                    return Err(error(format!("option {key}: WebAssembly has no clock to stop a search: {remedy}")));
+                }
+                _ if key.contains('_') => {
+                    let meant = camel_case(&key, '_');
+                    return Err(error(format!("unknown option {key}: write it as in JavaScript, {meant}")));
+                }
+                _ => options.pairs.push((snake_case(&key), text)),
             }
         }
         Ok(options)
     }
 
-    /// How the source is read.
-    pub fn import(&self) -> ImportOptions {
-        ImportOptions { split: self.split, vertices: self.vertices, ..ImportOptions::DEFAULT }
+    /// Name of a hull that comes from no file.
+    pub fn name(&self) -> Option<&str> {
+        self.name.as_deref()
     }
 
-    /// How far hulls are simplified.
-    pub fn limit(&self) -> Option<Limit> {
-        self.max_vertices.map(|count| Limit::Vertices(count as usize))
+    /// Keys and values.
+    pub fn pairs(&self) -> Vec<(&str, &str)> {
+        self.pairs.iter().map(|(key, value)| (key.as_str(), value.as_str())).collect()
     }
+}
 
-    /// The text that a pack records.
-    pub fn record(&self) -> String {
-        let split = match self.split {
-            Split::None => "none",
-            Split::Object => "object",
-            Split::Auto => "auto",
-        };
-        let vertices = match self.vertices {
-            Vertices::Referenced => "referenced",
-            Vertices::All => "all",
-        };
-        let index = match self.index {
-            kind if kind.is_tree() => format!("tree {}", kind.leaf_size()),
-            kind => kind.to_string(),
-        };
-        let limit = self.max_vertices.map_or_else(String::new, |count| format!(", max_vertices {count}"));
-        format!("split {split}, vertices {vertices}, index {index}{limit}")
+/// A message of the command, with the options by their names in JavaScript: `--max-vertices`
+/// becomes `maxVertices`, and so does `max_vertices` in a message about options.
+pub fn in_javascript(message: &str, is_about_options: bool) -> String {
+    if is_about_options {
+        return camel_case(message, '_');
     }
+    let mut words = message.split("--");
+    let mut text = words.next().unwrap_or_default().to_owned();
+    for word in words {
+        let end = word.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(word.len());
+        let (flag, rest) = word.split_at(end);
+        if flag.is_empty() {
+            text += "--";
+        }
+        text += &camel_case(flag, '-');
+        text += rest;
+    }
+    text
+}
+
+/// `maxVertices` of `max_vertices`, where the separator is `_`.
+fn camel_case(text: &str, separator: char) -> String {
+    let mut words = text.split(separator);
+    let mut out = words.next().unwrap_or_default().to_owned();
+    for word in words {
+        let mut letters = word.chars();
+        out.extend(letters.next().map(|first| first.to_ascii_uppercase()));
+        out += letters.as_str();
+    }
+    out
+}
+
+/// `max_vertices` of `maxVertices`.
+fn snake_case(key: &str) -> String {
+    let mut out = String::with_capacity(key.len() + 4);
+    for c in key.chars() {
+        if c.is_ascii_uppercase() {
+            out.push('_');
+        }
+        out.push(c.to_ascii_lowercase());
+    }
+    out
 }

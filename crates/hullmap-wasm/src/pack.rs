@@ -7,7 +7,8 @@ use hullmap::glam::Vec3;
 use js_sys::JSON;
 use wasm_bindgen::prelude::*;
 
-use crate::object::{Plain, error};
+use crate::object::{Plain, error, rows_of, vector_of};
+use crate::shape::{Shape, Side};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
@@ -85,6 +86,11 @@ impl Pack {
     #[wasm_bindgen(js_name = hullNamed)]
     pub fn hull_named(&self, name: &str) -> Option<Hull> {
         self.0.shared_hull_named(name).map(Hull)
+    }
+
+    /// The union of all hulls as a shape, for instance to cast rays at it.
+    pub fn shape(&self) -> Shape {
+        Shape(Side::Compound(Arc::clone(&self.0)))
     }
 }
 
@@ -219,6 +225,11 @@ impl Hull {
         self.0.hull().index_byte_len()
     }
 
+    /// The hull as a shape, for instance to cast rays at it.
+    pub fn shape(&self) -> Shape {
+        Shape(Side::Hull(self.0.clone()))
+    }
+
     /// Positions of the vertices, three numbers each, in the hull's frame.
     pub fn vertices(&self) -> Vec<f32> {
         self.0.hull().vertices().flat_map(|vertex| vertex.to_array()).collect()
@@ -278,18 +289,18 @@ impl Hull {
     /// Support vertex in the direction (x, y, z), which is in the hull's frame and of any length.
     pub fn support(&self, x: f32, y: f32, z: f32) -> SupportVertex {
         let found = self.0.hull().support(Vec3::new(x, y, z));
-        Plain::new().with("index", found.index).with_vector("point", found.point.as_dvec3()).done()
+        Plain::new().with("index", found.index).with("point", vector_of(found.point.as_dvec3())).done()
     }
 
     /// Index of the support vertex in each of many directions, three numbers each.
     ///
     /// # Errors
     /// The length of `directions` is not a multiple of three.
-    pub fn supports(&self, directions: &[f32]) -> Result<Vec<u32>, JsError> {
-        let (directions, rest) = directions.as_chunks::<3>();
-        if !rest.is_empty() {
-            return Err(error("directions must have three numbers each"));
-        }
+    pub fn supports(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] directions: &[f32],
+    ) -> Result<Vec<u32>, JsError> {
+        let directions = rows_of("directions", directions)?;
         let hull = self.0.hull();
         Ok(directions.iter().map(|&dir| hull.support(Vec3::from_array(dir)).index).collect())
     }

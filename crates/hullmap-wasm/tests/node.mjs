@@ -6,14 +6,16 @@
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { readFileSync, readdirSync, writeFileSync } from "node:fs";
+import { readFileSync, readdirSync, statSync, writeFileSync } from "node:fs";
 import { basename, join } from "node:path";
 import { pathToFileURL } from "node:url";
 
 const [folder, command, meshes] = process.argv.slice(2);
-const module = await import(pathToFileURL(join(folder, "hullmap.js")));
-module.initSync({ module: readFileSync(join(folder, "hullmap_bg.wasm")) });
-const { bake, Pack, Pair, version } = module;
+// The entry that the package names for Node.
+const { exports } = JSON.parse(readFileSync(join(folder, "package.json")));
+const { default: init, bake, bakeMesh, Pack, Pair, Shape, version } = await import(pathToFileURL(join(folder, exports["."].node)));
+await init();
+await init(); // does nothing
 const native = (...words) => execFileSync(command, words, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
 
 assert.equal(JSON.parse(readFileSync(join(folder, "package.json"))).version, version());
@@ -36,6 +38,7 @@ const choices = [
   [{ index: "cubemap" }, ["--index", "cubemap"]],
   [{ split: "object", vertices: "all", index: "none" }, ["--split", "object", "--vertices", "all", "--index", "none"]],
   [{ maxVertices: 12 }, ["--max-vertices", "12"]],
+  [{ unitScale: 0.01, upAxis: "y-to-z", recentre: true, lean: true }, ["--unit-scale", "0.01", "--up-axis", "y-to-z", "--recentre", "--lean"]],
 ];
 let equal = 0;
 for (const [options, flags] of choices) {
@@ -45,6 +48,18 @@ for (const [options, flags] of choices) {
     const baked = bake(name, readFileSync(path), options);
     assert.deepEqual(Buffer.from(baked.pack), readFileSync(out), `${name} ${flags.join(" ")}`);
     baked.free();
+    equal++;
+  }
+}
+// Convex parts take longer: of three concave meshes, and of one that is convex.
+for (const name of ["gear.obj", "pawn.obj", "two_objects.obj", "cube.obj"]) {
+  for (const [options, flags] of [
+    [{ decompose: true, maxError: "3%" }, ["--decompose", "--max-error", "3%"]],
+    [{ decompose: "vhacd", vhacdMaxParts: 4 }, ["--decompose=vhacd", "--vhacd-max-parts", "4"]],
+  ]) {
+    native("build", join(meshes, name), "--out", meshes, "--force", ...flags);
+    const baked = bake(name, readFileSync(join(meshes, name)), options);
+    assert.deepEqual(Buffer.from(baked.pack), readFileSync(join(meshes, name.replace(".obj", ".hullmap"))), `${name} ${flags.join(" ")}`);
     equal++;
   }
 }
@@ -114,6 +129,104 @@ assert.equal(manifold.points.length, 4);
 assert.ok(Math.hypot(manifold.normal[0], manifold.normal[1], manifold.normal[2] - 1) < 1e-9);
 assert.ok(manifold.points.every((point) => Math.abs(point.depth - 0.01) < 1e-6));
 
+// Arrays bake to the hull of a file with the same numbers, whatever their type.
+const text = readFileSync(join(meshes, "gear.obj"), "utf8").split("\n").map((line) => line.split(/\s+/));
+const positions = text.filter(([word]) => word === "v").flatMap(([, ...numbers]) => numbers.map(Number));
+// Polygons as fans.
+const indices = text.filter(([word]) => word === "f").flatMap(([, ...corners]) => corners.slice(2).flatMap((_, i) => [0, i + 1, i + 2].map((at) => Number(corners[at]) - 1)));
+const [ofFile, ofCloud] = ["referenced", "all"].map((vertices) => new Pack(bake("gear.obj", readFileSync(join(meshes, "gear.obj")), { vertices }).pack).hull(0));
+for (const [points, corners] of [[positions, indices], [new Float64Array(positions), new Uint32Array(indices)], [new Float32Array(positions), new Uint16Array(indices)], [positions, null], [positions, undefined]]) {
+  const gear = bakeMesh(points, corners, { name: "gear" });
+  const opened = new Pack(gear.pack);
+  assert.deepEqual([opened.hull(0).name, opened.source], ["gear", ""]);
+  assert.deepEqual(opened.hull(0).vertices(), (corners ? ofFile : ofCloud).vertices());
+  assert.equal(gear.triangles.length, corners ? indices.length : 0);
+  // Vertices that no triangle references are left out.
+  assert.equal(gear.positions.length, corners ? 3 * new Set(indices).size : positions.length);
+}
+assert.equal(new Pack(bakeMesh(positions).pack).hull(0).name, "mesh");
+const gear = new Pack(bakeMesh(positions, indices, { decompose: "cover" }).pack);
+assert.ok(gear.hullCount > 2 && gear.hull(0).partCount === gear.hullCount && gear.hull(0).uncovered < 1e-6);
+const flat = bakeMesh(positions, null, { decompose: true });
+assert.match([...flat.notes, ...flat.warnings].join(), /mesh: not decomposed, because it has no faces/);
+
+// Primitives and half-spaces, against a cube from 0 to 1: depth, distance, and an empty answer.
+const at = (x, y, z) => [x, y, z, 0, 0, 0, 1];
+// The tolerance of a query is 1e-5 of the answer.
+const near = (number, expected) => assert.ok(Math.abs(number - expected) <= 2e-5 * expected, `${number}, expected ${expected}`);
+for (const [shape, reach] of [
+  [Shape.sphere(0.5), 0.5], [Shape.box([0.5, 1, 1]), 0.5], [Shape.capsule(1, 0.5), 0.5], [Shape.cylinder(1, 0.5), 0.5],
+  [Shape.segment([-0.5, 0, 0], [0.5, 0, 0]), 0.5], [Shape.triangle([-0.5, 0, 0], [0.5, 1, 0], [0.5, -1, 0]), 0.5],
+]) {
+  for (const body of [cube, pack, pack.shape(), cube.shape()]) {
+    const pair = new Pair(body, shape);
+    near(pair.contact(at(1.1, 0.5, 0.5)).depth, reach - 0.1);
+    near(pair.distance(at(3, 0.5, 0.5)).distance, 2 - reach);
+    const apart = pair.contact(at(3, 0.5, 0.5));
+    assert.deepEqual([apart.hit, apart.status, pair.manifold(at(3, 0.5, 0.5)).points.length], [false, "separated", 0]);
+    assert.ok(pair.manifold(at(1.1, 0.5, 0.5)).points.length > 0);
+    // The same with the bodies exchanged.
+    near(new Pair(shape, body).contact(at(-1.1, -0.5, -0.5)).depth, reach - 0.1);
+    near(shape.ray([-9, 0, 0], [2, 0, 0]).t, (9 - reach) / 2);
+    assert.equal(shape.ray([-9, 0, 0], [2, 0, 0], 4).hit, false);
+  }
+}
+near(new Pair(cube, Shape.cone(0.5, 0.25)).distance(at(0.5, 0.5, -1)).distance, 0.5);
+near(Shape.cone(0.5, 0.25).ray([-9, 0, 0], [1, 0, 0]).t, 9 - 0.125);
+const ground = Shape.halfSpace([0, 0, 2], 0);
+for (const body of [cube, pack]) {
+  const pair = new Pair(ground, body);
+  near(pair.contact(at(0, 0, -0.1)).depth, 0.1);
+  near(pair.distance(at(0, 0, 0.3)).distance, 0.3);
+  assert.equal(pair.manifold(at(0, 0, -0.1)).points.length, 4);
+}
+near(ground.ray([0, 0, 3], [0, 0, -1]).t, 3);
+
+// A pack with two hulls: the answers name those that decided it.
+const both = new Pack(bake("two_objects.obj", readFileSync(join(meshes, "two_objects.obj")), { split: "object" }).pack);
+const between = new Pair(both, Shape.sphere(0.5)), gap = between.distance(at(0.25, 0, 0));
+near(gap.distance, 0.25);
+assert.deepEqual([...gap.parts], [1, 0]);
+assert.deepEqual([...new Pair(Shape.sphere(0.5), both).distance(at(-0.25, 0, 0)).parts], [0, 1]);
+const none = between.contact(at(0.25, 0, 0));
+assert.ok(!none.hit && none.normal.every(Number.isNaN));
+const touching = new Pair(both, both).manifold(at(0, 0, 1.99));
+assert.deepEqual([touching.dropped, ...new Set(touching.points.map((point) => point.parts.join()))], [0, "0,0", "1,1"]);
+assert.equal(both.shape().ray([2.2, 0.1, 5], [0, 0, -1]).part, 1);
+
+// Batches have the answers of single queries, to the last bit, and so do rays.
+const many = Array.from({ length: 200 }, () => [0, 0, 0, 0, 0, 0, 0].map(random).map((x, i) => (i < 3 ? 2 * x : x)));
+for (const [a, b] of [[cube, ofFile], [both, ofFile], [ground, both], [Shape.cylinder(1, 1), both]]) {
+  const pair = new Pair(a, b), flat = new Float64Array(many.flat());
+  const [contacts, distances, overlaps] = [pair.contacts(flat), pair.distances(flat), pair.intersections(flat)];
+  for (const [i, pose] of many.entries()) {
+    for (const [columns, query] of [[contacts, "contact"], [distances, "distance"]]) {
+      pair.forget();
+      const single = pair[query](pose);
+      assert.deepEqual(Object.keys(columns), Object.keys(single));
+      for (const [key, column] of Object.entries(columns)) {
+        const width = column.length / many.length, value = single[key];
+        const expected = typeof value === "boolean" ? [Number(value)] : width === 1 ? [value] : [...value];
+        assert.deepEqual([...column].slice(i * width, (i + 1) * width), expected, `${query} ${i} ${key}`);
+      }
+    }
+    pair.forget();
+    assert.equal(overlaps.status[i], pair.intersects(pose));
+    assert.equal(overlaps.hit[i], contacts.hit[i]);
+  }
+  assert.ok(contacts.hit.some((hit) => hit) && contacts.hit.some((hit) => !hit));
+}
+const origins = new Float64Array(many.flatMap((pose) => pose.slice(0, 3).map((x) => 3 * x))), aim = new Float32Array([0, 0, -1]);
+const struck = both.shape().rays(origins, aim, 2);
+for (let i = 0; i < many.length; i++) {
+  const single = both.shape().ray(origins.subarray(3 * i, 3 * i + 3), aim, 2);
+  assert.deepEqual([struck.hit[i], struck.status[i], struck.t[i], struck.part[i]], [Number(single.hit), single.status, single.t, single.part]);
+}
+for (const [empty, full] of [[stacked.contacts([]), stacked.contacts(at(0, 0, 0))], [cube.shape().rays([], []), cube.shape().rays(aim, aim)]]) {
+  assert.deepEqual(Object.keys(empty), Object.keys(full));
+  for (const [key, column] of Object.entries(empty)) assert.deepEqual([column.length, column.constructor], [0, full[key].constructor]);
+}
+
 // Errors are sentences that name the fault.
 const fails = (run, text) => assert.throws(run, (error) => error instanceof Error && error.message.includes(text));
 fails(() => new Pack(new Uint8Array(10)), "");
@@ -123,12 +236,35 @@ fails(() => new Pack(damaged), "checksum");
 fails(() => bake("a.obj", new TextEncoder().encode("v 0 0 0\nf 9\n")), "a.obj:2: vertex index 9 is out of range");
 fails(() => bake("a.obj", new Uint8Array(), {}), "a.obj");
 fails(() => bake("a.obj", new Uint8Array(), { indx: "tree" }), "unknown option indx: the options are split");
-fails(() => bake("a.obj", new Uint8Array(), { index: "oak" }), "invalid value of option index");
-fails(() => bake("a.obj", new Uint8Array(), { maxVertices: 3 }), "4 or more");
+fails(() => bake("a.obj", new Uint8Array(), { index: "oak" }), "invalid value oak of option index: expected one of tree");
+fails(() => bake("a.obj", new Uint8Array(), { maxVertices: 3 }), "invalid value 3 of option maxVertices: expected a whole number of at least 4");
 fails(() => stacked.contact(new Float64Array(6)), "a pose has seven numbers");
 fails(() => stacked.contact(new Float64Array([NaN, 0, 0, 0, 0, 0, 1])), "translation must be finite");
 fails(() => cube.supports(new Float32Array(4)), "three numbers");
 fails(() => pack.hull(1), "1");
+fails(() => bake("a.obj", new Uint8Array(), { name: "b" }), "option name: the hulls of a file have its names");
+fails(() => bake("a.obj", new Uint8Array(), { max_vertices: 8 }), "unknown option max_vertices: write it as in JavaScript, maxVertices");
+fails(() => bake("a.obj", new Uint8Array(), { maxVertices: 8, maxError: 1 }), "maxError and maxVertices exclude each other");
+fails(() => bake("a.obj", new Uint8Array(), { decomposeSeconds: 1 }), "WebAssembly has no clock");
+fails(() => bake("a.obj", new Uint8Array(), { unitScale: [] }), "option unitScale: expected a word, a number or a truth value");
+for (const wrong of [8, -1, 0.5, NaN]) fails(() => bakeMesh(Array(24).fill(0), [0, 1, wrong]), `indices[2]: expected a whole number from 0, below the number of vertices, 8, found ${wrong}`);
+fails(() => bakeMesh(Array(24).fill(0), [0, 1]), "a triangle has three indices, found 2");
+fails(() => bakeMesh([1, 2, 3, 4]), "positions must have three numbers each, found 4");
+fails(() => bakeMesh([0, 0, NaN]), "mesh: vertex 0 is (0, 0, NaN), but a hull requires finite points");
+fails(() => bakeMesh([]), "mesh");
+fails(() => Shape.sphere(-1), "-1");
+fails(() => Shape.box([1, 2]), "halfEdges: expected three numbers, found 2");
+fails(() => new Pair(cube, {}), "B: expected a Hull, a Pack or a Shape");
+fails(() => new Pair(cube), "B: expected a Hull, a Pack or a Shape");
+fails(() => new Pair(cube, ground), "B is a half-space: make it A");
+fails(() => stacked.contacts(new Float64Array(6)), "poses must have seven numbers each");
+fails(() => stacked.contacts([...at(0, 0, 0), ...at(NaN, 0, 0)]), "pose 1: ");
+fails(() => cube.shape().rays([0, 0, 0, 1, 1, 1], Array(9).fill(1)), "2 origins do not fit 3 directions");
+fails(() => cube.shape().rays([0, 0, 0, NaN, 1, 1], [0, 0, 1]), "ray 1: ");
+fails(() => cube.shape().ray([0, 0], [0, 0, 1]), "origin: expected three numbers, found 2");
+const freed = Shape.sphere(1);
+freed.free();
+fails(() => new Pair(cube, freed), "that was not freed");
 
 // Time of a contact of two hulls with 10 000 vertices, along a path.
 const points = Array.from({ length: 10_000 }, (_, i) => {
@@ -141,10 +277,11 @@ const large = bake("ellipsoid.obj", bytes);
 const bakeTime = performance.now() - start;
 const ellipsoid = new Pack(large.pack).hull(0);
 assert.equal(ellipsoid.vertexCount, 10_000);
-const moving = new Pair(ellipsoid, ellipsoid), spent = [];
+const moving = new Pair(ellipsoid, ellipsoid), spent = [], path = [];
 for (let i = 0; i < 3000; i++) {
   const angle = 0.015 * i, s = Math.sin(angle / 2), c = Math.cos(angle / 2);
   const pose = new Float64Array([1.7 * Math.cos(angle), 1.4 * Math.sin(angle), 0.1, s * 0.6, 0, s * 0.8, c]);
+  path.push(...pose);
   start = performance.now();
   moving.contact(pose);
   moving.manifold(pose);
@@ -153,17 +290,33 @@ for (let i = 0; i < 3000; i++) {
 spent.sort((x, y) => x - y);
 const micros = (share) => (1000 * spent[Math.floor(share * (spent.length - 1))]).toFixed(0);
 console.log(`10 000 vertices: baked in ${bakeTime.toFixed(0)} ms; contact and manifold take ${micros(0.5)} µs (median), ${micros(0.99)} µs (99 %)`);
-// The examples of the documents, without the lines that load the module.
-let examples = 0;
-for (const document of ["../README.md", "../../../README.md", "../../../docs/browser.md"]) {
-  const text = readFileSync(new URL(document, import.meta.url), "utf8");
-  for (const [, block] of text.matchAll(/```js\n(.*?)```/gs)) {
-    const code = block.replace(/^(import init|await init).*$/gm, ""), shown = [];
-    new Function("bake", "Pack", "Pair", "bytes", "console", code)(bake, Pack, Pair, bytes, { log: (...values) => shown.push(values) });
-    assert.ok(shown.length > 0 && shown[0][0] > 0, `${document}: ${shown}`);
-    examples++;
+const perPose = (query) => {
+  start = performance.now();
+  query(path);
+  return ((performance.now() - start) / 3).toFixed(1);
+};
+console.log(`for each pose of a batch: contacts ${perPose((poses) => moving.contacts(poses))} µs, distances ${perPose((poses) => moving.distances(poses))} µs`);
+
+// TypeScript knows the options of the command, but for one that needs a clock.
+const interfaceText = /interface BakeOptions \{(.*?)\n\}/s.exec(readFileSync(join(folder, "hullmap.d.ts"), "utf8"))[1];
+const declared = [...interfaceText.matchAll(/^ {4}(\w+)\?:/gm)].map(([, key]) => key);
+let known = "";
+fails(() => {
+  try {
+    bakeMesh([0, 0, 0], null, { unknown: 1 });
+  } catch (error) {
+    known = error.message;
+    throw error;
   }
+}, "unknown option unknown");
+assert.deepEqual(declared.sort(), [...known.split("options are ")[1].split(", ").filter((key) => key !== "decomposeSeconds"), "name"].sort());
+
+// Sizes in the document, to a twentieth.
+const stated = readFileSync(new URL("../../../docs/browser.md", import.meta.url), "utf8");
+for (const [what, file] of [["module", "hullmap_bg.wasm"], ["archive for npm", "../hullmap.tgz"], ["page", "../hullmap.html"]]) {
+  const megabytes = statSync(join(folder, file)).size / 1e6;
+  const [, number] = stated.match(new RegExp(`the ${what}\\s+(?:has\\s+)?([0-9.]+)\\s+MB`, "i")) ?? [];
+  assert.ok(Math.abs(number / megabytes - 1) < 0.05, `docs/browser.md: the ${what} has ${number} MB, in fact ${megabytes.toFixed(2)} MB`);
 }
-assert.equal(examples, 3);
 
 console.log("node: passed");

@@ -6,7 +6,7 @@
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { copyFileSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { basename, join } from "node:path";
@@ -193,6 +193,97 @@ try {
     assert.match(await page.locator("#error").textContent(), new RegExp(expected));
   }
   assert.equal((await shown()).hit !== undefined, true);
+
+  // The message is in sight wherever the page is scrolled to, and can be closed.
+  const narrow = { width: 390, height: 844 };
+  await page.setViewportSize(narrow);
+  for (const y of [0, 1e6]) {
+    await page.evaluate((y) => scrollTo(0, y), y);
+    const box = await page.locator("#error").boundingBox();
+    assert.ok(box && box.y >= 0 && box.y + box.height <= narrow.height && box.x >= 0 && box.x + box.width <= narrow.width, JSON.stringify(box));
+  }
+  await page.click("#dismiss");
+  assert.equal(await page.locator("#error").isVisible(), false);
+
+  // Nothing sticks out, with a long name in both file inputs.
+  const long = join(profile, `${"a_file_with_a_very_long_name_".repeat(4)}.obj`);
+  copyFileSync(pawn, long);
+  for (const which of ["a", "b"]) await loaded(() => page.setInputFiles(`#file-${which}`, long));
+  for (const width of [390, 1400]) {
+    await page.setViewportSize({ width, height: 900 });
+    const out = await page.evaluate(() => {
+      const sections = [...document.querySelectorAll("header, section")];
+      const beyond = (outer) => [...outer.querySelectorAll("*")].filter((e) => {
+        const [box, around] = [e, outer].map((element) => element.getBoundingClientRect());
+        return !e.closest(".visually-hidden") && box.width > 0 && (box.right > around.right + 0.5 || box.left < around.left - 0.5);
+      });
+      return [document.documentElement.scrollWidth, ...sections.flatMap(beyond).map((e) => e.outerHTML.slice(0, 100))];
+    });
+    assert.deepEqual(out, [width], `at ${width} pixels`);
+    if (screenshot) await page.screenshot({ path: `${screenshot}-${width}.png`, fullPage: true });
+  }
+  await page.setViewportSize({ width: 1280, height: 900 });
+  console.log("at 390 and 1 400 pixels nothing sticks out, and errors are in sight");
+
+  // Scale and axes of each body: the hull, and the pack of the command.
+  await loaded(() => page.setInputFiles("#file-a", pawn));
+  await loaded(() => page.setInputFiles("#file-b", rock));
+  const setNumber = async (id, value) => {
+    await page.fill(id, String(value));
+    await page.dispatchEvent(id, "change");
+  };
+  await loaded(() => setNumber("#scale-a", 0.01));
+  await loaded(() => page.selectOption("#up-a", "y-to-z"));
+  native("build", pawn, "--out", profile, "--unit-scale", "0.01", "--up-axis", "y-to-z");
+  const packOfA = await page.evaluate(() => [...window.hullmapPage.pack()]);
+  const expectedPack = readFileSync(join(profile, "pawn.hullmap"));
+  // The command records the path to the mesh; the rest is equal.
+  assert.equal(Buffer.from(packOfA).includes("unit_scale 0.01, up_axis y-to-z"), true);
+  assert.deepEqual(await page.evaluate((bytes) => {
+    const volume = (pack) => new wasm_bindgen.Pack(new Uint8Array(pack)).hull(0).volume;
+    return volume(bytes) - volume([...window.hullmapPage.pack()]);
+  }, [...expectedPack]), 0);
+  assert.match(await page.locator("#sizes").textContent(), /Body B is \d+ times larger than body A/);
+  await loaded(() => page.click("#match"));
+  assert.equal(await page.locator("#sizes").isVisible(), false);
+  assert.ok(Math.abs(Number(await page.inputValue("#scale-b")) - 0.01) < 0.02);
+  await loaded(() => setNumber("#scale-b", -1));
+  assert.match(await page.locator("#error").textContent(), /The scale of body B must be a number above 0/);
+  await loaded(() => page.selectOption("#sample-b", "cube"));
+  assert.equal(await page.inputValue("#scale-b"), "1");
+  await page.selectOption("#up-a", "keep");
+  console.log("scale and axes reach the pack, and B gets the size of A");
+
+  // Where a face of the hull lies in faces of the mesh, one of both is drawn: there are no patches.
+  if (hasGl) {
+    await loaded(() => page.setInputFiles("#file-a", join(meshes, "capsule.obj")));
+    await page.uncheck("#show-edges");
+    await page.fill("#pose-x", "40");
+    await page.focus("#view");
+    for (let i = 0; i < 6; i++) await page.keyboard.press("+");
+    const borders = () => page.evaluate(() => {
+      window.hullmapPage.drawn();
+      const canvas = document.getElementById("view"), gl = canvas.getContext("webgl2");
+      const pixels = new Uint8Array(4 * canvas.width * canvas.height);
+      gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+      let count = 0;
+      for (let i = 4; i < pixels.length; i += 4) {
+        const difference = [0, 1, 2].reduce((sum, c) => sum + Math.abs(pixels[i + c] - pixels[i - 4 + c]), 0);
+        count += difference > 30 ? 1 : 0;
+      }
+      return count;
+    });
+    const both = await borders();
+    await page.uncheck("#show-mesh");
+    const hull = await borders();
+    await page.check("#show-mesh");
+    await page.uncheck("#show-hull");
+    const mesh = await borders();
+    await page.check("#show-hull");
+    await page.check("#show-edges");
+    console.log(`borders of colours on a capsule: ${hull} of the hull, ${mesh} of the mesh, ${both} of both`);
+    assert.ok(hull > 100 && both < 1.2 * Math.max(hull, mesh), "mesh and hull are mixed");
+  }
 
   // Two hulls of 10 000 vertices, for three seconds.
   for (const which of ["a", "b"]) await loaded(() => page.selectOption(`#sample-${which}`, "ellipsoid"));

@@ -14,10 +14,7 @@
 //! ```
 //! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! # let folder = tempfile::tempdir()?;
-//! # std::env::set_current_dir(&folder)?;
-//! # std::fs::create_dir("baked")?;
-//! # std::fs::write("baked/rock.hullmap", rock_and_cube())?;
+//! # let _folder = folder_of_packs()?;
 //! use hullmap::Pack;
 //! use hullmap::glam::Vec3;
 //!
@@ -42,12 +39,13 @@
 //! ```
 //! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! # let pack = pack();
+//! # let _folder = folder_of_packs()?;
 //! use hullmap::glam::{DQuat, DVec3};
 //! use hullmap::shapes::Sphere;
-//! use hullmap::{Cache, Pose, Settings};
+//! use hullmap::{Cache, Pack, Pose, Settings};
 //!
-//! let (cube, ball) = (pack.hull_named("cube").ok_or("no cube")?, Sphere::new(0.5)?);
+//! let pack = Pack::open("baked/cube.hullmap")?;
+//! let (cube, ball) = (pack.hull(0)?, Sphere::new(0.5)?);
 //! let settings = Settings::default();
 //! let mut cache = Cache::new();
 //!
@@ -203,20 +201,21 @@
 //! [`CompoundManifolds`] keeps a manifold for each pair of parts that touch.
 //!
 //! ```
-//! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+//! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! # let pack = two_cubes();
+//! # let _folder = folder_of_packs()?;
 //! use hullmap::glam::DVec3;
-//! use hullmap::{Compound, CompoundCache, Pose, Settings, compound};
+//! use hullmap::shapes::Sphere;
+//! use hullmap::{Compound, CompoundCache, Pack, Pose, Settings, compound};
 //!
-//! // Two unit cubes, at x from 0 to 1 and from 3 to 4, with room for a third one between them.
-//! let cubes = Compound::new(&pack);
-//! let cube = Compound::from(pack.hull(0)?);
+//! let pack = Pack::open("parts/two_objects.hullmap")?;
+//! // A cube at x from -3 to -1, and an octahedron from 1 to 3, with room for a ball between them.
+//! let (both, ball) = (Compound::new(&pack), Sphere::new(0.5)?);
+//! let between = Pose::from_translation(DVec3::new(0.25, 0.0, 0.0))?;
 //! let mut cache = CompoundCache::default();
-//! let between = Pose::from_translation(DVec3::new(1.25, 0.0, 0.0))?;
-//! let gap = compound::distance(&cubes, &cube, between, &Settings::default(), &mut cache);
+//! let gap = compound::distance(&both, &ball, between, &Settings::default(), &mut cache);
 //! assert!((gap.answer.distance - 0.25).abs() < 1e-9);
-//! assert_eq!(gap.hulls, [0, 0]);
+//! assert_eq!(gap.hulls, [1, 0]); // the octahedron
 //! # Ok(())
 //! # }
 //! ```

@@ -12,6 +12,13 @@ use hullmap_testkit::packs::{self, point_set};
 use rapier3d::prelude::*;
 use shapes::families::{Family, cube_grid};
 
+// The recipe of docs/engines.md.
+#[expect(dead_code, reason = "the page's own program calls it")]
+#[path = "document/saving.rs"]
+mod saving;
+
+use saving::{load, save};
+
 type Packages = BTreeMap<String, Arc<Pack>>;
 
 /// Two packs: one with rocks, and one with the parts of a concave object.
@@ -39,31 +46,6 @@ fn world(packages: &Packages, way: Way) -> PhysicsWorld {
         world.insert(body, ColliderBuilder::new(shapes[i % shapes.len()].clone()));
     }
     world
-}
-
-// The recipe of docs/engines.md.
-
-/// The bytes of a world. Colliders that parry cannot serialise get a ball in their place.
-fn save(world: &mut PhysicsWorld, packages: &Packages) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
-    let mut colliders = world.colliders.clone();
-    let mut shapes = Vec::new();
-    for (handle, collider) in colliders.iter_mut().filter(|(_, collider)| is_custom(collider.shared_shape())) {
-        shapes.push((handle, SavedShape::of(collider.shared_shape(), packages)?));
-        collider.set_shape(SharedShape::ball(1.0));
-    }
-    std::mem::swap(&mut world.colliders, &mut colliders);
-    let bytes = postcard::to_stdvec(&(&*world, &shapes));
-    std::mem::swap(&mut world.colliders, &mut colliders);
-    Ok(bytes?)
-}
-
-fn load(bytes: &[u8], packages: &Packages) -> Result<PhysicsWorld, Box<dyn std::error::Error>> {
-    let (mut world, shapes): (PhysicsWorld, Vec<(ColliderHandle, SavedShape)>) = postcard::from_bytes(bytes)?;
-    for (handle, shape) in shapes {
-        let collider = world.colliders.get_mut(handle).ok_or("a saved shape has no collider")?;
-        collider.set_shape(shape.load(packages)?);
-    }
-    Ok(world)
 }
 
 fn positions(world: &PhysicsWorld) -> Vec<Vector> {

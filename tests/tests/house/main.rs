@@ -3,6 +3,7 @@
 
 mod comments;
 mod dependencies;
+mod documents;
 mod examples;
 mod names;
 mod packages;

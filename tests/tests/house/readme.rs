@@ -98,11 +98,11 @@ fn the_exports_run() {
 }
 
 /// Markdown files of the project, apart from build outputs.
-fn documents(folder: &Path, found: &mut Vec<PathBuf>) {
+pub fn documents(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        if path.is_dir() && !name.starts_with('.') && !["target", "baked", "corpus"].contains(&name.as_str()) {
+        if path.is_dir() && !name.starts_with('.') && !["target", "dist", "baked", "corpus"].contains(&name.as_str()) {
             documents(&path, found);
         } else if path.extension().is_some_and(|extension| extension == "md") && !path.is_symlink() {
             found.push(path);

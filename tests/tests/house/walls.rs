@@ -139,6 +139,13 @@ fn the_client_of_farms_knows_no_meshes() {
     assert!(!seen.contains("tonic") && !seen.contains("ring"), "only features connect to farms");
 }
 
+/// Without the feature `command`, the package bakes in memory, also in WebAssembly.
+#[test]
+fn bakes_in_memory_know_no_command() {
+    let command = ["clap", "ctrlc", "hullmap-report", "indicatif", "notify", "tempfile", "toml"];
+    assert_unseen_with("hullmap-cli", &command, &[&["--no-default-features"]]);
+}
+
 /// What two commands share lies outside `commands/`.
 #[test]
 fn commands_do_not_import_from_each_other() {

@@ -5,7 +5,7 @@ use std::io;
 use std::path::Path;
 
 use hullmap_bake::SourceRecord;
-use hullmap_import::{self as import, ImportError, Imported, Limits, MeshArrays, ReadError};
+use hullmap_import::{self as import, ImportError, Imported, Limits, MeshArrays, ReadError, SourceFile};
 
 use crate::baker::{BakedPack, bake_pack};
 use crate::options::defaults::{OPTIONS, Record};
@@ -54,6 +54,18 @@ pub enum InMemoryError {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn bake_arrays(name: &str, meshes: Vec<MeshArrays>, options: &[(&str, &str)]) -> Result<BakedPack, InMemoryError> {
+    bake_arrays_with_mesh(name, meshes, options).map(|(pack, _)| pack)
+}
+
+/// The same, with the mesh as it was imported: scaled and turned as the options say.
+///
+/// # Errors
+/// See [`InMemoryError`].
+pub fn bake_arrays_with_mesh(
+    name: &str,
+    meshes: Vec<MeshArrays>,
+    options: &[(&str, &str)],
+) -> Result<(BakedPack, Imported), InMemoryError> {
     let options = resolve(options)?;
     let imported = import::import_arrays(name, meshes, &options.import(), &Limits::DEFAULT)?;
     bake(imported, &options, SourceRecord::default(), name)
@@ -67,16 +79,31 @@ pub fn bake_arrays(name: &str, meshes: Vec<MeshArrays>, options: &[(&str, &str)]
 /// # Errors
 /// See [`InMemoryError`].
 pub fn bake_file(path: &Path, options: &[(&str, &str)]) -> Result<BakedPack, InMemoryError> {
-    let options = resolve(options)?;
-    let (file, limits) = (path.display().to_string(), Limits::DEFAULT);
-    let source = import::read(&file, path, &limits).map_err(|error| match error {
-        ReadError::Io(source) => InMemoryError::Io { file: file.clone(), source },
+    // Before the file is read.
+    resolve(options)?;
+    let file = path.display().to_string();
+    let source = import::read(&file, path, &Limits::DEFAULT).map_err(|error| match error {
+        ReadError::Io(source) => InMemoryError::Io { file, source },
         ReadError::Import(error) => error.into(),
     })?;
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let imported = import::import(&file, &stem, path, &source, &options.import(), &limits)?;
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let record = SourceRecord { path: name, hash: source.hash, options: String::new() };
+    bake_source(path, &source, options).map(|(pack, _)| pack)
+}
+
+/// Bakes the contents of a mesh file, as [`bake_file`] does. Also returns the mesh as it was
+/// imported: scaled and turned as the options say.
+///
+/// # Errors
+/// See [`InMemoryError`].
+pub fn bake_source(
+    path: &Path,
+    source: &SourceFile,
+    options: &[(&str, &str)],
+) -> Result<(BakedPack, Imported), InMemoryError> {
+    let options = resolve(options)?;
+    let file = path.display().to_string();
+    let [stem, name] = [path.file_stem(), path.file_name()].map(|part| part.unwrap_or_default().to_string_lossy());
+    let imported = import::import(&file, &stem, path, source, &options.import(), &Limits::DEFAULT)?;
+    let record = SourceRecord { path: name.into_owned(), hash: source.hash, options: String::new() };
     bake(imported, &options, record, &file)
 }
 
@@ -85,16 +112,16 @@ fn bake(
     options: &BuildOptions,
     record: SourceRecord,
     file: &str,
-) -> Result<BakedPack, InMemoryError> {
+) -> Result<(BakedPack, Imported), InMemoryError> {
     if options.decompose().is_some() {
         imported.give_triangles();
     }
     let record = SourceRecord { options: options.to_string(), ..record };
     let mut pack = bake_pack(&imported.point_sets, options, &record)
         .map_err(|error| InMemoryError::Bake(format!("{file}: {error}")))?;
-    pack.notes.splice(0..0, imported.notes);
-    pack.warnings.splice(0..0, imported.warnings);
-    Ok(pack)
+    pack.notes.splice(0..0, std::mem::take(&mut imported.notes));
+    pack.warnings.splice(0..0, std::mem::take(&mut imported.warnings));
+    Ok((pack, imported))
 }
 
 /// The options, with their defaults for those that are not given.

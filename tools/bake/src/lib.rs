@@ -2,7 +2,8 @@
 //! exports, queries and reports on packs.
 //!
 //! [`run`] is the whole command. Bindings to other languages call it, and they bake meshes in
-//! memory with the options of the command: [`bake_arrays`] and [`bake_file`].
+//! memory with the options of the command: [`bake_arrays`] and [`bake_file`]. Without the feature
+//! `command` only the latter remain, and the crate builds for WebAssembly.
 //!
 //! | module | concept |
 //! |---|---|
@@ -26,44 +27,71 @@
 //! | `pack_file`, `interrupt` | files that are complete or absent at every moment |
 
 #![forbid(unsafe_code)]
+// Bakes in memory use a part of the modules that they share with the command.
+#![cfg_attr(not(feature = "command"), allow(dead_code))]
 // Text leaves through `terminal` alone.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 mod advice;
+#[cfg(feature = "command")]
 mod args;
 mod baker;
+#[cfg(feature = "command")]
 mod commands;
+#[cfg(feature = "command")]
 mod config;
+#[cfg(feature = "command")]
 mod depfile;
+#[cfg(feature = "command")]
 mod geometry;
+#[cfg(feature = "command")]
 mod glob;
 mod in_memory;
+#[cfg(feature = "command")]
 mod interrupt;
+#[cfg(feature = "command")]
 mod jobs;
 mod measure;
+#[cfg(feature = "command")]
 mod open;
 mod options;
+#[cfg(feature = "command")]
 mod outcome;
+#[cfg(feature = "command")]
 mod pack_file;
+#[cfg(feature = "command")]
 mod packs;
+#[cfg(feature = "command")]
 mod pair;
+#[cfg(feature = "command")]
 mod pose;
+#[cfg(feature = "command")]
 mod project;
 #[cfg(feature = "remote")]
 mod remote;
+#[cfg(feature = "command")]
 mod runner;
+#[cfg(feature = "command")]
 mod selection;
+#[cfg(feature = "command")]
 mod source;
+#[cfg(feature = "command")]
 mod table;
+#[cfg(feature = "command")]
 mod terminal;
+#[cfg(feature = "command")]
 mod verification;
 
+#[cfg(feature = "command")]
 use std::ffi::OsString;
 
+#[cfg(feature = "command")]
 use args::{Cli, Command};
 pub use baker::BakedPack;
-pub use in_memory::{InMemoryError, bake_arrays, bake_file};
+pub use in_memory::{InMemoryError, bake_arrays, bake_arrays_with_mesh, bake_file, bake_source};
+#[cfg(feature = "command")]
 use outcome::{Exit, Failure, end};
+#[cfg(feature = "command")]
 use terminal::Output;
 
 /// Runs the command with these words, the name of the program first, and returns its exit code.
@@ -77,6 +105,7 @@ use terminal::Output;
 /// ```
 /// assert_eq!(hullmap_cli::run(["bake", "--version"]), 0);
 /// ```
+#[cfg(feature = "command")]
 pub fn run<W: Into<OsString> + Clone>(words: impl IntoIterator<Item = W>) -> u8 {
     let words: Vec<OsString> = words.into_iter().map(Into::into).collect();
     let cli = match args::parse(&words) {
@@ -103,6 +132,7 @@ pub fn run<W: Into<OsString> + Clone>(words: impl IntoIterator<Item = W>) -> u8 
     }
 }
 
+#[cfg(feature = "command")]
 fn dispatch(cli: &Cli, program: &str, out: &mut Output) -> Result<Exit, Failure> {
     match &cli.command {
         Command::Build(args) => commands::build::run(args, out),

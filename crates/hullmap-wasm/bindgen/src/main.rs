@@ -20,8 +20,11 @@ fn main() -> ExitCode {
     };
     let mut bindgen = Bindgen::new();
     bindgen.input_path(module).out_name("hullmap").typescript(target == "web");
+    // A panic states its place; names of functions would add a tenth to the module.
+    bindgen.remove_name_section(true).remove_producers_section(true);
     let chosen = match target.as_str() {
-        "web" => bindgen.web(true),
+        // With the place of the module beside the script, so that `init()` needs no argument.
+        "web" => bindgen.omit_default_module_path(false).web(true),
         "no-modules" => bindgen.no_modules(true),
         _ => {
             eprintln!("{USAGE}");

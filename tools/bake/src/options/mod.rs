@@ -14,21 +14,24 @@
 //! option, add a row to the table and read it in one of the methods of [`BuildOptions`].
 
 pub mod defaults;
+#[cfg(feature = "command")]
 mod flags;
 pub mod layer;
 mod record;
+#[cfg(feature = "command")]
 mod template;
 pub mod value;
 
-use clap::ValueEnum;
 use hullmap_bake::decompose::{Cover, Fill, Length, Method, Parameters};
 use hullmap_bake::simplify::Limit;
 use hullmap_bake::{IndexChoice, IndexKind};
 use hullmap_format::{FORMAT_VERSION, LEAN_FORMAT_VERSION};
-use hullmap_import::ImportOptions;
+use hullmap_import::{ImportOptions, Split, UpAxis, Vertices};
 
+#[cfg(feature = "command")]
 pub use flags::flag;
 pub use layer::OptionLayer;
+#[cfg(feature = "command")]
 pub use template::template;
 use value::Value;
 
@@ -62,10 +65,21 @@ impl BuildOptions {
     /// How the source is read.
     pub fn import(&self) -> ImportOptions {
         ImportOptions {
-            split: self.choice("split"),
-            vertices: self.choice("vertices"),
+            split: match self.word("split") {
+                "object" => Split::Object,
+                "auto" => Split::Auto,
+                _ => Split::None,
+            },
+            vertices: match self.word("vertices") {
+                "all" => Vertices::All,
+                _ => Vertices::Referenced,
+            },
             unit_scale: self.number("unit_scale"),
-            up_axis: self.choice("up_axis"),
+            up_axis: match self.word("up_axis") {
+                "y-to-z" => UpAxis::YToZ,
+                "z-to-y" => UpAxis::ZToY,
+                _ => UpAxis::Keep,
+            },
             recentre: self.switch("recentre"),
         }
     }
@@ -171,10 +185,6 @@ impl BuildOptions {
         if self.is_lean() { LEAN_FORMAT_VERSION } else { FORMAT_VERSION }
     }
 
-    fn choice<T: ValueEnum>(&self, key: &str) -> T {
-        T::from_str(self.word(key), false).expect("the table lists the names of the type's values")
-    }
-
     fn word(&self, key: &str) -> &'static str {
         match self.0.get(key) {
             Some(Value::Word(word)) => word,
@@ -217,8 +227,6 @@ fn unexpected(key: &str, value: Option<Value>) -> ! {
 
 #[cfg(test)]
 pub mod tests {
-    use hullmap_import::{Split, UpAxis, Vertices};
-
     use super::*;
 
     /// Options with these values, the others at their defaults.
