@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 
 use crate::error::{self, ArrayError, BakeError, BakeWarning};
 use crate::pack::Pack;
-use crate::threads;
+use crate::threads::{self, Threads};
 
 /// How often a waiting thread looks for signals.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
@@ -27,7 +27,7 @@ pub fn bake_arrays(
     name: String,
     meshes: Vec<Mesh<'_>>,
     options: Vec<(String, String)>,
-    threads: Option<usize>,
+    threads: Threads,
 ) -> PyResult<Pack> {
     let meshes = meshes.iter().map(copy).collect::<PyResult<Vec<MeshArrays>>>()?;
     bake(py, threads, move || hullmap_cli::bake_arrays(&name, meshes, &borrowed(&options)))
@@ -39,7 +39,7 @@ pub fn bake_file(
     py: Python<'_>,
     path: PathBuf,
     options: Vec<(String, String)>,
-    threads: Option<usize>,
+    threads: Threads,
 ) -> PyResult<Pack> {
     bake(py, threads, move || hullmap_cli::bake_file(&path, &borrowed(&options)))
 }
@@ -65,7 +65,7 @@ fn copy((name, positions, corners, ends): &Mesh<'_>) -> PyResult<MeshArrays> {
 
 fn bake(
     py: Python<'_>,
-    threads: Option<usize>,
+    threads: Threads,
     work: impl FnOnce() -> Result<BakedPack, InMemoryError> + Send + 'static,
 ) -> PyResult<Pack> {
     let pool = threads::pool(threads)?;

@@ -11,10 +11,12 @@ import numpy as np
 
 from ._bake import bake, bake_parts
 from ._hullmap import ArrayError, Error
+from ._options import BakeOptions
 from ._shapes import Hull, Pack
 
 if TYPE_CHECKING:
     import trimesh
+    from typing_extensions import Unpack
 
 
 def _hulls(shape: Union[Hull, Pack]) -> List[Hull]:
@@ -44,7 +46,9 @@ def to_trimesh(shape: Union[Hull, Pack]) -> trimesh.Trimesh:
     return mesh
 
 
-def from_trimesh(mesh: Any, *, name: str = "mesh", threads: Optional[int] = None, **options: Any) -> Pack:
+def from_trimesh(
+    mesh: Any, *, name: str = "mesh", threads: Optional[int] = None, **options: Unpack[BakeOptions]
+) -> Pack:
     """Bakes a ``trimesh.Trimesh``, ``PointCloud`` or ``Scene``; each geometry of a scene becomes a
     hull. The options are those of `bake`."""
     module = _import_trimesh()
