@@ -162,6 +162,32 @@ fn structs_have_one_layout() {
     run(Command::new(&cc).args(["-std=c11", "-fsyntax-only", "-I"]).arg(crate_path("include")).arg(path));
 }
 
+/// An installed library of 3 MB had 16 MB of symbols for debuggers.
+#[test]
+#[cfg_attr(not(target_os = "linux"), ignore = "elsewhere symbols are not in files of this name")]
+fn libraries_were_installed_with_their_symbols() {
+    let folder = tempfile::tempdir().unwrap();
+    let prefix = folder.path();
+    install(prefix);
+    let read = |file: &str| fs::read(prefix.join("lib").join(file)).expect(file);
+    let has = |bytes: &[u8], section: &str| bytes.windows(section.len()).any(|name| name == section.as_bytes());
+    let shared = format!("libhullmap.so.{}", env!("CARGO_PKG_VERSION"));
+    let (library, symbols) = (read(&shared), read(&format!("{shared}.debug")));
+    assert!(!has(&library, ".debug_line") && !has(&library, ".symtab"));
+    assert!(has(&library, &format!("{shared}.debug")), "the library names the file of its symbols");
+    assert!(has(&symbols, ".debug_line") && has(&symbols, ".symtab"));
+    let [stripped, whole] = ["libhullmap.a", "debug/libhullmap.a"].map(read);
+    assert!(!has(&stripped, ".debug_line") && has(&whole, ".debug_line"));
+    let built = |file: &str| fs::metadata(libraries().join(file)).unwrap().len();
+    assert!((library.len() as u64) < built("libhullmap_c.so") / 2, "{} bytes", library.len());
+    assert!((stripped.len() as u64) < built("libhullmap_c.a") / 2, "{} bytes", stripped.len());
+
+    // Without symbols, also in place of an installation that has them.
+    run(Command::new(crate_path("install")).arg(prefix).arg("--no-symbols").arg("--from").arg(libraries()));
+    assert!(!has(&read(&shared), ".debug"));
+    assert!(!prefix.join(format!("lib/{shared}.debug")).exists() && !prefix.join("lib/debug/libhullmap.a").exists());
+}
+
 /// The examples and the hostile calls, against the installed shared library, and `settle` against
 /// the static one.
 #[test]

@@ -92,6 +92,17 @@ def test_concave_meshes_become_parts(mesh):
     assert [hull.vertices.tolist() for hull in arrays] == [hull.vertices.tolist() for hull in parts]
 
 
+def test_points_without_faces_were_not_decomposed_in_silence(tmp_path):
+    (tmp_path / "cloud.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in CUBE))
+    for bake in (
+        lambda: hullmap.bake(rock(50, 1), decompose=True),
+        lambda: hullmap.bake_file(tmp_path / "cloud.obj", decompose="cover"),
+        lambda: hullmap.bake_parts([(CUBE, None), (CUBE + 5, None)], decompose=True),
+    ):
+        with pytest.warns(hullmap.BakeWarning, match="not decomposed, because it has no faces; add faces, or leave out decompose"):
+            bake()
+
+
 @pytest.mark.parametrize("flags", [{}, {"decompose": True}, {"index": "compact", "unit_scale": 0.01}])
 def test_a_saved_pack_has_the_bytes_of_the_command(mesh, flags):
     words = [f"--{key.replace('_', '-')}" if value is True else f"--{key.replace('_', '-')}={value}" for key, value in flags.items()]

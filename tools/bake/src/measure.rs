@@ -28,14 +28,16 @@ pub fn parts(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], m
         let is_cut = |part: &Part| matches!(part.points, Cow::Owned(_));
         let is_whole = !parts.get(start - count).is_some_and(is_cut) || method.allows_one_part();
         if count == 1 && is_whole {
-            let why = if points.triangles.is_empty() {
-                "it has no faces"
-            } else if method.allows_one_part() {
+            let why = if method.allows_one_part() {
                 "at most one part is allowed"
             } else {
                 "it is convex or thin"
             };
-            remarks.push(Remark::note(why, name, format!("{name}: not decomposed, because {why}")));
+            remarks.push(if points.triangles.is_empty() {
+                advice::without_faces(name)
+            } else {
+                Remark::note(why, name, format!("{name}: not decomposed, because {why}"))
+            });
         }
         if !points.triangles.is_empty() {
             record(points, own, limit(method, points));
