@@ -12,6 +12,7 @@ from . import _hullmap
 from ._arrays import Counts, Floats, floats, indices, is_ragged
 from ._hullmap import ArrayError, BakeError
 from ._options import BakeOptions
+from ._progress import Progress, shown
 from ._shapes import Pack
 
 if TYPE_CHECKING:
@@ -75,6 +76,7 @@ def bake(
     *,
     name: str = "mesh",
     threads: Optional[int] = None,
+    progress: Progress = None,
     **options: Unpack[BakeOptions],
 ) -> Pack:
     """Bakes a mesh or a point cloud into a pack of one hull, or of its convex parts.
@@ -93,6 +95,10 @@ def bake(
 
     The same arguments give the same bytes on every machine. Findings to act on are Python warnings.
 
+    ``progress=True`` shows a bar, if standard error is a terminal. A function is called with the share
+    that is done, from 0 to 1, a few times per second; an exception that it raises ends the bake, as
+    Ctrl-C does.
+
     Raises `ArrayError` for wrong arrays, and `BakeError` for wrong options and meshes.
 
     >>> import numpy as np, hullmap
@@ -103,7 +109,9 @@ def bake(
     >>> len(hullmap.bake(ball, max_vertices=64)[0])
     64
     """
-    return Pack(_hullmap.bake_arrays(name, [_mesh(name, "", vertices, faces)], _options(options), threads))
+    meshes, pairs = [_mesh(name, "", vertices, faces)], _options(options)
+    with shown(progress, name) as report:
+        return Pack(_hullmap.bake_arrays(name, meshes, pairs, threads, report))
 
 
 def bake_parts(
@@ -112,6 +120,7 @@ def bake_parts(
     names: Optional[Sequence[str]] = None,
     name: str = "part",
     threads: Optional[int] = None,
+    progress: Progress = None,
     **options: Unpack[BakeOptions],
 ) -> Pack:
     """Bakes several meshes into one pack, with a hull for each: for instance the parts of a convex
@@ -136,10 +145,17 @@ def bake_parts(
         for index, (own, (vertices, faces)) in enumerate(zip(chosen, parts))
     ]
     pairs = _options({**options, "split": "object"})
-    return Pack(_hullmap.bake_arrays(name, meshes, pairs, threads))
+    with shown(progress, name) as report:
+        return Pack(_hullmap.bake_arrays(name, meshes, pairs, threads, report))
 
 
-def bake_file(path: Union[str, os.PathLike[str]], *, threads: Optional[int] = None, **options: Unpack[BakeOptions]) -> Pack:
+def bake_file(
+    path: Union[str, os.PathLike[str]],
+    *,
+    threads: Optional[int] = None,
+    progress: Progress = None,
+    **options: Unpack[BakeOptions],
+) -> Pack:
     """Bakes a mesh file: OBJ, glTF, GLB, STL or PLY.
 
     The options are those of `bake`, and ``split="object"`` for a hull for each object. Saved in the
@@ -147,4 +163,5 @@ def bake_file(path: Union[str, os.PathLike[str]], *, threads: Optional[int] = No
 
     Raises `BakeError` for a faulty mesh, and an `OSError` for a file that cannot be read.
     """
-    return Pack(_hullmap.bake_file(os.fspath(path), _options(options), threads))
+    with shown(progress, os.path.basename(os.fsdecode(path))) as report:
+        return Pack(_hullmap.bake_file(os.fspath(path), _options(options), threads, report))

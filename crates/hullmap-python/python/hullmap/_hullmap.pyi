@@ -1,6 +1,6 @@
 """The part of the package that is written in Rust. Use the classes of `hullmap` instead."""
 
-from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -90,8 +90,14 @@ def bake_arrays(
     meshes: Sequence[Tuple[str, _Floats, _Indices, _Indices]],
     options: Sequence[Tuple[str, str]],
     threads: Optional[int],
+    progress: Optional[Callable[[float], object]],
 ) -> Pack: ...
-def bake_file(path: str, options: Sequence[Tuple[str, str]], threads: Optional[int]) -> Pack: ...
+def bake_file(
+    path: str,
+    options: Sequence[Tuple[str, str]],
+    threads: Optional[int],
+    progress: Optional[Callable[[float], object]],
+) -> Pack: ...
 def pose_rows(name: str, matrices: _Floats) -> _Floats: ...
 def relative(a_in_world: _Floats, b_in_world: _Floats) -> _Floats: ...
 def intersects(
