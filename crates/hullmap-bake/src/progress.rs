@@ -1,7 +1,7 @@
-//! How much of a long computation is done, for a progress bar in another thread. Shares are
-//! estimates from counts of steps; no result depends on them.
+//! How much of a long computation is done, for a progress bar in another thread, which may also
+//! cancel it. Shares are estimates from counts of steps; no result depends on them.
 
-use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 
 /// Resolution of a share.
 const STEPS: f64 = 1e6;
@@ -18,12 +18,20 @@ const STEPS: f64 = 1e6;
 /// assert_eq!(progress.share(), 0.75);
 /// ```
 #[derive(Debug, Default)]
-pub struct Progress(AtomicU32);
+pub struct Progress {
+    done: AtomicU32,
+    is_cancelled: AtomicBool,
+}
 
 impl Progress {
     /// The share that is done.
     pub fn share(&self) -> f64 {
-        f64::from(self.0.load(Ordering::Relaxed)) / STEPS
+        f64::from(self.done.load(Ordering::Relaxed)) / STEPS
+    }
+
+    /// Asks the computation to end soon. Its result is then of no use.
+    pub fn cancel(&self) {
+        self.is_cancelled.store(true, Ordering::Relaxed);
     }
 
     /// The whole computation as one stage.
@@ -50,10 +58,15 @@ impl<'a> Stage<'a> {
 
     /// States that this share of the stage is done.
     pub fn reach(self, share: f64) {
-        if let Some(Progress(done)) = self.progress {
+        if let Some(Progress { done, .. }) = self.progress {
             // A cast saturates, and NaN becomes 0.
             done.fetch_max(((self.start + share.min(1.0) * self.length) * STEPS) as u32, Ordering::Relaxed);
         }
+    }
+
+    /// Whether the result is no longer wanted.
+    pub fn is_cancelled(self) -> bool {
+        self.progress.is_some_and(|progress| progress.is_cancelled.load(Ordering::Relaxed))
     }
 
     /// A counter of `total` steps that make up the stage.
@@ -95,5 +108,7 @@ mod tests {
         stage.reach(7.0);
         assert!((progress.share() - 0.8).abs() < 1e-5);
         Stage::default().steps(0).take();
+        progress.cancel();
+        assert!(stage.is_cancelled() && !Stage::default().is_cancelled());
     }
 }

@@ -194,12 +194,7 @@ pub struct Task<'p> {
 }
 
 impl<'p> Task<'p> {
-    pub fn new(
-        queried: &'p Queried<'_>,
-        poses: &PoseArrays<'_>,
-        coherent: bool,
-        threads: Threads,
-    ) -> PyResult<Self> {
+    pub fn new(queried: &'p Queried<'_>, poses: &PoseArrays<'_>, coherent: bool, threads: Threads) -> PyResult<Self> {
         let (pairs, poses) = (queried.get(), Poses::new(poses)?);
         let (piece, memory) = match queried {
             Queried::Two(_) => (PIECE, None),
@@ -511,7 +506,8 @@ pub fn signed_distance<'py>(
         }
         Ok(())
     };
-    fill::<SignedDistances>(py, Cut::free(points.numbers.len(), PIECE), threads, solve, ArrayError::new_err)?.into_arrays(py)
+    fill::<SignedDistances>(py, Cut::free(points.numbers.len(), PIECE), threads, solve, ArrayError::new_err)?
+        .into_arrays(py)
 }
 
 /// The signed distance of a point, and the hull of a pack that decides it.
@@ -581,7 +577,8 @@ pub fn support<'py>(
         }
         Ok(())
     };
-    fill::<Supports>(py, Cut::free(directions.numbers.len(), PIECE), threads, solve, ArrayError::new_err)?.into_arrays(py)
+    fill::<Supports>(py, Cut::free(directions.numbers.len(), PIECE), threads, solve, ArrayError::new_err)?
+        .into_arrays(py)
 }
 
 /// The farthest support point of all hulls, and the index of its hull: the first of equal ones.

@@ -62,6 +62,7 @@ use std::ffi::OsString;
 
 use args::{Cli, Command};
 pub use baker::BakedPack;
+pub use hullmap_bake::progress::{Progress, Stage};
 pub use in_memory::{InMemoryError, bake_arrays, bake_file};
 use outcome::{Exit, Failure, end};
 use terminal::Output;

@@ -221,7 +221,7 @@ fn cover_within(
     let deadline = parameters.seconds.map(Deadline::after);
     let max_vertices = (parameters.max_vertices as usize).max(crate::simplify::MIN_VERTICES);
     let max_parts = parameters.max_parts.map(|count| count.max(1) as usize);
-    let is_over = || deadline.is_some_and(|deadline| deadline.is_over());
+    let is_over = || stage.is_cancelled() || deadline.is_some_and(|deadline| deadline.is_over());
     let whole = |hull| Ok(vec![cover::wrap::within_vertices(hull, max_vertices)]);
     if max_parts == Some(1) {
         return whole(hull);

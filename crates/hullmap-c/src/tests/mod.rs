@@ -119,7 +119,9 @@ fn all_twins(pack: &hullmap::Pack) -> Vec<Twin<'_>> {
         Twin::Convex(Box::new(Cylinder::new(0.5, 0.75).unwrap())),
         Twin::Convex(Box::new(Cone::new(1.0, 0.5).unwrap())),
         Twin::Convex(Box::new(Segment::new(DVec3::new(-0.5, 0.25, 0.0), DVec3::new(0.5, -0.25, 1.0)).unwrap())),
-        Twin::Convex(Box::new(Triangle::new([DVec3::X, DVec3::new(0.0, 1.0, 0.25), DVec3::new(-0.5, -0.5, 0.0)]).unwrap())),
+        Twin::Convex(Box::new(
+            Triangle::new([DVec3::X, DVec3::new(0.0, 1.0, 0.25), DVec3::new(-0.5, -0.5, 0.0)]).unwrap(),
+        )),
         Twin::HalfSpace(HalfSpace::new(DVec3::new(0.25, 0.5, 1.0), -0.25).unwrap()),
     ]
 }

@@ -161,12 +161,13 @@ impl Deadline {
 }
 
 impl Search<'_> {
-    fn bounds(&self, diagonal: f64) -> Bounds {
-        Bounds { limit: self.limit, max_vertices: self.max_vertices, diagonal, deadline: self.deadline }
+    fn bounds(&self, diagonal: f64) -> Bounds<'_> {
+        let Self { limit, max_vertices, deadline, stage } = *self;
+        Bounds { limit, max_vertices, diagonal, deadline, stage }
     }
 
     fn is_over(&self) -> bool {
-        self.deadline.is_some_and(|deadline| deadline.is_over())
+        self.stage.is_cancelled() || self.deadline.is_some_and(|deadline| deadline.is_over())
     }
 }
 
