@@ -229,7 +229,7 @@ impl<'p> Task<'p> {
                 let rejected = |message| (row, message);
                 let pose = self.poses.get(row, self.pairs).map_err(rejected)?;
                 let query = query(row).map_err(rejected)?;
-                let of_pair = self.memory.and_then(|memory| memory.get(row % memory.len()));
+                let of_pair = self.memory.and_then(|memory| memory.get(row % memory.len().max(1)));
                 let found = if let Some(caches) = of_pair {
                     answer(&query, a, b, pose, &mut caches.lock().unwrap_or_else(PoisonError::into_inner))
                 } else {

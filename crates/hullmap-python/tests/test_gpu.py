@@ -70,7 +70,7 @@ def test_pairs_of_several_packs_are_those_of_the_processor(device, rocks, large,
     pack = hullmap.bake_parts([(hull.vertices, None) for hull in (cube, *rocks)])
     shapes = [*rocks, large, pack[2], pack[0], cube]
     pairs = hullmap.Pairs(shapes, *np.triu_indices(len(shapes), 1))
-    at = random_poses(20 * len(shapes), 7, 1.6).reshape(20, len(shapes), 7)
+    at = random_poses(20 * len(shapes), 7, 3.0).reshape(20, len(shapes), 7)
     own, found = pairs.distance(in_world=at), pairs.distance(in_world=at, device=device)
     assert found.shape == (20, len(pairs)) and 0.2 < (own.distance == 0).mean() < 0.8
     assert (found.lower <= own.upper).all() and (own.lower <= found.upper).all()
