@@ -59,8 +59,8 @@ impl<'a> Stage<'a> {
     /// States that this share of the stage is done.
     pub fn reach(self, share: f64) {
         if let Some(Progress { done, .. }) = self.progress {
-            // A cast saturates, and NaN becomes 0.
-            done.fetch_max(((self.start + share.min(1.0) * self.length) * STEPS) as u32, Ordering::Relaxed);
+            // A cast saturates, and NaN, which `clamp` keeps, becomes 0.
+            done.fetch_max(((self.start + share.clamp(0.0, 1.0) * self.length) * STEPS) as u32, Ordering::Relaxed);
         }
     }
 
