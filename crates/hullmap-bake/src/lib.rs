@@ -30,6 +30,7 @@ pub mod mass;
 pub mod outer;
 pub mod pack;
 pub mod parts;
+pub mod progress;
 pub mod simplify;
 
 use std::sync::Arc;

@@ -733,6 +733,18 @@ HullmapResult hullmap_shape_cone(double half_height,
                                  double radius,
                                  HullmapShape **shape);
 
+// The segment between two points, whose coordinates are from -3.4e38 to 3.4e38.
+HullmapResult hullmap_shape_segment(HullmapVec3 start,
+                                    HullmapVec3 end,
+                                    HullmapShape **shape);
+
+// The triangle between three points, from both sides: for terrain and level geometry, triangle by
+// triangle.
+HullmapResult hullmap_shape_triangle(HullmapVec3 a,
+                                     HullmapVec3 b,
+                                     HullmapVec3 c,
+                                     HullmapShape **shape);
+
 // Everything below a plane: the points p with normal . p <= offset, after the normal is
 // normalised. For floors and walls. A half-space is always A, the first shape of a pair.
 HullmapResult hullmap_shape_half_space(HullmapVec3 normal,

@@ -152,6 +152,12 @@ public:
     static Shape cone(double half_height, double radius) {
         return make([&](auto out) { return hullmap_shape_cone(half_height, radius, out); });
     }
+    static Shape segment(Vec3 start, Vec3 end) {
+        return make([&](auto out) { return hullmap_shape_segment(start, end, out); });
+    }
+    static Shape triangle(Vec3 a, Vec3 b, Vec3 c) {
+        return make([&](auto out) { return hullmap_shape_triangle(a, b, c, out); });
+    }
     // Always the first shape of a pair.
     static Shape half_space(Vec3 normal, double offset) {
         return make([&](auto out) { return hullmap_shape_half_space(normal, offset, out); });

@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
 use hullmap::compound::ManifoldCounts;
 use hullmap::glam::DVec3;
-use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Scaled, Sphere};
+use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Scaled, Segment, Sphere, Triangle};
 use hullmap::{CompoundCache, CompoundManifolds, SharedHull};
 
 use crate::failure::{Failure, Fallible};
@@ -113,6 +113,14 @@ impl Shape {
 
     pub(crate) fn cone(half_height: f64, radius: f64) -> Fallible<Self> {
         Self::convex(Cone::new(half_height, radius))
+    }
+
+    pub(crate) fn segment(start: DVec3, end: DVec3) -> Fallible<Self> {
+        Self::convex(Segment::new(start, end))
+    }
+
+    pub(crate) fn triangle(corners: [DVec3; 3]) -> Fallible<Self> {
+        Self::convex(Triangle::new(corners))
     }
 
     pub(crate) fn half_space(normal: DVec3, offset: f64) -> Fallible<Self> {

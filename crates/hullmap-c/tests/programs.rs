@@ -162,6 +162,48 @@ fn structs_have_one_layout() {
     run(Command::new(&cc).args(["-std=c11", "-fsyntax-only", "-I"]).arg(crate_path("include")).arg(path));
 }
 
+/// Names of the sections of a file in ELF of 64 bits, little-endian.
+fn sections(file: &[u8]) -> Vec<&str> {
+    let number = |at: usize, len: usize| file[at..at + len].iter().rev().fold(0, |n, byte| n << 8 | *byte as usize);
+    let header = |index: usize| number(0x28, 8) + index * number(0x3a, 2);
+    let names = number(header(number(0x3e, 2)) + 0x18, 8);
+    let name = |index: usize| {
+        let rest = &file[names + number(header(index), 4)..];
+        std::str::from_utf8(rest.split(|byte| *byte == 0).next().unwrap()).unwrap()
+    };
+    (0..number(0x3c, 2)).map(name).collect()
+}
+
+/// An installed library of 3 MB had 16 MB of symbols for debuggers.
+#[test]
+#[cfg_attr(
+    not(all(target_os = "linux", target_pointer_width = "64", target_endian = "little")),
+    ignore = "the test reads ELF of 64 bits"
+)]
+fn libraries_were_installed_with_their_symbols() {
+    let folder = tempfile::tempdir().unwrap();
+    let prefix = folder.path();
+    install(prefix);
+    let read = |file: &str| fs::read(prefix.join("lib").join(file)).expect(file);
+    let shared = format!("libhullmap.so.{}", env!("CARGO_PKG_VERSION"));
+    let (library, symbols) = (read(&shared), read(&format!("{shared}.debug")));
+    let (of_library, of_symbols) = (sections(&library), sections(&symbols));
+    assert!(of_library.contains(&".text") && of_library.contains(&".gnu_debuglink"), "{of_library:?}");
+    assert!(!of_library.iter().any(|name| name.starts_with(".debug") || *name == ".symtab"), "{of_library:?}");
+    assert!(of_symbols.contains(&".debug_line") && of_symbols.contains(&".symtab"), "{of_symbols:?}");
+    let len = |path: PathBuf| fs::metadata(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display())).len();
+    let built = |file: &str| len(libraries().join(file));
+    let installed = |file: &str| len(prefix.join("lib").join(file));
+    assert!(installed(&shared) < built("libhullmap_c.so") / 2, "{}", installed(&shared));
+    let [stripped, whole] = ["libhullmap.a", "debug/libhullmap.a"].map(installed);
+    assert!(2 * stripped < built("libhullmap_c.a") && stripped < whole, "{stripped} {whole}");
+
+    // Without symbols, also in place of an installation that has them.
+    run(Command::new(crate_path("install")).arg(prefix).arg("--no-symbols").arg("--from").arg(libraries()));
+    assert!(!sections(&read(&shared)).contains(&".gnu_debuglink"));
+    assert!(!prefix.join(format!("lib/{shared}.debug")).exists() && !prefix.join("lib/debug/libhullmap.a").exists());
+}
+
 /// The examples and the hostile calls, against the installed shared library, and `settle` against
 /// the static one.
 #[test]

@@ -9,6 +9,9 @@ spheres of the engine, most of which is the cost of the call. Runs are interleav
 counts. On one thread, time is processor time, which other programs disturb less. Answers are
 compared. Where an engine differs most, and where it disagrees about a hit, separating axes judge:
 all normals of faces and all products of edges, in doubles.
+
+With --pairs N, a robot of 30 links, copies of the two in other sizes, moves for 200 steps, and N of
+its pairs are queried by a call for each pair, and by one call for all.
 """
 
 from __future__ import annotations
@@ -243,6 +246,38 @@ def judged(a, b, poses, reference, name, hits, depths, count):
         yield f"{name} | {row} | {answers} | {overlap(a, b, poses[row]):.9f}"
 
 
+def pairs_table(a, b, count, rounds):
+    """Prints how long all pairs of a robot take, by single calls and in one call; on one thread."""
+    rng, links, steps = np.random.default_rng(1), 30, 200
+    factors = np.linspace(0.4, 1.0, links // 2)
+    shapes = [hullmap.bake(hull.vertices * factor)[0] for hull in (a, b) for factor in factors]
+    first, second = np.triu_indices(links, 1)
+    chosen = np.sort(rng.choice(len(first), count, replace=False))
+    first, second = first[chosen], second[chosen]
+    # Each link has a motion of its own, about a centre in a cube in which a tenth of the pairs overlap.
+    long = motion(100_000, 0.1 * a.diameter)
+    path = np.stack([long[start : start + steps] for start in rng.integers(len(long) - steps, size=links)], axis=1)
+    path[..., :3] += rng.uniform(-0.33, 0.33, size=(links, 3)) * (a.diameter + b.diameter)
+    b_in_a = hullmap.relative(path[0, first], path[0, second])
+    kinds = ("intersects", "distance", "contact", "manifold")
+    rows = {kind: [] for kind in kinds}
+    for _ in range(rounds):
+        for kind in kinds:
+            moving, still = hullmap.Pairs(shapes, first, second), hullmap.Pairs(shapes, first, second)
+            single = [getattr(shapes[i], kind) for i in first]
+            work = (
+                lambda: [query(shapes[j], pose, threads=1) for query, j, pose in zip(single, second, b_in_a)],  # noqa: B023
+                lambda: [getattr(still, kind)(in_world=poses, threads=1) for poses in path],  # noqa: B023
+                lambda: [getattr(moving, kind)(in_world=poses, threads=1, coherent=True) for poses in path],  # noqa: B023
+            )
+            rows[kind].append([timed(each)[0] / calls for each, calls in zip(work, (1, steps, steps))])
+    overlapping = hullmap.Pairs(shapes, first, second).intersects(in_world=path).hit.mean()
+    print(f"{count} pairs of {links} links, {overlapping:.0%} overlapping; ms\n")
+    print("query | a call for each | one call | one call, a motion\n---|---|---|---")
+    for kind in kinds:
+        print(" | ".join([kind, *(f"{1e3 * statistics.median(cell):.3f}" for cell in zip(*rows[kind]))]))
+
+
 def timed(work, clock=time.process_time):
     start = clock()
     answer = work()
@@ -256,10 +291,13 @@ def main():
     parser.add_argument("--peer-count", type=int, default=50_000)
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--judge", type=int, default=3)
+    parser.add_argument("--pairs", type=int)
     arguments = parser.parse_args()
     a, b = (hullmap.bake_file(path)[0] for path in arguments.links)
     # Positions relative to the centres, up to the sum of the radii of the hulls.
     a, b = (hullmap.bake(hull.vertices - hull.bounds.mean(axis=0), name=hull.name)[0] for hull in (a, b))
+    if arguments.pairs:
+        return pairs_table(a, b, arguments.pairs, arguments.rounds)
     reach = 0.5 * (a.diameter + b.diameter)
     poses = random_poses(arguments.count, reach, 1)
     path = motion(arguments.count, reach)

@@ -1,47 +1,51 @@
 //! Bakes, on a thread of their own: the calling thread waits for signals, so that Ctrl-C ends the
-//! call. An interrupted bake runs on until it is done, and its result is dropped.
+//! call, and reports the progress. An interrupted decomposition ends soon; all else of a bake runs on
+//! until it is done. Its result is dropped.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::time::Duration;
 
-use hullmap_cli::{BakedPack, InMemoryError};
+use hullmap_cli::{BakedPack, InMemoryError, Progress, Stage};
 use hullmap_import::{MeshArrays, Polygons};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::error::{self, ArrayError, BakeError, BakeWarning};
 use crate::pack::Pack;
-use crate::threads;
+use crate::threads::{self, Threads};
 
-/// How often a waiting thread looks for signals.
+/// How often a waiting thread looks for signals, and reports the progress.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Positions, corners of all faces, and the end of each face, with a name.
 type Mesh<'py> = (String, PyReadonlyArray2<'py, f64>, PyReadonlyArray1<'py, u32>, PyReadonlyArray1<'py, u32>);
 
-/// Bakes meshes in memory.
+/// Bakes meshes in memory. `report` is called with the share that is done.
 #[pyfunction]
 pub fn bake_arrays(
     py: Python<'_>,
     name: String,
     meshes: Vec<Mesh<'_>>,
     options: Vec<(String, String)>,
-    threads: Option<usize>,
+    threads: Threads,
+    report: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Pack> {
     let meshes = meshes.iter().map(copy).collect::<PyResult<Vec<MeshArrays>>>()?;
-    bake(py, threads, move || hullmap_cli::bake_arrays(&name, meshes, &borrowed(&options)))
+    bake(py, threads, report, move |stage| hullmap_cli::bake_arrays(&name, meshes, &borrowed(&options), stage).map(|(pack, _)| pack))
 }
 
-/// Bakes a mesh file.
+/// Bakes a mesh file. `report` is called with the share that is done.
 #[pyfunction]
 pub fn bake_file(
     py: Python<'_>,
     path: PathBuf,
     options: Vec<(String, String)>,
-    threads: Option<usize>,
+    threads: Threads,
+    report: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Pack> {
-    bake(py, threads, move || hullmap_cli::bake_file(&path, &borrowed(&options)))
+    bake(py, threads, report, move |stage| hullmap_cli::bake_file(&path, &borrowed(&options), stage))
 }
 
 fn borrowed(options: &[(String, String)]) -> Vec<(&str, &str)> {
@@ -65,26 +69,40 @@ fn copy((name, positions, corners, ends): &Mesh<'_>) -> PyResult<MeshArrays> {
 
 fn bake(
     py: Python<'_>,
-    threads: Option<usize>,
-    work: impl FnOnce() -> Result<BakedPack, InMemoryError> + Send + 'static,
+    threads: Threads,
+    report: Option<Bound<'_, PyAny>>,
+    work: impl FnOnce(Stage<'_>) -> Result<BakedPack, InMemoryError> + Send + 'static,
 ) -> PyResult<Pack> {
     let pool = threads::pool(threads)?;
     let (sender, receiver) = sync_channel(1);
+    let progress = Arc::new(Progress::default());
+    let reached = Arc::clone(&progress);
     let run = move || {
         // Nobody listens after an interrupt.
-        let _ = sender.send(pool.install(work));
+        let _ = sender.send(pool.install(|| work(reached.whole())));
     };
     std::thread::Builder::new()
         .name("hullmap-bake".to_owned())
         .spawn(run)
         .map_err(|error| BakeError::new_err(format!("cannot start a thread: {error}; end other programs")))?;
-    let mut receiver = receiver;
+    let (mut receiver, mut last) = (receiver, -1.0);
+    let mut tell = |share: f64| match &report {
+        Some(report) if share > last => {
+            last = share;
+            report.call1((share,)).map(drop)
+        }
+        _ => Ok(()),
+    };
     let result = loop {
         let (waited, returned) = py.detach(move || (receiver.recv_timeout(SIGNAL_INTERVAL), receiver));
         receiver = returned;
         match waited {
             Ok(result) => break result,
-            Err(RecvTimeoutError::Timeout) => py.check_signals()?,
+            Err(RecvTimeoutError::Timeout) => {
+                // The result would be dropped.
+                let told = py.check_signals().and_then(|()| tell(progress.share()));
+                told.inspect_err(|_| progress.cancel())?;
+            }
             Err(RecvTimeoutError::Disconnected) => {
                 return Err(BakeError::new_err("internal error in the baker; please report it, with the mesh"));
             }
@@ -94,6 +112,7 @@ fn bake(
         InMemoryError::Io { source, .. } => error::of_io(source, error.to_string()),
         _ => BakeError::new_err(in_python(&error.to_string())),
     })?;
+    tell(1.0)?;
     let category = py.get_type::<BakeWarning>();
     for warning in &baked.warnings {
         let text = std::ffi::CString::new(in_python(warning).replace('\0', " "))?;

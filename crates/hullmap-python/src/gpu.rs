@@ -33,9 +33,10 @@ pub use on_device::{Answer, Query, solve};
 
 #[cfg(feature = "gpu")]
 mod on_device {
+    use std::collections::HashMap;
     use std::sync::{Arc, Mutex, PoisonError};
 
-    use hullmap::{Pack, Settings, SharedHull};
+    use hullmap::{Pack, Settings};
     use hullmap_wgpu::{Batch, Device, Pair};
     use pyo3::prelude::*;
 
@@ -43,7 +44,7 @@ mod on_device {
 
     use crate::error::{Error, PoseError, ShapeError};
     use crate::shape::Side;
-    use crate::solve::Pairs;
+    use crate::solve::Task;
 
     /// Rows between two looks for signals.
     const BLOCK: usize = 1 << 17;
@@ -74,21 +75,20 @@ mod on_device {
     /// Solves all rows.
     ///
     /// # Errors
-    /// A side is not a hull, a pose is rejected, or there is no device.
-    pub fn solve(py: Python<'_>, pairs: &Pairs, query: Query, settings: &Settings) -> PyResult<Vec<Answer>> {
-        let (Side::Hull(a), Side::Hull(b)) = (&pairs.a, &pairs.b) else {
-            return Err(ShapeError::new_err("device='gpu' takes two hulls: query other shapes with device='cpu'"));
-        };
+    /// A shape is not a hull, a pose is rejected, or there is no device.
+    pub fn solve(py: Python<'_>, task: &Task<'_>, query: Query, settings: &Settings) -> PyResult<Vec<Answer>> {
+        let (packs, hulls) = packs(task.pairs.shapes())?;
         let device = device()?;
-        let (packs, [a, b]) = packs(a, b)?;
         py.detach(|| {
             let mut batch = Batch::of_packs(&device, &packs).map_err(of_gpu)?;
-            let mut answers = Vec::with_capacity(pairs.poses.count());
-            let mut block = Vec::with_capacity(BLOCK.min(pairs.poses.count()));
-            for start in (0..pairs.poses.count()).step_by(BLOCK) {
+            let mut answers = Vec::with_capacity(task.count);
+            let mut block = Vec::with_capacity(BLOCK.min(task.count));
+            for start in (0..task.count).step_by(BLOCK) {
                 block.clear();
-                for row in start..pairs.poses.count().min(start + BLOCK) {
-                    block.push(Pair { a, b, b_in_a: pairs.poses.get(row).map_err(PoseError::new_err)? });
+                for row in start..task.count.min(start + BLOCK) {
+                    let b_in_a = task.poses.get(row, task.pairs).map_err(PoseError::new_err)?;
+                    let [a, b] = task.pairs.members(row).map(|shape| hulls.get(shape).copied().unwrap_or_default());
+                    block.push(Pair { a, b, b_in_a });
                 }
                 let found = match query {
                     Query::Intersects => batch.intersects(&block),
@@ -102,13 +102,24 @@ mod on_device {
         })
     }
 
-    /// The packs of two hulls, and the indices of the hulls in them.
-    fn packs<'s>(a: &'s SharedHull, b: &'s SharedHull) -> PyResult<(Vec<&'s Pack>, [u32; 2])> {
-        let is_same = Arc::ptr_eq(a.pack(), b.pack());
-        let packs: Vec<&Pack> = if is_same { vec![&**a.pack()] } else { vec![&**a.pack(), &**b.pack()] };
-        let start = if is_same { 0 } else { a.pack().hull_count() };
-        let index = |index: usize| u32::try_from(index).map_err(|_| ShapeError::new_err("a pack has too many hulls"));
-        Ok((packs, [index(a.index())?, index(start + b.index())?]))
+    /// The packs of all hulls, and the index of each hull in them.
+    fn packs(shapes: &[Side]) -> PyResult<(Vec<&Pack>, Vec<u32>)> {
+        let (mut packs, mut hulls, mut count) = (Vec::new(), Vec::with_capacity(shapes.len()), 0);
+        let mut starts = HashMap::new();
+        for shape in shapes {
+            let Side::Hull(hull) = shape else {
+                return Err(ShapeError::new_err("device='gpu' takes hulls: query other shapes with device='cpu'"));
+            };
+            let start = *starts.entry(Arc::as_ptr(hull.pack())).or_insert_with(|| {
+                packs.push(&**hull.pack());
+                let start = count;
+                count += hull.pack().hull_count();
+                start
+            });
+            let index = u32::try_from(start + hull.index());
+            hulls.push(index.map_err(|_| ShapeError::new_err("the packs have too many hulls: query fewer at a time"))?);
+        }
+        Ok((packs, hulls))
     }
 }
 
@@ -121,7 +132,7 @@ mod without {
     use pyo3::prelude::*;
 
     use crate::error::Error;
-    use crate::solve::Pairs;
+    use crate::solve::Task;
 
     /// There are no answers.
     pub enum Answer {}
@@ -136,7 +147,7 @@ mod without {
 
     /// # Errors
     /// Always.
-    pub fn solve(_: Python<'_>, _: &Pairs, query: Query, _: &Settings) -> PyResult<Vec<Answer>> {
+    pub fn solve(_: Python<'_>, _: &Task<'_>, query: Query, _: &Settings) -> PyResult<Vec<Answer>> {
         let name = match query {
             Query::Intersects => "intersects",
             Query::Distance => "distance",
@@ -156,10 +167,10 @@ mod without {
 pub fn known<T: FromGpu>(
     py: Python<'_>,
     device: &str,
-    pairs: &crate::solve::Pairs,
+    task: &crate::solve::Task<'_>,
     settings: &hullmap::Settings,
 ) -> PyResult<impl Fn(usize) -> Option<Found<T>> + Sync + use<T>> {
-    let answers = if is_gpu(device)? { solve(py, pairs, T::QUERY, settings)? } else { Vec::new() };
+    let answers = if is_gpu(device)? { solve(py, task, T::QUERY, settings)? } else { Vec::new() };
     Ok(move |row: usize| answers.get(row).and_then(T::from_gpu).map(Found::from))
 }
 

@@ -8,6 +8,7 @@
 //! | `memory` | views of a pack's arrays, maps of files: the unsafe code |
 //! | `pack`, `shape` | packs, hulls, and all other shapes |
 //! | `bake` | bakes, on a thread of their own |
+//! | `pairs` | pairs of shapes, of which one call queries all |
 //! | `pose` | rows of an array as poses |
 //! | `query` | the queries, for each pair of kinds of shapes |
 //! | `solve` | arrays of poses, on all threads, with the GIL released |
@@ -25,6 +26,7 @@ mod gpu;
 mod manifolds;
 mod memory;
 mod pack;
+mod pairs;
 mod pose;
 mod query;
 mod shape;
@@ -58,9 +60,11 @@ fn _hullmap(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<pack::Pack>()?;
     module.add_class::<pack::Hull>()?;
     module.add_class::<shape::Shape>()?;
+    module.add_class::<pairs::Pairs>()?;
     module.add_function(wrap_pyfunction!(run_command, module)?)?;
     module.add_function(wrap_pyfunction!(bake::bake_arrays, module)?)?;
     module.add_function(wrap_pyfunction!(bake::bake_file, module)?)?;
+    module.add_function(wrap_pyfunction!(pose::pose_rows, module)?)?;
     module.add_function(wrap_pyfunction!(pose::relative, module)?)?;
     module.add_function(wrap_pyfunction!(solve::intersects, module)?)?;
     module.add_function(wrap_pyfunction!(solve::distance, module)?)?;

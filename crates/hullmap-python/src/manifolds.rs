@@ -10,10 +10,13 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::columns::{Columns, columns, put, put_all, put_vector};
-use crate::error::{ArrayError, PoseError, ShapeError};
-use crate::query::{self, convex, obstacle};
-use crate::shape::{Shape, Side};
-use crate::solve::{PIECE, Pairs, PoseArrays, code, fill};
+use crate::error::{ArrayError, PoseError};
+use crate::pairs::Queried;
+use crate::pose::PoseArrays;
+use crate::query::{self, convex};
+use crate::shape::Side;
+use crate::solve::{Cut, Task, code, fill};
+use crate::threads::Threads;
 
 /// Maximum of `max_pairs`: memory of about 300 MB for each thread.
 const MAX_PAIRS: usize = 1 << 16;
@@ -60,19 +63,18 @@ macro_rules! put_points {
 
 /// Contact manifolds of convex shapes. `prediction` is a length, or relative to the smaller shape.
 #[pyfunction]
-#[pyo3(signature = (a, b, poses, settings, prediction, coherent, threads))]
+#[pyo3(signature = (pairs, poses, settings, prediction, coherent, threads))]
 pub fn manifold<'py>(
     py: Python<'py>,
-    a: &Shape,
-    b: &Shape,
+    pairs: Queried<'py>,
     poses: PoseArrays<'py>,
     settings: (f64, u32),
     prediction: Option<f64>,
     coherent: bool,
-    threads: Option<usize>,
+    threads: Threads,
 ) -> PyResult<Bound<'py, PyDict>> {
     let settings = manifold_settings(settings, prediction);
-    Pairs::new(a, b, &poses, coherent, threads)?.solve::<Manifolds, _>(
+    Task::new(&pairs, &poses, coherent, threads)?.solve::<Manifolds, _>(
         py,
         ("manifold", false),
         |_| Ok(query::Manifolds(settings)),
@@ -89,46 +91,48 @@ pub fn manifold<'py>(
 
 /// Contact manifolds of shapes of any kind: one for each pair of parts that touch.
 #[pyfunction]
-#[pyo3(signature = (a, b, poses, settings, prediction, max_pairs, coherent, threads))]
+#[pyo3(signature = (pairs, poses, settings, prediction, max_pairs, coherent, threads))]
 pub fn manifolds<'py>(
     py: Python<'py>,
-    a: &Shape,
-    b: &Shape,
+    pairs: Queried<'py>,
     poses: PoseArrays<'py>,
     settings: (f64, u32),
     prediction: Option<f64>,
     max_pairs: usize,
     coherent: bool,
-    threads: Option<usize>,
+    threads: Threads,
 ) -> PyResult<Bound<'py, PyDict>> {
     if !(1..=MAX_PAIRS).contains(&max_pairs) {
         let message = format!("max_pairs must be from 1 to {MAX_PAIRS}, found {max_pairs}");
         return Err(ArrayError::new_err(message));
     }
     let settings = manifold_settings(settings, prediction);
-    let pairs = Pairs::new(a, b, &poses, coherent, threads)?;
-    if let Some(obstacle) = obstacle("manifolds", &pairs.a, &pairs.b, true) {
-        return Err(ShapeError::new_err(obstacle));
-    }
+    let task = Task::new(&pairs, &poses, coherent, threads)?;
+    task.pairs.check("manifolds", true)?;
     let too_many = || PyMemoryError::new_err("not enough memory for all pairs of all poses: query fewer at a time");
-    let count = pairs.poses.count().checked_mul(max_pairs).ok_or_else(too_many)?;
+    let count = task.count.checked_mul(max_pairs).ok_or_else(too_many)?;
     // More slots than pairs of parts would never be used.
-    let slots = max_pairs.min(part_count(&pairs.a).saturating_mul(part_count(&pairs.b)));
+    let parts_of = |[a, b]: [&Side; 2]| part_count(a).saturating_mul(part_count(b));
+    let most = (0..task.pairs.len()).filter_map(|pair| task.pairs.sides(pair)).map(parts_of).max();
+    let slots = max_pairs.min(most.unwrap_or(1));
     let solve = |first: usize, count: usize, mut rows: PairRows<'_>| {
         let mut found = CompoundManifolds::new(slots);
         for at in 0..count / max_pairs {
             let pose = first / max_pairs + at;
-            if !pairs.coherent {
+            // Memory of one pair is of no use to the next.
+            if !coherent || task.pairs.len() > 1 {
                 found.clear();
             }
-            let b_in_a = pairs.poses.get(pose).map_err(|message| (pose, message))?;
-            if let Some(counts) = update(&mut found, &pairs.a, &pairs.b, b_in_a, &settings) {
+            let Some([a, b]) = task.pairs.sides(pose) else { continue };
+            let b_in_a = task.poses.get(pose, task.pairs).map_err(|message| (pose, message))?;
+            if let Some(counts) = update(&mut found, a, b, b_in_a, &settings) {
                 write(&mut rows, at * max_pairs, max_pairs, &found, counts);
             }
         }
         Ok(())
     };
-    fill::<PairManifolds>(py, (count, PIECE * max_pairs), threads, solve, PoseError::new_err)?.into_arrays(py)
+    let cut = Cut::free(count, task.piece * max_pairs);
+    fill::<PairManifolds>(py, cut, threads, solve, PoseError::new_err)?.into_arrays(py)
 }
 
 fn part_count(side: &Side) -> usize {

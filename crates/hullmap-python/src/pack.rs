@@ -11,7 +11,7 @@ use pyo3::types::{PyBytes, PyDict};
 use crate::error::{self, Error, InvalidPack};
 use crate::memory;
 use crate::shape::{Shape, Side};
-use crate::threads;
+use crate::threads::{self, Threads};
 
 /// An opened pack.
 #[pyclass(frozen, module = "hullmap._hullmap")]
@@ -34,7 +34,7 @@ impl Pack {
     #[staticmethod]
     fn open(py: Python<'_>, path: PathBuf, mmap: bool) -> PyResult<Self> {
         // Large packs are checked by two threads.
-        let pool = threads::pool(None)?;
+        let pool = threads::pool(Threads::default())?;
         let opened = py.detach(|| pool.install(|| if mmap { memory::map(&path) } else { core::Pack::open(&path) }));
         let pack = Arc::new(opened.map_err(error::of_open)?);
         Ok(Self { pack, path: Some(path), notes: Vec::new() })
@@ -42,7 +42,7 @@ impl Pack {
 
     #[staticmethod]
     fn from_bytes(py: Python<'_>, bytes: Vec<u8>) -> PyResult<Self> {
-        let pool = threads::pool(None)?;
+        let pool = threads::pool(Threads::default())?;
         py.detach(|| pool.install(|| Self::baked(&bytes, Vec::new())))
     }
 

@@ -60,7 +60,8 @@ pub trait Query: Sync {
     -> Option<Found<Self::Answer>>;
 }
 
-/// Caches of the pairs that one thread queries.
+/// Caches of a pair, or of the pairs that one thread queries.
+#[derive(Default)]
 pub struct Caches {
     /// Of convex shapes.
     pub pair: Cache,
@@ -68,13 +69,7 @@ pub struct Caches {
 }
 
 impl Caches {
-    /// Caches for queries of `a` and `b`.
-    pub fn new(a: &Side, b: &Side) -> Self {
-        let is_compound = [a, b].iter().any(|side| matches!(side, Side::Compound(_)));
-        Self { pair: Cache::new(), compound: is_compound.then(|| CompoundCache::new(COMPOUND_SLOTS)) }
-    }
-
-    /// The cache of compounds.
+    /// The cache of compounds, which allocates: it is made by the first query that needs it.
     pub fn compound(&mut self) -> &mut CompoundCache {
         self.compound.get_or_insert_with(|| CompoundCache::new(COMPOUND_SLOTS))
     }

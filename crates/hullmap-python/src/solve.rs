@@ -1,8 +1,9 @@
 //! Queries over arrays, on all threads, with the GIL released.
 //!
-//! The rows are cut into pieces of a fixed size. Each piece has a cache of its own, so the answers
-//! are the same for any number of threads. `hullmap::batch` has a cache for every pair instead:
-//! for a million poses of one pair that would be more than a gigabyte.
+//! The rows are cut into pieces of a fixed size. For two shapes, each piece has a cache of its own,
+//! so the answers are the same for any number of threads. `hullmap::batch` has a cache for every
+//! pair instead: for a million poses of one pair that would be more than a gigabyte. Many pairs have
+//! a cache each if they move, and all rows of one moment are solved before those of the next.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -20,13 +21,18 @@ use rayon::prelude::*;
 use crate::columns::{Columns, columns, put, put_all, put_vector};
 use crate::error::{ArrayError, PoseError, ShapeError};
 use crate::gpu;
-use crate::pose::Poses;
-use crate::query::{self, Caches, Query, answer, obstacle};
+use crate::pairs::{Pairs, Queried};
+use crate::pose::{PoseArrays, Poses};
+use crate::query::{self, Caches, Query, answer};
 use crate::shape::{Shape, Side};
-use crate::threads;
+use crate::threads::{self, Threads};
 
 /// Poses of a piece: about 300 µs of work, a hundred times the cost of handing it to a thread.
-pub const PIECE: usize = 256;
+const PIECE: usize = 256;
+
+/// Rows of a piece of many pairs, as in `hullmap::batch`: few, so that one robot's pairs are enough
+/// for all threads.
+const PIECE_OF_MANY: usize = 32;
 
 /// Pieces between two looks for signals: less than a second of work.
 const BLOCK: usize = 256;
@@ -106,24 +112,45 @@ fn overlap_code(overlap: Overlap) -> u8 {
     }
 }
 
-/// Fills `count` rows of columns. `solve` fills the rows of a piece that starts at the given row,
-/// and returns the first row that it rejects, with the reason. Pieces have `piece` rows.
+/// How rows are cut into pieces, which threads solve in any order.
+#[derive(Clone, Copy)]
+pub struct Cut {
+    /// Number of rows.
+    pub count: usize,
+    /// Rows of a piece.
+    pub piece: usize,
+    /// Rows of a step, at least 1. A step starts when the step before it is done.
+    pub step: usize,
+}
+
+impl Cut {
+    /// Rows that do not depend on each other.
+    pub fn free(count: usize, piece: usize) -> Self {
+        Self { count, piece, step: usize::MAX }
+    }
+
+    /// The end of the rows that are solved together from `start` on.
+    fn end(self, start: usize) -> usize {
+        let step = (start / self.step).saturating_add(1).saturating_mul(self.step);
+        self.count.min(start.saturating_add(self.piece.saturating_mul(BLOCK).max(1))).min(step)
+    }
+}
+
+/// Fills rows of columns. `solve` fills the rows of a piece that starts at the given row, and returns
+/// the first row that it rejects, with the reason.
 pub fn fill<C: Columns>(
     py: Python<'_>,
-    (count, piece): (usize, usize),
-    threads: Option<usize>,
+    cut: Cut,
+    threads: Threads,
     solve: impl Fn(usize, usize, C::Rows<'_>) -> Result<(), (usize, String)> + Sync,
     error: fn(String) -> PyErr,
 ) -> PyResult<C> {
+    let Cut { count, piece, step } = cut;
     let mut columns = C::zeros(count)?;
-    let pool = if threads == Some(1) || count <= piece { None } else { Some(threads::pool(threads)?) };
-    // The number is checked even where no pool is needed.
-    if pool.is_none() && threads.is_some_and(|threads| threads != 1) {
-        threads::pool(threads)?;
-    }
-    let block = piece.saturating_mul(BLOCK).max(1);
-    for start in (0..count).step_by(block) {
-        let end = count.min(start.saturating_add(block));
+    let pool = if threads.is_one() || count.min(step) <= piece { None } else { Some(threads::pool(threads)?) };
+    let mut start = 0;
+    while start < count {
+        let end = cut.end(start);
         // The first rejected row, whichever thread finds it.
         let rejected: Mutex<Option<(usize, String)>> = Mutex::new(None);
         let run = |(index, rows): (usize, C::Rows<'_>)| {
@@ -147,26 +174,34 @@ pub fn fill<C: Columns>(
             return Err(error(message));
         }
         py.check_signals()?;
+        start = end;
     }
     Ok(columns)
 }
 
-/// Two shapes, the poses of the second in the frame of the first, and how to go through them.
-pub struct Pairs {
-    pub a: Side,
-    pub b: Side,
+/// Pairs, the poses of the second shapes in the frames of the first, and how to go through them.
+pub struct Task<'p> {
+    pub pairs: &'p Pairs,
     pub poses: Poses,
-    pub coherent: bool,
-    pub threads: Option<usize>,
+    /// Number of answers.
+    pub count: usize,
+    /// Rows of a piece.
+    pub piece: usize,
+    coherent: bool,
+    /// What each of many pairs remembers, if they move.
+    memory: Option<&'p [Mutex<Caches>]>,
+    threads: Threads,
 }
 
-/// Poses as Python passes them: those of B in A, or those of A and of B in the world.
-pub type PoseArrays<'py> = (PyReadonlyArray2<'py, f64>, Option<PyReadonlyArray2<'py, f64>>);
-
-impl Pairs {
-    pub fn new(a: &Shape, b: &Shape, poses: &PoseArrays<'_>, coherent: bool, threads: Option<usize>) -> PyResult<Self> {
-        let poses = Poses::new(&poses.0, poses.1.as_ref())?;
-        Ok(Self { a: a.0.clone(), b: b.0.clone(), poses, coherent, threads })
+impl<'p> Task<'p> {
+    pub fn new(queried: &'p Queried<'_>, poses: &PoseArrays<'_>, coherent: bool, threads: Threads) -> PyResult<Self> {
+        let (pairs, poses) = (queried.get(), Poses::new(poses)?);
+        let (piece, memory) = match queried {
+            Queried::Two(_) => (PIECE, None),
+            Queried::Many(_) if coherent => (PIECE_OF_MANY, Some(pairs.memory()?)),
+            Queried::Many(_) => (PIECE_OF_MANY, None),
+        };
+        Ok(Self { count: poses.count(pairs), pairs, poses, piece, coherent, memory, threads })
     }
 
     /// Answers `query` for all poses but those whose answer is `known`; `write` writes an answer to
@@ -179,47 +214,54 @@ impl Pairs {
         known: impl Fn(usize) -> Option<query::Found<Q::Answer>> + Sync,
         write: impl Fn(&mut C::Rows<'_>, usize, &query::Found<Q::Answer>) + Sync,
     ) -> PyResult<Bound<'py, PyDict>> {
-        if let Some(obstacle) = obstacle(name, &self.a, &self.b, takes_compounds) {
-            return Err(ShapeError::new_err(obstacle));
-        }
+        self.pairs.check(name, takes_compounds)?;
+        let step = self.memory.map_or(usize::MAX, |memory| memory.len().max(1));
+        let cut = Cut { step, ..Cut::free(self.count, self.piece) };
         let solve = |first: usize, count: usize, mut rows: C::Rows<'_>| {
-            let mut caches = Caches::new(&self.a, &self.b);
-            for row in 0..count {
-                if let Some(found) = known(first + row) {
-                    write(&mut rows, row, &found);
+            let mut own = Caches::default();
+            for at in 0..count {
+                let row = first + at;
+                if let Some(found) = known(row) {
+                    write(&mut rows, at, &found);
                     continue;
                 }
-                let rejected = |message| (first + row, message);
-                let pose = self.poses.get(first + row).map_err(rejected)?;
-                let query = query(first + row).map_err(rejected)?;
-                if !self.coherent {
-                    caches.clear();
-                }
-                if let Some(found) = answer(&query, &self.a, &self.b, pose, &mut caches) {
-                    write(&mut rows, row, &found);
+                let Some([a, b]) = self.pairs.sides(row) else { continue };
+                let rejected = |message| (row, message);
+                let pose = self.poses.get(row, self.pairs).map_err(rejected)?;
+                let query = query(row).map_err(rejected)?;
+                let of_pair = self.memory.and_then(|memory| memory.get(row % memory.len().max(1)));
+                let found = if let Some(caches) = of_pair {
+                    answer(&query, a, b, pose, &mut caches.lock().unwrap_or_else(PoisonError::into_inner))
+                } else {
+                    if !self.coherent {
+                        own.clear();
+                    }
+                    answer(&query, a, b, pose, &mut own)
+                };
+                if let Some(found) = found {
+                    write(&mut rows, at, &found);
                 }
             }
             Ok(())
         };
-        fill::<C>(py, (self.poses.count(), PIECE), self.threads, solve, PoseError::new_err)?.into_arrays(py)
+        fill::<C>(py, cut, self.threads, solve, PoseError::new_err)?.into_arrays(py)
     }
 }
 
 /// Whether shapes share a point.
 #[pyfunction]
-#[pyo3(signature = (a, b, poses, coherent, threads, device))]
+#[pyo3(signature = (pairs, poses, coherent, threads, device))]
 pub fn intersects<'py>(
     py: Python<'py>,
-    a: &Shape,
-    b: &Shape,
+    pairs: Queried<'py>,
     poses: PoseArrays<'py>,
     coherent: bool,
-    threads: Option<usize>,
+    threads: Threads,
     device: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let pairs = Pairs::new(a, b, &poses, coherent, threads)?;
-    let known = gpu::known(py, device, &pairs, &Settings::default())?;
-    pairs.solve::<Intersections, _>(
+    let task = Task::new(&pairs, &poses, coherent, threads)?;
+    let known = gpu::known(py, device, &task, &Settings::default())?;
+    task.solve::<Intersections, _>(
         py,
         ("intersects", true),
         |_| Ok(query::Intersects),
@@ -236,21 +278,20 @@ pub fn intersects<'py>(
 
 /// Distances of shapes.
 #[pyfunction]
-#[pyo3(signature = (a, b, poses, settings, coherent, threads, device))]
+#[pyo3(signature = (pairs, poses, settings, coherent, threads, device))]
 pub fn distance<'py>(
     py: Python<'py>,
-    a: &Shape,
-    b: &Shape,
+    pairs: Queried<'py>,
     poses: PoseArrays<'py>,
     settings: (f64, u32),
     coherent: bool,
-    threads: Option<usize>,
+    threads: Threads,
     device: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
     let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
-    let pairs = Pairs::new(a, b, &poses, coherent, threads)?;
-    let known = gpu::known(py, device, &pairs, &settings)?;
-    pairs.solve::<Distances, _>(
+    let task = Task::new(&pairs, &poses, coherent, threads)?;
+    let known = gpu::known(py, device, &task, &settings)?;
+    task.solve::<Distances, _>(
         py,
         ("distance", true),
         |_| Ok(query::Distances(settings)),
@@ -273,21 +314,20 @@ pub fn distance<'py>(
 
 /// Contacts of shapes.
 #[pyfunction]
-#[pyo3(signature = (a, b, poses, settings, coherent, threads, device))]
+#[pyo3(signature = (pairs, poses, settings, coherent, threads, device))]
 pub fn contact<'py>(
     py: Python<'py>,
-    a: &Shape,
-    b: &Shape,
+    pairs: Queried<'py>,
     poses: PoseArrays<'py>,
     settings: (f64, u32),
     coherent: bool,
-    threads: Option<usize>,
+    threads: Threads,
     device: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
     let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
-    let pairs = Pairs::new(a, b, &poses, coherent, threads)?;
-    let known = gpu::known(py, device, &pairs, &settings)?;
-    pairs.solve::<Contacts, _>(
+    let task = Task::new(&pairs, &poses, coherent, threads)?;
+    let known = gpu::known(py, device, &task, &settings)?;
+    task.solve::<Contacts, _>(
         py,
         ("contact", true),
         |_| Ok(query::Contacts(settings)),
@@ -311,22 +351,21 @@ pub fn contact<'py>(
 
 /// When shapes that translate first meet.
 #[pyfunction]
-#[pyo3(signature = (a, b, poses, velocities, settings, coherent, threads))]
+#[pyo3(signature = (pairs, poses, velocities, settings, coherent, threads))]
 pub fn cast<'py>(
     py: Python<'py>,
-    a: &Shape,
-    b: &Shape,
+    pairs: Queried<'py>,
     poses: PoseArrays<'py>,
     velocities: PyReadonlyArray2<'py, f64>,
     settings: (f64, f64, u32),
     coherent: bool,
-    threads: Option<usize>,
+    threads: Threads,
 ) -> PyResult<Bound<'py, PyDict>> {
     let settings = CastSettings { max_t: settings.0, tolerance: settings.1, max_iterations: settings.2 };
     let velocities = Vectors::new("velocity", &velocities)?;
-    let pairs = Pairs::new(a, b, &poses, coherent, threads)?;
-    velocities.check_count(pairs.poses.count())?;
-    pairs.solve::<Impacts, _>(
+    let task = Task::new(&pairs, &poses, coherent, threads)?;
+    velocities.check_count(task.count)?;
+    task.solve::<Impacts, _>(
         py,
         ("cast", true),
         |row| {
@@ -390,7 +429,7 @@ pub fn ray<'py>(
     origins: PyReadonlyArray2<'py, f64>,
     directions: PyReadonlyArray2<'py, f64>,
     settings: (f64, f64, u32),
-    threads: Option<usize>,
+    threads: Threads,
 ) -> PyResult<Bound<'py, PyDict>> {
     let settings = CastSettings { max_t: settings.0, tolerance: settings.1, max_iterations: settings.2 };
     let (origins, directions) = (Vectors::new("origins", &origins)?, Vectors::new("directions", &directions)?);
@@ -416,7 +455,7 @@ pub fn ray<'py>(
         }
         Ok(())
     };
-    fill::<RayHits>(py, (count, PIECE), threads, solve, ArrayError::new_err)?.into_arrays(py)
+    fill::<RayHits>(py, Cut::free(count, PIECE), threads, solve, ArrayError::new_err)?.into_arrays(py)
 }
 
 /// The first hit of a ray, and the hull of a pack that it hits.
@@ -441,13 +480,13 @@ pub fn signed_distance<'py>(
     points: PyReadonlyArray2<'py, f64>,
     settings: (f64, u32),
     coherent: bool,
-    threads: Option<usize>,
+    threads: Threads,
 ) -> PyResult<Bound<'py, PyDict>> {
     let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
     let points = Vectors::new("points", &points)?;
     let side = shape.0.clone();
     let solve = |first: usize, count: usize, rows: SignedRows<'_>| {
-        let mut caches = Caches::new(&side, &side);
+        let mut caches = Caches::default();
         for at in 0..count {
             let row = first + at;
             if !coherent {
@@ -467,7 +506,8 @@ pub fn signed_distance<'py>(
         }
         Ok(())
     };
-    fill::<SignedDistances>(py, (points.numbers.len(), PIECE), threads, solve, ArrayError::new_err)?.into_arrays(py)
+    fill::<SignedDistances>(py, Cut::free(points.numbers.len(), PIECE), threads, solve, ArrayError::new_err)?
+        .into_arrays(py)
 }
 
 /// The signed distance of a point, and the hull of a pack that decides it.
@@ -496,7 +536,7 @@ pub fn support<'py>(
     py: Python<'py>,
     shape: &Shape,
     directions: PyReadonlyArray2<'py, f64>,
-    threads: Option<usize>,
+    threads: Threads,
 ) -> PyResult<Bound<'py, PyDict>> {
     let directions = Vectors::new("directions", &directions)?;
     let side = shape.0.clone();
@@ -537,7 +577,8 @@ pub fn support<'py>(
         }
         Ok(())
     };
-    fill::<Supports>(py, (directions.numbers.len(), PIECE), threads, solve, ArrayError::new_err)?.into_arrays(py)
+    fill::<Supports>(py, Cut::free(directions.numbers.len(), PIECE), threads, solve, ArrayError::new_err)?
+        .into_arrays(py)
 }
 
 /// The farthest support point of all hulls, and the index of its hull: the first of equal ones.

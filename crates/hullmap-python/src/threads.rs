@@ -23,18 +23,40 @@ struct Pools {
 
 static POOLS: Mutex<Option<Pools>> = Mutex::new(None);
 
-/// The pool of `threads` threads; of as many as there are processors, or `RAYON_NUM_THREADS`, for
-/// `None`.
+/// A number of threads; of `None`, as many as there are processors, or `RAYON_NUM_THREADS`.
+#[derive(Clone, Copy, Default)]
+pub struct Threads(Option<usize>);
+
+impl Threads {
+    /// Whether the calling thread does all work.
+    pub fn is_one(self) -> bool {
+        self.0 == Some(1)
+    }
+}
+
+impl<'py> FromPyObject<'_, 'py> for Threads {
+    type Error = PyErr;
+
+    fn extract(argument: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if argument.is_none() {
+            return Ok(Self(None));
+        }
+        match argument.extract::<usize>() {
+            Ok(count) if (1..=MAX_THREADS).contains(&count) => Ok(Self(Some(count))),
+            _ => Err(Error::new_err(format!(
+                "threads must be a whole number from 1 to {MAX_THREADS}, or None for all processors, found {}",
+                argument.repr()?
+            ))),
+        }
+    }
+}
+
+/// The pool of so many threads.
 ///
 /// # Errors
-/// The number is 0 or too large, or the system has no threads left.
-pub fn pool(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
-    let count = threads.unwrap_or(0);
-    if threads == Some(0) || count > MAX_THREADS {
-        return Err(Error::new_err(format!(
-            "threads must be from 1 to {MAX_THREADS}, or None for all processors, found {count}"
-        )));
-    }
+/// The system has no threads left.
+pub fn pool(Threads(count): Threads) -> PyResult<Arc<ThreadPool>> {
+    let count = count.unwrap_or(0);
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
     let process = std::process::id();
     if pools.as_ref().is_none_or(|pools| pools.process != process) {

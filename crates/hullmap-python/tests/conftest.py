@@ -20,6 +20,17 @@ def rock(count: int, seed: int) -> np.ndarray:
     return points.astype(np.float32)
 
 
+def torus(around: int, across: int) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices and quadrilaterals of a torus whose tube swells nine times."""
+    u, v = np.meshgrid(np.arange(around) * 2 * np.pi / around, np.arange(across) * 2 * np.pi / across, indexing="ij")
+    tube = 0.3 * (1 + 0.2 * np.sin(9 * u))
+    ring = 1 + tube * np.cos(v)
+    points = np.stack((ring * np.cos(u), ring * np.sin(u), tube * np.sin(v)), axis=-1).reshape(-1, 3)
+    i, j = np.meshgrid(np.arange(around), np.arange(across), indexing="ij")
+    corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
+    return points, np.stack([k % around * across + m % across for k, m in corners], axis=-1).reshape(-1, 4)
+
+
 def random_poses(count: int, seed: int, reach: float) -> np.ndarray:
     """Random rotations, and positions at distances of 0 to ``reach``."""
     rng = np.random.default_rng(seed)

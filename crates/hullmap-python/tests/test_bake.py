@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import warnings
 
 import numpy as np
 import pytest
-from conftest import CUBE, rock
+from conftest import CUBE, rock, torus
 
 import hullmap
 
@@ -92,6 +93,17 @@ def test_concave_meshes_become_parts(mesh):
     assert [hull.vertices.tolist() for hull in arrays] == [hull.vertices.tolist() for hull in parts]
 
 
+def test_points_without_faces_were_not_decomposed_in_silence(tmp_path):
+    (tmp_path / "cloud.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in CUBE))
+    for bake in (
+        lambda: hullmap.bake(rock(50, 1), decompose=True),
+        lambda: hullmap.bake_file(tmp_path / "cloud.obj", decompose="cover"),
+        lambda: hullmap.bake_parts([(CUBE, None), (CUBE + 5, None)], decompose=True),
+    ):
+        with pytest.warns(hullmap.BakeWarning, match="not decomposed, because it has no faces; add faces, or leave out decompose"):
+            bake()
+
+
 @pytest.mark.parametrize("flags", [{}, {"decompose": True}, {"index": "compact", "unit_scale": 0.01}])
 def test_a_saved_pack_has_the_bytes_of_the_command(mesh, flags):
     words = [f"--{key.replace('_', '-')}" if value is True else f"--{key.replace('_', '-')}={value}" for key, value in flags.items()]
@@ -150,14 +162,71 @@ def test_ctrl_c_ends_the_command_and_leaves_no_files(tmp_path):
     assert 0 < len(left) < 200 and all(path.suffix == ".hullmap" for path in left)
 
 
+def test_a_long_decomposition_showed_nothing():
+    shares: list[float] = []
+    parts = hullmap.bake(*torus(120, 30), decompose=True, progress=shares.append)
+    assert parts.to_bytes() == hullmap.bake(*torus(120, 30), decompose=True).to_bytes() and len(parts) > 4
+    assert shares == sorted(set(shares)) and len(shares) > 4 and 0 <= shares[0] < 0.6 and shares[-1] == 1
+    for quick in (lambda call: hullmap.bake(CUBE, progress=call), lambda call: hullmap.bake_parts([(CUBE, None)], progress=call)):
+        shares.clear()
+        quick(shares.append)
+        assert shares[-1:] == [1]
+    with pytest.raises(hullmap.BakeError, match="progress: expected True or a function of the share that is done, found 0.5"):
+        hullmap.bake(CUBE, progress=0.5)
+
+
+def test_an_exception_of_the_callback_ends_the_bake():
+    def stop(share):
+        raise RuntimeError(f"enough at {share}")
+
+    with pytest.raises(RuntimeError, match="enough at "):
+        hullmap.bake(*torus(120, 30), decompose=True, max_error="0.5%", progress=stop)
+
+
+BAR = """
+import sys; sys.path.insert(0, sys.argv[1])
+from conftest import torus
+import hullmap
+hullmap.bake(*torus(120, 30), name="ri\\x1bng", decompose=True, progress=True)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="terminals of POSIX")
+def test_a_bar_shows_on_terminals_alone():
+    words = [sys.executable, "-c", BAR, os.path.dirname(__file__)]
+    run = subprocess.run(words, capture_output=True)
+    assert run.returncode == 0 and run.stderr == b"", run.stderr
+    screen, terminal = os.openpty()
+    with subprocess.Popen(words, stderr=terminal) as process:
+        os.close(terminal)
+        shown = b""
+        while True:
+            try:
+                read = os.read(screen, 4096)
+            except OSError:  # Linux's end of a terminal
+                break
+            if not read:
+                break
+            shown += read
+    os.close(screen)
+    lines = shown.decode().split("\r")
+    assert process.returncode == 0 and len(lines) > 3, shown
+    assert re.fullmatch(r"ri\?ng \[#* *\] +\d+%, \d+ s *", lines[1]) and "\x1b" not in shown.decode(), lines
+    # The bar is gone at the end.
+    assert lines[-2].strip() == "" and lines[-1] == "", lines
+
+
 INTERRUPTED = """
 import os, signal, sys, threading, time
 import numpy as np, hullmap
+sys.path.insert(0, sys.argv[1])
+from conftest import torus
 # Where the tests run in the background, signals of the keyboard are ignored.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 points = np.random.default_rng(1).normal(size=(2_000_000, 3))
 hull = hullmap.bake(points[:3000] / np.linalg.norm(points[:3000], axis=1, keepdims=True))[0]
 poses = np.tile(hullmap.poses([1.5, 0.3, 0.2]), (4_000_000, 1))
+ring = torus(400, 80)
 def interrupt():
     time.sleep(0.5)
     os.kill(os.getpid(), signal.SIGINT)
@@ -168,17 +237,27 @@ try:
 except KeyboardInterrupt:
     print("interrupted", time.monotonic() - start)
     sys.stdout.flush()
+    # Whether anything still computes.
+    used = [time.process_time() for _ in range(16) if time.sleep(0.5) is None]
+    print("idle", min(b - a for a, b in zip(used, used[1:])))
+    sys.stdout.flush()
     os._exit(0)
 print("done", time.monotonic() - start)
 """
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
-@pytest.mark.parametrize("call", ["hull.contact(hull, poses)", "hullmap.bake(points)"])
+@pytest.mark.parametrize(
+    "call", ["hull.contact(hull, poses)", "hullmap.bake(points)", 'hullmap.bake(*ring, decompose=True, max_error="0.5%")']
+)
 def test_ctrl_c_ends_a_long_call(call):
-    run = subprocess.run([sys.executable, "-c", INTERRUPTED.format(call=call)], capture_output=True, text=True, timeout=240)
+    words = [sys.executable, "-c", INTERRUPTED.format(call=call), os.path.dirname(__file__)]
+    run = subprocess.run(words, capture_output=True, text=True, timeout=240)
     assert run.stdout.startswith("interrupted"), run.stdout + run.stderr
     assert float(run.stdout.split()[1]) < 5
+    # A bake of one hull finishes in the background; a decomposition does not.
+    if "bake(points)" not in call:
+        assert float(run.stdout.split()[3]) < 0.05, run.stdout
 
 
 @pytest.mark.filterwarnings("ignore::hullmap.BakeWarning")

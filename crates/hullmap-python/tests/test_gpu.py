@@ -66,11 +66,24 @@ def test_a_hull_meets_itself(device, large):
     assert (limited.lower <= own.upper).all() and (own.lower <= limited.upper).all()
 
 
+def test_pairs_of_several_packs_are_those_of_the_processor(device, rocks, large, cube):
+    pack = hullmap.bake_parts([(hull.vertices, None) for hull in (cube, *rocks)])
+    shapes = [*rocks, large, pack[2], pack[0], cube]
+    pairs = hullmap.Pairs(shapes, *np.triu_indices(len(shapes), 1))
+    at = random_poses(20 * len(shapes), 7, 3.0).reshape(20, len(shapes), 7)
+    own, found = pairs.distance(in_world=at), pairs.distance(in_world=at, device=device)
+    assert found.shape == (20, len(pairs)) and 0.2 < (own.distance == 0).mean() < 0.8
+    assert (found.lower <= own.upper).all() and (own.lower <= found.upper).all()
+    assert (pairs.intersects(in_world=at, device=device).hit == pairs.intersects(in_world=at).hit).all()
+    own, found = pairs.contact(in_world=at), pairs.contact(in_world=at, device=device)
+    assert (found.depth_lower <= own.depth_upper).all() and (own.depth_lower <= found.depth_upper).all()
+
+
 def test_shapes_of_each_row_and_none(device, cube):
     lone = cube.distance(cube, hullmap.poses([3, 0, 0]), device=device)
     assert np.shape(lone.distance) == () and np.isclose(lone.distance, 1.0)
     assert cube.contact(cube, hullmap.poses(np.zeros((0, 3))), device=device).depth.shape == (0,)
-    with pytest.raises(hullmap.ShapeError, match="two hulls"):
+    with pytest.raises(hullmap.ShapeError, match="takes hulls"):
         cube.distance(hullmap.Sphere(1.0), hullmap.poses([3, 0, 0]), device=device)
     with pytest.raises(hullmap.PoseError, match=r"b_in_a\[1\]"):
         cube.distance(cube, [[3, 0, 0, 0, 0, 0, 1], [3, 0, 0, 0, 0, 0, 2]], device=device)

@@ -94,9 +94,11 @@ def test_wrong_arguments_of_queries_are_rejected(cube):
         cube.distance(cube, a_in_world=poses, b_in_world=poses[:2])
     with pytest.raises(ArrayError, match="expected a shape of hullmap, found ndarray: hullmap.bake makes one"):
         cube.distance(CUBE, poses)
-    for threads in (0, 5000):
-        with pytest.raises(Error, match="threads must be from 1 to 1024"):
+    for threads in (0, 5000, -1, 2**70, 1.5, "all"):
+        with pytest.raises(Error, match=f"threads must be a whole number from 1 to 1024, or None for all processors, found {threads!r}"):
             cube.distance(cube, poses, threads=threads)
+        with pytest.raises(Error, match="threads must be a whole number"):
+            hullmap.bake(CUBE, threads=threads)
     with pytest.raises(ArrayError, match="max_iterations must be a whole number from 0"):
         cube.distance(cube, poses, max_iterations=-1)
     with pytest.raises(ArrayError, match=r"directions\[1\]: a direction must be finite and not zero"):
@@ -109,8 +111,25 @@ def test_wrong_arguments_of_queries_are_rejected(cube):
         cube.signed_distance([np.inf, 0, 0])
     with pytest.raises(PoseError, match=r"velocity\[0\]: velocity must be finite"):
         cube.cast(cube, poses[0], [np.nan, 0, 0])
-    # A tolerance that is no number counts as 0, as in Rust.
-    assert cube.distance(cube, poses[0], tolerance=float("nan")).distance == pytest.approx(cube.distance(cube, poses[0]).distance, rel=1e-4)
+
+
+@pytest.mark.parametrize("number", [float("nan"), -1e-9, float("-inf"), None, "small"])
+def test_a_tolerance_of_nan_was_taken_for_0(cube, number):
+    poses, floor = random_poses(3, 1, 3), hullmap.HalfSpace([0, 0, 1], 0.0)
+    for query, name, more in (
+        (cube.distance, "tolerance", [cube, poses]), (cube.contact, "tolerance", [cube, poses]),
+        (cube.manifold, "tolerance", [cube, poses]), (cube.manifolds, "tolerance", [cube, poses]),
+        (cube.cast, "tolerance", [cube, poses]), (cube.cast, "max_t", [cube, poses]),
+        (cube.ray, "tolerance", [[0, 0, 5], [0, 0, -1]]), (cube.ray, "max_t", [[0, 0, 5], [0, 0, -1]]),
+        (cube.signed_distance, "tolerance", [[0, 0, 5]]), (floor.contact, "tolerance", [cube, poses]),
+        (hullmap.Pairs([cube], [0], [0]).contact, "tolerance", [poses[:1]]),
+    ):  # fmt: skip
+        with pytest.raises(ArrayError, match=f"{name} must be a number of at least 0, found "):
+            query(*more, **{name: number})
+    if number is not None:
+        with pytest.raises(ArrayError, match="prediction must be a number of at least 0"):
+            cube.manifold(cube, poses, prediction=number)
+    assert cube.ray([0, 0, 5], [0, 0, -1], max_t=float("inf"), tolerance=0).t == pytest.approx(4)
 
 
 def test_wrong_shapes_are_rejected():
@@ -215,3 +234,23 @@ def test_quaternions_of_either_order_and_matrices_agree():
     assert np.allclose(hullmap.poses(poses[:, :3], scalar_first, order="wxyz"), poses)
     turned = hullmap.poses(poses[:, :3], matrices(poses)[:, :3, :3])
     assert np.allclose(matrices(turned), matrices(poses), atol=1e-12)
+
+
+def test_poses_did_not_take_matrices_of_poses(cube):
+    poses = random_poses(20, 6, 1).reshape(4, 5, 7)
+    rows = hullmap.poses(matrices(poses))
+    assert rows.shape == (4, 5, 7) and np.allclose(matrices(rows), matrices(poses), atol=1e-12)
+    assert hullmap.poses(np.eye(4).tolist()).tolist() == [0, 0, 0, 0, 0, 0, 1]
+    assert hullmap.poses(np.zeros((0, 4, 4))).shape == (0, 7)
+    # A matrix needs no conversion.
+    assert np.allclose(cube.distance(cube, matrices(poses)).distance, cube.distance(cube, rows).distance, atol=1e-9)
+    with pytest.raises(ArrayError, match="matrices of poses, which contain rotations: leave out the argument rotations"):
+        hullmap.poses(np.eye(4), [0, 0, 0, 1])
+    wrong = matrices(poses)
+    wrong[2, 1, 0, 0] += 0.5
+    with pytest.raises(PoseError, match=r"^positions\[11\]: matrix must be a rotation"):
+        hullmap.poses(wrong)
+    with pytest.raises(PoseError, match=r"^rotations\[11\]: matrix must be a rotation"):
+        hullmap.poses(poses[..., :3], wrong[..., :3, :3])
+    with pytest.raises(ArrayError, match=r"positions: expected the shape \(\.\.\., 3\), found \(4,\)"):
+        hullmap.poses(np.zeros(4))

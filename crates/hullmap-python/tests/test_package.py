@@ -135,6 +135,72 @@ def test_types_are_strict(tmp_path):
     assert run.returncode == 0, run.stdout + run.stderr
 
 
+def accepted(options: dict[str, object]) -> str:
+    """What the command's table accepts in place of a wrong option."""
+    with pytest.raises(hullmap.BakeError) as caught:
+        hullmap.bake([[0, 0, 0]], **options)
+    return str(caught.value)
+
+
+def annotation(expected: str) -> str:
+    """The type of the values that the command's table describes so."""
+    expected, percent, _ = expected.removesuffix(", or none").partition(", the same with %")
+    words = [f'"{word}"' for word in re.split(", | or ", expected.removeprefix("one of "))]
+    if expected.startswith("one of "):
+        return f"Literal[{', '.join(words)}]"
+    if expected.startswith("true, false or "):
+        # Of the methods, cover alone has a type.
+        assert '"cover"' in words
+        return "Union[bool, Literal[\"cover\"]]"
+    if expected == "true or false":
+        return "bool"
+    if expected.startswith("a whole number"):
+        return "int"
+    assert expected == "a finite number above 0", expected
+    return "Union[float, str]" if percent else "float"
+
+
+def test_keywords_of_bakes_are_those_of_the_command():
+    """The table of the command, as its messages show it, against the types. V-HACD has none."""
+    listed = accepted({"?": 1}).removeprefix("unknown option ?: the options are ").split(", ")
+    expected = {}
+    for key in listed:
+        if not key.startswith("vhacd_"):
+            prefix = f"invalid value ? of option {key}: expected "
+            text = accepted({key: "?"})
+            assert text.startswith(prefix), text
+            expected[key] = f"Optional[{annotation(text.removeprefix(prefix))}]"
+    tree = ast.parse((PACKAGE / "_options.py").read_text(encoding="utf-8"))
+    body = next(node for node in tree.body if isinstance(node, ast.ClassDef)).body
+    typed = {node.target.id: ast.unparse(node.annotation).replace("'", '"') for node in body if isinstance(node, ast.AnnAssign)}
+    assert typed == expected
+    # Each has a text that an editor shows.
+    documented = [isinstance(after, ast.Expr) for node, after in zip(body, body[1:]) if isinstance(node, ast.AnnAssign)]
+    assert len(documented) == len(typed) and all(documented)
+
+
+def test_types_let_a_misspelt_option_pass(tmp_path):
+    pytest.importorskip("mypy")
+    calls = {
+        "hullmap.bake(points, max_vertices=4, max_error='1%', index='compact', decompose=True)": None,
+        "hullmap.bake(points, **options)": None,
+        "hullmap.bake(points, max_vertexes=4)": 'Unexpected keyword argument "max_vertexes" for "bake"',
+        "hullmap.bake_file('a.obj', max_vertexes=4)": 'Unexpected keyword argument "max_vertexes" for "bake_file"',
+        "hullmap.bake_parts([(points, None)], indx='tree')": 'Unexpected keyword argument "indx" for "bake_parts"',
+        "hullmap.from_trimesh(None, max_parts='many')": 'Argument "max_parts" to "from_trimesh" has incompatible type',
+        "hullmap.bake(points, index='oak')": 'Argument "index" to "bake" has incompatible type',
+        "hullmap.bake(points, max_vertices=2.5)": 'Argument "max_vertices" to "bake" has incompatible type',
+    }
+    user = tmp_path / "user.py"
+    lines = ["import numpy as np, hullmap", "points = np.zeros((4, 3))", "options: hullmap.BakeOptions = {'max_parts': 8}", *calls]
+    user.write_text("\n".join(lines) + "\n")
+    words = [sys.executable, "-m", "mypy", "--strict", "--no-incremental", "--cache-dir", os.devnull, str(user)]
+    run = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path)
+    for line, error in enumerate(calls.values(), start=4):
+        found = [text for text in run.stdout.splitlines() if text.startswith(f"user.py:{line}: error")]
+        assert len(found) == (error is not None) and all(error in text for text in found), run.stdout
+
+
 def test_the_global_lock_is_released(large):
     """Another thread counts while a query runs in this one."""
     poses = random_poses(200_000, 1, 2.5)

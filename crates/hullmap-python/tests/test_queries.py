@@ -363,3 +363,40 @@ def test_limits_are_reported_and_intervals_hold(rocks, truth):
     inside = depths > 0
     assert (found.status[inside] == Status.ITERATION_LIMIT).any()
     assert (found.depth_lower[inside] <= depths[inside]).all() and (depths[inside] <= found.depth_upper[inside]).all()
+
+
+def test_answers_could_not_be_indexed(rocks, truth):
+    poses, depths, _ = truth
+    found = rocks[0].contact(rocks[1], poses)
+    deep = found[found.depth > 0.1]
+    assert 0 < len(deep) < len(found) == len(poses) and deep.shape == (len(deep),)
+    assert (deep.depth == found.depth[found.depth > 0.1]).all() and (deep.depth > 0.1).all()
+    assert (deep.normal == found.normal[found.depth > 0.1]).all() and isinstance(deep, hullmap.Contact)
+    order = np.argsort(found.depth)
+    assert (np.diff(found[order].depth) >= 0).all() and (found[order].parts == found.parts[order]).all()
+    assert (found[::-1].depth == found.depth[::-1]).all() and found[-1].depth == found.depth[-1]
+    assert found[-1].normal.shape == (3,) and found[[3, 3]].depth.tolist() == [found.depth[3]] * 2
+    assert [one.depth for one in found] == found.depth.tolist()
+    # Indices never reach into vectors, whatever the shape of the poses.
+    grid = rocks[0].manifold(rocks[1], poses.reshape(20, 10, 7))
+    assert grid.shape == (20, 10) and len(grid) == 20
+    assert grid[3].depth.shape == (10, 4) and grid[:, 2].normal.shape == (20, 3)
+    assert grid[..., 2].point_a.shape == (20, 4, 3) and grid[grid.hit].depth.shape == (grid.hit.sum(), 4)
+    assert (grid[grid.hit].depth == grid.depth[grid.hit])[:, 0].all()
+    for index in ((0, 0, 0), 20, (slice(None), 10)):
+        with pytest.raises(IndexError):
+            grid[index]
+    for kind in (
+        rocks[0].intersects(rocks[1], poses), rocks[0].distance(rocks[1], poses), rocks[0].cast(rocks[1], poses, [1, 0, 0]),
+        rocks[0].ray(poses[:, :3], [1, 0, 0]), rocks[0].signed_distance(poses[:, :3]), rocks[0].support(poses[:, :3]),
+        rocks[0].manifolds(rocks[1], poses, max_pairs=2),
+    ):  # fmt: skip
+        few = kind[[5, 7]]
+        for name, column in vars(kind).items():
+            assert np.array_equal(getattr(few, name), column[[5, 7]], equal_nan=column.dtype.kind == "f"), name
+    single = rocks[0].contact(rocks[1], poses[0])
+    assert single.shape == () and single[...].depth == single.depth
+    with pytest.raises(TypeError, match="a single pose has no length"):
+        len(single)
+    with pytest.raises(TypeError, match="test one of its columns, such as hit"):
+        bool(single)

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use hullmap_cli::{BakedPack, InMemoryError, bake_arrays_with_mesh, bake_source};
+use hullmap_cli::{BakedPack, InMemoryError, Stage, bake_arrays, bake_source};
 use hullmap_import::{Imported, MeshArrays, Polygons, SourceFile};
 use wasm_bindgen::prelude::*;
 
@@ -65,7 +65,7 @@ pub fn bake(file: &str, bytes: Vec<u8>, options: Option<BakeOptions>) -> Result<
     if options.name().is_some() {
         return Err(error("option name: the hulls of a file have its names; leave out the option"));
     }
-    baked(bake_source(Path::new(file), &SourceFile::alone(bytes), &options.pairs()))
+    baked(bake_source(Path::new(file), &SourceFile::alone(bytes), &options.pairs(), Stage::default()))
 }
 
 /// Bakes a mesh from arrays, for instance those of a geometry of three.js.
@@ -91,7 +91,7 @@ pub fn bake_mesh(
         None => Polygons::default(),
     };
     let mesh = MeshArrays { name: String::new(), positions: rows_of("positions", positions)?.to_vec(), faces };
-    baked(bake_arrays_with_mesh(name, vec![mesh], &options.pairs()))
+    baked(bake_arrays(name, vec![mesh], &options.pairs(), Stage::default()))
 }
 
 /// Faces of a triangle mesh, whose indices are checked.

@@ -196,6 +196,12 @@ pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64) -> Rema
     )
 }
 
+/// A mesh that was to be decomposed, but has no surface.
+pub fn without_faces(name: &str) -> Remark {
+    let text = format!("{name}: not decomposed, because it has no faces; add faces, or leave out --decompose");
+    Remark::warning("no faces", name, text)
+}
+
 /// Parts that protrude more than requested: by the length `reached`, instead of `requested`; `size`
 /// is the mesh's diagonal. With a maximum number of parts that is a note, since the error was to be
 /// found; a search that ended early is a warning.

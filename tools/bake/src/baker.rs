@@ -2,7 +2,8 @@
 
 use std::borrow::Cow;
 
-use hullmap_bake::decompose::{Method, decompose};
+use hullmap_bake::decompose::{Method, decompose_in};
+use hullmap_bake::progress::Stage;
 use hullmap_bake::{
     BakedHull, IndexChoice, IndexKind, PointSet, SourceRecord, bake_hull, bake_simplified_hull, write_lean_pack,
     write_owned_pack,
@@ -42,13 +43,20 @@ pub struct Part<'a> {
 /// The points of each hull that point sets become: the sets themselves, or their convex parts.
 ///
 /// The result depends on the sets and the method only, so that `bake verify` can compute it
-/// again.
+/// again. `stage` shows the progress.
 ///
 /// # Errors
 /// A point set has no hull; the error names the first one.
-pub fn parts<'a>(point_sets: &'a [PointSet], method: Option<&Method>) -> Result<Vec<Part<'a>>, String> {
-    let cut: Vec<_> =
-        point_sets.par_iter().map(|points| method.map_or(Ok(None), |method| decompose(points, method))).collect();
+pub fn parts<'a>(point_sets: &'a [PointSet], method: Option<&Method>, stage: Stage) -> Result<Vec<Part<'a>>, String> {
+    let steps = stage.steps(point_sets.len());
+    // Stages of sets that are cut at the same time do not add up.
+    let inner = if point_sets.len() == 1 { stage } else { stage.from_to(0.0, 0.0) };
+    let cut = |points: &PointSet| {
+        let found = method.map_or(Ok(None), |method| decompose_in(points, method, inner));
+        steps.take();
+        found
+    };
+    let cut: Vec<_> = point_sets.par_iter().map(cut).collect();
     let mut parts = Vec::with_capacity(point_sets.len());
     for (set, (found, points)) in cut.into_iter().zip(point_sets).enumerate() {
         match found.map_err(|error| format!("hull {}: {error}", points.name))? {
@@ -62,17 +70,40 @@ pub fn parts<'a>(point_sets: &'a [PointSet], method: Option<&Method>) -> Result<
     Ok(parts)
 }
 
-/// Builds, certifies and indexes a hull of each point set, or of each of its parts, and writes them
-/// into one pack.
+/// Like [`bake_pack_in`], if nobody looks at the progress.
 ///
 /// # Errors
-/// A hull could not be baked; the error names the first one.
+/// Those of [`bake_pack_in`].
 pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &SourceRecord) -> Result<BakedPack, String> {
+    bake_pack_in(point_sets, options, source, Stage::default())
+}
+
+/// Builds, certifies and indexes a hull of each point set, or of each of its parts, and writes them
+/// into one pack. `stage` shows the progress.
+///
+/// # Errors
+/// A hull could not be baked; the error names the first one. Or the stage is cancelled.
+pub fn bake_pack_in(
+    point_sets: &[PointSet],
+    options: &BuildOptions,
+    source: &SourceRecord,
+    stage: Stage,
+) -> Result<BakedPack, String> {
     let (decompose, index) = (options.decompose(), options.index());
-    let parts = parts(point_sets, decompose.as_ref())?;
-    let bake = |part: &Part| match options.simplify(diagonal(&part.points)) {
-        None => bake_hull(&part.points, index),
-        Some(limit) => bake_simplified_hull(&part.points, limit, index),
+    // Parts take longer to find and to measure than their hulls to build.
+    let [cut, built] = if decompose.is_some() { [0.7, 0.8] } else { [0.0, 1.0] };
+    let parts = parts(point_sets, decompose.as_ref(), stage.from_to(0.0, cut))?;
+    if stage.is_cancelled() {
+        return Err("cancelled".to_owned());
+    }
+    let steps = stage.from_to(cut, built).steps(parts.len());
+    let bake = |part: &Part| {
+        let baked = match options.simplify(diagonal(&part.points)) {
+            None => bake_hull(&part.points, index),
+            Some(limit) => bake_simplified_hull(&part.points, limit, index),
+        };
+        steps.take();
+        baked
     };
     let baked: Vec<_> = parts.par_iter().map(bake).collect();
     let mut hulls = Vec::with_capacity(baked.len());
@@ -82,7 +113,7 @@ pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &Sourc
     }
     let mut remarks = Vec::new();
     if let Some(decompose) = decompose {
-        remarks = measure::parts(point_sets, &parts, &mut hulls, &decompose);
+        remarks = measure::parts(point_sets, &parts, &mut hulls, &decompose, stage.from_to(built, 1.0));
     } else {
         remarks.extend(measure::collision_parts(point_sets, &mut hulls));
     }

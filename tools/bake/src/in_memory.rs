@@ -5,9 +5,10 @@ use std::io;
 use std::path::Path;
 
 use hullmap_bake::SourceRecord;
+use hullmap_bake::progress::Stage;
 use hullmap_import::{self as import, ImportError, Imported, Limits, MeshArrays, ReadError, SourceFile};
 
-use crate::baker::{BakedPack, bake_pack};
+use crate::baker::{BakedPack, bake_pack_in};
 use crate::options::defaults::{OPTIONS, Record};
 use crate::options::{BuildOptions, OptionLayer};
 
@@ -33,52 +34,51 @@ pub enum InMemoryError {
     Bake(String),
 }
 
-/// Bakes meshes in memory.
+/// Bakes meshes in memory. Also returns them as they were imported: scaled and turned as the options
+/// say.
 ///
 /// `name` is the name of meshes without one, and stands for the file in messages. `options` are
 /// pairs of a key of `hullmap.toml` and a value, such as `("max_vertices", "64")`. With
-/// `("split", "object")`, each mesh becomes a hull of its own. The pack records no source.
+/// `("split", "object")`, each mesh becomes a hull of its own. The pack records no source. `stage`
+/// shows the progress, and may be cancelled.
 ///
 /// # Errors
 /// See [`InMemoryError`].
 ///
 /// # Examples
 /// ```
+/// use hullmap_cli::Progress;
 /// use hullmap_import::MeshArrays;
 ///
 /// let corner = |i: usize| [0, 1, 2].map(|axis| f64::from((i >> axis & 1) as u8));
 /// let cube = MeshArrays { positions: (0..8).map(corner).collect(), ..MeshArrays::default() };
-/// let baked = hullmap_cli::bake_arrays("cube", vec![cube], &[("index", "compact")])?;
+/// let progress = Progress::default();
+/// let (baked, _) = hullmap_cli::bake_arrays("cube", vec![cube], &[("index", "compact")], progress.whole())?;
+/// assert_eq!(progress.share(), 1.0);
 /// let pack = hullmap::Pack::from_bytes(&baked.bytes)?;
 /// assert_eq!(pack.hull(0)?.vertex_count(), 8);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn bake_arrays(name: &str, meshes: Vec<MeshArrays>, options: &[(&str, &str)]) -> Result<BakedPack, InMemoryError> {
-    bake_arrays_with_mesh(name, meshes, options).map(|(pack, _)| pack)
-}
-
-/// The same, with the mesh as it was imported: scaled and turned as the options say.
-///
-/// # Errors
-/// See [`InMemoryError`].
-pub fn bake_arrays_with_mesh(
+pub fn bake_arrays(
     name: &str,
     meshes: Vec<MeshArrays>,
     options: &[(&str, &str)],
+    stage: Stage,
 ) -> Result<(BakedPack, Imported), InMemoryError> {
     let options = resolve(options)?;
     let imported = import::import_arrays(name, meshes, &options.import(), &Limits::DEFAULT)?;
-    bake(imported, &options, SourceRecord::default(), name)
+    bake(imported, &options, SourceRecord::default(), name, stage)
 }
 
 /// Bakes a mesh file: OBJ, glTF, GLB, STL or PLY.
 ///
 /// The pack has the same bytes as that of `bake build` with the same options, if it is saved in the
-/// folder of the mesh: it records the name of the file, its hash and the options.
+/// folder of the mesh: it records the name of the file, its hash and the options. `stage` shows the
+/// progress, and may be cancelled.
 ///
 /// # Errors
 /// See [`InMemoryError`].
-pub fn bake_file(path: &Path, options: &[(&str, &str)]) -> Result<BakedPack, InMemoryError> {
+pub fn bake_file(path: &Path, options: &[(&str, &str)], stage: Stage) -> Result<BakedPack, InMemoryError> {
     // Before the file is read.
     resolve(options)?;
     let file = path.display().to_string();
@@ -86,7 +86,7 @@ pub fn bake_file(path: &Path, options: &[(&str, &str)]) -> Result<BakedPack, InM
         ReadError::Io(source) => InMemoryError::Io { file, source },
         ReadError::Import(error) => error.into(),
     })?;
-    bake_source(path, &source, options).map(|(pack, _)| pack)
+    bake_source(path, &source, options, stage).map(|(pack, _)| pack)
 }
 
 /// Bakes the contents of a mesh file, as [`bake_file`] does. Also returns the mesh as it was
@@ -98,13 +98,14 @@ pub fn bake_source(
     path: &Path,
     source: &SourceFile,
     options: &[(&str, &str)],
+    stage: Stage,
 ) -> Result<(BakedPack, Imported), InMemoryError> {
     let options = resolve(options)?;
     let file = path.display().to_string();
     let [stem, name] = [path.file_stem(), path.file_name()].map(|part| part.unwrap_or_default().to_string_lossy());
     let imported = import::import(&file, &stem, path, source, &options.import(), &Limits::DEFAULT)?;
     let record = SourceRecord { path: name.into_owned(), hash: source.hash, options: String::new() };
-    bake(imported, &options, record, &file)
+    bake(imported, &options, record, &file, stage)
 }
 
 fn bake(
@@ -112,12 +113,13 @@ fn bake(
     options: &BuildOptions,
     record: SourceRecord,
     file: &str,
+    stage: Stage,
 ) -> Result<(BakedPack, Imported), InMemoryError> {
     if options.decompose().is_some() {
         imported.give_triangles();
     }
     let record = SourceRecord { options: options.to_string(), ..record };
-    let mut pack = bake_pack(&imported.point_sets, options, &record)
+    let mut pack = bake_pack_in(&imported.point_sets, options, &record, stage)
         .map_err(|error| InMemoryError::Bake(format!("{file}: {error}")))?;
     pack.notes.splice(0..0, std::mem::take(&mut imported.notes));
     pack.warnings.splice(0..0, std::mem::take(&mut imported.warnings));
@@ -158,7 +160,7 @@ mod tests {
 
     #[test]
     fn a_missing_file_is_an_io_error() {
-        let error = bake_file(Path::new("missing.obj"), &[]).unwrap_err();
+        let error = bake_file(Path::new("missing.obj"), &[], Stage::default()).unwrap_err();
         assert!(matches!(error, InMemoryError::Io { .. }), "{error}");
         assert!(error.to_string().starts_with("missing.obj: cannot read: "));
     }

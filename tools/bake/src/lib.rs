@@ -88,7 +88,8 @@ use std::ffi::OsString;
 #[cfg(feature = "command")]
 use args::{Cli, Command};
 pub use baker::BakedPack;
-pub use in_memory::{InMemoryError, bake_arrays, bake_arrays_with_mesh, bake_file, bake_source};
+pub use hullmap_bake::progress::{Progress, Stage};
+pub use in_memory::{InMemoryError, bake_arrays, bake_file, bake_source};
 #[cfg(feature = "command")]
 use outcome::{Exit, Failure, end};
 #[cfg(feature = "command")]

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use hullmap_bake::decompose::Method;
 use hullmap_bake::parts::{Fit, fits};
+use hullmap_bake::progress::Stage;
 use hullmap_bake::{BakedHull, PointSet};
 
 use crate::advice::{self, Remark};
@@ -16,10 +17,18 @@ const ROOM: f64 = 1.0 + 1e-6;
 /// Counts and measures the parts of each point set, records both in their hulls, and returns
 /// remarks on them. The hulls of a set are consecutive, in the order of the sets.
 ///
-/// A set without triangles has no surface to measure; its hull is no part.
-pub fn parts(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], method: &Method) -> Vec<Remark> {
+/// A set without triangles has no surface to measure; its hull is no part. `stage` shows the
+/// progress.
+pub fn parts(
+    point_sets: &[PointSet],
+    parts: &[Part],
+    hulls: &mut [BakedHull],
+    method: &Method,
+    stage: Stage,
+) -> Vec<Remark> {
     let mut remarks = Vec::new();
     let mut start = 0;
+    let steps = stage.steps(point_sets.len());
     for (set, points) in point_sets.iter().enumerate() {
         let count = parts[start..].iter().take_while(|part| part.set == set).count();
         let own = &mut hulls[start..start + count];
@@ -28,19 +37,18 @@ pub fn parts(point_sets: &[PointSet], parts: &[Part], hulls: &mut [BakedHull], m
         let is_cut = |part: &Part| matches!(part.points, Cow::Owned(_));
         let is_whole = !parts.get(start - count).is_some_and(is_cut) || method.allows_one_part();
         if count == 1 && is_whole {
-            let why = if points.triangles.is_empty() {
-                "it has no faces"
-            } else if method.allows_one_part() {
-                "at most one part is allowed"
+            let why = if method.allows_one_part() { "at most one part is allowed" } else { "it is convex or thin" };
+            remarks.push(if points.triangles.is_empty() {
+                advice::without_faces(name)
             } else {
-                "it is convex or thin"
-            };
-            remarks.push(Remark::note(why, name, format!("{name}: not decomposed, because {why}")));
+                Remark::note(why, name, format!("{name}: not decomposed, because {why}"))
+            });
         }
         if !points.triangles.is_empty() {
             record(points, own, limit(method, points));
             remarks.extend(beyond(method, points, own));
         }
+        steps.take();
         if count > 1 || !is_whole {
             let size = own.iter().map(|baked| baked.hull.diameter).fold(0.0, f64::max);
             let fits: Option<Vec<Fit>> = own.iter().map(|baked| baked.fit).collect();

@@ -38,6 +38,7 @@ use crate::{
     BakeError, PointSet,
     hull::{self, Hull},
     parts::{Accuracy, protrusion, solid::Solid, uncovered_triangles},
+    progress::Stage,
 };
 
 /// How a mesh is decomposed.
@@ -122,6 +123,9 @@ const BISECTIONS: usize = 5;
 /// Ratio of the limit that is reached to one that is too small, at which the search ends.
 const CLOSE_ENOUGH: f64 = 1.05;
 
+/// Share of the search in the time that it takes to find parts for one limit.
+const SEARCH: f64 = 0.9;
+
 /// Number of parts above which neighbours are joined before the best mergers are sought.
 const MANY_PARTS: usize = 256;
 
@@ -137,19 +141,27 @@ const MANY_PARTS: usize = 256;
 /// # Complexity
 /// See [`cover`] and [`vhacd`].
 pub fn decompose(mesh: &PointSet, method: &Method) -> Result<Option<Vec<PointSet>>, BakeError> {
+    decompose_in(mesh, method, Stage::default())
+}
+
+/// Like [`decompose`], as a stage of a computation whose progress is shown.
+///
+/// # Errors
+/// Those of [`decompose`].
+pub fn decompose_in(mesh: &PointSet, method: &Method, stage: Stage) -> Result<Option<Vec<PointSet>>, BakeError> {
     match method {
         Method::Vhacd(parameters) => vhacd::decompose(mesh, parameters),
-        Method::Cover(parameters) => covered(mesh, parameters),
+        Method::Cover(parameters) => covered(mesh, parameters, stage),
     }
 }
 
-fn covered(mesh: &PointSet, parameters: &Cover) -> Result<Option<Vec<PointSet>>, BakeError> {
+fn covered(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result<Option<Vec<PointSet>>, BakeError> {
     let hull = hull::build(mesh)?;
     if hull.rank < 3 || mesh.triangles.is_empty() || vhacd::is_convex(mesh, &hull) {
         return Ok(None);
     }
     let order = vhacd::by_position(mesh);
-    let parts = cover_within(mesh, &order, hull, parameters)?;
+    let parts = cover_within(mesh, &order, hull, parameters, stage)?;
     let named =
         |(index, hull)| PointSet { name: format!("{}_part_{index:02}", mesh.name), ..part_of(mesh, &order, hull) };
     Ok(Some(parts.iter().enumerate().map(named).collect()))
@@ -199,11 +211,17 @@ fn add_uncovered(mesh: &PointSet, order: &[u32], parts: &mut Vec<Hull>, diagonal
 
 /// The hulls of a cover, within the maximum number of parts. `hull` is that of the mesh, and is the
 /// result if nothing better is found in time.
-fn cover_within(mesh: &PointSet, order: &[u32], hull: Hull, parameters: &Cover) -> Result<Vec<Hull>, BakeError> {
+fn cover_within(
+    mesh: &PointSet,
+    order: &[u32],
+    hull: Hull,
+    parameters: &Cover,
+    stage: Stage,
+) -> Result<Vec<Hull>, BakeError> {
     let deadline = parameters.seconds.map(Deadline::after);
     let max_vertices = (parameters.max_vertices as usize).max(crate::simplify::MIN_VERTICES);
     let max_parts = parameters.max_parts.map(|count| count.max(1) as usize);
-    let is_over = || deadline.is_some_and(|deadline| deadline.is_over());
+    let is_over = || stage.is_cancelled() || deadline.is_some_and(|deadline| deadline.is_over());
     let whole = |hull| Ok(vec![cover::wrap::within_vertices(hull, max_vertices)]);
     if max_parts == Some(1) {
         return whole(hull);
@@ -211,15 +229,19 @@ fn cover_within(mesh: &PointSet, order: &[u32], hull: Hull, parameters: &Cover) 
     let solid = Solid::new(mesh);
     let diagonal = solid.diagonal();
     let least = LEAST_ERROR * diagonal;
-    let search = |limit: f64| -> Option<Vec<Hull>> {
-        let what = Search { limit: limit.max(least), max_vertices, deadline };
+    let search = |limit: f64, stage: Stage| -> Option<Vec<Hull>> {
+        let what = Search { limit: limit.max(least), max_vertices, deadline, stage: stage.from_to(0.0, SEARCH) };
         let found = cover::search(mesh, &solid, &what)?;
+        stage.reach(SEARCH);
         let mut hulls: Vec<Hull> = found.into_par_iter().map(|(hull, _)| as_built(mesh, order, hull)).collect();
         add_uncovered(mesh, order, &mut hulls, diagonal, &what);
         (!hulls.is_empty()).then_some(hulls)
     };
     let limit = parameters.max_error.of(diagonal).max(least);
-    let Some(mut best) = search(limit) else { return whole(hull) };
+    // With a maximum number of parts, each search takes about as long as the first.
+    let searches = if max_parts.is_some() { 1 + BISECTIONS } else { 1 };
+    let stage_of = |index: usize| stage.from_to(index as f64 / searches as f64, (index + 1) as f64 / searches as f64);
+    let Some(mut best) = search(limit, stage_of(0)) else { return whole(hull) };
     let Some(max_parts) = max_parts else { return Ok(best) };
     // The greatest limit that is known not to suffice, and what the best parts reach.
     let (mut low, mut reached) = (0.0, limit);
@@ -227,12 +249,12 @@ fn cover_within(mesh: &PointSet, order: &[u32], hull: Hull, parameters: &Cover) 
         low = limit;
         (best, reached) = merged(best, &solid, max_parts, max_vertices)?;
     }
-    for _ in 0..BISECTIONS {
+    for round in 1..=BISECTIONS {
         if is_over() || !(reached > least.max(CLOSE_ENOUGH * low)) {
             break;
         }
         let middle = if low > 0.0 { (low * reached).sqrt() } else { 0.25 * reached };
-        let Some(found) = search(middle) else { break };
+        let Some(found) = search(middle, stage_of(round)) else { break };
         if is_over() {
             // These parts may not be proven.
             break;

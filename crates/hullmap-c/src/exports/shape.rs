@@ -81,6 +81,21 @@ pub unsafe extern "C" fn hullmap_shape_cone(half_height: f64, radius: f64, shape
     unsafe { make(shape, || Shape::cone(half_height, radius)) }
 }
 
+/// The segment between two points, whose coordinates are from -3.4e38 to 3.4e38.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_shape_segment(start: Vec3, end: Vec3, shape: *mut *mut Shape) -> Result {
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe { make(shape, || Shape::segment(start.into(), end.into())) }
+}
+
+/// The triangle between three points, from both sides: for terrain and level geometry, triangle by
+/// triangle.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hullmap_shape_triangle(a: Vec3, b: Vec3, c: Vec3, shape: *mut *mut Shape) -> Result {
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe { make(shape, || Shape::triangle([a, b, c].map(Into::into))) }
+}
+
 /// Everything below a plane: the points p with normal . p <= offset, after the normal is
 /// normalised. For floors and walls. A half-space is always A, the first shape of a pair.
 #[unsafe(no_mangle)]

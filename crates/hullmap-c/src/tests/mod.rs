@@ -91,6 +91,8 @@ fn all_shapes(pack: &Owned<Pack>) -> Vec<Owned<Shape>> {
             make(&|out| hullmap_shape_capsule(0.5, 0.25, out)),
             make(&|out| hullmap_shape_cylinder(0.5, 0.75, out)),
             make(&|out| hullmap_shape_cone(1.0, 0.5, out)),
+            make(&|out| hullmap_shape_segment(v(-0.5, 0.25, 0.0), v(0.5, -0.25, 1.0), out)),
+            make(&|out| hullmap_shape_triangle(v(1.0, 0.0, 0.0), v(0.0, 1.0, 0.25), v(-0.5, -0.5, 0.0), out)),
             make(&|out| hullmap_shape_half_space(v(0.25, 0.5, 1.0), -0.25, out)),
         ]
     }
@@ -104,7 +106,7 @@ enum Twin<'p> {
 }
 
 fn all_twins(pack: &hullmap::Pack) -> Vec<Twin<'_>> {
-    use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Scaled, Sphere};
+    use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Scaled, Segment, Sphere, Triangle};
     let (left, right) = (pack.hull(0).unwrap(), pack.hull(1).unwrap());
     vec![
         Twin::Convex(Box::new(left)),
@@ -116,6 +118,10 @@ fn all_twins(pack: &hullmap::Pack) -> Vec<Twin<'_>> {
         Twin::Convex(Box::new(Capsule::new(0.5, 0.25).unwrap())),
         Twin::Convex(Box::new(Cylinder::new(0.5, 0.75).unwrap())),
         Twin::Convex(Box::new(Cone::new(1.0, 0.5).unwrap())),
+        Twin::Convex(Box::new(Segment::new(DVec3::new(-0.5, 0.25, 0.0), DVec3::new(0.5, -0.25, 1.0)).unwrap())),
+        Twin::Convex(Box::new(
+            Triangle::new([DVec3::X, DVec3::new(0.0, 1.0, 0.25), DVec3::new(-0.5, -0.5, 0.0)]).unwrap(),
+        )),
         Twin::HalfSpace(HalfSpace::new(DVec3::new(0.25, 0.5, 1.0), -0.25).unwrap()),
     ]
 }

@@ -215,6 +215,8 @@ static void shapes(const HullmapPack *pack) {
         FAILS(HULLMAP_RESULT_INVALID_ARGUMENT, "half length", hullmap_shape_capsule(bad, 1.0, &shape));
         FAILS(HULLMAP_RESULT_INVALID_ARGUMENT, "radius", hullmap_shape_cylinder(1.0, bad, &shape));
         FAILS(HULLMAP_RESULT_INVALID_ARGUMENT, "half height", hullmap_shape_cone(bad, 1.0, &shape));
+        FAILS(HULLMAP_RESULT_INVALID_ARGUMENT, "end", hullmap_shape_segment(up, vector, &shape));
+        FAILS(HULLMAP_RESULT_INVALID_ARGUMENT, "corner", hullmap_shape_triangle(up, vector, zero, &shape));
         FAILS(HULLMAP_RESULT_INVALID_ARGUMENT, "offset", hullmap_shape_half_space(up, bad, &shape));
         FAILS(HULLMAP_RESULT_INVALID_ARGUMENT, "scale", hullmap_shape_scaled_hull(pack, 0, vector, &shape));
         EXPECT(shape == NULL);

@@ -30,6 +30,8 @@ from ._hullmap import (
     ShapeError,
     __version__,
 )
+from ._options import BakeOptions
+from ._pairs import Pairs
 from ._poses import poses, relative
 from ._results import (
     Contact,
@@ -66,6 +68,7 @@ from ._shapes import (
 __all__ = [
     "ArrayError",
     "BakeError",
+    "BakeOptions",
     "BakeWarning",
     "Box",
     "Capsule",
@@ -86,6 +89,7 @@ __all__ = [
     "Overlap",
     "Pack",
     "PairManifolds",
+    "Pairs",
     "PoseError",
     "RayHit",
     "Segment",

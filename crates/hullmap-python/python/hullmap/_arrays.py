@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Tuple
+from typing import Any, Tuple
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +10,7 @@ import numpy.typing as npt
 from ._hullmap import ArrayError
 
 Floats = npt.NDArray[np.float64]
+Counts = npt.NDArray[np.uint32]
 
 
 def is_ragged(value: object) -> bool:
@@ -31,6 +32,29 @@ def floats(name: str, value: npt.ArrayLike) -> Floats:
     if array.dtype.kind not in "fiu":
         raise ArrayError(f"{name}: expected an array of real numbers, found one of type {array.dtype}: convert it")
     return np.asarray(array, dtype=np.float64)
+
+
+def indices(name: str, array: npt.NDArray[Any], noun: str) -> Counts:
+    """``array`` as 32-bit indices of ``noun``."""
+    if array.size == 0:
+        return np.zeros(0, dtype=np.uint32)
+    if array.dtype.kind not in "iu":
+        raise ArrayError(f"{name}: expected whole numbers, found {array.dtype}: convert the array with astype(int)")
+    low, high = array.min(), array.max()
+    if low < 0 or high >= 2**32:
+        raise ArrayError(f"{name}: index {low if low < 0 else high} is out of range: {noun} are counted from 0")
+    return np.ascontiguousarray(array.reshape(-1), dtype=np.uint32)
+
+
+def number(name: str, value: float) -> float:
+    """``value`` as a number of at least 0. NaN is none."""
+    try:
+        found = float(value)
+    except (TypeError, ValueError):
+        found = float("nan")
+    if not found >= 0.0:
+        raise ArrayError(f"{name} must be a number of at least 0, found {value!r}")
+    return found
 
 
 def vectors(name: str, value: npt.ArrayLike) -> Tuple[Floats, Tuple[int, ...]]:

@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 import os
-from typing import Any, List, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _hullmap
-from ._arrays import Floats, floats, is_ragged
+from ._arrays import Counts, Floats, floats, indices, is_ragged
 from ._hullmap import ArrayError, BakeError
-from ._results import Counts
+from ._options import BakeOptions
+from ._progress import Progress, shown
 from ._shapes import Pack
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 Faces = Union[npt.ArrayLike, Sequence[Sequence[int]]]
 Mesh = Tuple[str, Floats, Counts, Counts]
 
 
-def _options(options: dict[str, Any]) -> List[Tuple[str, str]]:
+def _options(options: Mapping[str, Any]) -> List[Tuple[str, str]]:
     """Options as the text that the command accepts. ``None`` is the default of each."""
     pairs = []
     for key, value in options.items():
@@ -36,18 +40,6 @@ def _options(options: dict[str, Any]) -> List[Tuple[str, str]]:
             raise BakeError(f"option {key}: expected a word, a number or a truth value, found {value!r}")
         pairs.append((key, text))
     return pairs
-
-
-def _indices(what: str, array: npt.NDArray[Any]) -> Counts:
-    """``array`` as 32-bit indices."""
-    if array.size == 0:
-        return np.zeros(0, dtype=np.uint32)
-    if array.dtype.kind not in "iu":
-        raise ArrayError(f"{what}: expected whole numbers, found {array.dtype}: convert the array with astype(int)")
-    low, high = array.min(), array.max()
-    if low < 0 or high >= 2**32:
-        raise ArrayError(f"{what}: index {low if low < 0 else high} is out of range: vertices are counted from 0")
-    return np.ascontiguousarray(array.reshape(-1), dtype=np.uint32)
 
 
 def _mesh(name: str, what: str, vertices: npt.ArrayLike, faces: Optional[Faces]) -> Mesh:
@@ -74,7 +66,7 @@ def _mesh(name: str, what: str, vertices: npt.ArrayLike, faces: Optional[Faces])
         lengths = np.full(len(array) if array.size else 0, array.shape[-1])
         corners = array
     ends = np.cumsum(lengths) if len(lengths) else lengths
-    return (name, points, _indices(f"{what}faces", corners), _indices(f"{what}faces", np.asarray(ends)))
+    return (name, points, indices(f"{what}faces", corners, "vertices"), indices(f"{what}faces", np.asarray(ends), "vertices"))
 
 
 def bake(
@@ -84,7 +76,8 @@ def bake(
     *,
     name: str = "mesh",
     threads: Optional[int] = None,
-    **options: Any,
+    progress: Progress = None,
+    **options: Unpack[BakeOptions],
 ) -> Pack:
     """Bakes a mesh or a point cloud into a pack of one hull, or of its convex parts.
 
@@ -92,15 +85,19 @@ def bake(
     triangles (F, 3), quadrilaterals (F, 4) or a list of polygons; only ``decompose`` needs them, and
     vertices that no face references are left out, unless the option ``vertices`` is "all".
 
-    The options are those of the command, with underscores (``docs/COMMAND.md``). The main ones:
+    `BakeOptions` lists all options. The main ones:
 
     - ``index``: the direction index, "tree" by default; "medium" and "compact" are smaller
     - ``max_vertices`` or ``max_error``: an enclosing hull with fewer vertices instead of the exact one
-    - ``decompose=True``: convex parts of a concave mesh (V-HACD), with ``vhacd_concavity``,
-      ``vhacd_resolution``, ``vhacd_max_parts`` and others
+    - ``decompose=True``: few convex parts that cover a concave mesh, with proven bounds on how far they
+      protrude; ``max_error``, ``max_parts`` and ``max_vertices`` limit them
     - ``unit_scale``, ``up_axis``, ``recentre``: the frame of the hulls
 
     The same arguments give the same bytes on every machine. Findings to act on are Python warnings.
+
+    ``progress=True`` shows a bar, if standard error is a terminal. A function is called with the share
+    that is done, from 0 to 1, a few times per second; an exception that it raises ends the bake, as
+    Ctrl-C does.
 
     Raises `ArrayError` for wrong arrays, and `BakeError` for wrong options and meshes.
 
@@ -112,7 +109,9 @@ def bake(
     >>> len(hullmap.bake(ball, max_vertices=64)[0])
     64
     """
-    return Pack(_hullmap.bake_arrays(name, [_mesh(name, "", vertices, faces)], _options(options), threads))
+    meshes, pairs = [_mesh(name, "", vertices, faces)], _options(options)
+    with shown(progress, name) as report:
+        return Pack(_hullmap.bake_arrays(name, meshes, pairs, threads, report))
 
 
 def bake_parts(
@@ -121,7 +120,8 @@ def bake_parts(
     names: Optional[Sequence[str]] = None,
     name: str = "part",
     threads: Optional[int] = None,
-    **options: Any,
+    progress: Progress = None,
+    **options: Unpack[BakeOptions],
 ) -> Pack:
     """Bakes several meshes into one pack, with a hull for each: for instance the parts of a convex
     decomposition by another tool.
@@ -145,10 +145,17 @@ def bake_parts(
         for index, (own, (vertices, faces)) in enumerate(zip(chosen, parts))
     ]
     pairs = _options({**options, "split": "object"})
-    return Pack(_hullmap.bake_arrays(name, meshes, pairs, threads))
+    with shown(progress, name) as report:
+        return Pack(_hullmap.bake_arrays(name, meshes, pairs, threads, report))
 
 
-def bake_file(path: Union[str, os.PathLike[str]], *, threads: Optional[int] = None, **options: Any) -> Pack:
+def bake_file(
+    path: Union[str, os.PathLike[str]],
+    *,
+    threads: Optional[int] = None,
+    progress: Progress = None,
+    **options: Unpack[BakeOptions],
+) -> Pack:
     """Bakes a mesh file: OBJ, glTF, GLB, STL or PLY.
 
     The options are those of `bake`, and ``split="object"`` for a hull for each object. Saved in the
@@ -156,4 +163,5 @@ def bake_file(path: Union[str, os.PathLike[str]], *, threads: Optional[int] = No
 
     Raises `BakeError` for a faulty mesh, and an `OSError` for a file that cannot be read.
     """
-    return Pack(_hullmap.bake_file(os.fspath(path), _options(options), threads))
+    with shown(progress, os.path.basename(os.fsdecode(path))) as report:
+        return Pack(_hullmap.bake_file(os.fspath(path), _options(options), threads, report))

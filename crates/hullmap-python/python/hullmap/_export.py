@@ -11,10 +11,13 @@ import numpy as np
 
 from ._bake import bake, bake_parts
 from ._hullmap import ArrayError, Error
+from ._options import BakeOptions
+from ._progress import Progress
 from ._shapes import Hull, Pack
 
 if TYPE_CHECKING:
     import trimesh
+    from typing_extensions import Unpack
 
 
 def _hulls(shape: Union[Hull, Pack]) -> List[Hull]:
@@ -44,7 +47,14 @@ def to_trimesh(shape: Union[Hull, Pack]) -> trimesh.Trimesh:
     return mesh
 
 
-def from_trimesh(mesh: Any, *, name: str = "mesh", threads: Optional[int] = None, **options: Any) -> Pack:
+def from_trimesh(
+    mesh: Any,
+    *,
+    name: str = "mesh",
+    threads: Optional[int] = None,
+    progress: Progress = None,
+    **options: Unpack[BakeOptions],
+) -> Pack:
     """Bakes a ``trimesh.Trimesh``, ``PointCloud`` or ``Scene``; each geometry of a scene becomes a
     hull. The options are those of `bake`."""
     module = _import_trimesh()
@@ -56,11 +66,11 @@ def from_trimesh(mesh: Any, *, name: str = "mesh", threads: Optional[int] = None
             points = module.transform_points(np.asarray(own.vertices), matrix)
             parts.append((points, getattr(own, "faces", None)))
             names.append(str(node))
-        return bake_parts(parts, names=names, name=name, threads=threads, **options)
+        return bake_parts(parts, names=names, name=name, threads=threads, progress=progress, **options)
     if not hasattr(mesh, "vertices"):
         raise ArrayError(f"expected a mesh, a point cloud or a scene of trimesh, found {type(mesh).__name__}")
     faces = getattr(mesh, "faces", None)
-    return bake(np.asarray(mesh.vertices), faces, name=name, threads=threads, **options)
+    return bake(np.asarray(mesh.vertices), faces, name=name, threads=threads, progress=progress, **options)
 
 
 def _numbers(array: Any) -> str:

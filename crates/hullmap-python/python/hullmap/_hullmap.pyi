@@ -1,6 +1,6 @@
 """The part of the package that is written in Rust. Use the classes of `hullmap` instead."""
 
-from typing import Any, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -11,8 +11,11 @@ has_gpu: bool
 _Floats = npt.NDArray[np.float64]
 _Indices = npt.NDArray[np.uint32]
 _Columns = Dict[str, npt.NDArray[Any]]
-_Poses = Tuple[_Floats, Optional[_Floats]]
 _Vector = Tuple[float, float, float]
+_Pairs = Union[Pairs, Tuple[Shape, Shape]]
+
+# Those of B in A; those of A and of B in the world; those of all shapes of `Pairs` in the world.
+Poses = Union[Tuple[_Floats, Optional[_Floats]], _Floats]
 
 class Error(ValueError):
     """Wrong input. The base of all exceptions of hullmap."""
@@ -53,6 +56,9 @@ class Shape:
     @staticmethod
     def half_space(normal: _Vector, offset: float) -> Shape: ...
 
+class Pairs:
+    def __init__(self, shapes: Sequence[Shape], a: _Indices, b: _Indices) -> None: ...
+
 class Hull:
     index: int
     name: str
@@ -84,43 +90,46 @@ def bake_arrays(
     meshes: Sequence[Tuple[str, _Floats, _Indices, _Indices]],
     options: Sequence[Tuple[str, str]],
     threads: Optional[int],
+    progress: Optional[Callable[[float], object]],
 ) -> Pack: ...
-def bake_file(path: str, options: Sequence[Tuple[str, str]], threads: Optional[int]) -> Pack: ...
+def bake_file(
+    path: str,
+    options: Sequence[Tuple[str, str]],
+    threads: Optional[int],
+    progress: Optional[Callable[[float], object]],
+) -> Pack: ...
+def pose_rows(name: str, matrices: _Floats) -> _Floats: ...
 def relative(a_in_world: _Floats, b_in_world: _Floats) -> _Floats: ...
 def intersects(
-    a: Shape, b: Shape, poses: _Poses, coherent: bool, threads: Optional[int], device: str
+    pairs: _Pairs, poses: Poses, coherent: bool, threads: Optional[int], device: str
 ) -> _Columns: ...
 def distance(
-    a: Shape,
-    b: Shape,
-    poses: _Poses,
+    pairs: _Pairs,
+    poses: Poses,
     settings: Tuple[float, int],
     coherent: bool,
     threads: Optional[int],
     device: str,
 ) -> _Columns: ...
 def contact(
-    a: Shape,
-    b: Shape,
-    poses: _Poses,
+    pairs: _Pairs,
+    poses: Poses,
     settings: Tuple[float, int],
     coherent: bool,
     threads: Optional[int],
     device: str,
 ) -> _Columns: ...
 def manifold(
-    a: Shape,
-    b: Shape,
-    poses: _Poses,
+    pairs: _Pairs,
+    poses: Poses,
     settings: Tuple[float, int],
     prediction: Optional[float],
     coherent: bool,
     threads: Optional[int],
 ) -> _Columns: ...
 def manifolds(
-    a: Shape,
-    b: Shape,
-    poses: _Poses,
+    pairs: _Pairs,
+    poses: Poses,
     settings: Tuple[float, int],
     prediction: Optional[float],
     max_pairs: int,
@@ -128,9 +137,8 @@ def manifolds(
     threads: Optional[int],
 ) -> _Columns: ...
 def cast(
-    a: Shape,
-    b: Shape,
-    poses: _Poses,
+    pairs: _Pairs,
+    poses: Poses,
     velocities: _Floats,
     settings: Tuple[float, float, int],
     coherent: bool,

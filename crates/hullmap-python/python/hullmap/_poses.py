@@ -18,21 +18,29 @@ def poses(
     *,
     order: Literal["xyzw", "wxyz"] = "xyzw",
 ) -> Floats:
-    """Poses as rows ``x y z qx qy qz qw``, from positions and rotations.
+    """Poses as rows ``x y z qx qy qz qw``, from positions and rotations, or from 4x4 matrices.
 
-    ``rotations`` are unit quaternions in the given ``order``, of shape (..., 4), or matrices of shape
+    ``positions`` have the shape (..., 3). ``rotations`` are unit quaternions in the given ``order``, of shape (..., 4), or matrices of shape
     (..., 3, 3). Without rotations, the poses only translate. Positions and rotations are broadcast.
+    Matrices of poses, of shape (..., 4, 4), take the place of both. Queries take them as they are, too.
 
     The scalar comes last in SciPy, ROS, Pinocchio, PyBullet, Eigen's memory and glTF, and in
     hullmap's own command; it comes first in MuJoCo, Drake and trimesh: pass ``order="wxyz"`` there.
 
-    >>> import hullmap
+    >>> import numpy as np, hullmap
     >>> hullmap.poses([1, 2, 3])
     array([1., 2., 3., 0., 0., 0., 1.])
     >>> hullmap.poses([[1, 2, 3]], [1, 0, 0, 0], order="wxyz")
     array([[1., 2., 3., 0., 0., 0., 1.]])
+    >>> hullmap.poses(np.diag([-1.0, -1.0, 1.0, 1.0]))
+    array([0., 0., 0., 0., 0., 1., 0.])
     """
-    places, lead = vectors("positions", positions)
+    places = floats("positions", positions)
+    if places.shape[-2:] == (4, 4):
+        if rotations is not None:
+            raise ArrayError("positions are matrices of poses, which contain rotations: leave out the argument rotations")
+        return _rows("positions", places)
+    places, lead = vectors("positions", places)
     places = places.reshape(lead + (3,))
     if order not in ("xyzw", "wxyz"):
         raise ArrayError(f"order: expected 'xyzw' or 'wxyz', found {order!r}")
@@ -57,7 +65,14 @@ def _quaternions(matrices: Floats) -> Floats:
     frames = np.zeros(matrices.shape[:-2] + (4, 4))
     frames[..., :3, :3] = matrices
     frames[..., 3, 3] = 1.0
-    return relative(np.eye(4), frames)[..., 3:]
+    return _rows("rotations", frames)[..., 3:]
+
+
+def _rows(name: str, matrices: Floats) -> Floats:
+    """Matrices of poses as rows of seven numbers."""
+    rows, lead = transforms(name, matrices)
+    found: Floats = _hullmap.pose_rows(name, rows)
+    return found.reshape(lead + (7,))
 
 
 def relative(a_in_world: npt.ArrayLike, b_in_world: npt.ArrayLike) -> Floats:

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from enum import IntEnum
-from typing import Any, Dict, List, Mapping, Optional, Tuple, Type, TypeVar
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple, Type, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
-from ._arrays import Floats
+from ._arrays import Counts, Floats
 
 Answer = TypeVar("Answer", bound="_Answer")
+Columns = Mapping[str, npt.NDArray[Any]]
 Codes = npt.NDArray[np.uint8]
-Counts = npt.NDArray[np.uint32]
 Flags = npt.NDArray[np.bool_]
 
 
@@ -70,12 +70,48 @@ class Overlap(IntEnum):
 
 
 class _Answer:
-    """Base of all answers."""
+    """Base of all answers: columns of one row for each pose.
+
+    Indices select rows of all columns at once, as of a NumPy array of the shape of the poses: masks,
+    arrays of indices, slices. The rows are copied.
+
+    >>> import hullmap
+    >>> ball = hullmap.Sphere(1.0)
+    >>> contact = ball.contact(ball, hullmap.poses([[1.5, 0, 0], [3, 0, 0], [1, 0, 0]]))
+    >>> len(contact), contact[contact.hit].depth, float(contact[-1].depth)
+    (3, array([0.5, 1. ]), 1.0)
+    """
+
+    @property
+    def shape(self) -> Tuple[int, ...]:
+        """Shape of the poses. Columns of vectors have more axes."""
+        return min((np.shape(column) for column in self._columns().values()), key=len)
+
+    def _columns(self) -> Dict[str, Any]:
+        return {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+
+    def __len__(self) -> int:
+        if not self.shape:
+            raise TypeError("the answer for a single pose has no length: pass an array of poses")
+        return self.shape[0]
+
+    def __bool__(self) -> bool:
+        raise TypeError("an answer is neither true nor false: test one of its columns, such as hit")
+
+    def __getitem__(self: Answer, index: Any) -> Answer:
+        lead = self.shape
+        rows = np.arange(np.prod(lead, dtype=np.intp)).reshape(lead)[index]
+        columns = {name: np.asarray(column) for name, column in self._columns().items()}
+        flat = {name: column.reshape((-1, *column.shape[len(lead) :])) for name, column in columns.items()}
+        return type(self)(**{name: column[rows] for name, column in flat.items()})
+
+    def __iter__(self: Answer) -> Iterator[Answer]:
+        return (self[row] for row in range(len(self)))
 
     @classmethod
     def _of(
         cls: Type[Answer],
-        columns: Mapping[str, npt.NDArray[Any]],
+        columns: Columns,
         lead: Tuple[int, ...],
         tails: Optional[Dict[str, Tuple[int, ...]]] = None,
     ) -> Answer:
@@ -92,9 +128,8 @@ class _Answer:
 
     def __repr__(self) -> str:
         shapes = []
-        for field in fields(self):  # type: ignore[arg-type]
-            value = getattr(self, field.name)
-            shapes.append(f"{field.name}: {value.shape if isinstance(value, np.ndarray) and value.size > 4 else value}")
+        for name, value in self._columns().items():
+            shapes.append(f"{name}: {value.shape if isinstance(value, np.ndarray) and value.size > 4 else value}")
         return f"{type(self).__name__}({', '.join(shapes)})"
 
 
@@ -187,6 +222,10 @@ class Manifold(_Answer):
     status: Codes
     """Codes of `Status`, for the contact."""
 
+    @classmethod
+    def _of_points(cls, columns: Columns, lead: Tuple[int, ...]) -> Manifold:
+        return cls._of(columns, lead, {"point_a": (4, 3), "point_b": (4, 3), "local_b": (4, 3), "depth": (4,)})
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PairManifolds(_Answer):
@@ -213,6 +252,14 @@ class PairManifolds(_Answer):
     """The points on B, in B's frame; (..., P, 4, 3)."""
     depth: Floats
     """Penetration depth at each point, negative where the surfaces are separated; (..., P, 4)."""
+
+    @classmethod
+    def _of_points(cls, columns: Columns, lead: Tuple[int, ...], pairs: int) -> PairManifolds:
+        # The counts are in the first row of each pose.
+        counts = {name: columns[name][::pairs] for name in ("touching", "dropped")}
+        points = {"point_a": (pairs, 4, 3), "point_b": (pairs, 4, 3), "local_b": (pairs, 4, 3)}
+        of_pairs = {"parts": (pairs, 2), "count": (pairs,), "normal": (pairs, 3), "depth": (pairs, 4)}
+        return cls._of({**columns, **counts}, lead, {**points, **of_pairs})
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -12,11 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _hullmap
-from ._arrays import Floats, floats, joint, transforms, vector, vectors
+from ._arrays import Counts, Floats, floats, joint, number, transforms, vector, vectors
 from ._hullmap import ArrayError
 from ._results import (
     Contact,
-    Counts,
     Distance,
     Impact,
     Intersection,
@@ -38,6 +37,7 @@ RAY_TOLERANCE = 1e-6
 """Default width of the interval of a ray or a cast, relative to t."""
 
 Poses = Optional[npt.ArrayLike]
+"""Poses as users pass them."""
 
 
 def _count(name: str, value: int, least: int, most: int) -> int:
@@ -51,13 +51,24 @@ def _count(name: str, value: int, least: int, most: int) -> int:
     return count
 
 
-def _limit(max_iterations: int) -> int:
-    return _count("max_iterations", max_iterations, 0, 2**32 - 1)
+def settings_of(tolerance: float, max_iterations: int) -> Tuple[float, int]:
+    """The settings of a query, checked."""
+    return number("tolerance", tolerance), _count("max_iterations", max_iterations, 0, 2**32 - 1)
+
+
+def pairs_of(max_pairs: int) -> int:
+    """The maximum number of manifolds, checked."""
+    return _count("max_pairs", max_pairs, 1, 2**16)
+
+
+def length_of(prediction: Optional[float]) -> Optional[float]:
+    """The prediction of a manifold, checked."""
+    return None if prediction is None else number("prediction", prediction)
 
 
 def _poses(
     b_in_a: Poses, a_in_world: Poses, b_in_world: Poses
-) -> Tuple[Tuple[Floats, Optional[Floats]], Tuple[int, ...]]:
+) -> Tuple[_hullmap.Poses, Tuple[int, ...]]:
     """The arrays of poses, and the shape of the answer."""
     if b_in_a is not None and a_in_world is None and b_in_world is None:
         rows, lead = transforms("b_in_a", b_in_a)
@@ -110,7 +121,7 @@ class Shape:
         array([ True, False])
         """
         poses, lead = _poses(b_in_a, a_in_world, b_in_world)
-        found = _hullmap.intersects(self._native, _native(other), poses, coherent, threads, device)
+        found = _hullmap.intersects((self._native, native(other)), poses, coherent, threads, device)
         return Intersection._of(found, lead)
 
     def distance(
@@ -136,8 +147,8 @@ class Shape:
         True
         """
         poses, lead = _poses(b_in_a, a_in_world, b_in_world)
-        settings = (float(tolerance), _limit(max_iterations))
-        found = _hullmap.distance(self._native, _native(other), poses, settings, coherent, threads, device)
+        settings = settings_of(tolerance, max_iterations)
+        found = _hullmap.distance((self._native, native(other)), poses, settings, coherent, threads, device)
         return Distance._of(found, lead)
 
     def contact(
@@ -162,8 +173,8 @@ class Shape:
         (0.25, [0.0, 0.0, 1.0])
         """
         poses, lead = _poses(b_in_a, a_in_world, b_in_world)
-        settings = (float(tolerance), _limit(max_iterations))
-        found = _hullmap.contact(self._native, _native(other), poses, settings, coherent, threads, device)
+        settings = settings_of(tolerance, max_iterations)
+        found = _hullmap.contact((self._native, native(other)), poses, settings, coherent, threads, device)
         return Contact._of(found, lead)
 
     def ray(
@@ -186,7 +197,7 @@ class Shape:
         """
         (starts, lead_o), (ways, lead_d) = vectors("origins", origins), vectors("directions", directions)
         lead = joint(lead_o, len(starts), lead_d, len(ways))
-        settings = (float(max_t), float(tolerance), _limit(max_iterations))
+        settings = (number("max_t", max_t), *settings_of(tolerance, max_iterations))
         return RayHit._of(_hullmap.ray(self._native, starts, ways, settings, threads), lead)
 
     def cast(
@@ -213,8 +224,8 @@ class Shape:
         """
         poses, lead = _poses(b_in_a, a_in_world, b_in_world)
         velocities, _ = vectors("velocity", velocity)
-        settings = (float(max_t), float(tolerance), _limit(max_iterations))
-        found = _hullmap.cast(self._native, _native(other), poses, velocities, settings, coherent, threads)
+        settings = (number("max_t", max_t), *settings_of(tolerance, max_iterations))
+        found = _hullmap.cast((self._native, native(other)), poses, velocities, settings, coherent, threads)
         return Impact._of(found, lead)
 
     def manifolds(
@@ -249,16 +260,10 @@ class Shape:
         array([0.01, 0.01, 0.01, 0.01])
         """
         poses, lead = _poses(b_in_a, a_in_world, b_in_world)
-        settings = (float(tolerance), _limit(max_iterations))
-        length = None if prediction is None else float(prediction)
-        pairs = _count("max_pairs", max_pairs, 1, 2**16)
-        found = _hullmap.manifolds(self._native, _native(other), poses, settings, length, pairs, coherent, threads)
-        # The counts are in the first row of each pose.
-        for name in ("touching", "dropped"):
-            found[name] = found[name][::pairs]
-        points = {"point_a": (pairs, 4, 3), "point_b": (pairs, 4, 3), "local_b": (pairs, 4, 3)}
-        of_pairs = {"parts": (pairs, 2), "count": (pairs,), "normal": (pairs, 3), "depth": (pairs, 4)}
-        return PairManifolds._of(found, lead, {**points, **of_pairs})
+        settings = settings_of(tolerance, max_iterations)
+        length, most = length_of(prediction), pairs_of(max_pairs)
+        found = _hullmap.manifolds((self._native, native(other)), poses, settings, length, most, coherent, threads)
+        return PairManifolds._of_points(found, lead, most)
 
     def signed_distance(
         self,
@@ -280,7 +285,7 @@ class Shape:
         array([ 2.  , -0.25])
         """
         rows, lead = vectors("points", points)
-        settings = (float(tolerance), _limit(max_iterations))
+        settings = settings_of(tolerance, max_iterations)
         found = _hullmap.signed_distance(self._native, rows, settings, coherent, threads)
         return SignedDistance._of(found, lead)
 
@@ -317,11 +322,10 @@ class _Solid(Shape):
         array([0.01, 0.01, 0.01, 0.01])
         """
         poses, lead = _poses(b_in_a, a_in_world, b_in_world)
-        settings = (float(tolerance), _limit(max_iterations))
-        length = None if prediction is None else float(prediction)
-        found = _hullmap.manifold(self._native, _native(other), poses, settings, length, coherent, threads)
-        points = {"point_a": (4, 3), "point_b": (4, 3), "local_b": (4, 3)}
-        return Manifold._of(found, lead, dict(points))
+        settings = settings_of(tolerance, max_iterations)
+        length = length_of(prediction)
+        found = _hullmap.manifold((self._native, native(other)), poses, settings, length, coherent, threads)
+        return Manifold._of_points(found, lead)
 
 
 class _Bounded(Shape):
@@ -347,7 +351,7 @@ class ConvexShape(_Solid, _Bounded):
     __slots__ = ()
 
 
-def _native(shape: Shape) -> _hullmap.Shape:
+def native(shape: Shape) -> _hullmap.Shape:
     if not isinstance(shape, Shape):
         raise ArrayError(
             f"expected a shape of hullmap, found {type(shape).__name__}: hullmap.bake makes one from vertices"

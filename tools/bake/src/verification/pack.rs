@@ -13,6 +13,7 @@ use std::collections::HashSet;
 use glam::Vec3;
 use hullmap::{Cost, Hull, Pack, SolidKind};
 use hullmap_bake::decompose::{Cover, Method};
+use hullmap_bake::progress::Stage;
 use hullmap_bake::{NO_SOURCE_VERTEX, PointSet};
 use serde::Serialize;
 
@@ -196,7 +197,7 @@ fn compare_hulls(pack: &Pack, reference: Reference, count: usize, seed: u64) -> 
     if has_own_parts || is_timed {
         return verify_parts_of_others(pack, sets, count, seed);
     }
-    let parts = parts(sets, decompose.as_ref())?;
+    let parts = parts(sets, decompose.as_ref(), Stage::default())?;
     if parts.len() != pack.hull_count() {
         let (found, expected) = (pack.hull_count(), parts.len());
         return Err(format!("the pack has {found} hulls, but its source has {expected}; bake it again"));

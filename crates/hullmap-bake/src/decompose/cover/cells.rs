@@ -425,6 +425,7 @@ fn is_proven(body: &Body, field: &Field, cutting: &Cutting) -> bool {
         max_vertices: usize::MAX,
         diagonal: cutting.diagonal,
         deadline: None,
+        stage: crate::progress::Stage::default(),
     };
     super::wrap::hull_of(rounded).is_some_and(|hull| super::wrap::prove(field, &hull, &bounds, 4_000).is_ok())
 }

@@ -54,7 +54,7 @@ use field::Field;
 use grow::{Candidate, Ground};
 use wrap::Bounds;
 
-use crate::{PointSet, hull::Hull, parts::solid::Solid, simplify};
+use crate::{PointSet, hull::Hull, parts::solid::Solid, progress::Stage, simplify};
 
 /// Thickness of flat trial bodies, relative to the diagonal.
 const THICKNESS: f64 = 2e-7;
@@ -115,15 +115,29 @@ const INTO: f64 = 1e-5;
 const SWEEPS: [[f64; 3]; 5] =
     [[1.0, 0.13, 0.07], [-1.0, -0.11, 0.05], [0.09, 1.0, 0.12], [-0.06, -1.0, 0.1], [0.11, -0.05, 1.0]];
 
+/// Share of a search after which its cells are cut.
+const CELLS: f64 = 0.1;
+
+/// Shares of a search at which its attempts start. The second is rarely needed.
+const ATTEMPTS: [f64; RESERVES.len() + 1] = [CELLS, 0.9, 1.0];
+
+/// Shares of an attempt at which the first sweeps start, the others start, and all have ended.
+const SWEPT: [f64; 3] = [0.0, 0.2, 0.5];
+
+/// Share of an attempt after which parts are proven.
+const REGROWN: f64 = 0.8;
+
 /// Limits of a search.
 #[derive(Clone, Copy, Debug)]
-pub struct Search {
+pub struct Search<'a> {
     /// Maximum protrusion of a part, above 0.
     pub limit: f64,
     /// Maximum number of vertices of a part.
     pub max_vertices: usize,
     /// When to stop.
     pub deadline: Option<Deadline>,
+    /// The progress of the search.
+    pub stage: Stage<'a>,
 }
 
 /// When a search stops.
@@ -146,13 +160,14 @@ impl Deadline {
     }
 }
 
-impl Search {
-    fn bounds(&self, diagonal: f64) -> Bounds {
-        Bounds { limit: self.limit, max_vertices: self.max_vertices, diagonal, deadline: self.deadline }
+impl Search<'_> {
+    fn bounds(&self, diagonal: f64) -> Bounds<'_> {
+        let Self { limit, max_vertices, deadline, stage } = *self;
+        Bounds { limit, max_vertices, diagonal, deadline, stage }
     }
 
     fn is_over(&self) -> bool {
-        self.deadline.is_some_and(|deadline| deadline.is_over())
+        self.stage.is_cancelled() || self.deadline.is_some_and(|deadline| deadline.is_over())
     }
 }
 
@@ -173,6 +188,7 @@ pub fn search(mesh: &PointSet, solid: &Solid, what: &Search) -> Option<Vec<(Hull
     let cutting =
         Cutting { limit: what.limit * CELL_SHARE, hard: what.limit * HARD_SHARE, diagonal, max_cells: MAX_CELLS };
     let cells = cells::cells(&triangles, &field, &cutting, &|| what.is_over())?;
+    what.stage.reach(CELLS);
     let mut best: Option<Vec<(Hull, f64)>> = None;
     let mut failed: Vec<(usize, f64, Attempt)> = Vec::new();
     // What is too far for one attempt is too far for the next, which is stricter.
@@ -180,6 +196,7 @@ pub fn search(mesh: &PointSet, solid: &Solid, what: &Search) -> Option<Vec<(Hull
     for (index, reserve) in RESERVES.into_iter().enumerate() {
         let ground = Ground::new(&cells, &field, what.limit * reserve, diagonal);
         let is_last = index + 1 == RESERVES.len();
+        let what = &Search { stage: what.stage.from_to(ATTEMPTS[index], ATTEMPTS[index + 1]), ..*what };
         let Some(attempt) = cover(&ground, &triangles, what, is_last, &mut known) else { break };
         let accepted = ((ACCEPTED * attempt.hoped as f64) as usize).max(attempt.hoped + 1);
         if attempt.is_probe {
@@ -270,6 +287,8 @@ fn cover(
             break;
         }
         let count = forbidden.len();
+        let stage = what.stage.from_to(SWEPT[phase], SWEPT[phase + 1]);
+        let what = &Search { stage, ..*what };
         let swept: Vec<Swept> = sweeps
             .par_iter()
             .map(|direction| sweep(ground, DVec3::from_array(*direction), forbidden.clone(), what))
@@ -295,7 +314,9 @@ fn cover(
         if what.is_over() || cells.len() > MAX_REGROWN {
             break;
         }
-        for (candidate, points) in regrow(ground, &pool, &chosen, &forbidden, what) {
+        let [from, to] = [round, round + 1].map(|k| SWEPT[2] + (REGROWN - SWEPT[2]) * k as f64 / MAX_ROUNDS as f64);
+        let stage = what.stage.from_to(from, to);
+        for (candidate, points) in regrow(ground, &pool, &chosen, &forbidden, &Search { stage, ..*what }) {
             forbid(&mut forbidden, &points, ground);
             add(&mut pool, candidate);
         }
@@ -308,6 +329,7 @@ fn cover(
             break;
         }
     }
+    let what = &Search { stage: what.stage.from_to(REGROWN, 1.0), ..*what };
     let attempt = prove(ground, pool, chosen, forbidden, what, is_last);
     known.clear();
     known.extend_from_slice(attempt.forbidden.get(start..).unwrap_or_default());
@@ -357,9 +379,15 @@ fn prove(
     let mut repair = 0;
     loop {
         let parts = shrink(ground, &pool, &chosen);
+        let steps = what.stage.steps(parts.len());
         let outcomes: Vec<Outcome> = parts
             .par_iter()
-            .map(|part| known.get(&part.members).cloned().unwrap_or_else(|| finish(ground, &part.points, &bounds)))
+            .map(|part| {
+                let outcome = known.get(&part.members).cloned();
+                let outcome = outcome.unwrap_or_else(|| finish(ground, &part.points, &bounds));
+                steps.take();
+                outcome
+            })
             .collect();
         let members: Vec<Vec<u32>> = parts.into_iter().map(|part| part.members).collect();
         known.extend(members.iter().cloned().zip(outcomes.iter().cloned()));
@@ -619,10 +647,11 @@ fn sweep(ground: &Ground, direction: DVec3, mut forbidden: Vec<DVec3>, what: &Se
     order.sort_by(|a, b| height(*a).total_cmp(&height(*b)).then(a.cmp(b)));
     let mut covered = Bits::new(cells.len());
     let mut found = Vec::new();
-    for seed in order {
+    for (done, seed) in order.into_iter().enumerate() {
         if covered.has(seed as usize) {
             continue;
         }
+        what.stage.reach(done as f64 / cells.len() as f64);
         if what.is_over() {
             return Swept { found, forbidden, is_complete: false };
         }
@@ -669,9 +698,11 @@ fn regrow(
             }
         }
     }
+    let steps = what.stage.steps(pairs.len());
     pairs
         .par_iter()
         .filter_map(|(p, q)| {
+            steps.take();
             let start = &own[*q];
             if start.is_empty() || what.is_over() {
                 return None;

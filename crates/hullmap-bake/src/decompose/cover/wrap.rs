@@ -22,6 +22,7 @@ use crate::hull::{
     solid,
 };
 use crate::parts::{branch::Accuracy, protrusion::protrusion_beside};
+use crate::progress::Stage;
 use crate::{NO_SOURCE_VERTEX, PointSet, simplify};
 
 /// Maximum number of planes that are added.
@@ -56,7 +57,7 @@ const ROUNDING: f64 = 1.1e-7;
 
 /// Limits of a hull.
 #[derive(Clone, Copy, Debug)]
-pub struct Bounds {
+pub struct Bounds<'a> {
     /// Maximum distance from the solid.
     pub limit: f64,
     /// Maximum number of vertices.
@@ -65,12 +66,14 @@ pub struct Bounds {
     pub diagonal: f64,
     /// When to stop.
     pub deadline: Option<Deadline>,
+    /// The progress of the search, which may be cancelled.
+    pub stage: Stage<'a>,
 }
 
-impl Bounds {
-    /// Whether the deadline has passed.
+impl Bounds<'_> {
+    /// Whether the deadline has passed, or the search is cancelled.
     pub fn is_over(&self) -> bool {
-        self.deadline.is_some_and(|deadline| deadline.is_over())
+        self.stage.is_cancelled() || self.deadline.is_some_and(|deadline| deadline.is_over())
     }
 }
 
@@ -256,7 +259,7 @@ pub fn of_polygon(polygon: &[DVec3], diagonal: f64, thickness: f64, max_vertices
 struct Faces<'a> {
     field: &'a Field<'a>,
     body: &'a Body,
-    bounds: &'a Bounds,
+    bounds: &'a Bounds<'a>,
     middle: DVec3,
     room: f64,
     /// Points that a proof found to be too far.

@@ -1,0 +1,114 @@
+//! How much of a long computation is done, for a progress bar in another thread, which may also
+//! cancel it. Shares are estimates from counts of steps; no result depends on them.
+
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
+
+/// Resolution of a share.
+const STEPS: f64 = 1e6;
+
+/// Share of a computation that is done, from 0 to 1. It never decreases.
+///
+/// ```
+/// use hullmap_bake::progress::Progress;
+///
+/// let progress = Progress::default();
+/// let second_half = progress.whole().from_to(0.5, 1.0);
+/// second_half.reach(0.5);
+/// second_half.reach(0.25);
+/// assert_eq!(progress.share(), 0.75);
+/// ```
+#[derive(Debug, Default)]
+pub struct Progress {
+    done: AtomicU32,
+    is_cancelled: AtomicBool,
+}
+
+impl Progress {
+    /// The share that is done.
+    pub fn share(&self) -> f64 {
+        f64::from(self.done.load(Ordering::Relaxed)) / STEPS
+    }
+
+    /// Asks the computation to end soon. Its result is then of no use.
+    pub fn cancel(&self) {
+        self.is_cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// The whole computation as one stage.
+    pub fn whole(&self) -> Stage<'_> {
+        Stage { progress: Some(self), start: 0.0, length: 1.0 }
+    }
+}
+
+/// One stage of a computation.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Stage<'a> {
+    /// `None`: nobody looks.
+    progress: Option<&'a Progress>,
+    start: f64,
+    length: f64,
+}
+
+impl<'a> Stage<'a> {
+    /// The stage between two shares of this one.
+    #[must_use]
+    pub fn from_to(self, from: f64, to: f64) -> Self {
+        Self { start: self.start + from * self.length, length: (to - from) * self.length, ..self }
+    }
+
+    /// States that this share of the stage is done.
+    pub fn reach(self, share: f64) {
+        if let Some(Progress { done, .. }) = self.progress {
+            // A cast saturates, and NaN, which `clamp` keeps, becomes 0.
+            done.fetch_max(((self.start + share.clamp(0.0, 1.0) * self.length) * STEPS) as u32, Ordering::Relaxed);
+        }
+    }
+
+    /// Whether the result is no longer wanted.
+    pub fn is_cancelled(self) -> bool {
+        self.progress.is_some_and(|progress| progress.is_cancelled.load(Ordering::Relaxed))
+    }
+
+    /// A counter of `total` steps that make up the stage.
+    pub fn steps(self, total: usize) -> Steps<'a> {
+        Steps { stage: self, total, done: AtomicUsize::new(0) }
+    }
+}
+
+/// A counter of steps, which any thread may take.
+#[derive(Debug)]
+pub struct Steps<'a> {
+    stage: Stage<'a>,
+    total: usize,
+    done: AtomicUsize,
+}
+
+impl Steps<'_> {
+    /// Counts a step that is done.
+    pub fn take(&self) {
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        self.stage.reach(done as f64 / self.total.max(1) as f64);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stages_nest_and_never_go_back() {
+        let progress = Progress::default();
+        let stage = progress.whole().from_to(0.2, 0.8);
+        let steps = stage.from_to(0.0, 0.5).steps(4);
+        (0..4).for_each(|_| steps.take());
+        assert!((progress.share() - 0.5).abs() < 1e-5, "{}", progress.share());
+        stage.reach(f64::NAN);
+        stage.reach(-1.0);
+        assert!((progress.share() - 0.5).abs() < 1e-5);
+        stage.reach(7.0);
+        assert!((progress.share() - 0.8).abs() < 1e-5);
+        Stage::default().steps(0).take();
+        progress.cancel();
+        assert!(stage.is_cancelled() && !Stage::default().is_cancelled());
+    }
+}

@@ -1,0 +1,48 @@
+"""Options of a bake, for type checkers. A test compares them with the table of the command."""
+
+from __future__ import annotations
+
+from typing import Literal, Optional, TypedDict, Union
+
+
+class BakeOptions(TypedDict, total=False):
+    """Options of `bake`, `bake_parts`, `bake_file` and `from_trimesh`, as keywords: those of the
+    command, with underscores (``docs/COMMAND.md``). ``None`` stands for the default.
+
+    >>> import hullmap
+    >>> options: hullmap.BakeOptions = {"index": "compact", "recentre": True}
+    >>> hullmap.bake([[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]], **options)[0].origin
+    array([1., 1., 1.])
+    """
+
+    index: Optional[Literal["tree", "medium", "compact", "binary", "cubemap", "none"]]
+    """Direction index; "tree" by default. "medium" and "compact" are smaller."""
+    index_budget: Optional[int]
+    """Choose the fastest tree within this number of bytes per hull vertex, instead of a named index."""
+    resolution: Optional[int]
+    """Cells along each edge of a cube face, 1 to 1024; only with ``index="cubemap"``."""
+    max_vertices: Optional[int]
+    """Maximum number of vertices, at least 4: an enclosing hull in place of the exact one. With
+    ``decompose``, that of each part; 64 by default."""
+    max_error: Optional[Union[float, str]]
+    """Maximum length by which an enclosing hull extends beyond the exact one; ``"1%"`` is relative to
+    the diagonal. With ``decompose``, the maximum protrusion of a part; ``"2%"`` by default."""
+    decompose: Optional[Union[bool, Literal["cover"]]]
+    """Cover concave meshes by convex parts, with proven bounds. It requires faces."""
+    max_parts: Optional[int]
+    """Maximum number of parts. The search then finds the smallest error that it reaches with them."""
+    decompose_seconds: Optional[float]
+    """Time after which the search for parts stops. Packs may then differ from run to run."""
+    vertices: Optional[Literal["referenced", "all"]]
+    """Use the vertices that faces reference, by default, or all vertices."""
+    split: Optional[Literal["none", "object", "auto"]]
+    """One hull per file, per object, or per named collision part (UCX_…)."""
+    unit_scale: Optional[float]
+    """Factor of all coordinates; 0.01 converts centimetres to metres."""
+    up_axis: Optional[Literal["keep", "y-to-z", "z-to-y"]]
+    """Rotation about x: "y-to-z" turns a y-up mesh into a z-up mesh."""
+    recentre: Optional[bool]
+    """Move the origin to the centre of the bounds, for meshes far from the origin."""
+    lean: Optional[bool]
+    """Leave out what only manifolds, hints and walks over the surface need. Packs have less than half
+    the size."""
