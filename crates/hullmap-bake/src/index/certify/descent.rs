@@ -44,6 +44,17 @@ struct Square {
     axis: usize,
 }
 
+impl Square {
+    /// Its division into 2ᵇ columns and 2ᵇ rows. The first cell's slot is the word `first`.
+    fn grid(self, bits: [u32; 2], first: usize) -> Grid {
+        let borders = [0, 1].map(|axis| {
+            let step = self.size[axis] >> bits[axis];
+            (0..=1 << bits[axis]).map(|index| self.at[axis] + step * index).collect()
+        });
+        Grid { face: self.face, borders, first, axis: 1 - self.axis }
+    }
+}
+
 /// A division of a square into cells, row by row.
 struct Grid {
     face: u32,
@@ -98,38 +109,67 @@ impl Frame {
     }
 }
 
+/// A slot that has not been visited, with its region and the arcs in it.
+pub struct Pending {
+    slot: usize,
+    /// A square of the grid; `None` below planes and fans.
+    square: Option<Square>,
+    cell: Cell,
+    pieces: Vec<Piece>,
+}
+
 impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
-    /// Follows the arcs on a face of the cube from its roots.
+    /// Follows the arcs on a face of the cube from its roots. Slots wait in a list: a recursion
+    /// would be as deep as the file allows.
     pub(super) fn descend(&self, face: u32, pieces: Vec<Piece>, visits: &mut Visits) -> Result<(), Unproven> {
         if let IndexKind::CubeMap { resolution } = self.kind {
             let borders: Vec<u32> = (0..=resolution).map(|step| cube::uniform_step_start(step, resolution)).collect();
             let first = face as usize * (resolution as usize).pow(2);
-            return self.grid(&Grid { face, borders: [borders.clone(), borders], first, axis: 0 }, &pieces, visits);
+            self.grid(&Grid { face, borders: [borders.clone(), borders], first, axis: 0 }, &pieces, visits);
+        } else {
+            let square = Square { face, at: [0; 2], size: [1 << GRID_BITS; 2], axis: 0 };
+            let cell = Cell { face, square: widened(square), part: None, turn: None };
+            visits.pending.push(Pending { slot: face as usize, square: Some(square), cell, pieces });
         }
-        let square = Square { face, at: [0; 2], size: [1 << GRID_BITS; 2], axis: 0 };
-        let cell = Cell { face, square: widened(square), part: None, turn: None };
-        self.square(face as usize, square, cell, &pieces, visits)
+        while let Some(next) = visits.pending.pop() {
+            visits.work += 1 + next.pieces.len();
+            if visits.work > self.work {
+                return Err(Unproven::Work);
+            }
+            self.visit(next, visits)?;
+        }
+        Ok(())
     }
 
-    /// Follows the arcs through the slot of a square.
-    fn square(
-        &self,
-        slot: usize,
-        square: Square,
-        cell: Cell,
-        pieces: &[Piece],
-        visits: &mut Visits,
-    ) -> Result<(), Unproven> {
-        let cuts = |axis: usize, bits: u32| -> Vec<u32> {
-            (0..=1 << bits).map(|step| square.at[axis] + (square.size[axis] >> bits) * step).collect()
-        };
-        let (bits, first) = match self.node(slot) {
-            Some(Node::Squares { at, bits }) => ([bits; 2], at),
-            Some(Node::Halves { at }) => (if square.axis == 0 { [1, 0] } else { [0, 1] }, at),
-            _ => return self.part(slot, &cell, pieces, visits),
-        };
-        let borders = [cuts(0, bits[0]), cuts(1, bits[1])];
-        self.grid(&Grid { face: square.face, borders, first, axis: 1 - square.axis }, pieces, visits)
+    /// Follows the arcs through a slot.
+    fn visit(&self, Pending { slot, square, cell, pieces }: Pending, visits: &mut Visits) -> Result<(), Unproven> {
+        let run = |first: u32, count: u32| first as usize..first as usize + count as usize;
+        match (self.node(slot), square) {
+            (None, _) => {
+                let Slot::Block(first) = Slot::decode(self.words.word(slot)) else { return Err(Unproven::Work) };
+                self.leaf(slot, run(first, self.kind.leaf_blocks()), &cell, &pieces, visits)
+            }
+            (Some(Node::List { at }), _) => {
+                let [first, count] = [0, 1].map(|word| self.words.word(at + word));
+                self.leaf(slot, run(first, count), &cell, &pieces, visits)
+            }
+            (Some(Node::Squares { at, bits }), Some(square)) => {
+                self.grid(&square.grid([bits; 2], at), &pieces, visits);
+                Ok(())
+            }
+            (Some(Node::Halves { at }), Some(square)) => {
+                let bits = if square.axis == 0 { [1, 0] } else { [0, 1] };
+                self.grid(&square.grid(bits, at), &pieces, visits);
+                Ok(())
+            }
+            (Some(node @ Node::Plane { at }), _) => self.planes(node, at, 1, [0, 0], &cell, pieces, visits),
+            (Some(node @ Node::Bundle { at }), _) => {
+                self.planes(node, at, BUNDLE_PLANES, [0, 0], &cell, pieces, visits)
+            }
+            (Some(node @ Node::Fan { at, bits }), _) => self.fan(node, at, bits, &cell, pieces, visits),
+            // Checked words have no branches below planes and fans.
+            (Some(Node::Halves { .. } | Node::Squares { .. }), None) => Err(Unproven::Work),
+        }
     }
 
     fn node(&self, slot: usize) -> Option<Node> {
@@ -137,14 +177,12 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
     }
 
     /// Hands the arcs to the cells of a grid.
-    fn grid(&self, grid: &Grid, pieces: &[Piece], visits: &mut Visits) -> Result<(), Unproven> {
+    fn grid(&self, grid: &Grid, pieces: &[Piece], visits: &mut Visits) {
         let (mut runs, run_of) = self.runs(grid);
         visits.work += run_of.len();
         hand_out(grid, pieces, &mut runs, &run_of);
-        for Run { slot, square, cell, pieces, .. } in runs {
-            self.square(slot, square, cell, &pieces, visits)?;
-        }
-        Ok(())
+        let pending = |Run { slot, square, cell, pieces, .. }| Pending { slot, square: Some(square), cell, pieces };
+        visits.pending.extend(runs.into_iter().rev().map(pending));
     }
 
     /// Rectangles of cells with the same slot, and for each cell its rectangle. A branch divides
@@ -179,30 +217,6 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
         (runs, run_of)
     }
 
-    /// Follows the arcs through a slot below which there are no branches.
-    fn part(&self, slot: usize, cell: &Cell, pieces: &[Piece], visits: &mut Visits) -> Result<(), Unproven> {
-        visits.work += 1 + pieces.len();
-        if visits.work > self.work {
-            return Err(Unproven::Work);
-        }
-        let run = |first: u32, count: u32| first as usize..first as usize + count as usize;
-        let Some(node) = self.node(slot) else {
-            let Slot::Block(first) = Slot::decode(self.words.word(slot)) else { return Err(Unproven::Work) };
-            return self.leaf(slot, run(first, self.kind.leaf_blocks()), cell, pieces, visits);
-        };
-        match node {
-            Node::List { at } => {
-                let [first, count] = [0, 1].map(|word| self.words.word(at + word));
-                self.leaf(slot, run(first, count), cell, pieces, visits)
-            }
-            Node::Plane { at } => self.planes(node, at, 1, [0, 0], cell, pieces, visits),
-            Node::Bundle { at } => self.planes(node, at, BUNDLE_PLANES, [0, 0], cell, pieces, visits),
-            Node::Fan { at, bits } => self.fan(node, at, bits, cell, pieces, visits),
-            // Checked words have no branches here.
-            Node::Halves { .. } | Node::Squares { .. } => Err(Unproven::Work),
-        }
-    }
-
     /// Follows the arcs through the planes of a node, level by level. The next plane is the one at
     /// `index` of its `level`.
     #[expect(clippy::too_many_arguments, reason = "the node, the place in it, and what is there")]
@@ -213,12 +227,14 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
         count: usize,
         [level, index]: [usize; 2],
         cell: &Cell,
-        pieces: &[Piece],
+        pieces: Vec<Piece>,
         visits: &mut Visits,
     ) -> Result<(), Unproven> {
         let plane = (1 << level) - 1 + index;
         if plane >= count {
-            return self.part(node.slots().start + index, cell, pieces, visits);
+            let slot = node.slots().start + index;
+            visits.pending.push(Pending { slot, square: None, cell: cell.clone(), pieces });
+            return Ok(());
         }
         let normal = DVec3::from_array([0, 1, 2].map(|axis| self.words.number(at + 2 * (axis * count + plane))));
         if normal == DVec3::ZERO {
@@ -230,8 +246,8 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
         }
         let front = Line::new(cell.face, normal);
         for (side, line) in [front.reversed(), front].into_iter().enumerate() {
-            if let Some((cell, pieces)) = clip(cell, pieces, line, Margin::PLANE) {
-                self.planes(node, at, count, [level + 1, 2 * index + side], &cell, &pieces, visits)?;
+            if let Some((cell, pieces)) = clip(cell, &pieces, line, Margin::PLANE) {
+                self.planes(node, at, count, [level + 1, 2 * index + side], &cell, pieces, visits)?;
             }
         }
         Ok(())
@@ -244,7 +260,7 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
         at: usize,
         bits: u32,
         cell: &Cell,
-        pieces: &[Piece],
+        pieces: Vec<Piece>,
         visits: &mut Visits,
     ) -> Result<(), Unproven> {
         let number = |index: usize| self.words.number(at + 2 * index);
@@ -289,14 +305,16 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
         wedges: &[Wedge],
         is_clipped: bool,
         cell: &Cell,
-        pieces: &[Piece],
+        pieces: Vec<Piece>,
         visits: &mut Visits,
     ) -> Result<(), Unproven> {
         let cut;
         let (left, right) = match wedges {
             [wedge] if is_clipped || wedge.to - wedge.from == fan::TURN => {
                 let turn = is_clipped.then_some(Turn { axes: [frame.x, frame.y], angles: wedge.whole });
-                return self.part(wedge.slot, &Cell { turn, ..cell.clone() }, pieces, visits);
+                let cell = Cell { turn, ..cell.clone() };
+                visits.pending.push(Pending { slot: wedge.slot, square: None, cell, pieces });
+                return Ok(());
             }
             // Too wide to be convex.
             [wedge] => {
@@ -315,16 +333,17 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
             let borders = [line(first.from)?, line(last.to)?.reversed()];
             let margin = |continues: bool| if continues { Margin::NONE } else { Margin::STEP };
             let margins = [margin(first.continues[0]), margin(last.continues[1])];
-            let mut clipped = Some((cell.clone(), pieces.to_vec()));
             let is_convex = last.to - first.from < CONVEX;
-            if is_clipped {
-                clipped = clip(cell, pieces, borders[side], margins[side]);
+            let clipped = if is_clipped {
+                clip(cell, &pieces, borders[side], margins[side])
             } else if is_convex {
-                clipped = clip(cell, pieces, borders[0], margins[0])
-                    .and_then(|(cell, pieces)| clip(&cell, &pieces, borders[1], margins[1]));
-            }
+                clip(cell, &pieces, borders[0], margins[0])
+                    .and_then(|(cell, pieces)| clip(&cell, &pieces, borders[1], margins[1]))
+            } else {
+                Some((cell.clone(), pieces.clone()))
+            };
             if let Some((cell, pieces)) = clipped {
-                self.wedges(frame, half, is_clipped || is_convex, &cell, &pieces, visits)?;
+                self.wedges(frame, half, is_clipped || is_convex, &cell, pieces, visits)?;
             }
         }
         Ok(())

@@ -151,7 +151,7 @@ impl Proof {
 /// The words must have passed the checks of [`hullmap_format::walk`].
 ///
 /// # Errors
-/// The first leaf that is not proven, in the order of the cube's faces and of the words.
+/// A leaf that is not proven; always the same for the same index.
 pub fn certify<W: Words + Sync + ?Sized>(
     hull: &Hull,
     kind: IndexKind,
@@ -210,7 +210,9 @@ struct Certifier<'a, W: ?Sized> {
 #[derive(Default)]
 struct Visits {
     proof: Proof,
+    /// Number of regions and pieces visited.
     work: usize,
+    pending: Vec<descent::Pending>,
 }
 
 impl<'a, W: Words + Sync + ?Sized> Certifier<'a, W> {

@@ -1,6 +1,7 @@
 use hullmap_format::{
     fan,
     slot::{Slot, encode_f64},
+    walk::MAX_NODES,
 };
 use shapes::families;
 
@@ -54,6 +55,15 @@ fn a_scan_that_lacks_a_vertex_is_found() {
     assert!(matches!(prove(&hull, index.kind, &[], &blocks), Err(Unproven::Missing { .. })));
 }
 
+/// The words of a fan of 2ᵇ steps, in which two slots alternate.
+fn fan_words(bits: u32, x: [f64; 3], y: [f64; 3], slots: [Slot; 2]) -> Vec<u32> {
+    let numbers = x.into_iter().chain(y).chain([-1.0, f64::from(1 << bits) / fan::TURN]);
+    let mut words: Vec<u32> = numbers.flat_map(encode_f64).collect();
+    words.push(bits);
+    words.extend((0..1 << bits).map(|step: usize| slots[step % 2].encode()));
+    words
+}
+
 /// Fans around two axes cut the sphere into a million regions with three thousand words. All of
 /// them lead to lists of all vertices, so that only the work can end the proof.
 #[test]
@@ -61,21 +71,39 @@ fn work_is_bounded() {
     const BITS: u32 = 10;
     let hull = rock();
     let blocks = index::build(&hull, IndexKind::None).unwrap().encoded.blocks;
-    let fan_words = fan::HEAD_WORDS as usize + (1 << BITS);
-    let fan = |x: [f64; 3], y: [f64; 3], slots: [Slot; 2]| {
-        let numbers = x.into_iter().chain(y).chain([-1.0, f64::from(1 << BITS) / fan::TURN]);
-        let mut words: Vec<u32> = numbers.flat_map(encode_f64).collect();
-        words.push(BITS);
-        words.extend((0..1 << BITS).map(|step: usize| slots[step % 2].encode()));
-        words
-    };
+    let length = fan::HEAD_WORDS + (1 << BITS);
     // The roots, the outer fan, two inner fans, and two lists.
-    let at = [6, 6 + fan_words, 6 + 2 * fan_words, 6 + 3 * fan_words, 8 + 3 * fan_words].map(|at| at as u32);
+    let at = [6, 6 + length, 6 + 2 * length, 6 + 3 * length, 8 + 3 * length];
     let lists = [Slot::List(at[3]), Slot::List(at[4])];
     let mut words = vec![Slot::Fan(at[0]).encode(); 6];
-    words.extend(fan([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [Slot::Fan(at[1]), Slot::Fan(at[2])]));
-    words.extend(fan([0.0, 1.0, 0.0], [0.0, 0.0, 1.0], lists));
-    words.extend(fan([0.0, 0.0, 1.0], [1.0, 0.0, 0.0], lists));
+    words.extend(fan_words(BITS, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [Slot::Fan(at[1]), Slot::Fan(at[2])]));
+    words.extend(fan_words(BITS, [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], lists));
+    words.extend(fan_words(BITS, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], lists));
     words.extend([0, blocks.len() as u32, 0, blocks.len() as u32]);
     assert_eq!(prove(&hull, IndexKind::Tree, &words, &blocks), Err(Unproven::Work));
+}
+
+/// As many fans of many steps, one below the other, as a file may contain: the recursion fits the
+/// stack of a thread.
+#[test]
+fn deep_indices_do_not_overflow_the_stack() {
+    const BITS: u32 = 12;
+    let hull = rock();
+    let blocks = index::build(&hull, IndexKind::None).unwrap().encoded.blocks;
+    let length = fan::HEAD_WORDS + (1 << BITS);
+    let depth = MAX_NODES - 1;
+    let list = Slot::List(6 + depth * length);
+    let mut words = vec![Slot::Fan(6).encode(); 6];
+    for level in 0..depth {
+        let next = if level + 1 < depth { Slot::Fan(6 + (level + 1) * length) } else { list };
+        // The axes turn, or a fan would have the angles of the one above it.
+        let [x, y] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]][level as usize % 3..][..2]
+        else {
+            unreachable!()
+        };
+        words.extend(fan_words(BITS, x, y, [next, list]));
+    }
+    words.extend([0, blocks.len() as u32]);
+    let proof = prove(&hull, IndexKind::Tree, &words, &blocks);
+    assert!(matches!(proof, Ok(_) | Err(Unproven::Work | Unproven::Thin { .. })), "{proof:?}");
 }
