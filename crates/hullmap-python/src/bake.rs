@@ -1,6 +1,6 @@
 //! Bakes, on a thread of their own: the calling thread waits for signals, so that Ctrl-C ends the
-//! call, and reports the progress. An interrupted decomposition ends soon; all else of a bake runs on
-//! until it is done. Its result is dropped.
+//! call, and reports the progress. An interrupted decomposition ends soon; all else of a bake runs
+//! on until it is done. Its result is dropped.
 
 use std::path::PathBuf;
 use std::sync::Arc;

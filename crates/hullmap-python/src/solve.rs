@@ -2,8 +2,8 @@
 //!
 //! The rows are cut into pieces of a fixed size. For two shapes, each piece has a cache of its own,
 //! so the answers are the same for any number of threads. `hullmap::batch` has a cache for every
-//! pair instead: for a million poses of one pair that would be more than a gigabyte. Many pairs have
-//! a cache each if they move, and all rows of one moment are solved before those of the next.
+//! pair instead: for a million poses of one pair that would be more than a gigabyte. Many pairs
+//! have a cache each if they move, and all rows of one moment are solved before those of the next.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -136,8 +136,8 @@ impl Cut {
     }
 }
 
-/// Fills rows of columns. `solve` fills the rows of a piece that starts at the given row, and returns
-/// the first row that it rejects, with the reason.
+/// Fills rows of columns. `solve` fills the rows of a piece that starts at the given row, and
+/// returns the first row that it rejects, with the reason.
 pub fn fill<C: Columns>(
     py: Python<'_>,
     cut: Cut,

@@ -34,8 +34,8 @@ pub enum InMemoryError {
     Bake(String),
 }
 
-/// Bakes meshes in memory. Also returns them as they were imported: scaled and turned as the options
-/// say.
+/// Bakes meshes in memory. Also returns them as they were imported: scaled and turned as the
+/// options say.
 ///
 /// `name` is the name of meshes without one, and stands for the file in messages. `options` are
 /// pairs of a key of `hullmap.toml` and a value, such as `("max_vertices", "64")`. With

@@ -154,8 +154,8 @@ impl HullVerification {
     }
 }
 
-/// Proves the index of every hull of a pack, and verifies the hull in `count` directions. The file names in the results are left
-/// empty.
+/// Proves the index of every hull of a pack, and verifies the hull in `count` directions. The file
+/// names in the results are left empty.
 ///
 /// # Errors
 /// The source has a different number of hulls than the pack, or redundant data in the pack
