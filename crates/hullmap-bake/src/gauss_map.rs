@@ -173,6 +173,11 @@ impl GaussMap {
         }
     }
 
+    /// Position of a vertex.
+    pub fn position(&self, vertex: u32) -> DVec3 {
+        self.positions[vertex as usize]
+    }
+
     /// Vertices that share an edge with `vertex`, ascending.
     pub fn neighbours(&self, vertex: u32) -> &[u32] {
         let [start, end] = [0, 1].map(|next| self.neighbour_starts[vertex as usize + next] as usize);

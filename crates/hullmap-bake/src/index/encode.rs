@@ -214,8 +214,7 @@ impl<'a> Encoder<'a> {
 
     /// The slot of a leaf that lists these vertices. The two words of a list leaf are appended.
     fn leaf(&mut self, list: &[u32]) -> Slot {
-        // The cones cover every cell. Only the steps of a fan that lie outside its cell are empty.
-        // No direction leads there, so any vertex will do.
+        // No leaf is empty, but an unproven index is better than an end of the program.
         let list = if list.is_empty() { &[0][..] } else { list };
         let first = match self.known.get(list) {
             Some(&first) => first,

@@ -21,7 +21,7 @@
 //!   n² squares.
 
 use glam::DVec3;
-use hullmap_format::cube::{GRID_BITS, grid_to_uv};
+use hullmap_format::cube::{self, GRID_BITS, grid_to_uv};
 
 use super::{
     cones::{Cones, Line},
@@ -118,6 +118,9 @@ struct Wedges<'a> {
     /// Maximum number of vertices of a leaf that is not halved. It is less than a leaf's capacity,
     /// so that neighbouring leaves can share blocks.
     full: usize,
+    /// Support vertex at the axis. Steps outside of the cell list it: rounding error may locate a
+    /// direction near the axis in any step.
+    apex: u32,
 }
 
 impl Subdivision<'_> {
@@ -186,7 +189,8 @@ impl Subdivision<'_> {
         }
         let axis = fan::axis(&self.samples(cones).collect::<Vec<_>>())?;
         let fan = Fan::new(self.face, cones, axis)?;
-        let wedges = Wedges { cones, frame: fan.frame, full: fan.layers as usize + self.leaf / 3 };
+        let full = fan.layers as usize + self.leaf / 3;
+        let wedges = Wedges { cones, frame: fan.frame, full, apex: self.support(cones, axis) };
         let root = self.wedges(&wedges, &fan.intervals, [0.0, 1.0], 0);
         Some(if matches!(root, Tree::Wedges(_)) { Tree::Fan(Box::new(fan.frame), Box::new(root)) } else { root })
     }
@@ -196,6 +200,9 @@ impl Subdivision<'_> {
     fn wedges(&self, fan: &Wedges, intervals: &[Interval], positions: [f64; 2], futile: u32) -> Tree {
         let mut list: Vec<u32> = intervals.iter().map(|i| i.vertex).collect();
         list.dedup();
+        if list.is_empty() {
+            return Tree::Leaf(vec![fan.apex]);
+        }
         if list.len() <= fan.full {
             return Tree::Leaf(list);
         }
@@ -204,7 +211,7 @@ impl Subdivision<'_> {
             let [start, end] = positions.map(|t| Line::plane(self.face, fan.frame.plane(t)));
             let [_, part] = part.split(start, part.count(start));
             let [part, _] = part.split(end, part.count(end));
-            return self.planes(part);
+            return if part.is_empty() { Tree::Leaf(vec![fan.apex]) } else { self.planes(part) };
         }
         let middle = 0.5 * (positions[0] + positions[1]);
         let halves = [[positions[0], middle], [middle, positions[1]]];
@@ -219,6 +226,15 @@ impl Subdivision<'_> {
             self.wedges(fan, &within[i], halves[i], futile)
         };
         Tree::Wedges(Box::new([half(0), half(1)]))
+    }
+
+    /// Of the vertices of these cones, the support vertex where an axis goes through the cube's
+    /// face.
+    fn support(&self, cones: &Cones, axis: DVec3) -> u32 {
+        let towards = DVec3::from_array(cube::direction(self.face, 0.0, 0.0));
+        let axis = if axis.dot(towards) < 0.0 { -axis } else { axis };
+        let height = |vertex: &u32| self.map.position(*vertex).dot(axis);
+        cones.vertices.iter().copied().max_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or(0)
     }
 
     /// Normals of a sample of the planes between neighbouring cones of this cell.

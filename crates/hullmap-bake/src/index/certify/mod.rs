@@ -308,13 +308,15 @@ impl<'a, W: Words + Sync + ?Sized> Certifier<'a, W> {
         candidates.iter().copied().max_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or(0)
     }
 
-    /// Whether a candidate is the support vertex in `direction`: no neighbour on a convex hull is
-    /// better than a vertex that is not the best.
+    /// Whether a candidate is the support vertex in `direction`: on a convex hull, that is a vertex
+    /// of which no neighbour is better.
     fn has_support(&self, candidates: &[u32], direction: DVec3) -> bool {
-        let best = self.best(candidates, direction);
-        self.neighbours(best).iter().all(|&neighbour| {
-            let edge = self.positions[neighbour as usize] - self.positions[best as usize];
-            edge.dot(direction) <= ON_PLANE * edge.length() * direction.length()
+        // The dot products of two vertices may be equal although one of them is better.
+        candidates.iter().any(|&candidate| {
+            self.neighbours(candidate).iter().all(|&neighbour| {
+                let edge = self.positions[neighbour as usize] - self.positions[candidate as usize];
+                edge.dot(direction) <= ON_PLANE * edge.length() * direction.length()
+            })
         })
     }
 
