@@ -42,6 +42,14 @@ pub enum Fault {
     /// A fault without a variant of its own: the whole message.
     #[error("{0}")]
     Format(String),
+    /// More bytes than the limit, in the file and its buffers.
+    #[error(
+        "the file has more than {limit} bytes, and an import can take eight times as much memory; split it, or raise --max-input-bytes"
+    )]
+    InputTooLarge {
+        /// The limit.
+        limit: u64,
+    },
     /// A coordinate that exceeds the range of `f32` after scaling or transforming.
     #[error(
         "vertex {vertex} has the coordinate {coordinate:e} {after}, too large for 32-bit floats (limit 3.4e38); {remedy}"

@@ -14,17 +14,87 @@ use crate::stl;
 /// archive, must appear.
 const PROBE: usize = 4096;
 
-/// Scene formats that no reader here supports.
-const FBX: &str = "FBX";
-const COLLADA: &str = "COLLADA";
-const USD: &str = "USD";
-const BLEND: &str = "Blender's own format (.blend)";
+/// A format of meshes or scenes that no reader here supports.
+#[derive(Debug, PartialEq, Eq)]
+struct Unread {
+    name: &'static str,
+    /// Extensions, in lower case. Those that other kinds of files have too are left out.
+    extensions: &'static [&'static str],
+    /// A program that reads it, besides the one that wrote it; `None` if few do.
+    converter: Option<&'static str>,
+}
+
+const fn format(name: &'static str, extensions: &'static [&'static str]) -> Unread {
+    Unread { name, extensions, converter: None }
+}
+
+impl Unread {
+    const fn in_program(self, converter: &'static str) -> Self {
+        Self { converter: Some(converter), ..self }
+    }
+}
+
+const FBX: Unread = format("FBX", &["fbx"]).in_program("Blender");
+const COLLADA: Unread = format("COLLADA", &["dae"]).in_program("MeshLab");
+const USD: Unread = format("USD", &["usd", "usda", "usdc", "usdz"]).in_program("Blender");
+const BLEND: Unread = format("Blender's own format", &["blend"]).in_program("Blender");
+
+/// The formats that are recognised by their extensions.
+const UNREAD: [Unread; 43] = [
+    FBX,
+    COLLADA,
+    USD,
+    BLEND,
+    // Interchange, and printing.
+    format("3D Studio", &["3ds"]).in_program("MeshLab"),
+    format("3MF", &["3mf"]).in_program("MeshLab"),
+    format("Alembic", &["abc"]).in_program("Blender"),
+    format("AMF", &["amf"]).in_program("FreeCAD"),
+    format("Draco", &["drc"]),
+    format("OFF", &["off"]).in_program("MeshLab"),
+    format("OpenCTM", &["ctm"]),
+    format("U3D", &["u3d"]),
+    format("VRML", &["wrl", "wrz", "vrml"]).in_program("MeshLab"),
+    format("X3D", &["x3d", "x3db", "x3dv"]).in_program("MeshLab"),
+    // Modelling programs.
+    format("3ds Max", &["max", "ase"]),
+    format("Cinema 4D", &["c4d"]),
+    format("LightWave", &["lwo", "lws"]),
+    format("MagicaVoxel", &["vox"]),
+    format("Maya", &["ma", "mb"]),
+    format("Modo", &["lxo"]),
+    format("Rhino", &["3dm"]),
+    format("SketchUp", &["skp"]),
+    // CAD and buildings.
+    format("ACIS", &["sat"]),
+    format("AutoCAD", &["dwg", "dxf"]).in_program("FreeCAD"),
+    format("BREP", &["brep", "brp"]).in_program("FreeCAD"),
+    format("CATIA", &["catpart", "catproduct"]),
+    format("FreeCAD", &["fcstd"]).in_program("FreeCAD"),
+    format("Fusion", &["f3d"]),
+    format("IFC", &["ifc"]).in_program("FreeCAD"),
+    format("IGES", &["iges", "igs"]).in_program("FreeCAD"),
+    format("Inventor", &["ipt", "iam"]),
+    format("JT", &["jt"]),
+    format("Parasolid", &["x_t", "x_b"]),
+    format("SolidWorks", &["sldprt", "sldasm"]),
+    format("STEP", &["step", "stp"]).in_program("FreeCAD"),
+    // Simulation, engines, and point clouds.
+    format("MSH (of MuJoCo or Gmsh)", &["msh"]),
+    format("MESH (of OGRE or Medit)", &["mesh"]),
+    format("Quake", &["md2", "md3", "md5mesh"]),
+    format("Valve's SMD", &["smd"]),
+    format("VTK", &["vtk", "vtp", "vtu"]),
+    format("E57", &["e57"]),
+    format("LAS", &["las", "laz"]),
+    format("PCD", &["pcd"]),
+];
 
 /// What a file holds instead of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Foreign {
-    /// A scene in a format with this name.
-    Scene(&'static str),
+    /// A scene in this format.
+    Scene(&'static Unread),
     /// A Git LFS pointer.
     LfsPointer,
     /// An archive or compressed file of this kind.
@@ -47,7 +117,13 @@ pub fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
     if format == Format::Stl && stl::has_binary_length(bytes) {
         return Ok(format);
     }
-    match of_content(bytes).or_else(|| of_extension(path)) {
+    let by_name = || of_extension(path).map(Foreign::Scene);
+    let found = match of_content(bytes) {
+        // Some formats are archives.
+        Some(packed @ Foreign::Packed(_)) => by_name().or(Some(packed)),
+        found => found.or_else(by_name),
+    };
+    match found {
         Some(foreign) => Err(fault(foreign)),
         None if format != Format::Obj && is_utf16(bytes) => Err(Fault::Utf16),
         None => Ok(format),
@@ -65,9 +141,12 @@ pub const LFS_REMEDY: &str = "run `git lfs pull`";
 
 fn fault(foreign: Foreign) -> Fault {
     Fault::format(match foreign {
-        Foreign::Scene(name) => format!(
-            "the file is {name}, which is not supported; expected {NAMES}: open it in the program that wrote it, or in Blender, and export it as GLB"
-        ),
+        Foreign::Scene(Unread { name, converter, .. }) => {
+            let program = converter.map_or(String::new(), |converter| format!(", or in {converter},"));
+            format!(
+                "the file is {name}, which is not supported; expected {NAMES}: open it in the program that wrote it{program} and export it as one of these"
+            )
+        }
         Foreign::LfsPointer => format!("the file is a Git LFS pointer, not the mesh itself: {LFS_REMEDY}"),
         Foreign::Packed(kind) => format!("the file is {kind}; expected {NAMES}: unpack it"),
         Foreign::WebPage => format!("the file is a web page; expected {NAMES}: download the mesh itself"),
@@ -81,12 +160,12 @@ fn of_content(bytes: &[u8]) -> Option<Foreign> {
     let probe = bytes.get(..PROBE).unwrap_or(bytes);
     let has = |word: &[u8]| memchr::memmem::find(probe, word).is_some();
     match probe {
-        [b'K', b'a', b'y', b'd', b'a', b'r', b'a', b' ', b'F', b'B', b'X', ..] => return Some(Foreign::Scene(FBX)),
-        [b'P', b'X', b'R', b'-', b'U', b'S', b'D', b'C', ..] => return Some(Foreign::Scene(USD)),
-        [b'B', b'L', b'E', b'N', b'D', b'E', b'R', b'-' | b'_' | b'1', ..] => return Some(Foreign::Scene(BLEND)),
+        [b'K', b'a', b'y', b'd', b'a', b'r', b'a', b' ', b'F', b'B', b'X', ..] => return Some(Foreign::Scene(&FBX)),
+        [b'P', b'X', b'R', b'-', b'U', b'S', b'D', b'C', ..] => return Some(Foreign::Scene(&USD)),
+        [b'B', b'L', b'E', b'N', b'D', b'E', b'R', b'-' | b'_' | b'1', ..] => return Some(Foreign::Scene(&BLEND)),
         [b'P', b'K', 3, 4, ..] => {
             let is_usdz = [&b".usdc"[..], b".usda", b".usd"].into_iter().any(has);
-            return Some(if is_usdz { Foreign::Scene(USD) } else { Foreign::Packed("a ZIP archive") });
+            return Some(if is_usdz { Foreign::Scene(&USD) } else { Foreign::Packed("a ZIP archive") });
         }
         [0x1F, 0x8B, 8, ..] => return Some(Foreign::Packed("compressed with gzip")),
         [0x28, 0xB5, 0x2F, 0xFD, ..] => return Some(Foreign::Packed("compressed with Zstandard")),
@@ -95,14 +174,14 @@ fn of_content(bytes: &[u8]) -> Option<Foreign> {
     let text = probe.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(probe).trim_ascii_start();
     let starts = |word: &[u8]| text.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word));
     if starts(b"#usda ") {
-        return Some(Foreign::Scene(USD));
+        return Some(Foreign::Scene(&USD));
     }
     if starts(b"; FBX ") {
-        return Some(Foreign::Scene(FBX));
+        return Some(Foreign::Scene(&FBX));
     }
     if starts(b"<") {
         if has(b"<COLLADA") {
-            return Some(Foreign::Scene(COLLADA));
+            return Some(Foreign::Scene(&COLLADA));
         }
         if starts(b"<!DOCTYPE html") || starts(b"<html") {
             return Some(Foreign::WebPage);
@@ -111,15 +190,23 @@ fn of_content(bytes: &[u8]) -> Option<Foreign> {
     None
 }
 
-fn of_extension(path: &Path) -> Option<Foreign> {
+fn of_extension(path: &Path) -> Option<&'static Unread> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-    Some(Foreign::Scene(match extension.as_str() {
-        "fbx" => FBX,
-        "dae" => COLLADA,
-        "usd" | "usda" | "usdc" | "usdz" => USD,
-        "blend" => BLEND,
-        _ => return None,
-    }))
+    UNREAD.iter().find(|format| format.extensions.contains(&extension.as_str()))
+}
+
+/// Name of the format of a file, if its extension is that of meshes or scenes that are not
+/// supported.
+///
+/// ```
+/// use std::path::Path;
+///
+/// assert_eq!(hullmap_import::unread_format(Path::new("robot/arm.DAE")), Some("COLLADA"));
+/// assert_eq!(hullmap_import::unread_format(Path::new("robot/arm.stl")), None);
+/// assert_eq!(hullmap_import::unread_format(Path::new("robot/arm.png")), None);
+/// ```
+pub fn unread_format(path: &Path) -> Option<&'static str> {
+    of_extension(path).map(|format| format.name)
 }
 
 #[cfg(test)]
@@ -155,7 +242,7 @@ mod tests {
             (b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n", "run `git lfs pull`"),
         ];
         for (bytes, expected) in files {
-            for name in ["a.obj", "a.gltf", "a.glb", "a.stl", "a.ply", "a.fbx", "a.txt", "a"] {
+            for name in ["a.obj", "a.gltf", "a.glb", "a.stl", "a.ply", "a.txt", "a"] {
                 let message = message(name, bytes);
                 assert!(message.contains(expected), "{name}, {}: {message}", bytes.escape_ascii());
             }
@@ -170,10 +257,29 @@ mod tests {
             ("a.usd", "the file is USD"),
             ("a.usdz", "the file is USD"),
             ("a.blend", "Blender's own format"),
+            ("a.STEP", "or in FreeCAD, and export"),
+            ("a.x_t", "the program that wrote it and export"),
+            ("a.off", "the file is OFF"),
         ] {
             for bytes in [&b""[..], b"v 0 0 0\n"] {
                 assert!(message(name, bytes).contains(expected), "{name}");
             }
+        }
+    }
+
+    #[test]
+    fn archives_with_the_extension_of_a_format_are_not_to_be_unpacked() {
+        assert!(message("a.blend", b"\x28\xB5\x2F\xFD\0").contains("the file is Blender's own format"));
+        assert!(message("a.3mf", b"PK\x03\x04\x0A\0\0\0\0\0").contains("the file is 3MF"));
+        assert!(message("a.obj", b"PK\x03\x04\x0A\0\0\0\0\0").contains("unpack it"));
+    }
+
+    #[test]
+    fn extensions_are_in_lower_case_and_of_one_format() {
+        let all: Vec<&str> = UNREAD.iter().flat_map(|format| format.extensions).copied().collect();
+        for (index, extension) in all.iter().enumerate() {
+            assert_eq!(extension.to_ascii_lowercase(), *extension);
+            assert!(!all[..index].contains(extension) && !crate::EXTENSIONS.contains(extension), "{extension}");
         }
     }
 

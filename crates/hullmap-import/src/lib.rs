@@ -66,11 +66,12 @@ use rayon::prelude::*;
 pub use arrays::{MeshArrays, import_arrays};
 pub use far::far_away;
 pub use fault::ImportError;
+pub use foreign::unread_format;
 pub use format::{EXTENSIONS, NAMES, is_buffer, is_source};
 pub use limits::Limits;
 pub use mesh::Polygons;
 pub use options::{ImportOptions, Split, UpAxis, Vertices};
-pub use read::{ReadError, SourceFile, buffers_of, read};
+pub use read::{ReadError, SourceFile, buffers_of, open_regular, read};
 
 use fault::{LineFault, counted};
 use format::Format;

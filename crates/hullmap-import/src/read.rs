@@ -1,6 +1,6 @@
 //! Source files in memory, with the buffers beside them and a hash of all bytes.
 
-use std::fs::File;
+use std::fs::{File, Metadata};
 use std::io::{ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
 
@@ -51,6 +51,24 @@ pub enum ReadError {
     Import(ImportError),
 }
 
+impl ReadError {
+    /// Whether the file and its buffers exceed [`Limits::input_bytes`].
+    ///
+    /// ```
+    /// # let path = std::env::temp_dir().join(format!("hullmap-import-large-{}.obj", std::process::id()));
+    /// # std::fs::write(&path, "v 1 2 3")?;
+    /// use hullmap_import::{Limits, read};
+    ///
+    /// let limits = Limits { input_bytes: 6, ..Limits::DEFAULT };
+    /// assert!(read("point.obj", &path, &limits).unwrap_err().is_too_large());
+    /// # std::fs::remove_file(&path)?;
+    /// # Ok::<(), std::io::Error>(())
+    /// ```
+    pub fn is_too_large(&self) -> bool {
+        matches!(self, Self::Import(ImportError { fault: Fault::InputTooLarge { .. }, .. }))
+    }
+}
+
 /// Reads a file and the required buffers beside it.
 ///
 /// `file` is the name of the file in messages.
@@ -71,7 +89,7 @@ pub enum ReadError {
 /// ```
 ///
 /// # Errors
-/// The file or a buffer cannot be read, or they are larger than the limit.
+/// The file or a buffer cannot be read or is not a regular file, or they are larger than the limit.
 ///
 /// # Complexity
 /// O(bytes).
@@ -79,21 +97,22 @@ pub fn read(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, Read
     let fault = |LineFault { line, fault }| ReadError::Import(ImportError { file: file.to_owned(), line, fault });
     let mut left = limits.input_bytes;
     let bytes = read_bounded(path, &mut left).map_err(ReadError::Io)?;
-    let bytes = bytes.ok_or_else(|| fault(too_large(limits)))?;
+    let too_large = || fault(Fault::InputTooLarge { limit: limits.input_bytes }.of_file());
+    let bytes = bytes.ok_or_else(too_large)?;
     if foreign::format_of(path, &bytes).map_err(|fault_of_file| fault(fault_of_file.of_file()))? != Format::Gltf {
         return Ok(SourceFile::alone(bytes));
     }
     let mut beside = Vec::new();
     for name in gltf::buffer_paths(&bytes).map_err(fault)? {
         let folder = path.parent().unwrap_or(Path::new(""));
-        let buffer = read_regular(&folder.join(&name), &mut left).map_err(|error| match error.kind() {
+        let buffer = read_bounded(&folder.join(&name), &mut left).map_err(|error| match error.kind() {
             ErrorKind::NotFound => {
                 let text = format!("buffer {name} cannot be read: {error}; restore it beside the file");
                 fault(Fault::format(text).of_file())
             }
             kind => ReadError::Io(std::io::Error::new(kind, format!("buffer {name}: {error}"))),
         })?;
-        beside.push((name, buffer.ok_or_else(|| fault(too_large(limits)))?));
+        beside.push((name, buffer.ok_or_else(too_large)?));
     }
     if beside.is_empty() {
         return Ok(SourceFile::alone(bytes));
@@ -131,27 +150,57 @@ pub fn buffers_of(path: &Path) -> std::io::Result<Vec<PathBuf>> {
     Ok(names.iter().map(|name| path.with_file_name(name)).collect())
 }
 
-fn too_large(limits: &Limits) -> LineFault {
-    Fault::format(format!(
-        "the file has more than {} bytes, and an import can take eight times as much memory; split it, or raise --max-input-bytes",
-        limits.input_bytes
-    ))
-    .of_file()
+/// Opens a regular file for reading, also through links. Nothing else is opened: a pipe would block,
+/// a device may never end, and opening one can act on it.
+///
+/// ```
+/// let error = hullmap_import::open_regular(&std::env::temp_dir()).unwrap_err();
+/// assert_eq!(error.to_string(), "it is a folder, not a regular file");
+/// ```
+///
+/// # Errors
+/// There is no such file, it is not a regular one, or the system refuses to open it.
+pub fn open_regular(path: &Path) -> std::io::Result<File> {
+    check_regular(&std::fs::metadata(path)?)?;
+    let mut options = File::options();
+    options.read(true);
+    // The path may have become that of a pipe since. Opened with this flag, a pipe does not block.
+    // Regular files ignore it.
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NONBLOCK);
+    let file = options.open(path)?;
+    check_regular(&file.metadata()?)?;
+    Ok(file)
 }
 
-/// Like [`read_bounded`], but only regular files: the document names a buffer, and opening a pipe
-/// would block.
-fn read_regular(path: &Path, left: &mut u64) -> std::io::Result<Option<Vec<u8>>> {
-    if !std::fs::metadata(path)?.is_file() {
-        return Err(std::io::Error::other("not a regular file"));
+fn check_regular(metadata: &Metadata) -> std::io::Result<()> {
+    if metadata.is_file() {
+        return Ok(());
     }
-    read_bounded(path, left)
+    Err(std::io::Error::other(format!("it is {}, not a regular file", kind_of(metadata))))
+}
+
+#[cfg(unix)]
+fn kind_of(metadata: &Metadata) -> &'static str {
+    use std::os::unix::fs::FileTypeExt as _;
+    let kind = metadata.file_type();
+    match (kind.is_dir(), kind.is_fifo(), kind.is_socket()) {
+        (true, ..) => "a folder",
+        (_, true, _) => "a pipe",
+        (.., true) => "a socket",
+        _ => "a device",
+    }
+}
+
+#[cfg(not(unix))]
+fn kind_of(metadata: &Metadata) -> &'static str {
+    if metadata.is_dir() { "a folder" } else { "a pipe or a device" }
 }
 
 /// Bytes of a file, or `None` if there are more than `left`. Subtracts them from `left`.
 fn read_bounded(path: &Path, left: &mut u64) -> std::io::Result<Option<Vec<u8>>> {
-    let file = File::open(path)?;
-    // The length is only a hint: pipes have none, and a file may grow.
+    let file = open_regular(path)?;
+    // The length is only a hint: a file may grow.
     let length = file.metadata()?.len();
     if length > *left {
         return Ok(None);

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import pytest
 from conftest import CUBE, matrices, random_poses
@@ -29,6 +31,27 @@ def test_types_and_layouts_do_not_matter(cube):
     readonly = poses.copy()
     readonly.flags.writeable = False
     assert np.array_equal(cube.distance(cube, readonly).distance, expected)
+
+
+def test_misaligned_arrays_are_copied(cube):
+    """They raised an error about contiguity."""
+
+    def misaligned(array):
+        buffer = bytearray(array.nbytes + 1)
+        moved = np.frombuffer(buffer, array.dtype, array.size, offset=1).reshape(array.shape)
+        moved[...] = array
+        assert not moved.flags.aligned and moved.flags.c_contiguous
+        return moved
+
+    poses = random_poses(64, 3, 4)
+    expected = cube.distance(cube, poses).distance
+    assert np.array_equal(cube.distance(cube, misaligned(poses)).distance, expected)
+    record = np.zeros(64, [("flag", "i1"), ("pose", "f8", 7)])
+    record["pose"] = poses
+    assert np.array_equal(cube.distance(cube, record["pose"]).distance, expected)
+    faces = np.array([[0, 1, 3, 2], [4, 6, 7, 5]], np.uint32)
+    assert hullmap.bake(misaligned(CUBE), misaligned(faces)).to_bytes() == hullmap.bake(CUBE, faces).to_bytes()
+    assert cube.support(misaligned(CUBE)).point.tolist() == cube.support(CUBE).point.tolist()
 
 
 def test_meshes_of_any_type_bake_to_the_same_bytes():
@@ -203,6 +226,22 @@ def test_wrong_files_are_rejected(tmp_path, cube):
             assert str(path) in str(caught.value)
         with pytest.raises(InvalidPack):
             hullmap.from_bytes(path.read_bytes())
+
+
+def test_paths_may_be_bytes(tmp_path, cube):
+    """They raised a TypeError. A long name of a pack was too long for its temporary file."""
+    for name in ("cube.hullmap", "x" * 247 + ".hullmap", "é" * 123 + ".hullmap"):
+        path = tmp_path / name
+        assert cube.pack.save(os.fsencode(path)) == path
+        for form in (path, str(path), os.fsencode(path)):
+            assert hullmap.open(form).to_bytes() == cube.pack.to_bytes()
+        assert hullmap.open(os.fsencode(path)).path == path
+    mesh = tmp_path / "point.obj"
+    mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n")
+    assert len(hullmap.bake_file(os.fsencode(mesh))[0]) == 4
+    for read in (hullmap.open, hullmap.bake_file):
+        with pytest.raises(TypeError, match="expected str, bytes or os.PathLike object, not int"):
+            read(5)
 
 
 def test_damaged_packs_never_crash(cube):

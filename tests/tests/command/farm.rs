@@ -262,6 +262,46 @@ fn hostile_plans_are_rejected() {
     assert!(!folder.path().join("o").exists() && !folder.path().join("0.hullmap").exists());
 }
 
+/// `/dev/zero` was read to 4 GiB although the plan stated 200 bytes, a pipe blocked the task, and
+/// with an empty list of inputs any mesh passed for the planned one.
+#[test]
+fn a_task_trusts_neither_files_nor_keys() {
+    let folder = meshes(1);
+    let path = |name: &str| folder.path().join(name);
+    let text = run(folder.path(), "plan in/0/0.obj --out o").expect(0).stdout;
+    let planned: Value = serde_json::from_str(&text).unwrap();
+    let key = planned["meshes"][0]["key"].as_str().unwrap();
+    let inputs =
+        format!("\"inputs\":{}", text.split_once("\"inputs\":").unwrap().1.trim().strip_suffix("}]}").unwrap());
+    let task = |changes: &[(&str, &str)], code: i32| {
+        let changed = changes.iter().fold(text.clone(), |text, (from, to)| {
+            assert!(text.contains(from), "{from}: {text}");
+            text.replace(from, to)
+        });
+        fs::write(path("task.jsonl"), changed).unwrap();
+        let run = run(folder.path(), "task task.jsonl").expect(code);
+        assert_eq!(path("o/0.hullmap").exists(), code == 0);
+        run.stderr
+    };
+    let source = "\"source\":\"in/0/0.obj\"";
+    assert!(task(&[(source, "\"source\":\"/dev/zero\"")], 2).contains("it is a device, not a regular file"));
+    if std::process::Command::new("mkfifo").arg(path("pipe")).status().is_ok_and(|status| status.success()) {
+        assert!(task(&[(source, "\"source\":\"pipe\"")], 2).contains("it is a pipe, not a regular file"));
+    }
+    // Far too large to be read: its size is enough.
+    fs::File::create(path("huge.obj")).unwrap().set_len(1 << 40).unwrap();
+    let huge = [(source, "\"source\":\"huge.obj\""), ("\"path\":\"0.obj\"", "\"path\":\"huge.obj\"")];
+    assert!(task(&huge, 1).contains("huge.obj: it has changed since it was planned"));
+    // A file of another name than the listed one is read as far as the plan allows.
+    assert!(task(&huge[..1], 1).contains("huge.obj: it has changed since it was planned"));
+
+    let no_key = "its pack would not have the planned key";
+    assert!(task(&[(key, &"0".repeat(64))], 1).contains(no_key));
+    assert!(task(&[(&inputs, "\"inputs\":[]"), (key, &"0".repeat(64))], 1).contains(no_key));
+    assert!(task(&[("index tree 8", "index tree 16")], 1).contains(no_key));
+    task(&[(&inputs, "\"inputs\":[]")], 0);
+}
+
 #[test]
 fn a_plan_for_ninja_names_every_file() {
     let folder = meshes(2);

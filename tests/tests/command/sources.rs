@@ -153,3 +153,82 @@ fn a_glb_of_another_format_is_reported() {
     let run = bake(folder.path(), "build a.glb --out out").expect(1);
     assert!(run.stderr.contains("a.glb: not a glTF document: expected `{`, or `glTF` as in GLB"), "{}", run.stderr);
 }
+
+/// "53 baked, 0 failed", and nothing about 53 meshes in another format.
+#[test]
+fn meshes_of_other_formats_are_counted_and_listed() {
+    let folder = folder();
+    for name in ["meshes/solid.dae", "meshes/deep/b.DAE", "meshes/scene.fbx", "scans/a.step"] {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, "").unwrap();
+    }
+    let run = bake(folder.path(), "build meshes --out out").expect(0);
+    assert!(run.stdout.contains("6 baked, 0 fresh, 0 failed, 3 not read; "), "{}", run.stdout);
+    let note = "note: not read: 2 .dae (COLLADA), 1 .fbx (FBX); export them as OBJ, glTF, GLB, STL or PLY";
+    assert!(run.stderr.contains(note), "{}", run.stderr);
+    assert_eq!(bake(folder.path(), "build meshes --out out --quiet").expect(0).stderr, "");
+    let unread = |line: &str, code: i32| -> Vec<String> {
+        let rows = bake(folder.path(), line).expect(code).json();
+        let rows = rows.iter().filter(|row| row["status"] == "unread");
+        rows.map(|row| format!("{}: {}", row["source"].as_str().unwrap(), row["reason"].as_str().unwrap())).collect()
+    };
+    let all = [
+        "meshes/deep/b.DAE: COLLADA is not supported",
+        "meshes/scene.fbx: FBX is not supported",
+        "meshes/solid.dae: COLLADA is not supported",
+    ];
+    assert_eq!(unread("build meshes --out out --json", 0), all);
+    assert_eq!(unread("build meshes --out out --json --check", 0), all);
+    assert_eq!(unread("build meshes --out out --json --exclude *.dae", 0), all[1..2]);
+    assert_eq!(unread("build meshes --out out --json --ext stl,obj", 0), [""; 0]);
+    let shards: Vec<String> =
+        (0..3).flat_map(|index| unread(&format!("build meshes --out out --json --shard {index}/3"), 0)).collect();
+    assert_eq!(shards.len(), 3, "each in one shard: {shards:?}");
+    fs::write(folder.path().join("meshes/hullmap.toml"), "[[rule]]\nfiles = \"*.fbx\"\nskip = true\n").unwrap();
+    assert_eq!(unread("build meshes --out out --json", 0), [all[0], all[2]]);
+}
+
+/// One folder without meshes stopped the build of all others.
+#[test]
+fn a_folder_without_meshes_stops_no_other() {
+    let folder = folder();
+    fs::create_dir(folder.path().join("textures")).unwrap();
+    let run = bake(folder.path(), "build textures meshes --out out --json").expect(2);
+    let rows = run.json();
+    assert_eq!(rows.len(), 7, "{}", run.stdout);
+    assert!(rows[..6].iter().all(|row| row["status"] == "baked"));
+    assert_eq!((&rows[6]["status"], &rows[6]["source"]), (&Value::from("failed"), &Value::from("textures")));
+    let error = "textures: no meshes (OBJ, glTF, GLB, STL or PLY) in this folder; name a folder of meshes";
+    assert!(run.stderr.ends_with(&format!("\nerror: {error}\n")), "{}", run.stderr);
+    for (line, others) in [
+        ("key textures meshes", "meshes/cube.obj"),
+        ("plan textures meshes --out out", "meshes/cube.obj"),
+        ("status textures meshes --out out", "6 present"),
+    ] {
+        let run = bake(folder.path(), line).expect(2);
+        assert!(run.stderr.contains(error) && run.stdout.contains(others), "{line}: {}", run.stdout);
+    }
+    // Alone, it is an error before any work.
+    assert!(bake(folder.path(), "build textures --out new").expect(2).stderr.contains(error));
+    assert!(!folder.path().join("new").exists());
+    // A disk that is not mounted is a folder without meshes: packs of its meshes are kept.
+    fs::rename(folder.path().join("meshes"), folder.path().join("disk")).unwrap();
+    fs::create_dir(folder.path().join("meshes")).unwrap();
+    fs::write(folder.path().join("textures/new.obj"), "v 0 0 0\n").unwrap();
+    bake(folder.path(), "build meshes textures --out out --prune").expect(2);
+    assert!(folder.path().join("out/cube.hullmap").exists() && folder.path().join("out/new.hullmap").exists());
+}
+
+/// A stem of 240 characters failed: "cannot write: File name too long; check the folder's
+/// permissions", because the temporary name was longer than that of the pack.
+#[test]
+fn names_may_be_long() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("x".repeat(247) + ".obj"), "v 0 0 0\n").unwrap();
+    bake(folder.path(), "build . --out out").expect(0);
+    bake(folder.path(), "build . --out out --check").expect(0);
+    fs::write(folder.path().join("x".repeat(248) + ".obj"), "v 0 0 0\n").unwrap();
+    let run = bake(folder.path(), "build . --out out").expect(2);
+    assert!(run.stderr.contains("; give the mesh a shorter name"), "{}", run.stderr);
+}

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use hullmap::{OpenError, Pack};
+use hullmap_import::open_regular;
 
 use crate::outcome::Failure;
 
@@ -12,11 +13,12 @@ use crate::outcome::Failure;
 /// [`Failure::usage`] if the file cannot be read, [`Failure::rejected`] if it is not a valid pack.
 /// Both name the file.
 pub fn open_pack(path: &Path) -> Result<Pack, Failure> {
-    if path.is_dir() {
-        return Err(Failure::usage(format!(
-            "{}: is a folder, but one pack is expected; name a file in it",
-            path.display()
-        )));
+    // `Pack::open` would wait for a pipe.
+    if path.exists()
+        && !path.is_file()
+        && let Err(error) = open_regular(path)
+    {
+        return Err(Failure::usage(format!("{}: cannot read: {error}; name the file of a pack", path.display())));
     }
     Pack::open(path).map_err(|error| match &error {
         OpenError::Io { .. } => Failure::usage(error.to_string()),

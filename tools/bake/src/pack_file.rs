@@ -17,9 +17,13 @@ use crate::interrupt;
 /// Attempts to create a temporary file, as a sweep may remove it before it is locked.
 const MAX_ATTEMPTS: usize = 100;
 
-/// End of a temporary file's name. The name starts with a dot and the name of the target, followed
+/// End of a temporary file's name. The name starts with a dot and the stem of the target, followed
 /// by [`PACK`] and six letters or digits: `.rock.hullmapAbCdEf.tmp`.
 const SUFFIX: &str = ".tmp";
+
+/// Maximum length of the stem in a temporary file's name, in bytes. File systems limit names to 255
+/// bytes, some to 143, and the target's name may be as long as that.
+const MAX_STEM: usize = 100;
 
 /// Extension of packs, with its dot.
 const PACK: &str = ".hullmap";
@@ -63,12 +67,10 @@ pub fn write_beside(target: &Path, bytes: &[u8]) -> io::Result<Unplaced> {
 
 /// Creates a temporary file that no sweep removes.
 fn make_locked(target: &Path) -> io::Result<Unplaced> {
-    let name = target.file_name().unwrap_or(OsStr::new("pack"));
-    let mut prefix = OsStr::new(".").to_owned();
-    prefix.push(name);
-    if !name.to_string_lossy().ends_with(PACK) {
-        prefix.push(PACK);
-    }
+    let name = target.file_name().unwrap_or(OsStr::new("pack")).to_string_lossy();
+    let stem = name.strip_suffix(PACK).unwrap_or(&name);
+    let end = (0..=stem.len().min(MAX_STEM)).rfind(|&end| stem.is_char_boundary(end)).unwrap_or_default();
+    let prefix = format!(".{}{PACK}", &stem[..end]);
     let mut builder = Builder::new();
     builder.prefix(&prefix).suffix(SUFFIX);
     #[cfg(unix)]
@@ -352,6 +354,19 @@ mod tests {
         assert_eq!(std::fs::read(&target).unwrap(), b"two");
         assert_eq!(names(), ["x.hullmap"]);
         assert!(write_beside(&folder.path().join("no/x.hullmap"), b"").is_err());
+    }
+
+    /// The temporary name was longer than that of the pack, and too long for the file system.
+    #[test]
+    fn names_may_be_as_long_as_the_file_system_allows() {
+        let folder = tempfile::tempdir().unwrap();
+        for stem in ["x".repeat(247), "é".repeat(123), "x".to_owned() + &"é".repeat(123)] {
+            let target = folder.path().join(format!("{stem}.hullmap"));
+            let file = write_beside(&target, b"long").unwrap();
+            assert!(is_temporary(file.path().file_name().unwrap()), "{}", file.path().display());
+            put_in_place(file, &target).unwrap();
+            assert_eq!(std::fs::read(&target).unwrap(), b"long");
+        }
     }
 
     #[test]

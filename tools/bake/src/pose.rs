@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::{DQuat, DVec3};
 use hullmap::Pose;
+use hullmap_import::open_regular;
 
 use crate::outcome::Failure;
 
@@ -63,9 +64,11 @@ pub fn read_poses(path: &Path) -> Result<Vec<Pose>, Failure> {
     let (name, text) = if path == Path::new("-") {
         ("standard input".to_owned(), std::io::read_to_string(std::io::stdin().lock()))
     } else {
-        (path.display().to_string(), std::fs::read_to_string(path))
+        (path.display().to_string(), open_regular(path).and_then(std::io::read_to_string))
     };
-    let text = text.map_err(|error| Failure::usage(format!("{name}: cannot read the poses: {error}")))?;
+    let text = text.map_err(|error| {
+        Failure::usage(format!("{name}: cannot read the poses: {error}; name a file, or `-` for standard input"))
+    })?;
     let poses = parse_pose_lines(&name, text.trim_start_matches('\u{FEFF}'))?;
     if poses.is_empty() {
         return Err(Failure::usage(format!("{name}: no poses; expected one per line: tx ty tz qx qy qz qw")));

@@ -66,7 +66,7 @@ impl Project {
         for step in path.ancestors() {
             match step.canonicalize() {
                 Ok(real) if !real.starts_with(&self.root) => return Found::Outside,
-                Ok(real) if step == path => return if is_regular(&real) { Found::File } else { Found::NotRegular },
+                Ok(real) if step == path => return if real.is_file() { Found::File } else { Found::NotRegular },
                 Ok(_) => return Found::Missing,
                 // A broken link may lead anywhere.
                 Err(_) if step.is_symlink() => return Found::Outside,
@@ -75,11 +75,6 @@ impl Project {
         }
         Found::Missing
     }
-}
-
-/// Whether a path leads to a regular file. Opening anything else may block or never end.
-pub fn is_regular(path: &Path) -> bool {
-    path.is_file()
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use crate::options::BuildOptions;
 use crate::outcome::Failure;
 use crate::pack_file::{folder_of, plain, resolve_recorded, shown_from};
 use crate::packs::PackPlace;
-use crate::project::{Found, Project, is_regular};
+use crate::project::{Found, Project};
 use hullmap_import::{self as import, EXTENSIONS, Imported, Limits, Polygons, ReadError, SourceFile};
 
 /// A pack's source, found and imported as it was when the pack was baked.
@@ -145,20 +145,11 @@ pub fn find_source(
             continue;
         }
         let is_given = given == Some(&path);
-        if path.exists() && !is_regular(&path) {
-            if is_given {
-                return Err(Failure::usage(format!(
-                    "{}: not a regular file; name the source mesh, or a folder of meshes",
-                    path.display()
-                )));
-            }
-            continue;
-        }
         let source = match import::read(&shown(&path), &path, limits) {
             Ok(source) => source,
             Err(ReadError::Io(error)) if is_given => {
                 return Err(Failure::usage(format!(
-                    "{}: cannot read the source: {error}; check the path",
+                    "{}: cannot read: {error}; name the source mesh, or a folder of meshes",
                     path.display()
                 )));
             }

@@ -51,9 +51,9 @@ pub fn open(bytes: &[u8]) -> Result<Container<'_>, LineFault> {
         Ok(document) => document,
         Err(_) if is_version_1(text) => return fault(VERSION_1.to_owned()),
         Err(error) if buffer.is_none() && error.line() > 1 => {
-            return Err(Fault::format(format!("not a glTF document: {error}; export it again")).at(error.line()));
+            return Err(Fault::format(not_a_document(&error)).at(error.line()));
         }
-        Err(error) => return fault(format!("not a glTF document: {error}; export it again")),
+        Err(error) => return fault(not_a_document(&error)),
     };
     if !document.asset.version.starts_with("2.") {
         let version = excerpt(&document.asset.version);
@@ -70,6 +70,25 @@ pub fn open(bytes: &[u8]) -> Result<Container<'_>, LineFault> {
         ));
     }
     Ok(Container { document, buffer })
+}
+
+/// Message about a text with another structure. Serde quotes values of any length, and names the
+/// structs of this program: a list in place of an object is "invalid length 0, expected struct Asset
+/// with 1 element at line 1".
+fn not_a_document(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    let text = match text.rsplit_once(", expected ") {
+        Some((found, wanted)) => {
+            let is_struct = wanted.starts_with("struct ");
+            let is_list = is_struct && found.starts_with("invalid length");
+            let found = if is_list { "invalid type: a list".to_owned() } else { excerpt(found) };
+            let place = wanted.find(" at line").and_then(|at| wanted.get(at..)).unwrap_or_default();
+            let wanted = if is_struct { format!("an object{place}") } else { wanted.to_owned() };
+            format!("{found}, expected {wanted}")
+        }
+        None => text,
+    };
+    format!("not a glTF document: {text}; export it again")
 }
 
 fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), LineFault> {

@@ -7,7 +7,9 @@
 //! # Reference
 //! Khronos, "KHR_draco_mesh_compression"; Google, "Draco Bitstream Specification", version 2.2.
 
-use draco_core::{DecodeLimits, DecoderBuffer, DracoError, ErrorKind, Mesh, MeshDecoder};
+use draco_core::metadata::METADATA_FLAG_MASK;
+use draco_core::version::version_at_least;
+use draco_core::{DecodeLimits, DecoderBuffer, DracoError, ErrorKind, GeometryMetadata, Mesh, MeshDecoder};
 
 /// Bytes of decoded attributes that a vertex may have: some sets of normals, tangents, texture
 /// coordinates, colours, joints and weights. They are decoded too, and dropped.
@@ -38,18 +40,75 @@ impl From<DracoError> for DracoFault {
     }
 }
 
-/// Decodes a primitive. `position` is the id of the attribute with positions. `limit` is the
-/// maximum number of vertices, and of triangles.
+/// Numbers that the header of compressed data claims.
+#[derive(Clone, Copy)]
+pub struct Claim {
+    /// Number of vertices. The data can have more: up to three for each triangle.
+    pub vertices: usize,
+    /// Number of triangles.
+    pub triangles: usize,
+}
+
+/// Geometry byte of a header: triangles, and not a point cloud.
+const TRIANGLES: u8 = 1;
+
+/// Method byte of a header: connectivity by Edgebreaker, or else a list of triangles.
+const EDGEBREAKER: u8 = 1;
+
+/// Maximum size of a header with its metadata, which take up to 270 times as much memory: 808 bytes
+/// for a nested entry of three bytes. Exporters of glTF write no metadata.
+const MAX_HEADER: usize = 1 << 16;
+
+/// Reads the header of compressed data.
+///
+/// # Errors
+/// It is damaged, longer than [`MAX_HEADER`], or not that of a mesh.
+///
+/// # Complexity
+/// O(metadata).
+pub fn claim(bytes: &[u8]) -> Result<Claim, DracoFault> {
+    let mut header = DecoderBuffer::new(bytes.get(..MAX_HEADER).unwrap_or(bytes));
+    header.decode_slice(b"DRACO".len())?;
+    let (major, minor) = (header.decode_u8()?, header.decode_u8()?);
+    header.set_version(major, minor);
+    let (geometry, method, flags) = (header.decode_u8()?, header.decode_u8()?, header.decode_u16()?);
+    if geometry != TRIANGLES {
+        return Err(DracoFault::Damaged("it is not a mesh".to_owned()));
+    }
+    if version_at_least(major, minor, (1, 3)) && flags & METADATA_FLAG_MASK != 0 {
+        GeometryMetadata::decode(&mut header)?;
+    }
+    let is_edgebreaker = method == EDGEBREAKER;
+    if is_edgebreaker {
+        let _traversal = header.decode_u8()?;
+    }
+    let is_at_least = |version| version_at_least(major, minor, version);
+    let is_short = is_at_least(if is_edgebreaker { (2, 0) } else { (2, 2) });
+    let mut count = || -> Result<usize, DracoError> {
+        let count = if is_short { header.decode_varint()? } else { header.decode_u32()?.into() };
+        Ok(usize::try_from(count).unwrap_or(usize::MAX))
+    };
+    if !is_edgebreaker {
+        let triangles = count()?;
+        return Ok(Claim { vertices: count()?, triangles });
+    }
+    if !is_at_least((2, 2)) {
+        let _new_vertices = count()?;
+    }
+    Ok(Claim { vertices: count()?, triangles: count()? })
+}
+
+/// Decodes a primitive with this header. `position` is the id of the attribute with positions.
 ///
 /// # Errors
 /// See [`DracoFault`].
 ///
 /// # Complexity
 /// O(bytes + vertices + triangles).
-pub fn decode(bytes: &[u8], position: u32, limit: usize) -> Result<DracoMesh, DracoFault> {
-    let limit = limit as u64;
-    let limits = DecodeLimits::default().with_max_points(limit).with_max_faces(limit);
-    let limits = limits.with_max_decoded_bytes(limit.saturating_mul(ATTRIBUTE_BYTES));
+pub fn decode(bytes: &[u8], position: u32, claim: Claim) -> Result<DracoMesh, DracoFault> {
+    let points = claim.vertices.max(claim.triangles.saturating_mul(3)) as u64;
+    let limits = DecodeLimits::default().with_max_points(points).with_max_faces(claim.triangles as u64);
+    let limits = limits.with_max_decoded_bytes(points.saturating_mul(ATTRIBUTE_BYTES));
     let mut mesh = Mesh::new();
     MeshDecoder::new().decode(&mut DecoderBuffer::new(bytes).with_limits(limits), &mut mesh)?;
     let damaged = |text: &str| DracoFault::Damaged(text.to_owned());

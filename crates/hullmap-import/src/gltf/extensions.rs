@@ -64,6 +64,10 @@ const SUPPORTED: [&str; 4] =
 /// the scene, or has the data uncompressed too.
 const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
+/// Extensions whose names start with one of these hold shapes other than meshes: splats, volumes,
+/// and surfaces given by formulas.
+const SHAPES: [&str; 4] = ["EXT_implicit_", "EXT_primitive_voxels", "KHR_gaussian_splatting", "KHR_implicit_shapes"];
+
 /// Extension that draws a mesh once for each entry of an accessor.
 pub const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
@@ -88,7 +92,11 @@ pub fn remedy(extension: &str) -> &'static str {
         }
         "KHR_meshopt_compression" => "export it without mesh compression",
         INSTANCING => "export the instances as nodes",
-        _ => "export it without this extension",
+        "KHR_accessor_float64" => "export it with 32-bit positions",
+        _ if SHAPES.iter().any(|prefix| extension.starts_with(prefix)) => {
+            "its shapes are not meshes: convert them to triangles, and export those"
+        }
+        _ => "it may change the geometry: export the shape as plain triangles",
     }
 }
 

@@ -36,7 +36,7 @@ mod accessor;
 mod buffers;
 mod container;
 mod document;
-mod draco;
+pub mod draco;
 mod extensions;
 mod scene;
 mod version_1;

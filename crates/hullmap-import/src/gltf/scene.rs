@@ -64,6 +64,10 @@ pub struct SceneReader<'a> {
     allows_restart: bool,
     /// Number of indices that restart a primitive.
     restart_count: usize,
+    /// Number of accessors whose count is not that of their compressed data.
+    miscounts: usize,
+    /// The first of them, its count, and that of its data.
+    first_miscount: Option<(u32, u64, usize)>,
 }
 
 impl<'a> SceneReader<'a> {
@@ -84,6 +88,8 @@ impl<'a> SceneReader<'a> {
             byte_count,
             allows_restart: data.document.extensions_used.iter().any(|name| allows_restart(name)),
             restart_count: 0,
+            miscounts: 0,
+            first_miscount: None,
             data,
         }
     }
@@ -100,7 +106,7 @@ impl<'a> SceneReader<'a> {
             // A library of meshes without a scene.
             for (index, mesh) in self.data.document.meshes.iter().enumerate() {
                 let name = mesh.name.as_deref().unwrap_or_default();
-                self.add_mesh(name, &format!("mesh {index}"), index as u32, DAffine3::IDENTITY)?;
+                self.add_mesh(name, "", index as u32, DAffine3::IDENTITY)?;
             }
         } else {
             self.add_nodes()?;
@@ -143,7 +149,7 @@ impl<'a> SceneReader<'a> {
         Ok(())
     }
 
-    /// Adds a mesh as an object. `label` names its node in messages.
+    /// Adds a mesh as an object. `label` names its node in messages; it is empty if there is none.
     fn add_mesh(&mut self, name: &str, label: &str, mesh_index: u32, transform: DAffine3) -> Result<(), Fault> {
         let document = self.data.document;
         let slot = mesh_index as usize;
@@ -168,11 +174,12 @@ impl<'a> SceneReader<'a> {
                 continue;
             };
             let within = |fault: Fault| match fault {
+                Fault::Format(text) if label.is_empty() => Fault::Format(format!("mesh {mesh_index}: {text}")),
                 Fault::Format(text) => Fault::Format(format!("{label}, mesh {mesh_index}: {text}")),
                 other => other,
             };
             if let Some(draco) = self.only_compressed(primitive, accessor).map_err(within)? {
-                self.add_compressed(draco, accessor, transform).map_err(within)?;
+                self.add_compressed(draco, primitive, accessor, transform).map_err(within)?;
                 continue;
             }
             let vertices = match known.get(&accessor) {
@@ -211,18 +218,11 @@ impl<'a> SceneReader<'a> {
     fn claim(&mut self, count: usize, bytes_each: usize) -> Result<(), Fault> {
         let spelt_out = count.min(self.unclaimed_bytes / bytes_each);
         self.unclaimed_bytes -= spelt_out * bytes_each;
-        self.repeated_count += count - spelt_out;
+        self.repeated_count = self.repeated_count.saturating_add(count - spelt_out);
         if self.repeated_count > self.limits.repeated_vertices {
-            return Err(self.too_much_repetition());
+            return Err(too_much_repetition(self.limits));
         }
         Ok(())
-    }
-
-    fn too_much_repetition(&self) -> Fault {
-        Fault::format(format!(
-            "instances, zeros and compression add more than {} vertices and corners to the file; bake the meshes separately, or raise --max-instanced",
-            self.limits.repeated_vertices
-        ))
     }
 
     /// Adds the vertices of an accessor, and returns the index of the first one and their count.
@@ -245,7 +245,13 @@ impl<'a> SceneReader<'a> {
     }
 
     /// Adds the vertices and triangles of a primitive that is compressed by Draco.
-    fn add_compressed(&mut self, draco: Draco, accessor: u32, transform: DAffine3) -> Result<(), Fault> {
+    fn add_compressed(
+        &mut self,
+        draco: Draco,
+        primitive: &Primitive,
+        accessor: u32,
+        transform: DAffine3,
+    ) -> Result<(), Fault> {
         let elements = self.data.accessor(accessor, Kind::Vec3)?;
         let view = draco.buffer_view;
         let fault = |text: String| {
@@ -263,16 +269,19 @@ impl<'a> SceneReader<'a> {
                 if self.decoded_bytes > self.byte_count {
                     return Err(fault("shares its bytes with another one; export the file again".to_owned()));
                 }
-                // What `claim` would still accept.
-                let limit = self.unclaimed_bytes / VERTEX_BYTES
-                    + self.limits.repeated_vertices.saturating_sub(self.repeated_count);
-                let mesh = match draco::decode(bytes, position, limit) {
-                    Ok(mesh) => Rc::new(mesh),
-                    Err(DracoFault::TooLarge) => return Err(self.too_much_repetition()),
-                    Err(DracoFault::Damaged(text)) => {
-                        return Err(fault(format!("is damaged ({text}); export the file again")));
-                    }
+                let limits = self.limits;
+                let refused = |error| match error {
+                    DracoFault::TooLarge => too_much_repetition(limits),
+                    DracoFault::Damaged(text) => fault(format!("is damaged ({text}); export the file again")),
                 };
+                let claim = draco::claim(bytes).map_err(refused)?;
+                self.check_claims(claim)?;
+                let mesh = Rc::new(draco::decode(bytes, position, claim).map_err(refused)?);
+                self.check_count(accessor, mesh.positions.len());
+                // The data is a list of triangles, but the accessor may be of a strip.
+                if let (Some(indices), None | Some(TRIANGLES)) = (primitive.indices, primitive.mode) {
+                    self.check_count(indices, 3 * mesh.triangles.len());
+                }
                 self.decoded.insert((view, position), mesh.clone());
                 mesh
             }
@@ -289,6 +298,24 @@ impl<'a> SceneReader<'a> {
             return Err(Fault::TooManyReferences);
         }
         Ok(())
+    }
+
+    /// Refuses compressed data that [`claim`](Self::claim) would refuse once it was decoded.
+    fn check_claims(&mut self, of: draco::Claim) -> Result<(), Fault> {
+        let before = (self.unclaimed_bytes, self.repeated_count);
+        self.claim(of.triangles.saturating_mul(3), CORNER_BYTES)?;
+        self.claim(of.vertices, VERTEX_BYTES)?;
+        (self.unclaimed_bytes, self.repeated_count) = before;
+        Ok(())
+    }
+
+    /// Compares the count of an accessor with the number of elements that its compressed data has.
+    fn check_count(&mut self, accessor: u32, found: usize) {
+        let declared = self.data.document.accessors.get(accessor as usize).map_or(0, |accessor| accessor.count);
+        if declared != found as u64 {
+            self.miscounts += 1;
+            self.first_miscount.get_or_insert((accessor, declared, found));
+        }
     }
 
     /// Adds `vertex_count` vertices, and returns the index of the first one and their count.
@@ -401,14 +428,21 @@ impl<'a> SceneReader<'a> {
     }
 
     fn finish(self) -> Result<SourceMesh, Fault> {
+        let (miscounts, first_miscount) = (self.miscounts, self.first_miscount);
         let Self { data, positions, mut mesh, is_shown, object_count, deformed_count, restart_count, .. } = self;
         let document = data.document;
         if positions.is_empty() {
-            let nodes = counted(document.nodes.len(), "node", "nodes");
             let meshes = counted(document.meshes.len(), "mesh", "meshes");
-            return Err(Fault::format(format!(
-                "the scene shows no vertices ({nodes}, {meshes}), but a hull requires at least one point: check that the objects were visible on export"
-            )));
+            let reason = if document.meshes.is_empty() {
+                "the file has no meshes: export objects with a mesh".to_owned()
+            } else if !is_shown.contains(&true) {
+                format!(
+                    "the scene shows no mesh (the file has {meshes}): check that the objects were visible on export"
+                )
+            } else {
+                format!("the scene shows no vertices (the file has {meshes}): check that the meshes are not empty")
+            };
+            return Err(Fault::format(reason));
         }
         mesh.positions = Positions::Double(positions);
         // Exporters write a vertex once for each normal or texture coordinate that it has.
@@ -427,12 +461,26 @@ impl<'a> SceneReader<'a> {
         if restart_count > 0 {
             mesh.notes.push(format!("primitives divided by the primitive restart index: {restart_count}"));
         }
+        if let Some((accessor, declared, found)) = first_miscount {
+            let more = if miscounts > 1 { format!(", and {} more like it", miscounts - 1) } else { String::new() };
+            mesh.warnings.push(format!(
+                "accessor {accessor} declares {}, but its compressed data has {found}{more}; all data is used: if the hull is wrong, export the file again",
+                counted(declared, "element", "elements")
+            ));
+        }
         if let Some(name) = document.extensions_used.iter().find(|name| *name == INSTANCING) {
             mesh.warnings
                 .push(format!("{name} is not supported, so only one instance of the mesh is baked; {}", remedy(name)));
         }
         Ok(mesh)
     }
+}
+
+fn too_much_repetition(limits: &Limits) -> Fault {
+    Fault::format(format!(
+        "instances, zeros and compression add more than {} vertices and corners to the file; bake the meshes separately, or raise --max-instanced",
+        limits.repeated_vertices
+    ))
 }
 
 /// Vertex index in the scene of corner `at` of a primitive.

@@ -314,7 +314,9 @@ fn gltf_errors_are_reported() {
         ("\"mesh\":0", "\"scale\":[1e40,1,1],\"mesh\":0", "too large for 32-bit floats"),
         ("\"mesh\":0", "\"matrix\":[1,0,0,0.5,0,1,0,0,0,0,1,0,0,0,0,1],\"mesh\":0", "last row"),
         ("\"mesh\":0", "\"rotation\":[0,0,0,0],\"mesh\":0", "not finite"),
-        ("\"mesh\":0,", "", "the scene shows no vertices"),
+        ("\"mesh\":0,", "", "the scene shows no mesh (the file has 1 mesh)"),
+        ("\"POSITION\":0", "\"NORMAL\":0", "the scene shows no vertices (the file has 1 mesh)"),
+        ("\"meshes\"", "\"other\"", "has the mesh index 0, which is out of range (the file has 0 meshes)"),
         ("\"POSITION\":0", "\"POSITION\":1", "accessor 1 is not of type VEC3"),
         ("\"POSITION\":0", "\"POSITION\":8", "accessor 8 does not exist"),
         ("\"POSITION\":0", "\"POSITION\":-8", "not a glTF document"),
@@ -326,6 +328,13 @@ fn gltf_errors_are_reported() {
         ("\"bufferView\":0", "\"bufferView\":5", "buffer view 5, which does not exist"),
         ("\"asset\"", "\"nothing\"", "missing field `asset`"),
         ("{\"asset\"", "[{\"asset\"", "not a glTF document"),
+        ("\"asset\":{", "\"asset\":[],\"x\":{", "invalid type: a list, expected an object at line 1 column"),
+        ("\"asset\":{", "\"asset\":3,\"x\":{", "invalid type: integer `3`, expected an object at line 1 column"),
+        (
+            "\"asset\":{",
+            "\"asset\":\"123456789012345678901234567890\",\"x\":{",
+            "string \"123456789012345678…, expected an object at line 1",
+        ),
     ] {
         fails("a.glb", &change(from, to), expected);
     }

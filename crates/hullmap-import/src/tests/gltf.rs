@@ -74,6 +74,28 @@ fn required_extensions_without_geometry_are_accepted() {
     fails(Parts { extra, ..PLAIN }.glb(&triangle()), &["requires the extension CESIUM_RTC"]);
 }
 
+/// They said "export it without this extension", also where the extension holds the shape.
+#[test]
+fn remedies_for_extensions_keep_the_shape() {
+    for (extension, remedy) in [
+        ("KHR_gaussian_splatting", "its shapes are not meshes: convert them to triangles"),
+        ("EXT_implicit_ellipsoid_region", "its shapes are not meshes: convert them to triangles"),
+        ("KHR_accessor_float64", "32-bit positions"),
+        ("VENDOR_x", "it may change the geometry: export the shape as plain triangles"),
+    ] {
+        let extra = format!(r#""extensionsRequired":["{extension}"],"#);
+        fails(Parts { extra: &extra, ..PLAIN }.glb(&triangle()), &[extension, remedy]);
+    }
+}
+
+/// It said "mesh 0, mesh 0: ".
+#[test]
+fn a_mesh_without_a_node_is_named_once() {
+    let primitive = r#"{"attributes":{"POSITION":7},"indices":1}"#;
+    let error = Parts { primitive, ..PLAIN }.glb(&triangle()).unwrap_err().to_string();
+    assert!(error.starts_with("a.glb: mesh 0: accessor 7 does not exist"), "{error}");
+}
+
 /// Views of which the extension has a compressed copy were rejected.
 #[test]
 fn the_fallback_of_meshopt_compression_is_read() {

@@ -333,7 +333,7 @@ fn cases() -> Vec<Case> {
                     "\"}]}",
                 )
             },
-            Fails("shows no vertices"),
+            Fails("the file has no meshes"),
         ),
     ]
 }

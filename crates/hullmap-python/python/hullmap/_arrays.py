@@ -31,7 +31,8 @@ def floats(name: str, value: npt.ArrayLike) -> Floats:
         raise ArrayError(f"{name}: this is no array ({error}): pass a rectangular array of numbers") from None
     if array.dtype.kind not in "fiu":
         raise ArrayError(f"{name}: expected an array of real numbers, found one of type {array.dtype}: convert it")
-    return np.asarray(array, dtype=np.float64)
+    # Aligned, unlike a field of a packed record or a buffer that starts at an odd byte.
+    return np.require(array, np.float64, "A")
 
 
 def indices(name: str, array: npt.NDArray[Any], noun: str) -> Counts:

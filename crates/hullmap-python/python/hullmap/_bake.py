@@ -13,7 +13,7 @@ from ._arrays import Counts, Floats, floats, indices, is_ragged
 from ._hullmap import ArrayError, BakeError
 from ._options import BakeOptions
 from ._progress import Progress, shown
-from ._shapes import Pack
+from ._shapes import FilePath, Pack
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -150,7 +150,7 @@ def bake_parts(
 
 
 def bake_file(
-    path: Union[str, os.PathLike[str]],
+    path: FilePath,
     *,
     threads: Optional[int] = None,
     progress: Progress = None,
@@ -164,4 +164,4 @@ def bake_file(
     Raises `BakeError` for a faulty mesh, and an `OSError` for a file that cannot be read.
     """
     with shown(progress, os.path.basename(os.fsdecode(path))) as report:
-        return Pack(_hullmap.bake_file(os.fspath(path), _options(options), threads, report))
+        return Pack(_hullmap.bake_file(os.fsdecode(path), _options(options), threads, report))

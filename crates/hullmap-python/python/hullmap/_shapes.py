@@ -38,6 +38,7 @@ RAY_TOLERANCE = 1e-6
 
 Poses = Optional[npt.ArrayLike]
 """Poses as users pass them."""
+FilePath = Union[str, bytes, "os.PathLike[str]", "os.PathLike[bytes]"]
 
 
 def _count(name: str, value: int, least: int, most: int) -> int:
@@ -798,12 +799,13 @@ class Pack(_Bounded, Sequence[Hull]):
         """A copy of the bytes of the file."""
         return self._pack.bytes()
 
-    def save(self, path: Union[str, os.PathLike[str]]) -> Path:
+    def save(self, path: FilePath) -> Path:
         """Writes the pack to a file, and returns its path. The file is complete or absent at every
         moment: it is written beside ``path`` first, and renamed. Open packs of the old file keep it.
         """
-        target = Path(path)
-        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.", suffix=".tmp")
+        target = Path(os.fsdecode(path))
+        # Shorter than the longest name that a file system allows, as the name of the pack may be.
+        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name[:50]}.", suffix=".tmp")
         try:
             with os.fdopen(handle, "wb") as file:
                 file.write(self.to_bytes())
@@ -831,7 +833,7 @@ class Pack(_Bounded, Sequence[Hull]):
         return (from_bytes, (self.to_bytes(),))
 
 
-def open(path: Union[str, os.PathLike[str]], *, mmap: bool = True) -> Pack:
+def open(path: FilePath, *, mmap: bool = True) -> Pack:
     """Opens a pack, and checks all of it: a file that opens cannot crash a query, whoever wrote it.
 
     The file is mapped: processes share its memory, and nothing is copied. As with ``numpy.memmap``,
@@ -842,7 +844,7 @@ def open(path: Union[str, os.PathLike[str]], *, mmap: bool = True) -> Pack:
     Raises `InvalidPack` if the file is not a pack or is damaged, and an `OSError` if it cannot be
     read.
     """
-    return Pack(_hullmap.Pack.open(os.fspath(path), mmap))
+    return Pack(_hullmap.Pack.open(os.fsdecode(path), mmap))
 
 
 def from_bytes(data: Union[bytes, bytearray, memoryview]) -> Pack:

@@ -31,11 +31,11 @@ struct Row<'a> {
 /// exit code.
 pub fn run(args: &KeyArgs, out: &mut Output) -> Result<Exit, Failure> {
     let (project, limits) = (Path::new("."), args.meshes.limits.limits());
-    let mut jobs = jobs(&args.meshes, args.out.as_deref().unwrap_or(Path::new("")), project, Talk::Warnings)?;
+    let out_folder = args.out.as_deref().unwrap_or(Path::new(""));
+    let (mut jobs, mut exit) = jobs(&args.meshes, out_folder, project, Talk::Warnings)?.report_empty();
     if args.out.is_none() {
         jobs.iter_mut().for_each(lie_beside_the_mesh);
     }
-    let mut exit = Exit::Done;
     for jobs in jobs.chunks(AT_ONCE) {
         let found: Vec<_> = jobs.par_iter().map(|job| Ingredients::of(job, &limits, project)).collect();
         for (job, found) in jobs.iter().zip(found) {

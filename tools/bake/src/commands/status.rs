@@ -4,11 +4,11 @@
 //! system. Changed meshes are not noticed: `bake build --check` compares bytes.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 use hullmap_format::header::{HEADER_LEN, Header, options_hash};
+use hullmap_import::open_regular;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -46,10 +46,10 @@ struct Row {
 /// # Errors
 /// An input or `hullmap.toml` cannot be read.
 pub fn run(args: &StatusArgs, out: &mut Output) -> Result<Exit, Failure> {
-    let jobs = jobs(&args.meshes, &args.out, Path::new("."), Talk::Warnings)?;
+    let (jobs, exit) = jobs(&args.meshes, &args.out, Path::new("."), Talk::Warnings)?.report_empty();
     let rows: Vec<Row> = jobs.par_iter().map(|job| row(job, args.shards)).collect();
     let is_complete = rows.iter().all(|row| row.status == State::Present);
-    let exit = if is_complete { Exit::Done } else { Exit::Rejected };
+    let exit = exit.max(if is_complete { Exit::Done } else { Exit::Rejected });
     end(exit, if args.json { write_json(&rows, out) } else { write_table(&rows, args.shards, out) })
 }
 
@@ -66,17 +66,15 @@ fn row(job: &Job, shards: Option<u32>) -> Row {
 
 fn state(job: &Job) -> (State, Option<String>) {
     let stale = |reason: String| (State::Stale, Some(reason));
-    // Opening a pipe would block.
-    let length = match std::fs::metadata(&job.output) {
-        Ok(metadata) if metadata.is_file() => metadata.len(),
-        Ok(_) => return stale("it is not a regular file".to_owned()),
-        Err(error) if error.kind() == ErrorKind::NotFound => return (State::Missing, None),
-        Err(error) => return stale(format!("the pack cannot be read: {error}")),
-    };
     let mut bytes = Vec::with_capacity(HEADER_LEN);
-    let read = File::open(&job.output).and_then(|file| file.take(HEADER_LEN as u64).read_to_end(&mut bytes));
-    let header = match read {
-        Ok(_) => Header::read(&bytes),
+    let read = open_regular(&job.output).and_then(|file| {
+        let length = file.metadata()?.len();
+        file.take(HEADER_LEN as u64).read_to_end(&mut bytes)?;
+        Ok(length)
+    });
+    let (length, header) = match read {
+        Ok(length) => (length, Header::read(&bytes)),
+        Err(error) if error.kind() == ErrorKind::NotFound => return (State::Missing, None),
         Err(error) => return stale(format!("the pack cannot be read: {error}")),
     };
     match header.and_then(|header| header.check_length(length).map(|()| header)) {

@@ -1,9 +1,10 @@
 //! `bake task`: bakes tasks of a plan, as an action of a farm or by hand.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
 use std::io::{BufRead, BufReader, Write as _};
 use std::path::{Path, PathBuf};
+
+use hullmap_import::open_regular;
 
 use crate::args::TaskArgs;
 use crate::baker::bake_pack;
@@ -48,8 +49,9 @@ fn jobs(args: &TaskArgs) -> Result<BTreeMap<PathBuf, Vec<Job>>, Failure> {
     let mut reader: Box<dyn BufRead> = if args.plan == Path::new("-") {
         Box::new(std::io::stdin().lock())
     } else {
-        let file = File::open(&args.plan)
-            .map_err(|error| Failure::usage(format!("{shown}: cannot read: {error}; check the path")))?;
+        let file = open_regular(&args.plan).map_err(|error| {
+            Failure::usage(format!("{shown}: cannot read: {error}; name a file, or `-` for standard input"))
+        })?;
         Box::new(BufReader::new(file))
     };
     let mut missing: BTreeSet<usize> = args.index.iter().copied().collect();

@@ -7,9 +7,10 @@
 mod parse;
 mod search;
 
-use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
+
+use hullmap_import::open_regular;
 
 use crate::glob::Glob;
 use crate::options::OptionLayer;
@@ -80,11 +81,10 @@ impl Config {
     }
 }
 
-/// The text of a file of at most [`MAX_BYTES`]. A pipe named with `--config` has no length, so the
-/// bytes that are read count.
+/// The text of a regular file of at most [`MAX_BYTES`].
 fn read_bounded(path: &Path) -> io::Result<String> {
     let mut bytes = Vec::new();
-    File::open(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+    open_regular(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > MAX_BYTES {
         return Err(io::Error::other(format!("it has more than {MAX_BYTES} bytes")));
     }

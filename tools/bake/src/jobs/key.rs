@@ -7,17 +7,17 @@
 use std::path::Path;
 
 use hullmap_bake::decompose::Method;
-use hullmap_import::{self as import, Limits, SourceFile};
+use hullmap_import::{self as import, Limits, ReadError, SourceFile};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::Job;
 use crate::options::BuildOptions;
 use crate::outcome::Failure;
-use crate::runner::one::cannot_read;
 
 /// A file that a pack is baked from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
 pub struct Input {
     /// Its path relative to the folder of the mesh: the name of the mesh, or the path of a buffer.
     pub path: String,
@@ -49,12 +49,16 @@ impl Ingredients {
     /// Reads the sources of a job; `project` is the folder where `bake` was started.
     ///
     /// # Errors
-    /// They cannot be read, or exceed the limits.
+    /// They cannot be read, exceed the limits, or are not those that were planned.
     pub fn of(job: &Job, limits: &Limits, project: &Path) -> Result<Self, Failure> {
-        let file = job.source.display().to_string();
-        let source = import::read(&file, &job.source, limits).map_err(|error| cannot_read(&file, error))?;
+        Self::of_source(job, &read(job, limits)?, project)
+    }
+
+    /// The ingredients of a job whose sources have been read.
+    fn of_source(job: &Job, source: &SourceFile, project: &Path) -> Result<Self, Failure> {
         let name = job.source.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let records = job.recorded_path(project).map_err(|error| {
+            let file = job.source.display();
             Failure::usage(format!(
                 "{file}: cannot determine its path relative to its pack: {error}; check both folders"
             ))
@@ -64,7 +68,7 @@ impl Ingredients {
             format_version: job.options.format_version(),
             options: job.options.to_string(),
             records,
-            inputs: inputs(&name, &source),
+            inputs: inputs(&name, source),
             name,
         })
     }
@@ -74,6 +78,57 @@ impl Ingredients {
         // Plain numbers and texts can always be written.
         sha256(&serde_json::to_vec(self).unwrap_or_default())
     }
+}
+
+/// Reads the sources of a job. Of a planned job no more is read than the plan states, and one byte.
+///
+/// # Errors
+/// They cannot be read, exceed the limits, or are larger than planned.
+pub fn read(job: &Job, limits: &Limits) -> Result<SourceFile, Failure> {
+    let file = job.source.display().to_string();
+    let mut limits = *limits;
+    let planned = job.planned_bytes().filter(|bytes| *bytes <= limits.input_bytes);
+    if let Some(planned) = planned {
+        // Files that are missing or not regular get their errors from the reader.
+        let has_grown = |input: &Input| {
+            let metadata = std::fs::metadata(job.source.with_file_name(&input.path));
+            metadata.is_ok_and(|metadata| metadata.is_file() && metadata.len() > input.bytes)
+        };
+        if job.inputs.iter().any(has_grown) {
+            return Err(changed(job));
+        }
+        limits.input_bytes = planned;
+    }
+    import::read(&file, &job.source, &limits).map_err(|error| match error {
+        error if planned.is_some() && error.is_too_large() => changed(job),
+        ReadError::Io(error) => Failure::usage(format!("{file}: cannot read: {error}; check the file")),
+        ReadError::Import(error) => Failure::rejected(error.to_string()),
+    })
+}
+
+/// Compares a source, as it was read, with what was planned.
+///
+/// # Errors
+/// Its bytes differ, or the key of its pack would differ.
+pub fn check_planned(job: &Job, source: &SourceFile, project: &Path) -> Result<(), Failure> {
+    if job.inputs.is_empty() && job.key.is_empty() {
+        return Ok(());
+    }
+    let found = Ingredients::of_source(job, source, project)?;
+    if !job.inputs.is_empty() && found.inputs != job.inputs {
+        return Err(changed(job));
+    }
+    if !job.key.is_empty() && found.key() != job.key {
+        return Err(Failure::rejected(format!(
+            "{}: its pack would not have the planned key: the plan was edited, or is by another version of bake; plan again",
+            job.source.display()
+        )));
+    }
+    Ok(())
+}
+
+fn changed(job: &Job) -> Failure {
+    Failure::rejected(format!("{}: it has changed since it was planned; plan again", job.source.display()))
 }
 
 /// The version of this program. V-HACD, which another package computes, calls `acos` and `cos` of

@@ -24,16 +24,18 @@ pub mod task;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use hullmap_import::NAMES;
+
 use crate::args::MeshArgs;
 use crate::config::{Chosen, Configs, FILE_NAME};
 use crate::options::{BuildOptions, RecordSource, flag};
-use crate::outcome::Failure;
+use crate::outcome::{Exit, Failure};
 use crate::pack_file::{folder_of, recorded_path};
 use crate::terminal;
 use filter::Filter;
 use key::Input;
 use pack_names::PackName;
-use search::Mesh;
+use search::{Found, Mesh, in_words, without_meshes};
 
 /// One mesh, its pack, and the options.
 #[derive(Clone, Debug)]
@@ -55,6 +57,8 @@ pub struct Job {
     pub records: Option<String>,
     /// The files that the pack must be baked from; empty if any bytes will do.
     pub inputs: Vec<Input>,
+    /// The key that the pack must have; empty if any will do.
+    pub key: String,
 }
 
 impl Job {
@@ -72,12 +76,21 @@ impl Job {
         }
     }
 
+    /// Bytes of the mesh and of its buffers that were planned; `None` if any will do.
+    pub fn planned_bytes(&self) -> Option<u64> {
+        let sum = self.inputs.iter().fold(0_u64, |sum, input| sum.saturating_add(input.bytes));
+        (!self.inputs.is_empty()).then_some(sum)
+    }
+
     /// Bytes of the mesh and of its buffers, without reading buffers. 0 for files that cannot be
     /// read: baking them fails with an error.
     ///
     /// # Complexity
-    /// One look at the file; a glTF file is read, to find its buffers.
+    /// One look at the file, unless it is planned; a glTF file is read, to find its buffers.
     pub fn source_bytes(&self) -> u64 {
+        if let Some(planned) = self.planned_bytes() {
+            return planned;
+        }
         let length = |path: &Path| std::fs::metadata(path).map_or(0, |metadata| metadata.len());
         // A GLB file contains its buffer; finding others would require reading all of it.
         let is_gltf = self.source.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gltf"));
@@ -86,12 +99,41 @@ impl Job {
     }
 }
 
+/// What is to be baked, and what is not.
+#[derive(Debug)]
+pub struct Jobs {
+    /// The meshes to bake.
+    pub jobs: Vec<Job>,
+    /// Meshes in input folders whose formats are not supported.
+    pub unread: Vec<Unread>,
+    /// Input folders without meshes. They do not stop the others.
+    pub empty: Vec<PathBuf>,
+}
+
+/// A mesh whose format is not supported.
+#[derive(Debug)]
+pub struct Unread {
+    /// The mesh.
+    pub source: PathBuf,
+    /// See [`Job::place`].
+    pub place: String,
+}
+
+impl Jobs {
+    /// Reports the folders without meshes, and returns the jobs with the exit code that this leaves.
+    pub fn report_empty(self) -> (Vec<Job>, Exit) {
+        self.empty.iter().for_each(|folder| terminal::error(without_meshes(folder)));
+        (self.jobs, if self.empty.is_empty() { Exit::Done } else { Exit::Usage })
+    }
+}
+
 /// What [`jobs`] says while it searches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Talk {
     /// Nothing.
     Silent,
-    /// Warnings about options without effect.
+    /// Warnings about options without effect, and how many meshes have formats that are not
+    /// supported.
     Warnings,
     /// And a note for each mesh that is left out.
     All,
@@ -102,7 +144,7 @@ pub enum Talk {
 ///
 /// # Errors
 /// An input or `hullmap.toml` cannot be read, or no mesh is left.
-pub fn jobs(args: &MeshArgs, out: &Path, project: &Path, talk: Talk) -> Result<Vec<Job>, Failure> {
+pub fn jobs(args: &MeshArgs, out: &Path, project: &Path, talk: Talk) -> Result<Jobs, Failure> {
     let warns = talk != Talk::Silent;
     if out.is_file() {
         return Err(Failure::usage(format!(
@@ -111,7 +153,7 @@ pub fn jobs(args: &MeshArgs, out: &Path, project: &Path, talk: Talk) -> Result<V
         )));
     }
     let mut filter = Filter::new(args);
-    let meshes = search::search(&args.inputs, out, &mut filter)?;
+    let Found { meshes, unread: unsupported, empty } = search::search(&args.inputs, out, &mut filter)?;
     for glob in filter.unused().filter(|_| warns) {
         terminal::warning(format_args!("--exclude: no mesh matches `{glob}`"));
     }
@@ -127,6 +169,12 @@ pub fn jobs(args: &MeshArgs, out: &Path, project: &Path, talk: Talk) -> Result<V
             terminal::note(format_args!("{source}: left out, because {} sets skip = true", config.display()));
         }
     }
+    let mut unread = Vec::with_capacity(unsupported.len());
+    for mesh in unsupported {
+        if !configs.layer(&mesh.source)?.skips {
+            unread.push(Unread { place: place(&mesh, out), source: mesh.source });
+        }
+    }
     let names: Vec<_> = chosen.iter().map(|(mesh, options, _)| (mesh, options.keeps_extension())).collect();
     let names = pack_names::pack_names(&names);
     let job = |((mesh, options, config), name): ((Mesh, BuildOptions, _), PackName)| Job {
@@ -138,6 +186,7 @@ pub fn jobs(args: &MeshArgs, out: &Path, project: &Path, talk: Talk) -> Result<V
         config,
         records: None,
         inputs: Vec::new(),
+        key: String::new(),
     };
     let jobs: Vec<Job> = chosen.into_iter().zip(names).map(job).collect();
     if warns {
@@ -150,8 +199,13 @@ pub fn jobs(args: &MeshArgs, out: &Path, project: &Path, talk: Talk) -> Result<V
         }
         let is_cut_by = |config: &Path| jobs.iter().any(|job| job.config.as_deref() == Some(config) && is_cut(job));
         configs.warnings(&args.inputs, is_cut_by).iter().for_each(terminal::warning);
+        if let Some(unread) = in_words(unread.iter().map(|unread| unread.source.as_path())) {
+            terminal::note(format_args!(
+                "not read: {unread}; export them as {NAMES}, or leave them out with --exclude"
+            ));
+        }
     }
-    Ok(jobs)
+    Ok(Jobs { jobs, unread, empty })
 }
 
 /// Folder of the pack relative to `out`, and name of the mesh.

@@ -1,13 +1,13 @@
 //! The meshes that inputs name, and the folders of their packs.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
 use walkdir::WalkDir;
 
 use super::filter::Filter;
 use crate::outcome::Failure;
-use hullmap_import::{NAMES, is_source};
+use hullmap_import::{NAMES, is_source, unread_format};
 
 /// One mesh and the folder of its pack.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,46 +18,77 @@ pub struct Mesh {
     pub folder: PathBuf,
 }
 
-/// The meshes in the order of the inputs, sorted by name within each folder.
+/// What inputs hold.
+#[derive(Debug, Default)]
+pub struct Found {
+    /// The meshes in the order of the inputs, sorted by name within each folder.
+    pub meshes: Vec<Mesh>,
+    /// Meshes in folders whose formats are not supported, in the same order.
+    pub unread: Vec<Mesh>,
+    /// The folders without meshes.
+    pub empty: Vec<PathBuf>,
+}
+
+/// The meshes that inputs name.
 ///
 /// Packs of files lie in `out`; files in a folder keep their path relative to it. Links to folders
 /// are followed, except in cycles. A file that is reached twice with the same folder is baked once.
 ///
 /// # Errors
-/// An input is missing or cannot be read, a folder holds no meshes, or `filter` leaves none.
-pub fn search(inputs: &[PathBuf], out: &Path, filter: &mut Filter) -> Result<Vec<Mesh>, Failure> {
-    let mut meshes = Vec::new();
+/// An input is missing or cannot be read, all of them are folders without meshes, or `filter`
+/// leaves none.
+pub fn search(inputs: &[PathBuf], out: &Path, filter: &mut Filter) -> Result<Found, Failure> {
+    let mut found = Found::default();
     let mut left_out = 0;
     for input in inputs {
         let kind = std::fs::metadata(input).map_err(|error| {
             Failure::usage(format!("{}: cannot read this input: {error}; check the path", input.display()))
         })?;
         if kind.is_dir() {
-            let before = meshes.len();
-            let count = search_folder(input, out, filter, &mut meshes)?;
+            let before = found.meshes.len();
+            let count = search_folder(input, out, filter, &mut found)?;
             if count == 0 {
-                return Err(Failure::usage(format!(
-                    "{}: no meshes ({NAMES}) in this folder; name a folder of meshes",
-                    input.display()
-                )));
+                found.empty.push(input.clone());
             }
-            left_out += count - (meshes.len() - before);
+            left_out += count - (found.meshes.len() - before);
         } else if filter.keeps(None, input) {
-            meshes.push(Mesh { source: input.clone(), folder: out.to_owned() });
+            found.meshes.push(Mesh { source: input.clone(), folder: out.to_owned() });
         } else {
             left_out += 1;
         }
     }
-    if meshes.is_empty() {
+    if let Some(empty) = found.empty.first().filter(|_| found.meshes.is_empty() && left_out == 0) {
+        let unread = in_words(found.unread.iter().map(|mesh| mesh.source.as_path()));
+        let unread = unread.map_or(String::new(), |unread| format!("; not read: {unread}"));
+        return Err(Failure::usage(format!("{}{unread}", without_meshes(empty))));
+    }
+    if found.meshes.is_empty() {
         return Err(Failure::usage(format!(
             "--exclude and --ext leave no mesh to bake (left out: {left_out}); change one of them"
         )));
     }
-    Ok(without_repeats(meshes))
+    Ok(Found { meshes: without_repeats(found.meshes), unread: without_repeats(found.unread), empty: found.empty })
+}
+
+/// The fault of a folder without meshes.
+pub fn without_meshes(folder: &Path) -> String {
+    format!("{}: no meshes ({NAMES}) in this folder; name a folder of meshes", folder.display())
+}
+
+/// Files of formats that are not supported, counted by extension: `53 .dae (COLLADA), 2 .fbx
+/// (FBX)`; `None` if there are none.
+pub fn in_words<'a>(files: impl Iterator<Item = &'a Path>) -> Option<String> {
+    let mut counts: BTreeMap<(String, &str), usize> = BTreeMap::new();
+    for file in files {
+        let extension = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        *counts.entry((extension, unread_format(file).unwrap_or_default())).or_default() += 1;
+    }
+    let words = counts.iter().map(|((extension, format), count)| format!("{count} .{extension} ({format})"));
+    Some(words.collect::<Vec<_>>().join(", ")).filter(|text| !text.is_empty())
 }
 
 /// Adds the meshes in a folder; returns how many it holds, with those that `filter` leaves out.
-fn search_folder(folder: &Path, out: &Path, filter: &mut Filter, meshes: &mut Vec<Mesh>) -> Result<usize, Failure> {
+fn search_folder(folder: &Path, out: &Path, filter: &mut Filter, found: &mut Found) -> Result<usize, Failure> {
     let mut count = 0;
     for entry in WalkDir::new(folder).follow_links(true).sort_by_file_name() {
         let entry = match entry {
@@ -74,11 +105,13 @@ fn search_folder(folder: &Path, out: &Path, filter: &mut Filter, meshes: &mut Ve
                 )));
             }
         };
-        if entry.file_type().is_file() && is_source(entry.path()) {
-            count += 1;
+        let is_unread = unread_format(entry.path()).is_some();
+        if entry.file_type().is_file() && (is_unread || is_source(entry.path())) {
+            count += usize::from(!is_unread);
             let below = entry.path().strip_prefix(folder).unwrap_or(entry.path());
             if filter.keeps(Some(below), entry.path()) {
                 let folder = out.join(below.parent().unwrap_or(Path::new("")));
+                let meshes = if is_unread { &mut found.unread } else { &mut found.meshes };
                 meshes.push(Mesh { source: entry.path().to_owned(), folder });
             }
         }
@@ -120,7 +153,7 @@ mod tests {
     }
 
     fn outputs(inputs: &[PathBuf]) -> Vec<String> {
-        let meshes = search(inputs, Path::new("out"), &mut Filter::default()).unwrap();
+        let meshes = search(inputs, Path::new("out"), &mut Filter::default()).unwrap().meshes;
         let meshes: Vec<_> = meshes.iter().map(|mesh| (mesh, None)).collect();
         let names = pack_names(&meshes);
         names.iter().map(|name| name.output.to_str().unwrap().replace('\\', "/")).collect()
@@ -157,6 +190,24 @@ mod tests {
                 .message
                 .contains("no meshes")
         );
+    }
+
+    /// The other inputs were not baked.
+    #[test]
+    fn a_folder_without_meshes_does_not_stop_the_others() {
+        let meshes = folder(&["a/x.obj", "b/readme.txt", "c/y.dae"]);
+        let inputs = ["a", "b", "c"].map(|name| meshes.path().join(name));
+        let found = search(&inputs, Path::new("out"), &mut Filter::default()).unwrap();
+        assert_eq!((found.meshes.len(), found.unread.len(), &found.empty[..]), (1, 1, &inputs[1..]));
+        let failure = search(&inputs[1..], Path::new("out"), &mut Filter::default()).unwrap_err();
+        assert!(failure.message.contains("b: no meshes") && failure.message.contains("1 .dae (COLLADA)"), "{failure}");
+    }
+
+    #[test]
+    fn unread_files_are_counted_by_extension() {
+        let files = ["b.dae", "a.DAE", "c.fbx"].map(Path::new);
+        assert_eq!(in_words(files.into_iter()).unwrap(), "2 .dae (COLLADA), 1 .fbx (FBX)");
+        assert_eq!(in_words(std::iter::empty()), None);
     }
 
     #[cfg(unix)]

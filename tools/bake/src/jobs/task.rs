@@ -21,6 +21,7 @@ const MAX_BYTES: u64 = 64 << 20;
 
 /// Meshes that are baked together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
 pub struct Task {
     /// Index in the plan.
     pub task: usize,
@@ -38,6 +39,7 @@ pub struct Task {
 
 /// One mesh of a task.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
 pub struct TaskMesh {
     /// The mesh.
     pub source: String,
@@ -47,7 +49,7 @@ pub struct TaskMesh {
     pub options: String,
     /// The path of the mesh, as the pack records it.
     pub records: String,
-    /// Key of the pack; empty if nobody needs it.
+    /// The key that the pack must have; empty if any will do.
     #[serde(default)]
     pub key: String,
     /// The files that the pack must be baked from; empty if any bytes will do.
@@ -124,6 +126,7 @@ impl TaskMesh {
             config: None,
             records: Some(self.records.clone()),
             inputs: self.inputs.clone(),
+            key: self.key.clone(),
         })
     }
 }

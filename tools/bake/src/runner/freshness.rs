@@ -6,12 +6,12 @@
 //! over every byte. So a damaged pack is never fresh. A stale header is detected after 64 bytes;
 //! checking a fresh pack costs less than hashing its source.
 
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
 use hullmap::Pack;
 use hullmap_format::header::{HEADER_LEN, Header, options_hash};
+use hullmap_import::open_regular;
 
 use crate::open::open_pack;
 use crate::options::BuildOptions;
@@ -43,12 +43,8 @@ pub enum Found {
 /// # Complexity
 /// One read of 64 bytes; for a pack with the right header one pass over its bytes.
 pub fn judge(path: &Path, expected: &Expected) -> Found {
-    // Opening a pipe would block.
-    if path.exists() && !path.is_file() {
-        return Found::Stale("it is not a regular file".to_owned());
-    }
     let mut bytes = Vec::with_capacity(HEADER_LEN);
-    let read = File::open(path).and_then(|file| file.take(HEADER_LEN as u64).read_to_end(&mut bytes));
+    let read = open_regular(path).and_then(|file| file.take(HEADER_LEN as u64).read_to_end(&mut bytes));
     match read {
         Ok(_) => {}
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Found::Missing,

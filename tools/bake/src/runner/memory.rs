@@ -30,6 +30,9 @@ const PER_VOXEL: u64 = 64;
 /// cell takes 4 bytes.
 const PER_CELL: u64 = 480;
 
+/// Maximum estimate, more than any machine has. A plan may state any size, and estimates are added.
+const MAX: u64 = 1 << 42;
+
 /// Estimated peak memory of baking this file, in bytes.
 ///
 /// It excludes what only reading the file would reveal: glTF instances, which `--max-instanced`
@@ -44,7 +47,8 @@ pub fn estimate(job: &Job) -> u64 {
         IndexChoice::Kind(kind @ IndexKind::CubeMap { .. }) => kind.root_count(),
         _ => 0,
     };
-    PER_FILE + per_byte * job.source_bytes() + PER_VOXEL * voxels + PER_CELL * cells
+    let estimate = PER_FILE + PER_VOXEL * voxels + PER_CELL * cells;
+    per_byte.saturating_mul(job.source_bytes()).saturating_add(estimate).min(MAX)
 }
 
 /// Whether points are decimal text. Text in other formats counts as dense, because only its
@@ -58,6 +62,7 @@ mod tests {
     use std::path::PathBuf;
 
     use super::*;
+    use crate::jobs::key::Input;
     use crate::options::BuildOptions;
     use crate::options::tests::options;
 
@@ -71,6 +76,7 @@ mod tests {
             name: Default::default(),
             records: None,
             inputs: Vec::new(),
+            key: String::new(),
         }
     }
 
@@ -97,5 +103,13 @@ mod tests {
         let parts = options(&[("decompose", "true"), ("vhacd_resolution", "10")]);
         assert_eq!(of("a.obj", "", &parts), 1000 * PER_VOXEL);
         assert_eq!(estimate(&job(folder.path().join("gone.obj"), usual.clone())), PER_FILE);
+
+        // The glTF file was read before it was compared with its plan, and sums of sizes overflowed.
+        let mut planned = job(folder.path().join("a.gltf"), usual.clone());
+        let input = |bytes| Input { path: String::new(), bytes, sha256: String::new() };
+        planned.inputs = vec![input(3), input(4)];
+        assert_eq!(estimate(&planned), PER_FILE + 7 * PER_DENSE_BYTE);
+        planned.inputs = vec![input(u64::MAX), input(u64::MAX)];
+        assert_eq!(estimate(&planned), MAX);
     }
 }

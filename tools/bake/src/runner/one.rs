@@ -15,13 +15,13 @@ use super::rows::{Origin, Row, Status};
 use crate::args::DEFAULT_DIRECTIONS;
 use crate::baker::BakedPack;
 use crate::jobs::Job;
-use crate::jobs::key::inputs;
+use crate::jobs::key::{check_planned, read};
 use crate::open::open_pack;
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, through_link, write_beside};
 use crate::verification::pack::{Reference, verify_hulls};
-use hullmap_import::{self as import, Imported, Limits, ReadError, SourceFile};
+use hullmap_import::{self as import, Imported, Limits, SourceFile};
 
 /// Bakes point sets into a pack: [`bake_pack`](crate::baker::bake_pack), except in tests.
 pub type Baker = dyn Fn(&[PointSet], &BuildOptions, &SourceRecord) -> Result<BakedPack, String> + Sync;
@@ -120,10 +120,7 @@ impl Build<'_> {
         if let Some(link) = link_below(self.out, folder) {
             return Err(Failure::usage(through_link(&job.output, &link)));
         }
-        let cannot_write = |error| {
-            let remedy = "check the folder's permissions and free space";
-            Failure::usage(format!("{output}: cannot write: {error}; {remedy}"))
-        };
+        let cannot_write = |error| cannot_write(&output, &error);
         make_folder(folder).map_err(cannot_write)?;
         let recorded_path = self.recorded_path(job)?;
         let expected = Expected { source_hash, options: &job.options, recorded_path: &recorded_path };
@@ -136,8 +133,7 @@ impl Build<'_> {
             Found::Missing => return Err(cannot_write(std::io::ErrorKind::NotFound.into())),
         }
         if self.verify {
-            let read = import::read(&row.source, &job.source, &self.limits);
-            let source = read.map_err(|error| cannot_read(&row.source, error))?;
+            let source = read(job, &self.limits)?;
             let mut own = Row::new(row.source.clone(), String::new(), Status::Failed);
             let imported = self.import(job, &mut own, &source)?;
             verify_pack(file.path(), &imported)
@@ -147,9 +143,8 @@ impl Build<'_> {
     }
 
     fn bake(&self, job: &Job, row: &mut Row) -> Result<Status, Failure> {
-        let source =
-            import::read(&row.source, &job.source, &self.limits).map_err(|error| cannot_read(&row.source, error))?;
-        check_inputs(job, &source)?;
+        let source = read(job, &self.limits)?;
+        check_planned(job, &source, self.project)?;
         let hash = source.hash;
         let folder = folder_of(&job.output);
         if let Some(status) = self.judge(job, hash, row)? {
@@ -166,10 +161,7 @@ impl Build<'_> {
         let imported = self.import(job, row, &source)?;
         drop(source);
         let output = row.output.clone();
-        let cannot_write = |error| {
-            let remedy = "check the folder's permissions and free space";
-            Failure::usage(format!("{output}: cannot write: {error}; {remedy}"))
-        };
+        let cannot_write = |error| cannot_write(&output, &error);
         make_folder(folder).map_err(cannot_write)?;
         let record = SourceRecord { path: self.recorded_path(job)?, hash, options: job.options.to_string() };
         let pack = (self.baker)(&imported.point_sets, &job.options, &record)
@@ -238,21 +230,12 @@ impl Build<'_> {
     }
 }
 
-/// The failure of a source that cannot be read; `file` is its name in the message.
-pub fn cannot_read(file: &str, error: ReadError) -> Failure {
-    match error {
-        ReadError::Io(error) => Failure::usage(format!("{file}: cannot read: {error}; check the file")),
-        ReadError::Import(error) => Failure::rejected(error.to_string()),
-    }
-}
-
-/// Rejects a source that has changed since it was planned.
-fn check_inputs(job: &Job, source: &SourceFile) -> Result<(), Failure> {
-    let name = job.source.file_name().unwrap_or_default().to_string_lossy();
-    if job.inputs.is_empty() || inputs(&name, source) == job.inputs {
-        return Ok(());
-    }
-    Err(Failure::rejected(format!("{}: it has changed since it was planned; plan again", job.source.display())))
+fn cannot_write(output: &str, error: &std::io::Error) -> Failure {
+    let remedy = match error.kind() {
+        std::io::ErrorKind::InvalidFilename => "give the mesh a shorter name",
+        _ => "check the folder's permissions and free space",
+    };
+    Failure::usage(format!("{output}: cannot write: {error}; {remedy}"))
 }
 
 fn cannot_place(job: &Job, error: &std::io::Error) -> Failure {

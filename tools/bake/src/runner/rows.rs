@@ -24,6 +24,8 @@ pub enum Status {
     Orphaned,
     /// A pack whose source is gone, and that was removed.
     Pruned,
+    /// A mesh whose format is not supported.
+    Unread,
 }
 
 /// Where a pack was baked.
@@ -49,6 +51,7 @@ impl Status {
             Self::Missing => "missing",
             Self::Orphaned => "orphaned",
             Self::Pruned => "pruned",
+            Self::Unread => "not read",
         }
     }
 }
@@ -58,11 +61,11 @@ impl Status {
 pub struct Row {
     /// The mesh; for an orphan, its former path.
     pub source: String,
-    /// The pack.
+    /// The pack; empty if there is none.
     pub output: String,
     /// The result.
     pub status: Status,
-    /// Why the pack was not fresh, or is an orphan.
+    /// Why the pack was not fresh, or is an orphan, or why the mesh was not read.
     pub reason: Option<String>,
     /// The options, as the pack records them.
     pub options: Option<String>,
@@ -137,12 +140,14 @@ pub fn write_json(rows: &[Row], out: &mut Output) -> Result<(), Failure> {
     Ok(out.flush()?)
 }
 
-/// Writes the rows, fresh ones only if `lists_fresh`, then a summary of all.
+/// Writes the rows, those of fresh packs and of meshes that were not read only if `lists_all`, then
+/// a summary of all.
 ///
 /// # Errors
 /// The writer's.
-pub fn write_table(rows: &[Row], lists_fresh: bool, is_check: bool, out: &mut Output) -> Result<(), Failure> {
-    let listed: Vec<&Row> = rows.iter().filter(|row| lists_fresh || row.status != Status::Fresh).collect();
+pub fn write_table(rows: &[Row], lists_all: bool, is_check: bool, out: &mut Output) -> Result<(), Failure> {
+    let is_usual = |row: &Row| matches!(row.status, Status::Fresh | Status::Unread);
+    let listed: Vec<&Row> = rows.iter().filter(|row| lists_all || !is_usual(row)).collect();
     if !listed.is_empty() {
         let table = if is_check { check_table(&listed) } else { build_table(&listed) };
         table.write(out)?;
@@ -199,7 +204,7 @@ fn summary(rows: &[Row], is_check: bool) -> String {
     } else {
         &[Status::Baked, Status::Fresh, Status::Failed]
     };
-    let rare = [Status::Failed, Status::Orphaned, Status::Pruned];
+    let rare = [Status::Failed, Status::Orphaned, Status::Pruned, Status::Unread];
     let rare = rare.into_iter().filter(|status| !always.contains(status) && count(*status) > 0);
     let counts = always.iter().copied().chain(rare);
     let counts: Vec<String> =

@@ -12,15 +12,18 @@ mod watch;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use hullmap_import::unread_format;
+
 use crate::args::BuildArgs;
 use crate::baker::bake_pack;
 use crate::depfile::{self, Rule};
 use crate::interrupt;
-use crate::jobs::{Job, Talk, jobs};
+use crate::jobs::search::without_meshes;
+use crate::jobs::{Job, Jobs, Talk, jobs};
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, sweep, sweep_below, write_beside};
 use crate::runner::one::{Baker, Build};
-use crate::runner::rows::Row;
+use crate::runner::rows::{Row, Status};
 use crate::runner::{self, print_messages, write_rows};
 use crate::terminal::{self, Output};
 
@@ -40,13 +43,13 @@ pub fn run(args: &BuildArgs, out: &mut Output) -> Result<Exit, Failure> {
 
 /// Runs the command once, with any baker, in any folder.
 fn run_with(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut Output) -> Result<Exit, Failure> {
-    let jobs = find_jobs(args, project, !args.run.quiet)?;
-    build(args, project, baker, &jobs, |_| true, out)
+    let found = find_jobs(args, project, !args.run.quiet)?;
+    build(args, project, baker, &found, |_| true, out)
 }
 
 /// The files to bake, each with its options. If `warns`, prints warnings about options without
 /// effect. Writes no file.
-fn find_jobs(args: &BuildArgs, project: &Path, warns: bool) -> Result<Vec<Job>, Failure> {
+fn find_jobs(args: &BuildArgs, project: &Path, warns: bool) -> Result<Jobs, Failure> {
     if args.prune && warns && !bakes_folders(args) {
         terminal::note("--prune has no effect, because no input is a folder; name the folder of the meshes");
     }
@@ -63,10 +66,11 @@ fn build(
     args: &BuildArgs,
     project: &Path,
     baker: &Baker,
-    jobs: &[Job],
+    found: &Jobs,
     chosen: impl Fn(&Job) -> bool,
     out: &mut Output,
 ) -> Result<Exit, Failure> {
+    let Jobs { jobs, unread, empty } = found;
     let is_ours = |place: &str| args.shard.is_none_or(|shard| shard.holds(place));
     let chosen: Vec<&Job> = jobs.iter().filter(|job| is_ours(&job.place) && chosen(job)).collect();
     if !args.check {
@@ -94,8 +98,16 @@ fn build(
     let results = run_jobs(args, &chosen, &build)?;
     let mut exit = results.iter().map(|(_, exit)| *exit).max().unwrap_or(Exit::Done);
     let mut rows: Vec<Row> = results.into_iter().map(|(row, _)| row).collect();
+    for folder in empty {
+        let mut row = Row::new(folder.display().to_string(), String::new(), Status::Failed);
+        row.error = Some(without_meshes(folder));
+        exit = exit.max(Exit::Usage);
+        rows.push(row);
+    }
     if bakes_folders(args) {
-        let orphans = orphans::find(&args.out, &args.meshes.inputs, jobs, project);
+        // A folder without meshes may be on a disk that is missing: its packs are kept.
+        let inputs: Vec<PathBuf> = args.meshes.inputs.iter().filter(|input| !empty.contains(input)).cloned().collect();
+        let orphans = orphans::find(&args.out, &inputs, jobs, project);
         for orphan in orphans.into_iter().filter(|orphan| is_ours(&orphan.place(&args.out))) {
             let row = orphan.row(&args.out, args.prune && !args.check);
             if row.error.is_some() {
@@ -105,6 +117,11 @@ fn build(
             }
             rows.push(row);
         }
+    }
+    for unread in unread.iter().filter(|unread| is_ours(&unread.place)) {
+        let mut row = Row::new(unread.source.display().to_string(), String::new(), Status::Unread);
+        row.reason = unread_format(&unread.source).map(|format| format!("{format} is not supported"));
+        rows.push(row);
     }
     // Results are printed even if the depfile cannot be written.
     let depfile =

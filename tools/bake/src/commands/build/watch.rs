@@ -74,13 +74,17 @@ fn once(
     out: &mut Output,
 ) -> Result<BTreeSet<PathBuf>, Failure> {
     let is_all = changed.is_none_or(|paths| paths.iter().any(|path| !is_source(path)));
-    let jobs = find_jobs(args, project, is_all && !args.run.quiet)?;
+    let mut found = find_jobs(args, project, is_all && !args.run.quiet)?;
+    if !is_all {
+        // They were reported by the build of everything.
+        found.unread.clear();
+    }
     let is_touched = |job: &Job| match changed {
         Some(paths) if !is_all => job.source.canonicalize().map_or(true, |path| paths.contains(&path)),
         _ => true,
     };
-    build(args, project, baker, &jobs, is_touched, out)?;
-    Ok(jobs.into_iter().filter_map(|job| job.config).collect())
+    build(args, project, baker, &found, is_touched, out)?;
+    Ok(found.jobs.into_iter().filter_map(|job| job.config).collect())
 }
 
 /// Folders that the system watches.

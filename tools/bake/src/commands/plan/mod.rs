@@ -23,11 +23,10 @@ use crate::terminal::{self, Output};
 /// An input or `hullmap.toml` cannot be read, or a path cannot be written. A mesh that cannot be
 /// read is reported and left out.
 pub fn run(args: &PlanArgs, out: &mut Output) -> Result<Exit, Failure> {
-    let jobs = jobs(&args.meshes, &args.out, Path::new("."), Talk::Warnings)?;
+    let (jobs, mut exit) = jobs(&args.meshes, &args.out, Path::new("."), Talk::Warnings)?.report_empty();
     let sizes: Vec<u64> = jobs.par_iter().map(Job::source_bytes).collect();
     let meshes: Vec<(&str, u64)> = jobs.iter().map(|job| job.place.as_str()).zip(sizes).collect();
     let size = BatchSize { meshes: args.batch, bytes: args.batch_bytes.unwrap_or(BatchSize::default().bytes) };
-    let mut exit = Exit::Done;
     let mut index = 0;
     if args.emit == Emit::Ninja {
         end(exit, out.verbatim(ninja::HEAD.as_bytes()).map_err(Failure::from))?;
