@@ -28,6 +28,7 @@ pub mod bvh;
 pub mod check;
 mod check_error;
 pub mod cube;
+pub mod descent;
 pub mod edge;
 pub mod fan;
 pub mod header;

@@ -2,7 +2,7 @@
 //!
 //! A [`Slot`] refers to a [`Node`]. The node knows the positions of its numbers and its slots;
 //! [`crate::slot`] describes their meaning. [`crate::walk`] visits and checks all nodes of an
-//! index. Only the runtime's descent decodes words itself, for speed.
+//! index, and [`crate::descent`] follows a direction through them.
 
 use std::ops::Range;
 
@@ -13,13 +13,39 @@ use crate::{
     slot::{BUNDLE_PARTS, BUNDLE_PLANES, Branch, HALVES_WORDS, LIST_WORDS, MAX_BRANCH_BITS, Slot, decode_f64},
 };
 
+/// A word, in any byte order.
+pub trait Word: Copy {
+    /// Its value.
+    fn value(self) -> u32;
+}
+
+impl Word for u32 {
+    #[inline(always)]
+    fn value(self) -> u32 {
+        self
+    }
+}
+
+impl Word for u32_le {
+    #[inline(always)]
+    fn value(self) -> u32 {
+        self.to_native()
+    }
+}
+
 /// The words of one hull's direction index.
 pub trait Words {
+    /// A word as it is stored.
+    type Word: Word;
+
     /// Number of words.
     fn word_count(&self) -> usize;
 
     /// The word at index `at`; 0 past the end. No node of a checked index reaches past the end.
     fn word(&self, at: usize) -> u32;
+
+    /// The `N` words from index `at` on; `None` if there are fewer.
+    fn chunk<const N: usize>(&self, at: usize) -> Option<&[Self::Word; N]>;
 
     /// The f64 in the two words at index `at`.
     fn number(&self, at: usize) -> f64 {
@@ -27,25 +53,21 @@ pub trait Words {
     }
 }
 
-impl Words for [u32] {
+impl<T: Word> Words for [T] {
+    type Word = T;
+
     fn word_count(&self) -> usize {
         self.len()
     }
 
     #[inline]
     fn word(&self, at: usize) -> u32 {
-        self.get(at).copied().unwrap_or(0)
-    }
-}
-
-impl Words for [u32_le] {
-    fn word_count(&self) -> usize {
-        self.len()
+        self.get(at).map_or(0, |word| word.value())
     }
 
-    #[inline]
-    fn word(&self, at: usize) -> u32 {
-        self.get(at).map_or(0, |word| word.to_native())
+    #[inline(always)]
+    fn chunk<const N: usize>(&self, at: usize) -> Option<&[T; N]> {
+        self.get(at..)?.first_chunk()
     }
 }
 

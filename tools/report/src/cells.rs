@@ -110,7 +110,7 @@ impl Drawing<'_> {
             for i in 0..4 {
                 self.line(face, [outline[i], outline[(i + 1) % 4]], 0);
             }
-            let slot = self.index.root(face as usize);
+            let slot = self.index.slot(face as usize);
             let bits_left = [GRID_BITS; 2];
             self.pending.push_back(Pending { slot, face, depth: 0, outline, corner: [0; 2], bits_left });
         }

@@ -11,9 +11,7 @@ use hullmap::{Hull, Pack};
 use hullmap_format::{
     IndexKind,
     archive::LANES,
-    check,
-    cube::{self, GRID_BITS},
-    fan,
+    check, cube, descent,
     header::HEADER_LEN,
     node::{Node, Words},
     sections::Sections,
@@ -144,40 +142,15 @@ impl IndexReader {
     /// The leaf of a direction, whose largest coordinate is about 1.
     pub fn leaf(&self, dir: [f32; 3]) -> Leaf {
         let cell = cube::locate(dir);
-        let (mut nodes, mut bits_left) = (0, [GRID_BITS; 2]);
-        let mut slot = match self.kind {
-            IndexKind::None => return Leaf { first: 0, count: self.blocks.len() as u32, nodes: 0 },
-            IndexKind::CubeMap { resolution } => self.root(cube::uniform_cell(cell, resolution) as usize),
-            IndexKind::Binary | IndexKind::Tree | IndexKind::Medium | IndexKind::Compact => {
-                self.root(cell.face as usize)
-            }
+        let Some(root) = descent::root(self.kind, cell) else {
+            return Leaf { first: 0, count: self.blocks.len() as u32, nodes: 0 };
         };
-        while nodes < MAX_NODES {
-            let Some(node) = self.node(slot) else { break };
-            let part = match node {
-                Node::Halves { .. } => {
-                    let axis = nodes as usize % 2;
-                    bits_left[axis] -= 1;
-                    ([cell.u, cell.v][axis] >> bits_left[axis] & 1) as usize
-                }
-                Node::Squares { bits, .. } => {
-                    bits_left = bits_left.map(|left| left - bits);
-                    let step = |grid: u32| (grid >> bits_left[0]) & ((1 << bits) - 1);
-                    ((step(cell.v) << bits) + step(cell.u)) as usize
-                }
-                Node::Plane { at } => usize::from(is_in_front(self.vector(at, 1), dir)),
-                Node::Bundle { at } => {
-                    // The first plane, then the second or third, then one of the last four.
-                    let mut plane = 0;
-                    for _ in 0..3 {
-                        plane = 2 * plane + 1 + usize::from(is_in_front(self.bundle_normal(at, plane), dir));
-                    }
-                    plane - BUNDLE_PLANES
-                }
-                Node::Fan { at, bits } => fan::slot(|i| self.number(at + 2 * i), bits, dir.map(f64::from)) as usize,
-                Node::List { .. } => break,
-            };
-            slot = Slot::decode(self.words[..].word(node.slots().start + part));
+        let (mut slot, mut path, mut nodes) = (self.slot(root), descent::path(cell), 0);
+        while nodes < MAX_NODES
+            && let Some(node) = self.node(slot)
+            && let Some((at, rest)) = descent::child(&self.words[..], node, path, dir.map(f64::from))
+        {
+            (slot, path) = (self.slot(at), rest);
             nodes += 1;
         }
         let (first, count) = match slot {
@@ -214,8 +187,8 @@ impl IndexReader {
         lanes
     }
 
-    /// The root slot at index `at`: of a cube face, or of a cell of a cube map.
-    pub fn root(&self, at: usize) -> Slot {
+    /// The slot at word `at`.
+    pub fn slot(&self, at: usize) -> Slot {
         Slot::decode(self.words[..].word(at))
     }
 
@@ -243,11 +216,6 @@ impl IndexReader {
     pub fn bundle_normal(&self, at: usize, plane: usize) -> [f64; 3] {
         self.vector(at + 2 * plane, BUNDLE_PLANES)
     }
-}
-
-fn is_in_front(normal: [f64; 3], dir: [f32; 3]) -> bool {
-    let dir = dir.map(f64::from);
-    normal[0] * dir[0] + normal[1] * dir[1] + normal[2] * dir[2] > 0.0
 }
 
 /// The vertices with the minimum and maximum coordinates.

@@ -7,15 +7,20 @@
 //!    visited, from a small stack.
 //! 3. The candidate with the maximum dot product, of all leaves visited.
 
+use hullmap_format::{
+    cube::{self, Cell},
+    descent, fan,
+    slot::{BUNDLE_PARTS, BUNDLE_PLANES, Branch, Slot},
+};
+
 use super::{EPSILON, LOWEST, Vector, dot, l1, mad, sub};
 use crate::records::{HullRecord, Tables, kind};
 
 /// Entries of the stack of a support query.
 const STACK: usize = 24;
 
-/// Bits of a grid number, see `hullmap_format::cube`.
-const GRID_BITS: u32 = 23;
-const GRID_MASK: u32 = (1 << GRID_BITS) - 1;
+/// Rounding to a grid number, see `hullmap_format::cube`.
+const GRID_MASK: u32 = (1 << cube::GRID_BITS) - 1;
 const GRID_SCALE: f32 = 4194303.0;
 const ROUND_BY: f32 = 12582912.0;
 
@@ -57,6 +62,23 @@ fn decode(low: u32, high: u32) -> f32 {
     let magnitude =
         if exponent >= 255 { 0x7f00_0000 } else { (exponent as u32) << 23 | (high & 0xf_ffff) << 3 | low >> 29 };
     f32::from_bits(high & 0x8000_0000 | magnitude)
+}
+
+/// The cell of a direction, up to the rounding error of a device.
+fn cell<const FUSED: bool>(dir: Vector) -> Cell {
+    let mut axis = 0;
+    for other in [1, 2] {
+        if dir[other].abs() > dir[axis].abs() {
+            axis = other;
+        }
+    }
+    let inverse = 1.0 / dir[axis].abs();
+    let grid = |c: f32| {
+        let t = (c * inverse).clamp(-1.0, 1.0);
+        mad::<FUSED>(t, GRID_SCALE, ROUND_BY).to_bits() & GRID_MASK
+    };
+    let (u, v) = (grid(dir[(axis + 1) % 3]), grid(dir[(axis + 2) % 3]));
+    Cell { face: 2 * axis as u32 + (dir[axis].to_bits() >> 31), u, v }
 }
 
 impl Run<'_> {
@@ -135,54 +157,25 @@ impl Run<'_> {
 
     /// The word to which the branches above `dir` lead.
     fn descend<const FUSED: bool>(&mut self, hull: &HullRecord, dir: Vector) -> u32 {
-        let (ax, ay, az) = (dir[0].abs(), dir[1].abs(), dir[2].abs());
-        let mut axis = 0;
-        let mut size = ax;
-        if ay > size {
-            axis = 1;
-            size = ay;
-        }
-        if az > size {
-            axis = 2;
-            size = az;
-        }
-        let inverse = 1.0 / size;
-        let grid = |c: f32| {
-            let t = (c * inverse).clamp(-1.0, 1.0);
-            mad::<FUSED>(t, GRID_SCALE, ROUND_BY).to_bits() & GRID_MASK
-        };
-        let mut u = grid(dir[(axis + 1) % 3]);
-        let mut v = grid(dir[(axis + 2) % 3]);
-        let face = 2 * axis as u32 + (dir[axis].to_bits() >> 31);
+        let cell = cell::<FUSED>(dir);
         if hull.kind == kind::CUBE_MAP {
-            let r = hull.resolution;
-            // ⌊u r / 2²³⌋ without 64 bits: r is below 2²⁰.
-            let column = ((u >> 11) * r + (((u & 2047) * r) >> 11)) >> 12;
-            let row = ((v >> 11) * r + (((v & 2047) * r) >> 11)) >> 12;
-            return self.slot(hull, face.wrapping_mul(r).wrapping_add(row).wrapping_mul(r).wrapping_add(column));
+            let at = cube::uniform_cell(cell, hull.resolution);
+            return u32::try_from(at).map_or(0, |at| self.slot(hull, at));
         }
-        let mut word = self.slot(hull, face);
-        u <<= 32 - GRID_BITS;
-        v <<= 32 - GRID_BITS;
-        for _ in 0..2 * GRID_BITS {
-            if word >> 30 != 0 || self.fuel == 0 {
-                break;
-            }
+        let mut word = self.slot(hull, cell.face);
+        let mut path = descent::path(cell);
+        for _ in 0..2 * cube::GRID_BITS {
+            let Some(payload) = Slot::branch(word).filter(|_| self.fuel > 0) else { break };
             self.fuel -= 1;
-            if hull.kind == kind::BINARY {
-                word = self.slot(hull, word + (u >> 31));
-                let halved = u << 1;
-                u = v;
-                v = halved;
+            let (at, rest) = if hull.kind == kind::BINARY {
+                descent::half(payload, path)
+            } else if Branch::decode(payload).bits > 0 {
+                descent::square(payload, path)
             } else {
-                let bits = word & 15;
-                if bits == 0 {
-                    break;
-                }
-                word = self.slot(hull, (word >> 4) + (v >> (32 - bits) << bits | u >> (32 - bits)));
-                u <<= bits;
-                v <<= bits;
-            }
+                break;
+            };
+            // A checked pack leads to fewer than 2^32 words.
+            (word, path) = (self.slot(hull, at as u32), rest);
         }
         word
     }
@@ -254,25 +247,25 @@ impl Run<'_> {
                 continue;
             }
             last_word = word;
-            let payload = word & 0x3fff_ffff;
-            let at = payload >> 2;
-            match word >> 30 {
-                1 => {
-                    first = payload;
+            match Slot::decode(word) {
+                Slot::Block(block) => {
+                    first = block;
                     count = hull.leaf_blocks;
                 }
-                3 => {
-                    first = self.slot(hull, payload);
-                    count = self.slot(hull, payload + 1);
+                Slot::List(at) => {
+                    first = self.slot(hull, at);
+                    count = self.slot(hull, at + 1);
                     found.is_certain &= count > 0;
                 }
-                2 if height + 8 > STACK => found.is_certain = false,
-                2 if payload & 2 != 0 => {
+                // A branch below planes: not in a checked pack. Or no room for eight parts.
+                Slot::Branch(_) => found.is_certain = false,
+                _ if height + BUNDLE_PARTS > STACK => found.is_certain = false,
+                Slot::Fan(at) => {
                     let [from, to] = self.steps::<FUSED>(hull, at, dir);
-                    stack[height] = [at + 17 + from, at + 18 + to];
+                    stack[height] = [at + fan::HEAD_WORDS + from, at + fan::HEAD_WORDS + 1 + to];
                     height += 1;
                 }
-                2 if payload & 1 == 0 => {
+                Slot::Plane(at) => {
                     let sides = self.sides::<FUSED>(hull, at, 2, dir, doubt);
                     for side in 0..2 {
                         if sides >> side & 1 != 0 {
@@ -281,9 +274,9 @@ impl Run<'_> {
                         }
                     }
                 }
-                2 => {
+                Slot::Bundle(at) => {
                     let mut sides = 0;
-                    for plane in 0..7 {
+                    for plane in 0..BUNDLE_PLANES as u32 {
                         sides |= self.sides::<FUSED>(hull, at + 2 * plane, 14, dir, doubt) << (2 * plane);
                     }
                     let mut previous = u32::MAX;
@@ -301,8 +294,6 @@ impl Run<'_> {
                         }
                     }
                 }
-                // A branch below planes: not in a checked pack.
-                _ => found.is_certain = false,
             }
         }
         if greatest > LOWEST {

@@ -17,9 +17,10 @@ use std::marker::PhantomData;
 use hullmap_format::{
     IndexKind,
     archive::{ArchivedBlock, LANES},
-    cube::{self, Cell, GRID_BITS},
-    fan,
-    slot::{BUNDLE_PLANES, BUNDLE_WORDS, Branch, LIST_WORDS, PLANE_WORDS, Slot, decode_f64},
+    cube::{self, Cell},
+    descent, fan,
+    node::{Branches, Words},
+    slot::{BUNDLE_WORDS, LIST_WORDS, PLANE_WORDS, Slot},
     walk::{Cost, MAX_NODES},
 };
 use rkyv::rend::u32_le;
@@ -140,14 +141,6 @@ where
     }
 }
 
-/// The word to which a branch of a quadtree leads, and the bits of the direction that remain.
-#[inline(always)]
-fn child(payload: u32, [u, v]: [u32; 2]) -> (u32, [u32; 2]) {
-    let Branch { at, bits } = Branch::decode(payload);
-    let top = |path: u32| (u64::from(path) << bits >> 32) as u32;
-    (at + (top(v) << bits | top(u)), [u << bits, v << bits])
-}
-
 impl<'a> Index<'a> {
     /// Index and position of the support vertex in direction `dir`.
     #[inline(always)]
@@ -158,8 +151,8 @@ impl<'a> Index<'a> {
     {
         let [x, y, z] = dir;
         // Only hulls of one block are inlined here. Inlining more makes them slower.
-        let found = match (self.kind, exactly::<1>(self.blocks)) {
-            (IndexKind::None, Some(few)) => self.dispatch.run(Scan(few, self, PhantomData), [x, y, z]),
+        let found = match exactly::<1>(self.blocks) {
+            Some(few) if self.is_scan() => self.dispatch.run(Scan(few, self, PhantomData), [x, y, z]),
             _ => self.support_out_of_line(x, y, z),
         };
         found.read()
@@ -172,7 +165,7 @@ impl<'a> Index<'a> {
         [T; 3]: Direction,
     {
         let dir = [x, y, z];
-        if matches!(self.kind, IndexKind::None) {
+        if self.is_scan() {
             if let Some(few) = exactly::<2>(self.blocks) {
                 return self.dispatch.run(Scan(few, self, PhantomData), dir);
             }
@@ -186,14 +179,20 @@ impl<'a> Index<'a> {
         self.dispatch.run(WholeLookup(self, PhantomData), dir)
     }
 
+    /// Whether there is no index: all blocks are one leaf.
+    #[inline(always)]
+    fn is_scan(&self) -> bool {
+        self.slots.is_empty()
+    }
+
     /// Fetches what every look-up reads first: the slots of the six cube faces, or the blocks of a
-    /// small hull.
+    /// small hull. A cube map has no slots in common.
     #[inline]
     pub(crate) fn fetch_ahead(&self) {
-        match self.kind {
-            IndexKind::Tree | IndexKind::Medium | IndexKind::Compact | IndexKind::Binary => self.fetch_words(0, FACES),
-            IndexKind::CubeMap { .. } => {}
-            IndexKind::None => _ = self.fetch_leaf(self.blocks),
+        if self.is_scan() {
+            self.fetch_leaf(self.blocks);
+        } else if self.kind.branches() != Branches::None {
+            self.fetch_words(0, FACES);
         }
     }
 
@@ -219,17 +218,14 @@ impl<'a> Index<'a> {
         if !in_range || best_candidate::margin(narrow, self.reach).is_none() {
             return Lookup::WHOLE;
         }
-        match self.kind {
-            IndexKind::Tree | IndexKind::Medium | IndexKind::Compact => {
-                let cell = cube::locate(narrow);
-                let path = [cell.u, cell.v].map(|path| path << (32 - GRID_BITS));
-                self.below(self.word(cell.face as usize), path, 0)
-            }
-            IndexKind::CubeMap { resolution } => {
-                self.await_word(cube::uniform_cell(cube::locate(narrow), resolution) as u32, [0; 2], 0)
-            }
-            IndexKind::None => self.fetch_leaf(self.blocks),
-            IndexKind::Binary => self.fetch_leaf(self.leaf(dir).blocks),
+        let cell = cube::locate(narrow);
+        let path = descent::path(cell);
+        match descent::root(self.kind, cell) {
+            None => self.fetch_leaf(self.blocks),
+            // The roots of a tree have been fetched.
+            Some(root) if self.kind.is_tree() => self.below(self.word(root), path, 0),
+            Some(root) if self.kind.branches() == Branches::None => self.await_word(root as u32, path, 0),
+            Some(_) => self.fetch_leaf(self.leaf(dir).blocks),
         }
     }
 
@@ -242,12 +238,13 @@ impl<'a> Index<'a> {
         }
         match kind {
             LookupKind::Word => self.below(self.word(at as usize), path, nodes),
-            LookupKind::Node => match Slot::decode(at) {
-                Slot::Plane(at) => self.await_node(self.plane_child(at as usize, dir), nodes + 1),
-                Slot::Bundle(at) => self.await_node(self.bundle_child(at as usize, dir), nodes + 1),
-                Slot::Fan(at) => self.await_node(self.fan_child(at as usize, dir), nodes + 1),
-                slot => self.fetch_leaf(self.leaf_at(slot, 0).blocks),
-            },
+            LookupKind::Node => {
+                let slot = Slot::decode(at);
+                match self.past_plane(slot, dir) {
+                    Some(word) => self.await_node(word, nodes + 1),
+                    None => self.fetch_leaf(self.leaf_at(slot, 0).blocks),
+                }
+            }
             LookupKind::Leaf | LookupKind::Whole => lookup,
         }
     }
@@ -257,8 +254,8 @@ impl<'a> Index<'a> {
     fn below(&self, slot: u32, path: [u32; 2], nodes: u16) -> Lookup {
         match Slot::branch(slot).filter(|_| self.kind.is_tree()) {
             Some(payload) => {
-                let (at, path) = child(payload, path);
-                self.await_word(at, path, nodes + 1)
+                let (at, path) = descent::square(payload, path);
+                self.await_word(at as u32, path, nodes + 1)
             }
             None => self.await_node(slot, nodes),
         }
@@ -343,27 +340,25 @@ impl<'a> Index<'a> {
     pub(crate) fn leaf(&self, dir: impl Direction) -> Leaf<'a> {
         let cell = || cube::locate(dir.narrow());
         match self.kind {
-            IndexKind::Tree | IndexKind::Medium | IndexKind::Compact => self.descend_quadtree(cell(), dir),
+            IndexKind::Tree | IndexKind::Medium | IndexKind::Compact => self.descend_squares(cell(), dir),
             IndexKind::None => Leaf { blocks: self.blocks, nodes: 0 },
-            IndexKind::CubeMap { resolution } => {
-                let cell = cube::uniform_cell(cell(), resolution);
-                let slot = usize::try_from(cell).map_or(0, |cell| self.word(cell));
+            IndexKind::CubeMap { .. } => {
+                let slot = descent::root(self.kind, cell()).map_or(0, |root| self.word(root));
                 self.leaf_at(Slot::decode(slot), 0)
             }
-            IndexKind::Binary => self.descend_binary(cell(), dir),
+            IndexKind::Binary => self.descend_halves(cell(), dir),
         }
     }
 
     #[inline(always)]
-    fn descend_quadtree(&self, cell: Cell, dir: impl Direction) -> Leaf<'a> {
-        // The next bits to branch on are the top ones.
-        let (mut u, mut v) = (cell.u << (32 - GRID_BITS), cell.v << (32 - GRID_BITS));
+    fn descend_squares(&self, cell: Cell, dir: impl Direction) -> Leaf<'a> {
+        let [mut u, mut v] = descent::path(cell);
         let mut slot = self.word(cell.face as usize);
         for nodes in 0..MAX_NODES {
             // Tested without decoding the other kinds of slot, since nearly all queries end here.
             let Some(payload) = Slot::branch(slot) else { return self.past_branches(slot, nodes, dir) };
-            let (at, path) = child(payload, [u, v]);
-            slot = self.word(at as usize);
+            let (at, path) = descent::square(payload, [u, v]);
+            slot = self.word(at);
             [u, v] = path;
         }
         self.leaf_at(Slot::decode(slot), MAX_NODES)
@@ -371,13 +366,14 @@ impl<'a> Index<'a> {
 
     /// The paper's binary search: one bit per step, from u and v alternately.
     #[inline(never)]
-    fn descend_binary(&self, cell: Cell, dir: impl Direction) -> Leaf<'a> {
-        let (mut path, mut other) = (cell.u << (32 - GRID_BITS), cell.v << (32 - GRID_BITS));
+    fn descend_halves(&self, cell: Cell, dir: impl Direction) -> Leaf<'a> {
+        let [mut path, mut other] = descent::path(cell);
         let mut slot = self.word(cell.face as usize);
         for nodes in 0..MAX_NODES {
             let Some(at) = Slot::branch(slot) else { return self.past_branches(slot, nodes, dir) };
-            slot = self.word((at + (path >> 31)) as usize);
-            (path, other) = (other, path << 1);
+            let (at, rest) = descent::half(at, [path, other]);
+            slot = self.word(at);
+            [path, other] = rest;
         }
         self.leaf_at(Slot::decode(slot), MAX_NODES)
     }
@@ -400,61 +396,23 @@ impl<'a> Index<'a> {
         let mut slot = Slot::decode(slot);
         let dir = [x, y, z];
         while nodes < MAX_NODES {
-            slot = Slot::decode(match slot {
-                Slot::Plane(at) => self.plane_child(at as usize, dir),
-                Slot::Bundle(at) => self.bundle_child(at as usize, dir),
-                Slot::Fan(at) => self.fan_child(at as usize, dir),
-                Slot::Block(_) | Slot::List(_) | Slot::Branch(_) => break,
-            });
+            let Some(word) = self.past_plane(slot, dir) else { break };
+            slot = Slot::decode(word);
             nodes += 1;
         }
         self.leaf_at(slot, nodes)
     }
 
-    /// The slot for the side of the plane node at `at` on which `dir` lies.
-    #[inline]
-    #[expect(
-        clippy::indexing_slicing,
-        reason = "a node has 8 words: three components of two words each, then two slots"
-    )]
-    fn plane_child(&self, at: usize, dir: [f64; 3]) -> u32 {
-        let Some(node) = self.words::<{ PLANE_WORDS as usize }>(at) else { return 0 };
-        let n = |axis: usize| decode_f64(node[2 * axis].to_native(), node[2 * axis + 1].to_native());
-        let height = n(0) * dir[0] + n(1) * dir[1] + n(2) * dir[2];
-        node[6 + usize::from(height > 0.0)].to_native()
-    }
-
-    /// The slot for the region of the plane bundle at `at` in which `dir` lies.
-    #[inline]
-    #[expect(
-        clippy::indexing_slicing,
-        reason = "a node has three components of two words for each of 7 planes, then 8 slots; sides are 0 or 1, so that \
-                  `front` is read below 7 and the slots below 8"
-    )]
-    fn bundle_child(&self, at: usize, dir: [f64; 3]) -> u32 {
-        let Some(node) = self.words::<{ BUNDLE_WORDS as usize }>(at) else { return 0 };
-        let mut front = [0; BUNDLE_PLANES];
-        for (plane, front) in front.iter_mut().enumerate() {
-            let n = |axis: usize| {
-                let word = 2 * (axis * BUNDLE_PLANES + plane);
-                decode_f64(node[word].to_native(), node[word + 1].to_native())
-            };
-            *front = usize::from(n(0) * dir[0] + n(1) * dir[1] + n(2) * dir[2] > 0.0);
-        }
-        let first = front[0];
-        let second = front[1 + first];
-        let third = front[3 + 2 * first + second];
-        node[6 * BUNDLE_PLANES + 4 * first + 2 * second + third].to_native()
-    }
-
-    /// The slot for the sector of the fan at `at` in which `dir` lies.
-    #[inline]
-    #[expect(clippy::indexing_slicing, reason = "`fan::slot` reads only components of the head, of two words each")]
-    fn fan_child(&self, at: usize, dir: [f64; 3]) -> u32 {
-        const HEAD: usize = fan::HEAD_WORDS as usize;
-        let Some(head) = self.words::<HEAD>(at) else { return 0 };
-        let component = |i: usize| decode_f64(head[2 * i].to_native(), head[2 * i + 1].to_native());
-        self.word(at + HEAD + fan::slot(component, head[HEAD - 1].to_native(), dir) as usize)
+    /// The word to which planes or a fan lead; `None` for any other slot.
+    #[inline(always)]
+    fn past_plane(&self, slot: Slot, dir: [f64; 3]) -> Option<u32> {
+        let at = match slot {
+            Slot::Plane(at) => descent::plane(self.slots, at as usize, dir),
+            Slot::Bundle(at) => descent::bundle(self.slots, at as usize, dir),
+            Slot::Fan(at) => descent::step(self.slots, at as usize, dir),
+            Slot::Block(_) | Slot::List(_) | Slot::Branch(_) => return None,
+        };
+        Some(self.word(at))
     }
 
     fn leaf_at(&self, slot: Slot, nodes: u32) -> Leaf<'a> {
@@ -474,11 +432,6 @@ impl<'a> Index<'a> {
 
     #[inline]
     fn word(&self, at: usize) -> u32 {
-        self.slots.get(at).map_or(0, |word| word.to_native())
-    }
-
-    #[inline]
-    fn words<const N: usize>(&self, at: usize) -> Option<&'a [u32_le; N]> {
-        self.slots.get(at..)?.first_chunk()
+        Words::word(self.slots, at)
     }
 }

@@ -6,8 +6,9 @@ use hullmap_format::{
     IndexKind,
     archive::ArchivedPack,
     cube::{self, GRID_BITS},
-    edge, fan,
-    slot::{BUNDLE_PLANES, Branch, Slot, decode_f64},
+    descent, edge,
+    node::{Node, Words as _},
+    slot::{Branch, Slot},
 };
 use rkyv::util::AlignedVec;
 
@@ -35,6 +36,20 @@ pub struct Counts {
     pub fans: usize,
     pub lists: usize,
     pub blocks: usize,
+}
+
+impl Counts {
+    /// The count of this kind of slot.
+    fn of(&mut self, slot: Slot) -> &mut usize {
+        match slot {
+            Slot::Branch(_) => &mut self.branches,
+            Slot::Plane(_) => &mut self.planes,
+            Slot::Bundle(_) => &mut self.bundles,
+            Slot::Fan(_) => &mut self.fans,
+            Slot::List(_) => &mut self.lists,
+            Slot::Block(_) => &mut self.blocks,
+        }
+    }
 }
 
 /// The first hull of a pack, its words copied out.
@@ -65,7 +80,7 @@ impl Words {
     }
 
     fn number(&self, at: usize) -> f64 {
-        decode_f64(self.slots[at], self.slots[at + 1])
+        self.slots[..].number(at)
     }
 
     fn vector(&self, at: usize) -> DVec3 {
@@ -83,49 +98,34 @@ impl Words {
         let mut pending: Vec<(u32, u32, [u32; 2], u32)> =
             (0..6).map(|face| (self.slots[face], face as u32, [0; 2], 0)).collect();
         while let Some((word, face, at, bits)) = pending.pop() {
-            let mut below = |first: usize, count: usize| {
-                let mut words = self.slots[first..first + count].to_vec();
-                words.dedup();
-                pending.extend(words.into_iter().map(|word| (word, face, at, bits)));
-            };
-            match Slot::decode(word) {
-                Slot::Branch(payload) => {
-                    counts.branches += 1;
-                    let branch = Branch::decode(payload);
-                    let (side, taken) = (1_u32 << branch.bits, bits + branch.bits);
-                    for square in 0..side * side {
-                        let offset = [square % side, square / side].map(|step| step << (GRID_BITS - taken));
-                        let corner = [at[0] + offset[0], at[1] + offset[1]];
-                        pending.push((self.slots[(branch.at + square) as usize], face, corner, taken));
-                    }
+            let slot = Slot::decode(word);
+            *counts.of(slot) += 1;
+            if let Slot::Branch(payload) = slot {
+                let branch = Branch::decode(payload);
+                let (side, taken) = (1_u32 << branch.bits, bits + branch.bits);
+                for square in 0..side * side {
+                    let offset = [square % side, square / side].map(|step| step << (GRID_BITS - taken));
+                    let corner = [at[0] + offset[0], at[1] + offset[1]];
+                    pending.push((self.slots[(branch.at + square) as usize], face, corner, taken));
                 }
-                Slot::Plane(first) => {
-                    counts.planes += 1;
-                    below(first as usize + 6, 2);
-                }
-                Slot::Bundle(first) => {
-                    counts.bundles += 1;
-                    below(first as usize + 6 * BUNDLE_PLANES, 8);
-                }
-                Slot::Fan(first) => {
-                    counts.fans += 1;
-                    let first = first as usize;
-                    let steps = 1 << self.slots[first + 16];
-                    fans.push(Fan {
-                        face,
-                        corner: at.map(cube::grid_to_uv),
-                        size: 2.0 / f64::from(1 << bits),
-                        x: self.vector(first),
-                        y: self.vector(first + 6),
-                        start: self.number(first + 12),
-                        rate: self.number(first + 14),
-                        steps,
-                    });
-                    below(first + fan::HEAD_WORDS as usize, steps as usize);
-                }
-                Slot::List(_) => counts.lists += 1,
-                Slot::Block(_) => counts.blocks += 1,
+                continue;
             }
+            let Some(node) = Node::below(slot, self.kind.branches(), &self.slots[..]) else { continue };
+            if let Node::Fan { at: first, bits: steps } = node {
+                fans.push(Fan {
+                    face,
+                    corner: at.map(cube::grid_to_uv),
+                    size: 2.0 / f64::from(1 << bits),
+                    x: self.vector(first),
+                    y: self.vector(first + 6),
+                    start: self.number(first + 12),
+                    rate: self.number(first + 14),
+                    steps: 1 << steps,
+                });
+            }
+            let mut words = self.slots[node.slots()].to_vec();
+            words.dedup();
+            pending.extend(words.into_iter().map(|word| (word, face, at, bits)));
         }
         (counts, fans)
     }
@@ -136,48 +136,16 @@ impl Words {
             return false;
         }
         let cell = cube::locate(d.as_vec3().to_array());
-        let (mut u, mut v) = (u64::from(cell.u), u64::from(cell.v));
-        let mut slot = self.slots[cell.face as usize];
-        let mask = (1 << GRID_BITS) - 1;
+        let (mut at, mut path) = (cell.face as usize, descent::path(cell));
         loop {
-            counts.lists += usize::from(matches!(Slot::decode(slot), Slot::List(_)));
-            counts.blocks += usize::from(matches!(Slot::decode(slot), Slot::Block(_)));
-            let dot = |n: DVec3| n.x * d.x + n.y * d.y + n.z * d.z > 0.0;
-            slot = match Slot::decode(slot) {
-                Slot::Branch(payload) => {
-                    counts.branches += 1;
-                    let Branch { at, bits } = Branch::decode(payload);
-                    let top = |path: u64| path >> (GRID_BITS - bits);
-                    let word = at as usize + ((top(v) << bits) + top(u)) as usize;
-                    (u, v) = (u << bits & mask, v << bits & mask);
-                    self.slots[word]
-                }
-                Slot::Plane(at) => {
-                    counts.planes += 1;
-                    self.slots[at as usize + 6 + usize::from(dot(self.vector(at as usize)))]
-                }
-                Slot::Bundle(at) => {
-                    counts.bundles += 1;
-                    let normal = |plane: usize| {
-                        let number = |axis: usize| self.number(at as usize + 2 * (axis * BUNDLE_PLANES + plane));
-                        DVec3::new(number(0), number(1), number(2))
-                    };
-                    let mut plane = 0;
-                    while plane < BUNDLE_PLANES {
-                        plane = 2 * plane + 1 + usize::from(dot(normal(plane)));
-                    }
-                    self.slots[at as usize + 6 * BUNDLE_PLANES + plane - BUNDLE_PLANES]
-                }
-                Slot::Fan(at) => {
-                    counts.fans += 1;
-                    let at = at as usize;
-                    let step = fan::slot(|i| self.number(at + 2 * i), self.slots[at + 16], d.to_array());
-                    self.slots[at + fan::HEAD_WORDS as usize + step as usize]
-                }
-                Slot::List(_) | Slot::Block(_) => break,
-            };
+            let slot = Slot::decode(self.slots[at]);
+            *counts.of(slot) += 1;
+            let node = Node::below(slot, self.kind.branches(), &self.slots[..]);
+            match node.and_then(|node| descent::child(&self.slots[..], node, path, d.to_array())) {
+                Some(next) => (at, path) = next,
+                None => return true,
+            }
         }
-        true
     }
 
     /// Whether the edges of `vertex` certify that it is the support point in direction `d`.

@@ -10,10 +10,10 @@
 //!
 //! # Steps
 //! 1. Each lane of each block must hold a vertex and its position.
-//! 2. [`arcs`] computes the arcs from the faces, and clips them to the faces of the cube. There,
+//! 2. `arcs` computes the arcs from the faces, and clips them to the faces of the cube. There,
 //!    arcs are straight segments, and regions are convex polygons.
-//! 3. [`descent`] follows all arcs through all nodes at once.
-//! 4. In each leaf, both conditions are checked ([`Certifier::leaf`]).
+//! 3. `descent` follows all arcs through all nodes at once.
+//! 4. In each leaf, both conditions are checked (`Certifier::leaf`).
 //!
 //! # Rounding
 //! A direction near the border of a region may be located on either side of it. Around a cell of
@@ -22,21 +22,21 @@
 //!
 //! At a plane or at a step of a fan, the error is a few 1e-15, and cones that reach no farther are
 //! not listed beyond. There, a region has a *core*, in which the conditions must hold, and a
-//! *reach*, from which directions may lead to the leaf ([`region`]). The regret changes by at most
+//! *reach*, from which directions may lead to the leaf (`region`). The regret changes by at most
 //! the diameter times the angle between two directions. So the regret is at most the greatest
 //! distance of a point of the reach from the core, times the diameter. It must be at most
 //! [`LIMIT`].
 //!
 //! Where two planes meet at a very small angle, the reach has a spike beyond the core, and between
 //! planes that nearly coincide there is no core at all. Both are slivers, and the regret is bounded
-//! along the sliver's axis ([`Certifier::sliver`]).
+//! along the sliver's axis (`Certifier::sliver`).
 //!
 //! # Premises
 //! The hull is proven ([`crate::hull::certify`]). A query finds the best of the candidates that a
 //! leaf lists.
 //!
 //! # Complexity
-//! O(arcs · regions that an arc crosses). It is bounded for any index ([`WORK`]).
+//! O(arcs · regions that an arc crosses). It is bounded for any index (`WORK`).
 
 mod arcs;
 mod descent;
