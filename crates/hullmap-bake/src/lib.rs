@@ -13,12 +13,14 @@
 //! | [`index`] | normal cones | proven direction index: cube map or tree, as words and blocks |
 //! | [`bvh`] | bounds of the hulls | bounding volume hierarchy over the hulls |
 //! | [`pack`] | baked hulls | bytes |
+//! | [`advice`] | baked hulls | warnings and notes for people |
 //!
 //! The crate reads no files and has no command line: it turns points into bytes. Its output is a
 //! pure function of its input, for any number of threads.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
+pub mod advice;
 pub mod bvh;
 pub mod decompose;
 pub mod diameter;
@@ -27,6 +29,7 @@ pub mod hull;
 pub mod index;
 pub mod interior;
 pub mod mass;
+pub mod number;
 pub mod outer;
 pub mod pack;
 pub mod parts;
@@ -39,6 +42,7 @@ pub use hullmap_format::{IndexKind, SolidKind, archive::NO_SOURCE_VERTEX};
 pub use index::IndexChoice;
 pub use pack::{write_lean_pack, write_owned_pack, write_pack};
 pub use parts::Fit;
+use progress::Stage;
 
 /// Maximum number of points of one hull. Point indices have 32 bits, and the upper values are
 /// reserved.
@@ -72,8 +76,11 @@ pub struct SourceRecord {
     pub path: String,
     /// XXH3-128 of the source's bytes.
     pub hash: u128,
-    /// The options that affect the bake, as text. The header holds their hash.
+    /// The options that affect the bake, as one line of text.
     pub options: String,
+    /// Warnings about the mesh and its hulls, one line each. The header holds the hash of options
+    /// and warnings.
+    pub warnings: Vec<String>,
 }
 
 /// Why a hull could not be baked.
@@ -203,7 +210,7 @@ pub struct BakedHull {
 /// # Complexity
 /// O(n log n) on all families tried.
 pub fn bake_hull(points: &PointSet, index: impl Into<IndexChoice>) -> Result<BakedHull, BakeError> {
-    bake(points, hull::build(points)?, 0.0, index.into())
+    bake_hull_in(points, None, index, Stage::default())
 }
 
 /// Builds, simplifies within `limit`, certifies and indexes the hull of `points`. A hull that
@@ -219,22 +226,37 @@ pub fn bake_simplified_hull(
     limit: simplify::Limit,
     index: impl Into<IndexChoice>,
 ) -> Result<BakedHull, BakeError> {
+    bake_hull_in(points, Some(limit), index, Stage::default())
+}
+
+/// Like [`bake_hull`], or with a limit like [`bake_simplified_hull`], as a stage of a computation
+/// whose progress is shown.
+///
+/// # Errors
+/// See [`BakeError`].
+pub fn bake_hull_in(
+    points: &PointSet,
+    limit: Option<simplify::Limit>,
+    index: impl Into<IndexChoice>,
+    stage: Stage,
+) -> Result<BakedHull, BakeError> {
     let exact = hull::build(points)?;
-    match simplify::simplify(&exact, limit)? {
+    stage.reach(0.4);
+    let simplified = limit.map_or(Ok(None), |limit| simplify::simplify(&exact, limit))?;
+    stage.reach(0.7);
+    let (hull, outer_error) = match simplified {
         Some(simplify::Simplified { mut hull, outer_error }) => {
             // Measure all source points, not only the vertices of the exact hull.
             hull.containment_error = hull::containment_error(&hull, points)?;
-            bake(points, hull, outer_error, index.into())
+            (hull, outer_error)
         }
-        None => bake(points, exact, 0.0, index.into()),
-    }
-}
-
-fn bake(points: &PointSet, hull: hull::Hull, outer_error: f64, index: IndexChoice) -> Result<BakedHull, BakeError> {
+        None => (exact, 0.0),
+    };
     let mass = mass::mass(&hull);
     let interior = interior::interior(&hull, &mass);
     let outer = outer::outer(&hull);
-    let index = index::build(&hull, index)?;
+    let index = index::build(&hull, index.into())?;
+    stage.reach(1.0);
     Ok(BakedHull {
         name: points.name.clone(),
         point_count: points.positions.len(),

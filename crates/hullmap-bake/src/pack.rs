@@ -82,11 +82,10 @@ fn check(hulls: &[BakedHull]) -> Result<(), BakeError> {
 }
 
 fn write(hulls: impl Iterator<Item = BakedHull>, source: &SourceRecord, detail: Detail) -> Result<Vec<u8>, BakeError> {
-    let mut pack = Pack {
-        source_path: source.path.clone().into_bytes(),
-        options: source.options.clone().into_bytes(),
-        ..Pack::default()
-    };
+    let options = options_text(source);
+    let options_hash = options_hash(&options);
+    let mut pack =
+        Pack { source_path: source.path.clone().into_bytes(), options: options.into_bytes(), ..Pack::default() };
     pack.spans.push(Span::default());
     for baked in hulls {
         append(&mut pack, baked, detail)?;
@@ -103,9 +102,20 @@ fn write(hulls: impl Iterator<Item = BakedHull>, source: &SourceRecord, detail: 
         Detail::Full => Header::for_payload,
         Detail::Lean => Header::for_lean_payload,
     };
-    let header = header(source.hash, options_hash(&source.options), &bytes[HEADER_LEN..]);
+    let header = header(source.hash, options_hash, &bytes[HEADER_LEN..]);
     bytes[..HEADER_LEN].copy_from_slice(&header.to_bytes());
     Ok(bytes)
+}
+
+/// The section `options`: the options, then each warning on a line of its own.
+fn options_text(source: &SourceRecord) -> String {
+    let mut text = source.options.clone();
+    for warning in &source.warnings {
+        text.push('\n');
+        // A name in a warning may hold a line break.
+        text.push_str(&warning.replace('\n', " "));
+    }
+    text
 }
 
 /// Checks that each object's parts are consecutive, complete, and measured against one solid. A

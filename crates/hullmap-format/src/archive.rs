@@ -36,7 +36,8 @@ pub struct Pack {
     /// Path of the source relative to the pack's folder, UTF-8, with `/` between folders; empty if
     /// no path was recorded.
     pub source_path: Vec<u8>,
-    /// The options that shaped the bake, in the baker's notation, UTF-8.
+    /// The options that shaped the bake, in the baker's notation, then a line for each warning;
+    /// UTF-8.
     pub options: Vec<u8>,
     /// Names of the hulls, UTF-8, one after the other, without separators.
     pub names: Vec<u8>,

@@ -7,7 +7,7 @@
 //! | 12 | 4 | header length, 64 |
 //! | 16 | 8 | payload length: the file is exactly 64 bytes longer |
 //! | 24 | 16 | XXH3-128 of the source file's bytes, its low 64 bits first |
-//! | 40 | 8 | XXH3-64 of the options that shaped the bake, as recorded in the archive |
+//! | 40 | 8 | XXH3-64 of the archive's section `options` |
 //! | 48 | 8 | reserved, zero |
 //! | 56 | 8 | XXH3-64 of the whole file except these 8 bytes |
 //!
@@ -40,7 +40,7 @@ pub struct Header {
     pub payload_len: u64,
     /// XXH3-128 of the source file's bytes.
     pub source_hash: u128,
-    /// XXH3-64 of the options that shaped the bake.
+    /// XXH3-64 of the section `options`: the options that shaped the bake, and warnings.
     pub options_hash: u64,
     /// XXH3-64 of every byte of the file except the eight of this field.
     pub checksum: u64,
@@ -241,7 +241,7 @@ pub fn source_hash(source: &[u8]) -> u128 {
     XxHash3_128::oneshot(source)
 }
 
-/// XXH3-64 of an option string, as [`Header::options_hash`] records it.
+/// XXH3-64 of the section `options`, as [`Header::options_hash`] records it.
 pub fn options_hash(options: &str) -> u64 {
     XxHash3_64::oneshot(options.as_bytes())
 }

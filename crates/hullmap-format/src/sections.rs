@@ -99,7 +99,7 @@ impl<'a> Sections<'a> {
         self.neighbour_starts.is_empty()
     }
 
-    /// The options that shaped the bake; empty if they are not UTF-8.
+    /// The options that shaped the bake, then a line for each warning; empty if they are not UTF-8.
     pub fn options_text(&self) -> &'a str {
         std::str::from_utf8(self.options).unwrap_or_default()
     }

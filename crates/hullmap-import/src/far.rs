@@ -3,6 +3,7 @@
 //! The test compares a ratio of lengths, so that it does not depend on the scale of the mesh.
 
 use hullmap_bake::PointSet;
+use hullmap_bake::number::{percent, short};
 
 use crate::fault::{counted, excerpt};
 
@@ -37,16 +38,19 @@ pub fn far_away(name: &str, positions: &[[f32; 3]]) -> Option<String> {
     // One point has no extent to lose precision of. Several that coincide may have lost all of it.
     if size == 0.0 && positions.len() > 1 && far > 0.0 {
         return Some(format!(
-            "object {}: all {} points have the same 32-bit coordinates, {far:.3e} from the origin; if they differ in the file, use --recentre",
+            "object {}: all {} points have the same 32-bit coordinates, {} from the origin; if they differ in the file, use --recentre",
             excerpt(name),
-            positions.len()
+            positions.len(),
+            short(far)
         ));
     }
     (size > 0.0 && far > FAR * size).then(|| {
         format!(
-            "object {}: {far:.3e} from the origin with an extent of {size:.3e}, so 32-bit coordinates have a spacing of {:.1e} of the extent; --recentre keeps the precision of the file",
+            "object {}: {} from the origin with an extent of {}, so 32-bit coordinates have a spacing of {} of the extent; --recentre keeps the precision of the file",
             excerpt(name),
-            far * f64::from(f32::EPSILON) / size
+            short(far),
+            short(size),
+            percent(far * f64::from(f32::EPSILON) / size)
         )
     })
 }

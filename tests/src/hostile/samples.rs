@@ -95,7 +95,7 @@ fn sample(name: &str, sets: &[PointSet], index: impl Into<IndexChoice>) -> Sampl
 }
 
 fn source() -> SourceRecord {
-    SourceRecord { path: "../ä.obj".into(), hash: 7 << 90, options: "split none".into() }
+    SourceRecord { path: "../ä.obj".into(), hash: 7 << 90, options: "split none".into(), ..SourceRecord::default() }
 }
 
 fn cube() -> Vec<[f32; 3]> {

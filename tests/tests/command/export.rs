@@ -233,6 +233,74 @@ fn hulls_are_selected_by_name_or_index() {
     bake(&folder, "export x.hullmap --hull b --out x.stl").expect(0);
 }
 
+/// `export` took a single pack: a folder had to be exported by a loop in the shell.
+#[test]
+fn packs_and_folders_are_exported_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir_all(folder.path().join("packs/deep")).unwrap();
+    for name in ["packs/a.hullmap", "packs/deep/b.hullmap", "c.hullmap"] {
+        write_pack(&folder, name, &[tetrahedron("left"), tetrahedron("right")]);
+    }
+    let run = bake(&folder, "export packs c.hullmap --for unreal --format obj --out out").expect(0);
+    let written = ["out/a.obj", "out/deep/b.obj", "out/c.obj"];
+    assert!(run.stdout.lines().map(|line| line.split(": ").next().unwrap()).eq(written), "{run:?}");
+    assert!(fs::read_to_string(folder.path().join("out/deep/b.obj")).unwrap().contains("o UCX_right_00\n"));
+    bake(&folder, "export packs c.hullmap --for mjcf --out robots").expect(0);
+    assert_eq!(listed(&folder.path().join("robots/deep/b")), ["b.xml", "left.obj", "right.obj"]);
+    let lines = bake(&folder, "export packs c.hullmap --format json --hull right").expect(0).json();
+    assert_eq!(lines.len(), 3);
+    assert!(lines.iter().all(|line| line["hulls"][0]["name"] == "right" && line["hulls"][1].is_null()));
+
+    // One that fails does not stop the others, and what exists is kept.
+    fs::remove_file(folder.path().join("out/a.obj")).unwrap();
+    fs::write(folder.path().join("packs/deep/damaged.hullmap"), "no pack").unwrap();
+    let run = bake(&folder, "export packs c.hullmap --format obj --out out").expect(2);
+    assert!(run.stderr.contains("out/c.obj: already exists") && run.stderr.contains("damaged.hullmap: "), "{run:?}");
+    assert_eq!(run.stdout.lines().count(), 1);
+    fs::remove_file(folder.path().join("packs/deep/damaged.hullmap")).unwrap();
+    fs::create_dir(folder.path().join("else")).unwrap();
+    write_pack(&folder, "else/C.hullmap", &[tetrahedron("left")]);
+    let run = bake(&folder, "export c.hullmap else --format obj --out new").expect(2);
+    assert!(run.stderr.contains("c.hullmap and else/C.hullmap would both become new/C.obj"), "{run:?}");
+    for (line, message) in [
+        ("packs --format obj", "name a folder with --out"),
+        ("packs --out x.obj", "names a file, but several files are written"),
+        ("packs --out folder", "add --format: obj, stl, glb, json"),
+        ("packs --for godot --out o --name x", "--name: several packs"),
+        ("packs else/gone.hullmap --format obj --out o", "else/gone.hullmap: cannot read"),
+    ] {
+        let run = bake(&folder, &format!("export {line}")).expect(2);
+        assert!(run.stderr.contains(message) && run.stdout.is_empty(), "{line}: {run:?}");
+    }
+    assert!(!folder.path().join("x.obj").exists() && !folder.path().join("o").exists());
+}
+
+/// `UCX_chair_00` is not found by Unreal if the node in `chair.gltf` is called `SM_Chair`.
+#[test]
+fn unreal_finds_parts_by_the_name_of_the_node() {
+    let folder = tempfile::tempdir().unwrap();
+    write_pack(&folder, "x.hullmap", &[tetrahedron("SM_Chair")]);
+    bake(&folder, "export x.hullmap --out chair.glb").expect(0);
+    fs::write(folder.path().join("ell.obj"), ELL.replace("o ell", "o Ell_LOD0")).unwrap();
+    let two = "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\no b\nf 1 3 4\nf 2 3 4\n";
+    fs::write(folder.path().join("two.obj"), two).unwrap();
+    bake(&folder, "build chair.glb two.obj --out . --quiet").expect(0);
+    bake(&folder, "build ell.obj --out . --decompose --quiet").expect(0);
+    let names = |pack: &str, more: &str| {
+        let run = bake(&folder, &format!("export {pack}.hullmap --for unreal --format obj {more}")).expect(0);
+        let names = run.stdout.lines().filter_map(|line| line.strip_prefix("o "));
+        (names.map(str::to_owned).collect::<Vec<_>>(), run.stderr)
+    };
+    assert_eq!(names("chair", ""), (vec!["UCX_SM_Chair_00".to_owned()], String::new()));
+    assert_eq!(names("ell", "").0[1], "UCX_Ell_LOD0_01");
+    assert_eq!(names("chair", "--name Stool").0, ["UCX_Stool_00"]);
+    let (found, stderr) = names("two", "");
+    assert!(found == ["UCX_two_00"] && stderr.contains("stand for 2 meshes of the source"), "{found:?} {stderr}");
+    fs::remove_file(folder.path().join("chair.glb")).unwrap();
+    let (found, stderr) = names("chair", "");
+    assert!(found == ["UCX_chair_00"] && stderr.contains("note: chair.hullmap: its source was not found"), "{stderr}");
+}
+
 #[test]
 fn what_cannot_be_exported_is_named() {
     let folder = tempfile::tempdir().unwrap();

@@ -324,7 +324,8 @@ fn packs_made_by_hand_are_judged_as_well() {
     assert!((truth..1.006 * truth).contains(&apex.uncovered), "{apex:?}");
     let hash = source_hash(&fs::read(folder.path().join("x.obj")).unwrap());
     let options = "split none, vertices referenced, index tree 8".to_owned();
-    let file = write_pack(&hulls, &SourceRecord { path: "x.obj".into(), hash, options }).unwrap();
+    let file =
+        write_pack(&hulls, &SourceRecord { path: "x.obj".into(), hash, options, ..SourceRecord::default() }).unwrap();
     assert_claims_are_tight(&folder, &file, true);
     // A kind of solid that is not that of the mesh.
     let sheet = SolidKind::Sheet.code().to_le_bytes();
@@ -370,7 +371,7 @@ fn collision_parts_with_their_mesh_are_measured() {
     assert_eq!(pack.hull(3).unwrap().protrusion(), None);
     let text = bake(&folder, "inspect baked").expect(0).stdout;
     assert!(
-        text.contains("  protrusion         at most 2.5") && text.contains("  part               1 of 3 of its"),
+        text.contains("  protrusion         at most 0.25,") && text.contains("  part               1 of 3 of its"),
         "{text}"
     );
     // 2 of 3 parts are the solid's own bars, and the lamp is no part.

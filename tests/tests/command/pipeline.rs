@@ -151,8 +151,8 @@ fn packs_without_a_source_are_named_and_removed_only_with_prune() {
         assert_eq!(files(&folder.path().join("o")), whole);
     }
     bake(&folder, "build in --out o --check --prune").expect(1);
-    let run = bake(&folder, "build in/a.obj --out o --prune").expect(0);
-    assert!(run.stderr.contains("note: --prune has no effect"), "{}", run.stderr);
+    let run = bake(&folder, "build in/a.obj --out o --prune").expect(2);
+    assert!(run.stderr.contains("error: --prune has no effect"), "{}", run.stderr);
     assert_eq!(files(&folder.path().join("o")), whole, "neither a check nor a build of files removes anything");
     let run = bake(&folder, "build in --out o --prune --json").expect(0);
     assert_eq!(statuses(&run), ["o/a.hullmap: fresh", "o/deep/er/gone.hullmap: pruned", "o/gone.hullmap: pruned"]);
@@ -272,20 +272,39 @@ fn a_hullmap_toml_above_the_start_is_named() {
 fn rules_that_match_nothing_are_warnings() {
     let toml = "[defaults]\ndecompose = true\n[[rule]]\nfiles = \"propz/**\"\nindex = \"none\"\n";
     let folder = folder(&[("in/a.obj", CUBE), ("in/hullmap.toml", toml)]);
-    let run = bake(&folder, "build in --out o --vhacd-max-parts 4 --json").expect(0);
+    let run = bake(&folder, "build in --out o --max-parts 4 --json").expect(0);
     let options = run.json()[0]["options"].to_string();
     assert!(options.contains("decompose"), "the file requests it: {options}");
     assert!(run.stderr.contains("warning: in/hullmap.toml:4: no mesh matches `propz/**`\n"), "{}", run.stderr);
     assert!(!run.stderr.contains("has no effect"), "{}", run.stderr);
-    let run = bake(&folder, "build in/a.obj --out o --no-config --vhacd-max-parts 4").expect(0);
-    assert!(run.stderr.contains("warning: --vhacd-max-parts has no effect"), "{}", run.stderr);
-    write(&folder, "in/hullmap.toml", "[defaults]\nvhacd_max_parts = 4\n");
+    write(&folder, "in/hullmap.toml", "[defaults]\nmax_parts = 4\n");
     let run = bake(&folder, "build in --out o").expect(0);
-    assert!(run.stderr.contains("warning: in/hullmap.toml: vhacd_max_parts has no effect"), "{}", run.stderr);
+    assert!(run.stderr.contains("warning: in/hullmap.toml: max_parts has no effect"), "{}", run.stderr);
     let run = bake(&folder, "build in --out o --decompose").expect(0);
     assert!(!run.stderr.contains("has no effect"), "{}", run.stderr);
     let run = bake(&folder, "build in --out in/a.obj").expect(2);
     assert!(run.stderr.contains("in/a.obj: is a file"), "{}", run.stderr);
+}
+
+/// `--max-parts 4` without `--decompose` baked whole hulls, without a word.
+#[test]
+fn options_without_effect_are_errors() {
+    let folder = folder(&[("in/a.obj", CUBE), ("in/b.obj", CUBE)]);
+    for (line, flag) in [
+        ("build in --out o --max-parts 4", "--max-parts"),
+        ("build in --out o --quiet --decompose-seconds 2.5", "--decompose-seconds"),
+        ("key in --max-parts 4", "--max-parts"),
+        ("plan in --out o --max-parts none", "--max-parts"),
+        ("status in --out o --max-parts 4", "--max-parts"),
+    ] {
+        let run = bake(&folder, line).expect(2);
+        let message = format!("error: {flag} has no effect without --decompose; add it, or remove {flag}\n");
+        assert!(run.stderr == message && run.stdout.is_empty(), "{line}: {run:?}");
+    }
+    assert!(!folder.path().join("o").exists(), "nothing was made");
+    write(&folder, "in/hullmap.toml", "[[rule]]\nfiles = \"b.obj\"\ndecompose = true\n");
+    bake(&folder, "build in --out o --max-parts 4").expect(0);
+    bake(&folder, "build in/a.obj --out o --max-parts 4").expect(2);
 }
 
 #[test]
@@ -628,7 +647,7 @@ fn meshes_of_one_stem_get_packs_with_their_extensions() {
     let packs = ["sub/x.hullmap", "x.obj.hullmap", "x.stl.hullmap", "y.hullmap"];
     assert_eq!(files(&folder.path().join("o")), packs);
     let run = bake(&folder, "build in --out o --check --prune").expect(0);
-    assert!(run.stderr.is_empty(), "a fresh pack needs no note: {}", run.stderr);
+    assert!(!run.stderr.contains("note:"), "a fresh pack needs no note: {}", run.stderr);
     bake(&folder, "verify o --require-source").expect(0);
     let run = bake(&folder, "verify o --source in --require-source --json").expect(0);
     assert_eq!(run.json()[2]["source"], "in/x.stl", "{}", run.stdout);

@@ -280,7 +280,11 @@ fn a_folder_has_an_index_and_a_page_a_pack() {
         assert_eq!(back, folder.path().join("site/report.html").canonicalize().unwrap());
     }
     assert!(links.contains(&"report.pages/deep/er/a%20b%231.hullmap.html".to_owned()), "{links:?}");
-    assert!(index.contains("all exact") && index.contains("hull flat_sheet is flat: its "));
+    // The pack that was moved has lost its source.
+    assert!(
+        index.contains("chip odd\">1 pack exact for the stored hull<")
+            && index.contains("hull flat_sheet is flat: its ")
+    );
 
     let Some(browser) = browser("a_folder_has_an_index_and_a_page_a_pack") else { return };
     let loaded = load(browser, &folder.path().join("site/report.html"), &[]);
@@ -375,6 +379,60 @@ fn parts_are_pulled_apart_and_the_greatest_protrusion_is_marked() {
     let apart = load(browser, &folder.path().join("apart.html"), &[]);
     apart.assert_sound();
     assert_eq!(state(&apart), ["1", "none"]);
+}
+
+/// The table of hulls was cut off at 1,400 px, and its last columns had to be scrolled into view.
+#[test]
+fn tables_fit_a_screen_of_1400_px() {
+    let folder = tempfile::tempdir().unwrap();
+    let name = "a_long_name_without_spaces_of_a_mesh_that_somebody_exported";
+    fs::create_dir(folder.path().join("in")).unwrap();
+    fs::write(folder.path().join(format!("in/{name}.obj")), concave_prism()).unwrap();
+    let points = Family::Rock.points(2_000, 5);
+    let cloud = |scale: f32| -> String {
+        points.iter().map(|p| p.map(|x| x * scale)).map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect()
+    };
+    fs::write(folder.path().join("in/small.obj"), cloud(1e-7)).unwrap();
+    fs::write(folder.path().join("in/large.obj"), cloud(1e7)).unwrap();
+    run(&folder, &["build", "in", "--out", "packs", "--decompose", "--max-error", "30%", "--index", "cubemap"])
+        .expect(0);
+    let Some(browser) = browser("tables_fit_a_screen_of_1400_px") else { return };
+    let measure = "<script>{ const wide = [...document.querySelectorAll(\".scroll\")].filter((box) => \
+                   box.scrollWidth > box.clientWidth + 1).map((box) => box.getAttribute(\"aria-label\").slice(0, 40)); \
+                   document.documentElement.dataset.wide = `${document.querySelectorAll(\".scroll\").length} tables, \
+                   cut off: ${wide.join(\", \")}`; }</script></body>";
+    for pack in [name, "small", "large"] {
+        let page = text(page(&folder, pack)).replace("</body>", measure);
+        fs::write(folder.path().join("measured.html"), page).unwrap();
+        let loaded = load(browser, &folder.path().join("measured.html"), &["--window-size=1400,1600"]);
+        loaded.assert_sound();
+        let wide = loaded.attribute("html ", "data-wide").split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(wide, "5 tables, cut off:", "{pack}");
+    }
+}
+
+/// The overview said "all verified" in green, while a card said "bounds unchecked" in amber.
+#[test]
+fn an_overview_is_green_only_if_its_cards_are() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("in")).unwrap();
+    for name in ["in/u.obj", "in/v.obj"] {
+        fs::write(folder.path().join(name), concave_prism()).unwrap();
+    }
+    run(&folder, &["build", "in", "--out", "packs", "--decompose", "--max-error", "30%"]).expect(0);
+    let overview = || {
+        run(&folder, &["report", "packs", "--out", "report.html"]).expect(0);
+        let page = text(folder.path().join("report.html"));
+        let head = page.split("</h1>").nth(1).unwrap().split("</div>").next().unwrap().to_owned();
+        (head, page)
+    };
+    let (head, page) = overview();
+    assert_eq!(head, "<span class=\"chip good\">all verified</span>");
+    assert_eq!(page.matches("class=\"chip good\">within its bounds<").count(), 2);
+    fs::remove_file(folder.path().join("in/v.obj")).unwrap();
+    let (head, page) = overview();
+    assert_eq!(head, "<span class=\"chip odd\">1 pack bounds unchecked</span>");
+    assert_eq!(page.matches("class=\"chip odd\">bounds unchecked<").count(), 1);
 }
 
 #[test]
@@ -578,7 +636,7 @@ fn exit_codes_are_those_of_every_command() {
     let run = run(&folder, &["report", "packs", "--out", "x.html"]).expect(1);
     assert!(run.stderr.contains("cube.hullmap") && run.stderr.contains("checksum"), "{run:?}");
     let index = text(folder.path().join("x.html"));
-    assert!(index.contains("1 pack failed") && index.contains("not opened") && links(&index).len() == 2);
+    assert!(index.contains("<span class=\"chip bad\">1 pack not opened</span>") && links(&index).len() == 2);
     let help = bake_in(folder.path(), ["report", "--help"]).expect(0);
     assert!(help.stdout.contains("Example:"));
 }

@@ -155,6 +155,66 @@ fn a_second_build_is_fresh_until_something_changes() {
     assert_eq!(status("build in --out o --json"), ["baked", "fresh"], "a damaged pack");
 }
 
+/// A second build of a flat mesh was silent, as if somebody had mended it.
+#[test]
+fn warnings_are_shown_again_while_a_pack_is_fresh() {
+    let flat = "v 0 0 0 0.5\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let folder = folder(&[("in/flat.obj", flat), ("in/cube.obj", CUBE)]);
+    let built = bake(&folder, "build in --out o --json").expect(0);
+    let warnings = |row: &Value| row["warnings"].as_array().unwrap().clone();
+    let expected = warnings(&built.json()[1]);
+    let texts: Vec<&str> = expected.iter().map(|text| text.as_str().unwrap()).collect();
+    assert!(texts.len() == 2 && texts[0].contains("weight") && texts[1].contains("is flat"), "{texts:?}");
+    assert_eq!(warnings(&built.json()[0]), [Value::Null; 0]);
+    let bytes = fs::read(folder.path().join("o/flat.hullmap")).unwrap();
+    for line in ["--json", "--json --check", "--json --verify", "--json --force"] {
+        let run = bake(&folder, &format!("build in --out o {line}")).expect(0);
+        let row = &run.json()[1];
+        let status = if line.ends_with("force") { "baked" } else { "fresh" };
+        assert_eq!((row["status"].as_str(), warnings(row)), (Some(status), expected.clone()), "{line}");
+        for text in &texts {
+            assert!(run.stderr.contains(&format!("warning: in/flat.obj: {text}\n")), "{line}: {}", run.stderr);
+        }
+        assert_eq!(fs::read(folder.path().join("o/flat.hullmap")).unwrap(), bytes, "{line}");
+    }
+    assert!(bake(&folder, "build in --out o --quiet").expect(0).stderr.is_empty());
+    let inspected = bake(&folder, "inspect o --json").expect(0).json();
+    assert_eq!((warnings(&inspected[1]), warnings(&inspected[0])), (expected.clone(), Vec::new()));
+    assert_eq!(inspected[0]["options"], inspected[1]["options"], "warnings are no options");
+    let present = bake(&folder, "status in --out o --json").expect(0).json();
+    assert!(present.iter().all(|row| row["status"] == "present"), "{present:?}");
+    // The options of such a pack are still compared.
+    bake(&folder, "status in --out o --index none").expect(1);
+    let row = bake(&folder, "build in --out o --check --json --index none").expect(1).json().remove(1);
+    let reason = row["reason"].as_str().unwrap();
+    assert!(reason.starts_with("the options have changed from `split none") && !reason.contains("flat"), "{reason}");
+    assert_eq!(warnings(&row), [Value::Null; 0]);
+}
+
+/// A pack may come from anywhere: what it keeps as warnings is bounded, and forges no line.
+#[test]
+fn warnings_from_elsewhere_do_no_harm() {
+    let folder = folder(&[("in/cube.obj", CUBE)]);
+    bake(&folder, "build in --out o").expect(0);
+    let options = bake(&folder, "inspect o --json").expect(0).json()[0]["options"].as_str().unwrap().to_owned();
+    let points: Vec<[f32; 3]> = (0..8).map(|i| [0, 1, 2].map(|axis| (i >> axis & 1) as f32)).collect();
+    let record = |warnings: Vec<String>| SourceRecord {
+        path: "../in/cube.obj".into(),
+        hash: source_hash(CUBE.as_bytes()),
+        options: options.clone(),
+        warnings,
+    };
+    for (warnings, count) in [(vec!["a\nb\u{1b}[2J".to_owned()], 1), (vec!["x".repeat(20_000); 200], 100)] {
+        let bytes = packs::bytes(&[point_set("cube", &points)], IndexKind::Tree, &record(warnings)).unwrap();
+        fs::write(folder.path().join("o/cube.hullmap"), bytes).unwrap();
+        let run = bake(&folder, "build in --out o --json").expect(0);
+        assert_eq!(run.json()[0]["status"], "fresh");
+        assert_eq!(run.json()[0]["warnings"].as_array().unwrap().len(), count);
+        assert_eq!(run.stderr.lines().count(), count);
+        assert!(run.stderr.len() < 2_000_000 && !run.stderr.contains('\u{1b}'), "{}", run.stderr.len());
+    }
+}
+
 #[test]
 fn verify_fails_if_the_source_has_changed() {
     let folder = folder(&[("a.obj", CUBE)]);
@@ -183,7 +243,8 @@ fn verify_finds_each_point_that_a_hull_lost() {
     let honest = bake(&folder, "inspect a.hullmap --json").expect(0).json().remove(0);
     assert_eq!(honest["hulls"][0]["vertices"], 30, "every point is extreme, so each can be lost");
     let options = honest["options"].as_str().unwrap().to_owned();
-    let source = SourceRecord { path: "cut.obj".into(), hash: source_hash(text.as_bytes()), options };
+    let source =
+        SourceRecord { path: "cut.obj".into(), hash: source_hash(text.as_bytes()), options, ..SourceRecord::default() };
     let write = |kept: &dyn Fn(usize) -> bool| {
         let mut set = point_set("cut", &points);
         set.source_vertices.retain(|v| kept(*v as usize));
@@ -215,7 +276,8 @@ fn verify_finds_a_vertex_that_is_not_in_the_source() {
     let text = cloud(&points);
     let folder = folder(&[("a.obj", &text)]);
     let options = "split none, vertices referenced, index tree".to_owned();
-    let source = SourceRecord { path: "a.obj".into(), hash: source_hash(text.as_bytes()), options };
+    let source =
+        SourceRecord { path: "a.obj".into(), hash: source_hash(text.as_bytes()), options, ..SourceRecord::default() };
     for (vertex, component) in [(0, 0), (17, 1), (29, 2)] {
         for moves in [false, true] {
             let mut set = point_set("a", &points);

@@ -60,6 +60,7 @@ fn write_pack(path: &Path, source: &str) {
         path: source.to_owned(),
         hash: source_hash(CUBE.as_bytes()),
         options: "split none, vertices referenced, index none".to_owned(),
+        ..SourceRecord::default()
     };
     fs::create_dir_all(path.parent().unwrap()).unwrap();
     fs::write(path, packs::bytes(&[point_set("x", &corners)], IndexKind::None, &record).unwrap()).unwrap();
@@ -413,6 +414,7 @@ fn fresh_trusts_whoever_wrote_the_pack() {
         path: "../in/x.obj".to_owned(),
         hash: source_hash(CUBE.as_bytes()),
         options: "split none, vertices referenced, index tree 8".to_owned(),
+        ..SourceRecord::default()
     };
     fs::create_dir(folder.path().join("o")).unwrap();
     let bytes = packs::bytes(&[point_set("x", &corners)], IndexKind::Tree, &record).unwrap();

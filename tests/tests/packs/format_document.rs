@@ -62,7 +62,7 @@ fn bake(points: &PointSet, index: IndexKind) -> BakedHull {
 
 fn source(path: &str, options: &str) -> SourceRecord {
     let hash = XxHash3_128::oneshot(path.as_bytes());
-    SourceRecord { path: path.to_owned(), hash, options: options.to_owned() }
+    SourceRecord { path: path.to_owned(), hash, options: options.to_owned(), ..SourceRecord::default() }
 }
 
 /// Writes hulls into one pack and compares all of its contents.
@@ -548,6 +548,7 @@ fn shown_pack() -> Vec<u8> {
         path: "../assets/tetrahedron.obj".to_owned(),
         hash: XxHash3_128::oneshot(TETRAHEDRON.as_bytes()),
         options: "split none, vertices referenced, index tree 8".to_owned(),
+        ..SourceRecord::default()
     };
     write_pack(&[bake(&tetrahedron(), IndexKind::Tree)], &source).unwrap()
 }

@@ -2,6 +2,7 @@
 //!
 //! The flags that shape a pack come from the table in `options/defaults.rs`; all others are here.
 
+mod guesses;
 #[cfg(test)]
 mod tests;
 
@@ -20,8 +21,15 @@ use hullmap_report::input::Up;
 use crate::glob::Glob;
 use crate::jobs::batch::BatchSize;
 use crate::jobs::shard::Shard;
+use crate::options::defaults::Section;
 use crate::options::{OptionLayer, flag};
 use crate::terminal::Escaped;
+
+/// Headings of the help. Those of the table of options come first, the farm last.
+const FILES: &str = Section::Files.heading();
+const LIMITS: &str = "Limits";
+const RUNNING: &str = "Running";
+const FARM: &str = "Farm";
 
 /// Directions tested on each hull by default.
 pub const DEFAULT_DIRECTIONS: usize = 10_000;
@@ -49,9 +57,12 @@ pub struct Cli {
 pub enum Command {
     /// Bake meshes into .hullmap packs
     #[command(after_help = "Examples:\n  \
-                      bake build assets --out baked --verify\n  \
-                      bake build assets --out baked --check          (for CI: exit 1 if a pack is stale)\n  \
-                      bake build rock.obj --out baked --index compact --depfile rock.d")]
+                      bake build rock.obj --out baked --max-vertices 64            (shape)\n  \
+                      bake build chair.glb --out baked --decompose --max-error 1%  (parts)\n  \
+                      bake build assets --out baked --verify --prune               (files)\n  \
+                      bake build assets --out baked --index compact                (index)\n  \
+                      bake build assets --out baked --check                        (in CI: exit 1 if a pack is stale)\n  \
+                      bake build assets --out baked --shard 0/8                    (farm: one of eight machines)")]
     Build(Box<BuildArgs>),
     /// Print a hash of everything that each pack depends on
     #[command(after_help = "Example:\n  bake key assets --record-source name")]
@@ -77,6 +88,7 @@ pub enum Command {
     #[command(after_help = "Examples:\n  \
                       bake export baked/rock.hullmap --out rock.glb\n  \
                       bake export baked/chair.hullmap --for unreal --name SM_Chair --out UCX_chair.glb\n  \
+                      bake export baked --for godot --out collision          (a file per pack)\n  \
                       bake export baked/arm.hullmap --for urdf --out arm")]
     Export(ExportArgs),
     /// Compute intersection, distance or contact of two hulls or packs
@@ -106,13 +118,13 @@ pub struct MeshArgs {
     #[command(flatten)]
     pub limits: LimitArgs,
     /// Read options from FILE [default: the nearest hullmap.toml above each mesh]
-    #[arg(long, value_name = "FILE", help_heading = "Configuration")]
+    #[arg(long, value_name = "FILE", help_heading = FILES)]
     pub config: Option<PathBuf>,
     /// Do not read any hullmap.toml
-    #[arg(long, conflicts_with = "config", help_heading = "Configuration")]
+    #[arg(long, hide_short_help = true, conflicts_with = "config", help_heading = FILES)]
     pub no_config: bool,
     /// Leave out meshes that match GLOB, as in hullmap.toml; repeatable
-    #[arg(long, value_name = "GLOB", value_parser = Glob::new, help_heading = "What to bake")]
+    #[arg(long, value_name = "GLOB", value_parser = Glob::new, help_heading = FILES)]
     pub exclude: Vec<Glob>,
     /// In folders, bake only meshes of these formats; for instance `obj,glb`
     #[arg(
@@ -122,7 +134,7 @@ pub struct MeshArgs {
         value_parser = PossibleValuesParser::new(EXTENSIONS),
         ignore_case = true,
         hide_possible_values = true,
-        help_heading = "What to bake"
+        help_heading = FILES
     )]
     pub ext: Vec<String>,
 }
@@ -131,19 +143,19 @@ pub struct MeshArgs {
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct RunArgs {
     /// Number of threads [default: one per core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Running")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = RUNNING)]
     pub jobs: Option<u16>,
     /// Maximum memory for files in progress; a file that needs more is baked alone [default: 4G]
-    #[arg(long, value_name = "SIZE", value_parser = size, help_heading = "Running")]
+    #[arg(long, value_name = "SIZE", value_parser = size, help_heading = RUNNING)]
     pub memory: Option<u64>,
     /// List fresh packs too
-    #[arg(long, help_heading = "Running")]
+    #[arg(long, help_heading = RUNNING)]
     pub verbose: bool,
     /// Print only errors
-    #[arg(long, conflicts_with = "verbose", help_heading = "Running")]
+    #[arg(long, conflicts_with = "verbose", help_heading = RUNNING)]
     pub quiet: bool,
     /// Print one JSON object per file
-    #[arg(long, help_heading = "Running")]
+    #[arg(long, help_heading = RUNNING)]
     pub json: bool,
 }
 
@@ -156,38 +168,34 @@ pub struct BuildArgs {
     /// Write packs to DIR, which mirrors the input folders
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Bake only the meshes of shard I of N, counted from 0, for instance 0/8
-    #[arg(long, hide_short_help = true, value_name = "I/N", help_heading = "What to bake")]
-    pub shard: Option<Shard>,
     /// Bake every mesh, even if its pack is fresh
-    #[arg(long, help_heading = "What to bake")]
+    #[arg(long, help_heading = RUNNING)]
     pub force: bool,
-    /// Bake nothing; list stale and missing packs, and exit with 1 if there are any
-    ///
-    /// A pack is fresh if it opens, which compares the checksum of all its bytes, and if it records
-    /// this format version, the options, the path of the source and its hash. Hulls are not
-    /// computed again. So a pack with a correct checksum may be fresh although it contradicts
-    /// itself or its source; `bake verify` rejects it.
-    #[arg(long, conflicts_with_all = ["force", "verify", "watch", "depfile"], help_heading = "What to bake")]
+    /// Bake nothing; list stale and missing packs, and exit with 1 if there are any. A fresh pack may
+    /// still contradict its source, since no hull is computed; `bake verify` rejects it
+    #[arg(long, conflicts_with_all = ["force", "verify", "watch", "depfile"], help_heading = RUNNING)]
     pub check: bool,
     /// Remove packs whose source is gone; with --check, exit with 1 if there are any
-    #[arg(long, help_heading = "What to bake")]
+    #[arg(long, help_heading = FILES)]
     pub prune: bool,
     /// Verify each pack before it replaces the old one
-    #[arg(long, help_heading = "What to bake")]
+    #[arg(long, help_heading = RUNNING)]
     pub verify: bool,
     /// Keep running and bake files that change, until Ctrl-C
-    #[arg(long, help_heading = "What to bake")]
+    #[arg(long, help_heading = RUNNING)]
     pub watch: bool,
     /// Write the dependencies of each pack to FILE, for Ninja and Make
-    #[arg(long, value_name = "FILE", help_heading = "What to bake")]
+    #[arg(long, value_name = "FILE", help_heading = FILES)]
     pub depfile: Option<PathBuf>,
     /// Write a single target, which depends on all sources, to the depfile
-    #[arg(long, hide_short_help = true, value_name = "TARGET", requires = "depfile", help_heading = "What to bake")]
+    #[arg(long, hide_short_help = true, value_name = "TARGET", requires = "depfile", help_heading = FILES)]
     pub depfile_target: Option<PathBuf>,
     /// How jobs run.
     #[command(flatten)]
     pub run: RunArgs,
+    /// Bake only the meshes of shard I of N, counted from 0, for instance 0/8
+    #[arg(long, hide_short_help = true, value_name = "I/N", help_heading = FARM)]
+    pub shard: Option<Shard>,
     /// Who else bakes.
     #[cfg(feature = "remote")]
     #[command(flatten)]
@@ -197,7 +205,7 @@ pub struct BuildArgs {
 /// A farm, and how it is used.
 #[cfg(feature = "remote")]
 #[derive(Clone, Debug, clap::Args)]
-#[command(next_help_heading = "Remote")]
+#[command(next_help_heading = FARM)]
 pub struct RemoteArgs {
     /// Bake on the farm at ADDRESS, and share its cache: grpc://HOST:PORT, or grpcs:// with TLS
     #[arg(long = "remote", value_name = "ADDRESS", conflicts_with_all = ["watch", "check"], hide_short_help = true)]
@@ -335,8 +343,6 @@ pub struct TaskArgs {
     #[arg(long)]
     pub verify: bool,
     /// Write the results as JSON to FILE, and exit with 0 even if meshes were rejected
-    ///
-    /// For actions whose results are cached: that a mesh is faulty is a result like any other.
     #[arg(long, value_name = "FILE")]
     pub results: Option<PathBuf>,
     /// How jobs run.
@@ -368,7 +374,7 @@ pub struct LimitArgs {
     #[arg(
         long,
         value_name = "N",
-        help_heading = "Limits",
+        help_heading = LIMITS,
         hide_short_help = true,
         default_value_t = Limits::DEFAULT.input_bytes,
         value_parser = clap::value_parser!(u64).range(1..)
@@ -378,7 +384,7 @@ pub struct LimitArgs {
     #[arg(
         long,
         value_name = "N",
-        help_heading = "Limits",
+        help_heading = LIMITS,
         hide_short_help = true,
         default_value_t = Limits::DEFAULT.objects
     )]
@@ -387,7 +393,7 @@ pub struct LimitArgs {
     #[arg(
         long,
         value_name = "N",
-        help_heading = "Limits",
+        help_heading = LIMITS,
         hide_short_help = true,
         default_value_t = Limits::DEFAULT.repeated_vertices
     )]
@@ -447,9 +453,9 @@ pub struct InspectArgs {
 /// Arguments of `bake export`.
 #[derive(Debug, clap::Args)]
 pub struct ExportArgs {
-    /// The pack
-    #[arg(value_name = "PACK")]
-    pub pack: PathBuf,
+    /// Packs, or folders to search for them
+    #[arg(required = true, value_name = "FILE|DIR")]
+    pub packs: Vec<PathBuf>,
     /// File to write, or folder if several files are written [default: standard output]
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
@@ -465,7 +471,7 @@ pub struct ExportArgs {
     /// Write one file per hull to a folder, named after the hulls
     #[arg(long)]
     pub parts: bool,
-    /// Name of the render mesh (Unreal), node (Godot), body (MJCF) or link (URDF)
+    /// Name of the render mesh (Unreal), node (Godot), body (MJCF) or link (URDF); one pack only
     #[arg(long, value_name = "NAME", requires = "target")]
     pub name: Option<String>,
     /// Keep the hulls visible in Godot, by the suffix -convcol
@@ -683,10 +689,25 @@ where
 {
     let words: Vec<OsString> = words.into_iter().map(Into::into).collect();
     parse_words(&words).map_err(|error| {
+        if error.kind() == ErrorKind::DisplayHelp && words.iter().any(|word| word == "--help") {
+            return whole_help(&words).unwrap_or(error);
+        }
         // The error quotes arguments, and a shell may have made them from the names of files.
         let escaped: Vec<OsString> = words.iter().map(|word| Escaped(word.display()).to_string().into()).collect();
         if escaped == words { error } else { parse_words(&escaped).err().unwrap_or(error) }
     })
+}
+
+/// The help with every flag, a line each: clap's own form of `--help` takes three times as many.
+fn whole_help(words: &[OsString]) -> Option<clap::Error> {
+    let mut command = command(&program(words));
+    let names: Vec<String> = command.get_subcommands().map(|own| own.get_name().to_owned()).collect();
+    for name in names {
+        let shown = |own: clap::Command| own.mut_args(|argument| argument.hide_short_help(false));
+        command = command.mut_subcommand(name, shown);
+    }
+    let short = |word: &OsString| if word == "--help" { OsString::from("-h") } else { word.clone() };
+    command.try_get_matches_from(words.iter().map(short)).err()
 }
 
 fn parse_words(words: &[OsString]) -> Result<Cli, clap::Error> {
@@ -699,13 +720,13 @@ fn parse_words(words: &[OsString]) -> Result<Cli, clap::Error> {
             let message = format!("--pose requires its seven numbers in quotes: --pose \"{pose}\"");
             subcommand_error(&program, "query", ErrorKind::WrongNumberOfValues, message)
         }
-        _ => with_usage(&program, error, words.get(1)),
+        _ => guesses::with_tip(with_usage(&program, error, words.get(1)), words),
     })?;
-    if let Some((name, meshes)) = cli.command.meshes()
-        && let Some(clash) = meshes.options.clash()
-    {
-        let message = clash.message(|key| format!("--{}", flag(key)));
-        return Err(subcommand_error(&program, name, ErrorKind::ArgumentConflict, message));
+    if let Some((name, meshes)) = cli.command.meshes() {
+        let clash = meshes.options.clash().map(|clash| clash.message(|key| format!("--{}", flag(key))));
+        if let Some(message) = clash.or_else(|| guesses::detached_value(words)) {
+            return Err(subcommand_error(&program, name, ErrorKind::ArgumentConflict, message));
+        }
     }
     Ok(cli)
 }

@@ -2,15 +2,14 @@
 
 use std::borrow::Cow;
 
+use hullmap_bake::advice::{self, Remark};
 use hullmap_bake::decompose::{Method, decompose_in};
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{
-    BakedHull, IndexChoice, IndexKind, PointSet, SourceRecord, bake_hull, bake_simplified_hull, write_lean_pack,
-    write_owned_pack,
+    BakedHull, IndexChoice, IndexKind, PointSet, SourceRecord, bake_hull_in, write_lean_pack, write_owned_pack,
 };
 use rayon::prelude::*;
 
-use crate::advice::{self, HullMeasures, Remark};
 use crate::measure;
 use crate::options::BuildOptions;
 
@@ -25,7 +24,7 @@ pub struct BakedPack {
     pub vertex_count: usize,
     /// Findings of interest.
     pub notes: Vec<String>,
-    /// Findings to act on.
+    /// Findings to act on, those of the import included. The pack keeps them.
     pub warnings: Vec<String>,
 }
 
@@ -70,20 +69,13 @@ pub fn parts<'a>(point_sets: &'a [PointSet], method: Option<&Method>, stage: Sta
     Ok(parts)
 }
 
-/// Like [`bake_pack_in`], if nobody looks at the progress.
-///
-/// # Errors
-/// Those of [`bake_pack_in`].
-pub fn bake_pack(point_sets: &[PointSet], options: &BuildOptions, source: &SourceRecord) -> Result<BakedPack, String> {
-    bake_pack_in(point_sets, options, source, Stage::default())
-}
-
 /// Builds, certifies and indexes a hull of each point set, or of each of its parts, and writes them
-/// into one pack. `stage` shows the progress.
+/// into one pack. It keeps the warnings of `source`, and those about the hulls. `stage` shows the
+/// progress.
 ///
 /// # Errors
 /// A hull could not be baked; the error names the first one. Or the stage is cancelled.
-pub fn bake_pack_in(
+pub fn bake_pack(
     point_sets: &[PointSet],
     options: &BuildOptions,
     source: &SourceRecord,
@@ -97,11 +89,9 @@ pub fn bake_pack_in(
         return Err("cancelled".to_owned());
     }
     let steps = stage.from_to(cut, built).steps(parts.len());
+    let inner = if parts.len() == 1 { stage.from_to(cut, built) } else { stage.from_to(0.0, 0.0) };
     let bake = |part: &Part| {
-        let baked = match options.simplify(diagonal(&part.points)) {
-            None => bake_hull(&part.points, index),
-            Some(limit) => bake_simplified_hull(&part.points, limit, index),
-        };
+        let baked = bake_hull_in(&part.points, options.simplify(diagonal(&part.points)), index, inner);
         steps.take();
         baked
     };
@@ -117,18 +107,19 @@ pub fn bake_pack_in(
     } else {
         remarks.extend(measure::collision_parts(point_sets, &mut hulls));
     }
-    remarks.extend(hulls.iter().filter_map(|baked| advice::simplified(&facts(baked))));
     if let IndexChoice::Budget { bytes_per_vertex } = index {
         remarks.extend(hulls.iter().map(|baked| budget_note(baked, bytes_per_vertex)));
     }
     remarks.extend(hulls.iter().filter_map(replacement_warning));
-    remarks.extend(hulls.iter().flat_map(|baked| advice::of_hull(&facts(baked))));
-    let (notes, warnings) = advice::summarise(remarks);
+    remarks.extend(advice::of_hulls(&hulls));
+    let (notes, own_warnings) = advice::summarise(remarks);
+    let mut source = source.clone();
+    source.warnings.extend(own_warnings);
     let ranks = hulls.iter().map(|baked| baked.hull.rank).collect();
     let vertex_count = hulls.iter().map(|baked| baked.hull.vertices.len()).sum();
     let write = if options.is_lean() { write_lean_pack } else { write_owned_pack };
-    let bytes = write(hulls, source).map_err(|error| error.to_string())?;
-    Ok(BakedPack { bytes, ranks, vertex_count, notes, warnings })
+    let bytes = write(hulls, &source).map_err(|error| error.to_string())?;
+    Ok(BakedPack { bytes, ranks, vertex_count, notes, warnings: source.warnings })
 }
 
 /// Diagonal of the box around points.
@@ -138,21 +129,6 @@ pub fn diagonal(points: &PointSet) -> f64 {
         along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
     });
     sides.iter().map(|side| side * side).sum::<f64>().sqrt()
-}
-
-/// The measures that warnings depend on.
-fn facts(baked: &BakedHull) -> HullMeasures<'_> {
-    let coordinates = baked.hull.vertices.iter().flatten();
-    HullMeasures {
-        name: &baked.name,
-        rank: baked.hull.rank,
-        point_count: baked.point_count,
-        vertex_count: baked.hull.vertices.len(),
-        diameter: baked.hull.diameter,
-        inner_radius: baked.interior.inner_radius,
-        max_coordinate: coordinates.map(|x| f64::from(x.abs())).fold(0.0, f64::max),
-        outer_error: baked.outer_error,
-    }
 }
 
 /// Warning about an index that replaces another one, since that could not be proven.

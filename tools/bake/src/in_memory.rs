@@ -8,7 +8,7 @@ use hullmap_bake::SourceRecord;
 use hullmap_bake::progress::Stage;
 use hullmap_import::{self as import, ImportError, Imported, Limits, MeshArrays, ReadError, SourceFile};
 
-use crate::baker::{BakedPack, bake_pack_in};
+use crate::baker::{BakedPack, bake_pack};
 use crate::options::defaults::{OPTIONS, Record};
 use crate::options::{BuildOptions, OptionLayer};
 
@@ -104,7 +104,7 @@ pub fn bake_source(
     let file = path.display().to_string();
     let [stem, name] = [path.file_stem(), path.file_name()].map(|part| part.unwrap_or_default().to_string_lossy());
     let imported = import::import(&file, &stem, path, source, &options.import(), &Limits::DEFAULT)?;
-    let record = SourceRecord { path: name.into_owned(), hash: source.hash, options: String::new() };
+    let record = SourceRecord { path: name.into_owned(), hash: source.hash, ..SourceRecord::default() };
     bake(imported, &options, record, &file, stage)
 }
 
@@ -118,11 +118,11 @@ fn bake(
     if options.decompose().is_some() {
         imported.give_triangles();
     }
-    let record = SourceRecord { options: options.to_string(), ..record };
-    let mut pack = bake_pack_in(&imported.point_sets, options, &record, stage)
+    let warnings = std::mem::take(&mut imported.warnings);
+    let record = SourceRecord { options: options.to_string(), warnings, ..record };
+    let mut pack = bake_pack(&imported.point_sets, options, &record, stage)
         .map_err(|error| InMemoryError::Bake(format!("{file}: {error}")))?;
     pack.notes.splice(0..0, std::mem::take(&mut imported.notes));
-    pack.warnings.splice(0..0, std::mem::take(&mut imported.warnings));
     Ok((pack, imported))
 }
 
@@ -139,9 +139,10 @@ fn resolve(options: &[(&str, &str)]) -> Result<BuildOptions, InMemoryError> {
             .set(key, value)
             .map_err(|expected| InMemoryError::Option(format!("invalid value {value} of option {key}: {expected}")))?;
     }
-    match layer.clash() {
+    let resolved = layer.resolve();
+    match layer.clash().or_else(|| layer.without_effect(std::iter::once(&resolved))) {
         Some(clash) => Err(InMemoryError::Option(clash.message(str::to_owned))),
-        None => Ok(layer.resolve()),
+        None => Ok(resolved),
     }
 }
 
@@ -156,6 +157,7 @@ mod tests {
         assert!(error(&[("pack_names", "full")]).starts_with("unknown option pack_names"));
         assert!(error(&[("index", "oak")]).starts_with("invalid value oak of option index: expected one of tree,"));
         assert!(error(&[("max_error", "1"), ("max_vertices", "8")]).contains("exclude each other"));
+        assert!(error(&[("max_parts", "8")]).starts_with("max_parts has no effect without decompose"));
     }
 
     #[test]

@@ -18,7 +18,6 @@
 //! | `baker` | all calls into `hullmap-bake` |
 //! | `verification` | how exact a pack is |
 //! | `in_memory` | bakes that write no file, for bindings |
-//! | `advice` | warnings about hulls |
 //! | `geometry` | vertices and faces as lists |
 //! | `packs`, `selection` | packs and hulls named on the command line |
 //! | `source` | the way back from a pack to its source |
@@ -32,7 +31,6 @@
 // Text leaves through `terminal` alone.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
-mod advice;
 #[cfg(feature = "command")]
 mod args;
 mod baker;

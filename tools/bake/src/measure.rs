@@ -3,12 +3,12 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use hullmap_bake::advice::{self, Remark};
 use hullmap_bake::decompose::Method;
 use hullmap_bake::parts::{Fit, fits};
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{BakedHull, PointSet};
 
-use crate::advice::{self, Remark};
 use crate::baker::{Part, diagonal};
 
 /// Ratio of a protrusion to the requested one up to which rounding may explain the difference.

@@ -2,6 +2,8 @@
 
 use std::io;
 
+use hullmap_bake::number::{LEAST_PLAIN, significant};
+
 use crate::terminal::{Escaped, Output};
 
 /// Alignment of a column.
@@ -74,31 +76,9 @@ pub fn grouped(number: u64) -> String {
 /// Significant digits: an f32, the type of all geometry, has between 7 and 8.
 const DIGITS: usize = 7;
 
-/// Numbers below this, and above the square of its inverse, are written with an exponent: `1e-5`,
-/// not `0.00001`.
-const LEAST_PLAIN: f64 = 1e-4;
-
 /// A number with at most [`DIGITS`] significant digits and no trailing zeros, for any magnitude.
 pub fn rounded(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    if !value.is_finite() {
-        return value.to_string();
-    }
-    // Rounded first: 9.99999999e-5 is 1e-4.
-    let text = format!("{value:.*e}", DIGITS - 1);
-    let (digits, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-    let digits = if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits };
-    let size = value.abs();
-    if (LEAST_PLAIN..1.0 / (LEAST_PLAIN * LEAST_PLAIN)).contains(&size) {
-        let exponent: i32 = exponent.parse().unwrap_or(0);
-        let decimals = (DIGITS as i32 - 1 - exponent).max(0) as usize;
-        let plain = format!("{value:.decimals$}");
-        if plain.contains('.') { plain.trim_end_matches('0').trim_end_matches('.').to_owned() } else { plain }
-    } else {
-        format!("{digits}e{exponent}")
-    }
+    significant(value, DIGITS)
 }
 
 /// A coordinate with the fewest digits that distinguish it from every other f32.
@@ -131,32 +111,6 @@ mod tests {
         table.write(&mut Output::new(&mut out)).unwrap();
         let text = String::from_utf8(out).unwrap();
         assert_eq!(text, "file        bytes\né       1 234 567\nlonger          -\n");
-    }
-
-    #[test]
-    fn numbers_keep_the_digits_that_matter() {
-        for (value, expected) in [
-            (0.0, "0"),
-            (-0.0, "0"),
-            (1.0, "1"),
-            (-2.5, "-2.5"),
-            (0.1 + 0.2, "0.3"),
-            (std::f64::consts::PI, "3.141593"),
-            (1e-7, "1e-7"),
-            (1.234_567_891e-7, "1.234568e-7"),
-            (-1.5e-300, "-1.5e-300"),
-            (0.000_123_456_789, "0.0001234568"),
-            (12_345_678.9, "12345679"),
-            (100.0, "100"),
-            (1e20, "1e20"),
-            (f64::INFINITY, "inf"),
-            (f64::from(0.1_f32), "0.1"),
-        ] {
-            assert_eq!(rounded(value), expected, "{value:e}");
-            let back: f64 = rounded(value).parse().unwrap();
-            assert!(back == value || (back - value).abs() <= 5e-7 * value.abs(), "{value:e}");
-        }
-        assert_eq!(rounded(f64::NAN), "NaN");
     }
 
     #[test]

@@ -22,10 +22,6 @@ pub struct Card {
     name: String,
     /// The verdict.
     verdict: Verdict,
-    /// Whether the pack was rejected.
-    is_faulty: bool,
-    /// Whether no hull is simplified.
-    is_exact: bool,
     /// Faults, then warnings.
     remarks: Vec<String>,
     /// What the pack holds; `None` if it does not open.
@@ -53,8 +49,6 @@ impl Card {
         Self {
             name,
             verdict: Verdict::of(pack),
-            is_faulty: !pack.remarks.faults.is_empty(),
-            is_exact: pack.is_exact(),
             remarks: pack.remarks.faults.iter().chain(&pack.remarks.warnings).cloned().collect(),
             content: Some(Content {
                 page,
@@ -73,7 +67,7 @@ impl Card {
 
     /// Whether the pack was rejected.
     pub fn is_faulty(&self) -> bool {
-        self.is_faulty
+        self.verdict.words().0 == "bad"
     }
 
     /// Whether the card, if it was read from a file, has a picture that is nothing but a picture.
@@ -86,24 +80,17 @@ impl Card {
 
     /// The card of a pack that does not open, with the reason.
     pub fn unopened(name: String, reason: String) -> Self {
-        Self {
-            name,
-            verdict: Verdict::NotOpened,
-            is_faulty: true,
-            is_exact: false,
-            remarks: vec![reason],
-            content: None,
-        }
+        Self { name, verdict: Verdict::NotOpened, remarks: vec![reason], content: None }
     }
 }
 
 /// The page of a folder.
+///
+/// Its verdict is made of those of the cards.
 pub fn folder_page(folder: &str, cards: &[Card]) -> String {
-    let failed = cards.iter().filter(|card| card.is_faulty).count();
     let sum = |pick: fn(&Content) -> usize| {
         count(cards.iter().filter_map(|card| card.content.as_ref()).map(pick).sum::<usize>() as u64)
     };
-    let packs = |n: usize| format!("{} {}", count(n as u64), if n == 1 { "pack" } else { "packs" });
     let subtitle = format!(
         "{} · {} hulls · {} vertices · {} bytes",
         packs(cards.len()),
@@ -111,13 +98,7 @@ pub fn folder_page(folder: &str, cards: &[Card]) -> String {
         sum(|content| content.vertices),
         sum(|content| content.bytes)
     );
-    let verdict = if failed == 0 {
-        let word = if cards.iter().all(|card| card.is_exact) { "all exact" } else { "all verified" };
-        format!("<span class=\"chip good\">{word}</span>")
-    } else {
-        format!("<span class=\"chip bad\">{} failed</span>", packs(failed))
-    };
-    let cards: String = cards.iter().map(item).collect();
+    let cards_html: String = cards.iter().map(item).collect();
     let script = [FAULTS, SCRIPT].concat();
     let footer = "Made by <code>bake report</code>. Each pack has its own page, in the folder beside this file.";
     fill(
@@ -125,19 +106,38 @@ pub fn folder_page(folder: &str, cards: &[Card]) -> String {
         &[
             ("title", &escape(folder)),
             ("style", STYLE),
-            ("verdict", &verdict),
+            ("verdict", &verdict(cards)),
             ("subtitle", &subtitle),
-            ("cards", &cards),
+            ("cards", &cards_html),
             ("script", &script),
             ("footer", footer),
         ],
     )
 }
 
+/// The verdicts of all cards, in their words: every one that is not good, or one for all.
+fn verdict(cards: &[Card]) -> String {
+    let doubts = Verdict::DOUBTS.iter().filter_map(|doubt| {
+        let count = cards.iter().filter(|card| card.verdict == *doubt).count();
+        let (class, word) = doubt.words();
+        (count > 0).then(|| format!("<span class=\"chip {class}\">{} {word}</span>", packs(count)))
+    });
+    let doubts: String = doubts.collect();
+    if !doubts.is_empty() {
+        return doubts;
+    }
+    let word = if cards.iter().all(|card| card.verdict == Verdict::Exact) { "all exact" } else { "all verified" };
+    format!("<span class=\"chip good\">{word}</span>")
+}
+
+fn packs(n: usize) -> String {
+    format!("{} {}", count(n as u64), if n == 1 { "pack" } else { "packs" })
+}
+
 /// A card as a list item.
 fn item(card: &Card) -> String {
     let name = escape(&card.name);
-    let is_odd = card.is_faulty || !card.remarks.is_empty();
+    let is_odd = card.verdict.words().0 != "good" || !card.remarks.is_empty();
     let mut out = format!("<li data-name=\"{name}\" data-odd=\"{is_odd}\">\n");
     match &card.content {
         Some(content) => {

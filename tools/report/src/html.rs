@@ -75,7 +75,10 @@ pub fn short(value: f64) -> String {
     }
     let magnitude = value.abs().log10().floor();
     if !(-4.0..7.0).contains(&magnitude) {
-        return format!("{value:.2e}").replace('-', "−");
+        let text = format!("{value:.2e}");
+        let (digits, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+        let digits = if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits };
+        return format!("{digits}e{exponent}").replace('-', "−");
     }
     let decimals = (3.0 - magnitude).max(0.0) as usize;
     let text = format!("{value:.decimals$}");
@@ -121,7 +124,7 @@ mod tests {
     #[test]
     fn numbers_for_people() {
         let shown = [0.0, 1.0, 1234567.0, 0.123456, -2.5, 1e-7, 1e9, 99.999].map(short);
-        assert_eq!(shown, ["0", "1", "1\u{202f}234\u{202f}567", "0.1235", "−2.5", "1.00e−7", "1.00e9", "100"]);
+        assert_eq!(shown, ["0", "1", "1\u{202f}234\u{202f}567", "0.1235", "−2.5", "1e−7", "1e9", "100"]);
         assert_eq!([f64::NAN, f64::INFINITY].map(short), ["NaN", "inf"]);
     }
 }

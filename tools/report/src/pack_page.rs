@@ -108,9 +108,13 @@ impl Verdict {
         }
     }
 
-    /// The verdict as HTML.
-    pub fn html(self) -> String {
-        let (class, word) = match self {
+    /// The verdicts that are not good, the worst first.
+    pub const DOUBTS: [Self; 5] =
+        [Self::NotOpened, Self::Failed, Self::Unmeasured, Self::BoundsUnchecked, Self::ExactForTheStoredHull];
+
+    /// The verdict in a few words, and the class of its chip: `bad`, `odd` or `good`.
+    pub fn words(self) -> (&'static str, &'static str) {
+        match self {
             Self::NotOpened => ("bad", "not opened"),
             Self::Failed => ("bad", "failed"),
             Self::Unmeasured => ("odd", "unmeasured"),
@@ -119,7 +123,12 @@ impl Verdict {
             Self::Exact => ("good", "exact"),
             Self::WithinItsBounds => ("good", "within its bounds"),
             Self::ContainsItsSource => ("good", "contains its source"),
-        };
+        }
+    }
+
+    /// The verdict as HTML.
+    pub fn html(self) -> String {
+        let (class, word) = self.words();
         format!("<span class=\"chip {class}\">{word}</span>")
     }
 }
@@ -230,6 +239,7 @@ fn rank_name(rank: u32) -> &'static str {
     }
 }
 
+/// Two tables of the hulls, each narrow enough for a screen.
 fn hulls(pack: &Analysis) -> String {
     let heads = [
         ("hull", true),
@@ -244,11 +254,6 @@ fn hulls(pack: &Analysis) -> String {
         ("outer error", false),
         ("uncovered", false),
         ("protrusion", false),
-        ("index", true),
-        ("bytes", false),
-        ("per vertex", false),
-        ("nodes", false),
-        ("candidates", false),
     ];
     let rows = pack.hulls.iter().map(|hull| {
         vec![
@@ -264,6 +269,28 @@ fn hulls(pack: &Analysis) -> String {
             short(hull.outer_error),
             hull.uncovered.map_or_else(|| "–".to_owned(), short),
             hull.protrusion.map_or_else(|| "–".to_owned(), short),
+        ]
+    });
+    let shapes = table(
+        "The hulls of the pack. Error: how far a source point lies outside, relative to the diameter. Outer error: bound on \
+         how far a simplified hull extends beyond its source, a length. Uncovered: bound on how far a point of the mesh's surface \
+         lies outside all of its parts, a length. Protrusion: bound on how far a point of the part lies outside the mesh's \
+         solid, a length.",
+        &heads,
+        rows,
+        &[],
+    );
+    let heads = [
+        ("hull", true),
+        ("index", true),
+        ("bytes", false),
+        ("per vertex", false),
+        ("nodes", false),
+        ("candidates", false),
+    ];
+    let rows = pack.hulls.iter().map(|hull| {
+        vec![
+            escape(&hull.name),
             escape(&hull.index),
             count(hull.index_bytes as u64),
             format!("{:.1}", hull.index_bytes as f64 / hull.vertices.max(1) as f64),
@@ -271,15 +298,8 @@ fn hulls(pack: &Analysis) -> String {
             format!("{:.2}", mean(&hull.census.candidates)),
         ]
     });
-    table(
-        "The hulls of the pack. Error: how far a source point lies outside, relative to the diameter. Outer error: bound on \
-         how far a simplified hull extends beyond its source, a length. Uncovered: bound on how far a point of the mesh's surface \
-         lies outside all of its parts, a length. Protrusion: bound on how far a point of the part lies outside the mesh's \
-         solid, a length. Nodes and candidates are means over all directions.",
-        &heads,
-        rows,
-        &[],
-    )
+    let indices = "Their direction indices. Nodes and candidates are means over all directions.";
+    shapes + &table(indices, &heads, rows, &[])
 }
 
 fn verification(pack: &Analysis) -> String {

@@ -26,7 +26,7 @@ pub fn sections(archive: &Sections<'_>, byte_len: usize) -> Vec<Section> {
         of("header", "magic, version, hashes, checksum", 1, HEADER_LEN),
         of("blocks", "candidates of the direction index", archive.blocks.len(), size_of::<ArchivedBlock>()),
         of("source_path", "path of the source", archive.source_path.len(), 1),
-        of("options", "build options", archive.options.len(), 1),
+        of("options", "build options and warnings", archive.options.len(), 1),
         of("names", "the hulls' names", archive.names.len(), 1),
         of("spans", "start of each hull's data", archive.spans.len(), size_of::<ArchivedSpan>()),
         of("hulls", "record of each hull", archive.hulls.len(), size_of::<ArchivedHullRecord>()),

@@ -15,12 +15,16 @@
 use glam::DVec3;
 
 use super::{Hull, area::area_vector, edges, polygon::side_normal};
+use crate::number::short;
 
 /// Why a hull fails its certificate.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CertificateError {
     /// A source point is too far outside the hull.
-    #[error("a source point is {error:e} of the diameter outside of the hull (at most {CONTAINMENT:e} is allowed)")]
+    #[error(
+        "a source point is {} of the diameter outside of the hull (at most {CONTAINMENT:e} is allowed)",
+        short(*error)
+    )]
     Containment {
         /// Distance relative to the diameter; NaN if unknown.
         error: f64,

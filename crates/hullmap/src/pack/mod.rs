@@ -490,7 +490,7 @@ impl Pack {
         std::str::from_utf8(self.storage.sections().source_path).unwrap_or_default()
     }
 
-    /// The options that shaped the bake, in the form in which `bake` records them.
+    /// The options that shaped the bake, in the form in which `bake` records them: one line.
     ///
     /// # Examples
     /// ```
@@ -502,7 +502,27 @@ impl Pack {
     /// # }
     /// ```
     pub fn options(&self) -> &str {
-        self.storage.sections().options_text()
+        self.record().next().unwrap_or_default()
+    }
+
+    /// Warnings of the bake about the mesh and its hulls, each with its remedy. `bake build` shows
+    /// them again when the pack is fresh.
+    ///
+    /// # Examples
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
+    /// # fn main() {
+    /// let pack: hullmap::Pack = pack();
+    /// assert_eq!(pack.warnings().count(), 0);
+    /// # }
+    /// ```
+    pub fn warnings(&self) -> impl Iterator<Item = &str> {
+        self.record().skip(1)
+    }
+
+    /// The lines of the section `options`.
+    fn record(&self) -> impl Iterator<Item = &str> {
+        self.storage.sections().options_text().split('\n')
     }
 
     /// Whether this is a lean pack (`bake build --lean`), without what only manifolds, hints and

@@ -46,7 +46,7 @@ fn flags_set_build_options() {
     let words = "--decompose --vhacd-max-parts 8 --vhacd-hull-approximation false";
     let Some(Method::Vhacd(parts)) = build(words).unwrap().decompose() else { panic!("V-HACD") };
     assert_eq!((parts.max_parts, parts.hull_approximation), (8, false));
-    assert_eq!(build("--vhacd-max-parts 8"), Ok(usual), "hullmap.toml may switch decomposition on");
+    assert_eq!(build("--max-parts 8"), Ok(usual), "hullmap.toml may switch decomposition on");
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn wrong_arguments_exit_with_2() {
         "--up-axis x",
         "--max-vertices 3",
         "--max-vertices 8 --max-error 1",
-        "--decompose=false --vhacd-max-parts 8",
+        "--decompose=false --max-parts 8",
         "--decompose --vhacd-resolution 0",
         "--split group",
         "--vertices some",
@@ -104,6 +104,34 @@ fn poses_may_start_with_a_minus() {
         let message = error(&format!("bake query {words}"));
         assert!(message.contains("in quotes: --pose \"-3 0 0 0 -0.5 0 1\"") && message.contains("Usage"), "{message}");
     }
+}
+
+/// `--decompose cover` was a mesh named `cover` that cannot be read, and `bake decompose` an unknown
+/// subcommand.
+#[test]
+fn natural_guesses_are_answered_with_the_right_name() {
+    for (line, tip) in [
+        ("bake decompose a.obj --out o", "bake build MESH --out DIR --decompose"),
+        ("bake simplify a.obj", "--max-vertices N"),
+        ("bake info a.hullmap", "bake inspect"),
+        ("bake help", "bake --help"),
+        ("bake build a --out o --simplify 8", "tip: use --max-vertices N"),
+        ("bake build a --out o --concavity=0.1", "tip: use --max-error E"),
+        ("bake build a --out o --recenter", "tip: use --recentre"),
+        ("bake build a -o o", "tip: use --out"),
+        ("bake key a --parts 4", "tip: use --decompose --max-parts N"),
+        ("bake export a --engine unreal", "tip: use --for unreal, godot, mjcf or urdf"),
+        ("bake build a --out o --decompose cover", "--decompose takes its value after `=`: --decompose=cover"),
+        ("bake plan a --out o --recentre true", "--recentre=true"),
+    ] {
+        let message = error(line);
+        assert!(message.contains(tip) && message.contains("Usage"), "{line}: {message}");
+    }
+    let message = error("bake build a --out o --max-vertexes 8");
+    assert!(message.contains("--max-vertices"), "similar letters: {message}");
+    assert!(!error("bake inspect a --simplify").contains("--max-vertices"), "a flag of another subcommand");
+    let words = ["bake", "build", "--out", "o", "--decompose", "Cargo.toml"];
+    assert!(parse(words).is_ok(), "a file after a switch");
 }
 
 #[test]
@@ -149,6 +177,28 @@ fn help_fits_a_screen() {
         command().get_subcommands().map(|c| c.clone().term_width(120).render_help().to_string()).collect::<String>();
     let long: Vec<&str> = short.lines().filter(|line| line.chars().count() > 120).collect();
     assert!(long.is_empty(), "{long:#?}");
+}
+
+/// 225 lines without an order: the farm's flags stood between those that everybody needs.
+#[test]
+fn help_of_build_is_grouped_by_what_people_do() {
+    let help = error("bake build --help");
+    assert!(help.lines().count() < 150, "{help}");
+    assert!(!error("bake build -h").contains("--remote ") && help.contains("--remote "), "{help}");
+    let is_heading = |line: &&str| !line.starts_with(' ') && line.ends_with(':');
+    let headings: Vec<&str> = help.lines().filter(is_heading).collect();
+    let mut expected = vec!["Arguments:", "Options:", "Shape:", "Parts:", "Files:", "Index:", "Limits:", "Running:"];
+    expected.extend(["Farm:", "Examples:"]);
+    assert_eq!(headings, expected);
+    let examples = help.split("Examples:").nth(1).unwrap();
+    for group in ["shape", "parts", "files", "index", "in CI", "farm"] {
+        assert!(examples.contains(&format!("({group}")), "{group}");
+    }
+    let of_error = help.split("--max-error").nth(1).unwrap().split("\n\n").next().unwrap();
+    let of_error = of_error.split_whitespace().collect::<Vec<_>>().join(" ");
+    for word in ["1%", "Without --decompose: ", "default none", "With --decompose: ", "default 2%"] {
+        assert!(of_error.contains(word), "{word}: {of_error}");
+    }
 }
 
 #[test]

@@ -1,11 +1,12 @@
 //! `bake inspect`: describes the hulls in packs.
 
 use hullmap::{Hull, IndexKind, Pack, SolidKind};
+use hullmap_bake::number::{percent, short};
 use serde::Serialize;
 
 use crate::args::InspectArgs;
 use crate::geometry::{polygons, positions, rank_name};
-use crate::open::open_pack;
+use crate::open::{kept_warnings, open_pack};
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::packs::find_packs;
@@ -25,6 +26,8 @@ struct PackDescription {
     options: String,
     /// XXH3-128 of the source, 32 hexadecimal digits.
     source_hash: String,
+    /// The recorded warnings.
+    warnings: Vec<String>,
     hulls: Vec<HullDescription>,
 }
 
@@ -110,6 +113,7 @@ fn report(file: String, pack: &Pack, has_vertices: bool) -> PackDescription {
         source: pack.source_path().to_owned(),
         options: pack.options().to_owned(),
         source_hash: format!("{:032x}", header.source_hash),
+        warnings: kept_warnings(pack),
         hulls: pack.hulls().map(|hull| describe(&hull, has_vertices)).collect(),
     }
 }
@@ -158,6 +162,9 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
     out.line(format_args!("  source             {} (xxh3 {})", report.source, report.source_hash))?;
     let options = BuildOptions::from_recorded(&report.options).map(|options| options.in_words());
     out.line(format_args!("  options            {}", options.as_ref().unwrap_or(&report.options)))?;
+    for warning in &report.warnings {
+        out.line(format_args!("  warning            {warning}"))?;
+    }
     for (hull_index, hull) in report.hulls.iter().enumerate() {
         let [low, high] = hull.bounds.map(|corner| corner.map(shortest).join(" "));
         let index = &hull.index;
@@ -174,10 +181,10 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
         out.line(format_args!("  centroid           {}", hull.centroid.map(rounded).join(" ")))?;
         out.line(format_args!("  bounds             {low} to {high}"))?;
         out.line(format_args!("  diameter           {}", rounded(hull.diameter)))?;
-        out.line(format_args!("  containment error  {:.1e} of the diameter", hull.containment_error))?;
+        out.line(format_args!("  containment error  {} of the diameter", short(hull.containment_error)))?;
         if hull.outer_error > 0.0 {
-            let share = hull.outer_error / hull.diameter;
-            out.line(format_args!("  outer error        {:.3e} ({share:.1e} of the diameter)", hull.outer_error))?;
+            let share = percent(hull.outer_error / hull.diameter);
+            out.line(format_args!("  outer error        {} ({share} of the diameter)", short(hull.outer_error)))?;
         }
         if hull.part_count > 0 {
             write_part(hull, out)?;
@@ -206,9 +213,9 @@ fn write_part(hull: &HullDescription, out: &mut Output) -> Result<(), Failure> {
         return Ok(out.line(format_args!("  fit                unmeasured: its mesh is not known"))?);
     };
     out.line(format_args!("  solid              {solid}"))?;
-    out.line(format_args!("  uncovered          at most {uncovered:.3e}, of the surface outside all parts"))?;
+    out.line(format_args!("  uncovered          at most {}, of the surface outside all parts", short(uncovered)))?;
     let at = at.map(rounded).join(" ");
-    Ok(out.line(format_args!("  protrusion         at most {protrusion:.3e}, greatest at {at}"))?)
+    Ok(out.line(format_args!("  protrusion         at most {}, greatest at {at}", short(protrusion)))?)
 }
 
 #[cfg(test)]
@@ -250,6 +257,7 @@ mod tests {
             source: "cube.obj".to_owned(),
             options: "index tree".to_owned(),
             source_hash: "0".repeat(32),
+            warnings: vec!["hull cube is thin".to_owned()],
             hulls: vec![hull],
         }
     }
@@ -290,7 +298,9 @@ mod tests {
             text.contains("hull #0 cube\n")
                 && text.contains(" 3.464102\n")
                 && text.contains("3 (solid)")
-                && text.contains("60.0 per vertex"),
+                && text.contains("60.0 per vertex")
+                && text.contains("containment error  0 of the diameter")
+                && text.contains("  warning            hull cube is thin\n"),
             "{text}"
         );
     }

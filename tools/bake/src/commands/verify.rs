@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use hullmap_bake::number::{percent, short};
+
 use crate::args::VerifyArgs;
 use crate::open::open_pack;
 use crate::outcome::{Exit, Failure, end};
@@ -215,7 +217,7 @@ fn hull_table(results: &[HullVerification]) -> Table {
 fn outer_error(result: &HullVerification) -> String {
     match (result.outer_error, result.diameter) {
         (Some(error), Some(diameter)) if error > 0.0 => {
-            format!("{error:.3e} ({:.1e} of the diameter)", error / diameter)
+            format!("{} ({} of the diameter)", short(error), percent(error / diameter))
         }
         _ => "-".to_owned(),
     }
@@ -275,7 +277,7 @@ mod tests {
         );
         assert_eq!(
             (outer.result(), outer_error(&outer)),
-            ("contains its source", "1.200e-1 (6.0e-2 of the diameter)".to_owned())
+            ("contains its source", "0.12 (6% of the diameter)".to_owned())
         );
         let unsourced = HullVerification { against: Some("stored hull"), ..outer };
         assert_eq!(unsourced.result(), "index exact");

@@ -73,11 +73,11 @@ impl Config {
         rules.filter_map(|rule| rule.skip).next_back().unwrap_or(false)
     }
 
-    /// A parameter of the decomposition in a file that never switches decomposition on.
-    fn unused_decomposition_parameter(&self) -> Option<&'static str> {
+    /// An option of decomposed meshes in a file that never switches decomposition on.
+    fn unused_option_of_parts(&self) -> Option<&'static str> {
         let layers = || std::iter::once(&self.defaults).chain(self.rules.iter().map(|rule| &rule.layer));
         let decomposes = layers().any(|layer| layer.decompose() == Some(true));
-        layers().find_map(OptionLayer::first_decomposition_parameter).filter(|_| !decomposes)
+        layers().find_map(OptionLayer::first_option_of_parts).filter(|_| !decomposes)
     }
 }
 

@@ -111,7 +111,7 @@ impl Configs {
     }
 
     /// Warnings, once [`layer`](Self::layer) has been called for each mesh of `inputs`: files that
-    /// are not read, rules without meshes, and unused parameters of the decomposition.
+    /// are not read, rules without meshes, and unused options of decomposed meshes.
     ///
     /// `is_cut` returns whether meshes of a file are decomposed for other reasons.
     pub fn warnings(&self, inputs: &[PathBuf], is_cut: impl Fn(&Path) -> bool) -> Vec<String> {
@@ -127,7 +127,7 @@ impl Configs {
                 let globs: Vec<String> = rule.files.iter().map(|glob| format!("`{}`", glob.text)).collect();
                 warnings.push(format!("{file}:{}: no mesh matches {}", rule.line, globs.join(" or ")));
             }
-            if let Some(key) = config.unused_decomposition_parameter().filter(|_| !is_cut(&config.path)) {
+            if let Some(key) = config.unused_option_of_parts().filter(|_| !is_cut(&config.path)) {
                 warnings.push(format!(
                     "{file}: {key} has no effect, because no mesh that this file applies to is decomposed; \
                      add decompose = true, or remove the option"

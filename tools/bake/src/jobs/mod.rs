@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 use hullmap_import::NAMES;
 
 use crate::args::MeshArgs;
-use crate::config::{Chosen, Configs, FILE_NAME};
+use crate::config::{Chosen, Configs};
 use crate::options::{BuildOptions, RecordSource, flag};
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::{folder_of, recorded_path};
@@ -143,7 +143,8 @@ pub enum Talk {
 /// `bake` was started. Writes no file.
 ///
 /// # Errors
-/// An input or `hullmap.toml` cannot be read, or no mesh is left.
+/// An input or `hullmap.toml` cannot be read, no mesh is left, or an option on the command line has
+/// no effect on any mesh.
 pub fn jobs(args: &MeshArgs, out: &Path, project: &Path, talk: Talk) -> Result<Jobs, Failure> {
     let warns = talk != Talk::Silent;
     if out.is_file() {
@@ -189,15 +190,14 @@ pub fn jobs(args: &MeshArgs, out: &Path, project: &Path, talk: Talk) -> Result<J
         key: String::new(),
     };
     let jobs: Vec<Job> = chosen.into_iter().zip(names).map(job).collect();
+    let unused = args.options.without_effect(jobs.iter().map(|job| &job.options));
+    if let Some(unused) = unused.filter(|_| !jobs.is_empty()) {
+        return Err(Failure::usage(unused.message(|key| format!("--{}", flag(key)))));
+    }
     if warns {
-        let is_cut = |job: &Job| job.options.decompose().is_some();
-        if let Some(key) = args.options.first_decomposition_parameter().filter(|_| !jobs.iter().any(is_cut)) {
-            terminal::warning(format_args!(
-                "--{} has no effect, because no mesh of this build is decomposed; add --decompose, or decompose = true to {FILE_NAME}",
-                flag(key)
-            ));
-        }
-        let is_cut_by = |config: &Path| jobs.iter().any(|job| job.config.as_deref() == Some(config) && is_cut(job));
+        let is_cut_by = |config: &Path| {
+            jobs.iter().any(|job| job.config.as_deref() == Some(config) && job.options.decompose().is_some())
+        };
         configs.warnings(&args.inputs, is_cut_by).iter().for_each(terminal::warning);
         if let Some(unread) = in_words(unread.iter().map(|unread| unread.source.as_path())) {
             terminal::note(format_args!(

@@ -45,19 +45,17 @@ pub enum DefaultValue {
     },
 }
 
-/// Section of the help.
+/// Section of the help: what people want to change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Section {
-    /// How the source is read.
-    Import,
+    /// The shape of a hull, its size and its frame.
+    Shape,
+    /// The number of hulls of a mesh.
+    Parts,
+    /// The files that are read and written.
+    Files,
     /// The direction index.
     Index,
-    /// Convex decomposition.
-    Decomposition,
-    /// Simplified hulls.
-    Simplification,
-    /// The files that are written.
-    Output,
 }
 
 /// Options that one layer replaces together.
@@ -85,15 +83,25 @@ pub enum Record {
 }
 
 impl Section {
+    /// All sections, in the order of the help.
+    pub const ALL: [Self; 4] = [Self::Shape, Self::Parts, Self::Files, Self::Index];
+
     /// Heading in the help.
-    pub fn heading(self) -> &'static str {
+    pub const fn heading(self) -> &'static str {
         match self {
-            Self::Import => "Import",
+            Self::Shape => "Shape",
+            Self::Parts => "Parts",
+            Self::Files => "Files",
             Self::Index => "Index",
-            Self::Decomposition => "Decomposition",
-            Self::Simplification => "Simplification",
-            Self::Output => "Output",
         }
+    }
+
+    /// Its options: limits of a shape first, then in the order of the table.
+    pub fn options(self) -> impl Iterator<Item = &'static BuildOption> {
+        let of = move |is_limit: bool| {
+            OPTIONS.iter().filter(move |own| own.section == self && (own.group == Group::Limit) == is_limit)
+        };
+        of(true).chain(of(false))
     }
 }
 
@@ -118,7 +126,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         default: DefaultValue::Value("none"),
         value_name: "none|object|auto",
         help: "One hull per file, per object, or per named collision part (UCX_…)",
-        section: Section::Import,
+        section: Section::Parts,
         record: Record::Always,
         ..OPTION
     },
@@ -128,7 +136,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         default: DefaultValue::Value("referenced"),
         value_name: "referenced|all",
         help: "Use the vertices that elements reference, or all vertices",
-        section: Section::Import,
+        section: Section::Shape,
         record: Record::Always,
         ..OPTION
     },
@@ -173,7 +181,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         default: DefaultValue::Value("1"),
         value_name: "F",
         help: "Multiply coordinates by F; 0.01 converts centimetres to metres",
-        section: Section::Import,
+        section: Section::Shape,
         ..OPTION
     },
     BuildOption {
@@ -182,7 +190,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         default: DefaultValue::Value("keep"),
         value_name: "keep|y-to-z|z-to-y",
         help: "Rotate about x: y-to-z turns a y-up mesh into a z-up mesh",
-        section: Section::Import,
+        section: Section::Shape,
         ..OPTION
     },
     BuildOption {
@@ -191,7 +199,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         default: DefaultValue::Value("false"),
         value_name: "BOOL",
         help: "Move the origin to the centre of the bounds, for meshes far from the origin",
-        section: Section::Import,
+        section: Section::Shape,
         ..OPTION
     },
     BuildOption {
@@ -200,7 +208,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         default: DefaultValue::Value("false"),
         value_name: "METHOD",
         help: "Decompose concave meshes into convex parts: cover (default) or vhacd",
-        section: Section::Decomposition,
+        section: Section::Parts,
         ..OPTION
     },
     BuildOption {
@@ -280,8 +288,8 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: CountOrNone { min: MIN_VERTICES },
         default: DefaultValue::Value("none"),
         value_name: "N",
-        help: "Replace each hull by an enclosing one with at most N vertices, 4 or more; none: exact hull",
-        section: Section::Simplification,
+        help: "Maximum number of vertices, 4 or more. Without --decompose: of an enclosing hull instead of the exact one; default none, the exact hull. With --decompose: of each part; default 64",
+        section: Section::Shape,
         group: Group::Limit,
         ..OPTION
     },
@@ -289,9 +297,9 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         key: "max_error",
         syntax: LengthOrNone,
         default: DefaultValue::Value("none"),
-        value_name: "E",
-        help: "Replace each hull by an enclosing one that extends at most E units beyond it; none: exact hull",
-        section: Section::Simplification,
+        value_name: "E|E%",
+        help: "Maximum error: a length, or a share of the mesh's diagonal such as 1%. Without --decompose: how far an enclosing hull may extend beyond the exact one; default none, the exact hull. With --decompose: how far parts may protrude from the mesh's solid; default 2%",
+        section: Section::Shape,
         group: Group::Limit,
         ..OPTION
     },
@@ -301,7 +309,8 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         default: DefaultValue::Value("auto"),
         value_name: "auto|stem|full",
         help: "Names of packs: x (stem), x.obj (full), or full on a clash (auto)",
-        section: Section::Output,
+        section: Section::Files,
+        is_advanced: true,
         record: Record::Never,
         ..OPTION
     },
@@ -311,7 +320,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         default: DefaultValue::Value("none"),
         value_name: "N",
         help: "Maximum number of parts; the smallest error that the search reaches with them",
-        section: Section::Decomposition,
+        section: Section::Parts,
         is_advanced: true,
         applies_with: Some(("decompose", "cover")),
         ..OPTION
@@ -322,7 +331,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         default: DefaultValue::Value("none"),
         value_name: "S",
         help: "Stop the search for the parts of a mesh after S seconds; the error may then exceed the limit, and packs may differ from run to run",
-        section: Section::Decomposition,
+        section: Section::Parts,
         is_advanced: true,
         applies_with: Some(("decompose", "cover")),
         ..OPTION
@@ -333,7 +342,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         default: DefaultValue::Value("relative"),
         value_name: "relative|name|none",
         help: "Path of the mesh that packs record: relative to the pack, its name, or nothing",
-        section: Section::Output,
+        section: Section::Files,
         is_advanced: true,
         record: Record::Never,
         ..OPTION
@@ -344,7 +353,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         default: DefaultValue::Value("false"),
         value_name: "BOOL",
         help: "Leave out what only manifolds, hints and walks over the surface need; packs have less than half the size",
-        section: Section::Output,
+        section: Section::Files,
         is_advanced: true,
         ..OPTION
     },
@@ -360,7 +369,7 @@ const OPTION: BuildOption = BuildOption {
     default: DefaultValue::Value("false"),
     value_name: "",
     help: "",
-    section: Section::Import,
+    section: Section::Shape,
     is_advanced: false,
     group: Group::Single,
     applies_with: None,
@@ -368,12 +377,8 @@ const OPTION: BuildOption = BuildOption {
 };
 
 /// What the parameters of V-HACD share. Their defaults are those of parry3d 0.31.
-const VHACD_OPTION: BuildOption = BuildOption {
-    section: Section::Decomposition,
-    is_advanced: true,
-    applies_with: Some(("decompose", "vhacd")),
-    ..OPTION
-};
+const VHACD_OPTION: BuildOption =
+    BuildOption { section: Section::Parts, is_advanced: true, applies_with: Some(("decompose", "vhacd")), ..OPTION };
 
 /// Position of an option in the table.
 pub fn position(key: &str) -> Option<usize> {

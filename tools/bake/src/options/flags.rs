@@ -6,7 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::{Arg, ArgMatches, Command};
 
 use super::OptionLayer;
-use super::defaults::{BuildOption, DefaultValue, OPTIONS};
+use super::defaults::{BuildOption, DefaultValue, OPTIONS, Section};
 use super::value::{Syntax, Value};
 
 /// Name of an option's flag, without the dashes in front.
@@ -14,14 +14,14 @@ pub fn flag(key: &str) -> String {
     key.replace('_', "-")
 }
 
-/// Names of the flags, in the order of the table. clap takes names that live as long as the
-/// program.
-static FLAGS: LazyLock<Vec<&'static str>> =
-    LazyLock::new(|| OPTIONS.iter().map(|option| &*flag(option.key).leak()).collect());
+/// The flags, in the order of the help. clap takes names that live as long as the program.
+static FLAGS: LazyLock<Vec<(&'static BuildOption, &'static str)>> = LazyLock::new(|| {
+    Section::ALL.iter().flat_map(|own| own.options()).map(|option| (option, &*flag(option.key).leak())).collect()
+});
 
 impl clap::Args for OptionLayer {
     fn augment_args(command: Command) -> Command {
-        command.args(OPTIONS.iter().zip(FLAGS.iter()).map(|(option, flag)| arg(option, flag)))
+        command.args(FLAGS.iter().map(|(option, flag)| arg(option, flag)))
     }
 
     fn augment_args_for_update(command: Command) -> Command {

@@ -35,6 +35,8 @@ enum ClashKind {
     Exclusive,
     /// `other` is false, so that `key` has no effect.
     SwitchedOff,
+    /// `key` has no effect unless `other` has this value.
+    NoEffect(&'static str),
 }
 
 impl Clash {
@@ -50,6 +52,10 @@ impl Clash {
             }
             ClashKind::Exclusive => format!("{key} and {other} exclude each other; remove one of them"),
             ClashKind::SwitchedOff => format!("{key} has no effect because {other} is false; remove one of them"),
+            ClashKind::NoEffect(UNNAMED) => format!("{key} has no effect without {other}; add it, or remove {key}"),
+            ClashKind::NoEffect(value) => {
+                format!("{key} has no effect without {other}={value}; add it, or remove {key}")
+            }
         }
     }
 }
@@ -105,6 +111,30 @@ impl OptionLayer {
         (0..OPTION_COUNT).filter(is_parameter).find(|&index| self.values[index].is_some()).map(|i| OPTIONS[i].key)
     }
 
+    /// The first option of this layer that only applies to decomposed meshes.
+    pub fn first_option_of_parts(&self) -> Option<&'static str> {
+        let mut given = OPTIONS.iter().zip(&self.values).filter(|(_, value)| value.is_some());
+        given
+            .find(|(option, _)| option.applies_with.is_some_and(|(key, _)| key == "decompose"))
+            .map(|(option, _)| option.key)
+    }
+
+    /// The first option of this layer that applies with none of the resolved options, to which
+    /// other layers have contributed.
+    pub fn without_effect<'a>(&self, resolved: impl Iterator<Item = &'a BuildOptions> + Clone) -> Option<Clash> {
+        let mut given = OPTIONS.iter().zip(&self.values).filter(|(_, value)| value.is_some());
+        given.find_map(|(option, _)| {
+            let (other, value) = option.applies_with?;
+            let has_effect = resolved.clone().any(|options| options.0.is(other, value));
+            (!has_effect).then_some(Clash { key: option.key, other, kind: ClashKind::NoEffect(value) })
+        })
+    }
+
+    /// Whether the layer gives this option this value.
+    fn is(&self, key: &str, value: &str) -> bool {
+        self.get(key).is_some_and(|own| own.to_string() == value)
+    }
+
     /// Two options of this layer that contradict each other. Options of different layers never do:
     /// the upper layer wins.
     pub fn clash(&self) -> Option<Clash> {
@@ -117,8 +147,7 @@ impl OptionLayer {
         } else if is_set("max_vertices") && is_set("max_error") && self.method() != Some("cover") {
             clash("max_error", "max_vertices", ClashKind::Exclusive)
         } else if self.decompose() == Some(false) {
-            let parameter = self.first_decomposition_parameter()?;
-            clash(parameter, "decompose", ClashKind::SwitchedOff)
+            clash(self.first_option_of_parts()?, "decompose", ClashKind::SwitchedOff)
         } else {
             None
         }
@@ -152,9 +181,7 @@ impl OptionLayer {
         }
         let given = resolved.clone();
         for (value, option) in resolved.values.iter_mut().zip(&OPTIONS) {
-            let applies = option
-                .applies_with
-                .is_none_or(|(key, expected)| given.get(key).is_some_and(|value| value.to_string() == expected));
+            let applies = option.applies_with.is_none_or(|(key, expected)| given.is(key, expected));
             if value.is_none() || !applies {
                 *value = match option.default {
                     DefaultValue::Value(text) => {
@@ -272,6 +299,23 @@ pub mod tests {
         assert_eq!(error("units", "1"), "unknown option units");
     }
 
+    /// `--max-parts 4` without `--decompose` baked a single hull, without a word.
+    #[test]
+    fn options_without_effect_are_found_across_layers() {
+        let unused = |own: &[(&str, &str)], lower: &[&[(&str, &str)]]| {
+            let own = layer(own);
+            let resolved: Vec<_> = lower.iter().map(|lower| own.over(&layer(lower)).resolve()).collect();
+            own.without_effect(resolved.iter()).map(|clash| clash.message(str::to_owned))
+        };
+        let message = "max_parts has no effect without decompose; add it, or remove max_parts";
+        assert_eq!(unused(&[("max_parts", "4")], &[&[], &[]]), Some(message.to_owned()));
+        assert_eq!(unused(&[("max_parts", "4")], &[&[], &[("decompose", "true")]]), None);
+        assert_eq!(unused(&[("max_parts", "4"), ("decompose", "true")], &[&[]]), None);
+        let message = "decompose_seconds has no effect without decompose; add it, or remove decompose_seconds";
+        assert_eq!(unused(&[("decompose_seconds", "4")], &[&[("decompose", "false")]]), Some(message.to_owned()));
+        assert_eq!(unused(&[("max_vertices", "4"), ("split", "auto")], &[&[]]), None);
+    }
+
     #[test]
     fn clashes_are_within_a_layer() {
         let clash = |pairs: &[(&str, &str)]| layer(pairs).clash().map(|clash| clash.key);
@@ -286,6 +330,7 @@ pub mod tests {
             // Another layer may decompose.
             assert_eq!(clash(&[(key, value)]), None);
         }
+        assert_eq!(clash(&[("decompose", "false"), ("max_parts", "8")]), Some("max_parts"));
         assert_eq!(clash(&[("decompose", "cover"), ("max_error", "2%"), ("max_vertices", "8")]), None);
         let message = layer(&[("max_error", "5"), ("max_vertices", "5")]).clash().unwrap().message(str::to_owned);
         assert_eq!(message, "max_error and max_vertices exclude each other; remove one of them");

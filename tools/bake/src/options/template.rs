@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use super::defaults::{BuildOption, DefaultValue, OPTIONS, Section};
+use super::defaults::{BuildOption, DefaultValue, Section};
 use super::value::Syntax;
 
 const HEAD: &str = "\
@@ -38,9 +38,9 @@ const RULES: &str = r#"
 /// Text of the file.
 pub fn template() -> String {
     let mut text = HEAD.to_owned();
-    for section in [Section::Import, Section::Index, Section::Decomposition, Section::Simplification, Section::Output] {
+    for section in Section::ALL {
         let _ = writeln!(text, "\n# {}", section.heading());
-        for option in OPTIONS.iter().filter(|option| option.section == section) {
+        for option in section.options() {
             let _ = writeln!(text, "# {}.\n# {} = {}", option.help, option.key, toml_value(option));
         }
     }

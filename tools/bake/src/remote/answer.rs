@@ -12,6 +12,7 @@ use hullmap_remote::{Blob, Client, Outcome, OutputFile, RemoteError};
 
 use super::action::{Batch, Member, RESULTS};
 use super::{Delivered, Results};
+use crate::open::bounded_remarks;
 use crate::outcome::Exit;
 use crate::runner::freshness::{Expected, Found, judge};
 use crate::runner::one::Build;
@@ -27,9 +28,6 @@ const MAX_AT_ONCE: u64 = 64 << 20;
 /// Held while a pack of more than [`MAX_AT_ONCE`] is in memory, so that batches in flight do not
 /// fill it with several of them.
 static LARGE: Mutex<()> = Mutex::new(());
-
-/// Maximum number of remarks of a row, and maximum length of each.
-const MAX_REMARKS: (usize, usize) = (100, 10_000);
 
 /// Checks the outcome of a batch and puts its packs in place; returns the results of the jobs whose
 /// packs are not fresh. With `fallback`, a job whose pack was rejected has no result.
@@ -132,14 +130,11 @@ fn rows(client: &Client, batch: &Batch, outcome: &Outcome) -> Result<HashMap<Str
 
 /// Takes what only the worker knows, with paths as they are here.
 fn take(found: &Row, member: &Member, row: &mut Row) {
-    let bounded = |text: &str| text.chars().take(MAX_REMARKS.1).collect::<String>();
-    let here = |text: &String| {
-        // A path here may be longer than there.
-        bounded(&bounded(text).replace(&member.source, &row.source).replace(&member.pack, &row.output))
-    };
-    let remarks = |list: &[String]| list.iter().take(MAX_REMARKS.0).map(here).collect();
+    let here = |text: &str| text.replace(&member.source, &row.source).replace(&member.pack, &row.output);
+    let remarks = |list: &[String]| bounded_remarks(list.iter().map(String::as_str), here);
+    let error = found.error.as_slice().iter().filter(|_| found.status == Status::Failed);
+    let error = bounded_remarks(error.map(String::as_str), here).pop();
     let (notes, warnings) = (remarks(&found.notes), remarks(&found.warnings));
-    let error = found.error.as_ref().filter(|_| found.status == Status::Failed).map(here);
     (row.notes, row.warnings, row.error) = (notes, warnings, error);
     row.vertices_in = found.vertices_in;
     row.vertices_source = found.vertices_source;

@@ -145,9 +145,10 @@ impl Farm<'_> {
                 progress.begin(
                     first,
                     format_args!("{} and {} more", jobs[first].source.display(), batch.members.len() - 1),
+                    1,
                 );
                 let answer = self.answer(batch);
-                progress.end(first, 1, Status::Baked);
+                progress.end(first, Status::Baked);
                 answers.lock().unwrap_or_else(PoisonError::into_inner).push(answer);
             }
         };

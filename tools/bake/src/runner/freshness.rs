@@ -1,10 +1,10 @@
 //! Freshness: whether a pack is what a bake would write, judged by its bytes and never by time
 //! stamps.
 //!
-//! A pack is fresh if its header holds this format version, the hash of the source's bytes and the
-//! hash of the options; if it records the source's path; and if it opens, which checks a checksum
-//! over every byte. So a damaged pack is never fresh. A stale header is detected after 64 bytes;
-//! checking a fresh pack costs less than hashing its source.
+//! A pack is fresh if its header holds this format version and the hash of the source's bytes; if it
+//! records the options and the source's path; and if it opens, which checks a checksum over every
+//! byte. So a damaged pack is never fresh. A stale header is detected after 64 bytes; checking a
+//! fresh pack costs less than hashing its source.
 
 use std::io::{self, Read};
 use std::path::Path;
@@ -15,6 +15,9 @@ use hullmap_import::open_regular;
 
 use crate::open::open_pack;
 use crate::options::BuildOptions;
+
+/// Why a pack is stale whose source has other bytes now.
+const SOURCE_CHANGED: &str = "the source has changed";
 
 /// What a fresh pack must record.
 #[derive(Debug)]
@@ -56,19 +59,12 @@ pub fn judge(path: &Path, expected: &Expected) -> Found {
     };
     let source_changed = header.source_hash != expected.source_hash;
     let text = expected.options.to_string();
-    let options_changed = header.options_hash != options_hash(&text);
-    if source_changed || options_changed {
-        let mut reasons = Vec::new();
-        if source_changed {
-            reasons.push("the source has changed".to_owned());
-        }
-        if options_changed {
-            let was = open_pack(path).map_or_else(|_| "unknown".to_owned(), |pack| shown(pack.options()));
-            reasons.push(format!("the options have changed from `{was}` to `{}`", shown(&text)));
-        }
-        return Found::Stale(reasons.join("; "));
+    if source_changed && header.options_hash == options_hash(&text) {
+        return Found::Stale(SOURCE_CHANGED.to_owned());
     }
+    // The hash of the options of a pack with warnings covers them too, so the pack has to be read.
     match open_pack(path) {
+        Err(_) if source_changed => Found::Stale(SOURCE_CHANGED.to_owned()),
         Err(failure) => {
             // The message starts with the pack's path, which the row shows already.
             let path = format!("{}: ", path.display());
@@ -76,6 +72,17 @@ pub fn judge(path: &Path, expected: &Expected) -> Found {
         }
         // Another bake may have replaced it meanwhile.
         Ok(pack) if *pack.header() != header => Found::Stale("the pack was replaced while it was read".to_owned()),
+        Ok(pack) if source_changed || pack.options() != text => {
+            let mut reasons = Vec::new();
+            if source_changed {
+                reasons.push(SOURCE_CHANGED.to_owned());
+            }
+            if pack.options() != text {
+                let was = shown(pack.options());
+                reasons.push(format!("the options have changed from `{was}` to `{}`", shown(&text)));
+            }
+            Found::Stale(reasons.join("; "))
+        }
         Ok(pack) if pack.source_path() != expected.recorded_path => {
             let was = pack.source_path();
             Found::Stale(format!("the pack records its source as `{was}`, but it is `{}`", expected.recorded_path))

@@ -34,9 +34,9 @@ pub fn run(jobs: &[&Job], build: &Build, args: &RunArgs) -> Result<Vec<(Row, Exi
     let progress = Progress::new(args.quiet, jobs.len(), costs.iter().sum());
     let work = |index: usize| {
         let job = jobs[index];
-        progress.begin(index, job.source.display());
-        let (row, exit) = build.run(job);
-        progress.end(index, costs[index], row.status);
+        let done = progress.begin(index, job.source.display(), costs[index]);
+        let (row, exit) = build.run(job, done.whole());
+        progress.end(index, row.status);
         (row, exit)
     };
     let memory = args.memory.unwrap_or(DEFAULT_MEMORY);

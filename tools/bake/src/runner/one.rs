@@ -8,6 +8,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use hullmap::Pack;
+use hullmap_bake::progress::Stage;
 use hullmap_bake::{PointSet, SourceRecord};
 
 use super::freshness::{Expected, Found, judge};
@@ -16,7 +17,7 @@ use crate::args::DEFAULT_DIRECTIONS;
 use crate::baker::BakedPack;
 use crate::jobs::Job;
 use crate::jobs::key::{check_planned, read};
-use crate::open::open_pack;
+use crate::open::{kept_warnings, open_pack};
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, through_link, write_beside};
@@ -24,7 +25,11 @@ use crate::verification::pack::{Reference, verify_hulls};
 use hullmap_import::{self as import, Imported, Limits, SourceFile};
 
 /// Bakes point sets into a pack: [`bake_pack`](crate::baker::bake_pack), except in tests.
-pub type Baker = dyn Fn(&[PointSet], &BuildOptions, &SourceRecord) -> Result<BakedPack, String> + Sync;
+pub type Baker = dyn Fn(&[PointSet], &BuildOptions, &SourceRecord, Stage) -> Result<BakedPack, String> + Sync;
+
+/// Shares of the time of a job after which its source is read, and its pack is baked.
+const READ: f64 = 0.1;
+const BAKED: f64 = 0.9;
 
 /// Settings shared by all files of a build.
 #[derive(Clone, Copy)]
@@ -46,9 +51,10 @@ pub struct Build<'a> {
 }
 
 impl Build<'_> {
-    /// Does one job. Every failure, including a panic in a library, ends in the row's `error`; the
-    /// exit code distinguishes rejected meshes from files that could not be read or written.
-    pub fn run(&self, job: &Job) -> (Row, Exit) {
+    /// Does one job, whose progress `stage` shows. Every failure, including a panic in a library,
+    /// ends in the row's `error`; the exit code distinguishes rejected meshes from files that could
+    /// not be read or written.
+    pub fn run(&self, job: &Job, stage: Stage) -> (Row, Exit) {
         let start = Instant::now();
         let (source, output) = (job.source.display().to_string(), job.output.display().to_string());
         let mut row = Row::new(source, output, Status::Failed);
@@ -59,7 +65,7 @@ impl Build<'_> {
             return (row, Exit::Usage);
         }
         // Fields of the row are only ever added, so a panic leaves it consistent.
-        let result = catch_unwind(AssertUnwindSafe(|| self.bake(job, &mut row)));
+        let result = catch_unwind(AssertUnwindSafe(|| self.bake(job, &mut row, stage)));
         let exit = match result {
             Ok(Ok(status)) => {
                 row.status = status;
@@ -78,11 +84,11 @@ impl Build<'_> {
                 Exit::Rejected
             }
         };
-        // A fresh pack needs no remarks.
+        // Nothing follows from notes about a fresh pack; warnings apply until something is done.
         if row.status != Status::Fresh {
             row.notes.extend(job.name.note.clone());
-            row.warnings.extend(job.name.warning.clone());
         }
+        row.warnings.extend(job.name.warning.clone());
         row.millis = (start.elapsed().as_secs_f64() * 1e4).round() / 10.0;
         (row, exit)
     }
@@ -142,14 +148,16 @@ impl Build<'_> {
         put_in_place(file, &job.output).map_err(cannot_write)
     }
 
-    fn bake(&self, job: &Job, row: &mut Row) -> Result<Status, Failure> {
+    fn bake(&self, job: &Job, row: &mut Row, stage: Stage) -> Result<Status, Failure> {
         let source = read(job, &self.limits)?;
         check_planned(job, &source, self.project)?;
         let hash = source.hash;
         let folder = folder_of(&job.output);
         if let Some(status) = self.judge(job, hash, row)? {
             if self.verify && status == Status::Fresh {
+                let kept = std::mem::take(&mut row.warnings);
                 let imported = self.import(job, row, &source)?;
+                row.warnings = kept;
                 verify_pack(&job.output, &imported).map_err(|failure| {
                     row.is_internal = true;
                     Failure { message: format!("{failure}; bake it again with --force"), ..failure }
@@ -163,9 +171,16 @@ impl Build<'_> {
         let output = row.output.clone();
         let cannot_write = |error| cannot_write(&output, &error);
         make_folder(folder).map_err(cannot_write)?;
-        let record = SourceRecord { path: self.recorded_path(job)?, hash, options: job.options.to_string() };
-        let pack = (self.baker)(&imported.point_sets, &job.options, &record)
+        let record = SourceRecord {
+            path: self.recorded_path(job)?,
+            hash,
+            options: job.options.to_string(),
+            warnings: row.warnings.clone(),
+        };
+        stage.reach(READ);
+        let pack = (self.baker)(&imported.point_sets, &job.options, &record, stage.from_to(READ, BAKED))
             .map_err(|error| Failure::rejected(format!("{}: {error}", row.source)))?;
+        stage.reach(BAKED);
         let file = write_beside(&job.output, &pack.bytes).map_err(cannot_write)?;
         if self.verify {
             verify_pack(file.path(), &imported).inspect_err(|_| row.is_internal = true)?;
@@ -178,7 +193,7 @@ impl Build<'_> {
         row.bytes = Some(pack.bytes.len() as u64);
         row.origin = Some(Origin::Local);
         row.notes.extend(pack.notes);
-        row.warnings.extend(pack.warnings);
+        row.warnings = pack.warnings;
         Ok(Status::Baked)
     }
 
@@ -199,6 +214,7 @@ impl Build<'_> {
         let (status, reason) = match found {
             Found::Fresh(pack) => {
                 fill_from_pack(&pack, row);
+                row.warnings = kept_warnings(&pack);
                 return Ok(Some(Status::Fresh));
             }
             Found::Stale(reason) => (Status::Stale, reason),

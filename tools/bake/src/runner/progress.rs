@@ -2,9 +2,10 @@
 //! `--quiet`.
 
 use std::collections::BTreeMap;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use hullmap_bake::progress::Progress as Done;
 use indicatif::{HumanDuration, MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::rows::Status;
@@ -50,9 +51,18 @@ struct State {
     done_cost: u64,
     baked: usize,
     failed: usize,
-    /// Files in progress, by their index in the build: name and start.
-    in_work: BTreeMap<usize, (String, Instant)>,
+    /// Files in progress, by their index in the build.
+    in_work: BTreeMap<usize, InWork>,
     last_line: Option<Instant>,
+}
+
+/// A file in progress.
+#[derive(Debug)]
+struct InWork {
+    name: String,
+    start: Instant,
+    cost: u64,
+    done: Arc<Done>,
 }
 
 impl Progress {
@@ -67,17 +77,19 @@ impl Progress {
         Self { start: Instant::now(), display, state: Mutex::new(state) }
     }
 
-    /// Marks a file as in progress.
-    pub fn begin(&self, index: usize, name: impl std::fmt::Display) {
-        self.state().in_work.insert(index, (Escaped(name).to_string(), Instant::now()));
+    /// Marks a file as in progress, and returns how much of it is done, for its thread to count.
+    pub fn begin(&self, index: usize, name: impl std::fmt::Display, cost: u64) -> Arc<Done> {
+        let done = Arc::new(Done::default());
+        let file = InWork { name: Escaped(name).to_string(), start: Instant::now(), cost, done: Arc::clone(&done) };
+        self.state().in_work.insert(index, file);
+        done
     }
 
     /// Marks a file as done.
-    pub fn end(&self, index: usize, cost: u64, status: Status) {
+    pub fn end(&self, index: usize, status: Status) {
         let mut state = self.state();
-        state.in_work.remove(&index);
+        state.done_cost += state.in_work.remove(&index).map_or(0, |file| file.cost);
         state.done += 1;
-        state.done_cost += cost;
         match status {
             Status::Baked => state.baked += 1,
             Status::Failed => state.failed += 1,
@@ -100,7 +112,7 @@ impl Progress {
             Display::Bars { overall, names, .. } if now - self.start >= BARS_AFTER => {
                 let state = self.state();
                 overall.set_message(state.summary(now - self.start));
-                overall.set_position(state.done_cost);
+                overall.set_position(state.reached());
                 let mut shown = state.longest(now, NAME_AFTER).into_iter();
                 for bar in names {
                     bar.set_message(shown.next().unwrap_or_default());
@@ -146,10 +158,16 @@ impl State {
                 text += &format!(", {} {word}", grouped(count as u64));
             }
         }
-        if let Some(left) = time_left(elapsed, self.done_cost, self.cost) {
+        if let Some(left) = time_left(elapsed, self.reached(), self.cost) {
             text += &format!(", about {} left", HumanDuration(left));
         }
         text
+    }
+
+    /// Cost of all that is done, also of files in progress.
+    fn reached(&self) -> u64 {
+        let in_work = self.in_work.values().map(|file| (file.done.share() * file.cost as f64) as u64);
+        self.done_cost + in_work.sum::<u64>()
     }
 
     /// The summary, and the file in progress longest.
@@ -162,14 +180,19 @@ impl State {
         )
     }
 
-    /// Names and times of the files in progress longest, if in progress for at least `least`.
+    /// Names, times and shares of the files in progress longest, if for at least `least`.
     fn longest(&self, now: Instant, least: Duration) -> Vec<String> {
         let age = |start: Instant| now.saturating_duration_since(start);
-        let mut files: Vec<&(String, Instant)> =
-            self.in_work.values().filter(|(_, start)| age(*start) >= least).collect();
-        files.sort_by_key(|(_, start)| *start);
+        let mut files: Vec<&InWork> = self.in_work.values().filter(|file| age(file.start) >= least).collect();
+        files.sort_by_key(|file| file.start);
         files.truncate(MAX_NAMES);
-        files.into_iter().map(|(name, start)| format!("{name} ({:.1} s)", age(*start).as_secs_f64())).collect()
+        let line = |file: &InWork| {
+            let (seconds, percent) = (age(file.start).as_secs_f64(), (100.0 * file.done.share()) as u32);
+            // Not known of a batch on a farm.
+            let done = if percent > 0 { format!(", {percent}%") } else { String::new() };
+            format!("{} ({seconds:.1} s{done})", file.name)
+        };
+        files.into_iter().map(line).collect()
     }
 }
 
@@ -199,14 +222,25 @@ mod tests {
         let mut state = State { files: 12_000, cost: 400, done: 3000, done_cost: 100, ..State::default() };
         assert_eq!(state.line(now - start, now), "3 000 of 12 000 files, about 3 minutes left");
         (state.baked, state.failed) = (5, 1);
-        state.in_work.insert(3, ("new.obj".to_owned(), now));
-        state.in_work.insert(4, ("big.obj".to_owned(), start + Duration::from_secs(48)));
-        state.in_work.insert(9, ("mid.obj".to_owned(), start + Duration::from_secs(50)));
+        let mut insert = |index, name: &str, seconds| {
+            let (start, done) = (start + Duration::from_secs(seconds), Arc::new(Done::default()));
+            let file = InWork { name: name.to_owned(), start, cost: 200, done: Arc::clone(&done) };
+            state.in_work.insert(index, file);
+            done
+        };
+        insert(3, "new.obj", 60);
+        let done = insert(4, "big.obj", 48);
+        insert(9, "mid.obj", 50);
         let line = state.line(now - start, now);
         assert_eq!(
             line,
             "3 000 of 12 000 files, 5 baked, 1 failed, about 3 minutes left; in progress: big.obj (12.0 s)"
         );
+        // The bar stood still while one mesh was decomposed.
+        done.whole().reach(0.5);
+        assert_eq!(state.reached(), 200);
+        let line = state.line(now - start, now);
+        assert!(line.contains("about 60 seconds left; in progress: big.obj (12.0 s, 50%)"), "{line}");
         assert_eq!(state.longest(now, NAME_AFTER).len(), 2);
     }
 }

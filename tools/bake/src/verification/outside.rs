@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::REGRET_LIMIT;
 use super::truth::{Points, dot};
+use crate::table::rounded;
 
 /// Difference between the supports of a hull and of its source, over all tested directions;
 /// lengths.
@@ -43,13 +44,14 @@ impl Outside {
         let slack = REGRET_LIMIT * self.diameter;
         // NaN fails.
         if !(self.min >= -slack) {
-            return Some(format!("the source protrudes from the hull by {:.3e}: a source point was lost", -self.min));
+            return Some(format!(
+                "the source protrudes from the hull by {}: a source point was lost",
+                rounded(-self.min)
+            ));
         }
         if !(self.max <= recorded + slack) {
-            return Some(format!(
-                "the hull extends {:.3e} beyond its source, but records at most {recorded:.3e}",
-                self.max
-            ));
+            let (found, recorded) = (rounded(self.max), rounded(recorded));
+            return Some(format!("the hull extends {found} beyond its source, but records at most {recorded}"));
         }
         None
     }

@@ -13,6 +13,7 @@ use std::collections::HashSet;
 use glam::Vec3;
 use hullmap::{Cost, Hull, Pack, SolidKind};
 use hullmap_bake::decompose::{Cover, Method};
+use hullmap_bake::number::short;
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{NO_SOURCE_VERTEX, PointSet};
 use serde::Serialize;
@@ -26,6 +27,7 @@ use crate::baker::{Part, parts};
 use crate::geometry::polygons;
 use crate::measure::stand_for_one;
 use crate::options::BuildOptions;
+use crate::table::rounded;
 
 /// Result of a part that fits its mesh within its recorded bounds.
 pub const WITHIN_BOUNDS: &str = "within its bounds";
@@ -112,7 +114,7 @@ impl HullVerification {
         if let (Some(wrong), Some(tried), Some(regret)) = (self.mismatches, self.directions, self.max_regret)
             && wrong > 0
         {
-            parts.push(format!("wrong support point in {wrong} of {tried} directions, max_regret {regret:.2e}"));
+            parts.push(format!("wrong support point in {wrong} of {tried} directions, max_regret {}", short(regret)));
         }
         let text = if parts.is_empty() { self.result().to_owned() } else { parts.join("; ") };
         format!("hull {hull}: {text}")
@@ -275,8 +277,9 @@ fn judge(hulls: &[Hull], mesh: &PointSet, results: &mut [HullVerification]) {
     let name = &mesh.name;
     let uncovered = hulls.first().and_then(Hull::uncovered).unwrap_or(0.0);
     if let Some(Witness { distance, at }) = judge.uncovered(mesh, hulls, uncovered) {
+        let (found, recorded) = (rounded(distance), rounded(uncovered));
         let text = format!(
-            "{at} on the surface of {name} is {distance:.6e} outside all parts, but the pack records at most {uncovered:.6e}"
+            "{at} on the surface of {name} is {found} outside all parts, but the pack records at most {recorded}"
         );
         results.iter_mut().for_each(|result| result.problems.push(text.clone()));
     }
@@ -294,8 +297,9 @@ fn judge(hulls: &[Hull], mesh: &PointSet, results: &mut [HullVerification]) {
             result.problems.push(format!("its point of greatest protrusion, {at}, is not a point of the part"));
         }
         if let Some(Witness { distance, at }) = judge.protrusion(hull, claim, is_in.then_some(at)) {
+            let (found, recorded) = (rounded(distance), rounded(claim));
             result.problems.push(format!(
-                "{at} of this part is {distance:.6e} outside the solid of {name}, but it records at most {claim:.6e}"
+                "{at} of this part is {found} outside the solid of {name}, but it records at most {recorded}"
             ));
         }
     }
@@ -467,6 +471,6 @@ mod tests {
             max_regret: Some(1e-3),
             ..HullVerification::default()
         };
-        assert_eq!(result.verdict(), "hull rock: wrong support point in 3 of 100 directions, max_regret 1.00e-3");
+        assert_eq!(result.verdict(), "hull rock: wrong support point in 3 of 100 directions, max_regret 0.001");
     }
 }

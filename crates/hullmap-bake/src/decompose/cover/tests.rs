@@ -196,3 +196,27 @@ fn triangle_soups_are_covered() {
         assert!(found.iter().all(|(_, bound)| *bound <= limit), "seed {seed}");
     }
 }
+
+/// The bar of a build stood still while a mesh was decomposed.
+#[test]
+fn progress_moves_within_a_mesh() {
+    let mesh = point_set(&concave::horseshoe(48));
+    let progress = crate::progress::Progress::default();
+    let is_done = std::sync::atomic::AtomicBool::new(false);
+    let seen = std::thread::scope(|scope| {
+        let watcher = scope.spawn(|| {
+            let mut seen = BTreeSet::new();
+            while !is_done.load(std::sync::atomic::Ordering::Relaxed) {
+                seen.insert((1e6 * progress.share()) as u32);
+                std::thread::yield_now();
+            }
+            seen
+        });
+        let method = Method::Cover(Cover::default());
+        let parts = crate::decompose::decompose_in(&mesh, &method, progress.whole()).unwrap().unwrap();
+        is_done.store(true, std::sync::atomic::Ordering::Relaxed);
+        assert_eq!(parts.len(), decompose(&mesh, &method).unwrap().unwrap().len(), "nothing depends on it");
+        watcher.join().unwrap()
+    });
+    assert!(seen.len() > 5 && progress.share() >= 0.9, "{seen:?}, {}", progress.share());
+}

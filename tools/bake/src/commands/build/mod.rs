@@ -25,7 +25,7 @@ use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, sweep, 
 use crate::runner::one::{Baker, Build};
 use crate::runner::rows::{Row, Status};
 use crate::runner::{self, print_messages, write_rows};
-use crate::terminal::{self, Output};
+use crate::terminal::Output;
 
 /// Runs the command.
 ///
@@ -50,8 +50,9 @@ fn run_with(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut Output) -
 /// The files to bake, each with its options. If `warns`, prints warnings about options without
 /// effect. Writes no file.
 fn find_jobs(args: &BuildArgs, project: &Path, warns: bool) -> Result<Jobs, Failure> {
-    if args.prune && warns && !bakes_folders(args) {
-        terminal::note("--prune has no effect, because no input is a folder; name the folder of the meshes");
+    if args.prune && !bakes_folders(args) {
+        let message = "--prune has no effect, because no input is a folder; name the folder of the meshes";
+        return Err(Failure::usage(message));
     }
     let talk = match (warns, args.run.verbose) {
         (false, _) => Talk::Silent,

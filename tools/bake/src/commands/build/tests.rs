@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use hullmap_bake::progress::Stage;
 use hullmap_bake::{PointSet, SourceRecord};
 
 use super::run_with;
@@ -13,7 +14,7 @@ use crate::terminal::Output;
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
-fn write_text(sets: &[PointSet], options: &BuildOptions, source: &SourceRecord) -> Result<BakedPack, String> {
+fn write_text(sets: &[PointSet], options: &BuildOptions, source: &SourceRecord, _: Stage) -> Result<BakedPack, String> {
     if source.path.ends_with("refused.obj") {
         return Err("hull x: lost a point".to_owned());
     }

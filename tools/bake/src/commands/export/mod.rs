@@ -1,8 +1,9 @@
-//! `bake export`: hulls out of a pack, as meshes that other programs read.
+//! `bake export`: hulls out of packs, as meshes that other programs read.
 //!
-//! 1. Hulls are selected and, for an engine, named by its rules (`names`).
+//! 1. Of each pack, hulls are selected and, for an engine, named by its rules (`names`).
 //! 2. Each file is written in memory (`obj`, `stl`, `glb`, JSON, `robot`).
-//! 3. If a target exists, nothing is written. Each file is written to a temporary file and renamed.
+//! 3. If a target exists, nothing of its pack is written. Each file is written to a temporary file
+//!    and renamed. With several packs, `--out` mirrors the folders of the packs.
 //!
 //! Coordinates keep all bits of `f32`, so that what is exported bakes to the same hull.
 
@@ -13,20 +14,26 @@ mod obj;
 mod robot;
 mod stl;
 
+use std::collections::HashMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use hullmap::Pack;
+use hullmap_import::{Limits, Split};
 use serde::Serialize;
 
 use crate::args::{ExportArgs, Format, Target};
 use crate::geometry::rank_name;
 use crate::open::open_pack;
+use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure, end};
-use crate::pack_file::{folder_of, make_folder, put_in_free_place, put_in_place, sweep, write_beside};
-use crate::packs::is_pack;
+use crate::pack_file::{
+    folder_of, link_below, make_folder, put_in_free_place, put_in_place, sweep, sweep_below, through_link, write_beside,
+};
+use crate::packs::{PackPlace, find_packs, is_pack};
 use crate::selection::Selection;
+use crate::source::{Folders, Recorded, Search, find_source};
 use crate::table::{grouped, rounded};
 use crate::terminal::{self, Output};
 use body::Body;
@@ -55,40 +62,109 @@ struct ExportedFile {
     counts: Option<[usize; 3]>,
 }
 
+/// What is written of each pack.
+struct Export<'a> {
+    args: &'a ExportArgs,
+    format: Format,
+    /// Whether several packs may be exported: each has a file, or a folder, of its own.
+    is_many: bool,
+    /// Whether a pack becomes several files.
+    is_folder: bool,
+    /// The folders of meshes that were read for other packs.
+    folders: Folders,
+}
+
 /// Runs the command.
 ///
 /// # Errors
-/// Usage: wrong flags, a pack that cannot be read, a target that exists or cannot be written.
-/// Rejected: the pack is damaged, or none of its hulls can be written in the format.
+/// Usage: wrong flags, no packs, or a target that exists or cannot be written. Rejected: the only
+/// pack is damaged, or none of its hulls can be written in the format. Such failures of one of
+/// several packs are reported, and the others exported.
 pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
+    let is_many = args.packs.len() > 1 || args.packs.iter().any(|pack| pack.is_dir());
     let is_folder = args.parts || matches!(args.target, Some(Target::Mjcf | Target::Urdf));
-    check_flags(args, is_folder)?;
-    let format = format(args, is_folder)?;
-    let pack = open_pack(&args.pack)?;
-    let mut bodies = selected(args, &pack)?;
-    leave_out(args, format, &mut bodies)?;
-    if bodies.len() > 1 && format == Format::Stl && !is_folder {
-        return Err(Failure::usage(format!(
-            "{}: has {} hulls, and an STL file holds one; add --parts, select one with --hull, or use another format",
-            args.pack.display(),
-            bodies.len()
-        )));
+    check_flags(args, is_many, is_folder)?;
+    let format = format(args, is_many || is_folder)?;
+    if is_many && args.out.is_none() && format != Format::Json {
+        return Err(Failure::usage("several packs are exported; name a folder with --out"));
     }
-    rename(args, &mut bodies);
-    let files = files(args, &pack, format, is_folder, bodies)?;
-    let Some(target) = &args.out else {
-        let written = files.iter().try_for_each(|file| out.verbatim(&file.bytes));
-        return end(Exit::Done, written.map_err(Failure::from));
-    };
-    let targets: Vec<PathBuf> =
-        if is_folder { files.iter().map(|file| target.join(&file.name)).collect() } else { vec![target.clone()] };
-    write_all(args, &targets, &files)?;
-    let lines = targets.iter().zip(&files).try_for_each(|(target, file)| out.line(summary(target, file)));
-    end(Exit::Done, lines.map_err(Failure::from))
+    let export = Export { args, format, is_many, is_folder, folders: Folders::default() };
+    if let Some(folder) = args.out.as_deref().filter(|_| is_many) {
+        sweep_below(folder);
+    }
+    let mut exit = Exit::Done;
+    let mut taken: HashMap<String, PathBuf> = HashMap::new();
+    for place in find_packs(&args.packs)? {
+        let target = export.target(&place);
+        let lowered = target.as_ref().map(|target| target.to_string_lossy().to_lowercase());
+        let first = lowered.and_then(|target| taken.insert(target, place.path.clone()));
+        let result = match (first, &target) {
+            (Some(first), Some(target)) => Err(Failure::usage(format!(
+                "{} and {} would both become {}; export them to separate folders",
+                first.display(),
+                place.path.display(),
+                target.display()
+            ))),
+            _ => export.pack(&place, target.as_deref(), out),
+        };
+        match result {
+            Err(failure) if is_many && !failure.message.is_empty() => {
+                terminal::error(&failure);
+                exit = exit.max(failure.exit);
+            }
+            other => exit = exit.max(other?),
+        }
+    }
+    Ok(exit)
+}
+
+impl Export<'_> {
+    /// The file of a pack, or the folder of its files; `None`: standard output.
+    fn target(&self, place: &PackPlace) -> Option<PathBuf> {
+        let out = self.args.out.as_ref()?;
+        if !self.is_many {
+            return Some(out.clone());
+        }
+        let mut name = place.path.file_stem().unwrap_or_default().to_owned();
+        if !self.is_folder {
+            name.push(".");
+            name.push(self.format.extension());
+        }
+        Some(out.join(&place.below).join(name))
+    }
+
+    /// Exports one pack.
+    fn pack(&self, place: &PackPlace, target: Option<&Path>, out: &mut Output) -> Result<Exit, Failure> {
+        let (args, path) = (self.args, place.path.as_path());
+        let pack = open_pack(path)?;
+        let mut bodies = selected(args, path, &pack)?;
+        leave_out(args, path, self.format, &mut bodies)?;
+        if bodies.len() > 1 && self.format == Format::Stl && !self.is_folder {
+            return Err(Failure::usage(format!(
+                "{}: has {} hulls, and an STL file holds one; add --parts, select one with --hull, or use another format",
+                path.display(),
+                bodies.len()
+            )));
+        }
+        self.rename(place, &pack, &mut bodies);
+        let files = files(args, path, &pack, self.format, self.is_folder, bodies)?;
+        let Some(target) = target else {
+            let written = files.iter().try_for_each(|file| out.verbatim(&file.bytes));
+            return end(Exit::Done, written.map_err(Failure::from));
+        };
+        let targets: Vec<PathBuf> = if self.is_folder {
+            files.iter().map(|file| target.join(&file.name)).collect()
+        } else {
+            vec![target.to_owned()]
+        };
+        self.write_all(&targets, &files)?;
+        let lines = targets.iter().zip(&files).try_for_each(|(target, file)| out.line(summary(target, file)));
+        end(Exit::Done, lines.map_err(Failure::from))
+    }
 }
 
 /// The format: as given, as the extension of the target says, or the one that the engine reads
-/// best.
+/// best. With `is_folder`, `--out` is a folder.
 fn format(args: &ExportArgs, is_folder: bool) -> Result<Format, Failure> {
     let allowed: &[Format] = match args.target {
         None => &[Format::Obj, Format::Stl, Format::Glb, Format::Json],
@@ -113,6 +189,7 @@ fn format(args: &ExportArgs, is_folder: bool) -> Result<Format, Failure> {
                 listed()
             )))
         }
+        None if is_folder => Err(Failure::usage(format!("the format is unknown; add --format: {}", listed()))),
         None => Err(Failure::usage(format!(
             "the format is unknown; add --format, or name a file in --out with one of these extensions: {}",
             listed()
@@ -141,13 +218,16 @@ fn check_output(args: &ExportArgs, format: Format, is_folder: bool) -> Result<()
 }
 
 /// Checks what clap cannot express.
-fn check_flags(args: &ExportArgs, is_folder: bool) -> Result<(), Failure> {
+fn check_flags(args: &ExportArgs, is_many: bool, is_folder: bool) -> Result<(), Failure> {
     let usage = |message: String| Err(Failure::usage(message));
     if args.is_visible && args.target != Some(Target::Godot) {
         return usage("--visible: only for Godot; add --for godot".to_owned());
     }
     if args.mesh_prefix.is_some() && !matches!(args.target, Some(Target::Mjcf | Target::Urdf)) {
         return usage("--mesh-prefix: only for documents that name files; add --for mjcf or --for urdf".to_owned());
+    }
+    if is_many && args.name.is_some() {
+        return usage("--name: several packs are exported, and each needs a name; export this one alone".to_owned());
     }
     let Some(target) = &args.out else {
         if is_folder {
@@ -156,7 +236,7 @@ fn check_flags(args: &ExportArgs, is_folder: bool) -> Result<(), Failure> {
         return Ok(());
     };
     let shown = target.display();
-    if is_folder {
+    if is_folder || is_many {
         let names_a_file = target.extension().is_some_and(|extension| {
             [Format::Obj, Format::Stl, Format::Glb, Format::Json]
                 .iter()
@@ -177,11 +257,11 @@ fn check_flags(args: &ExportArgs, is_folder: bool) -> Result<(), Failure> {
 }
 
 /// The hulls that `--hull` names, in the order of the pack, or all.
-fn selected(args: &ExportArgs, pack: &Pack) -> Result<Vec<Body>, Failure> {
+fn selected(args: &ExportArgs, path: &Path, pack: &Pack) -> Result<Vec<Body>, Failure> {
     let names: Vec<&str> = pack.hulls().map(|hull| hull.name()).collect();
     let mut is_chosen = vec![args.hulls.is_empty(); names.len()];
     for hull in &args.hulls {
-        let selection = Selection { file: args.pack.clone(), hull: Some(hull.clone()) };
+        let selection = Selection { file: path.to_owned(), hull: Some(hull.clone()) };
         is_chosen[selection.choose(&names)?] = true;
     }
     let chosen = pack.hulls().zip(is_chosen).filter(|(_, is_chosen)| *is_chosen);
@@ -189,7 +269,7 @@ fn selected(args: &ExportArgs, pack: &Pack) -> Result<Vec<Body>, Failure> {
     if let Some(body) = bodies.iter().find(|body| body.origin != [0.0; 3]) {
         terminal::note(format_args!(
             "{}: coordinates are relative to the recorded origin, {} in the source (--recentre)",
-            args.pack.display(),
+            path.display(),
             body.origin.map(rounded).join(" ")
         ));
     }
@@ -197,7 +277,7 @@ fn selected(args: &ExportArgs, pack: &Pack) -> Result<Vec<Body>, Failure> {
 }
 
 /// Removes hulls that the format or the engine cannot hold, with a warning.
-fn leave_out(args: &ExportArgs, format: Format, bodies: &mut Vec<Body>) -> Result<(), Failure> {
+fn leave_out(args: &ExportArgs, path: &Path, format: Format, bodies: &mut Vec<Body>) -> Result<(), Failure> {
     let (least_rank, holder, holds) = match (args.target, format) {
         (Some(target), _) => (3, target.name(), "solids"),
         (None, Format::Stl) => (2, "STL", "triangles"),
@@ -211,7 +291,7 @@ fn leave_out(args: &ExportArgs, format: Format, bodies: &mut Vec<Body>) -> Resul
     let listed: Vec<String> = unfit.iter().take(NAMES_IN_MESSAGE).map(|body| described(&body)).collect();
     let more = if unfit.len() > NAMES_IN_MESSAGE { ", …" } else { "" };
     let message = format!("{holder} takes {holds} only: {}{more}", listed.join(", "));
-    let (pack, count) = (args.pack.display(), unfit.len());
+    let (pack, count) = (path.display(), unfit.len());
     if count == bodies.len() {
         return Err(Failure::rejected(format!("{pack}: nothing to export, because {message}; export as obj or json")));
     }
@@ -221,30 +301,62 @@ fn leave_out(args: &ExportArgs, format: Format, bodies: &mut Vec<Body>) -> Resul
     Ok(())
 }
 
-/// Gives the hulls the names of the target.
-fn rename(args: &ExportArgs, bodies: &mut [Body]) {
-    let own: Vec<(&str, u32)> = bodies.iter().map(|body| (body.name.as_str(), body.part)).collect();
-    let name = args.name.as_deref();
-    let new = match args.target {
-        None => return,
-        Some(Target::Unreal) => names::unreal(&own, name),
-        Some(Target::Godot) => names::godot(&own, name, args.is_visible),
-        Some(Target::Mjcf | Target::Urdf) => names::unique(own.iter().map(|(name, _)| names::token(name)).collect()),
-    };
-    for (body, name) in bodies.iter_mut().zip(new) {
-        body.name = name;
+impl Export<'_> {
+    /// Gives the hulls the names of the target.
+    fn rename(&self, place: &PackPlace, pack: &Pack, bodies: &mut [Body]) {
+        let args = self.args;
+        let own: Vec<(&str, u32)> = bodies.iter().map(|body| (body.name.as_str(), body.part)).collect();
+        let new = match args.target {
+            None => return,
+            Some(Target::Unreal) => {
+                let mesh = args.name.clone().or_else(|| self.render_mesh(place, pack));
+                names::unreal(&own, mesh.as_deref())
+            }
+            Some(Target::Godot) => names::godot(&own, args.name.as_deref(), args.is_visible),
+            Some(Target::Mjcf | Target::Urdf) => {
+                names::unique(own.iter().map(|(name, _)| names::token(name)).collect())
+            }
+        };
+        for (body, name) in bodies.iter_mut().zip(new) {
+            body.name = name;
+        }
+    }
+
+    /// Name of the node or object of the source mesh, by which Unreal finds collision parts, if the
+    /// hulls of the pack have that of the file instead. A note is printed if it is not known.
+    fn render_mesh(&self, place: &PackPlace, pack: &Pack) -> Option<String> {
+        let options = BuildOptions::from_recorded(pack.options())?;
+        if options.import().split != Split::None || pack.source_path().is_empty() {
+            return None;
+        }
+        let split = pack.options().replacen("split none", "split object", 1);
+        let recorded = Recorded { options: &split, ..Recorded::of(pack) };
+        let note = |why: &str| {
+            let pack = place.path.display();
+            terminal::note(format_args!("{pack}: {why}, so names refer to the mesh by its file; see --name"));
+            None
+        };
+        match find_source(place, recorded, None, &Limits::DEFAULT, &self.folders) {
+            Ok(Search::Found(source)) => match source.point_sets.as_slice() {
+                [mesh] => Some(mesh.name.clone()),
+                meshes => note(&format!("its hulls stand for {} meshes of the source", meshes.len())),
+            },
+            Ok(Search::Absent(_)) => note("its source was not found"),
+            Err(_) => note("its source has changed"),
+        }
     }
 }
 
 /// All files, in memory.
 fn files(
     args: &ExportArgs,
+    path: &Path,
     pack: &Pack,
     format: Format,
     is_folder: bool,
     bodies: Vec<Body>,
 ) -> Result<Vec<ExportedFile>, Failure> {
-    let fault = |message: String| Failure::rejected(format!("{}: {message}", args.pack.display()));
+    let fault = |message: String| Failure::rejected(format!("{}: {message}", path.display()));
     if !is_folder {
         // The name is that of `--out`.
         return Ok(vec![file(args, pack, format, String::new(), &bodies).map_err(fault)?]);
@@ -257,7 +369,7 @@ fn files(
     }
     let meshes: Vec<(String, String)> =
         bodies.into_iter().zip(&files).map(|(body, file)| (body.name, file.name.clone())).collect();
-    let stem = args.pack.file_stem().unwrap_or_default().to_string_lossy();
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let name = names::token(args.name.as_deref().unwrap_or(&stem));
     let robot = Robot { name: &name, prefix: args.mesh_prefix.as_deref().unwrap_or_default(), meshes: &meshes };
     let document = match args.target {
@@ -288,35 +400,44 @@ fn file(args: &ExportArgs, pack: &Pack, format: Format, name: String, bodies: &[
     Ok(ExportedFile { name, bytes, counts: Some([bodies.len(), vertices, triangles]) })
 }
 
-/// Writes all files. Existing files are kept, unless `--force` is given.
-fn write_all(args: &ExportArgs, targets: &[PathBuf], files: &[ExportedFile]) -> Result<(), Failure> {
-    let exists = |target: &Path| {
-        Failure::usage(format!(
-            "{}: already exists and was not changed; name another path in --out, or replace it with --force",
-            target.display()
-        ))
-    };
-    // Before anything is written. A link counts, also if it is broken.
-    let existing = targets.iter().find(|target| fs::symlink_metadata(target).is_ok());
-    if let Some(target) = existing.filter(|_| !args.force) {
-        return Err(exists(target));
-    }
-    for (target, file) in targets.iter().zip(files) {
-        let failure =
-            |error: io::Error| Failure::usage(format!("{}: cannot write: {error}; check the path", target.display()));
-        make_folder(folder_of(target)).map_err(failure)?;
-        sweep_once(target, targets);
-        let unplaced = write_beside(target, &file.bytes).map_err(failure)?;
-        if args.force {
-            put_in_place(unplaced, target).map_err(failure)?;
-        } else {
-            put_in_free_place(unplaced, target).map_err(|error| match error.kind() {
-                io::ErrorKind::AlreadyExists => exists(target),
-                _ => failure(error),
-            })?;
+impl Export<'_> {
+    /// Writes all files of a pack. Existing files are kept, unless `--force` is given.
+    fn write_all(&self, targets: &[PathBuf], files: &[ExportedFile]) -> Result<(), Failure> {
+        let exists = |target: &Path| {
+            Failure::usage(format!(
+                "{}: already exists and was not changed; name another path in --out, or replace it with --force",
+                target.display()
+            ))
+        };
+        // Before anything is written. A link counts, also if it is broken.
+        let existing = targets.iter().find(|target| fs::symlink_metadata(target).is_ok());
+        if let Some(target) = existing.filter(|_| !self.args.force) {
+            return Err(exists(target));
         }
+        for (target, file) in targets.iter().zip(files) {
+            let failure = |error: io::Error| {
+                Failure::usage(format!("{}: cannot write: {error}; check the path", target.display()))
+            };
+            let out = self.args.out.as_deref().filter(|_| self.is_many);
+            if let Some(link) = out.and_then(|out| link_below(out, folder_of(target))) {
+                return Err(Failure::usage(through_link(target, &link)));
+            }
+            make_folder(folder_of(target)).map_err(failure)?;
+            if !self.is_many {
+                sweep_once(target, targets);
+            }
+            let unplaced = write_beside(target, &file.bytes).map_err(failure)?;
+            if self.args.force {
+                put_in_place(unplaced, target).map_err(failure)?;
+            } else {
+                put_in_free_place(unplaced, target).map_err(|error| match error.kind() {
+                    io::ErrorKind::AlreadyExists => exists(target),
+                    _ => failure(error),
+                })?;
+            }
+        }
+        Ok(())
     }
-    Ok(())
 }
 
 /// Removes temporary files of a killed export. All targets are in one folder.

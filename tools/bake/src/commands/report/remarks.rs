@@ -1,10 +1,11 @@
-//! Notes and warnings about a pack: those of its import and bake, computed again from the pack and
-//! its source.
+//! Notes and warnings about a pack: those of its import and bake. A pack keeps its warnings; notes,
+//! and the warnings of packs that keep none, are computed again from the pack and its source.
 
 use hullmap::{Hull, Pack, SupportMap};
+use hullmap_bake::advice::{self, HullMeasures, PartsFit, Remark};
 use hullmap_report::input::Remarks;
 
-use crate::advice::{self, HullMeasures, Remark};
+use crate::open::kept_warnings;
 use crate::source::Source;
 
 /// Remarks of the import, and about the pack's parts and hulls.
@@ -26,6 +27,10 @@ pub fn remarks(pack: &Pack, source: Option<&Source>) -> Remarks {
     let (notes, warnings) = advice::summarise(found);
     remarks.notes.extend(notes);
     remarks.warnings.extend(warnings);
+    let kept = kept_warnings(pack);
+    if !kept.is_empty() {
+        remarks.warnings = kept;
+    }
     remarks
 }
 
@@ -39,7 +44,14 @@ fn about_object(parts: &[Hull], has_source: bool, warnings: &mut Vec<String>) ->
         warnings.extend(hullmap_import::far_away(name, &vertices));
     }
     let size = parts.iter().map(Hull::diameter).fold(0.0, f64::max);
-    is_cut.then(|| advice::parts(name, parts.len(), advice::PartsFit::of_hulls(parts), size))
+    is_cut.then(|| advice::parts(name, parts.len(), fit(parts), size))
+}
+
+/// The fit of all parts of one object together; `None` if it was not measured.
+fn fit(parts: &[Hull]) -> Option<PartsFit> {
+    let first = parts.first()?;
+    let protrusion = parts.iter().filter_map(Hull::protrusion).fold(0.0, f64::max);
+    Some(PartsFit { solid: first.solid()?, uncovered: first.uncovered()?, protrusion })
 }
 
 fn about_hull(hull: &Hull) -> Vec<Remark> {
@@ -85,7 +97,7 @@ mod tests {
             (vec![[0.0; 3], [1.0; 3], [2.0; 3]], "hull cloud is a segment:"),
             (vec![[0.0; 3], [0.0; 3]], "hull cloud is a point:"),
             (vec![[0.0; 3]], ""),
-            (moved(1e5, 1.0), "object cloud: 1.000e5 from the origin"),
+            (moved(1e5, 1.0), "object cloud: 100001 from the origin"),
         ] {
             let found = warnings(positions);
             assert!(found.starts_with(expected) && !found.contains('|'), "{expected} {found}");

@@ -1,12 +1,13 @@
 //! Warnings and notes about hulls that bake, but may not be what the user meant.
 //!
-//! `bake build` and `bake report` print them in the same words. All thresholds are ratios, so that
-//! scaling a mesh changes nothing; the one exception is the range of f32.
+//! The command, its report, Python and the browser print them in the same words, and a pack keeps
+//! the warnings ([`SourceRecord::warnings`](crate::SourceRecord)). All thresholds are ratios, so
+//! that scaling a mesh changes nothing; the one exception is the range of f32.
 
 use std::collections::HashMap;
 
-use hullmap::{Hull, SolidKind};
-use hullmap_bake::Fit;
+use crate::number::{percent, short};
+use crate::{BakedHull, Fit, SolidKind};
 
 /// Diameter over width above which a hull is thin: of the seven digits of f32, three are left
 /// across it.
@@ -39,6 +40,12 @@ pub struct Remark {
     text: String,
     /// Of several remarks on one topic, that with the largest weight is shown in full.
     weight: f64,
+}
+
+/// Warnings and notes about baked hulls: those of simplified hulls, then those of other hulls.
+pub fn of_hulls(hulls: &[BakedHull]) -> Vec<Remark> {
+    let measures = || hulls.iter().map(HullMeasures::of);
+    measures().filter_map(|hull| simplified(&hull)).chain(measures().flat_map(|hull| of_hull(&hull))).collect()
 }
 
 impl Remark {
@@ -118,16 +125,33 @@ pub struct HullMeasures<'a> {
     pub outer_error: f64,
 }
 
+impl<'a> HullMeasures<'a> {
+    /// The measures of a baked hull.
+    pub fn of(baked: &'a BakedHull) -> Self {
+        let coordinates = baked.hull.vertices.iter().flatten();
+        Self {
+            name: &baked.name,
+            rank: baked.hull.rank,
+            point_count: baked.point_count,
+            vertex_count: baked.hull.vertices.len(),
+            diameter: baked.hull.diameter,
+            inner_radius: baked.interior.inner_radius,
+            max_coordinate: coordinates.map(|x| f64::from(x.abs())).fold(0.0, f64::max),
+            outer_error: baked.outer_error,
+        }
+    }
+}
+
 /// Outer error of a simplified hull; `None` for an exact hull.
 pub fn simplified(facts: &HullMeasures) -> Option<Remark> {
     let HullMeasures { name, vertex_count, outer_error, diameter, .. } = *facts;
     if outer_error == 0.0 {
         return None;
     }
-    let relative = outer_error / diameter;
+    let (length, share) = (short(outer_error), percent(outer_error / diameter));
     let text = format!(
-        "hull {name}: simplified to {vertex_count} vertices; extends at most {outer_error:.3e} beyond the source \
-         ({relative:.1e} of the diameter)"
+        "hull {name}: simplified to {vertex_count} vertices; extends at most {length} beyond the source \
+         ({share} of the diameter)"
     );
     let remedy = "for a closer fit, increase --max-vertices or decrease --max-error";
     Some(Remark::by_size("simplified", name, text, outer_error, diameter, remedy))
@@ -153,13 +177,6 @@ impl PartsFit {
         let protrusion = parts.iter().map(|part| part.protrusion).fold(0.0, f64::max);
         Self { solid: parts[0].solid, uncovered: parts[0].uncovered, protrusion }
     }
-
-    /// The fit of parts in a pack; `None` if they were not measured.
-    pub fn of_hulls(parts: &[Hull]) -> Option<Self> {
-        let first = parts.first()?;
-        let protrusion = parts.iter().filter_map(Hull::protrusion).fold(0.0, f64::max);
-        Some(Self { solid: first.solid()?, uncovered: first.uncovered()?, protrusion })
-    }
 }
 
 /// Uncovered distance, relative to the size, that counts as covered: the containment error that a
@@ -177,15 +194,15 @@ pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64) -> Rema
     let covered = if uncovered <= COVERED * size {
         "the whole surface is covered".to_owned()
     } else {
-        format!("the surface lies at most {uncovered:.3e} outside all parts")
+        format!("the surface lies at most {} outside all parts", short(uncovered))
     };
     let from = match solid {
         SolidKind::Watertight => "the solid",
         SolidKind::Closed => "the solid, whose holes were closed",
         SolidKind::Sheet => "the surface, which encloses no solid",
     };
-    let text =
-        format!("{name}: {count} {noun}; {covered}, and no part protrudes more than {protrusion:.3e} from {from}");
+    let protrusion = short(protrusion);
+    let text = format!("{name}: {count} {noun}; {covered}, and no part protrudes more than {protrusion} from {from}");
     Remark::by_size(
         "parts",
         name,
@@ -206,8 +223,8 @@ pub fn without_faces(name: &str) -> Remark {
 /// is the mesh's diagonal. With a maximum number of parts that is a note, since the error was to be
 /// found; a search that ended early is a warning.
 pub fn beyond(name: &str, max_parts: Option<u32>, is_timed: bool, [reached, requested, size]: [f64; 3]) -> Remark {
-    let share = 100.0 * reached / size;
-    let shares = format!("{reached:.3e} ({share:.3} % of the diagonal) instead of {requested:.3e}");
+    let share = percent(reached / size);
+    let shares = format!("{} ({share} of the diagonal) instead of {}", short(reached), short(requested));
     match max_parts {
         Some(count) => {
             let until = if is_timed { "in the time of --decompose-seconds" } else { "by the search" };
@@ -243,9 +260,10 @@ pub fn of_hull(facts: &HullMeasures) -> Vec<Remark> {
                 warn(
                     "thin",
                     format!(
-                        "hull {name} is thin: {:.3e} long and about {width:.1e} thick, so contacts on it are imprecise; thicken it, \
+                        "hull {name} is thin: {} long and about {} thick, so contacts on it are imprecise; thicken it, \
                      or leave it out if it is a decal",
-                        facts.diameter
+                        short(facts.diameter),
+                        short(width)
                     ),
                 );
             }
@@ -288,8 +306,8 @@ pub fn of_hull(facts: &HullMeasures) -> Vec<Remark> {
         warn(
             "overflow",
             format!(
-                "hull {name} extends {:.1e} from the origin, and the square of that overflows 32-bit floats; use a smaller --unit-scale",
-                facts.max_coordinate
+                "hull {name} extends {} from the origin, and the square of that overflows 32-bit floats; use a smaller --unit-scale",
+                short(facts.max_coordinate)
             ),
         );
     }
@@ -347,19 +365,19 @@ mod tests {
         assert_eq!(simple(0.0), None);
         let (note, warning) = texts(simple(0.05).unwrap());
         assert!(
-            note.contains("hull a: simplified to 8 vertices; extends at most 5.000e-2 beyond the source")
-                && warning.is_empty()
+            note.contains(
+                "hull a: simplified to 8 vertices; extends at most 0.05 beyond the source (0.5% of the diameter)"
+            ) && warning.is_empty()
         );
         let (note, warning) = texts(simple(0.2).unwrap());
         assert!(
-            note.is_empty() && warning.contains("2.0e-2 of the diameter); for a closer fit, increase --max-vertices"),
+            note.is_empty() && warning.contains("2% of the diameter); for a closer fit, increase --max-vertices"),
             "{warning}"
         );
         assert!(simple(f64::NAN).unwrap().is_warning);
         let fit = |uncovered| Some(PartsFit { solid: SolidKind::Watertight, uncovered, protrusion: 0.25 });
         assert!(!parts("a", 3, fit(1e-3), 1.0).is_warning);
-        let covered =
-            "a: 3 parts; the whole surface is covered, and no part protrudes more than 2.500e-1 from the solid";
+        let covered = "a: 3 parts; the whole surface is covered, and no part protrudes more than 0.25 from the solid";
         assert_eq!(texts(parts("a", 3, fit(0.0), 1.0)).0, covered);
         assert!(texts(parts("a", 3, None, 1.0)).0.contains("not measured"));
         assert!(parts("a", 3, fit(f64::NAN), 1.0).is_warning);
@@ -370,7 +388,7 @@ mod tests {
     #[test]
     fn parts_that_protrude_too_far_are_explained() {
         let few = beyond("a", Some(3), false, [0.25, 0.1, 2.0]);
-        assert!(!few.is_warning && few.text.contains("at most 3 parts") && few.text.contains("12.500 %"), "{few:?}");
+        assert!(!few.is_warning && few.text.contains("at most 3 parts") && few.text.contains("12.5%"), "{few:?}");
         let late = beyond("a", None, true, [0.25, 0.1, 2.0]);
         assert!(late.is_warning && late.text.contains("--decompose-seconds; increase it"), "{late:?}");
     }
@@ -384,10 +402,8 @@ mod tests {
         let (notes, warnings) = summarise(flat.chain(cover));
         assert_eq!(
             notes,
-            [
-                "b: 2 parts; the surface lies at most 1.000e-3 outside all parts, and no part protrudes more than 2.500e-1 \
-              from the surface, which encloses no solid (and 2 more like it: a, c)"
-            ]
+            ["b: 2 parts; the surface lies at most 0.001 outside all parts, and no part protrudes more than 0.25 \
+              from the surface, which encloses no solid (and 2 more like it: a, c)"]
         );
         assert_eq!(warnings[0], "hull p0 is flat (and 11 more like it: p1, p2, p3, p4, p5, p6, p7, p8, …)");
         assert!(warnings.len() == 2 && warnings[1].starts_with("d: 2 parts;"), "{warnings:?}");

@@ -1,0 +1,98 @@
+//! Names that people guess, and those that are meant: `--simplify` is `--max-vertices`.
+//!
+//! clap suggests names of similar letters; these are names of similar meaning.
+
+use std::ffi::OsString;
+use std::path::Path;
+
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+
+use crate::options::defaults::{DefaultValue, OPTIONS};
+use crate::options::flag;
+use crate::options::value::Syntax;
+
+/// Guessed subcommands, and what to do instead.
+const SUBCOMMANDS: [(&[&str], &str); 11] = [
+    (&["decompose", "split", "vhacd", "coacd"], "convex parts are made by `bake build MESH --out DIR --decompose`"),
+    (&["simplify", "reduce", "decimate"], "hulls are simplified by `bake build MESH --out DIR --max-vertices N`"),
+    (&["bake", "hull", "convex", "cook", "make", "create", "convert", "import"], "meshes are baked by `bake build`"),
+    (&["info", "show", "list", "ls", "stats", "describe", "print", "dump"], "packs are described by `bake inspect`"),
+    (&["check", "test", "validate"], "packs are verified by `bake verify`; `bake build --check` lists stale ones"),
+    (&["contact", "collide", "distance", "intersect", "intersects"], "two packs are compared by `bake query`"),
+    (&["view", "html", "visualise", "visualize", "open"], "packs are drawn on a page by `bake report`"),
+    (&["clean", "prune", "remove"], "packs whose source is gone are removed by `bake build --prune`"),
+    (&["watch"], "files that change are baked by `bake build --watch`"),
+    (&["config", "new"], "a hullmap.toml is written by `bake init`"),
+    (&["help", "version"], "pass it as a flag: `bake --help`, `bake COMMAND --help`, `bake --version`"),
+];
+
+/// Guessed flags, without dashes, and the flags that are meant. A tip is given only where the
+/// subcommand has the flag.
+const FLAGS: [(&[&str], &str, &str); 18] = [
+    (&["simplify", "vertices-max", "max-verts", "max-points", "decimate"], "max-vertices", "--max-vertices N"),
+    (&["tolerance", "error", "epsilon", "threshold", "concavity"], "max-error", "--max-error E"),
+    (&["parts", "num-parts", "hulls", "max-hulls", "max-convex-hulls"], "max-parts", "--decompose --max-parts N"),
+    (&["vhacd", "coacd", "convex-decomposition", "concave", "method"], "decompose", "--decompose"),
+    (&["time", "timeout", "time-limit", "max-seconds"], "decompose-seconds", "--decompose --decompose-seconds S"),
+    (&["scale", "unit", "units"], "unit-scale", "--unit-scale F"),
+    (&["up", "axis", "y-up", "z-up"], "up-axis", "--up-axis y-to-z or z-to-y"),
+    (&["recenter", "center", "centre"], "recentre", "--recentre"),
+    (&["output", "output-dir", "o", "dir"], "out", "--out"),
+    (&["threads", "j", "workers"], "jobs", "--jobs N"),
+    (&["dry-run", "n"], "check", "--check"),
+    (&["overwrite", "f", "rebuild"], "force", "--force"),
+    (&["clean", "delete"], "prune", "--prune"),
+    (&["filter", "formats", "extensions"], "ext", "--ext LIST"),
+    (&["skip", "ignore"], "exclude", "--exclude GLOB"),
+    (&["engine", "target"], "for", "--for unreal, godot, mjcf or urdf"),
+    (&["samples", "count"], "directions", "--directions N"),
+    (&["mesh", "input"], "source", "--source PATH"),
+];
+
+/// The error with the name that is meant, if a guess is known.
+pub fn with_tip(mut error: clap::Error, words: &[OsString]) -> clap::Error {
+    let context = |kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => text.clone(),
+        _ => String::new(),
+    };
+    let tip = match error.kind() {
+        ErrorKind::InvalidSubcommand => {
+            let name = context(ContextKind::InvalidSubcommand).to_lowercase();
+            SUBCOMMANDS.iter().find(|(guesses, _)| guesses.contains(&&*name)).map(|(_, tip)| (*tip).to_owned())
+        }
+        ErrorKind::UnknownArgument => {
+            let argument = context(ContextKind::InvalidArg);
+            let name = argument.trim_start_matches('-').split('=').next().unwrap_or_default().to_lowercase();
+            let is_known = |own: &str| words.get(1).is_some_and(|command| has_flag(command, own));
+            let meant = FLAGS.iter().find(|(guesses, own, _)| guesses.contains(&&*name) && is_known(own));
+            meant.map(|(_, _, usage)| format!("use {usage}"))
+        }
+        _ => None,
+    };
+    if let Some(tip) = tip {
+        error.remove(ContextKind::SuggestedArg);
+        error.remove(ContextKind::SuggestedSubcommand);
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    }
+    error
+}
+
+fn has_flag(command: &OsString, name: &str) -> bool {
+    let root = super::command("bake");
+    let own = command.to_str().and_then(|command| root.find_subcommand(command));
+    own.is_some_and(|own| own.get_arguments().any(|argument| argument.get_long() == Some(name)))
+}
+
+/// The message about a switch whose value is an argument of its own: `--decompose cover` bakes a
+/// mesh named `cover`, which does not exist.
+pub fn detached_value(words: &[OsString]) -> Option<String> {
+    words.windows(2).find_map(|pair| {
+        let (name, value) = (pair[0].to_str()?.strip_prefix("--")?, pair[1].to_str()?);
+        let is_switch = |syntax| matches!(syntax, Syntax::Switch | Syntax::SwitchOr(_));
+        let is_off = |default| matches!(default, DefaultValue::Value("false"));
+        let mut switches = OPTIONS.iter().filter(|option| is_switch(option.syntax) && is_off(option.default));
+        let option = switches.find(|option| flag(option.key) == name)?;
+        let is_value = option.syntax.parse(value).is_ok() && !Path::new(value).exists();
+        is_value.then(|| format!("--{name} takes its value after `=`: --{name}={value}"))
+    })
+}
