@@ -73,6 +73,9 @@ pub fn short(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
+    if !value.is_finite() {
+        return value.to_string();
+    }
     let magnitude = value.abs().log10().floor();
     if !(-4.0..7.0).contains(&magnitude) {
         let text = format!("{value:.2e}");
