@@ -150,8 +150,8 @@ pub fn buffers_of(path: &Path) -> std::io::Result<Vec<PathBuf>> {
     Ok(names.iter().map(|name| path.with_file_name(name)).collect())
 }
 
-/// Opens a regular file for reading, also through links. Nothing else is opened: a pipe would block,
-/// a device may never end, and opening one can act on it.
+/// Opens a regular file for reading, also through links. Nothing else is opened: a pipe would
+/// block, a device may never end, and opening one can act on it.
 ///
 /// ```
 /// let error = hullmap_import::open_regular(&std::env::temp_dir()).unwrap_err();

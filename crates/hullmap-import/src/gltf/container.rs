@@ -73,8 +73,8 @@ pub fn open(bytes: &[u8]) -> Result<Container<'_>, LineFault> {
 }
 
 /// Message about a text with another structure. Serde quotes values of any length, and names the
-/// structs of this program: a list in place of an object is "invalid length 0, expected struct Asset
-/// with 1 element at line 1".
+/// structs of this program: a list in place of an object is "invalid length 0, expected struct
+/// Asset with 1 element at line 1".
 fn not_a_document(error: &serde_json::Error) -> String {
     let text = error.to_string();
     let text = match text.rsplit_once(", expected ") {

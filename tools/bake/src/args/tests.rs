@@ -106,8 +106,8 @@ fn poses_may_start_with_a_minus() {
     }
 }
 
-/// `--decompose cover` was a mesh named `cover` that cannot be read, and `bake decompose` an unknown
-/// subcommand.
+/// `--decompose cover` was a mesh named `cover` that cannot be read, and `bake decompose` an
+/// unknown subcommand.
 #[test]
 fn natural_guesses_are_answered_with_the_right_name() {
     for (line, tip) in [
@@ -170,8 +170,8 @@ fn help_fits_a_screen() {
     let help = command().render_help().to_string();
     assert!(help.lines().count() <= 24, "{help}");
     assert!(help.lines().all(|line| line.chars().count() <= 80), "{help}");
-    // Two screens for the longest, with a heading for each group; rarely used options are in `--help`
-    // only.
+    // Two screens for the longest, with a heading for each group; rarely used options are in
+    // `--help` only.
     let build = command().find_subcommand("build").unwrap().clone().term_width(120).render_help().to_string();
     assert!(build.lines().count() <= 68, "{build}");
     let short =

@@ -1,7 +1,7 @@
 //! `bake status`: which packs of a build are missing or stale, by their headers.
 //!
-//! Meshes are not read, and of packs only those whose options seem to differ, so this is fast enough
-//! for a million packs on a network file system. Changed meshes are not noticed: `bake build
+//! Meshes are not read, and of packs only those whose options seem to differ, so this is fast
+//! enough for a million packs on a network file system. Changed meshes are not noticed: `bake build
 //! --check` compares bytes.
 
 use std::collections::BTreeMap;

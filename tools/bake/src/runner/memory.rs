@@ -104,7 +104,8 @@ mod tests {
         assert_eq!(of("a.obj", "", &parts), 1000 * PER_VOXEL);
         assert_eq!(estimate(&job(folder.path().join("gone.obj"), usual.clone())), PER_FILE);
 
-        // The glTF file was read before it was compared with its plan, and sums of sizes overflowed.
+        // The glTF file was read before it was compared with its plan, and sums of sizes
+        // overflowed.
         let mut planned = job(folder.path().join("a.gltf"), usual.clone());
         let input = |bytes| Input { path: String::new(), bytes, sha256: String::new() };
         planned.inputs = vec![input(3), input(4)];
