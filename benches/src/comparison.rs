@@ -1,5 +1,5 @@
-//! The comparison with parry3d in the documents: the chart of the README and the tables of
-//! benches/README.md, both from a committed result of `contact-table`.
+//! The comparison with parry3d in benches/README.md: its chart and its tables, both from a
+//! committed result of `contact-table`.
 
 use crate::{
     chart::{Chart, Scale, Series},

@@ -14,7 +14,7 @@
 //! | [`matrix`], [`report`], [`csv`] | the tables |
 //! | [`solver`] | contact, intersects and distance beside parry3d |
 //! | [`scene`] | scenes of many different hulls |
-//! | [`comparison`] | the chart of the README, from a committed result |
+//! | [`comparison`] | chart and tables of benches/README.md, from a committed result |
 //! | [`collision`], [`fit`], [`chart`] | the paper's figures |
 //! | [`machine`], [`output`] | machine, compiler and commit; atomic writing of files |
 //!

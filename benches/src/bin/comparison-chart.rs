@@ -1,4 +1,4 @@
-//! Draws the chart of the README from a committed result.
+//! Draws the chart of benches/README.md from a committed result.
 
 use std::{error::Error, fs, path::PathBuf};
 

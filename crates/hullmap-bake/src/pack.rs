@@ -1,4 +1,4 @@
-//! Pack writer: turns baked hulls into the bytes of a pack.
+//! Pack writer: turns baked hulls into the bytes of a pack, whole or lean.
 
 use hullmap_format::{
     archive::{HullRecord, LEAN_FACES, Pack, Span},

@@ -1,4 +1,4 @@
-//! The border to C: pointers that come in, answers that go out, and panics that must not pass.
+//! Border to C: pointers become values, answers are copied out, and panics become result codes.
 //!
 //! A pointer from C can be checked for NULL and alignment, not for what it points to. So each
 //! function here is unsafe, and its contract is the part of the header's rules that the caller in C

@@ -243,26 +243,24 @@ fn programs_run_against_the_installed_library() {
         assert!(out.contains(words), "{source}: {out}");
     }
 
-    // The examples in the documents open a cube of edge length 2.
+    // The examples in the README open a cube of edge length 2.
     let corner = |i: u8| [1, 2, 4].map(|bit| if i & bit == 0 { -1.0 } else { 1.0 });
     let set = packs::point_set("cube", &(0..8).map(corner).collect::<Vec<_>>());
     let cube = packs::bytes(&[set], hullmap_bake::IndexKind::Tree, &hullmap_bake::SourceRecord::default());
     fs::create_dir(folder.path().join("baked")).unwrap();
     fs::write(folder.path().join("baked/cube.hullmap"), cube.unwrap()).unwrap();
     let mut count = 0;
-    for document in ["README.md", "../../README.md"] {
-        for (language, compiler, standard) in [("c", &cc, "-std=c99"), ("cpp", &cxx, "-std=c++17")] {
-            for text in examples(document, language) {
-                let source = folder.path().join(format!("example-{count}.{language}"));
-                fs::write(&source, text).unwrap();
-                let program = built(compiler, standard, source.to_str().unwrap(), &["-lhullmap"]);
-                let mut command = Command::new(program);
-                run(command.current_dir(folder.path()).env(library_path, prefix.join("lib")));
-                count += 1;
-            }
+    for (language, compiler, standard) in [("c", &cc, "-std=c99"), ("cpp", &cxx, "-std=c++17")] {
+        for text in examples("README.md", language) {
+            let source = folder.path().join(format!("example-{count}.{language}"));
+            fs::write(&source, text).unwrap();
+            let program = built(compiler, standard, source.to_str().unwrap(), &["-lhullmap"]);
+            let mut command = Command::new(program);
+            run(command.current_dir(folder.path()).env(library_path, prefix.join("lib")));
+            count += 1;
         }
     }
-    assert_eq!(count, 3, "examples in the documents");
+    assert_eq!(count, 2, "examples in the README");
 
     // Without the folder of the library: all of it is in the program.
     let pc = fs::read_to_string(prefix.join("lib/pkgconfig/hullmap.pc")).unwrap();

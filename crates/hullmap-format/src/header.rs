@@ -1,4 +1,4 @@
-//! The fixed 64 bytes in front of the archive.
+//! Header of a pack: the fixed 64 bytes in front of the archive, and their checks.
 //!
 //! | offset | bytes | field |
 //! |---|---|---|

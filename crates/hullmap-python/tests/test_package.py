@@ -65,7 +65,7 @@ def test_examples_in_docstrings_run():
     assert count > 60
 
 
-@pytest.mark.parametrize("path", [PROJECT / "README.md", ROOT / "docs" / "python.md", ROOT / "README.md"], ids=lambda path: str(path.relative_to(ROOT)))
+@pytest.mark.parametrize("path", [PROJECT / "README.md", ROOT / "docs" / "python.md"], ids=lambda path: str(path.relative_to(ROOT)))
 def test_examples_in_documents_run(path, tmp_path, monkeypatch):
     if not path.exists():
         pytest.skip(f"{path} is not beside the tests")

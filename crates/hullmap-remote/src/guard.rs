@@ -1,4 +1,4 @@
-//! The channel to the server, without an answer's header that could end this program.
+//! Guard of the channel to a server: removes the header of answers that makes tonic panic.
 //!
 //! tonic panics if `grpc-status-details-bin` is not Base64, and any server can send that. No caller
 //! needs the header, so it is removed before tonic reads it: from headers, and from the trailers

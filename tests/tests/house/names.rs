@@ -5,10 +5,10 @@ use std::{collections::BTreeSet, fs, path::Path, process::Command};
 use hullmap_tests::outside::workspace;
 
 /// Documents outside of `docs`. All documents in `docs` are checked.
-const DOCUMENTS: [&str; 3] = ["README.md", "CONTRIBUTING.md", "benches/README.md"];
+const DOCUMENTS: [&str; 4] = ["README.md", "CONTRIBUTING.md", "SECURITY.md", "benches/README.md"];
 
 /// Words that look like paths of the repository and are not.
-const PLACEHOLDERS: [&str; 9] = [
+const PLACEHOLDERS: [&str; 10] = [
     // The character, and the start of a comment.
     "/",
     "//",
@@ -20,6 +20,7 @@ const PLACEHOLDERS: [&str; 9] = [
     "DIR/hullmap.toml",
     // Files that the recipes in CONTRIBUTING.md add.
     "crates/hullmap-import/src/FORMAT.rs",
+    "tools/shapes/src/FORMAT.rs",
     "crates/hullmap/src/shapes/SHAPE.rs",
     "tools/bake/src/commands/COMMAND.rs",
 ];

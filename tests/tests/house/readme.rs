@@ -1,4 +1,4 @@
-//! The README agrees with the code, the files and the command.
+//! The README and the guides in `docs` agree with the code, the files and the command.
 
 use std::path::{Path, PathBuf};
 
@@ -23,32 +23,18 @@ fn fences<'t>(lines: impl Iterator<Item = &'t str>, opening: &str) -> Vec<Vec<&'
     found
 }
 
-/// Every Rust example in the README is one on the front page of the crate's documentation, which is
-/// compiled and run.
+/// Every Rust example in `docs/rust.md` is one on the front page of the crate's documentation,
+/// which is compiled and run.
 #[test]
 fn the_examples_are_doctests() {
-    let (readme, lib) = (read("README.md"), read("crates/hullmap/src/lib.rs"));
+    let (guide, lib) = (read("docs/rust.md"), read("crates/hullmap/src/lib.rs"));
     let doc = lib.lines().filter_map(|line| line.strip_prefix("//!")).map(|l| l.strip_prefix(' ').unwrap_or(l));
     let doctests = fences(doc.filter(|line| !line.starts_with("# ")), "```");
-    let examples = fences(readme.lines(), "```rust");
+    let examples = fences(guide.lines(), "```rust");
     assert!(examples.len() >= 2, "{examples:?}");
     for example in examples {
         assert!(doctests.contains(&example), "not on the front page: {example:#?}");
     }
-}
-
-/// Every file and folder that the documents link to or name in a table is there.
-#[test]
-fn named_files_exist() {
-    let readme = read("README.md");
-    let linked = readme.split("](").skip(1).filter_map(|rest| rest.split(')').next());
-    let named = readme.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next());
-    let mut count = 0;
-    for path in linked.chain(named.filter(|name| !name.starts_with("cargo"))) {
-        assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path).exists(), "{path}");
-        count += 1;
-    }
-    assert!(count >= 8);
 }
 
 /// The rows in the README are those that its first command prints, except for the time.
@@ -83,14 +69,30 @@ fn the_table_is_what_the_command_prints() {
     }
 }
 
-/// The exports that the README shows run as they are, after its first command.
+/// A citation names the version of the workspace.
+#[test]
+fn the_citation_has_the_version() {
+    let manifest = read("Cargo.toml");
+    let version = manifest.lines().find_map(|line| line.strip_prefix("version = ")).unwrap().trim_matches('"');
+    let line = format!("version: {version}");
+    assert!(read("CITATION.cff").lines().any(|stated| stated == line), "CITATION.cff lacks: {line}");
+}
+
+/// The README fits on two screens.
+#[test]
+fn the_readme_is_short() {
+    let count = read("README.md").lines().count();
+    assert!(count <= 120, "{count} lines; move details to docs");
+}
+
+/// The exports that `docs/baking.md` shows run as they are, once a mesh is baked.
 #[test]
 fn the_exports_run() {
     let folder = tempfile::tempdir().unwrap();
     let rock = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/rock.obj");
     bake_in(folder.path(), ["build", rock.to_str().unwrap(), "--out", "baked", "--quiet"]).expect(0);
-    let readme = read("README.md");
-    let lines: Vec<&str> = readme.lines().filter_map(|line| line.strip_prefix("    bake export ")).collect();
+    let guide = read("docs/baking.md");
+    let lines: Vec<&str> = guide.lines().filter_map(|line| line.strip_prefix("    bake export ")).collect();
     assert!(lines.len() >= 5, "{lines:?}");
     for line in lines {
         bake_in(folder.path(), ["export"].into_iter().chain(line.split_whitespace())).expect(0);

@@ -1,4 +1,4 @@
-//! The terminal: the only way out for text.
+//! Text for the terminal, with control characters escaped. All text is printed here.
 //!
 //! Names of files, objects and hulls come from elsewhere and may hold any character: an escape
 //! sequence that rewrites the screen, a line break that forges a row of a table, a mark that turns

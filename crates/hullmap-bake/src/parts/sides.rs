@@ -1,5 +1,4 @@
-//! Regions that triangles of the mesh cut, and that are inside the solid all the same: where shells
-//! overlap, for instance.
+//! Whether a region that triangles of the mesh cut is inside the solid, as where shells overlap.
 //!
 //! # Steps
 //! 1. Clip the triangles by the region, and cut each of these polygons by the planes of those that

@@ -119,7 +119,7 @@ fn a_ball_is_left_by_less_than_twice_the_best_known() {
     }
 }
 
-/// Prints the table of `docs/decisions/0006-simplified-hulls.md`. If `HULLMAP_MESHES` names a
+/// Prints the table of `docs/decisions/0003-simplified-hulls.md`. If `HULLMAP_MESHES` names a
 /// folder, its OBJ files are added.
 #[test]
 #[ignore = "prints a table"]

@@ -1,4 +1,4 @@
-//! Plain queries, while the memory of the next ones is fetched.
+//! Fetches the shapes of the next queries ahead, while plain queries run.
 //!
 //! A contact takes 20 to 40 support queries, which read much of a hull of a hundred vertices. So
 //! the next pairs are fetched as a whole: a part with each support query of the current pair, which

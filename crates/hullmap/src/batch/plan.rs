@@ -1,4 +1,5 @@
-//! How a batch works: by the size of its shapes, of which it looks at a few.
+//! Plan of a batch: a plain loop, shapes fetched ahead, or several queries in flight. The size of a
+//! few of its shapes decides.
 //!
 //! Queries wait for memory only if the shapes are larger together than the caches. Then there are
 //! two ways to use the time: plain queries that fetch the next shapes as a whole ([`ahead`]), or

@@ -25,7 +25,7 @@
 //! best four corners, which the pack stores.
 //!
 //! So the tilt towards the *direction* is limited by the reach, and the tilt towards *each other*
-//! of merged faces by the flatness that a contact patch needs. Decision 34 has the measurements.
+//! of merged faces by the flatness that a contact patch needs. Decision 13 has the measurements.
 //!
 //! No step scans all faces, and the cost does not grow with the number of a face's corners beyond
 //! [`MAX_CORNERS`].

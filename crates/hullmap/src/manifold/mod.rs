@@ -57,7 +57,7 @@ const KEPT_AREA: f64 = 0.9;
 ///
 /// The deepest of the corners of a smooth body changes with every hundredth of a degree. If it is
 /// always among the four, the body rocks for ever. Of 102 real meshes, 98 come to rest with a
-/// tenth, 93 with half as much (decision 37).
+/// tenth, 93 with half as much (decision 13).
 const SLIGHT: f64 = 0.1;
 
 /// Depths that differ by less than this count as equal in any case, relative to the smaller shape's

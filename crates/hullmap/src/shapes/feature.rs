@@ -32,7 +32,7 @@ pub const MAX_CORNERS: usize = 32;
 ///
 /// Large compared with the deviation of a flat face through rounding of its coordinates to f32
 /// (1e-7), and with the rotation of a resting body in one step; small compared with the 5° to 10°
-/// between faces of a coarse round mesh. Decision 37 compares values.
+/// between faces of a coarse round mesh. Decision 13 compares values.
 pub const TILT: f64 = 0.04;
 
 /// The reach with which [`Shape::feature_within`] is [`Shape::feature`]: no height is within it.

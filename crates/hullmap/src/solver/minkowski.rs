@@ -1,4 +1,5 @@
-//! Minkowski difference A − B of two shapes (configuration space obstacle, CSO), in A's frame.
+//! Minkowski difference A − B of two shapes (configuration space obstacle, CSO), in A's frame, and
+//! the bound of rounding errors in it.
 //!
 //! For a direction it computes the support point w = a − b. The shapes share a point exactly if the
 //! origin lies in the CSO, so every algorithm of the solver locates the origin.

@@ -1,6 +1,6 @@
-//! What arrives from a farm: packs and rows. Nobody vouches for them, so each pack is checked as if
-//! a stranger had put it on the disk: digest, header, hash of the source, options, recorded path,
-//! checksum and structure; with `--verify` also its hulls.
+//! Packs and rows that arrive from a farm. They are not trusted. Each pack is checked like one on
+//! disk: digest, header, hash of the source, options, recorded path, checksum and structure; with
+//! `--verify` also its hulls.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::{Mutex, PoisonError};

@@ -1,4 +1,4 @@
-//! parry's convex primitives as hullmap's shapes.
+//! parry's convex primitives as hullmap's shapes: what hullmap solves against a baked hull.
 
 // One of the two precisions makes each cast a no-op.
 #![allow(clippy::unnecessary_cast)]

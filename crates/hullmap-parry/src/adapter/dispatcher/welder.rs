@@ -1,5 +1,4 @@
-//! The dispatcher for the parts of compounds: their manifolds, with normals corrected at internal
-//! edges.
+//! Dispatcher for parts of compounds: corrects the normals of their manifolds at internal edges.
 //!
 //! parry splits compounds, and passes each pair of parts to a dispatcher, without the compounds.
 //! This one knows them.
