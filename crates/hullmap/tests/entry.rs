@@ -2,9 +2,10 @@
 //! hull, by all facets of a Minkowski difference, or by bisection of a closed form.
 
 use glam::DVec3;
-use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
+use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Scaled, Sphere};
 use hullmap::{
-    Cache, CastSettings, Motion, Pack, Pose, Ray, Settings, Status, SupportMap, cast, distance, ray, signed_distance,
+    Cache, CastSettings, CompoundCache, Impact, Motion, Pack, Pose, Ray, RayHit, Settings, Status, SupportMap, cast,
+    compound, distance, ray, signed_distance,
 };
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::{
@@ -506,6 +507,122 @@ fn units_change_no_answer() {
     }
 }
 
+/// Where B meets A, or a ray an A, on each path through the code: its status, and t with its
+/// interval.
+fn all_entries(size: f64, start: DVec3, velocity: DVec3, settings: &CastSettings) -> Vec<(&'static str, Impact)> {
+    let (motion, line, at) =
+        (Motion::new(velocity).unwrap(), Ray::new(start, velocity).unwrap(), Pose::from_translation(start).unwrap());
+    let (cube, ball) = (Cuboid::new(DVec3::splat(size)).unwrap(), Sphere::new(size).unwrap());
+    let floor = HalfSpace::new(DVec3::X, size).unwrap();
+    let of_ray = |found: RayHit| {
+        let RayHit { hit, status, t, t_lower, t_upper, point, .. } = found;
+        Impact { hit, status, t, t_lower, t_upper, point_a: point, point_b: point, ..Impact::default() }
+    };
+    let none = &mut Cache::new();
+    vec![
+        ("ray at a box", of_ray(ray(&cube, &line, settings))),
+        ("ray at a ball", of_ray(ray(&ball, &line, settings))),
+        ("ray at a half-space", of_ray(floor.ray(&line, settings))),
+        ("ray at a compound", of_ray(compound::ray(&cube, &line, settings).answer)),
+        ("box", cast(&cube, &cube, at, motion, settings, none)),
+        ("ball", cast(&cube, &ball, at, motion, settings, none)),
+        ("box and half-space", floor.cast(&cube, at, motion, settings)),
+        ("compound and half-space", compound::half_space::cast(&floor, &cube, at, motion, settings).answer),
+        ("compound", compound::cast(&cube, &cube, at, motion, settings, &mut CompoundCache::default()).answer),
+    ]
+}
+
+/// 2 to the power of `exponent`, down to −1074.
+fn power_of_two(exponent: i32) -> f64 {
+    2_f64.powi(exponent / 2) * 2_f64.powi(exponent - exponent / 2)
+}
+
+/// The speed of a subnormal velocity had a rounding error of up to 41 %, and the status was exact.
+#[test]
+fn subnormal_velocities_keep_their_digits() {
+    // The lengths are so small that the times are finite.
+    let (size, settings) = (1e-17, CastSettings::default());
+    for exponent in [100, 30, -1, -160, -400, -401, -540, -900, -1022, -1050, -1074] {
+        // Of length 5, exactly. The paths start at x = 1e-15.
+        let unit = power_of_two(exponent);
+        let (velocity, start) = (DVec3::new(-4.0, 3.0, 0.0) * unit, DVec3::new(1e-15, -0.75e-15, 0.0));
+        for (what, found) in all_entries(size, start, velocity, &settings) {
+            // The first of the two lengths is that of a ray.
+            let is_free = what.starts_with("ray");
+            let x = if is_free { size } else { 2.0 * size };
+            let t = (1e-15 - x) / 4.0 / unit;
+            if what.contains("ball") {
+                // Not at x, but at an angle: near it.
+                assert!(found.hit && (found.t / t - 1.0).abs() < 0.05, "{what}, 2^{exponent}: {found:?}");
+                continue;
+            }
+            assert!(found.hit && (found.t / t - 1.0).abs() < 1e-6, "{what}, 2^{exponent}: {t:e} {found:?}");
+            let error = 1e-12 * t;
+            assert!(found.t_lower - error <= t && t <= found.t_upper + error, "{what}, 2^{exponent}: {t:e} {found:?}");
+            assert!(found.point_a.is_finite() && found.point_b.is_finite(), "{what}, 2^{exponent}: {found:?}");
+        }
+    }
+}
+
+/// A power of two in the velocity changes nothing but the times, also on paths that graze a plane:
+/// squares of speeds below 1e-162 underflowed, and a half-space said a certain no.
+#[test]
+fn a_power_of_two_in_the_velocity_changes_no_digit() {
+    let mut rng = SplitMix64::new(SEED);
+    let mut statuses = std::collections::BTreeMap::new();
+    for _ in 0..500 {
+        let along = match rng.below(3) {
+            0 => DVec3::X.cross(rng.unit_vector()),
+            1 => DVec3::X.cross(rng.unit_vector()) + DVec3::X * rng.between(-4.0, 4.0) * f64::EPSILON,
+            _ => rng.unit_vector(),
+        };
+        let start = DVec3::X * [2.0, 2.0 + 1e-9, 3.0][rng.below(3)] - along * rng.between(0.0, 3.0);
+        let settings = CastSettings { max_t: [4.0, f64::INFINITY][rng.below(2)], ..CastSettings::default() };
+        let plain = all_entries(1.0, start, along, &settings);
+        for exponent in [100, 60, -60, -340, -400, -800] {
+            let scale = power_of_two(exponent);
+            let slow = CastSettings { max_t: settings.max_t / scale, ..settings };
+            for ((what, slow), (_, plain)) in all_entries(1.0, start, along * scale, &slow).iter().zip(&plain) {
+                *statuses.entry(plain.status.as_str()).or_insert(0) += 1;
+                let times = |found: &Impact| [found.t_lower, found.t, found.t_upper];
+                assert_eq!(
+                    (slow.status, slow.hit),
+                    (plain.status, plain.hit),
+                    "{what}, 2^{exponent}: {slow:?}\n{plain:?}"
+                );
+                assert_eq!(times(slow).map(|t| t * scale), times(plain), "{what}, 2^{exponent}: {slow:?}\n{plain:?}");
+                assert_eq!((slow.point_a, slow.point_b), (plain.point_a, plain.point_b), "{what}, 2^{exponent}");
+            }
+        }
+    }
+    println!("{statuses:?}");
+    assert!(["separated", "touching", "exact", "within"].iter().all(|status| statuses[status] > 300), "{statuses:?}");
+}
+
+/// Times beyond the range of f64 were infinite, with `hit` and with NaN in the points.
+#[test]
+fn a_time_beyond_the_range_of_f64_is_no_hit() {
+    for speed in [5e-324, 1e-310, 1e-309, 2e-308] {
+        let (start, settings) = (DVec3::X * 9.0, CastSettings::default());
+        for (what, found) in all_entries(1.0, start, DVec3::NEG_X * speed, &settings) {
+            let length = if what.starts_with("ray") { 8.0 } else { 7.0 };
+            let is_late = length / speed > f64::MAX;
+            assert_eq!(found.hit, !is_late, "{what}, {speed:e}: {found:?}");
+            assert!(!found.hit || found.t.is_finite() && found.t_lower <= found.t, "{what}, {speed:e}: {found:?}");
+            assert!(found.hit || found.status == Status::Separated && found.t_lower == f64::INFINITY, "{found:?}");
+            assert!(found.point_a.is_finite() && found.point_b.is_finite(), "{what}, {speed:e}: {found:?}");
+        }
+    }
+    // At the end of all times, rounding error decides.
+    let speed = 7.0 / f64::MAX;
+    for (what, found) in all_entries(1.0, DVec3::X * 9.0, DVec3::NEG_X * speed, &CastSettings::default()) {
+        if found.hit {
+            assert!(found.t <= f64::MAX && found.point_a.is_finite() && found.point_b.is_finite(), "{what}: {found:?}");
+            assert!(found.t_upper < f64::MAX || found.status == Status::Touching, "{what}: {found:?}");
+        }
+    }
+}
+
 #[test]
 fn without_motion_only_the_start_counts() {
     let cube = Cuboid::new(DVec3::ONE).unwrap();
@@ -514,6 +631,20 @@ fn without_motion_only_the_start_counts() {
     assert_eq!(at(DVec3::splat(1.5)).status, Status::Separated);
     let on = at(DVec3::new(1.0, 0.5, 0.0));
     assert!(on.hit && on.status == Status::Touching && on.t == 0.0 && on.t_upper == 0.0, "{on:?}");
+    // The points of a cast were zero.
+    let (ball, start) = (Sphere::new(0.5).unwrap(), DVec3::new(1.25, 0.5, 0.75));
+    for (x, status) in [(1.25, Status::Overlapping), (1.5, Status::Touching)] {
+        let pose = Pose::from_translation(start.with_x(x)).unwrap();
+        let motion = Motion::new(DVec3::ZERO).unwrap();
+        let found = cast(&cube, &ball, pose, motion, &CastSettings::default(), &mut Cache::new());
+        assert_eq!((found.hit, found.status, found.t, found.t_upper), (true, status, 0.0, 0.0), "{found:?}");
+        assert!(found.point_a.distance(found.point_b) <= 1e-15, "{found:?}");
+        assert!(found.point_a.abs().max_element() <= 1.0 + 1e-15, "{found:?}");
+        assert!(found.point_b.distance(pose.translation()) <= 0.5 + 1e-15, "{found:?}");
+    }
+    let floor = HalfSpace::new(DVec3::Z, 1.0).unwrap();
+    let found = floor.cast(&ball, Pose::IDENTITY, Motion::new(DVec3::Z).unwrap(), &CastSettings::default());
+    assert!(found.status == Status::Overlapping && found.point_a == found.point_b, "{found:?}");
     // With a limit of 0, of NaN, or below 0, too.
     for max_t in [0.0, f64::NAN, -1.0] {
         let settings = CastSettings { max_t, ..CastSettings::default() };

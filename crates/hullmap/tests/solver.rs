@@ -94,8 +94,8 @@ fn random_pairs_against_brute_force() {
             assert!(signed_depth(&a, &b, away(c.depth + 1e-9)) < 0.0, "{at}: {c:?}");
             assert!(signed_depth(&a, &b, away(c.depth * 0.99 - 1e-9)) > 0.0, "{at}: {c:?}");
             // The witness points are opposite each other along the normal.
-            let along = c.point_a - c.point_b;
-            assert!((along - c.normal * c.depth).length() <= 0.02 * c.depth + 1e-9, "{at}: {c:?}");
+            let off = (c.point_a - c.point_b).distance(c.normal * c.depth);
+            assert!(off <= c.depth_upper - c.depth_lower + 1e-12, "{at}: {off:e}, {c:?}");
             hits += 1;
         } else {
             assert_eq!(c.status, Status::Separated, "{at}");

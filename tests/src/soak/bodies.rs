@@ -34,7 +34,7 @@ const FAMILIES: [(Family, &[usize]); 9] = [
     (Family::Sphere, &[8, 30, 128]),
     (Family::ClusteredEllipsoid, &[20]),
     (Family::Rock, &[30]),
-    (Family::Prism, &[8, 13, 64]),
+    (Family::Prism, &[8, 13, 64, 200]),
     (Family::RotatedPrism, &[13, 64]),
     (Family::Cone, &[20]),
     (Family::Lens, &[40]),
@@ -290,11 +290,13 @@ impl<'p> Bodies<'p> {
         // The seed is mixed, so that neighbouring seeds have no pairs in common.
         let mut rng = SplitMix64::new(SplitMix64::new(seed).next_u64() ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let a = self.pick(self.any_decade(&mut rng), &mut rng);
-        // B usually has the size of A, and sometimes is A.
+        // B usually has the size of A, sometimes is smaller, and sometimes is A.
+        let size = decade(a.shape().outer_radius());
         let b = match rng.below(16) {
             0 => a,
             1 => self.pick(self.any_decade(&mut rng), &mut rng),
-            _ => self.pick(decade(a.shape().outer_radius()), &mut rng),
+            2 | 3 if self.decades.contains_key(&(size - 1)) => self.pick(size - 1, &mut rng),
+            _ => self.pick(size, &mut rng),
         };
         let (meeting, b_in_a) = meeting::meet(&mut rng, a, b);
         Pair { index, seed, bodies: [a, b], meeting, b_in_a }
@@ -339,7 +341,7 @@ fn closed(size: f64, bodies: &mut Vec<Body<'_>>) {
     };
     let s = |share: f64| share * size;
     add("sphere", Box::new(Sphere::new(s(0.8)).expect("a radius")), Model::new(Core::Segment(0.0)).rounded(s(0.8)));
-    for half in [[0.5, 0.8, 1.0], [1.0, 1.0, 1e-7], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0]] {
+    for half in [[0.5, 0.8, 1.0], [0.2, 0.3, 0.05], [1.0, 1.0, 1e-7], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0]] {
         let half = DVec3::from_array(half) * size;
         add(&format!("box {half}"), Box::new(Cuboid::new(half).expect("lengths")), Model::new(Core::Cuboid(half)));
     }
@@ -348,7 +350,7 @@ fn closed(size: f64, bodies: &mut Vec<Body<'_>>) {
         let shape = Box::new(Capsule::new(half, radius).expect("lengths"));
         add(&format!("capsule {half} {radius}"), shape, Model::new(Core::Segment(half)).rounded(radius));
     }
-    for (half, radius) in [(0.7, 0.5), (0.9, 0.01), (0.0, 0.8), (1e-6, 0.8)] {
+    for (half, radius) in [(0.7, 0.5), (0.9, 0.01), (0.0, 0.8), (1e-6, 0.8), (0.1, 0.24)] {
         let (half, radius) = (s(half), s(radius));
         let shape = Box::new(Cylinder::new(half, radius).expect("lengths"));
         add(&format!("cylinder {half} {radius}"), shape, Model::new(Core::Cylinder(half, radius)));

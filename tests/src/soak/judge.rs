@@ -6,6 +6,7 @@
 //! | overlapping | the reported common point is inside both, by their face planes |
 //! | upper bound of the depth | along the reported normal, the reaches overlap by no more |
 //! | lower bound of the depth | no tested direction separates the shapes by a shorter translation |
+//! | points of a contact or of a distance | they are in their shapes, on the support planes of the normal to within the interval, and along the normal as far from each other as the interval says |
 //! | lower bound of the distance | along the reported normal, the reaches leave a gap no smaller |
 //! | upper bound of the distance | the reported points are inside their shapes, and no farther apart |
 //!
@@ -19,18 +20,18 @@ use std::hash::Hasher;
 
 use glam::{DMat3, DVec3};
 use hullmap::{
-    Cache, Contact, Distance, Intersection, Minkowski, Overlap, Pose, Settings, Status, SupportMap, contact, distance,
-    intersects,
+    Cache, Contact, Distance, Intersection, Minkowski, Overlap, Pose, Settings, Status, SupportMap, contact,
+    contact_lockstep, distance, intersects,
 };
 use hullmap_testkit::{
     depth::signed_depth,
     polytope::Polytope,
-    reach::{Placed, way_out},
+    reach::{Placed, Reach, way_out},
 };
 use twox_hash::XxHash3_64;
 
 use super::{
-    bodies::{Body, Pair, Solid},
+    bodies::{Any, Body, Pair, Solid},
     tally::{Tally, Wrong},
 };
 
@@ -41,9 +42,10 @@ const ROUNDING_UNITS: f64 = 64.0;
 /// Tolerance of a unit vector's length.
 const UNIT: f64 = 1e-14;
 
-/// Maximum gap or depth of a pair reported as touching, and maximum width of an exact interval, in
-/// units of the solver's own rounding error: shapes up to 16 units thick count as flat.
-const TOUCHING_ROUNDINGS: f64 = 20.0;
+/// Maximum gap or depth of a pair reported as touching, maximum width of an exact interval, and
+/// maximum distance of the two points that are a common one, in units of the solver's own rounding
+/// error: shapes up to 16 units thick count as flat.
+pub(super) const TOUCHING_ROUNDINGS: f64 = 20.0;
 
 /// The same in units of the greatest length times the f64 epsilon, for shapes that are solved by
 /// their cores.
@@ -56,14 +58,6 @@ const TOUCHING_POINTS: f64 = 1e-4;
 /// Maximum gap, relative to the greatest length, of a pair reported as touching: slivers beside
 /// each other in one plane. A false hit, never a missed one.
 const FALSE_TOUCH: f64 = 1e-8;
-
-/// Maximum distance, relative to the greatest length, of a reported common point from one of the
-/// shapes.
-const COMMON_POINT: f64 = 1e-7;
-
-/// Relative error of the depth of contact points: the foot of the origin may lie beside the nearest
-/// face.
-const FOOT_OFF: f64 = 1e-3;
 
 /// Maximum iterations and support calls of a query: the caps of all phases together, twice, because
 /// rounded shapes are solved twice.
@@ -177,7 +171,23 @@ pub(super) fn judge_pair(pair: &Pair<'_, '_>, tally: &mut Tally) {
             back.judge(pair, "mirrored", &mirrored, tally);
             scene.compare(pair, &answers, &mirrored, &back, tally);
         }
-        _ => {}
+        // Other ways to a contact: without tolerance, with few steps, by portal refinement alone,
+        // and in lockstep.
+        _ => {
+            let (order, deep) = other_contact(a.shape(), b.shape(), pair.b_in_a, index / 4);
+            scene.certify(pair, order, &Answers { deep, ..answers }, tally);
+        }
+    }
+}
+
+/// A contact of the pair by a way that depends on `index`, and its name.
+fn other_contact(a: &Any<'_>, b: &Any<'_>, b_in_a: Pose, index: u64) -> (&'static str, Contact) {
+    let with = |settings: Settings| contact(a, b, b_in_a, &settings, &mut Cache::new());
+    match index % 4 {
+        0 => ("without tolerance", with(Settings { tolerance: 0.0, ..Settings::default() })),
+        1 => ("six steps", with(Settings { max_iterations: 6, ..Settings::default() })),
+        2 => ("portal refinement", with(Settings { max_iterations: 0, ..Settings::default() })),
+        _ => ("lockstep", contact_lockstep(a, b, b_in_a, 24, &mut Cache::new())),
     }
 }
 
@@ -208,6 +218,11 @@ impl<'s, 'p> Scene<'s, 'p> {
         let reach = a.shape().outer_radius() + b.shape().outer_radius() + centers + shift.length();
         let hair = TOUCHING_ROUNDINGS * rounding + TOUCHING_UNITS * f64::EPSILON * reach;
         Self { a, b, b_in_a, turn, unturn: turn.transpose(), shift, slack, rounding, hair, reach }
+    }
+
+    /// How far A reaches along `n`, and B against it. The sum is the way out.
+    fn reaches(&self, n: DVec3) -> [f64; 2] {
+        [self.a.model.reach(n), Placed::new(&self.b.model, self.b_in_a).reach(-n)]
     }
 
     fn way_out(&self, n: DVec3) -> f64 {
@@ -246,6 +261,12 @@ impl<'s, 'p> Scene<'s, 'p> {
         tally.judged += 1;
         tally.count(yes, deep, near);
         tally.fingerprint = tally.fingerprint.wrapping_add(answers.hash().rotate_left((pair.index % 63) as u32));
+        self.certify(pair, order, answers, tally);
+    }
+
+    /// The certificates of [`judge`](Self::judge), without the counts.
+    fn certify(&self, pair: &Pair<'_, '_>, order: &str, answers: &Answers, tally: &mut Tally) {
+        let Answers { yes, deep, near } = answers;
         let mut tightest = 0.0_f64;
         let mut wrong: Option<(&'static str, f64, f64)> = None;
         // NaN takes the failing branch.
@@ -257,9 +278,7 @@ impl<'s, 'p> Scene<'s, 'p> {
             }
         };
         let slack = self.slack;
-        let (way_deep, way_near) = (self.way_out(deep.normal), self.way_out(near.normal));
-        self.judge_contact(deep, way_deep, &mut at_most);
-        self.judge_distance(near, way_near, &mut at_most);
+        let [way_deep, way_near] = [self.judge_contact(deep, &mut at_most), self.judge_distance(near, &mut at_most)];
         for counts in [
             [yes.iterations, yes.support_calls],
             [deep.iterations, deep.support_calls],
@@ -306,16 +325,19 @@ impl<'s, 'p> Scene<'s, 'p> {
         }
     }
 
-    fn judge_contact(&self, c: &Contact, way: f64, at_most: &mut impl FnMut(&'static str, f64, f64, f64)) {
+    /// The contact's own claims. Returns the way out along its normal.
+    fn judge_contact(&self, c: &Contact, at_most: &mut impl FnMut(&'static str, f64, f64, f64)) -> f64 {
         let slack = self.slack;
+        let reaches = self.reaches(c.normal);
+        let way = reaches[0] + reaches[1];
         at_most("the contact's normal is not of unit length", (c.normal.length() - 1.0).abs(), UNIT, 0.0);
-        at_most("the contact's point is not on A", self.outside_a(c.point_a), 0.0, slack);
-        at_most("the contact's point is not on B", self.outside_b(c.point_b), 0.0, slack);
+        at_most("the contact's point is not in A", self.outside_a(c.point_a), 0.0, slack);
+        at_most("the contact's point is not in B", self.outside_b(c.point_b), 0.0, slack);
         if !c.hit {
             at_most("the contact's axis does not separate", way, 0.0, slack);
             at_most("a miss has a depth", c.depth.max(c.depth_lower).max(c.depth_upper), 0.0, 0.0);
             at_most("a miss has another status than separated", f64::from(c.status != Status::Separated), 0.0, 0.0);
-            return;
+            return way;
         }
         let impossible = matches!(c.status, Status::Separated | Status::Overlapping);
         at_most("a hit has an impossible status", f64::from(impossible), 0.0, 0.0);
@@ -326,15 +348,33 @@ impl<'s, 'p> Scene<'s, 'p> {
         if c.depth_lower > 0.0 {
             at_most("the depth's lower bound is above the way out", c.depth_lower, way, slack);
         }
-        let between = c.point_a - c.point_b;
-        at_most("the contact's points are deeper than the depth", between.dot(c.normal), c.depth_upper, slack);
-        at_most(
-            "the contact's points are less deep than the depth",
-            c.depth_lower * (1.0 - FOOT_OFF),
-            between.length(),
-            slack + 2.0 * self.rounding,
-        );
         let (width, hair) = (c.depth_upper - c.depth_lower, self.hair);
+        let between = c.point_a - c.point_b;
+        let (along, slack_along) = (between.dot(c.normal), slack + 2.0 * self.rounding);
+        at_most("the contact's points are deeper than the depth", along, c.depth_upper, slack_along);
+        if c.depth_lower > 0.0 {
+            at_most("the contact's points are less deep than the depth", c.depth_lower, along, slack_along);
+        }
+        // Points of a pair that may not penetrate may be farther from the surfaces than the depth.
+        let settled = matches!(c.status, Status::Exact | Status::Within);
+        if c.depth_lower > 0.0 || settled || c.status == Status::Touching {
+            let slack = if settled { slack_along } else { slack + hair };
+            for (what, inside) in [
+                ("the contact's point is not on the surface of A", reaches[0] - c.normal.dot(c.point_a)),
+                ("the contact's point is not on the surface of B", reaches[1] + c.normal.dot(c.point_b)),
+            ] {
+                at_most(what, inside, width, slack);
+            }
+        }
+        let beside = between.distance(c.normal * along);
+        match c.status {
+            Status::Exact | Status::Within => {
+                at_most("the contact's points are not opposite each other", beside, width, slack_along);
+            }
+            Status::Touching => at_most("the points of a touch are apart", between.length(), width, slack + hair),
+            // The status says so.
+            _ => {}
+        }
         match c.status {
             Status::Exact => at_most("an exact depth is wide", width, hair, slack),
             Status::Within => {
@@ -351,30 +391,36 @@ impl<'s, 'p> Scene<'s, 'p> {
             }
             _ => {}
         }
+        way
     }
 
-    fn judge_distance(&self, d: &Distance, way: f64, at_most: &mut impl FnMut(&'static str, f64, f64, f64)) {
+    /// The distance's own claims. Returns the way out along its normal.
+    fn judge_distance(&self, d: &Distance, at_most: &mut impl FnMut(&'static str, f64, f64, f64)) -> f64 {
         let slack = self.slack;
+        let reaches = self.reaches(d.normal);
+        let way = reaches[0] + reaches[1];
         at_most("the distance's normal is not of unit length", (d.normal.length() - 1.0).abs(), UNIT, 0.0);
-        at_most("the distance's point is not on A", self.outside_a(d.point_a), 0.0, slack);
-        at_most("the distance's point is not on B", self.outside_b(d.point_b), 0.0, slack);
+        at_most("the distance's point is not in A", self.outside_a(d.point_a), 0.0, slack);
+        at_most("the distance's point is not in B", self.outside_b(d.point_b), 0.0, slack);
         at_most("the distance's lower bound is negative", -d.lower, 0.0, 0.0);
         at_most("the distance is not in its interval", d.lower, d.distance, 0.0);
         at_most("the distance is not in its interval", d.distance, d.upper, 0.0);
-        let apart = d.point_a.distance(d.point_b);
+        let between = d.point_b - d.point_a;
+        let (apart, along, slack_along) = (between.length(), between.dot(d.normal), slack + 2.0 * self.rounding);
         match d.status {
             Status::Overlapping => {
                 at_most("an overlap has a distance", d.upper, 0.0, 0.0);
-                let hair = self.hair + COMMON_POINT * self.reach;
-                at_most("the common point is not in B", self.outside_b(d.point_a), hair, slack);
-                at_most("the common point is not in A", self.outside_a(d.point_b), hair, slack);
-                return;
+                at_most("the common point is two", apart, self.hair, slack);
+                return way;
             }
             Status::Separated => at_most("a distance has an impossible status", 1.0, 0.0, 0.0),
             _ => {}
         }
         at_most("the distance's points are farther apart than its upper bound", apart, d.upper, slack);
         at_most("the distance's points are nearer than its lower bound", d.lower, apart, slack);
+        if d.lower > 0.0 {
+            at_most("the distance's points are nearer along the normal", d.lower, along, slack_along);
+        }
         // The balls around the shapes give another bound.
         let centers = self.a.shape().interior_point() - (self.turn * self.b.shape().interior_point() + self.shift);
         let by_balls = centers.length() - self.a.shape().outer_radius() - self.b.shape().outer_radius();
@@ -382,6 +428,15 @@ impl<'s, 'p> Scene<'s, 'p> {
             at_most("the distance's lower bound is above the planes' gap", d.lower, (-way).max(by_balls), slack);
         }
         let (width, hair) = (d.upper - d.lower, self.hair);
+        // The normal is that of planes, unless the balls prove the bound.
+        if matches!(d.status, Status::Exact | Status::Within) && d.lower > by_balls.max(0.0) {
+            for (what, inside) in [
+                ("the distance's point is not on the surface of A", reaches[0] - d.normal.dot(d.point_a)),
+                ("the distance's point is not on the surface of B", reaches[1] + d.normal.dot(d.point_b)),
+            ] {
+                at_most(what, inside, width, slack_along);
+            }
+        }
         match d.status {
             Status::Exact => at_most("an exact distance is wide", width, hair, slack),
             Status::Within => {
@@ -398,6 +453,7 @@ impl<'s, 'p> Scene<'s, 'p> {
             }
             _ => {}
         }
+        way
     }
 
     /// The depth against the ways out along all face normals.

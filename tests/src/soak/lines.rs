@@ -4,7 +4,7 @@
 //! |---|---|
 //! | a miss | the planes or facets leave nothing of the path; no contact is deep on the path |
 //! | lower bound of the time | at that time, the reported normal still separates the shapes |
-//! | a hit | the reported point at time t is in both shapes |
+//! | a hit | the reported points at time t are in their shapes, on the support planes of the normal and on each other, to within the interval |
 //! | both bounds | the path clipped by all planes of a shape, or by all facets of the pair |
 //! | lower bound of a signed distance | the plane of the reported normal; inside, all planes |
 //! | upper bound of a signed distance | the reported point is in the shape; all planes |
@@ -14,7 +14,8 @@
 
 use glam::DVec3;
 use hullmap::{
-    Cache, CastSettings, Contact, Impact, Motion, Pose, Ray, Settings, Status, cast, contact, ray, signed_distance,
+    Cache, CastSettings, Contact, Impact, Minkowski, Motion, Pose, Ray, RayHit, Settings, Status, cast, contact, ray,
+    signed_distance,
 };
 use hullmap_testkit::{
     entry::{Passage, passage},
@@ -26,14 +27,13 @@ use shapes::rng::SplitMix64;
 use super::{
     Queries,
     bodies::{Body, Kind, Pair, Solid, size, support},
+    judge::TOUCHING_ROUNDINGS,
+    planes,
     tally::{Tally, Wrong},
 };
 
 /// Rounding error of a certificate, in units of the greatest lengths times the f64 epsilon.
-const ROUNDING_UNITS: f64 = 64.0;
-
-/// Maximum distance, relative to the greatest length, of a reported point from one of the shapes.
-const COMMON_POINT: f64 = 1e-7;
+pub(super) const ROUNDING_UNITS: f64 = 64.0;
 
 /// Maximum product of the numbers of edges for which all facets are tested.
 const MAX_EDGE_PAIRS: usize = 10_000;
@@ -67,15 +67,15 @@ struct Path {
 }
 
 /// Counts wrong claims about one answer.
-struct Judge<'t> {
-    wrong: Option<(&'static str, f64, f64)>,
-    tightest: f64,
-    queries: &'static str,
-    tally: &'t mut Tally,
+pub(super) struct Judge<'t> {
+    pub(super) wrong: Option<(&'static str, f64, f64)>,
+    pub(super) tightest: f64,
+    pub(super) queries: &'static str,
+    pub(super) tally: &'t mut Tally,
 }
 
 impl Judge<'_> {
-    fn at_most(&mut self, what: &'static str, found: f64, limit: f64, slack: f64) {
+    pub(super) fn at_most(&mut self, what: &'static str, found: f64, limit: f64, slack: f64) {
         // NaN takes the failing branch.
         if !(found <= limit + slack) {
             self.wrong.get_or_insert((what, found, limit));
@@ -84,11 +84,11 @@ impl Judge<'_> {
         }
     }
 
-    fn demand(&mut self, what: &'static str, holds: bool) {
+    pub(super) fn demand(&mut self, what: &'static str, holds: bool) {
         self.at_most(what, f64::from(u8::from(!holds)), 0.0, 0.0);
     }
 
-    fn finish(self, pair: &Pair<'_, '_>, details: impl FnOnce() -> String) {
+    pub(super) fn finish(self, pair: &Pair<'_, '_>, details: impl FnOnce() -> String) {
         self.tally.judged += 1;
         self.tally.tightest = self.tally.tightest.max(self.tightest);
         let queries = self.queries;
@@ -108,6 +108,7 @@ pub(super) fn judge(queries: Queries, pair: &Pair<'_, '_>, tally: &mut Tally) {
         Queries::Rays => judge_ray(pair, &mut rng, tally),
         Queries::Casts => judge_cast(pair, &mut rng, tally),
         Queries::Points => judge_point(pair, &mut rng, tally),
+        Queries::HalfSpaces => planes::judge(pair, &mut rng, tally),
     }
 }
 
@@ -174,6 +175,31 @@ fn settings(rng: &mut SplitMix64, path: &Path) -> CastSettings {
     CastSettings { max_t: path.limit, tolerance, ..CastSettings::default() }
 }
 
+/// Powers of two by which a velocity is made slower: their squares, or the products with it,
+/// underflow.
+const SLOWER: [i32; 3] = [-100, -500, -900];
+
+/// The same cast at a speed that is less by a power of two: only the times differ, and by that
+/// power.
+pub(super) fn same_when_slow(
+    judge: &mut Judge<'_>,
+    rng: &mut SplitMix64,
+    found: &Impact,
+    velocity: DVec3,
+    settings: &CastSettings,
+    cast: impl Fn(DVec3, &CastSettings) -> Impact,
+) {
+    let scale = 2_f64.powi(SLOWER[rng.below(SLOWER.len())]);
+    if velocity * scale / scale != velocity {
+        // A component underflows.
+        return;
+    }
+    let slow = cast(velocity * scale, &CastSettings { max_t: settings.max_t / scale, ..*settings });
+    let [t_lower, t, t_upper] = [slow.t_lower, slow.t, slow.t_upper].map(|t| t * scale);
+    let is_same = Impact { t_lower, t, t_upper, ..slow } == *found;
+    judge.demand("a slow motion has another answer", is_same);
+}
+
 /// The claims that need no second shape.
 fn judge_form(judge: &mut Judge<'_>, answer: &Answer, path: &Path) {
     let Answer { hit, status, t: [lower, t, upper], normal, steps } = *answer;
@@ -233,8 +259,16 @@ fn judge_ray(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
     };
     let mut judge = Judge { wrong: None, tightest: 0.0, queries: "rays", tally };
     judge_form(&mut judge, &answer, &path);
+    let as_impact = |found: RayHit| {
+        let RayHit { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = found;
+        Impact { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, ..Impact::default() }
+    };
+    same_when_slow(&mut judge, rng, &as_impact(found), path.velocity, &settings, |velocity, settings| {
+        as_impact(ray(shape, &Ray::new(origin, velocity).expect("finite"), settings))
+    });
     let model = &body.model;
-    let greatest = model.greatest + origin.length();
+    // How far the shape may be from the point, because t is known to within its interval only.
+    let width = (found.t_upper - found.t_lower) * path.velocity.length();
     if found.hit {
         if found.t_lower > 0.0 {
             let at = line.at(found.t_lower);
@@ -249,8 +283,14 @@ fn judge_ray(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
         // error leaves no better time than any in the interval.
         let is_free = path.limit == f64::INFINITY && !is_thin(body);
         if found.status != Status::Touching || is_free {
-            let what = "the point is not on the shape";
-            judge.at_most(what, model.outside(found.point), COMMON_POINT * greatest, path.slack);
+            let slack = path.slack + 2.0 * shape.support_error();
+            judge.at_most("the point is not in the shape", model.outside(found.point), width, slack);
+        }
+        // A path that starts inside of the shape meets its surface nowhere, and the status need not
+        // know.
+        if found.t_lower > 0.0 && found.status != Status::Touching {
+            let inside = model.reach(found.normal) - found.normal.dot(found.point);
+            judge.at_most("the point is not on the shape", inside, width, path.slack);
         }
     }
     let mut truth = Passage::UNBOUNDED;
@@ -272,7 +312,8 @@ fn judge_cast(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
     let settings = settings(rng, &path);
     let motion = Motion::new(path.velocity).expect("finite");
     let mut cache = Cache::new();
-    if rng.below(4) == 0 {
+    let is_cold = rng.below(4) != 0;
+    if !is_cold {
         // Warm: a pose beside the start.
         let beside = Pose::new(path.start.translation() * 1.001, path.start.rotation()).expect("finite");
         contact(a.shape(), b.shape(), beside, &Settings::default(), &mut cache);
@@ -291,8 +332,16 @@ fn judge_cast(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
     };
     let mut judge = Judge { wrong: None, tightest: 0.0, queries: "casts", tally };
     judge_form(&mut judge, &answer, &path);
+    if is_cold {
+        same_when_slow(&mut judge, rng, &found, path.velocity, &settings, |velocity, settings| {
+            let motion = Motion::new(velocity).expect("finite");
+            cast(a.shape(), b.shape(), path.start, motion, settings, &mut Cache::new())
+        });
+    }
     let at = |t: f64| Pose::new(path.start.translation() + path.velocity * t, path.start.rotation()).expect("finite");
-    let greatest = a.model.greatest + b.model.greatest + path.start.translation().length();
+    let rounding = Minkowski::new(a.shape(), b.shape(), path.start).rounding_error();
+    let hair = TOUCHING_ROUNDINGS * rounding;
+    let width = (found.t_upper - found.t_lower) * path.velocity.length();
     let way = |t: f64, n: DVec3| way_out(&a.model, &Placed::new(&b.model, at(t)), n);
     if found.hit {
         if found.t_lower > 0.0 {
@@ -300,10 +349,26 @@ fn judge_cast(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
         }
         let in_b = at(found.t).inverse().transform_point(found.point_b);
         for (what, outside) in [
-            ("the point is not on A", a.model.outside(found.point_a)),
-            ("the point is not on B", b.model.outside(in_b)),
+            ("the point is not in A", a.model.outside(found.point_a)),
+            ("the point is not in B", b.model.outside(in_b)),
         ] {
-            judge.at_most(what, outside, COMMON_POINT * greatest, path.slack);
+            judge.at_most(what, outside, 0.0, path.slack);
+        }
+        let apart = found.point_a.distance(found.point_b);
+        match found.status {
+            Status::Touching => {}
+            // The common point of a path that starts inside.
+            _ if found.t_upper == 0.0 => judge.at_most("the points are not one", apart, hair, path.slack),
+            _ => judge.at_most("the points are not one", apart, width, path.slack),
+        }
+        if found.t_lower > 0.0 && found.status != Status::Touching {
+            let n = found.normal;
+            let on_b = Placed::new(&b.model, at(found.t)).reach(-n) + n.dot(found.point_b);
+            for (what, inside) in
+                [("the point is not on A", a.model.reach(n) - n.dot(found.point_a)), ("the point is not on B", on_b)]
+            {
+                judge.at_most(what, inside, width, path.slack);
+            }
         }
     }
     // Where the pair certainly overlaps at some time, it was hit before.
@@ -371,9 +436,17 @@ fn judge_point(pair: &Pair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
     if found.lower > 0.0 {
         judge.at_most("the normal does not prove the lower bound", found.lower, height(found.normal), slack);
     }
-    judge.at_most("the point is not in the shape", model.outside(found.point), COMMON_POINT * greatest, slack);
+    judge.at_most("the point is not in the shape", model.outside(found.point), 0.0, slack);
     if found.upper > 0.0 && found.lower > 0.0 {
         judge.at_most("a point is nearer than the bound", found.lower, found.point.distance(point), slack);
+    }
+    if matches!(found.status, Status::Exact | Status::Within) {
+        let (width, slack_along) = (found.upper - found.lower, slack + 2.0 * body.shape().support_error());
+        let inside = model.reach(found.normal) - found.normal.dot(found.point);
+        judge.at_most("the point is not on the surface", inside, width, slack_along);
+        let along = (point - found.point).dot(found.normal);
+        judge.at_most("the point is farther than the distance", along, found.upper, slack_along);
+        judge.at_most("the point is nearer than the distance", found.lower, along, slack_along);
     }
     let mut highest = height(found.normal);
     let planes = model.planes();

@@ -21,6 +21,8 @@ pub enum Meeting {
     Edges,
     /// Concentric, or nearly.
     Concentric,
+    /// A small or thin body deep inside of another one, in half of the cases with parallel axes.
+    Inside,
     /// From penetrating to separated.
     Anywhere,
 }
@@ -46,16 +48,19 @@ fn direction(rng: &mut SplitMix64) -> DVec3 {
     }
 }
 
+/// A quarter turn about an axis.
+fn quarter_turn(rng: &mut SplitMix64) -> DQuat {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let axis = DVec3::AXES[rng.below(3)] * half;
+    DQuat::from_xyzw(axis.x, axis.y, axis.z, half)
+}
+
 /// Mostly random; some rotations keep axes parallel, exactly or nearly.
 fn rotation(rng: &mut SplitMix64) -> DQuat {
     let axis = DVec3::from_array(rng.direction());
-    let half = std::f64::consts::FRAC_1_SQRT_2;
     match rng.below(10) {
         0 => DQuat::IDENTITY,
-        1 => {
-            let axis = DVec3::AXES[rng.below(3)] * half;
-            DQuat::from_xyzw(axis.x, axis.y, axis.z, half)
-        }
+        1 => quarter_turn(rng),
         2 => {
             let axis = axis * TENTHS[1 + rng.below(14)];
             DQuat::from_xyzw(axis.x, axis.y, axis.z, 1.0).normalize()
@@ -115,6 +120,12 @@ pub(super) fn meet(rng: &mut SplitMix64, a: &Body<'_>, b: &Body<'_>) -> (Meeting
             let turn = rotation(rng);
             let centers = a.shape().interior_point() - turn * b.shape().interior_point();
             (Meeting::Concentric, turn, centers + direction(rng) * (offset(rng, 0) * size(a).min(size(b))))
+        }
+        13 => {
+            let turn = if rng.below(2) == 0 { quarter_turn(rng) } else { rotation(rng) };
+            let centers = a.shape().interior_point() - turn * b.shape().interior_point();
+            let thick = a.shape().inner_radius().max(b.shape().inner_radius());
+            (Meeting::Inside, turn, centers + direction(rng) * (rng.between(0.0, 0.8) * thick))
         }
         _ => {
             let turn = rotation(rng);

@@ -13,6 +13,7 @@
 //! | [`meeting`] | the pose of a pair: touching, face to face, edge to edge, concentric, anywhere |
 //! | [`judge`] | the certificates of pairs |
 //! | [`lines`] | rays, shape casts and points, and their certificates |
+//! | [`planes`] | half-spaces, and their certificates |
 //! | [`tally`] | the counts, and the wrong answers |
 //!
 //! The pairs of a seed are indexed, and each is generated from its index alone. So a run gives the
@@ -23,6 +24,7 @@ pub mod judge;
 pub mod lines;
 pub mod meeting;
 pub mod model;
+pub mod planes;
 pub mod tally;
 
 use std::{
@@ -52,6 +54,8 @@ pub enum Queries {
     Casts,
     /// Signed distances of points from one shape.
     Points,
+    /// Contacts, distances and casts of a half-space and one shape.
+    HalfSpaces,
 }
 
 /// Judges the pairs `indices` of `seed` on `threads` threads. The tally does not depend on the

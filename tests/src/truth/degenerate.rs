@@ -5,7 +5,8 @@ use std::{cmp::Ordering, collections::BTreeMap, fmt};
 
 use glam::{DQuat, DVec3};
 use hullmap::{
-    Cache, Contact, Hull, Overlap, Pack, Pose, Settings, SupportMap, contact, intersects, solver::contact_by_facets,
+    Cache, Contact, Hull, Overlap, Pack, Pose, Settings, Status, SupportMap, contact, intersects,
+    solver::contact_by_facets,
 };
 use hullmap_testkit::{faceless::Faceless, packs, random::RandomPoses};
 use shapes::{families, rng::SplitMix64};
@@ -24,7 +25,7 @@ pub enum Kind {
     Plates,
     /// Boxes turned by quarter turns: faces and edges are parallel.
     AlignedBoxes,
-    /// Interior points coincide.
+    /// Interior points coincide. Half of the bodies B are a quarter of the size of A.
     Concentric,
     /// Depths of 1e-4 to 1e-16 of the size, also negative ones.
     Touching,
@@ -74,9 +75,10 @@ impl Meeting {
         let mut rng = SplitMix64::new(seed ^ index << 24);
         let kind = Kind::ALL[index as usize % Kind::ALL.len()];
         let scale = [1.0, 1.0, 1e-3, 1e3, 1e-6, 1e6][rng.below(6)];
-        let packs = [(); 2].map(|()| {
+        let small = if kind == Kind::Concentric && rng.below(2) == 0 { 0.25 } else { 1.0 };
+        let packs = [1.0, small].map(|size| {
             let shift = if rng.below(4) == 0 { [40.0, -24.0, 8.0] } else { [0.0; 3] };
-            let place = |p: [f32; 3]| [0, 1, 2].map(|axis| (p[axis] + shift[axis]) * scale);
+            let place = |p: [f32; 3]| [0, 1, 2].map(|axis| (p[axis] * size + shift[axis]) * scale);
             let points: Vec<[f32; 3]> = points(kind, most, &mut rng).into_iter().map(place).collect();
             packs::tree_pack(&points)
         });
@@ -135,7 +137,8 @@ fn depth_bound(a: &Hull<'_>, b: &Hull<'_>, b_in_a: Pose) -> f64 {
     if found.hit { found.depth } else { -1.0 }
 }
 
-/// Largest distance of a witness point from the surface of its hull, over the size of the query.
+/// Largest distance of a witness point from the surface of its hull, and from its place along the
+/// normal beyond the width of the interval, over the size of the query.
 const NEAR: f64 = 4e-12;
 
 /// Counts of one kind of pose.
@@ -152,6 +155,9 @@ pub struct Count {
     /// Largest distance of a witness point from the surface of its hull, over the size of the
     /// query.
     pub worst_witness: f64,
+    /// Largest distance of a witness point from that of the other hull moved by the depth along the
+    /// normal, beyond the width of the interval, over the size of the query.
+    pub worst_offset: f64,
 }
 
 /// All counts, and the wrong answers in full.
@@ -192,14 +198,23 @@ impl Tally {
                 self.misses.push(format!("{what}, {path}: {fault}: {found:?}"));
             }
             if found.hit && found.depth > 0.0 {
-                let back = b_in_a.inverse();
-                let off =
+                let (back, size) = (b_in_a.inverse(), size + b_in_a.translation().length());
+                let surface =
                     surface_distance(&a, found.point_a).max(surface_distance(&b, back.transform_point(found.point_b)));
-                let off = off / (size + b_in_a.translation().length());
-                count.worst_witness = count.worst_witness.max(off);
+                let width = found.depth_upper - found.depth_lower;
+                let offset = (found.point_a - found.point_b).distance(found.normal * found.depth) - width;
+                let [surface, offset] = [surface, offset].map(|length| length / size);
+                count.worst_witness = count.worst_witness.max(surface);
+                count.worst_offset = count.worst_offset.max(offset);
                 // NaN takes the failing branch.
-                if !(off <= NEAR) {
-                    self.misses.push(format!("{what}, {path}: a witness point is {off:e} off its surface: {found:?}"));
+                if !(surface <= NEAR) {
+                    self.misses
+                        .push(format!("{what}, {path}: a witness point is {surface:e} off its surface: {found:?}"));
+                }
+                let is_settled = matches!(found.status, Status::Exact | Status::Within);
+                if is_settled && !(offset <= NEAR) {
+                    self.misses
+                        .push(format!("{what}, {path}: the witness points are {offset:e} off the normal: {found:?}"));
                 }
             }
         }
@@ -244,11 +259,11 @@ fn surface_distance(hull: &Hull<'_>, point: DVec3) -> f64 {
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (kind, count) in &self.counts {
-            let Count { pairs, penetrating, answers, by_facets, worst_witness } = count;
+            let Count { pairs, penetrating, answers, by_facets, worst_witness, worst_offset } = count;
             writeln!(
                 f,
                 "{kind:?}: {pairs} pairs, {penetrating} penetrate; {answers} answers, {by_facets} by facets; witness \
-                 points at most {worst_witness:.1e} of the size off their surfaces"
+                 points at most {worst_witness:.1e} of the size off their surfaces, and {worst_offset:.1e} off the normal"
             )?;
         }
         write!(f, "{} wrong", self.misses.len())

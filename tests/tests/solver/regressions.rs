@@ -2,10 +2,14 @@
 //! error.
 
 use glam::{DQuat, DVec3};
-use hullmap::shapes::{Capsule, Cylinder, Sphere};
-use hullmap::{Cache, Contact, Overlap, Pose, Settings, SupportMap, contact, distance, intersects};
+use hullmap::shapes::{Capsule, Cuboid, Cylinder, Sphere};
+use hullmap::{Cache, Contact, Overlap, Pose, Settings, Status, SupportMap, contact, distance, intersects};
 use hullmap_bake::IndexKind;
-use hullmap_testkit::packs::pack;
+use hullmap_testkit::{
+    packs::{pack, tree_pack},
+    random::RandomPoses,
+};
+use shapes::{families, rng::SplitMix64};
 
 fn deep<A: SupportMap, B: SupportMap>(a: &A, b: &B, pose: Pose) -> Contact {
     contact(a, b, pose, &Settings::default(), &mut Cache::new())
@@ -71,4 +75,63 @@ fn contact_points_lie_along_the_normal_at_the_iteration_cap() {
     assert!(c.hit && c.depth_lower >= 0.001 && c.depth_upper > c.depth_lower, "{c:?}");
     let along = (c.point_a - c.point_b).dot(c.normal);
     assert!(along >= 0.999 * c.depth_lower && along <= c.depth_upper + 1e-12, "{along:e}: {c:?}");
+}
+
+/// Checks that the witness points are on the support planes, and opposite each other, to within the
+/// interval of the depth.
+fn assert_settled<A: SupportMap, B: SupportMap>(a: &A, b: &B, pose: Pose, c: &Contact) {
+    assert!(c.hit && matches!(c.status, Status::Exact | Status::Within), "{pose:?}: {c:?}");
+    let most = c.depth_upper - c.depth_lower + 1e-12 * (a.outer_radius() + b.outer_radius());
+    let off = (c.point_a - c.point_b).distance(c.normal * c.depth);
+    assert!(off <= most, "{off:e} off the normal, {pose:?}: {c:?}");
+    let top = a.support_point(c.normal).point.dot(c.normal) - c.point_a.dot(c.normal);
+    let down = pose.inverse_transform_vector(-c.normal);
+    let bottom = b.support_point(down).point.dot(down) - pose.inverse().transform_point(c.point_b).dot(down);
+    assert!(top.max(bottom) <= most, "{top:e} and {bottom:e} below the surface, {pose:?}: {c:?}");
+}
+
+/// A thin cylinder in the middle of a box: the witness points were on the wrong face, or a
+/// thousandth of the depth beside it, with the status "exact".
+#[test]
+fn witness_points_of_a_thin_body_deep_in_a_thick_one() {
+    let mut rng = SplitMix64::new(0x717);
+    for round in 0..2_000 {
+        let unit = [1.0, 1e-3, 1e3, 1e-30, 1e30][round % 5];
+        let half = DVec3::new(rng.between(0.4, 0.6), rng.between(0.4, 0.6), rng.between(0.4, 0.6)) * unit;
+        let (height, radius) = (rng.between(0.01, 0.2) * unit, rng.between(0.1, 0.3) * unit);
+        let (thick, thin) = (Cuboid::new(half).unwrap(), Cylinder::new(height, radius).unwrap());
+        let turn = if round % 4 == 0 { rng.rotation() } else { DQuat::IDENTITY };
+        let shift = if round % 2 == 0 { DVec3::ZERO } else { rng.unit_vector() * (0.1 * unit) };
+        let pose = Pose::new(shift, turn).unwrap();
+        for (tolerance, again) in [(1e-5, false), (0.0, false), (1e-5, true)] {
+            let settings = Settings { tolerance, ..Settings::default() };
+            let mut cache = Cache::new();
+            if again {
+                let beside = Pose::new(shift + DVec3::splat(1e-3 * unit), turn).unwrap();
+                contact(&thin, &thick, beside, &settings, &mut cache);
+            }
+            let c = contact(&thin, &thick, pose, &settings, &mut cache);
+            if tolerance > 0.0 || c.status != Status::IterationLimit {
+                assert_settled(&thin, &thick, pose, &c);
+            }
+        }
+    }
+    let (thick, thin) = (Cuboid::new(DVec3::splat(0.5)).unwrap(), Cylinder::new(0.1057, 0.24).unwrap());
+    assert_settled(&thin, &thick, Pose::IDENTITY, &deep(&thin, &thick, Pose::IDENTITY));
+    assert_settled(&thick, &thin, Pose::IDENTITY, &deep(&thick, &thin, Pose::IDENTITY));
+}
+
+/// A prism of 200 vertices in a box: witness points were off by a thousandth of the depth, with the
+/// status "within the tolerance".
+#[test]
+fn witness_points_of_a_prism_in_a_box() {
+    let pack = tree_pack(&families::prism(200, 0));
+    let prism = pack.hull(0).unwrap();
+    let mut rng = SplitMix64::new(0x717);
+    for round in 0..500 {
+        let half = DVec3::new(rng.between(1.0, 3.0), rng.between(1.0, 3.0), rng.between(1.0, 3.0));
+        let (thick, turn) = (Cuboid::new(half).unwrap(), if round % 2 == 0 { rng.rotation() } else { DQuat::IDENTITY });
+        let pose = Pose::new(rng.unit_vector() * rng.between(0.0, 1.0), turn).unwrap();
+        assert_settled(&thick, &prism, pose, &deep(&thick, &prism, pose));
+    }
 }

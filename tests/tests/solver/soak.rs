@@ -6,6 +6,7 @@ use hullmap_tests::{
     soak::{
         Queries,
         bodies::{Bodies, Kind, Stock},
+        meeting::Meeting,
         soak,
         tally::Tally,
     },
@@ -42,7 +43,9 @@ fn every_answer_has_a_certificate() {
     assert_eq!(tally.pairs, PAIRS);
     // The sample is representative.
     assert!((0.35..=0.65).contains(&tally.hits()), "one-sided: {} hit", tally.hits());
-    assert_eq!(tally.meetings.len(), 5);
+    assert_eq!(tally.meetings.len(), 6);
+    let [inside, deep] = tally.meetings[&Meeting::Inside];
+    assert!(deep > PAIRS / 20 && deep > inside / 2, "{deep} of {inside} inside");
     let touching = tally.statuses[0]["touching"] as f64 / tally.judged as f64;
     assert!((0.1..=0.4).contains(&touching), "{touching} touch");
     for kind in [Kind::Family, Kind::Sliver, Kind::Flat, Kind::Closed] {
@@ -70,29 +73,34 @@ fn the_tally_does_not_depend_on_threads_or_pieces() {
     assert_eq!(pieces, alone);
 }
 
-/// Rays, shape casts and signed distances, with certificates of their own. The program
+/// Rays, shape casts, signed distances and half-spaces, with certificates of their own. The program
 /// `solver-soak` does this for any number of them.
 #[test]
-fn every_ray_cast_and_point_has_a_certificate() {
+fn every_ray_cast_point_and_half_space_has_a_certificate() {
     let stock = Stock::bake(&[], 1);
     let bodies = Bodies::new(&stock);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    for queries in [Queries::Rays, Queries::Casts, Queries::Points] {
+    for queries in [Queries::Rays, Queries::Casts, Queries::Points, Queries::HalfSpaces] {
         let tally = soak(&bodies, queries, SEED, 0..PAIRS / 4, threads);
         println!("{queries:?}, seed {SEED}\n{tally}");
         let wrong: Vec<String> = tally.wrongs().take(3).map(|wrong| wrong.to_string()).collect();
         assert!(wrong.is_empty(), "{queries:?}, seed {SEED}: {:?}\n{}", tally.wrong, wrong.join("\n"));
         assert_eq!(tally.judged, PAIRS / 4);
         // The sample is representative: hits, misses and grazing paths, many of them with all
-        // planes.
-        assert!(tally.normals + tally.facets > PAIRS / 80, "{} {}", tally.normals, tally.facets);
+        // planes. Half-spaces are judged by their own plane.
+        let by_planes = tally.normals + tally.facets;
+        assert!(by_planes > PAIRS / 80 || queries == Queries::HalfSpaces, "{queries:?}: {by_planes}");
         let of = |status: &str| tally.lines.get(status).copied().unwrap_or(0);
         let settled = of("exact") + of("within");
         assert!(settled > PAIRS / 20, "{queries:?}: {settled}");
-        if queries != Queries::Points {
-            for status in ["separated", "overlapping", "touching"] {
-                assert!(of(status) > PAIRS / 200, "{queries:?}: {status} {}", of(status));
-            }
+        let statuses: &[&str] = match queries {
+            Queries::Points => &[],
+            // Counted by the contact.
+            Queries::HalfSpaces => &["separated", "touching"],
+            _ => &["separated", "overlapping", "touching"],
+        };
+        for status in statuses {
+            assert!(of(status) > PAIRS / 200, "{queries:?}: {status} {}", of(status));
         }
     }
 }

@@ -66,7 +66,7 @@ pub fn cast<A: Parts + ?Sized, B: Parts + ?Sized>(
     cache: &mut CompoundCache,
 ) -> CompoundAnswer<Impact> {
     let placement = Placement::new(a.nodes(), b.nodes(), b_in_a);
-    let first = first_hit(placement, motion.speed(), settings, |pair| {
+    let first = first_hit(placement, motion, settings, |pair| {
         let (part_a, part_b) = (a.part(pair[0])?, b.part(pair[1])?);
         Some(cast_pair(&part_a, &part_b, b_in_a, motion, settings, cache.pair(pair)))
     });
@@ -107,7 +107,7 @@ pub fn cast<A: Parts + ?Sized, B: Parts + ?Sized>(
 pub fn ray<A: Parts + ?Sized>(a: &A, ray: &Ray, settings: &CastSettings) -> CompoundAnswer<RayHit> {
     let origin = Nodes::one(DVec3::ZERO, DVec3::ZERO);
     let placement = Placement::new(a.nodes(), origin, Pose::at(ray.origin()));
-    let CompoundAnswer { answer, hulls, pairs, boxes } = first_hit(placement, ray.motion().speed(), settings, |pair| {
+    let CompoundAnswer { answer, hulls, pairs, boxes } = first_hit(placement, ray.motion(), settings, |pair| {
         let found = cast_ray(&a.part(pair[0])?, ray, settings);
         let RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls } = found;
         Some(Impact {
@@ -133,17 +133,18 @@ pub fn ray<A: Parts + ?Sized>(a: &A, ray: &Ray, settings: &CastSettings) -> Comp
 /// The first hit of the pairs of a placement. `query` casts a pair.
 fn first_hit(
     placement: Placement<'_>,
-    speed: f64,
+    motion: Motion,
     settings: &CastSettings,
     mut query: impl FnMut([usize; 2]) -> Option<Impact>,
 ) -> CompoundAnswer<Impact> {
     let mut first = First::default();
     let mut traversal = Traversal::new(placement);
+    let path = motion.path();
     loop {
         // How far B moves until the first certain hit. Without motion it stays where it is, however
         // long that lasts.
         let until = settings.limit().min(first.certain_upper);
-        let reach = if speed > 0.0 { until * speed * (1.0 + LENGTH_ERROR) } else { 0.0 };
+        let reach = path.map_or(0.0, |path| path.length(until) * (1.0 + LENGTH_ERROR));
         let Some(pair) = traversal.next(reach) else { break };
         if let Some(found) = query(pair) {
             first.add(&found, pair);

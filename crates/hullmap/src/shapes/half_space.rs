@@ -150,9 +150,11 @@ impl Lowest {
         }
     }
 
-    /// When the shape reaches the plane, if it moves by `velocity`.
-    fn impact(&self, velocity: DVec3, settings: &CastSettings) -> Impact {
-        let limit = settings.max_t.max(0.0);
+    /// When the shape reaches the plane by this motion.
+    fn impact(&self, motion: Motion, settings: &CastSettings) -> Impact {
+        // All times are in the unit of the scaled velocity, except those in the answer.
+        let (velocity, scale) = motion.scaled();
+        let (limit, latest) = (settings.limit() / scale, f64::MAX / scale);
         // Gap at the start, and the speed at which it closes, as intervals. Divisions add an error
         // of one unit each.
         let speed = -self.normal.dot(velocity);
@@ -165,7 +167,7 @@ impl Lowest {
             let point_b = self.point_b + velocity * t;
             let height = -self.depth - speed * t;
             let (point_a, support_calls) = (point_b - self.normal * height, self.support_calls);
-            let normal = self.normal;
+            let ([t, t_lower, t_upper], normal) = ([t, t_lower, t_upper].map(|t| t * scale), self.normal);
             Impact { hit: true, status, t, t_lower, t_upper, normal, point_a, point_b, iterations: 1, support_calls }
         };
         let miss = Impact {
@@ -177,15 +179,17 @@ impl Lowest {
         };
         match overlap {
             Overlap::Undecided => at(0.0, 0.0, f64::INFINITY, Status::Stalled),
-            Overlap::Overlapping => at(0.0, 0.0, 0.0, Status::Overlapping),
+            // The deepest point of the shape is in the half-space too.
+            Overlap::Overlapping => Impact { point_a: self.point_b, ..at(0.0, 0.0, 0.0, Status::Overlapping) },
             // Not moving towards the plane.
             Overlap::Separated if !(fastest > 0.0) || t_lower > limit => miss,
             Overlap::Touching if !(fastest > 0.0) => at(0.0, 0.0, 0.0, Status::Touching),
             // Nearly parallel to the plane.
             _ if !(slowest > 0.0) => at(t_lower, t_lower, f64::INFINITY, Status::Touching),
             _ => {
-                let t = (-self.depth / speed).max(t_lower).min(t_upper);
-                at(t, t_lower, t_upper, if t_upper > limit { Status::Touching } else { Status::Exact })
+                let t = (-self.depth / speed).max(t_lower).min(t_upper).min(latest);
+                let status = if t_upper > limit { Status::Touching } else { Status::Exact };
+                at(t, t_lower, t_upper.min(latest), status)
             }
         }
     }
@@ -325,7 +329,7 @@ impl HalfSpace {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn cast<B: SupportMap + ?Sized>(&self, b: &B, b_in_a: Pose, motion: Motion, settings: &CastSettings) -> Impact {
-        self.lowest(b, b_in_a).impact(motion.velocity(), settings)
+        self.lowest(b, b_in_a).impact(motion, settings)
     }
 
     /// Where `ray` first enters the half-space. As [`ray`](crate::ray()); the normal is always that
@@ -346,7 +350,7 @@ impl HalfSpace {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn ray(&self, ray: &Ray, settings: &CastSettings) -> RayHit {
-        let found = self.lowest(&Foot(DVec3::ZERO), Pose::at(ray.origin())).impact(ray.direction(), settings);
+        let found = self.lowest(&Foot(DVec3::ZERO), Pose::at(ray.origin())).impact(ray.motion(), settings);
         let Impact { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = found;
         let point = if hit { ray.at(t) } else { ray.origin() };
         RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls }

@@ -1,9 +1,19 @@
 //! Upper bound of the penetration depth: a support plane with its witness points.
+//!
+//! The origin's *foot* is its projection onto the support plane. Witness points a and b are
+//! opposite each other if a − b is the foot: then both are on the surfaces, and B moved by the
+//! depth touches A where they are.
 
 use glam::DVec3;
 
 use super::barycentric::{blend, on_triangle};
-use super::minkowski::Point;
+use super::epa::FOOT_ROUNDINGS;
+use super::gjk::{Simplex, closest_within};
+use super::minkowski::{Minkowski, Point};
+use crate::support::SupportMap;
+
+/// Maximum number of steps of the search for witness points. Most need 1 to 4.
+const MAX_STEPS: u32 = 100;
 
 /// The minimum support value so far, with its normal and its witness points.
 #[derive(Clone, Copy, Debug)]
@@ -31,5 +41,82 @@ impl Bound {
         let weights = on_triangle(p, q, r).weights;
         let (point_a, point_b) = (blend(&weights, face.map(|v| v.a)), blend(&weights, face.map(|v| v.b())));
         Self { upper, normal, point_a, point_b }
+    }
+
+    /// Takes the `support` point along the normal for the witness points if they are less deep than
+    /// `least`. It is as deep as the bound, but the two need not be opposite each other.
+    pub(super) fn deepen(&mut self, least: f64, support: impl FnOnce(DVec3) -> Point) {
+        // The difference along the normal counts, not the distance: convex radii are added along
+        // the normal.
+        if self.upper < f64::INFINITY && (self.point_a - self.point_b).dot(self.normal) < least {
+            let point = support(self.normal);
+            (self.point_a, self.point_b) = (point.a, point.b());
+        }
+    }
+
+    /// Two points that are one, of shapes that overlap. Those of slivers may be apart; then GJK
+    /// starts from elsewhere. Returns the number of steps, too.
+    pub(super) fn common_point<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        m: &mut Minkowski<'_, A, B>,
+        [point_a, point_b]: [DVec3; 2],
+        normal: DVec3,
+    ) -> ([DVec3; 2], u32) {
+        // The origin is its own foot.
+        let mut found = Self { upper: 0.0, normal, point_a, point_b };
+        let steps = found.settle(m, &[], FOOT_ROUNDINGS * m.noise());
+        ([found.point_a, found.point_b], steps)
+    }
+
+    /// How far the difference of the witness points is from the foot.
+    pub(super) fn off(&self) -> f64 {
+        (self.point_a - self.point_b).distance(self.normal * self.upper)
+    }
+
+    /// Searches the point of the difference that is closest to the foot, unless the witness points
+    /// belong to one within `enough`. Returns the number of steps.
+    ///
+    /// If the difference contains a ball of radius r around the origin, it has a point within
+    /// `upper` − r of the foot. `face` has points near the foot to start from, if there are any.
+    #[inline(always)]
+    pub(super) fn settle<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        &mut self,
+        m: &mut Minkowski<'_, A, B>,
+        face: &[Point],
+        enough: f64,
+    ) -> u32 {
+        // NaN takes the search.
+        if self.off() <= enough { 0 } else { self.search(m, face, enough) }
+    }
+
+    /// [`settle`](Self::settle) in any case: the distance query of A and of B moved by the depth,
+    /// which touch.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        &mut self,
+        m: &mut Minkowski<'_, A, B>,
+        face: &[Point],
+        enough: f64,
+    ) -> u32 {
+        let (foot, normal) = (self.normal * self.upper, self.normal);
+        m.moved(foot, |m| {
+            let mut simplex = Simplex::empty();
+            for point in face {
+                let w = point.w - foot;
+                if !simplex.contains(w) {
+                    simplex.push(Point { w, ..*point });
+                }
+            }
+            if simplex.is_empty() {
+                simplex.push(m.point(normal));
+            }
+            let near = closest_within(m, &mut simplex, enough, 0.0, MAX_STEPS);
+            let (point_a, _, off) = simplex.witnesses(near.upper, m.noise());
+            // NaN is no improvement.
+            if off.length() < self.off() {
+                (self.point_a, self.point_b) = (point_a, point_a - (off + foot));
+            }
+            near.iterations
+        })
     }
 }

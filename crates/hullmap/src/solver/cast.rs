@@ -14,9 +14,10 @@ use glam::DVec3;
 use super::cache::Cache;
 use super::line::{Entry, Query, enter};
 use super::minkowski::Minkowski;
-use super::motion::{CastSettings, Motion};
-use super::queries::intersects;
+use super::motion::{CastSettings, Motion, Path};
+use super::queries::{distance, intersects};
 use super::rounded::enter_rounded;
+use super::settings::Settings;
 use super::status::{Overlap, Status};
 use crate::pose::Pose;
 use crate::support::SupportMap;
@@ -126,11 +127,11 @@ pub fn cast<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     settings: &CastSettings,
     cache: &mut Cache,
 ) -> Impact {
-    let Some(path) = motion.unit() else { return at_rest(a, b, b_in_a, cache) };
+    let Some(path) = motion.path() else { return at_rest(a, b, b_in_a, cache) };
     let radii = [a.convex_radius(), b.convex_radius()];
     let found = if radii[0] + radii[1] > 0.0 {
         let (entry, support_calls) = enter_rounded((a, b, b_in_a), radii, &query(a, b, path, settings), cache);
-        impact(&entry, path.1, support_calls)
+        impact(&entry, path, support_calls)
     } else {
         cast_sharp((a, b, b_in_a), path, settings, cache.axis())
     };
@@ -140,46 +141,45 @@ pub fn cast<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     found
 }
 
-/// The cast of shapes without convex radius, along a unit direction at a speed. `axis` is the last
-/// separating direction, if any.
+/// The cast of shapes without convex radius, along a path. `axis` is the last separating direction,
+/// if any.
 #[inline]
 pub(super) fn cast_sharp<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
-    path: (DVec3, f64),
+    path: Path,
     settings: &CastSettings,
     axis: Option<DVec3>,
 ) -> Impact {
     let mut m = Minkowski::new(a, b, b_in_a);
     let entry = enter(&mut m, &query(a, b, path, settings), axis);
-    impact(&entry, path.1, m.support_calls())
+    impact(&entry, path, m.support_calls())
 }
 
-fn query<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    a: &A,
-    b: &B,
-    (direction, speed): (DVec3, f64),
-    settings: &CastSettings,
-) -> Query {
+fn query<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(a: &A, b: &B, path: Path, settings: &CastSettings) -> Query {
     Query {
-        direction,
+        direction: path.direction,
         // Rounded up: the limit itself counts.
-        limit: settings.limit() * speed * (1.0 + 2.0 * f64::EPSILON),
+        limit: path.length(settings.limit()) * (1.0 + 2.0 * f64::EPSILON),
         tolerance: settings.relative_tolerance() * (a.outer_radius() + b.outer_radius()),
         max_iterations: settings.max_iterations,
     }
 }
 
-/// The answer for an entry at a length along the motion.
-fn impact(entry: &Entry, speed: f64, support_calls: u32) -> Impact {
+/// The answer for an entry at a length along the path.
+fn impact(entry: &Entry, path: Path, support_calls: u32) -> Impact {
+    let is_hit = entry.status != Status::Separated;
     // The speed and the quotient have an error of a few roundings.
-    let time = |length: f64, roundings: f64| length / speed * (1.0 + roundings * f64::EPSILON);
-    let (t_lower, t_upper) = (time(entry.lower, -4.0), time(entry.upper, 4.0));
+    let time = |length: f64, roundings: f64| path.time(length) * (1.0 + roundings * f64::EPSILON);
+    let (t_lower, t, t_upper) = (time(entry.lower, -4.0), time(entry.at, 0.0), time(entry.upper, 4.0));
+    // A hit near the end of all times: rounding error decides whether it is later.
+    let is_late = is_hit && !(t_upper < f64::INFINITY);
+    let latest = if is_hit { f64::MAX } else { f64::INFINITY };
     Impact {
-        hit: entry.status != Status::Separated,
-        status: entry.status,
-        t: time(entry.at, 0.0),
-        t_lower,
-        t_upper,
+        hit: is_hit,
+        status: if is_late { Status::Touching } else { entry.status },
+        t: t.min(latest),
+        t_lower: t_lower.min(latest),
+        t_upper: t_upper.min(latest),
         normal: entry.normal,
         point_a: entry.points[0],
         point_b: entry.points[1],
@@ -192,18 +192,20 @@ fn impact(entry: &Entry, speed: f64, support_calls: u32) -> Impact {
 fn at_rest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(a: &A, b: &B, b_in_a: Pose, cache: &mut Cache) -> Impact {
     let found = intersects(a, b, b_in_a, cache);
     let (iterations, support_calls) = (found.iterations, found.support_calls);
-    let normal = cache.axis().unwrap_or(DVec3::X);
-    let never = Impact { iterations, support_calls, normal, t_upper: 0.0, ..Impact::default() };
-    match found.status {
-        Overlap::Separated => Impact {
-            hit: false,
-            status: Status::Separated,
-            t: f64::INFINITY,
-            t_lower: f64::INFINITY,
-            t_upper: f64::INFINITY,
-            ..never
-        },
-        Overlap::Overlapping => Impact { status: Status::Overlapping, ..never },
-        Overlap::Touching | Overlap::Undecided => never,
+    if found.status == Overlap::Separated {
+        let (never, normal) = (f64::INFINITY, cache.axis().unwrap_or(DVec3::X));
+        let miss = Impact { hit: false, status: Status::Separated, normal, ..Impact::default() };
+        return Impact { t: never, t_lower: never, t_upper: never, iterations, support_calls, ..miss };
+    }
+    let near = distance(a, b, b_in_a, &Settings::default(), cache);
+    Impact {
+        status: if found.status == Overlap::Overlapping { Status::Overlapping } else { Status::Touching },
+        t_upper: 0.0,
+        normal: near.normal,
+        point_a: near.point_a,
+        point_b: near.point_b,
+        iterations: iterations + near.iterations,
+        support_calls: support_calls + near.support_calls,
+        ..Impact::default()
     }
 }

@@ -60,6 +60,12 @@ pub struct Contact {
     pub normal: DVec3,
     /// Witness point: the point of A that is deepest in B. If the shapes are separated, some point
     /// of A; [`distance`](crate::distance()) computes the closest one.
+    ///
+    /// Both witness points are in their shapes and on their support planes along `normal`, and
+    /// `point_a` − `point_b` is `depth` times `normal`: all to within the width of the interval and
+    /// rounding error. With the statuses [`IterationLimit`](Status::IterationLimit) and
+    /// [`Stalled`](Status::Stalled), `point_a` − `point_b` may differ from that across the normal,
+    /// and if the lower bound is 0, along it as well.
     pub point_a: DVec3,
     /// Witness point: the point of B that is deepest in A. If the shapes are separated, some point
     /// of B.
@@ -386,18 +392,25 @@ fn contact_from_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         epa::End::Stalled => false,
         _ => upper <= epa::TOUCHING_ROUNDINGS * rounding,
     };
+    let off = expanded.bound.off();
+    let roundings = if touching { epa::BESIDE_ROUNDINGS } else { epa::FOOT_ROUNDINGS };
+    // The interval is as wide as the witness points are off. NaN takes the failing branch.
+    let width = upper - expanded.lower.max(0.0);
+    let is_settled = off <= width.max(0.0) + roundings * rounding;
+    let width = if is_settled { upper - expanded.lower } else { off.max(upper - expanded.lower) };
     let status = match expanded.end {
+        epa::End::Limit if !touching => Status::IterationLimit,
         // A pair with a positive lower bound penetrates, however little.
-        _ if touching && depth_lower == 0.0 => Status::Touching,
-        _ if touching => Status::Exact,
-        epa::End::Limit => Status::IterationLimit,
+        _ if touching && is_settled && depth_lower == 0.0 => Status::Touching,
+        _ if touching && is_settled => Status::Exact,
         epa::End::Stalled | epa::End::Separated => Status::Stalled,
-        _ if upper - expanded.lower <= rounding => Status::Exact,
-        _ if upper - expanded.lower <= tolerance * upper + 2.0 * rounding => Status::Within,
+        _ if width <= rounding => Status::Exact,
+        _ if width <= tolerance * upper + 2.0 * rounding => Status::Within,
         // The face is on the surface, but the polytope is too thin to enclose the origin for
-        // certain.
-        epa::End::Converged | epa::End::Inside | epa::End::Touching => Status::Stalled,
+        // certain, or the witness points are not opposite each other.
+        _ => Status::Stalled,
     };
+    let depth_lower = if status == Status::Within { depth_lower.min(upper - width).max(0.0) } else { depth_lower };
     Contact {
         hit: true,
         status,
@@ -451,7 +464,9 @@ fn contact_of_balls<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let normal = unit(-m.center_point().w).unwrap_or(DVec3::X);
     let vertex = m.point(normal);
     let upper = vertex.w.dot(normal);
-    (upper - lower <= tolerance * upper + rounding).then_some(Contact {
+    // The support point of a hull that is nearly a ball may be beside the line of centres.
+    let is_settled = vertex.w.distance(normal * upper) <= upper - lower + epa::FOOT_ROUNDINGS * rounding;
+    (is_settled && upper - lower <= tolerance * upper + rounding).then_some(Contact {
         hit: true,
         status: if upper - lower <= rounding { Status::Exact } else { Status::Within },
         depth: upper,

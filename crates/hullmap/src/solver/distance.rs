@@ -11,6 +11,7 @@
 //! 3. Search the point closest to the origin (GJK).
 //! 4. If it is the origin within rounding error, decide by EPA whether the shapes overlap or touch.
 
+use super::bound::Bound;
 use super::cache::Cache;
 use super::gjk::{self, Closest, Simplex, closest};
 use super::intersection::decide_by_expansion;
@@ -312,7 +313,12 @@ fn settle_at_origin<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
     out.lower = 0.0;
     match overlap {
-        Overlap::Overlapping => (out.status, out.distance, out.upper) = (Status::Overlapping, 0.0, 0.0),
+        Overlap::Overlapping => {
+            let (points, steps) = Bound::common_point(m, [out.point_a, out.point_b], out.normal);
+            [out.point_a, out.point_b] = points;
+            out.iterations += steps;
+            (out.status, out.distance, out.upper) = (Status::Overlapping, 0.0, 0.0);
+        }
         Overlap::Touching | Overlap::Separated => (out.status, out.distance) = (Status::Touching, 0.0),
         // The shapes may penetrate.
         Overlap::Undecided => (out.status, out.distance) = (Status::Stalled, out.point_a.distance(out.point_b)),

@@ -262,10 +262,23 @@ pub(super) struct Closest {
 }
 
 /// GJK: searches from `simplex`, in place, until upper − lower ≤ `tolerance` · upper + rounding
-/// error.
+/// error, or until the upper bound is the rounding error or less.
+#[inline(always)]
 pub(super) fn closest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     simplex: &mut Simplex,
+    tolerance: f64,
+    max_iterations: u32,
+) -> Closest {
+    let enough = m.rounding_error();
+    closest_within(m, simplex, enough, tolerance, max_iterations)
+}
+
+/// [`closest`], or until the upper bound is at most `enough`.
+pub(super) fn closest_within<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    simplex: &mut Simplex,
+    enough: f64,
     tolerance: f64,
     max_iterations: u32,
 ) -> Closest {
@@ -305,7 +318,7 @@ pub(super) fn closest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         }
         simplex.used = kept;
         upper = length;
-        if length <= rounding {
+        if length <= enough {
             return Closest { end: End::AtOrigin, lower, upper, normal, iterations };
         }
         let vertex = m.point(-y);

@@ -31,7 +31,7 @@ use super::cache::Cache;
 use super::contact::Contact;
 use super::contact::separated_contact;
 use super::epa::Polytope;
-use super::epa::TOUCHING_ROUNDINGS;
+use super::epa::{FOOT_ROUNDINGS, TOUCHING_ROUNDINGS};
 use super::intersection::store_separation;
 use super::minkowski::{Minkowski, Point};
 use super::mpr::{FLATNESS, is_clearly_negative};
@@ -61,6 +61,8 @@ struct Lane {
     normal: DVec3,
     /// The portal at that time.
     face: [Point; 3],
+    /// The support point that has that value.
+    deepest: Point,
     /// A separating axis, and the points seen last.
     separating: Option<(DVec3, [Point; 3])>,
     /// Radius of a ball around the origin inside the Minkowski difference; negative if none is
@@ -127,6 +129,7 @@ impl Lane {
             upper: f64::INFINITY,
             normal: DVec3::X,
             face: [Point::EMPTY; 3],
+            deepest: Point::EMPTY,
             separating: None,
             lower: m.inner_radius() - v0.length(),
         };
@@ -161,7 +164,7 @@ impl Lane {
         let value = point.w.dot(n);
         // NaN is no bound.
         if value < self.upper {
-            (self.upper, self.normal, self.face) = (value, n, self.portal);
+            (self.upper, self.normal, self.face, self.deepest) = (value, n, self.portal, point);
         }
         if is_clearly_negative(value, n, m.rounding_error()) {
             let [v1, v2, _] = self.portal;
@@ -254,19 +257,23 @@ impl Lane {
         cache.forget_axis();
         cache.set_portal(&self.face);
         let (noise, rounding) = (m.noise(), m.rounding_error());
-        let status = if self.upper <= TOUCHING_ROUNDINGS * rounding {
+        let mut bound = Bound::at(self.upper, self.normal, self.face.each_ref());
+        let lower = (self.lower - noise).max(0.0);
+        bound.deepen(lower, |_| self.deepest);
+        // The witness points are opposite each other. There is no step left to search for others.
+        let is_settled = |width: f64| bound.off() <= width.max(0.0) + FOOT_ROUNDINGS * rounding;
+        let status = if self.upper <= TOUCHING_ROUNDINGS * rounding && lower == 0.0 && is_settled(self.upper) {
             Status::Touching
-        } else if self.upper - self.lower <= rounding {
+        } else if self.upper - self.lower <= rounding && is_settled(self.upper - self.lower) {
             Status::Exact
         } else {
             Status::IterationLimit
         };
-        let bound = Bound::at(self.upper, self.normal, self.face.each_ref());
         Contact {
             hit: true,
             status,
-            depth: if status == Status::Touching { 0.0 } else { self.upper },
-            depth_lower: (self.lower - noise).max(0.0),
+            depth: if status == Status::Touching { 0.0 } else { self.upper.max(lower) },
+            depth_lower: lower,
             depth_upper: self.upper.max(0.0) + rounding,
             normal: self.normal,
             point_a: bound.point_a,

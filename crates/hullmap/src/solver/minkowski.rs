@@ -184,6 +184,20 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
         }
     }
 
+    /// What `query` finds if B is moved by `by`, in A's frame, which is no longer than the shapes
+    /// together.
+    ///
+    /// The points that it finds count, and not whether they are the farthest. So the rounding error
+    /// is the noise alone.
+    pub(super) fn moved<T>(&mut self, by: DVec3, query: impl FnOnce(&mut Self) -> T) -> T {
+        let (center_b, rounding_error) = (self.center_b, self.rounding_error);
+        self.center_b += by;
+        self.rounding_error = self.noise;
+        let found = query(self);
+        (self.center_b, self.rounding_error) = (center_b, rounding_error);
+        found
+    }
+
     /// Support point of the difference in direction `dir`.
     ///
     /// `dir` is in A's frame, finite and non-zero; it need not be of unit length.

@@ -120,21 +120,61 @@ impl Motion {
         self.velocity
     }
 
-    /// Length of the velocity. Tiny velocities do not underflow.
-    pub(crate) fn speed(&self) -> f64 {
-        self.unit().map_or(0.0, |(_, speed)| speed)
+    /// The velocity times a power of two, and that power. No square of the product underflows.
+    ///
+    /// The product has no rounding error. Divided by the power, a time has the unit of the product.
+    pub(crate) fn scaled(&self) -> (DVec3, f64) {
+        let scale = if self.velocity.abs().max_element() < TINY_SPEED { SCALE } else { 1.0 };
+        (self.velocity * scale, scale)
     }
 
-    /// Unit direction and speed; `None` without motion.
-    pub(super) fn unit(&self) -> Option<(DVec3, f64)> {
-        // Divide by the largest component first: squares of tiny components would underflow.
-        let greatest = self.velocity.abs().max_element();
+    /// The path of the motion; `None` without motion.
+    pub(crate) fn path(&self) -> Option<Path> {
+        let (velocity, scale) = self.scaled();
+        let greatest = velocity.abs().max_element();
         if greatest == 0.0 {
             return None;
         }
-        let scaled = self.velocity / greatest;
-        let length = scaled.length();
-        Some((scaled / length, length * greatest))
+        let shape = velocity / greatest;
+        let length = shape.length();
+        Some(Path { direction: shape / length, speed: length * greatest, scale })
+    }
+}
+
+/// Speeds below this are multiplied by [`SCALE`] first: their squares would underflow, and the
+/// lengths of subnormal velocities would have few digits.
+const TINY_SPEED: f64 = power_of_two(-400);
+
+/// The smallest subnormal number times this has a square that is normal.
+const SCALE: f64 = power_of_two(600);
+
+/// 2 to the power of `exponent`, from −1022 to 1023.
+const fn power_of_two(exponent: i64) -> f64 {
+    f64::from_bits(((exponent + 1023) as u64) << 52)
+}
+
+/// The straight path of a motion: lengths along a unit direction stand for times.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Path {
+    /// Of unit length.
+    pub(crate) direction: DVec3,
+    /// Length per unit of time, times `scale`.
+    speed: f64,
+    /// A power of two, 1 unless the speed is tiny.
+    scale: f64,
+}
+
+impl Path {
+    /// Length of the path until `t`, infinite if that is beyond the range of f64. The relative
+    /// error is up to three roundings.
+    pub(crate) fn length(&self, t: f64) -> f64 {
+        t / self.scale * self.speed
+    }
+
+    /// Time for a length of the path, infinite if that is beyond the range of f64. The relative
+    /// error is up to three roundings.
+    pub(crate) fn time(&self, length: f64) -> f64 {
+        length / self.speed * self.scale
     }
 }
 
@@ -151,7 +191,8 @@ impl Motion {
 pub struct CastSettings {
     /// Maximum t, in the unit of the ray or the motion. A shape that is reached later is not hit.
     /// NaN and negative values count as 0: then only a hit at the start counts. The default is
-    /// infinite.
+    /// infinite, which counts as [`f64::MAX`]: a shape that is reached later, at a speed of less
+    /// than 1e-269, is not hit.
     pub max_t: f64,
     /// Maximum width of the interval as a length along the ray or the motion. It is relative to the
     /// outer radius of the shape, or to the sum of both radii. Dimensionless. The default is 1e-6.
@@ -173,9 +214,9 @@ impl Default for CastSettings {
 }
 
 impl CastSettings {
-    /// Maximum t, with 0 for NaN and for negative values.
+    /// Maximum t, finite, with 0 for NaN and for negative values.
     pub(crate) fn limit(&self) -> f64 {
-        self.max_t.max(0.0)
+        self.max_t.clamp(0.0, f64::MAX).max(0.0)
     }
 
     /// The tolerance, with 0 for NaN and for negative values.

@@ -26,10 +26,13 @@
 
 #![forbid(unsafe_code)]
 
+use super::bound::Bound;
 use super::cache::Cache;
 use super::contact::{Contact, core_contact};
 use super::distance::{Distance, core_distance};
+use super::epa::FOOT_ROUNDINGS;
 use super::intersection::{Intersection, core_intersects};
+use super::minkowski::Minkowski;
 use super::settings::Settings;
 use super::status::{Overlap, Status};
 use crate::pose::Pose;
@@ -140,6 +143,15 @@ pub(super) fn outward(gap: &Distance, touching_length: f64) -> DVec3 {
         .unwrap_or(gap.normal)
 }
 
+/// Witness points of rounded shapes from those of their cores: moved outward by the radii. If the
+/// shapes overlap, they move by less and meet in a common point.
+pub(super) fn rounded_points(gap: &Distance, radii: [f64; 2]) -> [DVec3; 2] {
+    let radius = radii[0] + radii[1];
+    let overlap = (radius - gap.point_a.distance(gap.point_b)).clamp(0.0, radius);
+    let ([on_a, on_b], out) = (radii.map(|r| r - overlap * (r / radius)), outward(gap, 0.0));
+    [gap.point_a + out * on_a, gap.point_b - out * on_b]
+}
+
 /// Status of the interval `[lower, upper]`, given the status of the cores.
 fn interval_status(status: Status, [lower, upper]: [f64; 2], tolerance: f64, touching_length: f64) -> Status {
     let width = upper - lower;
@@ -199,7 +211,6 @@ pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         CorePair::Separated(gap) => {
             let (rounding, touching_length) = (rounding(radius, gap.upper), touching_length(a, b, b_in_a));
             let (lower, upper) = (radius - gap.upper - rounding, radius - gap.lower + rounding);
-            let out = outward(&gap, touching_length);
             let mut found = Contact {
                 hit: true,
                 status: Status::Touching,
@@ -207,21 +218,33 @@ pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
                 depth_lower: 0.0,
                 depth_upper: upper,
                 normal: gap.normal,
-                point_a: gap.point_a + out * radii[0],
-                point_b: gap.point_b - out * radii[1],
+                point_a: gap.point_a,
+                point_b: gap.point_b,
                 iterations: gap.iterations,
                 support_calls: gap.support_calls,
             };
+            let mut out = outward(&gap, touching_length);
             if upper < 0.0 {
                 (found.hit, found.status, found.depth_upper) = (false, Status::Separated, 0.0);
             } else if lower > 0.0 {
                 (found.depth, found.depth_lower) = (radius - gap.distance, lower);
                 found.status = interval_status(gap.status, [lower, upper], tolerance, touching_length);
+                if gap.distance < found.depth {
+                    // The direction of points so near to each other is less certain than the
+                    // normal.
+                    out = gap.normal;
+                }
             } else if upper > touching_length {
                 // Neither certainly penetrating nor certainly touching.
                 found.depth = (radius - gap.distance).max(0.0);
                 found.status = interval_status(gap.status, [0.0, upper], tolerance, touching_length);
+            } else if !(-lower <= touching_length) {
+                // No plane separates the shapes, and no points are near enough to touch.
+                found.status = Status::Stalled;
             }
+            found.point_a += out * radii[0];
+            found.point_b -= out * radii[1];
+            settle((a, b, b_in_a), &mut found, [tolerance, touching_length]);
             found
         }
         CorePair::Overlapping(gap) => {
@@ -232,9 +255,10 @@ pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
             let separation = if core.depth_lower > 0.0 { 0.0 } else { gap.upper };
             let lower = radius + core.depth_lower - rounding - separation;
             let upper = radius + core.depth_upper + rounding;
-            Contact {
+            let touching_length = touching_length(a, b, b_in_a);
+            let mut found = Contact {
                 hit: true,
-                status: interval_status(core.status, [lower, upper], tolerance, touching_length(a, b, b_in_a)),
+                status: interval_status(core.status, [lower, upper], tolerance, touching_length),
                 depth: radius + core.depth,
                 depth_lower: lower.max(0.0),
                 depth_upper: upper,
@@ -243,9 +267,64 @@ pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
                 point_b: core.point_b - core.normal * radii[1],
                 iterations: gap.iterations + core.iterations,
                 support_calls: gap.support_calls + core.support_calls,
-            }
+            };
+            settle((a, b, b_in_a), &mut found, [tolerance, touching_length]);
+            found
         }
     }
+}
+
+/// Settles a contact of rounded shapes whose witness points are not opposite each other along the
+/// normal: it may be that of a plane other than the closest points', or the cores may have left
+/// them open. `tolerance` and `touching_length` are those of its status.
+fn settle<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    (a, b, b_in_a): (&A, &B, Pose),
+    found: &mut Contact,
+    [tolerance, touching_length]: [f64; 2],
+) {
+    let Contact { depth_lower: lower, depth_upper: upper, normal, point_a, point_b, .. } = *found;
+    let mut bound = Bound { upper, normal, point_a, point_b };
+    // NaN takes the search.
+    if !found.hit || bound.off() <= upper - lower {
+        return;
+    }
+    let mut m = Minkowski::new(a, b, b_in_a);
+    let slack = FOOT_ROUNDINGS * m.rounding_error();
+    let status = |lower: f64, upper: f64| {
+        let status = interval_status(found.status, [lower, upper], tolerance, touching_length);
+        Some(status).filter(|status| matches!(status, Status::Exact | Status::Within))
+    };
+    if matches!(found.status, Status::Exact | Status::Within) {
+        // The direction from one point to the other may be as good a normal.
+        let between = point_a - point_b;
+        if let Some(out) = unit(between)
+            && between.dot(normal) >= lower
+            && let upper = m.point(out).w.dot(out) + m.rounding_error()
+            && let Some(status) = status(lower, upper)
+        {
+            (found.status, found.normal, found.depth_upper) = (status, out, upper);
+            found.depth = found.depth.min(upper);
+            found.support_calls += m.support_calls();
+            return;
+        }
+        found.iterations += bound.search(&mut m, &[], upper - lower);
+        // The interval is as wide as the points are off. NaN takes the last branch.
+        let off = bound.off();
+        match status(upper - off, upper) {
+            _ if off <= upper - lower + slack => {}
+            Some(status) if off <= upper + slack => {
+                (found.status, found.depth_lower) = (status, (upper - off).max(0.0));
+            }
+            // The points are farther from each other than the shapes are deep.
+            _ if lower == 0.0 && off <= touching_length => (found.status, found.depth) = (Status::Touching, 0.0),
+            _ => found.status = Status::Stalled,
+        }
+    }
+    if found.depth_lower > 0.0 {
+        bound.deepen(found.depth_lower - slack, |normal| m.point(normal));
+    }
+    found.support_calls += m.support_calls();
+    (found.point_a, found.point_b) = (bound.point_a, bound.point_b);
 }
 
 /// Distance of `a` and `b`, with `b` at `b_in_a`, and the witness points that realise it.
@@ -292,12 +371,7 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let mut found = *gap;
     let (rounding, touching_length) = (rounding(radius, gap.upper), touching_length(a, b, b_in_a));
     let (lower, upper) = (gap.lower - radius - rounding, gap.upper - radius + rounding);
-    // The witness points move outward by the radii. If the shapes overlap, they move by less and
-    // meet in a common point.
-    let overlap = (radius - gap.point_a.distance(gap.point_b)).clamp(0.0, radius);
-    let (offsets, out) = (radii.map(|r| r - overlap * (r / radius)), outward(gap, 0.0));
-    found.point_a += out * offsets[0];
-    found.point_b -= out * offsets[1];
+    [found.point_a, found.point_b] = rounded_points(gap, radii);
     (found.lower, found.upper) = (lower.max(0.0), upper.max(0.0));
     found.distance = (gap.distance - radius).max(0.0);
     if upper < 0.0 || gap.status == Status::Overlapping {

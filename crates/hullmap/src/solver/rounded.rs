@@ -21,7 +21,7 @@ use glam::DVec3;
 use super::cache::Cache;
 use super::distance::{Distance, core_distance};
 use super::line::{Entry, Query};
-use super::queries::{Core, outward, rounding};
+use super::queries::{Core, outward, rounded_points, rounding};
 use super::settings::Settings;
 use super::status::Status;
 use crate::pose::Pose;
@@ -121,9 +121,9 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Cores<'_, A, B> {
         Ok(progress)
     }
 
-    /// Step 3: the upper bound of the entry, and whether it is certain that the shapes meet up to
-    /// there.
-    fn bracket(&mut self, progress: &mut Progress, query: &Query, cache: &mut Cache) -> (f64, bool) {
+    /// Step 3: the upper bound of the entry, and the cores there if it is certain that the shapes
+    /// meet up to there.
+    fn bracket(&mut self, progress: &mut Progress, query: &Query, cache: &mut Cache) -> (f64, Option<Sample>) {
         let mut trial = (SHARE * query.tolerance).max(4.0 * progress.sample.error);
         for _ in 0..MAX_TRIALS {
             let at = progress.lower + trial;
@@ -132,12 +132,12 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Cores<'_, A, B> {
             }
             let beyond = self.sample(at, cache);
             if beyond.upper <= 0.0 {
-                return (at, true);
+                return (at, Some(beyond));
             }
             let is_separated = beyond.lower > PATH_ROUNDINGS * f64::EPSILON * trial;
             if is_separated && beyond.along >= 0.0 {
                 // From here on they move apart.
-                return (at, false);
+                return (at, None);
             }
             if is_separated {
                 // They still approach each other, and so did they before.
@@ -146,13 +146,13 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Cores<'_, A, B> {
                 trial *= 8.0;
             }
         }
-        (self.end.max(progress.lower), false)
+        (self.end.max(progress.lower), None)
     }
 
     fn find(&mut self, radii: [f64; 2], query: &Query, cache: &mut Cache) -> Entry {
         let first = self.sample(0.0, cache);
         if first.upper < 0.0 {
-            let points = [first.gap.point_a, first.gap.point_b];
+            let points = rounded_points(&first.gap, radii);
             let (status, normal) = (Status::Overlapping, -self.direction);
             return Entry { status, at: 0.0, lower: 0.0, upper: 0.0, normal, points, iterations: 0 };
         }
@@ -160,7 +160,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Cores<'_, A, B> {
             Ok(progress) => progress,
             Err(normal) => return Entry::miss(normal, 0),
         };
-        let (upper, is_certain) = self.bracket(&mut progress, query, cache);
+        let (upper, meeting) = self.bracket(&mut progress, query, cache);
         let Progress { lower, normal, sample: Sample { gap, error, length, .. } } = progress;
         if lower > query.limit {
             return Entry::miss(normal, 0);
@@ -168,7 +168,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Cores<'_, A, B> {
         let width = upper - lower;
         // NaN takes the last branch.
         let status = match () {
-            () if !is_certain => Status::Touching,
+            () if meeting.is_none() => Status::Touching,
             () if width <= EXACT_ERRORS * error => Status::Exact,
             () if width <= query.tolerance => Status::Within,
             () => Status::Stalled,
@@ -176,7 +176,15 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Cores<'_, A, B> {
         // B has moved on since the sample.
         let out = outward(&gap, EXACT_ERRORS * error);
         let point_b = gap.point_b - out * radii[1] + self.direction * (lower - length);
-        let points = [gap.point_a + out * radii[0], point_b];
+        let mut points = [gap.point_a + out * radii[0], point_b];
+        if let Some(Sample { gap, .. }) = meeting
+            && !(points[0].distance(points[1]) <= width)
+        {
+            // The closest points were uncertain, or are far from where the shapes meet. At the
+            // upper bound they overlap.
+            let [on_a, on_b] = rounded_points(&gap, radii);
+            points = [on_a, on_b - self.direction * width];
+        }
         Entry { status, at: lower, lower, upper, normal, points, iterations: 0 }
     }
 }

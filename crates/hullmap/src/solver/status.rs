@@ -23,9 +23,11 @@ pub enum Status {
     Overlapping,
     /// A separating plane proves the shapes separated. Only [`contact`](crate::contact) returns it.
     Separated,
-    /// The iteration limit was reached; the interval is wider than the tolerance.
+    /// The iteration limit was reached; the interval is wider than the tolerance, or the witness
+    /// points are less accurate than the interval.
     IterationLimit,
-    /// Rounding error stopped all progress; the interval is wider than the tolerance.
+    /// Rounding error stopped all progress; the interval is wider than the tolerance, or the
+    /// witness points are less accurate than the interval.
     Stalled,
 }
 

@@ -621,10 +621,9 @@ fn witness_points_if_all_faces_are_equally_near() {
         let ball = hullmap::shapes::Sphere::new(ball).unwrap();
         let c = solve_contact(&cylinder, &ball, Pose::IDENTITY);
         assert_near(c.depth, radius + ball.radius());
-        let between = c.point_a - c.point_b;
-        assert!(between.dot(c.normal) <= c.depth_upper * (1.0 + 1e-12), "{c:?}");
-        assert!(between.length() >= c.depth_lower * (1.0 - 1e-3), "{c:?}");
-        assert!((DVec3::new(c.point_a.x, c.point_a.y, 0.0).length() - radius).abs() < 1e-3 * radius, "{c:?}");
+        let width = c.depth_upper - c.depth_lower + 1e-12 * c.depth;
+        assert!((c.point_a - c.point_b).distance(c.normal * c.depth) <= width, "{c:?}");
+        assert!((DVec3::new(c.point_a.x, c.point_a.y, 0.0).length() - radius).abs() <= width, "{c:?}");
     }
 }
 

@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::search::{End, Expansion};
-use super::{FOOT_OFF, TOUCHING_ROUNDINGS};
+use super::{BESIDE_ROUNDINGS, FOOT_ROUNDINGS, TOUCHING_ROUNDINGS};
 use crate::solver::bound::Bound;
 use crate::solver::gjk::{self, Simplex, closest};
 use crate::solver::minkowski::{Minkowski, Point};
@@ -14,32 +14,28 @@ use crate::vector::unit;
 /// Maximum number of steps of the closest-point search.
 const MAX_FLAT: u32 = 100;
 
-/// Witness points of a touching face that are more than this many rounding errors from each other
-/// show that the origin is beside the face.
-const BESIDE_ROUNDINGS: f64 = 4.0;
-
-/// Corrects the witness points of the bound.
+/// Corrects the witness points of a bound whose face does not give them.
 ///
 /// If the origin is in the plane of a face but beside the face, the face proves nothing: two flat
-/// shapes may be separated within their common plane. GJK decides. And if no face near the surface
-/// contained the origin's foot, as on a cylinder around a ball until the steps run out, a support
-/// point replaces points that are less deep than the bound.
+/// shapes may be separated within their common plane. GJK decides. And if a limit or rounding error
+/// ended the search, a support point replaces points that are less deep than the interval of the
+/// depth allows.
 #[inline]
 pub(super) fn settle<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     mut expansion: Expansion,
 ) -> Expansion {
-    let Bound { upper, normal, point_a, point_b } = expansion.bound;
-    let between = point_a - point_b;
-    let (beside, shallow) = (BESIDE_ROUNDINGS * m.rounding_error(), (1.0 - FOOT_OFF) * upper - m.rounding_error());
+    let between = expansion.bound.point_a - expansion.bound.point_b;
+    let beside = BESIDE_ROUNDINGS * m.rounding_error();
     if expansion.end == End::Touching && between.length_squared() > beside * beside {
-        return settle_beside(m, expansion);
+        expansion = settle_beside(m, expansion);
     }
-    // The difference along the normal counts, not the distance: convex radii are added along the
-    // normal.
-    if shallow > 0.0 && upper < f64::INFINITY && between.dot(normal) < shallow {
-        let point = m.point(normal);
-        (expansion.bound.point_a, expansion.bound.point_b) = (point.a, point.b());
+    if expansion.end == End::Separated {
+        return expansion;
+    }
+    if expansion.lower > 0.0 {
+        let slack = FOOT_ROUNDINGS * m.rounding_error();
+        expansion.bound.deepen(expansion.lower - slack, |normal| m.point(normal));
     }
     expansion
 }

@@ -26,9 +26,9 @@
 //! - d is a bound only once the surface certainly winds around the origin. Until then nothing is
 //!   claimed.
 //! - The smallest h(n) of all faces tried is kept with its face, so the upper bound never grows.
-//! - The search continues until the witness points are accurate, even if the bounds have met. If
-//!   the face of the smallest h(n) is not on the surface of the difference, or the origin's foot
-//!   lies outside the face, the search continues until a face or a support point gives good ones.
+//! - The face of the smallest h(n) may be inside the difference, or the origin's foot may be
+//!   outside the face, as in the middle of a flat or curved side with many vertices. Then GJK finds
+//!   the witness points ([`Bound::settle`]).
 //! - The ball around the interior points bounds the depth from below too, so round shapes end at
 //!   once.
 //! - Polytopes come in four sizes: most queries never touch the large arrays.
@@ -70,9 +70,14 @@ pub(in crate::solver) const TOUCHING_ROUNDINGS: f64 = 2.0;
 /// their normal is as uncertain.
 pub(in crate::solver) const FLAT_ROUNDINGS: f64 = 16.0;
 
-/// A foot outside the face by at most this fraction of its distance counts as inside; witness
-/// points are off by as much.
-const FOOT_OFF: f64 = 1e-3;
+/// Witness points may be this many rounding errors farther from the foot than the interval is wide:
+/// one each for the support point and the closest point. The search for them ends at as many
+/// noises.
+pub(in crate::solver) const FOOT_ROUNDINGS: f64 = 2.0;
+
+/// Witness points of a touching face that are more than this many rounding errors from each other
+/// show that the origin is beside the face.
+pub(in crate::solver) const BESIDE_ROUNDINGS: f64 = 4.0;
 
 /// Number of vertices at which a polytope is kept for the next query, unless it ends with fewer.
 /// Further vertices belong to small faces around the nearest one. These become dents when the pose
@@ -129,7 +134,7 @@ fn expand_from<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         small.copy_into(&mut medium);
         return expand_more(m, &mut medium, &mut state, &terms, cache);
     }
-    finish(&small, &mut state, kept_in)
+    finish(m, &small, &mut state, &terms, kept_in)
 }
 
 /// Expands from the polytope in `cache`. `None` if there is none that encloses the origin under the
@@ -142,39 +147,41 @@ pub(in crate::solver) fn expand_again<A: SupportMap + ?Sized, B: SupportMap + ?S
 ) -> Option<Expansion> {
     let points = cache.polytope()?.points().len();
     let terms = Terms::new(m, goal, max_expansions);
-    let expansion = if points + SPARE <= SIZES[0] {
+    let (expansion, steps) = if points + SPARE <= SIZES[0] {
         let mut small = Polytope::<{ SIZES[0] }, { 2 * SIZES[0] }>::empty(m.noise());
         let mut state = restore(m, &mut small, cache)?;
-        if run(m, &mut small, &mut state, &terms, None) {
-            finish(&small, &mut state, Some(cache))
+        let expansion = if run(m, &mut small, &mut state, &terms, None) {
+            finish(m, &small, &mut state, &terms, Some(cache))
         } else {
             let mut medium = Polytope::<{ SIZES[1] }, { 2 * SIZES[1] }>::empty(0.0);
             small.copy_into(&mut medium);
             expand_more(m, &mut medium, &mut state, &terms, cache)
-        }
+        };
+        (expansion, state.out.iterations)
     } else {
         expand_medium_again(m, &terms, cache)?
     };
-    if expansion.iterations > WORN_OUT {
+    if steps > WORN_OUT {
         cache.forget_polytope();
     }
     (expansion.end != End::Stalled).then(|| settle(m, expansion))
 }
 
-/// Not inlined, so that the common path needs little stack.
+/// Also returns the number of expansions. Not inlined, so that the common path needs little stack.
 #[inline(never)]
 fn expand_medium_again<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     terms: &Terms,
     cache: &mut Cache,
-) -> Option<Expansion> {
+) -> Option<(Expansion, u32)> {
     let mut medium = Polytope::<{ SIZES[1] }, { 2 * SIZES[1] }>::empty(m.noise());
     let mut state = restore(m, &mut medium, cache)?;
-    Some(if run(m, &mut medium, &mut state, terms, None) {
-        finish(&medium, &mut state, Some(cache))
+    let expansion = if run(m, &mut medium, &mut state, terms, None) {
+        finish(m, &medium, &mut state, terms, Some(cache))
     } else {
         expand_large(m, &medium, &mut state, terms, cache.scratch())
-    })
+    };
+    Some((expansion, state.out.iterations))
 }
 
 /// Restores the polytope in `cache` under the new pose. `None` if it does not certainly enclose the
@@ -201,7 +208,7 @@ fn expand_more<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     cache: &mut Cache,
 ) -> Expansion {
     if run(m, medium, state, terms, terms.keeps_polytope().then_some(&mut *cache)) {
-        return finish(medium, state, terms.keeps_polytope().then_some(cache));
+        return finish(m, medium, state, terms, terms.keeps_polytope().then_some(cache));
     }
     expand_large(m, medium, state, terms, cache.scratch())
 }
@@ -232,12 +239,12 @@ fn expand_in<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 ) -> Expansion {
     medium.overwrite(big);
     if run(m, big, state, terms, None) {
-        return finish(big, state, None);
+        return finish(m, big, state, terms, None);
     }
     big.overwrite(biggest);
     // A full polytope is the limit, which the state reports already.
     run(m, biggest, state, terms, None);
-    finish(biggest, state, None)
+    finish(m, biggest, state, terms, None)
 }
 
 /// Continues in the third size, on the stack.
@@ -251,7 +258,7 @@ fn expand_big<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let mut big = Polytope::<{ SIZES[2] }, { 2 * SIZES[2] }>::empty(0.0);
     medium.copy_into(&mut big);
     if run(m, &mut big, state, terms, None) {
-        return finish(&big, state, None);
+        return finish(m, &big, state, terms, None);
     }
     expand_biggest(m, &big, state, terms)
 }
@@ -268,18 +275,29 @@ fn expand_biggest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     big.copy_into(&mut biggest);
     // A full polytope is the limit, which the state reports already.
     run(m, &mut biggest, state, terms, None);
-    finish(&biggest, state, None)
+    finish(m, &biggest, state, terms, None)
 }
 
 /// Computes the witness points of the bound and keeps the polytope if it is fit to be kept.
-fn finish<const V: usize, const F: usize>(
+///
+/// The steps of the search for witness points count in the result, and not in `state`.
+fn finish<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: usize>(
+    m: &mut Minkowski<'_, A, B>,
     polytope: &Polytope<V, F>,
     state: &mut State,
+    terms: &Terms,
     cache: Option<&mut Cache>,
 ) -> Expansion {
-    if let Some(corners) = state.corners {
-        let Bound { upper, normal, .. } = state.out.bound;
-        state.out.bound = Bound::at(upper, normal, corners.map(|i| polytope.point(i)).each_ref());
+    let Bound { upper, normal, .. } = state.out.bound;
+    let face = state.corners.map(|corners| corners.map(|i| polytope.point(i)));
+    if let Some(face) = &face {
+        state.out.bound = Bound::at(upper, normal, face.each_ref());
+    }
+    let mut expansion = state.out;
+    if expansion.end == End::Converged {
+        let width = (upper - expansion.lower).min(terms.allowance(upper)).max(0.0);
+        let enough = width + FOOT_ROUNDINGS * m.noise();
+        expansion.iterations += expansion.bound.settle(m, face.as_ref().map_or(&[], |face| face), enough);
     }
     if let Some(cache) = cache {
         if !state.encloses || state.out.end == End::Stalled {
@@ -288,5 +306,5 @@ fn finish<const V: usize, const F: usize>(
             cache.keep_polytope(polytope.features(), polytope.faces());
         }
     }
-    state.out
+    expansion
 }

@@ -4,8 +4,7 @@
 use glam::DVec3;
 
 use super::polytope::{COPLANAR_NOISES, Polytope};
-use super::{FOOT_OFF, KEEP, TOUCHING_ROUNDINGS};
-use crate::solver::barycentric::on_triangle;
+use super::{KEEP, TOUCHING_ROUNDINGS};
 use crate::solver::bound::Bound;
 use crate::solver::cache::Cache;
 use crate::solver::minkowski::{Minkowski, Point};
@@ -94,7 +93,13 @@ impl Terms {
     /// Whether an upper bound is as near to a lower one as the goal requires.
     #[inline(always)]
     fn are_close(&self, upper: f64, lower: f64) -> bool {
-        upper - lower <= self.tolerance * upper + self.rounding
+        upper - lower <= self.allowance(upper)
+    }
+
+    /// Maximum width of the interval of a depth that ends the search.
+    #[inline(always)]
+    pub(super) fn allowance(&self, upper: f64) -> f64 {
+        self.tolerance * upper + self.rounding
     }
 }
 
@@ -147,21 +152,16 @@ pub(super) enum Next {
 
 /// The face whose plane is tested next.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Aim {
-    nearest: Nearest,
-    /// Whether the bounds are close.
-    close: bool,
-}
+pub(super) struct Aim(Nearest);
 
 impl Aim {
     /// Before the first step.
-    pub(super) const NOTHING: Self =
-        Self { nearest: Nearest { face: 0, direction: DVec3::ZERO, length: 0.0, offset: 0.0 }, close: false };
+    pub(super) const NOTHING: Self = Self(Nearest { face: 0, direction: DVec3::ZERO, length: 0.0, offset: 0.0 });
 
     /// The direction of the support query, of any length.
     #[inline(always)]
     pub(super) fn direction(&self) -> DVec3 {
-        self.nearest.direction
+        self.0.direction
     }
 }
 
@@ -199,10 +199,7 @@ pub(super) fn aim<const V: usize, const F: usize>(
     // 2. The nearest face bounds the depth from below.
     let nearest = Nearest::of(polytope);
     state.bound_from_below(polytope, &nearest, terms);
-    // No bound yet is infinite, and infinity is within a tolerance of infinity.
-    let upper = state.out.bound.upper;
-    let close = upper < f64::INFINITY && terms.are_close(upper, state.out.lower);
-    if let Some(end) = state.end_before_query(polytope, close, terms) {
+    if let Some(end) = state.end_before_query(terms) {
         state.out.end = end;
         return Next::Ended;
     }
@@ -217,7 +214,7 @@ pub(super) fn aim<const V: usize, const F: usize>(
         cache.keep_polytope(polytope.features(), polytope.faces());
     }
     state.out.iterations += 1;
-    Next::Query(Aim { nearest, close })
+    Next::Query(Aim(nearest))
 }
 
 /// Steps 3 and 4 of [`run`], with the support point in the direction of `aim`. Returns whether the
@@ -227,14 +224,14 @@ pub(super) fn continue_with<const V: usize, const F: usize>(
     polytope: &mut Polytope<V, F>,
     state: &mut State,
     terms: &Terms,
-    Aim { nearest, close }: &Aim,
+    Aim(nearest): &Aim,
     point: Point,
 ) -> bool {
     // 3. The support plane bounds it from above.
     let probe = Probe::new(point, nearest, terms);
     state.bound_from_above(polytope, nearest, &probe, terms);
     // 4. Stop if the bounds are close, else insert the support point.
-    if state.is_done(polytope, nearest, &probe, *close, terms) {
+    if probe.separated || probe.touching || probe.tight || state.is_close(terms) {
         state.out.end = probe.end();
         return true;
     }
@@ -305,33 +302,26 @@ impl State {
         self.out.lower = if self.encloses { nearest.offset.max(terms.ball) } else { terms.ball };
     }
 
-    /// How the search ends without a further support query, if it does. `close` states whether the
-    /// bounds are close.
+    /// Whether the bounds are as close as the goal requires.
     #[inline(always)]
-    fn end_before_query<const V: usize, const F: usize>(
-        &self,
-        polytope: &Polytope<V, F>,
-        close: bool,
-        terms: &Terms,
-    ) -> Option<End> {
+    fn is_close(&self, terms: &Terms) -> bool {
+        // No bound yet is infinite, and infinity is within a tolerance of infinity.
+        let upper = self.out.bound.upper;
+        upper < f64::INFINITY && terms.are_close(upper, self.out.lower)
+    }
+
+    /// How the search ends without a further support query, if it does.
+    #[inline(always)]
+    fn end_before_query(&self, terms: &Terms) -> Option<End> {
         if terms.goal == Goal::Decide && self.out.lower > terms.rounding {
             return Some(End::Inside);
         }
-        let Bound { upper, normal, .. } = self.out.bound;
-        if close {
-            // If the bound's face is on the surface of the difference, points on it are as deep as
-            // the bound.
-            let is_good = |corners: [u16; 3]| {
-                let face = corners.map(|i| polytope.point(i).w);
-                let is_tight = terms.are_close(upper, normal.dot(face[0]));
-                is_tight && has_foot(face, normal, terms.rounding)
-            };
-            if self.corners.is_none_or(is_good) {
-                return Some(End::Converged);
-            }
+        if self.is_close(terms) {
+            return Some(End::Converged);
         }
         // The first step is always taken: without it there may be no upper bound at all.
-        (self.out.iterations >= terms.max_expansions && upper < f64::INFINITY).then_some(End::Limit)
+        let is_last = self.out.iterations >= terms.max_expansions && self.out.bound.upper < f64::INFINITY;
+        is_last.then_some(End::Limit)
     }
 
     /// Step 3: the upper bound, with the face that it belongs to.
@@ -350,52 +340,4 @@ impl State {
             self.corners = Some(polytope.corners(face));
         }
     }
-
-    /// Step 4: whether the search is done. May replace the bound by another that is as good and has
-    /// better witness points. `close` states whether the bounds were close before this step.
-    #[inline(always)]
-    fn is_done<const V: usize, const F: usize>(
-        &mut self,
-        polytope: &Polytope<V, F>,
-        nearest: &Nearest,
-        probe: &Probe,
-        close: bool,
-        terms: &Terms,
-    ) -> bool {
-        let has_points = |corners: [u16; 3], upper: f64, normal: DVec3| {
-            let face = corners.map(|i| polytope.point(i).w);
-            upper - normal.dot(face[0]) <= FOOT_OFF * upper + terms.rounding && has_foot(face, normal, terms.rounding)
-        };
-        let Bound { upper, normal, .. } = self.out.bound;
-        let done = probe.separated
-            || probe.touching
-            || probe.tight
-            || (close && self.corners.is_none_or(|corners| has_points(corners, upper, normal)));
-        if done || !close || !terms.are_close(probe.value, self.out.lower) {
-            return done;
-        }
-        // This support plane is as good a bound. Its points may be those of the face, or, as on a
-        // ball, the support point that the normal points to.
-        let (value, normal, corners) =
-            (probe.value, nearest.direction / nearest.length, polytope.corners(nearest.face));
-        if probe.point.w.distance(normal * value) <= FOOT_OFF * value + terms.rounding {
-            self.out.bound = Bound { upper: value, normal, point_a: probe.point.a, point_b: probe.point.b() };
-            self.corners = None;
-            return true;
-        }
-        if has_points(corners, value, normal) {
-            (self.out.bound.upper, self.out.bound.normal) = (value, normal);
-            self.corners = Some(corners);
-            return true;
-        }
-        false
-    }
-}
-
-/// Whether the origin's foot on the plane of a face with this unit normal lies in the face. It does
-/// for the polytope's nearest face. A face without the foot gives no witness points, however good
-/// its normal.
-fn has_foot([p, q, r]: [DVec3; 3], normal: DVec3, rounding: f64) -> bool {
-    let foot = normal * normal.dot(p);
-    foot.distance(on_triangle(p, q, r).point) <= FOOT_OFF * foot.length() + rounding
 }

@@ -160,10 +160,11 @@ impl Search {
         cache: &mut Cache,
         room: &Room,
     ) -> Progress {
+        let Self { terms, state, .. } = self;
         let expansion = if self.is_medium {
-            finish(&room.medium, &mut self.state, Some(&mut *cache))
+            finish(m, &room.medium, state, terms, Some(&mut *cache))
         } else {
-            finish(&room.small, &mut self.state, Some(&mut *cache))
+            finish(m, &room.small, state, terms, Some(&mut *cache))
         };
         self.settle(m, expansion, cache)
     }
@@ -174,7 +175,7 @@ impl Search {
         expansion: Expansion,
         cache: &mut Cache,
     ) -> Progress {
-        if self.again && expansion.iterations > WORN_OUT {
+        if self.again && self.state.out.iterations > WORN_OUT {
             cache.forget_polytope();
         }
         let is_useless = self.again && expansion.end == End::Stalled;

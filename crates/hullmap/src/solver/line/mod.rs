@@ -37,6 +37,7 @@ use self::clearance::clearance;
 use self::clip::Clip;
 use self::portal::{Discovery, End, Pierced, Portal, Search, Sense};
 use super::barycentric::blend;
+use super::bound::Bound;
 use super::minkowski::Minkowski;
 use super::status::Status;
 use crate::support::SupportMap;
@@ -135,8 +136,9 @@ fn find<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(search: &mut Search<'_, 
     let is_ahead = middle.at - error >= origin;
     let is_behind = middle.at + error <= origin;
     let mut is_past = is_ahead;
+    // The portal that is farthest along the line.
+    let mut exit = start;
     if !is_ahead && middle.at < origin || is_behind {
-        let mut exit = start;
         match search.refine(&mut exit, Sense::Exit, known, (0.0, limit)) {
             End::Missed => return Entry::miss(search.clip.last, 0),
             End::Passed if is_behind => return inside(search, [&start, &exit]),
@@ -150,7 +152,7 @@ fn find<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(search: &mut Search<'_, 
         End::Missed => return Entry::miss(search.clip.last, 0),
         End::Passed if is_ahead => return inside(search, [&entry, &start]),
         End::Passed => {
-            let mut exit = start;
+            exit = start;
             return match search.refine(&mut exit, Sense::Exit, known, (0.0, limit)) {
                 End::Passed => inside(search, [&entry, &exit]),
                 _ => leaving(search, &exit),
@@ -200,11 +202,16 @@ fn find<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(search: &mut Search<'_, 
         End::Limit => Status::IterationLimit,
         _ => Status::Stalled,
     };
-    answer(clip, status, [clip.lower, pierced.at, upper], &entry)
+    let mut found = answer(clip, status, [clip.lower, pierced.at, upper], [&entry, &exit]);
+    if found.upper == 0.0 {
+        found.points = common_point(search, found.points);
+    }
+    found
 }
 
-/// The answer for an interval of the clip's parameter.
-fn answer(clip: &Clip, status: Status, [lower, at, upper]: [f64; 3], portal: &Portal) -> Entry {
+/// The answer for an interval of the clip's parameter, from the portals where the line enters the
+/// set and where it is farther along it.
+fn answer(clip: &Clip, status: Status, [lower, at, upper]: [f64; 3], [entry, ahead]: [&Portal; 2]) -> Entry {
     let along = |parameter: f64, roundings: f64| {
         parameter - clip.origin + roundings * f64::EPSILON * (parameter.abs() + clip.origin.abs())
     };
@@ -213,29 +220,54 @@ fn answer(clip: &Clip, status: Status, [lower, at, upper]: [f64; 3], portal: &Po
     // NaN becomes the lower bound.
     let at = if at >= lower { at.min(upper) } else { lower };
     let normal = if clip.normal == DVec3::ZERO { -clip.direction } else { clip.normal };
-    let weights = portal.pierced().weights;
-    let corners = portal.corners.map(|corner| corner.point);
-    let point_b = blend(&weights, corners.map(|point| point.b())) + clip.direction * at;
-    let points = [blend(&weights, corners.map(|point| point.a)), point_b];
+    let points = points_at(clip, clip.origin + at, [entry, ahead]);
     Entry { status, at, lower, upper, normal, points, iterations: 0 }
+}
+
+/// The points of A, and of B after its motion, at a parameter of the line: those of the entry, or,
+/// if that is behind, those between it and the portal ahead.
+fn points_at(clip: &Clip, parameter: f64, [entry, ahead]: [&Portal; 2]) -> [DVec3; 2] {
+    let points = |portal: &Portal| {
+        let (pierced, corners) = (portal.pierced(), portal.corners.map(|corner| corner.point));
+        let on_b = blend(&pierced.weights, corners.map(|point| point.b()));
+        (pierced.at, blend(&pierced.weights, corners.map(|point| point.a)), on_b)
+    };
+    let (from, mut on_a, mut on_b) = points(entry);
+    if parameter - from > clip.noise {
+        let (to, far_a, far_b) = points(ahead);
+        // NaN, from a portal that is not ahead, takes the failing branch.
+        if to > from {
+            let share = ((parameter - from) / (to - from)).min(1.0);
+            (on_a, on_b) = (on_a.lerp(far_a, share), on_b.lerp(far_b, share));
+        }
+    }
+    [on_a, on_b + clip.direction * (parameter - clip.origin)]
 }
 
 /// The origin is certainly inside, between two portals.
 fn inside<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    search: &Search<'_, '_, A, B>,
-    [behind, ahead]: [&Portal; 2],
+    search: &mut Search<'_, '_, A, B>,
+    portals: [&Portal; 2],
 ) -> Entry {
-    let [from, to] = [behind, ahead].map(|portal| portal.pierced().at);
-    let share = (search.clip.origin - from) / (to - from);
-    let [from, to] =
-        [behind, ahead].map(|portal| blend(&portal.pierced().weights, portal.corners.map(|corner| corner.point.a)));
-    let (status, normal, points) = (Status::Overlapping, -search.clip.direction, [from.lerp(to, share); 2]);
+    let (status, normal) = (Status::Overlapping, -search.clip.direction);
+    let points = points_at(&search.clip, search.clip.origin, portals);
+    let points = common_point(search, points);
     Entry { status, at: 0.0, lower: 0.0, upper: 0.0, normal, points, iterations: 0 }
+}
+
+/// The point that these two are, where the line starts inside of the set.
+fn common_point<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    search: &mut Search<'_, '_, A, B>,
+    points: [DVec3; 2],
+) -> [DVec3; 2] {
+    let (points, steps) = Bound::common_point(search.m, points, -search.clip.direction);
+    search.steps += steps;
+    points
 }
 
 /// The line leaves the set at its origin, within rounding error.
 fn leaving<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(search: &Search<'_, '_, A, B>, exit: &Portal) -> Entry {
     let clip = &search.clip;
-    let found = answer(clip, Status::Touching, [clip.lower, clip.origin, clip.upper], exit);
+    let found = answer(clip, Status::Touching, [clip.lower, clip.origin, clip.upper], [exit; 2]);
     Entry { normal: -clip.direction, ..found }
 }

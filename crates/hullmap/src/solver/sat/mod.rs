@@ -14,7 +14,8 @@
 //! 3. In f32, rule out the faces and the arcs of A whose values cannot be the minimum.
 //! 4. In f64, evaluate the rest: faces by a support query, arcs by bisection at the direction in
 //!    which two support points are equally far.
-//! 5. Witness points from all vertices in the support plane ([`witness`]).
+//! 5. Witness points from all vertices in the support plane ([`witness`]); or, if those in
+//!    neighbouring planes are needed as well, by GJK ([`Bound::search`]).
 //!
 //! # Deviations
 //! - Nothing loops over pairs of edges: an arc of A whose two ends share the support point of B
@@ -35,6 +36,7 @@ use self::scan::{Arc, Pair, Scan, threshold};
 use super::bound::Bound;
 use super::cache::Cache;
 use super::contact::{Contact, separated_contact};
+use super::epa::FOOT_ROUNDINGS;
 use super::intersection::store_separation;
 use super::minkowski::{Minkowski, Point};
 use super::status::Status;
@@ -263,7 +265,17 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, F: FirstPass<P, N>, co
         return None;
     };
     // 5.
-    let (point_a, point_b) = witness::points(m, facets, &pair, first.points(), dispatch, best.normal, best.upper)?;
+    let mut best = best;
+    let enough = best.upper - lower + FOOT_ROUNDINGS * m.noise();
+    match witness::points(m, facets, &pair, first.points(), dispatch, &best, enough) {
+        Some(points) => [best.point_a, best.point_b] = points,
+        // The facets beside that of the foot have to be considered, too.
+        None => _ = best.search(m, &[], enough),
+    }
+    // NaN takes the failing branch.
+    if !(best.off() <= enough + FOOT_ROUNDINGS * rounding) {
+        return None;
+    }
     cache.set_axis(best.normal);
     Some(Contact {
         hit: true,
@@ -272,8 +284,8 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, F: FirstPass<P, N>, co
         depth_lower: lower - m.noise(),
         depth_upper: best.upper + rounding,
         normal: best.normal,
-        point_a,
-        point_b,
+        point_a: best.point_a,
+        point_b: best.point_b,
         iterations: m.support_calls(),
         support_calls: 0,
     })

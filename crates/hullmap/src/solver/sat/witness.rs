@@ -11,6 +11,7 @@ use glam::DVec3;
 
 use super::scan::Pair;
 use crate::solver::barycentric::on_triangle;
+use crate::solver::bound::Bound;
 use crate::solver::minkowski::Minkowski;
 use crate::support::SupportMap;
 use crate::support::facets::{Facets, PointBlock};
@@ -22,10 +23,6 @@ const MAX_STEPS: usize = 24;
 
 /// Vertices within this many rounding errors of the support plane are in it.
 const PLANE_ROUNDINGS: f64 = 2.0;
-
-/// Witness points may be off the line along the normal by this fraction of the depth: a tenth of
-/// the default tolerance.
-const FOOT_OFF: f64 = 1e-6;
 
 /// Maximum number of vertices of a shape in its support plane.
 const MAX_IN_PLANE: usize = 16;
@@ -146,17 +143,17 @@ impl<const P: usize> Pass for NearPass<'_, P> {
     }
 }
 
-/// The witness points of A and B for a depth along `normal`; `None` if the foot is not in the
-/// facet.
+/// The witness points of A and B for the depth of `bound`, opposite each other along its normal to
+/// within `enough`; `None` if the foot is not in the facet.
 pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize>(
     m: &Minkowski<'_, A, B>,
     [a, b]: &[Facets<'_>; 2],
     pair: &Pair<'_>,
     points: [&[PointBlock; P]; 2],
     dispatch: Dispatch,
-    normal: DVec3,
-    depth: f64,
-) -> Option<(DVec3, DVec3)> {
+    &Bound { upper: depth, normal, .. }: &Bound,
+    enough: f64,
+) -> Option<[DVec3; 2]> {
     let slack = PLANE_ROUNDINGS * m.rounding_error() + 4.0 * (a.slack() + b.slack());
     let dirs = [normal, m.rotation().transpose() * -normal];
     let margin = (slack + 2.0 * pair.error()) as f32;
@@ -165,14 +162,13 @@ pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: us
     // Points of the difference for the point at the origin of A's frame.
     let place = |point: DVec3| m.point_of(DVec3::ZERO, point, [0; 2]).w;
     let foot = normal * depth;
-    let near_foot = 2.0 * slack;
     if let Some([a0, a1]) = Feature::edge(a, pass.near[1], dirs[0], slack, |point| point)
         && let Some([b0, b1]) = Feature::edge(b, pass.near[0], dirs[1], slack, place)
         && let Some([s, t]) = crossing(a0 + b0 - foot, a1 - a0, b1 - b0)
     {
         let (on_a, on_b) = (a0 + (a1 - a0) * s, b0 + (b1 - b0) * t);
-        if (on_a + on_b - foot).length() <= near_foot {
-            return Some((on_a, -on_b));
+        if (on_a + on_b - foot).length() <= enough {
+            return Some([on_a, -on_b]);
         }
     }
     let (mut on_a, mut on_b) = (Feature::EMPTY, Feature::EMPTY);
@@ -191,19 +187,19 @@ pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: us
         // A vertex and a triangle.
         let [p, q, r] = triangle.map(|sum| sum.off);
         let nearest = on_triangle(p, q, r);
-        if nearest.point.length() <= near_foot {
+        if nearest.point.length() <= enough {
             return Some(combined(&triangle, nearest.weights, foot));
         }
     }
     let mut simplex = [sum(DVec3::ZERO); 3];
     let (mut weights, mut at) = ([1.0, 0.0, 0.0], simplex[0].off);
     for _ in 0..MAX_STEPS {
-        if at.length() <= near_foot {
+        if at.length() <= enough {
             break;
         }
         let next = sum(at);
         // NaN counts as no progress.
-        if !(next.off.dot(at) < at.length_squared() - near_foot * at.length()) {
+        if !(next.off.dot(at) < at.length_squared() - enough * at.length()) {
             break;
         }
         // Replace a vertex without weight.
@@ -230,19 +226,16 @@ pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: us
         (simplex, weights, at) = (larger, nearest.weights, nearest.point);
     }
     // NaN takes the failing branch.
-    if !(at.length() <= FOOT_OFF * depth + 4.0 * slack) {
-        return None;
-    }
-    Some(combined(&simplex, weights, foot))
+    (at.length() <= enough).then(|| combined(&simplex, weights, foot))
 }
 
 /// The points of A and B with these weights.
-fn combined(simplex: &[Sum; 3], weights: [f64; 3], foot: DVec3) -> (DVec3, DVec3) {
+fn combined(simplex: &[Sum; 3], weights: [f64; 3], foot: DVec3) -> [DVec3; 2] {
     let mut point_a = DVec3::ZERO;
     let mut off = DVec3::ZERO;
     for (sum, weight) in simplex.iter().zip(weights) {
         point_a += sum.a * weight;
         off += sum.off * weight;
     }
-    (point_a, point_a - (foot + off))
+    [point_a, point_a - (foot + off)]
 }
