@@ -269,7 +269,7 @@ pub use solver::ray::ray;
 pub use solver::signed_distance::signed_distance;
 pub use solver::{
     Cache, CastSettings, Contact, Distance, Impact, Intersection, Minkowski, Motion, Overlap, Ray, RayHit, Scratch,
-    Settings, SignedDistance, Status, VectorError, Vertex, contact_lockstep,
+    Settings, SignedDistance, Status, VectorError, Vertex,
 };
 #[doc(hidden)]
 pub use support::Facets;

@@ -7,7 +7,7 @@ use hullmap::{
     Cache, CastSettings, Compound, CompoundCache, CompoundManifolds, Contact, Feature, Manifold, ManifoldSettings,
     Motion, Pack, Pose, Ray, Scratch, Settings, Shape,
     batch::{self, Pair},
-    cascade, cast, compound, contact, contact_lockstep, distance,
+    cascade, cast, compound, contact, distance,
     glam::{DQuat, DVec3, Vec3},
     intersects, ray,
     shapes::{Capsule, Rounded, Sphere},
@@ -49,7 +49,6 @@ fn run_all<A: Shape, B: Shape>(a: &A, b: &B, settings: &Settings, scratch: &mut 
         black_box(distance(a, b, pose, settings, &mut cache));
         let manifold_settings = ManifoldSettings { contact: *settings, ..Default::default() };
         black_box(Manifold::new().update(a, b, pose, &manifold_settings, &mut cache));
-        black_box(contact_lockstep(a, b, pose, 24, &mut cache));
         let cast_settings = CastSettings { tolerance: 0.0, ..CastSettings::default() };
         for along in [DVec3::ZERO, DVec3::NEG_X, DVec3::new(0.3, -0.2, -1.0)] {
             black_box(cast(a, b, pose, Motion::new(along).unwrap(), &cast_settings, &mut cache));

@@ -4,10 +4,7 @@ use glam::{DQuat, DVec3};
 use hullmap::batch::{self, Pair};
 use hullmap::cascade::{self, Stages};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
-use hullmap::{
-    Cache, Hull, Manifold, ManifoldSettings, Pack, Pose, Settings, Shape, contact, contact_lockstep, distance,
-    intersects,
-};
+use hullmap::{Cache, Hull, Manifold, ManifoldSettings, Pack, Pose, Settings, Shape, contact, distance, intersects};
 use shapes::rng::SplitMix64;
 
 use crate::bits::Bits;
@@ -53,7 +50,6 @@ pub fn chunk(packs: &[Pack], index: u64, per_kind: usize) -> [u64; KINDS.len()] 
             if i % 2 == 0 {
                 yes.intersection(&intersects(a, b, b_in_a, &mut caches[0]));
                 deep.contact(&contact(a, b, b_in_a, &settings, &mut caches[1]));
-                deep.contact(&contact_lockstep(a, b, b_in_a, 12, &mut Cache::new()));
                 near.distance(&distance(a, b, b_in_a, &settings, &mut caches[2]));
             } else {
                 yes.intersection(&intersects(any_a, any_b, b_in_a, &mut caches[0]));

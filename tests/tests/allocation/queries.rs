@@ -8,8 +8,8 @@ use hullmap::cascade::{self, OuterHulls, Stages};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Scaled, Segment, Sphere, Triangle};
 use hullmap::{
     Cache, CastSettings, Compound, CompoundCache, CompoundManifolds, Feature, Hull, Manifold, ManifoldSettings,
-    Minkowski, Motion, Pack, Pose, Ray, Settings, Shape, cast, compound, contact, contact_lockstep, distance,
-    intersects, ray, signed_distance,
+    Minkowski, Motion, Pack, Pose, Ray, Settings, Shape, cast, compound, contact, distance, intersects, ray,
+    signed_distance,
 };
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::packs::{self, pack};
@@ -195,9 +195,6 @@ fn queries_allocate_nothing() {
                 black_box(ray(a, &Ray::new(poses[i].translation(), along).unwrap(), &settings));
             }
             black_box(signed_distance(a, poses[i].translation(), &exact, cache).unwrap());
-        });
-        each("contact_lockstep", &mut |i, cache| {
-            black_box(contact_lockstep(hull_at(i), hull_at(i / 2), poses[i], 12, cache));
         });
         each("stages", &mut |i, cache| {
             let stages = Stages { outer: OuterHulls::Always, ..Stages::default() };

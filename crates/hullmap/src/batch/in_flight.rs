@@ -21,11 +21,11 @@
 //! word has come. The slots of the six cube faces are an exception, since they are fetched ahead.
 
 use super::ahead::{fetch_pairs, fetch_queries};
-use super::{Pair, SupportQuery, has_facets};
+use super::{Pair, SupportQuery};
 use crate::shapes::Shape;
 use crate::solver::{
-    Cache, Contact, Distance, Intersection, Settings, Suspended, SuspendedContact, SuspendedDistance,
-    SuspendedIntersection, queries,
+    Cache, Contact, ContactQuery, Distance, DistanceQuery, Intersection, IntersectionQuery, Query, Settings, Suspended,
+    queries,
 };
 use crate::support::simd::fetch_start;
 use crate::support::{Lookup, SupportPoint};
@@ -45,21 +45,21 @@ struct Lane<Q, R> {
     room: Option<R>,
 }
 
-/// Answers all pairs, `N` at a time: those for which `at_once` has an answer at once, all others as
-/// suspended queries. The slices have equal lengths.
+/// Answers all pairs, `N` at a time: rounded shapes by `at_once`, all others as suspended queries.
+/// The slices have equal lengths.
 fn answer_all<'s, A, B, Q, const N: usize>(
     pairs: &[Pair<'s, A, B>],
     settings: &Q::Settings,
     caches: &mut [Cache],
     out: &mut [Q::Answer],
-    at_once: impl Fn(&Pair<'s, A, B>, &mut Cache) -> Option<Q::Answer>,
+    at_once: impl Fn(&Pair<'s, A, B>, &mut Cache) -> Q::Answer,
 ) where
     A: Shape + ?Sized,
     B: Shape + ?Sized,
-    Q: Suspended<'s, A, B>,
+    Q: Query<A, B>,
 {
     // An array of rooms would be built in copies, which take several times the stack.
-    let mut lanes = [const { Lane::<Q, Q::Room> { query: None, room: None } }; N];
+    let mut lanes = [const { Lane::<Suspended<'s, A, B, Q>, Q::Room> { query: None, room: None } }; N];
     let mut rest = 0..pairs.len();
     // Starts the next query that takes a support query.
     let mut start = |room: &mut Q::Room, caches: &mut [Cache], out: &mut [Q::Answer]| {
@@ -69,11 +69,11 @@ fn answer_all<'s, A, B, Q, const N: usize>(
             let (Some(pair), Some(cache), Some(out)) = (pairs.get(at), caches.get_mut(at), out.get_mut(at)) else {
                 break;
             };
-            if let Some(answer) = at_once(pair, cache) {
-                *out = answer;
+            if is_rounded(pair) {
+                *out = at_once(pair, cache);
                 continue;
             }
-            match Q::start((pair.a, pair.b, pair.b_in_a), settings, cache, room) {
+            match Suspended::start((pair.a, pair.b, pair.b_in_a), settings, cache, room) {
                 Ok(query) => return Some((at, query)),
                 Err(answer) => *out = answer,
             }
@@ -89,7 +89,7 @@ fn answer_all<'s, A, B, Q, const N: usize>(
         for Lane { query: slot, room } in &mut lanes {
             let (Some((at, query)), Some(room)) = (slot.as_mut(), room) else { continue };
             let Some(cache) = caches.get_mut(*at) else { continue };
-            if let Some(answer) = query.step(settings, cache, room) {
+            if let Some(answer) = query.resume(settings, cache, room) {
                 if let Some(out) = out.get_mut(*at) {
                     *out = answer;
                 }
@@ -110,8 +110,8 @@ where
     A: Shape + ?Sized,
     B: Shape + ?Sized,
 {
-    answer_all::<A, B, SuspendedIntersection<'_, A, B>, LANES>(pairs, &(), caches, out, |pair, cache| {
-        is_rounded(pair).then(|| queries::intersects(pair.a, pair.b, pair.b_in_a, cache))
+    answer_all::<A, B, IntersectionQuery, LANES>(pairs, &(), caches, out, |pair, cache| {
+        queries::intersects(pair.a, pair.b, pair.b_in_a, cache)
     });
 }
 
@@ -121,8 +121,8 @@ where
     A: Shape + ?Sized,
     B: Shape + ?Sized,
 {
-    answer_all::<A, B, SuspendedDistance<'_, A, B>, LANES>(pairs, settings, caches, out, |pair, cache| {
-        is_rounded(pair).then(|| queries::distance(pair.a, pair.b, pair.b_in_a, settings, cache))
+    answer_all::<A, B, DistanceQuery, LANES>(pairs, settings, caches, out, |pair, cache| {
+        queries::distance(pair.a, pair.b, pair.b_in_a, settings, cache)
     });
 }
 
@@ -132,9 +132,8 @@ where
     A: Shape + ?Sized,
     B: Shape + ?Sized,
 {
-    answer_all::<A, B, SuspendedContact<'_, A, B>, CONTACT_LANES>(pairs, settings, caches, out, |pair, cache| {
-        let is_plain = is_rounded(pair) || settings.max_iterations == 0 || has_facets(pair);
-        is_plain.then(|| queries::contact(pair.a, pair.b, pair.b_in_a, settings, cache))
+    answer_all::<A, B, ContactQuery, CONTACT_LANES>(pairs, settings, caches, out, |pair, cache| {
+        queries::contact(pair.a, pair.b, pair.b_in_a, settings, cache)
     });
 }
 

@@ -1,21 +1,24 @@
 //! Contact of two shapes: penetration depth as an interval, normal and witness points.
 //!
-//! It combines MPR (portal discovery and refinement) and EPA (the expanding polytope).
+//! It combines SAT (the separating axis test), MPR (portal discovery and refinement) and EPA (the
+//! expanding polytope).
 //!
 //! # Reference
 //! Kenwright, Algorithm 1 and Listing 2.
 //!
 //! # Steps
-//! 1. Balls around the shapes and the last separating axis: the pair may be separated at once.
-//! 2. The last polytope under the new pose: if it still winds around the origin, continue with step
-//!    5.
-//! 3. Portal discovery (Algorithm 1, lines 1 to 5).
-//! 4. Portal refinement towards the surface (lines 6 to 9).
-//! 5. EPA from the centre and the portal to the minimum depth.
-//! 6. Witness points from barycentric coordinates (line 10).
+//! 1. Balls around the shapes, and the last separating axis: the pair may be separated at once. If
+//!    the shapes are balls within the tolerance, the line of centres is the answer.
+//! 2. The separating axis test (SAT), for close, small hulls.
+//! 3. The last polytope under the new pose: if it still winds around the origin, continue with step
+//!    6.
+//! 4. Portal discovery (Algorithm 1, lines 1 to 5).
+//! 5. Portal refinement towards the surface (lines 6 to 9).
+//! 6. EPA from the centre and the portal to the minimum depth.
+//! 7. Witness points from barycentric coordinates (line 10).
 //!
 //! # Deviations
-//! - Step 5. The paper takes the depth along the normal of the portal that the centre ray pierces,
+//! - Step 6. The paper takes the depth along the normal of the portal that the centre ray pierces,
 //!   which is up to 3.8 times too large. With `max_iterations` 0 it is returned as an upper bound.
 //! - Otherwise portal refinement stops at the first portal with the origin behind it. A portal
 //!   refined to the surface is a poor start for EPA: it took 3 to 20 more support calls (8 to 8,192
@@ -24,17 +27,16 @@
 
 use super::bound::Bound;
 use super::cache::Cache;
-use super::epa::{self, Expansion, Goal, Progress, Room, expand, expand_again};
-use super::intersection::{Early, portal_tetrahedron, separated_early, store_separation};
-use super::minkowski::{Interrupted, Minkowski};
-use super::mpr::{self, Discovery, Found, Portal, discover_portal};
-use super::mpr::{Side, Until, refine_portal};
+use super::epa::{self, Expansion, Goal, Progress, Room};
+use super::intersection::{axis_of_balls, portal_tetrahedron, store_separation};
+use super::minkowski::{Minkowski, Point};
+use super::mpr::{self, Found, Until};
 use super::sat;
 use super::settings::Settings;
 use super::status::Status;
-use super::suspended::Suspended;
+use super::steps::{Query, Step, at_once};
 use crate::pose::Pose;
-use crate::support::{SupportMap, facets::Facets};
+use crate::support::SupportMap;
 use crate::vector::unit;
 use glam::DVec3;
 
@@ -105,11 +107,7 @@ pub(super) fn core_contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     settings: &Settings,
     cache: &mut Cache,
 ) -> Contact {
-    let mut m = Minkowski::new(a, b, b_in_a);
-    let facets = a.facets().zip(b.facets()).map(|(a, b)| [a, b]);
-    let mut out = solve(&mut m, facets, settings, cache);
-    out.support_calls = m.support_calls();
-    out
+    at_once::<A, B, ContactQuery>(&mut Minkowski::new(a, b, b_in_a), settings, cache)
 }
 
 /// Contact by the separating axis test alone, whether it pays or not; `None` if it does not decide,
@@ -143,231 +141,188 @@ pub fn contact_by_facets<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     Some(out)
 }
 
-fn solve<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    facets: Option<[Facets<'_>; 2]>,
-    settings: &Settings,
-    cache: &mut Cache,
-) -> Contact {
-    let tolerance = settings.relative_tolerance();
-    let last = match separated_early(m, cache) {
-        Early::Separated(axis) => return separated_contact(m, cache, axis, 0),
-        Early::Unknown(last) => last,
-    };
-    if let Some(found) = contact_of_balls(m, tolerance) {
-        cache.forget_axis();
-        return found;
-    }
-    if settings.max_iterations > 0
-        && let Some(facets) = facets
-        && sat::pays(m, &facets, cache)
-        && let Some(found) = sat::contact(m, facets, tolerance, last.as_ref(), cache)
-    {
-        return found;
-    }
-    if settings.max_iterations > 0
-        && let Some(expanded) = expand_again(m, Goal::Depth { tolerance }, settings.max_iterations, cache)
-    {
-        return contact_from_expansion(m, cache, &expanded, tolerance, expanded.iterations);
-    }
-    let mut portal = Portal::EMPTY;
-    let (found, mut iterations) = discover_portal(m, &mut portal);
-    let mut bound = Bound::none();
-    let mut start = None;
-    match found {
-        Discovery::Separated { axis } => {
-            store_separation(cache, axis, &portal.vertices);
-            return separated_contact(m, cache, axis, iterations);
-        }
-        Discovery::Portal => {
-            let until = if settings.max_iterations == 0 { Until::Surface { tolerance } } else { Until::Decided };
-            let refined = refine_portal(m, &mut portal, until, &mut bound);
-            iterations += refined.iterations;
-            if refined.side == Side::Separated {
-                store_separation(cache, refined.axis, &portal.vertices);
-                return separated_contact(m, cache, refined.axis, iterations);
-            }
-            start = Some(portal_tetrahedron(m, &portal));
-        }
-        Discovery::Flat | Discovery::Limit => {}
-    }
-    let expanded = expand(m, start, Goal::Depth { tolerance }, bound, settings.max_iterations, cache);
-    iterations += expanded.iterations;
-    contact_from_expansion(m, cache, &expanded, tolerance, iterations)
-}
-
-/// A contact query that is suspended wherever it waits for memory, so that a batch can keep several
-/// queries in flight. The answer has the bits of [`core_contact`] for shapes of which one has no
-/// facets, and for at least one iteration.
-#[derive(Debug)]
-pub(crate) struct SuspendedContact<'s, A: ?Sized, B: ?Sized> {
-    m: Minkowski<'s, A, B>,
-    phase: Phase,
-    /// The support query that comes next.
-    next: Interrupted,
-}
-
-/// What the next support point is for.
+/// A contact query in steps. It waits for a support point.
 #[derive(Clone, Copy, Debug)]
-enum Phase {
-    /// The separating axis of the cache.
-    Axis,
-    /// Portal discovery and portal refinement.
+pub(crate) enum ContactQuery {
+    /// Along the separating axis of the cache, which is this.
+    Axis(DVec3),
+    /// For MPR.
     Portal(mpr::Search),
-    /// EPA, after this number of steps of the other phases.
+    /// For EPA, after this number of steps of MPR.
     Expansion(epa::Search, u32),
 }
 
-impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> for SuspendedContact<'s, A, B> {
+/// In the order of the steps above.
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Query<A, B> for ContactQuery {
     type Settings = Settings;
     type Answer = Contact;
     type Room = Room;
 
+    fn new() -> Self {
+        Self::Axis(DVec3::ZERO)
+    }
+
+    /// Step 1, up to the last separating axis.
+    #[inline(always)]
     fn start(
-        (a, b, b_in_a): (&'s A, &'s B, Pose),
+        &mut self,
+        m: &mut Minkowski<'_, A, B>,
         settings: &Settings,
         cache: &mut Cache,
         room: &mut Room,
-    ) -> Result<Self, Contact> {
-        let m = Minkowski::new(a, b, b_in_a);
-        let mut query = Self { m, phase: Phase::Axis, next: Interrupted::NOTHING };
-        let are_balls_separated = query.m.outer_balls_separated();
-        if are_balls_separated && let Some(axis) = unit(-query.m.center_point().w) {
-            return Err(separated_contact(&query.m, cache, axis, 0));
+    ) -> Step<Contact> {
+        if let Some(axis) = axis_of_balls(m) {
+            return Step::Answer(separated_contact(m, cache, axis, 0));
         }
-        match cache.axis().filter(|_| !are_balls_separated) {
-            Some(axis) => query.next = query.m.start(axis),
-            None => query.start_search(settings, cache, room).map_or(Ok(()), Err)?,
+        match cache.axis() {
+            Some(axis) => {
+                *self = Self::Axis(axis);
+                Step::Ask(axis)
+            }
+            None => self.after_axis(None, m, settings, cache, room),
         }
-        Ok(query)
     }
 
-    fn step(&mut self, settings: &Settings, cache: &mut Cache, room: &mut Room) -> Option<Contact> {
-        if !self.next.is_ready() {
-            self.m.resume(&mut self.next);
-            return None;
-        }
-        let dir = self.next.dir;
-        let point = self.m.finish(&self.next);
-        match &mut self.phase {
-            Phase::Axis => {
-                if point.w.dot(dir) < -self.m.rounding_error() {
-                    let found = separated_contact(&self.m, cache, dir, 0);
-                    return Some(self.answer(found));
-                }
-                self.start_search(settings, cache, room)
+    #[inline(always)]
+    fn continue_with(
+        &mut self,
+        point: Point,
+        m: &mut Minkowski<'_, A, B>,
+        settings: &Settings,
+        cache: &mut Cache,
+        room: &mut Room,
+    ) -> Step<Contact> {
+        match self {
+            Self::Axis(axis) if m.separates(*axis, &point) => Step::Answer(separated_contact(m, cache, *axis, 0)),
+            Self::Axis(axis) => {
+                let last = (*axis, point);
+                self.after_axis(Some(last), m, settings, cache, room)
             }
-            Phase::Portal(search) => match search.continue_with(point) {
-                None => {
-                    self.next = self.m.start(search.direction());
-                    None
-                }
-                Some(found) => {
-                    let (portal, iterations) = (*search.portal(), search.iterations());
-                    self.after_search(found, &portal, iterations, settings, cache, room)
-                }
+            Self::Portal(search) => match search.continue_with(point) {
+                None => Step::Ask(search.direction()),
+                Some(found) => self.after_portal(found, m, settings, cache, room),
             },
-            Phase::Expansion(search, iterations) => {
-                let (progress, iterations) = (search.continue_with(point, &mut self.m, cache, room), *iterations);
-                self.after_expansion(progress, iterations, settings, cache)
+            Self::Expansion(search, _) => {
+                let progress = search.continue_with(point, m, cache, room);
+                self.after_expansion(progress, m, settings, cache)
             }
         }
     }
 }
 
-impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SuspendedContact<'_, A, B> {
-    /// Continues after the test of the axis.
-    fn start_search(&mut self, settings: &Settings, cache: &mut Cache, room: &mut Room) -> Option<Contact> {
-        let tolerance = settings.relative_tolerance();
-        if let Some(found) = contact_of_balls(&mut self.m, tolerance) {
-            cache.forget_axis();
-            return Some(self.answer(found));
-        }
-        match epa::Search::start_again(&self.m, tolerance, settings.max_iterations, cache, room) {
-            Some(search) => self.start_expansion(search, 0, settings, cache, room),
-            None => {
-                self.start_portal();
-                None
-            }
-        }
-    }
-
-    fn start_portal(&mut self) {
-        let search = mpr::Search::new(&self.m);
-        self.next = self.m.start(search.direction());
-        self.phase = Phase::Portal(search);
-    }
-
-    /// Continues with what portal discovery and refinement have found, after `iterations` steps.
-    fn after_search(
+impl ContactQuery {
+    /// The rest of step 1, and steps 2 and 3. `last` is the axis of the cache, which does not
+    /// separate the shapes, with its support point.
+    #[inline(always)]
+    fn after_axis<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         &mut self,
-        found: Found,
-        portal: &Portal,
-        iterations: u32,
+        last: Option<(DVec3, Point)>,
+        m: &mut Minkowski<'_, A, B>,
         settings: &Settings,
         cache: &mut Cache,
         room: &mut Room,
-    ) -> Option<Contact> {
-        let (tolerance, limit) = (settings.relative_tolerance(), settings.max_iterations);
+    ) -> Step<Contact> {
+        let tolerance = settings.relative_tolerance();
+        if let Some(found) = contact_of_balls(m, tolerance) {
+            cache.forget_axis();
+            return Step::Answer(found);
+        }
+        if settings.max_iterations == 0 {
+            return self.start_portal(m, Until::Surface { tolerance });
+        }
+        if let Some(facets) = m.facets()
+            && sat::pays(m, &facets, cache)
+            && let Some(found) = sat::contact(m, facets, tolerance, last.as_ref(), cache)
+        {
+            return Step::Answer(Contact { support_calls: m.support_calls(), ..found });
+        }
+        match epa::Search::start_again(m, terms(m, settings), cache, room) {
+            Some(search) => self.start_expansion(search, 0, m, settings, cache, room),
+            None => self.start_portal(m, Until::Decided),
+        }
+    }
+
+    /// Steps 4 and 5.
+    #[inline(always)]
+    fn start_portal<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        &mut self,
+        m: &Minkowski<'_, A, B>,
+        until: Until,
+    ) -> Step<Contact> {
+        let search = mpr::Search::new(m, until);
+        let dir = search.direction();
+        *self = Self::Portal(search);
+        Step::Ask(dir)
+    }
+
+    /// Step 6, from what MPR has found.
+    #[inline(always)]
+    fn after_portal<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        &mut self,
+        found: Found,
+        m: &mut Minkowski<'_, A, B>,
+        settings: &Settings,
+        cache: &mut Cache,
+        room: &mut Room,
+    ) -> Step<Contact> {
+        let Self::Portal(search) = self else { return Step::Answer(Contact::default()) };
+        let (portal, bound, iterations) = (search.portal(), search.bound(), search.iterations());
         let start = match found {
             Found::Separated { axis } => {
                 store_separation(cache, axis, &portal.vertices);
-                let found = separated_contact(&self.m, cache, axis, iterations);
-                return Some(self.answer(found));
+                return Step::Answer(separated_contact(m, cache, axis, iterations));
             }
-            Found::Portal(_) => Some(portal_tetrahedron(&self.m, portal)),
+            Found::Portal(_) => Some(portal_tetrahedron(m, portal)),
             Found::Nothing => None,
         };
-        let search = start.and_then(|start| epa::Search::start(&self.m, start, tolerance, limit, cache, room));
-        if let Some(search) = search {
-            return self.start_expansion(search, iterations, settings, cache, room);
+        match epa::Search::start(m, start, terms(m, settings), bound, cache, room) {
+            Ok(search) => self.start_expansion(search, iterations, m, settings, cache, room),
+            Err(flat) => Step::Answer(contact_from_expansion(m, cache, &flat, settings, iterations)),
         }
-        let expanded = expand(&mut self.m, start, Goal::Depth { tolerance }, Bound::none(), limit, cache);
-        self.after_expansion(Progress::Ended(Some(expanded)), iterations, settings, cache)
     }
 
-    fn start_expansion(
+    #[inline(always)]
+    fn start_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         &mut self,
-        mut search: epa::Search,
+        search: epa::Search,
         iterations: u32,
+        m: &mut Minkowski<'_, A, B>,
         settings: &Settings,
         cache: &mut Cache,
         room: &mut Room,
-    ) -> Option<Contact> {
-        let progress = search.aim(&mut self.m, cache, room);
-        self.phase = Phase::Expansion(search, iterations);
-        self.after_expansion(progress, iterations, settings, cache)
+    ) -> Step<Contact> {
+        *self = Self::Expansion(search, iterations);
+        let Self::Expansion(search, _) = self else { return Step::Answer(Contact::default()) };
+        let progress = search.aim(m, cache, room);
+        self.after_expansion(progress, m, settings, cache)
     }
 
-    /// Continues with the progress of EPA, which began after `iterations` steps.
-    fn after_expansion(
+    /// Steps 6 and 7, with the progress of EPA.
+    #[inline(always)]
+    fn after_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         &mut self,
         progress: Progress,
-        iterations: u32,
+        m: &Minkowski<'_, A, B>,
         settings: &Settings,
         cache: &mut Cache,
-    ) -> Option<Contact> {
+    ) -> Step<Contact> {
         match progress {
-            Progress::Query(dir) => {
-                self.next = self.m.start(dir);
-                None
-            }
+            Progress::Ask(dir) => Step::Ask(dir),
             Progress::Ended(Some(expanded)) => {
-                let (tolerance, iterations) = (settings.relative_tolerance(), iterations + expanded.iterations);
-                let found = contact_from_expansion(&self.m, cache, &expanded, tolerance, iterations);
-                Some(self.answer(found))
+                let before = if let Self::Expansion(_, iterations) = self { *iterations } else { 0 };
+                Step::Answer(contact_from_expansion(m, cache, &expanded, settings, before + expanded.iterations))
             }
             // The polytope of the cache is of no use.
-            Progress::Ended(None) => {
-                self.start_portal();
-                None
-            }
+            Progress::Ended(None) => self.start_portal(m, Until::Decided),
         }
     }
+}
 
-    fn answer(&self, found: Contact) -> Contact {
-        Contact { support_calls: self.m.support_calls(), ..found }
-    }
+/// EPA to the depth.
+#[inline(always)]
+fn terms<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &Minkowski<'_, A, B>, settings: &Settings) -> epa::Terms {
+    let tolerance = settings.relative_tolerance();
+    epa::Terms::new(m, Goal::Depth { tolerance }, settings.max_iterations)
 }
 
 /// The contact that follows from the outcome of EPA.
@@ -375,9 +330,10 @@ fn contact_from_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,
     cache: &mut Cache,
     expanded: &Expansion,
-    tolerance: f64,
+    settings: &Settings,
     iterations: u32,
 ) -> Contact {
+    let tolerance = settings.relative_tolerance();
     let Bound { upper, normal, point_a, point_b } = expanded.bound;
     if expanded.end == epa::End::Separated {
         return separated_contact(m, cache, normal, iterations);
@@ -421,7 +377,7 @@ fn contact_from_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         point_a,
         point_b,
         iterations,
-        support_calls: 0,
+        support_calls: m.support_calls(),
     }
 }
 
@@ -445,7 +401,7 @@ pub(super) fn separated_contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         point_a: center.a,
         point_b: center.b(),
         iterations,
-        support_calls: 0,
+        support_calls: m.support_calls(),
     }
 }
 
@@ -476,7 +432,7 @@ fn contact_of_balls<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         point_a: vertex.a,
         point_b: vertex.b(),
         iterations: 1,
-        support_calls: 0,
+        support_calls: m.support_calls(),
     })
 }
 
@@ -492,7 +448,8 @@ mod tests {
         let found = |lower, upper| {
             let bound = Bound { upper, normal: DVec3::X, ..Bound::none() };
             let expanded = Expansion { end: epa::End::Touching, lower, bound, iterations: 1 };
-            contact_from_expansion(&m, &mut Cache::new(), &expanded, 0.0, 1)
+            let exact = Settings { tolerance: 0.0, ..Settings::default() };
+            contact_from_expansion(&m, &mut Cache::new(), &expanded, &exact, 1)
         };
         let deep = found(1.25 * m.noise(), 1.5 * m.noise());
         assert_eq!(deep.status, Status::Exact);

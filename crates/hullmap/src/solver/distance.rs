@@ -13,12 +13,12 @@
 
 use super::bound::Bound;
 use super::cache::Cache;
-use super::gjk::{self, Closest, Simplex, closest};
+use super::gjk::{self, Closest, Simplex};
 use super::intersection::decide_by_expansion;
-use super::minkowski::{Interrupted, Minkowski};
+use super::minkowski::{Minkowski, Point};
 use super::settings::Settings;
 use super::status::{Overlap, Status};
-use super::suspended::Suspended;
+use super::steps::{Query, Step, at_once};
 use crate::pose::Pose;
 use crate::support::SupportMap;
 use crate::vector::unit;
@@ -83,14 +83,88 @@ pub(super) fn core_distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     settings: &Settings,
     cache: &mut Cache,
 ) -> Distance {
-    let mut m = Minkowski::new(a, b, b_in_a);
-    if m.inner_balls_overlap() {
-        return overlapping_balls(&m, cache);
+    at_once::<A, B, DistanceQuery>(&mut Minkowski::new(a, b, b_in_a), settings, cache)
+}
+
+/// A distance query in steps. It waits for a support point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DistanceQuery {
+    simplex: Simplex,
+    /// `None` while the support point is the first vertex of the simplex.
+    search: Option<gjk::Search>,
+}
+
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Query<A, B> for DistanceQuery {
+    type Settings = Settings;
+    type Answer = Distance;
+    type Room = ();
+
+    #[inline(always)]
+    fn new() -> Self {
+        Self { simplex: Simplex::empty(), search: None }
     }
-    let mut simplex = Simplex::empty();
-    restore_simplex(&mut m, cache, &mut simplex);
-    let found = closest(&mut m, &mut simplex, settings.relative_tolerance(), settings.max_iterations);
-    conclude(&mut m, &simplex, &found, settings, cache)
+
+    /// Steps 1 and 2.
+    #[inline(always)]
+    fn start(
+        &mut self,
+        m: &mut Minkowski<'_, A, B>,
+        settings: &Settings,
+        cache: &mut Cache,
+        (): &mut (),
+    ) -> Step<Distance> {
+        if m.inner_balls_overlap() {
+            return Step::Answer(overlapping_balls(m, cache));
+        }
+        recall_simplex(m, cache, &mut self.simplex);
+        if self.simplex.is_empty() {
+            match cache.start() {
+                Some(axis) => return Step::Ask(axis),
+                None => _ = self.simplex.push(m.center_point()),
+            }
+        }
+        self.aim(m, settings, cache)
+    }
+
+    #[inline(always)]
+    fn continue_with(
+        &mut self,
+        point: Point,
+        m: &mut Minkowski<'_, A, B>,
+        settings: &Settings,
+        cache: &mut Cache,
+        (): &mut (),
+    ) -> Step<Distance> {
+        match &mut self.search {
+            None => _ = self.simplex.push(point),
+            Some(search) => {
+                if let Some(found) = search.continue_with(&mut self.simplex, point) {
+                    return Step::Answer(conclude(m, &self.simplex, &found, settings, cache));
+                }
+            }
+        }
+        self.aim(m, settings, cache)
+    }
+}
+
+impl DistanceQuery {
+    /// Step 3, up to the next support query, and step 4.
+    #[inline(always)]
+    fn aim<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        &mut self,
+        m: &mut Minkowski<'_, A, B>,
+        settings: &Settings,
+        cache: &mut Cache,
+    ) -> Step<Distance> {
+        let search = self.search.get_or_insert_with(|| {
+            let (rounding, tolerance) = (m.rounding_error(), settings.relative_tolerance());
+            gjk::Search::new(&self.simplex, rounding, rounding, tolerance, settings.max_iterations)
+        });
+        match search.aim(&mut self.simplex) {
+            Ok(dir) => Step::Ask(dir),
+            Err(found) => Step::Answer(conclude(m, &self.simplex, &found, settings, cache)),
+        }
+    }
 }
 
 /// The answer if the search proves nothing else: shapes that overlap.
@@ -159,101 +233,7 @@ fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     out
 }
 
-/// A distance query that is suspended wherever it waits for memory, so that a batch can keep
-/// several queries in flight. The answer has the bits of [`core_distance`].
-#[derive(Debug)]
-pub(crate) struct SuspendedDistance<'s, A: ?Sized, B: ?Sized> {
-    m: Minkowski<'s, A, B>,
-    simplex: Simplex,
-    /// `None` while the next support query gives the first vertex of the simplex.
-    search: Option<gjk::Search>,
-    /// The support query that comes next.
-    next: Interrupted,
-}
-
-impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> for SuspendedDistance<'s, A, B> {
-    type Settings = Settings;
-    type Answer = Distance;
-    type Room = ();
-
-    fn start(
-        (a, b, b_in_a): (&'s A, &'s B, Pose),
-        settings: &Settings,
-        cache: &mut Cache,
-        (): &mut (),
-    ) -> Result<Self, Distance> {
-        let m = Minkowski::new(a, b, b_in_a);
-        if m.inner_balls_overlap() {
-            return Err(overlapping_balls(&m, cache));
-        }
-        let mut query = Self { m, simplex: Simplex::empty(), search: None, next: Interrupted::NOTHING };
-        recall_simplex(&query.m, cache, &mut query.simplex);
-        if query.simplex.is_empty() {
-            match cache.start() {
-                Some(axis) => {
-                    query.next = query.m.start(axis);
-                    return Ok(query);
-                }
-                None => _ = query.simplex.push(query.m.center_point()),
-            }
-        }
-        query.aim(settings, cache).map_or(Ok(query), Err)
-    }
-
-    fn step(&mut self, settings: &Settings, cache: &mut Cache, (): &mut ()) -> Option<Distance> {
-        if !self.next.is_ready() {
-            self.m.resume(&mut self.next);
-            return None;
-        }
-        let point = self.m.finish(&self.next);
-        match &mut self.search {
-            None => _ = self.simplex.push(point),
-            Some(search) => {
-                if let Some(found) = search.continue_with(&mut self.simplex, point) {
-                    return Some(conclude(&mut self.m, &self.simplex, &found, settings, cache));
-                }
-            }
-        }
-        self.aim(settings, cache)
-    }
-}
-
-impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SuspendedDistance<'_, A, B> {
-    /// Starts the next support query of the search. Returns the answer if the search ends.
-    fn aim(&mut self, settings: &Settings, cache: &mut Cache) -> Option<Distance> {
-        let search = self.search.get_or_insert_with(|| {
-            let (tolerance, limit) = (settings.relative_tolerance(), settings.max_iterations);
-            gjk::Search::new(&self.simplex, self.m.rounding_error(), tolerance, limit)
-        });
-        match search.aim(&mut self.simplex) {
-            Ok(dir) => {
-                self.next = self.m.start(dir);
-                None
-            }
-            Err(found) => Some(conclude(&mut self.m, &self.simplex, &found, settings, cache)),
-        }
-    }
-}
-
-/// Warm start: fills `simplex` with the last frame's cached vertices under the new pose. If there
-/// are none, with the support point along the axis that the cache was started from, or else with
-/// the centre.
-#[inline(always)]
-fn restore_simplex<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    cache: &Cache,
-    simplex: &mut Simplex,
-) {
-    recall_simplex(m, cache, simplex);
-    if simplex.is_empty() {
-        simplex.push(match cache.start() {
-            Some(axis) => m.point(axis),
-            None => m.center_point(),
-        });
-    }
-}
-
-/// Fills `simplex` with the cached vertices under the new pose.
+/// Warm start: fills `simplex` with the last frame's cached vertices under the new pose.
 #[inline(always)]
 fn recall_simplex<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,

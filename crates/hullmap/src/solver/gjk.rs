@@ -282,62 +282,16 @@ pub(super) fn closest_within<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     tolerance: f64,
     max_iterations: u32,
 ) -> Closest {
-    let rounding = m.rounding_error();
-    let mut lower = f64::NEG_INFINITY;
-    let mut upper = f64::INFINITY;
-    let mut normal = DVec3::ZERO;
-    // The vertex added last. A single vertex counts as such.
-    let mut newest = simplex.only_slot().map(|slot| (slot, simplex.corner(slot)));
-    // At least one step, since there is no bound without one.
-    let limit = max_iterations.clamp(1, MAX_STEPS);
-    for iterations in 1..=limit {
-        let fast = newest.and_then(|(slot, w)| simplex.closest_point_with(slot, w));
-        let (mut y, mut kept) = fast.unwrap_or_default();
-        let mut length = y.length();
-        simplex.weights = None;
-        // NaN counts as no progress, here and below.
-        if fast.is_none() || !(length < upper) {
-            let clearance;
-            (y, kept, clearance) = simplex.closest_point();
-            length = y.length();
-            if clearance > 0.0 {
-                simplex.used = kept;
-                // A clearance within rounding error does not prove that the origin is inside.
-                let end = if clearance > rounding { End::Inside } else { End::AtOrigin };
-                return Closest { end, lower, upper: 0.0, normal, iterations };
-            }
-            let nearer = length < upper;
-            if !nearer {
-                // Without the newest vertex the simplex is as it was before this step.
-                if let Some((slot, _)) = newest {
-                    simplex.used &= !(1 << slot);
-                    simplex.weights = None;
-                }
-                return Closest { end: End::Stalled, lower, upper, normal, iterations };
-            }
-        }
-        simplex.used = kept;
-        upper = length;
-        if length <= enough {
-            return Closest { end: End::AtOrigin, lower, upper, normal, iterations };
-        }
-        let vertex = m.point(-y);
-        let scale = 1.0 / length;
-        let height = vertex.w.dot(y) * scale;
-        // NaN is no bound. Any normal is better than no normal.
-        if height > lower || normal == DVec3::ZERO {
-            normal = y * -scale;
-        }
-        lower = lower.max(height);
-        if upper - lower <= tolerance * upper + rounding {
-            return Closest { end: End::Converged, lower, upper, normal, iterations };
-        }
-        // A vertex that the simplex has already comes no closer, which ends the next step.
-        if iterations < limit {
-            newest = Some((simplex.push(vertex), vertex.w));
+    let mut search = Search::new(simplex, m.rounding_error(), enough, tolerance, max_iterations);
+    loop {
+        let dir = match search.aim(simplex) {
+            Ok(dir) => dir,
+            Err(found) => return found,
+        };
+        if let Some(found) = search.continue_with(simplex, m.point(dir)) {
+            return found;
         }
     }
-    Closest { end: End::Limit, lower, upper, normal, iterations: limit }
 }
 
 /// GJK as a state machine: it states a direction, and continues with the support point in that
@@ -350,6 +304,7 @@ pub(super) fn closest_within<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 pub(super) struct Search {
     tolerance: f64,
     rounding: f64,
+    enough: f64,
     lower: f64,
     upper: f64,
     normal: DVec3,
@@ -363,10 +318,12 @@ pub(super) struct Search {
 }
 
 impl Search {
-    pub(super) fn new(simplex: &Simplex, rounding: f64, tolerance: f64, max_iterations: u32) -> Self {
+    #[inline(always)]
+    pub(super) fn new(simplex: &Simplex, rounding: f64, enough: f64, tolerance: f64, max_iterations: u32) -> Self {
         Self {
             tolerance,
             rounding,
+            enough,
             lower: f64::NEG_INFINITY,
             upper: f64::INFINITY,
             normal: DVec3::ZERO,
@@ -410,7 +367,7 @@ impl Search {
         }
         simplex.used = kept;
         self.upper = length;
-        if length <= self.rounding {
+        if length <= self.enough {
             return Err(self.end(End::AtOrigin));
         }
         self.y = y;

@@ -14,15 +14,13 @@
 
 use super::bound::Bound;
 use super::cache::Cache;
-use super::epa::{self, Expansion, Goal, expand};
-use super::minkowski::{Interrupted, Minkowski, Point};
-use super::mpr::{Discovery, Portal, discover_portal, is_clearly_negative};
-use super::mpr::{Found, Search, Side, Until, refine_portal};
+use super::epa::{self, Expansion};
+use super::minkowski::{Minkowski, Point};
+use super::mpr::{self, Found, Portal, Side, Until, is_clearly_negative};
 use super::status::Overlap;
-use super::suspended::Suspended;
+use super::steps::{Query, Step, at_once};
 use crate::pose::Pose;
 use crate::support::SupportMap;
-use crate::support::simd::{Dispatch, Pass, Simd};
 use crate::vector::unit;
 use glam::DVec3;
 
@@ -79,85 +77,101 @@ pub(super) fn core_intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     b_in_a: Pose,
     cache: &mut Cache,
 ) -> Intersection {
-    let mut m = Minkowski::new(a, b, b_in_a);
-    let (status, iterations) = decide(&mut m, cache);
-    Intersection { status, iterations, support_calls: m.support_calls() }
+    at_once::<A, B, IntersectionQuery>(&mut Minkowski::new(a, b, b_in_a), &(), cache)
 }
 
-/// The tests before any search: the outer balls, then the axis of the cache.
-#[inline]
-pub(super) fn separated_early<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    cache: &Cache,
-) -> Early {
-    if m.outer_balls_separated() {
-        return unit(-m.center_point().w).map_or(Early::Unknown(None), Early::Separated);
+/// An intersection test in steps. It waits for a support point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum IntersectionQuery {
+    /// Along the separating axis of the cache, which is this.
+    Axis(DVec3),
+    /// For MPR.
+    Portal(mpr::Search),
+}
+
+impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Query<A, B> for IntersectionQuery {
+    type Settings = ();
+    type Answer = Intersection;
+    type Room = ();
+
+    fn new() -> Self {
+        Self::Axis(DVec3::ZERO)
     }
-    let Some(axis) = cache.axis() else { return Early::Unknown(None) };
-    let point = m.point(axis);
-    if point.w.dot(axis) < -m.rounding_error() { Early::Separated(axis) } else { Early::Unknown(Some((axis, point))) }
-}
 
-/// What is known of a pair before the search.
-pub(super) enum Early {
-    /// This axis separates. It has unit length and points from A to B.
-    Separated(DVec3),
-    /// No axis is known to separate. The axis of the cache, if there is one, with its support
-    /// point.
-    Unknown(Option<(DVec3, Point)>),
-}
-
-fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    cache: &mut Cache,
-) -> (Overlap, u32) {
-    if m.inner_balls_overlap() {
-        cache.forget_axis();
-        return (Overlap::Overlapping, 0);
-    }
-    if let Early::Separated(axis) = separated_early(m, cache) {
-        cache.set_axis(axis);
-        return (Overlap::Separated, 0);
-    }
-    if cache.portal().is_some_and(|features| cached_portal_encloses(m, features)) {
-        cache.forget_axis();
-        return (Overlap::Overlapping, 0);
-    }
-    let mut search = SearchPass { m, portal: Portal::EMPTY, found: Found::Nothing, iterations: 0 };
-    Dispatch::best().pass(&mut search);
-    let SearchPass { m, portal, found, iterations } = search;
-    conclude(m, cache, found, &portal, iterations)
-}
-
-/// Portal discovery and refinement until the answer is known, compiled for the processor's
-/// instruction set.
-struct SearchPass<'m, 's, A: ?Sized, B: ?Sized> {
-    m: &'m mut Minkowski<'s, A, B>,
-    /// The portal, or the points seen last if there is none.
-    portal: Portal,
-    found: Found,
-    /// Number of steps.
-    iterations: u32,
-}
-
-impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Pass for SearchPass<'_, '_, A, B> {
+    /// Step 1, and the axis of step 2.
     #[inline(always)]
-    fn run<S: Simd>(&mut self, _: S) {
-        let (found, steps) = discover_portal(self.m, &mut self.portal);
-        self.iterations = steps;
-        self.found = match found {
-            Discovery::Separated { axis } => Found::Separated { axis },
-            Discovery::Portal => {
-                let refined = refine_portal(self.m, &mut self.portal, Until::Decided, &mut Bound::none());
-                self.iterations += refined.iterations;
-                match refined.side {
-                    Side::Separated => Found::Separated { axis: refined.axis },
-                    side => Found::Portal(side),
-                }
+    fn start(&mut self, m: &mut Minkowski<'_, A, B>, (): &(), cache: &mut Cache, (): &mut ()) -> Step<Intersection> {
+        if m.inner_balls_overlap() {
+            cache.forget_axis();
+            return answer(m, Overlap::Overlapping, 0);
+        }
+        if let Some(axis) = axis_of_balls(m) {
+            cache.set_axis(axis);
+            return answer(m, Overlap::Separated, 0);
+        }
+        match cache.axis() {
+            Some(axis) => {
+                *self = Self::Axis(axis);
+                Step::Ask(axis)
             }
-            Discovery::Flat | Discovery::Limit => Found::Nothing,
-        };
+            None => self.after_axis(m, cache),
+        }
     }
+
+    #[inline(always)]
+    fn continue_with(
+        &mut self,
+        point: Point,
+        m: &mut Minkowski<'_, A, B>,
+        (): &(),
+        cache: &mut Cache,
+        (): &mut (),
+    ) -> Step<Intersection> {
+        match self {
+            Self::Axis(axis) if m.separates(*axis, &point) => answer(m, Overlap::Separated, 0),
+            Self::Axis(_) => self.after_axis(m, cache),
+            Self::Portal(search) => match search.continue_with(point) {
+                None => Step::Ask(search.direction()),
+                Some(found) => {
+                    let (status, iterations) = conclude(m, cache, found, search.portal(), search.iterations());
+                    answer(m, status, iterations)
+                }
+            },
+        }
+    }
+}
+
+impl IntersectionQuery {
+    /// The portal of step 2, then step 3.
+    #[inline(always)]
+    fn after_axis<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        &mut self,
+        m: &Minkowski<'_, A, B>,
+        cache: &mut Cache,
+    ) -> Step<Intersection> {
+        if cache.portal().is_some_and(|features| cached_portal_encloses(m, features)) {
+            cache.forget_axis();
+            return answer(m, Overlap::Overlapping, 0);
+        }
+        let search = mpr::Search::new(m, Until::Decided);
+        let dir = search.direction();
+        *self = Self::Portal(search);
+        Step::Ask(dir)
+    }
+}
+
+fn answer<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    status: Overlap,
+    iterations: u32,
+) -> Step<Intersection> {
+    Step::Answer(Intersection { status, iterations, support_calls: m.support_calls() })
+}
+
+/// The line of centres, if the outer balls are separated: a separating axis of unit length.
+#[inline(always)]
+pub(super) fn axis_of_balls<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &Minkowski<'_, A, B>) -> Option<DVec3> {
+    if m.outer_balls_separated() { unit(-m.center_point().w) } else { None }
 }
 
 /// The answer that follows from what the search found, after `iterations` steps. EPA settles what
@@ -188,87 +202,6 @@ fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         _ => cache.forget_axis(),
     }
     (status, iterations + steps)
-}
-
-/// An intersection test that is suspended wherever it waits for memory, so that a batch can keep
-/// several tests in flight. The answer has the bits of [`core_intersects`].
-#[derive(Debug)]
-pub(crate) struct SuspendedIntersection<'s, A: ?Sized, B: ?Sized> {
-    m: Minkowski<'s, A, B>,
-    /// `None` while the next support query tests the separating axis of the cache.
-    search: Option<Search>,
-    /// The support query that comes next.
-    next: Interrupted,
-}
-
-impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Suspended<'s, A, B> for SuspendedIntersection<'s, A, B> {
-    type Settings = ();
-    type Answer = Intersection;
-    type Room = ();
-
-    fn start(
-        (a, b, b_in_a): (&'s A, &'s B, Pose),
-        (): &(),
-        cache: &mut Cache,
-        (): &mut (),
-    ) -> Result<Self, Intersection> {
-        let m = Minkowski::new(a, b, b_in_a);
-        let mut test = Self { m, search: None, next: Interrupted::NOTHING };
-        if test.m.inner_balls_overlap() {
-            cache.forget_axis();
-            return Err(test.answer(Overlap::Overlapping, 0));
-        }
-        let are_balls_separated = test.m.outer_balls_separated();
-        if are_balls_separated && let Some(axis) = unit(-test.m.center_point().w) {
-            cache.set_axis(axis);
-            return Err(test.answer(Overlap::Separated, 0));
-        }
-        match cache.axis().filter(|_| !are_balls_separated) {
-            Some(axis) => test.next = test.m.start(axis),
-            None => test.start_search(cache).map_or(Ok(()), Err)?,
-        }
-        Ok(test)
-    }
-
-    fn step(&mut self, (): &(), cache: &mut Cache, (): &mut ()) -> Option<Intersection> {
-        if !self.next.is_ready() {
-            self.m.resume(&mut self.next);
-            return None;
-        }
-        let dir = self.next.dir;
-        let point = self.m.finish(&self.next);
-        let Some(search) = &mut self.search else {
-            if point.w.dot(dir) < -self.m.rounding_error() {
-                cache.set_axis(dir);
-                return Some(self.answer(Overlap::Separated, 0));
-            }
-            return self.start_search(cache);
-        };
-        let Some(found) = search.continue_with(point) else {
-            self.next = self.m.start(search.direction());
-            return None;
-        };
-        let (status, iterations) = conclude(&mut self.m, cache, found, search.portal(), search.iterations());
-        Some(self.answer(status, iterations))
-    }
-}
-
-impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> SuspendedIntersection<'_, A, B> {
-    /// Tests the portal of the cache, then starts the search.
-    fn start_search(&mut self, cache: &mut Cache) -> Option<Intersection> {
-        if cache.portal().is_some_and(|features| cached_portal_encloses(&self.m, features)) {
-            cache.forget_axis();
-            return Some(self.answer(Overlap::Overlapping, 0));
-        }
-        let search = Search::new(&self.m);
-        self.next = self.m.start(search.direction());
-        self.search = Some(search);
-        None
-    }
-
-    fn answer(&self, status: Overlap, iterations: u32) -> Intersection {
-        Intersection { status, iterations, support_calls: self.m.support_calls() }
-    }
 }
 
 /// Stores what a miss found: the axis, for the next miss, and the points seen, for a distance
@@ -319,8 +252,7 @@ pub(super) fn decide_by_expansion<A: SupportMap + ?Sized, B: SupportMap + ?Sized
     start: Option<[Point; 4]>,
     cache: &mut Cache,
 ) -> (Overlap, Bound, u32) {
-    let Expansion { end, bound, iterations, .. } =
-        expand(m, start, Goal::Decide, Bound::none(), MAX_DECISION_STEPS, cache);
+    let Expansion { end, bound, iterations, .. } = epa::decide(m, start, MAX_DECISION_STEPS, cache);
     let status = match end {
         epa::End::Separated => Overlap::Separated,
         epa::End::Inside => Overlap::Overlapping,

@@ -23,6 +23,7 @@
 #![forbid(unsafe_code)]
 
 use crate::pose::Pose;
+use crate::support::facets::Facets;
 use crate::support::{Lookup, SupportMap};
 use glam::{DMat3, DQuat, DVec3};
 use std::hint::black_box;
@@ -92,7 +93,7 @@ impl Point {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Interrupted {
     /// The direction, in A's frame.
-    pub(crate) dir: DVec3,
+    dir: DVec3,
     /// The negated direction, in B's frame.
     dir_in_b: DVec3,
     on_a: Lookup,
@@ -100,10 +101,6 @@ pub(crate) struct Interrupted {
 }
 
 impl Interrupted {
-    /// Before the first query.
-    pub(crate) const NOTHING: Self =
-        Self { dir: DVec3::ZERO, dir_in_b: DVec3::ZERO, on_a: Lookup::WHOLE, on_b: Lookup::WHOLE };
-
     /// Whether the answer can be computed.
     #[inline]
     pub(crate) fn is_ready(&self) -> bool {
@@ -346,6 +343,19 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'s, A, B> {
     pub(crate) fn outer_balls_separated(&self) -> bool {
         let radius = self.outer_radius + self.rounding_error;
         self.center_point().w.length_squared() > radius * radius
+    }
+
+    /// The facets of A and of B, each in its own frame; `None` if one has none.
+    #[inline(always)]
+    pub(super) fn facets(&self) -> Option<[Facets<'s>; 2]> {
+        Some([self.a.facets()?, self.b.facets()?])
+    }
+
+    /// Whether the support `point` in direction `axis`, of unit length, proves that the axis
+    /// separates the shapes.
+    #[inline(always)]
+    pub(super) fn separates(&self, axis: DVec3, point: &Point) -> bool {
+        point.w.dot(axis) < -self.rounding_error
     }
 
     /// Radii of balls around the interior points of A and of B that lie in the shapes.

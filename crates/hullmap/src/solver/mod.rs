@@ -9,6 +9,7 @@
 //! | `mpr` | MPR: portal discovery and portal refinement, the two phases of Kenwright's Algorithm 1 |
 //! | `gjk` | GJK: the closest point of the difference to the origin, and thus the distance |
 //! | `epa` | EPA, the expanding polytope: the penetration depth |
+//! | `sat` | SAT, the separating axis test: the penetration depth of small hulls |
 //! | `barycentric` | closest points of simplices, and the weights that give witness points |
 //! | `intersection`, `distance`, `contact` | the queries, composed of these algorithms |
 //! | `line` | where a line enters the difference: rays and shape casts |
@@ -17,8 +18,7 @@
 //! | `queries` | the other public functions; they solve rounded shapes by their cores |
 //! | `cache` | what one pair keeps from query to query (warm start) |
 //! | `scratch` | memory for the largest polytopes, for threads with a small stack |
-//! | `suspended` | queries that are suspended wherever they wait for memory, for batches |
-//! | `lockstep` | contact in a fixed number of steps, for SIMD lanes and GPU threads |
+//! | `steps` | how a query is driven: to its end, or in turns with others |
 //!
 //! All arithmetic is in f64. There is no allocation, no angle and no random number, so the same
 //! input always gives the same bits. Lengths are compared only with other lengths of the query, so
@@ -57,7 +57,6 @@ mod epa;
 mod gjk;
 mod intersection;
 mod line;
-mod lockstep;
 pub(crate) mod minkowski;
 pub(crate) mod motion;
 mod mpr;
@@ -69,19 +68,18 @@ mod scratch;
 mod settings;
 pub(crate) mod signed_distance;
 mod status;
-mod suspended;
+mod steps;
 
 pub use cache::Cache;
 pub use cast::Impact;
 pub use contact::Contact;
-pub(crate) use contact::SuspendedContact;
+pub(crate) use contact::ContactQuery;
 #[doc(hidden)]
 pub use contact::contact_by_facets;
 pub use distance::Distance;
-pub(crate) use distance::SuspendedDistance;
+pub(crate) use distance::DistanceQuery;
 pub use intersection::Intersection;
-pub(crate) use intersection::SuspendedIntersection;
-pub use lockstep::contact_lockstep;
+pub(crate) use intersection::IntersectionQuery;
 pub use minkowski::{Minkowski, Vertex};
 pub use motion::{CastSettings, Motion, Ray, VectorError};
 pub use ray::RayHit;
@@ -89,4 +87,4 @@ pub use scratch::Scratch;
 pub use settings::Settings;
 pub use signed_distance::SignedDistance;
 pub use status::{Overlap, Status};
-pub(crate) use suspended::Suspended;
+pub(crate) use steps::{Query, Suspended};

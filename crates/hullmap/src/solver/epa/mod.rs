@@ -16,8 +16,8 @@
 //!    above.
 //! 4. Stop if the bounds are close. Else insert w into the polytope and repeat from step 2.
 //!
-//! `search` has steps 2 to 4, `polytope` the surface, and `flat` the cases without volume.
-//! `suspended` is the search as a state machine, for batches.
+//! `search` has steps 2 to 4, `polytope` the surface, `flat` the cases without volume, and `room`
+//! the memory.
 //!
 //! # Deviations
 //! - "Nearest" is by signed offset, so the origin need not be inside at the start. While it is
@@ -35,20 +35,21 @@
 
 mod flat;
 mod polytope;
+mod room;
 mod search;
 mod seed;
-pub(in crate::solver) mod sizes;
-mod suspended;
 
-pub(in crate::solver) use self::polytope::Polytope;
-pub(in crate::solver) use self::search::{End, Expansion, Goal};
-pub(crate) use self::suspended::Room;
-pub(in crate::solver) use self::suspended::{Progress, Search};
+pub(in crate::solver) use self::room::Large;
+pub(crate) use self::room::Room;
+pub(in crate::solver) use self::search::{End, Expansion, Goal, Terms};
+
+use glam::DVec3;
 
 use self::flat::{expand_flat, settle, widest_normal};
-use self::search::{State, Terms, run};
+use self::polytope::Polytope;
+use self::room::{Big, Biggest, Medium, SIZES, Small, cleared};
+use self::search::{Aim, Next, State, aim, continue_with, run};
 use self::seed::{Flat, seed};
-use self::sizes::{Large, SIZES};
 use crate::solver::bound::Bound;
 use crate::solver::cache::{Cache, MAX_POINTS};
 use crate::solver::minkowski::{Minkowski, Point};
@@ -90,98 +91,192 @@ const WORN_OUT: u32 = 8;
 /// Free vertices that a kept polytope must leave in the smallest size.
 const SPARE: usize = 6;
 
-/// Expands from `start` if it has volume, else from a tetrahedron found here. `bound` is an upper
-/// bound known already. If the goal is a depth, keeps the polytope in `cache`.
-pub(in crate::solver) fn expand<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    start: Option<[Point; 4]>,
-    goal: Goal,
-    bound: Bound,
-    max_expansions: u32,
-    cache: &mut Cache,
-) -> Expansion {
-    let expansion = expand_from(m, start, goal, bound, max_expansions, cache);
-    settle(m, expansion)
+/// An expansion that waits for a support point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Search {
+    terms: Terms,
+    state: State,
+    aim: Aim,
+    is_medium: bool,
+    /// It has started from the polytope of the cache.
+    again: bool,
+    /// The polytope is stored in the cache while it grows.
+    keeps: bool,
 }
 
-fn expand_from<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    start: Option<[Point; 4]>,
-    goal: Goal,
-    bound: Bound,
-    max_expansions: u32,
-    cache: &mut Cache,
-) -> Expansion {
-    let terms = Terms::new(m, goal, max_expansions);
-    let mut state = State::new(bound);
-    let mut small = Polytope::<{ SIZES[0] }, { 2 * SIZES[0] }>::empty(m.noise());
-    let thin = THIN_ROUNDINGS * m.rounding_error();
-    if !start.is_some_and(|tetrahedron| small.start(tetrahedron, thin)) {
-        match seed(m) {
-            Ok(tetrahedron) if small.start(tetrahedron, 0.0) => {}
-            // Its height is noise in the normal of a thin triangle.
-            Ok(tetrahedron) => return expand_flat(m, widest_normal(tetrahedron), state.out),
-            Err(Flat { normal }) => return expand_flat(m, normal, state.out),
+/// How far an expansion has come.
+pub(in crate::solver) enum Progress {
+    /// It needs the support point in this direction.
+    Ask(DVec3),
+    /// It has ended. `None` if it started from the polytope of the cache and has stalled.
+    Ended(Option<Expansion>),
+}
+
+impl Search {
+    fn new(terms: Terms, state: State) -> Self {
+        Self { terms, state, aim: Aim::NOTHING, is_medium: false, again: false, keeps: terms.keeps_polytope() }
+    }
+
+    /// Expands from `tetrahedron` if it has volume, else from one found here. `bound` is an upper
+    /// bound known already. If the goal is a depth, keeps the polytope in `cache`.
+    ///
+    /// # Errors
+    /// The difference is flat; this is the whole result.
+    #[inline(always)]
+    pub(in crate::solver) fn start<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        m: &mut Minkowski<'_, A, B>,
+        tetrahedron: Option<[Point; 4]>,
+        terms: Terms,
+        bound: Bound,
+        cache: &mut Cache,
+        room: &mut Room,
+    ) -> Result<Self, Expansion> {
+        let mut state = State::new(bound);
+        let small = cleared(&mut room.small, m.noise());
+        let thin = THIN_ROUNDINGS * m.rounding_error();
+        if !tetrahedron.is_some_and(|tetrahedron| small.start(tetrahedron, thin))
+            && let Err(Flat { normal }) = start_elsewhere(m, small)
+        {
+            let expansion = expand_flat(m, normal, state.out);
+            return Err(settle(m, expansion));
+        }
+        state.encloses = small.encloses();
+        if terms.keeps_polytope() {
+            cache.forget_polytope();
+        }
+        Ok(Self::new(terms, state))
+    }
+
+    /// Expands from the polytope in `cache`. `None` if there is none that encloses the origin under
+    /// the new pose.
+    #[inline(always)]
+    pub(in crate::solver) fn start_again<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        m: &Minkowski<'_, A, B>,
+        terms: Terms,
+        cache: &Cache,
+        room: &mut Room,
+    ) -> Option<Self> {
+        let points = cache.polytope()?.points().len();
+        let is_medium = points + SPARE > SIZES[0];
+        let state = if is_medium {
+            restore(m, cleared(&mut room.medium, m.noise()), cache)?
+        } else {
+            restore(m, cleared(&mut room.small, m.noise()), cache)?
+        };
+        Some(Self { is_medium, again: true, keeps: false, ..Self::new(terms, state) })
+    }
+
+    /// Continues up to the next support query.
+    #[inline(always)]
+    pub(in crate::solver) fn aim<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        &mut self,
+        m: &mut Minkowski<'_, A, B>,
+        cache: &mut Cache,
+        room: &mut Room,
+    ) -> Progress {
+        let Self { terms, state, is_medium, keeps, .. } = self;
+        if !*is_medium {
+            match aim(room.small(), state, terms, keeps.then_some(&mut *cache)) {
+                Next::Ask(aim) => return self.ask(aim),
+                Next::Ended => return self.end(m, cache, room),
+                Next::Full => {
+                    room.enlarge();
+                    (*is_medium, *keeps) = (true, terms.keeps_polytope());
+                }
+            }
+        }
+        match aim(room.medium(), state, terms, keeps.then_some(&mut *cache)) {
+            Next::Ask(aim) => self.ask(aim),
+            Next::Ended => self.end(m, cache, room),
+            // Polytopes of the last two sizes are not kept, and they are rare: they are expanded at
+            // once.
+            Next::Full => {
+                let expansion = match cache.scratch() {
+                    Some(scratch) => expand_in_scratch(m, room.medium(), state, terms, scratch),
+                    None => expand_on_stack(m, room.medium(), state, terms),
+                };
+                self.settle(m, expansion, cache)
+            }
         }
     }
-    state.encloses = small.encloses();
-    let mut kept_in = terms.keeps_polytope().then_some(&mut *cache);
-    if let Some(cache) = &mut kept_in {
-        cache.forget_polytope();
+
+    #[inline(always)]
+    fn ask(&mut self, aim: Aim) -> Progress {
+        self.aim = aim;
+        Progress::Ask(aim.direction())
     }
-    if !run(m, &mut small, &mut state, &terms, kept_in.as_deref_mut()) {
-        let mut medium = Polytope::<{ SIZES[1] }, { 2 * SIZES[1] }>::empty(0.0);
-        small.copy_into(&mut medium);
-        return expand_more(m, &mut medium, &mut state, &terms, cache);
+
+    /// Continues with the support point in the direction that was stated last, up to the next
+    /// support query.
+    #[inline(always)]
+    pub(in crate::solver) fn continue_with<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        &mut self,
+        point: Point,
+        m: &mut Minkowski<'_, A, B>,
+        cache: &mut Cache,
+        room: &mut Room,
+    ) -> Progress {
+        let Self { terms, state, aim, .. } = self;
+        let has_ended = if self.is_medium {
+            continue_with(room.medium(), state, terms, aim, point)
+        } else {
+            continue_with(room.small(), state, terms, aim, point)
+        };
+        if has_ended { self.end(m, cache, room) } else { self.aim(m, cache, room) }
     }
-    finish(m, &small, &mut state, &terms, kept_in)
+
+    fn end<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        &mut self,
+        m: &mut Minkowski<'_, A, B>,
+        cache: &mut Cache,
+        room: &mut Room,
+    ) -> Progress {
+        let Self { terms, state, .. } = self;
+        let kept_in = terms.keeps_polytope().then_some(&mut *cache);
+        let expansion = if self.is_medium {
+            finish(m, room.medium(), state, terms, kept_in)
+        } else {
+            finish(m, room.small(), state, terms, kept_in)
+        };
+        self.settle(m, expansion, cache)
+    }
+
+    fn settle<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        &self,
+        m: &mut Minkowski<'_, A, B>,
+        expansion: Expansion,
+        cache: &mut Cache,
+    ) -> Progress {
+        if self.again && self.state.out.iterations > WORN_OUT {
+            cache.forget_polytope();
+        }
+        let is_useless = self.again && expansion.end == End::Stalled;
+        Progress::Ended((!is_useless).then(|| settle(m, expansion)))
+    }
 }
 
-/// Expands from the polytope in `cache`. `None` if there is none that encloses the origin under the
-/// new pose, or if it stalls.
-pub(in crate::solver) fn expand_again<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+/// Decides whether the origin is inside, at once, from `tetrahedron` if it has volume. At most
+/// `max_expansions` steps.
+pub(in crate::solver) fn decide<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
-    goal: Goal,
+    tetrahedron: Option<[Point; 4]>,
     max_expansions: u32,
     cache: &mut Cache,
-) -> Option<Expansion> {
-    let points = cache.polytope()?.points().len();
-    let terms = Terms::new(m, goal, max_expansions);
-    let (expansion, steps) = if points + SPARE <= SIZES[0] {
-        let mut small = Polytope::<{ SIZES[0] }, { 2 * SIZES[0] }>::empty(m.noise());
-        let mut state = restore(m, &mut small, cache)?;
-        let expansion = if run(m, &mut small, &mut state, &terms, None) {
-            finish(m, &small, &mut state, &terms, Some(cache))
-        } else {
-            let mut medium = Polytope::<{ SIZES[1] }, { 2 * SIZES[1] }>::empty(0.0);
-            small.copy_into(&mut medium);
-            expand_more(m, &mut medium, &mut state, &terms, cache)
-        };
-        (expansion, state.out.iterations)
-    } else {
-        expand_medium_again(m, &terms, cache)?
+) -> Expansion {
+    let (mut room, terms) = (Room::default(), Terms::new(m, Goal::Decide, max_expansions));
+    let mut search = match Search::start(m, tetrahedron, terms, Bound::none(), cache, &mut room) {
+        Ok(search) => search,
+        Err(expansion) => return expansion,
     };
-    if steps > WORN_OUT {
-        cache.forget_polytope();
+    let mut progress = search.aim(m, cache, &mut room);
+    loop {
+        match progress {
+            Progress::Ask(dir) => progress = search.continue_with(m.point(dir), m, cache, &mut room),
+            Progress::Ended(Some(expansion)) => return expansion,
+            // Only an expansion from the cache's polytope ends so.
+            Progress::Ended(None) => return State::new(Bound::none()).out,
+        }
     }
-    (expansion.end != End::Stalled).then(|| settle(m, expansion))
-}
-
-/// Also returns the number of expansions. Not inlined, so that the common path needs little stack.
-#[inline(never)]
-fn expand_medium_again<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    terms: &Terms,
-    cache: &mut Cache,
-) -> Option<(Expansion, u32)> {
-    let mut medium = Polytope::<{ SIZES[1] }, { 2 * SIZES[1] }>::empty(m.noise());
-    let mut state = restore(m, &mut medium, cache)?;
-    let expansion = if run(m, &mut medium, &mut state, terms, None) {
-        finish(m, &medium, &mut state, terms, Some(cache))
-    } else {
-        expand_large(m, &medium, &mut state, terms, cache.scratch())
-    };
-    Some((expansion, state.out.iterations))
 }
 
 /// Restores the polytope in `cache` under the new pose. `None` if it does not certainly enclose the
@@ -198,84 +293,78 @@ fn restore<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const
     encloses.then(|| State { encloses: true, ..State::new(Bound::none()) })
 }
 
-/// Continues in the second size.
+/// Starts from a tetrahedron of [`seed`].
+#[cold]
 #[inline(never)]
-fn expand_more<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+fn start_elsewhere<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
-    medium: &mut Polytope<{ SIZES[1] }, { 2 * SIZES[1] }>,
-    state: &mut State,
-    terms: &Terms,
-    cache: &mut Cache,
-) -> Expansion {
-    if run(m, medium, state, terms, terms.keeps_polytope().then_some(&mut *cache)) {
-        return finish(m, medium, state, terms, terms.keeps_polytope().then_some(cache));
-    }
-    expand_large(m, medium, state, terms, cache.scratch())
-}
-
-/// Continues in the third size, then in the last: in `scratch` if there is some, else on the stack.
-/// Polytopes of these sizes are not kept.
-fn expand_large<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &mut Minkowski<'_, A, B>,
-    medium: &Polytope<{ SIZES[1] }, { 2 * SIZES[1] }>,
-    state: &mut State,
-    terms: &Terms,
-    scratch: Option<&mut Scratch>,
-) -> Expansion {
-    match scratch {
-        Some(scratch) => expand_in(m, medium, state, terms, &mut scratch.large),
-        None => expand_big(m, medium, state, terms),
-    }
+    polytope: &mut Small,
+) -> Result<(), Flat> {
+    let tetrahedron = seed(m)?;
+    // Otherwise its height is noise in the normal of a thin triangle.
+    let is_solid = polytope.start(tetrahedron, 0.0);
+    if is_solid { Ok(()) } else { Err(Flat { normal: widest_normal(tetrahedron) }) }
 }
 
 /// Continues in caller-owned memory.
 #[inline(never)]
-fn expand_in<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+fn expand_in_scratch<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
-    medium: &Polytope<{ SIZES[1] }, { 2 * SIZES[1] }>,
+    medium: &Medium,
     state: &mut State,
     terms: &Terms,
-    Large { big, biggest }: &mut Large,
+    Scratch { large: Large { big, biggest } }: &mut Scratch,
 ) -> Expansion {
-    medium.overwrite(big);
-    if run(m, big, state, terms, None) {
-        return finish(m, big, state, terms, None);
+    match expand_in(m, medium, big, state, terms) {
+        Ok(expansion) => expansion,
+        Err(big) => expand_in(m, big, biggest, state, terms).unwrap_or_else(|last| finish(m, last, state, terms, None)),
     }
-    big.overwrite(biggest);
-    // A full polytope is the limit, which the state reports already.
-    run(m, biggest, state, terms, None);
-    finish(m, biggest, state, terms, None)
 }
 
-/// Continues in the third size, on the stack.
+/// Continues on the stack.
 #[inline(never)]
-fn expand_big<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+fn expand_on_stack<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
-    medium: &Polytope<{ SIZES[1] }, { 2 * SIZES[1] }>,
+    medium: &Medium,
     state: &mut State,
     terms: &Terms,
 ) -> Expansion {
-    let mut big = Polytope::<{ SIZES[2] }, { 2 * SIZES[2] }>::empty(0.0);
-    medium.copy_into(&mut big);
-    if run(m, &mut big, state, terms, None) {
-        return finish(m, &big, state, terms, None);
+    /// Apart, since most expansions do not need its stack.
+    #[inline(never)]
+    fn expand_to_the_limit<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        m: &mut Minkowski<'_, A, B>,
+        big: &Big,
+        state: &mut State,
+        terms: &Terms,
+    ) -> Expansion {
+        let mut biggest = Biggest::empty(0.0);
+        expand_in(m, big, &mut biggest, state, terms).unwrap_or_else(|last| finish(m, last, state, terms, None))
     }
-    expand_biggest(m, &big, state, terms)
+    let mut big = Big::empty(0.0);
+    expand_in(m, medium, &mut big, state, terms).unwrap_or_else(|big| expand_to_the_limit(m, big, state, terms))
 }
 
-/// Continues in the last size, on the stack.
-#[inline(never)]
-fn expand_biggest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+/// Moves the surface into `larger` and expands it there, without turns.
+///
+/// # Errors
+/// That polytope is full, too, which the state reports.
+fn expand_in<
+    'p,
+    A: SupportMap + ?Sized,
+    B: SupportMap + ?Sized,
+    const V: usize,
+    const F: usize,
+    const W: usize,
+    const G: usize,
+>(
     m: &mut Minkowski<'_, A, B>,
-    big: &Polytope<{ SIZES[2] }, { 2 * SIZES[2] }>,
+    polytope: &Polytope<V, F>,
+    larger: &'p mut Polytope<W, G>,
     state: &mut State,
     terms: &Terms,
-) -> Expansion {
-    let mut biggest = Polytope::<{ SIZES[3] }, { 2 * SIZES[3] }>::empty(0.0);
-    big.copy_into(&mut biggest);
-    // A full polytope is the limit, which the state reports already.
-    run(m, &mut biggest, state, terms, None);
-    finish(m, &biggest, state, terms, None)
+) -> Result<Expansion, &'p Polytope<W, G>> {
+    polytope.overwrite(larger);
+    if run(m, larger, state, terms) { Ok(finish(m, larger, state, terms, None)) } else { Err(larger) }
 }
 
 /// Computes the witness points of the bound and keeps the polytope if it is fit to be kept.

@@ -1,5 +1,5 @@
-//! The EPA loop: bound the depth from below by the nearest face, from above by a support plane, and
-//! insert the support point.
+//! The steps of EPA: bound the depth from below by the nearest face, from above by a support plane,
+//! and insert the support point.
 
 use glam::DVec3;
 
@@ -52,7 +52,7 @@ const _: () = assert!(SQRT_3 * SQRT_3 > 3.0);
 
 /// The constants of one search.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Terms {
+pub(in crate::solver) struct Terms {
     goal: Goal,
     tolerance: f64,
     /// Lower bound of the depth from the balls inside the shapes.
@@ -68,7 +68,7 @@ pub(super) struct Terms {
 }
 
 impl Terms {
-    pub(super) fn new<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    pub(in crate::solver) fn new<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         m: &Minkowski<'_, A, B>,
         goal: Goal,
         max_expansions: u32,
@@ -142,7 +142,7 @@ struct Probe {
 /// What comes after steps 1 and 2.
 pub(super) enum Next {
     /// A support query along the normal of this face.
-    Query(Aim),
+    Ask(Aim),
     /// The search has ended.
     Ended,
     /// The polytope is full. The state is as before the last step, and the search can continue in a
@@ -165,18 +165,17 @@ impl Aim {
     }
 }
 
-/// Expands the polytope. Returns true when the search has ended, and false when the polytope is
-/// full.
+/// Expands the polytope, without turns. Returns true when the search has ended, and false when the
+/// polytope is full.
 pub(super) fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const F: usize>(
     m: &mut Minkowski<'_, A, B>,
     polytope: &mut Polytope<V, F>,
     state: &mut State,
     terms: &Terms,
-    mut cache: Option<&mut Cache>,
 ) -> bool {
     loop {
-        match aim(polytope, state, terms, cache.as_deref_mut()) {
-            Next::Query(aim) => {
+        match aim(polytope, state, terms, None) {
+            Next::Ask(aim) => {
                 let point = m.point(aim.direction());
                 if continue_with(polytope, state, terms, &aim, point) {
                     return true;
@@ -188,7 +187,7 @@ pub(super) fn run<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize
     }
 }
 
-/// Step 2 of [`run`], up to the support query. A batch suspends a search there.
+/// Step 2, up to the support query.
 #[inline(always)]
 pub(super) fn aim<const V: usize, const F: usize>(
     polytope: &mut Polytope<V, F>,
@@ -214,11 +213,11 @@ pub(super) fn aim<const V: usize, const F: usize>(
         cache.keep_polytope(polytope.features(), polytope.faces());
     }
     state.out.iterations += 1;
-    Next::Query(Aim(nearest))
+    Next::Ask(Aim(nearest))
 }
 
-/// Steps 3 and 4 of [`run`], with the support point in the direction of `aim`. Returns whether the
-/// search has ended.
+/// Steps 3 and 4, with the support point in the direction of `aim`. Returns whether the search has
+/// ended.
 #[inline(always)]
 pub(super) fn continue_with<const V: usize, const F: usize>(
     polytope: &mut Polytope<V, F>,

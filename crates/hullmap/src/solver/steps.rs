@@ -1,0 +1,127 @@
+//! Queries in steps: a query states a direction, and continues with the support point in that
+//! direction.
+//!
+//! Each algorithm of the solver is written once, as such a search. A single query is driven to its
+//! end ([`at_once`]). A batch drives several in turns, each up to the next memory that it waits for
+//! ([`Suspended`]). The bits are the same.
+
+use glam::DVec3;
+
+use super::cache::Cache;
+use super::minkowski::{Interrupted, Minkowski, Point};
+use crate::pose::Pose;
+use crate::support::SupportMap;
+
+/// What a query needs next.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Step<T> {
+    /// The support point in this direction.
+    Ask(DVec3),
+    /// Nothing: this is the answer.
+    Answer(T),
+}
+
+/// A query of two shapes without convex radii, in steps.
+pub(crate) trait Query<A: ?Sized, B: ?Sized>: Sized {
+    /// What the query needs to know.
+    type Settings;
+    /// What it returns.
+    type Answer;
+    /// Memory that it uses until it has ended.
+    type Room: Default;
+
+    /// The query before its first step.
+    fn new() -> Self;
+
+    /// The first step.
+    fn start(
+        &mut self,
+        m: &mut Minkowski<'_, A, B>,
+        settings: &Self::Settings,
+        cache: &mut Cache,
+        room: &mut Self::Room,
+    ) -> Step<Self::Answer>;
+
+    /// The next step, with the support point in the direction that the last one asked for. The
+    /// other arguments are those of [`start`](Self::start).
+    fn continue_with(
+        &mut self,
+        point: Point,
+        m: &mut Minkowski<'_, A, B>,
+        settings: &Self::Settings,
+        cache: &mut Cache,
+        room: &mut Self::Room,
+    ) -> Step<Self::Answer>;
+}
+
+/// Drives a query to its end.
+#[inline(always)]
+pub(super) fn at_once<A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: Query<A, B>>(
+    m: &mut Minkowski<'_, A, B>,
+    settings: &Q::Settings,
+    cache: &mut Cache,
+) -> Q::Answer {
+    let (mut query, mut room) = (Q::new(), Q::Room::default());
+    let mut step = query.start(m, settings, cache, &mut room);
+    loop {
+        match step {
+            Step::Answer(answer) => return answer,
+            Step::Ask(dir) => step = query.continue_with(m.point(dir), m, settings, cache, &mut room),
+        }
+    }
+}
+
+/// A query that is suspended wherever it waits for memory.
+#[derive(Debug)]
+pub(crate) struct Suspended<'s, A: ?Sized, B: ?Sized, Q> {
+    m: Minkowski<'s, A, B>,
+    query: Q,
+    /// The support query that comes next.
+    next: Interrupted,
+}
+
+impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: Query<A, B>> Suspended<'s, A, B, Q> {
+    /// Starts a query of `a`, of `b` and of b's pose in a's frame.
+    ///
+    /// # Errors
+    /// The answer, if it takes no support query.
+    #[inline(always)]
+    pub(crate) fn start(
+        (a, b, b_in_a): (&'s A, &'s B, Pose),
+        settings: &Q::Settings,
+        cache: &mut Cache,
+        room: &mut Q::Room,
+    ) -> Result<Self, Q::Answer> {
+        let (mut m, mut query) = (Minkowski::new(a, b, b_in_a), Q::new());
+        match query.start(&mut m, settings, cache, room) {
+            Step::Answer(answer) => Err(answer),
+            Step::Ask(dir) => {
+                let next = m.start(dir);
+                Ok(Self { m, query, next })
+            }
+        }
+    }
+
+    /// Continues up to the next memory that the query reads. Returns the answer as soon as it is
+    /// known. The arguments are those of [`start`](Self::start).
+    #[inline(always)]
+    pub(crate) fn resume(
+        &mut self,
+        settings: &Q::Settings,
+        cache: &mut Cache,
+        room: &mut Q::Room,
+    ) -> Option<Q::Answer> {
+        if !self.next.is_ready() {
+            self.m.resume(&mut self.next);
+            return None;
+        }
+        let point = self.m.finish(&self.next);
+        match self.query.continue_with(point, &mut self.m, settings, cache, room) {
+            Step::Answer(answer) => Some(answer),
+            Step::Ask(dir) => {
+                self.next = self.m.start(dir);
+                None
+            }
+        }
+    }
+}
