@@ -82,6 +82,7 @@ pub(super) fn core_intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 
 /// An intersection test in steps. It waits for a support point.
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a query is not moved, and the large variant is the usual one")]
 pub(crate) enum IntersectionQuery {
     /// Along the separating axis of the cache, which is this.
     Axis(DVec3),
