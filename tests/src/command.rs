@@ -61,7 +61,15 @@ pub fn bake<S: AsRef<OsStr>>(words: impl IntoIterator<Item = S>) -> Run {
 /// # Panics
 /// As [`bake`].
 pub fn bake_in<S: AsRef<OsStr>>(folder: &Path, words: impl IntoIterator<Item = S>) -> Run {
-    let run = Command::new(binary()).args(words).current_dir(folder).output().expect("bake starts");
+    finished(Command::new(binary()).args(words).current_dir(folder))
+}
+
+/// Runs a command of `bake` to its end.
+///
+/// # Panics
+/// If it cannot be started, is killed, or prints invalid UTF-8.
+pub fn finished(command: &mut Command) -> Run {
+    let run = command.output().expect("bake starts");
     let text = |bytes| String::from_utf8(bytes).expect("bake prints UTF-8");
     Run { code: run.status.code().expect("bake is not killed"), stdout: text(run.stdout), stderr: text(run.stderr) }
 }
@@ -91,27 +99,34 @@ pub fn command<S: AsRef<OsStr>>(folder: &Path, words: impl IntoIterator<Item = S
 /// The binary, built.
 pub fn binary() -> &'static Path {
     static BINARY: OnceLock<PathBuf> = OnceLock::new();
-    BINARY.get_or_init(|| {
-        // A test is <target>/<profile>/deps/<name>, a command of this package
-        // <target>/<profile>/<name>.
-        let test = std::env::current_exe().expect("a test knows where it is");
-        let above = test.ancestors().skip(1).find(|folder| folder.file_name() != Some(OsStr::new("deps")));
-        let folder = above.expect("tests lie in a profile's folder");
-        let profile = match folder.file_name().and_then(OsStr::to_str) {
-            Some("debug") | None => "dev",
-            Some(profile) => profile,
-        };
-        let target = folder.parent().expect("a profile's folder lies in the target folder").as_os_str();
-        // Without `--package`: with the features of the whole workspace, as the tests were built,
-        // so that no dependency is built twice.
-        let words = ["build", "--bin", "bake", "--message-format", "json", "--profile", profile];
-        let built = cargo(words.map(OsStr::new).into_iter().chain([OsStr::new("--target-dir"), target]));
-        let messages = String::from_utf8(built.stdout).expect("cargo prints UTF-8");
-        messages
-            .lines()
-            .filter_map(|line| serde_json::from_str::<Value>(line).ok())
-            .filter(|message| message["target"]["name"] == "bake")
-            .find_map(|message| message["executable"].as_str().map(PathBuf::from))
-            .expect("cargo says where it put the binary")
-    })
+    BINARY.get_or_init(|| built(&[]))
+}
+
+/// Builds the command, with these words for cargo.
+///
+/// # Panics
+/// If it cannot be built.
+pub fn built(more: &[&str]) -> PathBuf {
+    // A test is <target>/<profile>/deps/<name>, a command of this package
+    // <target>/<profile>/<name>.
+    let test = std::env::current_exe().expect("a test knows where it is");
+    let above = test.ancestors().skip(1).find(|folder| folder.file_name() != Some(OsStr::new("deps")));
+    let folder = above.expect("tests lie in a profile's folder");
+    let profile = match folder.file_name().and_then(OsStr::to_str) {
+        Some("debug") | None => "dev",
+        Some(profile) => profile,
+    };
+    let target = folder.parent().expect("a profile's folder lies in the target folder").as_os_str();
+    // Without `--package`: with the features of the default members, as the tests were built, so
+    // that no dependency is built twice.
+    let words = ["build", "--bin", "bake", "--message-format", "json", "--profile", profile];
+    let words = words.into_iter().chain(more.iter().copied()).map(OsStr::new);
+    let built = cargo(words.chain([OsStr::new("--target-dir"), target]));
+    let messages = String::from_utf8(built.stdout).expect("cargo prints UTF-8");
+    messages
+        .lines()
+        .filter_map(|line| serde_json::from_str::<Value>(line).ok())
+        .filter(|message| message["target"]["name"] == "bake")
+        .find_map(|message| message["executable"].as_str().map(PathBuf::from))
+        .expect("cargo says where it put the binary")
 }

@@ -13,7 +13,7 @@
 //! | [`outside`], [`game_hulls`] | inputs outside the repository | |
 //! | [`directions`], [`regret`] | directions in which a support query can fail, and by how much | |
 //! | [`processor`] | processor time of a thread | `decompose-soak`, `decompose-table` |
-//! | [`parry`], [`wavefront`] | second opinions: parry3d in f64, a plain OBJ reader | |
+//! | [`wavefront`] | second opinion: a plain OBJ reader | |
 
 pub mod command;
 pub mod directions;
@@ -24,7 +24,6 @@ pub mod game_hulls;
 pub mod hostile;
 pub mod index_truth;
 pub mod outside;
-pub mod parry;
 pub mod processor;
 pub mod regret;
 pub mod sampler;

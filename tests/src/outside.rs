@@ -1,5 +1,7 @@
-//! Inputs that lie outside the repository: folders and files that an environment variable names.
+//! Files outside of the tests: those that an environment variable names, and those in a folder.
 
+use std::collections::BTreeMap;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The path in the environment variable `variable`. If it is not set, prints which test is skipped
@@ -21,4 +23,24 @@ pub fn path(variable: &str, test: &str) -> Option<PathBuf> {
 /// The workspace's folder.
 pub fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new(".")).to_owned()
+}
+
+/// Every file below a folder, by its relative path.
+///
+/// # Panics
+/// If one cannot be read.
+pub fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    fn walk(folder: &Path, root: &Path, found: &mut BTreeMap<String, Vec<u8>>) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                walk(&path, root, found);
+            } else {
+                found.insert(path.strip_prefix(root).unwrap().display().to_string(), fs::read(&path).unwrap());
+            }
+        }
+    }
+    let mut found = BTreeMap::new();
+    walk(folder, folder, &mut found);
+    found
 }

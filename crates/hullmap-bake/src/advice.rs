@@ -203,14 +203,7 @@ pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64) -> Rema
     };
     let protrusion = short(protrusion);
     let text = format!("{name}: {count} {noun}; {covered}, and no part protrudes more than {protrusion} from {from}");
-    Remark::by_size(
-        "parts",
-        name,
-        text,
-        uncovered,
-        size,
-        "to cover more, use --decompose=cover, or increase --vhacd-resolution or --vhacd-max-parts",
-    )
+    Remark::by_size("parts", name, text, uncovered, size, "to cover more, decompose the mesh with --decompose")
 }
 
 /// A mesh that was to be decomposed, but has no surface.
@@ -382,7 +375,7 @@ mod tests {
         assert!(texts(parts("a", 3, None, 1.0)).0.contains("not measured"));
         assert!(parts("a", 3, fit(f64::NAN), 1.0).is_warning);
         let (_, warning) = texts(parts("a", 3, fit(0.02), 1.0));
-        assert!(warning.contains("a: 3 parts;") && warning.contains("--vhacd-resolution"), "{warning}");
+        assert!(warning.contains("a: 3 parts;") && warning.contains("--decompose"), "{warning}");
     }
 
     #[test]

@@ -149,8 +149,6 @@ def annotation(expected: str) -> str:
     if expected.startswith("one of "):
         return f"Literal[{', '.join(words)}]"
     if expected.startswith("true, false or "):
-        # Of the methods, cover alone has a type.
-        assert '"cover"' in words
         return "Union[bool, Literal[\"cover\"]]"
     if expected == "true or false":
         return "bool"
@@ -161,15 +159,14 @@ def annotation(expected: str) -> str:
 
 
 def test_keywords_of_bakes_are_those_of_the_command():
-    """The table of the command, as its messages show it, against the types. V-HACD has none."""
+    """The table of the command, as its messages show it, against the types."""
     listed = accepted({"?": 1}).removeprefix("unknown option ?: the options are ").split(", ")
     expected = {}
     for key in listed:
-        if not key.startswith("vhacd_"):
-            prefix = f"invalid value ? of option {key}: expected "
-            text = accepted({key: "?"})
-            assert text.startswith(prefix), text
-            expected[key] = f"Optional[{annotation(text.removeprefix(prefix))}]"
+        prefix = f"invalid value ? of option {key}: expected "
+        text = accepted({key: "?"})
+        assert text.startswith(prefix), text
+        expected[key] = f"Optional[{annotation(text.removeprefix(prefix))}]"
     tree = ast.parse((PACKAGE / "_options.py").read_text(encoding="utf-8"))
     body = next(node for node in tree.body if isinstance(node, ast.ClassDef)).body
     typed = {node.target.id: ast.unparse(node.annotation).replace("'", '"') for node in body if isinstance(node, ast.AnnAssign)}

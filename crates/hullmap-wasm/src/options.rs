@@ -29,7 +29,7 @@ export interface BakeOptions {
     /** Move the origin to the centre of the bounds. Default false. */
     recentre?: boolean;
     /** Decompose a concave mesh into convex parts; true means "cover". Default false. */
-    decompose?: boolean | "cover" | "vhacd";
+    decompose?: boolean | "cover";
     /** Replace each hull by an enclosing one with at most this many vertices, 4 or more. */
     maxVertices?: number | "none";
     /**
@@ -41,15 +41,6 @@ export interface BakeOptions {
     maxParts?: number | "none";
     /** Leave out what only manifolds and hints need. Default false. */
     lean?: boolean;
-    vhacdConcavity?: number;
-    vhacdResolution?: number;
-    vhacdMaxParts?: number;
-    vhacdAlpha?: number;
-    vhacdBeta?: number;
-    vhacdPlaneDownsampling?: number;
-    vhacdHullDownsampling?: number;
-    vhacdHullApproximation?: boolean;
-    vhacdFill?: "flood" | "cavities" | "surface";
 }
 "#;
 

@@ -55,7 +55,7 @@ for (const [options, flags] of choices) {
 for (const name of ["gear.obj", "pawn.obj", "two_objects.obj", "cube.obj"]) {
   for (const [options, flags] of [
     [{ decompose: true, maxError: "3%" }, ["--decompose", "--max-error", "3%"]],
-    [{ decompose: "vhacd", vhacdMaxParts: 4 }, ["--decompose=vhacd", "--vhacd-max-parts", "4"]],
+    [{ decompose: "cover", maxParts: 4 }, ["--decompose", "--max-parts", "4"]],
   ]) {
     native("build", join(meshes, name), "--out", meshes, "--force", ...flags);
     const baked = bake(name, readFileSync(join(meshes, name)), options);

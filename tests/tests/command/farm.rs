@@ -7,6 +7,7 @@ use std::{
 };
 
 use hullmap_tests::command::{Run, bake_in};
+use hullmap_tests::outside::contents;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -42,25 +43,8 @@ fn meshes(count: usize) -> TempDir {
     folder
 }
 
-pub fn run(folder: &Path, line: &str) -> Run {
+fn run(folder: &Path, line: &str) -> Run {
     bake_in(folder, line.split_whitespace())
-}
-
-/// Every file below a folder, by its relative path.
-pub fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    fn walk(folder: &Path, root: &Path, found: &mut BTreeMap<String, Vec<u8>>) {
-        for entry in fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                walk(&path, root, found);
-            } else {
-                found.insert(path.strip_prefix(root).unwrap().display().to_string(), fs::read(&path).unwrap());
-            }
-        }
-    }
-    let mut found = BTreeMap::new();
-    walk(folder, folder, &mut found);
-    found
 }
 
 #[test]

@@ -4,7 +4,6 @@ mod assets;
 mod document;
 mod export;
 mod farm;
-mod farm_server;
 #[cfg(target_os = "linux")]
 mod faults;
 #[cfg(unix)]
@@ -12,10 +11,6 @@ mod interruptions;
 mod meshes;
 mod parts;
 mod pipeline;
-mod queries;
-mod remote;
-mod remote_hostile;
-mod remote_tls;
 mod report;
 mod sources;
 mod subcommands;

@@ -264,13 +264,40 @@ fn assert_claims_are_tight(folder: &TempDir, file: &[u8], has_gaps: bool) {
 fn overstated_covers_and_protrusions_fail() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("x.obj"), horseshoe("u")).unwrap();
-    bake(&folder, "build x.obj --out baked --decompose --vhacd-max-parts 2").expect(0);
+    bake(&folder, "build x.obj --out baked --decompose --max-parts 2").expect(0);
     assert_claims_are_tight(&folder, &fs::read(folder.path().join("baked/x.hullmap")).unwrap(), false);
-    // Coarse voxels leave no gap in a knot, but parts that protrude far.
     fs::copy(workspace().join("assets/torus_knot.obj"), folder.path().join("x.obj")).unwrap();
-    bake(&folder, "build x.obj --out baked --decompose --vhacd-resolution 24").expect(0);
+    bake(&folder, "build x.obj --out baked --decompose --max-error 10%").expect(0);
     let file = fs::read(folder.path().join("baked/x.hullmap")).unwrap();
     assert_claims_are_tight(&folder, &file, false);
+}
+
+/// Packs of versions that had V-HACD: they open, and are stale with a reason.
+#[test]
+fn packs_of_removed_options_open_and_are_stale() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("x.obj"), horseshoe("u")).unwrap();
+    let positions = HORSESHOE.iter().flatten().map(|corner| corner.map(|c| c as f32)).collect();
+    let points = PointSet { source_vertices: (0..6).collect(), positions, ..PointSet::default() };
+    let hull = bake_hull(&points, IndexKind::Tree).unwrap();
+    let hash = source_hash(&fs::read(folder.path().join("x.obj")).unwrap());
+    let options = "split none, vertices referenced, index tree 8, decompose true, vhacd_max_parts 2".to_owned();
+    let record = SourceRecord { path: "x.obj".into(), hash, options: options.clone(), ..SourceRecord::default() };
+    fs::write(folder.path().join("x.hullmap"), write_pack(&[hull], &record).unwrap()).unwrap();
+    let described = bake(&folder, "inspect x.hullmap --json").expect(0).json();
+    assert_eq!(described[0]["options"], options);
+    let message = bake(&folder, "verify x.hullmap").expect(1);
+    assert!(message.stdout.contains("V-HACD was removed") && message.stdout.contains("bake it again"), "{message:?}");
+    let row = bake(&folder, "build x.obj --out . --decompose --check --json").expect(1).json()[0].clone();
+    assert_eq!(row["status"], "stale", "{row}");
+    let reason = row["reason"].as_str().unwrap();
+    assert!(
+        reason.contains("decompose true, vhacd_max_parts 2` to `") && reason.contains("V-HACD was removed"),
+        "{row}"
+    );
+    let message = bake(&folder, "build x.obj --out . --decompose=vhacd").expect(2).stderr;
+    assert!(message.contains("V-HACD was removed"), "{message}");
+    assert_eq!(bake(&folder, "build x.obj --out . --decompose --json").expect(0).json()[0]["status"], "baked");
 }
 
 /// Parts that another program cut: they are judged against the mesh, whatever made them.

@@ -196,14 +196,27 @@ pub struct BuildArgs {
     /// Bake only the meshes of shard I of N, counted from 0, for instance 0/8
     #[arg(long, hide_short_help = true, value_name = "I/N", help_heading = FARM)]
     pub shard: Option<Shard>,
-    /// Who else bakes.
-    #[cfg(feature = "remote")]
+    /// A farm, and how it is used.
     #[command(flatten)]
     pub remote: RemoteArgs,
 }
 
+/// Address of a farm. This build cannot reach one, so no text is an address.
+#[cfg(not(feature = "remote"))]
+#[derive(Clone, Debug)]
+pub enum Address {}
+
+#[cfg(not(feature = "remote"))]
+impl std::str::FromStr for Address {
+    type Err = &'static str;
+
+    fn from_str(_: &str) -> Result<Self, Self::Err> {
+        Err("this `bake` was built without the client of farms: take a released archive, or add \
+             `--features remote` to `cargo install`")
+    }
+}
+
 /// A farm, and how it is used.
-#[cfg(feature = "remote")]
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = FARM)]
 pub struct RemoteArgs {
@@ -264,7 +277,6 @@ pub struct RemoteArgs {
 }
 
 /// Parser of `NAME=VALUE`.
-#[cfg(feature = "remote")]
 fn pair(text: &str) -> Result<(String, String), String> {
     let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
     if name.is_empty() { Err("expected NAME=VALUE".to_owned()) } else { Ok((name.to_owned(), value.to_owned())) }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use hullmap_bake::advice::{self, Remark};
-use hullmap_bake::decompose::{Method, decompose_in};
+use hullmap_bake::decompose::{Cover, decompose_in};
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{
     BakedHull, IndexChoice, IndexKind, PointSet, SourceRecord, bake_hull_in, write_lean_pack, write_owned_pack,
@@ -41,17 +41,17 @@ pub struct Part<'a> {
 
 /// The points of each hull that point sets become: the sets themselves, or their convex parts.
 ///
-/// The result depends on the sets and the method only, so that `bake verify` can compute it
+/// The result depends on the sets and the parameters only, so that `bake verify` can compute it
 /// again. `stage` shows the progress.
 ///
 /// # Errors
 /// A point set has no hull; the error names the first one.
-pub fn parts<'a>(point_sets: &'a [PointSet], method: Option<&Method>, stage: Stage) -> Result<Vec<Part<'a>>, String> {
+pub fn parts<'a>(point_sets: &'a [PointSet], cover: Option<&Cover>, stage: Stage) -> Result<Vec<Part<'a>>, String> {
     let steps = stage.steps(point_sets.len());
     // Stages of sets that are cut at the same time do not add up.
     let inner = if point_sets.len() == 1 { stage } else { stage.from_to(0.0, 0.0) };
     let cut = |points: &PointSet| {
-        let found = method.map_or(Ok(None), |method| decompose_in(points, method, inner));
+        let found = cover.map_or(Ok(None), |cover| decompose_in(points, cover, inner));
         steps.take();
         found
     };

@@ -10,6 +10,7 @@ use hullmap_import::{self as import, ImportError, Imported, Limits, MeshArrays, 
 
 use crate::baker::{BakedPack, bake_pack};
 use crate::options::defaults::{OPTIONS, Record};
+use crate::options::removed::instead_of_option;
 use crate::options::{BuildOptions, OptionLayer};
 
 /// Why a mesh was not baked.
@@ -133,7 +134,9 @@ fn resolve(options: &[(&str, &str)]) -> Result<BuildOptions, InMemoryError> {
     for (key, value) in options {
         if !accepted().any(|known| known == *key) {
             let known: Vec<&str> = accepted().collect();
-            return Err(InMemoryError::Option(format!("unknown option {key}: the options are {}", known.join(", "))));
+            let unknown = || format!("unknown option {key}: the options are {}", known.join(", "));
+            let instead = instead_of_option(key).map(|instead| format!("option {key}: {instead}"));
+            return Err(InMemoryError::Option(instead.unwrap_or_else(unknown)));
         }
         layer
             .set(key, value)

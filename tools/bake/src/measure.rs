@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use hullmap_bake::advice::{self, Remark};
-use hullmap_bake::decompose::Method;
+use hullmap_bake::decompose::Cover;
 use hullmap_bake::parts::{Fit, fits};
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{BakedHull, PointSet};
@@ -23,11 +23,12 @@ pub fn parts(
     point_sets: &[PointSet],
     parts: &[Part],
     hulls: &mut [BakedHull],
-    method: &Method,
+    cover: &Cover,
     stage: Stage,
 ) -> Vec<Remark> {
     let mut remarks = Vec::new();
     let mut start = 0;
+    let allows_one_part = cover.max_parts == Some(1);
     let steps = stage.steps(point_sets.len());
     for (set, points) in point_sets.iter().enumerate() {
         let count = parts[start..].iter().take_while(|part| part.set == set).count();
@@ -35,9 +36,9 @@ pub fn parts(
         start += count;
         let name = &points.name;
         let is_cut = |part: &Part| matches!(part.points, Cow::Owned(_));
-        let is_whole = !parts.get(start - count).is_some_and(is_cut) || method.allows_one_part();
+        let is_whole = !parts.get(start - count).is_some_and(is_cut) || allows_one_part;
         if count == 1 && is_whole {
-            let why = if method.allows_one_part() { "at most one part is allowed" } else { "it is convex or thin" };
+            let why = if allows_one_part { "at most one part is allowed" } else { "it is convex or thin" };
             remarks.push(if points.triangles.is_empty() {
                 advice::without_faces(name)
             } else {
@@ -45,8 +46,10 @@ pub fn parts(
             });
         }
         if !points.triangles.is_empty() {
-            record(points, own, limit(method, points));
-            remarks.extend(beyond(method, points, own));
+            // With a maximum number of parts, the limit is not proven.
+            let limit = cover.max_parts.is_none().then(|| cover.max_error.of(diagonal(points)));
+            record(points, own, limit);
+            remarks.extend(beyond(cover, points, own));
         }
         steps.take();
         if count > 1 || !is_whole {
@@ -84,17 +87,8 @@ pub fn stand_for_one(a: &PointSet, b: &PointSet) -> bool {
     a.stands_for.as_ref().zip(b.stands_for.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
 }
 
-/// The protrusion that the parts of a mesh were proven not to exceed; `None` if there is no proof.
-fn limit(method: &Method, points: &PointSet) -> Option<f64> {
-    match method {
-        Method::Cover(cover) if cover.max_parts.is_none() => Some(cover.max_error.of(diagonal(points))),
-        _ => None,
-    }
-}
-
 /// What to say about parts that protrude more than the maximum error of a cover.
-fn beyond(method: &Method, points: &PointSet, own: &[BakedHull]) -> Option<Remark> {
-    let Method::Cover(cover) = method else { return None };
+fn beyond(cover: &Cover, points: &PointSet, own: &[BakedHull]) -> Option<Remark> {
     let fits: Option<Vec<Fit>> = own.iter().map(|baked| baked.fit).collect();
     let reached = advice::PartsFit::of(fits.as_deref().filter(|fits| !fits.is_empty())?).protrusion;
     let size = diagonal(points);
@@ -104,7 +98,8 @@ fn beyond(method: &Method, points: &PointSet, own: &[BakedHull]) -> Option<Remar
         .then(|| advice::beyond(&points.name, cover.max_parts, is_timed, [reached, requested, size]))
 }
 
-/// Counts and measures the parts of one mesh, and records both in their hulls.
+/// Counts and measures the parts of one mesh, and records both in their hulls. `limit` is the
+/// protrusion that they were proven not to exceed; `None` if there is no proof.
 fn record(mesh: &PointSet, own: &mut [BakedHull], limit: Option<f64>) {
     let fits = fits(mesh, &own.iter().map(|baked| &baked.hull).collect::<Vec<_>>(), limit);
     let count = own.len() as u32;

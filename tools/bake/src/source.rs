@@ -9,6 +9,7 @@ use hullmap_bake::PointSet;
 
 use crate::open::open_pack;
 use crate::options::BuildOptions;
+use crate::options::removed::instead_of_record;
 use crate::outcome::Failure;
 use crate::pack_file::{folder_of, plain, resolve_recorded, shown_from};
 use crate::packs::PackPlace;
@@ -249,8 +250,9 @@ fn has_name_of(mesh: &Path, pack: &Path) -> bool {
 fn import(path: &Path, source: &SourceFile, recorded: Recorded, limits: &Limits) -> Result<Imported, Failure> {
     let name = path.display().to_string();
     let options = BuildOptions::from_recorded(recorded.options).ok_or_else(|| {
+        let why = instead_of_record(recorded.options).map_or_else(String::new, |instead| format!(" ({instead})"));
         Failure::rejected(format!(
-            "{name}: its pack was baked with options that this version does not know; bake it again"
+            "{name}: its pack was baked with options that this version does not have{why}; bake it again"
         ))
     })?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();

@@ -1,18 +1,12 @@
-//! Merging of convex parts after V-HACD, which cuts by halves and may exceed the requested number
-//! of parts.
+//! Merging of convex parts, where a cover has more than the maximum number.
 //!
 //! # Steps
-//! 1. Compute the cost of each merger: the volume of the merged hull minus the volume of the V-HACD
-//!    parts in it.
+//! 1. Compute the cost of each merger: the volume of the merged hull minus the volume of the
+//!    original parts in it.
 //! 2. Make the cheapest merger, and compute the costs of merging its result with the other parts.
-//! 3. Repeat while a merger costs next to nothing, or while there are too many parts.
+//! 3. Repeat while there are too many parts.
 //!
-//! Parts with separated boxes are merged only if there are too many parts and no others are left to
-//! merge.
-//!
-//! # Reference
-//! V-HACD 2 by Mamou also merges parts down to the requested number. The version in parry3d does
-//! not.
+//! Parts with separated boxes are merged only if no others are left to merge.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -23,28 +17,16 @@ use crate::{
     mass,
 };
 
-/// Maximum gap between boxes that counts as touching, relative to the whole mesh. The grid of the
-/// clipped points is finer.
+/// Maximum gap between boxes that counts as touching, relative to the diagonal of the mesh.
 const TOUCHING: f64 = 1e-5;
-
-/// When to merge.
-#[derive(Clone, Copy, Debug)]
-pub struct Until {
-    /// Volume that a part may gain by a merger when there are not too many parts.
-    pub free: f64,
-    /// Maximum number of parts, at least 1.
-    pub max_parts: usize,
-    /// Size of the whole mesh.
-    pub size: f64,
-}
 
 /// A part, as the hull of its points.
 struct Part {
     hull: Hull,
     bounds: [DVec3; 2],
-    /// Total volume of the V-HACD parts in it.
+    /// Total volume of the original parts in it.
     own: f64,
-    /// Indices of the V-HACD parts in it.
+    /// Indices of the original parts in it.
     members: Vec<usize>,
 }
 
@@ -87,8 +69,9 @@ struct Merger {
     pair: [usize; 2],
 }
 
-/// Groups the parts to be merged. Each group is an ascending list of part indices, and the groups
-/// are ordered by their first index.
+/// Groups the parts to be merged, in at most `max_parts` groups, which must be one or more. Each
+/// group is an ascending list of part indices, and the groups are ordered by their first index.
+/// `diagonal` is that of the whole mesh.
 ///
 /// # Errors
 /// The errors of [`hull::build`].
@@ -96,27 +79,24 @@ struct Merger {
 /// # Complexity
 /// One hull per pair of touching parts, including merged parts. If no touching parts are left and
 /// there are still more than `max_parts`, one hull per pair.
-pub fn merge(parts: &[PointSet], until: Until) -> Result<Vec<Vec<usize>>, BakeError> {
+pub fn merge(parts: &[PointSet], max_parts: usize, diagonal: f64) -> Result<Vec<Vec<usize>>, BakeError> {
     let first: Result<Vec<Part>, BakeError> =
         parts.par_iter().enumerate().map(|(index, points)| Part::new(points, None, vec![index])).collect();
     let mut alive: Vec<Option<Part>> = first?.into_iter().map(Some).collect();
     let mut count = alive.len();
-    let mut margin = TOUCHING * until.size;
+    let mut margin = TOUCHING * diagonal;
     let mut mergers = mergers_of(&alive, &all_pairs(alive.len()), margin)?;
-    loop {
+    while count > max_parts {
         // Of mergers with equal cost, take the first, so that the order does not depend on threads.
         let by_cost = |a: &&Merger, b: &&Merger| a.cost.total_cmp(&b.cost).then(a.pair.cmp(&b.pair));
-        let Some(&Merger { cost, pair: [kept, gone] }) = mergers.iter().min_by(by_cost) else {
-            if count <= until.max_parts || margin == f64::INFINITY {
+        let Some(&Merger { pair: [kept, gone], .. }) = mergers.iter().min_by(by_cost) else {
+            if margin == f64::INFINITY {
                 break;
             }
             margin = f64::INFINITY;
             mergers = mergers_of(&alive, &all_pairs(alive.len()), margin)?;
             continue;
         };
-        if count <= until.max_parts && !(cost <= until.free) {
-            break;
-        }
         let [Some(a), Some(b)] = [&alive[kept], &alive[gone]] else {
             unreachable!("mergers are of parts that are there")
         };
@@ -175,26 +155,21 @@ mod tests {
         ]
     }
 
-    fn merged(free: f64, max_parts: usize) -> Vec<Vec<usize>> {
-        merge(&blocks(), Until { free, max_parts, size: 6.0 }).unwrap()
+    fn merged(max_parts: usize) -> Vec<Vec<usize>> {
+        merge(&blocks(), max_parts, 6.0).unwrap()
     }
 
     #[test]
-    fn parts_with_a_convex_union_are_merged() {
-        assert_eq!(merged(1e-9, 100), [vec![0, 2, 3], vec![1], vec![4]]);
-        // A negative limit allows no merger.
-        assert_eq!(merged(-1.0, 100).len(), 5);
+    fn parts_with_a_convex_union_are_merged_first() {
+        assert_eq!(merged(5).len(), 5);
+        assert_eq!(merged(3), [vec![0, 2, 3], vec![1], vec![4]]);
     }
 
     /// Merging the block across with the row costs 2 (the hull of the L has volume 7, its parts 5).
     /// Merging the distant block costs more.
     #[test]
-    fn max_parts_is_not_exceeded() {
-        assert_eq!(merged(0.0, 2), [vec![0, 2, 3, 4], vec![1]]);
-        assert_eq!(merged(0.0, 1), [vec![0, 1, 2, 3, 4]]);
-        assert_eq!(merged(2.5, 100), [vec![0, 2, 3, 4], vec![1]]);
-        for max_parts in 1..5 {
-            assert!(merged(-1.0, max_parts).len() <= max_parts);
-        }
+    fn distant_parts_are_merged_last() {
+        assert_eq!(merged(2), [vec![0, 2, 3, 4], vec![1]]);
+        assert_eq!(merged(1), [vec![0, 1, 2, 3, 4]]);
     }
 }

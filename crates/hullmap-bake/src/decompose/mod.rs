@@ -1,12 +1,16 @@
-//! Convex decomposition: a concave mesh becomes convex parts, by one of two methods.
+//! Convex decomposition: a concave mesh becomes few convex parts that contain its whole surface and
+//! protrude by a limited length, both proven.
 //!
 //! | file | concept |
 //! |---|---|
-//! | [`cover`] | few parts that contain the whole surface and protrude by a limited length, both proven |
-//! | [`vhacd`], `merge` | V-HACD: parts of limited volume, measured afterwards |
+//! | this one | parameters, and the search for the smallest error with a maximum number of parts |
+//! | [`cover`] | the parts for one maximum error |
+//! | `merge` | mergers of parts, where there are too many |
+//! | `convex` | meshes that need no parts |
+//! | `part` | a part as a point set, with the indices of its mesh |
 //!
 //! ```
-//! use hullmap_bake::{PointSet, decompose::{Cover, Length, Method, decompose}};
+//! use hullmap_bake::{PointSet, decompose::{Cover, Length, decompose}};
 //!
 //! // Two tetrahedra that share a corner.
 //! let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -19,20 +23,23 @@
 //!     triangles: [outward, inward].concat(),
 //!     ..PointSet::default()
 //! };
-//! let method = Method::Cover(Cover { max_error: Length::Relative(0.02), ..Cover::default() });
-//! let parts = decompose(&mesh, &method)?.expect("the mesh is concave");
+//! let cover = Cover { max_error: Length::Relative(0.02), ..Cover::default() };
+//! let parts = decompose(&mesh, &cover)?.expect("the mesh is concave");
 //! assert_eq!(parts.len(), 2);
 //! # Ok::<(), hullmap_bake::BakeError>(())
 //! ```
 
+mod convex;
 pub mod cover;
 mod merge;
-pub mod vhacd;
+mod part;
 
+use convex::is_convex;
 use cover::{Deadline, Search};
 use glam::DVec3;
+use merge::merge;
+use part::SourceVertices;
 use rayon::prelude::*;
-pub use vhacd::{Fill, Parameters};
 
 use crate::{
     BakeError, PointSet,
@@ -40,25 +47,6 @@ use crate::{
     parts::{Accuracy, protrusion, solid::Solid, uncovered_triangles},
     progress::Stage,
 };
-
-/// How a mesh is decomposed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Method {
-    /// A cover with proven bounds.
-    Cover(Cover),
-    /// V-HACD.
-    Vhacd(Parameters),
-}
-
-impl Method {
-    /// Whether at most one part is allowed.
-    pub fn allows_one_part(&self) -> bool {
-        match self {
-            Self::Cover(cover) => cover.max_parts == Some(1),
-            Self::Vhacd(parameters) => parameters.max_parts == 1,
-        }
-    }
-}
 
 /// A length, absolute or relative to the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -129,7 +117,7 @@ const SEARCH: f64 = 0.9;
 /// Number of parts above which neighbours are joined before the best mergers are sought.
 const MANY_PARTS: usize = 256;
 
-/// The convex parts of a mesh; `None` if the mesh is convex, or has no triangles or no extent.
+/// The convex parts of a mesh; `None` if the mesh is convex, or has no triangles or no volume.
 ///
 /// Each part is named after the mesh, with the suffix `_part_00`, `_part_01` and so on. Without a
 /// time limit, parts and their order depend on the mesh and the parameters only. A sheet, which has
@@ -139,48 +127,31 @@ const MANY_PARTS: usize = 256;
 /// The errors of [`hull::build`].
 ///
 /// # Complexity
-/// See [`cover`] and [`vhacd`].
-pub fn decompose(mesh: &PointSet, method: &Method) -> Result<Option<Vec<PointSet>>, BakeError> {
-    decompose_in(mesh, method, Stage::default())
+/// See [`cover`].
+pub fn decompose(mesh: &PointSet, parameters: &Cover) -> Result<Option<Vec<PointSet>>, BakeError> {
+    decompose_in(mesh, parameters, Stage::default())
 }
 
 /// Like [`decompose`], as a stage of a computation whose progress is shown.
 ///
 /// # Errors
 /// Those of [`decompose`].
-pub fn decompose_in(mesh: &PointSet, method: &Method, stage: Stage) -> Result<Option<Vec<PointSet>>, BakeError> {
-    match method {
-        Method::Vhacd(parameters) => vhacd::decompose(mesh, parameters),
-        Method::Cover(parameters) => covered(mesh, parameters, stage),
-    }
-}
-
-fn covered(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result<Option<Vec<PointSet>>, BakeError> {
+pub fn decompose_in(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result<Option<Vec<PointSet>>, BakeError> {
     let hull = hull::build(mesh)?;
-    if hull.rank < 3 || mesh.triangles.is_empty() || vhacd::is_convex(mesh, &hull) {
+    if hull.rank < 3 || mesh.triangles.is_empty() || is_convex(mesh, &hull) {
         return Ok(None);
     }
-    let order = vhacd::by_position(mesh);
-    let parts = cover_within(mesh, &order, hull, parameters, stage)?;
-    let named =
-        |(index, hull)| PointSet { name: format!("{}_part_{index:02}", mesh.name), ..part_of(mesh, &order, hull) };
+    let vertices = SourceVertices::of(mesh);
+    let parts = cover_within(mesh, &vertices, hull, parameters, stage)?;
+    let named = |(index, hull)| PointSet { name: format!("{}_part_{index:02}", mesh.name), ..vertices.part(hull) };
     Ok(Some(parts.iter().enumerate().map(named).collect()))
 }
 
-/// The vertices of a hull as a part of `mesh`, whose vertices are given in the order of their
-/// positions.
-fn part_of(mesh: &PointSet, order: &[u32], hull: &Hull) -> PointSet {
-    let located = |p: &[f32; 3]| (*p, vhacd::source_vertex_at(mesh, order, *p));
-    let mut points: vhacd::Part = hull.vertices.iter().map(located).collect();
-    vhacd::in_order(&mut points);
-    vhacd::point_set(&points, mesh, String::new())
-}
-
-/// The hull that is built of a part's vertices, once it has become a part of `mesh`. Another order
+/// The hull that is built of a part's vertices, once it has become a part of the mesh. Another order
 /// of the points may give faces that differ by rounding, and with them bounds.
-fn as_built(mesh: &PointSet, order: &[u32], mut hull: Hull) -> Hull {
+fn as_built(vertices: &SourceVertices, mut hull: Hull) -> Hull {
     for _ in 0..BUILDS {
-        let Ok(built) = hull::build(&part_of(mesh, order, &hull)) else { break };
+        let Ok(built) = hull::build(&vertices.part(&hull)) else { break };
         let is_same = built.vertices.len() == hull.vertices.len();
         hull = built;
         if is_same {
@@ -192,7 +163,7 @@ fn as_built(mesh: &PointSet, order: &[u32], mut hull: Hull) -> Hull {
 
 /// Adds thin parts for each triangle that is not proven to be covered, for instance one without
 /// area, of which no cell is made. A triangle of the mesh protrudes nowhere.
-fn add_uncovered(mesh: &PointSet, order: &[u32], parts: &mut Vec<Hull>, diagonal: f64, what: &Search) {
+fn add_uncovered(mesh: &PointSet, vertices: &SourceVertices, parts: &mut Vec<Hull>, diagonal: f64, what: &Search) {
     let thickness = (0.25 * what.limit).min(1e-6 * diagonal);
     for _ in 0..UNCOVERED_ROUNDS {
         let missing = uncovered_triangles(mesh, &parts.iter().collect::<Vec<_>>(), COVERED * diagonal);
@@ -204,7 +175,7 @@ fn add_uncovered(mesh: &PointSet, order: &[u32], parts: &mut Vec<Hull>, diagonal
             let corners = mesh.triangles[triangle].map(corner);
             cover::wrap::of_polygon(&corners, diagonal, thickness, what.max_vertices)
         });
-        let thin: Vec<Hull> = thin.map(|hull| as_built(mesh, order, hull)).collect();
+        let thin: Vec<Hull> = thin.map(|hull| as_built(vertices, hull)).collect();
         parts.extend(thin);
     }
 }
@@ -213,7 +184,7 @@ fn add_uncovered(mesh: &PointSet, order: &[u32], parts: &mut Vec<Hull>, diagonal
 /// result if nothing better is found in time.
 fn cover_within(
     mesh: &PointSet,
-    order: &[u32],
+    vertices: &SourceVertices,
     hull: Hull,
     parameters: &Cover,
     stage: Stage,
@@ -233,8 +204,8 @@ fn cover_within(
         let what = Search { limit: limit.max(least), max_vertices, deadline, stage: stage.from_to(0.0, SEARCH) };
         let found = cover::search(mesh, &solid, &what)?;
         stage.reach(SEARCH);
-        let mut hulls: Vec<Hull> = found.into_par_iter().map(|(hull, _)| as_built(mesh, order, hull)).collect();
-        add_uncovered(mesh, order, &mut hulls, diagonal, &what);
+        let mut hulls: Vec<Hull> = found.into_par_iter().map(|(hull, _)| as_built(vertices, hull)).collect();
+        add_uncovered(mesh, vertices, &mut hulls, diagonal, &what);
         (!hulls.is_empty()).then_some(hulls)
     };
     let limit = parameters.max_error.of(diagonal).max(least);
@@ -286,8 +257,7 @@ fn merged(
     if sets.len() > MANY_PARTS.max(max_parts) {
         sets = clustered(sets, MANY_PARTS.max(max_parts));
     }
-    let until = merge::Until { free: f64::NEG_INFINITY, max_parts, size: solid.diagonal() };
-    let groups = merge::merge(&sets, until)?;
+    let groups = merge(&sets, max_parts, solid.diagonal())?;
     let hull_of = |group: &Vec<usize>| -> Result<(Hull, f64), BakeError> {
         let points: Vec<[f32; 3]> = group.iter().flat_map(|part| sets[*part].positions.iter().copied()).collect();
         let hull = cover::wrap::within_vertices(hull::build(&points_of(&points))?, max_vertices);

@@ -10,6 +10,7 @@
 //! | [`fits`] | both measures of all parts of a mesh, as a pack records them |
 //! | [`branch`] | branch and bound, which both use |
 //! | [`sides`] | regions that are inside although triangles cut them |
+//! | `triangle_tree` | bounding volume hierarchy of a mesh's triangles |
 //! | [`triangle`], [`planes`] | distances from a triangle, half-spaces of a part |
 //!
 //! Lengths are in the unit of the positions, which are those of the mesh and of the parts alike.
@@ -22,6 +23,7 @@ pub mod protrusion;
 pub mod sides;
 pub mod solid;
 pub mod triangle;
+mod triangle_tree;
 pub mod uncovered;
 
 pub use branch::Accuracy;

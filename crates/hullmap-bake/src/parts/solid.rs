@@ -21,14 +21,10 @@
 //! - Jacobson thresholds a fractional winding number. Closing the holes first makes it an integer,
 //!   which can be certified and is constant between the triangles.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, ops::ControlFlow};
 
 use glam::DVec3;
 pub use hullmap_format::SolidKind;
-use parry3d_f64::{
-    bounding_volume::Aabb,
-    partitioning::{Bvh, BvhBuildStrategy, BvhNode},
-};
 use rayon::prelude::*;
 
 use super::{
@@ -36,6 +32,7 @@ use super::{
     planes::HalfSpace,
     sides,
     triangle::{self, Triangle},
+    triangle_tree::{Bounds, TriangleTree},
 };
 use crate::PointSet;
 
@@ -71,7 +68,7 @@ pub struct Solid {
     mesh_count: usize,
     /// Of each closing triangle, whether all of it is in the solid.
     is_whole: Vec<bool>,
-    bvh: Bvh,
+    tree: TriangleTree,
     kind: SolidKind,
     diagonal: f64,
     bounds: [DVec3; 2],
@@ -147,13 +144,12 @@ impl Solid {
         } else {
             SolidKind::Closed
         };
-        let boxes = triangles.iter().map(|[a, b, c]| Aabb::new(a.min(*b).min(*c), a.max(*b).max(*c)));
-        let bvh = Bvh::from_iter(BvhBuildStrategy::Binned, boxes.enumerate());
+        let tree = TriangleTree::new(&triangles);
         let rounding = ROUNDING * bounds[0].abs().max(bounds[1].abs()).max_element().max(0.0);
         let needles = triangles.iter().map(triangle::needle).fold(0.0, f64::max);
         let is_whole = Vec::new();
         let mut solid =
-            Self { triangles, counts, mesh_count, is_whole, bvh, kind, diagonal, bounds, moved, rounding, needles };
+            Self { triangles, counts, mesh_count, is_whole, tree, kind, diagonal, bounds, moved, rounding, needles };
         // Volumes of opposite orientation may have cancelled.
         if kind == SolidKind::Sheet && solid.has_inside() {
             solid.kind = if is_closed { SolidKind::Watertight } else { SolidKind::Closed };
@@ -202,25 +198,34 @@ impl Solid {
 
     /// Indices of the triangles whose boxes touch a box.
     pub fn triangles_in(&self, low: DVec3, high: DVec3) -> Vec<u32> {
-        let query = Aabb::new(low, high);
-        self.bvh.intersect_aabb(&query).collect()
+        let mut found = Vec::new();
+        let touches = |own: &Bounds| own.low.cmple(high).all() && own.high.cmpge(low).all();
+        let take = |index| {
+            found.push(index);
+            ControlFlow::<()>::Continue(())
+        };
+        let _ = self.tree.visit(touches, take);
+        found
     }
 
     /// A triangle with a corner in or above a plane, within `radius` of a point; `None` if there is
     /// none. Triangles a little farther away may be found, too.
     pub fn triangle_above(&self, plane: &HalfSpace, p: DVec3, radius: f64) -> Option<Triangle> {
         let is_high = plane.normal.cmpge(DVec3::ZERO);
-        let is_near = |node: &BvhNode| {
-            let (low, high) = (node.mins(), node.maxs());
+        let is_near = |&Bounds { low, high }: &Bounds| {
             // Written so that NaN is near.
             !((low - p).max(p - high).max(DVec3::ZERO).length_squared() > radius * radius)
                 && !(plane.height(DVec3::select(is_high, high, low)) < 0.0)
         };
-        let triangles = self.bvh.leaves(is_near).map(|index| self.triangles[index as usize]);
-        triangles.into_iter().find(|corners| {
+        let is_found = |corners: &Triangle| {
             corners.iter().any(|corner| !(plane.height(*corner) < 0.0))
                 && !(triangle::nearest(corners, p).distance(p) > radius)
-        })
+        };
+        let take = |index| {
+            let corners = self.triangles[index as usize];
+            if is_found(&corners) { ControlFlow::Break(corners) } else { ControlFlow::Continue(()) }
+        };
+        self.tree.visit(is_near, take).break_value()
     }
 
     /// Maximum error of distances: vertices that were moved together, needles, and rounding.
@@ -307,12 +312,12 @@ impl Solid {
     /// The nearest of the triangles that `counts`, with its distance.
     fn nearest(&self, p: DVec3, within: f64, counts: impl Fn(usize) -> bool) -> Option<(f64, usize)> {
         // Squares, because roots take time.
-        let to_box = |node: &BvhNode, _: f64| (node.mins() - p).max(p - node.maxs()).max(DVec3::ZERO).length_squared();
-        let to_triangle = |index: u32, _: f64| {
+        let to_box = |own: &Bounds| (own.low - p).max(p - own.high).max(DVec3::ZERO).length_squared();
+        let to_triangle = |index: u32| {
             let index = index as usize;
             counts(index).then(|| triangle::nearest(&self.triangles[index], p).distance_squared(p))
         };
-        let (index, square) = self.bvh.find_best((within * within).min(f64::MAX), to_box, to_triangle)?;
+        let (square, index) = self.tree.lowest((within * within).min(f64::MAX), to_box, to_triangle)?;
         Some((square.sqrt(), index as usize))
     }
 
@@ -331,24 +336,30 @@ impl Solid {
     fn crossings(&self, p: DVec3, direction: DVec3) -> Result<i32, Doubt> {
         let inverse = direction.recip();
         let margin = self.rounding;
-        let is_hit = |node: &BvhNode| {
-            let (s, t) = ((node.mins() - p - margin) * inverse, (node.maxs() - p + margin) * inverse);
+        let is_hit = |own: &Bounds| {
+            let (s, t) = ((own.low - p - margin) * inverse, (own.high - p + margin) * inverse);
             let (enter, leave) = (s.min(t).max_element(), s.max(t).min_element());
             leave >= 0.0 && enter <= leave
         };
         let mut winding = 0;
-        for index in self.bvh.leaves(is_hit) {
+        let count = |index: u32| {
             if !self.counts[index as usize] {
-                continue;
+                return ControlFlow::Continue(());
             }
             let triangle = &self.triangles[index as usize];
-            winding += match crossing(triangle, p, direction) {
-                Some(crossed) => crossed,
-                None if triangle::nearest(triangle, p).distance(p) <= self.rounding => return Err(Doubt::On(index)),
-                None => return Err(Doubt::Edge),
-            };
+            match crossing(triangle, p, direction) {
+                Some(crossed) => winding += crossed,
+                None if triangle::nearest(triangle, p).distance(p) <= self.rounding => {
+                    return ControlFlow::Break(Doubt::On(index));
+                }
+                None => return ControlFlow::Break(Doubt::Edge),
+            }
+            ControlFlow::Continue(())
+        };
+        match self.tree.visit(is_hit, count) {
+            ControlFlow::Break(doubt) => Err(doubt),
+            ControlFlow::Continue(()) => Ok(winding),
         }
-        Ok(winding)
     }
 
     /// Winding number as the sum of all solid angles, which is slow and always certain enough: its

@@ -9,6 +9,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 use crate::options::defaults::{DefaultValue, OPTIONS};
 use crate::options::flag;
+use crate::options::removed::instead_of_option;
 use crate::options::value::Syntax;
 
 /// Guessed subcommands, and what to do instead.
@@ -50,7 +51,7 @@ const FLAGS: [(&[&str], &str, &str); 18] = [
 ];
 
 /// The error with the name that is meant, if a guess is known.
-pub fn with_tip(mut error: clap::Error, words: &[OsString]) -> clap::Error {
+pub fn with_tip(error: clap::Error, words: &[OsString]) -> clap::Error {
     let context = |kind| match error.get(kind) {
         Some(ContextValue::String(text)) => text.clone(),
         _ => String::new(),
@@ -63,17 +64,25 @@ pub fn with_tip(mut error: clap::Error, words: &[OsString]) -> clap::Error {
         ErrorKind::UnknownArgument => {
             let argument = context(ContextKind::InvalidArg);
             let name = argument.trim_start_matches('-').split('=').next().unwrap_or_default().to_lowercase();
+            if let Some(instead) = instead_of_option(&name) {
+                return with_suggestion(error, instead.to_owned());
+            }
             let is_known = |own: &str| words.get(1).is_some_and(|command| has_flag(command, own));
             let meant = FLAGS.iter().find(|(guesses, own, _)| guesses.contains(&&*name) && is_known(own));
             meant.map(|(_, _, usage)| format!("use {usage}"))
         }
         _ => None,
     };
-    if let Some(tip) = tip {
-        error.remove(ContextKind::SuggestedArg);
-        error.remove(ContextKind::SuggestedSubcommand);
-        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    match tip {
+        Some(tip) => with_suggestion(error, tip),
+        None => error,
     }
+}
+
+fn with_suggestion(mut error: clap::Error, tip: String) -> clap::Error {
+    error.remove(ContextKind::SuggestedArg);
+    error.remove(ContextKind::SuggestedSubcommand);
+    error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
     error
 }
 
@@ -92,7 +101,7 @@ pub fn detached_value(words: &[OsString]) -> Option<String> {
         let is_off = |default| matches!(default, DefaultValue::Value("false"));
         let mut switches = OPTIONS.iter().filter(|option| is_switch(option.syntax) && is_off(option.default));
         let option = switches.find(|option| flag(option.key) == name)?;
-        let is_value = option.syntax.parse(value).is_ok() && !Path::new(value).exists();
+        let is_value = option.parse(value).is_ok() && !Path::new(value).exists();
         is_value.then(|| format!("--{name} takes its value after `=`: --{name}={value}"))
     })
 }

@@ -1,6 +1,6 @@
 //! Command lines: those that are accepted, those that are rejected, and the help.
 
-use hullmap_bake::decompose::Method;
+use hullmap_bake::decompose::Cover;
 use hullmap_bake::simplify::Limit;
 use hullmap_bake::{IndexChoice, IndexKind};
 use hullmap_import::{ImportOptions, Split, UpAxis, Vertices};
@@ -43,9 +43,9 @@ fn flags_set_build_options() {
     assert!(!build("--recentre=false").unwrap().import().recentre);
     assert_eq!(build("--max-vertices 64").unwrap().simplify(1.0), Some(Limit::Vertices(64)));
     assert_eq!(build("--max-error 1e-3").unwrap().simplify(1.0), Some(Limit::Distance(1e-3)));
-    let words = "--decompose --vhacd-max-parts 8 --vhacd-hull-approximation false";
-    let Some(Method::Vhacd(parts)) = build(words).unwrap().decompose() else { panic!("V-HACD") };
-    assert_eq!((parts.max_parts, parts.hull_approximation), (8, false));
+    for words in ["--decompose --max-parts 8", "--decompose=cover --max-parts 8"] {
+        assert_eq!(build(words).unwrap().decompose(), Some(Cover { max_parts: Some(8), ..Cover::default() }));
+    }
     assert_eq!(build("--max-parts 8"), Ok(usual), "hullmap.toml may switch decomposition on");
 }
 
@@ -64,7 +64,7 @@ fn wrong_arguments_exit_with_2() {
         "--max-vertices 3",
         "--max-vertices 8 --max-error 1",
         "--decompose=false --max-parts 8",
-        "--decompose --vhacd-resolution 0",
+        "--decompose --max-parts 0",
         "--split group",
         "--vertices some",
         "--jobs 0",
@@ -132,6 +132,14 @@ fn natural_guesses_are_answered_with_the_right_name() {
     assert!(!error("bake inspect a --simplify").contains("--max-vertices"), "a flag of another subcommand");
     let words = ["bake", "build", "--out", "o", "--decompose", "Cargo.toml"];
     assert!(parse(words).is_ok(), "a file after a switch");
+}
+
+#[test]
+fn removed_options_name_what_to_use_instead() {
+    for words in ["--decompose=vhacd", "--decompose --vhacd-resolution 32", "--vhacd-fill=flood"] {
+        let message = error(&format!("bake build a.obj --out o {words}"));
+        assert!(message.contains("V-HACD was removed; use decompose without a method"), "{message}");
+    }
 }
 
 #[test]
@@ -237,6 +245,19 @@ fn help_has_the_name_under_which_the_command_was_started() {
     let module = "python -m hullmap";
     assert!(text(&[module, "--help"]).contains("Usage: python -m hullmap <COMMAND>"));
     assert!(!text(&[module, "build", "--help"]).contains("bake build"));
+}
+
+/// The flags are always known, so that a build without the client says how to get it.
+#[test]
+fn a_farm_needs_the_client() {
+    let address = "bake build a --out o --remote grpc://localhost:1 --remote-upload";
+    let parsed = parse(address.split_whitespace()).map(|_| ()).map_err(|error| error.to_string());
+    if cfg!(feature = "remote") {
+        assert_eq!(parsed, Ok(()));
+    } else {
+        assert!(parsed.as_ref().is_err_and(|message| message.contains("`--features remote`")), "{parsed:?}");
+    }
+    assert!(error("bake build a --out o --remote-upload").contains("--remote <ADDRESS>"));
 }
 
 #[test]

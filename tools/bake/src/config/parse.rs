@@ -10,6 +10,7 @@ use super::{Config, Rule};
 use crate::glob::Glob;
 use crate::options::OptionLayer;
 use crate::options::defaults::{OPTIONS, position};
+use crate::options::removed::instead_of_option;
 use crate::options::value::Syntax;
 use crate::outcome::Failure;
 
@@ -135,14 +136,16 @@ fn layer(table: &DeTable, is_rule: bool) -> Result<OptionLayer, Fault> {
             let keys_of_rules: &[&str] = if is_rule { &[FILES, SKIP] } else { &[] };
             let known: Vec<&str> =
                 OPTIONS.iter().map(|option| option.key).chain(keys_of_rules.iter().copied()).collect();
-            return Err(fault(span, unknown("key", key, &known)));
+            let message = instead_of_option(key)
+                .map_or_else(|| unknown("key", key, &known), |instead| format!("`{key}`: {instead}"));
+            return Err(fault(span, message));
         };
         let syntax = OPTIONS[index].syntax;
         let text = text_of(value.get_ref(), syntax).ok_or_else(|| {
             let found = value.get_ref().type_str();
             fault(value.span(), format!("{key}: expected {}, found {found}", toml_type(syntax)))
         })?;
-        let parsed = syntax.parse(&text).map_err(|error| {
+        let parsed = OPTIONS[index].parse(&text).map_err(|error| {
             let suggestion = match syntax {
                 Syntax::Words(words) => most_similar(&text, words),
                 _ => None,
@@ -171,8 +174,7 @@ fn in_order<'t>(table: &'t DeTable) -> Vec<(Range<usize>, &'t str, &'t Spanned<D
 /// The value as text for [`Syntax::parse`], if its TOML type is right.
 fn text_of(value: &DeValue, syntax: Syntax) -> Option<String> {
     let accepts_none = matches!(syntax, Syntax::CountOrNone { .. } | Syntax::PositiveOrNone | Syntax::LengthOrNone);
-    let accepts_float =
-        matches!(syntax, Syntax::Fraction | Syntax::Positive | Syntax::PositiveOrNone | Syntax::LengthOrNone);
+    let accepts_float = matches!(syntax, Syntax::Positive | Syntax::PositiveOrNone | Syntax::LengthOrNone);
     let accepts_integer = accepts_float || matches!(syntax, Syntax::Count { .. } | Syntax::CountOrNone { .. });
     match value {
         DeValue::String(text) if matches!(syntax, Syntax::Words(_) | Syntax::SwitchOr(_) | Syntax::LengthOrNone) => {
@@ -196,7 +198,7 @@ fn toml_type(syntax: Syntax) -> &'static str {
         Syntax::SwitchOr(_) => "true, false or a string",
         Syntax::LengthOrNone => "a number, or a string such as \"2%\" or \"none\"",
         Syntax::Count { .. } => "a whole number",
-        Syntax::Fraction | Syntax::Positive => "a number",
+        Syntax::Positive => "a number",
         Syntax::CountOrNone { .. } => "a whole number or \"none\"",
         Syntax::PositiveOrNone => "a number or \"none\"",
     }
@@ -267,6 +269,11 @@ mod tests {
             ("[defaults]\nmax_vertices = 3.5\n", ":2: max_vertices: expected a whole number or \"none\", found float"),
             ("[defaults]\nsplit = \"none\"\nsplit = \"none\"\n", ":3: invalid TOML: duplicate key"),
             ("[defaults\n", ":1: invalid TOML: "),
+            ("[defaults]\ndecompose = \"vhacd\"\n", ":2: decompose = \"vhacd\": V-HACD was removed; use "),
+            (
+                "[defaults]\nvhacd_alpha = 0.5\n",
+                ":2: `vhacd_alpha`: V-HACD was removed; use decompose without a method",
+            ),
             // The first of several, in the order of the file.
             ("[defaults]\nzz = 1\naa = 2\n", ":2: unknown key `zz`"),
         ] {

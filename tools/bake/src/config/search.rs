@@ -308,13 +308,13 @@ mod tests {
 
     #[test]
     fn unused_rules_are_reported_if_the_whole_folder_is_built() {
-        let text = "[defaults]\nvhacd_alpha = 0.5\n[[rule]]\nsplit = \"none\"\nfiles = [\"propz/**\", \"*.stl\"]\n\n[[rule]]\nfiles = \"b/*\"\n";
+        let text = "[defaults]\nmax_parts = 5\n[[rule]]\nsplit = \"none\"\nfiles = [\"propz/**\", \"*.stl\"]\n\n[[rule]]\nfiles = \"b/*\"\n";
         let folder = folder(&[("a/hullmap.toml", text), ("a/b/x.obj", "")]);
         let mut configs = Configs::new(None, false, folder.path()).unwrap();
         configs.layer(&folder.path().join("a/b/x.obj")).unwrap();
         let warned = |input: &str| configs.warnings(&[folder.path().join(input)], |_| input == "a").join("|");
         assert!(warned("a").ends_with("a/hullmap.toml:5: no mesh matches `propz/**` or `*.stl`"), "{}", warned("a"));
-        assert!(warned("a/b").contains("vhacd_alpha has no effect") && !warned("a/b").contains('|'));
+        assert!(warned("a/b").contains("max_parts has no effect") && !warned("a/b").contains('|'));
         assert!(warned(".").contains('|'));
     }
 

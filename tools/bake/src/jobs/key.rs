@@ -6,13 +6,11 @@
 
 use std::path::Path;
 
-use hullmap_bake::decompose::Method;
 use hullmap_import::{self as import, Limits, ReadError, SourceFile};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::Job;
-use crate::options::BuildOptions;
 use crate::outcome::Failure;
 
 /// A file that a pack is baked from.
@@ -64,7 +62,7 @@ impl Ingredients {
             ))
         })?;
         Ok(Self {
-            baker: baker(&job.options),
+            baker: env!("CARGO_PKG_VERSION").to_owned(),
             format_version: job.options.format_version(),
             options: job.options.to_string(),
             records,
@@ -129,19 +127,6 @@ pub fn check_planned(job: &Job, source: &SourceFile, project: &Path) -> Result<(
 
 fn changed(job: &Job) -> Failure {
     Failure::rejected(format!("{}: it has changed since it was planned; plan again", job.source.display()))
-}
-
-/// The version of this program. V-HACD, which another package computes, calls `acos` and `cos` of
-/// the system, so the system counts as well.
-fn baker(options: &BuildOptions) -> String {
-    let version = env!("CARGO_PKG_VERSION");
-    match options.decompose() {
-        Some(Method::Vhacd(_)) => {
-            let libc = if cfg!(target_env = "musl") { "musl" } else { std::env::consts::OS };
-            format!("{version} {} {libc}", std::env::consts::ARCH)
-        }
-        _ => version.to_owned(),
-    }
 }
 
 /// The files of a source: the mesh, which has this name, and its buffers.

@@ -4,9 +4,9 @@
 //! come from this table. Every option in it changes the hulls of packs, except those that are never
 //! recorded; flags that no mesh can choose for itself (`--jobs`, `--verify`, …) are in `args.rs`.
 
-use super::value::Syntax::{
-    self, Count, CountOrNone, Fraction, LengthOrNone, Positive, PositiveOrNone, Switch, SwitchOr, Words,
-};
+use super::removed::instead_of_value;
+use super::value::Syntax::{self, Count, CountOrNone, LengthOrNone, Positive, PositiveOrNone, Switch, SwitchOr, Words};
+use super::value::Value;
 
 /// One option.
 #[derive(Debug)]
@@ -31,6 +31,19 @@ pub struct BuildOption {
     pub applies_with: Option<(&'static str, &'static str)>,
     /// How a pack records it.
     pub record: Record,
+}
+
+impl BuildOption {
+    /// Reads a value.
+    ///
+    /// # Errors
+    /// `text` is not an accepted value. The error states what was expected.
+    pub fn parse(&self, text: &str) -> Result<Value, String> {
+        self.syntax.parse(text).map_err(|expected| match instead_of_value(self.key, text) {
+            Some(instead) => instead.to_owned(),
+            None => expected,
+        })
+    }
 }
 
 /// Value of an option that no source gives.
@@ -107,12 +120,6 @@ impl Section {
 
 /// Maximum resolution of a cube map.
 const MAX_RESOLUTION: u32 = 1024;
-
-/// Maximum voxels along a mesh's longest side: cubed, 134 million voxels.
-const MAX_VOXELS: u32 = 512;
-
-/// Maximum downsampling of planes and hulls, as in V-HACD.
-const MAX_DOWNSAMPLING: u32 = 16;
 
 /// Minimum vertices of a solid.
 const MIN_VERTICES: u32 = 4;
@@ -204,84 +211,12 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     },
     BuildOption {
         key: "decompose",
-        syntax: SwitchOr(&["cover", "vhacd"]),
+        syntax: SwitchOr(&["cover"]),
         default: DefaultValue::Value("false"),
         value_name: "METHOD",
-        help: "Decompose concave meshes into convex parts: cover (default) or vhacd",
+        help: "Decompose concave meshes into convex parts; cover, the only method, may be left out",
         section: Section::Parts,
         ..OPTION
-    },
-    BuildOption {
-        key: "vhacd_concavity",
-        syntax: Fraction,
-        default: DefaultValue::Value("0.01"),
-        value_name: "F",
-        help: "Maximum volume between a part and its hull, relative to the mesh's hull, 0 to 1",
-        ..VHACD_OPTION
-    },
-    BuildOption {
-        key: "vhacd_resolution",
-        syntax: Count { min: 1, max: MAX_VOXELS },
-        default: DefaultValue::Value("64"),
-        value_name: "N",
-        help: "Voxels along the mesh's longest side, 1 to 512",
-        ..VHACD_OPTION
-    },
-    BuildOption {
-        key: "vhacd_max_parts",
-        syntax: Count { min: 1, max: u32::MAX },
-        default: DefaultValue::Value("1024"),
-        value_name: "N",
-        help: "Maximum number of parts",
-        ..VHACD_OPTION
-    },
-    BuildOption {
-        key: "vhacd_alpha",
-        syntax: Fraction,
-        default: DefaultValue::Value("0.05"),
-        value_name: "F",
-        help: "Weight of balanced cuts, 0 to 1",
-        ..VHACD_OPTION
-    },
-    BuildOption {
-        key: "vhacd_beta",
-        syntax: Fraction,
-        default: DefaultValue::Value("0.05"),
-        value_name: "F",
-        help: "Weight of cuts through an axis of revolution, 0 to 1",
-        ..VHACD_OPTION
-    },
-    BuildOption {
-        key: "vhacd_plane_downsampling",
-        syntax: Count { min: 1, max: MAX_DOWNSAMPLING },
-        default: DefaultValue::Value("4"),
-        value_name: "N",
-        help: "Try every Nth cutting plane, 1 to 16",
-        ..VHACD_OPTION
-    },
-    BuildOption {
-        key: "vhacd_hull_downsampling",
-        syntax: Count { min: 1, max: MAX_DOWNSAMPLING },
-        default: DefaultValue::Value("4"),
-        value_name: "N",
-        help: "Build trial hulls from every Nth voxel, 1 to 16",
-        ..VHACD_OPTION
-    },
-    BuildOption {
-        key: "vhacd_hull_approximation",
-        syntax: Switch,
-        default: DefaultValue::Value("true"),
-        value_name: "BOOL",
-        help: "Build trial hulls from voxels instead of the mesh",
-        ..VHACD_OPTION
-    },
-    BuildOption {
-        key: "vhacd_fill",
-        syntax: Words(&["flood", "cavities", "surface"]),
-        default: DefaultValue::Value("flood"),
-        value_name: "flood|cavities|surface",
-        help: "Voxels that count as solid: all enclosed ones, all but closed cavities, or the surface only",
-        ..VHACD_OPTION
     },
     BuildOption {
         key: "max_vertices",
@@ -360,7 +295,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
 ];
 
 /// Number of options.
-pub const OPTION_COUNT: usize = 25;
+pub const OPTION_COUNT: usize = 16;
 
 /// Values that most options share.
 const OPTION: BuildOption = BuildOption {
@@ -375,10 +310,6 @@ const OPTION: BuildOption = BuildOption {
     applies_with: None,
     record: Record::IfChanged,
 };
-
-/// What the parameters of V-HACD share. Their defaults are those of parry3d 0.31.
-const VHACD_OPTION: BuildOption =
-    BuildOption { section: Section::Parts, is_advanced: true, applies_with: Some(("decompose", "vhacd")), ..OPTION };
 
 /// Position of an option in the table.
 pub fn position(key: &str) -> Option<usize> {

@@ -44,7 +44,7 @@ impl clap::FromArgMatches for OptionLayer {
     }
 }
 
-fn arg(option: &BuildOption, flag: &'static str) -> Arg {
+fn arg(option: &'static BuildOption, flag: &'static str) -> Arg {
     // Off and unlimited go without saying.
     let help = match option.default {
         DefaultValue::Value(value) if value != "false" && option.syntax.parse(value) != Ok(Value::None) => {
@@ -57,7 +57,7 @@ fn arg(option: &BuildOption, flag: &'static str) -> Arg {
         .help(help)
         .help_heading(option.section.heading())
         .value_name(option.value_name)
-        .value_parser(value_parser(option.syntax))
+        .value_parser(value_parser(option))
         .hide_possible_values(true)
         .hide_short_help(option.is_advanced);
     match (option.syntax, option.default) {
@@ -72,11 +72,11 @@ fn arg(option: &BuildOption, flag: &'static str) -> Arg {
 
 /// Words are possible values of clap, which shells complete; everything else is read by the
 /// option's syntax.
-fn value_parser(syntax: Syntax) -> ValueParser {
-    let words = match syntax {
+fn value_parser(option: &'static BuildOption) -> ValueParser {
+    let words = match option.syntax {
         Syntax::Words(words) => words,
         Syntax::Switch => &["true", "false"],
-        _ => return ValueParser::new(move |text: &str| syntax.parse(text)),
+        _ => return ValueParser::new(|text: &str| option.parse(text)),
     };
-    ValueParser::new(PossibleValuesParser::new(words).try_map(move |text| syntax.parse(&text)))
+    ValueParser::new(PossibleValuesParser::new(words).try_map(|text| option.parse(&text)))
 }

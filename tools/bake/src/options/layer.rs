@@ -3,6 +3,7 @@
 
 use super::BuildOptions;
 use super::defaults::{DefaultValue, Group, OPTION_COUNT, OPTIONS, position};
+use super::removed::instead_of_option;
 use super::value::Value;
 
 /// The options that one source gives, in the order of the table; `None` for options it does not
@@ -14,9 +15,6 @@ pub struct OptionLayer {
 
 /// The method of a decomposition that is switched on without a name.
 const UNNAMED: &str = "cover";
-
-/// The method that is meant if a parameter of it is given as well.
-const PARAMETRISED: &str = "vhacd";
 
 /// Two options of one layer that contradict each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,8 +79,9 @@ impl OptionLayer {
     /// # Errors
     /// No option has this key, or it does not accept the value.
     pub fn set(&mut self, key: &str, text: &str) -> Result<(), String> {
-        let index = position(key).ok_or_else(|| format!("unknown option {key}"))?;
-        self.values[index] = Some(OPTIONS[index].syntax.parse(text)?);
+        let unknown = || instead_of_option(key).map_or_else(|| format!("unknown option {key}"), str::to_owned);
+        let index = position(key).ok_or_else(unknown)?;
+        self.values[index] = Some(OPTIONS[index].parse(text)?);
         Ok(())
     }
 
@@ -99,16 +98,9 @@ impl OptionLayer {
     fn method(&self) -> Option<&'static str> {
         match self.get("decompose")? {
             Value::Word(word) => Some(word),
-            Value::Switch(true) if self.first_decomposition_parameter().is_some() => Some(PARAMETRISED),
             Value::Switch(true) => Some(UNNAMED),
             _ => None,
         }
-    }
-
-    /// The first parameter of V-HACD that the layer gives.
-    pub fn first_decomposition_parameter(&self) -> Option<&'static str> {
-        let is_parameter = |index: &usize| OPTIONS[*index].applies_with == Some(("decompose", PARAMETRISED));
-        (0..OPTION_COUNT).filter(is_parameter).find(|&index| self.values[index].is_some()).map(|i| OPTIONS[i].key)
     }
 
     /// The first option of this layer that only applies to decomposed meshes.
@@ -197,11 +189,11 @@ impl OptionLayer {
 
 #[cfg(test)]
 pub mod tests {
-    use hullmap_bake::decompose::Method;
     use hullmap_bake::simplify::Limit;
     use hullmap_bake::{IndexChoice, IndexKind};
 
     use super::*;
+    use crate::options::removed::VHACD;
 
     /// For each option a value that is not its default.
     pub const VALUES: [(&str, &str); OPTION_COUNT] = [
@@ -214,15 +206,6 @@ pub mod tests {
         ("up_axis", "y-to-z"),
         ("recentre", "true"),
         ("decompose", "true"),
-        ("vhacd_concavity", "0.5"),
-        ("vhacd_resolution", "32"),
-        ("vhacd_max_parts", "8"),
-        ("vhacd_alpha", "0.25"),
-        ("vhacd_beta", "0.25"),
-        ("vhacd_plane_downsampling", "2"),
-        ("vhacd_hull_downsampling", "2"),
-        ("vhacd_hull_approximation", "false"),
-        ("vhacd_fill", "surface"),
         ("max_vertices", "64"),
         ("max_error", "0.5"),
         ("pack_names", "full"),
@@ -268,11 +251,10 @@ pub mod tests {
         for limit in ["max_vertices", "max_error"] {
             assert_eq!(layer(&[(limit, "none")]).over(&near).resolve().simplify(1.0), None);
         }
-        let parts = layer(&[("vhacd_resolution", "32")]);
+        let parts = layer(&[("max_parts", "32")]);
         assert_eq!(parts.resolve().decompose(), None, "parameters alone do not decompose");
         let parts = layer(&[("decompose", "true")]).over(&parts).resolve().decompose().unwrap();
-        let Method::Vhacd(parts) = parts else { panic!("V-HACD") };
-        assert_eq!(parts.resolution, 32);
+        assert_eq!(parts.max_parts, Some(32));
     }
 
     #[test]
@@ -287,16 +269,17 @@ pub mod tests {
             ("index_budget", &["0", "-1"]),
             ("max_vertices", &["3", "many", "-8"]),
             ("max_error", &["0", "-1", "nan", "inf"]),
-            ("vhacd_concavity", &["1.1", "-0.1", "nan"]),
-            ("vhacd_resolution", &["0", "513"]),
-            ("vhacd_max_parts", &["0"]),
-            ("vhacd_plane_downsampling", &["0", "17"]),
+            ("max_parts", &["0", "1.5"]),
+            ("decompose", &["coacd", "yes"]),
         ] {
             for value in values {
                 assert!(error(key, value).starts_with("expected "), "{key} {value}");
             }
         }
         assert_eq!(error("units", "1"), "unknown option units");
+        for (key, value) in [("decompose", "vhacd"), ("vhacd_resolution", "32"), ("vhacd_fill", "flood")] {
+            assert_eq!(error(key, value), VHACD, "{key} {value}");
+        }
     }
 
     /// `--max-parts 4` without `--decompose` baked a single hull, without a word.
@@ -323,14 +306,13 @@ pub mod tests {
         assert_eq!(clash(&[("index", "tree"), ("index_budget", "5")]), Some("index_budget"));
         assert_eq!(clash(&[("max_error", "5"), ("max_vertices", "5")]), Some("max_error"));
         assert_eq!(clash(&[("index", "cubemap"), ("resolution", "5")]), None);
-        for (key, value) in VALUES.into_iter().filter(|(key, _)| key.starts_with("vhacd_")) {
+        for (key, value) in [("max_parts", "8"), ("decompose_seconds", "2.5")] {
             assert_eq!(clash(&[("decompose", "false"), (key, value)]), Some(key));
             assert_eq!(clash(&[("decompose", "true"), (key, value)]), None);
-            assert_eq!(clash(&[("decompose", "vhacd"), (key, value)]), None);
+            assert_eq!(clash(&[("decompose", "cover"), (key, value)]), None);
             // Another layer may decompose.
             assert_eq!(clash(&[(key, value)]), None);
         }
-        assert_eq!(clash(&[("decompose", "false"), ("max_parts", "8")]), Some("max_parts"));
         assert_eq!(clash(&[("decompose", "cover"), ("max_error", "2%"), ("max_vertices", "8")]), None);
         let message = layer(&[("max_error", "5"), ("max_vertices", "5")]).clash().unwrap().message(str::to_owned);
         assert_eq!(message, "max_error and max_vertices exclude each other; remove one of them");

@@ -9,6 +9,7 @@
 //! | [`flags`] | a layer as flags of `bake build` |
 //! | [`mod@template`] | the `hullmap.toml` that `bake init` writes |
 //! | [`record`] | the text by which a pack remembers its options |
+//! | [`removed`] | options of earlier versions, and what to use instead |
 //!
 //! Layers are laid over each other, then [`OptionLayer::resolve`] fills in the defaults. To add an
 //! option, add a row to the table and read it in one of the methods of [`BuildOptions`].
@@ -18,11 +19,12 @@ pub mod defaults;
 mod flags;
 pub mod layer;
 mod record;
+pub mod removed;
 #[cfg(feature = "command")]
 mod template;
 pub mod value;
 
-use hullmap_bake::decompose::{Cover, Fill, Length, Method, Parameters};
+use hullmap_bake::decompose::{Cover, Length};
 use hullmap_bake::simplify::Limit;
 use hullmap_bake::{IndexChoice, IndexKind};
 use hullmap_format::{FORMAT_VERSION, LEAN_FORMAT_VERSION};
@@ -96,38 +98,16 @@ impl BuildOptions {
     }
 
     /// How meshes are decomposed into convex parts; `None` if they are not.
-    pub fn decompose(&self) -> Option<Method> {
-        match self.0.get("decompose") {
-            Some(Value::Word("cover")) => Some(Method::Cover(Cover {
-                max_error: self.max_error().unwrap_or(Cover::default().max_error),
-                max_parts: self.optional_count("max_parts"),
-                max_vertices: self.optional_count("max_vertices").unwrap_or(Cover::default().max_vertices),
-                seconds: match self.0.get("decompose_seconds") {
-                    Some(Value::Number(seconds)) => Some(seconds),
-                    _ => None,
-                },
-            })),
-            Some(Value::Word("vhacd")) => Some(Method::Vhacd(self.vhacd())),
-            _ => None,
-        }
-    }
-
-    fn vhacd(&self) -> Parameters {
-        Parameters {
-            concavity: self.fraction("vhacd_concavity"),
-            resolution: self.count("vhacd_resolution"),
-            max_parts: self.count("vhacd_max_parts"),
-            alpha: self.fraction("vhacd_alpha"),
-            beta: self.fraction("vhacd_beta"),
-            plane_downsampling: self.count("vhacd_plane_downsampling"),
-            hull_downsampling: self.count("vhacd_hull_downsampling"),
-            hull_approximation: self.switch("vhacd_hull_approximation"),
-            fill: match self.word("vhacd_fill") {
-                "cavities" => Fill::Cavities,
-                "surface" => Fill::Surface,
-                _ => Fill::Flood,
+    pub fn decompose(&self) -> Option<Cover> {
+        (self.0.get("decompose") == Some(Value::Word("cover"))).then(|| Cover {
+            max_error: self.max_error().unwrap_or(Cover::default().max_error),
+            max_parts: self.optional_count("max_parts"),
+            max_vertices: self.optional_count("max_vertices").unwrap_or(Cover::default().max_vertices),
+            seconds: match self.0.get("decompose_seconds") {
+                Some(Value::Number(seconds)) => Some(seconds),
+                _ => None,
             },
-        }
+        })
     }
 
     /// How far the hull of points with this diagonal is simplified; `None` if it is not. The parts
@@ -206,13 +186,6 @@ impl BuildOptions {
         }
     }
 
-    fn fraction(&self, key: &str) -> f64 {
-        match self.0.get(key) {
-            Some(Value::Fraction(fraction)) => fraction.into(),
-            other => unexpected(key, other),
-        }
-    }
-
     fn number(&self, key: &str) -> f64 {
         match self.0.get(key) {
             Some(Value::Number(number)) => number,
@@ -234,32 +207,14 @@ pub mod tests {
         layer::tests::layer(pairs).resolve()
     }
 
-    fn vhacd(pairs: &[(&str, &str)]) -> Parameters {
-        match options(pairs).decompose() {
-            Some(Method::Vhacd(parameters)) => parameters,
-            other => panic!("{other:?}"),
-        }
-    }
-
     #[test]
     fn defaults_are_those_of_the_libraries() {
         let usual = BuildOptions::default();
         assert_eq!(usual.import(), ImportOptions::DEFAULT);
         assert_eq!(usual.index(), IndexChoice::default());
         assert_eq!((usual.decompose(), usual.simplify(1.0)), (None, None));
-        let cover = Some(Method::Cover(Cover::default()));
+        let cover = Some(Cover::default());
         assert_eq!(options(&[("decompose", "cover")]).decompose(), cover);
-        let parts = vhacd(&[("decompose", "vhacd")]);
-        let library = Parameters::default();
-        // Fractions are f32 in records.
-        let rounded = |x: f64| f64::from(x as f32);
-        let expected = Parameters {
-            concavity: rounded(library.concavity),
-            alpha: rounded(library.alpha),
-            beta: rounded(library.beta),
-            ..library
-        };
-        assert_eq!(parts, expected);
     }
 
     #[test]
@@ -287,25 +242,11 @@ pub mod tests {
         assert!(options(&[("lean", "true")]).is_lean() && !BuildOptions::default().is_lean());
         let cover = |key, value| options(&[("decompose", "cover"), (key, value)]).decompose();
         let usual = Cover::default();
-        let is = |cover| Some(Method::Cover(cover));
-        assert_eq!(cover("max_error", "0.5"), is(Cover { max_error: Length::Absolute(0.5), ..usual }));
-        assert_eq!(cover("max_error", "1%"), is(Cover { max_error: Length::Relative(0.01), ..usual }));
-        assert_eq!(cover("max_vertices", "32"), is(Cover { max_vertices: 32, ..usual }));
-        assert_eq!(cover("max_parts", "7"), is(Cover { max_parts: Some(7), ..usual }));
-        assert_eq!(cover("decompose_seconds", "1.5"), is(Cover { seconds: Some(1.5), ..usual }));
+        assert_eq!(cover("max_error", "0.5"), Some(Cover { max_error: Length::Absolute(0.5), ..usual }));
+        assert_eq!(cover("max_error", "1%"), Some(Cover { max_error: Length::Relative(0.01), ..usual }));
+        assert_eq!(cover("max_vertices", "32"), Some(Cover { max_vertices: 32, ..usual }));
+        assert_eq!(cover("max_parts", "7"), Some(Cover { max_parts: Some(7), ..usual }));
+        assert_eq!(cover("decompose_seconds", "1.5"), Some(Cover { seconds: Some(1.5), ..usual }));
         assert_eq!(options(&[("decompose", "cover"), ("max_vertices", "32")]).simplify(1.0), None);
-        let usual = vhacd(&[("decompose", "vhacd")]);
-        // Without a name, it is V-HACD.
-        let parts = |key, value| vhacd(&[("decompose", "true"), (key, value)]);
-        assert_eq!(parts("vhacd_concavity", "0.5"), Parameters { concavity: 0.5, ..usual });
-        assert_eq!(parts("vhacd_resolution", "32"), Parameters { resolution: 32, ..usual });
-        assert_eq!(parts("vhacd_max_parts", "8"), Parameters { max_parts: 8, ..usual });
-        assert_eq!(parts("vhacd_alpha", "0.25"), Parameters { alpha: 0.25, ..usual });
-        assert_eq!(parts("vhacd_beta", "0.25"), Parameters { beta: 0.25, ..usual });
-        assert_eq!(parts("vhacd_plane_downsampling", "2"), Parameters { plane_downsampling: 2, ..usual });
-        assert_eq!(parts("vhacd_hull_downsampling", "2"), Parameters { hull_downsampling: 2, ..usual });
-        assert_eq!(parts("vhacd_hull_approximation", "false"), Parameters { hull_approximation: false, ..usual });
-        assert_eq!(parts("vhacd_fill", "cavities"), Parameters { fill: Fill::Cavities, ..usual });
-        assert_eq!(parts("vhacd_fill", "surface"), Parameters { fill: Fill::Surface, ..usual });
     }
 }

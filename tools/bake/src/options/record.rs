@@ -10,7 +10,7 @@ use std::fmt;
 use hullmap_bake::{IndexChoice, IndexKind};
 
 use super::defaults::{DefaultValue, OPTIONS, Record, position};
-use super::value::Value;
+use super::removed::instead_of_record;
 use super::{BuildOptions, OptionLayer};
 
 impl fmt::Display for BuildOptions {
@@ -26,8 +26,6 @@ impl fmt::Display for BuildOptions {
                 {
                     continue;
                 }
-                // The first packs with parts had V-HACD's, and no other word than `true`.
-                (Record::IfChanged, Some(Value::Word("vhacd")), _) if option.key == "decompose" => "true".to_owned(),
                 (Record::IfChanged, Some(value), _) => value.to_string(),
             };
             write!(f, "{separator}{} {text}", option.key)?;
@@ -62,13 +60,15 @@ impl BuildOptions {
     ///
     /// `None` if a version of the tool with other options baked the pack.
     pub fn from_recorded(text: &str) -> Option<Self> {
+        if instead_of_record(text).is_some() {
+            return None;
+        }
         let mut layer = OptionLayer::default();
         for part in text.split(", ") {
             let (key, value) = part.split_once(' ')?;
             if position(key).is_some_and(|index| OPTIONS[index].record == Record::Never) {
                 return None;
             }
-            let value = if (key, value) == ("decompose", "true") { "vhacd" } else { value };
             if key == "index" { set_index(&mut layer, value)? } else { layer.set(key, value).ok()? }
         }
         // The first packs had these two already.
@@ -105,7 +105,7 @@ mod tests {
     /// The texts of options that differ from the defaults in one thing each, and some in several.
     ///
     /// Packs are fresh by these texts: a change here makes every pack in the world stale.
-    const RECORDS: [(&[(&str, &str)], &str); 37] = [
+    const RECORDS: [(&[(&str, &str)], &str); 26] = [
         (&[], "split none, vertices referenced, index tree 8"),
         (&[("split", "object")], "split object, vertices referenced, index tree 8"),
         (&[("split", "auto")], "split auto, vertices referenced, index tree 8"),
@@ -127,56 +127,15 @@ mod tests {
         (&[("up_axis", "z-to-y")], "split none, vertices referenced, index tree 8, up_axis z-to-y"),
         (&[("recentre", "true")], "split none, vertices referenced, index tree 8, recentre true"),
         (&[("decompose", "true")], "split none, vertices referenced, index tree 8, decompose cover"),
-        (&[("decompose", "vhacd")], "split none, vertices referenced, index tree 8, decompose true"),
         (&[("decompose", "false")], "split none, vertices referenced, index tree 8"),
-        (&[("vhacd_max_parts", "7")], "split none, vertices referenced, index tree 8"),
-        (
-            &[("decompose", "true"), ("vhacd_concavity", "0.1")],
-            "split none, vertices referenced, index tree 8, decompose true, vhacd_concavity 0.1",
-        ),
-        (
-            &[("decompose", "true"), ("vhacd_resolution", "128")],
-            "split none, vertices referenced, index tree 8, decompose true, vhacd_resolution 128",
-        ),
-        (
-            &[("decompose", "true"), ("vhacd_max_parts", "7")],
-            "split none, vertices referenced, index tree 8, decompose true, vhacd_max_parts 7",
-        ),
-        (
-            &[("decompose", "true"), ("vhacd_alpha", "0.1")],
-            "split none, vertices referenced, index tree 8, decompose true, vhacd_alpha 0.1",
-        ),
-        (
-            &[("decompose", "true"), ("vhacd_beta", "-0")],
-            "split none, vertices referenced, index tree 8, decompose true, vhacd_beta 0",
-        ),
-        (
-            &[("decompose", "true"), ("vhacd_plane_downsampling", "1")],
-            "split none, vertices referenced, index tree 8, decompose true, vhacd_plane_downsampling 1",
-        ),
-        (
-            &[("decompose", "true"), ("vhacd_hull_downsampling", "16")],
-            "split none, vertices referenced, index tree 8, decompose true, vhacd_hull_downsampling 16",
-        ),
-        (
-            &[("decompose", "true"), ("vhacd_hull_approximation", "false")],
-            "split none, vertices referenced, index tree 8, decompose true, vhacd_hull_approximation false",
-        ),
-        (
-            &[("decompose", "true"), ("vhacd_fill", "cavities")],
-            "split none, vertices referenced, index tree 8, decompose true, vhacd_fill cavities",
-        ),
-        (
-            &[("decompose", "true"), ("vhacd_fill", "surface")],
-            "split none, vertices referenced, index tree 8, decompose true, vhacd_fill surface",
-        ),
+        (&[("max_parts", "7")], "split none, vertices referenced, index tree 8"),
         (&[("max_vertices", "64")], "split none, vertices referenced, index tree 8, max_vertices 64"),
         (&[("max_vertices", "none")], "split none, vertices referenced, index tree 8"),
         (&[("lean", "true")], "split none, vertices referenced, index tree 8, lean true"),
         (&[("max_error", "1e-3")], "split none, vertices referenced, index tree 8, max_error 0.001"),
         (
-            &[("max_error", "0.5"), ("decompose", "true"), ("vhacd_max_parts", "2")],
-            "split none, vertices referenced, index tree 8, decompose true, vhacd_max_parts 2, max_error 0.5",
+            &[("max_error", "0.5"), ("decompose", "true"), ("max_parts", "2")],
+            "split none, vertices referenced, index tree 8, decompose cover, max_error 0.5, max_parts 2",
         ),
         (
             &[("up_axis", "y-to-z"), ("recentre", "true"), ("unit_scale", "2"), ("index", "none"), ("split", "auto")],
@@ -212,6 +171,9 @@ mod tests {
             "split none, vertices all, index tree 8, unit_scale nan",
             "split none, vertices all, index tree 8, recentre",
             "split none, vertices all, index tree 8, pack_names full",
+            // V-HACD.
+            "split none, vertices all, index tree 8, decompose true",
+            "split none, vertices all, index tree 8, decompose true, vhacd_resolution 32",
         ] {
             assert_eq!(BuildOptions::from_recorded(text), None, "{text}");
         }

@@ -20,8 +20,6 @@ pub enum Syntax {
         /// Maximum.
         max: u32,
     },
-    /// A number from 0 to 1.
-    Fraction,
     /// A finite number above 0.
     Positive,
     /// A whole number of at least `min`, or `none`.
@@ -44,8 +42,6 @@ pub enum Value {
     Switch(bool),
     /// A whole number.
     Count(u32),
-    /// A number from 0 to 1.
-    Fraction(f32),
     /// A finite number.
     Number(f64),
     /// A finite number of hundredths.
@@ -61,7 +57,6 @@ impl fmt::Display for Value {
             Self::Word(word) => f.write_str(word),
             Self::Switch(is_on) => is_on.fmt(f),
             Self::Count(count) => count.fmt(f),
-            Self::Fraction(fraction) => fraction.fmt(f),
             Self::Number(number) => number.fmt(f),
             Self::Percent(number) => write!(f, "{number}%"),
             Self::None => f.write_str("none"),
@@ -84,8 +79,6 @@ impl Syntax {
             Self::Switch | Self::SwitchOr(_) => text.parse().ok().map(Value::Switch),
             Self::Count { min, max } => number(text, |count| (min..=max).contains(count)).map(Value::Count),
             Self::CountOrNone { min } => number(text, |&count| count >= min).map(Value::Count),
-            // Adding +0 turns −0 into +0: equal options have equal records.
-            Self::Fraction => number(text, |x| (0.0..=1.0).contains(x)).map(|x: f32| Value::Fraction(x + 0.0)),
             Self::LengthOrNone if text.ends_with('%') => {
                 number(text.get(..text.len() - 1).unwrap_or_default(), |&x: &f64| x > 0.0 && x.is_finite())
                     .map(Value::Percent)
@@ -105,7 +98,6 @@ impl Syntax {
             Self::SwitchOr(words) => format!("true, false or {}", words.join(" or ")),
             Self::Count { min, max: u32::MAX } => format!("a whole number of at least {min}"),
             Self::Count { min, max } => format!("a whole number from {min} to {max}"),
-            Self::Fraction => "a number from 0 to 1".to_owned(),
             Self::Positive => "a finite number above 0".to_owned(),
             Self::CountOrNone { min } => format!("a whole number of at least {min}, or none"),
             Self::PositiveOrNone => "a finite number above 0, or none".to_owned(),

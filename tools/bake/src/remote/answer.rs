@@ -5,7 +5,6 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::{Mutex, PoisonError};
 
-use hullmap_bake::decompose::Method;
 use hullmap_format::header::MAX_PACK_LEN;
 use hullmap_import as import;
 use hullmap_remote::{Blob, Client, Outcome, OutputFile, RemoteError};
@@ -144,14 +143,12 @@ fn take(found: &Row, member: &Member, row: &mut Row) {
 
 /// The output files of a batch that was baked here, for others; `None` if they would mislead
 /// others: a job failed for another reason than its mesh, a source has changed since the action was
-/// described, the bytes of a pack depend on this system ([`key`](crate::jobs::key)), or a pack
-/// cannot be read.
+/// described, or a pack cannot be read.
 pub fn files(batch: &Batch, results: &Results, build: &Build) -> Option<Vec<(String, Blob)>> {
     let (mut files, mut text) = (Vec::with_capacity(batch.members.len() + 1), Vec::new());
     for member in &batch.members {
         let (row, exit) = results.get(member.index)?.as_ref()?;
-        let depends_on_system = matches!(member.job.options.decompose(), Some(Method::Vhacd(_)));
-        if *exit == Exit::Usage || row.is_internal || depends_on_system || !is_of(member, row, build) {
+        if *exit == Exit::Usage || row.is_internal || !is_of(member, row, build) {
             return None;
         }
         let there = |text: &String| {

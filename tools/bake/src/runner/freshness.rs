@@ -15,6 +15,7 @@ use hullmap_import::open_regular;
 
 use crate::open::open_pack;
 use crate::options::BuildOptions;
+use crate::options::removed::instead_of_record;
 
 /// Why a pack is stale whose source has other bytes now.
 const SOURCE_CHANGED: &str = "the source has changed";
@@ -80,6 +81,7 @@ pub fn judge(path: &Path, expected: &Expected) -> Found {
             if pack.options() != text {
                 let was = shown(pack.options());
                 reasons.push(format!("the options have changed from `{was}` to `{}`", shown(&text)));
+                reasons.extend(instead_of_record(pack.options()).map(str::to_owned));
             }
             Found::Stale(reasons.join("; "))
         }

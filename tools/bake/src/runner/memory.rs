@@ -6,7 +6,6 @@
 
 use std::path::Path;
 
-use hullmap_bake::decompose::Method;
 use hullmap_bake::{IndexChoice, IndexKind};
 
 use crate::jobs::Job;
@@ -23,9 +22,6 @@ const PER_DENSE_BYTE: u64 = 320;
 /// Memory of each file, however short.
 const PER_FILE: u64 = 256 << 10;
 
-/// Memory per voxel of a decomposition.
-const PER_VOXEL: u64 = 64;
-
 /// Memory per cell of a cube map while it is built: 288 bytes and retained memory. In the pack, a
 /// cell takes 4 bytes.
 const PER_CELL: u64 = 480;
@@ -39,15 +35,11 @@ const MAX: u64 = 1 << 42;
 /// limits, and the cube maps of several hulls of one file, which may be built at the same time.
 pub fn estimate(job: &Job) -> u64 {
     let per_byte = if is_text(&job.source) { PER_TEXT_BYTE } else { PER_DENSE_BYTE };
-    let voxels = match job.options.decompose() {
-        Some(Method::Vhacd(parameters)) => u64::from(parameters.resolution).pow(3),
-        _ => 0,
-    };
     let cells = match job.options.index() {
         IndexChoice::Kind(kind @ IndexKind::CubeMap { .. }) => kind.root_count(),
         _ => 0,
     };
-    let estimate = PER_FILE + PER_VOXEL * voxels + PER_CELL * cells;
+    let estimate = PER_FILE + PER_CELL * cells;
     per_byte.saturating_mul(job.source_bytes()).saturating_add(estimate).min(MAX)
 }
 
@@ -100,8 +92,6 @@ mod tests {
         assert_eq!(of("a.gltf", text, usual), (1000 + text.len() as u64) * PER_DENSE_BYTE, "with its buffer");
         let cube_map = options(&[("index", "cubemap"), ("resolution", "10")]);
         assert_eq!(of("a.obj", "", &cube_map), 600 * PER_CELL);
-        let parts = options(&[("decompose", "true"), ("vhacd_resolution", "10")]);
-        assert_eq!(of("a.obj", "", &parts), 1000 * PER_VOXEL);
         assert_eq!(estimate(&job(folder.path().join("gone.obj"), usual.clone())), PER_FILE);
 
         // The glTF file was read before it was compared with its plan, and sums of sizes

@@ -12,7 +12,7 @@ use std::collections::HashSet;
 
 use glam::Vec3;
 use hullmap::{Cost, Hull, Pack, SolidKind};
-use hullmap_bake::decompose::{Cover, Method};
+use hullmap_bake::decompose::Cover;
 use hullmap_bake::number::short;
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{NO_SOURCE_VERTEX, PointSet};
@@ -195,7 +195,7 @@ fn compare_hulls(pack: &Pack, reference: Reference, count: usize, seed: u64) -> 
     let has_collision_parts = sets.iter().any(|points| points.stands_for.is_some());
     let has_own_parts = decompose.is_none() && !has_collision_parts && pack.hulls().any(|hull| hull.part_count() > 0);
     // A search that ends by the clock does not find the same parts again.
-    let is_timed = matches!(decompose, Some(Method::Cover(Cover { seconds: Some(_), .. })));
+    let is_timed = matches!(decompose, Some(Cover { seconds: Some(_), .. }));
     if has_own_parts || is_timed {
         return verify_parts_of_others(pack, sets, count, seed);
     }

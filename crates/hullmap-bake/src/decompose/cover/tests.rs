@@ -1,7 +1,7 @@
 use shapes::{concave, mesh::Mesh, rng::SplitMix64};
 
 use super::*;
-use crate::decompose::{Cover, Length, Method, decompose};
+use crate::decompose::{Cover, Length, decompose};
 use crate::parts::uncovered::uncovered;
 
 fn point_set(mesh: &Mesh) -> PointSet {
@@ -59,8 +59,8 @@ fn parts_are_the_same_at_any_number_of_threads() {
     let mesh = point_set(&concave::pipe(20));
     let of_threads = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let method = Method::Cover(Cover { max_error: Length::Relative(0.02), ..Cover::default() });
-        let parts = pool.install(|| decompose(&mesh, &method)).unwrap().unwrap();
+        let cover = Cover { max_error: Length::Relative(0.02), ..Cover::default() };
+        let parts = pool.install(|| decompose(&mesh, &cover)).unwrap().unwrap();
         parts.into_iter().map(|part| (part.name, part.positions)).collect::<Vec<_>>()
     };
     let one = of_threads(1);
@@ -69,7 +69,7 @@ fn parts_are_the_same_at_any_number_of_threads() {
 
 /// The parts of a mesh, which cover it.
 fn covering(mesh: &PointSet, cover: Cover) -> Vec<Hull> {
-    let parts = decompose(mesh, &Method::Cover(cover)).unwrap().unwrap();
+    let parts = decompose(mesh, &cover).unwrap().unwrap();
     let hulls: Vec<Hull> = parts.iter().map(|part| crate::hull::build(part).unwrap()).collect();
     let bound = uncovered(mesh, &hulls.iter().collect::<Vec<_>>()).bound;
     assert!(bound <= 1e-7 * Solid::new(mesh).diagonal(), "{bound}");
@@ -212,10 +212,9 @@ fn progress_moves_within_a_mesh() {
             }
             seen
         });
-        let method = Method::Cover(Cover::default());
-        let parts = crate::decompose::decompose_in(&mesh, &method, progress.whole()).unwrap().unwrap();
+        let parts = crate::decompose::decompose_in(&mesh, &Cover::default(), progress.whole()).unwrap().unwrap();
         is_done.store(true, std::sync::atomic::Ordering::Relaxed);
-        assert_eq!(parts.len(), decompose(&mesh, &method).unwrap().unwrap().len(), "nothing depends on it");
+        assert_eq!(parts.len(), decompose(&mesh, &Cover::default()).unwrap().unwrap().len(), "nothing depends on it");
         watcher.join().unwrap()
     });
     assert!(seen.len() > 5 && progress.share() >= 0.9, "{seen:?}, {}", progress.share());

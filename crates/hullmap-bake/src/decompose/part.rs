@@ -1,0 +1,70 @@
+//! A convex part as a point set of its mesh: corners that are vertices of the mesh keep their
+//! source indices.
+
+use crate::{NO_SOURCE_VERTEX, PointSet, hull::Hull};
+
+/// The vertices of a mesh by their positions.
+pub struct SourceVertices<'a> {
+    mesh: &'a PointSet,
+    /// Indices of the mesh's points, sorted by position, then by source index.
+    order: Vec<u32>,
+}
+
+impl<'a> SourceVertices<'a> {
+    /// # Complexity
+    /// O(n log n) for n points.
+    pub fn of(mesh: &'a PointSet) -> Self {
+        let mut order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+        order.sort_unstable_by_key(|i| (bits(mesh.positions[*i as usize]), mesh.source_vertices[*i as usize]));
+        Self { mesh, order }
+    }
+
+    /// The vertices of a hull as a part of the mesh, without a name: sorted by source index, then
+    /// by position.
+    pub fn part(&self, hull: &Hull) -> PointSet {
+        let mut points: Vec<([f32; 3], u32)> = hull.vertices.iter().map(|p| (*p, self.at(*p))).collect();
+        points.sort_unstable_by_key(|(p, source_vertex)| (*source_vertex, p.map(f32::to_bits)));
+        points.dedup();
+        let (positions, source_vertices) = points.into_iter().unzip();
+        PointSet { positions, source_vertices, origin: self.mesh.origin, ..PointSet::default() }
+    }
+
+    /// The source vertex at a position; [`NO_SOURCE_VERTEX`] if there is none.
+    fn at(&self, p: [f32; 3]) -> u32 {
+        let position = |i: &u32| bits(self.mesh.positions[*i as usize]);
+        let index = self.order.partition_point(|i| position(i) < bits(p));
+        let found = self.order.get(index).filter(|i| position(i) == bits(p));
+        found.map_or(NO_SOURCE_VERTEX, |i| self.mesh.source_vertices[*i as usize])
+    }
+}
+
+/// −0 and 0 are equal.
+fn bits(p: [f32; 3]) -> [u32; 3] {
+    p.map(|c| (c + 0.0).to_bits())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hull;
+
+    #[test]
+    fn corners_that_are_source_vertices_keep_their_indices() {
+        let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
+        let mesh = PointSet {
+            name: "mesh".to_owned(),
+            positions: corners,
+            source_vertices: vec![12, 14, 11, 13, 10],
+            origin: [1.0, 2.0, 3.0],
+            ..PointSet::default()
+        };
+        // A corner was moved, and another one is -0.
+        let moved = vec![[-0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.5]];
+        let moved = PointSet { source_vertices: (0..4).collect(), positions: moved, ..PointSet::default() };
+        let part = SourceVertices::of(&mesh).part(&hull::build(&moved).unwrap());
+        // Of vertices at one position, the lowest source index.
+        assert_eq!(part.source_vertices, [10, 11, 12, NO_SOURCE_VERTEX]);
+        assert_eq!(part.positions, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0; 3], [0.0, 0.0, 1.5]]);
+        assert_eq!((part.name.as_str(), part.origin), ("", mesh.origin));
+    }
+}

@@ -1,0 +1,507 @@
+//! The solver compared with brute force, on random hulls.
+
+mod failure_modes;
+mod shapes;
+
+use self::shapes::{Ball, Cuboid, PointCloud};
+use ::shapes::rng::SplitMix64;
+use glam::{DQuat, DVec3};
+use hullmap::{Cache, Overlap, Pose, Settings, Status, contact, distance, intersects};
+use hullmap_testkit::{depth::signed_depth_by_points, gap::distance_by_features, random::RandomPoses, reach::way_out};
+use proptest::prelude::*;
+
+const SEED: u64 = 0x5eed_0001;
+
+/// Error of brute force itself, for shapes of about unit size.
+const TRUTH_ERROR: f64 = 1e-13;
+
+/// Signed depth of two solids by brute force: negative if they are separated.
+fn signed_depth(a: &PointCloud, b: &PointCloud, b_in_a: Pose) -> f64 {
+    signed_depth_by_points(&a.points, &b.placed(b_in_a))
+}
+
+/// Distance of two hulls by brute force, if they are separated.
+fn distance_apart(a: &PointCloud, b: &PointCloud, b_in_a: Pose) -> f64 {
+    distance_by_features(&a.points, &b.placed(b_in_a))
+}
+
+/// A random pair of hulls and a pose: a third penetrates, a third is within 2 % of touching, a
+/// third is anywhere near.
+fn pair(rng: &mut SplitMix64) -> (PointCloud, PointCloud, Pose) {
+    let hull = |rng: &mut SplitMix64| {
+        let count = 4 + rng.below(9);
+        let on_surface = rng.below(2) == 0;
+        let cloud = PointCloud::random(rng, count, on_surface);
+        // Half of them are far from the origin of their frame.
+        if rng.below(2) == 0 { cloud } else { cloud.moved(rng.unit_vector() * 3.0) }
+    };
+    let (a, b) = (hull(rng), hull(rng));
+    let rotation = rng.rotation();
+    let direction = rng.unit_vector();
+    let turned = Pose::new(DVec3::ZERO, rotation).unwrap();
+    let center = a.interior - turned.transform_point(b.interior);
+    // The distance of B's centre along `direction` at which the pair nearly touches, by bisection
+    // of the signed depth.
+    let at = |t: f64| Pose::new(center + direction * t, rotation).unwrap();
+    let pose = match rng.below(3) {
+        0 => at(rng.between(0.0, 0.5)),
+        1 => {
+            let (mut inside, mut outside) = (0.0, 3.0);
+            for _ in 0..12 {
+                let middle = 0.5 * (inside + outside);
+                if signed_depth(&a, &b, at(middle)) > 0.0 { inside = middle } else { outside = middle }
+            }
+            at(inside * rng.between(0.98, 1.02))
+        }
+        _ => at(rng.between(0.3, 2.5)),
+    };
+    (a, b, pose)
+}
+
+#[test]
+fn random_pairs_against_brute_force() {
+    const PAIRS: usize = 1500;
+    let settings = Settings::default();
+    let mut rng = SplitMix64::new(SEED);
+    let (mut hits, mut converged) = (0, 0);
+    for i in 0..PAIRS {
+        let seed = rng.state();
+        let (a, b, pose) = pair(&mut rng);
+        let truth = signed_depth(&a, &b, pose);
+        let sure = truth.abs() > TRUTH_ERROR;
+        let at = format!("pair {i}, seed {seed:#x}, truth {truth:e}");
+
+        let yes = intersects(&a, &b, pose, &mut Cache::new());
+        assert_ne!(yes.status, Overlap::Undecided, "{at}");
+        if sure {
+            assert_eq!(yes.is_hit(), truth > 0.0, "{at}: {yes:?}");
+        }
+
+        let c = contact(&a, &b, pose, &settings, &mut Cache::new());
+        if sure {
+            assert_eq!(c.hit, truth > 0.0, "{at}: {c:?}");
+        }
+        assert!((c.normal.length() - 1.0).abs() < 1e-14, "{at}: {c:?}");
+        if c.hit {
+            assert!(c.depth_lower <= truth + TRUTH_ERROR && truth - TRUTH_ERROR <= c.depth_upper, "{at}: {c:?}");
+            assert!(c.depth_lower <= c.depth && c.depth <= c.depth_upper, "{at}: {c:?}");
+            assert!(!matches!(c.status, Status::IterationLimit | Status::Stalled), "{at}: {c:?}");
+            assert!(c.depth_upper - c.depth_lower <= 1.01e-5 * c.depth_upper + 1e-12, "{at}: {c:?}");
+            // Moving B along the normal by the depth makes the shapes touch.
+            let away = |by: f64| Pose::new(pose.translation() + c.normal * by, pose.rotation()).unwrap();
+            assert!(signed_depth(&a, &b, away(c.depth + 1e-9)) < 0.0, "{at}: {c:?}");
+            assert!(signed_depth(&a, &b, away(c.depth * 0.99 - 1e-9)) > 0.0, "{at}: {c:?}");
+            // The witness points are opposite each other along the normal.
+            let off = (c.point_a - c.point_b).distance(c.normal * c.depth);
+            assert!(off <= c.depth_upper - c.depth_lower + 1e-12, "{at}: {off:e}, {c:?}");
+            hits += 1;
+        } else {
+            assert_eq!(c.status, Status::Separated, "{at}");
+        }
+
+        let gap = distance(&a, &b, pose, &settings, &mut Cache::new());
+        if sure {
+            assert_eq!(
+                gap.status == Status::Overlapping || gap.status == Status::Touching,
+                truth > 0.0,
+                "{at}: {gap:?}"
+            );
+        }
+        if truth < -TRUTH_ERROR {
+            let far = distance_apart(&a, &b, pose);
+            assert!(gap.lower <= far + TRUTH_ERROR && far - TRUTH_ERROR <= gap.upper, "{at}, far {far}: {gap:?}");
+            assert!(gap.upper - gap.lower <= 1.01e-5 * gap.upper + 1e-12, "{at}: {gap:?}");
+            assert!(((gap.point_b - gap.point_a) - gap.normal * gap.distance).length() < 1e-12, "{at}: {gap:?}");
+            converged += usize::from(matches!(gap.status, Status::Exact | Status::Within));
+        } else {
+            assert!((gap.point_b - gap.point_a).length() < 1e-12, "{at}: {gap:?}");
+        }
+    }
+    let share = hits as f64 / PAIRS as f64;
+    assert!((0.3..0.7).contains(&share), "not representative: {share} of the pairs overlap");
+    assert_eq!(converged, PAIRS - hits, "distances that did not converge");
+}
+
+fn at(x: f64, y: f64, z: f64) -> Pose {
+    Pose::from_translation(DVec3::new(x, y, z)).unwrap()
+}
+
+#[test]
+fn two_cubes_by_face_edge_and_vertex() {
+    let cube = Cuboid(DVec3::ONE);
+    let settings = Settings::default();
+    let quarter = std::f64::consts::FRAC_PI_4;
+    let edge_on = DQuat::from_rotation_z(quarter);
+    // With a vertex in front: the body diagonal is rotated onto the x axis.
+    let vertex_on = DQuat::from_rotation_arc(DVec3::ONE.normalize(), DVec3::NEG_X);
+    for (rotation, reach) in [(DQuat::IDENTITY, 1.0), (edge_on, 2.0_f64.sqrt()), (vertex_on, 3.0_f64.sqrt())] {
+        for gap in [-0.25, -1e-3, -1e-9, 1e-9, 1e-3, 0.5] {
+            let pose = Pose::new(DVec3::X * (1.0 + reach + gap), rotation).unwrap();
+            let yes = intersects(&cube, &cube, pose, &mut Cache::new());
+            assert_eq!(yes.is_hit(), gap < 0.0, "{gap} {yes:?}");
+            let c = contact(&cube, &cube, pose, &settings, &mut Cache::new());
+            let d = distance(&cube, &cube, pose, &settings, &mut Cache::new());
+            if gap < 0.0 {
+                assert!(c.hit && (c.depth + gap).abs() < 1e-13, "{gap} {c:?}");
+                assert!(c.normal.distance(DVec3::X) < 1e-5, "{c:?}");
+                assert!((c.point_a.x - 1.0).abs() < 1e-13 && (c.point_b.x - (1.0 + gap)).abs() < 1e-13, "{c:?}");
+                assert_eq!((d.status, d.distance), (Status::Overlapping, 0.0));
+            } else {
+                assert!(!c.hit && (d.distance - gap).abs() < 1e-5 * gap + 1e-13, "{gap} {d:?}");
+                assert!(d.normal.distance(DVec3::X) < 5e-3, "{d:?}");
+                assert!((d.point_a.x - 1.0).abs() < 1e-13, "{d:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn normal_points_from_a_to_b() {
+    // B on each side of A, separated and penetrating, and not only along +x.
+    let (a, b) = (Cuboid(DVec3::ONE), Cuboid(DVec3::splat(0.5)));
+    for axis in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z] {
+        let beside = DVec3::new(0.1, 0.2, 0.3) * (DVec3::ONE - axis.abs());
+        let penetrating = Pose::from_translation(axis * 1.25 + beside).unwrap();
+        let c = contact(&a, &b, penetrating, &Settings::default(), &mut Cache::new());
+        assert!(c.normal.distance(axis) < 1e-13 && (c.depth - 0.25).abs() < 1e-13, "{c:?}");
+        let separated = Pose::from_translation(axis * 2.0 + beside).unwrap();
+        let d = distance(&a, &b, separated, &Settings::default(), &mut Cache::new());
+        assert!(d.normal.distance(axis) < 1e-6 && (d.distance - 0.5).abs() < 1e-13, "{d:?}");
+        assert!((d.point_b - d.point_a - axis * 0.5).length() < 1e-13, "{d:?}");
+        let c = contact(&a, &b, separated, &Settings::default(), &mut Cache::new());
+        assert!(!c.hit && c.normal.dot(axis) > 0.0, "{c:?}");
+    }
+}
+
+#[test]
+fn pairs_of_balls() {
+    let mut rng = SplitMix64::new(SEED + 1);
+    let (mut hits, mut calls) = (0, 0);
+    for i in 0..2000 {
+        let ball = |rng: &mut SplitMix64| Ball {
+            center: rng.unit_vector(),
+            radius: rng.between(0.1, 2.0),
+            has_inner_ball: i % 2 == 0,
+        };
+        let (a, b) = (ball(&mut rng), ball(&mut rng));
+        let pose = rng.pose(3.0);
+        let between = pose.transform_point(b.center) - a.center;
+        let gap = between.length() - a.radius - b.radius;
+        let (c, d) = (
+            contact(&a, &b, pose, &Settings::default(), &mut Cache::new()),
+            distance(&a, &b, pose, &Settings::default(), &mut Cache::new()),
+        );
+        assert_eq!(intersects(&a, &b, pose, &mut Cache::new()).is_hit(), gap < 0.0, "{i} {gap}");
+        assert_eq!(c.hit, gap < 0.0, "{i} {gap} {c:?}");
+        if gap < 0.0 {
+            hits += 1;
+            assert!(c.depth_lower <= -gap && -gap <= c.depth_upper, "{i} {gap} {c:?}");
+            if a.has_inner_ball {
+                calls += c.support_calls;
+                assert!(
+                    (c.depth + gap).abs() < 1e-12 && c.normal.distance(between.normalize()) < 1e-12,
+                    "{i} {gap} {c:?}"
+                );
+            }
+        } else {
+            assert!(d.lower <= gap && gap <= d.upper && d.upper - d.lower < 1e-5 * d.upper + 1e-13, "{i} {gap} {d:?}");
+        }
+    }
+    assert!((600..1400).contains(&hits), "{hits} of 2000 pairs overlap");
+    assert!(calls < hits, "a contact of balls with a known inner ball takes one support call: {calls}");
+}
+
+#[test]
+fn zero_iterations_give_the_contact_of_the_paper() {
+    // A valid upper bound, but not the depth: the centre ray leaves the long box through its end.
+    let (long, cube) = (Cuboid(DVec3::new(20.0, 1.0, 1.0)), Cuboid(DVec3::ONE));
+    let settings = Settings { max_iterations: 0, ..Settings::default() };
+    let pose = at(15.0, 1.5, 0.3);
+    let paper = contact(&long, &cube, pose, &settings, &mut Cache::new());
+    assert!(paper.hit && paper.depth_lower <= 0.5 && paper.depth_upper >= 0.5 - 1e-12, "{paper:?}");
+    let mut rng = SplitMix64::new(SEED + 2);
+    let (mut too_large, mut hits) = (0, 0);
+    for _ in 0..500 {
+        let (a, b) = (PointCloud::random(&mut rng, 12, true), PointCloud::random(&mut rng, 12, true));
+        let pose = rng.pose(1.5);
+        let paper = contact(&a, &b, pose, &settings, &mut Cache::new());
+        let truth = signed_depth(&a, &b, pose);
+        assert_eq!(paper.hit, truth > 0.0);
+        if paper.hit {
+            hits += 1;
+            too_large += usize::from(paper.depth_upper > 1.01 * truth);
+            assert!(paper.depth_lower <= truth && truth <= paper.depth_upper, "{truth} {paper:?}");
+        }
+    }
+    assert!(too_large * 4 > hits, "{too_large} of {hits}: EPA would be pointless");
+}
+
+#[test]
+fn iteration_limit_is_a_status_and_the_interval_holds() {
+    let mut rng = SplitMix64::new(SEED + 4);
+    let (mut hits, mut capped, mut misses, mut far_capped) = (0, 0, 0, 0);
+    for _ in 0..200 {
+        let (a, b) = (PointCloud::random(&mut rng, 12, true), PointCloud::random(&mut rng, 12, true));
+        let pose = rng.pose(2.0);
+        let truth = signed_depth(&a, &b, pose);
+        for max_iterations in [0, 1, 2, 3] {
+            let settings = Settings { max_iterations, ..Settings::default() };
+            let c = contact(&a, &b, pose, &settings, &mut Cache::new());
+            if truth > TRUTH_ERROR {
+                hits += 1;
+                capped += usize::from(c.status == Status::IterationLimit);
+                assert!(c.hit && c.depth_lower <= truth + TRUTH_ERROR, "{truth} {c:?}");
+                assert!(truth <= c.depth_upper + TRUTH_ERROR && c.depth_upper < 10.0, "{truth} {c:?}");
+            } else {
+                let gap = distance_apart(&a, &b, pose);
+                let d = distance(&a, &b, pose, &settings, &mut Cache::new());
+                misses += 1;
+                far_capped += usize::from(d.status == Status::IterationLimit);
+                assert!(d.lower <= gap + TRUTH_ERROR && gap <= d.upper + TRUTH_ERROR, "{gap} {d:?}");
+                assert!(d.upper < 10.0, "{d:?}");
+            }
+        }
+    }
+    assert!(capped * 2 > hits && far_capped * 4 > misses, "{capped} of {hits}, {far_capped} of {misses}");
+}
+
+/// More iterations only narrow the interval, and it always contains the depth.
+#[test]
+fn more_iterations_narrow_the_interval() {
+    let mut rng = SplitMix64::new(SEED + 10);
+    let mut widths = [0.0; 6];
+    let mut hits = 0;
+    for i in 0..200 {
+        let seed = rng.state();
+        let (a, b) = (PointCloud::random(&mut rng, 12, true), PointCloud::random(&mut rng, 12, true));
+        let pose = rng.pose(1.5);
+        let truth = signed_depth(&a, &b, pose);
+        if truth <= TRUTH_ERROR {
+            continue;
+        }
+        hits += 1;
+        let mut before = (0.0, f64::INFINITY);
+        for (number, max_iterations) in [1, 2, 4, 8, 16, 32].into_iter().enumerate() {
+            let settings = Settings { max_iterations, ..Settings::default() };
+            let c = contact(&a, &b, pose, &settings, &mut Cache::new());
+            let at = format!("pair {i}, seed {seed:#x}, {max_iterations} iterations, truth {truth:e}: {c:?}");
+            assert!(c.depth_lower <= truth + TRUTH_ERROR && truth <= c.depth_upper + TRUTH_ERROR, "{at}");
+            // The minimum offset may decrease when faces are replaced, by the rounding error of
+            // slivers.
+            assert!(c.depth_lower >= before.0 - 1e-9 && c.depth_upper <= before.1, "{at}: {before:?}");
+            before = (c.depth_lower, c.depth_upper);
+            widths[number] += (c.depth_upper - c.depth_lower) / c.depth_upper;
+        }
+    }
+    println!("{hits} hits, mean widths {:?}", widths.map(|w| w / f64::from(hits)));
+    assert!(hits > 60, "not representative: {hits} of 200 overlap");
+    assert!(widths.is_sorted_by(|wide, narrow| wide >= narrow) && widths[5] < 1e-2 * widths[0], "{widths:?}");
+}
+
+/// Poses along a path from separated to penetrating to separated, about 1 degree per step.
+fn trajectory(rng: &mut SplitMix64) -> Vec<Pose> {
+    let (start, axis) = (rng.rotation(), rng.unit_vector());
+    let (from, beside) = (rng.unit_vector() * 2.0, rng.unit_vector() * 0.3);
+    (0..100)
+        .map(|i| {
+            let t = f64::from(i) / 99.0;
+            let turn = DQuat::from_axis_angle(axis, f64::from(i).to_radians());
+            Pose::new(from * (1.0 - 2.0 * t) + beside, turn * start).unwrap()
+        })
+        .collect()
+}
+
+#[test]
+fn warm_and_cold_answers_agree() {
+    let settings = Settings::default();
+    let mut rng = SplitMix64::new(SEED + 3);
+    let (mut hits, mut total) = (0, 0);
+    let mut calls = [[0; 2]; 3];
+    // One cache also serves all pairs: the memory of another pair must do no harm.
+    let mut shared = Cache::new();
+    for pair in 0..40 {
+        let n = [6, 12, 100, 400][pair % 4];
+        let (a, b) = (PointCloud::random(&mut rng, n, true), PointCloud::random(&mut rng, n, true));
+        let mut warm = [const { None::<Cache> }; 3].map(|_| Cache::new());
+        for pose in trajectory(&mut rng) {
+            total += 1;
+            let at = format!("pair {pair}, {pose:?}");
+            let cold = intersects(&a, &b, pose, &mut Cache::new());
+            hits += usize::from(cold.is_hit());
+            for cache in [&mut warm[0], &mut shared] {
+                let got = intersects(&a, &b, pose, cache);
+                assert_eq!(got.status, cold.status, "{at}");
+                calls[0][0] += got.support_calls;
+            }
+            calls[0][1] += 2 * cold.support_calls;
+
+            let cold = distance(&a, &b, pose, &settings, &mut Cache::new());
+            for cache in [&mut warm[1], &mut shared] {
+                let got = distance(&a, &b, pose, &settings, cache);
+                assert_eq!(got.status == Status::Overlapping, cold.status == Status::Overlapping, "{at}");
+                assert!(got.lower <= cold.upper && cold.lower <= got.upper, "{at} {got:?} {cold:?}");
+                assert!(got.upper - got.lower <= 1.01e-5 * got.upper + 1e-12, "{at} {got:?}");
+                calls[1][0] += got.support_calls;
+            }
+            calls[1][1] += 2 * cold.support_calls;
+
+            let cold = contact(&a, &b, pose, &settings, &mut Cache::new());
+            for cache in [&mut warm[2], &mut shared] {
+                let got = contact(&a, &b, pose, &settings, cache);
+                assert_eq!(got.hit, cold.hit, "{at}");
+                assert!(
+                    got.depth_lower <= cold.depth_upper && cold.depth_lower <= got.depth_upper,
+                    "{at} {got:?} {cold:?}"
+                );
+                assert!((got.depth - cold.depth).abs() <= 1e-5 * cold.depth + 1e-12, "{at} {got:?} {cold:?}");
+                calls[2][0] += got.support_calls;
+            }
+            calls[2][1] += 2 * cold.support_calls;
+        }
+    }
+    let share = hits as f64 / total as f64;
+    assert!((0.3..0.7).contains(&share), "not representative: {share} of the poses overlap");
+    println!("support calls, warm and cold: intersects, distance, contact {calls:?}");
+    for [warm, cold] in calls {
+        assert!(f64::from(warm) < 0.6 * f64::from(cold), "the cache saves too little: {calls:?}");
+    }
+}
+
+/// Points of a small grid, with many duplicate, collinear and coplanar points. The rank is 0 to 3.
+fn grid_cloud() -> impl Strategy<Value = PointCloud> {
+    let point = (-2..=2_i32, -2..=2_i32, -2..=2_i32).prop_map(|(x, y, z)| DVec3::new(x.into(), y.into(), z.into()));
+    prop::collection::vec(point, 1..9).prop_map(PointCloud::new)
+}
+
+/// Poses that map the grid to a grid, and others that do not.
+fn grid_pose() -> impl Strategy<Value = Pose> {
+    let step = || (-8..=8_i32).prop_map(|i| f64::from(i) / 2.0);
+    let turn = || (-1..=1_i32).prop_map(f64::from);
+    (step(), step(), step(), turn(), turn(), turn())
+        .prop_map(|(x, y, z, i, j, k)| Pose::new(DVec3::new(x, y, z), DQuat::from_xyzw(i, j, k, 1.0)).unwrap())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn degenerate_hulls_have_consistent_answers(a in grid_cloud(), b in grid_cloud(), pose in grid_pose()) {
+        let settings = Settings::default();
+        let yes = intersects(&a, &b, pose, &mut Cache::new());
+        let c = contact(&a, &b, pose, &settings, &mut Cache::new());
+        let d = distance(&a, &b, pose, &settings, &mut Cache::new());
+        prop_assert!(yes.status != Overlap::Undecided, "{:?}", yes);
+        prop_assert!(!matches!(c.status, Status::IterationLimit | Status::Stalled), "{:?}", c);
+        prop_assert!(!matches!(d.status, Status::IterationLimit | Status::Stalled), "{:?}", d);
+        prop_assert_eq!(yes.is_hit(), c.hit);
+        prop_assert_eq!(yes.is_hit(), matches!(d.status, Status::Overlapping | Status::Touching), "{:?}", d);
+        // Distances and depths on the grid are far above rounding error, so all queries agree on
+        // touching too.
+        prop_assert_eq!(yes.status == Overlap::Touching, c.status == Status::Touching, "{:?} {:?}", yes, c);
+        prop_assert_eq!(yes.status == Overlap::Touching, d.status == Status::Touching, "{:?} {:?}", yes, d);
+        // Checks the claims of the normals by a linear scan.
+        let placed = b.placed(pose);
+        let value = |n: DVec3| way_out(&a.points[..], &placed[..], n);
+        if c.hit {
+            prop_assert!((value(c.normal) - c.depth).abs() < 1e-12, "{:?}", c);
+            prop_assert!(c.depth_upper - c.depth_lower <= 1.01e-5 * c.depth_upper + 1e-12, "{:?}", c);
+        } else {
+            prop_assert!(value(c.normal) < 0.0, "{:?}", c);
+            prop_assert!(value(d.normal) <= -0.999 * d.lower && d.lower > 0.0, "{:?}", d);
+            prop_assert!((distance_apart(&a, &b, pose) - d.distance).abs() <= 1e-5 * d.distance + 1e-12, "{:?}", d);
+        }
+        let truth = signed_depth(&a, &b, pose);
+        if truth.is_finite() {
+            prop_assert!(if c.hit { c.depth_lower <= truth.max(0.0) + 1e-12 } else { true }, "{} {:?}", truth, c);
+        }
+    }
+}
+
+/// Kenwright, 4.6: the points that a miss has seen speed up a distance query, in the same frame or
+/// the next.
+#[test]
+fn distance_continues_from_a_miss() {
+    let settings = Settings::default();
+    let mut rng = SplitMix64::new(SEED + 7);
+    let (mut after, mut cold, mut next, mut misses) = (0, 0, 0, 0);
+    for _ in 0..300 {
+        let (a, b) = (PointCloud::random(&mut rng, 60, true), PointCloud::random(&mut rng, 60, true));
+        let pose = rng.pose(1.6);
+        let mut cache = Cache::new();
+        let yes = intersects(&a, &b, pose, &mut cache);
+        if yes.is_hit() || yes.support_calls == 0 {
+            continue;
+        }
+        misses += 1;
+        let d = distance(&a, &b, pose, &settings, &mut cache.clone());
+        let alone = distance(&a, &b, pose, &settings, &mut Cache::new());
+        assert!(d.lower <= alone.upper && alone.lower <= d.upper, "{d:?} {alone:?}");
+        let moved = Pose::new(pose.translation() + rng.unit_vector() * 0.01, pose.rotation()).unwrap();
+        next += distance(&a, &b, moved, &settings, &mut cache).support_calls;
+        (after, cold) = (after + d.support_calls, cold + alone.support_calls);
+    }
+    println!(
+        "{misses} misses: {cold} calls for a cold distance query, {after} after an intersection test, {next} one frame later"
+    );
+    assert!(misses > 50, "not representative: {misses} misses");
+    assert!(f64::from(after) < 0.9 * f64::from(cold) && f64::from(next) < 0.95 * f64::from(cold));
+}
+
+#[test]
+fn swapped_shapes_have_the_mirrored_answer() {
+    let settings = Settings::default();
+    let mut rng = SplitMix64::new(SEED + 8);
+    for i in 0..400 {
+        let seed = rng.state();
+        let (a, b, pose) = pair(&mut rng);
+        let at = format!("pair {i}, seed {seed:#x}");
+        let (c, s) = (
+            contact(&a, &b, pose, &settings, &mut Cache::new()),
+            contact(&b, &a, pose.inverse(), &settings, &mut Cache::new()),
+        );
+        assert_eq!(c.hit, s.hit, "{at}: {c:?} {s:?}");
+        assert!(c.depth_lower <= s.depth_upper && s.depth_lower <= c.depth_upper, "{at}: {c:?} {s:?}");
+        if c.hit && c.depth > 1e-9 {
+            // The mirrored normal is as good: the support value along it is the depth within the
+            // tolerance.
+            let mirrored = -pose.transform_vector(s.normal);
+            let along = way_out(&a.points[..], &b.placed(pose)[..], mirrored);
+            assert!((along - c.depth).abs() <= 2e-5 * c.depth + 1e-12, "{at}: {c:?} {s:?}");
+        }
+        let (d, s) = (
+            distance(&a, &b, pose, &settings, &mut Cache::new()),
+            distance(&b, &a, pose.inverse(), &settings, &mut Cache::new()),
+        );
+        assert!(d.lower <= s.upper && s.lower <= d.upper, "{at}: {d:?} {s:?}");
+    }
+}
+
+/// A cache with features and polytopes of other pairs costs steps and never makes an answer wrong.
+#[test]
+fn the_cache_of_another_pair_is_harmless() {
+    let settings = Settings::default();
+    let mut rng = SplitMix64::new(SEED + 9);
+    let mut shared = Cache::new();
+    for i in 0..1500 {
+        let seed = rng.state();
+        let (a, b, pose) = pair(&mut rng);
+        let truth = signed_depth(&a, &b, pose);
+        let at = format!("pair {i}, seed {seed:#x}, truth {truth:e}");
+        let c = contact(&a, &b, pose, &settings, &mut shared);
+        assert!(truth.abs() < TRUTH_ERROR || c.hit == (truth > 0.0), "{at} {c:?}");
+        if c.hit {
+            assert!(
+                c.depth_lower <= truth.max(0.0) + TRUTH_ERROR && truth <= c.depth_upper + TRUTH_ERROR,
+                "{at} {c:?}"
+            );
+            assert!(c.depth_upper - c.depth_lower <= 1.01e-5 * c.depth_upper + 1e-12, "{at} {c:?}");
+        }
+        let d = distance(&a, &b, pose, &settings, &mut shared);
+        if truth < -TRUTH_ERROR {
+            let far = distance_apart(&a, &b, pose);
+            assert!(d.lower <= far + TRUTH_ERROR && far <= d.upper + TRUTH_ERROR, "{at} {far} {d:?}");
+        }
+        let yes = intersects(&a, &b, pose, &mut shared);
+        assert!(truth.abs() < TRUTH_ERROR || yes.is_hit() == (truth > 0.0), "{at} {yes:?}");
+    }
+}

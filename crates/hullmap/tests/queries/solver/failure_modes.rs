@@ -1,0 +1,671 @@
+//! Known failure modes of MPR, one test each, named after what goes wrong in other implementations.
+
+use super::shapes::{Ball, Cuboid, PointCloud};
+use ::shapes::rng::SplitMix64;
+use glam::{DQuat, DVec3};
+use hullmap::{Cache, Contact, Distance, Overlap, Pose, Settings, Status, SupportMap, contact, distance, intersects};
+use hullmap_testkit::random::RandomPoses;
+
+fn at(x: f64, y: f64, z: f64) -> Pose {
+    Pose::from_translation(DVec3::new(x, y, z)).unwrap()
+}
+
+fn solve_overlap<A: SupportMap, B: SupportMap>(a: &A, b: &B, pose: Pose) -> Overlap {
+    intersects(a, b, pose, &mut Cache::new()).status
+}
+
+fn solve_contact<A: SupportMap, B: SupportMap>(a: &A, b: &B, pose: Pose) -> Contact {
+    let c = contact(a, b, pose, &Settings::default(), &mut Cache::new());
+    assert!((c.normal.length() - 1.0).abs() < 1e-14, "{c:?}");
+    assert!(c.point_a.is_finite() && c.point_b.is_finite(), "{c:?}");
+    assert!(0.0 <= c.depth_lower && c.depth_lower <= c.depth && c.depth <= c.depth_upper, "{c:?}");
+    c
+}
+
+fn solve_distance<A: SupportMap, B: SupportMap>(a: &A, b: &B, pose: Pose) -> Distance {
+    let d = distance(a, b, pose, &Settings::default(), &mut Cache::new());
+    assert!((d.normal.length() - 1.0).abs() < 1e-14, "{d:?}");
+    assert!(0.0 <= d.lower && d.lower <= d.distance && d.distance <= d.upper, "{d:?}");
+    d
+}
+
+fn assert_near(found: f64, expected: f64) {
+    assert!((found - expected).abs() <= 1e-5 * expected.abs() + 1e-12, "{found} is not {expected}");
+}
+
+/// A cube of edge 2 without an inner ball, so that no early exit skips the phases.
+fn cube_without_inner_ball() -> PointCloud {
+    PointCloud { inner_radius: 0.0, ..PointCloud::cuboid(DVec3::ONE) }
+}
+
+#[test]
+fn concentric() {
+    let (cube, flat) = (cube_without_inner_ball(), PointCloud::cuboid(DVec3::new(3.0, 0.5, 2.0)));
+    assert_eq!(solve_overlap(&cube, &cube, Pose::IDENTITY), Overlap::Overlapping);
+    let c = solve_contact(&cube, &cube, Pose::IDENTITY);
+    assert_near(c.depth, 2.0);
+    assert_eq!(c.status, Status::Exact);
+    let c = solve_contact(&cube, &flat, Pose::IDENTITY);
+    assert_near(c.depth, 1.5);
+    assert!(c.normal.abs().distance(DVec3::Y) < 1e-12);
+    assert_eq!(solve_distance(&cube, &flat, Pose::IDENTITY).status, Status::Overlapping);
+    for has_inner_ball in [true, false] {
+        let ball = Ball { center: DVec3::ZERO, radius: 1.0, has_inner_ball };
+        let c = contact(&ball, &ball, Pose::IDENTITY, &Settings::default(), &mut Cache::new());
+        assert!(c.hit && c.depth_lower <= 2.0 && 2.0 <= c.depth_upper, "{c:?}");
+        // Without an inner ball no face is the nearest, and the status must say so.
+        assert_eq!(c.status, if has_inner_ball { Status::Exact } else { Status::IterationLimit });
+        assert_eq!(solve_overlap(&ball, &ball, Pose::IDENTITY), Overlap::Overlapping);
+    }
+}
+
+#[test]
+fn origin_on_the_line_from_centre_to_support() {
+    let cube = cube_without_inner_ball();
+    let point = PointCloud::point(DVec3::ZERO);
+    for direction in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE, DVec3::new(1.0, 1.0, 0.0)] {
+        for t in [-0.9, -0.5, 0.25, 0.75] {
+            let p = direction * t;
+            let pose = Pose::from_translation(p).unwrap();
+            assert_eq!(solve_overlap(&cube, &point, pose), Overlap::Overlapping, "{p}");
+            let c = solve_contact(&cube, &point, pose);
+            assert_near(c.depth, 1.0 - p.abs().max_element());
+            // Also a point on the same line outside.
+            let d = solve_distance(&cube, &point, Pose::from_translation(direction * 4.0).unwrap());
+            assert_near(d.distance, direction.length() * 3.0);
+        }
+    }
+}
+
+#[test]
+fn depth_depends_on_the_centre_ray() {
+    // B is near a long face of A but far from A's centre, so the centre ray leaves through the
+    // wrong face.
+    let long = PointCloud::cuboid(DVec3::new(20.0, 1.0, 1.0));
+    let c = solve_contact(&long, &cube_without_inner_ball(), at(15.0, 1.5, 0.3));
+    assert_near(c.depth, 0.5);
+    assert!(c.normal.distance(DVec3::Y) < 1e-12, "{c:?}");
+}
+
+#[test]
+fn origin_projects_outside_the_portal() {
+    // The witness points are in both shapes, and differ by the depth, wherever the centre ray goes.
+    let mut rng = SplitMix64::new(77);
+    let (a, b) = (Cuboid(DVec3::new(5.0, 1.0, 0.5)), Cuboid(DVec3::new(0.5, 2.0, 0.25)));
+    let mut hits = 0;
+    for _ in 0..500 {
+        let pose = rng.pose(4.0);
+        let c = solve_contact(&a, &b, pose);
+        if c.hit {
+            hits += 1;
+            let inside = |half: DVec3, p: DVec3| (p.abs() - half).max_element();
+            assert!(inside(a.0, c.point_a) < 1e-12, "{c:?}");
+            assert!(inside(b.0, pose.inverse().transform_point(c.point_b)) < 1e-12, "{c:?}");
+            assert!((c.point_a - c.point_b - c.normal * c.depth).length() < 1e-4, "{c:?}");
+        }
+    }
+    assert!((150..350).contains(&hits), "{hits}");
+}
+
+#[test]
+fn portal_without_area() {
+    let solid = cube_without_inner_ball();
+    let flat = [
+        PointCloud::point(DVec3::ZERO),
+        PointCloud::segment(0.5),
+        PointCloud::polygon(3, 0.5),
+        PointCloud::polygon(64, 0.5),
+        PointCloud::new(vec![DVec3::ZERO; 5]),
+    ];
+    for shape in &flat {
+        for z in [-0.5, 0.0, 0.5] {
+            assert_eq!(solve_overlap(&solid, shape, at(0.0, 0.0, z)), Overlap::Overlapping);
+            assert_eq!(solve_overlap(shape, &solid, at(0.0, 0.0, z)), Overlap::Overlapping);
+            let (c, swapped) =
+                (solve_contact(&solid, shape, at(0.0, 0.0, z)), solve_contact(shape, &solid, at(0.0, 0.0, -z)));
+            assert!(c.hit && swapped.hit);
+            assert_near(c.depth, swapped.depth);
+        }
+        assert_near(solve_contact(&solid, shape, at(0.0, 0.0, 0.75)).depth, 0.25);
+        assert_near(solve_distance(&solid, shape, at(0.0, 0.0, 3.0)).distance, 2.0);
+    }
+}
+
+#[test]
+fn flat_against_flat() {
+    let polygon = PointCloud::polygon(6, 1.0);
+    let segment = PointCloud::segment(1.0);
+    let point = PointCloud::point(DVec3::ZERO);
+    let mut rng = SplitMix64::new(5);
+    for (a, b) in [
+        (&polygon, &polygon),
+        (&polygon, &segment),
+        (&segment, &polygon),
+        (&segment, &segment),
+        (&polygon, &point),
+        (&point, &segment),
+        (&point, &point),
+    ] {
+        // Both are in one randomly rotated frame: coplanar, but not along the axes.
+        for _ in 0..20 {
+            let frame = Pose::new(rng.unit_vector(), rng.rotation()).unwrap();
+            let placed = |s: &PointCloud| PointCloud::around(s.placed(frame), frame.transform_point(s.interior));
+            let (a, b) = (placed(a), placed(b));
+            let along = |v: DVec3| Pose::from_translation(frame.transform_vector(v)).unwrap();
+
+            assert_eq!(solve_overlap(&a, &b, Pose::IDENTITY), Overlap::Touching, "{a:?} {b:?}");
+            let c = solve_contact(&a, &b, Pose::IDENTITY);
+            assert!(c.hit && c.status == Status::Touching && c.depth == 0.0 && c.depth_upper < 1e-13, "{c:?}");
+            assert!((c.point_a - c.point_b).length() < 1e-13, "{c:?}");
+            let d = solve_distance(&a, &b, Pose::IDENTITY);
+            assert!(d.status == Status::Touching && d.distance == 0.0, "{d:?}");
+
+            // B beside A in the plane, and above A.
+            for (by, expected) in [(DVec3::X * 5.0, None), (DVec3::Z * 1e-3, Some(1e-3)), (DVec3::Z * -2.0, Some(2.0))]
+            {
+                assert_eq!(solve_overlap(&a, &b, along(by)), Overlap::Separated, "{a:?} {b:?} {by}");
+                assert!(!solve_contact(&a, &b, along(by)).hit);
+                let d = solve_distance(&a, &b, along(by));
+                assert!(matches!(d.status, Status::Exact | Status::Within), "{d:?}");
+                assert_near(
+                    d.distance,
+                    expected.unwrap_or_else(|| {
+                        let reach = |s: &PointCloud| s.outer_radius;
+                        5.0 - reach(&a) - reach(&b)
+                    }),
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn crossing_polygons_with_one_centre() {
+    // There is no inner ball and the centres coincide, but the Minkowski difference is solid.
+    let polygon = PointCloud::polygon(4, 1.0);
+    let upright = Pose::new(DVec3::ZERO, DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2)).unwrap();
+    assert_eq!(solve_overlap(&polygon, &polygon, upright), Overlap::Overlapping);
+    let c = solve_contact(&polygon, &polygon, upright);
+    assert!(c.hit && c.depth > 0.5, "{c:?}");
+    assert_eq!(solve_distance(&polygon, &polygon, upright).status, Status::Overlapping);
+}
+
+#[test]
+fn interior_point_on_the_boundary() {
+    let cube = cube_without_inner_ball();
+    let mut rng = SplitMix64::new(9);
+    for corner in cube.points.clone().into_iter().chain([DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::splat(1.5)]) {
+        // The last point is outside, which the trait forbids. The answer must be right even so.
+        let skewed = PointCloud::around(cube.points.clone(), corner);
+        for _ in 0..50 {
+            let pose = rng.pose(3.0);
+            let (right, got) = (solve_contact(&cube, &cube, pose), solve_contact(&skewed, &cube, pose));
+            assert_eq!(right.hit, got.hit, "{corner} {pose:?}");
+            assert_eq!(solve_overlap(&skewed, &cube, pose), solve_overlap(&cube, &cube, pose), "{corner} {pose:?}");
+            assert_near(got.depth, right.depth);
+        }
+    }
+}
+
+#[test]
+fn endless_discovery() {
+    // Needles, discs, and shapes with many collinear or coplanar points, at all angles: no limit is
+    // reached, and the statuses are consistent.
+    let mut rng = SplitMix64::new(11);
+    let shapes = [
+        PointCloud::cuboid(DVec3::new(1.0, 1e-6, 1e-6)),
+        PointCloud::cuboid(DVec3::new(1.0, 1.0, 1e-7)),
+        PointCloud::polygon(100, 1.0),
+        PointCloud::new((0..50).map(|i| DVec3::X * (f64::from(i) / 25.0 - 1.0)).collect()),
+        cube_without_inner_ball(),
+    ];
+    for a in &shapes {
+        for b in &shapes {
+            for _ in 0..40 {
+                let pose = rng.pose(1.5);
+                let i = intersects(a, b, pose, &mut Cache::new());
+                assert_ne!(i.status, Overlap::Undecided, "{a:?} {b:?} {pose:?}");
+                assert!(i.iterations < 100, "{i:?}");
+                let c = solve_contact(a, b, pose);
+                assert!(
+                    c.status != Status::IterationLimit && c.status != Status::Stalled,
+                    "{c:?} {a:?} {b:?} {pose:?}"
+                );
+                assert_eq!(c.hit, i.is_hit(), "{c:?} {i:?} {a:?} {b:?} {pose:?}");
+                let d = solve_distance(a, b, pose);
+                assert!(
+                    d.status != Status::IterationLimit && d.status != Status::Stalled,
+                    "{d:?} {a:?} {b:?} {pose:?}"
+                );
+                assert_eq!(d.distance == 0.0, i.is_hit(), "{d:?} {i:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn zero_depth_gives_nan() {
+    let cube = Cuboid(DVec3::ONE);
+    for pose in [at(2.0, 0.0, 0.0), at(0.0, -2.0, 0.5), at(2.0, 2.0, 0.0), at(2.0, 2.0, 2.0), at(-2.0, 2.0, 0.1)] {
+        assert_eq!(solve_overlap(&cube, &cube, pose), Overlap::Touching);
+        let c = solve_contact(&cube, &cube, pose);
+        assert!(c.hit && c.status == Status::Touching && c.depth == 0.0, "{c:?}");
+        // The normal separates: the support value along it is at most zero.
+        let t = pose.translation();
+        assert!(c.normal.dot(t) >= 2.0 * (c.normal.x.abs() + c.normal.y.abs() + c.normal.z.abs()) - 1e-13, "{c:?}");
+        assert!((c.point_a - c.point_b).length() < 1e-13, "{c:?}");
+        let d = solve_distance(&cube, &cube, pose);
+        assert_eq!((d.status, d.distance), (Status::Touching, 0.0));
+    }
+}
+
+#[test]
+fn ties_on_flat_faces() {
+    // Parallel faces: every support point along their normal is a tie of four points on either
+    // side.
+    let cube = cube_without_inner_ball();
+    for (x, y) in [(0.0, 0.0), (0.5, 0.25), (1.0, 1.0), (1.5, -1.5)] {
+        let c = solve_contact(&cube, &cube, at(x, y, 1.75));
+        assert_near(c.depth, 0.25);
+        assert!(c.normal.distance(DVec3::Z) < 1e-12, "{c:?}");
+        assert!((c.point_a - c.point_b - DVec3::Z * 0.25).length() < 1e-12, "{c:?}");
+        let d = solve_distance(&cube, &cube, at(x, y, 2.25));
+        assert_near(d.distance, 0.25);
+        assert!(d.normal.distance(DVec3::Z) < 1e-12);
+    }
+}
+
+#[test]
+fn swapping_a_and_b_changes_the_depth() {
+    let mut rng = SplitMix64::new(13);
+    for _ in 0..300 {
+        let (a, b) = (PointCloud::random(&mut rng, 20, true), PointCloud::random(&mut rng, 9, false));
+        let pose = rng.pose(1.5);
+        let (there, back) = (solve_contact(&a, &b, pose), solve_contact(&b, &a, pose.inverse()));
+        assert_eq!(there.hit, back.hit);
+        assert_near(there.depth, back.depth);
+        let (there, back) = (solve_distance(&a, &b, pose), solve_distance(&b, &a, pose.inverse()));
+        assert!((there.distance - back.distance).abs() < 2e-5 * there.distance + 1e-12, "{there:?} {back:?}");
+        if there.distance > 1e-3 {
+            assert!((there.normal + pose.transform_vector(back.normal)).length() < 1e-2, "{there:?} {back:?}");
+        }
+    }
+}
+
+#[test]
+fn absolute_epsilons_break_at_other_scales() {
+    let mut rng = SplitMix64::new(17);
+    for _ in 0..200 {
+        let (a, b) = (PointCloud::random(&mut rng, 12, true), PointCloud::random(&mut rng, 12, true));
+        let given = rng.pose(1.5);
+        // Normalised twice, as the scaled poses below are.
+        let pose = Pose::new(given.translation(), given.rotation()).unwrap();
+        let (c, d) = (solve_contact(&a, &b, pose), solve_distance(&a, &b, pose));
+        // Powers of two change no digits, powers of ten change the last ones.
+        for scale in [2.0_f64.powi(-20), 2.0_f64.powi(20), 1e-6, 1e-3, 1e3, 1e6] {
+            let exact = scale.log2().fract() == 0.0;
+            let scaled = Pose::new(given.translation() * scale, given.rotation()).unwrap();
+            let (a, b) = (a.scaled(scale), b.scaled(scale));
+            let (cs, ds) = (solve_contact(&a, &b, scaled), solve_distance(&a, &b, scaled));
+            assert_eq!((c.hit, d.status == Status::Overlapping), (cs.hit, ds.status == Status::Overlapping));
+            if exact {
+                assert_eq!(
+                    (c.status, c.iterations, c.depth * scale, c.normal),
+                    (cs.status, cs.iterations, cs.depth, cs.normal)
+                );
+                assert_eq!(
+                    (d.status, d.iterations, d.distance * scale, d.normal),
+                    (ds.status, ds.iterations, ds.distance, ds.normal)
+                );
+            }
+            assert!((cs.depth / scale - c.depth).abs() <= 1e-5 * c.depth + 1e-12, "{scale} {c:?} {cs:?}");
+            assert!((ds.distance / scale - d.distance).abs() <= 2e-5 * d.distance + 1e-12, "{scale} {d:?} {ds:?}");
+        }
+    }
+}
+
+#[test]
+fn far_from_the_origin() {
+    // Both shapes are 1e6 diameters from the origins of their frames. Powers of two make the move
+    // exact.
+    let away = DVec3::new(1_048_576.0, -2_097_152.0, 524_288.0);
+    let mut rng = SplitMix64::new(19);
+    let snap = |cloud: &PointCloud| {
+        let points = cloud.points.iter().map(|p| (*p * 1024.0).round() / 1024.0).collect();
+        PointCloud::around(points, DVec3::ZERO)
+    };
+    for _ in 0..200 {
+        let (a, b) = (snap(&PointCloud::random(&mut rng, 12, true)), snap(&PointCloud::random(&mut rng, 12, true)));
+        let t = (rng.unit_vector() * 1.2 * 1024.0).round() / 1024.0;
+        let pose = Pose::from_translation(t).unwrap();
+        let (c, d) = (solve_contact(&a, &b, pose), solve_distance(&a, &b, pose));
+        let (a, b) = (a.moved(away), b.moved(away));
+        let (cf, df) = (solve_contact(&a, &b, pose), solve_distance(&a, &b, pose));
+        assert_eq!(c.hit, cf.hit);
+        assert!((c.depth - cf.depth).abs() <= 1e-5 * c.depth + 1e-8, "{c:?} {cf:?}");
+        assert!((d.distance - df.distance).abs() <= 2e-5 * d.distance + 1e-8, "{d:?} {df:?}");
+        assert!(cf.depth_upper - cf.depth_lower < 1e-5 * cf.depth_upper + 1e-7, "{cf:?}");
+    }
+}
+
+#[test]
+fn hit_and_miss_flicker_at_contact() {
+    // Within rounding error of touching the answer is always "touching", with a warm and with a
+    // cold cache.
+    let cube = Cuboid(DVec3::ONE);
+    let mut warm = Cache::new();
+    for i in -40..=40 {
+        let gap = f64::from(i) * f64::EPSILON;
+        let pose = at(2.0 + gap, 0.25, -0.5);
+        let (cold, kept) = (solve_overlap(&cube, &cube, pose), intersects(&cube, &cube, pose, &mut warm));
+        assert_eq!(cold, kept.status, "{i}");
+        assert_eq!(cold, Overlap::Touching, "{i}");
+    }
+    for (gap, expected) in [(1e-12, Overlap::Separated), (-1e-12, Overlap::Overlapping)] {
+        for _ in 0..3 {
+            assert_eq!(intersects(&cube, &cube, at(2.0 + gap, 0.25, -0.5), &mut warm).status, expected);
+        }
+    }
+}
+
+#[test]
+fn one_ulp_gap() {
+    // A gap of one ulp of the coordinates cannot be decided: the shapes touch, and the interval
+    // says so.
+    let cube = Cuboid(DVec3::ONE);
+    let gap = 2.0_f64.next_up();
+    assert_eq!(solve_overlap(&cube, &cube, at(gap, 0.0, 0.0)), Overlap::Touching);
+    let d = solve_distance(&cube, &cube, at(gap, 0.0, 0.0));
+    assert!(d.lower == 0.0 && d.upper >= gap - 2.0 && d.upper < 1e-13, "{d:?}");
+}
+
+#[test]
+fn nan_support_points_do_not_loop_for_ever() {
+    struct Broken;
+    impl SupportMap for Broken {
+        fn support_point(&self, _: DVec3) -> hullmap::SupportPoint {
+            hullmap::SupportPoint { point: DVec3::NAN, feature: 0 }
+        }
+        fn interior_point(&self) -> DVec3 {
+            DVec3::NAN
+        }
+        fn inner_radius(&self) -> f64 {
+            f64::NAN
+        }
+        fn outer_radius(&self) -> f64 {
+            f64::NAN
+        }
+    }
+    let cube = Cuboid(DVec3::ONE);
+    let cache = &mut Cache::new();
+    // Without a proof no pair is reported as separated.
+    assert!(intersects(&Broken, &cube, Pose::IDENTITY, cache).is_hit());
+    assert!(contact(&cube, &Broken, Pose::IDENTITY, &Settings::default(), cache).hit);
+    let d = distance(&Broken, &cube, Pose::IDENTITY, &Settings::default(), cache);
+    assert!(!matches!(d.status, Status::Exact | Status::Within), "{d:?}");
+    // The cache that the broken shape left does no harm to a valid pair.
+    assert_eq!(intersects(&cube, &cube, at(3.0, 0.0, 0.0), cache).status, Overlap::Separated);
+}
+
+/// A prism, or a cone if `top` is 0, with many sides: flat caps of many points, and thin side
+/// faces.
+fn prism(sides: usize, top: f64, half_height: f64) -> PointCloud {
+    let ring = PointCloud::polygon(sides, 1.0).points;
+    let lower = ring.iter().map(|p| *p - DVec3::Z * half_height);
+    let upper = ring.iter().map(|p| *p * top + DVec3::Z * half_height);
+    PointCloud::new(lower.chain(upper).collect())
+}
+
+#[test]
+fn many_coplanar_points() {
+    let mut rng = SplitMix64::new(23);
+    let shapes = [prism(200, 1.0, 0.5), prism(200, 0.0, 1.0), prism(60, 0.5, 0.05), cube_without_inner_ball()];
+    let (mut hits, mut pairs) = (0, 0);
+    for a in &shapes {
+        for b in &shapes {
+            for i in 0..60 {
+                let mut pose = rng.pose(2.5);
+                if i % 3 == 0 {
+                    // Parallel caps: hundreds of ties.
+                    pose = Pose::new(pose.translation(), DQuat::from_rotation_z(rng.between(0.0, 6.0))).unwrap();
+                }
+                let (c, back) = (solve_contact(a, b, pose), solve_contact(b, a, pose.inverse()));
+                // Nearly concentric cones are equally deep along 400 faces, more than the polytope
+                // has room for.
+                let wide = c.depth_upper - c.depth_lower > 1e-3 * c.depth_upper + 1e-12;
+                assert!(c.status != Status::Stalled && !wide, "{c:?} {pose:?}");
+                assert_eq!(c.hit, back.hit, "{pose:?}");
+                assert!(
+                    c.depth_lower <= back.depth_upper && back.depth_lower <= c.depth_upper,
+                    "{c:?} {back:?} {pose:?}"
+                );
+                assert_eq!(solve_overlap(a, b, pose) != Overlap::Separated, c.hit, "{pose:?}");
+                let d = solve_distance(a, b, pose);
+                assert!(!matches!(d.status, Status::IterationLimit | Status::Stalled), "{d:?} {pose:?}");
+                assert_eq!(d.distance == 0.0, c.hit, "{d:?} {pose:?}");
+                if c.hit {
+                    // Moved out by the depth, the shapes touch or are separated by at most the
+                    // width of the interval.
+                    let away = Pose::new(pose.translation() + c.normal * c.depth, pose.rotation()).unwrap();
+                    let left = solve_distance(a, b, away);
+                    assert!(left.distance <= 1e-3 * c.depth + 1e-12, "{c:?} {left:?}");
+                }
+                pairs += 1;
+                hits += usize::from(c.hit);
+            }
+        }
+    }
+    let share = f64::from(hits as u32) / f64::from(pairs);
+    assert!((0.3..0.85).contains(&share), "{share}");
+}
+
+#[test]
+fn smooth_shapes() {
+    /// A capsule along z, in closed form.
+    struct Capsule {
+        half: f64,
+        radius: f64,
+    }
+    impl SupportMap for Capsule {
+        fn support_point(&self, dir: DVec3) -> hullmap::SupportPoint {
+            let end = DVec3::Z * if dir.z < 0.0 { -self.half } else { self.half };
+            hullmap::SupportPoint { point: end + dir.normalize_or_zero() * self.radius, feature: 0 }
+        }
+        fn interior_point(&self) -> DVec3 {
+            DVec3::ZERO
+        }
+        fn inner_radius(&self) -> f64 {
+            self.radius
+        }
+        fn outer_radius(&self) -> f64 {
+            self.half + self.radius
+        }
+    }
+    let (a, b) = (Capsule { half: 1.0, radius: 0.25 }, Capsule { half: 0.5, radius: 0.5 });
+    let (spine_a, spine_b) =
+        (PointCloud::new(vec![DVec3::Z, DVec3::NEG_Z]), PointCloud::new(vec![DVec3::Z * 0.5, DVec3::Z * -0.5]));
+    let mut rng = SplitMix64::new(29);
+    let mut hits = 0;
+    for _ in 0..400 {
+        let pose = rng.pose(2.5);
+        let spines = solve_distance(&spine_a, &spine_b, pose);
+        let gap = spines.distance - 0.75;
+        let slack = spines.upper - spines.lower + 1e-12;
+        let (c, d) = (solve_contact(&a, &b, pose), solve_distance(&a, &b, pose));
+        assert_eq!(c.hit, gap < 0.0, "{gap} {c:?}");
+        if c.hit {
+            hits += 1;
+            // If the spines are separated, the depth is the sum of the radii minus their distance.
+            if spines.distance > 0.0 {
+                assert!(c.depth_lower <= slack - gap && -gap <= c.depth_upper + slack, "{gap} {c:?}");
+                assert!(c.status != Status::Stalled, "{c:?}");
+            }
+        } else {
+            assert!(d.lower <= gap + slack && gap <= d.upper + slack, "{gap} {d:?}");
+            assert!(d.upper - d.lower <= 1.01e-5 * d.upper + 1e-12, "{d:?}");
+        }
+    }
+    assert!((100..300).contains(&hits), "{hits}");
+}
+
+#[test]
+fn inexact_support_breaks_termination() {
+    /// Selects its points by f32 dot products: off by up to 1e-7 of the size, and not even
+    /// monotone.
+    struct Single(PointCloud);
+    impl SupportMap for Single {
+        fn support_point(&self, dir: DVec3) -> hullmap::SupportPoint {
+            let value = |p: &DVec3| p.as_vec3().dot(dir.as_vec3());
+            let mut best = 0;
+            for i in 1..self.0.points.len() {
+                if value(&self.0.points[i]) > value(&self.0.points[best]) {
+                    best = i;
+                }
+            }
+            hullmap::SupportPoint { point: self.0.points[best], feature: best as u32 }
+        }
+        fn interior_point(&self) -> DVec3 {
+            self.0.interior
+        }
+        fn inner_radius(&self) -> f64 {
+            0.0
+        }
+        fn outer_radius(&self) -> f64 {
+            self.0.outer_radius
+        }
+    }
+    let mut rng = SplitMix64::new(31);
+    for _ in 0..300 {
+        let (a, b) = (PointCloud::random(&mut rng, 2000, true), PointCloud::random(&mut rng, 500, true));
+        let pose = rng.pose(1.6);
+        let settings = Settings { tolerance: 0.0, ..Settings::default() };
+        let (exact, c) = (
+            contact(&a, &b, pose, &settings, &mut Cache::new()),
+            contact(&Single(a.clone()), &Single(b.clone()), pose, &settings, &mut Cache::new()),
+        );
+        assert!(c.iterations < 500, "{c:?}");
+        if exact.depth > 1e-6 {
+            assert!(
+                c.hit && c.depth_lower <= exact.depth_upper + 1e-6 && exact.depth_lower <= c.depth_upper + 1e-6,
+                "{c:?} {exact:?}"
+            );
+        }
+        let d = distance(&Single(a), &Single(b), pose, &settings, &mut Cache::new());
+        assert!(d.iterations < 500, "{d:?}");
+    }
+}
+
+/// The witness points coincide, so their difference has no direction. The normal was a diagonal
+/// once.
+#[test]
+fn touching_shapes_have_a_normal_that_separates() {
+    let cube = PointCloud::cuboid(DVec3::ONE);
+    let octahedron = PointCloud::new([DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|a| [a, -a]).collect());
+    for axis in [DVec3::X, DVec3::NEG_Y, DVec3::Z] {
+        let pose = Pose::from_translation(axis * 2.0).unwrap();
+        let d = distance(&cube, &octahedron, pose, &Settings::default(), &mut Cache::new());
+        assert_eq!((d.status, d.distance), (Status::Touching, 0.0));
+        assert!((d.normal - axis).length() < 1e-9, "{axis}: {}", d.normal);
+    }
+}
+
+#[test]
+fn origin_in_the_plane_of_a_face_but_beside_it() {
+    // A polygon beside a slab whose top is in the plane of the polygon. No face proves them
+    // separated or touching; the closest points do.
+    let polygon = PointCloud::polygon(24, 1.0);
+    for thick in [1e-3, 1e-5, 1e-7] {
+        let slab = PointCloud::cuboid(DVec3::new(0.7, 0.5, thick));
+        for gap in [1e-2, 1e-4, 1e-6] {
+            for turn in [0.0, 0.3, 1.0] {
+                let rotation = DQuat::from_rotation_z(turn);
+                let reach = (rotation.inverse() * DVec3::X).abs().dot(DVec3::new(0.7, 0.5, 0.0));
+                let pose = Pose::new(DVec3::new(1.0 + reach + gap, 0.0, -thick), rotation).unwrap();
+                let what = format!("{thick} {gap} {turn}");
+                assert_eq!(solve_overlap(&polygon, &slab, pose), Overlap::Separated, "{what}");
+                assert_eq!(solve_overlap(&slab, &polygon, pose.inverse()), Overlap::Separated, "{what}");
+                assert!(
+                    !solve_contact(&polygon, &slab, pose).hit && !solve_contact(&slab, &polygon, pose.inverse()).hit,
+                    "{what}"
+                );
+                assert!(solve_distance(&polygon, &slab, pose).lower > 0.99 * gap, "{what}");
+            }
+        }
+    }
+}
+
+#[test]
+fn degenerate_simplex_has_a_finite_depth() {
+    // Segments that cross at all angles down to zero, far from the origins of their frames.
+    let away = DVec3::new(50.0, -35.0, 20.0);
+    let mut rng = SplitMix64::new(23);
+    for round in 0..3000 {
+        let along = rng.unit_vector();
+        let angle = [1.0, 1e-3, 1e-6, 1e-9, 1e-12, 1e-14, 1e-15][round % 7];
+        let other = (along + rng.unit_vector() * angle).normalize();
+        let segment = |dir: DVec3| PointCloud::new(vec![away + dir * 1.1, away - dir]);
+        let (a, b) = (segment(along), segment(other));
+        let shift = rng.unit_vector() * [0.0, 1e-15, 1e-14, 1e-13][round % 4];
+        let pose = Pose::from_translation(shift).unwrap();
+        for c in [solve_contact(&a, &b, pose), solve_contact(&b, &a, pose.inverse())] {
+            assert!(c.depth.is_finite() && c.depth_upper < 3.0, "{c:?}");
+        }
+    }
+}
+
+#[test]
+fn witness_points_if_all_faces_are_equally_near() {
+    // A ball at the centre of a cylinder: the depth is known at once, but no face that attains it.
+    for (half, radius, ball) in [(700.0, 500.0, 500.0), (0.7, 0.5, 0.8), (3.0, 0.5, 0.01)] {
+        let cylinder = hullmap::shapes::Cylinder::new(half, radius).unwrap();
+        let ball = hullmap::shapes::Sphere::new(ball).unwrap();
+        let c = solve_contact(&cylinder, &ball, Pose::IDENTITY);
+        assert_near(c.depth, radius + ball.radius());
+        let width = c.depth_upper - c.depth_lower + 1e-12 * c.depth;
+        assert!((c.point_a - c.point_b).distance(c.normal * c.depth) <= width, "{c:?}");
+        assert!((DVec3::new(c.point_a.x, c.point_a.y, 0.0).length() - radius).abs() <= width, "{c:?}");
+    }
+}
+
+#[test]
+fn depth_is_exact_if_the_cores_nearly_touch() {
+    let (ball, needle) =
+        (hullmap::shapes::Sphere::new(0.0008).unwrap(), hullmap::shapes::Capsule::new(0.0007, 0.0).unwrap());
+    let mut rng = SplitMix64::new(29);
+    for _ in 0..2000 {
+        // The segment passes the centre of the ball at a distance of 1e-6 to 1e-16.
+        let rotation = rng.rotation();
+        let side = (rotation * DVec3::Z).cross(rng.unit_vector()).normalize();
+        let gap = 10.0_f64.powf(-rng.between(6.0, 16.0));
+        let pose = Pose::new(side * gap, rotation).unwrap();
+        let truth = 0.0008 - gap;
+        for c in [solve_contact(&ball, &needle, pose), solve_contact(&needle, &ball, pose.inverse())] {
+            assert!(c.depth_lower <= truth + 1e-17 && truth - 1e-17 <= c.depth_upper, "{gap:e}: {c:?}");
+        }
+    }
+}
+
+#[test]
+fn parallel_close_faces() {
+    let (a, b) = (cube_without_inner_ball(), PointCloud::cuboid(DVec3::new(0.5, 2.0, 0.25)));
+    for exponent in 3..=15 {
+        for sign in [-1.0, 1.0] {
+            let gap = sign * 10.0_f64.powi(-exponent);
+            for slide in [0.0, 0.3, 1.2] {
+                let pose = at(1.5 + gap, slide, 0.1);
+                let gap = pose.translation().x - 1.5;
+                let (c, d) = (solve_contact(&a, &b, pose), solve_distance(&a, &b, pose));
+                // A gap above rounding error is decided.
+                if gap.abs() > 2e-15 * 64.0 {
+                    assert_eq!(c.hit, gap < 0.0, "{gap:e}");
+                    assert_eq!(solve_overlap(&a, &b, pose) == Overlap::Separated, gap > 0.0, "{gap:e}");
+                }
+                if c.hit {
+                    assert!(c.depth_lower <= (-gap).max(0.0) && -gap <= c.depth_upper, "{gap:e}: {c:?}");
+                    assert!(c.normal.distance(DVec3::X) < 1e-12, "{gap:e}: {c:?}");
+                }
+                assert!(d.lower <= gap.max(0.0) && gap <= d.upper + 1e-15, "{gap:e}: {d:?}");
+            }
+        }
+    }
+}

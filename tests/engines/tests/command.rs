@@ -1,0 +1,97 @@
+//! `bake query` on real meshes, a thousand poses in one process, against parry3d.
+
+use std::{fmt::Write, path::Path};
+
+use glam::{DQuat, DVec3};
+use hullmap::{Pack, Pose};
+use hullmap_engine_tests as parry;
+use hullmap_tests::{command::bake, outside};
+use shapes::rng::SplitMix64;
+
+const SEED: u64 = 1_000;
+const POSES: usize = 1_000;
+
+/// Depth or distance, relative to the sum of the diameters, below which the two may disagree on
+/// intersection.
+const UNSURE: f64 = 1e-4;
+
+/// Error of parry, relative to the sum of the diameters.
+const PARRY_ERROR: f64 = 3e-3;
+
+#[test]
+fn teapot_against_cornell_box_agrees_with_parry() {
+    agrees_with_parry(&outside::workspace().join("tests/meshes"), "vhacd_teapot", "tinyobj_cornell_box");
+}
+
+#[test]
+fn bunny_against_koala_agrees_with_parry() {
+    let Some(meshes) = outside::path("HULLMAP_MESHES", "bunny_against_koala_agrees_with_parry") else { return };
+    agrees_with_parry(&meshes, "stanford_bunny", "odedstein_koala");
+}
+
+/// Queries the hulls of two meshes, the second far larger than the first.
+fn agrees_with_parry(meshes: &Path, small: &str, large: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let packs = [small, large].map(|name| {
+        let mesh = meshes.join(name).with_extension("obj");
+        bake(["build", mesh.to_str().unwrap(), "--out", &path("")]).expect(0);
+        path(&format!("{name}.hullmap"))
+    });
+    let [pack_a, pack_b] = packs.each_ref().map(|pack| Pack::open(pack).unwrap());
+    let (a, b) = (pack_a.hull(0).unwrap(), pack_b.hull(0).unwrap());
+    let size = a.diameter() + b.diameter();
+
+    let mut rng = SplitMix64::new(SEED);
+    let mut poses = Vec::new();
+    let mut text = format!("# {small} against {large}\n");
+    for _ in 0..POSES {
+        let rotation = DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize();
+        // The second is at least fifty times as large: about half of these offsets put the first
+        // into it.
+        let offset = DVec3::from_array(rng.direction()) * (rng.between(0.1, 0.55) * b.diameter());
+        let pose = Pose::new(a.centroid() - rotation * b.centroid() + offset, rotation).unwrap();
+        let (t, q) = (pose.translation(), pose.rotation());
+        writeln!(text, "{} {} {} {} {} {} {}", t.x, t.y, t.z, q.x, q.y, q.z, q.w).unwrap();
+        poses.push(pose);
+    }
+    std::fs::write(path("poses.txt"), text).unwrap();
+
+    let query = |mode: &str| {
+        let run =
+            bake(["query", &packs[0], &packs[1], "--poses", &path("poses.txt"), "--mode", mode, "--json"]).expect(0);
+        let answers = run.json();
+        assert_eq!(answers.len(), POSES);
+        answers
+    };
+    let (hits, contacts, distances) = (query("intersect"), query("contact"), query("distance"));
+    let (parry_a, parry_b) = (parry::polyhedron(&a), parry::polyhedron(&b));
+    let (mut overlapping, mut unsure, mut worst) = (0, 0, 0.0_f64);
+    for (index, pose) in poses.into_iter().enumerate() {
+        let truth = parry::opinion(&parry_a, &parry_b, pose);
+        let signed = truth.signed_distance.unwrap_or(truth.distance);
+        overlapping += usize::from(truth.intersects);
+        if signed.abs() <= UNSURE * size {
+            unsure += 1;
+            continue;
+        }
+        let what = format!("pose {index}, seed {SEED}: {truth:?}");
+        assert_eq!(hits[index]["hit"], truth.intersects, "{what}");
+        assert_eq!(contacts[index]["hit"], truth.intersects, "{what}");
+        assert_eq!(distances[index]["hit"], truth.intersects, "{what}");
+        let difference = if truth.intersects {
+            // parry may stop at a face that is not the nearest, so its depth may be larger than
+            // ours, never smaller.
+            contacts[index]["depth"].as_f64().unwrap() + signed
+        } else {
+            (distances[index]["distance"].as_f64().unwrap() - truth.distance).abs()
+        };
+        assert!(difference <= PARRY_ERROR * size, "{what}: {}", contacts[index]);
+        worst = worst.max(difference / size);
+    }
+    println!(
+        "{POSES} poses, {overlapping} overlap, {unsure} too close to call, worst difference {worst:.1e} of the size"
+    );
+    assert!((300..=700).contains(&overlapping), "the sample is one-sided: {overlapping}");
+    assert!(unsure < POSES / 20);
+}

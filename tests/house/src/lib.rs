@@ -1,0 +1,31 @@
+//! House rules, as tests: `structure` is about crates and packages, `prose` about comments and
+//! documents. They compile little, but a newcomer's `cargo test` does not need them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use hullmap_tests::outside::workspace;
+
+/// Every Rust file of the workspace, relative to it.
+///
+/// # Panics
+/// If a folder cannot be read.
+pub fn sources() -> Vec<PathBuf> {
+    fn search(folder: &Path, found: &mut Vec<PathBuf>) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() && !path.ends_with("target") {
+                search(&path, found);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                found.push(path);
+            }
+        }
+    }
+    let root = workspace();
+    let mut found = Vec::new();
+    for folder in ["crates", "tools", "tests"] {
+        search(&root.join(folder), &mut found);
+    }
+    found.sort();
+    found.iter().map(|path| path.strip_prefix(&root).unwrap().to_owned()).collect()
+}

@@ -1,0 +1,6 @@
+//! What crates may depend on and contain: walls between crates, unsafe code, other packages and
+//! their licences, and what is published.
+
+mod dependencies;
+mod packages;
+mod walls;

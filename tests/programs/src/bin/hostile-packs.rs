@@ -1,0 +1,204 @@
+//! Tries any number of hostile packs.
+
+use std::{
+    path::Path,
+    process::ExitCode,
+    sync::{
+        Mutex,
+        atomic::{AtomicUsize, Ordering},
+    },
+    time::Instant,
+};
+
+use clap::{Parser, ValueEnum};
+use hullmap::Pack;
+use hullmap_tests::hostile::{
+    inquiry::{Extent, Inquiry},
+    large::{self, Large},
+    samples::{self, Sample},
+    series::{Series, Subject},
+    trial::{self, Tally},
+    unchecked::{self, Findings},
+};
+
+/// Changes packs in many ways, and runs 1000 support queries and 20 contacts on each that opens.
+///
+/// Counts go to standard output, progress to standard error. A panic or a hang ends the run and
+/// names the change.
+#[derive(Parser)]
+#[command(
+    after_help = "Example:\n  cargo run --release -p hullmap-programs --bin hostile-packs -- --flips 10000000 --seed 1 --threads 2"
+)]
+struct Arguments {
+    /// Number of bits to flip: all bits of the small packs, then all bits of random packs
+    #[arg(long, default_value_t = 10_000_000)]
+    flips: usize,
+    /// Seed of the random packs and changes
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Number of threads
+    #[arg(long, default_value_t = 2)]
+    threads: usize,
+    /// Index of the first pack; earlier packs count as done
+    #[arg(long, default_value_t = 0)]
+    first: u64,
+    /// Number of random changes for each small pack
+    #[arg(long, default_value_t = 4_000)]
+    drawn: usize,
+    /// Series of changes to try [default: all]
+    #[arg(long, value_delimiter = ',')]
+    only: Vec<Kind>,
+    /// Try one change in N of each series
+    #[arg(long, default_value_t = 1)]
+    every: usize,
+    /// Size in MB of the largest of the large packs; the others have a quarter and a sixteenth. At
+    /// 64, baking the prism takes many minutes
+    #[arg(long, default_value_t = 16)]
+    largest: usize,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// The slowest query on packs of growing size
+    Large,
+    /// Prefixes and extensions by 1 to 4096 bytes
+    Lengths,
+    /// Words set to lengths, ends of ranges and special floats
+    Words,
+    /// Several words at once
+    Drawn,
+    /// Flipped bits in files that are opened without checks
+    Unchecked,
+    /// Flipped bits, with the old and with a correct checksum
+    Flips,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    println!("seed {}", arguments.seed);
+    let small = samples::small();
+    let bytes: usize = small.iter().map(|sample| sample.file.len()).sum();
+    println!("{} small packs, {bytes} bytes", small.len());
+    for kind in Kind::value_variants() {
+        if !arguments.only.is_empty() && !arguments.only.contains(kind) {
+            continue;
+        }
+        match kind {
+            Kind::Large => large(arguments.largest),
+            Kind::Lengths => total("lengths", Series::Lengths, &small, &arguments),
+            Kind::Words => total("words", Series::Words, &small, &arguments),
+            Kind::Drawn => total("several words", Series::Drawn, &small, &arguments),
+            Kind::Unchecked => unchecked(&small, &arguments),
+            Kind::Flips => flips(&small, &arguments),
+        }
+    }
+    ExitCode::SUCCESS
+}
+
+/// The slowest query on each large pack, at three sizes.
+///
+/// # Panics
+/// If its time grows faster than the size, or a malicious pack is too slow for its size.
+fn large(largest_mb: usize) {
+    let sizes = [largest_mb * 1_000_000 / 16, largest_mb * 1_000_000 / 4, largest_mb * 1_000_000];
+    let mut times = Vec::new();
+    for kind in Large::ALL {
+        let points = sizes.map(|size| {
+            let file = kind.file(size);
+            let pack = Pack::from_bytes(&file).unwrap_or_else(|error| panic!("{kind}: {error}"));
+            let slowest = large::slowest(&pack);
+            let ms = slowest.time.as_secs_f64() * 1e3;
+            println!("{kind}, {:.1} MB: slowest query {ms:.3} ms ({})", file.len() as f64 / 1e6, slowest.query);
+            (file.len(), slowest.time)
+        });
+        let exponent = large::exponent(points[0], points[2]);
+        println!("{kind}: exponent {exponent:.2}");
+        assert!(exponent <= large::MAX_EXPONENT, "{kind}: the time grows faster than the size");
+        times.push((kind, points[2].1.as_secs_f64()));
+    }
+    let slowest = |is_honest| {
+        let times = times.iter().filter(|(kind, _)| kind.is_honest() == is_honest);
+        times.map(|(_, time)| *time).fold(0.0, f64::max)
+    };
+    let ratio = slowest(false) / slowest(true);
+    println!("malicious to honest, {largest_mb} MB: {ratio:.1}");
+    assert!(ratio <= large::MAX_RATIO, "malicious packs are too slow for their size");
+}
+
+/// One series over all small packs.
+fn total(name: &str, series: Series, small: &[Sample], arguments: &Arguments) {
+    let mut sum = Tally::default();
+    for sample in small {
+        let subject = Subject::new(sample, arguments.seed);
+        let count = subject.count(series).unwrap_or(arguments.drawn);
+        sum += try_series(&subject, series, count, arguments);
+        eprintln!("{name}, {}: {sum}", sample.name);
+    }
+    println!("{name}: {sum}");
+}
+
+fn try_series(subject: &Subject, series: Series, count: usize, arguments: &Arguments) -> Tally {
+    let pack = Pack::from_bytes(&subject.sample.file).expect("a sample opens");
+    let inquiry = Inquiry::new(&pack, Extent::FULL);
+    let indices: Vec<usize> = (0..count).step_by(arguments.every).collect();
+    trial::run(&format!("{series:?}, {}", subject.sample.name), &indices, arguments.threads, |index, file| {
+        subject.change(series, index, file);
+        let Ok(pack) = Pack::from_bytes(file) else { return false };
+        assert!(!series.is_always_refused(), "a file that must be refused opened");
+        inquiry.run(&pack);
+        true
+    })
+}
+
+fn flips(small: &[Sample], arguments: &Arguments) {
+    let (mut plain, mut sealed, mut packs, mut passed) = (Tally::default(), Tally::default(), 0, 0);
+    let start = Instant::now();
+    while passed < arguments.flips {
+        let drawn;
+        let sample = match small.get(packs as usize) {
+            Some(sample) => sample,
+            None => {
+                drawn = samples::drawn(arguments.seed, packs);
+                &drawn
+            }
+        };
+        let count = (8 * sample.file.len()).min(arguments.flips - passed);
+        passed += count;
+        packs += 1;
+        if packs <= arguments.first {
+            continue;
+        }
+        let subject = Subject::new(sample, arguments.seed);
+        plain += try_series(&subject, Series::Bits, count, arguments);
+        sealed += try_series(&subject, Series::SealedBits, count, arguments);
+        eprintln!("{:6.0} s  pack {packs}, {}: {sealed}", start.elapsed().as_secs_f64(), sample.name);
+    }
+    println!("flipped bits of {} packs, old checksum: {plain}", packs - arguments.first.min(packs));
+    println!("flipped bits, correct checksum: {sealed}");
+}
+
+fn unchecked(small: &[Sample], arguments: &Arguments) {
+    let folder = tempfile::tempdir().expect("the system has a folder for temporary files");
+    let (findings, mut sum) = (Mutex::new(Findings::default()), Tally::default());
+    let files = AtomicUsize::new(0);
+    for sample in small {
+        let subject = Subject::new(sample, arguments.seed);
+        for series in [Series::SealedBits, Series::Words, Series::Drawn] {
+            let count = subject.count(series).unwrap_or(arguments.drawn);
+            let indices: Vec<usize> = (0..count).step_by(arguments.every).collect();
+            let pack = Pack::from_bytes(&sample.file).expect("a sample opens");
+            let inquiry = Inquiry::new(&pack, Extent::BRIEF).unjudged();
+            let name = format!("unchecked, {series:?}, {}", sample.name);
+            sum += trial::run(&name, &indices, arguments.threads, |index, file| {
+                subject.change(series, index, file);
+                let path: &Path = &folder.path().join(files.fetch_add(1, Ordering::Relaxed).to_string());
+                unchecked::query(path, file, &inquiry, &findings)
+            });
+        }
+        eprintln!("unchecked, {}: {sum}", sample.name);
+    }
+    let Findings { queried, panics } = findings.into_inner().expect("no thread panics while it holds the lock");
+    println!("opened without checks: {sum}; {queried} sets of queries");
+    println!("panics of unchecked packs: {}", panics.values().sum::<usize>());
+    panics.iter().for_each(|(location, count)| println!("  {count:8} {location}"));
+}
