@@ -597,6 +597,7 @@ fn farther_out<'f, S: Shape + ?Sized>(
     }
     // A support point at the distance l, in a direction that is tilted by the tangent t, is at most
     // t l above the support plane.
+    #[expect(clippy::manual_clamp, reason = "NaN, of a point on a point, becomes the lower end")]
     let tilt = ((depth.max(0.0) + prediction) / reach).max(TILT).min(STEEPEST);
     let ring = tilted(shape, dir, tilt);
     let corners = feature.corners().iter().copied().filter(move |_| whole);
