@@ -68,6 +68,7 @@ impl<'h> Outline<'h> {
 
     /// Adds vertices that are farther out.
     pub(super) fn widen(&self, feature: &mut Feature) {
+        #[expect(clippy::manual_clamp, reason = "NaN becomes the lower end")]
         let tilt = (PREDICTION / self.hull.outer_radius()).max(TILT).min(1.0);
         for support in tilted(self.hull, self.normal, tilt) {
             if feature.corners().iter().all(|corner| corner.vertex != support.feature) {

@@ -49,7 +49,9 @@ impl Body<'_> {
                     manifolds.get(*i).is_some_and(|m| !m.points.is_empty() && self.normal(m).dot(normal) >= SAME_NORMAL)
                 })
                 .collect();
-            group.iter().for_each(|i| is_done[*i] = true);
+            for &i in &group {
+                is_done.get_mut(i).into_iter().for_each(|done| *done = true);
+            }
             let side = normal.any_orthonormal_vector();
             let over = |p: DVec3| DVec2::new(p.dot(side), p.dot(normal.cross(side)));
             let (mut spots, mut places) = (Vec::new(), Vec::new());
