@@ -1,10 +1,6 @@
 //! One build on many machines: recorded paths, keys, shards, plans, status, merged reports.
 
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    fs,
-    path::Path,
-};
+use std::{collections::BTreeSet, fs, path::Path};
 
 use hullmap_tests::command::{Run, bake_in};
 use hullmap_tests::outside::contents;
