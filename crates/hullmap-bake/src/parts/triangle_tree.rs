@@ -299,7 +299,7 @@ mod tests {
                 let cost = |index: u32| triangle::nearest(&triangles[index as usize], p).distance_squared(p);
                 let all = || 0..triangles.len() as u32;
                 let of_box = |b: &Bounds| (b.low - p).max(p - b.high).max(DVec3::ZERO).length_squared();
-                let even = |index: u32| (index % 2 == 0).then(|| cost(index));
+                let even = |index: u32| (index.is_multiple_of(2)).then(|| cost(index));
                 for limit in [f64::MAX, 0.05] {
                     let least = all().filter_map(even).fold(limit, f64::min);
                     let found = tree.lowest(limit, of_box, even);
