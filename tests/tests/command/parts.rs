@@ -287,7 +287,7 @@ fn packs_of_removed_options_open_and_are_stale() {
     let described = bake(&folder, "inspect x.hullmap --json").expect(0).json();
     assert_eq!(described[0]["options"], options);
     let message = bake(&folder, "verify x.hullmap").expect(1);
-    assert!(message.stdout.contains("V-HACD was removed") && message.stdout.contains("bake it again"), "{message:?}");
+    assert!(message.stderr.contains("V-HACD was removed") && message.stderr.contains("bake it again"), "{message:?}");
     let row = bake(&folder, "build x.obj --out . --decompose --check --json").expect(1).json()[0].clone();
     assert_eq!(row["status"], "stale", "{row}");
     let reason = row["reason"].as_str().unwrap();

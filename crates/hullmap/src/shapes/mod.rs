@@ -68,8 +68,6 @@ pub use cone::Cone;
 pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;
 pub use error::ShapeError;
-#[doc(hidden)]
-pub use feature::tilted;
 pub use feature::{Corner, Feature, MAX_CORNERS, TILT, ring};
 pub use half_space::HalfSpace;
 pub use rounded::Rounded;
@@ -108,40 +106,6 @@ fn push_rim(out: &mut Feature, z: f64, radius: f64, first: u32) {
         let (x, y) = turn(step);
         out.push(Corner { point: DVec3::new(x * radius, y * radius, z), vertex: first + step as u32 });
     }
-}
-
-/// Moves the feature of a core outward by the convex radius, along that normal of the feature which
-/// is closest to `dir`. So it lies on the rounded surface, as the core's feature lies on the
-/// core's. An edge's closest normal may be beyond those of the edge: it is no longer flat, unless
-/// `dir` is perpendicular to it.
-fn round(out: &mut Feature, dir: DVec3, radius: f64) {
-    /// Maximum cosine of the angle between perpendicular directions: rounding error.
-    const LEVEL: f64 = 1e-9;
-    let n = direction(dir);
-    let mut is_level = true;
-    let outward = match out.corners() {
-        [] | [_] => n,
-        [a, b] => {
-            let along = direction(b.point - a.point);
-            is_level = n.dot(along).abs() <= LEVEL;
-            n - along * n.dot(along)
-        }
-        corners => {
-            let normal = corners.windows(3).fold(DVec3::ZERO, |sum, c| match c {
-                [a, b, c] => sum + (b.point - a.point).cross(c.point - a.point),
-                _ => sum,
-            });
-            normal * normal.dot(n)
-        }
-    };
-    if !is_level {
-        out.set_curved();
-    }
-    if out.corners().len() > 1 {
-        out.set_rounded();
-    }
-    let offset = unit(outward).unwrap_or(n) * radius;
-    out.corners_mut().iter_mut().for_each(|corner| corner.point += offset);
 }
 
 /// Keeps every eighth corner of a disc: the square is the largest quadrilateral in its polygon.

@@ -3,7 +3,7 @@
 use super::error::ShapeError;
 use super::feature::Feature;
 use super::shape::Shape;
-use super::{direction, error::length, round};
+use super::{direction, error::length};
 use crate::support::{SupportMap, SupportPoint};
 use glam::DVec3;
 
@@ -82,16 +82,26 @@ impl<S: Shape> Shape for Rounded<S> {
     /// The inner shape's feature, moved outward along `dir` by the radius.
     fn feature(&self, dir: DVec3, out: &mut Feature) {
         self.shape.feature(dir, out);
-        round(out, dir, self.radius);
+        self.round(dir, out);
     }
 
     fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         self.shape.feature_within(dir, reach, out);
-        round(out, dir, self.radius);
+        self.round(dir, out);
     }
 
     fn reduced_feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         self.shape.reduced_feature_within(dir, reach, out);
-        round(out, dir, self.radius);
+        self.round(dir, out);
+    }
+}
+
+impl<S> Rounded<S> {
+    /// Moves the corners of the inner shape's feature outward along `dir`.
+    fn round(&self, dir: DVec3, out: &mut Feature) {
+        let offset = direction(dir) * self.radius;
+        for corner in out.corners_mut() {
+            corner.point += offset;
+        }
     }
 }

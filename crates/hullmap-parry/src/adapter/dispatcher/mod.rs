@@ -5,7 +5,6 @@ mod contacts;
 mod manifolds;
 mod pair;
 mod partner;
-mod patches;
 mod welder;
 mod workspace;
 
