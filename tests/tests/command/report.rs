@@ -469,6 +469,8 @@ fn convex_parts_are_verified_against_the_source_cut_again() {
         .iter()
         .flat_map(|list| built[0][*list].as_array().unwrap())
         .map(|text| text.as_str().unwrap())
+        // A pack does not record how near the search came to the maximum error.
+        .filter(|text| !text.contains("with at most 2 parts"))
         .collect();
     assert!(remarks.iter().any(|text| text.contains(&format!("{parts} parts"))), "{remarks:?}");
     assert!(remarks.iter().any(|text| text.contains("no element references")), "{remarks:?}");
