@@ -27,7 +27,7 @@ writeFileSync(types, `/// <reference lib="esnext.disposable" />\n${readFileSync(
 copyFileSync(new URL("npm/node.js", here), new URL("dist/npm/node.js", here));
 
 // Scripts and style that the page shares with the report of `bake report`.
-const shared = (name) => text(`../../tools/report/src/page/${name}`);
+const shared = (name) => text(`../hullmap-report/src/page/${name}`);
 const script = [
   shared("faults.js"),
   shared("arrays.js"),

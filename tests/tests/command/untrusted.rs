@@ -341,7 +341,7 @@ fn text_leaves_through_one_file() {
         }
     }
     let mut files = Vec::new();
-    for folder in ["tools/bake/src", "tools/report/src", "crates/hullmap-import/src"] {
+    for folder in ["crates/hullmap-cli/src", "crates/hullmap-report/src", "crates/hullmap-import/src"] {
         search(&workspace().join(folder), &mut files);
     }
     let exits =

@@ -22,7 +22,7 @@ const PLACEHOLDERS: [&str; 10] = [
     "crates/hullmap-import/src/FORMAT.rs",
     "tools/shapes/src/FORMAT.rs",
     "crates/hullmap/src/shapes/SHAPE.rs",
-    "tools/bake/src/commands/COMMAND.rs",
+    "crates/hullmap-cli/src/commands/COMMAND.rs",
 ];
 
 /// Every tracked file, relative to the workspace. Empty outside of a git checkout.

@@ -152,7 +152,7 @@ fn bakes_in_memory_know_no_command() {
 /// What two commands share lies outside `commands/`.
 #[test]
 fn commands_do_not_import_from_each_other() {
-    let commands = Path::new("tools/bake/src/commands");
+    let commands = Path::new("crates/hullmap-cli/src/commands");
     let mut count = 0;
     for path in sources().iter().filter(|path| path.starts_with(commands)) {
         count += 1;
@@ -341,7 +341,7 @@ fn hashed_code_calls_no_platform_function() {
             "crates/hullmap/src",
             "crates/hullmap-bake/src",
             "crates/hullmap-format/src",
-            "tools/random/src",
+            "crates/hullmap-random/src",
             "tools/shapes/src",
             "tests/golden/src",
         ]
