@@ -4,8 +4,8 @@
 //! A concave mesh is baked as convex parts, and the pack of its parts is a compound shape. The BVHs
 //! in the packs find the pairs of hulls to query. The answers equal those of querying every pair.
 //! [`CompoundManifolds`] keeps a contact manifold for every pair of parts that touch. Its normals
-//! are those of the union: [`seams`] corrects those at edges between parts, over which bodies would
-//! stumble.
+//! are normals of the union: [`seams`] corrects normals at edges between parts, where bodies would
+//! otherwise stumble.
 //!
 //! # Complexity
 //! A query of compounds with G and H parts compares at most (2 G − 1) (2 H − 1) pairs of boxes, and
@@ -146,7 +146,7 @@ impl<'a> From<&'a Pack> for Compound<'a> {
     }
 }
 
-/// Distance for a pack without hulls, which only an unchecked pack can be: nothing is known.
+/// Distance for a pack without hulls, which only an unchecked pack can lack: nothing is known.
 const NOTHING_KNOWN: Distance = Distance {
     status: Status::Stalled,
     distance: 0.0,

@@ -26,7 +26,7 @@ use crate::solver::motion::{VectorError, checked};
 use crate::solver::signed_distance::signed_distance as of_part;
 use crate::solver::{Settings, SignedDistance, Status};
 
-/// Answer for a pack without hulls, which only an unchecked pack can be: nothing is known.
+/// Answer for a pack without hulls, which only an unchecked pack can lack: nothing is known.
 const NOTHING_KNOWN: SignedDistance = SignedDistance {
     status: Status::Stalled,
     distance: 0.0,

@@ -391,7 +391,7 @@ fn frames(count: usize, seed: u64) -> Vec<Pose> {
         .collect()
 }
 
-/// The manifolds of compounds are those of all pairs of parts, frame for frame, with their
+/// The manifolds of compounds equal those of all pairs of parts, frame for frame, with their
 /// impulses.
 #[test]
 fn manifolds_agree_with_those_of_all_pairs() {
@@ -403,7 +403,7 @@ fn manifolds_agree_with_those_of_all_pairs() {
         let prediction = predictions[run % 3];
         let settings = ManifoldSettings { prediction, ..ManifoldSettings::default() };
         let mut manifolds = CompoundManifolds::new(200);
-        // The twins know nothing of other parts.
+        // The twins ignore other parts.
         manifolds.set_welding(false);
         let mut twins: BTreeMap<[usize; 2], (Manifold, Cache)> = BTreeMap::new();
         for (frame, pose) in frames(60, SEED + run as u64).into_iter().enumerate() {
