@@ -66,7 +66,7 @@ pub struct Solid {
     /// area.
     counts: Vec<bool>,
     mesh_count: usize,
-    /// Of each closing triangle, whether all of it is in the solid.
+    /// For each closing triangle, whether all of it is in the solid.
     is_whole: Vec<bool>,
     tree: TriangleTree,
     kind: SolidKind,
@@ -98,8 +98,8 @@ pub struct Near {
     pub distance: f64,
     /// A triangle that is near.
     pub triangle: Triangle,
-    /// Whether all of the triangle is known to be in the solid. Of a closing triangle, a part may
-    /// be outside.
+    /// Whether all of the triangle is known to be in the solid. Part of a closing triangle may be
+    /// outside.
     pub is_whole: bool,
 }
 

@@ -195,8 +195,7 @@ fn fewest_by_wrap(nearest: &Nearest, hull: &Hull, max_vertices: usize) -> Option
 }
 
 /// A larger wrap, or the hull itself, collapsed to at most `max_vertices` vertices, or as far as
-/// `reach`
-/// allows.
+/// `reach` allows.
 fn collapsed(nearest: &Nearest, hull: &Hull, max_vertices: usize, reach: f64) -> Option<Surface> {
     let start = if hull.vertices.len() <= FINER * max_vertices {
         Wrapped { surface: Surface::new(hull), feet: (0..hull.vertices.len() as u32).collect() }
