@@ -70,7 +70,7 @@ pub fn show(bars: Option<MultiProgress>) {
 /// Creates a temporary file and lists it, in one step.
 ///
 /// # Errors
-/// Those of `make`.
+/// The errors of `make`.
 pub fn make<T>(make: impl FnOnce() -> std::io::Result<T>, path: impl FnOnce(&T) -> &Path) -> std::io::Result<T> {
     let mut unfinished = lock(&UNFINISHED);
     let file = make()?;

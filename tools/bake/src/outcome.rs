@@ -1,4 +1,4 @@
-//! How a command ends: exit codes, and the error that ends it early.
+//! Exit codes of a command, and the error that ends it early.
 
 use std::fmt;
 use std::process::ExitCode;

@@ -117,7 +117,7 @@ pub fn put_in_place(mut unplaced: Unplaced, target: &Path) -> io::Result<()> {
 /// Like [`put_in_place`], but never replaces a file.
 ///
 /// # Errors
-/// Those of [`put_in_place`], or `target` exists and is left unchanged.
+/// The errors of [`put_in_place`], or `target` exists and is left unchanged.
 pub fn put_in_free_place(mut unplaced: Unplaced, target: &Path) -> io::Result<()> {
     if let Some(file) = unplaced.file.take() {
         interrupt::settle(&unplaced.path, || file.persist_noclobber(target).map(drop)).map_err(|error| error.error)?;

@@ -1,4 +1,4 @@
-//! Command lines: those that are accepted, those that are rejected, and the help.
+//! Tests of accepted and rejected command lines, and of the help.
 
 use hullmap_bake::decompose::Cover;
 use hullmap_bake::simplify::Limit;

@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn the_fields_others_rely_on() {
+    fn json_has_the_stable_fields() {
         let report = serde_json::to_value(report()).unwrap();
         for key in ["file", "format_version", "bytes", "source", "hulls"] {
             assert!(report.get(key).is_some(), "{key}");

@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn the_fields_others_rely_on() {
+    fn json_has_the_stable_fields() {
         let answer = PairAnswer { hit: Some(true), depth: Some([0.5, 0.4, 0.6]), ..PairAnswer::default() };
         let report = serde_json::to_value(PoseAnswer::new(0, answer)).unwrap();
         for key in [

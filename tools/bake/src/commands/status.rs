@@ -1,8 +1,8 @@
 //! `bake status`: which packs of a build are missing or stale, by their headers.
 //!
-//! Meshes are not read, and of packs only those whose options seem to differ, so this is fast
-//! enough for a million packs on a network file system. Changed meshes are not noticed: `bake build
-//! --check` compares bytes.
+//! Meshes are not read, and packs only if their options seem to differ, so this is fast enough for
+//! a million packs on a network file system. Changed meshes are not noticed: `bake build --check`
+//! compares bytes.
 
 use std::collections::BTreeMap;
 use std::io::{ErrorKind, Read};
@@ -27,9 +27,9 @@ use crate::terminal::Output;
 enum State {
     /// Complete, of this format version, with these options.
     Present,
-    /// Not that.
+    /// Incomplete, of another format version, or with other options.
     Stale,
-    /// Not there.
+    /// Not in the folder.
     Missing,
 }
 
@@ -98,7 +98,7 @@ fn write_json(rows: &[Row], out: &mut Output) -> Result<(), Failure> {
     Ok(out.flush()?)
 }
 
-/// Lists what is not present, then the shards that it belongs to, then counts.
+/// Lists packs that are not present, then the shards that it belongs to, then counts.
 fn write_table(rows: &[Row], shards: Option<u32>, out: &mut Output) -> Result<(), Failure> {
     let mut table = Table::new(&[("status", Align::Left), ("pack", Align::Left), ("why", Align::Left)]);
     let mut incomplete: BTreeMap<u32, usize> = BTreeMap::new();

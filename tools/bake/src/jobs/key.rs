@@ -78,7 +78,7 @@ impl Ingredients {
     }
 }
 
-/// Reads the sources of a job. Of a planned job no more is read than the plan states, and one byte.
+/// Reads the sources of a job. For a planned job, reads at most one byte more than the plan states.
 ///
 /// # Errors
 /// They cannot be read, exceed the limits, or are larger than planned.
@@ -148,7 +148,7 @@ mod tests {
 
     /// The examples of the standard that defines SHA-256.
     #[test]
-    fn hashes_are_those_of_the_standard() {
+    fn hashes_match_the_standard() {
         assert_eq!(sha256(b""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
         assert_eq!(sha256(b"abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
     }

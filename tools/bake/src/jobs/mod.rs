@@ -1,4 +1,4 @@
-//! What is to be baked: meshes, their options, and their packs.
+//! Jobs: the meshes to bake, their options, and their packs.
 //!
 //! | module | concept |
 //! |---|---|
@@ -99,7 +99,7 @@ impl Job {
     }
 }
 
-/// What is to be baked, and what is not.
+/// The jobs of a build, and what it does not bake.
 #[derive(Debug)]
 pub struct Jobs {
     /// The meshes to bake.
@@ -128,7 +128,7 @@ impl Jobs {
     }
 }
 
-/// What [`jobs`] says while it searches.
+/// Messages that [`jobs`] prints while it searches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Talk {
     /// Nothing.
@@ -136,7 +136,7 @@ pub enum Talk {
     /// Warnings about options without effect, and how many meshes have formats that are not
     /// supported.
     Warnings,
-    /// And a note for each mesh that is left out.
+    /// Also a note for each mesh that is left out.
     All,
 }
 

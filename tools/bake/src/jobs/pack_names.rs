@@ -2,7 +2,7 @@
 //!
 //! A mesh keeps its extension in the name of its pack if another mesh of the build would otherwise
 //! have the same pack, or a pack whose name differs in case alone, which is the same file on some
-//! systems. Only names count, so a third mesh renames no other pack than one of the same stem.
+//! systems. Only names count, so another mesh renames only packs of the same stem.
 
 use std::collections::HashMap;
 use std::ffi::OsString;

@@ -18,7 +18,7 @@ pub struct Mesh {
     pub folder: PathBuf,
 }
 
-/// What inputs hold.
+/// The meshes in the inputs, and what else they contain.
 #[derive(Debug, Default)]
 pub struct Found {
     /// The meshes in the order of the inputs, sorted by name within each folder.

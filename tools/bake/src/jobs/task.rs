@@ -1,9 +1,9 @@
-//! Tasks: batches of meshes as JSON, one task a line, that any machine with the same files can
+//! Tasks: batches of meshes as JSON, one task per line, that any machine with the same files can
 //! bake.
 //!
-//! A task states the resolved options of each mesh, so it needs no `hullmap.toml`. Paths are those
-//! of the machine that planned, relative to the folder where it did; a pack's path is checked
-//! before anything is written.
+//! A task states the resolved options of each mesh, so it needs no `hullmap.toml`. Paths are
+//! relative to the folder where the plan was made; a pack's path is checked before anything is
+//! written.
 
 use std::io::BufRead;
 use std::path::{Component, Path, PathBuf};

@@ -254,7 +254,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: CountOrNone { min: 1 },
         default: DefaultValue::Value("none"),
         value_name: "N",
-        help: "Maximum number of parts; the smallest error that the search reaches with them",
+        help: "Maximum number of parts; the search then looks for the smallest error",
         section: Section::Parts,
         is_advanced: true,
         applies_with: Some(("decompose", "cover")),
@@ -287,7 +287,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Switch,
         default: DefaultValue::Value("false"),
         value_name: "BOOL",
-        help: "Leave out what only manifolds, hints and walks over the surface need; packs have less than half the size",
+        help: "Leave out data that only manifolds, hints and walks over the surface need; packs have less than half the size",
         section: Section::Files,
         is_advanced: true,
         ..OPTION

@@ -1,4 +1,4 @@
-//! Batches as actions: what a worker gets, and the paths in its folder.
+//! Batches as actions: the inputs of a worker, and the paths in its folder.
 //!
 //! | path | file |
 //! |---|---|
@@ -67,7 +67,7 @@ pub struct Batch<'j> {
     pub action: Action,
 }
 
-/// What all actions share.
+/// Inputs that all actions share.
 pub struct Worker {
     /// The program, if it is an input.
     program: Option<Blob>,

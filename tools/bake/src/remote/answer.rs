@@ -32,8 +32,8 @@ static LARGE: Mutex<()> = Mutex::new(());
 /// packs are not fresh. With `fallback`, a job whose pack was rejected has no result.
 ///
 /// # Errors
-/// The server is away, the command failed on the worker, or the outcome lacks a pack and its
-/// reason.
+/// The server cannot be reached, the command failed on the worker, or the outcome lacks a pack and
+/// its reason.
 pub fn accept(
     client: &Client,
     batch: &Batch,
@@ -183,7 +183,7 @@ pub fn files(batch: &Batch, results: &Results, build: &Build) -> Option<Vec<(Str
     Some(files)
 }
 
-/// Whether a result is that of the source that the action was described with.
+/// Whether a result belongs to the source for which the action was described.
 fn is_of(member: &Member, row: &Row, build: &Build) -> bool {
     if row.status == Status::Failed {
         let read = import::read(&row.source, &member.job.source, &build.limits);

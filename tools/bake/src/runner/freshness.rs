@@ -17,7 +17,7 @@ use crate::open::open_pack;
 use crate::options::BuildOptions;
 use crate::options::removed::instead_of_record;
 
-/// Why a pack is stale whose source has other bytes now.
+/// Why a pack is stale if the bytes of its source have changed.
 const SOURCE_CHANGED: &str = "the source has changed";
 
 /// What a fresh pack must record.

@@ -87,7 +87,7 @@ pub fn print_messages(rows: &[Row], is_quiet: bool, prunes: bool) {
 /// Writes results as JSON, as a table, or not at all.
 ///
 /// # Errors
-/// The writer's.
+/// The errors of the writer.
 pub fn write_rows(rows: &[Row], args: &RunArgs, is_check: bool, out: &mut Output) -> Result<(), Failure> {
     match (args.json, args.quiet) {
         (true, _) => write_json(rows, out),

@@ -84,7 +84,7 @@ impl Build<'_> {
                 Exit::Rejected
             }
         };
-        // Nothing follows from notes about a fresh pack; warnings apply until something is done.
+        // Notes about a fresh pack need no action; warnings apply until something is done.
         if row.status != Status::Fresh {
             row.notes.extend(job.name.note.clone());
         }

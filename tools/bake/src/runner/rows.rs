@@ -34,7 +34,7 @@ pub enum Status {
 pub enum Origin {
     /// On this machine.
     Local,
-    /// Some time before; it comes from the cache of a farm.
+    /// Earlier; it comes from the cache of a farm.
     Cache,
     /// By a worker of a farm.
     Worker,
@@ -129,10 +129,10 @@ impl Row {
     }
 }
 
-/// Writes one JSON object a line.
+/// Writes one JSON object per line.
 ///
 /// # Errors
-/// The writer's.
+/// The errors of the writer.
 pub fn write_json(rows: &[Row], out: &mut Output) -> Result<(), Failure> {
     for row in rows {
         out.json(row)?;
@@ -140,11 +140,11 @@ pub fn write_json(rows: &[Row], out: &mut Output) -> Result<(), Failure> {
     Ok(out.flush()?)
 }
 
-/// Writes the rows, those of fresh packs and of meshes that were not read only if `lists_all`, then
-/// a summary of all.
+/// Writes the rows, then a summary of all. Rows of fresh packs and of meshes that were not read are
+/// written only if `lists_all`.
 ///
 /// # Errors
-/// The writer's.
+/// The errors of the writer.
 pub fn write_table(rows: &[Row], lists_all: bool, is_check: bool, out: &mut Output) -> Result<(), Failure> {
     let is_usual = |row: &Row| matches!(row.status, Status::Fresh | Status::Unread);
     let listed: Vec<&Row> = rows.iter().filter(|row| lists_all || !is_usual(row)).collect();

@@ -12,7 +12,7 @@
 //! 3. The block with the maximum bound is scanned, then every other whose bound is above the best
 //!    so far.
 //!
-//! This module knows nothing about the hull, so that it cannot repeat the baker's mistakes.
+//! This module does not use the hull, so that it cannot repeat the baker's mistakes.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn diameter_is_that_of_all_pairs_on_random_clouds() {
+    fn diameter_matches_all_pairs_on_random_clouds() {
         let mut random = SplitMix::new(2);
         for _ in 0..50 {
             let positions: Vec<[f32; 3]> = (0..60).map(|_| random.in_ball().to_array()).collect();

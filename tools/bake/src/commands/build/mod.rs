@@ -132,7 +132,7 @@ fn build(
     depfile.map(|()| exit)
 }
 
-/// Runs jobs here, or by way of a farm.
+/// Runs jobs here, or on a farm.
 fn run_jobs(args: &BuildArgs, jobs: &[&Job], build: &Build) -> Result<Vec<(Row, Exit)>, Failure> {
     #[cfg(feature = "remote")]
     if args.remote.address.is_some() {

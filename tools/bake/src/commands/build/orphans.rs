@@ -74,7 +74,7 @@ fn judge(pack: &Path, out: &Path, inputs: &[PathBuf], beside: &[&Job], project: 
     let folders: Vec<PathBuf> = inputs.iter().filter(|input| !input.is_file()).map(|input| input.join(below)).collect();
     // If the system reports another error, the file may exist.
     let may_be_there = |path: &Path| path.try_exists().unwrap_or(true);
-    // What lies outside the project is none of the pack's business.
+    // Paths that lead out of the project are not followed.
     let is_inside =
         project_of(pack, below, project).is_some_and(|project| project.find(&recorded_place) != Found::Outside);
     if is_inside && let Some(orphan) = renamed(pack, &recorded_place, beside) {

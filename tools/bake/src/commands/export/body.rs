@@ -1,4 +1,4 @@
-//! A hull on its way out of a pack: name, vertices and faces, without its index.
+//! A hull to export: name, vertices and faces, without its index.
 
 use hullmap::Hull;
 use hullmap_import::UpAxis;

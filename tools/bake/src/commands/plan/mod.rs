@@ -1,7 +1,7 @@
 //! `bake plan`: the work of a build as tasks, as JSON or for Ninja.
 //!
-//! A task is a batch of meshes. Nothing is baked, and which packs are fresh does not matter: the
-//! program that runs a task leaves fresh packs alone.
+//! A task is a batch of meshes. Nothing is baked. Fresh packs are planned as well: the program that
+//! runs a task leaves them alone.
 
 mod ninja;
 

@@ -37,7 +37,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn edges_are_those_of_faces() {
+    fn edges_match_the_faces() {
         let points = [[0.0, 0.0, 5.0], [1.0, 0.0, 5.0], [1.0, 1.0, 5.0], [0.0, 1.0, 5.0], [2.0, 2.0, 2.0]];
         let mut faces = Polygons::default();
         faces.push(&[0, 1, 2, 3]);
