@@ -20,7 +20,7 @@ use std::ops::Range;
 use robust::{Coord, orient2d};
 
 /// Maximum number of obstacle tests, as a multiple of the number of corners. Then the rest of the
-/// polygon becomes a fan. This bounds the time to some microseconds a corner. Only
+/// polygon becomes a fan. This bounds the time to some microseconds per corner. Only
 /// self-intersecting polygons come near the limit.
 const TESTS_A_CORNER: usize = 1024;
 
@@ -29,7 +29,7 @@ const TESTS_A_CORNER: usize = 1024;
 ///
 /// # Complexity
 /// O(corners) for convex polygons. Otherwise O(obstacles · log obstacles) for the tree, and at most
-/// [`TESTS_A_CORNER`] tests a corner.
+/// [`TESTS_A_CORNER`] tests per corner.
 #[expect(clippy::indexing_slicing, reason = "indices modulo the number of corners, and `flat` is as long as `corners`")]
 pub fn triangulate(corners: &[u32], points: &[[f32; 3]], out: &mut Vec<[u32; 3]>) {
     if let [a, b, c] = *corners {

@@ -12,7 +12,7 @@ use crate::fault::{Fault, LineFault, counted, excerpt};
 const GLB_HEADER: usize = 12;
 const CHUNK_HEADER: usize = 8;
 
-/// Message about a file of the previous version. The command is that of Cesium's gltf-pipeline,
+/// Message about a file of the previous version. The command belongs to Cesium's gltf-pipeline,
 /// which upgrades every file that it reads.
 const VERSION_1: &str = "the file is glTF 1.0, which is not supported; expected glTF 2.0: export it again, or convert it with `gltf-pipeline -i IN -o OUT` (npm install --global gltf-pipeline)";
 

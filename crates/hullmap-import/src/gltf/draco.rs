@@ -62,7 +62,7 @@ const MAX_HEADER: usize = 1 << 16;
 /// Reads the header of compressed data.
 ///
 /// # Errors
-/// It is damaged, longer than [`MAX_HEADER`], or not that of a mesh.
+/// It is damaged, longer than [`MAX_HEADER`], or not the header of a mesh.
 ///
 /// # Complexity
 /// O(metadata).

@@ -64,9 +64,9 @@ pub struct SceneReader<'a> {
     allows_restart: bool,
     /// Number of indices that restart a primitive.
     restart_count: usize,
-    /// Number of accessors whose count is not that of their compressed data.
+    /// Number of accessors whose count differs from the count of their compressed data.
     miscounts: usize,
-    /// The first of them, its count, and that of its data.
+    /// The first of them, its count, and the count of its data.
     first_miscount: Option<(u32, u64, usize)>,
 }
 

@@ -39,7 +39,7 @@ struct Asset {
     version: Option<Outline>,
 }
 
-/// A JSON value without its content, except that of numbers and strings.
+/// A JSON value without its content, except for numbers and strings.
 enum Outline {
     Object,
     Number(f64),

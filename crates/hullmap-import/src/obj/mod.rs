@@ -10,8 +10,7 @@
 //!    first fault.
 //!
 //! # Division of work with tobj
-//! tobj reads the numbers. Each coordinate is read once. The scan keeps
-//! what tobj cannot give:
+//! tobj reads the numbers. Each coordinate is read once. The scan keeps what tobj does not provide:
 //! - *References.* A hull records the `v` line of each vertex. tobj indexes the vertices of each
 //!   object by their first use and drops those indices that lead back to the file. It resolves
 //!   references when an object ends, so that references ahead fail. Hence the scan resolves
