@@ -472,7 +472,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_are_those_of_fans() {
+    fn angles_match_fans() {
         for step in -9..70 {
             let angle = f64::from(step) / 10.0;
             let [x, y] = square_point(angle);

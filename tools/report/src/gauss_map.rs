@@ -312,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn pixels_are_those_of_single_queries() {
+    fn pixels_match_single_queries() {
         let mut sets: Vec<Vec<[f32; 3]>> = [2, 4, 6, 8, 20, 32, 150].map(cloud).to_vec();
         sets.push(vec![[1.0, 2.0, 3.0]]);
         // Ties along whole rows, and hulls far from the origin, flat and thin.
