@@ -235,7 +235,7 @@ fn voxels() -> Voxels {
     Voxels::new(Vector::splat(1.0), &boxes)
 }
 
-/// Overlaps and casts are those of one cuboid of the same extent.
+/// Overlaps and casts equal those of one cuboid of the same extent.
 #[test]
 fn voxels_are_boxes() {
     let (hull, voxels) = (baked(&families::rock(100, 1)), voxels());
@@ -353,7 +353,7 @@ fn rest(body: &dyn Shape, cube: &BakedHull) {
     }
 }
 
-/// Queries of a compound are those of its nearest part.
+/// Queries of a compound equal those of its nearest part.
 #[test]
 fn parts_of_compounds_come_back() {
     let (hull, rock) = (baked(&families::rock(100, 1)), baked(&families::rock(100, 2)));
@@ -395,7 +395,7 @@ fn parts_of_compounds_come_back() {
     assert!((20..95).contains(&met), "{met}");
 }
 
-/// Numbers that are not finite and sizes of zero are answered, with no promise but an end.
+/// Queries with numbers that are not finite, or sizes of zero, end. Their answers are unspecified.
 #[test]
 fn invalid_numbers_are_harmless() {
     let hull = baked(&families::rock(50, 1));

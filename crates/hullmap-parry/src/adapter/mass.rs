@@ -1,4 +1,4 @@
-//! Mass properties from those that the bake recorded.
+//! Mass properties, from the ones that the bake recorded.
 
 use hullmap::glam::DMat3;
 
