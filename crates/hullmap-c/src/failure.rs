@@ -6,7 +6,7 @@ use std::{cell::RefCell, ffi::c_char, fmt::Display};
 
 use crate::types::Result as Code;
 
-/// What the modules of this crate return.
+/// Result type of the modules of this crate.
 pub(crate) type Fallible<T> = std::result::Result<T, Failure>;
 
 /// Why a call failed.

@@ -59,7 +59,7 @@ fn every_constant_is_in_the_header() {
     assert!(count >= 4, "{count}");
 }
 
-/// The C++ header has a way to every function of the C header.
+/// The C++ header calls every function of the C header.
 #[test]
 fn the_header_for_cpp_calls_every_function() {
     let (header, cpp) = (code(&read("include/hullmap.h")), read("include/hullmap.hpp"));
@@ -78,7 +78,7 @@ fn the_header_for_cpp_calls_every_function() {
 
 /// The default values in the header are those of the crate for Rust.
 #[test]
-fn defaults_are_those_of_the_crate_for_rust() {
+fn defaults_match_the_crate_for_rust() {
     let header = read("include/hullmap.h").replace("\\\n   ", "");
     let value = |name: &str| {
         let line = header.lines().find_map(|line| line.strip_prefix(&format!("#define {name} "))).expect(name);
