@@ -26,7 +26,7 @@ pub trait Columns: Sized + Send {
     /// The columns as NumPy arrays, by name.
     ///
     /// # Errors
-    /// NumPy's.
+    /// The errors of NumPy.
     fn into_arrays(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>>;
 }
 

@@ -20,7 +20,7 @@ pub fn is_gpu(device: &str) -> PyResult<bool> {
     }
 }
 
-/// Answers of the GPU as those of the processor. `None` where the processor is to solve the row.
+/// Converts answers of the GPU to the processor's. `None` where the processor solves the row.
 pub trait FromGpu: Sized {
     /// Which query it answers.
     const QUERY: Query;
@@ -46,11 +46,11 @@ mod on_device {
     use crate::shape::Side;
     use crate::solve::Task;
 
-    /// Rows between two looks for signals.
+    /// Rows between two checks for signals.
     const BLOCK: usize = 1 << 17;
 
     /// The device, opened on first use, and the process that opened it: a forked child cannot use
-    /// that of its parent.
+    /// its parent's device.
     static DEVICE: Mutex<Option<(u32, Device)>> = Mutex::new(None);
 
     fn of_gpu(error: hullmap_wgpu::Error) -> PyErr {
@@ -67,7 +67,7 @@ mod on_device {
             return Ok(device.clone());
         }
         let device = Device::open().map_err(of_gpu)?;
-        // What belongs to the parent must not be closed here.
+        // The parent's device must not be closed here.
         std::mem::forget(opened.replace((process, device.clone())));
         Ok(device)
     }
@@ -163,7 +163,7 @@ mod without {
 /// Solves the rows on the GPU, if it is requested. `None` for rows that the processor solves.
 ///
 /// # Errors
-/// Those of [`is_gpu`] and [`solve`].
+/// The errors of [`is_gpu`] and [`solve`].
 pub fn known<T: FromGpu>(
     py: Python<'_>,
     device: &str,

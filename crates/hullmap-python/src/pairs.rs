@@ -13,13 +13,13 @@ use crate::shape::{Shape, Side};
 
 /// Shapes, and pairs of them by their indices.
 ///
-/// Answer `row` is that of pair `row % len`: all pairs at one moment, then all at the next.
+/// Answer `row` belongs to pair `row % len`: all pairs at one moment, then all at the next.
 #[pyclass(frozen, module = "hullmap._hullmap")]
 #[derive(Default)]
 pub struct Pairs {
     shapes: Vec<Side>,
     members: Vec<[u32; 2]>,
-    /// What each pair remembers from call to call. Made by the first query of a motion.
+    /// Memory of each pair from call to call. Created by the first query of a motion.
     memory: OnceLock<Vec<Mutex<Caches>>>,
 }
 
@@ -55,7 +55,7 @@ impl Pairs {
         &self.shapes
     }
 
-    /// What each pair remembers.
+    /// The memory of each pair.
     ///
     /// # Errors
     /// There is not enough memory.

@@ -76,7 +76,7 @@ pub enum PoseArrays<'py> {
     OfShapes(PyReadonlyArray2<'py, f64>),
 }
 
-/// Where the poses of B in A come from.
+/// Source of the poses of B in A.
 pub enum Poses {
     /// They are given.
     InA(Rows),
@@ -154,7 +154,7 @@ pub fn relative<'py>(
     into_rows(py, poses.count(&pairs), |row| poses.get(row, &pairs))
 }
 
-/// Matrices as rows of seven numbers. `name` is that of the argument.
+/// Matrices as rows of seven numbers. `name` is the name of the argument.
 #[pyfunction]
 pub fn pose_rows<'py>(
     py: Python<'py>,
