@@ -9,7 +9,7 @@ use wasm_bindgen::prelude::*;
 use crate::object::{error, rows_of};
 use crate::options::{BakeOptions, Options, in_javascript};
 
-/// A baked mesh: the pack, the mesh to draw, and what the import and the bake noticed.
+/// A baked mesh: the pack, the mesh to draw, and the findings of the import and the bake.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Baked {
