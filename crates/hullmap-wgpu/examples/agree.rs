@@ -1,4 +1,4 @@
-//! Compares yes and no of the processor's batch with those of the GPU's, on random pairs of many
+//! Compares the decisions of the processor's batch with the GPU's, on random pairs of many
 //! different hulls. Exits with 1 if they contradict each other.
 //!
 //!     cargo run --release --example agree -- --pairs 10000000 --seed 1

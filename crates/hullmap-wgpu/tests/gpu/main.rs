@@ -1,5 +1,5 @@
-//! The kernels against their twin, against f64, and under damage. Without a Vulkan device, each
-//! test says so and passes; with `HULLMAP_REQUIRE_GPU=1` it fails.
+//! Compares the kernels with their twin and with f64, and tests damaged packs. Without a Vulkan
+//! device, each test says so and passes; with `HULLMAP_REQUIRE_GPU=1` it fails.
 
 #[expect(clippy::disallowed_methods, reason = "the environment selects how much is tested")]
 mod scene;
@@ -432,7 +432,7 @@ fn damaged_packs_neither_hang_nor_read_outside() {
 }
 
 #[test]
-fn hulls_of_several_packs_answer_as_those_of_one() {
+fn hulls_of_several_packs_answer_as_in_one_pack() {
     let Some(device) = scene::device() else { return };
     let (first, second) = (scene::pack(IndexKind::Tree), scene::small_pack());
     let count = first.hull_count() as u32;
